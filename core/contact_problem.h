@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+
+#include "core/types.h"
+
+namespace bipot {
+
+/// One step of the frictional contact problem: find s with
+///
+///     u = W s + u_free,      K_mu* ∋ u + mu |u_t| n  ⟂  s ∈ K_mu        (18), (19)
+///
+/// and W = Hᵀ A⁻¹ H the Delassus operator. Contact i owns the rows [i*dim, (i+1)*dim): normal
+/// first, then tangents. u_n > 0 opens, s_n > 0 pushes apart. u is Moreau's mean velocity (36).
+///
+/// Two forms. *Global*: A and H are given; the velocities are v = v_free + A⁻¹ H s. *Local*: A and
+/// H are empty and W alone is given. A global problem may leave W empty: solvers that need it say
+/// so in the registry, the others work through H and A (see delassus.h).
+///
+/// With restitution the variables of this struct are the symmetric ones of method.md §3. With
+/// r = sqrt(1 + e) per row, they are s = r s_phys, u = r u_phys, and H, W, u_free and mu are those
+/// of the scaled problem (H = H_phys diag(1/r), mu = mu_phys r_t / r_n). `row_scale` holds r, so
+/// that the criterion can be evaluated in physical variables; empty means all ones. [ours] The two
+/// variables scale alike, hence s·u = (1 + e) s_phys·u_phys componentwise, and the right-hand side
+/// is u_free = diag(1/r) (Hᵀ v_free + E u⁻).
+struct ContactProblem {
+  int dim = 2;       ///< d of a local frame: 1 (frictionless), 2 or 3                       [-]
+  SparseMatrix A;    ///< n x n, symmetric positive definite                      [kg | kg m²]
+  SparseMatrix H;    ///< n x m, wrench map                                            [- | m]
+  SparseRows W;      ///< m x m, Delassus operator, may be singular                     [1/kg]
+  Vector v_free;     ///< n, velocities without contact impulses                 [m/s | rad/s]
+  Vector u_free;     ///< m, value of u at s = 0                                         [m/s]
+  Vector mu;         ///< one friction coefficient per contact                             [-]
+  Vector row_scale;  ///< m or empty, r = sqrt(1 + e)                                      [-]
+
+  int num_contacts() const { return static_cast<int>(mu.size()); }
+  int num_rows() const { return static_cast<int>(u_free.size()); }
+  int num_dofs() const { return static_cast<int>(H.rows()); }
+  bool has_velocities() const { return H.cols() > 0 && H.rows() > 0; }
+  bool has_delassus() const { return W.rows() > 0; }
+};
+
+/// Empty for a sound problem, otherwise one sentence that names the field, the index and the value
+/// (or both sizes). Refused: wrong sizes, non-finite values, a non-positive diagonal of A, W_nn <=
+/// 0, negative mu, non-positive row_scale, A that is not symmetric. W need not be symmetric:
+/// rounded data of other codes are solved as they are.
+std::string validate(const ContactProblem& problem);
+
+}  // namespace bipot

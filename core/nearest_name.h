@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bipot {
+
+/// The candidate with the smallest Levenshtein distance to `name`; empty without candidates.
+std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
+
+/// "unknown solver 'pgz'; did you mean 'pgs'? Valid: pgs, uzawa".
+std::string unknown_name_message(std::string_view kind, std::string_view name,
+                                 const std::vector<std::string>& candidates);
+
+}  // namespace bipot

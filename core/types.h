@@ -1,0 +1,15 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+namespace bipot {
+
+using Vector = Eigen::VectorXd;
+using Vec2 = Eigen::Vector2d;
+/// Column-major: a column of H is one contact direction.
+using SparseMatrix = Eigen::SparseMatrix<double>;
+/// Row-major: a row of W is one equation of a sweep.
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+}  // namespace bipot

@@ -1,0 +1,131 @@
+#include "solvers/monitor.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bipot {
+namespace {
+
+constexpr int kDenseIterations = 32;
+// An energy this many times that of the free violation is divergence, not convergence.
+constexpr double kDivergenceFactor = 1e20;
+// Consecutive iterates that differ by less than this, relative, have stopped moving.
+constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
+
+}  // namespace
+
+IterationMonitor::IterationMonitor(const ContactProblem& problem, const SolverOptions& options)
+    : problem_(problem),
+      options_(options),
+      evaluator_(problem),
+      start_(std::chrono::steady_clock::now()),
+      best_s_(Vector::Zero(problem.num_rows())) {
+  free_energy_ = evaluator_(best_s_).energy;
+}
+
+bool IterationMonitor::due(int iteration) const {
+  return options_.stop == StopTest::kImpulse || iteration >= next_ ||
+         iteration >= options_.max_iterations;
+}
+
+bool IterationMonitor::judge(const Eigen::Ref<const Vector>& s, double impulse_change) {
+  last_ = evaluator_(s);
+  const double error = last_.guarded();
+  if (error < best_error_) {
+    best_error_ = error;
+    best_s_ = evaluator_.impulse();
+  }
+  switch (options_.stop) {
+    case StopTest::kGuarded:
+      return error <= options_.tol;
+    case StopTest::kRaw42:
+      return last_.raw42 <= options_.tol;
+    case StopTest::kImpulse:
+      return impulse_change <= options_.tol;
+  }
+  return false;
+}
+
+bool IterationMonitor::meets(const Eigen::Ref<const Vector>& s) {
+  return judge(s, std::numeric_limits<double>::infinity());
+}
+
+bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, double step) {
+  iterations_ = iteration;
+  if (!due(iteration)) return false;
+  next_ = iteration < kDenseIterations ? iteration + 1 : iteration + iteration / kDenseIterations;
+
+  double change = std::numeric_limits<double>::infinity();
+  if (previous_.size() == s.size() && previous_iteration_ < iteration) {
+    const double norm = s.norm();
+    change = norm > 0 ? (s - previous_).norm() / norm : 0;
+  }
+  const bool comparable = previous_iteration_ == iteration - 1;
+  const bool met = judge(s, comparable ? change : std::numeric_limits<double>::infinity());
+
+  if (options_.on_iteration) {
+    options_.on_iteration({.iteration = iteration,
+                           .seconds = seconds(),
+                           .error = last_,
+                           .step = step,
+                           .count = count_contacts(problem_, evaluator_.impulse())});
+  }
+  const double error = last_.guarded();
+  if (met) {
+    status_ = SolveStatus::kConverged;
+    message_ = fmt::format("{} test met after {} iterations", to_string(options_.stop), iteration);
+    best_s_ = evaluator_.impulse();
+    best_error_ = error;
+  } else if (std::isnan(error) || !(last_.energy <= kDivergenceFactor * free_energy_)) {
+    status_ = SolveStatus::kDiverged;
+    message_ = fmt::format("the iterate grew without bound by iteration {}", iteration);
+  } else if (change <= kRoundOff && iteration > 0) {
+    status_ = SolveStatus::kStalled;
+    message_ = fmt::format(
+        "stalled at round-off: the iterate no longer changes at iteration {}, best error {:.2e}",
+        iteration, best_error_);
+  } else if (iteration >= options_.max_iterations) {
+    status_ = SolveStatus::kIterationLimit;
+    message_ = fmt::format("iteration limit {} reached, best error {:.2e}", options_.max_iterations,
+                           best_error_);
+  } else if (out_of_time()) {
+    status_ = SolveStatus::kTimeLimit;
+    message_ = fmt::format("time limit {} s reached after {} iterations, best error {:.2e}",
+                           options_.time_limit, iteration, best_error_);
+  }
+  previous_ = s;
+  previous_iteration_ = iteration;
+  return status_ != SolveStatus::kNotRun;
+}
+
+void IterationMonitor::fail(SolveStatus status, std::string message) {
+  status_ = status;
+  message_ = std::move(message);
+}
+
+double IterationMonitor::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+bool IterationMonitor::out_of_time() const { return seconds() >= options_.time_limit; }
+
+double IterationMonitor::remaining_seconds() const {
+  return std::max(0.0, options_.time_limit - seconds());
+}
+
+void IterationMonitor::end_setup() { setup_seconds_ = seconds(); }
+
+SolveResult IterationMonitor::finish() {
+  SolveResult result;
+  result.status = status_;
+  result.message = message_;
+  result.s = best_s_;
+  result.iterations = iterations_;
+  result.setup_seconds = setup_seconds_;
+  result.solve_seconds = seconds() - setup_seconds_;
+  return result;
+}
+
+}  // namespace bipot

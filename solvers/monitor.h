@@ -1,0 +1,71 @@
+#pragma once
+
+#include <chrono>
+
+#include "core/contact_error.h"
+#include "solvers/solver.h"
+
+namespace bipot {
+
+/// Judges the iterates of every solver in the same way, and decides when to stop.
+///
+/// Cadence, the same for all: iterations 0 to 32, then whenever the count has grown by 1/32, so
+/// that the evaluation stays cheap beside the iterations and the reported count is exact to 3 %.
+/// The impulse test compares consecutive iterates and is therefore evaluated at every iteration.
+///
+/// The monitor keeps the best iterate by the guarded error; a solve that stops early returns it.
+class IterationMonitor {
+ public:
+  IterationMonitor(const ContactProblem& problem, const SolverOptions& options);
+
+  /// Whether this iteration is judged. A solver that must do work to form s asks first.
+  bool due(int iteration) const;
+
+  /// Call after every iteration (iteration = number of completed iterations). True: stop now.
+  /// Does nothing unless due(iteration). `step` goes into the history.
+  bool stop(int iteration, const Eigen::Ref<const Vector>& s,
+            double step = std::numeric_limits<double>::quiet_NaN());
+
+  /// For solvers that find out by themselves that they cannot go on.
+  void fail(SolveStatus status, std::string message);
+
+  /// Judges s now, whatever the cadence, without stopping: true when it meets the stop test.
+  bool meets(const Eigen::Ref<const Vector>& s);
+
+  /// Guarded error of the last judged iterate and of the best one.
+  double last_error() const { return last_.guarded(); }
+  double best_error() const { return best_error_; }
+  const Vector& best_impulse() const { return best_s_; }
+  const ContactErrorEvaluator& evaluator() const { return evaluator_; }
+
+  double seconds() const;    ///< wall time since construction or the last restart_clock()
+  bool out_of_time() const;  ///< for inner loops longer than an iteration
+  double remaining_seconds() const;
+  /// Ends the set-up phase: seconds so far are reported as setup_seconds.
+  void end_setup();
+
+  /// Status, message, iterations, timings and the impulse: the last one if it converged, else the
+  /// best.
+  SolveResult finish();
+
+ private:
+  bool judge(const Eigen::Ref<const Vector>& s, double impulse_change);
+
+  const ContactProblem& problem_;
+  const SolverOptions& options_;
+  ContactErrorEvaluator evaluator_;
+  std::chrono::steady_clock::time_point start_;
+  double setup_seconds_ = 0;
+  ContactError last_;
+  double best_error_ = std::numeric_limits<double>::infinity();
+  Vector best_s_;
+  Vector previous_;  // iterate of the judgement before (all iterations for the impulse test)
+  int previous_iteration_ = -1;
+  int next_ = 0;
+  int iterations_ = 0;
+  double free_energy_ = 0;
+  SolveStatus status_ = SolveStatus::kNotRun;
+  std::string message_;
+};
+
+}  // namespace bipot

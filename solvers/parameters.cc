@@ -1,0 +1,76 @@
+#include "solvers/parameters.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+#include "core/nearest_name.h"
+
+namespace bipot {
+
+Parameters::Parameters(const std::map<std::string, std::string>& given,
+                       std::span<const ParameterSpec> specs)
+    : given_(given), specs_(specs) {
+  std::vector<std::string> names;
+  for (const ParameterSpec& s : specs) names.emplace_back(s.name);
+  for (const auto& [name, value] : given) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      throw std::invalid_argument(unknown_name_message("parameter", name, names));
+    }
+  }
+  for (const ParameterSpec& s : specs) {  // every given value is checked, used or not
+    if (s.kind == ParameterSpec::Kind::kChoice) {
+      choice(s.name);
+    } else {
+      number(s.name);
+    }
+  }
+}
+
+const ParameterSpec& Parameters::spec(std::string_view name) const {
+  for (const ParameterSpec& s : specs_) {
+    if (s.name == name) return s;
+  }
+  throw std::logic_error(fmt::format("parameter '{}' is not in the solver's specification", name));
+}
+
+std::string Parameters::text(std::string_view name) const {
+  const auto it = given_.find(std::string(name));
+  return it != given_.end() ? it->second : std::string(spec(name).default_value);
+}
+
+double Parameters::number(std::string_view name) const {
+  const ParameterSpec& s = spec(name);
+  const std::string value = text(name);
+  double x = 0;
+  const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), x);
+  const bool whole = s.kind != ParameterSpec::Kind::kInteger || x == std::floor(x);
+  if (error != std::errc{} || end != value.data() + value.size() || !whole || !(x >= s.minimum) ||
+      !(x <= s.maximum)) {
+    throw std::invalid_argument(fmt::format(
+        "parameter {} = '{}': expected {} in [{}, {}]", name, value,
+        s.kind == ParameterSpec::Kind::kInteger ? "an integer" : "a number", s.minimum, s.maximum));
+  }
+  return x;
+}
+
+int Parameters::integer(std::string_view name) const { return static_cast<int>(number(name)); }
+
+std::string Parameters::choice(std::string_view name) const {
+  const ParameterSpec& s = spec(name);
+  const std::string value = text(name);
+  std::string_view rest = s.choices;
+  while (!rest.empty()) {
+    const std::size_t bar = rest.find('|');
+    if (rest.substr(0, bar) == value) return value;
+    rest = bar == std::string_view::npos ? std::string_view{} : rest.substr(bar + 1);
+  }
+  throw std::invalid_argument(
+      fmt::format("parameter {} = '{}': expected one of {}", name, value, s.choices));
+}
+
+}  // namespace bipot

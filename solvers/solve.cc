@@ -1,0 +1,196 @@
+#include "solvers/solve.h"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cmath>
+#include <exception>
+
+#include "core/delassus.h"
+#include "core/nearest_name.h"
+#include "solvers/parameters.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+namespace {
+
+SolveResult refuse(std::string message) {
+  SolveResult result;
+  result.status = SolveStatus::kInvalidInput;
+  result.message = std::move(message);
+  return result;
+}
+
+std::string validate_options(const SolverEntry& entry, const ContactProblem& p,
+                             const SolverOptions& o) {
+  if (!(o.tol > 0) || !std::isfinite(o.tol)) {
+    return fmt::format("tol = {}, expected a positive finite number", o.tol);
+  }
+  if (o.max_iterations < 0)
+    return fmt::format("max_iterations = {}, expected >= 0", o.max_iterations);
+  if (!(o.time_limit > 0)) return fmt::format("time_limit = {} s, expected > 0", o.time_limit);
+  if (o.s0.size() != 0 && o.s0.size() != p.num_rows()) {
+    return fmt::format("start s0 has size {}, expected {}", o.s0.size(), p.num_rows());
+  }
+  if (!o.s0.allFinite()) return "start s0 has a non-finite entry";
+  try {
+    Parameters(o.parameters, entry.parameters);
+  } catch (const std::invalid_argument& e) {
+    return fmt::format("solver {}: {}", entry.name, e.what());
+  }
+  if (p.dim > entry.max_dim) {
+    return fmt::format("solver {} handles contact dimensions up to {}, the problem has {}",
+                       entry.name, entry.max_dim, p.dim);
+  }
+  if (p.num_contacts() > entry.max_contacts) {
+    return fmt::format("solver {} handles at most {} contacts, the problem has {}", entry.name,
+                       entry.max_contacts, p.num_contacts());
+  }
+  return {};
+}
+
+bool meets(const ContactError& e, const SolverOptions& o) {
+  switch (o.stop) {
+    case StopTest::kGuarded:
+      return e.guarded() <= o.tol;
+    case StopTest::kRaw42:
+      return e.raw42 <= o.tol;
+    case StopTest::kImpulse:
+      return false;  // a single impulse says nothing about successive ones
+  }
+  return false;
+}
+
+/// Judges result.s on the original problem, writes s, u and error, withdraws false claims.
+void judge(const ContactProblem& problem, const SolverOptions& options,
+           ContactErrorEvaluator& evaluate, SolveResult& result) {
+  if (result.s.size() != problem.num_rows()) {
+    result.message = fmt::format("the solver returned {} rows, expected {} (it said: {})",
+                                 result.s.size(), problem.num_rows(), result.message);
+    result.status = SolveStatus::kNumericalFailure;
+    result.s = Vector::Zero(problem.num_rows());
+  } else if (!result.s.allFinite()) {
+    result.message =
+        fmt::format("the solver returned a non-finite impulse (it said: {})", result.message);
+    result.status = SolveStatus::kNumericalFailure;
+    result.s = Vector::Zero(problem.num_rows());
+  }
+  result.error = evaluate(result.s);
+  result.s = evaluate.impulse();
+  result.u = evaluate.velocity();
+
+  const double measured =
+      options.stop == StopTest::kRaw42 ? result.error.raw42 : result.error.guarded();
+  const bool verifiable = options.stop != StopTest::kImpulse;
+  if (is_success(result.status) && verifiable && !(measured <= options.tol)) {
+    result.message = fmt::format(
+        "claim of convergence withdrawn: {} error {:.3e} on the original data, tolerance {:.1e} "
+        "(it said: {})",
+        to_string(options.stop), measured, options.tol, result.message);
+    result.status = SolveStatus::kNumericalFailure;
+  } else if (result.status == SolveStatus::kNotRun) {
+    result.message = "the solver returned without a status";
+    result.status = SolveStatus::kNumericalFailure;
+  }
+}
+
+}  // namespace
+
+SolveResult solve(std::string_view solver, const ContactProblem& problem,
+                  const SolverOptions& options) {
+  const SolverEntry* entry = find_solver(solver);
+  if (entry == nullptr) return refuse(unknown_name_message("solver", solver, solver_names()));
+  return solve(*entry, problem, options);
+}
+
+SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
+                  const SolverOptions& options) {
+  if (auto defect = validate(problem); !defect.empty()) return refuse(std::move(defect));
+  if (auto defect = validate_options(entry, problem, options); !defect.empty()) {
+    return refuse(std::move(defect));
+  }
+  try {
+    using Clock = std::chrono::steady_clock;
+    const auto begin = Clock::now();
+    const ContactProblem* given = &problem;
+    ContactProblem with_delassus;
+    if (entry.needs_delassus && !problem.has_delassus() && problem.has_velocities()) {
+      with_delassus = problem;
+      with_delassus.W = assemble_delassus(problem.A, problem.H, problem.dim);
+      given = &with_delassus;
+    }
+    ContactErrorEvaluator evaluate(*given);
+
+    SolveResult result;
+    result.s = Vector::Zero(problem.num_rows());
+    if (evaluate(result.s).guarded() == 0) {
+      result.status = SolveStatus::kNothingToDo;
+      result.message = problem.num_contacts() == 0 ? "no contacts" : "s = 0 satisfies the law";
+    } else if (options.s0.size() != 0 && meets(evaluate(options.s0), options)) {
+      result.status = SolveStatus::kConverged;
+      result.message = "the start meets the stop test";
+      result.s = options.s0;
+    } else {
+      const double before = std::chrono::duration<double>(Clock::now() - begin).count();
+      try {
+        result = entry.run(*given, options);
+      } catch (const std::exception& e) {
+        result.status = SolveStatus::kNumericalFailure;
+        result.message = fmt::format("{} failed: {}", entry.name, e.what());
+        result.s = Vector::Zero(problem.num_rows());
+      }
+      result.setup_seconds += before;
+    }
+    judge(problem, options, evaluate, result);
+    return result;
+  } catch (const std::exception& e) {  // out of memory, an indefinite general mass matrix
+    SolveResult result;
+    result.status = SolveStatus::kNumericalFailure;
+    result.message = e.what();
+    result.s = Vector::Zero(problem.num_rows());
+    result.u = problem.u_free;
+    return result;
+  }
+}
+
+std::string_view to_string(SolveStatus status) {
+  switch (status) {
+    case SolveStatus::kNotRun:
+      return "not run";
+    case SolveStatus::kConverged:
+      return "converged";
+    case SolveStatus::kNothingToDo:
+      return "nothing to do";
+    case SolveStatus::kIterationLimit:
+      return "iteration limit";
+    case SolveStatus::kTimeLimit:
+      return "time limit";
+    case SolveStatus::kStalled:
+      return "stalled";
+    case SolveStatus::kDiverged:
+      return "diverged";
+    case SolveStatus::kNumericalFailure:
+      return "numerical failure";
+    case SolveStatus::kInvalidInput:
+      return "invalid input";
+  }
+  return "unknown status";
+}
+
+bool is_success(SolveStatus status) {
+  return status == SolveStatus::kConverged || status == SolveStatus::kNothingToDo;
+}
+
+std::string_view to_string(StopTest stop) {
+  switch (stop) {
+    case StopTest::kGuarded:
+      return "guarded";
+    case StopTest::kRaw42:
+      return "raw42";
+    case StopTest::kImpulse:
+      return "impulse";
+  }
+  return "unknown stop test";
+}
+
+}  // namespace bipot

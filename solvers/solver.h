@@ -1,0 +1,90 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <map>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "core/contact_error.h"
+#include "core/contact_problem.h"
+
+namespace bipot {
+
+enum class SolveStatus {
+  kNotRun,
+  kConverged,    ///< the stop test holds; with the guarded test, re-checked by solve()
+  kNothingToDo,  ///< no contacts, or s = 0 satisfies the law exactly
+  kIterationLimit,
+  kTimeLimit,
+  kStalled,           ///< the iterate no longer changes, the tolerance is not met
+  kDiverged,          ///< the iterate grows without bound or is not finite
+  kNumericalFailure,  ///< a factorisation or a foreign library failed, or NaN was returned
+  kInvalidInput
+};
+std::string_view to_string(SolveStatus status);
+/// kConverged or kNothingToDo.
+bool is_success(SolveStatus status);
+
+/// What is compared with `tol`. kGuarded is the project's measure, max(epsilon, eta); kRaw42 is
+/// the paper's own (never met where it is undefined); kImpulse is the classical test
+/// ‖s^{i+1} - s^i‖ / ‖s^{i+1}‖ between consecutive iterations.
+enum class StopTest { kGuarded, kRaw42, kImpulse };
+std::string_view to_string(StopTest stop);
+
+/// Number of contacts in each status and the errors at one judged iteration.
+struct IterationRecord {
+  int iteration = 0;
+  double seconds = 0;  ///< wall time since the solver began, criterion included
+  ContactError error;
+  double step = std::numeric_limits<double>::quiet_NaN();  ///< solver's own, NaN if it has none
+  ContactCount count;
+};
+
+/// Inputs common to all solvers, and the solver's own parameters by name.
+struct SolverOptions {
+  double tol = 1e-8;  ///< > 0
+  StopTest stop = StopTest::kGuarded;
+  int max_iterations = 1000000;                                 ///< >= 0
+  double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds, > 0
+  Vector s0;                                                    ///< start; empty: s = 0
+  std::map<std::string, std::string> parameters;  ///< e.g. {"omega", "1.6"}; see SolverEntry
+  std::function<void(const IterationRecord&)> on_iteration;  ///< history, at the judged iterations
+};
+
+struct SolveResult {
+  SolveStatus status = SolveStatus::kNotRun;
+  std::string message = "solve() was not called";
+  Vector s;            ///< m, admissible impulse (s ∈ K_mu), the problem's variables    [N s]
+  Vector u;            ///< m, W s + u_free                                             [m/s]
+  ContactError error;  ///< contact_error(problem, s); written by solve() only
+  int iterations = 0;
+  double setup_seconds = 0;  ///< wall time of factorisations and copies that do not depend on s
+  double solve_seconds = 0;  ///< wall time of the iteration, criterion included
+};
+
+/// One parameter of a solver. A number or integer must lie in [minimum, maximum]; a choice must be
+/// one of the words in `choices`, separated by '|'.
+struct ParameterSpec {
+  enum class Kind { kNumber, kInteger, kChoice };
+  std::string_view name;
+  Kind kind;
+  std::string_view default_value;
+  std::string_view choices = {};  ///< kChoice only
+  double minimum = 0, maximum = 0;
+  std::string_view help = {};
+};
+
+/// A row of the registry.
+struct SolverEntry {
+  std::string_view name;
+  std::string_view summary;  ///< one line with the citation
+  SolveResult (*run)(const ContactProblem&, const SolverOptions&);
+  std::span<const ParameterSpec> parameters;
+  bool needs_delassus = false;  ///< W must be present; solve() assembles it where it is not
+  int max_dim = 3;              ///< largest contact dimension
+  int max_contacts = std::numeric_limits<int>::max();  ///< beyond it: kInvalidInput, saying so
+};
+
+}  // namespace bipot
