@@ -53,6 +53,18 @@ class ColumnWriter {
   std::vector<double> value_;
 };
 
+SparseMatrix diagonal_matrix(const Vector& diagonal) {
+  const int n = static_cast<int>(diagonal.size());
+  SparseMatrix A(n, n);
+  A.resizeNonZeros(n);
+  for (int k = 0; k < n; ++k) {
+    A.outerIndexPtr()[k] = A.innerIndexPtr()[k] = k;
+    A.valuePtr()[k] = diagonal[k];
+  }
+  A.outerIndexPtr()[n] = n;
+  return A;
+}
+
 }  // namespace
 
 AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
@@ -87,7 +99,7 @@ AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
     mass[dofs.wall[w]] = walls[w].mass;
     p.v_free[dofs.wall[w]] = wall_v_free[w];
   }
-  p.A = SparseMatrix(mass.asDiagonal());
+  p.A = diagonal_matrix(mass);
 
   bool any_restitution = false;
   for (const ContactLaw& law : scene.laws) any_restitution |= law.e_n != 0 || law.e_t != 0;
