@@ -250,6 +250,9 @@ ProblemFile read_fclib(const std::filesystem::path& path) {
   }
   const std::string root = local ? "/fclib_local" : "/fclib_global";
   const int dim = file.read_int(root + "/spacedim");
+  if (dim != 2 && dim != 3) {
+    throw FileError(path, root + "/spacedim", fmt::format("{} is neither 2 nor 3", dim));
+  }
   out.info.title = read_optional_string(file, root + "/info/title");
   out.info.description = read_optional_string(file, root + "/info/description");
   out.info.math_info = read_optional_string(file, root + "/info/math_info");
