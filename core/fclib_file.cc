@@ -61,8 +61,8 @@ Matrix read_matrix(const Hdf5File& file, const std::string& group) {
     refuse(fmt::format("m = {}, n = {}", matrix.rows, matrix.columns));
   }
   if (nz < kCompressedRows) {
-    refuse(fmt::format("nz = {} is neither a number of triplets nor -1 (columns) nor -2 (rows)",
-                       nz));
+    refuse(
+        fmt::format("nz = {} is neither a number of triplets nor -1 (columns) nor -2 (rows)", nz));
   }
   const std::vector<int> p = file.read_ints(group + "/p");
   const std::vector<int> i = file.read_ints(group + "/i");
@@ -92,8 +92,8 @@ Matrix read_matrix(const Hdf5File& file, const std::string& group) {
   if (p[0] != 0) refuse(fmt::format("p[0] = {}, expected 0", p[0]));
   for (int line = 0; line < lines; ++line) {
     if (p[line + 1] < p[line]) {
-      refuse(fmt::format("p[{}] = {} is less than p[{}] = {}", line + 1, p[line + 1], line,
-                         p[line]));
+      refuse(
+          fmt::format("p[{}] = {} is less than p[{}] = {}", line + 1, p[line + 1], line, p[line]));
     }
   }
   const auto count = static_cast<std::size_t>(p[lines]);
@@ -125,7 +125,7 @@ void refuse_constraints(const Hdf5File& file, const std::string& root,
 
 /// Before the matrix is built: a wrong size could ask for more memory than there is.
 void require_shape(const Hdf5File& file, const std::string& group, const Matrix& matrix,
-                            Eigen::Index rows, Eigen::Index columns) {
+                   Eigen::Index rows, Eigen::Index columns) {
   if (matrix.rows == rows && matrix.columns == columns) return;
   throw FileError(file.path(), group,
                   fmt::format("is {} x {}, expected {} x {} from spacedim and the sizes of the "
@@ -274,9 +274,8 @@ ProblemFile read_fclib(const std::filesystem::path& path) {
       require_shape(file, root + "/M", M, f.size(), f.size());
       require_shape(file, root + "/H", H, f.size(), rows);
       stored_dofs = M.rows;
-      out.problem =
-          from_global_form(dim, M.build<SparseMatrix>(), H.build<SparseMatrix>(), f,
-                           read_vector(file, root + "/vectors/w"), std::move(mu));
+      out.problem = from_global_form(dim, M.build<SparseMatrix>(), H.build<SparseMatrix>(), f,
+                                     read_vector(file, root + "/vectors/w"), std::move(mu));
     }
   } catch (const std::invalid_argument& e) {
     throw FileError(path, root, e.what());
@@ -298,8 +297,9 @@ ProblemFile read_fclib(const std::filesystem::path& path) {
       throw FileError(path, "/bipot/dim", "1, but there is friction");
     }
     if (out.global && dofs != stored_dofs - out.problem.num_contacts()) {
-      throw FileError(path, "/bipot/dofs", fmt::format("{} of {} with {} contacts", dofs,
-                                                       stored_dofs, out.problem.num_contacts()));
+      throw FileError(
+          path, "/bipot/dofs",
+          fmt::format("{} of {} with {} contacts", dofs, stored_dofs, out.problem.num_contacts()));
     }
     out.problem = without_tangents(out.problem, dofs);
   }

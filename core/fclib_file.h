@@ -14,14 +14,16 @@ namespace bipot {
 /// explicit zeros do not matter, arrays may be longer than used.
 ///
 /// What FCLIB cannot say stands in a group of its own, which other readers pass over:
-///   /bipot/row_scale  r = sqrt(1 + e) of each row, where ContactProblem has one. W, q and mu of the
+///   /bipot/row_scale  r = sqrt(1 + e) of each row, where ContactProblem has one. W, q and mu of
+///   the
 ///                     file are those of the scaled problem, a problem of FCLIB's kind in its own
 ///                     right;
 ///   /bipot/dim        1 for a frictionless problem. FCLIB has no such form: it is written with
 ///                     spacedim 2, mu = 0 and tangential rows that nothing else depends on, with
 ///                     W_tt = W_nn. For a global problem an extra degree of freedom of mass 1/W_nn
 ///                     for each contact, after the others, does that;
-///   /bipot/dofs       number of degrees of freedom of a global problem with dim = 1, without these.
+///   /bipot/dofs       number of degrees of freedom of a global problem with dim = 1, without
+///   these.
 ///
 /// Refused, with the reason: bilateral constraints (V, R, s; G, b), sizes that do not fit, missing
 /// data, values that are not finite, what validate() refuses. Throws FileError.

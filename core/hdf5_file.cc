@@ -87,8 +87,8 @@ Hdf5File::Hdf5File(std::filesystem::path path, Mode mode) : path_(std::move(path
   if (mode != Mode::kCreate) {
     if (!std::filesystem::exists(path_)) throw FileError(path_, "", "no such file");
     if (!is_hdf5(path_)) throw FileError(path_, "", "not an HDF5 file");
-    file_ = H5Fopen(path_.c_str(), mode == Mode::kRead ? H5F_ACC_RDONLY : H5F_ACC_RDWR,
-                    H5P_DEFAULT);
+    file_ =
+        H5Fopen(path_.c_str(), mode == Mode::kRead ? H5F_ACC_RDONLY : H5F_ACC_RDWR, H5P_DEFAULT);
   } else {
     file_ = H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
   }
@@ -256,16 +256,16 @@ void Hdf5File::write_array(const std::string& name, std::int64_t type, const voi
   const Silence silence;
   std::vector<hsize_t> dims(extents.begin(), extents.end());
   const bool empty = std::find(dims.begin(), dims.end(), hsize_t{0}) != dims.end();
-  const Handle space(dims.empty() ? H5Screate(H5S_SCALAR)
-                                  : H5Screate_simple(static_cast<int>(dims.size()), dims.data(),
-                                                     nullptr),
+  const Handle space(dims.empty()
+                         ? H5Screate(H5S_SCALAR)
+                         : H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr),
                      H5Sclose);
   const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
   H5Pset_create_intermediate_group(links, 1);
   const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
   H5Pset_obj_track_times(properties, false);
-  const Handle dataset(
-      H5Dcreate2(file_, name.c_str(), type, space, links, properties, H5P_DEFAULT), H5Dclose);
+  const Handle dataset(H5Dcreate2(file_, name.c_str(), type, space, links, properties, H5P_DEFAULT),
+                       H5Dclose);
   if (!dataset.ok()) throw FileError(path_, name, "cannot create: " + hdf5_reason());
   if (!empty && H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) {
     throw FileError(path_, name, "cannot write: " + hdf5_reason());

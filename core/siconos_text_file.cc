@@ -286,8 +286,8 @@ Matrix read_matrix(Words& words) {
       read_sparse(words, matrix);
       break;
     default:
-      words.fail(fmt::format("matrix storage {} is not 0 (dense), 1 (blocks) or 2 (sparse)",
-                             storage));
+      words.fail(
+          fmt::format("matrix storage {} is not 0 (dense), 1 (blocks) or 2 (sparse)", storage));
   }
   return matrix;
 }
@@ -306,9 +306,10 @@ ProblemFile read_siconos_text(const std::filesystem::path& path) {
   const int dim = words.integer("contact dimension", 1);
   const int contacts = words.integer("number of contacts");
   if (dim != 2 && dim != 3) {
-    words.fail(fmt::format("contact dimension {} is neither 2 nor 3 (rolling friction and other "
-                           "laws are not supported)",
-                           dim));
+    words.fail(
+        fmt::format("contact dimension {} is neither 2 nor 3 (rolling friction and other "
+                    "laws are not supported)",
+                    dim));
   }
   words.require_plausible(contacts, "contacts");
   const Eigen::Index rows = static_cast<Eigen::Index>(dim) * contacts;
@@ -323,8 +324,7 @@ ProblemFile read_siconos_text(const std::filesystem::path& path) {
       file.info.description = "Siconos Numerics, FrictionContactProblem (text)";
       Vector q = read_vector(words, rows, "q");
       Vector mu = read_vector(words, contacts, "mu");
-      file.problem =
-          from_local_form(dim, first.build<SparseRows>(), std::move(q), std::move(mu));
+      file.problem = from_local_form(dim, first.build<SparseRows>(), std::move(q), std::move(mu));
     } else if (left < local_words) {
       throw std::invalid_argument(
           fmt::format("{} numbers after the matrix, q and mu have {}", left, local_words));

@@ -262,10 +262,12 @@ TEST_F(Storage, OtherDefectsAreRefusedWithTheReason) {
   expect([&](Hdf5File& f) { f.write("/solution/r", one); }, "/solution/r: has 1 elements");
   expect([&](Hdf5File& f) { f.write("/solution/r", infinite); }, "/solution/r: not finite");
   expect([](Hdf5File& f) { f.create_group("/solution"); }, "/solution/r: missing");
-  expect([](Hdf5File& f) {
-    f.write("/fclib_local/V/m", 4);
-    f.write("/fclib_local/V/n", 1);
-  }, "/fclib_local/V: bilateral");
+  expect(
+      [](Hdf5File& f) {
+        f.write("/fclib_local/V/m", 4);
+        f.write("/fclib_local/V/n", 1);
+      },
+      "/fclib_local/V: bilateral");
   expect([&](Hdf5File& f) { f.write("/fclib_local/vectors/s", one); }, "bilateral");
   // Constraint groups of size nought constrain nothing.
   write(-2, p, i, x);
@@ -295,9 +297,8 @@ TEST(FclibFile, GlobalProblemsAreRefusedWithTheReason) {
   expect([&](Hdf5File& f) { f.write("/fclib_global/vectors/w", one); }, "size of w is 1");
   expect([&](Hdf5File& f) { f.write("/fclib_global/vectors/b", one); }, "bilateral");
   expect([](Hdf5File& f) { f.write("/fclib_global/H/n", 7); }, "/H: is 12 x 7, expected 12 x 8");
-  expect([](Hdf5File& f) {
-    f.write("/fclib_global/M/x", std::vector<double>(12, -1.0));
-  }, "A(0, 0) = -1 is not positive");
+  expect([](Hdf5File& f) { f.write("/fclib_global/M/x", std::vector<double>(12, -1.0)); },
+         "A(0, 0) = -1 is not positive");
 }
 
 TEST(FclibFile, AGeneralMassMatrixIsSolvedWithAndItsDelassusOperatorAssembled) {

@@ -33,8 +33,9 @@ std::string refusal(F&& f) {
 
 TEST(Hdf5File, WhatIsWrittenIsReadBackBitForBit) {
   const TemporaryFolder folder;
-  const std::vector<double> x = {1.0 / 3, -0.0, 5e-324, std::numeric_limits<double>::infinity(),
-                                 std::nextafter(1.0, 2.0), -1.7e308};
+  const std::vector<double> x = {
+      1.0 / 3, -0.0, 5e-324, std::numeric_limits<double>::infinity(), std::nextafter(1.0, 2.0),
+      -1.7e308};
   const std::vector<int> i = {0, -1, std::numeric_limits<int>::max()};
   const std::vector<std::string> names = {"steel", "", "café au lait"};
   {
