@@ -142,7 +142,7 @@ int solve_command(const SolveFlags& flags) {
     }
     std::optional<Vector> v;
     if (problem.has_velocities()) v = body_velocities(problem, result.s);
-    write_fclib_solution(flags.solution, problem, result.s, result.u, v);
+    write_fclib_solution(flags.solution, result.s, result.u, v);
   }
   if (!flags.common.quiet && flags.common.json != "-") {
     print_summary(flags, choice.name, problem, result);
