@@ -6,10 +6,10 @@
 
 namespace bipot {
 
-/// A pile of `count` disks of three sizes (family "random" of scene_family.h) that fell into its box
-/// and came to rest: the hardest realistic scene for a cold start. Contacts are those of the
-/// simulation (h = 0.01 s, e = 0), which runs at a loose tolerance until the kinetic energy is below
-/// `rest` times the initial potential energy, or for `max_steps`.
+/// A pile of `count` disks of three sizes (family "random" of scene_family.h) that fell into its
+/// box and came to rest: the hardest realistic scene for a cold start. Contacts are those of the
+/// simulation (h = 0.01 s, e = 0), which runs at a loose tolerance until the kinetic energy is
+/// below `rest` times the initial potential energy, or for `max_steps`.
 struct SettledPile {
   Scene scene;  ///< disks at their settled places, velocities kept
   State state;
