@@ -28,7 +28,7 @@ inline double tangential_norm(const Local<D>& x) {
 template <int D>
 inline Local<D> project_coulomb_cone(const Local<D>& tau, double mu) {
   if constexpr (D == 1) {
-    return Local<1>(tau[0] > 0 ? tau[0] : 0.0);
+    return Local<1>(tau[0] <= 0 ? 0.0 : tau[0]);  // NaN stays NaN, as for D > 1
   } else {
     const double tn = tau[0];
     const double tt = tangential_norm<D>(tau);
