@@ -384,17 +384,21 @@ struct Run {
   NewtonSystem* system = nullptr;
   IterationMonitor* monitor = nullptr;
   int iterations = 0;      // Newton steps of all proximal steps
-  Vector last_s;           // last iterate that the monitor has seen
-  bool stop = false;       // the monitor said so
-  bool stagnated = false;  // a Newton step that changed nothing
-  double first_norm = 0;   // residual at the start of the proximal step
+  std::vector<Vector> recent;  // last iterates of this proximal step, the oldest is overwritten
+  bool stop = false;           // the monitor said so
+  double first_norm = 0;       // residual at the start of the proximal step
 };
 
 // Residual of one proximal step, relative to what the step itself still changes.
 constexpr double kForcing = 0.1;
 // Residuals are of size one; below this there is only rounding.
 constexpr double kResidualFloor = 1e-15;
-constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
+// Nonsmooth Newton cycles between active sets; periods up to this are recognised.
+constexpr std::size_t kLongestCycle = 6;
+// Two iterates that differ by less, relative, are the same.
+constexpr double kSame = 1e-13;
+// A repeated iterate whose residual is this small against the first one is a solution at round-off.
+constexpr double kSolvedAtRoundOff = 1e-8;
 
 PetscErrorCode form_function(SNES, Vec z, Vec f, void* context) {
   const auto* run = static_cast<Run*>(context);
@@ -439,14 +443,20 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
   PetscCall(VecRestoreArrayRead(z, &values));
   if (iteration == 0) {
     run->first_norm = norm;
-    run->last_s = std::move(s);
+    run->recent.clear();
   } else {
     ++run->iterations;
-    run->stagnated = (s - run->last_s).norm() <= kRoundOff * s.norm();
-    run->last_s = std::move(s);
-    // An iterate that repeats the last one is for the outer loop to judge: it may change kappa.
-    if (!run->stagnated &&
-        run->monitor->stop(run->iterations, run->last_s, run->system->kappa())) {
+    // A repeated iterate is for the outer loop to judge, which changes kappa: to the monitor it
+    // would be the end.
+    bool repeated = false;
+    for (const Vector& old : run->recent) repeated |= (s - old).norm() <= kSame * s.norm();
+    if (repeated) {
+      *reason = norm <= std::max(kSolvedAtRoundOff * run->first_norm, target)
+                    ? SNES_CONVERGED_SNORM_RELATIVE
+                    : SNES_DIVERGED_LOCAL_MIN;
+      return 0;
+    }
+    if (run->monitor->stop(run->iterations, s, run->system->kappa())) {
       run->stop = true;
       *reason = SNES_CONVERGED_FNORM_ABS;
       return 0;
@@ -454,8 +464,10 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
     if (norm <= target) *reason = SNES_CONVERGED_FNORM_RELATIVE;
   }
   if (norm <= kResidualFloor) *reason = SNES_CONVERGED_FNORM_ABS;
-  if (*reason == SNES_CONVERGED_ITERATING && run->stagnated) {
-    *reason = SNES_DIVERGED_LOCAL_MIN;
+  if (run->recent.size() < kLongestCycle) {
+    run->recent.push_back(std::move(s));
+  } else {
+    run->recent[iteration % kLongestCycle] = std::move(s);
   }
   return 0;
 }
@@ -538,7 +550,6 @@ class Snes {
   InnerReport solve(double kappa, const Vector& anchor, int inner_iterations) {
     InnerReport report;
     run_.system->set_proximal(kappa, anchor);
-    run_.stagnated = false;
     const Vector start = run_.system->unknowns(anchor);
     set(start);
     const int before = run_.iterations;
@@ -554,7 +565,7 @@ class Snes {
       report.outcome = InnerReport::Outcome::kStop;
     } else if (reason > 0) {
       report.outcome = InnerReport::Outcome::kSolved;
-      report.easy = 3 * steps <= inner_iterations;
+      report.effort = static_cast<double>(steps) / inner_iterations;
     } else {
       report.reason = fmt::format("SNES: {} after {} Newton steps", SNESConvergedReasons[reason],
                                   steps);

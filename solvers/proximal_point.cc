@@ -12,9 +12,15 @@
 namespace bipot {
 namespace {
 
-constexpr double kGrowFast = 10, kGrow = 3, kShrink = 10;
-// Solved steps to wait after a failure before kappa grows again.
-constexpr int kPatience = 1;
+constexpr double kShrink = 5;
+// Factor of kappa after a solved step, by the share of its iteration limit that it needed.
+double growth(double effort) {
+  if (effort <= 0.2) return 10;
+  if (effort <= 0.4) return 3;
+  return effort <= 0.7 ? 1.5 : 1.0;
+}
+// Factor of kappa near a value that failed before.
+constexpr double kCautious = 1.5;
 // A solution that differs from its anchor by less than this, relative, has not moved.
 constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
 
@@ -94,7 +100,7 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
                               const InnerSolve& inner, IterationMonitor& monitor) {
   ProximalReport report;
   double kappa = std::min(options.kappa, options.kappa_max);
-  int wait = 0;
+  double failed_at = std::numeric_limits<double>::infinity();
   // The monitor's errors are those of the last judged iterate; the anchor's own is kept here.
   ContactErrorEvaluator judge = monitor.evaluator();
   double anchor_error = judge(start).guarded();
@@ -119,11 +125,12 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
                                  kappa, monitor.best_error()));
         return report;
       }
-      if (wait > 0) {
-        --wait;
-      } else {
-        kappa = std::min(kappa * (step.easy ? kGrowFast : kGrow), options.kappa_max);
+      double next = kappa * growth(step.effort);
+      if (next >= failed_at) {
+        next = std::min(next, kCautious * kappa);
+        failed_at *= kCautious;  // the anchor has moved: the failure fades
       }
+      kappa = std::min(next, options.kappa_max);
       continue;
     }
     ++report.failed;
@@ -131,7 +138,7 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
       start = std::move(step.s);
       anchor_error = error;
     }
-    wait = kPatience;
+    failed_at = kappa;
     kappa /= kShrink;
     if (kappa < options.kappa_min) {
       monitor.fail(SolveStatus::kStalled,
@@ -199,7 +206,7 @@ SolveResult solve_proximal_point(const ContactProblem& p, const SolverOptions& o
       const bool solved = is_success(r.status);
       out.s = std::move(r.s);
       out.reason = fmt::format("{}: {}", name, r.message);
-      out.easy = 10L * r.iterations <= inner_options.max_iterations;
+      out.effort = static_cast<double>(r.iterations) / inner_options.max_iterations;
       out.outcome = solved ? InnerReport::Outcome::kSolved : InnerReport::Outcome::kFailed;
       ++iteration;
       const bool usable = out.s.size() == p.num_rows() && out.s.allFinite();

@@ -16,8 +16,9 @@ namespace bipot {
 /// D = diag(W_nn, W_tt) of each contact (tangents averaged), so that kappa has no unit. The term
 /// vanishes at a fixed point: nothing is left of the regularisation there, however W is.
 ///
-/// kappa follows the inner solver: a solved step multiplies it, a failed one divides it and stays
-/// at the anchor unless the inner iterate is closer to the solution.
+/// kappa follows the inner solver: a solved step multiplies it, the more the less it cost; a failed
+/// one divides it, and stays at the anchor unless the inner iterate is closer to the solution. The
+/// value that failed is approached again by small factors only.
 struct ProximalOptions {
   double kappa = 100;       ///< first value                                                [-]
   double kappa_min = 1e-3;  ///< below: the solve is given up                               [-]
@@ -33,7 +34,7 @@ struct InnerReport {
   };
   Outcome outcome = Outcome::kFailed;
   Vector s;
-  bool easy = false;   ///< few iterations: kappa may grow quickly
+  double effort = 1;   ///< iterations over the inner limit: decides how kappa grows
   std::string reason;  ///< of a failure
 };
 /// (kappa, anchor) -> s.
