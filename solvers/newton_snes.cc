@@ -124,7 +124,7 @@ class ScopedOptions {
     std::string names;
     for (const auto& [name, value] : options_) {
       PetscBool used = PETSC_TRUE;
-      if (PetscOptionsUsed(nullptr, key(name).c_str(), &used) == 0 && !used) {
+      if (PetscOptionsUsed(nullptr, key(name).c_str() + 1, &used) == 0 && !used) {
         names += (names.empty() ? "-" : ", -") + name;
       }
     }
@@ -395,6 +395,9 @@ constexpr double kForcing = 0.1;
 constexpr double kResidualFloor = 1e-15;
 // Nonsmooth Newton cycles between active sets; periods up to this are recognised.
 constexpr std::size_t kLongestCycle = 6;
+// PETSc's LU (nested dissection, no pivoting) takes a third to a half of UMFPACK's time on packings
+// of 700 to 1400 contacts and twice as long at 7300.
+constexpr int kSmall = 4000;
 // Two iterates that differ by less, relative, are the same.
 constexpr double kSame = 1e-13;
 // A repeated iterate whose residual is this small against the first one is a solution at round-off.
@@ -592,7 +595,8 @@ class Snes {
 SolveResult solve_newton_snes(const ContactProblem& given, const SolverOptions& options) {
   const Parameters parameters(options.parameters, kNewtonParameters);
   const std::string residual_name = parameters.choice("residual");
-  const std::string linear = parameters.choice("linear");
+  std::string linear = parameters.choice("linear");
+  if (linear == "auto") linear = given.num_rows() <= kSmall ? "petsc" : "umfpack";
   const std::string form = parameters.choice("form");
   const int inner_iterations = parameters.integer("inner_iterations");
   const Residual residual = residual_name == "alart-curnier"        ? Residual::kAlartCurnier
