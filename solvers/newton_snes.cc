@@ -209,17 +209,20 @@ class NewtonSystem {
     }
     return z;
   }
+  Eigen::Map<const Vector> scaled_impulse(const double* z) const {
+    return Eigen::Map<const Vector>(z + dofs_, rows());
+  }
   Vector impulse(const double* z) const {
-    return unit_ * Eigen::Map<const Vector>(z + dofs_, rows()).cwiseQuotient(root_);
+    return unit_ * scaled_impulse(z).cwiseQuotient(root_);
   }
   /// ‖x - x_k‖ / kappa: what the proximal term still changes.
   double proximal_residual(const double* z) const {
-    return (Eigen::Map<const Vector>(z + dofs_, rows()) - anchor_).norm() / kappa_;
+    return (scaled_impulse(z) - anchor_).norm() / kappa_;
   }
 
   void residual(const double* z, double* f) const {
     const Vector w = velocity(z);
-    const Eigen::Map<const Vector> x(z + dofs_, rows());
+    const Eigen::Map<const Vector> x = scaled_impulse(z);
     if (mixed_) {
       const Eigen::Map<const Vector> y(z, dofs_);
       Eigen::Map<Vector>(f, dofs_) = A_ * y - H_rows_ * x;
@@ -240,7 +243,7 @@ class NewtonSystem {
   /// Values of the Jacobian in the order of the pattern.
   void jacobian(const double* z, double* values) const {
     const Vector w = velocity(z);
-    const Eigen::Map<const Vector> x(z + dofs_, rows());
+    const Eigen::Map<const Vector> x = scaled_impulse(z);
     if (mixed_) std::copy(fixed_values_.begin(), fixed_values_.end(), values);
     dispatch_dim(d_, [&](auto d) {
       constexpr int D = d();
@@ -259,7 +262,7 @@ class NewtonSystem {
 
  private:
   Vector velocity(const double* z) const {
-    const Eigen::Map<const Vector> x(z + dofs_, rows());
+    const Eigen::Map<const Vector> x = scaled_impulse(z);
     Vector w = b_ + (x - anchor_) / kappa_;
     if (mixed_) {
       w += H_.transpose() * Eigen::Map<const Vector>(z, dofs_);
@@ -400,8 +403,9 @@ constexpr std::size_t kLongestCycle = 6;
 constexpr int kSmall = 4000;
 // Two iterates that differ by less, relative, are the same.
 constexpr double kSame = 1e-13;
-// A repeated iterate whose residual is this small against the first one is a solution at round-off.
-constexpr double kSolvedAtRoundOff = 1e-8;
+// A repeated iterate whose residual is this small against the first one, or against the impulses,
+// is a solution at round-off.
+constexpr double kSolvedAtRoundOff = 1e-8, kRounding = 1e-13;
 
 PetscErrorCode form_function(SNES, Vec z, Vec f, void* context) {
   const auto* run = static_cast<Run*>(context);
@@ -442,6 +446,7 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
   PetscCall(SNESGetSolution(snes, &z));
   PetscCall(VecGetArrayRead(z, &values));
   const double target = kForcing * run->system->proximal_residual(values);
+  const double size = run->system->scaled_impulse(values).norm();
   Vector s = run->system->impulse(values);
   PetscCall(VecRestoreArrayRead(z, &values));
   if (iteration == 0) {
@@ -454,7 +459,7 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
     bool repeated = false;
     for (const Vector& old : run->recent) repeated |= (s - old).norm() <= kSame * s.norm();
     if (repeated) {
-      *reason = norm <= std::max(kSolvedAtRoundOff * run->first_norm, target)
+      *reason = norm <= std::max({kSolvedAtRoundOff * run->first_norm, target, kRounding * size})
                     ? SNES_CONVERGED_SNORM_RELATIVE
                     : SNES_DIVERGED_LOCAL_MIN;
       return 0;

@@ -21,8 +21,12 @@ double growth(double effort) {
 }
 // Factor of kappa near a value that failed before.
 constexpr double kCautious = 1.5;
-// A solution that differs from its anchor by less than this, relative, has not moved.
+// An iterate that differs from its anchor by less than this, relative, is the anchor.
 constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
+// Solved steps that move by less than this, relative, change only rounding errors; so many of them
+// in a row are the end.
+constexpr double kStill = 1e-12;
+constexpr int kStillSteps = 10;
 
 double denominator(const ContactError& e) { return std::max(e.friction_power, kTheta * e.energy); }
 
@@ -100,6 +104,7 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
                               const InnerSolve& inner, IterationMonitor& monitor) {
   ProximalReport report;
   double kappa = std::min(options.kappa, options.kappa_max);
+  int still = 0;
   double failed_at = std::numeric_limits<double>::infinity();
   // The monitor's errors are those of the last judged iterate; the anchor's own is kept here.
   ContactErrorEvaluator judge = monitor.evaluator();
@@ -118,9 +123,10 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
       const double size = root.cwiseProduct(step.s).norm();
       start = std::move(step.s);
       anchor_error = error;
-      if (moved <= kRoundOff * size && kappa >= options.kappa_max) {
+      still = moved <= kStill * size ? still + 1 : 0;
+      if (still >= kStillSteps) {
         monitor.fail(SolveStatus::kStalled,
-                     fmt::format("stalled at round-off: proximal steps no longer move at kappa = "
+                     fmt::format("stalled at round-off: proximal steps no longer move, kappa = "
                                  "{:.1e}, best error {:.2e}",
                                  kappa, monitor.best_error()));
         return report;
@@ -209,13 +215,25 @@ SolveResult solve_proximal_point(const ContactProblem& p, const SolverOptions& o
       out.effort = static_cast<double>(r.iterations) / inner_options.max_iterations;
       out.outcome = solved ? InnerReport::Outcome::kSolved : InnerReport::Outcome::kFailed;
       ++iteration;
-      const bool usable = out.s.size() == p.num_rows() && out.s.allFinite();
-      if (usable && monitor.stop(iteration, out.s, kappa)) {
-        out.outcome = InnerReport::Outcome::kStop;
-      } else if (!usable && (monitor.out_of_time() || iteration >= options.max_iterations)) {
-        monitor.stop(iteration, anchor, kappa);
-        out.outcome = InnerReport::Outcome::kStop;
+      // A failed step may leave the anchor as it was. To the monitor an iterate that repeats is the
+      // end; here the next kappa may still move it.
+      const bool fresh = out.s.size() == p.num_rows() && out.s.allFinite() &&
+                         (out.s - anchor).norm() > kRoundOff * out.s.norm();
+      bool stop = false;
+      if (fresh) {
+        stop = monitor.stop(iteration, out.s, kappa);
+      } else if (iteration >= options.max_iterations) {
+        monitor.fail(SolveStatus::kIterationLimit,
+                     fmt::format("iteration limit {} reached, best error {:.2e}", iteration,
+                                 monitor.best_error()));
+        stop = true;
+      } else if (monitor.out_of_time()) {
+        monitor.fail(SolveStatus::kTimeLimit,
+                     fmt::format("time limit {} s reached after {} iterations, best error {:.2e}",
+                                 options.time_limit, iteration, monitor.best_error()));
+        stop = true;
       }
+      if (stop) out.outcome = InnerReport::Outcome::kStop;
       return out;
     };
     const ProximalOptions loop{.kappa = parameters.number("kappa"),
