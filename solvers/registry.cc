@@ -1,6 +1,10 @@
 #include "solvers/registry.h"
 
 #include "solvers/gauss_seidel.h"
+#ifdef BIPOT_WITH_PETSC
+#include "solvers/newton_snes.h"
+#endif
+#include "solvers/proximal_point.h"
 #include "solvers/uzawa.h"
 
 namespace bipot {
@@ -15,6 +19,17 @@ const SolverEntry kSolvers[] = {
      .summary = "projected block Gauss-Seidel, NSGS (Jean 1999)",
      .run = &solve_gauss_seidel,
      .parameters = kGaussSeidelParameters},
+    {.name = "ppa",
+     .summary = "proximal point around another solver (Rockafellar 1976)",
+     .run = &solve_proximal_point,
+     .parameters = kProximalPointParameters,
+     .needs_delassus = true},
+#ifdef BIPOT_WITH_PETSC
+    {.name = "newton",
+     .summary = "nonsmooth Newton on PETSc SNES (Alart and Curnier 1991), proximal outer loop",
+     .run = &solve_newton_snes,
+     .parameters = kNewtonParameters},
+#endif
 };
 
 }  // namespace
