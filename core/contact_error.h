@@ -44,7 +44,7 @@ class ContactErrorEvaluator {
   const DelassusOperator& delassus() const { return delassus_; }
 
  private:
-  template <int D>
+  template <int D, bool kScaled>
   ContactError evaluate();
 
   const ContactProblem& problem_;

@@ -37,7 +37,11 @@ inline Local<D> project_coulomb_cone(const Local<D>& tau, double mu) {
     const double sn = (tn + mu * tt) / (1 + mu * mu);
     Local<D> s;
     s[0] = sn;
-    s.template tail<D - 1>() = (mu * sn / tt) * tau.template tail<D - 1>();
+    if constexpr (D == 2) {
+      s[1] = std::copysign(mu * sn, tau[1]);
+    } else {
+      s.template tail<D - 1>() = (mu * sn / tt) * tau.template tail<D - 1>();
+    }
     return s;
   }
 }
