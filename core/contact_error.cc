@@ -33,6 +33,7 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem)
     : problem_(problem),
       delassus_(problem),
       w_nn_(problem.num_contacts()),
+      rho_nn_(problem.num_contacts()),
       rho_nat_(problem.num_contacts()),
       s_(Vector::Zero(problem.num_rows())),
       u_(Vector::Zero(problem.num_rows())) {
@@ -47,6 +48,7 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem)
     }
     const double r = scale(problem, c * d);
     w_nn_[c] = r * r * diagonal[c * d];
+    rho_nn_[c] = 1 / w_nn_[c];
     rho_nat_[c] = d / trace;
     const double opening = problem.u_free[c * d] / r;
     if (opening < 0) free_energy_ += 0.5 * opening * opening / w_nn_[c];
@@ -97,15 +99,15 @@ ContactError ContactErrorEvaluator::evaluate() {
       u = u.cwiseQuotient(p.row_scale.segment<D>(c * D));
     }
     const double mu = kScaled ? physical_mu(p, c) : p.mu[c];
-    const double rho = 1 / w_nn_[c];
+    const double rho = rho_nn_[c];
 
     const double slip = tangential_norm<D>(u);
     const double dissipated = mu * x[0] * slip;
     double tangential = dissipated;
     for (int k = 1; k < D; ++k) tangential += x[k] * u[k];
-    tangential = std::max(tangential, 0.0);  // >= 0 on the cone; rounding may say otherwise
-    const double opening = std::max(u[0], 0.0);
-    const double closing = std::max(-u[0], 0.0);
+    tangential = positive_part(tangential);  // >= 0 on the cone; rounding may say otherwise
+    const double opening = positive_part(u[0]);
+    const double closing = positive_part(-u[0]);
     const double contact_gap = tangential + x[0] * std::abs(u[0]);
     const double contact_penetration = 0.5 * rho * closing * closing;
     friction += dissipated;

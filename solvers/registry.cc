@@ -1,5 +1,6 @@
 #include "solvers/registry.h"
 
+#include "solvers/accelerated_gradient.h"
 #include "solvers/gauss_seidel.h"
 #include "solvers/uzawa.h"
 
@@ -15,6 +16,10 @@ const SolverEntry kSolvers[] = {
      .summary = "projected block Gauss-Seidel, NSGS (Jean 1999)",
      .run = &solve_gauss_seidel,
      .parameters = kGaussSeidelParameters},
+    {.name = "apgd",
+     .summary = "accelerated projected gradient with restart (Mazhar et al. 2015)",
+     .run = &solve_accelerated_gradient,
+     .parameters = kAcceleratedGradientParameters},
 };
 
 }  // namespace
