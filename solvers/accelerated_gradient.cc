@@ -118,7 +118,8 @@ class DiskKernel {
         to.ratio = to.spin / normal;
       }
       to.mu = scaling.mu[c];
-      to.b = scaling.velocity.segment<D>(c * D).cwiseProduct(p.u_free.segment<D>(c * D));
+      to.cone = 1 / (1 + to.mu * to.mu);
+      for (int k = 0; k < D; ++k) to.b[k] = scaling.velocity[c * D + k] * p.u_free[c * D + k];
     }
   }
 
@@ -127,8 +128,7 @@ class DiskKernel {
     std::fill(momentum_[0].begin(), momentum_[0].end(), 0.0);
     for (Contact& c : contacts_) {
       const Eigen::Index row = D * (&c - contacts_.data());
-      c.x[0] = scaling_.impulse.segment<D>(row).cwiseProduct(s.segment<D>(row));
-      c.x[1] = c.x[0];
+      for (int k = 0; k < D; ++k) c.x[0][k] = c.x[1][k] = scaling_.impulse[row + k] * s[row + k];
       scatter(c, c.x[0], momentum_[0].data());
     }
     momentum_[1] = momentum_[0];
@@ -137,12 +137,12 @@ class DiskKernel {
   const Vector& impulse() {
     for (const Contact& c : contacts_) {
       const Eigen::Index row = D * (&c - contacts_.data());
-      s_.segment<D>(row) = c.x[now_].cwiseProduct(scaling_.velocity.segment<D>(row));
+      for (int k = 0; k < D; ++k) s_[row + k] = c.x[now_][k] * scaling_.velocity[row + k];
     }
     return s_;
   }
   Progress project(double rho) {
-    Progress sums;
+    double turn = 0, change2 = 0;
     const int now = now_, next = 1 - now_;
     const double beta = beta_;
     const double* const velocity = velocity_.data();
@@ -151,20 +151,38 @@ class DiskKernel {
       const double* const vi = velocity + c.i;
       const double* const vj = velocity + c.j;
       const double vx = vi[0] - vj[0], vy = vi[1] - vj[1];
-      Local<D> w = c.b;
-      w[0] += c.gx * vx + c.gy * vy;
-      if constexpr (D == 2) w[1] += c.ratio * (c.gx * vy - c.gy * vx) - c.spin * (vi[2] + vj[2]);
-      const Local<D> x = c.x[now];
-      const Local<D> y = x + beta * (x - c.x[next]);
-      const Local<D> x_new = corrected<D, kMap>(y, w, c.mu, rho);
-      const Local<D> change = x_new - x;
-      sums.turn += (y - x_new).dot(change);
-      sums.change2 += change.squaredNorm();
-      c.x[next] = x_new;
-      scatter(c, x_new, momentum);
+      double wn = c.gx * vx + c.gy * vy + c.b[0];
+      const double xn = c.x[now][0];
+      const double yn = xn + beta * (xn - c.x[next][0]);
+      double zn = 0;
+      if constexpr (D == 1) {
+        zn = positive_part(yn - rho * wn);
+      } else {
+        const double wt = c.ratio * (c.gx * vy - c.gy * vx) - c.spin * (vi[2] + vj[2]) + c.b[1];
+        const double xt = c.x[now][1];
+        const double yt = xt + beta * (xt - c.x[next][1]);
+        const double tau_t = yt - rho * wt;
+        if constexpr (kMap == Map::kCone) {
+          const double tau_n = yn - rho * (wn + c.mu * std::abs(wt));
+          const double edge = (tau_n + c.mu * std::abs(tau_t)) * c.cone;
+          zn = positive_part(edge > tau_n ? edge : tau_n);
+        } else {
+          zn = positive_part(yn - rho * wn);
+        }
+        const double zt = cut_off(tau_t, c.mu * zn);
+        const double change = zt - xt;
+        turn += (yt - zt) * change;
+        change2 += change * change;
+        c.x[next][1] = zt;
+      }
+      const double change = zn - xn;
+      turn += (yn - zn) * change;
+      change2 += change * change;
+      c.x[next][0] = zn;
+      scatter(c, c.x[next], momentum);
     }
     now_ = next;
-    return sums;
+    return {turn, change2};
   }
   double extrapolate(double beta) {
     beta_ = beta;
@@ -190,11 +208,12 @@ class DiskKernel {
   struct Contact {
     int i = 0, j = 0;  // offsets of the bodies' values
     double gx = 0, gy = 0, ratio = 0, spin = 0, mu = 0;
-    Local<D> b = Local<D>::Zero();
-    Local<D> x[2] = {Local<D>::Zero(), Local<D>::Zero()};  // the iterate and the one before
+    double cone = 0;  // 1/(1 + mu²)
+    double b[D] = {};
+    double x[2][D] = {};  // the iterate and the one before
   };
 
-  static void scatter(const Contact& c, const Local<D>& x, double* momentum) {
+  static void scatter(const Contact& c, const double* x, double* momentum) {
     double* const pi = momentum + c.i;
     double* const pj = momentum + c.j;
     double px = c.gx * x[0], py = c.gy * x[0];
