@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
+#include <limits>
+#include <string>
 #include <vector>
 
 #include "core/coulomb_cone.h"
@@ -17,7 +17,11 @@
 namespace bipot {
 namespace {
 
-enum class Map { kCone, kSplit };
+constexpr int kPowerIterations = 30;
+// The power method approaches lambda_max from below.
+constexpr double kMargin = 1.05;
+
+enum class Map { kSplit, kCone };
 
 /// x⁺ of one contact from the extrapolated impulse y and its velocity w.
 template <int D, Map kMap>
@@ -45,7 +49,7 @@ struct Progress {
 };
 
 /// The iteration through the Delassus operator, any problem.
-template <int D, Map kMap>
+template <int D>
 class GeneralKernel {
  public:
   GeneralKernel(const ContactProblem& p, const DelassusOperator& delassus,
@@ -63,6 +67,7 @@ class GeneralKernel {
     s_ = x_.cwiseProduct(scaling_.velocity);
     return s_;
   }
+  template <Map kMap>
   Progress project(double rho) {
     Progress sums;
     before_.swap(x_);
@@ -95,7 +100,7 @@ class GeneralKernel {
 
 /// The same for disks, one pass over the contacts: the velocity at the extrapolated point comes
 /// from the extrapolated momenta of the bodies, and x⁺ is scattered to the next momenta at once.
-template <int D, Map kMap>
+template <int D>
 class DiskKernel {
  public:
   DiskKernel(const ContactProblem& p, const DiskStructure& disks, const ContactScaling& scaling)
@@ -141,6 +146,7 @@ class DiskKernel {
     }
     return s_;
   }
+  template <Map kMap>
   Progress project(double rho) {
     double turn = 0, change2 = 0;
     const int now = now_, next = 1 - now_;
@@ -240,61 +246,95 @@ class DiskKernel {
   double beta_ = 0;
 };
 
+enum class Choice { kAuto, kSplit, kCone };
+
+/// Which map is in use. With Choice::kAuto, a map that has not halved the best error for as many
+/// iterations as it took to get there (and at least kPatience) hands over to the next of: split,
+/// cone, split without momentum.
+class MapRota {
+ public:
+  explicit MapRota(Choice choice) : choice_(choice) {}
+
+  Map map() const { return choice_ == Choice::kCone || phase_ == 1 ? Map::kCone : Map::kSplit; }
+  bool momentum() const { return phase_ != 2; }
+
+  /// Tells the best error so far. True when the map changes: go back to the best iterate.
+  bool advance(int iteration, double best_error) {
+    if (choice_ != Choice::kAuto) return false;
+    if (best_error <= 0.5 * mark_) {
+      mark_ = best_error;
+      mark_iteration_ = iteration;
+      patience_ = std::max(kPatience, iteration);
+    } else if (iteration - mark_iteration_ > patience_) {
+      phase_ = (phase_ + 1) % 3;
+      mark_iteration_ = iteration;
+      patience_ = std::max(kPatience, iteration / 2);
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr int kPatience = 1000;
+  Choice choice_;
+  int phase_ = 0;
+  double mark_ = std::numeric_limits<double>::infinity();
+  int mark_iteration_ = 0, patience_ = kPatience;
+};
+
 template <class Kernel>
-void iterate(Kernel kernel, const Vector& s0, double lambda, double step, IterationMonitor& monitor) {
+void iterate(Kernel kernel, MapRota rota, const Vector& s0, double lambda, double step,
+             IterationMonitor& monitor) {
   kernel.reset(s0);
   double t = 1;
-  int restarts = 0;
-  for (int iteration = 0;
-       !(monitor.due(iteration) && monitor.stop(iteration, kernel.impulse(), step / lambda));
-       ++iteration) {
-    const Progress progress = kernel.project(step / lambda);
-    if (progress.turn > 0) {
-      t = 1;
-      ++restarts;
+  for (int iteration = 0;; ++iteration) {
+    if (monitor.due(iteration)) {
+      if (monitor.stop(iteration, kernel.impulse(), step / lambda)) return;
+      if (rota.advance(iteration, monitor.best_error())) {
+        kernel.reset(monitor.best_impulse());
+        t = 1;
+      }
     }
+    const double rho = step / lambda;
+    const Progress progress = rota.map() == Map::kCone ? kernel.template project<Map::kCone>(rho)
+                                                       : kernel.template project<Map::kSplit>(rho);
+    if (progress.turn > 0 || !rota.momentum()) t = 1;
     const double t_next = 0.5 * (1 + std::sqrt(1 + 4 * t * t));
     const double energy = kernel.extrapolate((t - 1) / t_next);
     t = t_next;
     if (energy > lambda * progress.change2) {
-      lambda = 1.05 * energy / progress.change2;
+      // A larger eigenvalue than the estimate has shown itself.
+      lambda = kMargin * energy / progress.change2;
       kernel.extrapolate(0);
       t = 1;
     }
   }
-  if (getenv("DBG")) printf("restarts %d lambda %g\n", restarts, lambda);
-}
-
-template <int D, Map kMap>
-void run(const ContactProblem& p, const DelassusOperator& delassus, const ContactScaling& scaling,
-         const Vector& s0, double lambda, double step, IterationMonitor& monitor) {
-  if constexpr (D < 3) {
-    if (delassus.disks()) {
-      iterate(DiskKernel<D, kMap>(p, *delassus.disks(), scaling), s0, lambda, step, monitor);
-      return;
-    }
-  }
-  iterate(GeneralKernel<D, kMap>(p, delassus, scaling), s0, lambda, step, monitor);
 }
 
 }  // namespace
 
 SolveResult solve_accelerated_gradient(const ContactProblem& p, const SolverOptions& options) {
   const Parameters parameters(options.parameters, kAcceleratedGradientParameters);
-  const bool cone = parameters.choice("map") == "cone";
+  const std::string map = parameters.choice("map");
+  const MapRota rota(map == "auto" ? Choice::kAuto
+                                   : (map == "cone" ? Choice::kCone : Choice::kSplit));
   const double step = parameters.number("step");
   IterationMonitor monitor(p, options);
   const DelassusOperator& delassus = monitor.evaluator().delassus();
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  const double lambda = 1.05 * spectral_estimate(p, delassus, scaling.velocity, 30);
-  if (getenv("DBG")) printf("lambda %g bound %g\n", lambda, spectral_bound(p, scaling.velocity));
+  const double lambda =
+      kMargin * spectral_estimate(p, delassus, scaling.velocity, kPowerIterations);
   const Vector s0 = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  monitor.end_setup();
   dispatch_dim(p.dim, [&](auto d) {
-    if (cone) {
-      run<d(), Map::kCone>(p, delassus, scaling, s0, lambda, step, monitor);
-    } else {
-      run<d(), Map::kSplit>(p, delassus, scaling, s0, lambda, step, monitor);
+    constexpr int D = d();
+    if constexpr (D < 3) {
+      if (delassus.disks()) {
+        iterate(DiskKernel<D>(p, *delassus.disks(), scaling), rota, s0, lambda, step, monitor);
+        return 0;
+      }
     }
+    iterate(GeneralKernel<D>(p, delassus, scaling), rota, s0, lambda, step, monitor);
     return 0;
   });
   return monitor.finish();
