@@ -1,5 +1,6 @@
 #include "solvers/registry.h"
 
+#include "solvers/accelerated_gradient.h"
 #include "solvers/gauss_seidel.h"
 #ifdef BIPOT_WITH_PETSC
 #include "solvers/newton_snes.h"
@@ -19,6 +20,10 @@ const SolverEntry kSolvers[] = {
      .summary = "projected block Gauss-Seidel, NSGS (Jean 1999)",
      .run = &solve_gauss_seidel,
      .parameters = kGaussSeidelParameters},
+    {.name = "apgd",
+     .summary = "accelerated projected gradient with restart (Mazhar et al. 2015)",
+     .run = &solve_accelerated_gradient,
+     .parameters = kAcceleratedGradientParameters},
     {.name = "ppa",
      .summary = "proximal point around another solver (Rockafellar 1976)",
      .run = &solve_proximal_point,
