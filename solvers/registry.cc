@@ -1,6 +1,7 @@
 #include "solvers/registry.h"
 
 #include "solvers/gauss_seidel.h"
+#include "solvers/interior_point.h"
 #include "solvers/uzawa.h"
 
 namespace bipot {
@@ -15,6 +16,10 @@ const SolverEntry kSolvers[] = {
      .summary = "projected block Gauss-Seidel, NSGS (Jean 1999)",
      .run = &solve_gauss_seidel,
      .parameters = kGaussSeidelParameters},
+    {.name = "ipm",
+     .summary = "primal-dual interior point on the exact law, arclength continuation, Newton polish",
+     .run = &solve_interior_point,
+     .parameters = kInteriorPointParameters},
 };
 
 }  // namespace
