@@ -1,0 +1,13 @@
+#pragma once
+
+#include "core/time_stepping.h"
+#include "solvers/solver.h"
+
+namespace bipot {
+
+/// A StepSolver for the time stepper: runs `entry` with `options` on every step's problem, from the
+/// start that the stepper hands over. The result is failed for kNumericalFailure, kDiverged
+/// and kInvalidInput; converged for the successful statuses.
+StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options);
+
+}  // namespace bipot
