@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <random>
 
+#include "solvers/arclength.h"
 #include "solvers/interior_state.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
@@ -15,6 +17,12 @@ namespace {
 // Stiffness of the springs of the start estimate, over 1/W_nn: forces reach about its square root
 // of contacts far.
 constexpr double kStartStiffness = 1e4;
+constexpr double kRoundScales[] = {1, 0.3, 3};  // start scale of the rounds, in turn
+constexpr int kEndgameIterations = 60;
+constexpr unsigned kSeed = 1;
+
+/// In [0, 1), the same bits on every platform.
+double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
 
 /// Energy of the start. The bodies are held by normal springs of stiffness kappa / W_nn, which may
 /// pull: (I + R W) s = -R u_free, R = diag(kappa / W_nn, 0). Its mean W_nn s_n² grows with the weight
@@ -56,20 +64,37 @@ void run(const ContactProblem& p, const Parameters& parameters, IterationMonitor
   InteriorRun run{monitor};
   if (monitor.stop(0, Vector::Zero(p.num_rows()))) return;
 
-  Vector impulse(p.num_contacts());
-  for (int c = 0; c < p.num_contacts(); ++c) {
-    impulse[c] = std::sqrt(energy / system.mobility()[c * D]);
+  ProximalInteriorPointOptions first;
+  first.max_iterations = parameters.integer("stage_iterations");
+  ProximalInteriorPointOptions endgame;
+  endgame.max_iterations = kEndgameIterations;
+  ArclengthOptions arc;
+  arc.max_iterations = parameters.integer("arc_iterations");
+  const bool arclength = parameters.choice("arclength") == "on";
+  const int rounds = arclength ? parameters.integer("rounds") : 1;
+  std::mt19937_64 random(kSeed);
+  for (int round = 0; round < rounds; ++round) {
+    const double factor = kRoundScales[round % std::size(kRoundScales)];
+    const double e = energy * factor * factor;
+    Vector impulse(p.num_contacts());
+    for (int c = 0; c < p.num_contacts(); ++c) {
+      impulse[c] = std::sqrt(e / system.mobility()[c * D]);
+      if (round >= static_cast<int>(std::size(kRoundScales))) {
+        impulse[c] *= std::pow(10.0, uniform(random) - 0.5);
+      }
+    }
+    InteriorState<D> z = system.central_state(impulse, Vector::Constant(p.num_contacts(), e));
+    InteriorState<D> best = z;
+    if (proximal_interior_point(system, z, run, first, best) == StageEnd::kStop) return;
+    if (arclength &&
+        follow_central_path(system, best, run, arc, endgame, best) == StageEnd::kStop) {
+      return;
+    }
   }
-  InteriorState<D> z = system.central_state(impulse, Vector::Constant(p.num_contacts(), energy));
-  InteriorState<D> best = z;
-  ProximalInteriorPointOptions options;
-  options.max_iterations = parameters.integer("stage_iterations");
-  const StageEnd end = proximal_interior_point(system, z, run, options, best);
-  if (end == StageEnd::kStop) return;
   monitor.fail(SolveStatus::kStalled,
-               fmt::format("the proximal interior point stage stopped after {} iterations, best "
+               fmt::format("the interior point stopped after {} rounds and {} iterations, best "
                            "error {:.2e}",
-                           run.iteration, monitor.best_error()));
+                           rounds, run.iteration, monitor.best_error()));
 }
 
 }  // namespace
