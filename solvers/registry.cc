@@ -5,6 +5,7 @@
 #ifdef BIPOT_WITH_PETSC
 #include "solvers/newton_snes.h"
 #endif
+#include "solvers/interior_point.h"
 #include "solvers/proximal_point.h"
 #include "solvers/uzawa.h"
 
@@ -35,6 +36,11 @@ const SolverEntry kSolvers[] = {
      .run = &solve_newton_snes,
      .parameters = kNewtonParameters},
 #endif
+    {.name = "ipm",
+     .summary =
+         "primal-dual interior point on the exact law, arclength continuation, Newton polish",
+     .run = &solve_interior_point,
+     .parameters = kInteriorPointParameters},
 };
 
 }  // namespace
