@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "bipot run";
 constexpr int kFormatVersion = 1;
-constexpr std::size_t kIndexShare = 256;  // see RunWriter
+constexpr std::size_t kIndexShare = 32;  // see RunWriter
 
 /// Collects one column of numbers, or several, row by row.
 class Column {
