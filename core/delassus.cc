@@ -166,7 +166,9 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form) : p
   }
   if (two_pass_) {
     inverse_mass_ = problem.A.diagonal().cwiseInverse();
-    velocity_.resize(problem.num_dofs());
+    disks_ = disk_structure(problem);
+    velocity_.resize(disks_ ? 4 * static_cast<Eigen::Index>(disks_->bodies.size())
+                            : problem.num_dofs());
     return;
   }
   if (!problem.has_delassus() && problem.has_velocities()) {
@@ -177,8 +179,54 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form) : p
   }
 }
 
+template <int D>
+void DelassusOperator::apply_disks(const double* s, double* u) const {
+  double* const v = velocity_.data();
+  velocity_.setZero();
+  for (const DiskStructure::Contact& c : disks_->contacts) {
+    double* const vi = v + 4 * c.i;
+    double* const vj = v + 4 * c.j;
+    const double normal = c.normal * s[0];
+    double x = normal * c.n[0], y = normal * c.n[1];
+    if constexpr (D == 2) {
+      const double tangential = c.tangential * s[1];
+      x -= tangential * c.n[1];
+      y += tangential * c.n[0];
+      vi[2] -= tangential;
+      vj[2] -= tangential;
+    }
+    vi[0] += x;
+    vi[1] += y;
+    vj[0] -= x;
+    vj[1] -= y;
+    s += D;
+  }
+  double* body_velocity = v;
+  for (const DiskStructure::Body& body : disks_->bodies) {
+    body_velocity[0] *= body.inverse_mass;
+    body_velocity[1] *= body.inverse_mass;
+    body_velocity[2] *= body.inverse_inertia;
+    body_velocity += 4;
+  }
+  for (const DiskStructure::Contact& c : disks_->contacts) {
+    const double* const vi = v + 4 * c.i;
+    const double* const vj = v + 4 * c.j;
+    const double x = vi[0] - vj[0], y = vi[1] - vj[1];
+    u[0] = c.normal * (c.n[0] * x + c.n[1] * y);
+    if constexpr (D == 2) u[1] = c.tangential * (c.n[0] * y - c.n[1] * x - (vi[2] + vj[2]));
+    u += D;
+  }
+}
+
 void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const {
-  if (two_pass_) {
+  if (disks_) {
+    u.resize(problem_.num_rows());
+    if (problem_.dim == 1) {
+      apply_disks<1>(s.data(), u.data());
+    } else {
+      apply_disks<2>(s.data(), u.data());
+    }
+  } else if (two_pass_) {
     velocity_.noalias() = problem_.H * s;
     velocity_.array() *= inverse_mass_.array();
     u.noalias() = problem_.H.transpose() * velocity_;
