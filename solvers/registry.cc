@@ -1,6 +1,7 @@
 #include "solvers/registry.h"
 
 #include "solvers/gauss_seidel.h"
+#include "solvers/lemke.h"
 #ifdef BIPOT_WITH_PETSC
 #include "solvers/newton_snes.h"
 #endif
@@ -30,6 +31,13 @@ const SolverEntry kSolvers[] = {
      .run = &solve_newton_snes,
      .parameters = kNewtonParameters},
 #endif
+    {.name = "lemke",
+     .summary = "exact pivoting reference for tiny problems (Stewart and Trinkle 1996)",
+     .run = &solve_lemke,
+     .parameters = {},
+     .needs_delassus = true,
+     .max_dim = 2,
+     .max_contacts = kLemkeMaxContacts},
 };
 
 }  // namespace
