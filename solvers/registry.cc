@@ -1,10 +1,12 @@
 #include "solvers/registry.h"
 
+#include "solvers/accelerated_gradient.h"
 #include "solvers/gauss_seidel.h"
 #include "solvers/lemke.h"
 #ifdef BIPOT_WITH_PETSC
 #include "solvers/newton_snes.h"
 #endif
+#include "solvers/interior_point.h"
 #include "solvers/proximal_point.h"
 #include "solvers/uzawa.h"
 
@@ -20,6 +22,10 @@ const SolverEntry kSolvers[] = {
      .summary = "projected block Gauss-Seidel, NSGS (Jean 1999)",
      .run = &solve_gauss_seidel,
      .parameters = kGaussSeidelParameters},
+    {.name = "apgd",
+     .summary = "accelerated projected gradient with restart (Mazhar et al. 2015)",
+     .run = &solve_accelerated_gradient,
+     .parameters = kAcceleratedGradientParameters},
     {.name = "ppa",
      .summary = "proximal point around another solver (Rockafellar 1976)",
      .run = &solve_proximal_point,
@@ -38,6 +44,11 @@ const SolverEntry kSolvers[] = {
      .needs_delassus = true,
      .max_dim = 2,
      .max_contacts = kLemkeMaxContacts},
+    {.name = "ipm",
+     .summary =
+         "primal-dual interior point on the exact law, arclength continuation, Newton polish",
+     .run = &solve_interior_point,
+     .parameters = kInteriorPointParameters},
 };
 
 }  // namespace
