@@ -2,6 +2,7 @@
 
 #include "solvers/accelerated_gradient.h"
 #include "solvers/gauss_seidel.h"
+#include "solvers/lemke.h"
 #ifdef BIPOT_WITH_PETSC
 #include "solvers/newton_snes.h"
 #endif
@@ -36,6 +37,13 @@ const SolverEntry kSolvers[] = {
      .run = &solve_newton_snes,
      .parameters = kNewtonParameters},
 #endif
+    {.name = "lemke",
+     .summary = "exact pivoting reference for tiny problems (Stewart and Trinkle 1996)",
+     .run = &solve_lemke,
+     .parameters = {},
+     .needs_delassus = true,
+     .max_dim = 2,
+     .max_contacts = kLemkeMaxContacts},
     {.name = "ipm",
      .summary =
          "primal-dual interior point on the exact law, arclength continuation, Newton polish",
