@@ -1,6 +1,7 @@
 #include "solvers/registry.h"
 
 #include "solvers/accelerated_gradient.h"
+#include "solvers/classical.h"
 #include "solvers/gauss_seidel.h"
 #include "solvers/uzawa.h"
 
@@ -12,6 +13,10 @@ const SolverEntry kSolvers[] = {
      .summary = "bi-potential Uzawa, one predictor-corrector per contact (41)",
      .run = &solve_uzawa,
      .parameters = kUzawaParameters},
+    {.name = "classical",
+     .summary = "two predictor-correctors per contact, normal then friction (the paper's reference)",
+     .run = &solve_classical,
+     .parameters = kClassicalParameters},
     {.name = "pgs",
      .summary = "projected block Gauss-Seidel, NSGS (Jean 1999)",
      .run = &solve_gauss_seidel,
