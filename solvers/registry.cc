@@ -1,6 +1,7 @@
 #include "solvers/registry.h"
 
 #include "solvers/accelerated_gradient.h"
+#include "solvers/anderson.h"
 #include "solvers/classical.h"
 #include "solvers/gauss_seidel.h"
 #include "solvers/uzawa.h"
@@ -25,6 +26,10 @@ const SolverEntry kSolvers[] = {
      .summary = "accelerated projected gradient with restart (Mazhar et al. 2015)",
      .run = &solve_accelerated_gradient,
      .parameters = kAcceleratedGradientParameters},
+    {.name = "anderson",
+     .summary = "safeguarded Anderson acceleration of Gauss-Seidel sweeps (Walker and Ni 2011)",
+     .run = &solve_anderson,
+     .parameters = kAndersonParameters},
 };
 
 }  // namespace
