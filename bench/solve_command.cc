@@ -101,9 +101,6 @@ int solve_command(const SolveFlags& flags) {
   }
   const ContactProblem& problem = file->problem;
   const SolverChoice choice = merged(SolverChoice{}, flags.solver);
-  if (flags.solver.warm_start) {
-    throw std::invalid_argument("--warm-start: a single problem has no step before it");
-  }
   const SolverEntry* entry = find_solver(choice.name);
   if (entry == nullptr) {
     throw std::invalid_argument(unknown_name_message("solver", choice.name, solver_names()));
@@ -137,8 +134,7 @@ int solve_command(const SolveFlags& flags) {
   }
   if (!flags.solution.empty()) {
     if (!std::ifstream(flags.solution)) {
-      write_fclib(flags.solution, problem,
-                  {.title = file->title, .description = file->description});
+      write_fclib(flags.solution, problem, file->info);
     }
     std::optional<Vector> v;
     if (problem.has_velocities()) v = body_velocities(problem, result.s);
