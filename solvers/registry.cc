@@ -1,7 +1,10 @@
 #include "solvers/registry.h"
 
 #include "solvers/accelerated_gradient.h"
+#include "solvers/anderson.h"
+#include "solvers/classical.h"
 #include "solvers/gauss_seidel.h"
+#include "solvers/lemke.h"
 #ifdef BIPOT_WITH_PETSC
 #include "solvers/newton_snes.h"
 #endif
@@ -17,6 +20,11 @@ const SolverEntry kSolvers[] = {
      .summary = "bi-potential Uzawa, one predictor-corrector per contact (41)",
      .run = &solve_uzawa,
      .parameters = kUzawaParameters},
+    {.name = "classical",
+     .summary =
+         "two predictor-correctors per contact, normal then friction (the paper's reference)",
+     .run = &solve_classical,
+     .parameters = kClassicalParameters},
     {.name = "pgs",
      .summary = "projected block Gauss-Seidel, NSGS (Jean 1999)",
      .run = &solve_gauss_seidel,
@@ -25,6 +33,10 @@ const SolverEntry kSolvers[] = {
      .summary = "accelerated projected gradient with restart (Mazhar et al. 2015)",
      .run = &solve_accelerated_gradient,
      .parameters = kAcceleratedGradientParameters},
+    {.name = "anderson",
+     .summary = "safeguarded Anderson acceleration of Gauss-Seidel sweeps (Walker and Ni 2011)",
+     .run = &solve_anderson,
+     .parameters = kAndersonParameters},
     {.name = "ppa",
      .summary = "proximal point around another solver (Rockafellar 1976)",
      .run = &solve_proximal_point,
@@ -36,6 +48,13 @@ const SolverEntry kSolvers[] = {
      .run = &solve_newton_snes,
      .parameters = kNewtonParameters},
 #endif
+    {.name = "lemke",
+     .summary = "exact pivoting reference for tiny problems (Stewart and Trinkle 1996)",
+     .run = &solve_lemke,
+     .parameters = {},
+     .needs_delassus = true,
+     .max_dim = 2,
+     .max_contacts = kLemkeMaxContacts},
     {.name = "ipm",
      .summary =
          "primal-dual interior point on the exact law, arclength continuation, Newton polish",
