@@ -18,6 +18,7 @@ namespace {
 // of contacts far.
 constexpr double kStartStiffness = 1e4;
 constexpr double kRoundScales[] = {1, 0.3, 3};  // start scale of the rounds, in turn
+constexpr double kRelaxedGap = 1e-2;  // accuracy of the associated law before the exact one
 constexpr int kEndgameIterations = 60;
 constexpr unsigned kSeed = 1;
 
@@ -61,11 +62,14 @@ void run(const ContactProblem& p, const Parameters& parameters, IterationMonitor
   const double scale = parameters.number("start_scale");
   const double energy = start_energy(system) * scale * scale;
   monitor.end_setup();
-  InteriorRun run{monitor};
+  InteriorRun run(monitor);
   if (monitor.stop(0, Vector::Zero(p.num_rows()))) return;
 
   ProximalInteriorPointOptions first;
   first.max_iterations = parameters.integer("stage_iterations");
+  const bool relaxation = parameters.choice("relaxation") == "on" && D > 1;
+  ProximalInteriorPointOptions convex = first;
+  convex.final_gap = kRelaxedGap;
   ProximalInteriorPointOptions endgame;
   endgame.max_iterations = kEndgameIterations;
   ArclengthOptions arc;
@@ -83,8 +87,14 @@ void run(const ContactProblem& p, const Parameters& parameters, IterationMonitor
         impulse[c] *= std::pow(10.0, uniform(random) - 0.5);
       }
     }
+    system.set_association(relaxation ? 1 : 0);
     InteriorState<D> z = system.central_state(impulse, Vector::Constant(p.num_contacts(), e));
     InteriorState<D> best = z;
+    if (relaxation) {
+      if (proximal_interior_point(system, z, run, convex, best) == StageEnd::kStop) return;
+      system.set_association(z, 0);
+      best = z;
+    }
     if (proximal_interior_point(system, z, run, first, best) == StageEnd::kStop) return;
     if (arclength &&
         follow_central_path(system, best, run, arc, endgame, best) == StageEnd::kStop) {
