@@ -78,24 +78,26 @@ void run(const ContactProblem& p, const Parameters& parameters, IterationMonitor
   const int rounds = arclength ? parameters.integer("rounds") : 1;
   std::mt19937_64 random(kSeed);
   for (int round = 0; round < rounds; ++round) {
-    const double factor = kRoundScales[round % std::size(kRoundScales)];
+    const bool relaxed = relaxation && round % 2 == 0;
+    const double factor = kRoundScales[round / 2 % std::size(kRoundScales)];
     const double e = energy * factor * factor;
     Vector impulse(p.num_contacts());
     for (int c = 0; c < p.num_contacts(); ++c) {
       impulse[c] = std::sqrt(e / system.mobility()[c * D]);
-      if (round >= static_cast<int>(std::size(kRoundScales))) {
+      if (round >= 2 * static_cast<int>(std::size(kRoundScales))) {
         impulse[c] *= std::pow(10.0, uniform(random) - 0.5);
       }
     }
-    system.set_association(relaxation ? 1 : 0);
+    system.set_association(relaxed ? 1 : 0);
     InteriorState<D> z = system.central_state(impulse, Vector::Constant(p.num_contacts(), e));
     InteriorState<D> best = z;
-    if (relaxation) {
+    if (relaxed) {
       if (proximal_interior_point(system, z, run, convex, best) == StageEnd::kStop) return;
       system.set_association(z, 0);
       best = z;
     }
     if (proximal_interior_point(system, z, run, first, best) == StageEnd::kStop) return;
+    if(getenv("DBG")) printf("round %d after pip it %d best %.2e\n",round,run.iteration,run.monitor.best_error());
     if (arclength &&
         follow_central_path(system, best, run, arc, endgame, best) == StageEnd::kStop) {
       return;
