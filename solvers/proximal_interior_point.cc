@@ -12,7 +12,7 @@ constexpr double kShortStep = 0.1, kLongStep = 0.7;
 constexpr double kLargestDelta = 1e8;    // beyond it I + C^-1 W is the identity
 constexpr double kNeighbourhood = 1e-3;  // smallest product over the mean one
 constexpr double kToBoundary = 0.99;
-constexpr double kSmallestStep = 1e-12;
+constexpr double kSmallestStep = 1e-12, kTinyStep = 1e-3;
 constexpr int kHoldsBeforeRaise = 8;
 
 /// Ratio of the smallest product to the mean one.
@@ -41,6 +41,8 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
   double delta = options.delta_floor;
   int holds = 0, tiny_steps = 0;
   double best_error = std::numeric_limits<double>::infinity();
+  double progress_error = best_error;
+  int progress = 0;
   PairDirection affine, d;
   InteriorState<D> trial;
   for (int k = 0; k < options.max_iterations; ++k) {
@@ -91,10 +93,15 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
       best_error = run.monitor.last_error();
       best = z;
     }
+    if (best_error < 0.5 * progress_error) {
+      progress_error = best_error;
+      progress = k;
+    }
+    if (k - progress >= options.patience) return StageEnd::kStuck;
     if (t < kShortStep) delta = std::max(5 * delta, kShortStepDelta);
     if (t > kLongStep) delta = std::max(options.delta_floor, 0.1 * delta);
-    tiny_steps = t < 1e-6 ? tiny_steps + 1 : 0;
-    if (tiny_steps >= 5) return StageEnd::kStuck;
+    tiny_steps = t < kTinyStep ? tiny_steps + 1 : 0;
+    if (tiny_steps >= 3) return StageEnd::kStuck;
   }
   return StageEnd::kLimit;
 }
