@@ -19,12 +19,15 @@ std::string_view kind_of(const ParameterSpec& spec) {
       return "integer";
     case ParameterSpec::Kind::kChoice:
       return "choice";
+    case ParameterSpec::Kind::kText:
+      return "text";
   }
   return "?";
 }
 
 std::string domain_of(const ParameterSpec& spec) {
   if (spec.kind == ParameterSpec::Kind::kChoice) return std::string(spec.choices);
+  if (spec.kind == ParameterSpec::Kind::kText) return std::string(kind_of(spec));
   return fmt::format("{} in [{:g}, {:g}]", kind_of(spec), spec.minimum, spec.maximum);
 }
 

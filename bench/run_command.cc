@@ -161,6 +161,12 @@ Scene load_scene(const RunFlags& flags, std::string& text) {
   return scene;
 }
 
+/// A run is named by its folder or by the run.h5 in it.
+fs::path run_folder(const fs::path& run) {
+  if (fs::is_directory(run)) return run;
+  return run.has_parent_path() ? run.parent_path() : fs::path(".");
+}
+
 const SolverEntry& chosen_solver(const std::string& name) {
   const SolverEntry* entry = find_solver(name);
   if (entry == nullptr) {
@@ -234,7 +240,9 @@ int run_command(const RunFlags& flags) {
   }
   std::unique_ptr<RunWriter> writer;
   if (!out.empty()) {
-    writer = std::make_unique<RunWriter>(out, scene, text);
+    const bool same_folder = !flags.restart.empty() && fs::exists(out) &&
+                             fs::equivalent(out, run_folder(flags.restart));
+    writer = std::make_unique<RunWriter>(out, scene, text, same_folder ? state.step : -1);
     writer->frame(state);
   }
 

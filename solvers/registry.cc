@@ -5,6 +5,12 @@
 #include "solvers/anderson.h"
 #include "solvers/classical.h"
 #include "solvers/gauss_seidel.h"
+#include "solvers/lemke.h"
+#ifdef BIPOT_WITH_PETSC
+#include "solvers/newton_snes.h"
+#endif
+#include "solvers/interior_point.h"
+#include "solvers/proximal_point.h"
 #include "solvers/uzawa.h"
 
 namespace bipot {
@@ -16,7 +22,8 @@ const SolverEntry kSolvers[] = {
      .run = &solve_uzawa,
      .parameters = kUzawaParameters},
     {.name = "classical",
-     .summary = "two predictor-correctors per contact, normal then friction (the paper's reference)",
+     .summary =
+         "two predictor-correctors per contact, normal then friction (the paper's reference)",
      .run = &solve_classical,
      .parameters = kClassicalParameters},
     {.name = "pgs",
@@ -35,6 +42,29 @@ const SolverEntry kSolvers[] = {
      .summary = "operator splitting with sparse Cholesky factors (Boyd et al. 2011)",
      .run = &solve_admm,
      .parameters = kAdmmParameters},
+    {.name = "ppa",
+     .summary = "proximal point around another solver (Rockafellar 1976)",
+     .run = &solve_proximal_point,
+     .parameters = kProximalPointParameters,
+     .needs_delassus = true},
+#ifdef BIPOT_WITH_PETSC
+    {.name = "newton",
+     .summary = "nonsmooth Newton on PETSc SNES (Alart and Curnier 1991), proximal outer loop",
+     .run = &solve_newton_snes,
+     .parameters = kNewtonParameters},
+#endif
+    {.name = "lemke",
+     .summary = "exact pivoting reference for tiny problems (Stewart and Trinkle 1996)",
+     .run = &solve_lemke,
+     .parameters = {},
+     .needs_delassus = true,
+     .max_dim = 2,
+     .max_contacts = kLemkeMaxContacts},
+    {.name = "ipm",
+     .summary =
+         "primal-dual interior point on the exact law, arclength continuation, Newton polish",
+     .run = &solve_interior_point,
+     .parameters = kInteriorPointParameters},
 };
 
 }  // namespace

@@ -108,6 +108,9 @@ TEST_P(RoundTrip, TheRowScaleOfRestitutionIsKept) {
   const TemporaryFolder folder;
   ContactProblem p = manufactured_problem(GetParam(), 9, 14, 3).problem;
   p.row_scale = Vector::LinSpaced(p.num_rows(), 1, 1.4);
+  for (int row = 2; p.dim == 3 && row < p.num_rows(); row += 3) {
+    p.row_scale[row] = p.row_scale[row - 1];  // one scale for both tangents
+  }
   write_fclib(folder / "global.hdf5", p, kInfo);
   EXPECT_EQ(read_problem(folder / "global.hdf5").problem.row_scale, p.row_scale);
   write_fclib(folder / "local.hdf5", local_form(p), kInfo);

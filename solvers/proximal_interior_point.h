@@ -1,0 +1,53 @@
+#pragma once
+
+#include "solvers/interior_state.h"
+#include "solvers/monitor.h"
+
+namespace bipot {
+
+/// What the stages of the interior-point solver share: who judges, and the count of factorisations.
+struct InteriorRun {
+  IterationMonitor& monitor;
+  int iteration = 0;
+
+  /// Counts one iteration and judges its impulse; true: stop everything.
+  bool next(const Vector& s, double step) { return monitor.stop(++iteration, s, step); }
+};
+
+enum class StageEnd {
+  kStop,    ///< the monitor said stop
+  kLimit,   ///< the stage's own budget of iterations is used
+  kStuck,   ///< no step is possible or no progress is made
+  kFailed,  ///< a factorisation failed or a value is not finite
+};
+
+struct ProximalInteriorPointOptions {
+  int max_iterations = 150;
+  double delta_floor = 1e-7;  ///< smallest proximal term, in units of 1/W
+};
+
+/// Proximal interior point ("PIP"): infeasible Mehrotra predictor-corrector on the exact law, with a
+/// proximal term delta W_cc ds whose anchor is the current impulse. delta is raised until the
+/// determinant of the Newton matrix is positive (beyond a fold of the central path it is not), and
+/// falls again while long steps succeed. tau is held or raised while the kinematic residual is
+/// larger than the products, which takes the iterate out of corners. `best` receives the state with
+/// the smallest guarded error.
+template <int D>
+StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z, InteriorRun& run,
+                                 const ProximalInteriorPointOptions& options,
+                                 InteriorState<D>& best);
+
+extern template StageEnd proximal_interior_point<1>(InteriorSystem<1>&, InteriorState<1>&,
+                                                    InteriorRun&,
+                                                    const ProximalInteriorPointOptions&,
+                                                    InteriorState<1>&);
+extern template StageEnd proximal_interior_point<2>(InteriorSystem<2>&, InteriorState<2>&,
+                                                    InteriorRun&,
+                                                    const ProximalInteriorPointOptions&,
+                                                    InteriorState<2>&);
+extern template StageEnd proximal_interior_point<3>(InteriorSystem<3>&, InteriorState<3>&,
+                                                    InteriorRun&,
+                                                    const ProximalInteriorPointOptions&,
+                                                    InteriorState<3>&);
+
+}  // namespace bipot
