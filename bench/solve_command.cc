@@ -137,8 +137,7 @@ int solve_command(const SolveFlags& flags) {
   }
   if (!flags.solution.empty()) {
     if (!std::ifstream(flags.solution)) {
-      write_fclib(flags.solution, problem,
-                  {.title = file->title, .description = file->description});
+      write_fclib(flags.solution, problem, file->info);
     }
     std::optional<Vector> v;
     if (problem.has_velocities()) v = body_velocities(problem, result.s);
