@@ -1,6 +1,7 @@
 #include "solvers/registry.h"
 
 #include "solvers/accelerated_gradient.h"
+#include "solvers/admm.h"
 #include "solvers/anderson.h"
 #include "solvers/classical.h"
 #include "solvers/gauss_seidel.h"
@@ -40,6 +41,10 @@ const SolverEntry kSolvers[] = {
      .summary = "safeguarded Anderson acceleration of Gauss-Seidel sweeps (Walker and Ni 2011)",
      .run = &solve_anderson,
      .parameters = kAndersonParameters},
+    {.name = "admm",
+     .summary = "operator splitting with sparse Cholesky factors (Boyd et al. 2011)",
+     .run = &solve_admm,
+     .parameters = kAdmmParameters},
     {.name = "ppa",
      .summary = "proximal point around another solver (Rockafellar 1976)",
      .run = &solve_proximal_point,
