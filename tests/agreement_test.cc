@@ -88,6 +88,11 @@ std::vector<std::string> case_names() {
 /// instead, and an entry that converges after all is an error, so that the list stays true.
 const std::set<std::pair<std::string, std::string>> kUnsolved = {};
 
+/// Problems with several solutions that differ in u: the error alone is compared. The free pyramid
+/// stands (u = 0, anderson), or loses contacts and slides (‖u‖ = 0.0447 m/s pgs, apgd, admm and
+/// ipm; 0.0414 m/s lemke), each with a guarded error below 1e-12.
+const std::set<std::string> kSeveralSolutions = {"pyramid"};
+
 class Agreement : public testing::TestWithParam<std::tuple<std::string, std::string>> {};
 
 TEST_P(Agreement, VelocitiesAndErrorsAreTheTrueOnes) {
@@ -116,6 +121,7 @@ TEST_P(Agreement, VelocitiesAndErrorsAreTheTrueOnes) {
   }
   ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
   EXPECT_LE(naive.guarded(), options.tol * (1 + 1e-6));
+  if (kSeveralSolutions.contains(name)) return;
   const double scale = std::max(c.u.norm(), 1e-2 * p.u_free.norm());
   EXPECT_LT((r.u - c.u).norm(), 1e-6 * scale);
 }
