@@ -93,7 +93,13 @@ Enum checked_enum(const Hdf5File& file, const std::string& name, int value, int 
   return static_cast<Enum>(value);
 }
 
-fs::path folder_of(const fs::path& run) { return fs::is_directory(run) ? run : run.parent_path(); }
+fs::path folder_of(const fs::path& run) {
+  if (fs::is_directory(run)) return run;
+  if (run.filename() != "run.h5") {
+    throw FileError(run, "", "a run is named by its folder or by the run.h5 in it");
+  }
+  return run.parent_path();
+}
 
 std::string frame_name(int step) { return fmt::format("{:08d}", step); }
 

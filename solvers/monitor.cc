@@ -60,8 +60,9 @@ bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, do
 
   double change = std::numeric_limits<double>::infinity();
   if (previous_.size() == s.size() && previous_iteration_ < iteration) {
+    // Two iterates at 0 say nothing: 0/0. (0 is no solution here, or solve() had returned it.)
     const double norm = s.norm();
-    change = norm > 0 ? (s - previous_).norm() / norm : 0;
+    if (norm > 0) change = (s - previous_).norm() / norm;
   }
   const bool comparable = previous_iteration_ == iteration - 1;
   const bool met = judge(s, comparable ? change : std::numeric_limits<double>::infinity());

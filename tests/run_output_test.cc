@@ -185,6 +185,8 @@ TEST(RunOutput, AStateIsReadBackBitForBit) {
   EXPECT_EQ(read_scene_text(folder / "out"), "the scene's text");
   EXPECT_THROW(read_state(folder / "out", 3), FileError);
   EXPECT_THROW(read_state(folder / "nothing"), FileError);
+  EXPECT_THROW(read_state(folder / "nothing/run.h5"), FileError);
+  EXPECT_THROW(read_state(folder / "out/frames/00000000.h5"), FileError);  // not a run
 }
 
 TEST(RunOutput, ARunGoesOnFromAFrameWithTheSameBits) {
