@@ -21,9 +21,10 @@ constexpr int kFirstBalance = 20;          // iterations before the first change
 constexpr double kBalanceInterval = 0.25;  // of the iterations so far, before the next one
 constexpr double kImbalance = 5;           // factor of rho below which it is left alone
 constexpr double kLargestChange = 100;     // of rho at once
+constexpr double kSmallestRho = 1e-3;      // of balancing; smaller ones cost digits in the solve
 constexpr double kRoundOff = 4e-15;        // relative change of a multiplier at rest
 constexpr int kCorrections = 2;            // for the skew part of W
-constexpr int kDoublings = 60;             // of rho, for an indefinite W
+constexpr int kRaises = 20;                // of rho by 10, for an indefinite W
 
 /// x = (W + rho I)⁻¹ r in the scaled variables.
 class Resolvent {
@@ -73,11 +74,11 @@ class Resolvent {
 };
 
 /// False when no penalty makes the matrix positive definite.
-bool factor_doubling(Resolvent& resolvent, double& rho, Vector& y) {
-  for (int k = 0; k < kDoublings; ++k) {
+bool factor_raising(Resolvent& resolvent, double& rho, Vector& y) {
+  for (int k = 0; k < kRaises; ++k) {
     if (resolvent.factor(rho)) return true;
-    rho *= 2;
-    y *= 0.5;
+    rho *= 10;
+    y *= 0.1;
   }
   return false;
 }
@@ -94,13 +95,13 @@ class Stages {
       mark_iteration_ = iteration;
     } else if (iteration - mark_iteration_ > kPatience) {
       mark_iteration_ = iteration;
-      return ++raised_ <= kRaises ? kRaise : 0;
+      return ++raised_ <= kStages ? kRaise : 0;
     }
     return 1;
   }
 
  private:
-  static constexpr int kPatience = 100, kRaises = 6;
+  static constexpr int kPatience = 100, kStages = 6;
   static constexpr double kRaise = 3.1622776601683795;  // six of them make 1000
   double mark_ = std::numeric_limits<double>::infinity();
   int mark_iteration_ = 0, raised_ = 0;
@@ -115,12 +116,12 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
   const Vector b = scaling.velocity.cwiseProduct(p.u_free);
   // Start of the multiplier: minus de Saxcé's velocity at s0, where that is not 0.
   for (int c = 0; c < p.num_contacts(); ++c) {
-    const Local<D> w = velocity0.segment<D>(c * D).cwiseProduct(
-        Local<D>(scaling.velocity.segment<D>(c * D)));
+    const Local<D> w =
+        velocity0.segment<D>(c * D).cwiseProduct(Local<D>(scaling.velocity.segment<D>(c * D)));
     y.segment<D>(c * D) = -de_saxce_velocity<D>(w, scaling.mu[c]) / rho;
   }
   if (s0.isZero(0)) y.setZero();
-  if (!factor_doubling(resolvent, rho, y)) {
+  if (!factor_raising(resolvent, rho, y)) {
     monitor.fail(SolveStatus::kNumericalFailure, "W + rho I is not positive definite");
     return;
   }
@@ -147,8 +148,7 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
     z_before = z;
     for (int c = 0; c < p.num_contacts(); ++c) {
       const Local<D> relaxed = relaxation * x.segment<D>(c * D) +
-                               (1 - relaxation) * z_before.segment<D>(c * D) +
-                               y.segment<D>(c * D);
+                               (1 - relaxation) * z_before.segment<D>(c * D) + y.segment<D>(c * D);
       const Local<D> projected = project_coulomb_cone<D>(relaxed, scaling.mu[c]);
       z.segment<D>(c * D) = projected;
       y.segment<D>(c * D) = relaxed - projected;
@@ -168,14 +168,15 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
       const double wanted = std::sqrt(primal / dual);
       if (wanted > kImbalance || wanted < 1 / kImbalance) {
         factor = std::clamp(wanted, 1 / kLargestChange, kLargestChange);
+        factor = std::clamp(rho * factor, kSmallestRho, 1 / kSmallestRho) / rho;
       }
-      next_balance = iteration + 1 +
-                     std::max(kFirstBalance, static_cast<int>(kBalanceInterval * iteration));
+      next_balance =
+          iteration + 1 + std::max(kFirstBalance, static_cast<int>(kBalanceInterval * iteration));
     }
     if (factor != 1) {
       rho *= factor;
       y /= factor;
-      if (!factor_doubling(resolvent, rho, y)) {
+      if (!factor_raising(resolvent, rho, y)) {
         monitor.fail(SolveStatus::kNumericalFailure,
                      fmt::format("factorisation failed for rho = {:.2e}", rho));
         return;

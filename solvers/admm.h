@@ -39,14 +39,14 @@ inline constexpr ParameterSpec kAdmmParameters[] = {
 /// where A and H are given through rho A + H Hᵀ in the velocities (Woodbury), otherwise W + rho I
 /// itself. [ours] For an unsymmetric W the symmetric part is factored and the rest is taken in by
 /// two steps of residual correction; where W + rho I is not positive definite (rounded data) rho
-/// is doubled.
+/// is raised tenfold.
 ///
 /// The penalty. A small rho is quick on packings whose forces reach everywhere, a large one where
 /// contacts slip and open. [ours] staged: while the best error has not halved for 100 iterations,
 /// rho is raised by sqrt(10), six times; after that, balanced: when the primal residual ‖x - z‖ /
-/// max(‖x‖, ‖z‖) and the dual residual ‖z⁺ - z‖ / ‖y‖ differ by a factor above 25, rho is multiplied
-/// by the root of their ratio (relative residuals: Wohlberg 2017; the rule of OSQP), at intervals
-/// that grow with the iteration count. One iteration is one linear solve.
+/// max(‖x‖, ‖z‖) and the dual residual ‖z⁺ - z‖ / ‖y‖ differ by a factor above 25, rho is
+/// multiplied by the root of their ratio (relative residuals: Wohlberg 2017; the rule of OSQP), at
+/// intervals that grow with the iteration count. One iteration is one linear solve.
 SolveResult solve_admm(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

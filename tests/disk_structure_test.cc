@@ -26,7 +26,8 @@ TEST(DiskStructure, IsFoundInLatticesWithAndWithoutFriction) {
     const auto disks = disk_structure(p);
     ASSERT_TRUE(disks.has_value()) << dim;
     EXPECT_EQ(disks->contacts.size(), p.mu.size());
-    EXPECT_EQ(disks->bodies.size() - 1, static_cast<std::size_t>(p.num_dofs()) / (dim == 1 ? 2 : 3));
+    EXPECT_EQ(disks->bodies.size() - 1,
+              static_cast<std::size_t>(p.num_dofs()) / (dim == 1 ? 2 : 3));
     EXPECT_EQ(disks->bodies.back().inverse_mass, 0);
   }
 }

@@ -6,7 +6,9 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <map>
 #include <numbers>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -56,6 +58,8 @@ std::vector<Variant> variants() {
           {"admm", {{"penalty", "fixed"}, {"rho", "0.1"}}}};
 }
 
+void PrintTo(const Variant& variant, std::ostream* out) { *out << variant.name(); }
+
 class FirstOrder : public testing::TestWithParam<Variant> {
  protected:
   SolverOptions options(double tol = 1e-8) const {
@@ -75,11 +79,11 @@ TEST_P(FirstOrder, SolvesTheContactThatSticks) {
   for (int dim = 1; dim <= 3; ++dim) {
     Vector b_t(dim - 1);
     if (dim > 1) b_t.setConstant(3.0 / std::sqrt(dim - 1.0));  // |s_t| = 3/5 < 1
-    const SolveResult r = run(one_contact_problem(dim, 2, 5, 0.5, -4, b_t), options(1e-12));
+    const SolveResult r = run(one_contact_problem(dim, 2, 5, 0.5, -4, b_t), options(1e-10));
     ASSERT_EQ(r.status, SolveStatus::kConverged) << dim << r.message;
-    EXPECT_NEAR(r.s[0], 2, 1e-9);
-    if (dim > 1) EXPECT_NEAR(r.s.tail(dim - 1).norm(), 0.6, 1e-9);
-    EXPECT_LT(r.u.norm(), 1e-9);
+    EXPECT_NEAR(r.s[0], 2, 1e-8);
+    EXPECT_NEAR(r.s.tail(dim - 1).norm(), dim > 1 ? 0.6 : 0, 1e-8);
+    EXPECT_LT(r.u.norm(), 1e-8);
   }
 }
 
@@ -87,31 +91,30 @@ TEST_P(FirstOrder, SolvesTheContactThatSlips) {
   for (int dim = 2; dim <= 3; ++dim) {
     Vector b_t = Vector::Zero(dim - 1);
     b_t[dim - 2] = -20;  // sticking would need |s_t| = 4 > 1
-    const SolveResult r = run(one_contact_problem(dim, 2, 5, 0.5, -4, b_t), options(1e-12));
+    const SolveResult r = run(one_contact_problem(dim, 2, 5, 0.5, -4, b_t), options(1e-10));
     ASSERT_EQ(r.status, SolveStatus::kConverged) << dim << r.message;
-    EXPECT_NEAR(r.s[0], 2, 1e-9);
-    EXPECT_NEAR(r.s[dim - 1], 1, 1e-9);
-    EXPECT_NEAR(r.u[dim - 1], -15, 1e-8);
+    EXPECT_NEAR(r.s[0], 2, 1e-8);
+    EXPECT_NEAR(r.s[dim - 1], 1, 1e-8);
+    EXPECT_NEAR(r.u[dim - 1], -15, 1e-7);
   }
 }
 
 // A second body's contact closes, the first opens: the solver itself has to find s = 0 there.
 TEST_P(FirstOrder, LeavesTheContactThatOpensAlone) {
-  ContactProblem p = manufactured_problem(2, 2, 2, 3).problem;
   SparseRows W(4, 4);
   for (int k = 0; k < 4; ++k) W.insert(k, k) = k % 2 == 0 ? 2 : 5;
   W.makeCompressed();
-  p = ContactProblem{};
+  ContactProblem p;
   p.dim = 2;
   p.W = W;
   p.mu = Vector::Constant(2, 0.5);
   p.u_free = Vector(4);
   p.u_free << 1, 2, -4, 0;
-  const SolveResult r = run(p, options(1e-12));
+  const SolveResult r = run(p, options(1e-10));
   ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
   EXPECT_EQ(r.s[0], 0);
   EXPECT_EQ(r.s[1], 0);
-  EXPECT_NEAR(r.s[2], 2, 1e-9);
+  EXPECT_NEAR(r.s[2], 2, 1e-8);
 }
 
 TEST_P(FirstOrder, FindsTheManufacturedVelocities) {
@@ -192,7 +195,7 @@ TEST_P(FirstOrder, DoesNotDependOnUnits) {
   ASSERT_EQ(a.status, SolveStatus::kConverged) << a.message;
   ASSERT_EQ(b.status, SolveStatus::kConverged) << b.message;
   EXPECT_NEAR(a.iterations, b.iterations, 1);
-  EXPECT_NEAR(a.error.guarded(), b.error.guarded(), 1e-2 * a.error.guarded());
+  EXPECT_NEAR(a.error.guarded(), b.error.guarded(), 0.1 * a.error.guarded());
   for (int dim = 1; dim <= 3; ++dim) {
     const ContactProblem p = manufactured_problem(dim, 12, 13, 5).problem;
     const SolveResult c = run(p, options(1e-6));

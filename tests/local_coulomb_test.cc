@@ -38,7 +38,8 @@ void solves_random_problems() {
   int slips = 0, sticks = 0, solved = 0;
   constexpr int kTrials = 500;
   for (int k = 0; k < kTrials; ++k) {
-    const LocalProblem<D> p = random_problem<D>(engine, k % 3 == 0 ? 0.1 : (k % 3 == 1 ? 0.5 : 1.0));
+    const LocalProblem<D> p =
+        random_problem<D>(engine, k % 3 == 0 ? 0.1 : (k % 3 == 1 ? 0.5 : 1.0));
     Local<D> s = Local<D>::Zero();
     if (!solve_local<D>(p, s)) continue;
     ++solved;
@@ -50,7 +51,7 @@ void solves_random_problems() {
   // With strong coupling a single contact need not have a solution of the form that is looked for.
   EXPECT_GE(solved, kTrials * 99 / 100);
   EXPECT_GT(sticks, 20);
-  if (D > 1) EXPECT_GT(slips, 20);
+  EXPECT_GT(slips, D > 1 ? 20 : -1);
 }
 
 TEST(LocalCoulomb, ExactSolutionsSatisfyTheLaw) {
