@@ -33,6 +33,7 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem)
     : problem_(problem),
       delassus_(problem),
       w_nn_(problem.num_contacts()),
+      rho_nn_(problem.num_contacts()),
       rho_nat_(problem.num_contacts()),
       s_(Vector::Zero(problem.num_rows())),
       u_(Vector::Zero(problem.num_rows())) {
@@ -47,6 +48,7 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem)
     }
     const double r = scale(problem, c * d);
     w_nn_[c] = r * r * diagonal[c * d];
+    rho_nn_[c] = 1 / w_nn_[c];
     rho_nat_[c] = d / trace;
     const double opening = problem.u_free[c * d] / r;
     if (opening < 0) free_energy_ += 0.5 * opening * opening / w_nn_[c];
@@ -60,19 +62,26 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem)
 
 ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s) {
   s_ = s;
-  return dispatch_dim(problem_.dim, [&](auto d) { return evaluate<d()>(); });
+  const bool scaled = problem_.row_scale.size() != 0;
+  return dispatch_dim(problem_.dim, [&](auto d) {
+    return scaled ? evaluate<d(), true>() : evaluate<d(), false>();
+  });
 }
 
-template <int D>
+template <int D, bool kScaled>
 ContactError ContactErrorEvaluator::evaluate() {
   const ContactProblem& p = problem_;
   for (int c = 0; c < p.num_contacts(); ++c) {
-    // The edge of the cone is the same set in scaled and in physical variables, its projection is
-    // not: the paper's projection is taken physically.
-    Local<D> x, r;
-    for (int k = 0; k < D; ++k) r[k] = scale(p, c * D + k);
-    x = local<D>(s_, c).cwiseQuotient(r);
-    s_.segment<D>(c * D) = project_coulomb_cone<D>(x, physical_mu(p, c)).cwiseProduct(r);
+    if constexpr (kScaled) {
+      // The edge of the cone is the same set in scaled and in physical variables, its projection
+      // is not: the paper's projection is taken physically.
+      const Local<D> r = p.row_scale.segment<D>(c * D);
+      const Local<D> x = s_.segment<D>(c * D).cwiseQuotient(r);
+      s_.segment<D>(c * D) = project_coulomb_cone<D>(x, physical_mu(p, c)).cwiseProduct(r);
+    } else {
+      const Local<D> x = s_.segment<D>(c * D);
+      s_.segment<D>(c * D) = project_coulomb_cone<D>(x, p.mu[c]);
+    }
   }
   delassus_.velocity(s_, u_);
 
@@ -81,25 +90,24 @@ ContactError ContactErrorEvaluator::evaluate() {
   double worst_gap = -1, worst_natural = -1;
   ContactError e;
   for (int c = 0; c < p.num_contacts(); ++c) {
-    Local<D> x, u, r;
-    for (int k = 0; k < D; ++k) r[k] = scale(p, c * D + k);
-    const Local<D> s_solver = local<D>(s_, c);
-    const Local<D> u_solver = local<D>(u_, c);
-    x = s_solver.cwiseQuotient(r);
-    u = u_solver.cwiseQuotient(r);
-    const double mu = physical_mu(p, c);
-    const double rho = 1 / w_nn_[c];
-
+    Local<D> x = s_.segment<D>(c * D);
+    Local<D> u = u_.segment<D>(c * D);
     // sᵀ W s is the same in both variables: (r s)ᵀ (W / r r) (r s).
-    moved += s_solver.dot(u_solver - local<D>(p.u_free, c));
+    moved += x.dot(u - p.u_free.segment<D>(c * D));
+    if constexpr (kScaled) {
+      x = x.cwiseQuotient(p.row_scale.segment<D>(c * D));
+      u = u.cwiseQuotient(p.row_scale.segment<D>(c * D));
+    }
+    const double mu = kScaled ? physical_mu(p, c) : p.mu[c];
+    const double rho = rho_nn_[c];
 
     const double slip = tangential_norm<D>(u);
     const double dissipated = mu * x[0] * slip;
     double tangential = dissipated;
     for (int k = 1; k < D; ++k) tangential += x[k] * u[k];
-    tangential = std::max(tangential, 0.0);  // >= 0 on the cone; rounding may say otherwise
-    const double opening = std::max(u[0], 0.0);
-    const double closing = std::max(-u[0], 0.0);
+    tangential = positive_part(tangential);  // >= 0 on the cone; rounding may say otherwise
+    const double opening = positive_part(u[0]);
+    const double closing = positive_part(-u[0]);
     const double contact_gap = tangential + x[0] * std::abs(u[0]);
     const double contact_penetration = 0.5 * rho * closing * closing;
     friction += dissipated;
@@ -116,7 +124,7 @@ ContactError ContactErrorEvaluator::evaluate() {
     if (x[0] == 0 && u[0] >= 0) continue;
     const Local<D> hat = de_saxce_velocity<D>(u, mu);
     const Local<D> n = x - project_coulomb_cone<D>(x - rho * hat, mu);
-    const double contact_natural = n.squaredNorm() / (2 * rho);
+    const double contact_natural = 0.5 * w_nn_[c] * n.squaredNorm();
     natural += contact_natural;
     if (contact_natural > worst_natural) {
       worst_natural = contact_natural;

@@ -44,12 +44,13 @@ class ContactErrorEvaluator {
   const DelassusOperator& delassus() const { return delassus_; }
 
  private:
-  template <int D>
+  template <int D, bool kScaled>
   ContactError evaluate();
 
   const ContactProblem& problem_;
   DelassusOperator delassus_;
   Vector w_nn_;             // c, physical W_nn
+  Vector rho_nn_;           // c, 1/W_nn
   Vector rho_nat_;          // c, d / trace of the physical diagonal block
   double free_energy_ = 0;  // ½ Σ rho_c (b_n⁻)², physical
   double free_norm_ = 0;    // ‖rho u_free‖, physical

@@ -41,9 +41,9 @@ std::string check_mass_matrix(const SparseMatrix& A) {
   if (A.nonZeros() == A.rows()) return {};
   const SparseMatrix transposed = A.transpose();
   const SparseMatrix skew = A - transposed;
-  const double scale = diagonal.cwiseAbs().maxCoeff();
   for (int k = 0; k < skew.outerSize(); ++k) {
     for (SparseMatrix::InnerIterator it(skew, k); it; ++it) {
+      const double scale = std::sqrt(diagonal[it.row()] * diagonal[it.col()]);
       if (std::abs(it.value()) > 1e-9 * scale) {
         return fmt::format("A is not symmetric: A({0}, {1}) - A({1}, {0}) = {2}", it.row(),
                            it.col(), it.value());
@@ -84,6 +84,7 @@ std::string validate(const ContactProblem& p) {
   if (p.has_delassus()) {
     if (auto e = check_size("W (rows)", p.W.rows(), rows); !e.empty()) return e;
     if (auto e = check_size("W (columns)", p.W.cols(), rows); !e.empty()) return e;
+    if (!p.W.isCompressed()) return "W is not compressed: call makeCompressed()";
     if (auto e = check_finite_entries("W", p.W); !e.empty()) return e;
   }
   if (p.has_velocities()) {
@@ -107,6 +108,12 @@ std::string validate(const ContactProblem& p) {
     for (Eigen::Index i = 0; i < rows; ++i) {
       if (!(p.row_scale[i] > 0)) {
         return fmt::format("row_scale[{}] = {} is not positive", i, p.row_scale[i]);
+      }
+    }
+    for (int c = 0; c < p.num_contacts() && p.dim == 3; ++c) {
+      if (p.row_scale[c * 3 + 1] != p.row_scale[c * 3 + 2]) {
+        return fmt::format("row_scale of contact {} differs between its tangents: {} and {}", c,
+                           p.row_scale[c * 3 + 1], p.row_scale[c * 3 + 2]);
       }
     }
   }

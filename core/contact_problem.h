@@ -42,7 +42,8 @@ struct ContactProblem {
 
 /// Empty for a sound problem, otherwise one sentence that names the field, the index and the value
 /// (or both sizes). Refused: wrong sizes, non-finite values, a non-positive diagonal of A, W_nn <=
-/// 0, negative mu, non-positive row_scale, A that is not symmetric. W need not be symmetric:
+/// 0, negative mu, non-positive row_scale or one that differs between the tangents of a contact, A
+/// that is not symmetric, W that is not compressed. W need not be symmetric:
 /// rounded data of other codes are solved as they are.
 std::string validate(const ContactProblem& problem);
 

@@ -6,9 +6,11 @@
 
 namespace bipot {
 
-/// A vector of one contact's frame, normal component first.
+/// A vector of one contact's frame, normal component first. Not aligned, so that Eigen keeps the
+/// components in separate registers: packing two of them costs more than it saves, since they come
+/// from and go to scalar code.
 template <int D>
-using Local = Eigen::Matrix<double, D, 1>;
+using Local = Eigen::Matrix<double, D, 1, Eigen::DontAlign>;
 
 /// Norm of the tangential part; 0 for D = 1.
 template <int D>
@@ -22,13 +24,28 @@ inline double tangential_norm(const Local<D>& x) {
   }
 }
 
+/// max(x, 0), exactly, without a branch; NaN stays NaN.
+inline double positive_part(double x) { return 0.5 * (x + std::abs(x)); }
+
+/// x limited to [-radius, radius] without a branch; NaN stays NaN.
+inline double cut_off(double x, double radius) {
+  const double above = x < -radius ? -radius : x;
+  return above > radius ? radius : above;
+}
+
 /// Projection (34) of tau on the Coulomb cone K_mu = {|s_t| <= mu s_n}, Euclidean metric.
 /// Three cases: take-off (tau in the polar cone: 0), stick (tau in the cone: tau), slip (on the
 /// edge). The result of the slip case satisfies |s_t| = mu s_n up to one rounding.
 template <int D>
 inline Local<D> project_coulomb_cone(const Local<D>& tau, double mu) {
   if constexpr (D == 1) {
-    return Local<1>(tau[0] > 0 ? tau[0] : 0.0);
+    return Local<1>(positive_part(tau[0]));
+  } else if constexpr (D == 2) {
+    // The normal part of the three cases is the largest of 0, tau_n and the slip formula, and the
+    // tangential part is tau_t cut off at the edge: no branch, as statuses cannot be predicted.
+    const double edge = (tau[0] + mu * std::abs(tau[1])) / (1 + mu * mu);
+    const double sn = positive_part(edge > tau[0] ? edge : tau[0]);
+    return Local<2>(sn, cut_off(tau[1], mu * sn));
   } else {
     const double tn = tau[0];
     const double tt = tangential_norm<D>(tau);

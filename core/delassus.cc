@@ -1,64 +1,136 @@
 #include "core/delassus.h"
 
 #include <algorithm>
+#include <numeric>
 #include <stdexcept>
 #include <vector>
 
+#include "core/coulomb_cone.h"
 #include "core/sparse_factor.h"
 
 namespace bipot {
 namespace {
 
-SparseRows assemble_diagonal(const SparseMatrix& A, const SparseMatrix& H, int dim) {
-  const int rows = static_cast<int>(H.cols());
-  const int contacts = rows / dim;
-  Vector inverse_mass = A.diagonal().cwiseInverse();
-  const SparseRows by_dof = H;  // row k: the contact directions that act on degree of freedom k
+/// What one contact does to one degree of freedom: a row of H restricted to the contact.
+template <int D>
+struct DofEntry {
+  int index = 0;  // the degree of freedom in a contact's list, the contact in a dof's list
+  double h[D] = {};
+};
 
-  // Per block row: the coupled contacts are collected through the shared degrees of freedom.
-  std::vector<int> slot(contacts, -1);  // contact -> position in `neighbours`
-  std::vector<int> neighbours;
-  std::vector<double> blocks;  // neighbours.size() blocks of dim x dim, row-major
-  std::vector<int> order;
-  std::vector<int> columns;
-  std::vector<double> values;
-  std::vector<int> row_start(rows + 1, 0);
-  const std::size_t guess = static_cast<std::size_t>(rows) * 11 * dim;
-  columns.reserve(guess);
-  values.reserve(guess);
-  const int block_size = dim * dim;
+/// Lists of DofEntry, compressed.
+template <int D>
+struct EntryLists {
+  std::vector<int> start;
+  std::vector<DofEntry<D>> entries;
+};
+
+/// By contact: the degrees of freedom it acts on, ascending.
+template <int D>
+EntryLists<D> entries_by_contact(const SparseMatrix& H) {
+  const int contacts = static_cast<int>(H.cols()) / D;
+  EntryLists<D> lists;
+  lists.start.reserve(contacts + 1);
+  lists.start.push_back(0);
+  lists.entries.reserve(H.nonZeros());
+  const auto less = [](const DofEntry<D>& e, int dof) { return e.index < dof; };
   for (int c = 0; c < contacts; ++c) {
-    neighbours.clear();
-    blocks.clear();
-    for (int a = 0; a < dim; ++a) {
-      for (SparseMatrix::InnerIterator entry(H, c * dim + a); entry; ++entry) {
-        for (SparseRows::InnerIterator other(by_dof, entry.row()); other; ++other) {
-          const int k = static_cast<int>(other.col()) / dim;
-          if (slot[k] < 0) {
-            slot[k] = static_cast<int>(neighbours.size());
-            neighbours.push_back(k);
-            blocks.resize(blocks.size() + block_size, 0.0);
-          }
-          blocks[slot[k] * block_size + a * dim + static_cast<int>(other.col()) % dim] +=
-              entry.value() * other.value() * inverse_mass[entry.row()];
+    for (int a = 0; a < D; ++a) {
+      for (SparseMatrix::InnerIterator it(H, c * D + a); it; ++it) {
+        const auto begin = lists.entries.begin() + lists.start[c];
+        auto at = std::lower_bound(begin, lists.entries.end(), static_cast<int>(it.row()), less);
+        if (at == lists.entries.end() || at->index != it.row()) {
+          at = lists.entries.insert(at, {static_cast<int>(it.row()), {}});
         }
+        at->h[a] += it.value();
       }
     }
-    order.assign(neighbours.begin(), neighbours.end());
-    std::sort(order.begin(), order.end());
-    for (int a = 0; a < dim; ++a) {
-      for (int k : order) {
-        for (int b = 0; b < dim; ++b) {
-          columns.push_back(k * dim + b);
-          values.push_back(blocks[slot[k] * block_size + a * dim + b]);
-        }
-      }
-      row_start[c * dim + a + 1] = static_cast<int>(columns.size());
-    }
-    for (int k : neighbours) slot[k] = -1;
+    lists.start.push_back(static_cast<int>(lists.entries.size()));
   }
-  return Eigen::Map<const SparseRows>(rows, rows, static_cast<Eigen::Index>(values.size()),
-                                      row_start.data(), columns.data(), values.data());
+  return lists;
+}
+
+/// By degree of freedom: the contacts that act on it, ascending.
+template <int D>
+EntryLists<D> transposed(const EntryLists<D>& by_contact, int dofs) {
+  EntryLists<D> lists;
+  lists.start.assign(dofs + 1, 0);
+  for (const DofEntry<D>& e : by_contact.entries) ++lists.start[e.index + 1];
+  std::partial_sum(lists.start.begin(), lists.start.end(), lists.start.begin());
+  lists.entries.resize(by_contact.entries.size());
+  std::vector<int> next(lists.start.begin(), lists.start.end() - 1);
+  for (int c = 0; c + 1 < static_cast<int>(by_contact.start.size()); ++c) {
+    for (int k = by_contact.start[c]; k < by_contact.start[c + 1]; ++k) {
+      DofEntry<D> e = by_contact.entries[k];
+      const int dof = e.index;
+      e.index = c;
+      lists.entries[next[dof]++] = e;
+    }
+  }
+  return lists;
+}
+
+template <int D>
+SparseRows assemble_diagonal(const SparseMatrix& A, const SparseMatrix& H) {
+  const int rows = static_cast<int>(H.cols());
+  const int contacts = rows / D;
+  const Vector inverse_mass = A.diagonal().cwiseInverse();
+  const EntryLists<D> by_contact = entries_by_contact<D>(H);
+  const EntryLists<D> by_dof = transposed<D>(by_contact, static_cast<int>(H.rows()));
+
+  // First pass: the contacts coupled to each contact through a shared degree of freedom.
+  std::vector<int> neighbour_start{0}, neighbours;
+  neighbour_start.reserve(contacts + 1);
+  neighbours.reserve(static_cast<std::size_t>(contacts) * 11);
+  std::vector<int> last_seen(contacts, -1);
+  for (int c = 0; c < contacts; ++c) {
+    const std::size_t first = neighbours.size();
+    for (int k = by_contact.start[c]; k < by_contact.start[c + 1]; ++k) {
+      const int dof = by_contact.entries[k].index;
+      for (int l = by_dof.start[dof]; l < by_dof.start[dof + 1]; ++l) {
+        const int other = by_dof.entries[l].index;
+        if (last_seen[other] == c) continue;
+        last_seen[other] = c;
+        neighbours.push_back(other);
+      }
+    }
+    std::sort(neighbours.begin() + static_cast<std::ptrdiff_t>(first), neighbours.end());
+    neighbour_start.push_back(static_cast<int>(neighbours.size()));
+  }
+
+  // Second pass: values, straight into the compressed rows.
+  SparseRows W(rows, rows);
+  W.resizeNonZeros(static_cast<Eigen::Index>(neighbours.size()) * D * D);
+  std::vector<int> slot(contacts, 0);
+  for (int c = 0; c < contacts; ++c) {
+    const int count = neighbour_start[c + 1] - neighbour_start[c];
+    const int* neighbour = neighbours.data() + neighbour_start[c];
+    const int row_start = neighbour_start[c] * D * D;
+    const int row_length = count * D;
+    for (int k = 0; k < count; ++k) slot[neighbour[k]] = k;
+    int* column = W.innerIndexPtr() + row_start;
+    double* value = W.valuePtr() + row_start;
+    for (int a = 0; a < D; ++a) {
+      W.outerIndexPtr()[c * D + a] = row_start + a * row_length;
+      for (int k = 0; k < count; ++k) {
+        for (int b = 0; b < D; ++b) column[a * row_length + k * D + b] = neighbour[k] * D + b;
+      }
+    }
+    std::fill(value, value + D * row_length, 0.0);
+    for (int k = by_contact.start[c]; k < by_contact.start[c + 1]; ++k) {
+      const DofEntry<D>& mine = by_contact.entries[k];
+      const double weight = inverse_mass[mine.index];
+      for (int l = by_dof.start[mine.index]; l < by_dof.start[mine.index + 1]; ++l) {
+        const DofEntry<D>& other = by_dof.entries[l];
+        double* block = value + slot[other.index] * D;
+        for (int a = 0; a < D; ++a) {
+          for (int b = 0; b < D; ++b) block[a * row_length + b] += mine.h[a] * other.h[b] * weight;
+        }
+      }
+    }
+  }
+  W.outerIndexPtr()[rows] = static_cast<int>(neighbours.size()) * D * D;
+  return W;
 }
 
 SparseRows assemble_general(const SparseMatrix& A, const SparseMatrix& H) {
@@ -82,7 +154,8 @@ bool is_diagonal(const SparseMatrix& A) {
 }
 
 SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int dim) {
-  return is_diagonal(A) ? assemble_diagonal(A, H, dim) : assemble_general(A, H);
+  if (!is_diagonal(A)) return assemble_general(A, H);
+  return dispatch_dim(dim, [&](auto d) { return assemble_diagonal<d()>(A, H); });
 }
 
 DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form) : problem_(problem) {
@@ -93,7 +166,9 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form) : p
   }
   if (two_pass_) {
     inverse_mass_ = problem.A.diagonal().cwiseInverse();
-    velocity_.resize(problem.num_dofs());
+    disks_ = disk_structure(problem);
+    velocity_.resize(disks_ ? 4 * static_cast<Eigen::Index>(disks_->bodies.size())
+                            : problem.num_dofs());
     return;
   }
   if (!problem.has_delassus() && problem.has_velocities()) {
@@ -104,8 +179,54 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form) : p
   }
 }
 
+template <int D>
+void DelassusOperator::apply_disks(const double* s, double* u) const {
+  double* const v = velocity_.data();
+  velocity_.setZero();
+  for (const DiskStructure::Contact& c : disks_->contacts) {
+    double* const vi = v + 4 * c.i;
+    double* const vj = v + 4 * c.j;
+    const double normal = c.normal * s[0];
+    double x = normal * c.n[0], y = normal * c.n[1];
+    if constexpr (D == 2) {
+      const double tangential = c.tangential * s[1];
+      x -= tangential * c.n[1];
+      y += tangential * c.n[0];
+      vi[2] -= tangential;
+      vj[2] -= tangential;
+    }
+    vi[0] += x;
+    vi[1] += y;
+    vj[0] -= x;
+    vj[1] -= y;
+    s += D;
+  }
+  double* body_velocity = v;
+  for (const DiskStructure::Body& body : disks_->bodies) {
+    body_velocity[0] *= body.inverse_mass;
+    body_velocity[1] *= body.inverse_mass;
+    body_velocity[2] *= body.inverse_inertia;
+    body_velocity += 4;
+  }
+  for (const DiskStructure::Contact& c : disks_->contacts) {
+    const double* const vi = v + 4 * c.i;
+    const double* const vj = v + 4 * c.j;
+    const double x = vi[0] - vj[0], y = vi[1] - vj[1];
+    u[0] = c.normal * (c.n[0] * x + c.n[1] * y);
+    if constexpr (D == 2) u[1] = c.tangential * (c.n[0] * y - c.n[1] * x - (vi[2] + vj[2]));
+    u += D;
+  }
+}
+
 void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const {
-  if (two_pass_) {
+  if (disks_) {
+    u.resize(problem_.num_rows());
+    if (problem_.dim == 1) {
+      apply_disks<1>(s.data(), u.data());
+    } else {
+      apply_disks<2>(s.data(), u.data());
+    }
+  } else if (two_pass_) {
     velocity_.noalias() = problem_.H * s;
     velocity_.array() *= inverse_mass_.array();
     u.noalias() = problem_.H.transpose() * velocity_;

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 
 #include "core/contact_problem.h"
+#include "core/disk_structure.h"
 
 namespace bipot {
 
@@ -16,7 +18,8 @@ SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int d
 bool is_diagonal(const SparseMatrix& A);
 
 /// s -> W s, by the cheaper of the two forms that the problem offers: with a diagonal A two passes
-/// through H (about 10 multiplications a row for disks), else the explicit W. A problem without
+/// through H (about 10 multiplications a row; packed where H is that of disks), else the explicit
+/// W. A problem without
 /// W and with a general A gets its W assembled here once. Keeps a reference to the problem.
 class DelassusOperator {
  public:
@@ -33,12 +36,18 @@ class DelassusOperator {
   /// Diagonal of W, size m.
   Vector diagonal() const;
   bool two_pass() const { return two_pass_; }
+  /// The packed H of disks, nothing where the two-pass form is not used or finds other bodies.
+  const std::optional<DiskStructure>& disks() const { return disks_; }
 
  private:
+  template <int D>
+  void apply_disks(const double* s, double* u) const;
+
   const ContactProblem& problem_;
   bool two_pass_ = false;
   Vector inverse_mass_;      // diagonal of A⁻¹, two-pass form only
-  mutable Vector velocity_;  // scratch, n
+  mutable Vector velocity_;  // scratch, n; for disks 4 values a body: (x, y, a ω, padding)
+  std::optional<DiskStructure> disks_;
   SparseRows own_delassus_;  // only when W had to be assembled here
   const SparseRows* delassus_ = nullptr;
 };

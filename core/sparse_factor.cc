@@ -3,6 +3,7 @@
 #include <cholmod.h>
 #include <umfpack.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -52,6 +53,8 @@ struct SparseCholesky::Impl {
     cholmod_l_start(&common);
     common.print = 0;
     common.error_handler = nullptr;
+    // The default for small matrices, L D Lᵀ, lets negative pivots pass.
+    common.final_ll = 1;
   }
   ~Impl() {
     cholmod_l_free_factor(&factor, &common);
@@ -85,6 +88,10 @@ SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 bool SparseCholesky::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
   const bool same = f.matrix.assign(A, true);
+  const auto finite = [](double x) { return std::isfinite(x); };
+  if (!std::all_of(f.matrix.value.begin(), f.matrix.value.end(), finite)) {
+    return f.positive_definite = false;  // CHOLMOD takes NaN for a positive pivot
+  }
   cholmod_sparse view = f.view();
   if (!same || f.factor == nullptr) {
     cholmod_l_free_factor(&f.factor, &f.common);
@@ -167,8 +174,12 @@ bool SparseLU::factor(const SparseMatrix& A) {
       return false;
     }
   }
-  return umfpack_dl_numeric(m.start.data(), m.row.data(), m.value.data(), f.symbolic, &f.numeric,
-                            f.control, f.info) == UMFPACK_OK;
+  if (umfpack_dl_numeric(m.start.data(), m.row.data(), m.value.data(), f.symbolic, &f.numeric,
+                         f.control, f.info) != UMFPACK_OK) {
+    umfpack_dl_free_numeric(&f.numeric);  // a singular matrix leaves a factor that must not be used
+    return false;
+  }
+  return true;
 }
 
 Vector SparseLU::solve(const Eigen::Ref<const Vector>& b, int refinements) const {

@@ -80,6 +80,50 @@ ContactStatus classify(double s_n, double s_t, double mu) {
   return std::abs(s_t) < kEdge * mu * s_n ? ContactStatus::kStick : ContactStatus::kSlip;
 }
 
+/// A step up to its contact problem: everything at the mid-point of the step (38).
+struct Midpoint {
+  std::vector<Disk> disks;  // positions at the mid-point, velocities before the step
+  std::vector<Wall> walls;
+  std::vector<Contact> contacts;
+  std::vector<Vec2> disk_v_free;
+  std::vector<double> wall_v_free;  // driven walls: speed along their direction
+  AssembledStep assembled;
+  double detection_seconds = 0, assembly_seconds = 0;
+};
+
+Midpoint make_midpoint(const Scene& scene, const State& state, bool explicit_delassus) {
+  const double h = scene.step;
+  Midpoint mid;
+  Stopwatch watch;
+  mid.disks = state.disks;
+  mid.walls = state.walls;
+  for (Disk& d : mid.disks) {
+    d.x += 0.5 * h * d.v;
+    d.angle += 0.5 * h * d.spin;
+  }
+  for (Wall& w : mid.walls) {
+    w.a += 0.5 * h * w.v;
+    w.b += 0.5 * h * w.v;
+  }
+  mid.contacts = detect_contacts(mid.disks, mid.walls, scene.contact_distance);
+  mid.detection_seconds = watch.lap();
+
+  mid.disk_v_free.resize(mid.disks.size());
+  for (std::size_t i = 0; i < mid.disks.size(); ++i) {
+    mid.disk_v_free[i] = mid.disks[i].v + h * scene.gravity;
+  }
+  mid.wall_v_free.assign(mid.walls.size(), 0.0);
+  for (std::size_t w = 0; w < mid.walls.size(); ++w) {
+    const Wall& wall = mid.walls[w];
+    if (wall.motion != Wall::Motion::kDriven) continue;
+    mid.wall_v_free[w] = wall.v.dot(wall.direction) + h * wall.force / wall.mass;
+  }
+  mid.assembled = assemble_step(scene, mid.disks, mid.walls, mid.contacts, mid.disk_v_free,
+                                mid.wall_v_free, explicit_delassus);
+  mid.assembly_seconds = watch.lap();
+  return mid;
+}
+
 }  // namespace
 
 State initial_state(const Scene& scene) {
@@ -92,46 +136,30 @@ State initial_state(const Scene& scene) {
 TimeStepper::TimeStepper(const Scene& scene, StepSolver solver, bool explicit_delassus)
     : scene_(scene), solver_(std::move(solver)), explicit_delassus_(explicit_delassus) {}
 
+ContactProblem step_problem(const Scene& scene, const State& state, bool explicit_delassus) {
+  return make_midpoint(scene, state, explicit_delassus).assembled.problem;
+}
+
 StepReport TimeStepper::advance(State& state) {
   const double h = scene_.step;
   const Vec2& g = scene_.gravity;
   StepReport report;
-  Stopwatch watch;
 
-  // 1. Mid-point configuration (38).
-  std::vector<Disk> disks = state.disks;
-  std::vector<Wall> walls = state.walls;
-  for (Disk& d : disks) {
-    d.x += 0.5 * h * d.v;
-    d.angle += 0.5 * h * d.spin;
-  }
-  for (Wall& w : walls) {
-    w.a += 0.5 * h * w.v;
-    w.b += 0.5 * h * w.v;
-  }
-
-  // 2. Candidates there.
-  const std::vector<Contact> contacts = detect_contacts(disks, walls, scene_.contact_distance);
-  for (const Contact& c : contacts) report.penetration = std::max(report.penetration, -c.gap);
-  report.detection_seconds = watch.lap();
-
-  // 3. Free velocities and the contact problem.
-  std::vector<Vec2> disk_v_free(disks.size());
-  for (std::size_t i = 0; i < disks.size(); ++i) disk_v_free[i] = disks[i].v + h * g;
-  std::vector<double> wall_v_free(walls.size(), 0.0);
-  for (std::size_t w = 0; w < walls.size(); ++w) {
-    if (walls[w].motion == Wall::Motion::kDriven) {
-      wall_v_free[w] = walls[w].v.dot(walls[w].direction) + h * walls[w].force / walls[w].mass;
-    }
-  }
-  AssembledStep assembled =
-      assemble_step(scene_, disks, walls, contacts, disk_v_free, wall_v_free, explicit_delassus_);
-  problem_ = std::move(assembled.problem);
-  const ContactProblem& p = problem_;
+  // 1.-3. Mid-point configuration, candidates there, free velocities and the contact problem.
+  Midpoint mid = make_midpoint(scene_, state, explicit_delassus_);
+  const std::vector<Disk>& disks = mid.disks;
+  const std::vector<Wall>& walls = mid.walls;
+  const std::vector<Contact>& contacts = mid.contacts;
+  const AssembledStep& assembled = mid.assembled;
   const DofMap& dofs = assembled.dofs;
-  report.assembly_seconds = watch.lap();
+  for (const Contact& c : contacts) report.penetration = std::max(report.penetration, -c.gap);
+  report.detection_seconds = mid.detection_seconds;
+  report.assembly_seconds = mid.assembly_seconds;
+  problem_ = std::move(mid.assembled.problem);
+  const ContactProblem& p = problem_;
 
   // 4. Impulses.
+  Stopwatch watch;
   const Vector s0 = scene_.solver.warm_start ? warm_start(state.contacts, contacts, p) : Vector();
   StepSolution solution = solver_(p, s0);
   report.solve_seconds = watch.lap();
@@ -152,7 +180,7 @@ StepReport TimeStepper::advance(State& state) {
   for (std::size_t i = 0; i < disks.size(); ++i) {
     Disk& d = next.disks[i];
     const int k = dofs.disk[i];
-    d.v = k < 0 ? disk_v_free[i] : Vec2(v.segment<2>(k));
+    d.v = k < 0 ? mid.disk_v_free[i] : Vec2(v.segment<2>(k));
     if (k >= 0 && dofs.per_disk == 3) d.spin = v[k + 2];
     d.x += 0.5 * h * d.v;
     d.angle += 0.5 * h * d.spin;
@@ -160,7 +188,7 @@ StepReport TimeStepper::advance(State& state) {
   for (std::size_t w = 0; w < walls.size(); ++w) {
     Wall& wall = next.walls[w];
     if (wall.motion == Wall::Motion::kDriven) {
-      const double speed = dofs.wall[w] < 0 ? wall_v_free[w] : v[dofs.wall[w]];
+      const double speed = dofs.wall[w] < 0 ? mid.wall_v_free[w] : v[dofs.wall[w]];
       wall.v = speed * wall.direction;
     }
     wall.a += 0.5 * h * wall.v;

@@ -65,6 +65,9 @@ struct StepReport {
   double detection_seconds = 0, assembly_seconds = 0, solve_seconds = 0;
 };
 
+/// The contact problem of the step that would come next.
+ContactProblem step_problem(const Scene& scene, const State& state, bool explicit_delassus);
+
 /// Advances a state by the mid-point scheme (38)-(43):
 ///   q_m = q + h/2 v, contacts at q_m, one contact problem, q <- q_m + h/2 v⁺.
 class TimeStepper {

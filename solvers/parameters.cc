@@ -25,7 +25,7 @@ Parameters::Parameters(const std::map<std::string, std::string>& given,
   for (const ParameterSpec& s : specs) {  // every given value is checked, used or not
     if (s.kind == ParameterSpec::Kind::kChoice) {
       choice(s.name);
-    } else {
+    } else if (s.kind != ParameterSpec::Kind::kText) {
       number(s.name);
     }
   }

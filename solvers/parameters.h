@@ -19,10 +19,10 @@ class Parameters {
   double number(std::string_view name) const;
   int integer(std::string_view name) const;
   std::string choice(std::string_view name) const;
+  std::string text(std::string_view name) const;
 
  private:
   const ParameterSpec& spec(std::string_view name) const;
-  std::string text(std::string_view name) const;
 
   const std::map<std::string, std::string>& given_;
   std::span<const ParameterSpec> specs_;

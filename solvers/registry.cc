@@ -1,7 +1,19 @@
 #include "solvers/registry.h"
 
+#include "solvers/accelerated_gradient.h"
+#include "solvers/admm.h"
+#include "solvers/anderson.h"
+#include "solvers/classical.h"
 #include "solvers/gauss_seidel.h"
 #include "solvers/interior_point.h"
+#include "solvers/lemke.h"
+#ifdef BIPOT_WITH_PETSC
+#include "solvers/newton_snes.h"
+#endif
+#include "solvers/proximal_point.h"
+#ifdef BIPOT_WITH_SICONOS
+#include "solvers/siconos.h"
+#endif
 #include "solvers/uzawa.h"
 
 namespace bipot {
@@ -12,14 +24,78 @@ const SolverEntry kSolvers[] = {
      .summary = "bi-potential Uzawa, one predictor-corrector per contact (41)",
      .run = &solve_uzawa,
      .parameters = kUzawaParameters},
+    {.name = "classical",
+     .summary =
+         "two predictor-correctors per contact, normal then friction (the paper's reference)",
+     .run = &solve_classical,
+     .parameters = kClassicalParameters},
     {.name = "pgs",
      .summary = "projected block Gauss-Seidel, NSGS (Jean 1999)",
      .run = &solve_gauss_seidel,
      .parameters = kGaussSeidelParameters},
+    {.name = "apgd",
+     .summary = "accelerated projected gradient with restart (Mazhar et al. 2015)",
+     .run = &solve_accelerated_gradient,
+     .parameters = kAcceleratedGradientParameters},
+    {.name = "anderson",
+     .summary = "safeguarded Anderson acceleration of Gauss-Seidel sweeps (Walker and Ni 2011)",
+     .run = &solve_anderson,
+     .parameters = kAndersonParameters},
+    {.name = "admm",
+     .summary = "operator splitting with sparse Cholesky factors (Boyd et al. 2011)",
+     .run = &solve_admm,
+     .parameters = kAdmmParameters},
+    {.name = "ppa",
+     .summary = "proximal point around another solver (Rockafellar 1976)",
+     .run = &solve_proximal_point,
+     .parameters = kProximalPointParameters,
+     .needs_delassus = true},
+#ifdef BIPOT_WITH_PETSC
+    {.name = "newton",
+     .summary = "nonsmooth Newton on PETSc SNES (Alart and Curnier 1991), proximal outer loop",
+     .run = &solve_newton_snes,
+     .parameters = kNewtonParameters},
+#endif
+    {.name = "lemke",
+     .summary = "exact pivoting reference for tiny problems (Stewart and Trinkle 1996)",
+     .run = &solve_lemke,
+     .parameters = {},
+     .needs_delassus = true,
+     .max_dim = 2,
+     .max_contacts = kLemkeMaxContacts},
     {.name = "ipm",
-     .summary = "primal-dual interior point on the exact law, arclength continuation, Newton polish",
+     .summary =
+         "primal-dual interior point on the exact law, arclength continuation, Newton polish",
      .run = &solve_interior_point,
      .parameters = kInteriorPointParameters},
+#ifdef BIPOT_WITH_SICONOS
+    {.name = "siconos:nsgs",
+     .summary = "Siconos Numerics: nonsmooth Gauss-Seidel",
+     .run = &solve_siconos_nsgs,
+     .parameters = {},
+     .needs_delassus = true},
+    {.name = "siconos:nsn_ac",
+     .summary = "Siconos Numerics: nonsmooth Newton, Alart-Curnier",
+     .run = &solve_siconos_nsn_ac,
+     .parameters = {},
+     .needs_delassus = true},
+    {.name = "siconos:admm",
+     .summary = "Siconos Numerics: alternating directions",
+     .run = &solve_siconos_admm,
+     .parameters = {},
+     .needs_delassus = true},
+    {.name = "siconos:prox",
+     .summary = "Siconos Numerics: proximal point around its Newton",
+     .run = &solve_siconos_prox,
+     .parameters = {},
+     .needs_delassus = true},
+    {.name = "siconos:lemke",
+     .summary = "Siconos Numerics: Lemke's pivoting",
+     .run = &solve_siconos_lemke,
+     .parameters = {},
+     .needs_delassus = true,
+     .max_dim = 2},
+#endif
 };
 
 }  // namespace

@@ -65,9 +65,9 @@ struct SolveResult {
 };
 
 /// One parameter of a solver. A number or integer must lie in [minimum, maximum]; a choice must be
-/// one of the words in `choices`, separated by '|'.
+/// one of the words in `choices`, separated by '|'; a text is the solver's to check.
 struct ParameterSpec {
-  enum class Kind { kNumber, kInteger, kChoice };
+  enum class Kind { kNumber, kInteger, kChoice, kText };
   std::string_view name;
   Kind kind;
   std::string_view default_value;

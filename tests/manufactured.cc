@@ -1,24 +1,11 @@
 #include "tests/manufactured.h"
 
-#include <random>
-
 #include "core/coulomb_cone.h"
 #include "core/delassus.h"
+#include "tests/draw.h"
 
 namespace bipot {
 namespace {
-
-// Portable draws: the standard's distributions are not.
-class Draw {
- public:
-  explicit Draw(unsigned seed) : engine_(seed) {}
-  double uniform() { return static_cast<double>(engine_() >> 11) * 0x1.0p-53; }
-  double symmetric() { return 2 * uniform() - 1; }
-  int below(int n) { return static_cast<int>(engine_() % static_cast<unsigned>(n)); }
-
- private:
-  std::mt19937_64 engine_;
-};
 
 template <int D>
 Manufactured make(int bodies, int contacts, unsigned seed, double mu) {

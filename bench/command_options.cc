@@ -1,0 +1,95 @@
+#include "bench/command_options.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "core/nearest_name.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+
+void add_common_flags(CLI::App& command, CommonFlags& flags) {
+  command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR");
+  command.add_flag("--quiet,-q", flags.quiet, "No progress, no summary on the terminal");
+  command.add_option("--time-limit", flags.time_limit, "Wall-clock limit of the whole command")
+      ->type_name("SECONDS")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--json", flags.json,
+                  "Write the summary as JSON; '-' is standard output, with nothing else on it")
+      ->type_name("FILE");
+}
+
+void add_solver_flags(CLI::App& command, SolverFlags& flags) {
+  command.add_option("--solver", flags.name, "Solver; see `bipot list solvers`")->type_name("NAME");
+  command.add_option("--tol", flags.tol, "Tolerance of the stop test")->check(CLI::PositiveNumber);
+  command.add_option("--stop", flags.stop, "Stop test: guarded, raw42 or impulse");
+  command.add_option("--max-iterations", flags.max_iterations, "Iteration limit of one solve")
+      ->check(CLI::NonNegativeNumber);
+  // Solvers share names where they mean the same thing: one flag a name.
+  std::map<std::string_view, std::vector<std::string>> users;
+  std::map<std::string_view, std::string_view> help;
+  for (const SolverEntry& entry : solver_table()) {
+    for (const ParameterSpec& spec : entry.parameters) {
+      users[spec.name].emplace_back(entry.name);
+      help.emplace(spec.name, spec.help);
+    }
+  }
+  for (const auto& [name, solvers] : users) {
+    std::string flag = "--" + std::string(name);
+    std::replace(flag.begin(), flag.end(), '_', '-');
+    command
+        .add_option_function<std::string>(
+            flag,
+            [&flags, key = std::string(name)](const std::string& value) {
+              flags.parameters[key] = value;
+            },
+            fmt::format("[{}] {}", fmt::join(solvers, ", "), help[name]))
+        ->group("Solver parameters");
+  }
+}
+
+void add_warm_start_flags(CLI::App& command, SolverFlags& flags) {
+  command.add_flag_callback(
+      "--warm-start", [&flags] { flags.warm_start = true; },
+      "Start each step from the impulses of the step before");
+  command.add_flag_callback(
+      "--no-warm-start", [&flags] { flags.warm_start = false; }, "Start each step from s = 0");
+}
+
+SolverChoice merged(const SolverChoice& base, const SolverFlags& flags) {
+  SolverChoice choice = base;
+  if (flags.name) {
+    if (*flags.name != choice.name) choice.parameters.clear();
+    choice.name = *flags.name;
+  }
+  if (flags.tol) choice.tol = *flags.tol;
+  if (flags.stop) choice.stop = *flags.stop;
+  if (flags.max_iterations) choice.max_iterations = *flags.max_iterations;
+  if (flags.warm_start) choice.warm_start = *flags.warm_start;
+  for (const auto& [name, value] : flags.parameters) choice.parameters[name] = value;
+  return choice;
+}
+
+StopTest parse_stop_test(const std::string& name) {
+  std::vector<std::string> names;
+  for (StopTest stop : {StopTest::kGuarded, StopTest::kRaw42, StopTest::kImpulse}) {
+    if (to_string(stop) == name) return stop;
+    names.emplace_back(to_string(stop));
+  }
+  throw std::invalid_argument(unknown_name_message("stop test", name, names));
+}
+
+SolverOptions to_options(const SolverChoice& choice) {
+  SolverOptions options;
+  options.tol = choice.tol;
+  options.stop = parse_stop_test(choice.stop);
+  options.max_iterations = choice.max_iterations;
+  options.parameters = choice.parameters;
+  return options;
+}
+
+}  // namespace bipot

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/contact_error.h"
+
+namespace bipot {
+
+/// Adds epsilon, eta, epsilon_raw, natural_map and worst_contact (the contact that is worst in
+/// whichever of epsilon and eta is larger; null without one). Undefined numbers become null.
+void add_error(nlohmann::ordered_json& json, const ContactError& error);
+
+/// Writes to the file, or to standard output for "-". Throws FileError.
+void write_json(const nlohmann::ordered_json& json, const std::string& destination);
+
+}  // namespace bipot

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace bipot {
+
+struct ListFlags {
+  std::string what;  ///< "solvers" or "scenes"
+  std::string json;
+};
+
+/// Declares `bipot list`.
+CLI::App* add_list_command(CLI::App& app, ListFlags& flags);
+
+int list_command(const ListFlags& flags);
+
+}  // namespace bipot

@@ -1,0 +1,58 @@
+// The `bipot` command.
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <stdexcept>
+
+#include "bench/exit_code.h"
+#include "bench/list_command.h"
+#include "bench/run_command.h"
+#include "bench/solve_command.h"
+#include "core/file_error.h"
+#include "core/scene_file.h"
+
+int main(int argc, char** argv) {
+  using namespace bipot;
+  CLI::App app{"Frictional contact of rigid disks: one problem, many solvers, one error measure."};
+  app.name("bipot");
+  app.set_version_flag("--version", "bipot " BIPOT_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 every solve met its tolerance; 1 some did not; 2 bad input; 3 numerical\n"
+      "failure; 4 a file could not be read or written; 5 interrupted.\n"
+      "Examples:\n"
+      "  bipot run compaction --out out/compaction\n"
+      "  bipot run scene.toml --solver uzawa --rho paper --tol 1e-4\n"
+      "  bipot solve problem.hdf5 --solver pgs --json -\n"
+      "  bipot list solvers");
+  RunFlags run_flags;
+  SolveFlags solve_flags;
+  ListFlags list_flags;
+  const CLI::App* run = add_run_command(app, run_flags);
+  const CLI::App* solve = add_solve_command(app, solve_flags);
+  add_list_command(app, list_flags);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? kExitConverged : kExitBadInput;
+  }
+  try {
+    if (run->parsed()) return run_command(run_flags);
+    if (solve->parsed()) return solve_command(solve_flags);
+    return list_command(list_flags);
+  } catch (const FileError& e) {
+    fmt::print(stderr, "bipot: {}\n", e.what());
+    return kExitIo;
+  } catch (const std::invalid_argument& e) {
+    fmt::print(stderr, "bipot: {}\n", e.what());
+    return kExitBadInput;
+  } catch (const SceneFileError& e) {
+    fmt::print(stderr, "bipot: {}\n", e.what());
+    return kExitBadInput;
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "bipot: {}\n", e.what());
+    return kExitNumericalFailure;
+  }
+}

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace bipot {
+
+/// The folder of shipped data: $BIPOT_DATA, else data/ of the source tree that was built.
+std::filesystem::path data_folder();
+
+/// Scene files in data/scenes, sorted by name.
+std::vector<std::filesystem::path> shipped_scenes();
+
+/// The path itself if such a file exists, else the shipped scene of that name. Throws
+/// std::invalid_argument, naming the nearest shipped scene.
+std::filesystem::path find_scene(const std::string& path_or_name);
+
+}  // namespace bipot

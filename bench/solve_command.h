@@ -1,0 +1,23 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "bench/command_options.h"
+
+namespace bipot {
+
+struct SolveFlags {
+  CommonFlags common;
+  SolverFlags solver;
+  std::string problem;   ///< FCLIB HDF5 or Siconos text
+  std::string solution;  ///< FCLIB file whose /solution is written
+  std::string history;   ///< CSV of the judged iterations
+};
+
+/// Declares `bipot solve`.
+CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags);
+
+/// Solves one problem file. Returns an ExitCode.
+int solve_command(const SolveFlags& flags);
+
+}  // namespace bipot

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "solvers/monitor.h"
+#include "solvers/solver.h"
+
+namespace bipot {
+
+/// Proximal point method (Rockafellar 1976; for Coulomb's law a heuristic, as the law is not
+/// monotone): around the anchor s_k the law is solved with
+///
+///     u = (W + D / kappa) s + (u_free - D s_k / kappa),      s_{k+1} = its solution,
+///
+/// D = diag(W_nn, W_tt) of each contact (tangents averaged), so that kappa has no unit. The term
+/// vanishes at a fixed point: nothing is left of the regularisation there, however W is.
+///
+/// kappa follows the inner solver: a solved step multiplies it, the more the less it cost; a failed
+/// one divides it, and stays at the anchor unless the inner iterate is closer to the solution. The
+/// value that failed is approached again by small factors only.
+struct ProximalOptions {
+  double kappa = 100;       ///< first value                                                [-]
+  double kappa_min = 1e-3;  ///< below: the solve is given up                               [-]
+  double kappa_max = 1e7;   ///< largest value                                              [-]
+};
+
+/// Outcome of one regularised problem.
+struct InnerReport {
+  enum class Outcome {
+    kSolved,  ///< to the accuracy that the inner solver was asked for
+    kFailed,  ///< s is its last iterate, for what it is worth
+    kStop     ///< the monitor said stop, or monitor.fail() was called
+  };
+  Outcome outcome = Outcome::kFailed;
+  Vector s;
+  double effort = 1;   ///< iterations over the inner limit: decides how kappa grows
+  std::string reason;  ///< of a failure
+};
+/// (kappa, anchor) -> s.
+using InnerSolve = std::function<InnerReport(double kappa, const Vector& anchor)>;
+
+struct ProximalReport {
+  int steps = 0;     ///< inner problems, failed ones included
+  int failed = 0;    ///< failed ones
+  double kappa = 0;  ///< of the last inner problem
+};
+
+/// D of the regularisation, size m.
+Vector proximal_weights(const ContactProblem& problem, const Vector& delassus_diagonal);
+
+/// The outer loop, for every inner solver. Runs until the inner solver reports kStop; sets the
+/// monitor's status itself where it cannot go on (kappa below its minimum, or no movement at the
+/// largest kappa).
+ProximalReport proximal_point(const ProximalOptions& options, const Vector& weights, Vector start,
+                              const InnerSolve& inner, IterationMonitor& monitor);
+
+inline constexpr ParameterSpec kProximalPointParameters[] = {
+    {.name = "inner",
+     .kind = ParameterSpec::Kind::kText,
+     .default_value = "pgs",
+     .help = "solver of the regularised problems, any other row of the table"},
+    {.name = "inner_parameters",
+     .kind = ParameterSpec::Kind::kText,
+     .default_value = "",
+     .help = "its parameters, name=value,name=value"},
+    {.name = "inner_iterations",
+     .kind = ParameterSpec::Kind::kInteger,
+     .default_value = "20000",
+     .minimum = 1,
+     .maximum = 1e9,
+     .help = "iteration limit of each regularised problem"},
+    {.name = "kappa",
+     .kind = ParameterSpec::Kind::kNumber,
+     .default_value = "100",
+     .minimum = 1e-3,
+     .maximum = 1e12,
+     .help = "first proximal parameter, in units of the diagonal of W"},
+    {.name = "kappa_max",
+     .kind = ParameterSpec::Kind::kNumber,
+     .default_value = "1e7",
+     .minimum = 1e-3,
+     .maximum = 1e12,
+     .help = "largest proximal parameter"},
+};
+
+/// `ppa`: the loop around another solver, by name. The inner tolerance follows the outer error: a
+/// tenth of it, converted between the two denominators of the criterion. An iteration is one
+/// regularised problem; the message gives the sum of inner iterations.
+SolveResult solve_proximal_point(const ContactProblem& problem, const SolverOptions& options);
+
+}  // namespace bipot

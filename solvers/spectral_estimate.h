@@ -1,0 +1,18 @@
+#pragma once
+
+#include "core/contact_problem.h"
+#include "core/delassus.h"
+
+namespace bipot {
+
+/// ‖diag(scale) W diag(scale)‖_inf from |H| (two passes) or |W|: an upper bound of the largest
+/// eigenvalue.
+double spectral_bound(const ContactProblem& problem, const Vector& scale);
+
+/// Largest eigenvalue of diag(scale) W diag(scale) by `iterations` steps of the power method from a
+/// fixed pseudo-random start; never above spectral_bound(). An estimate from below: a user adds a
+/// margin and watches for larger quotients.
+double spectral_estimate(const ContactProblem& problem, const DelassusOperator& delassus,
+                         const Vector& scale, int iterations);
+
+}  // namespace bipot

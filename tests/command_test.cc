@@ -1,0 +1,167 @@
+// The `bipot` command, run as a user runs it.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+
+#include "core/contact_error.h"
+#include "core/problem_file.h"
+#include "core/run_output.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string out;  ///< standard output alone
+};
+
+Outcome bipot(const std::string& arguments) {
+  const std::string command = std::string(BIPOT_COMMAND) + " " + arguments + " 2>/dev/null";
+  Outcome outcome;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return outcome;
+  std::array<char, 4096> buffer{};
+  while (const std::size_t n = fread(buffer.data(), 1, buffer.size(), pipe)) {
+    outcome.out.append(buffer.data(), n);
+  }
+  const int status = pclose(pipe);
+  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
+/// A fresh folder for one test, removed at its end.
+class Command : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::temp_directory_path() /
+              (std::string("bipot_") + info->name() + "_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(path(name)) << text;
+    return path(name);
+  }
+  fs::path folder_;
+};
+
+std::string content(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+TEST_F(Command, RunsAShippedSceneAndLeavesItsFiles) {
+  const Outcome run = bipot("run square_lattice --json - --out " + path("out"));
+  ASSERT_EQ(run.exit_code, 0);
+  const json j = json::parse(run.out);  // nothing else on standard output
+  EXPECT_EQ(j["status"], "completed");
+  EXPECT_EQ(j["steps"], 10);
+  EXPECT_EQ(j["steps_converged"], 10);
+  EXPECT_LE(j["epsilon"].get<double>(), 1e-8);
+  EXPECT_TRUE(j["epsilon_raw"].is_null());  // nothing slides: (42) is undefined
+  for (const char* name :
+       {"run.h5", "run.xdmf", "ledger.csv", "forces.svg", "forces.png", "summary.json"}) {
+    EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
+  }
+}
+
+TEST_F(Command, EachFailureHasItsExitCode) {
+  EXPECT_EQ(bipot("run square_lattice --max-iterations 3 --steps 1").exit_code, 1);
+  EXPECT_EQ(bipot("run no_such_scene").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --solver no_such_solver").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --solver pgs --omega 7").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --no-such-flag").exit_code, 2);
+  EXPECT_EQ(bipot("solve " + path("missing.hdf5")).exit_code, 4);
+  EXPECT_EQ(bipot("solve " + write("text.dat", "not a problem")).exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --steps 1 --out /proc/nowhere").exit_code, 4);
+  const std::string nan_scene =
+      content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/square_lattice.toml");
+  EXPECT_EQ(bipot("run " + write("bad.toml", nan_scene + "\n[outptu]\nevery = 1\n")).exit_code, 2);
+}
+
+TEST_F(Command, RestartContinuesBitForBit) {
+  const std::string flags = " --tol 1e-4 --quiet --out ";
+  ASSERT_EQ(bipot("run compaction --steps 60" + flags + path("whole")).exit_code, 0);
+  ASSERT_EQ(bipot("run compaction --steps 35" + flags + path("first")).exit_code, 0);
+  ASSERT_EQ(
+      bipot("run compaction --steps 25 --restart " + path("first/run.h5") + flags + path("second"))
+          .exit_code,
+      0);
+  const State whole = read_state(path("whole/run.h5"));
+  const State parts = read_state(path("second/run.h5"));
+  ASSERT_EQ(whole.disks.size(), parts.disks.size());
+  EXPECT_EQ(whole.step, parts.step);
+  EXPECT_EQ(whole.friction_loss, parts.friction_loss);
+  for (std::size_t i = 0; i < whole.disks.size(); ++i) {
+    EXPECT_EQ(whole.disks[i].x, parts.disks[i].x);
+    EXPECT_EQ(whole.disks[i].v, parts.disks[i].v);
+    EXPECT_EQ(whole.disks[i].spin, parts.disks[i].spin);
+  }
+}
+
+TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
+  ASSERT_EQ(
+      bipot("run triangular_lattice --steps 1 --dump-problems all --out " + path("out")).exit_code,
+      0);
+  const std::string problem = path("out/problems/step_000001.hdf5");
+  const Outcome solved =
+      bipot("solve " + problem + " --solver pgs --tol 1e-9 --json - --solution " + problem +
+            " --history " + path("history.csv"));
+  ASSERT_EQ(solved.exit_code, 0);
+  const json j = json::parse(solved.out);
+  EXPECT_EQ(j["status"], "converged");
+  EXPECT_EQ(j["dim"], 2);
+  const ProblemFile file = read_problem(problem);
+  ASSERT_TRUE(file.r.has_value());
+  EXPECT_EQ(j["contacts"], file.problem.num_contacts());
+  const ContactError error = contact_error(file.problem, *file.r);
+  EXPECT_LE(error.guarded(), 1e-9);
+  EXPECT_NEAR(j["epsilon"].get<double>(), error.epsilon, 1e-14);
+  EXPECT_EQ(content(path("history.csv")).substr(0, 26), "iteration,seconds,epsilon,");
+}
+
+TEST_F(Command, InterruptedRunLeavesAReadableState) {
+  const std::string out = path("out");
+  const Outcome run = bipot("run compaction --tol 1e-3 --out " + out +
+                            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+  EXPECT_EQ(run.exit_code, 5);
+  const State state = read_state(out + "/run.h5");
+  EXPECT_EQ(state.disks.size(), 342u);
+  EXPECT_GT(state.step, 0);
+  EXPECT_EQ(json::parse(content(out + "/summary.json"))["status"], "interrupted");
+}
+
+TEST_F(Command, ListsWhatItHas) {
+  const Outcome solvers = bipot("list solvers --json -");
+  ASSERT_EQ(solvers.exit_code, 0);
+  EXPECT_EQ(json::parse(solvers.out)[0]["name"], "uzawa");
+  const Outcome scenes = bipot("list scenes --json -");
+  ASSERT_EQ(scenes.exit_code, 0);
+  EXPECT_GE(json::parse(scenes.out).size(), 6u);
+}
+
+TEST_F(Command, HelpNamesExamples) {
+  for (const char* command : {"--help", "run --help", "solve --help", "list --help"}) {
+    const Outcome help = bipot(command);
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;
+  }
+}
+
+}  // namespace
+}  // namespace bipot
