@@ -33,6 +33,7 @@ struct Method {
   int spatial_id;  // fc3d solver, 0: none
   Storage storage;
   int first_calls_iterations;
+  int inner_iterations = 0;  // of Siconos' inner solver; 0: its default
 };
 
 // Siconos' own tolerance is never asked below this.
@@ -136,6 +137,10 @@ SolveResult run(const Method& method, const ContactProblem& p, const SolverOptio
   const std::unique_ptr<::SolverOptions, DeleteOptions> theirs(
       solver_options_create(planar ? method.planar_id : method.spatial_id));
   if (theirs == nullptr) throw std::runtime_error("Siconos: solver_options_create failed");
+  // What one outer iteration may take: a call cannot be interrupted.
+  if (method.inner_iterations > 0) {
+    theirs->internalSolvers[0]->iparam[SICONOS_IPARAM_MAX_ITER] = method.inner_iterations;
+  }
   numerics_set_verbose(0);
   ensure_mpi();  // Siconos' linear solver is MUMPS, and it leaves MPI to the caller
   Vector s = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
@@ -234,7 +239,8 @@ constexpr Method kProx{.name = "PROX",
                        .planar_id = 0,
                        .spatial_id = SICONOS_FRICTION_3D_PROX,
                        .storage = Storage::kTriplets,
-                       .first_calls_iterations = 100};
+                       .first_calls_iterations = 10,
+                       .inner_iterations = 200};
 constexpr Method kLemke{.name = "LEMKE",
                         .planar_id = SICONOS_FRICTION_2D_LEMKE,
                         .spatial_id = 0,
