@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -395,8 +396,9 @@ TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
     if (child == 0) {
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // never outlives a test that is stopped itself
       RunWriter writer(folder / "out", scene, "");
-      for (int step = 0;; ++step) writer.frame(awkward_state(scene, step));
+      for (int step = 0; step < 100000; ++step) writer.frame(awkward_state(scene, step));
     }
     ::usleep(8000 + 3777 * static_cast<unsigned>(trial));
     ::kill(child, SIGKILL);
