@@ -12,6 +12,7 @@
 #include "core/file_error.h"
 #include "core/nearest_name.h"
 #include "core/problem_file.h"
+#include "solvers/auto_solver.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 
@@ -82,6 +83,8 @@ CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags) {
       ->type_name("FILE");
   command->add_option("--history", flags.history, "Write the judged iterations as CSV")
       ->type_name("FILE");
+  command->add_flag("--explain", flags.explain,
+                    "With --solver auto: print which stages are planned, and why");
   add_common_flags(*command, flags.common);
   add_solver_flags(*command, flags.solver);
   command->footer(
@@ -120,6 +123,12 @@ int solve_command(const SolveFlags& flags) {
     };
   }
 
+  if (flags.explain) {
+    if (choice.name != "auto") {
+      throw std::invalid_argument("--explain explains the choice of --solver auto");
+    }
+    if (flags.common.json != "-") fmt::print("{}", explain_auto(problem, options));
+  }
   const SolveResult result = solve(*entry, problem, options);
   if (!flags.history.empty()) {
     history.close();

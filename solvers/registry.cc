@@ -3,6 +3,7 @@
 #include "solvers/accelerated_gradient.h"
 #include "solvers/admm.h"
 #include "solvers/anderson.h"
+#include "solvers/auto_solver.h"
 #include "solvers/classical.h"
 #include "solvers/gauss_seidel.h"
 #include "solvers/interior_point.h"
@@ -20,6 +21,10 @@ namespace bipot {
 namespace {
 
 const SolverEntry kSolvers[] = {
+    {.name = "auto",
+     .summary = "chain of the solvers below by size, form, start and tolerance; see --explain",
+     .run = &solve_auto,
+     .parameters = {}},
     {.name = "uzawa",
      .summary = "bi-potential Uzawa, one predictor-corrector per contact (41)",
      .run = &solve_uzawa,
