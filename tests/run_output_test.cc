@@ -392,11 +392,16 @@ TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
   const Scene scene = awkward_scene();
   for (int trial = 0; trial < 12; ++trial) {
     std::filesystem::remove_all(folder / "out");
+    std::filesystem::create_directory(folder / "out");
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
-    if (child == 0) {
-      RunWriter writer(folder / "out", scene, "");
-      for (int step = 0;; ++step) writer.frame(awkward_state(scene, step));
+    if (child == 0) {  // never leaves this block
+      try {
+        RunWriter writer(folder / "out", scene, "");
+        for (int step = 0; step < 100000; ++step) writer.frame(awkward_state(scene, step));
+      } catch (...) {
+      }
+      ::_exit(1);
     }
     for (int wait = 0; wait < 20000 && frame_steps(folder / "out").size() < 2; ++wait) {
       ::usleep(500);
