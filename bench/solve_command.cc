@@ -101,9 +101,6 @@ int solve_command(const SolveFlags& flags) {
   }
   const ContactProblem& problem = file->problem;
   const SolverChoice choice = merged(SolverChoice{}, flags.solver);
-  if (flags.solver.warm_start) {
-    throw std::invalid_argument("--warm-start: a single problem has no step before it");
-  }
   const SolverEntry* entry = find_solver(choice.name);
   if (entry == nullptr) {
     throw std::invalid_argument(unknown_name_message("solver", choice.name, solver_names()));

@@ -16,7 +16,7 @@
 namespace bipot {
 namespace {
 
-constexpr double kLargestGrowth = 2;       // of the residual, over the smallest one accepted
+constexpr double kLargestGrowth = 2;     // of the residual, over the smallest one accepted
 constexpr double kSmallestPivot = 1e-8;  // of the triangular factor, relative
 
 /// The last differences of residuals f and values g, with ΔF = Q R kept up to date column by

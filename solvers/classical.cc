@@ -17,8 +17,8 @@ struct TwoCorrectors {
     const ContactScaling& scaling = steps.scaling;
     const Local<D> to_x = scaling.impulse.segment<D>(c * D);
     const double rho = steps.rho[c];
-    Local<D> x = s.cwiseProduct(to_x) -
-                 rho * u.cwiseProduct(Local<D>(scaling.velocity.segment<D>(c * D)));
+    Local<D> x =
+        s.cwiseProduct(to_x) - rho * u.cwiseProduct(Local<D>(scaling.velocity.segment<D>(c * D)));
     x[0] = positive_part(x[0]);
     if constexpr (D > 1) {
       const double norm = tangential_norm<D>(x), radius = scaling.mu[c] * x[0];

@@ -72,8 +72,8 @@ void run(const ContactProblem& p, const DelassusOperator& delassus, const Vector
 SolveResult solve_gauss_seidel(const ContactProblem& p, const SolverOptions& options) {
   const Parameters parameters(options.parameters, kGaussSeidelParameters);
   const LocalSettings settings{.exact = parameters.choice("local") == "exact",
-                          .local_iterations = parameters.integer("local_iterations"),
-                          .omega = parameters.number("omega")};
+                               .local_iterations = parameters.integer("local_iterations"),
+                               .omega = parameters.number("omega")};
   SweepOrder order(parameters.choice("order"), p.num_contacts(),
                    static_cast<unsigned>(parameters.number("seed")));
   const bool explicit_delassus = parameters.choice("operator") == "explicit";

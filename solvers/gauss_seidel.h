@@ -20,7 +20,8 @@ inline constexpr ParameterSpec kGaussSeidelParameters[] = {
      .kind = ParameterSpec::Kind::kChoice,
      .default_value = "forward",
      .choices = "forward|symmetric|shuffled",
-     .help = "contacts as they stand, alternately forwards and backwards, or drawn anew each sweep"},
+     .help =
+         "contacts as they stand, alternately forwards and backwards, or drawn anew each sweep"},
     {.name = "seed",
      .kind = ParameterSpec::Kind::kInteger,
      .default_value = "1",

@@ -62,8 +62,8 @@ bool solve_slip(const LocalProblem<3>& p, Local<3>& s) {
   const TangentBlock schur = p.w.bottomRightCorner<2, 2>() - w_tn * w_nt.transpose() / p.w(0, 0);
   const Tangent r = p.q.tail<2>() - w_tn * (p.q[0] / p.w(0, 0));
   double low = 0;
-  double high = 1.01 * (schur.norm() + r.norm() * (p.w(0, 0) + p.mu * w_nt.norm()) /
-                                           (p.mu * std::abs(p.q[0])));
+  double high = 1.01 * (schur.norm() +
+                        r.norm() * (p.w(0, 0) + p.mu * w_nt.norm()) / (p.mu * std::abs(p.q[0])));
   double factor = 0.5 * std::min(high, schur.norm());
   Local<3> candidate = s;
   for (int k = 0; k < kNewtonLimit; ++k) {

@@ -11,10 +11,10 @@ using LocalBlock = Eigen::Matrix<double, D, D, Eigen::DontAlign>;
 /// The problem of a single contact, u = w s + q with the law (18) between u and s.
 template <int D>
 struct LocalProblem {
-  LocalBlock<D> w;         ///< w(0, 0) > 0                                        [1/kg]
-  Local<D> q;              ///< velocity at s = 0                                   [m/s]
-  double mu = 0;           ///<                                                       [-]
-  double step_normal = 0;  ///< 1/W_nn                                               [kg]
+  LocalBlock<D> w;             ///< w(0, 0) > 0                                        [1/kg]
+  Local<D> q;                  ///< velocity at s = 0                                   [m/s]
+  double mu = 0;               ///<                                                       [-]
+  double step_normal = 0;      ///< 1/W_nn                                               [kg]
   double step_tangential = 0;  ///< 1/lambda_max(W_tt), 1/W_nn where W_tt vanishes   [kg]
 };
 

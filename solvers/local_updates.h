@@ -19,7 +19,8 @@ struct LocalSettings {
 template <int D>
 class LocalUpdates {
  public:
-  LocalUpdates(const ContactProblem& p, const DelassusOperator& delassus, const LocalSettings& settings)
+  LocalUpdates(const ContactProblem& p, const DelassusOperator& delassus,
+               const LocalSettings& settings)
       : settings_(settings) {
     problems_.reserve(p.num_contacts());
     for (int c = 0; c < p.num_contacts(); ++c) {
@@ -37,8 +38,7 @@ class LocalUpdates {
       Local<D> solution = s;
       if (solve_local<D>(local, solution)) {
         const Local<D> relaxed = s + settings_.omega * (solution - s);
-        sweep.set(c, settings_.omega == 1 ? solution
-                                          : project_coulomb_cone<D>(relaxed, local.mu));
+        sweep.set(c, settings_.omega == 1 ? solution : project_coulomb_cone<D>(relaxed, local.mu));
         return;
       }
     }

@@ -4,7 +4,6 @@
 #include <petscsnes.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "core/sparse_factor.h"
 #include "solvers/contact_residual.h"
 #include "solvers/gauss_seidel.h"
+#include "solvers/mpi_session.h"
 #include "solvers/parameters.h"
 #include "solvers/proximal_point.h"
 
@@ -40,7 +40,7 @@ void check(PetscErrorCode code, const char* what) {
                                  text != nullptr ? text : "unknown error", static_cast<int>(code)));
 }
 
-/// Initialises PETSc (and MPI with it) once, and finalises it at the end of the process if it was
+/// Initialises PETSc once, and finalises it at the end of the process if it was
 /// initialised here.
 class PetscSession {
  public:
@@ -56,8 +56,7 @@ class PetscSession {
     PetscBool alive = PETSC_FALSE;
     PetscInitialized(&alive);
     if (alive) return;  // the host program uses PETSc itself
-    // Open MPI would take SIGSEGV, SIGBUS, SIGFPE and SIGABRT; an explicit choice of the user stays.
-    setenv("OMPI_MCA_opal_signal", "", 0);
+    ensure_mpi();
     PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
     PetscOptionsSetValue(nullptr, "-skip_petscrc", "true");
     owned_ = PetscInitializeNoArguments() == 0;

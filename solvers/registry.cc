@@ -1,15 +1,19 @@
 #include "solvers/registry.h"
 
 #include "solvers/accelerated_gradient.h"
+#include "solvers/admm.h"
 #include "solvers/anderson.h"
 #include "solvers/classical.h"
 #include "solvers/gauss_seidel.h"
+#include "solvers/interior_point.h"
 #include "solvers/lemke.h"
 #ifdef BIPOT_WITH_PETSC
 #include "solvers/newton_snes.h"
 #endif
-#include "solvers/interior_point.h"
 #include "solvers/proximal_point.h"
+#ifdef BIPOT_WITH_SICONOS
+#include "solvers/siconos.h"
+#endif
 #include "solvers/uzawa.h"
 
 namespace bipot {
@@ -37,6 +41,10 @@ const SolverEntry kSolvers[] = {
      .summary = "safeguarded Anderson acceleration of Gauss-Seidel sweeps (Walker and Ni 2011)",
      .run = &solve_anderson,
      .parameters = kAndersonParameters},
+    {.name = "admm",
+     .summary = "operator splitting with sparse Cholesky factors (Boyd et al. 2011)",
+     .run = &solve_admm,
+     .parameters = kAdmmParameters},
     {.name = "ppa",
      .summary = "proximal point around another solver (Rockafellar 1976)",
      .run = &solve_proximal_point,
@@ -60,6 +68,34 @@ const SolverEntry kSolvers[] = {
          "primal-dual interior point on the exact law, arclength continuation, Newton polish",
      .run = &solve_interior_point,
      .parameters = kInteriorPointParameters},
+#ifdef BIPOT_WITH_SICONOS
+    {.name = "siconos:nsgs",
+     .summary = "Siconos Numerics: nonsmooth Gauss-Seidel",
+     .run = &solve_siconos_nsgs,
+     .parameters = {},
+     .needs_delassus = true},
+    {.name = "siconos:nsn_ac",
+     .summary = "Siconos Numerics: nonsmooth Newton, Alart-Curnier",
+     .run = &solve_siconos_nsn_ac,
+     .parameters = {},
+     .needs_delassus = true},
+    {.name = "siconos:admm",
+     .summary = "Siconos Numerics: alternating directions",
+     .run = &solve_siconos_admm,
+     .parameters = {},
+     .needs_delassus = true},
+    {.name = "siconos:prox",
+     .summary = "Siconos Numerics: proximal point around its Newton",
+     .run = &solve_siconos_prox,
+     .parameters = {},
+     .needs_delassus = true},
+    {.name = "siconos:lemke",
+     .summary = "Siconos Numerics: Lemke's pivoting",
+     .run = &solve_siconos_lemke,
+     .parameters = {},
+     .needs_delassus = true,
+     .max_dim = 2},
+#endif
 };
 
 }  // namespace

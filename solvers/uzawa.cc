@@ -78,8 +78,7 @@ class Extragradient {
     s_ = x.cwiseQuotient(scaling_.impulse);
     delassus_.velocity(s_, f);
     for (int c = 0; c < p_.num_contacts(); ++c) {
-      const Local<D> w =
-          f.segment<D>(c * D).cwiseProduct(scaling_.velocity.segment<D>(c * D));
+      const Local<D> w = f.segment<D>(c * D).cwiseProduct(scaling_.velocity.segment<D>(c * D));
       f.segment<D>(c * D) = de_saxce_velocity<D>(w, scaling_.mu[c]);
     }
   }
@@ -109,8 +108,8 @@ void adaptive_sweeps(const ContactProblem& p, PredictorSteps steps, const Vector
   with_sweep<D>(p, [&](auto sweep) {
     sweep.reset(s0);
     int iteration = 0;
-    while (!(monitor.due(iteration) &&
-             monitor.stop(iteration, sweep.impulse(), steps.rho.mean()))) {
+    while (
+        !(monitor.due(iteration) && monitor.stop(iteration, sweep.impulse(), steps.rho.mean()))) {
       for (int c = 0; c < p.num_contacts(); ++c) {
         const Local<D> s = sweep.impulse(c);
         const Local<D> u = sweep.velocity(c);

@@ -155,6 +155,31 @@ TEST(Solve, StatusDivergedWhenTheIterateGrowsWithoutBound) {
   }
 }
 
+TEST(Solve, WaitingAtZeroIsNeitherStalledNorConverged) {
+  // Splitting methods may keep s = 0 for a while, with multipliers on the move.
+  SolverEntry entry;
+  entry.name = "late starter";
+  entry.run = [](const ContactProblem& p, const SolverOptions& options) {
+    IterationMonitor monitor(p, options);
+    SolverOptions inner;
+    inner.tol = 1e-12;
+    const Vector solution = solve("pgs", p, inner).s;
+    Vector s = Vector::Zero(p.num_rows());
+    for (int k = 0; !monitor.stop(k, s); ++k) {
+      if (k >= 3) s = solution;
+    }
+    return monitor.finish();
+  };
+  for (const StopTest stop : {StopTest::kGuarded, StopTest::kImpulse}) {
+    SolverOptions options;
+    options.stop = stop;
+    const SolveResult r = solve(entry, some_problem(), options);
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_GE(r.iterations, 4);
+    EXPECT_LE(r.error.guarded(), 1e-8);
+  }
+}
+
 TEST(Solve, StatusDivergedWhenTheIterateIsNotANumber) {
   SolverEntry entry;
   entry.name = "not a number";

@@ -1,0 +1,27 @@
+#pragma once
+
+#include "solvers/solver.h"
+
+namespace bipot {
+
+/// Siconos Numerics' solvers (Acary and others, Apache-2.0 library, Debian's
+/// libsiconos-numerics-dev) behind this project's contract, built with BIPOT_WITH_SICONOS=ON only.
+///
+/// The frames are alike: normal first, then tangents, contact after contact. Siconos knows d = 2
+/// and 3: where it lacks a solver for the problem's dimension, each contact gets further tangents
+/// that nothing else depends on, with the mobility of its other rows and no free velocity; their
+/// impulses are zero at a solution and are dropped. Units are chosen such that the mean of W_nn and
+/// the largest free velocity are one, as Siconos has absolute thresholds.
+///
+/// Siconos decides by its own measure when to return, so each call is judged by the monitor and
+/// repeated from where it ended: with a tenth of its tolerance where it claimed convergence, with
+/// more iterations where it ran into their limit. A call cannot be interrupted: a time limit is
+/// looked at between calls. Siconos ends the process on some internal errors; that cannot be caught
+/// here.
+SolveResult solve_siconos_nsgs(const ContactProblem& problem, const SolverOptions& options);
+SolveResult solve_siconos_nsn_ac(const ContactProblem& problem, const SolverOptions& options);
+SolveResult solve_siconos_admm(const ContactProblem& problem, const SolverOptions& options);
+SolveResult solve_siconos_prox(const ContactProblem& problem, const SolverOptions& options);
+SolveResult solve_siconos_lemke(const ContactProblem& problem, const SolverOptions& options);
+
+}  // namespace bipot
