@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -395,7 +396,8 @@ TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
     std::filesystem::create_directory(folder / "out");
     const pid_t child = ::fork();
     ASSERT_GE(child, 0);
-    if (child == 0) {  // never leaves this block
+    if (child == 0) {  // never leaves this block, never outlives a test that is stopped itself
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
       try {
         RunWriter writer(folder / "out", scene, "");
         for (int step = 0; step < 100000; ++step) writer.frame(awkward_state(scene, step));
