@@ -48,7 +48,7 @@ TEST(SceneFile, DefaultsOfTheLeastScene) {
   EXPECT_EQ(s.laws[0].e_t, 0);
   EXPECT_FALSE(s.has_friction());
   EXPECT_EQ(s.contact_distance, 0);
-  EXPECT_EQ(s.solver.name, "pgs");
+  EXPECT_EQ(s.solver.name, "auto");
   EXPECT_EQ(s.solver.tol, 1e-8);
   EXPECT_EQ(s.solver.stop, "guarded");
   EXPECT_EQ(s.solver.max_iterations, 1000000);
