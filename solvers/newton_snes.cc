@@ -484,7 +484,7 @@ class Snes {
  public:
   Snes(Run& run, Residual residual, const std::string& linear, const std::string& line_search,
        int inner_iterations)
-      : run_(run) {
+      : Snes(run) {  // delegated: the destructor cleans up after a failure below, too
     const NewtonSystem& system = *run.system;
     const PetscInt n = system.size();
     check(VecCreateSeq(PETSC_COMM_SELF, n, &z_), "VecCreateSeq");
@@ -581,6 +581,8 @@ class Snes {
   }
 
  private:
+  explicit Snes(Run& run) : run_(run) {}
+
   void set(const Vector& start) {
     PetscScalar* values = nullptr;
     check(VecGetArray(z_, &values), "VecGetArray");
