@@ -29,8 +29,6 @@ void add_solver_flags(CLI::App& command, SolverFlags& flags) {
   command.add_option("--stop", flags.stop, "Stop test: guarded, raw42 or impulse");
   command.add_option("--max-iterations", flags.max_iterations, "Iteration limit of one solve")
       ->check(CLI::NonNegativeNumber);
-  command.add_flag("--warm-start,!--no-warm-start", flags.warm_start,
-                   "Start from the impulses of the step before");
   // Solvers share names where they mean the same thing: one flag a name.
   std::map<std::string_view, std::vector<std::string>> users;
   std::map<std::string_view, std::string_view> help;
@@ -52,6 +50,14 @@ void add_solver_flags(CLI::App& command, SolverFlags& flags) {
             fmt::format("[{}] {}", fmt::join(solvers, ", "), help[name]))
         ->group("Solver parameters");
   }
+}
+
+void add_warm_start_flags(CLI::App& command, SolverFlags& flags) {
+  command.add_flag_callback(
+      "--warm-start", [&flags] { flags.warm_start = true; },
+      "Start each step from the impulses of the step before");
+  command.add_flag_callback(
+      "--no-warm-start", [&flags] { flags.warm_start = false; }, "Start each step from s = 0");
 }
 
 SolverChoice merged(const SolverChoice& base, const SolverFlags& flags) {

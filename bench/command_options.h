@@ -31,6 +31,8 @@ struct SolverFlags {
 };
 /// One flag for each parameter name in the solver table, besides --solver, --tol, --stop, ...
 void add_solver_flags(CLI::App& command, SolverFlags& flags);
+/// --warm-start and --no-warm-start, for commands with more than one step.
+void add_warm_start_flags(CLI::App& command, SolverFlags& flags);
 
 /// The scene's choice with the command line's entries put in. Parameters of the scene are dropped
 /// when the command line names another solver.

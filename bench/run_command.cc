@@ -207,6 +207,7 @@ CLI::App* add_run_command(CLI::App& app, RunFlags& flags) {
       ->check(CLI::IsMember({"all", "failed"}));
   add_common_flags(*command, flags.common);
   add_solver_flags(*command, flags.solver);
+  add_warm_start_flags(*command, flags.solver);
   command->footer(
       "Examples:\n"
       "  bipot run compaction --out out/compaction\n"
@@ -240,8 +241,8 @@ int run_command(const RunFlags& flags) {
   }
   std::unique_ptr<RunWriter> writer;
   if (!out.empty()) {
-    const bool same_folder = !flags.restart.empty() && fs::exists(out) &&
-                             fs::equivalent(out, run_folder(flags.restart));
+    const bool same_folder =
+        !flags.restart.empty() && fs::exists(out) && fs::equivalent(out, run_folder(flags.restart));
     writer = std::make_unique<RunWriter>(out, scene, text, same_folder ? state.step : -1);
     writer->frame(state);
   }

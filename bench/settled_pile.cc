@@ -16,8 +16,8 @@ SettledPile settle_pile(const PileOptions& options) {
   pile.state = initial_state(pile.scene);
   SolverOptions solver;
   solver.tol = options.tol;
-  solver.max_iterations = 2000;
-  TimeStepper stepper(pile.scene, make_step_solver(*find_solver("pgs"), solver), false);
+  solver.max_iterations = 1000;
+  TimeStepper stepper(pile.scene, make_step_solver(*find_solver("apgd"), solver), false);
   double initial = 0;
   while (pile.steps < options.max_steps && !pile.at_rest) {
     const StepReport report = stepper.advance(pile.state);

@@ -12,6 +12,7 @@
 #include "core/file_error.h"
 #include "core/nearest_name.h"
 #include "core/problem_file.h"
+#include "solvers/auto_solver.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 
@@ -82,6 +83,8 @@ CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags) {
       ->type_name("FILE");
   command->add_option("--history", flags.history, "Write the judged iterations as CSV")
       ->type_name("FILE");
+  command->add_flag("--explain", flags.explain,
+                    "With --solver auto: print which stages are planned, and why");
   add_common_flags(*command, flags.common);
   add_solver_flags(*command, flags.solver);
   command->footer(
@@ -101,9 +104,6 @@ int solve_command(const SolveFlags& flags) {
   }
   const ContactProblem& problem = file->problem;
   const SolverChoice choice = merged(SolverChoice{}, flags.solver);
-  if (flags.solver.warm_start) {
-    throw std::invalid_argument("--warm-start: a single problem has no step before it");
-  }
   const SolverEntry* entry = find_solver(choice.name);
   if (entry == nullptr) {
     throw std::invalid_argument(unknown_name_message("solver", choice.name, solver_names()));
@@ -123,6 +123,12 @@ int solve_command(const SolveFlags& flags) {
     };
   }
 
+  if (flags.explain) {
+    if (choice.name != "auto") {
+      throw std::invalid_argument("--explain explains the choice of --solver auto");
+    }
+    if (flags.common.json != "-") fmt::print("{}", explain_auto(problem, options));
+  }
   const SolveResult result = solve(*entry, problem, options);
   if (!flags.history.empty()) {
     history.close();
@@ -137,8 +143,7 @@ int solve_command(const SolveFlags& flags) {
   }
   if (!flags.solution.empty()) {
     if (!std::ifstream(flags.solution)) {
-      write_fclib(flags.solution, problem,
-                  {.title = file->title, .description = file->description});
+      write_fclib(flags.solution, problem, file->info);
     }
     std::optional<Vector> v;
     if (problem.has_velocities()) v = body_velocities(problem, result.s);

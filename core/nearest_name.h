@@ -7,7 +7,8 @@
 
 namespace bipot {
 
-/// The candidate with the smallest Levenshtein distance to `name`; empty without candidates.
+/// The candidate with the smallest edit distance (swaps of neighbours count once) to `name`; empty
+/// without candidates.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
 /// "unknown solver 'pgz'; did you mean 'pgs'? Valid: pgs, uzawa".

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 constexpr const char* kFormat = "bipot run";
 constexpr int kFormatVersion = 1;
-constexpr std::size_t kIndexShare = 256;  // see RunWriter
+constexpr std::size_t kIndexShare = 32;  // see RunWriter
 
 /// Collects one column of numbers, or several, row by row.
 class Column {
@@ -93,7 +93,13 @@ Enum checked_enum(const Hdf5File& file, const std::string& name, int value, int 
   return static_cast<Enum>(value);
 }
 
-fs::path folder_of(const fs::path& run) { return fs::is_directory(run) ? run : run.parent_path(); }
+fs::path folder_of(const fs::path& run) {
+  if (fs::is_directory(run)) return run;
+  if (run.filename() != "run.h5") {
+    throw FileError(run, "", "a run is named by its folder or by the run.h5 in it");
+  }
+  return run.parent_path();
+}
 
 std::string frame_name(int step) { return fmt::format("{:08d}", step); }
 
@@ -326,10 +332,8 @@ void RunWriter::write_frame_file(const State& state) const {
   write_vectors(file, "/walls/a", "m", walls, [](const Wall& w) { return w.a; });
   write_vectors(file, "/walls/b", "m", walls, [](const Wall& w) { return w.b; });
   write_vectors(file, "/walls/v", "m/s", walls, [](const Wall& w) { return w.v; });
-  const Box box = view_box(disks, walls);
   Column lines(4 * walls.size());
-  for (const Wall& w : walls) {
-    const auto [first, last] = wall_line(w, box);
+  for (const auto& [first, last] : wall_lines(walls, view_box(disks, walls))) {
     lines.add(first);
     lines.add(last);
   }

@@ -38,11 +38,11 @@ class CsvFile {
 ///                        between the centres, walls as lines
 ///   ledger.csv           one row for each scene.output.ledger_every steps, and the last
 ///   trajectory.csv       one row for each step and tracked disk, if scene.output.track names any
-/// data/README.md of the repository describes each entry.
+/// data/formats.md describes each entry.
 ///
 /// Every file but the CSV appears whole (AtomicFile): whenever the program is killed, all frames
 /// written so far can be read, and ParaView may look on while the run goes on. run.h5 and run.xdmf
-/// are rewritten after every frame up to the 256th; later after every 1/256 of the frames so far,
+/// are rewritten after every frame up to the 32nd; later after every 1/32 of the frames so far,
 /// which bounds the cost, and by close(). read_state() finds the frames without them.
 /// Throws FileError.
 class RunWriter {

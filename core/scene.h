@@ -51,7 +51,7 @@ struct Wall {
 
 /// Which solver a scene asks for; the command line may override each entry.
 struct SolverChoice {
-  std::string name = "pgs";
+  std::string name = "auto";
   double tol = 1e-8;
   std::string stop = "guarded";
   int max_iterations = 1000000;

@@ -53,16 +53,36 @@ Box view_box(std::span<const Disk> disks, std::span<const Wall> walls) {
   return box;
 }
 
-std::pair<Vec2, Vec2> wall_line(const Wall& wall, const Box& box) {
-  if (wall.shape == Wall::Shape::kSegment) return {wall.a, wall.b};
-  const Vec2 t = tangent(wall);
-  double first = 1e300, last = -1e300;
-  for (const Vec2& corner :
-       {box.lower, box.upper, Vec2(box.lower[0], box.upper[1]), Vec2(box.upper[0], box.lower[1])}) {
-    first = std::min(first, (corner - wall.a).dot(t));
-    last = std::max(last, (corner - wall.a).dot(t));
+std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall> walls, const Box& box) {
+  std::vector<std::pair<Vec2, Vec2>> lines;
+  for (const Wall& wall : walls) {
+    if (wall.shape == Wall::Shape::kSegment) {
+      lines.emplace_back(wall.a, wall.b);
+      continue;
+    }
+    const Vec2 t = tangent(wall);
+    double first = 1e300, last = -1e300;
+    for (const Vec2& corner : {box.lower, box.upper, Vec2(box.lower[0], box.upper[1]),
+                               Vec2(box.upper[0], box.lower[1])}) {
+      first = std::min(first, (corner - wall.a).dot(t));
+      last = std::max(last, (corner - wall.a).dot(t));
+    }
+    double seen_first = first, seen_last = last;
+    for (const Wall& other : walls) {
+      if (&other == &wall || other.shape == Wall::Shape::kSegment) continue;
+      // Height above the other one at the parameter x: height + slope x.
+      const double height = (wall.a - other.a).dot(other.normal);
+      const double slope = t.dot(other.normal);
+      if (slope > 1e-9) seen_first = std::max(seen_first, -height / slope);
+      if (slope < -1e-9) seen_last = std::min(seen_last, -height / slope);
+    }
+    if (seen_first < seen_last) {  // else it is buried altogether: shown whole, nothing is hidden
+      first = seen_first;
+      last = seen_last;
+    }
+    lines.emplace_back(wall.a + first * t, wall.a + last * t);
   }
-  return {wall.a + first * t, wall.a + last * t};
+  return lines;
 }
 
 }  // namespace bipot

@@ -2,6 +2,7 @@
 
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "core/scene.h"
 
@@ -28,8 +29,8 @@ struct Box {
 /// walls that are about as near as the disks are wide. Never empty.
 Box view_box(std::span<const Disk> disks, std::span<const Wall> walls);
 
-/// The two ends of a wall as it is drawn: of a segment its own, of a half-plane's line as far as
-/// the box reaches in its direction.
-std::pair<Vec2, Vec2> wall_line(const Wall& wall, const Box& box);
+/// The two ends of each wall as it is drawn: of a segment its own, of a half-plane's line as far as
+/// the box reaches in its direction and no other half-plane covers it.
+std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall> walls, const Box& box);
 
 }  // namespace bipot

@@ -40,7 +40,8 @@ class Table {
     const toml::node* node = table_.get(key);
     const std::string text = fmt::format("'{}': {}", key, message);
     if (node != nullptr) fail_at(*node, text);
-    throw SceneFileError(fmt::format("{}: [{}] {}", source_, name_, text));
+    throw SceneFileError(
+        fmt::format("{}: [{}] {}", source_, name_.empty() ? "top level" : name_, text));
   }
 
   bool has(std::string_view key) const {
@@ -369,8 +370,10 @@ void read_solver(const Table& root, Scene& scene) {
   SolverChoice& s = scene.solver;
   s.name = table->word("name", s.name);
   s.tol = table->number("tol", s.tol);
+  if (!(s.tol > 0)) table->fail("tol", "expected a positive number");
   s.stop = table->one_of("stop", s.stop, {"guarded", "raw42", "impulse"});
   s.max_iterations = table->integer("max_iterations", s.max_iterations);
+  if (s.max_iterations < 0) table->fail("max_iterations", "expected a non-negative integer");
   s.warm_start = table->boolean("warm_start", s.warm_start);
   if (const auto parameters = table->table("parameters")) s.parameters = parameters->texts();
   table->finish();
@@ -386,7 +389,8 @@ void read_output(const Table& root, Scene& scene) {
   if (o.ledger_every < 0) table->fail("ledger_every", "expected a non-negative integer");
   o.picture = table->boolean("picture", o.picture);
   for (double x : table->numbers("track")) {
-    if (x != std::floor(x)) table->fail("track", "expected disk numbers");
+    const bool is_index = x >= 0 && x <= std::numeric_limits<int>::max() && x == std::floor(x);
+    if (!is_index) table->fail("track", "expected disk numbers");
     o.track.push_back(static_cast<int>(x));
   }
   table->finish();

@@ -23,7 +23,8 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
 /// Negrut and Tasora (ACM Trans. Graph. 34, 2015). In variables x with a unit diagonal of W
 /// (contact_scaling.h), L an estimate of lambda_max and w = W x + b,
 ///
-///     y = x + beta (x - x⁻),   x⁺ = P(y - w(y)/L),   t⁺ = (1 + sqrt(1 + 4 t²))/2, beta = (t - 1)/t⁺
+///     y = x + beta (x - x⁻),   x⁺ = P(y - w(y)/L),   t⁺ = (1 + sqrt(1 + 4 t²))/2, beta = (t -
+///     1)/t⁺
 ///
 /// with t = 1 again whenever (y - x⁺)·(x⁺ - x) > 0 (gradient restart of O'Donoghue and Candes,
 /// Found. Comput. Math. 15, 2015). P is either
@@ -31,10 +32,11 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
 ///   - split: x_n = max(0, tau_n), then x_t = tau_t cut off at mu x_n (Alart and Curnier 1991).
 /// Both have exactly the solutions of Coulomb's law as fixed points. Split needs fewer iterations
 /// on lattices and piles, cone holds where split cycles (free pyramids). [ours] auto starts with
-/// split, and where the best error has not halved for as many iterations as it took so far (at least
-/// 1000) goes on from the best iterate with cone, then with split without momentum, and so on.
+/// split, and where the best error has not halved for as many iterations as it took so far (at
+/// least 1000) goes on from the best iterate with cone, then with split without momentum, and so
+/// on.
 ///
-/// L: 30 steps of the power method, with a margin of 5 %, never above ‖W‖_inf. Each step measures
+/// L: 30 steps of the power method, with a margin of 5 %. Each step measures
 /// the curvature (x - x⁻)·W(x - x⁻)/‖x - x⁻‖² along the way; where it is above L, L is raised and
 /// momentum dropped. For mu = 0 this is FISTA on a convex quadratic, error O(1/k²); with friction
 /// there is no proof of convergence. An unsymmetric W (rounded data) is used as it is.

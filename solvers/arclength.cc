@@ -159,7 +159,7 @@ StageEnd follow_central_path(InteriorSystem<D>& system, InteriorState<D> z, Inte
     system.move(z, step, 1);
     t += alpha * y_dt + h * dt + h * h * q_dt;
     if (run.next(z.s, h)) return StageEnd::kStop;
-    if (run.monitor.last_error() < best_error) {
+    if (run.judged() && run.monitor.last_error() < best_error) {
       best_error = run.monitor.last_error();
       best = z;
     }

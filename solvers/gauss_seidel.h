@@ -5,18 +5,54 @@
 namespace bipot {
 
 inline constexpr ParameterSpec kGaussSeidelParameters[] = {
+    {.name = "local",
+     .kind = ParameterSpec::Kind::kChoice,
+     .default_value = "projection",
+     .choices = "projection|exact",
+     .help = "contact problem: rounds of projected steps, or solved exactly"},
+    {.name = "local_iterations",
+     .kind = ParameterSpec::Kind::kInteger,
+     .default_value = "1",
+     .minimum = 1,
+     .maximum = 1000,
+     .help = "rounds of local = projection"},
+    {.name = "order",
+     .kind = ParameterSpec::Kind::kChoice,
+     .default_value = "forward",
+     .choices = "forward|symmetric|shuffled",
+     .help =
+         "contacts as they stand, alternately forwards and backwards, or drawn anew each sweep"},
+    {.name = "seed",
+     .kind = ParameterSpec::Kind::kInteger,
+     .default_value = "1",
+     .minimum = 0,
+     .maximum = 4294967295.0,
+     .help = "of order = shuffled"},
     {.name = "omega",
      .kind = ParameterSpec::Kind::kNumber,
      .default_value = "1",
      .minimum = 1e-3,
      .maximum = 1.999,
      .help = "relaxation of each local update"},
+    {.name = "operator",
+     .kind = ParameterSpec::Kind::kChoice,
+     .default_value = "auto",
+     .choices = "auto|explicit",
+     .help = "body velocities updated in place where A is diagonal, or products with W"},
 };
 
-/// Projected block Gauss-Seidel, the NSGS of Jean (1999) and Moreau: contact after contact, the
-/// local problem is updated by one projection with separate normal and tangential steps
-/// 1/W_nn and 1/W_tt (the exact local solution wherever the diagonal block is diagonal: disks), and
-/// velocities are refreshed at once.
+/// Projected block Gauss-Seidel, the NSGS of Jean (Comput. Methods Appl. Mech. Eng. 177, 1999) and
+/// Moreau: contact after contact, the contact's own problem is improved or solved with the others
+/// frozen, and velocities are refreshed at once. One iteration is one sweep.
+///
+/// local = projection: rounds of improve_local() (local_coulomb.h) with relaxed steps omega/W_nn
+/// and omega/lambda_max(W_tt). local = exact: solve_local(), then s + omega (s_exact - s) projected
+/// on K_mu; where the exact solution fails its own check, one round of projection. Disks have
+/// diagonal blocks: one round with omega = 1 is exact there, and both choices are the same.
+///
+/// For mu = 0 and 0 < omega < 2 each update decreases a convex quadratic and the sweep converges
+/// (Luo and Tseng 1992); with friction there is no proof, exact local solutions can cycle where
+/// projections converge, and order and omega change what is reached.
 SolveResult solve_gauss_seidel(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

@@ -10,6 +10,7 @@
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
 #include "solvers/proximal_interior_point.h"
+#include "solvers/proximal_newton.h"
 
 namespace bipot {
 namespace {
@@ -17,7 +18,9 @@ namespace {
 // Stiffness of the springs of the start estimate, over 1/W_nn: forces reach about its square root
 // of contacts far.
 constexpr double kStartStiffness = 1e4;
-constexpr double kRoundScales[] = {1, 0.3, 3};  // start scale of the rounds, in turn
+constexpr double kRoundScales[] = {1, 0.1, 10};  // start scale of the rounds, in turn
+constexpr double kRelaxedGap = 1e-2;  // accuracy of the associated law before the exact one
+constexpr double kPolishBelow = 1e-3;  // guarded error from which Newton is worth a try
 constexpr int kEndgameIterations = 60;
 constexpr unsigned kSeed = 1;
 
@@ -61,18 +64,24 @@ void run(const ContactProblem& p, const Parameters& parameters, IterationMonitor
   const double scale = parameters.number("start_scale");
   const double energy = start_energy(system) * scale * scale;
   monitor.end_setup();
-  InteriorRun run{monitor};
+  InteriorRun run(monitor);
   if (monitor.stop(0, Vector::Zero(p.num_rows()))) return;
 
   ProximalInteriorPointOptions first;
   first.max_iterations = parameters.integer("stage_iterations");
+  const bool relaxation = parameters.choice("relaxation") == "on" && D > 1;
+  ProximalInteriorPointOptions convex = first;
+  convex.final_gap = kRelaxedGap;
   ProximalInteriorPointOptions endgame;
   endgame.max_iterations = kEndgameIterations;
   ArclengthOptions arc;
   arc.max_iterations = parameters.integer("arc_iterations");
   const bool arclength = parameters.choice("arclength") == "on";
+  const bool polish = parameters.choice("polish") == "on";
   const int rounds = arclength ? parameters.integer("rounds") : 1;
   std::mt19937_64 random(kSeed);
+  ContactErrorEvaluator evaluate(p);
+  const auto guarded_error = [&](const Vector& s) { return evaluate(s).guarded(); };
   for (int round = 0; round < rounds; ++round) {
     const double factor = kRoundScales[round % std::size(kRoundScales)];
     const double e = energy * factor * factor;
@@ -83,11 +92,33 @@ void run(const ContactProblem& p, const Parameters& parameters, IterationMonitor
         impulse[c] *= std::pow(10.0, uniform(random) - 0.5);
       }
     }
-    InteriorState<D> z = system.central_state(impulse, Vector::Constant(p.num_contacts(), e));
-    InteriorState<D> best = z;
-    if (proximal_interior_point(system, z, run, first, best) == StageEnd::kStop) return;
+    InteriorState<D> candidate;
+    double candidate_error = std::numeric_limits<double>::infinity();
+    for (const bool relaxed : {true, false}) {
+      if (relaxed && !relaxation) continue;
+      system.set_association(relaxed ? 1 : 0);
+      InteriorState<D> z = system.central_state(impulse, Vector::Constant(p.num_contacts(), e));
+      InteriorState<D> best = z;
+      if (relaxed) {
+        if (proximal_interior_point(system, z, run, convex, best) == StageEnd::kStop) return;
+        system.set_association(z, 0);
+        best = z;
+      }
+      if (proximal_interior_point(system, z, run, first, best) == StageEnd::kStop) return;
+      const double error = guarded_error(best.s);
+      if (error < candidate_error) {
+        candidate_error = error;
+        candidate = best;
+      }
+      if (polish && error < kPolishBelow &&
+          proximal_newton<D>(p, system.delassus(), system.shifted(), system.mobility(), best.s, run,
+                             {}) == StageEnd::kStop) {
+        return;
+      }
+    }
+    InteriorState<D> best = candidate;
     if (arclength &&
-        follow_central_path(system, best, run, arc, endgame, best) == StageEnd::kStop) {
+        follow_central_path(system, candidate, run, arc, endgame, best) == StageEnd::kStop) {
       return;
     }
   }

@@ -58,7 +58,7 @@ void InteriorSystem<D>::recompute(State& z) const {
   delassus_.velocity(z.s, z.u);
   z.p.resize(contacts * D);
   for (int c = 0; c < contacts; ++c) {
-    Local<D> p = local<D>(z.u, c) - Jordan::velocity_of_pairs(pairs(z.Y, c), friction(c));
+    Local<D> p = local<D>(z.u, c) - Jordan::velocity_of_pairs(pairs(z.Y, c), association_ * mu(c), friction(c));
     if (!friction(c)) {
       for (int k = 1; k < D; ++k) p[k] = 0;
     }
@@ -140,19 +140,13 @@ bool InteriorSystem<D>::linearise(const State& z, double delta) {
       unit[k] = 1;
       const Pairs dx = Jordan::pairs_of_impulse(unit, mu(c), f);
       const Pairs dy = Jordan::divide(Jordan::product(dx, y, f), x, f);
-      C.col(k) = Jordan::velocity_of_pairs(dy, f);
+      C.col(k) = Jordan::velocity_of_pairs(dy, association_ * mu(c), f);
       C(k, k) += delta * mobility_[c * D + k];
     }
-    // Block lower triangular: the normal row sees s_n alone.
-    R(0, 0) = 1 / C(0, 0);
-    if constexpr (D > 1) {
-      if (f) {
-        using Tangent = Eigen::Matrix<double, D - 1, D - 1>;
-        const Tangent inverse = Tangent(C.template bottomRightCorner<D - 1, D - 1>()).inverse();
-        R.template bottomRightCorner<D - 1, D - 1>() = inverse;
-        R.template bottomLeftCorner<D - 1, 1>() =
-            -inverse * C.template bottomLeftCorner<D - 1, 1>() * R(0, 0);
-      }
+    if (f) {
+      R = Block(C).inverse();
+    } else {
+      R(0, 0) = 1 / C(0, 0);
     }
   }
   return shifted_.factor(R_);
@@ -167,7 +161,8 @@ void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector&
   for (int c = 0; c < contacts; ++c) {
     const bool f = friction(c);
     Local<D> row =
-        Jordan::velocity_of_pairs(Jordan::divide(pairs(r, c), pairs(z.X, c), f), f) -
+        Jordan::velocity_of_pairs(Jordan::divide(pairs(r, c), pairs(z.X, c), f),
+                                  association_ * mu(c), f) -
         local<D>(p, c);
     if (!f) row.template tail<D - 1>().setZero();
     q.segment<D>(c * D) = row;
@@ -195,6 +190,16 @@ void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector&
     out.dY.template segment<P>(c * P) = Jordan::divide(
         pairs(r, c) - Jordan::product(pairs(z.Y, c), dx, f), pairs(z.X, c), f);
   }
+}
+
+template <int D>
+void InteriorSystem<D>::set_association(State& z, double association) {
+  for (int c = 0; c < num_contacts(); ++c) {
+    z.Y[c * P] += (association_ - association) * mu(c) *
+                  Jordan::slip_speed(pairs(z.Y, c), friction(c));
+  }
+  association_ = association;
+  recompute(z);
 }
 
 template class InteriorSystem<1>;

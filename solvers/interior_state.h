@@ -65,6 +65,11 @@ class InteriorSystem {
   /// Direction for the right-hand sides r (P a contact) and p.
   void direction(const State& z, const Vector& r, const Vector& p, PairDirection& out) const;
 
+  /// Blends the exact law (0) with the associated, convex one (1): u_n = w + association mu gamma.
+  /// The change is absorbed by w, which stays positive when the association falls.
+  void set_association(State& z, double association);
+  void set_association(double association) { association_ = association; }
+
   bool friction(int c) const { return friction_[c]; }
   double mu(int c) const { return problem_.mu[c]; }
   int num_contacts() const { return problem_.num_contacts(); }
@@ -82,6 +87,7 @@ class InteriorSystem {
   ShiftedDelassus shifted_;
   std::vector<char> friction_;
   int eigenvalues_ = 0;
+  double association_ = 0;
   Vector mobility_;           // diagonal of W, tangents averaged
   std::vector<double> C_, R_;  // row-major d x d blocks of the last linearisation
 };

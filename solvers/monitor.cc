@@ -52,15 +52,17 @@ bool IterationMonitor::meets(const Eigen::Ref<const Vector>& s) {
   return judge(s, std::numeric_limits<double>::infinity());
 }
 
-bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, double step) {
+bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, double step,
+                            bool moving) {
   iterations_ = iteration;
   if (!due(iteration)) return false;
   next_ = iteration < kDenseIterations ? iteration + 1 : iteration + iteration / kDenseIterations;
 
   double change = std::numeric_limits<double>::infinity();
   if (previous_.size() == s.size() && previous_iteration_ < iteration) {
+    // Two iterates at 0 say nothing: 0/0. (0 is no solution here, or solve() had returned it.)
     const double norm = s.norm();
-    change = norm > 0 ? (s - previous_).norm() / norm : 0;
+    if (norm > 0) change = (s - previous_).norm() / norm;
   }
   const bool comparable = previous_iteration_ == iteration - 1;
   const bool met = judge(s, comparable ? change : std::numeric_limits<double>::infinity());
@@ -81,7 +83,7 @@ bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, do
   } else if (std::isnan(error) || !(last_.energy <= kDivergenceFactor * free_energy_)) {
     status_ = SolveStatus::kDiverged;
     message_ = fmt::format("the iterate grew without bound by iteration {}", iteration);
-  } else if (change <= kRoundOff && iteration > 0) {
+  } else if (change <= kRoundOff && iteration > 0 && !moving) {
     status_ = SolveStatus::kStalled;
     message_ = fmt::format(
         "stalled at round-off: the iterate no longer changes at iteration {}, best error {:.2e}",

@@ -22,9 +22,10 @@ class IterationMonitor {
   bool due(int iteration) const;
 
   /// Call after every iteration (iteration = number of completed iterations). True: stop now.
-  /// Does nothing unless due(iteration). `step` goes into the history.
+  /// Does nothing unless due(iteration). `step` goes into the history. `moving`: the solver has a
+  /// state beside s (multipliers) that still changes, so that an equal s is not a stall.
   bool stop(int iteration, const Eigen::Ref<const Vector>& s,
-            double step = std::numeric_limits<double>::quiet_NaN());
+            double step = std::numeric_limits<double>::quiet_NaN(), bool moving = false);
 
   /// For solvers that find out by themselves that they cannot go on.
   void fail(SolveStatus status, std::string message);

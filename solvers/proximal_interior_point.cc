@@ -7,10 +7,12 @@ namespace bipot {
 namespace {
 
 constexpr double kFirstDelta = 1e-3;     // first proximal term against a negative determinant
+constexpr double kShortStepDelta = 1e-5;  // the same, against a short step
+constexpr double kShortStep = 0.1, kLongStep = 0.7;
 constexpr double kLargestDelta = 1e8;    // beyond it I + C^-1 W is the identity
 constexpr double kNeighbourhood = 1e-3;  // smallest product over the mean one
 constexpr double kToBoundary = 0.99;
-constexpr double kSmallestStep = 1e-12;
+constexpr double kSmallestStep = 1e-12, kTinyStep = 1e-3;
 constexpr int kHoldsBeforeRaise = 8;
 
 /// Ratio of the smallest product to the mean one.
@@ -39,6 +41,8 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
   double delta = options.delta_floor;
   int holds = 0, tiny_steps = 0;
   double best_error = std::numeric_limits<double>::infinity();
+  double progress_error = best_error;
+  int progress = 0;
   PairDirection affine, d;
   InteriorState<D> trial;
   for (int k = 0; k < options.max_iterations; ++k) {
@@ -52,6 +56,11 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
     const Vector products = system.products(z.X, z.Y);
     const double tau = system.mean_product(products);
     const double residual = system.residual_energy(z);
+    if (options.final_gap > 0) {
+      const double gap = tau * system.num_eigenvalues() + residual * system.num_contacts();
+      const double energy = 0.5 * z.s.dot(z.u - system.problem().u_free);
+      if (gap < options.final_gap * kTheta * energy) return StageEnd::kLimit;
+    }
     const bool hold = residual > 10 * tau && delta > options.delta_floor;
     double target = tau;
     if (hold) {
@@ -80,14 +89,19 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
     }
     system.move(z, d, t);
     if (run.next(z.s, t)) return StageEnd::kStop;
-    if (run.monitor.last_error() < best_error) {
+    if (run.judged() && run.monitor.last_error() < best_error) {
       best_error = run.monitor.last_error();
       best = z;
     }
-    if (t < 0.3) delta = std::max(5 * delta, kFirstDelta);
-    if (t > 0.7) delta = std::max(options.delta_floor, 0.3 * delta);
-    tiny_steps = t < 1e-6 ? tiny_steps + 1 : 0;
-    if (tiny_steps >= 5) return StageEnd::kStuck;
+    if (best_error < 0.5 * progress_error) {
+      progress_error = best_error;
+      progress = k;
+    }
+    if (k - progress >= options.patience) return StageEnd::kStuck;
+    if (t < kShortStep) delta = std::max(5 * delta, kShortStepDelta);
+    if (t > kLongStep) delta = std::max(options.delta_floor, 0.1 * delta);
+    tiny_steps = t < kTinyStep ? tiny_steps + 1 : 0;
+    if (tiny_steps >= 3) return StageEnd::kStuck;
   }
   return StageEnd::kLimit;
 }

@@ -6,12 +6,22 @@
 namespace bipot {
 
 /// What the stages of the interior-point solver share: who judges, and the count of factorisations.
-struct InteriorRun {
+class InteriorRun {
+ public:
+  explicit InteriorRun(IterationMonitor& m) : monitor(m) {}
   IterationMonitor& monitor;
   int iteration = 0;
 
   /// Counts one iteration and judges its impulse; true: stop everything.
-  bool next(const Vector& s, double step) { return monitor.stop(++iteration, s, step); }
+  bool next(const Vector& s, double step) {
+    judged_ = monitor.due(++iteration);
+    return monitor.stop(iteration, s, step);
+  }
+  /// Whether the last iterate was judged: the monitor's last error is then its own.
+  bool judged() const { return judged_; }
+
+ private:
+  bool judged_ = false;
 };
 
 enum class StageEnd {
@@ -23,6 +33,9 @@ enum class StageEnd {
 
 struct ProximalInteriorPointOptions {
   int max_iterations = 150;
+  int patience = 40;          ///< kStuck after so many iterations without halving the best error
+  double final_gap = 0;       ///< kLimit once the gap (all products and residuals over a tenth of
+                              ///< the energy that the impulses move) is below
   double delta_floor = 1e-7;  ///< smallest proximal term, in units of 1/W
 };
 

@@ -1,6 +1,10 @@
 #include "solvers/registry.h"
 
 #include "solvers/accelerated_gradient.h"
+#include "solvers/admm.h"
+#include "solvers/anderson.h"
+#include "solvers/auto_solver.h"
+#include "solvers/classical.h"
 #include "solvers/gauss_seidel.h"
 #include "solvers/interior_point.h"
 #include "solvers/lemke.h"
@@ -17,10 +21,19 @@ namespace bipot {
 namespace {
 
 const SolverEntry kSolvers[] = {
+    {.name = "auto",
+     .summary = "chain of the solvers below by size, form, start and tolerance; see --explain",
+     .run = &solve_auto,
+     .parameters = {}},
     {.name = "uzawa",
      .summary = "bi-potential Uzawa, one predictor-corrector per contact (41)",
      .run = &solve_uzawa,
      .parameters = kUzawaParameters},
+    {.name = "classical",
+     .summary =
+         "two predictor-correctors per contact, normal then friction (the paper's reference)",
+     .run = &solve_classical,
+     .parameters = kClassicalParameters},
     {.name = "pgs",
      .summary = "projected block Gauss-Seidel, NSGS (Jean 1999)",
      .run = &solve_gauss_seidel,
@@ -29,6 +42,14 @@ const SolverEntry kSolvers[] = {
      .summary = "accelerated projected gradient with restart (Mazhar et al. 2015)",
      .run = &solve_accelerated_gradient,
      .parameters = kAcceleratedGradientParameters},
+    {.name = "anderson",
+     .summary = "safeguarded Anderson acceleration of Gauss-Seidel sweeps (Walker and Ni 2011)",
+     .run = &solve_anderson,
+     .parameters = kAndersonParameters},
+    {.name = "admm",
+     .summary = "operator splitting with sparse Cholesky factors (Boyd et al. 2011)",
+     .run = &solve_admm,
+     .parameters = kAdmmParameters},
     {.name = "ppa",
      .summary = "proximal point around another solver (Rockafellar 1976)",
      .run = &solve_proximal_point,

@@ -79,14 +79,16 @@ void judge(const ContactProblem& problem, const SolverOptions& options,
   result.s = evaluate.impulse();
   result.u = evaluate.velocity();
 
-  const double measured =
-      options.stop == StopTest::kRaw42 ? result.error.raw42 : result.error.guarded();
-  const bool verifiable = options.stop != StopTest::kImpulse;
+  // Where there is nothing to do the raw (42) is 0/0: that claim is judged by the guarded error.
+  const bool raw = options.stop == StopTest::kRaw42 && result.status == SolveStatus::kConverged;
+  const double measured = raw ? result.error.raw42 : result.error.guarded();
+  const bool verifiable =
+      options.stop != StopTest::kImpulse || result.status == SolveStatus::kNothingToDo;
   if (is_success(result.status) && verifiable && !(measured <= options.tol)) {
     result.message = fmt::format(
         "claim of convergence withdrawn: {} error {:.3e} on the original data, tolerance {:.1e} "
         "(it said: {})",
-        to_string(options.stop), measured, options.tol, result.message);
+        raw ? "raw42" : "guarded", measured, options.tol, result.message);
     result.status = SolveStatus::kNumericalFailure;
   } else if (result.status == SolveStatus::kNotRun) {
     result.message = "the solver returned without a status";
@@ -137,6 +139,10 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       } catch (const std::exception& e) {
         result.status = SolveStatus::kNumericalFailure;
         result.message = fmt::format("{} failed: {}", entry.name, e.what());
+        result.s = Vector::Zero(problem.num_rows());
+      } catch (...) {
+        result.status = SolveStatus::kNumericalFailure;
+        result.message = fmt::format("{} failed with something that is no exception", entry.name);
         result.s = Vector::Zero(problem.num_rows());
       }
       result.setup_seconds += before;

@@ -1,22 +1,15 @@
 #include "solvers/spectral_estimate.h"
 
-#include <algorithm>
 #include <cmath>
 #include <random>
 
 namespace bipot {
 
 double spectral_bound(const ContactProblem& p, const Vector& scale) {
-  Vector sums;
-  if (p.has_velocities() && is_diagonal(p.A)) {
-    const SparseMatrix absolute = p.H.cwiseAbs();
-    const Vector inverse_mass = p.A.diagonal().cwiseInverse();
-    const Vector velocity = inverse_mass.cwiseProduct(Vector(absolute * scale));
-    sums = absolute.transpose() * velocity;
-  } else {
-    const SparseRows absolute = p.W.cwiseAbs();
-    sums = absolute * scale;
-  }
+  const SparseRows absolute = p.has_delassus()
+                                  ? SparseRows(p.W.cwiseAbs())
+                                  : SparseRows(assemble_delassus(p.A, p.H, p.dim).cwiseAbs());
+  const Vector sums = absolute * scale;
   return sums.cwiseProduct(scale).maxCoeff();
 }
 
@@ -37,7 +30,7 @@ double spectral_estimate(const ContactProblem& p, const DelassusOperator& delass
     if (!(norm > 0)) break;
     x = y / norm;
   }
-  return std::min(norm, spectral_bound(p, scale));
+  return norm;
 }
 
 }  // namespace bipot

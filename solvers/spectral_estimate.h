@@ -5,12 +5,12 @@
 
 namespace bipot {
 
-/// ‖diag(scale) W diag(scale)‖_inf from |H| (two passes) or |W|: an upper bound of the largest
-/// eigenvalue.
+/// ‖diag(scale) W diag(scale)‖_inf, an upper bound of the largest eigenvalue. Assembles W where the
+/// problem does not bring it: the cheaper bound from |H| would depend on the scene's direction.
 double spectral_bound(const ContactProblem& problem, const Vector& scale);
 
 /// Largest eigenvalue of diag(scale) W diag(scale) by `iterations` steps of the power method from a
-/// fixed pseudo-random start; never above spectral_bound(). An estimate from below: a user adds a
+/// fixed pseudo-random start, positive for W != 0. An estimate from below: a user adds a
 /// margin and watches for larger quotients.
 double spectral_estimate(const ContactProblem& problem, const DelassusOperator& delassus,
                          const Vector& scale, int iterations);

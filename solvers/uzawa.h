@@ -8,8 +8,9 @@ inline constexpr ParameterSpec kUzawaParameters[] = {
     {.name = "rho",
      .kind = ParameterSpec::Kind::kChoice,
      .default_value = "stable",
-     .choices = "stable|paper",
-     .help = "predictor step: a bound that converges, or the paper's (1+e_n) m_i m_j/(m_i+m_j)"},
+     .choices = "stable|paper|adaptive",
+     .help = "predictor step: a bound that converges, the paper's (1+e_n) m_i m_j/(m_i+m_j), or "
+             "self-adaptive"},
     {.name = "refresh",
      .kind = ParameterSpec::Kind::kChoice,
      .default_value = "jacobi",
@@ -21,20 +22,16 @@ inline constexpr ParameterSpec kUzawaParameters[] = {
 ///
 ///     tau = s - rho (u + mu |u_t| n),   s <- proj(tau, K_mu).
 ///
-/// rho = paper: rho = (1 + e_n) m_i m_j / (m_i + m_j) = 1/W_nn of the step's operator, in physical
-/// variables, normal and tangential part alike. For a disk W_tt = 3 W_nn, so that a sticking
-/// contact lies outside the stable range of a fixed step: this choice reproduces the paper and its
-/// limits.
+/// rho = paper and rho = stable: see predictor_steps.h.
 ///
-/// rho = stable [ours]: variables scaled so that W has a unit diagonal (one scale for all tangents
-/// of a contact, mu changes by the ratio of the scales), then
-///   - jacobi: rho = 1.9 / ‖W‖_inf <= 1.9 / lambda_max(W). For mu = 0 this is the projected
-///   gradient
-///     of a convex quadratic with a step below 2/lambda_max, which converges (Goldstein 1964,
-///     Levitin and Polyak 1966). With friction the problem is not a minimisation and no step is
-///     proved to converge.
-///   - gauss-seidel: rho = 1. For mu = 0 each update minimises exactly along its coordinate, and
-///     the cyclic sweep converges (Luo and Tseng 1992).
+/// rho = adaptive [ours, in equilibrated variables], with F(s) = û and the ratio
+/// r = rho ‖F(s) - F(p)‖ / ‖s - p‖ of a prediction p = proj(s - rho F(s)): rho shrinks by
+/// 2/3 min(1, 1/r) and p is drawn again while r > 0.9, and grows by 1.5 after a step with r < 0.4
+///   - jacobi: one rho for all, and the correction of He and Liao (J. Optim. Theory Appl. 112,
+///     2002; the step rule goes back to Khobotov 1987): s <- proj(s - 1.9 a rho F(p)), a = (s -
+///     p)·d / ‖d‖², d = (s - p) - rho (F(s) - F(p)). Two products with W an iteration. Converges
+///     for monotone F, that is for mu = 0 and for a frozen de Saxcé term.
+///   - gauss-seidel: one rho per contact, ratios from the contact's own velocity, s <- p.
 ///
 /// The paper does not say when velocities are refreshed; both orders are offered. Impulses replace
 /// the paper's forces (s = h r), which removes 1/h from rho.

@@ -41,6 +41,12 @@ Wall half_plane(const Vec2& point, const Vec2& normal) {
   return wall;
 }
 
+SolverOptions tolerance(double tol) {
+  SolverOptions options;
+  options.tol = tol;
+  return options;
+}
+
 struct Bodies {
   std::vector<Disk> disks;
   std::vector<Wall> walls;
@@ -155,7 +161,8 @@ TEST(Assembly, TangentialRowIsTheRateOfTheContactPointsShift) {
     const auto shift = [&](double time) {
       const Bodies at = moved(b, step.dofs, v, time);
       const Vec2 arm_i = -b.disks[now[c].i].radius * now[c].n;
-      const Vec2 arm_j = now[c].j < num_disks ? Vec2(b.disks[now[c].j].radius * now[c].n) : Vec2(0, 0);
+      const Vec2 arm_j =
+          now[c].j < num_disks ? Vec2(b.disks[now[c].j].radius * now[c].n) : Vec2(0, 0);
       return t.dot(material_point(at, now[c].i, arm_i) - material_point(at, now[c].j, arm_j));
     };
     EXPECT_NEAR(u[2 * c + 1], (shift(dt) - shift(-dt)) / (2 * dt), 1e-8);
@@ -213,7 +220,7 @@ TEST(Assembly, RestitutionReversesOneContact) {
     Bodies b;
     b.disks = {disk_at(0, 0, 0.5, Vec2(2, 0)), disk_at(1.2, 0, 0.7, Vec2(-1, 0))};
     const AssembledStep step = b.assemble(scene);
-    const SolveResult r = solve("pgs", step.problem, {.tol = 1e-12});
+    const SolveResult r = solve("pgs", step.problem, tolerance(1e-12));
     ASSERT_EQ(r.status, SolveStatus::kConverged);
     const Vector v = body_velocities(step.problem, r.s);
     EXPECT_DOUBLE_EQ(step.u_before[0], -3);
@@ -236,7 +243,7 @@ TEST(Assembly, UnequalRestitutionsSolveThePhysicalLaw) {
     b.walls = {half_plane(Vec2(0, 0.12), Vec2(0.0, 1.0))};
     const AssembledStep step = b.assemble(scene);
     const ContactProblem& p = step.problem;
-    const SolveResult r = solve("pgs", p, {.tol = 1e-11});
+    const SolveResult r = solve("pgs", p, tolerance(1e-11));
     ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
     const Vector v = body_velocities(p, r.s);
     const Vector s = r.s.cwiseQuotient(p.row_scale);
@@ -350,7 +357,8 @@ TEST(Assembly, BodiesWithoutContactsDoNotEnter) {
 TEST(Assembly, EveryPairOfMaterialsHasItsLaw) {
   Scene scene = one_material(0.3, 0, 0);
   scene.materials = {"steel", "wood"};
-  const ContactLaw steel{.mu = 0.1, .e_n = 1}, mixed{.mu = 0.2, .e_n = 0.5}, wood{.mu = 0.4, .e_n = 0};
+  const ContactLaw steel{.mu = 0.1, .e_n = 1}, mixed{.mu = 0.2, .e_n = 0.5},
+      wood{.mu = 0.4, .e_n = 0};
   scene.laws = {steel, mixed, mixed, wood};
   Bodies b;
   b.disks = {disk_at(0, 0, 0.5), disk_at(1, 0, 0.5), disk_at(2, 0, 0.5), disk_at(3, 0, 0.5)};

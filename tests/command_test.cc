@@ -46,8 +46,8 @@ class Command : public ::testing::Test {
  protected:
   void SetUp() override {
     const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
-    folder_ = fs::temp_directory_path() / (std::string("bipot_") + info->name() + "_" +
-                                           std::to_string(getpid()));
+    folder_ = fs::temp_directory_path() /
+              (std::string("bipot_") + info->name() + "_" + std::to_string(getpid()));
     fs::create_directories(folder_);
   }
   void TearDown() override { fs::remove_all(folder_); }
@@ -74,8 +74,8 @@ TEST_F(Command, RunsAShippedSceneAndLeavesItsFiles) {
   EXPECT_EQ(j["steps_converged"], 10);
   EXPECT_LE(j["epsilon"].get<double>(), 1e-8);
   EXPECT_TRUE(j["epsilon_raw"].is_null());  // nothing slides: (42) is undefined
-  for (const char* name : {"run.h5", "run.xdmf", "ledger.csv", "forces.svg", "forces.png",
-                           "summary.json"}) {
+  for (const char* name :
+       {"run.h5", "run.xdmf", "ledger.csv", "forces.svg", "forces.png", "summary.json"}) {
     EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
   }
 }
@@ -89,8 +89,8 @@ TEST_F(Command, EachFailureHasItsExitCode) {
   EXPECT_EQ(bipot("solve " + path("missing.hdf5")).exit_code, 4);
   EXPECT_EQ(bipot("solve " + write("text.dat", "not a problem")).exit_code, 2);
   EXPECT_EQ(bipot("run square_lattice --steps 1 --out /proc/nowhere").exit_code, 4);
-  const std::string nan_scene = content(std::string(BIPOT_SOURCE_DIR) +
-                                        "/data/scenes/square_lattice.toml");
+  const std::string nan_scene =
+      content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/square_lattice.toml");
   EXPECT_EQ(bipot("run " + write("bad.toml", nan_scene + "\n[outptu]\nevery = 1\n")).exit_code, 2);
 }
 
@@ -98,10 +98,10 @@ TEST_F(Command, RestartContinuesBitForBit) {
   const std::string flags = " --tol 1e-4 --quiet --out ";
   ASSERT_EQ(bipot("run compaction --steps 60" + flags + path("whole")).exit_code, 0);
   ASSERT_EQ(bipot("run compaction --steps 35" + flags + path("first")).exit_code, 0);
-  ASSERT_EQ(bipot("run compaction --steps 25 --restart " + path("first/run.h5") + flags +
-                  path("second"))
-                .exit_code,
-            0);
+  ASSERT_EQ(
+      bipot("run compaction --steps 25 --restart " + path("first/run.h5") + flags + path("second"))
+          .exit_code,
+      0);
   const State whole = read_state(path("whole/run.h5"));
   const State parts = read_state(path("second/run.h5"));
   ASSERT_EQ(whole.disks.size(), parts.disks.size());
@@ -115,9 +115,9 @@ TEST_F(Command, RestartContinuesBitForBit) {
 }
 
 TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
-  ASSERT_EQ(bipot("run triangular_lattice --steps 1 --dump-problems all --out " + path("out"))
-                .exit_code,
-            0);
+  ASSERT_EQ(
+      bipot("run triangular_lattice --steps 1 --dump-problems all --out " + path("out")).exit_code,
+      0);
   const std::string problem = path("out/problems/step_000001.hdf5");
   const Outcome solved =
       bipot("solve " + problem + " --solver pgs --tol 1e-9 --json - --solution " + problem +

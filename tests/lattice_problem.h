@@ -7,13 +7,13 @@ namespace bipot {
 /// Equal disks (spheres for the cubic lattice) at rest, one time step under gravity. Values are in
 /// units chosen by the caller: a change of units multiplies radius, mass and so on alike.
 struct LatticeOptions {
-  int dim = 2;            ///< 1: no tangential rows, no rotations
-  double mu = 0.3;        ///<                                                               [-]
-  double tilt = 0;        ///< angle between gravity and the lattice's vertical            [rad]
-  double turn = 0;        ///< rotation of the whole scene, gravity included               [rad]
-  double radius = 1e-3;   ///<                                                               [m]
-  double mass = 1e-2;     ///<                                                              [kg]
-  double gravity = 9.81;  ///<                                                            [m/s²]
+  int dim = 2;              ///< 1: no tangential rows, no rotations
+  double mu = 0.3;          ///<                                                               [-]
+  double tilt = 0;          ///< angle between gravity and the lattice's vertical            [rad]
+  double turn = 0;          ///< rotation of the whole scene, gravity included               [rad]
+  double radius = 1e-3;     ///<                                                               [m]
+  double mass = 1e-2;       ///<                                                              [kg]
+  double gravity = 9.81;    ///<                                                            [m/s²]
   double time_step = 1e-3;  ///<                                                             [s]
   double e_n = 0, e_t = 0;  ///< restitution; the disks are at rest, so it only scales W     [-]
 };

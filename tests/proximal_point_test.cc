@@ -88,8 +88,7 @@ TEST(ProximalPoint, StopsAtItsLimitsAndSaysSo) {
   options.max_iterations = 100000;
   const SolveResult starved = solve("ppa", p, options);
   EXPECT_EQ(starved.status, SolveStatus::kStalled) << starved.message;
-  EXPECT_NE(starved.message.find("not solved even at kappa"), std::string::npos)
-      << starved.message;
+  EXPECT_NE(starved.message.find("not solved even at kappa"), std::string::npos) << starved.message;
 }
 
 TEST(ProximalPoint, TakesTheSameStepsInAnyUnits) {

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "solvers/solver.h"
+
+namespace bipot {
+
+inline constexpr ParameterSpec kAdmmParameters[] = {
+    {.name = "rho",
+     .kind = ParameterSpec::Kind::kNumber,
+     .default_value = "0.001",
+     .minimum = 1e-9,
+     .maximum = 1e9,
+     .help = "first penalty, in units of the diagonal of W"},
+    {.name = "relaxation",
+     .kind = ParameterSpec::Kind::kNumber,
+     .default_value = "1.6",
+     .minimum = 0.1,
+     .maximum = 1.95,
+     .help = "over-relaxation"},
+    {.name = "penalty",
+     .kind = ParameterSpec::Kind::kChoice,
+     .default_value = "staged",
+     .choices = "staged|balanced|fixed",
+     .help = "raise rho where the error stagnates, then balance; balance the residuals; constant"},
+};
+
+/// Alternating direction method of multipliers (Boyd, Parikh, Chu, Peleato and Eckstein, Found.
+/// Trends Mach. Learn. 3, 2011) on the contact problem, for friction by Acary, Bremond and Huber
+/// (2018) and Tasora, Mangoni, Benatti and Garziera (Int. J. Numer. Methods Eng. 122, 2021). In
+/// variables x with a unit diagonal of W, z in the cone, y the scaled multiplier:
+///
+///     (W + rho I) x = rho (z - y) - b - mu |w_t| n
+///     z⁺ = proj(x' + y, K_mu),    y⁺ = y + x' - z⁺,    x' = a x + (1 - a) z
+///
+/// -rho y tends to de Saxcé's velocity, so that |w_t| = rho |y_t| is updated in every iteration;
+/// for mu = 0, or |w_t| frozen, the method converges for every rho > 0 and 0 < a < 2.
+///
+/// The linear system is solved with one sparse Cholesky factorisation (CHOLMOD) per value of rho:
+/// where A and H are given through rho A + H Hᵀ in the velocities (Woodbury), otherwise W + rho I
+/// itself. [ours] For an unsymmetric W the symmetric part is factored and the rest is taken in by
+/// two steps of residual correction; where W + rho I is not positive definite (rounded data) rho
+/// is raised tenfold.
+///
+/// The penalty. A small rho is quick on packings whose forces reach everywhere, a large one where
+/// contacts slip and open. [ours] staged: while the best error has not halved for 100 iterations,
+/// rho is raised by sqrt(10), six times; after that, balanced: when the primal residual ‖x - z‖ /
+/// max(‖x‖, ‖z‖) and the dual residual ‖z⁺ - z‖ / ‖y‖ differ by a factor above 25, rho is
+/// multiplied by the root of their ratio (relative residuals: Wohlberg 2017; the rule of OSQP), at
+/// intervals that grow with the iteration count. One iteration is one linear solve.
+SolveResult solve_admm(const ContactProblem& problem, const SolverOptions& options);
+
+}  // namespace bipot

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "solvers/solver.h"
+
+namespace bipot {
+
+inline constexpr ParameterSpec kClassicalParameters[] = {
+    {.name = "rho",
+     .kind = ParameterSpec::Kind::kChoice,
+     .default_value = "stable",
+     .choices = "stable|paper",
+     .help = "predictor step: see uzawa"},
+    {.name = "refresh",
+     .kind = ParameterSpec::Kind::kChoice,
+     .default_value = "jacobi",
+     .choices = "jacobi|gauss-seidel",
+     .help = "velocities are refreshed after all contacts, or after each"},
+};
+
+/// The treatment that the paper compares with (its references [2] and [15]): two
+/// predictor-correctors per contact, the unilateral part first, then friction with the new s_n,
+///
+///     s_n <- max(0, s_n - rho u_n),      s_t <- s_t - rho u_t cut off at mu s_n,
+///
+/// in place of the single one of the bi-potential method. Both parts use the same velocities.
+/// Variables and rho are those of uzawa (predictor_steps.h), so that the pair differs in the
+/// corrector alone. The stop test that goes with the classical method in the paper, the relative
+/// change of s between iterations, is SolverOptions::stop = kImpulse. Impulses replace forces.
+SolveResult solve_classical(const ContactProblem& problem, const SolverOptions& options);
+
+}  // namespace bipot
