@@ -221,8 +221,7 @@ class Pivoting {
 
 SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
   IterationMonitor monitor(p, options);
-  const ContactScaling scaling =
-      equilibrated_scaling(p, monitor.evaluator().delassus().diagonal());
+  const ContactScaling scaling = equilibrated_scaling(p, monitor.evaluator().delassus().diagonal());
   const double unit = p.u_free.cwiseProduct(scaling.velocity).cwiseAbs().maxCoeff();
   const Complementarity lcp = stewart_trinkle(p, scaling, unit);
   const Vector start = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
@@ -244,9 +243,8 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
         break;
       }
       if (ending == Ending::kTimeLimit) {
-        monitor.fail(SolveStatus::kTimeLimit,
-                     fmt::format("time limit {} s reached after {} pivots", options.time_limit,
-                                 pivots));
+        monitor.fail(SolveStatus::kTimeLimit, fmt::format("time limit {} s reached after {} pivots",
+                                                          options.time_limit, pivots));
         break;
       }
       std::string what = ending == Ending::kRay        ? "a ray"
@@ -264,10 +262,9 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
         if (s.allFinite() && monitor.meets(s)) {
           monitor.fail(SolveStatus::kConverged,
                        fmt::format("complementary basis after {} pivots{}", pivots,
-                                   attempt > 0
-                                       ? fmt::format(", covering vector {} (before: {})",
-                                                     attempt + 1, failures)
-                                       : ""));
+                                   attempt > 0 ? fmt::format(", covering vector {} (before: {})",
+                                                             attempt + 1, failures)
+                                               : ""));
           break;
         }
         what = fmt::format("a basis of error {:.1e}", monitor.last_error());

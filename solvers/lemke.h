@@ -21,8 +21,8 @@ inline constexpr int kLemkeMaxContacts = 300;
 ///     0 <= mu s_n - b+ - b-  ⟂  l   >= 0
 ///
 /// (d = 1: the first line alone.) W may be singular. Ties in the ratio test are broken
-/// lexicographically, so pivoting cannot cycle; the basis inverse is kept dense and rebuilt from the
-/// data at intervals, and the final basis is solved afresh with refinement. The start s0 is not
+/// lexicographically, so pivoting cannot cycle; the basis inverse is kept dense and rebuilt from
+/// the data at intervals, and the final basis is solved afresh with refinement. The start s0 is not
 /// used: pivoting begins at s = 0. An iteration is one pivot.
 ///
 /// Deviations: variables are equilibrated. The covering vector is drawn (fixed seed): with a vector

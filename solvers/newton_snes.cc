@@ -211,9 +211,7 @@ class NewtonSystem {
   Eigen::Map<const Vector> scaled_impulse(const double* z) const {
     return Eigen::Map<const Vector>(z + dofs_, rows());
   }
-  Vector impulse(const double* z) const {
-    return unit_ * scaled_impulse(z).cwiseQuotient(root_);
-  }
+  Vector impulse(const double* z) const { return unit_ * scaled_impulse(z).cwiseQuotient(root_); }
   /// ‖x - x_k‖ / kappa: what the proximal term still changes.
   double proximal_residual(const double* z) const {
     return (scaled_impulse(z) - anchor_).norm() / kappa_;
@@ -385,7 +383,7 @@ class NewtonSystem {
 struct Run {
   NewtonSystem* system = nullptr;
   IterationMonitor* monitor = nullptr;
-  int iterations = 0;      // Newton steps of all proximal steps
+  int iterations = 0;          // Newton steps of all proximal steps
   std::vector<Vector> recent;  // last iterates of this proximal step, the oldest is overwritten
   bool stop = false;           // the monitor said so
   double first_norm = 0;       // residual at the start of the proximal step
@@ -432,8 +430,8 @@ PetscErrorCode form_jacobian(SNES, Vec z, Mat, Mat J, void* context) {
   return 0;
 }
 
-PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscReal,
-                                PetscReal norm, SNESConvergedReason* reason, void* context) {
+PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscReal, PetscReal norm,
+                                SNESConvergedReason* reason, void* context) {
   auto* run = static_cast<Run*>(context);
   *reason = SNES_CONVERGED_ITERATING;
   if (!std::isfinite(norm)) {
@@ -484,7 +482,7 @@ class Snes {
  public:
   Snes(Run& run, Residual residual, const std::string& linear, const std::string& line_search,
        int inner_iterations)
-      : run_(run) {
+      : Snes(run) {  // delegated: the destructor cleans up after a failure below, too
     const NewtonSystem& system = *run.system;
     const PetscInt n = system.size();
     check(VecCreateSeq(PETSC_COMM_SELF, n, &z_), "VecCreateSeq");
@@ -574,13 +572,15 @@ class Snes {
       report.outcome = InnerReport::Outcome::kSolved;
       report.effort = static_cast<double>(steps) / inner_iterations;
     } else {
-      report.reason = fmt::format("SNES: {} after {} Newton steps", SNESConvergedReasons[reason],
-                                  steps);
+      report.reason =
+          fmt::format("SNES: {} after {} Newton steps", SNESConvergedReasons[reason], steps);
     }
     return report;
   }
 
  private:
+  explicit Snes(Run& run) : run_(run) {}
+
   void set(const Vector& start) {
     PetscScalar* values = nullptr;
     check(VecGetArray(z_, &values), "VecGetArray");
@@ -610,8 +610,8 @@ SolveResult solve_newton_snes(const ContactProblem& given, const SolverOptions& 
   refused.status = SolveStatus::kInvalidInput;
   refused.s = Vector::Zero(given.num_rows());
   if (residual == Residual::kInequality && given.dim != 1) {
-    refused.message = fmt::format("residual snesvi is for dimension 1, the problem has {}",
-                                  given.dim);
+    refused.message =
+        fmt::format("residual snesvi is for dimension 1, the problem has {}", given.dim);
     return refused;
   }
   if (form == "mixed" && (residual == Residual::kInequality || !given.has_velocities())) {
@@ -686,8 +686,9 @@ SolveResult solve_newton_snes(const ContactProblem& given, const SolverOptions& 
           }
           return r;
         };
-        report = proximal_point(loop, proximal_weights(p, monitor.evaluator().delassus().diagonal()),
-                                swept.s, inner, monitor);
+        report =
+            proximal_point(loop, proximal_weights(p, monitor.evaluator().delassus().diagonal()),
+                           swept.s, inner, monitor);
       } catch (const PetscFailure& e) {
         monitor.fail(SolveStatus::kNumericalFailure,
                      fmt::format("{}; best error {:.2e}", e.what(), monitor.best_error()));

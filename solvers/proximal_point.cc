@@ -115,8 +115,7 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
     InnerReport step = inner(kappa, start);
     if (step.outcome == InnerReport::Outcome::kStop) return report;
     const bool usable = step.s.size() == start.size() && step.s.allFinite();
-    const double error =
-        usable ? judge(step.s).guarded() : std::numeric_limits<double>::infinity();
+    const double error = usable ? judge(step.s).guarded() : std::numeric_limits<double>::infinity();
     if (step.outcome == InnerReport::Outcome::kSolved && usable) {
       const Vector root = weights.cwiseSqrt();
       const double moved = root.cwiseProduct(step.s - start).norm();

@@ -42,7 +42,8 @@ constexpr double kSmallestTolerance = 1e-16;
 constexpr int kIdleCalls = 5;
 
 double* copy_to_c(const Vector& x) {
-  auto* out = static_cast<double*>(std::malloc(sizeof(double) * std::max<Eigen::Index>(x.size(), 1)));
+  auto* out =
+      static_cast<double*>(std::malloc(sizeof(double) * std::max<Eigen::Index>(x.size(), 1)));
   if (out == nullptr) throw std::bad_alloc();
   std::copy(x.data(), x.data() + x.size(), out);
   return out;
@@ -160,11 +161,9 @@ SolveResult run(const Method& method, const ContactProblem& p, const SolverOptio
       theirs->iparam[SICONOS_IPARAM_MAX_ITER] = std::min(budget, left);
       theirs->iparam[SICONOS_IPARAM_ITER_DONE] = 0;
       theirs->dparam[SICONOS_DPARAM_TOL] = tolerance;
-      const int info = planar
-                           ? fc2d_driver(problem.get(), reaction.data(), velocity.data(),
-                                         theirs.get())
-                           : fc3d_driver(problem.get(), reaction.data(), velocity.data(),
-                                         theirs.get());
+      const int info =
+          planar ? fc2d_driver(problem.get(), reaction.data(), velocity.data(), theirs.get())
+                 : fc3d_driver(problem.get(), reaction.data(), velocity.data(), theirs.get());
       ++calls;
       // Some solvers do not count, none may loop for nothing.
       iteration += std::max(1, theirs->iparam[SICONOS_IPARAM_ITER_DONE]);

@@ -37,8 +37,7 @@ TEST(Lemke, OneContactTakesOffSticksAndSlips) {
   r = lemke(one_contact_problem(1, 2, 3, 0, -1, Vector()));
   ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
   EXPECT_NEAR(r.s[0], 0.5, 1e-14);
-  EXPECT_EQ(lemke(one_contact_problem(2, 2, 3, 0.4, 1, strong)).status,
-            SolveStatus::kNothingToDo);
+  EXPECT_EQ(lemke(one_contact_problem(2, 2, 3, 0.4, 1, strong)).status, SolveStatus::kNothingToDo);
 }
 
 TEST(Lemke, SolvesRandomNetworksExactlyAndAgreesWithGaussSeidel) {

@@ -36,8 +36,7 @@ TEST_P(Siconos, OneContactTakesOffSticksAndSlipsInEveryDimension) {
       EXPECT_NEAR(r.s[dim - 1], -0.2, 1e-7);
       EXPECT_NEAR(r.u[dim - 1], 2.4, 1e-6);
     }
-    EXPECT_EQ(run(one_contact_problem(dim, 2, 3, 0.4, 1, pull)).status,
-              SolveStatus::kNothingToDo);
+    EXPECT_EQ(run(one_contact_problem(dim, 2, 3, 0.4, 1, pull)).status, SolveStatus::kNothingToDo);
   }
 }
 

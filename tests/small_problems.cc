@@ -1,12 +1,10 @@
 #include "tests/small_problems.h"
 
-#include <cmath>
 #include <numbers>
+#include <stdexcept>
 
-#include "core/assembly.h"
-#include "core/contact_detection.h"
 #include "core/delassus.h"
-#include "core/generators.h"
+#include "tests/lattice_problem.h"
 
 namespace bipot {
 
@@ -40,43 +38,21 @@ ContactProblem local_form(const ContactProblem& problem) {
 }
 
 ContactProblem lattice_step(Lattice lattice, int rows, double mu, double tilt) {
-  constexpr double kRadius = 0.5, kStep = 0.01, kGravity = 9.81;
-  Scene scene;
-  scene.materials = {"disk"};
-  scene.laws = {{.mu = mu, .e_n = 0, .e_t = 0}};
-  const Vec2 corner(0, 0);
+  const LatticeOptions options{.dim = mu == 0 ? 1 : 2,
+                               .mu = mu,
+                               .tilt = tilt * std::numbers::pi / 180,
+                               .radius = 0.5,
+                               .mass = 1,
+                               .time_step = 0.01};
   switch (lattice) {
     case Lattice::kSquare:
-      scene.disks = rectangular_lattice(rows, rows, kRadius, corner);
-      break;
+      return square_lattice(rows, options);
     case Lattice::kTriangular:
-      scene.disks = triangular_lattice(rows, rows, kRadius, corner);
-      break;
+      return triangular_lattice(rows, options);
     case Lattice::kPyramid:
-      scene.disks = pyramid(rows, kRadius, corner);
-      break;
+      return pyramid(rows, options);
   }
-  for (Disk& disk : scene.disks) {
-    disk.mass = 1;
-    disk.inertia = 0.5 * kRadius * kRadius;
-  }
-  const auto wall = [](const Vec2& a, const Vec2& normal) {
-    Wall w;
-    w.a = a;
-    w.normal = normal;
-    return w;
-  };
-  scene.walls = {wall(corner, Vec2(0, 1))};
-  if (lattice != Lattice::kPyramid) {
-    scene.walls.push_back(wall(corner, Vec2(1, 0)));
-    scene.walls.push_back(wall(Vec2(rows * 2 * kRadius, 0), Vec2(-1, 0)));
-  }
-  const double angle = tilt * std::numbers::pi / 180;
-  const std::vector<Vec2> fall(scene.disks.size(),
-                               kStep * kGravity * Vec2(std::sin(angle), -std::cos(angle)));
-  const std::vector<double> still(scene.walls.size(), 0.0);
-  const auto contacts = detect_contacts(scene.disks, scene.walls, 1e-9);
-  return assemble_step(scene, scene.disks, scene.walls, contacts, fall, still, false).problem;
+  throw std::invalid_argument("unknown lattice");
 }
 
 ContactProblem in_units(const ContactProblem& problem, double mass, double length, double time) {

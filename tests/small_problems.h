@@ -15,8 +15,8 @@ ContactProblem one_contact_problem(int dim, double w_n, double w_t, double mu, d
 /// The same problem without A and H: W alone.
 ContactProblem local_form(const ContactProblem& problem);
 
-/// One step from rest of a lattice of unit disks (mass 1 kg, radius 1/2 m, g 9.81 m/s², step
-/// 0.01 s) in a box, or of a free pyramid, gravity tilted by `tilt` degrees; mu = 0 gives d = 1.
+/// A lattice of lattice_problem.h with disks of 1 kg and radius 1/2 m, step 0.01 s, gravity tilted
+/// by `tilt` degrees; mu = 0 gives d = 1.
 enum class Lattice { kSquare, kTriangular, kPyramid };
 ContactProblem lattice_step(Lattice lattice, int rows, double mu, double tilt);
 
