@@ -34,7 +34,7 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 std::vector<AutoStage> plan_auto(const ContactProblem& p, const SolverOptions& options) {
   const int contacts = p.num_contacts();
   const bool warm = options.s0.size() != 0 && options.s0.squaredNorm() > 0;
-  const bool tight = options.tol < 1e-5;
+  const bool loose = options.tol >= 1e-3;
   std::vector<AutoStage> stages;
   const auto add = [&](const char* solver, int cap, std::string reason,
                        std::map<std::string, std::string> parameters = {}) {
@@ -45,7 +45,7 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const SolverOptions& o
   const bool local = !p.has_velocities();
   if (contacts <= kSmall || (local && contacts <= kLarge)) {
     add("pgs", warm ? 500 : 200, "few contacts: sweeps are the quickest where they converge");
-    if (!tight) add("apgd", 5000, "loose tolerance: momentum before factorisations");
+    if (loose) add("apgd", 5000, "loose tolerance: momentum before factorisations");
     add("newton", 500, "factorisations are cheap at this size, and Newton is accurate");
     add("ipm", 600, "Newton needs a good start; the interior point does not");
     add("apgd", 200000, "what second order could not do: long runs of first order");
@@ -53,7 +53,7 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const SolverOptions& o
     return stages;
   }
   // An interior point iteration costs a few hundred of apgd's: the caps give both about equal time.
-  const int first = contacts > kHuge || !tight ? 40000 : 6000;
+  const int first = contacts > kHuge || loose ? 40000 : 6000;
   add("apgd", first, "many contacts: momentum gives O(sqrt N) iterations on regular packings");
   add("ipm", 150, "accuracy on piles: a handful of factorisations, whatever the start",
       {{"arclength", "off"}, {"rounds", "1"}});
