@@ -39,8 +39,8 @@ struct ProximalInteriorPointOptions {
   double delta_floor = 1e-7;  ///< smallest proximal term, in units of 1/W
 };
 
-/// Proximal interior point ("PIP"): infeasible Mehrotra predictor-corrector on the exact law, with a
-/// proximal term delta W_cc ds whose anchor is the current impulse. delta is raised until the
+/// Proximal interior point ("PIP"): infeasible Mehrotra predictor-corrector on the exact law, with
+/// a proximal term delta W_cc ds whose anchor is the current impulse. delta is raised until the
 /// determinant of the Newton matrix is positive (beyond a fold of the central path it is not), and
 /// falls again while long steps succeed. tau is held or raised while the kinematic residual is
 /// larger than the products, which takes the iterate out of corners. `best` receives the state with
