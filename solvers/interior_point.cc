@@ -19,8 +19,9 @@ namespace {
 // of contacts far.
 constexpr double kStartStiffness = 1e4;
 constexpr double kRoundScales[] = {1, 0.1, 10};  // start scale of the rounds, in turn
-constexpr double kRelaxedGap = 1e-2;   // accuracy of the associated law before the exact one
-constexpr double kPolishBelow = 1e-2;  // guarded error from which Newton is worth a try
+constexpr double kRelaxedGap = 1e-2;  // accuracy of the associated law before the exact one
+constexpr double kRelaxedNeighbourhood = 0.1;  // tight: the path has no folds to get around
+constexpr double kPolishBelow = 1e-2;          // guarded error from which Newton is worth a try
 constexpr int kWarmIterations = 15;
 constexpr int kEndgameIterations = 60;
 constexpr unsigned kSeed = 1;
@@ -73,10 +74,11 @@ class Driver {
     exact_.max_iterations = parameters.integer("stage_iterations");
     associated_ = exact_;
     associated_.final_gap = kRelaxedGap;
+    associated_.neighbourhood = kRelaxedNeighbourhood;
     endgame_.max_iterations = kEndgameIterations;
     arc_.max_iterations = parameters.integer("arc_iterations");
-    const double scale = parameters.number("start_scale");
-    energy_ = start_energy(system_) * scale * scale;
+    scale_ = parameters.number("start_scale");
+    energy_ = start_energy(system_);
     monitor.end_setup();
   }
 
@@ -117,7 +119,8 @@ class Driver {
     const int scales = static_cast<int>(std::size(kRoundScales));
     Vector impulse(p_.num_contacts());
     for (int c = 0; c < p_.num_contacts(); ++c) {
-      impulse[c] = kRoundScales[round % scales] * std::sqrt(energy_ / system_.mobility()[c * D]);
+      impulse[c] =
+          scale_ * kRoundScales[round % scales] * std::sqrt(energy_ / system_.mobility()[c * D]);
       if (round >= scales) impulse[c] *= std::pow(10.0, uniform(random_) - 0.5);
     }
     return impulse;
@@ -125,8 +128,9 @@ class Driver {
 
   /// One round; true: the monitor said stop.
   bool play(int round) {
-    const double factor = kRoundScales[round % std::size(kRoundScales)];
-    const Vector energy = Vector::Constant(p_.num_contacts(), energy_ * factor * factor);
+    // The impulses are scaled, the velocities w, la, lc are not.
+    const double factor = scale_ * kRoundScales[round % std::size(kRoundScales)];
+    const Vector energy = Vector::Constant(p_.num_contacts(), factor * energy_);
     const Vector impulse = start_impulse(round);
     InteriorState<D> best;
     double best_error = std::numeric_limits<double>::infinity();
@@ -155,7 +159,11 @@ class Driver {
     }
     if (!arclength_) return false;
     const InteriorState<D> start = best;
-    return follow_central_path(system_, start, run_, arc_, endgame_, best) == StageEnd::kStop;
+    if (follow_central_path(system_, start, run_, arc_, endgame_, best) == StageEnd::kStop) {
+      return true;
+    }
+    return polish_ && monitor_.best_error() < kPolishBelow &&
+           polish(Vector(monitor_.best_impulse()), {}) == StageEnd::kStop;
   }
 
   const ContactProblem& p_;
@@ -169,7 +177,7 @@ class Driver {
   int rounds_ = 1;
   ProximalInteriorPointOptions exact_, associated_, endgame_;
   ArclengthOptions arc_;
-  double energy_ = 0;  // of the default start
+  double scale_ = 1, energy_ = 0;  // the energy is that of the default start
 };
 
 }  // namespace

@@ -10,7 +10,7 @@ inline constexpr ParameterSpec kInteriorPointParameters[] = {
      .default_value = "1",
      .minimum = 1e-6,
      .maximum = 1e6,
-     .help = "multiplies the default start's impulses"},
+     .help = "multiplies the impulses of the default start"},
     {.name = "relaxation",
      .kind = ParameterSpec::Kind::kChoice,
      .default_value = "on",
@@ -65,7 +65,7 @@ inline constexpr ParameterSpec kInteriorPointParameters[] = {
 ///   3. Exact law from the central start, where 2 did not arrive (much sliding: impacts, flows).
 ///   4. Arclength continuation (arclength.h) along the folded central path of the better of 2
 ///   and 3.
-/// After 2 and 3 a good impulse is polished by proximal semismooth Newton (proximal_newton.h). A
+/// After 2, 3 and 4 a good impulse is polished by proximal semismooth Newton (proximal_newton.h). A
 /// failed round is followed by another from 0.1 and 10 times the start, then from random starts of
 /// a fixed seed. Nothing guarantees an end at a solution: the status says stalled.
 ///

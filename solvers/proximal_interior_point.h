@@ -33,10 +33,11 @@ enum class StageEnd {
 
 struct ProximalInteriorPointOptions {
   int max_iterations = 150;
-  int patience = 40;          ///< kStuck after so many iterations without halving the best error
-  double final_gap = 0;       ///< kLimit once the gap (all products and residuals over a tenth of
-                              ///< the energy that the impulses move) is below
-  double delta_floor = 1e-7;  ///< smallest proximal term, in units of 1/W
+  double neighbourhood = 1e-3;  ///< smallest product over the mean one
+  int patience = 40;            ///< kStuck after so many iterations without halving the best error
+  double final_gap = 0;         ///< kLimit once the gap (all products and residuals over a tenth of
+                                ///< the energy that the impulses move) is below
+  double delta_floor = 1e-7;    ///< smallest proximal term, in units of 1/W
 };
 
 /// Proximal interior point ("PIP"): infeasible Mehrotra predictor-corrector on the exact law, with

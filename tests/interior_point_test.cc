@@ -438,8 +438,8 @@ TEST(InteriorPoint, EachStageCanBeSwitchedOff) {
 TEST(InteriorPoint, FollowsTheCentralPathThroughItsFolds) {
   // The stages before stop at a fold: with them alone this start does not arrive.
   const ContactProblem p = free_pyramid(20, 0.5);
-  const SolveResult without = solve("ipm", p, with({{"arclength", "off"}, {"rounds", "1"}}));
-  const SolveResult with_arc = solve("ipm", p, with({{"rounds", "1"}}));
+  const SolveResult without = solve("ipm", p, with({{"arclength", "off"}, {"rounds", "3"}}));
+  const SolveResult with_arc = solve("ipm", p, with({{"rounds", "3"}}));
   EXPECT_EQ(without.status, SolveStatus::kStalled) << without.message;
   EXPECT_NE(without.message.find("best error"), std::string::npos) << without.message;
   EXPECT_EQ(with_arc.status, SolveStatus::kConverged) << with_arc.message;
