@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kInnerCap = 8;
 constexpr int kQuick = 6;  // inner iterations after which delta may fall
-constexpr double kInnerAccuracy = 1e-8;
+constexpr double kInnerAccuracy = 1e-8, kStagnation = 1e-4;
 constexpr double kSmallestDelta = 1e-6, kLargestDelta = 1e2;
 
 /// Projection of Alart and Curnier at z and a generalised Jacobian of it.
@@ -46,7 +46,7 @@ StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delass
   std::vector<double> R(static_cast<std::size_t>(contacts) * D * D);
   Vector anchor = start, s = start, u, g(contacts * D), ds;
   double delta = options.delta;
-  double first_residual = 0;
+  double first_residual = 0, last_residual = 0;
   int inner = 0;
   for (int k = 0; k < options.max_iterations; ++k) {
     delassus.velocity(s, u);
@@ -69,10 +69,14 @@ StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delass
     if (!std::isfinite(residual)) return StageEnd::kFailed;
     if (inner == 0) first_residual = residual;
     // Nor can the residual fall below the rounding of u times the step 1/delta.
-    const double rounding = 16 * std::numeric_limits<double>::epsilon() / delta;
+    const double rounding = 1e3 * std::numeric_limits<double>::epsilon() / delta;
     const double accuracy =
         std::max(kInnerAccuracy * kInnerAccuracy * first_residual, rounding * rounding * scale);
-    const bool converged = inner > 0 && residual <= accuracy;
+    // Ill-conditioned contacts stop earlier: small, and no longer falling.
+    const bool stagnates = inner > 1 && residual > 0.25 * last_residual &&
+                           residual <= kStagnation * kStagnation * first_residual;
+    last_residual = residual;
+    const bool converged = (inner > 0 && residual <= accuracy) || stagnates;
     if (converged || inner >= kInnerCap) {
       if (converged) {
         anchor = s;
