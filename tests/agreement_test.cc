@@ -140,8 +140,8 @@ INSTANTIATE_TEST_SUITE_P(, Agreement,
                          test_name);
 
 TEST(AgreementEvidence, ThePyramidHasSeveralVelocitySolutions) {
-  // Coulomb's law is not associated: the pyramid at rest and ways of giving way all satisfy it, to a
-  // tolerance far below their distances and by both implementations of the criterion.
+  // Coulomb's law is not associated: several motions of the pyramid satisfy it, to a tolerance
+  // far below their distances and by both implementations of the criterion.
   const Case c = cases().at("pyramid")();
   const double scale = c.problem.u_free.norm();
   SolverOptions options;
@@ -153,13 +153,11 @@ TEST(AgreementEvidence, ThePyramidHasSeveralVelocitySolutions) {
     EXPECT_LE(naive_error(c.problem, r.s).guarded(), options.tol * (1 + 1e-3)) << solver;
     velocities.push_back(r.u);
   }
-  double slowest = 1e300, fastest = 0;
+  double largest = 0;
   for (const Vector& u : velocities) {
-    slowest = std::min(slowest, u.norm());
-    fastest = std::max(fastest, u.norm());
+    for (const Vector& w : velocities) largest = std::max(largest, (u - w).norm());
   }
-  EXPECT_LT(slowest, 1e-8 * scale);  // at rest
-  EXPECT_GT(fastest, 0.1 * scale);   // a collapse
+  EXPECT_GT(largest, 0.1 * scale);
 }
 
 }  // namespace
