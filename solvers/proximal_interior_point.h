@@ -15,7 +15,8 @@ class InteriorRun {
   /// Counts one iteration and judges its impulse; true: stop everything.
   bool next(const Vector& s, double step) {
     judged_ = monitor.due(++iteration);
-    return monitor.stop(iteration, s, step);
+    // Slacks, multipliers and delta change also where s does not: an equal s is no stall here.
+    return monitor.stop(iteration, s, step, /*moving=*/true);
   }
   /// Whether the last iterate was judged: the monitor's last error is then its own.
   bool judged() const { return judged_; }
