@@ -40,17 +40,23 @@ void write_text(const fs::path& path, const std::string& text) {
   file.commit();
 }
 
-std::string command_line(const std::string& targets, const CompareFlags& flags,
-                         const ComparisonOptions& options, const TargetOptions& scenes) {
-  std::string line =
-      fmt::format("bipot compare {} --solvers {} --tols {:g} --time-limit {:g} --repeat {}",
-                  targets, fmt::join(flags.solvers, ","), fmt::join(options.tols, ","),
-                  options.time_limit, options.repeat);
-  line += fmt::format(" --reference-time-limit {:g}", options.reference_time_limit);
-  line += fmt::format(" --scene-problems {}", scenes.scene_problems);
-  if (scenes.scene_steps != TargetOptions{}.scene_steps) {
-    line += fmt::format(" --scene-steps {}", scenes.scene_steps);
+/// The command as it was typed, results aside.
+std::string command_line(const std::string& targets, const CompareFlags& flags) {
+  std::string line = "bipot compare " + targets;
+  if (flags.quick) line += " --quick";
+  if (flags.solvers != CompareFlags{}.solvers) {
+    line += fmt::format(" --solvers {}", fmt::join(flags.solvers, ","));
   }
+  std::vector<std::string> tols;
+  for (double tol : flags.tols) tols.push_back(tolerance_label(tol));
+  if (!tols.empty()) line += fmt::format(" --tols {}", fmt::join(tols, ","));
+  if (flags.time_limit) line += fmt::format(" --time-limit {:g}", *flags.time_limit);
+  if (flags.reference_time_limit) {
+    line += fmt::format(" --reference-time-limit {:g}", *flags.reference_time_limit);
+  }
+  if (flags.repeat != CompareFlags{}.repeat) line += fmt::format(" --repeat {}", flags.repeat);
+  if (flags.scene_problems) line += fmt::format(" --scene-problems {}", *flags.scene_problems);
+  if (flags.scene_steps) line += fmt::format(" --scene-steps {}", *flags.scene_steps);
   return line;
 }
 
@@ -142,9 +148,8 @@ int compare_command(const CompareFlags& flags) {
   context.options = options;
   context.build = build_info();
   context.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
-  context.command =
-      command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags, options, scenes);
-  context.command_of_target = command_line("{}", flags, options, scenes);
+  context.command = command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags);
+  context.command_of_target = command_line("{}", flags);
   if (!flags.out.empty()) {
     write_text(options.out / "comparison.csv", to_csv(comparison));
     write_json(to_json(comparison, context), (options.out / "comparison.json").string());

@@ -69,10 +69,9 @@ struct Comparison {
 
 /// Fills the table. Rows are appended to out/rows.csv as they finish; rows that stand there already
 /// (same problem, solver and tolerance) are kept as they are. All solves start from s = 0. A solver
-/// that ran into the time limit is not run again at tighter tolerances: those rows repeat the
-/// figures and say so (except `auto` and `ipm`, whose path depends on the tolerance). Throws
-/// FileError, and std::invalid_argument for an unknown solver or an `out` whose rows were made
-/// under other limits.
+/// that ran into the time limit and whose iterates do not depend on the tolerance is not run again
+/// at tighter ones: those rows repeat the figures and say so. Throws FileError, and
+/// std::invalid_argument for an unknown solver or an `out` whose rows were made under other limits.
 Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOptions& options);
 
 /// Rows as CSV: header, then one line a row, every number to the last bit.

@@ -25,7 +25,7 @@ p,li{max-width:46em}
 code{font:.88em ui-monospace,monospace;background:#f3f3f3;padding:.1em .3em;overflow-wrap:anywhere}
 .small{color:#555;font-size:.87rem}
 .scroll{overflow-x:auto;border:1px solid #ddd}
-table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.87rem;width:100%}
+table{border-collapse:separate;border-spacing:0;font-variant-numeric:tabular-nums;font-size:.87rem;width:100%}
 th,td{padding:.3em .6em;text-align:left;border-bottom:1px solid #e6e6e6;vertical-align:top}
 td.n,th.n{text-align:right;white-space:nowrap}
 thead th{background:#f3f3f3}
@@ -48,6 +48,10 @@ select,input{font:inherit;padding:.25em;max-width:100%;border:1px solid #999;bac
 dl{display:grid;grid-template-columns:minmax(7em,max-content) 1fr;gap:.3em 1em}
 dt{font-weight:600}dd{margin:0;max-width:42em}
 @media(max-width:600px){body{padding:10px}dl{display:block}dd{margin:0 0 .5em}
+ #answer thead{display:none}#answer tr{display:block;border-bottom:1px solid #bbb;padding:.4em 0}
+ #answer td{display:flex;gap:.8em;position:static;border:0;padding:.1em .6em;text-align:left}
+ #answer td:first-child{font-weight:600;font-size:1rem}
+ #answer td[data-label]::before{content:attr(data-label);flex:0 0 5.5em;color:#555}
  #rows td:first-child,#rows th:first-child{max-width:8.5em;overflow-wrap:anywhere}}
 @media print{body{max-width:none;padding:0;font-size:10pt}.filters{display:none}
  .scroll{overflow:visible;border:0}th:first-child,td:first-child{position:static}
@@ -108,7 +112,7 @@ std::string small_number(double x) {
 }
 
 std::string accuracy_label(double accuracy) {
-  return accuracy >= 1e-3 ? fmt::format("{:g} %", 100 * accuracy) : fmt::format("{:g}", accuracy);
+  return accuracy >= 1e-3 ? fmt::format("{:g} %", 100 * accuracy) : tolerance_label(accuracy);
 }
 
 const char* kReplay = "<br><span class=\"small\">Made by <code>{}</code></span>";
@@ -188,7 +192,7 @@ class Page {
                              escape_markup(order[i].second), -order[i].first);
     }
     add(
-        fmt::format("<p>Of {} problems, {} were solved to a true error of 1 % by some solver. "
+        fmt::format("<p>Of {} problems, {} were solved to a true error of 1&nbsp;% by some solver. "
                     "Fastest there: {}. Each entry below names the fastest solver, the tolerance "
                     "that it needs for this accuracy, and its time.</p>\n",
                     c_.problems.size(), answered, winners.empty() ? "none" : winners));
@@ -199,15 +203,19 @@ class Page {
     add("</tr></thead><tbody>\n");
     for (const ProblemSummary& p : c_.problems) {
       const Ranking rank = ranking(p, c_.rows);
-      add(fmt::format("<tr><td>{}{}</td><td class=\"n\">{}</td><td>{}</td>", escape_markup(p.name),
-                      p.several_velocities() ? " †" : "", p.contacts, error_word(rank)));
+      add(fmt::format(
+          "<tr><td>{}{}</td><td class=\"n\" data-label=\"contacts\">{}</td><td data-label=\"error "
+          "in\">{}</td>",
+          escape_markup(p.name), p.several_velocities() ? " †" : "", p.contacts, error_word(rank)));
       for (double a : accuracies) {
         const ComparisonRow* best = fastest_to(p, c_.rows, a);
         if (best == nullptr) {
-          add("<td>–</td>");
+          add(fmt::format("<td data-label=\"to {}\">–</td>", accuracy_label(a)));
         } else {
-          add(fmt::format("<td><strong>{}</strong> at {:g}<br>{}</td>", escape_markup(best->solver),
-                          best->tol, seconds(best->total_min)));
+          add(fmt::format(
+              "<td data-label=\"to {}\"><span><strong>{}</strong> at {}<br>{}</span></td>",
+              accuracy_label(a), escape_markup(best->solver), tolerance_label(best->tol),
+              seconds(best->total_min)));
         }
       }
       add("</tr>\n");
@@ -222,7 +230,8 @@ class Page {
   void solver_summary() {
     add("<h2>Who solves what</h2>\n<div class=\"scroll\"><table><thead><tr><th>solver</th>");
     for (double tol : tols_) {
-      add(fmt::format("<th class=\"n\">solved at {:g}</th><th class=\"n\">time / best</th>", tol));
+      add(fmt::format("<th class=\"n\">solved at {}</th><th class=\"n\">time / best</th>",
+                      tolerance_label(tol)));
     }
     add("<th class=\"n\">natural map ≤ 1e-8</th></tr></thead><tbody>\n");
     std::vector<std::vector<SolvedCount>> counts;
@@ -233,7 +242,8 @@ class Page {
         add(fmt::format("<td class=\"n\">{} of {}</td><td class=\"n\">{}</td>", at_tol[s].solved,
                         at_tol[s].problems,
                         std::isfinite(at_tol[s].median_ratio)
-                            ? fmt::format("{:.2g}", at_tol[s].median_ratio)
+                            ? fmt::format("{:.{}f}", at_tol[s].median_ratio,
+                                          at_tol[s].median_ratio < 9.95 ? 1 : 0)
                             : "–"));
       }
       add(fmt::format("<td class=\"n\">{} of {}</td></tr>\n", counts.back()[s].by_natural_map,
@@ -270,7 +280,7 @@ class Page {
         }
       }
       Chart chart;
-      chart.title = fmt::format("Performance profile at tolerance {:g}", tol);
+      chart.title = fmt::format("Performance profile at tolerance {}", tolerance_label(tol));
       chart.x = {"time over the fastest solver's", ChartAxis::Kind::kLog, 1.0,
                  std::pow(10, std::ceil(std::log10(largest)))};
       chart.y = {"share of problems solved", ChartAxis::Kind::kLinear, 0.0, 1.0};
@@ -289,7 +299,9 @@ class Page {
         if (!x.empty()) series.points.push_back({*chart.x.high, share, false, "", false});
         chart.series.push_back(std::move(series));
       }
-      figure(chart, fmt::format("Time profile at tolerance {:g} over {} problems.", tol, total),
+      figure(chart,
+             fmt::format("Time profile at tolerance {} over {} problems.", tolerance_label(tol),
+                         total),
              context_.command);
     }
     add("</div>\n");
@@ -335,9 +347,9 @@ class Page {
         for (const ComparisonRow& r : c_.rows) {
           if (r.problem != p.name || r.solver != solver) continue;
           const double error = rank.of(r);
-          const std::string note =
-              fmt::format("{} at {:g}: {}, {} iterations, {}, {} {:.1e}", solver, r.tol, r.status,
-                          r.iterations, seconds(r.total_min), rank.name(), error);
+          const std::string note = fmt::format("{} at {}: {}, {} iterations, {}, {} {:.1e}", solver,
+                                               tolerance_label(r.tol), r.status, r.iterations,
+                                               seconds(r.total_min), rank.name(), error);
           if (!std::isfinite(error) || !std::isfinite(r.total_min)) continue;
           in_time.points.push_back({r.total_min, error, !r.solved(), note});
           in_tol.points.push_back({r.tol, error, !r.solved(), note});
@@ -383,9 +395,9 @@ class Page {
     const Ranking rank = ranking(p, c_.rows);
     std::string list;
     for (const ComparisonRow* row : best) {
-      list +=
-          fmt::format("{}{} at {:g} ({}, {})", list.empty() ? "" : "; ", escape_markup(row->solver),
-                      row->tol, seconds(row->total_min), small_number(rank.of(*row)));
+      list += fmt::format("{}{} at {} ({}, {})", list.empty() ? "" : "; ",
+                          escape_markup(row->solver), tolerance_label(row->tol),
+                          seconds(row->total_min), small_number(rank.of(*row)));
     }
     if (!list.empty())
       add(fmt::format("<p>Beaten by none in both time and {}: {}.</p>\n", rank.name(), list));
@@ -410,7 +422,7 @@ class Page {
     add("<h2>All measurements</h2>\n<div class=\"filters\">");
     std::vector<std::string> names, tols, statuses;
     for (const ProblemSummary& p : c_.problems) names.push_back(p.name);
-    for (double tol : tols_) tols.push_back(fmt::format("{:g}", tol));
+    for (double tol : tols_) tols.push_back(tolerance_label(tol));
     for (const ComparisonRow& r : c_.rows) {
       if (std::find(statuses.begin(), statuses.end(), r.status) == statuses.end()) {
         statuses.push_back(r.status);
@@ -460,7 +472,7 @@ class Page {
       };
       add(fmt::format("<tr{}><td>{}</td><td>{}</td>", r.solved() ? "" : " class=\"bad\"",
                       escape_markup(r.problem), escape_markup(r.solver)));
-      add(value(r.tol, fmt::format("{:g}", r.tol)));
+      add(value(r.tol, tolerance_label(r.tol)));
       const bool front = std::find(pareto.begin(), pareto.end(), &r) != pareto.end();
       add(fmt::format("<td title=\"{}\">{}</td><td>{}</td>", escape_markup(r.message),
                       escape_markup(r.status), front ? "yes" : ""));
@@ -472,7 +484,7 @@ class Page {
                        r.contact_force_error, r.penetration, r.energy_error}) {
         add(value(x, small_number(x)));
       }
-      add(fmt::format("<td>{} / {} / {}</td></tr>\n", r.take_off, r.stick, r.slip));
+      add(fmt::format("<td class=\"n\">{} / {} / {}</td></tr>\n", r.take_off, r.stick, r.slip));
     }
     add("</tbody></table></div>\n<p class=\"small\">Click a heading to sort. The status shows the "
         "solver's own words when the pointer rests on it; rows that did not meet their tolerance "

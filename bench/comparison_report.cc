@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "bench/json_output.h"
@@ -50,6 +51,14 @@ std::string cell(const ComparisonRow& row) {
 }
 
 }  // namespace
+
+std::string tolerance_label(double tol) {
+  if (tol >= 1e-2) return fmt::format("{:g}", tol);
+  std::string text = fmt::format("{:e}", tol);
+  const std::size_t e = text.find('e');
+  const double mantissa = std::strtod(text.substr(0, e).c_str(), nullptr);
+  return fmt::format("{:g}e{}", mantissa, std::strtol(text.c_str() + e + 1, nullptr, 10));
+}
 
 double Ranking::of(const ComparisonRow& row) const {
   switch (measure) {
@@ -227,10 +236,10 @@ std::string to_text(const Comparison& comparison) {
   constexpr std::size_t kCell = 15;
   const std::size_t per_block = std::max<std::size_t>(1, (99 - name_width) / kCell);
   std::string text = fmt::format(
-      "tol {:g}: status, iterations, guarded error\n"
+      "tol {}: status, iterations, guarded error\n"
       "(C converged, 0 nothing to do, I iteration limit, T time limit, S stalled, D diverged,\n"
       " F failure, - not for this problem)\n",
-      tol);
+      tolerance_label(tol));
   for (std::size_t begin = 0; begin < solvers.size(); begin += per_block) {
     const std::size_t end = std::min(begin + per_block, solvers.size());
     text += fmt::format("\n{:<{}}", "problem", name_width);

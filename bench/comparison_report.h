@@ -47,6 +47,9 @@ struct SolvedCount {
 };
 std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol);
 
+/// 1e-6 and not 1e-06.
+std::string tolerance_label(double tol);
+
 /// The whole table with its context.
 nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext& context);
 /// CSV of the rows, in the order of the table.

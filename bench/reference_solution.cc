@@ -47,6 +47,28 @@ double largest_impulse(int dim, const Vector& s) {
   return largest;
 }
 
+/// True when each normal pushes a body with a unit force, the bodies laid out as `rows` says.
+bool has_unit_normals(const ContactProblem& p, const BodyRows& rows) {
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    const double scale = p.row_scale.size() != 0 ? p.row_scale[c * p.dim] : 1.0;
+    int body = -1;
+    double squared = 0;
+    const auto is_unit = [&] { return body < 0 || std::abs(std::sqrt(squared) - 1) < 1e-6; };
+    for (SparseMatrix::InnerIterator it(p.H, c * p.dim); it; ++it) {
+      const int row = static_cast<int>(it.row());
+      if (row >= rows.bodies * rows.per_body) break;
+      if (row / rows.per_body != body) {
+        if (!is_unit()) return false;
+        body = row / rows.per_body;
+        squared = 0;
+      }
+      if (row % rows.per_body < rows.translations) squared += std::pow(scale * it.value(), 2);
+    }
+    if (!is_unit()) return false;
+  }
+  return true;
+}
+
 /// True when W is regular by a rank-revealing QR; false for large problems, where it is not asked.
 bool has_unique_forces(const ContactProblem& p) {
   const int rows = p.num_rows();
@@ -113,36 +135,30 @@ ReferenceSolution find_reference(const ComparisonProblem& given, double time_lim
   return best;
 }
 
-std::optional<Vector> body_resultants(const ContactProblem& p, const Vector& s) {
+std::optional<BodyRows> find_body_rows(const ContactProblem& p) {
   if (!p.has_velocities()) return std::nullopt;
-  const int per_body = p.dim == 1 ? 2 : p.dim == 2 ? 3 : 6;
-  const int translations = p.dim == 1 ? 2 : p.dim;
-  const int bodies = p.num_dofs() / per_body;
-  const int walls = p.num_dofs() % per_body;
-  for (int c = 0; c < p.num_contacts(); ++c) {
-    const double scale = p.row_scale.size() != 0 ? p.row_scale[c * p.dim] : 1.0;
-    int body = -1;
-    double squared = 0;
-    const auto is_unit = [&] { return body < 0 || std::abs(std::sqrt(squared) - 1) < 1e-6; };
-    for (SparseMatrix::InnerIterator it(p.H, c * p.dim); it; ++it) {
-      const int row = static_cast<int>(it.row());
-      if (row >= bodies * per_body) continue;
-      if (row / per_body != body) {
-        if (!is_unit()) return std::nullopt;
-        body = row / per_body;
-        squared = 0;
-      }
-      if (row % per_body < translations) squared += std::pow(scale * it.value(), 2);
-    }
-    if (!is_unit()) return std::nullopt;
+  BodyRows rows;
+  rows.per_body = p.dim == 1 ? 2 : p.dim == 2 ? 3 : 6;
+  rows.translations = p.dim == 1 ? 2 : p.dim;
+  // A few walls' rows could stand where another body's would: their number is searched.
+  constexpr int kMaxWalls = 24;
+  for (rows.walls = p.num_dofs() % rows.per_body; rows.walls <= std::min(kMaxWalls, p.num_dofs());
+       rows.walls += rows.per_body) {
+    rows.bodies = (p.num_dofs() - rows.walls) / rows.per_body;
+    if (has_unit_normals(p, rows)) return rows;
   }
-  const Vector x = p.H * s;
-  Vector resultants(bodies + walls);
-  for (int b = 0; b < bodies; ++b) {
-    resultants[b] = x.segment(b * per_body, translations).norm();
+  return std::nullopt;
+}
+
+double TrueErrorEvaluator::largest_resultant(const Vector& s) const {
+  const Vector x = given_.problem.H * s;
+  const BodyRows& rows = *body_rows_;
+  double largest = 0;
+  for (int b = 0; b < rows.bodies; ++b) {
+    largest = std::max(largest, x.segment(b * rows.per_body, rows.translations).norm());
   }
-  resultants.tail(walls) = x.tail(walls).cwiseAbs();
-  return resultants;
+  if (rows.walls > 0) largest = std::max(largest, x.tail(rows.walls).cwiseAbs().maxCoeff());
+  return largest;
 }
 
 TrueErrorEvaluator::TrueErrorEvaluator(const ComparisonProblem& problem,
@@ -151,9 +167,8 @@ TrueErrorEvaluator::TrueErrorEvaluator(const ComparisonProblem& problem,
   const ContactProblem& p = problem.problem;
   reference_norm_ = std::sqrt(energy_product(p, evaluate_.delassus(), reference.s));
   reference_impulse_ = largest_impulse(p.dim, reference.s);
-  if (const auto resultants = body_resultants(p, reference.s); resultants && resultants->size()) {
-    reference_force_ = resultants->maxCoeff();
-  }
+  body_rows_ = find_body_rows(p);
+  if (body_rows_) reference_force_ = largest_resultant(reference.s);
   reference_dissipated_ = dissipated(reference.s);
   unique_ = has_unique_forces(p);
 }
@@ -173,9 +188,7 @@ TrueError TrueErrorEvaluator::operator()(const Vector& s) const {
   const Vector difference = s - reference_.s;
   error.velocity =
       relative(std::sqrt(energy_product(p, evaluate_.delassus(), difference)), reference_norm_);
-  if (const auto resultants = body_resultants(p, difference)) {
-    error.force = resultants->size() == 0 ? 0 : relative(resultants->maxCoeff(), reference_force_);
-  }
+  if (body_rows_) error.force = relative(largest_resultant(difference), reference_force_);
   if (unique_)
     error.contact_force = relative(largest_impulse(p.dim, difference), reference_impulse_);
   evaluate_(s);

@@ -11,7 +11,7 @@ namespace bipot {
 namespace {
 
 constexpr double kWidth = 380, kHeight = 270;
-constexpr double kLeft = 54, kRight = 10, kTop = 8, kBottom = 40;
+constexpr double kLeft = 54, kRight = 20, kTop = 8, kBottom = 40;
 constexpr int kLegendColumns = 4;
 constexpr double kLegendRow = 15;
 
@@ -101,43 +101,66 @@ std::vector<Tick> ticks(const ChartAxis& axis, const Scale& scale) {
   return out;
 }
 
+/// Outlines in units of the marker's size, y down; drawn closed. The first is drawn as a circle,
+/// the two crosses as lines.
+struct Outline {
+  double size;
+  std::vector<std::array<double, 2>> corners;
+};
+const std::vector<Outline>& outlines() {
+  static const std::vector<Outline> all = {
+      {3.6, {}},                                                               // circle
+      {3.4, {{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}},                             // square
+      {4.4, {{0, -1}, {1, 0.8}, {-1, 0.8}}},                                   // triangle
+      {4.8, {{0, -1}, {0.8, 0}, {0, 1}, {-0.8, 0}}},                           // diamond
+      {4.4, {{0, 1}, {1, -0.8}, {-1, -0.8}}},                                  // down
+      {3.6, {{-1, -1}, {1, 1}, {0, 0}, {1, -1}, {-1, 1}, {0, 0}}},             // x
+      {4.4, {{-1, 0}, {1, 0}, {0, 0}, {0, -1}, {0, 1}, {0, 0}}},               // plus
+      {4.4, {{-0.9, 0}, {0.9, -1}, {0.9, 1}}},                                 // left
+      {4.4, {{0.9, 0}, {-0.9, -1}, {-0.9, 1}}},                                // right
+      {4.2, {{-1, -1}, {1, -1}, {-1, 1}, {1, 1}}},                             // hourglass
+      {4.2, {{-1, -1}, {-1, 1}, {1, -1}, {1, 1}}},                             // bow tie
+      {5.0, {{-1, -0.4}, {1, -0.4}, {1, 0.4}, {-1, 0.4}}},                     // bar
+      {5.0, {{-0.4, -1}, {0.4, -1}, {0.4, 1}, {-0.4, 1}}},                     // column
+      {4.4, {{0, -1}, {0.95, -0.3}, {0.6, 0.8}, {-0.6, 0.8}, {-0.95, -0.3}}},  // pentagon
+      {5.4,                                                                    // star
+       {{0, -1},
+        {0.24, -0.24},
+        {1, 0},
+        {0.24, 0.24},
+        {0, 1},
+        {-0.24, 0.24},
+        {-1, 0},
+        {-0.24, -0.24}}},
+      {4.2, {{-1, 1}, {-1, -1}, {1, 1}}},  // corner
+  };
+  return all;
+}
+
+const char* colour_of(int style) {
+  return kColours[static_cast<std::size_t>(style + style / 8 * 3) % kColours.size()];
+}
+const char* dashes_of(int style) {
+  return kDashes[static_cast<std::size_t>(style) % kDashes.size()];
+}
+
 std::string marker(int style, double x, double y, bool hollow) {
-  const char* colour = kColours[style % kColours.size()];
-  const std::string paint = fmt::format("fill=\"{}\" stroke=\"{}\" stroke-width=\"1.3\"",
-                                        hollow ? "#fff" : colour, colour);
-  const double r = 3.6;
-  // Beyond eight, the shapes come again with the other dashes and a larger size.
-  const double q = style >= 8 ? r * 1.25 : r;
-  switch (style % 8) {
-    case 0:
-      return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{:.1f}\" {}/>", x, y, q, paint);
-    case 1:
-      return fmt::format("<rect x=\"{:.1f}\" y=\"{:.1f}\" width=\"{:.1f}\" height=\"{:.1f}\" {}/>",
-                         x - 0.9 * q, y - 0.9 * q, 1.8 * q, 1.8 * q, paint);
-    case 2:
-      return fmt::format("<path d=\"M{:.1f} {:.1f}l{:.1f} {:.1f}h{:.1f}z\" {}/>", x, y - 1.2 * q,
-                         1.15 * q, 2.0 * q, -2.3 * q, paint);
-    case 3:
-      return fmt::format(
-          "<path d=\"M{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}l{:.1f} {:.1f}z\" {}/>", x,
-          y - 1.35 * q, 1.1 * q, 1.35 * q, -1.1 * q, 1.35 * q, -1.1 * q, -1.35 * q, paint);
-    case 4:
-      return fmt::format("<path d=\"M{:.1f} {:.1f}l{:.1f} {:.1f}h{:.1f}z\" {}/>", x, y + 1.2 * q,
-                         1.15 * q, -2.0 * q, -2.3 * q, paint);
-    case 5:
-      return fmt::format(
-          "<path d=\"M{:.1f} {:.1f}l{:.1f} {:.1f}m0 {:.1f}l{:.1f} {:.1f}\" fill=\"none\" "
-          "stroke=\"{}\" stroke-width=\"{}\"/>",
-          x - q, y - q, 2 * q, 2 * q, -2 * q, -2 * q, 2 * q, colour, hollow ? 1 : 2.2);
-    case 6:
-      return fmt::format(
-          "<path d=\"M{:.1f} {:.1f}h{:.1f}m{:.1f} {:.1f}v{:.1f}\" fill=\"none\" stroke=\"{}\" "
-          "stroke-width=\"{}\"/>",
-          x - 1.2 * q, y, 2.4 * q, -1.2 * q, -1.2 * q, 2.4 * q, colour, hollow ? 1 : 2.2);
-    default:
-      return fmt::format("<path d=\"M{:.1f} {:.1f}h{:.1f}v{:.1f}l{:.1f} {:.1f}z\" {}/>", x - q,
-                         y - q, 2 * q, q, -q, q, paint);
+  const char* colour = colour_of(style);
+  const Outline& outline = outlines()[static_cast<std::size_t>(style) % outlines().size()];
+  if (outline.corners.empty()) {
+    return fmt::format(
+        "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"{}\" fill=\"{}\" stroke=\"{}\" "
+        "stroke-width=\"1.3\"/>",
+        x, y, outline.size, hollow ? "#fff" : colour, colour);
   }
+  std::string path;
+  for (const auto& [cx, cy] : outline.corners) {
+    path += fmt::format("{}{:.1f} {:.1f}", path.empty() ? "M" : "L", x + outline.size * cx,
+                        y + outline.size * cy);
+  }
+  const bool lines = style % 16 == 5 || style % 16 == 6;  // nothing to fill: thin means empty
+  return fmt::format("<path d=\"{}z\" fill=\"{}\" stroke=\"{}\" stroke-width=\"{}\"/>", path,
+                     hollow || lines ? "#fff" : colour, colour, lines && !hollow ? 2.2 : 1.3);
 }
 
 }  // namespace
@@ -227,8 +250,7 @@ std::string to_svg(const Chart& chart) {
     svg += fmt::format(
         "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.4\" "
         "stroke-dasharray=\"{}\"/>{}\n",
-        path, kColours[series.style % kColours.size()], kDashes[series.style % kDashes.size()],
-        markers);
+        path, colour_of(series.style), dashes_of(series.style), markers);
   }
   for (std::size_t i = 0; i < chart.series.size(); ++i) {
     const ChartSeries& series = chart.series[i];
@@ -237,7 +259,7 @@ std::string to_svg(const Chart& chart) {
     svg += fmt::format(
         "<path d=\"M{:.1f} {:.1f}h22\" stroke=\"{}\" stroke-width=\"1.4\" "
         "stroke-dasharray=\"{}\"/>{}<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"10\">{}</text>\n",
-        lx, ly, kColours[series.style % kColours.size()], kDashes[series.style % kDashes.size()],
+        lx, ly, colour_of(series.style), dashes_of(series.style),
         marker(series.style, lx + 11, ly, false), lx + 26, ly + 3.5, escape_markup(series.name));
   }
   return svg + "</svg>\n";
