@@ -52,10 +52,11 @@ dt{font-weight:600}dd{margin:0;max-width:42em}
  #answer td{display:flex;gap:.8em;position:static;border:0;padding:.1em .6em;text-align:left}
  #answer td:first-child{font-weight:600;font-size:1rem}
  #answer td[data-label]::before{content:attr(data-label);flex:0 0 5.5em;color:#555}
- #rows td:first-child,#rows th:first-child{max-width:8.5em;overflow-wrap:anywhere}}
+ #rows td:first-child,#rows th:first-child{min-width:7.5em;max-width:7.5em;overflow-wrap:anywhere}}
 @media print{body{max-width:none;padding:0;font-size:10pt}.filters{display:none}
  .scroll{overflow:visible;border:0}th:first-child,td:first-child{position:static}
- table{font-size:7.5pt}th,td{padding:.15em .3em}.grid{grid-template-columns:1fr 1fr}
+ table{font-size:7.5pt}th,td{padding:.15em .3em}#rows{font-size:6pt}@page wide{size:landscape;margin:10mm}
+ .wide{page:wide}.grid{grid-template-columns:1fr 1fr}
  h2,h3{break-after:avoid}tr{break-inside:avoid}}
 )";
 
@@ -192,7 +193,7 @@ class Page {
                              escape_markup(order[i].second), -order[i].first);
     }
     add(
-        fmt::format("<p>Of {} problems, {} were solved to a true error of 1&nbsp;% by some solver. "
+        fmt::format("<p>Of {} problems, {} were solved to an error of 1&nbsp;% by some solver. "
                     "Fastest there: {}. Each entry below names the fastest solver, the tolerance "
                     "that it needs for this accuracy, and its time.</p>\n",
                     c_.problems.size(), answered, winners.empty() ? "none" : winners));
@@ -419,7 +420,7 @@ class Page {
   }
 
   void table() {
-    add("<h2>All measurements</h2>\n<div class=\"filters\">");
+    add("<section class=\"wide\"><h2>All measurements</h2>\n<div class=\"filters\">");
     std::vector<std::string> names, tols, statuses;
     for (const ProblemSummary& p : c_.problems) names.push_back(p.name);
     for (double tol : tols_) tols.push_back(tolerance_label(tol));
@@ -488,7 +489,7 @@ class Page {
     }
     add("</tbody></table></div>\n<p class=\"small\">Click a heading to sort. The status shows the "
         "solver's own words when the pointer rests on it; rows that did not meet their tolerance "
-        "are marked and stay in the table.</p>\n");
+        "are marked and stay in the table.</p></section>\n");
   }
 
   void measures() {

@@ -47,7 +47,8 @@ double largest_impulse(int dim, const Vector& s) {
   return largest;
 }
 
-/// True when each normal pushes a body with a unit force, the bodies laid out as `rows` says.
+/// True when each normal pushes one body or two with unit forces, the bodies laid out as `rows`
+/// says.
 bool has_unit_normals(const ContactProblem& p, const BodyRows& rows) {
   for (int c = 0; c < p.num_contacts(); ++c) {
     const double scale = p.row_scale.size() != 0 ? p.row_scale[c * p.dim] : 1.0;
@@ -64,7 +65,7 @@ bool has_unit_normals(const ContactProblem& p, const BodyRows& rows) {
       }
       if (row % rows.per_body < rows.translations) squared += std::pow(scale * it.value(), 2);
     }
-    if (!is_unit()) return false;
+    if (body < 0 || !is_unit()) return false;
   }
   return true;
 }

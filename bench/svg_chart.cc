@@ -137,11 +137,12 @@ const std::vector<Outline>& outlines() {
   return all;
 }
 
+// Beyond eight styles the colours come again, with other dashes.
 const char* colour_of(int style) {
-  return kColours[static_cast<std::size_t>(style + style / 8 * 3) % kColours.size()];
+  return kColours[static_cast<std::size_t>(style) % kColours.size()];
 }
 const char* dashes_of(int style) {
-  return kDashes[static_cast<std::size_t>(style) % kDashes.size()];
+  return kDashes[static_cast<std::size_t>(style % 8 + 2 * (style / 8)) % kDashes.size()];
 }
 
 std::string marker(int style, double x, double y, bool hollow) {
