@@ -88,6 +88,8 @@ StageEnd follow_central_path(InteriorSystem<D>& system, InteriorState<D> z, Inte
   const double corridor = std::log(1 / options.neighbourhood);
   const Vector none = Vector::Zero(z.p.size());
   double t = 1, trigger = kFirstTrigger;
+  double progress_t = t;
+  int progress = 0;
   double best_error = std::numeric_limits<double>::infinity();
   int start_sign = 0;
   PairDirection T, Y, Q;
@@ -146,16 +148,16 @@ StageEnd follow_central_path(InteriorSystem<D>& system, InteriorState<D> z, Inte
         if (d.worst <= corridor && d.rms <= kRmsDeviation) {
           // The products may be positive with both factors negative.
           PairDirection step{alpha * Y.dX + h * T.dX + (h * h) * Q.dX,
-                             alpha * Y.dY + h * T.dY + (h * h) * Q.dY, {}};
+                             alpha * Y.dY + h * T.dY + (h * h) * Q.dY,
+                             {}};
           if (system.longest_step(z, step) > 1) break;
         }
       }
       if (h <= kShortestArc) h = 0;
     }
     if (alpha == 0 && h == 0) return StageEnd::kStuck;
-    PairDirection step{alpha * Y.dX + h * T.dX + (h * h) * Q.dX,
-                       alpha * Y.dY + h * T.dY + (h * h) * Q.dY,
-                       {}};
+    PairDirection step{
+        alpha * Y.dX + h * T.dX + (h * h) * Q.dX, alpha * Y.dY + h * T.dY + (h * h) * Q.dY, {}};
     system.move(z, step, 1);
     t += alpha * y_dt + h * dt + h * h * q_dt;
     if (run.next(z.s, h)) return StageEnd::kStop;
@@ -163,6 +165,11 @@ StageEnd follow_central_path(InteriorSystem<D>& system, InteriorState<D> z, Inte
       best_error = run.monitor.last_error();
       best = z;
     }
+    if (t < 0.5 * progress_t) {
+      progress_t = t;
+      progress = k;
+    }
+    if (k - progress >= options.patience) return StageEnd::kStuck;
     if (t > kLargestT) return StageEnd::kStuck;
     if (t < trigger && orientation < 0) {
       InteriorState<D> copy = z, endgame_best = z;

@@ -6,6 +6,7 @@ namespace bipot {
 
 struct ArclengthOptions {
   int max_iterations = 300;
+  int patience = 80;           ///< kStuck after so many iterations without halving the smallest t
   double neighbourhood = 0.5;  ///< products stay within this factor of the path's, and its inverse
 };
 
@@ -18,8 +19,8 @@ struct ArclengthOptions {
 /// and its start lies on it. Steps are measured in relative changes of all pairs and of t, because
 /// those span many decades. Each iteration takes one factorisation for a tangent, a correction at
 /// fixed t and a second-order term. The orientation follows the sign of the determinant of the
-/// Newton matrix, which changes exactly where the path folds. For d = 3 the path's right-hand side is
-/// the multiple of the identity with the trace of the start's products.
+/// Newton matrix, which changes exactly where the path folds. For d = 3 the path's right-hand side
+/// is the multiple of the identity with the trace of the start's products.
 ///
 /// The path need not lead to a solution: kStuck when it leaves t <= 3 or no step is possible.
 /// Near the solution (small t, original orientation) the proximal interior point takes over.

@@ -20,13 +20,14 @@ namespace bipot {
 ///
 /// d = 2: L is the quadrant in the coordinates (x_0 - x_1, x_0 + x_1), and the pairs are
 ///   X = (s_n, a, c) = (s_n, mu s_n - s_t, mu s_n + s_t),  Y = (w, la, lc),  u = (w, lc - la).
-/// d = 3: X = (s_n, mu s_n, s_t), Y = (w, gamma, u_t), product x ∘ y / 2 in the second part, so that
-///   both eigenvalues are tau on the path. Newton on x ∘ y = r is the direction of Alizadeh, Haeberly
-///   and Overton (1998); for d = 2 it is the coordinatewise one.
+/// d = 3: X = (s_n, mu s_n, s_t), Y = (w, gamma, u_t), product x ∘ y / 2 in the second part, so
+/// that
+///   both eigenvalues are tau on the path. Newton on x ∘ y = r is the direction of Alizadeh,
+///   Haeberly and Overton (1998); for d = 2 it is the coordinatewise one.
 /// d = 1 and contacts without friction have the first pair only (`friction` false).
 template <int D>
 struct ContactJordan {
-  static constexpr int P = D == 1 ? 1 : D + 1;       ///< components of X and of Y
+  static constexpr int P = D == 1 ? 1 : D + 1;         ///< components of X and of Y
   static constexpr int kEigenvalues = D == 1 ? 1 : 3;  ///< rank of the algebra
   using Pairs = Eigen::Matrix<double, P, 1>;
   using Frame = Local<D>;
@@ -88,8 +89,7 @@ struct ContactJordan {
         z[2] = x[2] * y[2];
       } else if constexpr (D == 3) {
         z[1] = 0.5 * x.template tail<3>().dot(y.template tail<3>());
-        z.template tail<2>() =
-            0.5 * (x[1] * y.template tail<2>() + y[1] * x.template tail<2>());
+        z.template tail<2>() = 0.5 * (x[1] * y.template tail<2>() + y[1] * x.template tail<2>());
       }
     }
     return z;

@@ -58,7 +58,8 @@ void InteriorSystem<D>::recompute(State& z) const {
   delassus_.velocity(z.s, z.u);
   z.p.resize(contacts * D);
   for (int c = 0; c < contacts; ++c) {
-    Local<D> p = local<D>(z.u, c) - Jordan::velocity_of_pairs(pairs(z.Y, c), association_ * mu(c), friction(c));
+    Local<D> p = local<D>(z.u, c) -
+                 Jordan::velocity_of_pairs(pairs(z.Y, c), association_ * mu(c), friction(c));
     if (!friction(c)) {
       for (int k = 1; k < D; ++k) p[k] = 0;
     }
@@ -98,8 +99,7 @@ template <int D>
 double InteriorSystem<D>::smallest_product(const Vector& products) const {
   double smallest = std::numeric_limits<double>::infinity();
   for (int c = 0; c < num_contacts(); ++c) {
-    smallest =
-        std::min(smallest, Jordan::eigenvalues(pairs(products, c), friction(c)).minCoeff());
+    smallest = std::min(smallest, Jordan::eigenvalues(pairs(products, c), friction(c)).minCoeff());
   }
   return smallest;
 }
@@ -160,10 +160,9 @@ void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector&
   Vector q(contacts * D), g(contacts * D), correction, wds;
   for (int c = 0; c < contacts; ++c) {
     const bool f = friction(c);
-    Local<D> row =
-        Jordan::velocity_of_pairs(Jordan::divide(pairs(r, c), pairs(z.X, c), f),
-                                  association_ * mu(c), f) -
-        local<D>(p, c);
+    Local<D> row = Jordan::velocity_of_pairs(Jordan::divide(pairs(r, c), pairs(z.X, c), f),
+                                             association_ * mu(c), f) -
+                   local<D>(p, c);
     if (!f) row.template tail<D - 1>().setZero();
     q.segment<D>(c * D) = row;
     g.segment<D>(c * D) = Eigen::Map<const Block>(&R_[static_cast<std::size_t>(c) * D * D]) * row;
@@ -187,16 +186,16 @@ void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector&
     const bool f = friction(c);
     const Pairs dx = Jordan::pairs_of_impulse(local<D>(out.ds, c), mu(c), f);
     out.dX.template segment<P>(c * P) = dx;
-    out.dY.template segment<P>(c * P) = Jordan::divide(
-        pairs(r, c) - Jordan::product(pairs(z.Y, c), dx, f), pairs(z.X, c), f);
+    out.dY.template segment<P>(c * P) =
+        Jordan::divide(pairs(r, c) - Jordan::product(pairs(z.Y, c), dx, f), pairs(z.X, c), f);
   }
 }
 
 template <int D>
 void InteriorSystem<D>::set_association(State& z, double association) {
   for (int c = 0; c < num_contacts(); ++c) {
-    z.Y[c * P] += (association_ - association) * mu(c) *
-                  Jordan::slip_speed(pairs(z.Y, c), friction(c));
+    z.Y[c * P] +=
+        (association_ - association) * mu(c) * Jordan::slip_speed(pairs(z.Y, c), friction(c));
   }
   association_ = association;
   recompute(z);

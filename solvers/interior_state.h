@@ -32,8 +32,8 @@ struct PairDirection {
 ///
 /// condensed contact by contact to (W + C) ds = q, C = U L(X)⁻¹ L(Y) T + delta W_cc,
 /// q = U L(X)⁻¹ r - p. One factorisation of I + C⁻¹ W serves all right-hand sides; each solution is
-/// refined by the velocity residual q - W ds - C ds, because the elimination of nearly open or nearly
-/// edge contacts loses ds (C ranges over 1e12).
+/// refined by the velocity residual q - W ds - C ds, because the elimination of nearly open or
+/// nearly edge contacts loses ds (C ranges over 1e12).
 template <int D>
 class InteriorSystem {
  public:
@@ -88,7 +88,7 @@ class InteriorSystem {
   std::vector<char> friction_;
   int eigenvalues_ = 0;
   double association_ = 0;
-  Vector mobility_;           // diagonal of W, tangents averaged
+  Vector mobility_;            // diagonal of W, tangents averaged
   std::vector<double> C_, R_;  // row-major d x d blocks of the last linearisation
 };
 

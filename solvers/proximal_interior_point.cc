@@ -6,11 +6,10 @@
 namespace bipot {
 namespace {
 
-constexpr double kFirstDelta = 1e-3;     // first proximal term against a negative determinant
+constexpr double kFirstDelta = 1e-3;      // first proximal term against a negative determinant
 constexpr double kShortStepDelta = 1e-5;  // the same, against a short step
 constexpr double kShortStep = 0.1, kLongStep = 0.7;
-constexpr double kLargestDelta = 1e8;    // beyond it I + C^-1 W is the identity
-constexpr double kNeighbourhood = 1e-3;  // smallest product over the mean one
+constexpr double kLargestDelta = 1e8;  // beyond it I + C^-1 W is the identity
 constexpr double kToBoundary = 0.99;
 constexpr double kSmallestStep = 1e-12, kTinyStep = 1e-3;
 constexpr int kHoldsBeforeRaise = 8;
@@ -70,8 +69,8 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
       holds = 0;
       system.direction(z, centring(system, products, 0.0), z.p, affine);
       const double t = std::min(1.0, system.longest_step(z, affine));
-      const double tau_affine = system.mean_product(
-          system.products(z.X + t * affine.dX, z.Y + t * affine.dY));
+      const double tau_affine =
+          system.mean_product(system.products(z.X + t * affine.dX, z.Y + t * affine.dY));
       double sigma = std::clamp(std::pow(tau_affine / tau, 3), 1e-3, 0.9);
       if (t < 0.1) sigma = std::max(sigma, 0.5);
       Vector r = centring(system, products, sigma * tau);
@@ -80,7 +79,7 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
     }
     if (!d.ds.allFinite()) return StageEnd::kFailed;
 
-    const double floor = std::min(kNeighbourhood, 0.9 * centrality(system, products));
+    const double floor = std::min(options.neighbourhood, 0.9 * centrality(system, products));
     double t = std::min(1.0, kToBoundary * system.longest_step(z, d));
     while (t > kSmallestStep) {
       const Vector moved = system.products(z.X + t * d.dX, z.Y + t * d.dY);

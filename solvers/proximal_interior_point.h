@@ -33,14 +33,15 @@ enum class StageEnd {
 
 struct ProximalInteriorPointOptions {
   int max_iterations = 150;
-  int patience = 40;          ///< kStuck after so many iterations without halving the best error
-  double final_gap = 0;       ///< kLimit once the gap (all products and residuals over a tenth of
-                              ///< the energy that the impulses move) is below
-  double delta_floor = 1e-7;  ///< smallest proximal term, in units of 1/W
+  double neighbourhood = 1e-3;  ///< smallest product over the mean one
+  int patience = 40;            ///< kStuck after so many iterations without halving the best error
+  double final_gap = 0;         ///< kLimit once the gap (all products and residuals over a tenth of
+                                ///< the energy that the impulses move) is below
+  double delta_floor = 1e-7;    ///< smallest proximal term, in units of 1/W
 };
 
-/// Proximal interior point ("PIP"): infeasible Mehrotra predictor-corrector on the exact law, with a
-/// proximal term delta W_cc ds whose anchor is the current impulse. delta is raised until the
+/// Proximal interior point ("PIP"): infeasible Mehrotra predictor-corrector on the exact law, with
+/// a proximal term delta W_cc ds whose anchor is the current impulse. delta is raised until the
 /// determinant of the Newton matrix is positive (beyond a fold of the central path it is not), and
 /// falls again while long steps succeed. tau is held or raised while the kinematic residual is
 /// larger than the products, which takes the iterate out of corners. `best` receives the state with

@@ -6,10 +6,10 @@
 namespace bipot {
 namespace {
 
-constexpr int kInnerCap = 15;
-constexpr int kQuick = 6;              // inner iterations after which delta may fall
-constexpr double kInnerAccuracy = 1e-8;
-constexpr double kSmallestDelta = 1e-8, kLargestDelta = 1e2;
+constexpr int kInnerCap = 8;
+constexpr int kQuick = 6;  // inner iterations after which delta may fall
+constexpr double kInnerAccuracy = 1e-8, kStagnation = 1e-4;
+constexpr double kSmallestDelta = 1e-6, kLargestDelta = 1e2;
 
 /// Projection of Alart and Curnier at z and a generalised Jacobian of it.
 template <int D>
@@ -30,8 +30,7 @@ Local<D> project(const Local<D>& z, double mu, Eigen::Matrix<double, D, D>& jaco
       s.template tail<D - 1>() = radius * t;
       jacobian.template bottomLeftCorner<D - 1, 1>() = mu * t;
       jacobian.template bottomRightCorner<D - 1, D - 1>() =
-          radius / norm *
-          (Eigen::Matrix<double, D - 1, D - 1>::Identity() - t * t.transpose());
+          radius / norm * (Eigen::Matrix<double, D - 1, D - 1>::Identity() - t * t.transpose());
     }
   }
   return s;
@@ -47,11 +46,11 @@ StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delass
   std::vector<double> R(static_cast<std::size_t>(contacts) * D * D);
   Vector anchor = start, s = start, u, g(contacts * D), ds;
   double delta = options.delta;
-  double first_residual = 0;
+  double first_residual = 0, last_residual = 0;
   int inner = 0;
   for (int k = 0; k < options.max_iterations; ++k) {
     delassus.velocity(s, u);
-    double residual = 0;  // energy
+    double residual = 0, scale = 0;  // energies
     for (int c = 0; c < contacts; ++c) {
       Local<D> rho;
       for (int i = 0; i < D; ++i) rho[i] = 1 / (delta * mobility[c * D + i]);
@@ -59,14 +58,25 @@ StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delass
       Eigen::Matrix<double, D, D> jacobian;
       const Local<D> f = project<D>(z, p.mu[c], jacobian) - local<D>(s, c);
       g.segment<D>(c * D) = f;
-      for (int i = 0; i < D; ++i) residual += mobility[c * D + i] * f[i] * f[i];
+      for (int i = 0; i < D; ++i) {
+        residual += mobility[c * D + i] * f[i] * f[i];
+        scale += mobility[c * D + i] * z[i] * z[i];
+      }
       Eigen::Map<Eigen::Matrix<double, D, D, Eigen::RowMajor>> block(
           &R[static_cast<std::size_t>(c) * D * D]);
       block = jacobian * rho.asDiagonal();
     }
     if (!std::isfinite(residual)) return StageEnd::kFailed;
     if (inner == 0) first_residual = residual;
-    const bool converged = inner > 0 && residual <= kInnerAccuracy * kInnerAccuracy * first_residual;
+    // Nor can the residual fall below the rounding of u times the step 1/delta.
+    const double rounding = 1e3 * std::numeric_limits<double>::epsilon() / delta;
+    const double accuracy =
+        std::max(kInnerAccuracy * kInnerAccuracy * first_residual, rounding * rounding * scale);
+    // Ill-conditioned contacts stop earlier: small, and no longer falling.
+    const bool stagnates = inner > 1 && residual > 0.25 * last_residual &&
+                           residual <= kStagnation * kStagnation * first_residual;
+    last_residual = residual;
+    const bool converged = (inner > 0 && residual <= accuracy) || stagnates;
     if (converged || inner >= kInnerCap) {
       if (converged) {
         anchor = s;
@@ -78,10 +88,10 @@ StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delass
       }
       inner = 0;
       --k;  // no factorisation
-      if (converged && first_residual == 0) return StageEnd::kStuck;
       continue;
     }
-    if (residual == 0) return StageEnd::kStuck;
+    // The anchor itself solves its proximal problem: nothing is left to gain.
+    if (inner == 0 && residual <= rounding * rounding * scale) return StageEnd::kStuck;
     if (!shifted.factor(R)) return StageEnd::kFailed;
     shifted.solve(g, ds);
     s += ds;

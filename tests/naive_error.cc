@@ -1,6 +1,7 @@
 #include "tests/naive_error.h"
 
 #include <Eigen/Dense>
+#include <Eigen/SparseCholesky>
 #include <cmath>
 #include <limits>
 
@@ -29,12 +30,6 @@ VectorXd nearest_in_cone(const VectorXd& x, double mu) {
   return foot > 0 ? VectorXd(foot * generator) : VectorXd::Zero(x.size());
 }
 
-MatrixXd dense_delassus(const ContactProblem& p) {
-  if (p.H.cols() == 0) return MatrixXd(p.W);
-  const MatrixXd A(p.A), H(p.H);
-  return H.transpose() * A.ldlt().solve(H);
-}
-
 double quotient(double numerator, double denominator) {
   if (numerator == 0) return 0;
   return denominator > 0 ? numerator / denominator : std::numeric_limits<double>::infinity();
@@ -42,14 +37,25 @@ double quotient(double numerator, double denominator) {
 
 }  // namespace
 
+MatrixXd naive_delassus(const ContactProblem& p) {
+  if (p.H.cols() == 0) return MatrixXd(p.W);
+  const Eigen::SimplicialLDLT<SparseMatrix> factor(p.A);
+  const SparseMatrix velocity = factor.solve(p.H);
+  return MatrixXd(SparseMatrix(p.H.transpose()) * velocity);
+}
+
 NaiveError naive_error(const ContactProblem& p, const VectorXd& s_given) {
+  return naive_error(p, naive_delassus(p), s_given);
+}
+
+NaiveError naive_error(const ContactProblem& p, const MatrixXd& delassus, const VectorXd& s_given) {
   const int contacts = static_cast<int>(p.mu.size());
   const int d = p.dim;
   const VectorXd r =
       p.row_scale.size() == 0 ? VectorXd(VectorXd::Ones(contacts * d)) : VectorXd(p.row_scale);
   // Back to the physical world: impulses s / r, mechanical operator diag(r) W diag(r), and mean
   // velocities u = D (W s) + b with D = 1 / r².
-  const MatrixXd W = r.asDiagonal() * dense_delassus(p) * r.asDiagonal();
+  const MatrixXd W = r.asDiagonal() * delassus * r.asDiagonal();
   VectorXd b = p.u_free.cwiseQuotient(r);
   VectorXd s = s_given.cwiseQuotient(r), mu(contacts);
   for (int c = 0; c < contacts; ++c) {

@@ -18,4 +18,9 @@ struct NaiveError {
 /// Of an impulse in the problem's variables, admissible or not.
 NaiveError naive_error(const ContactProblem& problem, const Eigen::VectorXd& s);
 
+/// W of the problem, dense, and the same with W at hand: for many impulses of one problem.
+Eigen::MatrixXd naive_delassus(const ContactProblem& problem);
+NaiveError naive_error(const ContactProblem& problem, const Eigen::MatrixXd& delassus,
+                       const Eigen::VectorXd& s);
+
 }  // namespace bipot
