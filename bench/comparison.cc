@@ -184,6 +184,21 @@ ComparisonRow measure(const SolverEntry& entry, const ComparisonProblem& given, 
   return row;
 }
 
+/// The first call of a solver pays for loading and initialising its libraries: here, not in a row.
+void warm_up() {
+  ContactProblem p;
+  p.dim = 2;
+  p.W.resize(2, 2);
+  p.W.setIdentity();
+  p.W.makeCompressed();
+  p.u_free = Vector(Eigen::Vector2d(-1, 0.5));
+  p.mu = Vector::Constant(1, 0.3);
+  SolverOptions options;
+  options.tol = 1e-10;
+  options.time_limit = 1;
+  for (const SolverEntry& entry : solver_table()) solve(entry, p, options);
+}
+
 /// True for solvers whose iterates do not depend on the tolerance: out of time at a loose one, they
 /// are out of time at a tight one.
 bool has_fixed_path(std::string_view solver) {
@@ -319,6 +334,7 @@ Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOp
   const std::string commit = build_info().commit;
   Store store(options);
   Comparison comparison;
+  bool warm = false;
   const int total = static_cast<int>(sources.size() * entries.size() * tols.size());
   for (const ProblemSource& source : sources) {
     ProblemRows problem(source, options, store, commit);
@@ -331,6 +347,8 @@ Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOp
           comparison.rows.push_back(*kept);
           ++comparison.rows_kept;
         } else {
+          if (!warm) warm_up();
+          warm = true;
           const ComparisonRow* looser = k > 0 ? &comparison.rows.back() : nullptr;
           ComparisonRow row = problem.make(*entry, tols[k], looser);
           store.append(row);

@@ -290,12 +290,14 @@ class Page {
         std::vector<double>& x = ratios[solver];
         std::sort(x.begin(), x.end());
         double share = 0;
+        const std::size_t stride = 1 + x.size() / 10;  // markers, thinned so that they stay apart
         for (std::size_t i = 0; i < x.size(); ++i) {
           if (i > 0 || x[i] > 1) series.points.push_back({x[i], share, false, "", false});
           share = static_cast<double>(i + 1) / total;
+          const bool marked = (x.size() - 1 - i) % stride == 0;
           series.points.push_back(
               {x[i], share, false,
-               fmt::format("{}: {:.0f} % within {:.3g}", solver, 100 * share, x[i])});
+               fmt::format("{}: {:.0f} % within {:.3g}", solver, 100 * share, x[i]), marked});
         }
         if (!x.empty()) series.points.push_back({*chart.x.high, share, false, "", false});
         chart.series.push_back(std::move(series));

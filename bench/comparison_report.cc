@@ -231,7 +231,7 @@ std::string to_text(const Comparison& comparison) {
   const std::vector<std::string> solvers = solvers_of(comparison);
   std::size_t name_width = 7;
   for (const ProblemSummary& p : comparison.problems) {
-    name_width = std::clamp(p.name.size(), name_width, std::size_t{34});
+    name_width = std::clamp(p.name.size(), name_width, std::size_t{44});
   }
   constexpr std::size_t kCell = 15;
   const std::size_t per_block = std::max<std::size_t>(1, (99 - name_width) / kCell);
