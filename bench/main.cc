@@ -6,6 +6,7 @@
 #include <exception>
 #include <stdexcept>
 
+#include "bench/compare_command.h"
 #include "bench/exit_code.h"
 #include "bench/list_command.h"
 #include "bench/run_command.h"
@@ -26,12 +27,15 @@ int main(int argc, char** argv) {
       "  bipot run compaction --out out/compaction\n"
       "  bipot run scene.toml --solver uzawa --rho paper --tol 1e-4\n"
       "  bipot solve problem.hdf5 --solver pgs --json -\n"
+      "  bipot compare square:30 pile:18 --quick --out out/compare\n"
       "  bipot list solvers");
   RunFlags run_flags;
   SolveFlags solve_flags;
+  CompareFlags compare_flags;
   ListFlags list_flags;
   const CLI::App* run = add_run_command(app, run_flags);
   const CLI::App* solve = add_solve_command(app, solve_flags);
+  const CLI::App* compare = add_compare_command(app, compare_flags);
   add_list_command(app, list_flags);
   try {
     app.parse(argc, argv);
@@ -41,6 +45,7 @@ int main(int argc, char** argv) {
   try {
     if (run->parsed()) return run_command(run_flags);
     if (solve->parsed()) return solve_command(solve_flags);
+    if (compare->parsed()) return compare_command(compare_flags);
     return list_command(list_flags);
   } catch (const FileError& e) {
     fmt::print(stderr, "bipot: {}\n", e.what());

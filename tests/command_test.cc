@@ -146,6 +146,31 @@ TEST_F(Command, InterruptedRunLeavesAReadableState) {
   EXPECT_EQ(json::parse(content(out + "/summary.json"))["status"], "interrupted");
 }
 
+TEST_F(Command, ComparisonLeavesATableAndAPage) {
+  const std::string arguments =
+      "compare square:4 pyramid:3 --solvers pgs,ipm,lemke --tols 1e-2,1e-6 --quick --out " +
+      path("out");
+  const Outcome first = bipot(arguments + " --json -");
+  ASSERT_EQ(first.exit_code, 0);
+  const json j = json::parse(first.out);  // nothing else on standard output
+  EXPECT_EQ(j["rows"].size(), 12u);
+  EXPECT_EQ(j["rows_kept"], 0);
+  EXPECT_TRUE(j["complete"]);
+  for (const json& row : j["rows"]) EXPECT_EQ(row["status"], "converged") << row;
+  for (const char* name : {"rows.csv", "comparison.csv", "comparison.json", "report.html",
+                           "problems/square_4.hdf5", "references/pyramid_3.json"}) {
+    EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
+  }
+  const std::string table = content(path("out/comparison.csv"));
+  const Outcome second = bipot(arguments);
+  EXPECT_EQ(second.exit_code, 0);
+  EXPECT_NE(second.out.find("12 of 12 rows from before"), std::string::npos) << second.out;
+  EXPECT_EQ(content(path("out/comparison.csv")), table);
+  EXPECT_EQ(bipot("compare no_such_thing").exit_code, 2);
+  EXPECT_EQ(bipot("compare square:4 --solvers pgz").exit_code, 2);
+  EXPECT_EQ(bipot("compare square:4 --out /proc/nowhere").exit_code, 4);
+}
+
 TEST_F(Command, ListsWhatItHas) {
   const Outcome solvers = bipot("list solvers --json -");
   ASSERT_EQ(solvers.exit_code, 0);
@@ -156,7 +181,7 @@ TEST_F(Command, ListsWhatItHas) {
 }
 
 TEST_F(Command, HelpNamesExamples) {
-  for (const char* command : {"--help", "run --help", "solve --help", "list --help"}) {
+  for (const char* command : {"--help", "run --help", "solve --help", "compare --help", "list --help"}) {
     const Outcome help = bipot(command);
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+namespace bipot {
+
+/// What made a measurement: the program and the machine.
+struct BuildInfo {
+  std::string version, commit, compiler, flags, build_type;
+  std::string cpu;  ///< model name, "unknown" where the system does not say it
+  int cores = 0;    ///< logical; the solvers use one
+};
+BuildInfo build_info();
+
+}  // namespace bipot

@@ -1,0 +1,169 @@
+#include "bench/compare_command.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <csignal>
+#include <ctime>
+#include <fstream>
+
+#include "bench/build_info.h"
+#include "bench/comparison.h"
+#include "bench/comparison_report.h"
+#include "bench/exit_code.h"
+#include "bench/json_output.h"
+#include "bench/progress_bar.h"
+#include "core/atomic_file.h"
+#include "core/file_error.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+volatile std::sig_atomic_t stop_requested = 0;
+
+/// The first Ctrl-C ends the comparison after the current row; the second one kills.
+void on_interrupt(int signal) {
+  stop_requested = 1;
+  std::signal(signal, SIG_DFL);
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+  AtomicFile file(path);
+  std::ofstream out(file.draft(), std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw FileError(path, "", "cannot be written");
+  file.commit();
+}
+
+/// The command as it was typed, results aside.
+std::string command_line(const std::string& targets, const CompareFlags& flags) {
+  std::string line = "bipot compare " + targets;
+  if (flags.quick) line += " --quick";
+  if (flags.solvers != CompareFlags{}.solvers) {
+    line += fmt::format(" --solvers {}", fmt::join(flags.solvers, ","));
+  }
+  std::vector<std::string> tols;
+  for (double tol : flags.tols) tols.push_back(tolerance_label(tol));
+  if (!tols.empty()) line += fmt::format(" --tols {}", fmt::join(tols, ","));
+  if (flags.time_limit) line += fmt::format(" --time-limit {:g}", *flags.time_limit);
+  if (flags.reference_time_limit) {
+    line += fmt::format(" --reference-time-limit {:g}", *flags.reference_time_limit);
+  }
+  if (flags.repeat != CompareFlags{}.repeat) line += fmt::format(" --repeat {}", flags.repeat);
+  if (flags.scene_problems) line += fmt::format(" --scene-problems {}", *flags.scene_problems);
+  if (flags.scene_steps) line += fmt::format(" --scene-steps {}", *flags.scene_steps);
+  return line;
+}
+
+}  // namespace
+
+CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
+  CLI::App* command = app.add_subcommand(
+      "compare", "Solvers on problems at tolerances: time against true error, as a report");
+  command
+      ->add_option("targets", flags.targets,
+                   "Problem file, folder of them, scene, family as square:30, triangular:30, "
+                   "pyramid:20, random:20, pile:32 (with :mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), "
+                   "benchmark or benchmark-quick")
+      ->required();
+  command->add_option("--solvers", flags.solvers, "all, or names separated by commas")
+      ->delimiter(',')
+      ->type_name("NAMES");
+  command->add_option("--tols", flags.tols, "Tolerances (default 1e-2,1e-4,1e-8; quick 1e-2,1e-6)")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber)
+      ->type_name("NUMBERS");
+  command->add_option("--time-limit", flags.time_limit, "Wall seconds of one solve (10; quick 1)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("SECONDS");
+  command
+      ->add_option("--reference-time-limit", flags.reference_time_limit,
+                   "Wall seconds of one attempt at a reference (30; quick 5)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("SECONDS");
+  command->add_option("--repeat", flags.repeat, "Solves behind each time")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command->add_option("--scene-problems", flags.scene_problems, "Steps of a scene (3; quick 1)")
+      ->check(CLI::Range(1, 1000));
+  command->add_option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--quick", flags.quick, "Loose limits for a first look");
+  command
+      ->add_option("--out", flags.out,
+                   "Folder for rows.csv, comparison.csv, comparison.json and report.html; a "
+                   "stopped comparison goes on from the rows there")
+      ->type_name("DIR");
+  command
+      ->add_option("--json", flags.json,
+                   "Write the table as JSON; '-' is standard output, with nothing else on it")
+      ->type_name("FILE");
+  command->add_flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  command->footer(
+      "Ends with 0 when the table is complete: solves that fail or run out of time are rows of "
+      "it.\n"
+      "Examples:\n"
+      "  bipot compare square:30 pile:18 --out out/compare\n"
+      "  bipot compare problems/ --solvers auto,pgs,ipm --tols 1e-8 --time-limit 60 --json -\n"
+      "  bipot compare compaction --quick --out out/compaction_solvers\n"
+      "  bipot compare benchmark --out out/benchmark");
+  return command;
+}
+
+int compare_command(const CompareFlags& flags) {
+  ComparisonOptions options;
+  options.solvers =
+      flags.solvers.size() == 1 && flags.solvers[0] == "all" ? solver_names() : flags.solvers;
+  options.tols = !flags.tols.empty() ? flags.tols
+                 : flags.quick       ? std::vector<double>{1e-2, 1e-6}
+                                     : std::vector<double>{1e-2, 1e-4, 1e-8};
+  options.time_limit = flags.time_limit.value_or(flags.quick ? 1 : 10);
+  options.reference_time_limit = flags.reference_time_limit.value_or(flags.quick ? 5 : 30);
+  options.repeat = flags.repeat;
+  options.out = flags.out;
+  TargetOptions scenes;
+  scenes.scene_problems = flags.scene_problems.value_or(flags.quick ? 1 : 3);
+  scenes.scene_steps = flags.scene_steps.value_or(flags.quick ? 100 : scenes.scene_steps);
+  const std::vector<ProblemSource> sources = expand_targets(flags.targets, scenes);
+
+  const bool quiet = flags.quiet || flags.json == "-";
+  const long total =
+      static_cast<long>(sources.size() * options.solvers.size() * options.tols.size());
+  ProgressBar progress(total, quiet);
+  options.on_row = [&progress](const ComparisonRow& row, int done, int) {
+    progress.update(done, fmt::format("{} {} {:g}", row.problem, row.solver, row.tol));
+  };
+  stop_requested = 0;
+  std::signal(SIGINT, on_interrupt);
+  options.interrupted = [] { return stop_requested != 0; };
+  const Comparison comparison = compare(sources, options);
+  std::signal(SIGINT, SIG_DFL);
+
+  ReportContext context;
+  context.options = options;
+  context.build = build_info();
+  context.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  context.command = command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags);
+  context.command_of_target = command_line("{}", flags);
+  if (!flags.out.empty()) {
+    write_text(options.out / "comparison.csv", to_csv(comparison));
+    write_json(to_json(comparison, context), (options.out / "comparison.json").string());
+    write_text(options.out / "report.html", to_html(comparison, context));
+  }
+  if (!flags.json.empty()) write_json(to_json(comparison, context), flags.json);
+  if (!quiet) {
+    fmt::print("{}", to_text(comparison));
+    if (!flags.out.empty()) {
+      fmt::print("results in {}, {} of {} rows from before\n", flags.out, comparison.rows_kept,
+                 comparison.rows.size());
+    }
+  }
+  return comparison.complete ? kExitConverged : kExitInterrupted;
+}
+
+}  // namespace bipot

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace bipot {
+
+struct CompareFlags {
+  std::vector<std::string> targets;
+  std::vector<std::string> solvers = {"all"};
+  std::vector<double> tols;                    ///< empty: 1e-2, 1e-4, 1e-8; quick 1e-2, 1e-6
+  std::optional<double> time_limit;            ///< of one solve, 10 s; quick 1 s
+  std::optional<double> reference_time_limit;  ///< of one attempt, 30 s; quick 5 s
+  int repeat = 1;
+  std::optional<int> scene_problems;  ///< 3; quick 1
+  std::optional<int> scene_steps;     ///< all; quick 100
+  bool quick = false, quiet = false;
+  std::string out, json;
+};
+
+/// Declares `bipot compare`.
+CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags);
+
+/// Fills the table of solver x problem x tolerance and writes it. Returns an ExitCode: 0 when the
+/// table is complete, whatever stands in it.
+int compare_command(const CompareFlags& flags);
+
+}  // namespace bipot

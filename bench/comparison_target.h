@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/contact_problem.h"
+
+namespace bipot {
+
+/// A problem of a comparison, with what the problem itself does not say.
+struct ComparisonProblem {
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  std::string origin;  ///< one sentence: file, or scene, step and seed
+  ContactProblem problem;
+  double step = kNaN;             ///< h, NaN where the source does not say it      [s]
+  double smallest_radius = kNaN;  ///< of the disks, NaN likewise                   [m]
+};
+
+/// A problem that is made when it is needed: a comparison that is taken up again makes only those
+/// that still have rows to fill.
+struct ProblemSource {
+  std::string name;    ///< unique in a comparison
+  std::string target;  ///< what makes this problem on the command line
+  /// Throws FileError, std::invalid_argument or StepFailure.
+  std::function<ComparisonProblem()> load;
+};
+
+struct TargetOptions {
+  int scene_problems = 3;                             ///< steps of a scene, evenly along its run
+  int scene_steps = std::numeric_limits<int>::max();  ///< a run is cut there
+};
+
+/// The problems of the targets, in order. A target is
+///   - a problem file (FCLIB, Siconos text) or a folder of them,
+///   - a scene file or the name of a shipped scene: contact problems along a run made with `auto`,
+///   - a family "square:30", "triangular:30", "pyramid:20", "random:30" (scene_family.h, the first
+///     step) or "pile:32" (settled_pile.h, 32² disks at rest), with options behind it:
+///     "square:30:mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5" (friction, degrees, mass ratio,
+///     restitution);
+///   - "benchmark", a set of these; "benchmark-quick", a small one.
+/// Throws std::invalid_argument for what is none of these, and for two problems of one name.
+std::vector<ProblemSource> expand_targets(const std::vector<std::string>& targets,
+                                          const TargetOptions& options = {});
+
+}  // namespace bipot
