@@ -29,25 +29,36 @@ void add_solver_flags(CLI::App& command, SolverFlags& flags) {
   command.add_option("--stop", flags.stop, "Stop test: guarded, raw42 or impulse");
   command.add_option("--max-iterations", flags.max_iterations, "Iteration limit of one solve")
       ->check(CLI::NonNegativeNumber);
-  // Solvers share names where they mean the same thing: one flag a name.
-  std::map<std::string_view, std::vector<std::string>> users;
-  std::map<std::string_view, std::string_view> help;
+  // One flag a name; solvers that share it are listed with what it means to them.
+  struct Meaning {
+    std::string_view help;
+    std::vector<std::string> solvers;
+  };
+  std::map<std::string_view, std::vector<Meaning>> flags_by_name;
   for (const SolverEntry& entry : solver_table()) {
     for (const ParameterSpec& spec : entry.parameters) {
-      users[spec.name].emplace_back(entry.name);
-      help.emplace(spec.name, spec.help);
+      std::vector<Meaning>& meanings = flags_by_name[spec.name];
+      auto at = std::find_if(meanings.begin(), meanings.end(),
+                             [&](const Meaning& m) { return m.help == spec.help; });
+      if (at == meanings.end()) at = meanings.insert(meanings.end(), {spec.help, {}});
+      at->solvers.emplace_back(entry.name);
     }
   }
-  for (const auto& [name, solvers] : users) {
+  for (const auto& [name, meanings] : flags_by_name) {
     std::string flag = "--" + std::string(name);
     std::replace(flag.begin(), flag.end(), '_', '-');
+    std::string help;
+    for (const Meaning& m : meanings) {
+      help +=
+          fmt::format("{}[{}] {}", help.empty() ? "" : "; ", fmt::join(m.solvers, ", "), m.help);
+    }
     command
         .add_option_function<std::string>(
             flag,
             [&flags, key = std::string(name)](const std::string& value) {
               flags.parameters[key] = value;
             },
-            fmt::format("[{}] {}", fmt::join(solvers, ", "), help[name]))
+            help)
         ->group("Solver parameters");
   }
 }

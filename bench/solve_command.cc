@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <fstream>
 #include <optional>
 
@@ -90,11 +91,33 @@ CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags) {
   command->footer(
       "Examples:\n"
       "  bipot solve problem.hdf5\n"
+      "  bipot solve problem.hdf5 --out out/problem\n"
       "  bipot solve problem.dat --solver pgs --tol 1e-10 --json - --solution solved.hdf5");
   return command;
 }
 
-int solve_command(const SolveFlags& flags) {
+namespace {
+
+/// --out DIR stands for the three files in DIR, unless a flag names another place.
+SolveFlags with_folder(SolveFlags flags) {
+  const std::filesystem::path out = flags.common.out;
+  if (out.empty()) return flags;
+  std::error_code error;
+  std::filesystem::create_directories(out, error);
+  if (error) throw FileError(out, "", error.message());
+  if (flags.common.json.empty()) flags.common.json = (out / "summary.json").string();
+  if (flags.history.empty()) flags.history = (out / "history.csv").string();
+  if (flags.solution.empty()) {
+    flags.solution = (out / "solution.hdf5").string();
+    std::filesystem::remove(flags.solution, error);  // of another problem, perhaps
+  }
+  return flags;
+}
+
+}  // namespace
+
+int solve_command(const SolveFlags& given) {
+  const SolveFlags flags = with_folder(given);
   if (!std::ifstream(flags.problem)) throw FileError(flags.problem, "", "cannot be opened");
   std::optional<ProblemFile> file;
   try {

@@ -18,7 +18,8 @@ struct SolveFlags {
 /// Declares `bipot solve`.
 CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags);
 
-/// Solves one problem file. Returns an ExitCode.
+/// Solves one problem file; --out DIR puts summary.json, history.csv and solution.hdf5 there.
+/// Returns an ExitCode.
 int solve_command(const SolveFlags& flags);
 
 }  // namespace bipot

@@ -1,7 +1,8 @@
 // Iterations, time and achieved error against the number of particles, one row per (family, solver,
 // tolerance, size), as Google Benchmarks. Own flags beside --benchmark_*:
 //   --solver=a,b  --family=square,triangular,pyramid,pile  --tol=1e-2,1e-4  --side=10,20,50
-//   --mu=0.3  --tilt=10  --time-limit=10  --seed=1  --set=name:value (solver parameter, repeatable)
+//   --mu=0.3  --tilt=10  --mass-ratio=1e6  --time-limit=10  --seed=1  --set=name:value (solver
+//   parameter, repeatable)
 // A pile of side n has n² disks, settled by a simulation first. A solve that does not converge is
 // reported as an error row with its status, never averaged.
 
@@ -26,7 +27,7 @@ struct BenchFlags {
   std::vector<double> tolerances = {1e-4};
   std::vector<int> sides = {10, 20, 30};
   std::vector<std::string> parameters;
-  double mu = 0.3, tilt = 0, time_limit = 10;
+  double mu = 0.3, tilt = 0, mass_ratio = 1, time_limit = 10;
   int seed = 1;
 };
 
@@ -53,6 +54,7 @@ std::shared_ptr<const Problem> make_problem(const BenchFlags& flags, const std::
     scene = make_family_scene(family, side,
                               {.mu = flags.mu,
                                .tilt_degrees = flags.tilt,
+                               .mass_ratio = flags.mass_ratio,
                                .seed = static_cast<std::uint64_t>(flags.seed)});
     state = initial_state(scene);
   }
@@ -114,6 +116,7 @@ int main(int argc, char** argv) {
   app.add_option("--set", flags.parameters, "Solver parameter, name:value");
   app.add_option("--mu", flags.mu, "Friction coefficient");
   app.add_option("--tilt", flags.tilt, "Tilt of gravity in degrees");
+  app.add_option("--mass-ratio", flags.mass_ratio, "Masses log-uniform in [1, ratio] kg");
   app.add_option("--time-limit", flags.time_limit, "Seconds for one solve");
   app.add_option("--seed", flags.seed, "Seed of the piles");
   CLI11_PARSE(app, argc, argv);
