@@ -181,7 +181,8 @@ TEST_F(Command, ListsWhatItHas) {
 }
 
 TEST_F(Command, HelpNamesExamples) {
-  for (const char* command : {"--help", "run --help", "solve --help", "compare --help", "list --help"}) {
+  for (const char* command :
+       {"--help", "run --help", "solve --help", "compare --help", "list --help"}) {
     const Outcome help = bipot(command);
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;
