@@ -174,7 +174,7 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
 TEST_F(Command, ListsWhatItHas) {
   const Outcome solvers = bipot("list solvers --json -");
   ASSERT_EQ(solvers.exit_code, 0);
-  EXPECT_EQ(json::parse(solvers.out)[0]["name"], "uzawa");
+  EXPECT_EQ(json::parse(solvers.out)[0]["name"], "auto");
   const Outcome scenes = bipot("list scenes --json -");
   ASSERT_EQ(scenes.exit_code, 0);
   EXPECT_GE(json::parse(scenes.out).size(), 6u);
