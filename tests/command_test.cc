@@ -174,14 +174,15 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
 TEST_F(Command, ListsWhatItHas) {
   const Outcome solvers = bipot("list solvers --json -");
   ASSERT_EQ(solvers.exit_code, 0);
-  EXPECT_EQ(json::parse(solvers.out)[0]["name"], "uzawa");
+  EXPECT_EQ(json::parse(solvers.out)[0]["name"], "auto");
   const Outcome scenes = bipot("list scenes --json -");
   ASSERT_EQ(scenes.exit_code, 0);
   EXPECT_GE(json::parse(scenes.out).size(), 6u);
 }
 
 TEST_F(Command, HelpNamesExamples) {
-  for (const char* command : {"--help", "run --help", "solve --help", "compare --help", "list --help"}) {
+  for (const char* command :
+       {"--help", "run --help", "solve --help", "compare --help", "list --help"}) {
     const Outcome help = bipot(command);
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;
