@@ -44,8 +44,12 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const SolverOptions& o
 
   const bool local = !p.has_velocities();
   if (contacts <= kSmall || (local && contacts <= kLarge)) {
-    add("pgs", warm ? 500 : 200, "few contacts: sweeps are the quickest where they converge");
-    if (loose) add("apgd", 5000, "loose tolerance: momentum before factorisations");
+    if (local) {
+      add("pgs", warm ? 500 : 200, "few contacts: sweeps are the quickest where they converge");
+      if (loose) add("apgd", 5000, "loose tolerance: momentum before factorisations");
+    } else {
+      add("apgd", loose ? 5000 : 1500, "bodies given: momentum is cheap and mostly enough");
+    }
     add("newton", 500, "factorisations are cheap at this size, and Newton is accurate");
     add("ipm", 600, "Newton needs a good start; the interior point does not");
     add("apgd", 200000, "what second order could not do: long runs of first order");
