@@ -50,8 +50,10 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const SolverOptions& o
     } else {
       add("apgd", loose ? 5000 : 1500, "bodies given: momentum is cheap and mostly enough");
     }
-    add("newton", 500, "factorisations are cheap at this size, and Newton is accurate");
+    add("newton", 6000, "factorisations are cheap at this size, and Newton is accurate");
     add("ipm", 600, "Newton needs a good start; the interior point does not");
+    add("newton", 3000, "again, from the best impulse so far, with more sweeps before",
+        {{"start_sweeps", "5000"}});
     add("apgd", 200000, "what second order could not do: long runs of first order");
     add("pgs", kUnlimited, "last resort: sweeps, which approach where nothing converges");
     return stages;
