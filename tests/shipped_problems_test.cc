@@ -114,10 +114,10 @@ TEST(ShippedProblemsEvidence, SolversFindDifferentVelocities) {
     const Eigen::MatrixXd W = naive_delassus(p);
     const DelassusOperator delassus(p);
     std::vector<Vector> solutions;
-    for (const char* solver : {"auto", "pgs", "apgd", "anderson", "admm", "ipm"}) {
+    for (const char* solver : {"auto", "pgs", "apgd", "ipm"}) {
       SolverOptions options;
       options.tol = 1e-10;
-      options.time_limit = 2;
+      options.time_limit = 30;  // enough for a sanitizer build; a second otherwise
       const SolveResult r = solve(solver, p, options);
       if (is_success(r.status) && naive_error(p, W, r.s).guarded() <= 1.01e-10) {
         solutions.push_back(r.s);
