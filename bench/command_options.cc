@@ -10,13 +10,26 @@
 #include "solvers/registry.h"
 
 namespace bipot {
+namespace {
+
+/// CLI11's own check lets NaN through.
+const CLI::Validator kPositive(
+    [](std::string& text) {
+      double x = 0;
+      return CLI::detail::lexical_cast(text, x) && x > 0
+                 ? std::string{}
+                 : "expected a positive number, got " + text;
+    },
+    "POSITIVE");
+
+}  // namespace
 
 void add_common_flags(CLI::App& command, CommonFlags& flags) {
   command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR");
   command.add_flag("--quiet,-q", flags.quiet, "No progress, no summary on the terminal");
   command.add_option("--time-limit", flags.time_limit, "Wall-clock limit of the whole command")
       ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber);
+      ->check(kPositive);
   command
       .add_option("--json", flags.json,
                   "Write the summary as JSON; '-' is standard output, with nothing else on it")
@@ -25,7 +38,7 @@ void add_common_flags(CLI::App& command, CommonFlags& flags) {
 
 void add_solver_flags(CLI::App& command, SolverFlags& flags) {
   command.add_option("--solver", flags.name, "Solver; see `bipot list solvers`")->type_name("NAME");
-  command.add_option("--tol", flags.tol, "Tolerance of the stop test")->check(CLI::PositiveNumber);
+  command.add_option("--tol", flags.tol, "Tolerance of the stop test")->check(kPositive);
   command.add_option("--stop", flags.stop, "Stop test: guarded, raw42 or impulse");
   command.add_option("--max-iterations", flags.max_iterations, "Iteration limit of one solve")
       ->check(CLI::NonNegativeNumber);

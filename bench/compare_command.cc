@@ -4,7 +4,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <csignal>
 #include <ctime>
 #include <fstream>
 
@@ -12,6 +11,7 @@
 #include "bench/comparison.h"
 #include "bench/comparison_report.h"
 #include "bench/exit_code.h"
+#include "bench/interrupt.h"
 #include "bench/json_output.h"
 #include "bench/progress_bar.h"
 #include "core/atomic_file.h"
@@ -22,14 +22,6 @@ namespace bipot {
 namespace {
 
 namespace fs = std::filesystem;
-
-volatile std::sig_atomic_t stop_requested = 0;
-
-/// The first Ctrl-C ends the comparison after the current row; the second one kills.
-void on_interrupt(int signal) {
-  stop_requested = 1;
-  std::signal(signal, SIG_DFL);
-}
 
 void write_text(const fs::path& path, const std::string& text) {
   AtomicFile file(path);
@@ -138,11 +130,9 @@ int compare_command(const CompareFlags& flags) {
   options.on_row = [&progress](const ComparisonRow& row, int done, int) {
     progress.update(done, fmt::format("{} {} {:g}", row.problem, row.solver, row.tol));
   };
-  stop_requested = 0;
-  std::signal(SIGINT, on_interrupt);
-  options.interrupted = [] { return stop_requested != 0; };
+  const InterruptGuard interrupt;
+  options.interrupted = &InterruptGuard::requested;
   const Comparison comparison = compare(sources, options);
-  std::signal(SIGINT, SIG_DFL);
 
   ReportContext context;
   context.options = options;

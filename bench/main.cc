@@ -8,6 +8,7 @@
 
 #include "bench/compare_command.h"
 #include "bench/exit_code.h"
+#include "bench/json_output.h"
 #include "bench/list_command.h"
 #include "bench/run_command.h"
 #include "bench/solve_command.h"
@@ -42,22 +43,40 @@ int main(int argc, char** argv) {
   } catch (const CLI::ParseError& e) {
     return app.exit(e) == 0 ? kExitConverged : kExitBadInput;
   }
+  const auto refuse = [&](const char* message, ExitCode code) {
+    fmt::print(stderr, "bipot: {}\n", message);
+    // Whoever reads the JSON learns of it there as well.
+    const std::string& destination =
+        run->parsed() ? run_flags.common.json
+                      : (solve->parsed() ? solve_flags.common.json : std::string());
+    if (!destination.empty()) {
+      try {
+        write_json({{"command", run->parsed() ? "run" : "solve"},
+                    {"version", BIPOT_VERSION},
+                    {"status", code == kExitIo         ? "input or output failed"
+                               : code == kExitBadInput ? "invalid input"
+                                                       : "numerical failure"},
+                    {"message", message},
+                    {"exit_code", static_cast<int>(code)}},
+                   destination);
+      } catch (const std::exception& e) {
+        fmt::print(stderr, "bipot: {}\n", e.what());
+      }
+    }
+    return code;
+  };
   try {
     if (run->parsed()) return run_command(run_flags);
     if (solve->parsed()) return solve_command(solve_flags);
     if (compare->parsed()) return compare_command(compare_flags);
     return list_command(list_flags);
   } catch (const FileError& e) {
-    fmt::print(stderr, "bipot: {}\n", e.what());
-    return kExitIo;
+    return refuse(e.what(), kExitIo);
   } catch (const std::invalid_argument& e) {
-    fmt::print(stderr, "bipot: {}\n", e.what());
-    return kExitBadInput;
+    return refuse(e.what(), kExitBadInput);
   } catch (const SceneFileError& e) {
-    fmt::print(stderr, "bipot: {}\n", e.what());
-    return kExitBadInput;
+    return refuse(e.what(), kExitBadInput);
   } catch (const std::exception& e) {
-    fmt::print(stderr, "bipot: {}\n", e.what());
-    return kExitNumericalFailure;
+    return refuse(e.what(), kExitNumericalFailure);
   }
 }

@@ -3,13 +3,13 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <sstream>
 
 #include "bench/exit_code.h"
+#include "bench/interrupt.h"
 #include "bench/json_output.h"
 #include "bench/progress_bar.h"
 #include "bench/scene_catalogue.h"
@@ -29,19 +29,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-volatile std::sig_atomic_t interrupted = 0;
-
-/// The first Ctrl-C ends the run after the current step; the second one kills.
-void on_interrupt(int signal) {
-  interrupted = 1;
-  std::signal(signal, SIG_DFL);
-}
-
 /// What the summary says of a whole run.
 struct RunTotals {
   int steps = 0, converged = 0;
   long contacts = 0, iterations = 0;
-  int max_contacts = 0, max_iterations = 0, worst_step = -1;
+  int max_contacts = 0, max_iterations = 0, worst_step = -1, first_unconverged = -1;
+  std::string message;  // of the first step that did not converge
   double worst_error = -1, penetration = 0;
   ContactError worst;
   StepReport last;
@@ -50,6 +43,10 @@ struct RunTotals {
   void add(const StepReport& r) {
     ++steps;
     converged += r.converged ? 1 : 0;
+    if (!r.converged && first_unconverged < 0) {
+      first_unconverged = r.step;
+      message = r.message;
+    }
     contacts += r.contacts;
     iterations += r.iterations;
     max_contacts = std::max(max_contacts, r.contacts);
@@ -100,6 +97,8 @@ nlohmann::ordered_json summary(const Scene& scene, const RunTotals& t, const Sta
                            {"steps", t.steps},
                            {"steps_planned", scene.num_steps},
                            {"steps_converged", t.converged},
+                           {"message", t.message},
+                           {"first_unconverged_step", t.first_unconverged},
                            {"time", state.time},
                            {"contacts_mean", t.contacts / steps},
                            {"contacts_max", t.max_contacts},
@@ -127,6 +126,7 @@ void print_summary(const Scene& scene, const RunTotals& t, const State& state,
   fmt::print("{}\n", scene.title.empty() ? scene.source : scene.title);
   fmt::print("  status       {}: {} of {} steps, {} converged, t = {:.6g} s\n", status, t.steps,
              scene.num_steps, t.converged, state.time);
+  if (!t.message.empty()) fmt::print("  reason       {}\n", t.message);
   fmt::print("  solver       {} to {} {:.0e}\n", scene.solver.name, scene.solver.stop,
              scene.solver.tol);
   fmt::print("  contacts     mean {:.1f}, max {}\n", t.contacts / steps, t.max_contacts);
@@ -234,10 +234,8 @@ int run_command(const RunFlags& flags) {
   const Clock clock;
   const fs::path out = flags.common.out;
   State state = flags.restart.empty() ? initial_state(scene) : read_state(flags.restart);
-  if (state.disks.size() != scene.disks.size() || state.walls.size() != scene.walls.size()) {
-    throw std::invalid_argument(fmt::format("{}: {} disks and {} walls, the scene has {} and {}",
-                                            flags.restart, state.disks.size(), state.walls.size(),
-                                            scene.disks.size(), scene.walls.size()));
+  if (const std::string mismatch = restart_mismatch(scene, state); !mismatch.empty()) {
+    throw std::invalid_argument(flags.restart + " does not fit the scene: " + mismatch);
   }
   std::unique_ptr<RunWriter> writer;
   if (!out.empty()) {
@@ -247,8 +245,7 @@ int run_command(const RunFlags& flags) {
     writer->frame(state);
   }
 
-  interrupted = 0;
-  std::signal(SIGINT, on_interrupt);
+  const InterruptGuard interrupt;
   const bool json_on_stdout = flags.common.json == "-";
   const bool quiet = flags.common.quiet || json_on_stdout;
   RunTotals totals;
@@ -261,6 +258,7 @@ int run_command(const RunFlags& flags) {
         scene,
         [&](const ContactProblem& problem, const Vector& s0) {
           options.time_limit = std::max(limit - clock.seconds(), 1e-3);
+          options.cancelled = &InterruptGuard::requested;
           return make_step_solver(entry, options)(problem, s0);
         },
         entry.needs_delassus);
@@ -272,8 +270,19 @@ int run_command(const RunFlags& flags) {
         report = stepper.advance(state);
       } catch (const StepFailure& e) {
         failure = e.what();
-        status = "failed";
-        exit_code = kExitNumericalFailure;
+        if (e.kind == StepFailure::Kind::kInvalidInput) {
+          status = "invalid input";
+          exit_code = kExitBadInput;
+        } else if (e.kind == StepFailure::Kind::kNumerical) {
+          status = "failed";
+          exit_code = kExitNumericalFailure;
+        } else if (InterruptGuard::requested()) {
+          status = "interrupted";
+          exit_code = kExitInterrupted;
+        } else {
+          status = "time limit";
+          exit_code = kExitNotConverged;
+        }
         if (!flags.dump_problems.empty()) {
           StepReport failed;
           failed.step = state.step + 1;
@@ -289,13 +298,13 @@ int run_command(const RunFlags& flags) {
       }
       if (writer) {
         writer->step(state, report);
-        framed = scene.output.every > 0 && k % scene.output.every == 0;
+        framed = scene.output.every > 0 && state.step % scene.output.every == 0;
         if (framed) writer->frame(state);
       }
       totals.output += clock.seconds() - before_output;
       progress.update(
           k, fmt::format("{} contacts, {} iterations", report.contacts, report.iterations));
-      if (interrupted != 0) {
+      if (InterruptGuard::requested()) {
         status = "interrupted";
         exit_code = kExitInterrupted;
         break;
@@ -318,11 +327,11 @@ int run_command(const RunFlags& flags) {
     }
     totals.output += clock.seconds() - before_output;
   }
-  std::signal(SIGINT, SIG_DFL);
   if (exit_code == kExitConverged && totals.converged < totals.steps) {
     status = "not converged";
     exit_code = kExitNotConverged;
   }
+  if (!failure.empty()) totals.message = failure;
   if (!failure.empty()) fmt::print(stderr, "bipot: {}\n", failure);
   const auto json = summary(scene, totals, state, status, exit_code, clock.seconds());
   if (!out.empty()) write_json(json, (out / "summary.json").string());

@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "bench/exit_code.h"
+#include "bench/interrupt.h"
 #include "bench/json_output.h"
 #include "core/delassus.h"
 #include "core/fclib_file.h"
@@ -27,6 +28,8 @@ int exit_code_of(SolveStatus status) {
       return kExitConverged;
     case SolveStatus::kInvalidInput:
       return kExitBadInput;
+    case SolveStatus::kInterrupted:
+      return kExitInterrupted;
     case SolveStatus::kNumericalFailure:
     case SolveStatus::kDiverged:
       return kExitNumericalFailure;
@@ -133,6 +136,8 @@ int solve_command(const SolveFlags& given) {
   }
   SolverOptions options = to_options(choice);
   options.time_limit = flags.common.time_limit;
+  const InterruptGuard interrupt;
+  options.cancelled = &InterruptGuard::requested;
   std::ofstream history;
   if (!flags.history.empty()) {
     history.open(flags.history);
@@ -164,7 +169,7 @@ int solve_command(const SolveFlags& given) {
     fmt::print(stderr, "bipot: {}: {}\n", flags.problem, result.message);
     return kExitBadInput;
   }
-  if (!flags.solution.empty()) {
+  if (!flags.solution.empty() && problem.num_contacts() > 0) {  // FCLIB has no empty problem
     if (!std::ifstream(flags.solution)) {
       write_fclib(flags.solution, problem, file->info);
     }

@@ -136,6 +136,38 @@ State initial_state(const Scene& scene) {
 TimeStepper::TimeStepper(const Scene& scene, StepSolver solver, bool explicit_delassus)
     : scene_(scene), solver_(std::move(solver)), explicit_delassus_(explicit_delassus) {}
 
+std::string restart_mismatch(const Scene& scene, const State& state) {
+  if (state.disks.size() != scene.disks.size() || state.walls.size() != scene.walls.size()) {
+    return fmt::format("it has {} disks and {} walls, the scene has {} and {}", state.disks.size(),
+                       state.walls.size(), scene.disks.size(), scene.walls.size());
+  }
+  for (std::size_t i = 0; i < scene.disks.size(); ++i) {
+    const Disk &a = state.disks[i], &b = scene.disks[i];
+    const auto differs = [&](const char* field, double x, double y) {
+      return fmt::format("disk {}: {} is {}, in the scene {}", i, field, x, y);
+    };
+    if (a.radius != b.radius) return differs("radius", a.radius, b.radius);
+    if (a.mass != b.mass) return differs("mass", a.mass, b.mass);
+    if (a.inertia != b.inertia) return differs("inertia", a.inertia, b.inertia);
+    if (a.material != b.material) return differs("material", a.material, b.material);
+  }
+  for (std::size_t i = 0; i < scene.walls.size(); ++i) {
+    const Wall &a = state.walls[i], &b = scene.walls[i];
+    const char* field = a.shape != b.shape                                           ? "shape"
+                        : a.motion != b.motion                                       ? "motion"
+                        : a.material != b.material                                   ? "material"
+                        : a.mass != b.mass                                           ? "mass"
+                        : a.force != b.force                                         ? "force"
+                        : a.direction != b.direction                                 ? "direction"
+                        : a.shape == Wall::Shape::kHalfPlane && a.normal != b.normal ? "normal"
+                                                                                     : nullptr;
+    if (field != nullptr) {
+      return fmt::format("wall {}: {} is not that of wall '{}' of the scene", i, field, b.name);
+    }
+  }
+  return {};
+}
+
 ContactProblem step_problem(const Scene& scene, const State& state, bool explicit_delassus) {
   return make_midpoint(scene, state, explicit_delassus).assembled.problem;
 }
@@ -164,17 +196,24 @@ StepReport TimeStepper::advance(State& state) {
   StepSolution solution = solver_(p, s0);
   report.solve_seconds = watch.lap();
   const int step_number = state.step + 1;
+  const auto failure = [&](StepFailure::Kind kind, const std::string& why) {
+    return StepFailure(kind, fmt::format("step {} at t = {:.9g} s: {}", step_number, state.time, why));
+  };
+  if (solution.refused) throw failure(StepFailure::Kind::kInvalidInput, solution.message);
+  if (solution.cut_short) throw failure(StepFailure::Kind::kCutShort, solution.message);
   if (solution.failed || solution.s.size() != p.num_rows() || !solution.s.allFinite()) {
-    throw StepFailure(fmt::format(
-        "step {} at t = {} s: {}", step_number, state.time,
-        solution.message.empty() ? "the solver returned no finite impulse" : solution.message));
+    throw failure(StepFailure::Kind::kNumerical, solution.message.empty()
+                                                     ? "the solver returned no finite impulse"
+                                                     : solution.message);
   }
   const Vector v = p.num_dofs() > 0 ? body_velocities(p, solution.s) : Vector();
 
   // 5. Velocities after the step, then positions (43).
   State next;
   next.step = step_number;
-  next.time = step_number * h;
+  // Multiples of h have no drift; after a restart with another step size there are none.
+  const bool multiple = std::abs(state.time - state.step * h) <= 1e-6 * h;
+  next.time = multiple ? step_number * h : state.time + h;
   next.disks = disks;
   next.walls = walls;
   for (std::size_t i = 0; i < disks.size(); ++i) {
@@ -262,6 +301,9 @@ StepReport TimeStepper::advance(State& state) {
   report.energy.imbalance = report.energy.kinetic + report.energy.potential -
                             kinetic_energy(state) - potential_energy(state, g) - wall_work +
                             friction_loss + shock_loss;
+  if (!std::isfinite(report.energy.kinetic + report.energy.potential)) {
+    throw failure(StepFailure::Kind::kNumerical, "the energy is not finite");
+  }
   report.momentum = momentum(next);
   report.momentum_imbalance = report.momentum - momentum(state) - external;
   report.step = next.step;

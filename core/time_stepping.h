@@ -40,7 +40,9 @@ struct EnergyLedger {
 /// One step's answer from whatever solves the contact problem.
 struct StepSolution {
   bool converged = false;
-  bool failed = false;  ///< numerical failure or invalid input: the step must not be taken
+  bool failed = false;     ///< numerical failure: the step must not be taken
+  bool refused = false;    ///< invalid input: neither
+  bool cut_short = false;  ///< interrupted or out of time: the step is left for another run
   std::string message;
   Vector s;  ///< in the problem's variables
   ContactError error;
@@ -65,8 +67,20 @@ struct StepReport {
   double detection_seconds = 0, assembly_seconds = 0, solve_seconds = 0;
 };
 
+/// Empty when a state can go on under a scene: same disks (radius, mass, inertia, material) and
+/// walls (shape, motion, force, mass, direction, material); else one sentence that names the
+/// difference.
+std::string restart_mismatch(const Scene& scene, const State& state);
+
 /// The contact problem of the step that would come next.
 ContactProblem step_problem(const Scene& scene, const State& state, bool explicit_delassus);
+
+/// A step that was not taken; the message says why.
+struct StepFailure : std::runtime_error {
+  enum class Kind { kNumerical, kInvalidInput, kCutShort };
+  StepFailure(Kind k, const std::string& message) : std::runtime_error(message), kind(k) {}
+  Kind kind;
+};
 
 /// Advances a state by the mid-point scheme (38)-(43):
 ///   q_m = q + h/2 v, contacts at q_m, one contact problem, q <- q_m + h/2 v⁺.
@@ -76,7 +90,7 @@ class TimeStepper {
   TimeStepper(const Scene& scene, StepSolver solver, bool explicit_delassus);
 
   /// Takes one step. Throws StepFailure, leaving the state at the end of the step before, when the
-  /// solver failed or returned something not finite.
+  /// solver failed, refused or was cut short, or when anything comes out not finite.
   StepReport advance(State& state);
 
   /// The contact problem of the last step.
@@ -87,11 +101,6 @@ class TimeStepper {
   StepSolver solver_;
   bool explicit_delassus_;
   ContactProblem problem_;
-};
-
-/// The step's contact problem could not be solved; the message says why.
-struct StepFailure : std::runtime_error {
-  using std::runtime_error::runtime_error;
 };
 
 }  // namespace bipot

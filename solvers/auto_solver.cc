@@ -61,6 +61,9 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const SolverOptions& o
   // An interior point iteration costs a few hundred of apgd's: the caps give both about equal time.
   const int first = contacts > kHuge || loose ? 40000 : 6000;
   add("apgd", first, "many contacts: momentum gives O(sqrt N) iterations on regular packings");
+  if (!is_hyperstatic(p) && contacts <= kLarge) {
+    add("newton", 100, "not hyperstatic: W is regular as a rule, and Newton quadratic");
+  }
   add("ipm", 150, "accuracy on piles: a handful of factorisations, whatever the start",
       {{"arclength", "off"}, {"rounds", "1"}});
   add("apgd", 100000, "where the interior point stalls, long runs of first order may not");
@@ -95,6 +98,7 @@ SolveResult solve_auto(const ContactProblem& p, const SolverOptions& options) {
   best.s = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
   double best_error = evaluate(best.s).guarded();
   if (std::isnan(best_error)) best_error = std::numeric_limits<double>::infinity();
+  const double start_error = best_error;
   double setup_seconds = 0;
   int iterations = 0;
   std::string trail;
@@ -148,6 +152,7 @@ SolveResult solve_auto(const ContactProblem& p, const SolverOptions& options) {
       best_error = error;
       best.s = result.s;
     }
+    if (last == SolveStatus::kInterrupted || last == SolveStatus::kTimeLimit) break;
     if (is_success(result.status)) {
       const bool both = options.stop != StopTest::kGuarded || inner.tol < options.tol ||
                         measured.natural_map <= options.tol;
@@ -164,8 +169,12 @@ SolveResult solve_auto(const ContactProblem& p, const SolverOptions& options) {
   if (options.stop == StopTest::kGuarded && best_error <= options.tol) {
     last = SolveStatus::kConverged;
   }
+  // A stage that diverged or broke down leaves the best impulse of the others: the chain as a whole
+  // has stalled, unless nothing better than the start was found.
+  const bool broke = last == SolveStatus::kDiverged || last == SolveStatus::kNumericalFailure;
+  if (broke && best_error < start_error) last = SolveStatus::kStalled;
   best.status = last;
-  best.message = fmt::format("stages: {}", trail);
+  best.message = fmt::format("stages: {}", trail.empty() ? "none was run" : trail);
   best.iterations = iterations;
   best.setup_seconds = setup_seconds;
   best.solve_seconds = seconds_since(start) - setup_seconds;

@@ -27,6 +27,7 @@ constexpr int kLongestPath = 40;
 constexpr int kRefresh = 64;
 // Covering vectors that are tried.
 constexpr int kDraws = 5;
+constexpr double kExact = 1e-6;  // guarded error below which a complementary basis is an answer
 
 /// w = M z + q, 0 <= w ⟂ z >= 0.
 struct Complementarity {
@@ -265,6 +266,14 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
                                    attempt > 0 ? fmt::format(", covering vector {} (before: {})",
                                                              attempt + 1, failures)
                                                : ""));
+          break;
+        }
+        if (s.allFinite() && monitor.last_error() <= kExact) {
+          monitor.fail(
+              SolveStatus::kStalled,
+              fmt::format("complementary basis after {} pivots, exact up to round-off: error "
+                          "{:.1e}; a direct method has no successive iterates to compare",
+                          pivots, monitor.last_error()));
           break;
         }
         what = fmt::format("a basis of error {:.1e}", monitor.last_error());

@@ -27,7 +27,7 @@ IterationMonitor::IterationMonitor(const ContactProblem& problem, const SolverOp
 
 bool IterationMonitor::due(int iteration) const {
   return options_.stop == StopTest::kImpulse || iteration >= next_ ||
-         iteration >= options_.max_iterations;
+         iteration >= options_.max_iterations || cancelled();
 }
 
 bool IterationMonitor::judge(const Eigen::Ref<const Vector>& s, double impulse_change) {
@@ -92,6 +92,10 @@ bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, do
     status_ = SolveStatus::kIterationLimit;
     message_ = fmt::format("iteration limit {} reached, best error {:.2e}", options_.max_iterations,
                            best_error_);
+  } else if (cancelled()) {
+    status_ = SolveStatus::kInterrupted;
+    message_ =
+        fmt::format("interrupted after {} iterations, best error {:.2e}", iteration, best_error_);
   } else if (out_of_time()) {
     status_ = SolveStatus::kTimeLimit;
     message_ = fmt::format("time limit {} s reached after {} iterations, best error {:.2e}",
@@ -111,7 +115,11 @@ double IterationMonitor::seconds() const {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
-bool IterationMonitor::out_of_time() const { return seconds() >= options_.time_limit; }
+bool IterationMonitor::cancelled() const { return options_.cancelled && options_.cancelled(); }
+
+bool IterationMonitor::out_of_time() const {
+  return cancelled() || seconds() >= options_.time_limit;
+}
 
 double IterationMonitor::remaining_seconds() const {
   return std::max(0.0, options_.time_limit - seconds());

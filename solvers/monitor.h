@@ -40,6 +40,7 @@ class IterationMonitor {
   const ContactErrorEvaluator& evaluator() const { return evaluator_; }
 
   double seconds() const;    ///< wall time since construction or the last restart_clock()
+  bool cancelled() const;    ///< the caller asked to stop
   bool out_of_time() const;  ///< for inner loops longer than an iteration
   double remaining_seconds() const;
   /// Ends the set-up phase: seconds so far are reported as setup_seconds.

@@ -60,6 +60,7 @@ class PetscSession {
     PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
     PetscOptionsSetValue(nullptr, "-skip_petscrc", "true");
     owned_ = PetscInitializeNoArguments() == 0;
+    PETSC_STDOUT = stderr;  // monitors and views must not mix with a program's own output
   }
   ~PetscSession() {
     PetscBool finalised = PETSC_FALSE;

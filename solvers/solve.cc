@@ -171,6 +171,8 @@ std::string_view to_string(SolveStatus status) {
       return "iteration limit";
     case SolveStatus::kTimeLimit:
       return "time limit";
+    case SolveStatus::kInterrupted:
+      return "interrupted";
     case SolveStatus::kStalled:
       return "stalled";
     case SolveStatus::kDiverged:

@@ -18,6 +18,7 @@ enum class SolveStatus {
   kNothingToDo,  ///< no contacts, or s = 0 satisfies the law exactly
   kIterationLimit,
   kTimeLimit,
+  kInterrupted,       ///< SolverOptions::cancelled said so
   kStalled,           ///< the iterate no longer changes, the tolerance is not met
   kDiverged,          ///< the iterate grows without bound or is not finite
   kNumericalFailure,  ///< a factorisation or a foreign library failed, or NaN was returned
@@ -50,6 +51,7 @@ struct SolverOptions {
   double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds, > 0
   Vector s0;                                                    ///< start; empty: s = 0
   std::map<std::string, std::string> parameters;  ///< e.g. {"omega", "1.6"}; see SolverEntry
+  std::function<bool()> cancelled;  ///< polled at every iteration; true ends the solve: Ctrl-C
   std::function<void(const IterationRecord&)> on_iteration;  ///< history, at the judged iterations
 };
 

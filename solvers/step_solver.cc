@@ -11,9 +11,11 @@ StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options) {
     SolveResult result = solve(entry, problem, options);
     StepSolution step;
     step.converged = is_success(result.status);
-    step.failed = result.status == SolveStatus::kNumericalFailure ||
-                  result.status == SolveStatus::kDiverged ||
-                  result.status == SolveStatus::kInvalidInput;
+    step.failed =
+        result.status == SolveStatus::kNumericalFailure || result.status == SolveStatus::kDiverged;
+    step.refused = result.status == SolveStatus::kInvalidInput;
+    step.cut_short =
+        result.status == SolveStatus::kTimeLimit || result.status == SolveStatus::kInterrupted;
     step.message = std::string(to_string(result.status)) + ": " + result.message;
     step.s = std::move(result.s);
     step.error = result.error;

@@ -6,8 +6,8 @@
 namespace bipot {
 
 /// A StepSolver for the time stepper: runs `entry` with `options` on every step's problem, from the
-/// start that the stepper hands over. The result is failed for kNumericalFailure, kDiverged
-/// and kInvalidInput; converged for the successful statuses.
+/// start that the stepper hands over. Failed: kNumericalFailure, kDiverged; refused: kInvalidInput;
+/// cut short: kTimeLimit, kInterrupted; converged: the successful statuses.
 StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options);
 
 }  // namespace bipot

@@ -171,6 +171,54 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   EXPECT_EQ(bipot("compare square:4 --out /proc/nowhere").exit_code, 4);
 }
 
+TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
+  const std::string out = path("out");
+  const Outcome solve =
+      bipot(std::string("solve ") + BIPOT_SOURCE_DIR +
+            "/data/problems/2d_compaction_rest.hdf5 --solver pgs --tol 1e-13 --out " + out +
+            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+  EXPECT_EQ(solve.exit_code, 5);
+  const json j = json::parse(content(out + "/summary.json"));
+  EXPECT_EQ(j["status"], "interrupted");
+  EXPECT_GT(j["iterations"], 0);
+  EXPECT_TRUE(read_problem(out + "/solution.hdf5").r.has_value());
+}
+
+TEST_F(Command, TimeLimitLeavesTheLastWholeStep) {
+  const Outcome run =
+      bipot("run compaction --tol 1e-6 --time-limit 1.5 --json - --out " + path("out"));
+  EXPECT_EQ(run.exit_code, 1);
+  const json j = json::parse(run.out);
+  EXPECT_EQ(j["status"], "time limit");
+  EXPECT_EQ(j["steps"], j["steps_converged"]);  // the step that was cut short is not taken
+  EXPECT_EQ(read_state(path("out")).step, j["steps"]);
+}
+
+TEST_F(Command, RestartRefusesAnotherScene) {
+  ASSERT_EQ(bipot("run sliding_cylinder --steps 5 --quiet --out " + path("a")).exit_code, 0);
+  std::string text = content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/sliding_cylinder.toml");
+  const std::string radius = "radius = 0.01";
+  text.replace(text.find(radius), radius.size(), "radius = 0.02");
+  const Outcome run =
+      bipot("run " + write("other.toml", text) + " --json - --restart " + path("a"));
+  EXPECT_EQ(run.exit_code, 2);
+  const json j = json::parse(run.out);  // refusals are JSON too
+  EXPECT_EQ(j["status"], "invalid input");
+  EXPECT_NE(j["message"].get<std::string>().find("radius"), std::string::npos);
+}
+
+TEST_F(Command, ForeignOutputDoesNotMixWithJson) {
+  if (json::parse(bipot("list solvers --json -").out).dump().find("\"newton\"") ==
+      std::string::npos) {
+    GTEST_SKIP() << "built without PETSc: there is no foreign output";
+  }
+  const Outcome solve = bipot(std::string("solve ") + BIPOT_SOURCE_DIR +
+                              "/data/problems/2d_triangular_lattice.hdf5 --solver newton "
+                              "--petsc \"-snes_monitor -ksp_view\" --json -");
+  EXPECT_EQ(solve.exit_code, 0);
+  EXPECT_EQ(json::parse(solve.out)["status"], "converged");
+}
+
 TEST_F(Command, ListsWhatItHas) {
   const Outcome solvers = bipot("list solvers --json -");
   ASSERT_EQ(solvers.exit_code, 0);
