@@ -10,8 +10,10 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/Geometry>
 #include <map>
 #include <memory>
+#include <numbers>
 
 #include "bench/settled_pile.h"
 #include "core/scene_family.h"
@@ -50,6 +52,8 @@ std::shared_ptr<const Problem> make_problem(const BenchFlags& flags, const std::
         {.count = side * side, .mu = flags.mu, .seed = static_cast<std::uint64_t>(flags.seed)});
     scene = std::move(pile.scene);
     state = std::move(pile.state);
+    // Gravity leans for this step alone: the pile that was at rest begins to flow.
+    scene.gravity = Eigen::Rotation2D<double>(flags.tilt * std::numbers::pi / 180) * scene.gravity;
   } else {
     scene = make_family_scene(family, side,
                               {.mu = flags.mu,
