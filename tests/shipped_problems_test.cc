@@ -52,7 +52,7 @@ TEST_P(ShippedProblems, SolversAgreeOrSayThatTheyFailed) {
       read_problem(BIPOT_SOURCE_DIR "/data/problems/" + name + ".hdf5").problem;
   SolverOptions reference_options;
   reference_options.tol = 1e-11;
-  reference_options.time_limit = 20;
+  reference_options.time_limit = 20 * BIPOT_TEST_SLOWNESS;
   const SolveResult reference = solve("auto", p, reference_options);
   ASSERT_LE(reference.error.guarded(), 1e-9) << reference.message;
   const Eigen::MatrixXd W = naive_delassus(p);
@@ -64,7 +64,7 @@ TEST_P(ShippedProblems, SolversAgreeOrSayThatTheyFailed) {
     SCOPED_TRACE(std::string(entry.name));
     SolverOptions options;
     options.tol = 1e-8;
-    options.time_limit = 0.5;
+    options.time_limit = 0.5 * BIPOT_TEST_SLOWNESS;
     const SolveResult r = solve(entry, p, options);
     if (p.dim > entry.max_dim || p.num_contacts() > entry.max_contacts) {
       EXPECT_EQ(r.status, SolveStatus::kInvalidInput) << r.message;
@@ -117,7 +117,7 @@ TEST(ShippedProblemsEvidence, SolversFindDifferentVelocities) {
     for (const char* solver : {"auto", "pgs", "apgd", "ipm"}) {
       SolverOptions options;
       options.tol = 1e-10;
-      options.time_limit = 30;  // enough for a sanitizer build; a second otherwise
+      options.time_limit = 30 * BIPOT_TEST_SLOWNESS;
       const SolveResult r = solve(solver, p, options);
       if (is_success(r.status) && naive_error(p, W, r.s).guarded() <= 1.01e-10) {
         solutions.push_back(r.s);
