@@ -29,7 +29,8 @@ TEST(InteriorPointTargets, SettledPilesTakeAtMost150Iterations) {
   for (const int count : {300, 1000, 3000}) {
     for (const std::uint64_t seed : {1, 2, 3}) {
       for (const double mu : {0.1, 0.3, 0.5}) {
-        const SettledPile pile = settle_pile({.count = count, .mu = mu, .seed = seed});
+        const SettledPile pile =
+            settle_pile({.count = count, .mu = mu, .seed = seed, .rest = 1e-7});
         EXPECT_TRUE(pile.at_rest) << count << " disks, mu " << mu << ", seed " << seed;
         const ContactProblem p = step_problem(pile.scene, pile.state, false);
         const SolveResult r = solve("ipm", p, to_tolerance(1e-8));
@@ -76,7 +77,7 @@ TEST(AutoTargets, FreePyramidsAreSolvedInSeconds) {
 
 TEST(AutoTargets, PilesOfTenThousandDisksReach1em7) {
   for (const double mu : {0.3, 0.5}) {
-    const SettledPile pile = settle_pile({.count = 10000, .mu = mu});
+    const SettledPile pile = settle_pile({.count = 10000, .mu = mu, .rest = 1e-7});
     SolverOptions options = to_tolerance(1e-7);
     options.time_limit = 20;
     const SolveResult r = solve("auto", step_problem(pile.scene, pile.state, false), options);
