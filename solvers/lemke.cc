@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
@@ -27,7 +29,7 @@ constexpr int kLongestPath = 40;
 constexpr int kRefresh = 64;
 // Covering vectors that are tried.
 constexpr int kDraws = 5;
-constexpr double kExact = 1e-6;  // guarded error below which a complementary basis is an answer
+constexpr double kNearlyExact = 1e-6;  // guarded error of a basis that only rounding keeps away
 
 /// w = M z + q, 0 <= w ⟂ z >= 0.
 struct Complementarity {
@@ -232,6 +234,7 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
   if (!monitor.stop(0, start)) {
     std::mt19937_64 engine(1996);
     std::string failures;
+    double closest = std::numeric_limits<double>::infinity();
     for (int attempt = 0; attempt < kDraws; ++attempt) {
       Vector cover(lcp.q.size());
       for (double& x : cover) x = 0.5 + static_cast<double>(engine() >> 11) * 0x1.0p-53;
@@ -268,22 +271,24 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
                                                : ""));
           break;
         }
-        if (s.allFinite() && monitor.last_error() <= kExact) {
-          monitor.fail(
-              SolveStatus::kStalled,
-              fmt::format("complementary basis after {} pivots, exact up to round-off: error "
-                          "{:.1e}; a direct method has no successive iterates to compare",
-                          pivots, monitor.last_error()));
-          break;
-        }
+        // Not good enough yet: another covering vector may lead to a basis with less rounding.
+        if (s.allFinite()) closest = std::min(closest, monitor.last_error());
         what = fmt::format("a basis of error {:.1e}", monitor.last_error());
       }
       failures += (failures.empty() ? "" : "; ") + what;
       if (attempt == kDraws - 1) {
-        monitor.fail(SolveStatus::kNumericalFailure,
-                     fmt::format("pivoting from {} covering vectors ended on {} after {} pivots: "
-                                 "the problem has no solution, or rounding was too large",
-                                 kDraws, failures, pivots));
+        if (closest <= kNearlyExact) {
+          monitor.fail(
+              SolveStatus::kStalled,
+              fmt::format("stalled: {} covering vectors, the closest basis of error {:.1e}, "
+                          "above the tolerance or not to be judged by the stop test",
+                          kDraws, closest));
+        } else {
+          monitor.fail(SolveStatus::kNumericalFailure,
+                       fmt::format("pivoting from {} covering vectors ended on {} after {} pivots: "
+                                   "the problem has no solution, or rounding was too large",
+                                   kDraws, failures, pivots));
+        }
       }
     }
   }
