@@ -7,7 +7,7 @@
 #include <map>
 
 #include "bench/comparison_report.h"
-#include "bench/svg_chart.h"
+#include "bench/chart.h"
 #include "solvers/registry.h"
 
 namespace bipot {
