@@ -32,7 +32,7 @@ th,td{padding:.3em .7em .3em 0;text-align:left;border-bottom:1px solid #e2e2e2;v
 thead th{border-bottom:1px solid #888}
 td.n,th.n{text-align:right;white-space:nowrap}
 .made td,.made th{background:#f6f6f6;font-weight:normal;padding:.25em .4em;color:#444}
-.grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,420px),1fr));
+.grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,420px),1fr));
  gap:18px 28px;margin:1em 0}
 figure{margin:0;break-inside:avoid;min-width:0}
 figure.wide{grid-column:1/-1}

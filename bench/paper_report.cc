@@ -337,7 +337,8 @@ std::vector<PaperEntry> read_entries(const std::filesystem::path& file) {
   if (!std::filesystem::exists(file)) return entries;
   try {
     std::ifstream in(file);
-    for (const Json& json : Json::parse(in).at("items")) entries.push_back(entry_from(json));
+    const Json whole = Json::parse(in);
+    for (const Json& json : whole.at("items")) entries.push_back(entry_from(json));
   } catch (const nlohmann::json::exception& e) {
     throw FileError(file, "", std::string("not the results of bipot paper: ") + e.what());
   }
