@@ -203,22 +203,21 @@ class Script {
     } else {
       const int columns = std::clamp(static_cast<int>(width_ / entry), 1, entries);
       const int rows = (entries + columns - 1) / columns;
-      height_ += kKeyRow * rows;
-      line_key_ = fmt::format("set key outside below center horizontal maxcols {}", columns);
+      height_ += kKeyRow * (rows + 1);
+      line_key_ =
+          fmt::format("set key outside below center horizontal height 1 maxcols {}", columns);
     }
     line_key_ += " Left reverse samplen 2.4 spacing 1.1 font ',11' textcolor rgb '#1b1b1b'";
   }
 
   void axis(const char* name, const ChartAxis& axis, double floor) {
-    line(fmt::format("set {}label {} noenhanced", name, in_quotes(axis.label)));
     const bool along_x = name[0] == 'x';
+    line(fmt::format("set {}label {} noenhanced{}", name, in_quotes(axis.label),
+                     along_x ? " offset 0,0.4" : ""));
     std::string low = "*", high = "*";
     if (axis.low && (!is_log(axis) || *axis.low > 0)) low = number(*axis.low);
     if (axis.high && (!is_log(axis) || *axis.high > 0)) high = number(*axis.high);
-    if (is_log(axis)) {
-      line(fmt::format("set logscale {}", name));
-      line(fmt::format("set m{}tics default", name));
-    }
+    if (is_log(axis)) line(fmt::format("set logscale {}", name));
     switch (axis.kind) {
       case ChartAxis::Kind::kLinear:
         break;
@@ -231,7 +230,7 @@ class Script {
         line(fmt::format("set {}tics add ('1 µs' 1e-6, '10 µs' 1e-5, '100 µs' 1e-4)", name));
         break;
     }
-    // A range that is no range, and an axis without data, are given one.
+    // An axis without data, or with one value, is given a range.
     std::vector<double> values = along_x ? xs_ : ys_;
     for (const ChartLine& l : along_x ? chart_.x_lines : horizontal()) values.push_back(l.at);
     double least = std::numeric_limits<double>::infinity(), most = -least;
@@ -241,17 +240,20 @@ class Script {
       least = std::min(least, v);
       most = std::max(most, v);
     }
-    if (axis.low) least = *axis.low;
-    if (axis.high) most = *axis.high;
+    if (low != "*") least = *axis.low;
+    if (high != "*") most = *axis.high;
     if (!std::isfinite(least) || !std::isfinite(most)) {
       least = is_log(axis) ? floor : 0;
       most = is_log(axis) ? 10 * floor : 1;
       low = number(least);
       high = number(most);
-    } else if (!(most > least * (1 + 1e-12)) && is_log(axis)) {
-      const double decade = std::floor(std::log10(least) + 1e-9);
-      if (!axis.low) low = number(std::pow(10, decade));
-      if (!axis.high) high = number(std::pow(10, decade + 1));
+    } else if (is_log(axis)) {
+      // Whole decades; gnuplot's own rounding adds one where a limit is met exactly.
+      const double first = std::floor(std::log10(least) + 1e-9);
+      const double last = std::max(std::ceil(std::log10(most) - 1e-9), first + 1);
+      if (low == "*") low = number(std::pow(10, first));
+      if (high == "*") high = number(std::pow(10, last));
+      if (last - first > 8) line(fmt::format("unset m{}tics", name));
     } else if (!(most > least)) {
       const double margin = least == 0 ? 1 : 0.5 * std::abs(least);
       if (!axis.low) low = number(least - margin);
