@@ -130,13 +130,16 @@ class Fig10 {
 
   void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
 
-  void picture(const std::string& name, const Scene& scene, const State& state,
+  /// Behind the paragraph `after`.
+  void picture(const std::string& name, const Scene& scene, const State& state, std::size_t after,
                const std::string& caption) {
     const std::string file = name + ".svg";
     ForcePictureOptions options;
     options.take_off = false;
+    options.width = 560;  // letters of a readable size in half a page
     draw_force_picture(context_.out / file, scene, state, "", options);
-    result_.figures.push_back({.name = name, .caption = caption, .file = file});
+    result_.figures.push_back(
+        {.name = name, .caption = caption, .file = file, .after = static_cast<int>(after)});
   }
 
   std::vector<int> sides() const {
@@ -167,7 +170,7 @@ class Fig10 {
            .expected = "at most 1e-8 m g",
            .holds = balance <= 1e-8,
            .digits = 2});
-      picture("fig10_" + id, rest.scene, rest.state,
+      picture("fig10_" + id, rest.scene, rest.state, result_.ours.size(),
               fmt::format("Rectangular, {0} × {0}, μ = 0: the force under the k-th disk is k m g.",
                           side));
     }
@@ -210,7 +213,7 @@ class Fig10 {
                   .expected = "the same on both sides",
                   .holds = std::abs(b.wall[1][0] + b.wall[2][0]) <= 1e-8 * b.weight});
         }
-        picture("fig10_" + id, rest.scene, rest.state,
+        picture("fig10_" + id, rest.scene, rest.state, result_.ours.size(),
                 fmt::format("Triangular, {0} × {0}, μ = {1:g}: the walls carry load{2}.", side, mu,
                             mu > 0 ? ", also upwards by friction" : ""));
       }
@@ -324,6 +327,7 @@ class Fig10 {
     chart.y = {"least friction coefficient", ChartAxis::Kind::kLinear, 0.2, 0.6};
     chart.y_line = std::tan(std::numbers::pi / 6);
     chart.y_line_label = "tan 30°";
+    chart.key = Chart::Key::kNone;
     ChartSeries series{"disks and floor alike", 0, {}};
     for (const int rows : {2, 3, 4, 5, 6, 8, 10, 14, 20}) {
       if (context_.quick && rows > 10) break;
@@ -366,7 +370,8 @@ class Fig10 {
          .caption =
              "Least friction with which a pyramid can stand. From tan 30° on (dotted) a disk "
              "could hand its load straight down through both contacts below it.",
-         .chart = chart});
+         .chart = chart,
+         .after = static_cast<int>(result_.ours.size()) - 1});
   }
 
   void pictures() {
@@ -390,7 +395,7 @@ class Fig10 {
            .holds = std::max(b.force, b.moment) <= 1e-8,
            .digits = 2});
       picture(
-          fmt::format("fig10_pyramid{}", rows), scene, state,
+          fmt::format("fig10_pyramid{}", rows), scene, state, result_.ours.size() - 1,
           fmt::format("Cannon-ball, {} rows, μ = {:g}: forces that hold it.", rows, kStandingMu));
     }
   }
@@ -409,6 +414,9 @@ class Fig10 {
           rows, kFirstOrder, kSecondOrder);
       table.columns = {"solver"};
       for (const double mu : mus) table.columns.push_back(fmt::format("μ = {:g}", mu));
+      // Of the answers: the largest mu at which one falls; extremes of motion where forces that
+      // hold exist.
+      double last_fall = 0, least = 1e300, most = 0;
       for (const char* solver :
            {"uzawa", "classical", "pgs", "apgd", "anderson", "admm", "newton", "ipm", "auto"}) {
         const SolverEntry* entry = find_solver(solver);
@@ -426,21 +434,47 @@ class Fig10 {
           options.cancelled = context_.interrupted;
           const SolveResult solved = solve(*entry, problem, options);
           const double motion = kinetic_ratio(problem, solved.s);
-          table.rows.back().push_back(!is_success(solved.status) ? "–"
-                                      : motion <= 1e-6           ? "stands"
+          const bool answered = is_success(solved.status);
+          if (answered && motion > 1e-6) last_fall = std::max(last_fall, mu);
+          if (answered && mu == kStandingMu) {
+            least = std::min(least, motion);
+            most = std::max(most, motion);
+          }
+          table.rows.back().push_back(!answered        ? "–"
+                                      : motion <= 1e-6 ? "stands"
                                                        : fmt::format("falls, {:.3f}", motion));
         }
       }
       result_.tables.push_back(std::move(table));
+      number({.name = fmt::format("last_fall_{}", rows),
+              .value = last_fall,
+              .meaning =
+                  fmt::format("{} rows: largest μ of the table with an answer that falls", rows)});
+      number({.name = fmt::format("least_motion_{}", rows),
+              .value = least <= most ? least : std::nan(""),
+              .unit = "g h",
+              .meaning = fmt::format("{} rows, μ = {:g}: least motion of an answer with ε ≤ 1e-8",
+                                     rows, kStandingMu),
+              .digits = 3});
+      number(
+          {.name = fmt::format("most_motion_{}", rows),
+           .value = most,
+           .unit = "g h",
+           .meaning = fmt::format("{} rows, μ = {:g}: greatest motion of an answer with ε ≤ 1e-8",
+                                  rows, kStandingMu),
+           .digits = 3});
     }
     result_.ours.push_back(
         "Existence is one thing, what a time step does another. Below the curve no forces hold the "
-        "pyramid, and every solver's pyramid falls. Above it rest solves the contact law, but so "
-        "do "
-        "motions: the law does not decide, and which solution comes out depends on the way there. "
-        "The "
-        "tables show it for one step from zero impulses: all answers satisfy the law to 1e-8. From "
-        "μ = 2 on all that answer agree that it stands.");
+        "pyramid, and it falls whatever the solver. Above it rest solves the contact law, but "
+        "motions "
+        "may solve it too: the law does not decide between them, and which one comes out depends "
+        "on "
+        "the way there. The tables show one step from zero impulses, in which every answer "
+        "satisfies "
+        "the law to 1e-8. With 10 rows and μ = 0.6 the mean velocity of the answers lies between "
+        "{least_motion_10} and {most_motion_10}; the largest μ of the table with an answer that "
+        "falls is {last_fall_10}.");
   }
 
   /// Height of the top disk over time.
@@ -482,7 +516,7 @@ class Fig10 {
         const StepReport report = stepper.advance(state);
         if (!report.converged) ++unsolved;
         series.points.push_back({report.time, (top - state.disks.back().x[1]) / 0.5, false, "",
-                                 (k + 1) % (steps / 10) == 0});
+                                 (k + 1) % (steps / 5) == 0});
       }
       if (stopped()) return;
       const std::string id =
@@ -506,12 +540,11 @@ class Fig10 {
     }
     result_.figures.push_back(
         {.name = "fig10_fall",
-         .caption =
-             "Top disk of a pyramid of 10 rows. At μ = 0.5 it must fall. At μ = 0.6 it may do "
-             "either: `ipm` finds rest, `auto` (which begins with `apgd`) a motion, and stays "
-             "at rest when its first step starts from the forces that hold.",
-         .chart = chart});
-    picture("fig10_fallen", fallen_.first, fallen_.second,
+         .caption = "Top disk of a pyramid of 10 rows. At μ = 0.5 no forces hold it. At μ = 0.6 "
+                    "there are some; `given forces`: they are the start of the first step.",
+         .chart = chart,
+         .after = static_cast<int>(result_.ours.size())});
+    picture("fig10_fallen", fallen_.first, fallen_.second, result_.ours.size(),
             fmt::format("The pyramid of 10 rows at μ = 0.5 after {:.1f} s.", fallen_.second.time));
     result_.ours.push_back(
         "Over many steps: at μ = 0.5 the top disk of 10 rows drops by {drop_05_auto}. At μ = 0.6, "
