@@ -121,7 +121,7 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   add("ipm", contacts <= kLarge ? 12 : 30, contacts <= kLarge ? 40 : 80, Start::kOwn,
       "accuracy on piles, a few dozen factorisations");
   if (contacts <= kLarge) {
-    add("newton", local ? 300 : 12, local ? 700 : 40, Start::kOwn, "quadratic where W is regular");
+    add("newton", local ? 500 : 12, local ? 1000 : 40, Start::kOwn, "quadratic where W is regular");
   }
   if (local) {
     add("ipm", 60, 150, Start::kOwn, "again, with patience");
