@@ -88,7 +88,7 @@ class Fig14 {
   }
 
  private:
-  bool stopped() const { return context_.interrupted && context_.interrupted(); }
+  bool stopped() const { return context_.stopped(); }
 
   void add_case(const std::string& family, double tilt, const char* what,
                 const std::vector<double>& sizes, double largest_ipm) {
@@ -106,8 +106,7 @@ class Fig14 {
     std::vector<std::vector<double>> before(methods_.size(), std::vector<double>(kTols.size(), 0));
     double disks_before = 0;
     for (const double size : c.sizes) {
-      if (context_.say)
-        context_.say(fmt::format("{}, {:.0f} disks: making it", c.scene.family, size));
+      context_.report(fmt::format("{}, {:.0f} disks: making it", c.scene.family, size));
       const GrowthProblem problem = make_growth_problem(c.scene, side_of(c.scene.family, size));
       const double disks = static_cast<double>(problem.disks);
       for (std::size_t m = 0; m < methods_.size(); ++m) {
@@ -123,10 +122,8 @@ class Fig14 {
         }
         if (tols.empty()) continue;
         if (stopped()) return;
-        if (context_.say) {
-          context_.say(
-              fmt::format("{}, {:.0f} disks, {}", c.scene.family, disks, method.method.name));
-        }
+        context_.report(
+            fmt::format("{}, {:.0f} disks, {}", c.scene.family, disks, method.method.name));
         GrowthLimits limits;
         limits.max_iterations = static_cast<int>(std::min(cap, method.work < 1e300 ? 1e9 : 500.0));
         limits.cancelled = context_.interrupted;
