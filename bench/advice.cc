@@ -97,13 +97,19 @@ int nearest_trial(const std::vector<SolverTrial>& trials, const Accuracy& budget
 }
 
 void mark_pareto(std::vector<SolverTrial>& trials, const Accuracy& goal) {
+  const bool stretches = std::any_of(trials.begin(), trials.end(),
+                                     [](const SolverTrial& t) { return t.stretches > 0; });
+  const auto counts = [&](const SolverTrial& t) {
+    return solved_everywhere(t) && (!stretches || t.stretches > 0);
+  };
+  const auto seconds = [&](const SolverTrial& t) { return stretches ? t.run_seconds : t.seconds; };
+  const auto share = [&](const SolverTrial& t) {
+    return share_of(worst_of(t.error, t.stretch), goal);
+  };
   for (SolverTrial& a : trials) {
-    const double share = share_of(a.error, goal);
-    a.pareto = solved_everywhere(a) &&
-               std::none_of(trials.begin(), trials.end(), [&](const SolverTrial& b) {
-                 const double other = share_of(b.error, goal);
-                 return solved_everywhere(b) && b.seconds <= a.seconds && other <= share &&
-                        (b.seconds < a.seconds || other < share);
+    a.pareto = counts(a) && std::none_of(trials.begin(), trials.end(), [&](const SolverTrial& b) {
+                 return counts(b) && seconds(b) <= seconds(a) && share(b) <= share(a) &&
+                        (seconds(b) < seconds(a) || share(b) < share(a));
                });
   }
 }

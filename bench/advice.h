@@ -72,7 +72,8 @@ bool meets(const SolverTrial& trial, const Accuracy& budget);
 std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy& budget);
 /// Index of the trial that was solved everywhere with the smallest share of the budget, -1: none.
 int nearest_trial(const std::vector<SolverTrial>& trials, const Accuracy& budget);
-/// Marks the trials, solved everywhere, that no other one beats in both time and share of the goal.
+/// Marks the trials, solved everywhere, that no other one beats in both time and share of the goal:
+/// on stretches where any trial was run on them (the others are then not marked), else on steps.
 void mark_pareto(std::vector<SolverTrial>& trials, const Accuracy& goal);
 
 }  // namespace bipot

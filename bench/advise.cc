@@ -988,8 +988,15 @@ Advice advise(const Scene& scene, const AdviseOptions& options) {
     if (stopped()) return finish();
     if (advice.choice >= 0 &&
         advice.trials[advice.choice].verdict == SolverTrial::Verdict::kChosen) {
-      std::vector<const State*> leads;
-      for (std::size_t i : selection.fresh) leads.push_back(&run.checkpoints[i].lead);
+      std::vector<const State*> leads;  // of windows that were not seen yet
+      for (std::size_t i : selection.fresh) {
+        const State* lead = &run.checkpoints[i].lead;
+        const auto same = [&](const State* other) { return other->step == lead->step; };
+        if (std::none_of(starts.begin(), starts.end(), same) &&
+            std::none_of(leads.begin(), leads.end(), same)) {
+          leads.push_back(lead);
+        }
+      }
       check_windows(scene, leads, options, clock, advice);
     }
   }

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -170,18 +171,27 @@ std::string time_text(double seconds) {
 }
 
 void print_trials(const Advice& a) {
+  const bool any_stretch = std::any_of(a.trials.begin(), a.trials.end(),
+                                       [](const SolverTrial& t) { return t.stretches > 0; });
   fmt::print(
-      "\nSolvers: worst error over {} steps of the run, mean CPU time of a solve; the same over {} "
-      "stretches\nof {:g} s, where each step starts from the errors of the one before. *: nothing "
-      "is better in both\ntime and error on single steps. Left to the solver: {}.\n",
-      a.problems, a.trials[std::max(a.choice, 0)].stretches, a.steps.window,
-      error_text(a.budget, a.goal));
+      "\nSolvers: worst error over {} steps of the run and mean CPU time of a solve, on the left "
+      "on "
+      "single\nsteps, on the right on stretches of {:g} s, where each step starts from the errors "
+      "of "
+      "the one before.\n*: nothing is better in both time and error. Left to the solver: {}.\n",
+      a.problems, a.steps.window, error_text(a.budget, a.goal));
   fmt::print("    {:<15} {:>6} {:<5} {:>8} {:>8} {:>8} {:>9}   {:>8} {:>8} {:>8} {:>9}\n", "solver",
              "tol", "start", "force", "penetr.", "energy", "time", "force", "penetr.", "energy",
              "time");
+  int others = 0;
   for (std::size_t i = 0; i < a.trials.size(); ++i) {
     const SolverTrial& t = a.trials[i];
     const bool tried = t.stretches > 0;
+    if (any_stretch && t.verdict == SolverTrial::Verdict::kNone &&
+        static_cast<int>(i) != a.choice) {
+      ++others;
+      continue;
+    }
     std::string note;
     if (t.solved < t.problems) note = fmt::format("  solved {} of {}", t.solved, t.problems);
     if (!tried && t.verdict == SolverTrial::Verdict::kStretchMissed) note += "  " + t.message;
@@ -191,6 +201,10 @@ void print_trials(const Advice& a) {
                cell(t.error.energy), time_text(t.seconds), cell(tried ? t.stretch.force : NAN),
                cell(tried ? t.stretch.penetration : NAN), cell(tried ? t.stretch.energy : NAN),
                tried ? time_text(t.run_seconds) : "-", note);
+  }
+  if (others > 0) {
+    fmt::print("  {} more trials were too inaccurate or too slow for stretches; --json has them\n",
+               others);
   }
 }
 

@@ -93,7 +93,7 @@ class Editor {
         line, edit.table, edit.key));
   }
 
-  /// No line of comment may stand twice above one line.
+  /// What stood there, above the line.
   void comment(std::size_t line, const std::string& was) {
     const std::string indent = indent_of(lines_.at(line));
     lines_.insert_above(line, fmt::format("{}# {}; {}", indent, comment_, was));
@@ -125,31 +125,34 @@ class Editor {
       comment(at.begin.line, fmt::format("{} was not set", edit.key));
       return;
     }
-    const toml::node* first = nullptr;
-    std::string first_key;
+    const toml::node* last = nullptr;
+    std::string last_key;
     for (const auto& [key, node] : table) {
       if (node.is_table() && !node.as_table()->is_inline()) continue;
-      if (first == nullptr || node.source().begin.line < first->source().begin.line) {
-        first = &node;
-        first_key = key.str();
+      if (last == nullptr || node.source().begin.line > last->source().begin.line) {
+        last = &node;
+        last_key = key.str();
       }
     }
-    if (first == nullptr) {  // an empty [table]
-      const std::size_t header = table.source().begin.line;
-      if (header + 1 > lines_.count()) {
-        lines_.append(fmt::format("{} = {}", edit.key, edit.value));
-      } else {
-        lines_.insert_above(header + 1, fmt::format("{} = {}", edit.key, edit.value));
-      }
-      comment(header + 1, fmt::format("{} was not set", edit.key));
+    if (last == nullptr) {  // an empty [table]
+      insert_below(table.source().begin.line, fmt::format("{} = {}", edit.key, edit.value));
+      comment(table.source().begin.line + 1, fmt::format("{} was not set", edit.key));
       return;
     }
-    const std::size_t line = first->source().begin.line;
+    const std::size_t line = last->source().begin.line, below = last->source().end.line;
     const std::string& text = lines_.at(line);
-    const std::size_t key = text.find(first_key);
+    const std::size_t key = text.find(last_key);
     if (key == std::string::npos || key > text.find('=')) give_up(edit, line);
-    lines_.insert_above(line, fmt::format("{}{} = {}", text.substr(0, key), edit.key, edit.value));
-    comment(line, fmt::format("{} was not set", edit.key));
+    insert_below(below, fmt::format("{}{} = {}", text.substr(0, key), edit.key, edit.value));
+    comment(below + 1, fmt::format("{} was not set", edit.key));
+  }
+
+  void insert_below(std::size_t line, const std::string& text) {
+    if (line < lines_.count()) {
+      lines_.insert_above(line + 1, text);
+    } else {
+      lines_.append(text);
+    }
   }
 
   void append_table(const Edit& edit) {

@@ -90,6 +90,13 @@ TEST(Advice, ParetoLeavesOutWhatIsBeatenInBoth) {
   EXPECT_TRUE(trials[1].pareto);
   EXPECT_FALSE(trials[2].pareto);
   EXPECT_FALSE(trials[3].pareto);
+  // Once stretches were run, they decide: what was not run on them is not marked.
+  trials[2].stretches = 2;
+  trials[2].stretch = force(2e-2);
+  trials[2].run_seconds = 1;
+  mark_pareto(trials, force(1e-2));
+  EXPECT_FALSE(trials[0].pareto);
+  EXPECT_TRUE(trials[2].pareto);
 }
 
 }  // namespace
