@@ -379,6 +379,20 @@ void read_solver(const Table& root, Scene& scene) {
   table->finish();
 }
 
+void read_model(const Table& root, Scene& scene) {
+  const std::string model = root.one_of("model", "nscd", {"nscd", "dem"});
+  scene.model = model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
+  const auto table = root.table("dem");
+  if (!table) return;
+  SpringDashpotChoice& d = scene.dem;
+  if (table->has("stiffness")) d.stiffness = table->positive("stiffness");
+  d.overlap = table->number("overlap", d.overlap);
+  d.tangential_ratio = table->number("tangential_ratio", d.tangential_ratio);
+  if (table->has("substep")) d.substep = table->positive("substep");
+  d.safety = table->number("safety", d.safety);
+  table->finish();
+}
+
 void read_output(const Table& root, Scene& scene) {
   const auto table = root.table("output");
   if (!table) return;
@@ -388,6 +402,7 @@ void read_output(const Table& root, Scene& scene) {
   if (o.every < 0) table->fail("every", "expected a non-negative integer");
   if (o.ledger_every < 0) table->fail("ledger_every", "expected a non-negative integer");
   o.picture = table->boolean("picture", o.picture);
+  o.stress_picture = table->boolean("stress_picture", o.stress_picture);
   for (double x : table->numbers("track")) {
     const bool is_index = x >= 0 && x <= std::numeric_limits<int>::max() && x == std::floor(x);
     if (!is_index) table->fail("track", "expected disk numbers");
@@ -448,6 +463,7 @@ Scene parse_scene(const std::string& text, const std::string& source) {
   }
   if (const auto degrees = root.maybe_number("rotate_degrees")) rotate(scene, *degrees);
   read_time(root, scene);
+  read_model(root, scene);
   read_solver(root, scene);
   read_output(root, scene);
   root.finish();

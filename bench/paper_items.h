@@ -1,0 +1,14 @@
+#pragma once
+
+#include "bench/paper_item.h"
+
+namespace bipot {
+
+PaperResult run_table1(const PaperContext& context);      ///< bouncing ball
+PaperResult run_table2(const PaperContext& context);      ///< sliding cylinder
+PaperResult run_fig10(const PaperContext& context);       ///< quasi-static arrays
+PaperResult run_fig13(const PaperContext& context);       ///< error against iteration
+PaperResult run_stop_test(const PaperContext& context);   ///< stop tests against true errors
+PaperResult run_warm_start(const PaperContext& context);  ///< iterations, cold and warm
+
+}  // namespace bipot
