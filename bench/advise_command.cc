@@ -244,12 +244,13 @@ void print_confidence(const Advice& a) {
              a.worst_reference, a.reference_spread);
   if (a.several_solutions > 0) {
     fmt::print(
-        "  {} sampled steps have several solutions: errors against one of them say nothing and are "
-        "left out\n",
+        "  steps with several solutions, left out of the errors, as one of them says nothing of "
+        "the "
+        "others: {}\n",
         a.several_solutions);
   }
   if (a.without_reference > 0) {
-    fmt::print("  {} steps were left out: no solver got far enough below the goal in time\n",
+    fmt::print("  steps left out because no solver got far enough below the goal in time: {}\n",
                a.without_reference);
   }
   if (a.steps.windows_dropped > 0 || (a.steps.finest > 0.125 && a.steps.finest > 0)) {
