@@ -236,12 +236,9 @@ WindowRun run_window(const Scene& scene, State state, double factor, int steps,
 
 /// Dissipation below this is nothing: a thousandth of what moves, or falls by a radius.
 double energy_floor(const Scene& scene, const State& state) {
-  double kinetic = 0, weight = 0;
-  for (const Disk& d : state.disks) {
-    kinetic += 0.5 * d.mass * d.v.squaredNorm() + 0.5 * d.inertia * d.spin * d.spin;
-    weight += d.mass * scene.gravity.norm();
-  }
-  return 1e-3 * std::max(kinetic, weight * smallest_radius(scene));
+  double weight = 0;
+  for (const Disk& d : state.disks) weight += d.mass * scene.gravity.norm();
+  return 1e-3 * std::max(kinetic_energy(state), weight * smallest_radius(scene));
 }
 
 /// Errors of `runs` (one a window) against `reference`, see StepStudy; no scaling. The penetration
