@@ -123,7 +123,11 @@ class Script {
     axis("x", chart_.x, x_floor_);
     axis("y", chart_.y, y_floor_);
     vertical_lines();
-    for (std::size_t i = 0; i < chart_.series.size(); ++i) series(i);
+    for (bool background : {true, false}) {
+      for (std::size_t i = 0; i < chart_.series.size(); ++i) {
+        if (chart_.series[i].background == background) series(i);
+      }
+    }
     // Constant functions take part in the range of the axis.
     for (const ChartLine& reference : horizontal()) {
       if (is_log(chart_.y) && !(reference.at >= y_floor_)) continue;
@@ -286,9 +290,10 @@ class Script {
     }
   }
 
-  static std::string line_style(int style) {
-    return fmt::format("lw 1.6 dt {} lc rgb '{}'", of_style(kDashes, style),
-                       of_style(kColours, style));
+  static std::string line_style(const ChartSeries& s) {
+    if (s.background) return "lw 7 dt solid lc rgb '#d9d9d9'";
+    return fmt::format("lw 1.6 dt {} lc rgb '{}'", of_style(kDashes, s.style),
+                       of_style(kColours, s.style));
   }
 
   /// Points of one kind, as a block of data and the plot that draws it.
@@ -313,7 +318,7 @@ class Script {
         bars +=
             fmt::format("{} {} {}\n", at, number(lifted_y(p.y_low)), number(lifted_y(p.y_high)));
       }
-      if (!p.marked || s.kind == Kind::kLine) continue;
+      if (!p.marked || s.kind == Kind::kLine || s.background) continue;
       const bool note = page_ && !p.note.empty();
       marked[(p.hollow ? 1 : 0) + (note ? 2 : 0)] +=
           note ? fmt::format("{} n{}_{}\n", at, index, k) : at + "\n";
@@ -321,7 +326,7 @@ class Script {
     if (s.kind != Kind::kPoints) {
       block(fmt::format("$line{}", index), joined,
             fmt::format("using 1:2 with {} {}", s.kind == Kind::kSteps ? "steps" : "lines",
-                        line_style(s.style)),
+                        line_style(s)),
             s.name);
     }
     block(fmt::format("$bar{}", index), bars,
@@ -353,14 +358,14 @@ class Script {
   void key_entry(const ChartSeries& s) {
     if (s.name.empty() || chart_.key == Chart::Key::kNone) return;
     const bool any_marked =
-        s.kind != ChartSeries::Kind::kLine &&
+        s.kind != ChartSeries::Kind::kLine && !s.background &&
         std::any_of(s.points.begin(), s.points.end(), [](const ChartPoint& p) { return p.marked; });
     const bool joined = s.kind != ChartSeries::Kind::kPoints;
     const Marker& marker = of_style(kMarkers, s.style);
     std::string look = joined && any_marked ? "linespoints" : joined ? "lines" : "points";
     if (any_marked || !joined) look += fmt::format(" pt {} ps {}", marker.filled, marker.size);
-    look += " " + (joined ? line_style(s.style)
-                          : fmt::format("lc rgb '{}'", of_style(kColours, s.style)));
+    look +=
+        " " + (joined ? line_style(s) : fmt::format("lc rgb '{}'", of_style(kColours, s.style)));
     add_plot(fmt::format("keyentry with {} title {} noenhanced", look, in_quotes(s.name)), s.name);
   }
 

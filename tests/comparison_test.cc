@@ -27,6 +27,7 @@ ComparisonOptions quick(std::vector<std::string> solvers, std::vector<double> to
   options.tols = std::move(tols);
   options.time_limit = 20;
   options.reference_time_limit = 20;
+  options.min_time = 0;
   return options;
 }
 
@@ -334,7 +335,7 @@ TEST(ComparisonReport, FindsTheFastestAndTheUnbeaten) {
     ComparisonRow row;
     row.problem = "p";
     row.solver = solver;
-    row.total_min = seconds;
+    row.cpu_min = seconds;
     row.velocity_error = error;
     rows.push_back(row);
   };
@@ -363,10 +364,10 @@ TEST(ComparisonReport, PageStandsAlone) {
     EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
   }
   EXPECT_NE(page.find("bipot compare &lt;targets&gt; &amp; more"), std::string::npos);
-  // Two profiles, and two figures a problem.
+  // Four tolerance profiles, four to true errors, three within times; three figures a problem.
   std::size_t figures = 0;
   for (std::size_t at = 0; (at = page.find("<svg", at)) != std::string::npos; ++at) ++figures;
-  EXPECT_EQ(figures, 6u);
+  EXPECT_EQ(figures, 17u);
   const auto json = to_json(c, context);
   EXPECT_EQ(json["rows"].size(), c.rows.size());
   EXPECT_FALSE(json["commit"].get<std::string>().empty());
