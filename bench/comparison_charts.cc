@@ -24,7 +24,7 @@ ChartSeries distribution(const std::string& name, int style, const std::vector<d
                          std::size_t total, double begin, double end) {
   ChartSeries series{name, style, {}, ChartSeries::Kind::kSteps};
   if (values.empty() || total == 0) return series;
-  const std::size_t stride = 1 + values.size() / 10;
+  const std::size_t stride = 1 + values.size() / 5;
   series.points.push_back({begin, 0, false, "", false});
   for (std::size_t i = 0; i < values.size() && values[i] <= end; ++i) {
     const double share = static_cast<double>(i + 1) / static_cast<double>(total);
@@ -177,7 +177,7 @@ Chart history_chart(const Comparison& comparison, const ProblemSummary& problem)
   for (const History& history : comparison.histories) {
     if (history.problem != problem.name || history.points.empty()) continue;
     ChartSeries series{history.solver, style_of(history.solver), {}};
-    int next = 1;  // a marker for each doubling
+    int next = 1;  // a marker for each quadrupling
     for (std::size_t i = 0; i < history.points.size(); ++i) {
       const HistoryPoint& p = history.points[i];
       const bool last = i + 1 == history.points.size();
