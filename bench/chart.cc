@@ -31,7 +31,7 @@ constexpr std::array<Marker, 6> kMarkers = {
     {{7, 6, 0.62}, {5, 4, 0.58}, {9, 8, 0.72}, {13, 12, 0.8}, {11, 10, 0.72}, {15, 14, 0.68}}};
 constexpr std::array<const char*, 5> kDashes = {"solid", "(10,5)", "(2,4)", "(12,4,2,4)", "(18,6)"};
 
-constexpr double kKeyRow = 17, kKeySample = 46, kLetter = 6.7;  // of the key, in the chart's units
+constexpr double kKeyRow = 17, kKeySample = 42, kLetter = 6.6;  // of the key, in the chart's units
 
 template <class Array>
 const auto& of_style(const Array& all, int style) {
@@ -208,10 +208,10 @@ class Script {
       const int columns = std::clamp(static_cast<int>(width_ / entry), 1, entries);
       const int rows = (entries + columns - 1) / columns;
       height_ += kKeyRow * (rows + 1);
-      line_key_ =
-          fmt::format("set key outside below center horizontal height 1 maxcols {}", columns);
+      // By rows: limits on columns are lowered to what fits below the axes alone.
+      line_key_ = fmt::format("set key outside below center vertical height 1 maxrows {}", rows);
     }
-    line_key_ += " Left reverse samplen 2.4 spacing 1.1 font ',11' textcolor rgb '#1b1b1b'";
+    line_key_ += " Left reverse samplen 2 spacing 1.15 font ',10.5' textcolor rgb '#1b1b1b'";
   }
 
   /// Returns the middle of the axis.
