@@ -10,6 +10,7 @@
 #include "bench/exit_code.h"
 #include "bench/json_output.h"
 #include "bench/list_command.h"
+#include "bench/paper_command.h"
 #include "bench/run_command.h"
 #include "bench/solve_command.h"
 #include "core/file_error.h"
@@ -29,14 +30,17 @@ int main(int argc, char** argv) {
       "  bipot run scene.toml --solver uzawa --rho paper --tol 1e-4\n"
       "  bipot solve problem.hdf5 --solver pgs --json -\n"
       "  bipot compare square:30 pile:18 --quick --out out/compare\n"
+      "  bipot paper --out out/paper\n"
       "  bipot list solvers");
   RunFlags run_flags;
   SolveFlags solve_flags;
   CompareFlags compare_flags;
+  PaperFlags paper_flags;
   ListFlags list_flags;
   const CLI::App* run = add_run_command(app, run_flags);
   const CLI::App* solve = add_solve_command(app, solve_flags);
   const CLI::App* compare = add_compare_command(app, compare_flags);
+  const CLI::App* paper = add_paper_command(app, paper_flags);
   add_list_command(app, list_flags);
   try {
     app.parse(argc, argv);
@@ -69,6 +73,7 @@ int main(int argc, char** argv) {
     if (run->parsed()) return run_command(run_flags);
     if (solve->parsed()) return solve_command(solve_flags);
     if (compare->parsed()) return compare_command(compare_flags);
+    if (paper->parsed()) return paper_command(paper_flags);
     return list_command(list_flags);
   } catch (const FileError& e) {
     return refuse(e.what(), kExitIo);

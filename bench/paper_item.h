@@ -27,16 +27,20 @@ struct PaperNumber {
   std::string meaning;        ///< one line
   std::string expected;       ///< by theory or the paper, with its source; empty: nothing is known
   std::optional<bool> holds;  ///< of a check against `expected`
-  std::string command;        ///< that makes it again
+  std::string command;        ///< that makes it again; empty: the item's own
+  int digits = 4;             ///< significant, as the page writes it
 };
 
 /// A drawing: a chart, or a file of `out` (SVG).
 struct PaperFigure {
-  std::string name;  ///< of the files <name>.svg and, for charts, <name>.csv
+  std::string
+      name;  ///< of the files <name>.svg and, for charts, <name>.csv; begins with the item's
   std::string caption;
-  std::string command;
+  std::string command;  ///< empty: the item's own
   std::optional<Chart> chart;
-  std::string file;  ///< relative to `out`; without chart
+  std::string file;          ///< relative to `out`; without chart
+  bool wide = false;         ///< two columns of the page
+  std::optional<int> after;  ///< stands behind this paragraph of `ours`, from 0; else behind all
 };
 
 struct PaperTable {
@@ -48,14 +52,17 @@ struct PaperTable {
 /// One item, done.
 struct PaperResult {
   std::string paper;  ///< what the paper reports, a sentence or two of our own
-  /// What we get, paragraphs; "{name}" stands for a number, filled in with its unit.
+  /// What we get, paragraphs; "{name}" stands for a number, filled in with its unit; `code` in
+  /// backticks.
   std::vector<std::string> ours;
   std::vector<PaperNumber> numbers;
   std::vector<PaperFigure> figures;
   std::vector<PaperTable> tables;
 };
 
-/// A row of the table of items.
+/// A row of the table of items. An item that was asked to stop (context.interrupted) returns early;
+/// what it returns is not shown. One that cannot do its work throws, and the page shows the
+/// message.
 struct PaperItem {
   std::string_view name;   ///< for --only
   std::string_view title;  ///< "Fig. 10: quasi-static arrays"

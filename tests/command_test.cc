@@ -171,6 +171,29 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   EXPECT_EQ(bipot("compare square:4 --out /proc/nowhere").exit_code, 4);
 }
 
+TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
+  const std::string arguments = "paper --quick --out " + path("out");
+  const Outcome first = bipot(arguments + " --only table2 --json -");
+  ASSERT_EQ(first.exit_code, 0);
+  const json j = json::parse(first.out);  // nothing else on standard output
+  EXPECT_EQ(j["checks"], j["checks_held"]);
+  EXPECT_GT(j["checks"], 2);
+  EXPECT_FALSE(j["all_items_done"]);
+  ASSERT_EQ(bipot(arguments + " --only table1").exit_code, 0);
+  const json both = json::parse(content(path("out/results.json")));
+  for (const json& item : both["items"]) {
+    const bool made = item["name"] == "table1" || item["name"] == "table2";
+    EXPECT_EQ(item["status"], made ? "done" : "not run") << item["name"];
+  }
+  const std::string page = content(path("out/index.html"));
+  for (const char* name : {"table2_velocity.svg", "table1_film.csv"}) {
+    EXPECT_NE(page.find(name), std::string::npos) << name;
+    EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
+  }
+  EXPECT_EQ(bipot("paper --only table3 --out " + path("out")).exit_code, 2);
+  EXPECT_EQ(bipot("paper --only table2 --out /proc/nowhere").exit_code, 4);
+}
+
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
   const std::string out = path("out");
   const Outcome solve =
