@@ -93,8 +93,8 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
       ->capture_default_str()
       ->type_name("SECONDS");
   command->add_flag("--try-all", flags.try_all,
-                    "Run solvers on large problems of a series also after they were out of time "
-                    "on smaller ones");
+                    "Run solvers also after they were out of time at a looser tolerance or on a "
+                    "smaller problem of the series");
   command->add_option("--scene-problems", flags.scene_problems, "Steps of a scene (3; quick 1)")
       ->check(CLI::Range(1, 1000));
   command->add_option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)")

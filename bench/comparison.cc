@@ -384,19 +384,24 @@ class ProblemRows {
   std::optional<TrueErrorEvaluator> true_error_;
 };
 
-/// Which solver ran out of time on which problems of a series.
+/// Which solver ran out of time where.
 class TimeOuts {
  public:
   void add(const ProblemSource& source, const ComparisonRow& row) {
-    if (source.series.empty() || row.status != to_string(SolveStatus::kTimeLimit)) return;
+    if (row.status != to_string(SolveStatus::kTimeLimit)) return;
     seen_.push_back({source.series, row.solver, source.name, source.size, row.tol});
   }
 
   /// Why there is no hope, in words; empty when nothing is known.
   std::string reason(const ProblemSource& source, std::string_view solver, double tol) const {
-    if (source.series.empty() || solver == "auto") return {};
+    if (solver == "auto") return {};
     for (const Seen& s : seen_) {
-      if (s.series == source.series && s.solver == solver && s.size < source.size && s.tol >= tol) {
+      if (s.solver != solver || s.tol < tol) continue;
+      const bool smaller =
+          !source.series.empty() && s.series == source.series && s.size < source.size;
+      // Where the path does not depend on the tolerance, the row is known without a run.
+      const bool looser = s.problem == source.name && s.tol > tol && !has_fixed_path(solver);
+      if (smaller || looser) {
         return fmt::format("not tried: out of time on {} at tol {:g}", s.problem, s.tol);
       }
     }

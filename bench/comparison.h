@@ -75,9 +75,9 @@ struct ComparisonOptions {
   double reference_time_limit = 30;  ///< of one attempt at a reference
   int repeat = 1;                    ///< solves behind each time, at least
   double min_time = 0.02;  ///< a short solve is repeated until its repeats took this long [s]
-  /// Whether a solver runs on larger problems of a series after it was out of time on a smaller
-  /// one at the same tolerance or a looser one. If not, these rows have the status "not tried".
-  /// `auto` always runs.
+  /// Whether a solver runs after it was out of time on a smaller problem of the series, at the same
+  /// tolerance or a looser one, or on the same problem at a looser one. If not, these rows have the
+  /// status "not tried". `auto` always runs.
   bool try_all = false;
   /// rows.csv, history.csv, references/, problems/; empty: nothing is written.
   std::filesystem::path out;

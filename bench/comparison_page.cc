@@ -667,7 +667,7 @@ class Page {
 <dt>energy error</dt><dd>Relative error of the energy that the contacts take out of the free motion.</dd>
 <dt>time</dt><dd>CPU time of set-up, iteration and final check on one core; the least of the repeats. A short solve is repeated until its repeats took long enough to be measured. All solvers ran once on a problem of one contact before the first measurement, so that none pays for the start of a library. Waiting for a core that other programs use does not count.</dd>
 <dt>wall time</dt><dd>The same without the final check, by the clock on the wall. The time limit of a solve is one of wall time.</dd>
-<dt>not tried</dt><dd>The solver was out of time on a smaller problem of the same series at this tolerance or a looser one.</dd>
+<dt>not tried</dt><dd>The solver was out of time on a smaller problem of the same series at this tolerance or a looser one, or on this problem at a looser one. It counts as not solved.</dd>
 <dt>not run again</dt><dd>Said in the words of a row: the solver's path does not depend on the tolerance, and it was out of time at a looser one already; the row shows where it stood then.</dd>
 <dt>Pareto</dt><dd>No other row of the problem is both faster and more accurate.</dd>
 <dt>reference</dt><dd>Solved to 1e-12 or as far as it goes by auto, newton, ipm and apgd in turn, the lowest guarded error kept; errors below the reference's own accuracy mean nothing.</dd>

@@ -199,7 +199,7 @@ std::string to_text(const Comparison& comparison) {
   std::string text = fmt::format(
       "tol {}: status, iterations, guarded error\n"
       "(C converged, 0 nothing to do, I iteration limit, T time limit, S stalled, D diverged,\n"
-      " F failure, - not for this problem, N not tried: out of time on a smaller one)\n",
+      " F failure, - not for this problem, N not tried: out of time before)\n",
       tolerance_label(tol));
   for (std::size_t begin = 0; begin < solvers.size(); begin += per_block) {
     const std::size_t end = std::min(begin + per_block, solvers.size());
