@@ -6,5 +6,6 @@ namespace bipot {
 
 PaperResult run_table1(const PaperContext& context);  ///< bouncing ball
 PaperResult run_table2(const PaperContext& context);  ///< sliding cylinder
+PaperResult run_fig11(const PaperContext& context);   ///< compaction by gravity
 
 }  // namespace bipot
