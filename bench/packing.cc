@@ -62,12 +62,21 @@ PackingRun run_packing(
   options.parameters = scene.solver.parameters;
   TimeStepper stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
   PackingRun run;
+  State old, older;  // one and two steps before `state`
   double logarithms = 0;
   int positive = 0;
   for (int k = 0; k < scene.num_steps; ++k) {
     if (context.interrupted && context.interrupted()) break;
     const State previous = state;
+    // e_t = 1 turns tangential velocities round at each step, so at rest forces repeat themselves
+    // every second one: what was two steps before is then the better start.
+    if (force_correlation(state, older) > force_correlation(state, old)) {
+      state.contacts = old.contacts;
+      ++run.far_starts;
+    }
     const StepReport report = stepper.advance(state);
+    older = std::move(old);
+    old = previous;
     ++run.steps;
     run.converged += report.converged ? 1 : 0;
     run.iterations += report.iterations;
