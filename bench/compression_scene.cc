@@ -19,6 +19,11 @@ Scene compression_scene(const CompressionOptions& options) {
   scene.source = "generated";
   scene.materials = {"default"};
   scene.laws = {{.mu = 0.1, .e_n = 0, .e_t = options.e_t}};
+  if (options.smooth_walls) {
+    const ContactLaw rough = scene.laws[0], smooth = {.mu = 0, .e_n = 0, .e_t = options.e_t};
+    scene.materials = {"default", "smooth"};
+    scene.laws = {rough, smooth, smooth, smooth};
+  }
   scene.disks = random_filling(options.count, {{0.8e-3, 0.25}, {0.9e-3, 0.5}, {kLargest, 0.25}},
                                width, kSpacing, options.seed, Vec2::Zero());
   for (Disk& d : scene.disks) {
@@ -39,6 +44,7 @@ Scene compression_scene(const CompressionOptions& options) {
     wall.motion = Wall::Motion::kDriven;
     wall.a = point;
     wall.normal = wall.direction = normal;
+    wall.material = options.smooth_walls ? 1 : 0;
     wall.force = kForce * std::sqrt(share);
     wall.mass = options.wall_mass * share;
     scene.walls.push_back(wall);

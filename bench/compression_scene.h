@@ -17,6 +17,7 @@ struct CompressionOptions {
   double density = 7800;  ///< [kg/m³]
   double wall_mass = 20;  ///< of a wall of the large sample     [kg]
   double e_t = 1;
+  bool smooth_walls = false;  ///< no friction at the walls
 };
 Scene compression_scene(const CompressionOptions& options);
 

@@ -62,7 +62,7 @@ PackingRun run_packing(
   options.parameters = scene.solver.parameters;
   TimeStepper stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
   PackingRun run;
-  State old, older;  // one and two steps before `state`
+  std::vector<ContactOutcome> old, older;  // one and two steps before `state`
   double logarithms = 0;
   int positive = 0;
   for (int k = 0; k < scene.num_steps; ++k) {
@@ -70,13 +70,13 @@ PackingRun run_packing(
     const State previous = state;
     // e_t = 1 turns tangential velocities round at each step, so at rest forces repeat themselves
     // every second one: what was two steps before is then the better start.
-    if (force_correlation(state, older) > force_correlation(state, old)) {
-      state.contacts = old.contacts;
+    if (force_correlation(state.contacts, older) > force_correlation(state.contacts, old)) {
+      state.contacts = old;
       ++run.far_starts;
     }
     const StepReport report = stepper.advance(state);
     older = std::move(old);
-    old = previous;
+    old = previous.contacts;
     ++run.steps;
     run.converged += report.converged ? 1 : 0;
     run.iterations += report.iterations;
@@ -134,9 +134,9 @@ double solid_fraction(const State& state, double area) {
   return sum / area;
 }
 
-double force_correlation(const State& a, const State& b) {
+double force_correlation(std::span<const ContactOutcome> a, std::span<const ContactOutcome> b) {
   double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
-  merge_pairs(a.contacts, b.contacts, [&](const ContactOutcome* p, const ContactOutcome* q) {
+  merge_pairs(a, b, [&](const ContactOutcome* p, const ContactOutcome* q) {
     const double s = p != nullptr ? p->s_n : 0, t = q != nullptr ? q->s_n : 0;
     if (!(s > 0) && !(t > 0)) return;
     n += 1;

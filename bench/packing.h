@@ -42,9 +42,9 @@ double coordination(const State& state);
 /// Area of the disks over `area`.
 double solid_fraction(const State& state, double area);
 
-/// Pearson's correlation of the normal impulses of two states, over the pairs of bodies that carry
+/// Pearson's correlation of the normal impulses of two steps, over the pairs of bodies that carry
 /// some in either. NaN where either does not vary.
-double force_correlation(const State& a, const State& b);
+double force_correlation(std::span<const ContactOutcome> a, std::span<const ContactOutcome> b);
 
 /// Contacts of a number of steps, averaged pair by pair: where a pair carries nothing it counts
 /// with zero. Normals and gaps are those of the last step that had the pair.

@@ -242,6 +242,40 @@ TEST_F(Command, ForeignOutputDoesNotMixWithJson) {
   EXPECT_EQ(json::parse(solve.out)["status"], "converged");
 }
 
+TEST_F(Command, SpringDashpotModelRunsTheSameScene) {
+  const Outcome run =
+      bipot("run square_lattice --model dem --steps 60 --json - --out " + path("a"));
+  ASSERT_EQ(run.exit_code, 0);
+  const json j = json::parse(run.out);
+  EXPECT_EQ(j["status"], "completed");
+  EXPECT_EQ(j["model"], "dem");
+  EXPECT_TRUE(j["epsilon"].is_null());  // there is no contact problem to judge
+  EXPECT_EQ(j["iterations_max"], j["dem"]["substeps_per_step"]);
+  EXPECT_LT(j["dem"]["substep"], j["dem"]["critical_step"]);
+  EXPECT_FALSE(j["dem"]["departures"].empty());  // e_n = 0
+  EXPECT_GT(j["penetration"], 1e-6);
+  for (const char* name : {"run.h5", "run.xdmf", "ledger.csv", "forces.svg", "summary.json"}) {
+    EXPECT_GT(fs::file_size(folder_ / "a" / name), 100u) << name;
+  }
+  // 40 and 20 steps with a restart between: the same bits.
+  ASSERT_EQ(bipot("run square_lattice --model dem --steps 40 -q --out " + path("b")).exit_code, 0);
+  ASSERT_EQ(bipot("run square_lattice --model dem --steps 20 -q --restart " + path("b") +
+                  " --out " + path("b"))
+                .exit_code,
+            0);
+  const State whole = read_state(path("a")), parts = read_state(path("b"));
+  for (std::size_t i = 0; i < whole.disks.size(); ++i) {
+    EXPECT_EQ(whole.disks[i].x, parts.disks[i].x);
+    EXPECT_EQ(whole.disks[i].v, parts.disks[i].v);
+  }
+  EXPECT_EQ(content(path("a/ledger.csv")), content(path("b/ledger.csv")));
+  // Unstable substeps, flags of the other model and a stiffness that gives way are refused.
+  EXPECT_EQ(bipot("run square_lattice --model dem --substep 1e-3").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --model dem --tol 1e-3").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --stiffness 1e6").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --model dem --stiffness 1e3 --steps 100").exit_code, 3);
+}
+
 TEST_F(Command, ListsWhatItHas) {
   const Outcome solvers = bipot("list solvers --json -");
   ASSERT_EQ(solvers.exit_code, 0);
