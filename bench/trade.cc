@@ -255,7 +255,7 @@ void run_scene(const TradeScene& scene, const TradeOptions& options, Runner& run
   double tol = completed.empty() ? TradeSetting::kNaN : completed.front();
   for (const double t : completed) {
     const double cost = mean_cpu(trade, scene.name, {.solver = options.solvers.front(), .tol = t});
-    if (cost / shortest <= options.time_limit) tol = t;
+    if (1.5 * cost / shortest <= options.time_limit) tol = t;
   }
   for (const double factor : factors) {
     if (runner.stopped()) return;
@@ -332,6 +332,7 @@ Trade run_trade(const TradeOptions& options) {
     throw std::invalid_argument("a comparison of runs needs a solver and a tolerance");
   }
   Trade trade;
+  trade.accuracy = options.accuracy;
   std::set<std::string> names;
   for (const std::string& target : options.targets) {
     trade.scenes.push_back(load_target(target, options));

@@ -64,6 +64,8 @@ struct TradeOptions {
   std::vector<double> overlaps = {1e-2, 1e-3, 1e-4};  ///< of the springs' rows, or
   std::vector<double> stiffness;                      ///< these instead            [N/m]
   double time_limit = 20;                             ///< wall seconds of one run
+  /// Relative error of an outcome below which nobody looks: no solver has to beat it.
+  double accuracy = 1e-4;
   int replicas = 3;  ///< of scenes whose disks fly freely: runs that differ in tiny kicks
   std::function<void(const TradeRow&)> on_row;
   std::function<bool()> interrupted;
@@ -72,6 +74,7 @@ struct TradeOptions {
 struct Trade {
   std::vector<TradeScene> scenes;
   std::vector<TradeRow> rows;
+  double accuracy = 0;  ///< of the options
   bool complete = false;
 };
 

@@ -141,8 +141,7 @@ void solver_errors(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
     const TradeCell* cell = s.find({.solver = s.solver, .tol = tol});
     e.solver_error.push_back(std::abs(cell->means[q] - tightest->means[q]) / scale);
   }
-  if (!std::isfinite(e.step_error)) return;
-  const double bound = std::max(e.step_error, e.noise);
+  const double bound = e.bound();
   for (std::size_t k = s.tols.size(); k-- > 0;) {
     if (!(e.solver_error[k] <= bound)) break;
     e.sufficient_tol = s.tols[k];
@@ -168,6 +167,7 @@ SceneTrade analyse_scene(const Trade& trade, const TradeScene& scene) {
   bool all_known = true;
   for (std::size_t q = 0; q < s.quantities.size(); ++q) {
     TradeQuantityErrors& e = s.quantities[q];
+    e.accuracy = trade.accuracy;
     const TradeCell* own = s.find({.solver = s.solver, .tol = s.step_tol});
     const double size = own == nullptr ? kNaN : own->means[q];
     if (scene.replicas > 1) {
@@ -193,6 +193,10 @@ SceneTrade analyse_scene(const Trade& trade, const TradeScene& scene) {
 }
 
 }  // namespace
+
+double TradeQuantityErrors::bound() const {
+  return std::isnan(step_error) ? kNaN : std::max({step_error, noise, accuracy});
+}
 
 const TradeCell* SceneTrade::find(const TradeSetting& setting) const {
   for (const TradeCell& cell : cells) {
@@ -242,10 +246,12 @@ std::string SceneTrade::answer() const {
         fmt::format("Tolerance {} is enough at this time step", tolerance_label(*sufficient_tol));
     text += *sufficient_tol == tols.front() ? ", the loosest that was tried: "
                                             : fmt::format(" ('{}' decides): ", decided_by);
-    text += scene->replicas > 1
-                ? "from there on the solver's error is below that of the time step or below what "
-                  "nearby runs differ by."
-                : "from there on the solver's error is below that of the time step.";
+    text += "from there on the solver's error is below that of the time step";
+    if (scene->replicas > 1) text += ", below what nearby runs differ by";
+    if (!quantities.empty() && quantities[0].accuracy > 0) {
+      text += fmt::format(" or below {} of the outcome", tolerance_label(quantities[0].accuracy));
+    }
+    text += ".";
     if (ratio > 1.1) {
       text += fmt::format(
           " Tolerance {} costs {:.2g} times as much for digits that the time step "

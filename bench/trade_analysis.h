@@ -38,7 +38,11 @@ struct TradeQuantityErrors {
   /// differ by anyway. 0 with a single replica.
   double noise = 0;
   std::vector<double> solver_error;  ///< of each tolerance of SceneTrade::tols, to the tightest
-  /// Loosest tolerance from which on every solver error is below max(step_error, noise).
+  double accuracy = 0;               ///< of TradeOptions
+  /// What the solver's error is compared with: max(step_error, noise, accuracy); NaN where
+  /// step_error is.
+  double bound() const;
+  /// Loosest tolerance from which on every solver error is below the bound.
   std::optional<double> sufficient_tol;
 };
 

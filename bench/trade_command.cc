@@ -52,6 +52,7 @@ std::string command_line(const std::string& scenes, const TradeFlags& flags) {
   line += numbers("--tols", flags.tols) + numbers("--step-sizes", flags.step_sizes) +
           numbers("--overlaps", flags.overlaps) + numbers("--stiffness", flags.stiffness);
   if (flags.time_limit) line += fmt::format(" --time-limit {:g}", *flags.time_limit);
+  if (flags.accuracy) line += fmt::format(" --accuracy {}", tolerance_label(*flags.accuracy));
   if (flags.replicas) line += fmt::format(" --replicas {}", *flags.replicas);
   return line;
 }
@@ -79,9 +80,13 @@ CLI::App* add_trade_command(CLI::App& app, TradeFlags& flags) {
       ->check(CLI::PositiveNumber);
   list("--stiffness", flags.stiffness, "N/m", "Springs by their stiffness, instead of --overlaps")
       ->check(CLI::PositiveNumber);
-  command->add_option("--time-limit", flags.time_limit, "Wall seconds of one run (20; quick 3)")
+  command->add_option("--time-limit", flags.time_limit, "Wall seconds of one run (20; quick 5)")
       ->type_name("SECONDS")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--accuracy", flags.accuracy,
+                   "Relative error of an outcome that is good enough in any case (1e-4)")
+      ->check(CLI::NonNegativeNumber);
   command
       ->add_option("--replicas", flags.replicas,
                    "Nearby runs of each setting where disks fly freely (3; quick 2)")
@@ -111,7 +116,7 @@ int trade_command(const TradeFlags& flags) {
     options.tols = {1e-1, 1e-3};
     options.step_factors = {2, 1, 0.5};
     options.overlaps = {1e-2, 1e-3};
-    options.time_limit = 3;
+    options.time_limit = 5;
     options.replicas = 2;
   }
   if (!flags.tols.empty()) options.tols = flags.tols;
@@ -126,6 +131,7 @@ int trade_command(const TradeFlags& flags) {
     throw std::invalid_argument("--overlaps: contacts that overlap by a tenth of the radius fail");
   }
   if (flags.time_limit) options.time_limit = *flags.time_limit;
+  if (flags.accuracy) options.accuracy = *flags.accuracy;
   if (flags.replicas) options.replicas = *flags.replicas;
   const fs::path out = flags.out;
   if (!out.empty()) {

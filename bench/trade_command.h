@@ -11,7 +11,7 @@ struct TradeFlags {
   std::vector<std::string> scenes;  ///< empty: trade_targets()
   std::vector<std::string> solvers = {"auto"};
   std::vector<double> tols, step_sizes, overlaps, stiffness;  ///< empty: the defaults
-  std::optional<double> time_limit;
+  std::optional<double> time_limit, accuracy;
   std::optional<int> replicas;
   bool quick = false, quiet = false;
   std::string out, json;

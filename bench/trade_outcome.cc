@@ -8,7 +8,8 @@
 namespace bipot {
 namespace {
 
-constexpr double kWindow = 0.1;  // of the duration
+constexpr double kWindow = 0.1;    // of the duration
+constexpr double kCarries = 1e-3;  // of the mean force: less does not carry
 
 /// Lowest and highest point of the disks along a direction.
 std::pair<double, double> span_along(const std::vector<Disk>& disks, const Vec2& up) {
@@ -120,10 +121,11 @@ void OutcomeRecorder::plan_sample() {
                            .meaning = "of it, by tangential forces",
                            .least_scale = energy});
   }
-  quantities_.push_back({.name = "contacts",
-                         .unit = "",
-                         .meaning = "contacts that carry force, mean over the last tenth",
-                         .least_scale = 1});
+  quantities_.push_back(
+      {.name = "contacts",
+       .unit = "",
+       .meaning = "contacts that carry more than 1e-3 of the mean force, last tenth",
+       .least_scale = 1});
   if (has_driven_) {
     quantities_.push_back(
         {.name = "wall travel", .unit = "m", .meaning = "of the driven walls by the end, mean"});
@@ -201,9 +203,8 @@ void OutcomeRecorder::step(const State& state, const StepReport& report) {
   if (state.step >= scene_.num_steps) last_ = state;
   if (state.step <= (1 - kWindow) * scene_.num_steps) return;
   ++window_steps_;
-  contacts_ += report.active;
   const std::size_t n = state.disks.size();
-  double virial = 0, area = 0, load = 0, worst = 0;
+  double virial = 0, area = 0, load = 0, worst = 0, impulses = 0;
   std::vector<double> below(load_above_.size(), 0.0);
   for (const Disk& d : state.disks) area += std::numbers::pi * d.radius * d.radius;
   for (const ContactOutcome& c : state.contacts) {
@@ -212,6 +213,7 @@ void OutcomeRecorder::step(const State& state, const StepReport& report) {
     const double force = c.s_n / scene_.step;
     const double branch = a.radius + (j < n ? state.disks[j].radius : 0.0) + c.contact.gap;
     virial += force * branch;
+    impulses += c.s_n;
     const double rise = c.contact.n.dot(up_);
     if (j >= n && rise > 0.5) {
       const Vec2 t(-c.contact.n[1], c.contact.n[0]);
@@ -220,6 +222,10 @@ void OutcomeRecorder::step(const State& state, const StepReport& report) {
     if (!below.empty() && std::abs(rise) > 0.5) {
       below[rise > 0 ? static_cast<std::size_t>(c.contact.i) : j] += force;
     }
+  }
+  if (report.active > 0) {
+    const double least = kCarries * impulses / report.active;
+    for (const ContactOutcome& c : state.contacts) contacts_ += c.s_n > least ? 1 : 0;
   }
   pressure_ += 0.5 * virial / area;
   floor_load_ += weight_ > 0 ? load / weight_ : 0;

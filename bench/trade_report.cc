@@ -173,7 +173,7 @@ class Section {
         add(fmt::format("<td class=\"n\">{}</td>", error_text(e.noise)));
       }
       for (const double x : e.solver_error) {
-        const bool below = x <= std::max(e.step_error, e.noise);
+        const bool below = x <= e.bound();
         add(fmt::format("<td class=\"n{}\">{}</td>", below ? "" : " over", error_text(x)));
       }
       add(fmt::format("<td class=\"n\">{}</td></tr>\n",
@@ -186,8 +186,9 @@ class Section {
     if (s.scene->replicas > 1) {
       add("Nearby runs: twice the standard error of a difference of two means. ");
     }
-    add("Solver: difference to the tightest tolerance at the same time step; bold where it is the "
-        "largest of the three.</p>\n");
+    add("Solver: difference to the tightest tolerance at the same time step; bold where it "
+        "matters: "
+        "larger than the others and than the accuracy asked for.</p>\n");
   }
 
   void setting_table(const SceneTrade& s) {
@@ -244,7 +245,7 @@ class Section {
     ratio.y_line_label = "as large as the others";
     for (std::size_t q = 0; q < s.quantities.size(); ++q) {
       const TradeQuantityErrors& e = s.quantities[q];
-      const double other = std::max(e.step_error, e.noise);
+      const double other = e.bound();
       if (!(other > 0)) continue;
       ChartSeries series{s.scene->quantities[q].name, static_cast<int>(q), {}};
       // The tightest is the reference of the others.
