@@ -40,20 +40,6 @@ std::string command_line(const PaperFlags& flags, const std::vector<std::string>
   return line;
 }
 
-/// The drawing as a file of its own, and its points.
-void write_chart(const fs::path& folder, const std::string& name, const Chart& chart) {
-  std::string svg = to_svg(chart);
-  svg.insert(svg.find("<svg") + 4, " xmlns=\"http://www.w3.org/2000/svg\"");
-  write_text(folder / (name + ".svg"), svg);
-  std::string csv = fmt::format("series,\"{}\",\"{}\"\n", chart.x.label, chart.y.label);
-  for (const ChartSeries& series : chart.series) {
-    for (const ChartPoint& p : series.points) {
-      csv += fmt::format("\"{}\",{},{}\n", series.name, p.x, p.y);
-    }
-  }
-  write_text(folder / (name + ".csv"), csv);
-}
-
 void write_report(const fs::path& folder, const PaperReport& report) {
   write_text(folder / "results.json", to_json(report).dump(1) + "\n");
   write_text(folder / "index.html", to_html(report));
@@ -78,7 +64,7 @@ PaperEntry run_item(const PaperItem& item, const PaperContext& context,
       complete(result, command);
       for (const PaperFigure& f : result.figures) {
         if (f.chart) {
-          write_chart(context.out, f.name, *f.chart);
+          write_chart_files(context.out, f.name, *f.chart);
         } else if (!fs::is_regular_file(context.out / f.file)) {
           throw std::logic_error(fmt::format("figure {}: no file {}", f.name, f.file));
         }
@@ -144,6 +130,7 @@ int paper_command(const PaperFlags& flags) {
            std::find(flags.only.begin(), flags.only.end(), name) != flags.only.end();
   };
 
+  require_plotting_tool();
   const fs::path folder = flags.out;
   std::error_code failure;
   fs::create_directories(folder, failure);

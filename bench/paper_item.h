@@ -38,8 +38,9 @@ struct PaperFigure {
   std::string caption;
   std::string command;  ///< empty: the item's own
   std::optional<Chart> chart;
-  std::string file;   ///< relative to `out`; without chart
-  bool wide = false;  ///< two columns of the page
+  std::string file;          ///< relative to `out`; without chart
+  bool wide = false;         ///< two columns of the page
+  std::optional<int> after;  ///< stands behind this paragraph of `ours`, from 0; else behind all
 };
 
 struct PaperTable {

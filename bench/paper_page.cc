@@ -24,6 +24,7 @@ code{font:.86em ui-monospace,monospace;background:#f3f3f3;padding:.1em .3em;over
 .failed{border-left:3px solid #8a1c00;padding-left:.8em;color:#8a1c00}
 .no{color:#8a1c00;font-weight:600}
 .yes{color:#1d5c2e}
+.yes,.no{white-space:nowrap}
 .scroll{overflow-x:auto}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.88rem;width:100%;
  margin:.4em 0}
@@ -140,19 +141,29 @@ class Page {
     }
     add(fmt::format("<p class=\"paper\"><strong>The paper.</strong> {}</p>\n",
                     prose(e.result.paper)));
-    for (std::size_t i = 0; i < e.result.ours.size(); ++i) {
+    const int paragraphs = static_cast<int>(e.result.ours.size());
+    for (int i = 0; i < paragraphs; ++i) {
       add(fmt::format("<p>{}{}</p>\n", i == 0 ? "<strong>Here.</strong> " : "",
-                      prose(e.result.ours[i])));
+                      prose(e.result.ours[static_cast<std::size_t>(i)])));
+      figures(e.result.figures, [i](const PaperFigure& f) { return f.after == i; });
     }
-    if (!e.result.figures.empty()) {
-      add("<div class=\"grid\">\n");
-      for (const PaperFigure& f : e.result.figures) figure(f);
-      add("</div>\n");
-    }
+    figures(e.result.figures, [paragraphs](const PaperFigure& f) {
+      return !f.after || *f.after < 0 || *f.after >= paragraphs;
+    });
     numbers(e.result.numbers);
     for (const PaperTable& t : e.result.tables) table(t);
     add(fmt::format("<p class=\"small\">Made by <code>{}</code> in {} ({} of CPU).</p></section>\n",
                     escape_markup(e.command), seconds(e.wall_seconds), seconds(e.cpu_seconds)));
+  }
+
+  template <typename Chosen>
+  void figures(const std::vector<PaperFigure>& all, const Chosen& chosen) {
+    if (std::none_of(all.begin(), all.end(), chosen)) return;
+    add("<div class=\"grid\">\n");
+    for (const PaperFigure& f : all) {
+      if (chosen(f)) figure(f);
+    }
+    add("</div>\n");
   }
 
   void figure(const PaperFigure& f) {
@@ -161,7 +172,9 @@ class Page {
     add(fmt::format("<figure{}><a href=\"{}\"><img src=\"{}\" alt=\"{}\"></a><figcaption>{}",
                     f.wide ? " class=\"wide\"" : "", escape_markup(file), escape_markup(file),
                     escape_markup(text), prose(f.caption)));
-    if (f.chart) add(fmt::format(" <a href=\"{0}.csv\">Data</a>.", escape_markup(f.name)));
+    if (f.chart)
+      add(fmt::format(" <a href=\"{0}.csv\">Data</a>, <a href=\"{0}.gp\">script</a>.",
+                      escape_markup(f.name)));
     add(fmt::format("<br><span class=\"small\"><code>{}</code></span></figcaption></figure>\n",
                     escape_markup(f.command)));
   }

@@ -51,13 +51,58 @@ ChartAxis axis_from(const Json& json) {
   return axis;
 }
 
+std::string_view name_of(ChartSeries::Kind kind) {
+  switch (kind) {
+    case ChartSeries::Kind::kLinePoints:
+      return "line and points";
+    case ChartSeries::Kind::kLine:
+      return "line";
+    case ChartSeries::Kind::kPoints:
+      return "points";
+    case ChartSeries::Kind::kSteps:
+      return "steps";
+  }
+  return "?";
+}
+
+std::string_view name_of(Chart::Key key) {
+  switch (key) {
+    case Chart::Key::kBelow:
+      return "below";
+    case Chart::Key::kRight:
+      return "right";
+    case Chart::Key::kNone:
+      return "none";
+  }
+  return "?";
+}
+
+Json to_json(const std::vector<ChartLine>& lines) {
+  Json json = Json::array();
+  for (const ChartLine& line : lines) json.push_back({{"at", line.at}, {"label", line.label}});
+  return json;
+}
+
+std::vector<ChartLine> lines_from(const Json& json) {
+  std::vector<ChartLine> lines;
+  for (const Json& line : json) lines.push_back({line.at("at"), line.at("label")});
+  return lines;
+}
+
 Json to_json(const Chart& chart) {
   Json json{{"title", chart.title}, {"x", to_json(chart.x)}, {"y", to_json(chart.y)}};
   if (chart.y_line) json["y_line"] = {{"value", *chart.y_line}, {"label", chart.y_line_label}};
+  if (!chart.x_lines.empty()) json["x_lines"] = to_json(chart.x_lines);
+  if (!chart.y_lines.empty()) json["y_lines"] = to_json(chart.y_lines);
+  json["key"] = name_of(chart.key);
+  json["width"] = chart.width;
+  json["height"] = chart.height;
   json["series"] = Json::array();
   for (const ChartSeries& series : chart.series) {
-    Json row{{"name", series.name}, {"style", series.style}};
+    Json row{{"name", series.name}, {"style", series.style}, {"kind", name_of(series.kind)}};
     row["x"] = row["y"] = Json::array();
+    Json low = Json::array(), high = Json::array();
+    bool any_bar = false;
     Json hollow = Json::array(), bare = Json::array(), notes = Json::array();
     bool any_note = false;
     for (std::size_t i = 0; i < series.points.size(); ++i) {
@@ -67,11 +112,18 @@ Json to_json(const Chart& chart) {
       if (p.hollow) hollow.push_back(i);
       if (!p.marked) bare.push_back(i);
       notes.push_back(p.note);
+      low.push_back(finite_or_null(p.y_low));
+      high.push_back(finite_or_null(p.y_high));
+      any_bar = any_bar || std::isfinite(p.y_low) || std::isfinite(p.y_high);
       any_note = any_note || !p.note.empty();
     }
     if (!hollow.empty()) row["hollow"] = hollow;
     if (!bare.empty()) row["unmarked"] = bare;
     if (any_note) row["notes"] = notes;
+    if (any_bar) {
+      row["y_low"] = low;
+      row["y_high"] = high;
+    }
     json["series"].push_back(row);
   }
   return json;
@@ -86,11 +138,26 @@ Chart chart_from(const Json& json) {
     chart.y_line = json["y_line"].at("value").get<double>();
     chart.y_line_label = json["y_line"].at("label");
   }
+  chart.x_lines = lines_from(json.value("x_lines", Json::array()));
+  chart.y_lines = lines_from(json.value("y_lines", Json::array()));
+  for (const auto key : {Chart::Key::kBelow, Chart::Key::kRight, Chart::Key::kNone}) {
+    if (json.at("key") == name_of(key)) chart.key = key;
+  }
+  chart.width = json.at("width");
+  chart.height = json.at("height");
   for (const Json& row : json.at("series")) {
     ChartSeries series{row.at("name"), row.at("style"), {}};
+    for (const auto kind : {ChartSeries::Kind::kLinePoints, ChartSeries::Kind::kLine,
+                            ChartSeries::Kind::kPoints, ChartSeries::Kind::kSteps}) {
+      if (row.at("kind") == name_of(kind)) series.kind = kind;
+    }
     for (std::size_t i = 0; i < row.at("x").size(); ++i) {
       ChartPoint point{number_or_nan(row["x"].at(i)), number_or_nan(row.at("y").at(i))};
       if (row.contains("notes")) point.note = row["notes"].at(i);
+      if (row.contains("y_low")) {
+        point.y_low = number_or_nan(row["y_low"].at(i));
+        point.y_high = number_or_nan(row.at("y_high").at(i));
+      }
       series.points.push_back(point);
     }
     for (const Json& i : row.value("hollow", Json::array())) {
@@ -138,6 +205,7 @@ Json to_json(const PaperEntry& entry) {
   }
   for (const PaperFigure& f : entry.result.figures) {
     Json row{{"name", f.name}, {"caption", f.caption}, {"command", f.command}, {"wide", f.wide}};
+    if (f.after) row["after"] = *f.after;
     if (f.chart) {
       row["chart"] = to_json(*f.chart);
     } else {
@@ -191,6 +259,7 @@ PaperEntry entry_from(const Json& json) {
   for (const Json& f : json.at("figures")) {
     PaperFigure figure{f.at("name"), f.at("caption"), f.at("command")};
     figure.wide = f.at("wide");
+    if (f.contains("after")) figure.after = f["after"].get<int>();
     if (f.contains("chart")) {
       figure.chart = chart_from(f["chart"]);
     } else {
@@ -340,7 +409,11 @@ std::vector<PaperEntry> read_entries(const std::filesystem::path& file) {
     const Json whole = Json::parse(in);
     for (const Json& json : whole.at("items")) entries.push_back(entry_from(json));
   } catch (const nlohmann::json::exception& e) {
-    throw FileError(file, "", std::string("not the results of bipot paper: ") + e.what());
+    throw FileError(
+        file, "",
+        std::string(
+            "not results that this program can read (remove them or choose another folder): ") +
+            e.what());
   }
   return entries;
 }

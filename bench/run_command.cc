@@ -20,6 +20,8 @@
 #include "core/run_output.h"
 #include "core/scene_file.h"
 #include "core/spring_dashpot.h"
+#include "core/stress_picture.h"
+#include "core/stress_tensor.h"
 #include "core/time_stepping.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -130,6 +132,19 @@ nlohmann::ordered_json summary(const Scene& scene, const SpringDashpotSetup* dem
                  {"friction_loss", t.last.energy.friction_loss},
                  {"shock_loss", t.last.energy.shock_loss}};
   if (dem != nullptr) j["energy"]["elastic"] = t.last.energy.elastic;
+  const double area = sample_area(state, scene.step);
+  if (area > 0) {
+    const MeanStress stress = sample_stress(state, scene.step, area, contact_moments(state));
+    const Mat2 total = stress.total();
+    j["stress"] = {{"xx", total(0, 0)},
+                   {"yy", total(1, 1)},
+                   {"xy", 0.5 * (total(0, 1) + total(1, 0))},
+                   {"pressure", stress.pressure()},
+                   {"kinetic_pressure", 0.5 * stress.kinetic.trace()},
+                   {"area", area}};
+  } else {
+    j["stress"] = nullptr;
+  }
   j["seconds"] = {{"detection", t.detection},
                   {"assembly", t.assembly},
                   {"solve", t.solve},
@@ -421,6 +436,12 @@ int run_command(const RunFlags& flags) {
         const std::string text_below = caption(scene, totals, state);
         draw_force_picture(out / "forces.svg", scene, state, text_below);
         draw_force_picture(out / "forces.png", scene, state, text_below);
+      }
+      if (scene.output.stress_picture) {
+        const std::vector<double> pressures = disk_pressures(state, scene.step);
+        const std::string text_below = caption(scene, totals, state);
+        draw_stress_picture(out / "stress.svg", scene, state, pressures, text_below);
+        draw_stress_picture(out / "stress.png", scene, state, pressures, text_below);
       }
     }
     totals.output += clock.seconds() - before_output;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
-#include <numbers>
+
+#include "core/stress_tensor.h"
 
 namespace bipot {
 namespace {
@@ -98,9 +100,8 @@ void OutcomeRecorder::plan_sample() {
                            .unit = "m",
                            .meaning = "its height above the lowest point at the end"});
   }
-  quantities_.push_back({.name = "pressure",
-                         .unit = "Pa",
-                         .meaning = "mean of the contact stress in the disks, last tenth"});
+  quantities_.push_back(
+      {.name = "pressure", .unit = "Pa", .meaning = "mean pressure of the sample, last tenth"});
   for (const Wall& w : scene_.walls) {
     has_floor_ |= g_ > 0 && w.shape == Wall::Shape::kHalfPlane && w.normal.dot(up_) > 0.5;
     has_driven_ |= w.motion == Wall::Motion::kDriven;
@@ -204,15 +205,11 @@ void OutcomeRecorder::step(const State& state, const StepReport& report) {
   if (state.step <= (1 - kWindow) * scene_.num_steps) return;
   ++window_steps_;
   const std::size_t n = state.disks.size();
-  double virial = 0, area = 0, load = 0, worst = 0, impulses = 0;
+  double load = 0, worst = 0, impulses = 0;
   std::vector<double> below(load_above_.size(), 0.0);
-  for (const Disk& d : state.disks) area += std::numbers::pi * d.radius * d.radius;
   for (const ContactOutcome& c : state.contacts) {
-    const Disk& a = state.disks[static_cast<std::size_t>(c.contact.i)];
     const auto j = static_cast<std::size_t>(c.contact.j);
     const double force = c.s_n / scene_.step;
-    const double branch = a.radius + (j < n ? state.disks[j].radius : 0.0) + c.contact.gap;
-    virial += force * branch;
     impulses += c.s_n;
     const double rise = c.contact.n.dot(up_);
     if (j >= n && rise > 0.5) {
@@ -227,7 +224,8 @@ void OutcomeRecorder::step(const State& state, const StepReport& report) {
     const double least = kCarries * impulses / report.active;
     for (const ContactOutcome& c : state.contacts) contacts_ += c.s_n > least ? 1 : 0;
   }
-  pressure_ += 0.5 * virial / area;
+  // Over one square metre; values() knows the area.
+  pressure_ += sample_stress(state, scene_.step, 1, contact_moments(state)).pressure();
   floor_load_ += weight_ > 0 ? load / weight_ : 0;
   for (std::size_t k = 0; k < below.size(); ++k) {
     worst = std::max(worst, std::abs(below[k] - load_above_[k]) / base_load_);
@@ -255,7 +253,7 @@ std::vector<double> OutcomeRecorder::values() const {
     values.push_back(high - low);
     values.push_back(moment / weight_);
   }
-  values.push_back(pressure_ / count);
+  values.push_back(pressure_ / count / sample_area(last_, scene_.step));
   if (has_floor_) values.push_back(floor_load_ / count);
   values.push_back(lost_);
   if (scene_.has_friction()) values.push_back(friction_loss_);

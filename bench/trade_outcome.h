@@ -22,8 +22,8 @@ struct TradeQuantity {
 /// step or the model:
 ///   a ball above a floor     heights and durations of its first two bounces (Table 1, exact)
 ///   a disk that slides       speed and time from which it rolls (Table 2, exact)
-///   anything else            height of the sample and of its centre of mass, mean pressure in the
-///                            disks, load on the floor over the weight, energy lost, what of it
+///   anything else            height of the sample and of its centre of mass, mean pressure, load
+///   on the floor over the weight, energy lost, what of it
 ///                            went to friction, contacts that carry force, travel of driven walls
 ///   frictionless columns     besides, the worst force in a column against the weight above it
 /// Loads, pressure and contacts are means over the last tenth of the run.

@@ -539,7 +539,7 @@ th:first-child,td:first-child{position:sticky;left:0;background:#fff}
 thead th:first-child{background:#f3f3f3}
 tr.bad td{color:#8a1c00}
 tr.bad td:first-child{box-shadow:inset 3px 0 #8a1c00}
-.grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,340px),1fr));
+.grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,400px),1fr));
  gap:12px 28px;margin:1em 0}
 figure{margin:0;break-inside:avoid;min-width:0}
 figure svg{display:block;width:100%;max-width:560px;height:auto}

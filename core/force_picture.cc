@@ -11,20 +11,19 @@
 #include <memory>
 #include <numbers>
 #include <sstream>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "core/atomic_file.h"
+#include "core/colour_map.h"
 #include "core/file_error.h"
 #include "core/scene_box.h"
 
 namespace bipot {
 namespace {
 
-struct Colour {
-  double red, green, blue;
-};
 // Okabe and Ito's blue, darkened, and orange: told apart by every common colour vision and by
 // their lightness alone.
 constexpr Colour kStick = {0.02, 0.27, 0.48};
@@ -35,6 +34,7 @@ constexpr Colour kDisk = {0.965, 0.965, 0.955};
 constexpr Colour kDiskRim = {0.74, 0.74, 0.72};
 constexpr Colour kWall = {0.2, 0.2, 0.2};
 constexpr Colour kText = {0.13, 0.13, 0.13};
+constexpr Colour kFilledRim = {0.35, 0.35, 0.35};
 
 constexpr double kMargin = 24;        // around everything                         [points]
 constexpr double kTallest = 1.25;     // height of the scene, relative to the width
@@ -45,6 +45,7 @@ constexpr double kWidest = 22;        // width of the widest segment            
 constexpr double kHatch = 9;          // spacing of the hatching                   [points]
 constexpr double kLegendSize = 14, kCaptionSize = 16;
 constexpr double kRowHeight = 34;
+constexpr double kBarWidth = 300, kBarHeight = 14;  // of the colours             [points]
 constexpr const char* kFont = "sans-serif";
 
 using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
@@ -184,7 +185,15 @@ class Picture {
     map_.origin =
         Vec2(corner_[0] - map_.scale * box_.lower[0], corner_[1] + map_.scale * box_.upper[1]);
     bottom_ = corner_[1] + size[1];
-    collect_segments();
+    if (!options.fill.values.empty() && options.fill.values.size() != state.disks.size()) {
+      throw std::invalid_argument(
+          fmt::format("{} values colour {} disks", options.fill.values.size(), state.disks.size()));
+    }
+    full_fill_ = options.fill.high;
+    if (!(full_fill_ > 0) && !options.fill.values.empty()) {
+      full_fill_ = *std::max_element(options.fill.values.begin(), options.fill.values.end());
+    }
+    if (options.forces) collect_segments();
     choose_widths();
     layout(caption);
   }
@@ -245,15 +254,17 @@ class Picture {
   }
 
   void draw_disks(cairo_t* c) const {
-    for (const Disk& d : state_.disks) {
+    const std::vector<double>& fill = options_.fill.values;
+    for (std::size_t k = 0; k < state_.disks.size(); ++k) {
+      const Disk& d = state_.disks[k];
       const Vec2 x = map_(d.x);
       const double radius = map_.scale * d.radius;
       const double rim = std::clamp(0.06 * radius, 0.15, 1.2);
       cairo_new_path(c);
       cairo_arc(c, x[0], x[1], std::max(radius - 0.5 * rim, 0.1), 0, 2 * std::numbers::pi);
-      set(c, kDisk);
+      set(c, fill.empty() ? kDisk : sequential_colour(full_fill_ > 0 ? fill[k] / full_fill_ : 0));
       cairo_fill_preserve(c);
-      set(c, kDiskRim);
+      set(c, fill.empty() ? kDiskRim : kFilledRim);
       cairo_set_line_width(c, rim);
       cairo_stroke(c);
     }
@@ -283,6 +294,7 @@ class Picture {
                          stroke_line(c, Vec2(end, y - 5), Vec2(end, y + 5), 1.4, kText);
                        }
                      }});
+    if (!options_.forces) return items;
     const double loaded = count_[1] + count_[2];
     const auto sample = [this](Kind kind, double force) {
       return [this, kind, force](cairo_t* c, double x, double y) {
@@ -331,6 +343,10 @@ class Picture {
       x += width + 34;
     }
     y += 0.5 * kRowHeight;
+    if (!options_.fill.values.empty()) {
+      bar_at_ = Vec2(kMargin, y + 4);
+      y += 4 + kBarHeight + 1.6 * kLegendSize;
+    }
     use_font(c, kCaptionSize);
     caption_ = wrap(c, caption, options_.width - 2 * kMargin);
     caption_at_ = y + 8 + kCaptionSize;
@@ -348,12 +364,45 @@ class Picture {
       show_text(c, at[0] + item.width + (item.width > 0 ? 8 : 0), at[1] + 0.36 * kLegendSize,
                 item.text);
     }
+    if (!options_.fill.values.empty()) draw_colour_bar(c);
     use_font(c, kCaptionSize);
     double y = caption_at_;
     for (const std::string& line : caption_) {
       show_text(c, kMargin, y, line);
       y += 1.4 * kCaptionSize;
     }
+  }
+
+  /// Colours from 0 to the full value, numbers below, what they are beside.
+  void draw_colour_bar(cairo_t* c) const {
+    const double x = bar_at_[0], y = bar_at_[1];
+    cairo_pattern_t* colours = cairo_pattern_create_linear(x, 0, x + kBarWidth, 0);
+    constexpr int kStops = 32;
+    for (int k = 0; k <= kStops; ++k) {
+      const double at = static_cast<double>(k) / kStops;
+      const Colour colour = sequential_colour(at);
+      cairo_pattern_add_color_stop_rgb(colours, at, colour.red, colour.green, colour.blue);
+    }
+    cairo_rectangle(c, x, y, kBarWidth, kBarHeight);
+    cairo_set_source(c, colours);
+    cairo_fill_preserve(c);
+    cairo_pattern_destroy(colours);
+    set(c, kText);
+    cairo_set_line_width(c, 0.8);
+    cairo_stroke(c);
+    const std::vector<double>& values = options_.fill.values;
+    const double largest = *std::max_element(values.begin(), values.end());
+    for (const double at : {0.0, 0.5, 1.0}) {
+      const double tick = x + at * kBarWidth;
+      stroke_line(c, Vec2(tick, y + kBarHeight), Vec2(tick, y + kBarHeight + 4), 1, kText);
+      std::string label = with_prefix(at * full_fill_, options_.fill.unit);
+      if (at == 1 && largest > full_fill_ * (1 + 1e-12)) {
+        label += " and more, at most " + with_prefix(largest, options_.fill.unit);
+      }
+      const double left = at == 0.5 ? tick - 0.5 * text_width(c, label) : tick - 4;
+      show_text(c, at == 0 ? tick : left, y + kBarHeight + 4 + kLegendSize, label);
+    }
+    show_text(c, x + kBarWidth + 12, y + 0.85 * kBarHeight, options_.fill.label);
   }
 
   static constexpr double kSample = 44;  // length of the legend's segments
@@ -370,6 +419,8 @@ class Picture {
   std::array<int, 3> count_ = {0, 0, 0};  // by Kind
   double widest_ = kWidest;
   double full_force_ = 1;
+  double full_fill_ = 0;
+  Vec2 bar_at_ = Vec2::Zero();
   std::vector<std::pair<Vec2, LegendItem>> legend_;
   std::vector<std::string> caption_;
   double caption_at_ = 0;

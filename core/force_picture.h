@@ -2,16 +2,26 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "core/time_stepping.h"
 
 namespace bipot {
+
+/// Colours of the disks by a number each, from 0 to `high` (sequential_colour), with a colour bar.
+struct DiskFill {
+  std::vector<double> values;  ///< one for each disk; empty: all disks alike
+  std::string label, unit;     ///< "pressure in the disk", "Pa"
+  double high = 0;             ///< end of the colour bar, in `unit`; 0: the largest value
+};
 
 struct ForcePictureOptions {
   double width = 1000;    ///< of the picture, SVG points; a PNG has `resolution` pixels each
   double resolution = 2;  ///< pixels of a PNG in a point
   double full_force = 0;  ///< normal force of the widest segment; 0: the largest one   [N]
   bool take_off = true;   ///< also the candidates that carry nothing, as thin dots
+  bool forces = true;     ///< false: no segments at all
+  DiskFill fill;
 };
 
 /// A force-chain picture as in Fig. 10 to 12: disks, walls (half-planes hatched on their solid

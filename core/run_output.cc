@@ -15,6 +15,7 @@
 #include "core/hdf5_file.h"
 #include "core/scene_box.h"
 #include "core/spring_dashpot_setup.h"
+#include "core/stress_tensor.h"
 
 namespace bipot {
 namespace {
@@ -131,7 +132,10 @@ std::string attribute(const char* name, const std::string& where, std::size_t ro
                       const char* centre, int columns = 1, bool integer = false) {
   return fmt::format(
       "      <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">{}</Attribute>\n", name,
-      columns == 1 ? "Scalar" : "Vector", centre, data_item(where, rows, columns, integer));
+      columns == 1   ? "Scalar"
+      : columns == 6 ? "Tensor6"
+                     : "Vector",
+      centre, data_item(where, rows, columns, integer));
 }
 
 std::string geometry(const std::string& where, std::size_t points) {
@@ -146,6 +150,33 @@ std::string segments(const std::string& where, std::size_t count) {
              "NodesPerElement=\"2\">{}</Topology>\n",
              count, data_item(where + "/points", count, 2, true)) +
          geometry(where + "/segment", 2 * count);
+}
+
+/// Stress of each disk and of the sample, spins from the contacts' moments (stress_tensor.h).
+void write_stresses(Hdf5File& file, const State& state, double step) {
+  const std::vector<double> moments = contact_moments(state);
+  const std::vector<MeanStress> disks = disk_stresses(state, step, moments);
+  Column tensors(6 * disks.size());
+  for (const MeanStress& stress : disks) {
+    const Mat2 s = stress.total();
+    for (double x : {s(0, 0), 0.5 * (s(0, 1) + s(1, 0)), 0.0, s(1, 1), 0.0, 0.0}) tensors.add(x);
+  }
+  file.write_rows("/disks/stress", tensors.values(), 6);
+  file.write_attribute("/disks/stress", "unit", "Pa");
+  write_doubles(file, "/disks/pressure", "Pa", disks,
+                [](const MeanStress& s) { return s.pressure(); });
+  const double area = sample_area(state, step);
+  file.write("/sample/area", area);
+  file.write_attribute("/sample/area", "unit", "m2");
+  if (!(area > 0)) return;
+  const MeanStress sample = sample_stress(state, step, area, moments);
+  for (const auto& [name, part] : {std::pair{"/sample/contact_stress", &sample.contact},
+                                   {"/sample/kinetic_stress", &sample.kinetic},
+                                   {"/sample/spin_stress", &sample.spin}}) {
+    const Mat2& s = *part;
+    file.write_rows(name, std::vector<double>{s(0, 0), s(0, 1), s(1, 0), s(1, 1)}, 2);
+    file.write_attribute(name, "unit", "Pa");
+  }
 }
 
 /// 0, 1, 2, ...: ParaView's readers want to be told which points make a cell.
@@ -163,11 +194,19 @@ CsvFile::CsvFile(fs::path path, const std::string& header, int keep_up_to)
   if (keep_up_to >= 0) {
     std::ifstream before(path_);
     std::string line;
-    const bool same_columns = std::getline(before, line) && line == header;
-    while (same_columns && std::getline(before, line)) {
+    std::getline(before, line);
+    const bool known = (header + ",").rfind(line + ",", 0) == 0;
+    std::string missing;
+    for (auto more =
+             std::count(header.begin() + static_cast<std::ptrdiff_t>(known ? line.size() : 0),
+                        header.end(), ',');
+         more > 0; --more) {
+      missing += ",nan";
+    }
+    while (known && std::getline(before, line)) {
       int step = 0;
       const auto [end, failure] = std::from_chars(line.data(), line.data() + line.size(), step);
-      if (failure == std::errc() && step <= keep_up_to) kept.push_back(line);
+      if (failure == std::errc() && step <= keep_up_to) kept.push_back(line + missing);
     }
   }
   file_.reset(std::fopen(path_.c_str(), "w"));
@@ -201,7 +240,8 @@ RunWriter::RunWriter(fs::path folder, const Scene& scene, std::string scene_text
       continue;
     }
     const Hdf5File file(frame_path(step), Hdf5File::Mode::kRead);
-    add_frame({step, file.read_double("/time"), file.size("/contacts/i")});
+    add_frame(
+        {step, file.read_double("/time"), file.size("/contacts/i"), file.exists("/disks/stress")});
   }
   write_index();
   if (scene_.output.ledger_every > 0) {
@@ -211,7 +251,9 @@ RunWriter::RunWriter(fs::path folder, const Scene& scene, std::string scene_text
         std::string("step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
                     "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
                     "shock_loss [J],imbalance [J],momentum_x [kg m/s],momentum_y [kg m/s],"
-                    "momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],penetration [m]") +
+                    "momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],penetration [m],"
+                    "area [m2],stress_xx [Pa],stress_yy [Pa],stress_xy [Pa],"
+                    "kinetic_pressure [Pa]") +
             (dem ? ",elastic [J]" : ""),
         resume_after);
   }
@@ -388,6 +430,7 @@ void RunWriter::write_frame_file(const State& state) const {
   }
   file.write_rows("/contacts/segment", branch.values(), 2);
   write_point_numbers(file, "/contacts/points", 2 * contacts.size());
+  write_stresses(file, state, h);
   file.close();
   target.commit();
 }
@@ -395,13 +438,19 @@ void RunWriter::write_frame_file(const State& state) const {
 void RunWriter::step(const State& state, const StepReport& r) {
   if (ledger_) {
     const EnergyLedger& e = r.energy;
+    const double area = sample_area(state, scene_.step);
+    // Without disks there is no sample: not a number.
+    const MeanStress stress = sample_stress(state, scene_.step, area, contact_moments(state));
+    const Mat2 total = stress.total();
     std::string line = fmt::format(
         "{},{:.17g},{},{},{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},"
-        "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}",
+        "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},"
+        "{:.17g}",
         r.step, r.time, r.contacts, r.active, r.iterations, r.converged ? 1 : 0, r.error.epsilon,
         r.error.eta, r.error.raw42, r.error.natural_map, e.kinetic, e.potential, e.wall_work,
         e.friction_loss, e.shock_loss, e.imbalance, r.momentum[0], r.momentum[1],
-        r.momentum_imbalance[0], r.momentum_imbalance[1], r.penetration);
+        r.momentum_imbalance[0], r.momentum_imbalance[1], r.penetration, area, total(0, 0),
+        total(1, 1), 0.5 * (total(0, 1) + total(1, 0)), 0.5 * stress.kinetic.trace());
     if (scene_.model == Model::kSpringDashpot) line += fmt::format(",{:.17g}", e.elastic);
     if (r.step % scene_.output.ledger_every == 0) {
       ledger_->row(line);
@@ -428,7 +477,7 @@ void RunWriter::frame(const State& state) {
         fmt::format("frame of step {} after that of step {}", state.step, frames_.back().step));
   }
   write_frame_file(state);
-  add_frame({state.step, state.time, state.contacts.size()});
+  add_frame({state.step, state.time, state.contacts.size(), true});
   if (frames_.size() - indexed_ >= 1 + frames_.size() / kIndexShare) write_index();
 }
 
@@ -458,7 +507,10 @@ void RunWriter::add_frame(const Frame& frame) {
              attribute("material", "run.h5:/disks/material", disks, "Node", 1, true) +
              attribute("velocity", file + "/disks/v", disks, "Node", 3) +
              attribute("spin", file + "/disks/spin", disks, "Node") +
-             attribute("angle", file + "/disks/angle", disks, "Node"));
+             attribute("angle", file + "/disks/angle", disks, "Node") +
+             (frame.stress ? attribute("stress", file + "/disks/stress", disks, "Node", 6) +
+                                 attribute("pressure", file + "/disks/pressure", disks, "Node")
+                           : std::string()));
   }
   // ParaView's readers stumble over empty grids and over collections with gaps: a frame without
   // contacts shows run.h5:/no_contact, a segment of no length and no force.

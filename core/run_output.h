@@ -16,7 +16,7 @@ namespace bipot {
 class CsvFile {
  public:
   /// Begins a file with `header`; of a file that is there, rows whose first number is at most
-  /// `keep_up_to` are kept.
+  /// `keep_up_to` are kept. Columns that `header` has beyond those of that file are nan there.
   CsvFile(std::filesystem::path path, const std::string& header, int keep_up_to);
   void row(const std::string& line);
 
@@ -32,8 +32,8 @@ class CsvFile {
 ///   run.h5               what does not change: scene text, version, disks' radius, mass, inertia
 ///                        and material, walls, materials, solver; links /frames/<step> to
 ///                        the files below
-///   frames/<step>.h5     one state: all that a restart needs, and the contacts with impulses,
-///                        forces, velocities and status
+///   frames/<step>.h5     one state: all that a restart needs, the contacts with impulses,
+///                        forces, velocities and status, and the stresses that follow from them
 ///   run.xdmf             index of the frames for ParaView: disks as points, contacts as lines
 ///                        between the centres, walls as lines
 ///   ledger.csv           one row for each scene.output.ledger_every steps, and the last
@@ -68,6 +68,7 @@ class RunWriter {
     int step = 0;
     double time = 0;
     std::size_t contacts = 0;
+    bool stress = true;  ///< false: of a version that did not write stresses
   };
 
   std::filesystem::path frame_path(int step) const;

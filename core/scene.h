@@ -75,10 +75,11 @@ struct SpringDashpotChoice {
 
 /// What a run writes, and how often (in steps; 0: never, the last step is always written).
 struct OutputChoice {
-  int every = 100;         ///< HDF5/XDMF frames
-  int ledger_every = 1;    ///< rows of the CSV ledger
-  bool picture = true;     ///< force-chain picture of the last step (SVG and PNG)
-  std::vector<int> track;  ///< disks whose trajectory goes to trajectory.csv at every step
+  int every = 100;              ///< HDF5/XDMF frames
+  int ledger_every = 1;         ///< rows of the CSV ledger
+  bool picture = true;          ///< force-chain picture of the last step (SVG and PNG)
+  bool stress_picture = false;  ///< disks coloured by pressure, last step (SVG and PNG)
+  std::vector<int> track;       ///< disks whose trajectory goes to trajectory.csv at every step
 };
 
 /// Everything that a scene file says, ready to run. SI units.

@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <exception>
+#include <vector>
 
 #include "core/contact_error.h"
 #include "solvers/registry.h"
@@ -12,12 +14,15 @@
 namespace bipot {
 namespace {
 
-// Below this many contacts a factorisation costs less than the sweeps that it saves.
+// Up to it, a stage of Anderson costs nothing and is given more patience.
+constexpr int kFew = 100;
+// Up to it, sweeps get more patience: they cost less than other solvers' set-up.
 constexpr int kSmall = 400;
-// Above it, proximal Newton (a factorisation of 2 d contacts unknowns a step) is tried last.
+// Above it, proximal Newton (a factorisation of d contacts unknowns a step) and Anderson (whose
+// sweeps need more iterations the deeper the packing) are left out of the first rounds.
 constexpr int kLarge = 4000;
-// Above it, apgd is known to reach what the interior point does not (settled piles, mu = 0.3).
-constexpr int kHuge = 10000;
+// Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
+constexpr double kUnequal = 1e5;
 constexpr int kUnlimited = std::numeric_limits<int>::max();
 
 bool is_hyperstatic(const ContactProblem& p) {
@@ -25,51 +30,120 @@ bool is_hyperstatic(const ContactProblem& p) {
   return !p.has_velocities() || p.num_rows() > p.num_dofs();
 }
 
+/// Largest over smallest W_nn of a contact.
+double spread_of_masses(const ContactProblem& p, const DelassusOperator& delassus) {
+  const Vector diagonal = delassus.diagonal();
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    const double w = diagonal[static_cast<Eigen::Index>(c) * p.dim];
+    if (w > 0) least = std::min(least, w);
+    most = std::max(most, w);
+  }
+  return most > 0 ? most / least : 1;
+}
+
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// Whether a stage is still worth its time, from the errors that it showed so far.
+class Promise {
+ public:
+  Promise(const AutoStage& stage, double tol, StopTest stop)
+      : first_(stage.min_iterations), last_(stage.max_iterations), tol_(tol), stop_(stop) {}
+
+  void record(const IterationRecord& r) {
+    // The difference of successive impulses is not in the record: nothing is predicted from it.
+    if (stop_ == StopTest::kImpulse || last_ == kUnlimited) return;
+    double error = r.error.guarded();
+    if (stop_ == StopTest::kRaw42 && std::isfinite(r.error.raw42)) error = r.error.raw42;
+    if (!history_.empty()) error = std::min(error, history_.back().error);
+    if (!std::isfinite(error)) return;
+    history_.push_back({r.iteration, error});
+    if (r.iteration < std::max(first_, 2) || error <= tol_) return;
+    // Decades gained since half as many iterations.
+    auto half = std::upper_bound(history_.begin(), history_.end(), r.iteration / 2,
+                                 [](int k, const Entry& e) { return k < e.iteration; });
+    if (half != history_.begin()) --half;
+    const double gained = std::log(half->error / error);
+    const double needed = std::log(error / tol_);
+    const double left = needed / gained * (r.iteration - half->iteration);  // inf: no gain
+    broken_ = !(r.iteration + left <= last_);
+  }
+  bool broken() const { return broken_; }
+
+ private:
+  struct Entry {
+    int iteration;
+    double error;
+  };
+  int first_, last_;
+  double tol_;
+  StopTest stop_;
+  std::vector<Entry> history_;
+  bool broken_ = false;
+};
+
 }  // namespace
 
-std::vector<AutoStage> plan_auto(const ContactProblem& p, const SolverOptions& options) {
+std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator& delassus) {
+  using Start = AutoStage::Start;
   const int contacts = p.num_contacts();
-  const bool warm = options.s0.size() != 0 && options.s0.squaredNorm() > 0;
-  const bool loose = options.tol >= 1e-3;
+  const bool with_newton = find_solver("newton") != nullptr;  // needs PETSc
   std::vector<AutoStage> stages;
-  const auto add = [&](const char* solver, int cap, std::string reason,
+  stages.reserve(16);
+  const auto add = [&](const char* solver, int least, int most, Start start, const char* reason,
                        std::map<std::string, std::string> parameters = {}) {
-    if (find_solver(solver) == nullptr) return;
-    stages.push_back({solver, cap, std::move(parameters), std::move(reason)});
+    if (!with_newton && solver == std::string_view("newton")) return;
+    stages.push_back({solver, least, most, start, std::move(parameters), reason});
   };
 
   const bool local = !p.has_velocities();
-  if (contacts <= kSmall || (local && contacts <= kLarge)) {
-    if (local) {
-      add("pgs", warm ? 500 : 200, "few contacts: sweeps are the quickest where they converge");
-      if (loose) add("apgd", 5000, "loose tolerance: momentum before factorisations");
-    } else {
-      add("apgd", loose ? 5000 : 1500, "bodies given: momentum is cheap and mostly enough");
+  // Information crosses a packing of N contacts in about sqrt(N) iterations of apgd.
+  const int crossing = 28 * static_cast<int>(std::sqrt(static_cast<double>(contacts))) + 50;
+  if (spread_of_masses(p, delassus) > kUnequal) {
+    add("ipm", 40, 60, Start::kOwn, "very unequal masses: factorisations do not feel them");
+  }
+  if (contacts <= kLarge) {
+    add("anderson", contacts <= kFew ? 64 : 16, 160, Start::kOwn,
+        "the quickest by far on regular packings, and soon seen not to be elsewhere");
+  }
+  if (local && contacts > kFew) {
+    add("newton", 12, 40, Start::kOwn, "W given: a few factorisations cost little");
+  }
+  add("apgd", crossing, std::max(8000, 4 * crossing), Start::kOwn,
+      "momentum: O(sqrt N) iterations, whatever the packing");
+  if (contacts <= kLarge) {
+    add("pgs", contacts <= kSmall ? 200 : 64, local ? 1000 : 500, Start::kOwn,
+        "sweeps find solutions of sliding pyramids that others miss");
+  }
+  // An interior point shows its progress late; on large problems too much would be thrown away.
+  add("ipm", contacts <= kLarge ? 12 : 30, contacts <= kLarge ? 40 : 80, Start::kOwn,
+      "accuracy on piles, a few dozen factorisations");
+  if (contacts <= kLarge) {
+    add("newton", local ? 300 : 12, local ? 700 : 40, Start::kOwn, "quadratic where W is regular");
+  }
+  if (local) {
+    add("ipm", 60, 150, Start::kOwn, "again, with patience");
+    add("apgd", 3000, 12000, Start::kOwn, "again, with patience");
+    add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
+  } else {
+    add("apgd", 3000, std::max(12000, 8 * crossing), Start::kOwn, "again, with patience");
+    add("ipm", 60, 150, Start::kOwn, "again, with patience");
+    if (contacts <= kLarge) {
+      add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
+      add("newton", 100, 500, Start::kOwn, "again, with patience");
     }
-    add("newton", 6000, "factorisations are cheap at this size, and Newton is accurate");
-    add("ipm", 600, "Newton needs a good start; the interior point does not");
-    add("newton", 3000, "again, from the best impulse so far, with more sweeps before",
+  }
+  add("apgd", kUnlimited, 100000, Start::kBest, "long runs of first order from the best impulse");
+  if (contacts <= kLarge) {
+    add("newton", kUnlimited, 3000, Start::kBest, "proximal Newton from the best impulse",
         {{"start_sweeps", "5000"}});
-    add("apgd", 200000, "what second order could not do: long runs of first order");
-    add("pgs", kUnlimited, "last resort: sweeps, which approach where nothing converges");
-    return stages;
+    add("admm", kUnlimited, 4000, Start::kBest, "splitting, where pivots go wrong");
   }
-  // An interior point iteration costs a few hundred of apgd's: the caps give both about equal time.
-  const int first = contacts > kHuge || loose ? 40000 : 6000;
-  add("apgd", first, "many contacts: momentum gives O(sqrt N) iterations on regular packings");
-  if (!is_hyperstatic(p) && contacts <= kLarge) {
-    add("newton", 100, "not hyperstatic: W is regular as a rule, and Newton quadratic");
-  }
-  add("ipm", 150, "accuracy on piles: a handful of factorisations, whatever the start",
-      {{"arclength", "off"}, {"rounds", "1"}});
-  add("apgd", 100000, "where the interior point stalls, long runs of first order may not");
-  if (contacts <= kLarge) add("newton", 1000, "proximal Newton from the best impulse");
-  add("ipm", 2000, "arclength continuation through folds, restarts");
-  add("pgs", kUnlimited, "last resort: sweeps, which approach where nothing converges");
+  add("ipm", kUnlimited, 2000, Start::kBest, "arclength continuation through folds, restarts");
+  add("pgs", kUnlimited, kUnlimited, Start::kBest,
+      "last resort: sweeps, which approach where nothing converges");
   return stages;
 }
 
@@ -79,106 +153,167 @@ std::string explain_auto(const ContactProblem& p, const SolverOptions& options) 
       !p.has_velocities() ? "local form"
       : is_hyperstatic(p) ? "hyperstatic (more rows than degrees of freedom)"
                           : "not hyperstatic by count",
-      options.s0.size() != 0 ? "warm" : "cold", options.tol);
+      options.s0.size() != 0 && options.s0.squaredNorm() > 0 ? "warm" : "cold", options.tol);
   int number = 0;
-  for (const AutoStage& stage : plan_auto(p, options)) {
-    text += fmt::format("  {}. {:<7}{}  {}\n", ++number, stage.solver,
-                        stage.max_iterations == kUnlimited
-                            ? std::string(" (no cap)")
-                            : fmt::format(" (cap {})", stage.max_iterations),
-                        stage.reason);
+  for (const AutoStage& stage : plan_auto(p, DelassusOperator(p))) {
+    std::string budget =
+        stage.max_iterations == kUnlimited
+            ? std::string("(no limit)")
+            : fmt::format("({} to {})", std::min(stage.min_iterations, stage.max_iterations),
+                          stage.max_iterations);
+    text += fmt::format("  {:>2}. {:<8} {:<16} {}\n", ++number, stage.solver, budget, stage.reason);
   }
   return text;
 }
 
-SolveResult solve_auto(const ContactProblem& p, const SolverOptions& options) {
-  const auto start = std::chrono::steady_clock::now();
-  ContactErrorEvaluator evaluate(p);
-  SolveResult best;
-  best.s = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
-  double best_error = evaluate(best.s).guarded();
-  if (std::isnan(best_error)) best_error = std::numeric_limits<double>::infinity();
-  const double start_error = best_error;
-  double setup_seconds = 0;
-  int iterations = 0;
-  std::string trail;
-  SolverOptions inner = options;
-  SolveStatus last = SolveStatus::kIterationLimit;
+namespace {
 
-  const std::vector<AutoStage> stages = plan_auto(p, options);
-  for (const AutoStage& stage : stages) {
-    const double left = options.time_limit - seconds_since(start);
-    if (left <= 0) {
-      last = SolveStatus::kTimeLimit;
-      break;
+/// The race in progress.
+class Race {
+ public:
+  Race(const ContactProblem& p, const SolverOptions& options)
+      : p_(p), options_(options), evaluate_(p), inner_(options) {
+    best_.s = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+    best_error_ = evaluate_(best_.s).guarded();
+    if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();
+    start_error_ = best_error_;
+  }
+
+  SolveResult run() {
+    for (const AutoStage& stage : plan_auto(p_, evaluate_.delassus())) {
+      if (out_of_budget()) break;
+      run_stage(stage);
+      if (ended_) break;
+      if (is_success(last_)) {
+        if (options_.stop == StopTest::kGuarded && best_natural_map_ > options_.tol) tighten(stage);
+        break;
+      }
     }
-    if (iterations >= options.max_iterations) {
-      last = SolveStatus::kIterationLimit;
-      break;
+    return finish();
+  }
+
+ private:
+  bool out_of_budget() {
+    if (seconds_since(start_) >= options_.time_limit) {
+      last_ = SolveStatus::kTimeLimit;
+    } else if (iterations_ >= options_.max_iterations) {
+      last_ = SolveStatus::kIterationLimit;
+    } else {
+      return false;
     }
-    inner.s0 = best.s;
-    inner.time_limit = left;
-    inner.max_iterations = std::min(stage.max_iterations, options.max_iterations - iterations);
-    inner.parameters = stage.parameters;
-    if (options.on_iteration) {
-      const double stage_start = seconds_since(start);
-      inner.on_iteration = [&options, iterations, stage_start](const IterationRecord& r) {
-        if (iterations > 0 && r.iteration == 0) return;  // the impulse that the last stage left
-        IterationRecord shifted = r;
-        shifted.iteration += iterations;
-        shifted.seconds += stage_start;
-        options.on_iteration(shifted);
-      };
+    return true;
+  }
+
+  void run_stage(const AutoStage& stage) {
+    auto own = own_.find(stage.solver);
+    if (stage.start == AutoStage::Start::kBest) {
+      inner_.s0 = best_.s;
+    } else {
+      inner_.s0 = own != own_.end() ? own->second : options_.s0;
     }
+    inner_.time_limit = std::max(options_.time_limit - seconds_since(start_), 1e-9);
+    inner_.max_iterations = std::min(stage.max_iterations, options_.max_iterations - iterations_);
+    inner_.parameters = stage.parameters;
+    Promise promise(stage, inner_.tol, options_.stop);
+    const double stage_start = seconds_since(start_);
+    inner_.on_iteration = [&](const IterationRecord& r) {
+      promise.record(r);
+      if (!options_.on_iteration || (iterations_ > 0 && r.iteration == 0)) return;
+      IterationRecord shifted = r;
+      shifted.iteration += iterations_;
+      shifted.seconds += stage_start;
+      options_.on_iteration(shifted);
+    };
+    inner_.cancelled = [&] {
+      return promise.broken() || (options_.cancelled && options_.cancelled());
+    };
     SolveResult result;
     try {
-      result = find_solver(stage.solver)->run(p, inner);
+      result = find_solver(stage.solver)->run(p_, inner_);
     } catch (const std::exception& e) {
       result.status = SolveStatus::kNumericalFailure;
       result.message = e.what();
     }
-    iterations += result.iterations;
-    setup_seconds += result.setup_seconds;
-    last = result.status;
+    iterations_ += result.iterations;
+    best_.setup_seconds += result.setup_seconds;
+    last_ = result.status;
     double error = std::numeric_limits<double>::infinity();
     ContactError measured;
-    if (result.s.size() == p.num_rows() && result.s.allFinite()) {
-      measured = evaluate(result.s);
+    if (result.s.size() == p_.num_rows() && result.s.allFinite()) {
+      measured = evaluate_(result.s);
       error = measured.guarded();
+      own_.insert_or_assign(std::string(stage.solver), result.s);
     }
-    trail += fmt::format("{}{} {}: {} ({:.1e})", trail.empty() ? "" : "; ", stage.solver,
-                         result.iterations, to_string(result.status), error);
-    if (error < best_error || is_success(result.status)) {
-      best_error = error;
-      best.s = result.s;
+    const bool interrupted = last_ == SolveStatus::kInterrupted;
+    const bool by_caller = interrupted && options_.cancelled && options_.cancelled();
+    trail_ += fmt::format("{}{} {}: {} ({:.1e})", trail_.empty() ? "" : "; ", stage.solver,
+                          result.iterations,
+                          interrupted && !by_caller ? "given up" : to_string(last_), error);
+    if (interrupted && !by_caller) last_ = SolveStatus::kIterationLimit;
+    if (error < best_error_ || is_success(result.status)) {
+      best_error_ = error;
+      best_natural_map_ = measured.natural_map;
+      best_.s = result.s;
     }
-    if (last == SolveStatus::kInterrupted || last == SolveStatus::kTimeLimit) break;
-    if (is_success(result.status)) {
-      const bool both = options.stop != StopTest::kGuarded || inner.tol < options.tol ||
-                        measured.natural_map <= options.tol;
-      if (both) break;
-      inner.tol =
-          0.1 * options.tol;  // the natural map lags: the same stage kinds, ten times tighter
-      last = SolveStatus::kConverged;
-    }
-    if (options.stop == StopTest::kGuarded && best_error <= options.tol &&
-        inner.tol < options.tol) {
-      break;  // the tighter attempt failed; the tolerance that was asked for is met
-    }
+    ended_ = by_caller || last_ == SolveStatus::kTimeLimit;
   }
-  if (options.stop == StopTest::kGuarded && best_error <= options.tol) {
-    last = SolveStatus::kConverged;
+
+  /// The natural map lags behind: on to a ten times smaller error.
+  void tighten(const AutoStage& successful) {
+    inner_.tol = 0.1 * options_.tol;
+    const SolveStatus reached = last_;
+    AutoStage more = successful;
+    more.start = AutoStage::Start::kBest;
+    more.max_iterations = std::max(100, std::min(successful.max_iterations, 4000));
+    more.min_iterations = more.max_iterations / 2;
+    for (const std::string_view solver :
+         {successful.solver, std::string_view("newton"), std::string_view("ipm")}) {
+      if (find_solver(solver) == nullptr || out_of_budget()) continue;
+      more.solver = solver;
+      if (solver != successful.solver) {
+        more.min_iterations = more.max_iterations = 40;
+        more.parameters.clear();
+      }
+      run_stage(more);
+      if (ended_ || best_natural_map_ <= options_.tol) break;
+    }
+    last_ = reached;  // whatever became of the tighter attempts
   }
-  // A stage that diverged or broke down leaves the best impulse of the others: the chain as a whole
-  // has stalled, unless nothing better than the start was found.
-  const bool broke = last == SolveStatus::kDiverged || last == SolveStatus::kNumericalFailure;
-  if (broke && best_error < start_error) last = SolveStatus::kStalled;
-  best.status = last;
-  best.message = fmt::format("stages: {}", trail.empty() ? "none was run" : trail);
-  best.iterations = iterations;
-  best.setup_seconds = setup_seconds;
-  best.solve_seconds = seconds_since(start) - setup_seconds;
-  return best;
+
+  SolveResult finish() {
+    if (options_.stop == StopTest::kGuarded && best_error_ <= options_.tol) {
+      last_ = SolveStatus::kConverged;
+    }
+    // A stage that diverged or broke down leaves the best impulse of the others: the race as a
+    // whole has stalled, unless nothing better than the start was found.
+    const bool broke = last_ == SolveStatus::kDiverged || last_ == SolveStatus::kNumericalFailure;
+    if (broke && best_error_ < start_error_) last_ = SolveStatus::kStalled;
+    best_.status = last_;
+    best_.message = fmt::format("stages: {}", trail_.empty() ? "none was run" : trail_);
+    best_.iterations = iterations_;
+    best_.solve_seconds = seconds_since(start_) - best_.setup_seconds;
+    return std::move(best_);
+  }
+
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  const ContactProblem& p_;
+  const SolverOptions& options_;
+  ContactErrorEvaluator evaluate_;
+  SolverOptions inner_;
+  SolveResult best_;
+  std::map<std::string, Vector, std::less<>> own_;
+  double best_error_ = 0, start_error_ = 0;
+  double best_natural_map_ = std::numeric_limits<double>::infinity();
+  int iterations_ = 0;
+  SolveStatus last_ = SolveStatus::kIterationLimit;
+  bool ended_ = false;  // by the caller or the clock
+  std::string trail_;
+};
+
+}  // namespace
+
+SolveResult solve_auto(const ContactProblem& p, const SolverOptions& options) {
+  return Race(p, options).run();
 }
 
 }  // namespace bipot

@@ -1,35 +1,47 @@
 #pragma once
 
+#include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "core/delassus.h"
 #include "solvers/solver.h"
 
 namespace bipot {
 
-/// One stage of the chain that `auto` runs, and why it stands there.
+/// One stage of the race that `auto` runs, and why it stands there. A stage ends when it meets the
+/// stop test, at `max_iterations`, or as soon as it does not promise to get there: from
+/// `min_iterations` on, the decades that the best error fell over the second half of the stage are
+/// carried forward, and the stage is abandoned when they would not reach the tolerance within
+/// `max_iterations`.
 struct AutoStage {
-  std::string solver;
-  int max_iterations = 0;  ///< of this stage, by the solver's own count
+  /// Where a stage starts: at the impulse that the same solver left at its last stage (the caller's
+  /// start, the first time), or at the best impulse of all stages. The best impulse of another
+  /// solver may lie where this one never gets away from (free pyramids).
+  enum class Start { kOwn, kBest };
+  std::string_view solver;
+  int min_iterations = 0, max_iterations = 0;  ///< of this stage, by the solver's own count
+  Start start = Start::kOwn;
   std::map<std::string, std::string> parameters;
-  std::string reason;
+  std::string_view reason;
 };
 
-/// The chain for this problem, from its size, contact dimension, hyperstaticity (more active rows
-/// than degrees of freedom), start and tolerance. The caps count iterations, not seconds, so that
-/// the result does not depend on the machine. The rule is the table in auto_solver.cc, taken from
-/// measurements (README, "Which solver").
-std::vector<AutoStage> plan_auto(const ContactProblem& problem, const SolverOptions& options);
+/// The race for this problem, from its size, form and masses. The budgets count iterations, not
+/// seconds, so that the result does not depend on the machine. The rule is the table in
+/// auto_solver.cc, taken from measurements (README, "Which solver"). `delassus` is the problem's.
+std::vector<AutoStage> plan_auto(const ContactProblem& problem, const DelassusOperator& delassus);
 
 /// The plan in words, one line a stage.
 std::string explain_auto(const ContactProblem& problem, const SolverOptions& options);
 
-/// Runs the stages of plan_auto in turn, each from the best impulse so far, until one meets the
-/// stop test; the message says which stages ran, how they ended and which one succeeded. With
-/// the guarded test, a success whose natural map is above the tolerance is carried on to a ten
-/// times smaller one, so that users who judge by either measure are served. No stage is
-/// hidden: when all fail, the status is that of the last one and the impulse the best one.
-/// `iterations` is the sum over stages, whose iterations differ much in cost.
+/// Runs the stages of plan_auto in turn until one meets the stop test; the message says which
+/// stages ran, how they ended and which one succeeded. Budgets grow from round to round, so that a
+/// wrong first guess costs a multiple of the best solver's time, not all of it. With the guarded
+/// test, a success whose natural map is above the tolerance is carried on to a ten times smaller
+/// one by the same solver, then by Newton, so that users who judge by either measure are served.
+/// No stage is hidden: when all fail, the status is that of the last one and the impulse the best
+/// one. `iterations` is the sum over stages, whose iterations differ much in cost.
 SolveResult solve_auto(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

@@ -1,5 +1,6 @@
 #include "core/force_picture.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +8,9 @@
 #include <iterator>
 #include <limits>
 #include <regex>
+#include <stdexcept>
 
+#include "core/colour_map.h"
 #include "core/file_error.h"
 #include "tests/temporary_folder.h"
 
@@ -113,6 +116,32 @@ TEST_F(ForcePicture, WithoutFrictionThereIsOneKindOfLoadedContact) {
   const std::string picture = svg(scene, loaded_column(scene));
   EXPECT_EQ(widths(picture, kStick).size(), 3u + 2u);
   EXPECT_EQ(widths(picture, kSlipRim).size(), 0u);
+}
+
+TEST_F(ForcePicture, DisksAreFilledByTheirNumberAndNoForceIsDrawnIfNoneIsWanted) {
+  const Scene scene = column(3, 0.5);
+  ForcePictureOptions options;
+  options.forces = false;
+  options.fill = {.values = {0, 1, 4}, .label = "heat", .unit = "Pa", .high = 2};
+  const std::string picture = svg(scene, loaded_column(scene), "", options);
+  EXPECT_TRUE(widths(picture, kStick).empty());
+  EXPECT_TRUE(widths(picture, kSlipRim).empty());
+  EXPECT_TRUE(widths(picture, kTakeOff).empty());
+  // The first, the middle and the last colour, this one also beyond the end of the bar.
+  for (const double at : {0.0, 0.5, 1.0}) {
+    const Colour c = sequential_colour(at);
+    std::string fill = "fill:rgb\\(";
+    for (double x : {c.red, c.green, c.blue})
+      fill += fmt::format("{}[0-9.]*%,", static_cast<int>(100 * x));
+    fill.back() = ';';
+    fill.insert(fill.size() - 1, "\\)");
+    EXPECT_TRUE(std::regex_search(picture, std::regex(fill))) << fill;
+  }
+  options.fill.values = {1, 2};
+  EXPECT_THROW(draw_force_picture(folder_ / "two.svg", scene, loaded_column(scene), "", options),
+               std::invalid_argument);
+  options.fill = {.values = {0, 0, 0}, .label = "heat", .unit = "Pa"};
+  svg(scene, loaded_column(scene), "", options);
 }
 
 TEST_F(ForcePicture, DrawsWhatThereIsWhenNothingTouches) {

@@ -87,9 +87,14 @@ TEST(PaperReport, ResultsAreReadBackAsTheyWere) {
   chart.x = {"N", ChartAxis::Kind::kLog, 1.0, {}};
   chart.y = {"s", ChartAxis::Kind::kLogSeconds};
   chart.series = {{"a", 3, {{1, 2, true, "note"}, {2, NAN}, {3, 4, false, "", false}}}};
+  chart.series[0].kind = ChartSeries::Kind::kSteps;
+  chart.series[0].points[0].y_low = 1;
+  chart.x_lines = {{3, "three"}};
+  chart.key = Chart::Key::kRight;
+  chart.width = 300;
   chart.y_line = 5;
   result.figures = {{.name = "f", .caption = "c", .chart = chart},
-                    {.name = "g", .file = "g.svg", .wide = true}};
+                    {.name = "g", .file = "g.svg", .wide = true, .after = 0}};
   result.tables = {{"t", "caption", "", {"a", "b"}, {{"1", "2"}}}};
   const PaperReport report = one_entry(result);
   const TemporaryFolder folder;

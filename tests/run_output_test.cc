@@ -17,6 +17,7 @@
 
 #include "core/hdf5_file.h"
 #include "core/scene_file.h"
+#include "core/stress_tensor.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
 #include "tests/temporary_folder.h"
@@ -302,9 +303,9 @@ TEST(RunOutput, TheXdmfIndexIsWellFormedAndLeadsToItsDataAfterEveryFrame) {
     writer.frame(state);
     const std::string xml = text_of(folder / "out/run.xdmf");
     expect_well_formed(xml);
-    // Disks: points, x, radius, mass, material, v, spin, angle. Contacts: points, segment and ten
-    // fields, with or without contacts. Walls: points, segment, material.
-    EXPECT_EQ(expect_data(folder / "out", xml), (step + 1) * (8 + 12 + 3));
+    // Disks: points, x, radius, mass, material, v, spin, angle, stress, pressure. Contacts: points,
+    // segment and ten fields, with or without contacts. Walls: points, segment, material.
+    EXPECT_EQ(expect_data(folder / "out", xml), (step + 1) * (10 + 12 + 3));
     for (const char* name : {"disks", "contacts", "walls"}) {
       EXPECT_NE(xml.find(fmt::format("<Grid Name=\"{}\" GridType=\"Collection\" "
                                      "CollectionType=\"Temporal\">",
@@ -322,7 +323,7 @@ TEST(RunOutput, ALongRunIsIndexedCompletely) {
   State state = initial_state(scene);
   for (state.step = 0; state.step < 150; ++state.step) writer.frame(state);
   writer.close();
-  EXPECT_EQ(expect_data(folder / "out", text_of(folder / "out/run.xdmf")), 150 * 20);
+  EXPECT_EQ(expect_data(folder / "out", text_of(folder / "out/run.xdmf")), 150 * 22);
   const Hdf5File file(folder / "out/run.h5", Hdf5File::Mode::kRead);
   EXPECT_EQ(file.list("/frames").size(), 150u);
 }
@@ -342,7 +343,7 @@ TEST(RunOutput, TheCsvFilesHaveOneValueForEachColumn) {
   EXPECT_EQ(ledger[1][0], "2");
   EXPECT_EQ(ledger[2][0], "4");
   EXPECT_EQ(ledger[3][0], "5");
-  for (const auto& row : ledger) EXPECT_EQ(row.size(), 21u);
+  for (const auto& row : ledger) EXPECT_EQ(row.size(), 26u);
   const auto column = [&](const std::string& name) {
     for (std::size_t k = 0; k < ledger[0].size(); ++k) {
       if (ledger[0][k] == name) return k;
@@ -365,6 +366,83 @@ TEST(RunOutput, TheCsvFilesHaveOneValueForEachColumn) {
   EXPECT_EQ(std::stod(trajectory[1][8]), scene.disks[2].spin);
 }
 
+TEST(RunOutput, FramesAndLedgerHoldTheStresses) {
+  const TemporaryFolder folder;
+  const Scene scene = awkward_scene();
+  const State state = awkward_state(scene, 2);
+  {
+    RunWriter writer(folder / "out", scene, "");
+    writer.step(state, report_of(state));
+    writer.frame(state);
+  }
+  const auto moments = contact_moments(state);
+  const auto disks = disk_stresses(state, scene.step, moments);
+  const double area = sample_area(state, scene.step);
+  const MeanStress sample = sample_stress(state, scene.step, area, moments);
+  const Hdf5File file(folder / "out/frames/00000002.h5", Hdf5File::Mode::kRead);
+  ASSERT_EQ(file.shape("/disks/stress"), (std::vector<std::size_t>{3, 6}));
+  const auto stress = file.read_doubles("/disks/stress"), p = file.read_doubles("/disks/pressure");
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Mat2 total = disks[k].total();
+    EXPECT_EQ(stress[6 * k], total(0, 0));
+    EXPECT_DOUBLE_EQ(stress[6 * k + 1], total(1, 0));
+    EXPECT_EQ(stress[6 * k + 3], total(1, 1));
+    EXPECT_EQ(p[k], disks[k].pressure());
+    for (int zero : {2, 4, 5}) EXPECT_EQ(stress[6 * k + static_cast<std::size_t>(zero)], 0);
+  }
+  EXPECT_GT(p[1], 0);
+  EXPECT_EQ(file.read_double("/sample/area"), area);
+  const auto contact = file.read_doubles("/sample/contact_stress");
+  EXPECT_EQ(contact[1], sample.contact(0, 1));
+  EXPECT_EQ(contact[2], sample.contact(1, 0));
+  EXPECT_EQ(file.read_doubles("/sample/kinetic_stress")[0], sample.kinetic(0, 0));
+  EXPECT_EQ(file.read_doubles("/sample/spin_stress")[1], sample.spin(0, 1));
+  const auto ledger = csv(folder / "out/ledger.csv");
+  EXPECT_EQ(ledger[0][21], "area [m2]");
+  EXPECT_EQ(std::stod(ledger[1][21]), area);
+  EXPECT_EQ(std::stod(ledger[1][22]), sample.total()(0, 0));
+  EXPECT_EQ(std::stod(ledger[1][23]), sample.total()(1, 1));
+  EXPECT_DOUBLE_EQ(std::stod(ledger[1][24]), sample.total()(0, 1));
+  EXPECT_EQ(std::stod(ledger[1][25]), 0.5 * sample.kinetic.trace());
+}
+
+TEST(RunOutput, ARunOfAVersionWithoutStressesIsContinued) {
+  const TemporaryFolder folder;
+  const Scene scene = awkward_scene();
+  const State first = awkward_state(scene, 2), second = awkward_state(scene, 4);
+  {
+    RunWriter writer(folder / "out", scene, "");
+    writer.step(first, report_of(first));
+    writer.frame(first);
+  }
+  // As it was written before: no stresses in the frame, fewer columns in the ledger.
+  {
+    Hdf5File frame(folder / "out/frames/00000002.h5", Hdf5File::Mode::kAppend);
+    for (const char* name : {"/disks/stress", "/disks/pressure", "/sample"}) frame.remove(name);
+  }
+  const auto ledger = folder / "out/ledger.csv";
+  std::string old;
+  for (const auto& row : csv(ledger)) {
+    for (std::size_t k = 0; k < 21; ++k) old += (k > 0 ? "," : "") + row[k];
+    old += "\n";
+  }
+  std::ofstream(ledger) << old;
+  EXPECT_EQ(bits(read_state(folder / "out")), bits(first));
+  {
+    RunWriter writer(folder / "out", scene, "", 2);
+    writer.step(second, report_of(second));
+    writer.frame(second);
+    writer.close();
+  }
+  EXPECT_EQ(expect_data(folder / "out", text_of(folder / "out/run.xdmf")), 23 + 25);
+  const auto rows = csv(ledger);
+  ASSERT_EQ(rows.size(), 3u);
+  for (const auto& row : rows) EXPECT_EQ(row.size(), 26u);
+  EXPECT_EQ(rows[1][0], "2");
+  EXPECT_EQ(rows[1][25], "nan");
+  EXPECT_NE(rows[2][25], "nan");
+}
+
 TEST(RunOutput, AnEarlierRunIsRemovedOrContinued) {
   const TemporaryFolder folder;
   const Scene scene = awkward_scene();
@@ -382,7 +460,7 @@ TEST(RunOutput, AnEarlierRunIsRemovedOrContinued) {
   EXPECT_EQ(frame_steps(folder / "out"), (std::vector<int>{2, 4, 6}));
   EXPECT_EQ(csv(folder / "out/ledger.csv").size(), 1u + 3u);
   EXPECT_EQ(csv(folder / "out/trajectory.csv").size(), 1u + 2 * 6u);
-  EXPECT_EQ(expect_data(folder / "out", text_of(folder / "out/run.xdmf")), 3 * 23);
+  EXPECT_EQ(expect_data(folder / "out", text_of(folder / "out/run.xdmf")), 3 * 25);
   run(1, 2, -1);
   EXPECT_EQ(frame_steps(folder / "out"), (std::vector<int>{2}));
   EXPECT_EQ(csv(folder / "out/ledger.csv").size(), 1u + 1u);

@@ -57,6 +57,7 @@ TEST(SceneFile, DefaultsOfTheLeastScene) {
   EXPECT_EQ(s.output.every, 100);
   EXPECT_EQ(s.output.ledger_every, 1);
   EXPECT_TRUE(s.output.picture);
+  EXPECT_FALSE(s.output.stress_picture);
   EXPECT_TRUE(s.output.track.empty());
 }
 
