@@ -54,12 +54,13 @@ int main(int argc, char** argv) {
   const auto refuse = [&](const char* message, ExitCode code) {
     fmt::print(stderr, "bipot: {}\n", message);
     // Whoever reads the JSON learns of it there as well.
-    const std::string& destination =
-        run->parsed() ? run_flags.common.json
-                      : (solve->parsed() ? solve_flags.common.json : std::string());
+    const std::string destination = run->parsed()     ? run_flags.common.json
+                                    : solve->parsed() ? solve_flags.common.json
+                                    : trade->parsed() ? trade_flags.json
+                                                      : std::string();
     if (!destination.empty()) {
       try {
-        write_json({{"command", run->parsed() ? "run" : "solve"},
+        write_json({{"command", run->parsed() ? "run" : (solve->parsed() ? "solve" : "trade")},
                     {"version", BIPOT_VERSION},
                     {"status", code == kExitIo         ? "input or output failed"
                                : code == kExitBadInput ? "invalid input"

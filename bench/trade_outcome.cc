@@ -127,6 +127,13 @@ void OutcomeRecorder::plan_sample() {
        .unit = "",
        .meaning = "contacts that carry more than 1e-3 of the mean force, last tenth",
        .least_scale = 1});
+  if (g_ > 0) {
+    speed_scale_ = std::sqrt(g_ * mean_radius);
+    quantities_.push_back({.name = "speed",
+                           .unit = "",
+                           .meaning = "root mean square over √(g r), r the mean radius, last tenth",
+                           .least_scale = 1});
+  }
   if (has_driven_) {
     quantities_.push_back(
         {.name = "wall travel", .unit = "m", .meaning = "of the driven walls by the end, mean"});
@@ -205,7 +212,9 @@ void OutcomeRecorder::step(const State& state, const StepReport& report) {
   if (state.step <= (1 - kWindow) * scene_.num_steps) return;
   ++window_steps_;
   const std::size_t n = state.disks.size();
-  double load = 0, worst = 0, impulses = 0;
+  double load = 0, worst = 0, impulses = 0, speed2 = 0;
+  for (const Disk& d : state.disks) speed2 += d.v.squaredNorm();
+  speed2_ += speed2 / static_cast<double>(n);
   std::vector<double> below(load_above_.size(), 0.0);
   for (const ContactOutcome& c : state.contacts) {
     const auto j = static_cast<std::size_t>(c.contact.j);
@@ -258,6 +267,7 @@ std::vector<double> OutcomeRecorder::values() const {
   values.push_back(lost_);
   if (scene_.has_friction()) values.push_back(friction_loss_);
   values.push_back(contacts_ / count);
+  if (g_ > 0) values.push_back(std::sqrt(speed2_ / count) / speed_scale_);
   if (has_driven_) {
     double travel = 0;
     int driven = 0;

@@ -23,10 +23,11 @@ struct TradeQuantity {
 ///   a ball above a floor     heights and durations of its first two bounces (Table 1, exact)
 ///   a disk that slides       speed and time from which it rolls (Table 2, exact)
 ///   anything else            height of the sample and of its centre of mass, mean pressure, load
-///   on the floor over the weight, energy lost, what of it
-///                            went to friction, contacts that carry force, travel of driven walls
+///                            on the floor over the weight, energy lost, what of it went to
+///                            friction, contacts that carry force, speed that is left, travel of
+///                            driven walls
 ///   frictionless columns     besides, the worst force in a column against the weight above it
-/// Loads, pressure and contacts are means over the last tenth of the run.
+/// Loads, pressure, contacts and speed are means over the last tenth of the run.
 class OutcomeRecorder {
  public:
   explicit OutcomeRecorder(const Scene& scene);
@@ -56,7 +57,8 @@ class OutcomeRecorder {
   bool touched_ = false, slid_ = false;
   // Sample.
   int window_steps_ = 0;
-  double pressure_ = 0, floor_load_ = 0, contacts_ = 0, column_error_ = 0;
+  double pressure_ = 0, floor_load_ = 0, contacts_ = 0, speed2_ = 0, column_error_ = 0;
+  double speed_scale_ = 0;  // √(g r)
   double friction_loss_ = 0, lost_ = 0;
   bool has_floor_ = false, has_driven_ = false;
   std::vector<double> load_above_;  // weight on the lower contact of each disk; empty: no columns
