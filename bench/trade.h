@@ -63,7 +63,7 @@ struct TradeOptions {
   std::vector<double> step_factors = {2, 1, 0.5, 0.25};
   std::vector<double> overlaps = {1e-2, 1e-3, 1e-4};  ///< of the springs' rows, or
   std::vector<double> stiffness;                      ///< these instead            [N/m]
-  double time_limit = 20;                             ///< wall seconds of one run
+  double time_limit = 20;                             ///< CPU seconds of one run
   /// Relative error of an outcome below which nobody looks: no solver has to beat it.
   double accuracy = 1e-4;
   int replicas = 3;  ///< of scenes whose disks fly freely: runs that differ in tiny kicks

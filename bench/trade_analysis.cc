@@ -227,12 +227,24 @@ std::string SceneTrade::answer() const {
     return fmt::format("No tolerance was completed by {} within the time limit.", solver);
   }
   if (tols.size() == 1) {
-    return fmt::format("Only tolerance {} was completed, so nothing can be said of looser ones.",
-                       tolerance_label(tols.front()));
+    return fmt::format(
+        "Only tolerance {} was completed within the limit, so it cannot be compared with tighter "
+        "ones.",
+        tolerance_label(tols.front()));
   }
   if (!sufficient_tol) {
     return "No time step beside the scene's was completed, so the error of the time step is not "
            "known and no tolerance can be called sufficient.";
+  }
+  bool all_same = true;
+  for (const TradeQuantityErrors& e : quantities) {
+    for (const double x : e.solver_error) all_same &= x == 0;
+  }
+  if (all_same) {
+    return fmt::format(
+        "Every tolerance from {} to {} gives the same outcomes to the last bit: {} "
+        "solves these contacts exactly. Only the time step matters.",
+        tolerance_label(tols.front()), tolerance_label(tols.back()), solver);
   }
   const double ratio = cpu_tightest / cpu_sufficient;
   std::string text;

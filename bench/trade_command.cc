@@ -80,7 +80,7 @@ CLI::App* add_trade_command(CLI::App& app, TradeFlags& flags) {
       ->check(CLI::PositiveNumber);
   list("--stiffness", flags.stiffness, "N/m", "Springs by their stiffness, instead of --overlaps")
       ->check(CLI::PositiveNumber);
-  command->add_option("--time-limit", flags.time_limit, "Wall seconds of one run (20; quick 5)")
+  command->add_option("--time-limit", flags.time_limit, "CPU seconds of one run (20; quick 5)")
       ->type_name("SECONDS")
       ->check(CLI::PositiveNumber);
   command

@@ -19,7 +19,14 @@ std::string cell_text(const std::string& pattern, double x) {
   return std::isfinite(x) ? fmt::format(fmt::runtime(pattern), x) : "–";
 }
 /// Relative errors: 0 stays 0, and not 0.0e+00.
-std::string error_text(double x) { return x == 0 ? "0" : cell_text("{:.1e}", x); }
+std::string error_text(double x) {
+  if (x == 0) return "0";
+  std::string text = cell_text("{:.1e}", x);
+  // 1.2e-3 and not 1.2e-03.
+  const std::size_t e = text.find('e');
+  if (e != std::string::npos && text.size() == e + 4 && text[e + 2] == '0') text.erase(e + 2, 1);
+  return text;
+}
 std::string value_text(double x) { return cell_text("{:.4g}", x); }
 std::string seconds_text(double s) {
   if (!std::isfinite(s)) return "–";
@@ -64,7 +71,7 @@ std::string springs_sentence(const SceneTrade& s) {
     text +=
         fmt::format("{}: {:.2g} times the cost", name, cell.cpu_per_second / rigid->cpu_per_second);
     if (std::isfinite(error)) {
-      text += fmt::format(", '{}' {:.1e} away", s.scene->quantities[q].name, error);
+      text += fmt::format(", {} {:.2g} % away", s.scene->quantities[q].name, 100 * error);
     }
   }
   if (text.empty()) return {};
@@ -137,10 +144,8 @@ class Section {
       add(fmt::format(" {} runs of each setting; their means are compared.", s.scene->replicas));
     }
     add("</p>\n<p>" + escape_markup(s.answer()) + "</p>\n");
-    if (const std::string springs = springs_sentence(s); !springs.empty()) {
-      add("<p>" + escape_markup(springs) + "</p>\n");
-    }
     error_table(s);
+    spring_table(s);
     add("<div class=\"grid\">\n");
     for (; next_ < charts_.size() && owners_[next_] == &s; ++next_) {
       add("<figure>" + drawn_[next_] + "<figcaption>" + captions_[next_] + "<br><code>" +
@@ -189,6 +194,47 @@ class Section {
     add("Solver: difference to the tightest tolerance at the same time step; bold where it "
         "matters: "
         "larger than the others and than the accuracy asked for.</p>\n");
+  }
+
+  /// What springs cost and do beside rigid contacts at the tolerance that is enough.
+  void spring_table(const SceneTrade& s) {
+    const TradeCell* rigid = sufficient_cell(s);
+    if (rigid == nullptr) return;
+    std::vector<const TradeCell*> cells = {rigid};
+    for (const TradeCell& cell : s.cells) {
+      if (cell.setting.dem()) cells.push_back(&cell);
+    }
+    if (cells.size() == 1) return;
+    add("<h4>Springs instead of rigid contacts</h4>\n<div class=\"scroll\"><table><thead><tr>"
+        "<th>contacts</th><th class=\"n\">stiffness</th><th class=\"n\">steps per second</th>"
+        "<th class=\"n\">CPU per simulated second</th><th class=\"n\">over rigid</th>"
+        "<th class=\"n\">deepest overlap / radius</th><th class=\"n\">worst outcome</th></tr>"
+        "</thead><tbody>\n");
+    for (const TradeCell* cell : cells) {
+      const bool dem = cell->setting.dem();
+      const double h = s.scene->scene.step;
+      std::size_t q = 0;
+      const double worst = s.worst_error(*cell, &q);
+      add(fmt::format(
+          "<tr{}><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>"
+          "<td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+          cell->done() ? "" : " class=\"bad\"",
+          escape_markup(dem ? cell->setting.label() +
+                                  (cell->done() ? "" : " (" + cell->status + ")")
+                            : fmt::format("rigid, {} at tolerance {}", s.solver,
+                                          tolerance_label(cell->setting.tol))),
+          dem ? cell_text("{:.2g} N/m", cell->stiffness) : "–",
+          cell_text("{:.3g}", dem ? cell->iterations / h : 1 / h),
+          seconds_text(cell->cpu_per_second),
+          cell_text("{:.2g} ×", cell->cpu_per_second / rigid->cpu_per_second),
+          error_text(cell->penetration),
+          std::isfinite(worst)
+              ? fmt::format("{:.2g} %, {}", 100 * worst, escape_markup(s.scene->quantities[q].name))
+              : "–"));
+    }
+    add("</tbody></table></div>\n<p class=\"small\">Worst outcome: the one that is furthest from "
+        "the reference. Springs are another model: their differences hold what the reference does "
+        "not have (tangential springs, no tangential restitution), not only errors.</p>\n");
   }
 
   void setting_table(const SceneTrade& s) {
@@ -243,6 +289,7 @@ class Section {
     ratio.y = {"solver's error / other errors", ChartAxis::Kind::kLog, 1e-4};
     ratio.y_line = 1;
     ratio.y_line_label = "as large as the others";
+    bool any = false;  // else there is nothing to see
     for (std::size_t q = 0; q < s.quantities.size(); ++q) {
       const TradeQuantityErrors& e = s.quantities[q];
       const double other = e.bound();
@@ -255,8 +302,11 @@ class Section {
              fmt::format("{} at {}: solver {:.1e}, others {:.1e}", series.name,
                          tolerance_label(s.tols[k]), e.solver_error[k], other)});
       }
+      any |=
+          std::any_of(e.solver_error.begin(), e.solver_error.end(), [](double x) { return x > 0; });
       ratio.series.push_back(std::move(series));
     }
+    if (!any) ratio.series.clear();
     keep(s, std::move(ratio), "Below the line the solver is better than the outcome needs.",
          charts);
 
@@ -568,7 +618,7 @@ dt{font-weight:600}dd{margin:0;max-width:42em}
   item("flags", "<code>" + escape_markup(context.build.flags) + "</code>");
   item("machine", fmt::format("{}, {} logical cores, 1 used", escape_markup(context.build.cpu),
                               context.build.cores));
-  item("limit", fmt::format("{:g} s wall time of one run", context.time_limit));
+  item("limit", fmt::format("{:g} s of CPU time for one run", context.time_limit));
   item("date", context.date);
   page +=
       "</dl>\n<p class=\"small\">Every run and outcome stands in trade.csv and trade.json "
