@@ -172,8 +172,8 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
 }
 
 TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
-  const std::string scene = write(
-      "scene.toml", content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/triangular_lattice.toml"));
+  const std::string scene = write("scene.toml", content(std::string(BIPOT_SOURCE_DIR) +
+                                                        "/data/scenes/triangular_lattice.toml"));
   const std::string arguments = "advise " + scene +
                                 " --force-error 1e-2 --solvers apgd,ipm --time-limit 20 --json - "
                                 "--write " +
@@ -228,8 +228,12 @@ TEST_F(Command, InterruptedPaperKeepsWhatIsDone) {
   EXPECT_EQ(run.exit_code, 5);
   const json results = json::parse(content(out + "/results.json"));
   for (const json& item : results["items"]) {
-    if (item["name"] == "table2") EXPECT_EQ(item["status"], "done");
-    if (item["name"] == "fig13") EXPECT_EQ(item["status"], "interrupted");
+    if (item["name"] == "table2") {
+      EXPECT_EQ(item["status"], "done");
+    }
+    if (item["name"] == "fig13") {
+      EXPECT_EQ(item["status"], "interrupted");
+    }
   }
   EXPECT_GT(fs::file_size(out + "/index.html"), 100u);
 }
@@ -356,9 +360,8 @@ TEST_F(Command, ListsWhatItHas) {
 }
 
 TEST_F(Command, HelpNamesExamples) {
-  for (const char* command :
-       {"--help", "run --help", "solve --help", "compare --help", "advise --help", "trade --help",
-        "paper --help", "list --help"}) {
+  for (const char* command : {"--help", "run --help", "solve --help", "compare --help",
+                              "advise --help", "trade --help", "paper --help", "list --help"}) {
     const Outcome help = bipot(command);
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;
