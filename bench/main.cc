@@ -57,6 +57,7 @@ int main(int argc, char** argv) {
     const std::string destination = run->parsed()      ? run_flags.common.json
                                     : solve->parsed()  ? solve_flags.common.json
                                     : advise->parsed() ? advise_flags.json
+                                    : paper->parsed()  ? paper_flags.json
                                                        : std::string();
     if (!destination.empty()) {
       try {
