@@ -11,17 +11,6 @@
 namespace bipot {
 namespace {
 
-double kinetic_energy(const State& state) {
-  double sum = 0;
-  for (const Disk& d : state.disks) {
-    sum += 0.5 * d.mass * d.v.squaredNorm() + 0.5 * d.inertia * d.spin * d.spin;
-  }
-  for (const Wall& w : state.walls) {
-    if (w.motion == Wall::Motion::kDriven) sum += 0.5 * w.mass * w.v.squaredNorm();
-  }
-  return sum;
-}
-
 int count_carried(const ContactProblem& p, const Vector& s0) {
   int carried = 0;
   for (Eigen::Index row = 0; row < s0.size(); row += p.dim) carried += s0[row] > 0 ? 1 : 0;
