@@ -136,13 +136,10 @@ class StressItem {
         "the whole at the end.");
 
     ForcePictureOptions options;
+    options.width = 600;  // the page shows it about as large
     const State mean = rough_jam.contacts.in(rough.state);
     const std::vector<double> last = disk_pressures(rough.state, rough.scene.step);
-    std::vector<double> sorted = last;
-    std::sort(sorted.begin(), sorted.end());
-    options.fill.high =
-        2 * round_below(
-                sorted[static_cast<std::size_t>(0.98 * static_cast<double>(sorted.size()))] / 2);
+    options.fill.high = colour_bar_end(last);
     draw_stress_picture(context_.out / "stress_disks.svg", rough.scene, rough.state, last, "",
                         options);
     draw_stress_picture(context_.out / "stress_disks_mean.svg", rough.scene, mean,
