@@ -7,7 +7,7 @@
 #include <cmath>
 #include <map>
 
-#include "bench/paper_item.h"
+#include "bench/paper_items.h"
 #include "bench/power_law.h"
 #include "bench/settled_pile.h"
 #include "bench/stop_test_study.h"
@@ -426,8 +426,10 @@ PaperResult run_stop_test(const PaperContext& context) {
       "{guarded_motion_spread}. At rest it is stricter than its number says (on average the error "
       "is {guarded_rest_factor} of the tolerance), because θ = 0.1 stands in its denominator."};
 
-  const auto figure = [&](const std::string& name, const std::string& caption, Chart chart) {
+  const auto figure = [&](const std::string& name, const std::string& caption, Chart chart,
+                          std::optional<int> after) {
     PaperFigure f;
+    f.after = after;
     f.name = name;
     f.caption = caption;
     f.chart = std::move(chart);
@@ -451,15 +453,17 @@ PaperResult run_stop_test(const PaperContext& context) {
                          "the difference of successive impulses. The closer a pair of curves, the "
                          "better the test foretells the error.",
                          m.caption, group.title),
-             envelope_chart(rows, group, m.title, m.value, options.tols));
+             envelope_chart(rows, group, m.title, m.value, options.tols),
+             m.value == velocity ? std::optional(0) : std::nullopt);
     }
   }
   figure("stop_test_growth",
          "Velocity error over tolerance (1e-4) when the lattice grows: ε the guarded test, diff. "
          "the difference of successive impulses.",
-         growth.chart);
+         growth.chart, 1);
   result.tables.push_back(scenes_table(rows, scenes, velocity));
   result.tables.push_back(cases_table(rows, 1e-4));
+  for (PaperNumber& n : result.numbers) n.digits = 3;
   return result;
 }
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <map>
 
-#include "bench/paper_item.h"
+#include "bench/paper_items.h"
 #include "bench/scene_catalogue.h"
 #include "bench/warm_start_study.h"
 #include "core/scene_file.h"
@@ -253,6 +253,7 @@ PaperResult run_warm_start(const PaperContext& context) {
   const auto figure = [&](const Run& run, const char* key, const char* what,
                           const std::vector<std::string>& solvers) {
     PaperFigure f;
+    f.after = 2;
     f.name = fmt::format("warm_start_{}_{}", run.key, key);
     f.caption = fmt::format(
         "Iterations of the compared steps, cold and warm, {}: {}. The fall ends at step {}, the "
@@ -266,6 +267,7 @@ PaperResult run_warm_start(const PaperContext& context) {
     figure(run, "fast", "apgd and ipm", {"apgd", "ipm"});
     result.tables.push_back(gains_table(run, options.solvers));
   }
+  for (PaperNumber& n : result.numbers) n.digits = 3;
   return result;
 }
 

@@ -20,6 +20,10 @@ double restitution_of_damping(double zeta);
 double damping_of_restitution(double e_n);
 inline constexpr double kMaxDamping = 2;  ///< e = 0.048: 0.2 % of the energy comes back
 
+/// True when a chain of bodies that touch (gap <= touching, in m) leads from every disk to a wall:
+/// nothing falls freely.
+bool supported_by_walls(const Scene& scene, double touching);
+
 /// The numbers of the spring-dashpot model of a scene. They depend on the scene alone, not on the
 /// state: a restarted run goes on with the same ones.
 ///

@@ -199,6 +199,33 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   EXPECT_EQ(bipot("compare square:4 --out /proc/nowhere").exit_code, 4);
 }
 
+TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
+  const std::string scene = write(
+      "scene.toml", content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/triangular_lattice.toml"));
+  const std::string arguments = "advise " + scene +
+                                " --force-error 1e-2 --solvers apgd,ipm --time-limit 20 --json - "
+                                "--write " +
+                                path("advised.toml");
+  const Outcome first = bipot(arguments);
+  ASSERT_EQ(first.exit_code, 0);
+  const json j = json::parse(first.out);  // nothing else on standard output
+  EXPECT_EQ(j["status"], "met");
+  EXPECT_GT(j["problems"]["fresh"], 0);
+  EXPECT_LE(j["fresh"]["error"]["force"].get<double>(), 1e-2);
+  EXPECT_TRUE(j["goal"]["energy"].is_null());  // not asked for
+  EXPECT_EQ(bipot(arguments).exit_code, 2);    // the copy exists
+  EXPECT_EQ(bipot(arguments + " --force").exit_code, 0);
+  const Outcome run = bipot("run " + path("advised.toml") + " --json -");
+  EXPECT_EQ(run.exit_code, 0);
+  const json r = json::parse(run.out);
+  EXPECT_EQ(r["solver"], j["advice"]["solver"]);
+  EXPECT_EQ(r["tol"], j["advice"]["tol"]);
+  EXPECT_EQ(r["steps"], j["advice"]["steps"]);
+  EXPECT_EQ(bipot("advise " + scene).exit_code, 2);  // no goal
+  EXPECT_EQ(bipot("advise " + scene + " --force-error 1e-2 --json /proc/nowhere/a.json").exit_code,
+            4);
+}
+
 TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
   const std::string arguments = "paper --quick --out " + path("out");
   const Outcome first = bipot(arguments + " --only table2 --json -");
@@ -220,6 +247,19 @@ TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
   }
   EXPECT_EQ(bipot("paper --only table3 --out " + path("out")).exit_code, 2);
   EXPECT_EQ(bipot("paper --only table2 --out /proc/nowhere").exit_code, 4);
+}
+
+TEST_F(Command, InterruptedPaperKeepsWhatIsDone) {
+  const std::string out = path("out");
+  const Outcome run = bipot("paper --only table2,fig13 --out " + out +
+                            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+  EXPECT_EQ(run.exit_code, 5);
+  const json results = json::parse(content(out + "/results.json"));
+  for (const json& item : results["items"]) {
+    if (item["name"] == "table2") EXPECT_EQ(item["status"], "done");
+    if (item["name"] == "fig13") EXPECT_EQ(item["status"], "interrupted");
+  }
+  EXPECT_GT(fs::file_size(out + "/index.html"), 100u);
 }
 
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
@@ -304,6 +344,36 @@ TEST_F(Command, SpringDashpotModelRunsTheSameScene) {
   EXPECT_EQ(bipot("run square_lattice --model dem --stiffness 1e3 --steps 100").exit_code, 3);
 }
 
+TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
+  std::string text = content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/square_lattice.toml");
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"columns = 10", "columns = 3"},
+                                 {"rows = 10", "rows = 3"},
+                                 {"point = [0.2, 0.0]", "point = [0.06, 0.0]"}}) {
+    text.replace(text.find(from), from.size(), to);
+  }
+  const std::string scene = write("tiny.toml", text);
+  const Outcome run = bipot("trade --quick " + scene + ":steps=30 --json - --out " + path("out"));
+  ASSERT_EQ(run.exit_code, 0);
+  const json j = json::parse(run.out);  // nothing else on standard output
+  EXPECT_TRUE(j["complete"]);
+  // 2 tolerances, 2 more time steps, 2 kinds of springs; disks that stand need no replicas.
+  ASSERT_EQ(j["rows"].size(), 6u);
+  for (const json& row : j["rows"]) EXPECT_EQ(row["status"], "completed") << row;
+  const json& settings = j["scenes"][0]["settings"];
+  EXPECT_GT(settings[4]["penetration"], 5 * settings[5]["penetration"].get<double>());
+  EXPECT_FALSE(j["scenes"][0]["answer"].get<std::string>().empty());
+  for (const char* name : {"trade.csv", "trade.json", "trade.html"}) {
+    EXPECT_GT(fs::file_size(folder_ / "out" / name), 1000u) << name;
+  }
+  EXPECT_EQ(bipot("trade no_such_scene").exit_code, 2);
+  EXPECT_EQ(bipot("trade " + scene + " --solvers pgz").exit_code, 2);
+  EXPECT_EQ(bipot("trade " + scene + ":steps=x").exit_code, 2);
+  EXPECT_EQ(bipot("trade " + scene + " --overlaps 0.5").exit_code, 2);
+  EXPECT_EQ(bipot("trade " + scene + " --out /proc/nowhere").exit_code, 4);
+  const Outcome refused = bipot("trade no_such_scene --json -");
+  EXPECT_EQ(json::parse(refused.out)["exit_code"], 2);
+}
+
 TEST_F(Command, ListsWhatItHas) {
   const Outcome solvers = bipot("list solvers --json -");
   ASSERT_EQ(solvers.exit_code, 0);
@@ -315,7 +385,8 @@ TEST_F(Command, ListsWhatItHas) {
 
 TEST_F(Command, HelpNamesExamples) {
   for (const char* command :
-       {"--help", "run --help", "solve --help", "compare --help", "list --help"}) {
+       {"--help", "run --help", "solve --help", "compare --help", "advise --help", "trade --help",
+        "paper --help", "list --help"}) {
     const Outcome help = bipot(command);
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;
