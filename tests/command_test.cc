@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "core/contact_error.h"
 #include "core/problem_file.h"
@@ -78,6 +79,33 @@ TEST_F(Command, RunsAShippedSceneAndLeavesItsFiles) {
        {"run.h5", "run.xdmf", "ledger.csv", "forces.svg", "forces.png", "summary.json"}) {
     EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
   }
+}
+
+TEST_F(Command, TheStressPictureIsDrawnWhereTheSceneAsksForIt) {
+  const std::string scene =
+      content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/square_lattice.toml");
+  const std::string text = scene +
+                           (scene.find("[output]") == std::string::npos ? "\n[output]" : "") +
+                           "\nstress_picture = true\n";
+  const Outcome run =
+      bipot("run " + write("lattice.toml", text) + " --json - --out " + path("out"));
+  ASSERT_EQ(run.exit_code, 0);
+  for (const char* name : {"stress.svg", "stress.png"}) {
+    EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
+  }
+  // The summary's stress is that of the ledger's last row: area, xx, yy, xy, kinetic pressure.
+  const json stress = json::parse(run.out)["stress"];
+  const std::string ledger = content(folder_ / "out" / "ledger.csv");
+  std::stringstream last(ledger.substr(ledger.rfind('\n', ledger.size() - 2) + 1));
+  std::vector<double> row;
+  for (std::string cell; std::getline(last, cell, ',');) row.push_back(std::stod(cell));
+  ASSERT_EQ(row.size(), 26u);
+  EXPECT_EQ(stress["area"], row[21]);
+  EXPECT_EQ(stress["yy"], row[23]);
+  EXPECT_GT(row[23], 0);
+  EXPECT_DOUBLE_EQ(stress["pressure"].get<double>(), 0.5 * (row[22] + row[23]));
+  bipot("run square_lattice --steps 1 --quiet --out " + path("plain"));
+  EXPECT_FALSE(fs::exists(folder_ / "plain" / "stress.svg"));
 }
 
 TEST_F(Command, EachFailureHasItsExitCode) {
