@@ -27,6 +27,7 @@ code{font:.88em ui-monospace,monospace;background:#f3f3f3;padding:.1em .3em;over
 .scroll{overflow-x:auto;border:1px solid #ddd}
 table{border-collapse:separate;border-spacing:0;font-variant-numeric:tabular-nums;font-size:.87rem;width:100%}
 th,td{padding:.3em .6em;text-align:left;border-bottom:1px solid #e6e6e6;vertical-align:top}
+.scroll+.grid{margin-top:1em}
 td.n,th.n{text-align:right;white-space:nowrap}
 thead th{background:#f3f3f3}
 th:first-child,td:first-child{position:sticky;left:0;background:#fff}
@@ -60,7 +61,7 @@ dt{font-weight:600}dd{margin:0;max-width:42em}
  #rows td:first-child,#rows th:first-child{min-width:7.5em;max-width:7.5em;overflow-wrap:anywhere}}
 @media print{body{max-width:none;padding:0;font-size:10pt}.filters,nav,#open-all{display:none}
  .scroll{overflow:visible;border:0}th:first-child,td:first-child{position:static}
- table{font-size:7.5pt}th,td{padding:.15em .3em}#rows{font-size:6pt}@page wide{size:landscape;margin:10mm}
+ figcaption,.small{font-size:8pt}table{font-size:7.5pt}th,td{padding:.15em .3em}#rows{font-size:6pt}@page wide{size:landscape;margin:10mm}
  .wide{page:wide}.grid{grid-template-columns:1fr 1fr}
  h2,h3,summary{break-after:avoid}tr{break-inside:avoid}}
 )";
@@ -451,22 +452,8 @@ class Page {
         if (p.series == name) targets += (targets.empty() ? "" : " ") + p.target;
       }
       const std::string replay = fmt::format(fmt::runtime(context_.command_of_target), targets);
-      add(fmt::format("<details><summary>{}</summary>\n<div class=\"grid\">\n",
-                      escape_markup(name)));
-      std::vector<double> shown = {tols_.front()};
-      if (tols_.size() > 1) shown.push_back(tols_.back());
-      for (double tol : shown) {
-        for (GrowthOf quantity : {GrowthOf::kIterations, GrowthOf::kTime}) {
-          const bool time = quantity == GrowthOf::kTime;
-          figure(growth_chart(growth_, name, tol, quantity),
-                 fmt::format("{} at tolerance {}, {}.", time ? "Time" : "Iterations",
-                             tolerance_label(tol), escape_markup(name)),
-                 replay,
-                 fmt::format("{} in comparison.csv, dofs / 3 in comparison.json",
-                             time ? "cpu_min" : "iterations"));
-        }
-      }
-      add("</div>\n<div class=\"scroll\"><table><thead><tr><th>solver</th>");
+      add(fmt::format("<details><summary>{}</summary>\n", escape_markup(name)));
+      add("<div class=\"scroll\"><table><thead><tr><th>solver</th>");
       for (double tol : tols_) {
         add(fmt::format("<th class=\"n\">iterations, {0}</th><th class=\"n\">time, {0}</th>",
                         tolerance_label(tol)));
@@ -483,7 +470,21 @@ class Page {
         }
         add("</tr>\n");
       }
-      add("</tbody></table></div></details>\n");
+      add("</tbody></table></div>\n<div class=\"grid\">\n");
+      std::vector<double> shown = {tols_.front()};
+      if (tols_.size() > 1) shown.push_back(tols_.back());
+      for (double tol : shown) {
+        for (GrowthOf quantity : {GrowthOf::kIterations, GrowthOf::kTime}) {
+          const bool time = quantity == GrowthOf::kTime;
+          figure(growth_chart(growth_, name, tol, quantity),
+                 fmt::format("{} at tolerance {}, {}.", time ? "Time" : "Iterations",
+                             tolerance_label(tol), escape_markup(name)),
+                 replay,
+                 fmt::format("{} in comparison.csv, dofs / 3 in comparison.json",
+                             time ? "cpu_min" : "iterations"));
+        }
+      }
+      add("</div></details>\n");
     }
   }
 
