@@ -19,6 +19,7 @@
 #include "core/nearest_name.h"
 #include "core/run_output.h"
 #include "core/scene_file.h"
+#include "core/spring_dashpot.h"
 #include "core/stress_picture.h"
 #include "core/stress_tensor.h"
 #include "core/time_stepping.h"
@@ -78,13 +79,19 @@ class Clock {
 };
 
 std::string caption(const Scene& scene, const RunTotals& totals, const State& state) {
+  if (scene.model == Model::kSpringDashpot) {
+    return fmt::format("{}: step {}, t = {:.4g} s, springs and dashpots, {} substeps a step",
+                       scene.title.empty() ? scene.source : scene.title, state.step, state.time,
+                       totals.last.iterations);
+  }
   return fmt::format("{}: step {}, t = {:.4g} s, solver {}, ε = {:.1e} (tol {:.0e})",
                      scene.title.empty() ? scene.source : scene.title, state.step, state.time,
                      scene.solver.name, totals.last.error.guarded(), scene.solver.tol);
 }
 
-nlohmann::ordered_json summary(const Scene& scene, const RunTotals& t, const State& state,
-                               std::string_view status, int exit_code, double wall_seconds) {
+nlohmann::ordered_json summary(const Scene& scene, const SpringDashpotSetup* dem,
+                               const RunTotals& t, const State& state, std::string_view status,
+                               int exit_code, double wall_seconds) {
   const double steps = std::max(t.steps, 1);
   nlohmann::ordered_json j{{"command", "run"},
                            {"version", BIPOT_VERSION},
@@ -92,20 +99,30 @@ nlohmann::ordered_json summary(const Scene& scene, const RunTotals& t, const Sta
                            {"title", scene.title},
                            {"status", status},
                            {"exit_code", exit_code},
-                           {"solver", scene.solver.name},
-                           {"tol", scene.solver.tol},
-                           {"stop", scene.solver.stop},
-                           {"disks", state.disks.size()},
-                           {"steps", t.steps},
-                           {"steps_planned", scene.num_steps},
-                           {"steps_converged", t.converged},
-                           {"message", t.message},
-                           {"first_unconverged_step", t.first_unconverged},
-                           {"time", state.time},
-                           {"contacts_mean", t.contacts / steps},
-                           {"contacts_max", t.max_contacts},
-                           {"iterations_mean", t.iterations / steps},
-                           {"iterations_max", t.max_iterations}};
+                           {"model", dem != nullptr ? "dem" : "nscd"}};
+  if (dem != nullptr) {
+    j["dem"] = {{"stiffness", dem->stiffness},
+                {"tangential_stiffness", dem->tangential_stiffness},
+                {"substep", dem->substep},
+                {"critical_step", dem->critical_step},
+                {"substeps_per_step", dem->substeps},
+                {"departures", dem->departures}};
+  } else {
+    j["solver"] = scene.solver.name;
+    j["tol"] = scene.solver.tol;
+    j["stop"] = scene.solver.stop;
+  }
+  j.update(nlohmann::ordered_json{{"disks", state.disks.size()},
+                                  {"steps", t.steps},
+                                  {"steps_planned", scene.num_steps},
+                                  {"steps_converged", t.converged},
+                                  {"message", t.message},
+                                  {"first_unconverged_step", t.first_unconverged},
+                                  {"time", state.time},
+                                  {"contacts_mean", t.contacts / steps},
+                                  {"contacts_max", t.max_contacts},
+                                  {"iterations_mean", t.iterations / steps},
+                                  {"iterations_max", t.max_iterations}});
   add_error(j, t.worst);
   j["worst_step"] = t.worst_step;
   j["penetration"] = t.penetration;
@@ -114,6 +131,7 @@ nlohmann::ordered_json summary(const Scene& scene, const RunTotals& t, const Sta
                  {"wall_work", t.last.energy.wall_work},
                  {"friction_loss", t.last.energy.friction_loss},
                  {"shock_loss", t.last.energy.shock_loss}};
+  if (dem != nullptr) j["energy"]["elastic"] = t.last.energy.elastic;
   const double area = sample_area(state, scene.step);
   if (area > 0) {
     const MeanStress stress = sample_stress(state, scene.step, area, contact_moments(state));
@@ -135,19 +153,30 @@ nlohmann::ordered_json summary(const Scene& scene, const RunTotals& t, const Sta
   return j;
 }
 
-void print_summary(const Scene& scene, const RunTotals& t, const State& state,
-                   std::string_view status, double wall_seconds, const std::string& out) {
+void print_summary(const Scene& scene, const SpringDashpotSetup* dem, const RunTotals& t,
+                   const State& state, std::string_view status, double wall_seconds,
+                   const std::string& out) {
   const double steps = std::max(t.steps, 1);
   fmt::print("{}\n", scene.title.empty() ? scene.source : scene.title);
   fmt::print("  status       {}: {} of {} steps, {} converged, t = {:.6g} s\n", status, t.steps,
              scene.num_steps, t.converged, state.time);
   if (!t.message.empty()) fmt::print("  reason       {}\n", t.message);
-  fmt::print("  solver       {} to {} {:.0e}\n", scene.solver.name, scene.solver.stop,
-             scene.solver.tol);
+  if (dem != nullptr) {
+    fmt::print(
+        "  model        springs and dashpots, k_n = {:.4g} N/m, k_t = {:.4g} N/m\n"
+        "  substeps     {} a step of {:.4g} s; stable up to {:.4g} s\n",
+        dem->stiffness, dem->tangential_stiffness, dem->substeps, dem->substep, dem->critical_step);
+    for (const std::string& line : dem->departures) fmt::print("  note         {}\n", line);
+  } else {
+    fmt::print("  solver       {} to {} {:.0e}\n", scene.solver.name, scene.solver.stop,
+               scene.solver.tol);
+  }
   fmt::print("  contacts     mean {:.1f}, max {}\n", t.contacts / steps, t.max_contacts);
-  fmt::print("  iterations   mean {:.1f}, max {}\n", t.iterations / steps, t.max_iterations);
-  fmt::print("  worst error  {:.2e} in step {} (ε {:.2e}, η {:.2e}, raw (42) {:.2e})\n",
-             t.worst.guarded(), t.worst_step, t.worst.epsilon, t.worst.eta, t.worst.raw42);
+  if (dem == nullptr) {
+    fmt::print("  iterations   mean {:.1f}, max {}\n", t.iterations / steps, t.max_iterations);
+    fmt::print("  worst error  {:.2e} in step {} (ε {:.2e}, η {:.2e}, raw (42) {:.2e})\n",
+               t.worst.guarded(), t.worst_step, t.worst.epsilon, t.worst.eta, t.worst.raw42);
+  }
   fmt::print("  penetration  max {:.3e} m\n", t.penetration);
   fmt::print(
       "  energy       kinetic {:.4e} J, potential {:.4e} J, wall work {:.4e} J,\n"
@@ -161,6 +190,38 @@ void print_summary(const Scene& scene, const RunTotals& t, const State& state,
   if (!out.empty()) fmt::print("  results in   {}\n", out);
 }
 
+/// A flag without effect would mislead.
+void refuse_flags_of_the_other_model(const RunFlags& flags, Model model) {
+  const SolverFlags& solver = flags.solver;
+  if (model == Model::kSpringDashpot) {
+    const char* flag = solver.name                    ? "--solver"
+                       : solver.stop                  ? "--stop"
+                       : solver.tol                   ? "--tol"
+                       : solver.max_iterations        ? "--max-iterations"
+                       : solver.warm_start            ? "--warm-start"
+                       : !solver.parameters.empty()   ? "a solver parameter"
+                       : !flags.dump_problems.empty() ? "--dump-problems"
+                                                      : nullptr;
+    if (flag != nullptr) {
+      throw std::invalid_argument(fmt::format(
+          "{} has no meaning under --model dem, which solves no contact problem", flag));
+    }
+    if (flags.stiffness && flags.overlap) {
+      throw std::invalid_argument("give --stiffness or --overlap: one decides the other");
+    }
+    return;
+  }
+  const char* flag = flags.stiffness          ? "--stiffness"
+                     : flags.overlap          ? "--overlap"
+                     : flags.tangential_ratio ? "--tangential-ratio"
+                     : flags.substep          ? "--substep"
+                                              : nullptr;
+  if (flag != nullptr) {
+    throw std::invalid_argument(
+        fmt::format("{} has no meaning under --model nscd, whose contacts are rigid", flag));
+  }
+}
+
 /// The scene with the command line's changes, checked before anything is written.
 Scene load_scene(const RunFlags& flags, std::string& text) {
   const fs::path path = find_scene(flags.scene);
@@ -172,6 +233,17 @@ Scene load_scene(const RunFlags& flags, std::string& text) {
   if (flags.steps) scene.num_steps = *flags.steps;
   if (flags.step_size) scene.step = *flags.step_size;
   scene.solver = merged(scene.solver, flags.solver);
+  if (flags.model) {
+    scene.model = *flags.model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
+  }
+  refuse_flags_of_the_other_model(flags, scene.model);
+  if (flags.stiffness) scene.dem.stiffness = *flags.stiffness;
+  if (flags.overlap) {
+    scene.dem.overlap = *flags.overlap;
+    scene.dem.stiffness = 0;
+  }
+  if (flags.tangential_ratio) scene.dem.tangential_ratio = *flags.tangential_ratio;
+  if (flags.substep) scene.dem.substep = *flags.substep;
   if (auto defect = validate(scene); !defect.empty()) throw std::invalid_argument(defect);
   return scene;
 }
@@ -220,6 +292,21 @@ CLI::App* add_run_command(CLI::App& app, RunFlags& flags) {
       ->add_option("--dump-problems", flags.dump_problems,
                    "Write the steps' contact problems as FCLIB files into DIR/problems")
       ->check(CLI::IsMember({"all", "failed"}));
+  command
+      ->add_option("--model", flags.model,
+                   "nscd: rigid disks, exact contact laws, one implicit problem a step; dem: "
+                   "springs and dashpots (Cundall and Strack), explicit substeps")
+      ->check(CLI::IsMember({"nscd", "dem"}));
+  const auto dem = [&](const char* name, std::optional<double>& value, const char* unit,
+                       const char* help) {
+    command->add_option(name, value, help)->type_name(unit)->group("Model dem");
+  };
+  dem("--stiffness", flags.stiffness, "N/m", "Normal stiffness (default: by --overlap)");
+  dem("--overlap", flags.overlap, "FRACTION",
+      "Overlap aimed at, of the smallest radius; decides the stiffness");
+  dem("--tangential-ratio", flags.tangential_ratio, "FRACTION", "Tangential over normal stiffness");
+  dem("--substep", flags.substep, "SECONDS",
+      "Largest substep (default: from the stability limit); refused where unstable");
   add_common_flags(*command, flags.common);
   add_solver_flags(*command, flags.solver);
   add_warm_start_flags(*command, flags.solver);
@@ -228,15 +315,17 @@ CLI::App* add_run_command(CLI::App& app, RunFlags& flags) {
       "  bipot run compaction --out out/compaction\n"
       "  bipot run square_lattice --solver uzawa --rho paper --tol 1e-6 --json -\n"
       "  bipot run compaction --out out/b --restart out/a/run.h5 --steps 100\n"
-      "  bipot run compaction --out out/c --dump-problems failed");
+      "  bipot run compaction --out out/c --dump-problems failed\n"
+      "  bipot run compaction --out out/d --model dem --overlap 1e-4");
   return command;
 }
 
 int run_command(const RunFlags& flags) {
   std::string text;
   const Scene scene = load_scene(flags, text);
-  const SolverEntry& entry = chosen_solver(scene.solver.name);
-  SolverOptions options = to_options(scene.solver);
+  const bool dem = scene.model == Model::kSpringDashpot;
+  const SolverEntry& entry = chosen_solver(dem ? SolverChoice{}.name : scene.solver.name);
+  SolverOptions options = to_options(dem ? SolverChoice{} : scene.solver);
   // A first look at the options on a problem without contacts: wrong ones are refused here.
   if (const SolveResult probe = solve(entry, ContactProblem{}, options);
       probe.status == SolveStatus::kInvalidInput) {
@@ -245,6 +334,8 @@ int run_command(const RunFlags& flags) {
   if (flags.common.out.empty() && !flags.dump_problems.empty()) {
     throw std::invalid_argument("--dump-problems needs --out DIR");
   }
+
+  if (dem) spring_dashpot_setup(scene);  // refuses before anything is written
 
   const Clock clock;
   const fs::path out = flags.common.out;
@@ -264,11 +355,18 @@ int run_command(const RunFlags& flags) {
   const bool json_on_stdout = flags.common.json == "-";
   const bool quiet = flags.common.quiet || json_on_stdout;
   RunTotals totals;
+  SpringDashpotSetup setup;  // dem only
   std::string_view status = "completed";
   std::string failure;
   int exit_code = kExitConverged;
   {
     const double limit = flags.common.time_limit;
+    std::optional<SpringDashpotStepper> springs;
+    if (dem) {
+      springs.emplace(scene,
+                      [&] { return InterruptGuard::requested() || clock.seconds() > limit; });
+      setup = springs->setup();
+    }
     TimeStepper stepper(
         scene,
         [&](const ContactProblem& problem, const Vector& s0) {
@@ -282,7 +380,7 @@ int run_command(const RunFlags& flags) {
     for (int k = 1; k <= scene.num_steps; ++k) {
       StepReport report;
       try {
-        report = stepper.advance(state);
+        report = springs ? springs->advance(state) : stepper.advance(state);
       } catch (const StepFailure& e) {
         failure = e.what();
         if (e.kind == StepFailure::Kind::kInvalidInput) {
@@ -354,10 +452,11 @@ int run_command(const RunFlags& flags) {
   }
   if (!failure.empty()) totals.message = failure;
   if (!failure.empty()) fmt::print(stderr, "bipot: {}\n", failure);
-  const auto json = summary(scene, totals, state, status, exit_code, clock.seconds());
+  const SpringDashpotSetup* shown = dem ? &setup : nullptr;
+  const auto json = summary(scene, shown, totals, state, status, exit_code, clock.seconds());
   if (!out.empty()) write_json(json, (out / "summary.json").string());
   if (!flags.common.json.empty()) write_json(json, flags.common.json);
-  if (!quiet) print_summary(scene, totals, state, status, clock.seconds(), out.string());
+  if (!quiet) print_summary(scene, shown, totals, state, status, clock.seconds(), out.string());
   return exit_code;
 }
 

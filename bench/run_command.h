@@ -14,6 +14,9 @@ struct RunFlags {
   std::optional<double> step_size;
   std::string restart;        ///< run.h5 of an earlier run
   std::string dump_problems;  ///< "", "all" or "failed"
+  std::optional<std::string> model;
+  /// Of the spring-dashpot model; unset entries leave the scene's choice.
+  std::optional<double> stiffness, overlap, tangential_ratio, substep;
 };
 
 /// Declares `bipot run`.

@@ -21,6 +21,7 @@ struct ContactOutcome {
   double s_n = 0, s_t = 0;  ///< impulse of the step on disk i; force = s/h       [N s]
   double u_n = 0, u_t = 0;  ///< relative velocity at the end of the step         [m/s]
   ContactStatus status = ContactStatus::kTakeOff;
+  double spring = 0;  ///< tangential spring's elongation, spring-dashpot model only  [m]
 };
 
 }  // namespace bipot

@@ -14,6 +14,7 @@
 #include "core/atomic_file.h"
 #include "core/hdf5_file.h"
 #include "core/scene_box.h"
+#include "core/spring_dashpot_setup.h"
 #include "core/stress_tensor.h"
 
 namespace bipot {
@@ -244,14 +245,17 @@ RunWriter::RunWriter(fs::path folder, const Scene& scene, std::string scene_text
   }
   write_index();
   if (scene_.output.ledger_every > 0) {
-    ledger_.emplace(folder_ / "ledger.csv",
-                    "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
+    const bool dem = scene_.model == Model::kSpringDashpot;
+    ledger_.emplace(
+        folder_ / "ledger.csv",
+        std::string("step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
                     "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
                     "shock_loss [J],imbalance [J],momentum_x [kg m/s],momentum_y [kg m/s],"
                     "momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],penetration [m],"
                     "area [m2],stress_xx [Pa],stress_yy [Pa],stress_xy [Pa],"
-                    "kinetic_pressure [Pa]",
-                    resume_after);
+                    "kinetic_pressure [Pa]") +
+            (dem ? ",elastic [J]" : ""),
+        resume_after);
   }
   if (!scene_.output.track.empty()) {
     trajectory_.emplace(folder_ / "trajectory.csv",
@@ -289,6 +293,19 @@ void RunWriter::write_run_file() const {
   file.write("/num_steps", scene_.num_steps);
   file.write("/contact_distance", scene_.contact_distance);
   file.write_attribute("/contact_distance", "unit", "m");
+  const bool dem = scene_.model == Model::kSpringDashpot;
+  file.write("/model", dem ? "dem" : "nscd");
+  if (dem) {
+    const SpringDashpotSetup setup = spring_dashpot_setup(scene_);
+    file.write("/dem/stiffness", setup.stiffness);
+    file.write_attribute("/dem/stiffness", "unit", "N/m");
+    file.write("/dem/tangential_stiffness", setup.tangential_stiffness);
+    file.write_attribute("/dem/tangential_stiffness", "unit", "N/m");
+    file.write("/dem/substep", setup.substep);
+    file.write_attribute("/dem/substep", "unit", "s");
+    file.write("/dem/critical_step", setup.critical_step);
+    file.write_attribute("/dem/critical_step", "unit", "s");
+  }
   file.write("/solver/name", scene_.solver.name);
   file.write("/solver/tol", scene_.solver.tol);
   file.write("/solver/stop", scene_.solver.stop);
@@ -395,6 +412,10 @@ void RunWriter::write_frame_file(const State& state) const {
   write_doubles(file, "/contacts/s_t", "N s", contacts, [](const Outcome& c) { return c.s_t; });
   write_doubles(file, "/contacts/u_n", "m/s", contacts, [](const Outcome& c) { return c.u_n; });
   write_doubles(file, "/contacts/u_t", "m/s", contacts, [](const Outcome& c) { return c.u_t; });
+  if (scene_.model == Model::kSpringDashpot) {
+    write_doubles(file, "/contacts/spring", "m", contacts,
+                  [](const Outcome& c) { return c.spring; });
+  }
   const double h = scene_.step;
   write_doubles(file, "/contacts/force_n", "N", contacts,
                 [&](const Outcome& c) { return c.s_n / h; });
@@ -430,6 +451,7 @@ void RunWriter::step(const State& state, const StepReport& r) {
         e.friction_loss, e.shock_loss, e.imbalance, r.momentum[0], r.momentum[1],
         r.momentum_imbalance[0], r.momentum_imbalance[1], r.penetration, area, total(0, 0),
         total(1, 1), 0.5 * (total(0, 1) + total(1, 0)), 0.5 * stress.kinetic.trace());
+    if (scene_.model == Model::kSpringDashpot) line += fmt::format(",{:.17g}", e.elastic);
     if (r.step % scene_.output.ledger_every == 0) {
       ledger_->row(line);
       pending_row_.clear();
@@ -631,6 +653,9 @@ State read_state(const fs::path& run, int step) {
   const auto s_t = read_sized(file, "/contacts/s_t", c);
   const auto u_n = read_sized(file, "/contacts/u_n", c);
   const auto u_t = read_sized(file, "/contacts/u_t", c);
+  // Only the spring-dashpot model writes springs.
+  const auto spring = file.exists("/contacts/spring") ? read_sized(file, "/contacts/spring", c)
+                                                      : std::vector<double>(c, 0.0);
   state.contacts.resize(c);
   for (std::size_t k = 0; k < c; ++k) {
     if (i[k] < 0 || i[k] >= static_cast<int>(n) || j[k] < 0 ||
@@ -647,7 +672,8 @@ State read_state(const fs::path& run, int step) {
         .s_t = s_t[k],
         .u_n = u_n[k],
         .u_t = u_t[k],
-        .status = checked_enum<ContactStatus>(file, "/contacts/status", status[k], 2)};
+        .status = checked_enum<ContactStatus>(file, "/contacts/status", status[k], 2),
+        .spring = spring[k]};
   }
   return state;
 }

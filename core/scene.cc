@@ -93,6 +93,16 @@ std::string validate(const Scene& scene) {
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     if (auto e = check_wall(scene.walls[i], i, materials); !e.empty()) return e;
   }
+  const SpringDashpotChoice& dem = scene.dem;
+  const auto at_least_zero = [](double x) { return x >= 0 && std::isfinite(x); };
+  if (!at_least_zero(dem.stiffness) || !at_least_zero(dem.substep) || !(dem.overlap > 0) ||
+      !(dem.overlap < 0.1) || !at_least_zero(dem.tangential_ratio) || !(dem.safety > 0) ||
+      !(dem.safety <= 1)) {
+    return fmt::format(
+        "dem: stiffness = {} N/m (>= 0), overlap = {} (in (0, 0.1)), tangential_ratio = {} "
+        "(>= 0), substep = {} s (>= 0), safety = {} (in (0, 1])",
+        dem.stiffness, dem.overlap, dem.tangential_ratio, dem.substep, dem.safety);
+  }
   for (int i : scene.output.track) {
     if (i < 0 || i >= static_cast<int>(scene.disks.size())) {
       return fmt::format("output.track: there is no disk {}", i);

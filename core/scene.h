@@ -59,6 +59,20 @@ struct SolverChoice {
   std::map<std::string, std::string> parameters;
 };
 
+/// How contacts are modelled. nscd: rigid disks with exact contact laws, one implicit problem a
+/// step (core/time_stepping.h). dem: springs and dashpots, explicit (core/spring_dashpot.h).
+enum class Model { kNonsmooth, kSpringDashpot };
+
+/// What the spring-dashpot model needs beyond a rigid scene. Zero: chosen from the scene
+/// (core/spring_dashpot_setup.h).
+struct SpringDashpotChoice {
+  double stiffness = 0;               ///< k_n of every contact                           [N/m]
+  double overlap = 1e-3;              ///< aimed at when stiffness is 0, of the smallest radius
+  double tangential_ratio = 1.0 / 3;  ///< k_t / k_n                                      [-]
+  double substep = 0;                 ///< largest substep                                [s]
+  double safety = 0.5;                ///< substep over the critical one, when substep is 0
+};
+
 /// What a run writes, and how often (in steps; 0: never, the last step is always written).
 struct OutputChoice {
   int every = 100;              ///< HDF5/XDMF frames
@@ -80,7 +94,9 @@ struct Scene {
   double step = 0;                     ///< h > 0                    [s]
   int num_steps = 0;
   double contact_distance = 0;  ///< eta of method.md §4      [m]
-  SolverChoice solver;
+  Model model = Model::kNonsmooth;
+  SolverChoice solver;      ///< nonsmooth model only
+  SpringDashpotChoice dem;  ///< spring-dashpot model only
   OutputChoice output;
 
   const ContactLaw& law(int material_a, int material_b) const {

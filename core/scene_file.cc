@@ -379,6 +379,20 @@ void read_solver(const Table& root, Scene& scene) {
   table->finish();
 }
 
+void read_model(const Table& root, Scene& scene) {
+  const std::string model = root.one_of("model", "nscd", {"nscd", "dem"});
+  scene.model = model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
+  const auto table = root.table("dem");
+  if (!table) return;
+  SpringDashpotChoice& d = scene.dem;
+  if (table->has("stiffness")) d.stiffness = table->positive("stiffness");
+  d.overlap = table->number("overlap", d.overlap);
+  d.tangential_ratio = table->number("tangential_ratio", d.tangential_ratio);
+  if (table->has("substep")) d.substep = table->positive("substep");
+  d.safety = table->number("safety", d.safety);
+  table->finish();
+}
+
 void read_output(const Table& root, Scene& scene) {
   const auto table = root.table("output");
   if (!table) return;
@@ -449,6 +463,7 @@ Scene parse_scene(const std::string& text, const std::string& source) {
   }
   if (const auto degrees = root.maybe_number("rotate_degrees")) rotate(scene, *degrees);
   read_time(root, scene);
+  read_model(root, scene);
   read_solver(root, scene);
   read_output(root, scene);
   root.finish();

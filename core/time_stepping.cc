@@ -27,32 +27,6 @@ class Stopwatch {
   std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
-double kinetic_energy(const State& state) {
-  double sum = 0;
-  for (const Disk& d : state.disks) {
-    sum += 0.5 * d.mass * d.v.squaredNorm() + 0.5 * d.inertia * d.spin * d.spin;
-  }
-  for (const Wall& w : state.walls) {
-    if (w.motion == Wall::Motion::kDriven) sum += 0.5 * w.mass * w.v.squaredNorm();
-  }
-  return sum;
-}
-
-double potential_energy(const State& state, const Vec2& gravity) {
-  double sum = 0;
-  for (const Disk& d : state.disks) sum -= d.mass * gravity.dot(d.x);
-  return sum;
-}
-
-Vec2 momentum(const State& state) {
-  Vec2 sum = Vec2::Zero();
-  for (const Disk& d : state.disks) sum += d.mass * d.v;
-  for (const Wall& w : state.walls) {
-    if (w.motion == Wall::Motion::kDriven) sum += w.mass * w.v;
-  }
-  return sum;
-}
-
 /// The impulses of the step before, carried to the contacts of the same pairs; physical -> solver.
 Vector warm_start(const std::vector<ContactOutcome>& before, std::span<const Contact> contacts,
                   const ContactProblem& p) {
@@ -72,12 +46,6 @@ Vector warm_start(const std::vector<ContactOutcome>& before, std::span<const Con
     if (p.dim == 2) s0[row + 1] = old->s_t * (scaled ? p.row_scale[row + 1] : 1.0);
   }
   return s0;
-}
-
-ContactStatus classify(double s_n, double s_t, double mu) {
-  constexpr double kEdge = 1 - 1e-9;  // relative distance from the cone's edge that counts as slip
-  if (s_n <= 0) return ContactStatus::kTakeOff;
-  return std::abs(s_t) < kEdge * mu * s_n ? ContactStatus::kStick : ContactStatus::kSlip;
 }
 
 /// A step up to its contact problem: everything at the mid-point of the step (38).
@@ -125,6 +93,38 @@ Midpoint make_midpoint(const Scene& scene, const State& state, bool explicit_del
 }
 
 }  // namespace
+
+double kinetic_energy(const State& state) {
+  double sum = 0;
+  for (const Disk& d : state.disks) {
+    sum += 0.5 * d.mass * d.v.squaredNorm() + 0.5 * d.inertia * d.spin * d.spin;
+  }
+  for (const Wall& w : state.walls) {
+    if (w.motion == Wall::Motion::kDriven) sum += 0.5 * w.mass * w.v.squaredNorm();
+  }
+  return sum;
+}
+
+double potential_energy(const State& state, const Vec2& gravity) {
+  double sum = 0;
+  for (const Disk& d : state.disks) sum -= d.mass * gravity.dot(d.x);
+  return sum;
+}
+
+Vec2 momentum(const State& state) {
+  Vec2 sum = Vec2::Zero();
+  for (const Disk& d : state.disks) sum += d.mass * d.v;
+  for (const Wall& w : state.walls) {
+    if (w.motion == Wall::Motion::kDriven) sum += w.mass * w.v;
+  }
+  return sum;
+}
+
+ContactStatus contact_status(double s_n, double s_t, double mu) {
+  constexpr double kEdge = 1 - 1e-9;  // relative distance from the cone's edge that counts as slip
+  if (s_n <= 0) return ContactStatus::kTakeOff;
+  return std::abs(s_t) < kEdge * mu * s_n ? ContactStatus::kStick : ContactStatus::kSlip;
+}
 
 State initial_state(const Scene& scene) {
   State state;
@@ -197,7 +197,8 @@ StepReport TimeStepper::advance(State& state) {
   report.solve_seconds = watch.lap();
   const int step_number = state.step + 1;
   const auto failure = [&](StepFailure::Kind kind, const std::string& why) {
-    return StepFailure(kind, fmt::format("step {} at t = {:.9g} s: {}", step_number, state.time, why));
+    return StepFailure(kind,
+                       fmt::format("step {} at t = {:.9g} s: {}", step_number, state.time, why));
   };
   if (solution.refused) throw failure(StepFailure::Kind::kInvalidInput, solution.message);
   if (solution.cut_short) throw failure(StepFailure::Kind::kCutShort, solution.message);
@@ -267,7 +268,7 @@ StepReport TimeStepper::advance(State& state) {
     out.s_t = s[1];
     out.u_n = u_after[0];
     out.u_t = u_after[1];
-    out.status = classify(out.s_n, out.s_t, law.mu);
+    out.status = contact_status(out.s_n, out.s_t, law.mu);
     if (out.s_n > 0) ++report.active;
     shock_loss -= s[0] * mean[0];
     friction_loss -= s[1] * mean[1];

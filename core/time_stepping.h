@@ -25,9 +25,9 @@ struct State {
 State initial_state(const Scene& scene);
 
 /// Energy of a state and what the steps so far did to it. Closed:
-///   kinetic + potential = initial + wall_work - friction_loss - shock_loss   up to round-off,
-/// because the impulses act through the mean of the velocities before and after the step, as the
-/// displacement does (38), (43).
+///   kinetic + potential + elastic = initial + wall_work - friction_loss - shock_loss
+/// up to round-off in the nonsmooth model, because the impulses act through the mean of the
+/// velocities before and after the step, as the displacement does (38), (43).
 struct EnergyLedger {
   double kinetic = 0;        ///< disks and driven walls                         [J]
   double potential = 0;      ///< of gravity, zero at the origin                 [J]
@@ -35,7 +35,15 @@ struct EnergyLedger {
   double friction_loss = 0;  ///< dissipated by tangential impulses              [J]
   double shock_loss = 0;     ///< dissipated by normal impulses                  [J]
   double imbalance = 0;      ///< of the last step: what does not add up         [J]
+  double elastic = 0;        ///< stored in contacts, spring-dashpot model only  [J]
 };
+
+double kinetic_energy(const State& state);                         ///< disks and driven walls [J]
+double potential_energy(const State& state, const Vec2& gravity);  ///< zero at the origin     [J]
+Vec2 momentum(const State& state);  ///< disks and driven walls [kg m/s]
+
+/// What an impulse says of its contact. The cone's edge counts from 1 - 1e-9 of it on.
+ContactStatus contact_status(double s_n, double s_t, double mu);
 
 /// One step's answer from whatever solves the contact problem.
 struct StepSolution {

@@ -171,6 +171,33 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   EXPECT_EQ(bipot("compare square:4 --out /proc/nowhere").exit_code, 4);
 }
 
+TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
+  const std::string scene = write(
+      "scene.toml", content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/triangular_lattice.toml"));
+  const std::string arguments = "advise " + scene +
+                                " --force-error 1e-2 --solvers apgd,ipm --time-limit 20 --json - "
+                                "--write " +
+                                path("advised.toml");
+  const Outcome first = bipot(arguments);
+  ASSERT_EQ(first.exit_code, 0);
+  const json j = json::parse(first.out);  // nothing else on standard output
+  EXPECT_EQ(j["status"], "met");
+  EXPECT_GT(j["problems"]["fresh"], 0);
+  EXPECT_LE(j["fresh"]["error"]["force"].get<double>(), 1e-2);
+  EXPECT_TRUE(j["goal"]["energy"].is_null());  // not asked for
+  EXPECT_EQ(bipot(arguments).exit_code, 2);    // the copy exists
+  EXPECT_EQ(bipot(arguments + " --force").exit_code, 0);
+  const Outcome run = bipot("run " + path("advised.toml") + " --json -");
+  EXPECT_EQ(run.exit_code, 0);
+  const json r = json::parse(run.out);
+  EXPECT_EQ(r["solver"], j["advice"]["solver"]);
+  EXPECT_EQ(r["tol"], j["advice"]["tol"]);
+  EXPECT_EQ(r["steps"], j["advice"]["steps"]);
+  EXPECT_EQ(bipot("advise " + scene).exit_code, 2);  // no goal
+  EXPECT_EQ(bipot("advise " + scene + " --force-error 1e-2 --json /proc/nowhere/a.json").exit_code,
+            4);
+}
+
 TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
   const std::string arguments = "paper --quick --out " + path("out");
   const Outcome first = bipot(arguments + " --only table2 --json -");
@@ -192,6 +219,19 @@ TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
   }
   EXPECT_EQ(bipot("paper --only table3 --out " + path("out")).exit_code, 2);
   EXPECT_EQ(bipot("paper --only table2 --out /proc/nowhere").exit_code, 4);
+}
+
+TEST_F(Command, InterruptedPaperKeepsWhatIsDone) {
+  const std::string out = path("out");
+  const Outcome run = bipot("paper --only table2,fig13 --out " + out +
+                            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+  EXPECT_EQ(run.exit_code, 5);
+  const json results = json::parse(content(out + "/results.json"));
+  for (const json& item : results["items"]) {
+    if (item["name"] == "table2") EXPECT_EQ(item["status"], "done");
+    if (item["name"] == "fig13") EXPECT_EQ(item["status"], "interrupted");
+  }
+  EXPECT_GT(fs::file_size(out + "/index.html"), 100u);
 }
 
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
@@ -242,6 +282,40 @@ TEST_F(Command, ForeignOutputDoesNotMixWithJson) {
   EXPECT_EQ(json::parse(solve.out)["status"], "converged");
 }
 
+TEST_F(Command, SpringDashpotModelRunsTheSameScene) {
+  const Outcome run =
+      bipot("run square_lattice --model dem --steps 60 --json - --out " + path("a"));
+  ASSERT_EQ(run.exit_code, 0);
+  const json j = json::parse(run.out);
+  EXPECT_EQ(j["status"], "completed");
+  EXPECT_EQ(j["model"], "dem");
+  EXPECT_TRUE(j["epsilon"].is_null());  // there is no contact problem to judge
+  EXPECT_EQ(j["iterations_max"], j["dem"]["substeps_per_step"]);
+  EXPECT_LT(j["dem"]["substep"], j["dem"]["critical_step"]);
+  EXPECT_FALSE(j["dem"]["departures"].empty());  // e_n = 0
+  EXPECT_GT(j["penetration"], 1e-6);
+  for (const char* name : {"run.h5", "run.xdmf", "ledger.csv", "forces.svg", "summary.json"}) {
+    EXPECT_GT(fs::file_size(folder_ / "a" / name), 100u) << name;
+  }
+  // 40 and 20 steps with a restart between: the same bits.
+  ASSERT_EQ(bipot("run square_lattice --model dem --steps 40 -q --out " + path("b")).exit_code, 0);
+  ASSERT_EQ(bipot("run square_lattice --model dem --steps 20 -q --restart " + path("b") +
+                  " --out " + path("b"))
+                .exit_code,
+            0);
+  const State whole = read_state(path("a")), parts = read_state(path("b"));
+  for (std::size_t i = 0; i < whole.disks.size(); ++i) {
+    EXPECT_EQ(whole.disks[i].x, parts.disks[i].x);
+    EXPECT_EQ(whole.disks[i].v, parts.disks[i].v);
+  }
+  EXPECT_EQ(content(path("a/ledger.csv")), content(path("b/ledger.csv")));
+  // Unstable substeps, flags of the other model and a stiffness that gives way are refused.
+  EXPECT_EQ(bipot("run square_lattice --model dem --substep 1e-3").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --model dem --tol 1e-3").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --stiffness 1e6").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --model dem --stiffness 1e3 --steps 100").exit_code, 3);
+}
+
 TEST_F(Command, ListsWhatItHas) {
   const Outcome solvers = bipot("list solvers --json -");
   ASSERT_EQ(solvers.exit_code, 0);
@@ -253,7 +327,7 @@ TEST_F(Command, ListsWhatItHas) {
 
 TEST_F(Command, HelpNamesExamples) {
   for (const char* command :
-       {"--help", "run --help", "solve --help", "compare --help", "list --help"}) {
+       {"--help", "run --help", "solve --help", "compare --help", "advise --help", "list --help"}) {
     const Outcome help = bipot(command);
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;
