@@ -266,9 +266,17 @@ std::string SceneTrade::answer() const {
     text += ".";
     if (ratio > 1.1) {
       text += fmt::format(
-          " Tolerance {} costs {:.2g} times as much for digits that the time step "
-          "throws away.",
+          " Tolerance {} costs {:.2g} times as much for digits that are lost "
+          "anyway.",
           tolerance_label(tols.back()), ratio);
+    }
+    double noise = 0;
+    for (const TradeQuantityErrors& e : quantities) noise = std::max(noise, e.noise);
+    if (noise > 0) {
+      text += fmt::format(
+          " With {} runs of each setting, differences below {:.2g} % (the worst "
+          "outcome) cannot be seen.",
+          scene->replicas, 100 * noise);
     }
   }
   return text;
