@@ -6,6 +6,7 @@
 #include <exception>
 #include <stdexcept>
 
+#include "bench/advise_command.h"
 #include "bench/compare_command.h"
 #include "bench/exit_code.h"
 #include "bench/json_output.h"
@@ -30,6 +31,7 @@ int main(int argc, char** argv) {
       "  bipot run compaction --out out/compaction\n"
       "  bipot run scene.toml --solver uzawa --rho paper --tol 1e-4\n"
       "  bipot solve problem.hdf5 --solver pgs --json -\n"
+      "  bipot advise scene.toml --force-error 1e-2 --write advised.toml\n"
       "  bipot compare square:30 pile:18 --quick --out out/compare\n"
       "  bipot paper --out out/paper\n"
       "  bipot trade my_scene.toml --out out/trade\n"
@@ -37,12 +39,14 @@ int main(int argc, char** argv) {
   RunFlags run_flags;
   SolveFlags solve_flags;
   CompareFlags compare_flags;
+  AdviseFlags advise_flags;
   PaperFlags paper_flags;
   TradeFlags trade_flags;
   ListFlags list_flags;
   const CLI::App* run = add_run_command(app, run_flags);
   const CLI::App* solve = add_solve_command(app, solve_flags);
   const CLI::App* compare = add_compare_command(app, compare_flags);
+  const CLI::App* advise = add_advise_command(app, advise_flags);
   const CLI::App* paper = add_paper_command(app, paper_flags);
   const CLI::App* trade = add_trade_command(app, trade_flags);
   add_list_command(app, list_flags);
@@ -54,13 +58,14 @@ int main(int argc, char** argv) {
   const auto refuse = [&](const char* message, ExitCode code) {
     fmt::print(stderr, "bipot: {}\n", message);
     // Whoever reads the JSON learns of it there as well.
-    const std::string destination = run->parsed()     ? run_flags.common.json
-                                    : solve->parsed() ? solve_flags.common.json
-                                    : trade->parsed() ? trade_flags.json
-                                                      : std::string();
+    const std::string destination = run->parsed()      ? run_flags.common.json
+                                    : solve->parsed()  ? solve_flags.common.json
+                                    : advise->parsed() ? advise_flags.json
+                                    : trade->parsed()  ? trade_flags.json
+                                                       : std::string();
     if (!destination.empty()) {
       try {
-        write_json({{"command", run->parsed() ? "run" : (solve->parsed() ? "solve" : "trade")},
+        write_json({{"command", app.get_subcommands().front()->get_name()},
                     {"version", BIPOT_VERSION},
                     {"status", code == kExitIo         ? "input or output failed"
                                : code == kExitBadInput ? "invalid input"
@@ -78,6 +83,7 @@ int main(int argc, char** argv) {
     if (run->parsed()) return run_command(run_flags);
     if (solve->parsed()) return solve_command(solve_flags);
     if (compare->parsed()) return compare_command(compare_flags);
+    if (advise->parsed()) return advise_command(advise_flags);
     if (paper->parsed()) return paper_command(paper_flags);
     if (trade->parsed()) return trade_command(trade_flags);
     return list_command(list_flags);

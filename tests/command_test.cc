@@ -171,6 +171,33 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
   EXPECT_EQ(bipot("compare square:4 --out /proc/nowhere").exit_code, 4);
 }
 
+TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
+  const std::string scene = write(
+      "scene.toml", content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/triangular_lattice.toml"));
+  const std::string arguments = "advise " + scene +
+                                " --force-error 1e-2 --solvers apgd,ipm --time-limit 20 --json - "
+                                "--write " +
+                                path("advised.toml");
+  const Outcome first = bipot(arguments);
+  ASSERT_EQ(first.exit_code, 0);
+  const json j = json::parse(first.out);  // nothing else on standard output
+  EXPECT_EQ(j["status"], "met");
+  EXPECT_GT(j["problems"]["fresh"], 0);
+  EXPECT_LE(j["fresh"]["error"]["force"].get<double>(), 1e-2);
+  EXPECT_TRUE(j["goal"]["energy"].is_null());  // not asked for
+  EXPECT_EQ(bipot(arguments).exit_code, 2);    // the copy exists
+  EXPECT_EQ(bipot(arguments + " --force").exit_code, 0);
+  const Outcome run = bipot("run " + path("advised.toml") + " --json -");
+  EXPECT_EQ(run.exit_code, 0);
+  const json r = json::parse(run.out);
+  EXPECT_EQ(r["solver"], j["advice"]["solver"]);
+  EXPECT_EQ(r["tol"], j["advice"]["tol"]);
+  EXPECT_EQ(r["steps"], j["advice"]["steps"]);
+  EXPECT_EQ(bipot("advise " + scene).exit_code, 2);  // no goal
+  EXPECT_EQ(bipot("advise " + scene + " --force-error 1e-2 --json /proc/nowhere/a.json").exit_code,
+            4);
+}
+
 TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
   const std::string arguments = "paper --quick --out " + path("out");
   const Outcome first = bipot(arguments + " --only table2 --json -");
@@ -192,6 +219,19 @@ TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
   }
   EXPECT_EQ(bipot("paper --only table3 --out " + path("out")).exit_code, 2);
   EXPECT_EQ(bipot("paper --only table2 --out /proc/nowhere").exit_code, 4);
+}
+
+TEST_F(Command, InterruptedPaperKeepsWhatIsDone) {
+  const std::string out = path("out");
+  const Outcome run = bipot("paper --only table2,fig13 --out " + out +
+                            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+  EXPECT_EQ(run.exit_code, 5);
+  const json results = json::parse(content(out + "/results.json"));
+  for (const json& item : results["items"]) {
+    if (item["name"] == "table2") EXPECT_EQ(item["status"], "done");
+    if (item["name"] == "fig13") EXPECT_EQ(item["status"], "interrupted");
+  }
+  EXPECT_GT(fs::file_size(out + "/index.html"), 100u);
 }
 
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
@@ -317,7 +357,8 @@ TEST_F(Command, ListsWhatItHas) {
 
 TEST_F(Command, HelpNamesExamples) {
   for (const char* command :
-       {"--help", "run --help", "solve --help", "compare --help", "trade --help", "list --help"}) {
+       {"--help", "run --help", "solve --help", "compare --help", "advise --help", "trade --help",
+        "list --help"}) {
     const Outcome help = bipot(command);
     EXPECT_EQ(help.exit_code, 0);
     EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace bipot {
+
+struct AdviseFlags {
+  std::string scene;
+  std::optional<double> force, penetration, energy;  ///< goals, see Accuracy
+  std::vector<std::string> solvers;                  ///< empty: the promising ones
+  double time_limit = 60;
+  std::optional<double> window;
+  int samples = 6, fresh = 3;
+  bool keep_step = false, quiet = false, force_overwrite = false;
+  std::string json, write;
+};
+
+/// Declares `bipot advise`.
+CLI::App* add_advise_command(CLI::App& app, AdviseFlags& flags);
+
+/// Tries solvers and time steps on the scene and prints what to take. Returns an ExitCode: 0 when
+/// the goal is met or nothing touches, 1 when it is not met.
+int advise_command(const AdviseFlags& flags);
+
+}  // namespace bipot
