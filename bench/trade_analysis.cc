@@ -270,6 +270,13 @@ std::string SceneTrade::answer() const {
           "anyway.",
           tolerance_label(tols.back()), ratio);
     }
+    const TradeCell* loosest = find({.solver = solver, .tol = tols.front()});
+    if (loosest->cpu_per_second > 1.1 * cpu_sufficient) {
+      text += fmt::format(
+          " It even costs less than {}: what a loose step leaves undone, the next "
+          "ones must mend.",
+          tolerance_label(tols.front()));
+    }
     double noise = 0;
     for (const TradeQuantityErrors& e : quantities) noise = std::max(noise, e.noise);
     if (noise > 0) {

@@ -231,8 +231,9 @@ class Section {
               : "–"));
     }
     add("</tbody></table></div>\n<p class=\"small\">Worst outcome: the one that is furthest from "
-        "the reference. Springs are another model: their differences hold what the reference does "
-        "not have (tangential springs, no tangential restitution), not only errors.</p>\n");
+        "the reference. Springs are another model: where statics leaves forces open, elasticity "
+        "picks "
+        "others, and tangential restitution is missing; such differences are no errors.</p>\n");
   }
 
   void setting_table(const SceneTrade& s) {
