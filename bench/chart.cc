@@ -31,7 +31,7 @@ constexpr std::array<Marker, 6> kMarkers = {
     {{7, 6, 0.62}, {5, 4, 0.58}, {9, 8, 0.72}, {13, 12, 0.8}, {11, 10, 0.72}, {15, 14, 0.68}}};
 constexpr std::array<const char*, 5> kDashes = {"solid", "(10,5)", "(2,4)", "(12,4,2,4)", "(18,6)"};
 
-constexpr double kKeyRow = 17, kKeySample = 46, kLetter = 6.7;  // of the key, in the chart's units
+constexpr double kKeyRow = 17, kKeySample = 42, kLetter = 6.6;  // of the key, in the chart's units
 
 template <class Array>
 const auto& of_style(const Array& all, int style) {
@@ -120,10 +120,14 @@ class Script {
       const auto fits = static_cast<std::size_t>(std::max(20.0, width_ / kLetter));
       line(fmt::format("set title {} noenhanced", wrapped(chart_.title, fits)));
     }
-    axis("x", chart_.x, x_floor_);
-    axis("y", chart_.y, y_floor_);
+    x_middle_ = axis("x", chart_.x, x_floor_);
+    y_middle_ = axis("y", chart_.y, y_floor_);
     vertical_lines();
-    for (std::size_t i = 0; i < chart_.series.size(); ++i) series(i);
+    for (bool background : {true, false}) {
+      for (std::size_t i = 0; i < chart_.series.size(); ++i) {
+        if (chart_.series[i].background == background) series(i);
+      }
+    }
     // Constant functions take part in the range of the axis.
     for (const ChartLine& reference : horizontal()) {
       if (is_log(chart_.y) && !(reference.at >= y_floor_)) continue;
@@ -204,13 +208,14 @@ class Script {
       const int columns = std::clamp(static_cast<int>(width_ / entry), 1, entries);
       const int rows = (entries + columns - 1) / columns;
       height_ += kKeyRow * (rows + 1);
-      line_key_ =
-          fmt::format("set key outside below center horizontal height 1 maxcols {}", columns);
+      // By rows: limits on columns are lowered to what fits below the axes alone.
+      line_key_ = fmt::format("set key outside below center vertical height 1 maxrows {}", rows);
     }
-    line_key_ += " Left reverse samplen 2.4 spacing 1.1 font ',11' textcolor rgb '#1b1b1b'";
+    line_key_ += " Left reverse samplen 2 spacing 1.15 font ',10.5' textcolor rgb '#1b1b1b'";
   }
 
-  void axis(const char* name, const ChartAxis& axis, double floor) {
+  /// Returns the middle of the axis.
+  double axis(const char* name, const ChartAxis& axis, double floor) {
     const bool along_x = name[0] == 'x';
     line(fmt::format("set {}label {} noenhanced{}", name, in_quotes(axis.label),
                      along_x ? " offset 0,0.4" : ""));
@@ -260,6 +265,16 @@ class Script {
       if (!axis.high) high = number(least + margin);
     }
     line(fmt::format("set {}range [{}:{}]", name, low, high));
+    const double first = low == "*" ? least : std::strtod(low.c_str(), nullptr);
+    const double last = high == "*" ? most : std::strtod(high.c_str(), nullptr);
+    return is_log(axis) ? std::sqrt(first) * std::sqrt(last) : 0.5 * (first + last);
+  }
+
+  /// gnuplot leaves out labels that stand on the frame, and markers with notes are labels: moved
+  /// inwards by less than anyone sees.
+  static double inside(const ChartAxis& axis, double v, double middle) {
+    constexpr double kShift = 1e-9;
+    return is_log(axis) ? v * std::pow(middle / v, kShift) : v + kShift * (middle - v);
   }
 
   void vertical_lines() {
@@ -286,9 +301,10 @@ class Script {
     }
   }
 
-  static std::string line_style(int style) {
-    return fmt::format("lw 1.6 dt {} lc rgb '{}'", of_style(kDashes, style),
-                       of_style(kColours, style));
+  static std::string line_style(const ChartSeries& s) {
+    if (s.background) return "lw 7 dt solid lc rgb '#d9d9d9'";
+    return fmt::format("lw 1.6 dt {} lc rgb '{}'", of_style(kDashes, s.style),
+                       of_style(kColours, s.style));
   }
 
   /// Points of one kind, as a block of data and the plot that draws it.
@@ -313,15 +329,17 @@ class Script {
         bars +=
             fmt::format("{} {} {}\n", at, number(lifted_y(p.y_low)), number(lifted_y(p.y_high)));
       }
-      if (!p.marked || s.kind == Kind::kLine) continue;
+      if (!p.marked || s.kind == Kind::kLine || s.background) continue;
       const bool note = page_ && !p.note.empty();
       marked[(p.hollow ? 1 : 0) + (note ? 2 : 0)] +=
-          note ? fmt::format("{} n{}_{}\n", at, index, k) : at + "\n";
+          note ? fmt::format("{} {} n{}_{}\n", inside(chart_.x, lifted_x(p.x), x_middle_),
+                             inside(chart_.y, lifted_y(p.y), y_middle_), index, k)
+               : at + "\n";
     }
     if (s.kind != Kind::kPoints) {
       block(fmt::format("$line{}", index), joined,
             fmt::format("using 1:2 with {} {}", s.kind == Kind::kSteps ? "steps" : "lines",
-                        line_style(s.style)),
+                        line_style(s)),
             s.name);
     }
     block(fmt::format("$bar{}", index), bars,
@@ -353,14 +371,14 @@ class Script {
   void key_entry(const ChartSeries& s) {
     if (s.name.empty() || chart_.key == Chart::Key::kNone) return;
     const bool any_marked =
-        s.kind != ChartSeries::Kind::kLine &&
+        s.kind != ChartSeries::Kind::kLine && !s.background &&
         std::any_of(s.points.begin(), s.points.end(), [](const ChartPoint& p) { return p.marked; });
     const bool joined = s.kind != ChartSeries::Kind::kPoints;
     const Marker& marker = of_style(kMarkers, s.style);
     std::string look = joined && any_marked ? "linespoints" : joined ? "lines" : "points";
     if (any_marked || !joined) look += fmt::format(" pt {} ps {}", marker.filled, marker.size);
-    look += " " + (joined ? line_style(s.style)
-                          : fmt::format("lc rgb '{}'", of_style(kColours, s.style)));
+    look +=
+        " " + (joined ? line_style(s) : fmt::format("lc rgb '{}'", of_style(kColours, s.style)));
     add_plot(fmt::format("keyentry with {} title {} noenhanced", look, in_quotes(s.name)), s.name);
   }
 
@@ -368,17 +386,18 @@ class Script {
   const bool page_;
   std::vector<double> xs_, ys_;
   double x_floor_ = 0, y_floor_ = 0;
+  double x_middle_ = 0, y_middle_ = 0;
   double width_ = 0, height_ = 0;
   std::string line_key_;
   std::string text_;
   std::vector<std::string> plots_, tips_;
 };
 
-/// FNV-1a: the same text gets the same name on every machine.
+/// FNV-1a, folded to 48 bits: the same text gets the same name on every machine.
 std::uint64_t hash_of(std::string_view text) {
   std::uint64_t hash = 14695981039346656037u;
   for (char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
-  return hash;
+  return (hash ^ (hash >> 48)) & 0xffffffffffffu;
 }
 
 bool take(std::string_view& text, std::string_view start) {
@@ -387,8 +406,8 @@ bool take(std::string_view& text, std::string_view start) {
   return true;
 }
 
-/// The attributes of a tag with ids that start with `prefix`, and links in the form that needs no
-/// namespace.
+/// The attributes of a tag with ids that start with `prefix`, links in the form that needs no
+/// namespace, and without those that say what holds anyway.
 std::string with_own_ids(std::string_view tag, const std::string& prefix) {
   std::string out;
   while (!tag.empty()) {
@@ -400,7 +419,8 @@ std::string with_own_ids(std::string_view tag, const std::string& prefix) {
       out += "href='#" + prefix;
     } else if (take(tag, "url(#")) {
       out += "url(#" + prefix;
-    } else {
+    } else if (!take(tag, " stroke-linecap=\"butt\" stroke-linejoin=\"miter\"") &&
+               !take(tag, " class=\"gridline\" ")) {
       out += tag.front();
       tag.remove_prefix(1);
     }

@@ -32,6 +32,7 @@ struct ChartSeries {
   int style = 0;
   std::vector<ChartPoint> points;
   Kind kind = Kind::kLinePoints;
+  bool background = false;  ///< wide and grey behind the others, without markers; kLine or kSteps
 };
 struct ChartAxis {
   enum class Kind { kLinear, kLog, kLogSeconds };

@@ -8,6 +8,7 @@
 #include <fstream>
 
 #include "bench/build_info.h"
+#include "bench/chart.h"
 #include "bench/comparison.h"
 #include "bench/comparison_report.h"
 #include "bench/exit_code.h"
@@ -47,6 +48,10 @@ std::string command_line(const std::string& targets, const CompareFlags& flags) 
     line += fmt::format(" --reference-time-limit {:g}", *flags.reference_time_limit);
   }
   if (flags.repeat != CompareFlags{}.repeat) line += fmt::format(" --repeat {}", flags.repeat);
+  if (flags.min_time != CompareFlags{}.min_time) {
+    line += fmt::format(" --min-time {:g}", flags.min_time);
+  }
+  if (flags.try_all) line += " --try-all";
   if (flags.scene_problems) line += fmt::format(" --scene-problems {}", *flags.scene_problems);
   if (flags.scene_steps) line += fmt::format(" --scene-steps {}", *flags.scene_steps);
   return line;
@@ -60,8 +65,8 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
   command
       ->add_option("targets", flags.targets,
                    "Problem file, folder of them, scene, family as square:30, triangular:30, "
-                   "pyramid:20, random:20, pile:32 (with :mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), "
-                   "benchmark or benchmark-quick")
+                   "pyramid:20, random:20, pile:32, impact:32 (with "
+                   ":mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), or benchmark")
       ->required();
   command->add_option("--solvers", flags.solvers, "all, or names separated by commas")
       ->delimiter(',')
@@ -78,18 +83,28 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
                    "Wall seconds of one attempt at a reference (30; quick 5)")
       ->check(CLI::PositiveNumber)
       ->type_name("SECONDS");
-  command->add_option("--repeat", flags.repeat, "Solves behind each time")
+  command->add_option("--repeat", flags.repeat, "Solves behind each time, at least")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
+  command
+      ->add_option("--min-time", flags.min_time,
+                   "CPU seconds for which short solves are repeated; the least time counts")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->type_name("SECONDS");
+  command->add_flag("--try-all", flags.try_all,
+                    "Run solvers also after they were out of time at a looser tolerance or on a "
+                    "smaller problem of the series");
   command->add_option("--scene-problems", flags.scene_problems, "Steps of a scene (3; quick 1)")
       ->check(CLI::Range(1, 1000));
   command->add_option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)")
       ->check(CLI::PositiveNumber);
-  command->add_flag("--quick", flags.quick, "Loose limits for a first look");
+  command->add_flag("--quick", flags.quick,
+                    "Loose limits and the small benchmark, for a first look");
   command
       ->add_option("--out", flags.out,
-                   "Folder for rows.csv, comparison.csv, comparison.json and report.html; a "
-                   "stopped comparison goes on from the rows there")
+                   "Folder for rows.csv, history.csv, comparison.csv, comparison.json and "
+                   "report.html; a stopped comparison goes on from the rows there")
       ->type_name("DIR");
   command
       ->add_option("--json", flags.json,
@@ -117,10 +132,14 @@ int compare_command(const CompareFlags& flags) {
   options.time_limit = flags.time_limit.value_or(flags.quick ? 1 : 10);
   options.reference_time_limit = flags.reference_time_limit.value_or(flags.quick ? 5 : 30);
   options.repeat = flags.repeat;
+  options.min_time = flags.min_time;
+  options.try_all = flags.try_all;
   options.out = flags.out;
   TargetOptions scenes;
   scenes.scene_problems = flags.scene_problems.value_or(flags.quick ? 1 : 3);
+  scenes.quick = flags.quick;
   scenes.scene_steps = flags.scene_steps.value_or(flags.quick ? 100 : scenes.scene_steps);
+  if (!flags.out.empty()) require_plotting_tool();
   const std::vector<ProblemSource> sources = expand_targets(flags.targets, scenes);
 
   const bool quiet = flags.quiet || flags.json == "-";

@@ -14,6 +14,8 @@ struct CompareFlags {
   std::optional<double> time_limit;            ///< of one solve, 10 s; quick 1 s
   std::optional<double> reference_time_limit;  ///< of one attempt, 30 s; quick 5 s
   int repeat = 1;
+  double min_time = 0.02;  ///< of the repeats of a short solve together, CPU [s]
+  bool try_all = false;
   std::optional<int> scene_problems;  ///< 3; quick 1
   std::optional<int> scene_steps;     ///< all; quick 100
   bool quick = false, quiet = false;

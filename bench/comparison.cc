@@ -35,6 +35,13 @@ double median(std::vector<double> x) {
   return x.size() % 2 == 1 ? x[half] : 0.5 * (x[half - 1] + x[half]);
 }
 
+/// CPU time of this process so far [s].
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
 /// A problem's name as a file name.
 std::string file_stem(const std::string& name) {
   std::string stem = name;
@@ -50,7 +57,9 @@ std::string file_stem(const std::string& name) {
 nlohmann::ordered_json limits_json(const ComparisonOptions& o) {
   return {{"time_limit", o.time_limit},
           {"reference_time_limit", o.reference_time_limit},
-          {"repeat", o.repeat}};
+          {"repeat", o.repeat},
+          {"min_time", o.min_time},
+          {"try_all", o.try_all}};
 }
 
 /// The files of a comparison.
@@ -75,24 +84,20 @@ class Store {
       std::ofstream out(limits);
       out << now.dump(2) << '\n';
     }
-    const fs::path path = folder_ / "rows.csv";
-    if (fs::exists(path)) {
-      for (ComparisonRow& row : read_csv_rows(path)) {
+    const fs::path rows = folder_ / "rows.csv", histories = folder_ / "history.csv";
+    if (fs::exists(rows)) {
+      for (ComparisonRow& row : read_csv_rows(rows)) {
         const std::string key = key_of(row.problem, row.solver, row.tol);
         rows_.insert_or_assign(key, std::move(row));
       }
-      // A line that was cut off must not be continued by the next one.
-      std::ifstream in(path, std::ios::binary);
-      std::string whole((std::istreambuf_iterator<char>(in)), {});
-      in.close();
-      if (const std::size_t end = whole.rfind('\n'); end + 1 != whole.size()) {
-        fs::resize_file(path, end + 1);
+    }
+    if (fs::exists(histories)) {
+      for (History& history : read_csv_histories(histories)) {
+        histories_.insert_or_assign({history.problem, history.solver}, std::move(history));
       }
     }
-    const bool fresh = !fs::exists(path) || fs::file_size(path) == 0;
-    file_.open(path, std::ios::app);
-    if (fresh) file_ << csv_header() << std::endl;
-    if (!file_) throw FileError(path, "", "cannot be written");
+    open(rows, csv_header(), rows_file_);
+    open(histories, history_csv_header(), history_file_);
   }
 
   const ComparisonRow* find(const std::string& problem, const std::string& solver,
@@ -101,10 +106,20 @@ class Store {
     return found == rows_.end() ? nullptr : &found->second;
   }
 
-  void append(const ComparisonRow& row) {
+  /// The history before the row: a row that stands in the file has its history.
+  void append(const ComparisonRow& row, const History& history) {
+    if (!history.points.empty()) histories_[{history.problem, history.solver}] = history;
     if (folder_.empty()) return;
-    file_ << to_csv(row) << std::endl;
-    if (!file_) throw FileError(folder_ / "rows.csv", "", "cannot be written");
+    history_file_ << to_csv(history) << std::flush;
+    rows_file_ << to_csv(row) << std::endl;
+    if (!rows_file_ || !history_file_) {
+      throw FileError(folder_ / "rows.csv", "", "cannot be written");
+    }
+  }
+
+  const History* history(const std::string& problem, const std::string& solver) const {
+    const auto found = histories_.find({problem, solver});
+    return found == histories_.end() ? nullptr : &found->second;
   }
 
   std::optional<ReferenceSolution> reference(const std::string& problem) const {
@@ -129,31 +144,81 @@ class Store {
     return folder_ / "references" / (file_stem(problem) + ".json");
   }
 
+  /// For appending whole lines. A line that was cut off must not be continued by the next one.
+  static void open(const fs::path& path, const std::string& header, std::ofstream& file) {
+    if (fs::exists(path)) {
+      std::ifstream in(path, std::ios::binary);
+      const std::string whole((std::istreambuf_iterator<char>(in)), {});
+      in.close();
+      if (const std::size_t end = whole.rfind('\n'); end + 1 != whole.size()) {
+        fs::resize_file(path, end + 1);
+      }
+    }
+    const bool fresh = !fs::exists(path) || fs::file_size(path) == 0;
+    file.open(path, std::ios::app);
+    if (fresh) file << header << std::endl;
+    if (!file) throw FileError(path, "", "cannot be written");
+  }
+
   fs::path folder_;
   std::map<std::string, ComparisonRow> rows_;
-  std::ofstream file_;
+  std::map<std::pair<std::string, std::string>, History> histories_;
+  std::ofstream rows_file_, history_file_;
 };
 
-ComparisonRow measure(const SolverEntry& entry, const ComparisonProblem& given, double tol,
-                      const TrueErrorEvaluator& true_error, const ComparisonOptions& options) {
-  const ContactProblem& problem = given.problem;
+/// Adds a judged iteration to a history, unless it comes too soon after the one before. The newest
+/// always stands at the end.
+class HistoryRecorder {
+ public:
+  void operator()(const IterationRecord& r) {
+    const bool early = r.iteration <= kDense, first = points_.empty();
+    if (!first && newest_is_extra_) points_.pop_back();
+    newest_is_extra_ = !early && !first && r.iteration < kGrowth * points_.back().iteration;
+    points_.push_back({r.iteration, r.seconds, r.error.epsilon, r.error.eta});
+  }
+  std::vector<HistoryPoint> points() const { return points_; }
+
+ private:
+  static constexpr int kDense = 32;
+  static constexpr double kGrowth = 1.1;
+  std::vector<HistoryPoint> points_;
+  bool newest_is_extra_ = false;
+};
+
+struct Measurement {
   ComparisonRow row;
+  std::vector<HistoryPoint> history;
+};
+
+Measurement measure(const SolverEntry& entry, const ComparisonProblem& given, double tol,
+                    const TrueErrorEvaluator& true_error, const ComparisonOptions& options) {
+  const ContactProblem& problem = given.problem;
+  Measurement made;
+  ComparisonRow& row = made.row;
   SolverOptions solver;
   solver.tol = tol;
   solver.time_limit = options.time_limit;
+  // Watching costs next to nothing beside the judgements themselves, and only the first repeat is
+  // watched.
+  HistoryRecorder recorder;
+  solver.on_iteration = [&recorder](const IterationRecord& r) { recorder(r); };
   std::vector<double> setup, solve_time, total, cpu;
-  for (int k = 0; k < std::max(1, options.repeat); ++k) {
-    const std::clock_t before = std::clock();
+  double spent = 0;
+  for (int k = 0; k < std::max(1, options.repeat) || spent < options.min_time; ++k) {
+    const double before = cpu_seconds();
     const SolveResult result = solve(entry, problem, solver);
-    cpu.push_back(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC);
+    cpu.push_back(cpu_seconds() - before);
+    spent += cpu.back();
     setup.push_back(result.setup_seconds);
     solve_time.push_back(result.solve_seconds);
     total.push_back(result.setup_seconds + result.solve_seconds);
     if (k == 0) {
+      solver.on_iteration = nullptr;
       row.status = to_string(result.status);
       row.message = result.message;
       row.iterations = result.iterations;
-      if (result.status == SolveStatus::kInvalidInput) return row;
+      if (result.status == SolveStatus::kInvalidInput) return made;
+      made.history = recorder.points();
       row.epsilon = result.error.epsilon;
       row.eta = result.error.eta;
       row.guarded = result.error.guarded();
@@ -181,7 +246,7 @@ ComparisonRow measure(const SolverEntry& entry, const ComparisonProblem& given, 
   row.solve_median = median(solve_time);
   row.total_min = *std::min_element(total.begin(), total.end());
   row.cpu_min = *std::min_element(cpu.begin(), cpu.end());
-  return row;
+  return made;
 }
 
 /// The first call of a solver pays for loading and initialising its libraries: here, not in a row.
@@ -214,12 +279,18 @@ class ProblemRows {
               const std::string& commit)
       : source_(source), options_(options), store_(store), commit_(commit) {}
 
-  ComparisonRow make(const SolverEntry& entry, double tol, const ComparisonRow* looser) {
+  /// `hopeless`: why the solver is not tried, empty when it is.
+  Measurement make(const SolverEntry& entry, double tol, const ComparisonRow* looser,
+                   const std::string& hopeless) {
     prepare();
-    ComparisonRow row;
+    Measurement made;
+    ComparisonRow& row = made.row;
     if (!defect_.empty()) {
       row.status = to_string(SolveStatus::kInvalidInput);
       row.message = defect_;
+    } else if (!hopeless.empty()) {
+      row.status = ComparisonRow::kNotTried;
+      row.message = hopeless;
     } else if (looser != nullptr && has_fixed_path(entry.name) &&
                looser->status == to_string(SolveStatus::kTimeLimit)) {
       row = *looser;
@@ -228,7 +299,7 @@ class ProblemRows {
                                   looser->tol, looser->message);
       }
     } else {
-      row = measure(entry, problem_, tol, *true_error_, options_);
+      made = measure(entry, problem_, tol, *true_error_, options_);
     }
     row.problem = source_.name;
     row.solver = entry.name;
@@ -236,7 +307,7 @@ class ProblemRows {
     row.contacts = problem_.problem.num_contacts();
     row.dim = problem_.problem.num_contacts() > 0 ? problem_.problem.dim : 0;
     row.commit = commit_;
-    return row;
+    return made;
   }
 
   /// Without the problem where no row was missing and the reference is kept.
@@ -253,6 +324,7 @@ class ProblemRows {
     s.target = source_.target;
     s.origin = reference_.origin;
     s.defect = defect_;
+    s.series = source_.series;
     s.contacts = reference_.contacts;
     s.dim = reference_.dim;
     s.dofs = reference_.dofs;
@@ -312,7 +384,41 @@ class ProblemRows {
   std::optional<TrueErrorEvaluator> true_error_;
 };
 
+/// Which solver ran out of time where.
+class TimeOuts {
+ public:
+  void add(const ProblemSource& source, const ComparisonRow& row) {
+    if (row.status != to_string(SolveStatus::kTimeLimit)) return;
+    seen_.push_back({source.series, row.solver, source.name, source.size, row.tol});
+  }
+
+  /// Why there is no hope, in words; empty when nothing is known.
+  std::string reason(const ProblemSource& source, std::string_view solver, double tol) const {
+    if (solver == "auto") return {};
+    for (const Seen& s : seen_) {
+      if (s.solver != solver || s.tol < tol) continue;
+      const bool smaller =
+          !source.series.empty() && s.series == source.series && s.size < source.size;
+      // Where the path does not depend on the tolerance, the row is known without a run.
+      const bool looser = s.problem == source.name && s.tol > tol && !has_fixed_path(solver);
+      if (smaller || looser) {
+        return fmt::format("not tried: out of time on {} at tol {:g}", s.problem, s.tol);
+      }
+    }
+    return {};
+  }
+
+ private:
+  struct Seen {
+    std::string series, solver, problem;
+    double size, tol;
+  };
+  std::vector<Seen> seen_;
+};
+
 }  // namespace
+
+double HistoryPoint::guarded() const { return std::fmax(epsilon, eta); }
 
 Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOptions& options) {
   std::vector<const SolverEntry*> entries;
@@ -335,6 +441,7 @@ Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOp
   Store store(options);
   Comparison comparison;
   bool warm = false;
+  TimeOuts time_outs;
   const int total = static_cast<int>(sources.size() * entries.size() * tols.size());
   for (const ProblemSource& source : sources) {
     ProblemRows problem(source, options, store, commit);
@@ -350,13 +457,19 @@ Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOp
           if (!warm) warm_up();
           warm = true;
           const ComparisonRow* looser = k > 0 ? &comparison.rows.back() : nullptr;
-          ComparisonRow row = problem.make(*entry, tols[k], looser);
-          store.append(row);
-          comparison.rows.push_back(std::move(row));
+          const std::string hopeless =
+              options.try_all ? "" : time_outs.reason(source, entry->name, tols[k]);
+          Measurement made = problem.make(*entry, tols[k], looser, hopeless);
+          store.append(made.row, {source.name, std::string(entry->name), tols[k], made.history});
+          comparison.rows.push_back(std::move(made.row));
         }
+        time_outs.add(source, comparison.rows.back());
         if (options.on_row) {
           options.on_row(comparison.rows.back(), static_cast<int>(comparison.rows.size()), total);
         }
+      }
+      if (const History* history = store.history(source.name, std::string(entry->name))) {
+        comparison.histories.push_back(*history);
       }
     }
     ProblemSummary summary = problem.summary();

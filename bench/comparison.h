@@ -33,12 +33,31 @@ struct ComparisonRow {
   std::string commit;  ///< of the program that made the row
 
   bool solved() const { return guarded <= tol; }
+  /// What reports compare: CPU time. Waiting for a core that others use does not count, and all
+  /// solvers run on one.
+  double time() const { return cpu_min; }
+  static constexpr const char* kNotTried = "not tried";  ///< a status: see ComparisonOptions
+};
+
+/// The guarded error along one solve, at judged iterations (solvers/monitor.h), thinned to steps of
+/// a tenth beyond the 32nd. Of all tolerances of a solver the tightest that was run.
+struct HistoryPoint {
+  int iteration = 0;
+  double seconds = 0;  ///< wall time since the solver began
+  double epsilon = ComparisonRow::kNaN, eta = ComparisonRow::kNaN;
+  double guarded() const;  ///< max(epsilon, eta)
+};
+struct History {
+  std::string problem, solver;
+  double tol = ComparisonRow::kNaN;
+  std::vector<HistoryPoint> points;
 };
 
 /// What a comparison says of a problem.
 struct ProblemSummary {
   std::string name, target, origin;
   std::string defect;  ///< why there is no problem: the file is not readable, the run failed
+  std::string series;  ///< see ProblemSource
   int contacts = 0, dim = 0, dofs = 0;
   std::string reference_solver;
   double reference_guarded = ComparisonRow::kNaN, reference_natural_map = ComparisonRow::kNaN;
@@ -54,8 +73,14 @@ struct ComparisonOptions {
   std::vector<double> tols = {1e-2, 1e-4, 1e-8};
   double time_limit = 10;            ///< wall seconds of one solve
   double reference_time_limit = 30;  ///< of one attempt at a reference
-  int repeat = 1;
-  std::filesystem::path out;  ///< rows.csv, references/, problems/; empty: nothing is written
+  int repeat = 1;                    ///< solves behind each time, at least
+  double min_time = 0.02;  ///< a short solve is repeated until its repeats took this long [s]
+  /// Whether a solver runs after it was out of time on a smaller problem of the series, at the same
+  /// tolerance or a looser one, or on the same problem at a looser one. If not, these rows have the
+  /// status "not tried". `auto` always runs.
+  bool try_all = false;
+  /// rows.csv, history.csv, references/, problems/; empty: nothing is written.
+  std::filesystem::path out;
   std::function<void(const ComparisonRow&, int done, int total)> on_row;
   std::function<bool()> interrupted;  ///< asked before each row
 };
@@ -63,6 +88,7 @@ struct ComparisonOptions {
 struct Comparison {
   std::vector<ProblemSummary> problems;  ///< in the order of the sources
   std::vector<ComparisonRow> rows;       ///< problem by problem, solver by solver, loose to tight
+  std::vector<History> histories;        ///< in the same order
   int rows_kept = 0;                     ///< of an earlier, stopped comparison
   bool complete = false;
 };
@@ -79,6 +105,13 @@ std::string csv_header();
 std::string to_csv(const ComparisonRow& row);
 /// Throws FileError for a file of another kind. A last line that was cut off is dropped.
 std::vector<ComparisonRow> read_csv_rows(const std::filesystem::path& path);
+
+/// Histories as CSV: problem, solver, tol, iteration, seconds, epsilon, eta.
+std::string history_csv_header();
+std::string to_csv(const History& history);
+/// Throws FileError. Drops a cut last line; of several histories of a problem and solver the
+/// tightest one counts, of equal ones the last.
+std::vector<History> read_csv_histories(const std::filesystem::path& path);
 
 /// Names and values of a row's columns, in the order of the file.
 struct Column {

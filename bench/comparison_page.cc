@@ -6,9 +6,9 @@
 #include <cmath>
 #include <map>
 
-#include "bench/comparison_report.h"
 #include "bench/chart.h"
-#include "solvers/registry.h"
+#include "bench/comparison_charts.h"
+#include "bench/comparison_report.h"
 
 namespace bipot {
 namespace {
@@ -45,19 +45,24 @@ figcaption{font-size:.87rem;color:#333;max-width:560px}
 .filters label{display:flex;flex-direction:column;font-size:.8rem;color:#444}
 select,input{font:inherit;padding:.25em;max-width:100%;border:1px solid #999;background:#fff;
  color:inherit}
+nav{display:flex;flex-wrap:wrap;gap:.2em 1.2em;margin:1em 0}
+details{border-bottom:1px solid #ddd;padding:.35em 0}
+summary{cursor:pointer;overflow-wrap:anywhere}
+details[open]>summary{margin-bottom:.4em}
+button#open-all{font:inherit;font-size:.87rem}
 dl{display:grid;grid-template-columns:minmax(7em,max-content) 1fr;gap:.3em 1em}
 dt{font-weight:600}dd{margin:0;max-width:42em}
 @media(max-width:600px){body{padding:10px}dl{display:block}dd{margin:0 0 .5em}
- #answer thead{display:none}#answer tr{display:block;border-bottom:1px solid #bbb;padding:.4em 0}
- #answer td{display:flex;gap:.8em;position:static;border:0;padding:.1em .6em;text-align:left}
- #answer td:first-child{font-weight:600;font-size:1rem}
- #answer td[data-label]::before{content:attr(data-label);flex:0 0 5.5em;color:#555}
+ table.cards thead{display:none}table.cards tr{display:block;border-bottom:1px solid #bbb;padding:.4em 0}
+ table.cards td{display:flex;gap:.8em;position:static;border:0;padding:.1em .6em;text-align:left}
+ table.cards td:first-child{font-weight:600;font-size:1rem}
+ table.cards td[data-label]::before{content:attr(data-label);flex:0 0 5.5em;color:#555}
  #rows td:first-child,#rows th:first-child{min-width:7.5em;max-width:7.5em;overflow-wrap:anywhere}}
-@media print{body{max-width:none;padding:0;font-size:10pt}.filters{display:none}
+@media print{body{max-width:none;padding:0;font-size:10pt}.filters,nav,#open-all{display:none}
  .scroll{overflow:visible;border:0}th:first-child,td:first-child{position:static}
  table{font-size:7.5pt}th,td{padding:.15em .3em}#rows{font-size:6pt}@page wide{size:landscape;margin:10mm}
  .wide{page:wide}.grid{grid-template-columns:1fr 1fr}
- h2,h3{break-after:avoid}tr{break-inside:avoid}}
+ h2,h3,summary{break-after:avoid}tr{break-inside:avoid}}
 )";
 
 constexpr const char* kScript = R"(
@@ -98,44 +103,50 @@ constexpr const char* kScript = R"(
  };
  filters.forEach(f=>f.addEventListener('input',apply));
  apply();
+ const all=Array.from(document.querySelectorAll('details'));
+ document.getElementById('open-all').addEventListener('click',()=>all.forEach(d=>d.open=true));
+ const reveal=()=>{
+  const aim=location.hash.length>1&&document.getElementById(location.hash.slice(1));
+  if(aim&&aim.tagName==='DETAILS'){aim.open=true;aim.scrollIntoView();}
+ };
+ addEventListener('hashchange',reveal);
+ reveal();
 })();
 )";
 
-std::string seconds(double s) {
-  if (!std::isfinite(s)) return "–";
-  if (s < 1e-3) return fmt::format("{:.3g} µs", s * 1e6);
-  if (s < 1) return fmt::format("{:.3g} ms", s * 1e3);
-  return fmt::format("{:.3g} s", s);
-}
-
-std::string small_number(double x) {
-  return std::isfinite(x) ? fmt::format("{:.1e}", x) : std::isnan(x) ? "–" : "∞";
-}
-
 std::string accuracy_label(double accuracy) {
-  return accuracy >= 1e-3 ? fmt::format("{:g} %", 100 * accuracy) : tolerance_label(accuracy);
+  return accuracy >= 1e-3 ? fmt::format("{:g} %", 100 * accuracy) : tolerance_label(accuracy);
 }
 
-const char* kReplay = "<br><span class=\"small\">Made by <code>{}</code></span>";
+/// A list of names with counts, most first: "ipm (12), auto (3)".
+std::string ranked(const std::map<std::string, int>& counts, std::size_t longest) {
+  std::vector<std::pair<int, std::string>> order;
+  for (const auto& [name, count] : counts) order.emplace_back(-count, name);
+  std::sort(order.begin(), order.end());
+  std::string list;
+  for (std::size_t i = 0; i < order.size() && i < longest; ++i) {
+    list += fmt::format("{}<strong>{}</strong> ({})", i == 0 ? "" : ", ",
+                        escape_markup(order[i].second), -order[i].first);
+  }
+  return list.empty() ? "–" : list;
+}
 
-/// A solver keeps its marker in all figures of all reports of a build.
-int style_of(const std::string& solver) {
-  const auto names = solver_names();
-  return static_cast<int>(std::find(names.begin(), names.end(), solver) - names.begin());
+std::string law_label(const PowerLaw& law) {
+  if (!std::isfinite(law.exponent)) return "–";
+  if (!std::isfinite(law.confidence)) return fmt::format("{:.2f}", law.exponent);
+  return fmt::format("{:.2f} ± {:.2f}", law.exponent, law.confidence);
 }
 
 class Page {
  public:
-  Page(const Comparison& comparison, const ReportContext& context)
-      : c_(comparison), context_(context) {
-    for (const ComparisonRow& row : c_.rows) {
-      if (std::find(solvers_.begin(), solvers_.end(), row.solver) == solvers_.end()) {
-        solvers_.push_back(row.solver);
-      }
-      if (std::find(tols_.begin(), tols_.end(), row.tol) == tols_.end()) tols_.push_back(row.tol);
-    }
-    std::sort(tols_.begin(), tols_.end(), std::greater<>());
-  }
+  Page(const Comparison& comparison, const ReportContext& context,
+       const std::vector<ReportSection>& sections)
+      : c_(comparison),
+        context_(context),
+        sections_(sections),
+        solvers_(solvers_of(comparison)),
+        tols_(tolerances_of(comparison)),
+        growth_(growth(comparison)) {}
 
   std::string write() {
     add("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
@@ -145,8 +156,16 @@ class Page {
     add(kStyle);
     add("</style></head><body>\n");
     answer();
+    contents();
+    answer_by_problem();
     solver_summary();
+    regret();
     profiles();
+    growth_section();
+    for (const ReportSection& section : sections_) {
+      heading(section.id, section.title);
+      add(section.html);
+    }
     problems();
     table();
     measures();
@@ -154,11 +173,39 @@ class Page {
     add("<script>");
     add(kScript);
     add("</script>\n</body></html>\n");
-    return std::move(html_);
+    return with_drawings();
   }
 
  private:
   void add(std::string_view text) { html_ += text; }
+
+  void heading(const std::string& id, const std::string& title) {
+    add(fmt::format("<h2 id=\"{}\">{}</h2>\n", escape_markup(id), escape_markup(title)));
+  }
+
+  /// Where a chart will stand; gnuplot draws them all at once in the end.
+  void figure(Chart chart, const std::string& caption, const std::string& command,
+              const std::string& data) {
+    add("<figure>");
+    places_.push_back(html_.size());
+    charts_.push_back(std::move(chart));
+    add(
+        fmt::format("<figcaption>{}<br><span class=\"small\">Made by <code>{}</code>; data: "
+                    "{}.</span></figcaption></figure>\n",
+                    caption, escape_markup(command), data));
+  }
+
+  std::string with_drawings() {
+    const std::vector<std::string> drawings = to_svg(charts_);
+    std::string page;
+    std::size_t begin = 0;
+    for (std::size_t i = 0; i < drawings.size(); ++i) {
+      page.append(html_, begin, places_[i] - begin);
+      page += drawings[i];
+      begin = places_[i];
+    }
+    return page.append(html_, begin);
+  }
 
   static std::string error_word(const Ranking& rank) {
     switch (rank.measure) {
@@ -174,62 +221,100 @@ class Page {
 
   void answer() {
     add("<h1>Contact solvers: what accuracy costs</h1>\n");
-    const double goal = 1e-2;
-    std::map<std::string, int> wins;
-    int answered = 0;
-    for (const ProblemSummary& p : c_.problems) {
-      if (const ComparisonRow* best = fastest_to(p, c_.rows, goal)) {
-        ++wins[best->solver];
-        ++answered;
-      }
-    }
     if (!c_.complete) add("<p><strong>This comparison was stopped; rows are missing.</strong></p>");
-    std::vector<std::pair<int, std::string>> order;
-    for (const auto& [solver, count] : wins) order.emplace_back(-count, solver);
-    std::sort(order.begin(), order.end());
-    std::string winners;
-    for (std::size_t i = 0; i < order.size() && i < 4; ++i) {
-      winners += fmt::format("{}<strong>{}</strong> ({})", i == 0 ? "" : ", ",
-                             escape_markup(order[i].second), -order[i].first);
-    }
     add(
-        fmt::format("<p>Of {} problems, {} were solved to an error of 1&nbsp;% by some solver. "
-                    "Fastest there: {}. Each entry below names the fastest solver, the tolerance "
-                    "that it needs for this accuracy, and its time.</p>\n",
-                    c_.problems.size(), answered, winners.empty() ? "none" : winners));
-    add("<div class=\"scroll\"><table id=\"answer\"><thead><tr><th>problem</th>"
+        fmt::format("<p>{} problems, {} solvers. For each accuracy: on how many problems some "
+                    "solver reaches it, and which solvers are the fastest to it, with the number "
+                    "of problems. The error is a true one, against a reference solution; the "
+                    "tolerance that a solver is given is another number.</p>\n",
+                    c_.problems.size(), solvers_.size()));
+    add("<div class=\"scroll\"><table><thead><tr><th>true error</th><th class=\"n\">reached on</th>"
+        "<th>fastest on</th></tr></thead><tbody>\n");
+    for (double accuracy : kProfileAccuracies) {
+      std::map<std::string, int> wins;
+      int reached = 0;
+      for (const ProblemSummary& p : c_.problems) {
+        if (const ComparisonRow* best = fastest_to(p, c_.rows, accuracy)) {
+          ++wins[best->solver];
+          ++reached;
+        }
+      }
+      add(fmt::format("<tr><td>{}</td><td class=\"n\">{} of {}</td><td>{}</td></tr>\n",
+                      accuracy_label(accuracy), reached, c_.problems.size(), ranked(wins, 4)));
+    }
+    add("</tbody></table></div>\n");
+    const Regret r = regret_of(c_, "auto");
+    if (!r.entries.empty()) {
+      add(
+          fmt::format("<p>Without a choice, <strong>auto</strong> takes {} times as long as the "
+                      "fastest other solver in the median, and {} in nine cases of ten.</p>\n",
+                      ratio_label(r.median),
+                      std::isfinite(r.ninth_decile)
+                          ? "at most " + ratio_label(r.ninth_decile) + " times as long"
+                          : "does not solve all"));
+    }
+  }
+
+  void contents() {
+    add("<nav><a href=\"#answer\">Fastest, by problem</a><a href=\"#solvers\">Who solves "
+        "what</a>");
+    if (has_auto()) add("<a href=\"#auto\">auto</a>");
+    if (c_.problems.size() > 1) add("<a href=\"#profiles\">Profiles</a>");
+    if (!growth_.empty()) add("<a href=\"#growth\">Growth with size</a>");
+    for (const ReportSection& section : sections_) {
+      add(fmt::format("<a href=\"#{}\">{}</a>", escape_markup(section.id),
+                      escape_markup(section.title)));
+    }
+    add("<a href=\"#problems\">Problems</a><a href=\"#all\">All rows</a><a "
+        "href=\"#measures\">What the measures mean</a><a href=\"#made\">How this was "
+        "made</a></nav>\n");
+  }
+
+  bool has_auto() const {
+    return solvers_.size() > 1 &&
+           std::find(solvers_.begin(), solvers_.end(), "auto") != solvers_.end();
+  }
+
+  static std::string best_label(const ComparisonRow& best) {
+    return fmt::format("<strong>{}</strong> at {}<br>{}", escape_markup(best.solver),
+                       tolerance_label(best.tol), seconds_label(best.time()));
+  }
+
+  void answer_by_problem() {
+    heading("answer", "Fastest, by problem");
+    add("<p>Each entry: the fastest solver, the tolerance that it needs for this true error, and "
+        "its time.</p>\n<div class=\"scroll\"><table class=\"cards\"><thead><tr><th>problem</th>"
         "<th class=\"n\">contacts</th><th>error in</th>");
-    const std::vector<double> accuracies = {1e-1, 1e-2, 1e-4, 1e-6, 1e-8};
-    for (double a : accuracies) add(fmt::format("<th>to {}</th>", accuracy_label(a)));
+    for (double a : kProfileAccuracies) add(fmt::format("<th>to {}</th>", accuracy_label(a)));
     add("</tr></thead><tbody>\n");
     for (const ProblemSummary& p : c_.problems) {
       const Ranking rank = ranking(p, c_.rows);
       add(fmt::format(
-          "<tr><td>{}{}</td><td class=\"n\" data-label=\"contacts\">{}</td><td data-label=\"error "
-          "in\">{}</td>",
-          escape_markup(p.name), p.several_velocities() ? " †" : "", p.contacts, error_word(rank)));
-      for (double a : accuracies) {
+          "<tr><td><a href=\"#{}\">{}</a>{}</td><td class=\"n\" data-label=\"contacts\">{}</td>"
+          "<td data-label=\"error in\">{}</td>",
+          id_of(p), escape_markup(p.name), p.several_velocities() ? " †" : "", p.contacts,
+          error_word(rank)));
+      for (double a : kProfileAccuracies) {
         const ComparisonRow* best = fastest_to(p, c_.rows, a);
-        if (best == nullptr) {
-          add(fmt::format("<td data-label=\"to {}\">–</td>", accuracy_label(a)));
-        } else {
-          add(fmt::format(
-              "<td data-label=\"to {}\"><span><strong>{}</strong> at {}<br>{}</span></td>",
-              accuracy_label(a), escape_markup(best->solver), tolerance_label(best->tol),
-              seconds(best->total_min)));
-        }
+        add(fmt::format("<td data-label=\"to {}\"><span>{}</span></td>", accuracy_label(a),
+                        best == nullptr ? "–" : best_label(*best)));
       }
       add("</tr>\n");
     }
     add("</tbody></table></div>\n"
         "<p class=\"small\">A dash: nothing that was tried got there. † several velocity "
-        "solutions: "
-        "ranked by the guarded error, because a distance to one of them says nothing. Errors are "
-        "against a reference solution, not against the tolerance.</p>\n");
+        "solutions: ranked by the guarded error, because a distance to one of them says "
+        "nothing.</p>\n");
+  }
+
+  /// Of the problem's part of the page.
+  std::string id_of(const ProblemSummary& p) const {
+    return fmt::format("p{}", &p - c_.problems.data() + 1);
   }
 
   void solver_summary() {
-    add("<h2>Who solves what</h2>\n<div class=\"scroll\"><table><thead><tr><th>solver</th>");
+    heading("solvers", "Who solves what");
+    add("<div class=\"scroll\"><table><thead><tr><th>solver</th>");
     for (double tol : tols_) {
       add(fmt::format("<th class=\"n\">solved at {}</th><th class=\"n\">time / best</th>",
                       tolerance_label(tol)));
@@ -255,124 +340,205 @@ class Page {
         "solver's time over the fastest solver's. Natural map: at the tightest tolerance.</p>\n");
   }
 
+  void regret() {
+    if (!has_auto()) return;
+    heading("auto", "What it costs to let auto choose");
+    const Regret all = regret_of(c_, "auto"), longer = regret_of(c_, "auto", 1e-3);
+    add(fmt::format(
+        "<p>The time of <code>auto</code> over the time of the fastest other solver "
+        "that met the same tolerance on the same problem: {} cases. Below 1, auto is "
+        "faster than all others. A case that auto does not solve counts as "
+        "infinite.{}</p>\n",
+        all.entries.size(),
+        all.alone > 0 ? fmt::format(" In {} more, auto alone met the tolerance.", all.alone) : ""));
+    if (all.entries.empty()) return;
+    add("<div class=\"grid\"><div><div class=\"scroll\"><table><thead><tr><th>cases</th><th "
+        "class=\"n\">number</th><th class=\"n\">not solved</th><th class=\"n\">median</th><th "
+        "class=\"n\">90 % below</th><th class=\"n\">worst</th></tr></thead><tbody>\n");
+    const auto line = [this](const std::string& name, const Regret& r) {
+      add(
+          fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
+                      "class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td></tr>\n",
+                      name, r.entries.size(), r.failed, ratio_label(r.median),
+                      ratio_label(r.ninth_decile), ratio_label(r.worst)));
+    };
+    line("all", all);
+    line("fastest other ≥ 1 ms", longer);
+    for (double tol : tols_) {
+      Comparison part;
+      for (const ComparisonRow& row : c_.rows) {
+        if (row.tol == tol) part.rows.push_back(row);
+      }
+      line("tolerance " + tolerance_label(tol), regret_of(part, "auto"));
+    }
+    add("</tbody></table></div>\n<h3>The ten worst cases</h3>\n<div class=\"scroll\"><table><thead>"
+        "<tr><th>problem</th><th class=\"n\">tolerance</th><th class=\"n\">ratio</th><th "
+        "class=\"n\">auto</th><th>fastest other</th></tr></thead><tbody>\n");
+    for (std::size_t i = 0; i < all.entries.size() && i < 10; ++i) {
+      const Regret::Entry& e = all.entries[i];
+      add(
+          fmt::format("<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
+                      "class=\"n\">{}</td><td>{}, {}</td></tr>\n",
+                      escape_markup(e.problem), tolerance_label(e.tol), ratio_label(e.ratio),
+                      seconds_label(e.time), escape_markup(e.best), seconds_label(e.best_time)));
+    }
+    add("</tbody></table></div></div>\n");
+    figure(regret_chart({all, longer}, {"all cases", "fastest other at least 1 ms"}),
+           "How often auto is within a multiple of the fastest other solver's time.",
+           context_.command, "cpu_min of the rows with guarded ≤ tol in comparison.csv");
+    add("</div>\n");
+  }
+
   void profiles() {
     if (c_.problems.size() < 2) return;
-    add("<h2>Performance profiles</h2>\n<p>How far up a curve starts at the left: the share of "
-        "problems on which the solver is the fastest. How high it ends at the right: the share "
-        "that "
-        "it solves at all. In between, the share solved within that multiple of the fastest "
-        "solver's time (Dolan and Moré 2002).</p>\n<div class=\"grid\">\n");
+    const std::size_t total = c_.problems.size();
+    heading("profiles", "Performance profiles");
+    add("<p>How far up a curve starts at the left: the share of problems on which the solver is "
+        "the cheapest. How high it ends at the right: the share that it solves at all, within a "
+        "thousand times the least cost. In between, the share solved within that multiple of the "
+        "least cost (Dolan and Moré 2002).</p>\n<h3>At a fixed tolerance</h3>\n<div "
+        "class=\"grid\">\n");
     for (double tol : tols_) {
-      const int total = static_cast<int>(c_.problems.size());
-      std::map<std::string, std::vector<double>> ratios;
-      double largest = 10;
-      for (const ProblemSummary& p : c_.problems) {
-        double best = std::numeric_limits<double>::infinity();
-        const auto counts = [&](const ComparisonRow& r) {
-          return r.problem == p.name && r.tol == tol && r.solved() && r.total_min > 0;
-        };
-        for (const ComparisonRow& r : c_.rows) {
-          if (counts(r)) best = std::min(best, r.total_min);
-        }
-        for (const ComparisonRow& r : c_.rows) {
-          if (!counts(r)) continue;
-          ratios[r.solver].push_back(r.total_min / best);
-          largest = std::max(largest, r.total_min / best);
-        }
-      }
-      Chart chart;
-      chart.title = fmt::format("Performance profile at tolerance {}", tolerance_label(tol));
-      chart.x = {"time over the fastest solver's", ChartAxis::Kind::kLog, 1.0,
-                 std::pow(10, std::ceil(std::log10(largest)))};
-      chart.y = {"share of problems solved", ChartAxis::Kind::kLinear, 0.0, 1.0};
-      for (const std::string& solver : solvers_) {
-        ChartSeries series{solver, style_of(solver), {}};
-        std::vector<double>& x = ratios[solver];
-        std::sort(x.begin(), x.end());
-        double share = 0;
-        const std::size_t stride = 1 + x.size() / 10;  // markers, thinned so that they stay apart
-        for (std::size_t i = 0; i < x.size(); ++i) {
-          if (i > 0 || x[i] > 1) series.points.push_back({x[i], share, false, "", false});
-          share = static_cast<double>(i + 1) / total;
-          const bool marked = (x.size() - 1 - i) % stride == 0;
-          series.points.push_back(
-              {x[i], share, false,
-               fmt::format("{}: {:.0f} % within {:.3g}", solver, 100 * share, x[i]), marked});
-        }
-        if (!x.empty()) series.points.push_back({*chart.x.high, share, false, "", false});
-        chart.series.push_back(std::move(series));
-      }
-      figure(chart,
-             fmt::format("Time profile at tolerance {} over {} problems.", tolerance_label(tol),
-                         total),
-             context_.command);
+      const std::string at = tolerance_label(tol);
+      figure(profile_chart(performance_profiles(c_, time_at(c_, tol)), "time",
+                           "Time profile at tolerance " + at),
+             fmt::format("Time to meet tolerance {}, {} problems.", at, total), context_.command,
+             "cpu_min of the rows with guarded ≤ tol in comparison.csv");
+      figure(profile_chart(performance_profiles(c_, iterations_at(c_, tol)), "iterations",
+                           "Iteration profile at tolerance " + at),
+             fmt::format("Iterations to meet tolerance {}, {} problems. An iteration costs much "
+                         "more in some solvers than in others.",
+                         at, total),
+             context_.command, "iterations of the rows with guarded ≤ tol in comparison.csv");
+    }
+    add("</div>\n<h3>At a fixed true error</h3>\n<p>Time of each solver's cheapest row whose true "
+        "error is that small, whatever its tolerance.</p>\n<div class=\"grid\">\n");
+    for (double accuracy : kProfileAccuracies) {
+      const std::string to = accuracy_label(accuracy);
+      figure(profile_chart(performance_profiles(c_, time_to(c_, accuracy)), "time",
+                           "Time profile to a true error of " + to),
+             fmt::format("Time to a true error of {}, {} problems.", to, total), context_.command,
+             "cpu_min and the error of the ranking (ranked_by) in comparison.csv and "
+             "comparison.json");
+    }
+    add("</div>\n<h3>Within a fixed time</h3>\n<p>How the least true error that a solver reaches "
+        "within the time is distributed over the problems: the share of problems with an error of "
+        "at most that on the axis. Higher is better. Only what the tolerances of this comparison "
+        "gave is counted.</p>\n<div class=\"grid\">\n");
+    for (double budget : kBudgets) {
+      figure(
+          budget_chart(errors_within(c_, budget), "Errors within " + seconds_label(budget)),
+          fmt::format("True error reached within {}, {} problems.", seconds_label(budget), total),
+          context_.command, "cpu_min and the error of the ranking in comparison.csv");
     }
     add("</div>\n");
   }
 
-  void problems() {
-    add("<h2>Problem by problem</h2>\n<p>Left: what a solver's time buys; lower left is better. "
-        "One line a solver, one marker a tolerance; an empty marker did not meet its tolerance. "
-        "Right: what a tolerance means: the true error that comes with it.</p>\n");
-    for (const ProblemSummary& p : c_.problems) {
-      add(fmt::format("<h3>{}</h3>\n", escape_markup(p.name)));
-      if (!p.defect.empty()) {
-        add(fmt::format("<p>Not solved by anyone: {}</p>\n", escape_markup(p.defect)));
-        continue;
+  void growth_section() {
+    if (growth_.empty()) return;
+    heading("growth", "Growth with size");
+    add("<p>Problems that differ in size alone. Iterations and time are fitted by N<sup>p</sup>, N "
+        "the number of disks, over the sizes that the solver solved; p is given with its 95 % "
+        "confidence (Student's t), which needs three sizes. Empty markers were not solved and are "
+        "not fitted; a solver that was out of time is not tried on larger sizes.</p>\n");
+    std::vector<std::string> series;
+    for (const Growth& g : growth_) {
+      if (series.empty() || series.back() != g.series) series.push_back(g.series);
+    }
+    for (const std::string& name : series) {
+      std::string targets;
+      for (const ProblemSummary& p : c_.problems) {
+        if (p.series == name) targets += (targets.empty() ? "" : " ") + p.target;
       }
-      add(fmt::format(
-          "<p class=\"small\">{}. {} contacts, d = {}. Reference by {}, guarded error "
-          "{}, natural map {}.{}</p>\n",
-          escape_markup(p.origin), p.contacts, p.dim,
-          p.reference_solver.empty() ? "nobody" : p.reference_solver,
-          small_number(p.reference_guarded), small_number(p.reference_natural_map), uniqueness(p)));
-      if (p.contacts == 0) continue;
-      pareto_sentence(p);
-      const Ranking rank = ranking(p, c_.rows);
-      const std::string replay = fmt::format(fmt::runtime(context_.command_of_target), p.target);
-      add("<div class=\"grid\">\n");
-      Chart work, meaning;
-      work.title = fmt::format("Work-precision diagram of {}", p.name);
-      work.x = {"wall time, set-up and solve", ChartAxis::Kind::kLogSeconds};
-      work.y = {std::string(rank.name()), ChartAxis::Kind::kLog};
-      if (rank.measure == Ranking::Measure::kForce) work.y.label = "force error, worst body";
-      meaning.title = fmt::format("Error against tolerance for {}", p.name);
-      meaning.x = {"tolerance", ChartAxis::Kind::kLog};
-      meaning.y = work.y;
-      // Below the reference's own error nothing can be told.
-      work.y.low = meaning.y.low = floor_of(p, rank);
-      if (rank.measure != Ranking::Measure::kGuarded && p.reference_guarded >= *work.y.low) {
-        work.y_line = meaning.y_line = p.reference_guarded;
-        work.y_line_label = meaning.y_line_label = "guarded error of the reference";
-      }
-      for (const std::string& solver : solvers_) {
-        ChartSeries in_time{solver, style_of(solver), {}}, in_tol = in_time;
-        for (const ComparisonRow& r : c_.rows) {
-          if (r.problem != p.name || r.solver != solver) continue;
-          const double error = rank.of(r);
-          const std::string note = fmt::format("{} at {}: {}, {} iterations, {}, {} {:.1e}", solver,
-                                               tolerance_label(r.tol), r.status, r.iterations,
-                                               seconds(r.total_min), rank.name(), error);
-          if (!std::isfinite(error) || !std::isfinite(r.total_min)) continue;
-          in_time.points.push_back({r.total_min, error, !r.solved(), note});
-          in_tol.points.push_back({r.tol, error, !r.solved(), note});
+      const std::string replay = fmt::format(fmt::runtime(context_.command_of_target), targets);
+      add(fmt::format("<details><summary>{}</summary>\n<div class=\"grid\">\n",
+                      escape_markup(name)));
+      std::vector<double> shown = {tols_.front()};
+      if (tols_.size() > 1) shown.push_back(tols_.back());
+      for (double tol : shown) {
+        for (GrowthOf quantity : {GrowthOf::kIterations, GrowthOf::kTime}) {
+          const bool time = quantity == GrowthOf::kTime;
+          figure(growth_chart(growth_, name, tol, quantity),
+                 fmt::format("{} at tolerance {}, {}.", time ? "Time" : "Iterations",
+                             tolerance_label(tol), escape_markup(name)),
+                 replay,
+                 fmt::format("{} in comparison.csv, dofs / 3 in comparison.json",
+                             time ? "cpu_min" : "iterations"));
         }
-        if (in_time.points.empty()) continue;
-        work.series.push_back(std::move(in_time));
-        meaning.series.push_back(std::move(in_tol));
       }
-      figure(work, fmt::format("Work and precision, {}.", escape_markup(p.name)), replay);
-      figure(meaning, fmt::format("Error against tolerance, {}.", escape_markup(p.name)), replay);
-      add("</div>\n");
+      add("</div>\n<div class=\"scroll\"><table><thead><tr><th>solver</th>");
+      for (double tol : tols_) {
+        add(fmt::format("<th class=\"n\">iterations, {0}</th><th class=\"n\">time, {0}</th>",
+                        tolerance_label(tol)));
+      }
+      add("</tr></thead><tbody>\n");
+      for (const std::string& solver : solvers_) {
+        add(fmt::format("<tr><td>{}</td>", escape_markup(solver)));
+        for (double tol : tols_) {
+          for (const Growth& g : growth_) {
+            if (g.series != name || g.solver != solver || g.tol != tol) continue;
+            add(fmt::format("<td class=\"n\">{}</td><td class=\"n\">{}</td>",
+                            law_label(g.iterations), law_label(g.time)));
+          }
+        }
+        add("</tr>\n");
+      }
+      add("</tbody></table></div></details>\n");
     }
   }
 
-  double floor_of(const ProblemSummary& p, const Ranking& rank) const {
-    double least = 1;
-    for (const ComparisonRow& r : c_.rows) {
-      if (r.problem == p.name && rank.of(r) > 0) least = std::min(least, rank.of(r));
+  void problems() {
+    heading("problems", "Problem by problem");
+    add("<p>Open a problem for its diagrams. First: what a solver's time buys; lower left is "
+        "better, one line a solver, one marker a tolerance; an empty marker did not meet its "
+        "tolerance. Then what a tolerance means: the true error that comes with it. Then how the "
+        "guarded error falls along one solve at the tightest tolerance that was run. <button "
+        "type=\"button\" id=\"open-all\">Open all</button></p>\n");
+    for (const ProblemSummary& p : c_.problems) {
+      const ComparisonRow* best = fastest_to(p, c_.rows, 1e-2);
+      add(fmt::format(
+          "<details id=\"{}\"{}><summary><strong>{}</strong> <span class=\"small\">{} contacts{}"
+          "</span></summary>\n",
+          id_of(p), c_.problems.size() <= 2 ? " open" : "", escape_markup(p.name), p.contacts,
+          best == nullptr ? ""
+                          : fmt::format(", to 1 %: {} at {}, {}", escape_markup(best->solver),
+                                        tolerance_label(best->tol), seconds_label(best->time()))));
+      problem(p);
+      add("</details>\n");
     }
-    return std::max(1e-15, std::pow(10, std::floor(std::log10(least))));
+  }
+
+  void problem(const ProblemSummary& p) {
+    if (!p.defect.empty()) {
+      add(fmt::format("<p>Not solved by anyone: {}</p>\n", escape_markup(p.defect)));
+      return;
+    }
+    add(fmt::format(
+        "<p class=\"small\">{}. {} contacts, d = {}. Reference by {}, guarded error "
+        "{}, natural map {}.{}</p>\n",
+        escape_markup(p.origin), p.contacts, p.dim,
+        p.reference_solver.empty() ? "nobody" : p.reference_solver,
+        error_label(p.reference_guarded), error_label(p.reference_natural_map), uniqueness(p)));
+    if (p.contacts == 0) return;
+    pareto_sentence(p);
+    const Ranking rank = ranking(p, c_.rows);
+    const std::string replay = fmt::format(fmt::runtime(context_.command_of_target), p.target);
+    const std::string name = escape_markup(p.name);
+    const std::string column = rank.measure == Ranking::Measure::kForce      ? "force_error"
+                               : rank.measure == Ranking::Measure::kVelocity ? "velocity_error"
+                                                                             : "guarded";
+    add("<div class=\"grid\">\n");
+    figure(work_precision_chart(c_, p), fmt::format("Work and precision, {}.", name), replay,
+           "cpu_min and " + column + " in comparison.csv");
+    figure(tolerance_chart(c_, p), fmt::format("Error against tolerance, {}.", name), replay,
+           "tol and " + column + " in comparison.csv");
+    const bool history = std::any_of(c_.histories.begin(), c_.histories.end(),
+                                     [&p](const History& h) { return h.problem == p.name; });
+    if (history) {
+      figure(history_chart(c_, p), fmt::format("Guarded error against iteration, {}.", name),
+             replay, "history.csv");
+    }
+    add("</div>\n");
   }
 
   static std::string uniqueness(const ProblemSummary& p) {
@@ -381,37 +547,28 @@ class Page {
           " <strong>Several velocity solutions</strong>: two solvers below 1e-9 differ by {} in "
           "the "
           "energy norm.",
-          small_number(p.velocity_spread));
+          error_label(p.velocity_spread));
     }
     if (std::isfinite(p.velocity_spread)) {
       return fmt::format(" Solvers below 1e-9 agree on the velocities to {}.",
-                         small_number(p.velocity_spread));
+                         error_label(p.velocity_spread));
     }
     return " No second solver stands below 1e-9, so nothing is known of other solutions.";
   }
 
   void pareto_sentence(const ProblemSummary& p) {
     auto best = pareto_rows(p, c_.rows);
-    std::sort(best.begin(), best.end(), [](const ComparisonRow* a, const ComparisonRow* b) {
-      return a->total_min < b->total_min;
-    });
+    std::sort(best.begin(), best.end(),
+              [](const ComparisonRow* a, const ComparisonRow* b) { return a->time() < b->time(); });
     const Ranking rank = ranking(p, c_.rows);
     std::string list;
     for (const ComparisonRow* row : best) {
       list += fmt::format("{}{} at {} ({}, {})", list.empty() ? "" : "; ",
                           escape_markup(row->solver), tolerance_label(row->tol),
-                          seconds(row->total_min), small_number(rank.of(*row)));
+                          seconds_label(row->time()), error_label(rank.of(*row)));
     }
     if (!list.empty())
       add(fmt::format("<p>Beaten by none in both time and {}: {}.</p>\n", rank.name(), list));
-  }
-
-  void figure(const Chart& chart, const std::string& caption, const std::string& command) {
-    add("<figure>");
-    add(to_svg(chart));
-    add("<figcaption>" + caption);
-    add(fmt::format(fmt::runtime(kReplay), escape_markup(command)));
-    add("</figcaption></figure>\n");
   }
 
   void select(int column, const char* label, const std::vector<std::string>& values) {
@@ -422,7 +579,9 @@ class Page {
   }
 
   void table() {
-    add("<section class=\"wide\"><h2>All measurements</h2>\n<div class=\"filters\">");
+    add("<section class=\"wide\">");
+    heading("all", "All rows");
+    add("<div class=\"filters\">");
     std::vector<std::string> names, tols, statuses;
     for (const ProblemSummary& p : c_.problems) names.push_back(p.name);
     for (double tol : tols_) tols.push_back(tolerance_label(tol));
@@ -450,8 +609,8 @@ class Page {
                           {"Pareto", false},
                           {"iterations", true},
                           {"time", true},
+                          {"wall time", true},
                           {"of it set-up", true},
-                          {"CPU", true},
                           {"guarded", true},
                           {"natural map", true},
                           {"raw (42)", true},
@@ -480,23 +639,23 @@ class Page {
       add(fmt::format("<td title=\"{}\">{}</td><td>{}</td>", escape_markup(r.message),
                       escape_markup(r.status), front ? "yes" : ""));
       add(value(r.iterations, std::to_string(r.iterations)));
-      add(value(r.total_min, seconds(r.total_min)));
-      add(value(r.setup_min, seconds(r.setup_min)));
-      add(value(r.cpu_min, seconds(r.cpu_min)));
+      add(value(r.time(), seconds_label(r.time())));
+      add(value(r.total_min, seconds_label(r.total_min)));
+      add(value(r.setup_min, seconds_label(r.setup_min)));
       for (double x : {r.guarded, r.natural_map, r.raw42, r.velocity_error, r.force_error,
                        r.contact_force_error, r.penetration, r.energy_error}) {
-        add(value(x, small_number(x)));
+        add(value(x, error_label(x)));
       }
       add(fmt::format("<td class=\"n\">{} / {} / {}</td></tr>\n", r.take_off, r.stick, r.slip));
     }
     add("</tbody></table></div>\n<p class=\"small\">Click a heading to sort. The status shows the "
         "solver's own words when the pointer rests on it; rows that did not meet their tolerance "
-        "are marked and stay in the table.</p></section>\n");
+        "are marked and stay in the table. Printed are the rows that are shown.</p></section>\n");
   }
 
   void measures() {
-    add(R"(<h2>What the columns mean</h2>
-<dl>
+    heading("measures", "What the measures mean");
+    add(R"(<dl>
 <dt>tolerance</dt><dd>What the solver was asked for: every solver stops when the guarded error falls below it.</dd>
 <dt>guarded</dt><dd>How far the contact law is violated, as energy over energy; recomputed after the solve from the impulses alone. The larger of ε (the gap in the law plus the energy of penetration) and η (the natural map measured in energy).</dd>
 <dt>natural map</dt><dd>The relative residual that other codes print, with one scaling for each contact.</dd>
@@ -506,7 +665,10 @@ class Page {
 <dt>contact force error</dt><dd>Worst single contact force over the largest one; given only where contact forces are unique (a packing usually holds itself in many ways) and the problem is small enough to check.</dd>
 <dt>penetration</dt><dd>Overlap that the remaining approach velocity adds in one step, as a fraction of the smallest radius. Given where step and radius are known.</dd>
 <dt>energy error</dt><dd>Relative error of the energy that the contacts take out of the free motion.</dd>
-<dt>time</dt><dd>Wall time of set-up and iteration on one core, error checks of the solver included; the least of the repeats. The table in CSV has medians too.</dd>
+<dt>time</dt><dd>CPU time of set-up, iteration and final check on one core; the least of the repeats. A short solve is repeated until its repeats took long enough to be measured. All solvers ran once on a problem of one contact before the first measurement, so that none pays for the start of a library. Waiting for a core that other programs use does not count.</dd>
+<dt>wall time</dt><dd>The same without the final check, by the clock on the wall. The time limit of a solve is one of wall time.</dd>
+<dt>not tried</dt><dd>The solver was out of time on a smaller problem of the same series at this tolerance or a looser one, or on this problem at a looser one. It counts as not solved.</dd>
+<dt>not run again</dt><dd>Said in the words of a row: the solver's path does not depend on the tolerance, and it was out of time at a looser one already; the row shows where it stood then.</dd>
 <dt>Pareto</dt><dd>No other row of the problem is both faster and more accurate.</dd>
 <dt>reference</dt><dd>Solved to 1e-12 or as far as it goes by auto, newton, ipm and apgd in turn, the lowest guarded error kept; errors below the reference's own accuracy mean nothing.</dd>
 </dl>
@@ -514,7 +676,8 @@ class Page {
   }
 
   void provenance() {
-    add("<h2>How this was made</h2>\n<dl>");
+    heading("made", "How this was made");
+    add("<dl>");
     const auto item = [this](const char* name, const std::string& value) {
       add(fmt::format("<dt>{}</dt><dd>{}</dd>", name, value));
     };
@@ -525,9 +688,13 @@ class Page {
     item("flags", "<code>" + escape_markup(context_.build.flags) + "</code>");
     item("machine", fmt::format("{}, {} logical cores, 1 used", escape_markup(context_.build.cpu),
                                 context_.build.cores));
-    item("limits", fmt::format("{:g} s a solve, {:g} s an attempt at a reference, {} repeat{}",
-                               context_.options.time_limit, context_.options.reference_time_limit,
-                               context_.options.repeat, context_.options.repeat == 1 ? "" : "s"));
+    item("limits",
+         fmt::format(
+             "{:g} s a solve, {:g} s an attempt at a reference; at least {} repeat{} and {:g} "
+             "s of them",
+             context_.options.time_limit, context_.options.reference_time_limit,
+             context_.options.repeat, context_.options.repeat == 1 ? "" : "s",
+             context_.options.min_time));
     item("date", context_.date);
     std::string made;
     std::vector<std::string> commits;
@@ -538,21 +705,27 @@ class Page {
       }
     }
     if (commits.size() > 1) item("rows of commits", made);
-    add("</dl>\n<p class=\"small\">The numbers behind all figures stand in comparison.csv and "
-        "comparison.json beside this page.</p>\n");
+    add("</dl>\n<p class=\"small\">The numbers behind all figures stand beside this page: "
+        "comparison.csv (a line a row), history.csv (errors along the solves) and comparison.json "
+        "(rows, problems, profiles, growth, regret).</p>\n");
   }
 
   const Comparison& c_;
   const ReportContext& context_;
+  const std::vector<ReportSection>& sections_;
   std::vector<std::string> solvers_;
   std::vector<double> tols_;
+  std::vector<Growth> growth_;
   std::string html_;
+  std::vector<std::size_t> places_;  // of the charts in it
+  std::vector<Chart> charts_;
 };
 
 }  // namespace
 
-std::string to_html(const Comparison& comparison, const ReportContext& context) {
-  return Page(comparison, context).write();
+std::string to_html(const Comparison& comparison, const ReportContext& context,
+                    const std::vector<ReportSection>& sections) {
+  return Page(comparison, context, sections).write();
 }
 
 }  // namespace bipot

@@ -16,16 +16,6 @@ nlohmann::ordered_json number(double x) {
   return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
 }
 
-std::vector<std::string> solvers_of(const Comparison& comparison) {
-  std::vector<std::string> names;
-  for (const ComparisonRow& row : comparison.rows) {
-    if (std::find(names.begin(), names.end(), row.solver) == names.end()) {
-      names.push_back(row.solver);
-    }
-  }
-  return names;
-}
-
 double tightest(const Comparison& comparison) {
   double tol = std::numeric_limits<double>::infinity();
   for (const ComparisonRow& row : comparison.rows) tol = std::min(tol, row.tol);
@@ -33,7 +23,7 @@ double tightest(const Comparison& comparison) {
 }
 
 /// C converged, 0 nothing to do, I iteration limit, T time limit, S stalled, D diverged, F failure,
-/// - invalid input.
+/// - invalid input, N not tried.
 char letter(const std::string& status) {
   if (status == "converged") return 'C';
   if (status == "nothing to do") return '0';
@@ -42,118 +32,49 @@ char letter(const std::string& status) {
   if (status == "stalled") return 'S';
   if (status == "diverged") return 'D';
   if (status == "invalid input") return '-';
+  if (status == ComparisonRow::kNotTried) return 'N';
   return 'F';
 }
 
 std::string cell(const ComparisonRow& row) {
   if (row.status == "invalid input") return "-";
+  if (row.status == ComparisonRow::kNotTried) return "N";
   return fmt::format("{} {} {:.0e}", letter(row.status), row.iterations, row.guarded);
 }
 
+nlohmann::ordered_json regret_json(const Regret& regret) {
+  nlohmann::ordered_json j{{"cases", regret.entries.size()},
+                           {"failed", regret.failed},
+                           {"alone", regret.alone},
+                           {"median", number(regret.median)},
+                           {"ninth_decile", number(regret.ninth_decile)},
+                           {"worst", number(regret.worst)}};
+  j["entries"] = nlohmann::ordered_json::array();
+  for (const Regret::Entry& e : regret.entries) {
+    j["entries"].push_back({{"problem", e.problem},
+                            {"tol", e.tol},
+                            {"ratio", number(e.ratio)},
+                            {"time", e.time},
+                            {"best", e.best},
+                            {"best_time", e.best_time}});
+  }
+  return j;
+}
+
+std::string regret_line(const Regret& regret) {
+  if (regret.entries.empty()) return {};
+  const Regret::Entry& worst = regret.entries.front();
+  const auto ratio = [](double x) {
+    return std::isfinite(x) ? fmt::format("{:.2f}", x) : std::string("not solved");
+  };
+  return fmt::format(
+      "auto over the fastest other solver, {} cases: median {}, 90 % below {}, worst {} ({} at {}, "
+      "{})\n",
+      regret.entries.size(), ratio(regret.median), ratio(regret.ninth_decile), ratio(regret.worst),
+      worst.problem, tolerance_label(worst.tol), worst.best);
+}
+
 }  // namespace
-
-std::string tolerance_label(double tol) {
-  if (tol >= 1e-2) return fmt::format("{:g}", tol);
-  std::string text = fmt::format("{:e}", tol);
-  const std::size_t e = text.find('e');
-  const double mantissa = std::strtod(text.substr(0, e).c_str(), nullptr);
-  return fmt::format("{:g}e{}", mantissa, std::strtol(text.c_str() + e + 1, nullptr, 10));
-}
-
-double Ranking::of(const ComparisonRow& row) const {
-  switch (measure) {
-    case Measure::kForce:
-      return row.force_error;
-    case Measure::kVelocity:
-      return row.velocity_error;
-    case Measure::kGuarded:
-      return row.guarded;
-  }
-  return row.guarded;
-}
-
-std::string_view Ranking::name() const {
-  switch (measure) {
-    case Measure::kForce:
-      return "force error";
-    case Measure::kVelocity:
-      return "velocity error";
-    case Measure::kGuarded:
-      return "guarded error";
-  }
-  return "";
-}
-
-Ranking ranking(const ProblemSummary& problem, const std::vector<ComparisonRow>& rows) {
-  if (problem.several_velocities()) return {Ranking::Measure::kGuarded};
-  for (const ComparisonRow& row : rows) {
-    if (row.problem == problem.name && std::isfinite(row.force_error)) {
-      return {Ranking::Measure::kForce};
-    }
-  }
-  return {Ranking::Measure::kVelocity};
-}
-
-std::vector<const ComparisonRow*> pareto_rows(const ProblemSummary& problem,
-                                              const std::vector<ComparisonRow>& rows) {
-  const Ranking rank = ranking(problem, rows);
-  std::vector<const ComparisonRow*> mine, best;
-  for (const ComparisonRow& row : rows) {
-    if (row.problem == problem.name && std::isfinite(row.total_min) &&
-        std::isfinite(rank.of(row)) &&
-        rank.of(row) < 1) {  // s = 0 has error 1: worse is not an answer
-      mine.push_back(&row);
-    }
-  }
-  for (const ComparisonRow* row : mine) {
-    const bool beaten = std::any_of(mine.begin(), mine.end(), [&](const ComparisonRow* other) {
-      const double t = other->total_min, e = rank.of(*other);
-      return t <= row->total_min && e <= rank.of(*row) && (t < row->total_min || e < rank.of(*row));
-    });
-    if (!beaten) best.push_back(row);
-  }
-  return best;
-}
-
-const ComparisonRow* fastest_to(const ProblemSummary& problem,
-                                const std::vector<ComparisonRow>& rows, double accuracy) {
-  const Ranking rank = ranking(problem, rows);
-  const ComparisonRow* best = nullptr;
-  for (const ComparisonRow& row : rows) {
-    if (row.problem != problem.name || !(rank.of(row) <= accuracy)) continue;
-    if (std::isfinite(row.total_min) && (best == nullptr || row.total_min < best->total_min)) {
-      best = &row;
-    }
-  }
-  return best;
-}
-
-std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol) {
-  std::vector<SolvedCount> counts;
-  for (const std::string& solver : solvers_of(comparison)) {
-    SolvedCount count{.solver = solver, .tol = tol};
-    std::vector<double> ratios;
-    for (const ComparisonRow& row : comparison.rows) {
-      if (row.solver != solver || row.tol != tol) continue;
-      ++count.problems;
-      if (row.natural_map <= 1e-8) ++count.by_natural_map;
-      if (!row.solved()) continue;
-      ++count.solved;
-      double best = row.total_min;
-      for (const ComparisonRow& other : comparison.rows) {
-        if (other.problem == row.problem && other.tol == tol && other.solved()) {
-          best = std::min(best, other.total_min);
-        }
-      }
-      if (best > 0) ratios.push_back(row.total_min / best);
-    }
-    std::sort(ratios.begin(), ratios.end());
-    count.median_ratio =
-        ratios.empty() ? std::numeric_limits<double>::quiet_NaN() : ratios[ratios.size() / 2];
-    counts.push_back(count);
-  }
-  return counts;
-}
 
 nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext& context) {
   nlohmann::ordered_json j{{"command", "compare"},
@@ -216,6 +137,46 @@ nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext
                            {"natural_map_1e-8", c.by_natural_map},
                            {"median_time_ratio", number(c.median_ratio)}});
   }
+  const auto profile = [&](const char* name, const CostOf& cost, double at) {
+    for (const Profile& p : performance_profiles(comparison, cost)) {
+      j["profiles"].push_back({{"of", name},
+                               {"at", at},
+                               {"solver", p.solver},
+                               {"problems", p.problems},
+                               {"ratios", p.ratios}});
+    }
+  };
+  j["profiles"] = nlohmann::ordered_json::array();
+  for (double tol : tolerances_of(comparison)) {
+    profile("time at tolerance", time_at(comparison, tol), tol);
+    profile("iterations at tolerance", iterations_at(comparison, tol), tol);
+  }
+  for (double accuracy : kProfileAccuracies) {
+    profile("time to true error", time_to(comparison, accuracy), accuracy);
+  }
+  j["errors_within"] = nlohmann::ordered_json::array();
+  for (double budget : kBudgets) {
+    for (const BudgetErrors& b : errors_within(comparison, budget)) {
+      j["errors_within"].push_back(
+          {{"seconds", budget}, {"solver", b.solver}, {"errors", b.errors}});
+    }
+  }
+  j["growth"] = nlohmann::ordered_json::array();
+  for (const Growth& g : growth(comparison)) {
+    const auto law = [](const PowerLaw& fit) {
+      return nlohmann::ordered_json{{"exponent", number(fit.exponent)},
+                                    {"confidence_95", number(fit.confidence)},
+                                    {"prefactor", number(fit.prefactor)},
+                                    {"points", fit.points}};
+    };
+    j["growth"].push_back({{"series", g.series},
+                           {"solver", g.solver},
+                           {"tol", g.tol},
+                           {"iterations", law(g.iterations)},
+                           {"time", law(g.time)}});
+  }
+  j["regret_of_auto"] = regret_json(regret_of(comparison, "auto"));
+  j["regret_of_auto_from_1_ms"] = regret_json(regret_of(comparison, "auto", 1e-3));
   return j;
 }
 
@@ -238,7 +199,7 @@ std::string to_text(const Comparison& comparison) {
   std::string text = fmt::format(
       "tol {}: status, iterations, guarded error\n"
       "(C converged, 0 nothing to do, I iteration limit, T time limit, S stalled, D diverged,\n"
-      " F failure, - not for this problem)\n",
+      " F failure, - not for this problem, N not tried: out of time before)\n",
       tolerance_label(tol));
   for (std::size_t begin = 0; begin < solvers.size(); begin += per_block) {
     const std::size_t end = std::min(begin + per_block, solvers.size());
@@ -267,6 +228,7 @@ std::string to_text(const Comparison& comparison) {
                     c.problems, c.by_natural_map, c.problems,
                     std::isfinite(c.median_ratio) ? fmt::format("{:.1f}", c.median_ratio) : "-");
   }
+  text += regret_line(regret_of(comparison, "auto"));
   for (const ProblemSummary& p : comparison.problems) {
     if (!p.defect.empty()) {
       text += fmt::format("{}: {}\n", p.name, p.defect);

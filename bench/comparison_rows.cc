@@ -4,7 +4,9 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <sstream>
+#include <utility>
 
 #include "bench/comparison.h"
 #include "core/file_error.h"
@@ -65,6 +67,34 @@ std::vector<std::string> split_csv(const std::string& line) {
   return fields;
 }
 
+/// The fields of a table's whole lines; a line without its end was being written.
+std::vector<std::vector<std::string>> read_csv(const std::filesystem::path& path,
+                                               const std::string& header, std::size_t columns) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw FileError(path, "", "cannot be opened");
+  std::ostringstream content;
+  content << in.rdbuf();
+  const std::string text = content.str();
+  std::vector<std::vector<std::string>> rows;
+  std::size_t begin = 0;
+  for (int number = 1;; ++number) {
+    const std::size_t end = text.find('\n', begin);
+    if (end == std::string::npos) break;
+    const std::string line = text.substr(begin, end - begin);
+    begin = end + 1;
+    if (number == 1) {
+      if (line != header) throw FileError(path, "line 1", "not a table of this version");
+      continue;
+    }
+    rows.push_back(split_csv(line));
+    if (rows.back().size() != columns) {
+      throw FileError(path, fmt::format("line {}", number),
+                      fmt::format("{} fields, expected {}", rows.back().size(), columns));
+    }
+  }
+  return rows;
+}
+
 }  // namespace
 
 const std::vector<Column>& comparison_columns() {
@@ -83,8 +113,9 @@ const std::vector<Column>& comparison_columns() {
       number_column("setup_median", &Row::setup_median, "median wall time of the set-up [s]"),
       number_column("solve_min", &Row::solve_min, "least wall time of the iteration [s]"),
       number_column("solve_median", &Row::solve_median, "median wall time of the iteration [s]"),
-      number_column("cpu_min", &Row::cpu_min,
-                    "least CPU time of a repeat, final check included [s]"),
+      number_column(
+          "cpu_min", &Row::cpu_min,
+          "least CPU time of a repeat, final check included [s]; the time of the reports"),
       number_column("guarded", &Row::guarded, "max(epsilon, eta): what the tolerance bounds"),
       number_column("epsilon", &Row::epsilon, "guarded error in the law of contact, energy ratio"),
       number_column("eta", &Row::eta, "natural map in energy"),
@@ -134,32 +165,47 @@ std::string to_csv(const ComparisonRow& row) {
 }
 
 std::vector<ComparisonRow> read_csv_rows(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw FileError(path, "", "cannot be opened");
-  std::ostringstream content;
-  content << in.rdbuf();
-  const std::string text = content.str();
+  const auto& columns = comparison_columns();
   std::vector<ComparisonRow> rows;
-  std::size_t begin = 0;
-  for (int number = 1;; ++number) {
-    const std::size_t end = text.find('\n', begin);
-    if (end == std::string::npos) break;  // a line without its end was being written
-    const std::string line = text.substr(begin, end - begin);
-    begin = end + 1;
-    if (number == 1) {
-      if (line != csv_header()) throw FileError(path, "line 1", "not a table of this version");
-      continue;
-    }
-    const std::vector<std::string> fields = split_csv(line);
-    const auto& columns = comparison_columns();
-    if (fields.size() != columns.size()) {
-      throw FileError(path, fmt::format("line {}", number),
-                      fmt::format("{} fields, expected {}", fields.size(), columns.size()));
-    }
+  for (const std::vector<std::string>& fields : read_csv(path, csv_header(), columns.size())) {
     ComparisonRow& row = rows.emplace_back();
     for (std::size_t i = 0; i < columns.size(); ++i) columns[i].read(row, fields[i]);
   }
   return rows;
+}
+
+std::string history_csv_header() { return "problem,solver,tol,iteration,seconds,epsilon,eta"; }
+
+std::string to_csv(const History& history) {
+  std::string text;
+  for (const HistoryPoint& p : history.points) {
+    text +=
+        fmt::format("{},{},{},{},{:.6g},{},{}\n", quoted(history.problem), quoted(history.solver),
+                    history.tol, p.iteration, p.seconds, p.epsilon, p.eta);
+  }
+  return text;
+}
+
+std::vector<History> read_csv_histories(const std::filesystem::path& path) {
+  std::vector<History> histories;
+  // By problem and solver; where a solve was begun again its first iteration comes again.
+  std::map<std::pair<std::string, std::string>, std::size_t> places;
+  for (const std::vector<std::string>& fields : read_csv(path, history_csv_header(), 7)) {
+    const double tol = std::strtod(fields[2].c_str(), nullptr);
+    const HistoryPoint point{static_cast<int>(std::strtol(fields[3].c_str(), nullptr, 10)),
+                             std::strtod(fields[4].c_str(), nullptr),
+                             std::strtod(fields[5].c_str(), nullptr),
+                             std::strtod(fields[6].c_str(), nullptr)};
+    const auto [place, fresh] = places.try_emplace({fields[0], fields[1]}, histories.size());
+    if (fresh) histories.push_back({fields[0], fields[1], tol, {}});
+    History& history = histories[place->second];
+    if (tol > history.tol) continue;
+    const bool again = !history.points.empty() && point.iteration == history.points[0].iteration;
+    if (tol < history.tol || again) history.points.clear();
+    history.tol = tol;
+    history.points.push_back(point);
+  }
+  return histories;
 }
 
 }  // namespace bipot

@@ -7,11 +7,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <set>
 #include <stdexcept>
+#include <tuple>
 
 #include "bench/scene_catalogue.h"
 #include "bench/settled_pile.h"
@@ -28,25 +30,48 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Regular packings of two sizes, tilted and loaded unevenly; packings that friction alone holds;
-// piles at rest of three frictions; an impact-like first step of a loose filling.
-const std::vector<std::string> kBenchmark = {"square:10",
-                                             "square:30",
+// In series, so that the growth with size shows. Regular packings, tilted so that they load
+// unevenly; one of uneven masses; packings that friction alone holds; piles at rest, piles that
+// begin to flow because gravity turned, and one that a fast disk hits. Then the shipped problems,
+// and those of the folder BIPOT_PROBLEMS.
+const std::vector<std::string> kBenchmark = {"square:10:tilt=10",
+                                             "square:18:tilt=10",
+                                             "square:32:tilt=10",
+                                             "square:56:tilt=10",
                                              "square:100:tilt=10",
-                                             "triangular:10",
-                                             "triangular:30",
+                                             "triangular:10:tilt=10",
+                                             "triangular:18:tilt=10",
+                                             "triangular:32:tilt=10",
+                                             "triangular:56:tilt=10",
                                              "triangular:100:tilt=10",
                                              "triangular:20:ratio=1e4",
                                              "pyramid:10",
                                              "pyramid:20",
                                              "pyramid:30",
                                              "pile:18:mu=0.1",
-                                             "pile:18:mu=0.3",
                                              "pile:18:mu=0.5",
-                                             "pile:32:mu=0.3",
-                                             "pile:32:mu=0.3:tilt=25"};
-const std::vector<std::string> kQuickBenchmark = {
-    "square:10", "triangular:10", "triangular:20:tilt=10", "pyramid:5", "pyramid:10", "pile:10"};
+                                             "pile:18",
+                                             "pile:32",
+                                             "pile:56",
+                                             "pile:100",
+                                             "pile:18:tilt=25",
+                                             "pile:32:tilt=25",
+                                             "pile:56:tilt=25",
+                                             "pile:100:tilt=25",
+                                             "impact:32"};
+const std::vector<std::string> kQuickBenchmark = {"square:10:tilt=10",
+                                                  "square:18:tilt=10",
+                                                  "square:32:tilt=10",
+                                                  "triangular:10:tilt=10",
+                                                  "triangular:18:tilt=10",
+                                                  "triangular:32:tilt=10",
+                                                  "triangular:20:ratio=1e4",
+                                                  "pyramid:5",
+                                                  "pyramid:10",
+                                                  "pile:18",
+                                                  "pile:18:tilt=25",
+                                                  "impact:18"};
+constexpr const char* kSharedProblems = "BIPOT_PROBLEMS";
 
 std::vector<std::string> split(const std::string& text, char separator) {
   std::vector<std::string> parts(1);
@@ -75,6 +100,20 @@ double smallest_radius(const Scene& scene) {
   return std::isfinite(radius) ? radius : ComparisonProblem::kNaN;
 }
 
+/// Settling takes longer than most solves: each pile settles once.
+class Piles {
+ public:
+  const SettledPile& get(const PileOptions& options) {
+    const auto [place, fresh] =
+        piles_.try_emplace({options.count, options.mu, options.seed}, SettledPile());
+    if (fresh) place->second = settle_pile(options);
+    return place->second;
+  }
+
+ private:
+  std::map<std::tuple<int, double, std::uint64_t>, SettledPile> piles_;
+};
+
 struct Family {
   std::string name;
   int side = 0;
@@ -84,8 +123,11 @@ struct Family {
 std::vector<std::string> families() {
   std::vector<std::string> names = family_names();
   names.emplace_back("pile");
+  names.emplace_back("impact");
   return names;
 }
+
+bool is_pile(const Family& family) { return family.name == "pile" || family.name == "impact"; }
 
 Family parse_family(const std::string& target) {
   const std::vector<std::string> parts = split(target, ':');
@@ -119,28 +161,63 @@ Family parse_family(const std::string& target) {
           target, parts[i]));
     }
   }
-  if (family.name == "pile" && (family.options.mass_ratio != 1 || family.options.e_n != 0)) {
+  if (is_pile(family) && (family.options.mass_ratio != 1 || family.options.e_n != 0)) {
     throw std::invalid_argument(
         fmt::format("target {}: a settled pile takes mu, tilt and seed alone", target));
   }
   return family;
 }
 
-ComparisonProblem make_family_problem(const Family& family) {
+/// A disk like the others that comes down on the middle of a settled pile at 20 m/s and touches it
+/// in the middle of the coming step. Positions and velocities of the state; the scene has the disk.
+void throw_disk(Scene& scene, State& state) {
+  constexpr double kSpeed = 20;
+  Disk disk = state.disks.front();
+  disk.radius = 0.5;
+  disk.mass = 1;
+  disk.inertia = 0.5 * disk.mass * disk.radius * disk.radius;
+  disk.v = Vec2(0, -kSpeed);
+  disk.angle = disk.spin = 0;
+  double left = std::numeric_limits<double>::infinity(), right = -left;
+  for (const Disk& d : state.disks) {
+    left = std::min(left, d.x.x());
+    right = std::max(right, d.x.x());
+  }
+  disk.x.x() = 0.5 * (left + right);
+  double height = 0;
+  for (const Disk& d : state.disks) {
+    const double reach = disk.radius + d.radius, aside = d.x.x() - disk.x.x();
+    if (std::abs(aside) < reach) {
+      height = std::max(height, d.x.y() + std::sqrt(reach * reach - aside * aside));
+    }
+  }
+  disk.x.y() = height + 0.5 * scene.step * kSpeed;
+  state.disks.push_back(disk);
+  scene.disks.push_back(disk);
+}
+
+ComparisonProblem make_family_problem(const Family& family, Piles& piles) {
   const FamilyOptions& o = family.options;
   ComparisonProblem made;
   Scene scene;
   State state;
-  if (family.name == "pile") {
-    SettledPile pile =
-        settle_pile({.count = family.side * family.side, .mu = o.mu, .seed = o.seed});
-    scene = std::move(pile.scene);
-    state = std::move(pile.state);
+  if (is_pile(family)) {
+    const SettledPile& pile =
+        piles.get({.count = family.side * family.side, .mu = o.mu, .seed = o.seed});
+    scene = pile.scene;
+    state = pile.state;
     made.origin = fmt::format("{} disks {} after {} steps", scene.disks.size(),
                               pile.at_rest ? "at rest" : "still moving", pile.steps);
     // A tilted pile settles level; then gravity turns and the pile starts to flow.
     const double angle = o.tilt_degrees * std::acos(-1.0) / 180;
-    if (angle != 0) scene.gravity = Eigen::Rotation2Dd(angle) * scene.gravity;
+    if (angle != 0) {
+      scene.gravity = Eigen::Rotation2Dd(angle) * scene.gravity;
+      made.origin += ", beginning to flow as gravity turns";
+    }
+    if (family.name == "impact") {
+      throw_disk(scene, state);
+      made.origin += ", hit by one more at 20 m/s";
+    }
   } else {
     scene = make_family_scene(family.name, family.side, o);
     state = initial_state(scene);
@@ -230,8 +307,17 @@ void add_scene(const std::string& target, const TargetOptions& options,
   }
 }
 
+/// The family target without its size.
+std::string series_of(const std::string& target) {
+  const std::size_t begin = target.find(':'), end = target.find(':', begin + 1);
+  return target.substr(0, begin) + (end == std::string::npos ? "" : target.substr(end));
+}
+
+void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& piles,
+                   std::vector<ProblemSource>& sources);
+
 void add_target(const std::string& target, const TargetOptions& options,
-                std::vector<ProblemSource>& sources) {
+                const std::shared_ptr<Piles>& piles, std::vector<ProblemSource>& sources) {
   if (fs::is_directory(target)) return add_folder(target, sources);
   if (fs::is_regular_file(target)) {
     if (fs::path(target).extension() == ".toml") return add_scene(target, options, sources);
@@ -245,16 +331,12 @@ void add_target(const std::string& target, const TargetOptions& options,
       throw std::invalid_argument(target + ": no such file; " +
                                   unknown_name_message("family", family, names));
     }
-    sources.push_back(
-        {target, target, [f = parse_family(target)] { return make_family_problem(f); }});
+    const Family f = parse_family(target);
+    sources.push_back({target, target, [f, piles] { return make_family_problem(f, *piles); },
+                       series_of(target), static_cast<double>(f.side)});
     return;
   }
-  if (target == "benchmark" || target == "benchmark-quick") {
-    for (const auto& t : target == "benchmark" ? kBenchmark : kQuickBenchmark) {
-      add_target(t, options, sources);
-    }
-    return;
-  }
+  if (target == "benchmark") return add_benchmark(options, piles, sources);
   if (std::find(names.begin(), names.end(), target) != names.end()) {
     for (const fs::path& scene : shipped_scenes()) {
       if (scene.stem() == target) return add_scene(target, options, sources);
@@ -265,12 +347,25 @@ void add_target(const std::string& target, const TargetOptions& options,
   add_scene(target, options, sources);
 }
 
+void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& piles,
+                   std::vector<ProblemSource>& sources) {
+  for (const std::string& target : options.quick ? kQuickBenchmark : kBenchmark) {
+    add_target(target, options, piles, sources);
+  }
+  if (options.quick) return;
+  add_folder((data_folder() / "problems").string(), sources);
+  if (const char* shared = std::getenv(kSharedProblems); shared != nullptr && *shared != 0) {
+    add_folder(shared, sources);
+  }
+}
+
 }  // namespace
 
 std::vector<ProblemSource> expand_targets(const std::vector<std::string>& targets,
                                           const TargetOptions& options) {
   std::vector<ProblemSource> sources;
-  for (const std::string& target : targets) add_target(target, options, sources);
+  const auto piles = std::make_shared<Piles>();
+  for (const std::string& target : targets) add_target(target, options, piles, sources);
   std::set<std::string> names;
   for (const ProblemSource& source : sources) {
     if (!names.insert(source.name).second) {

@@ -123,10 +123,8 @@ class Fig10 {
   }
 
  private:
-  bool stopped() const { return context_.interrupted && context_.interrupted(); }
-  void say(const std::string& what) const {
-    if (context_.say) context_.say(what);
-  }
+  bool stopped() const { return context_.stopped(); }
+  void say(const std::string& what) const { context_.report(what); }
 
   void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
 

@@ -103,7 +103,6 @@ int all_rows_reached(const History& h) {
 }  // namespace
 
 PaperResult run_fig13(const PaperContext& context) {
-  const auto stopped = [&] { return context.interrupted && context.interrupted(); };
   PaperResult result;
   result.paper =
       "ε against the iteration number, log–log, for a rectangular array: about twenty iterations "
@@ -130,11 +129,11 @@ PaperResult run_fig13(const PaperContext& context) {
   double time_constant_5 = 0;
   int style = 0;
   for (const int side : context.quick ? std::vector<int>{5, 10} : std::vector<int>{5, 10, 20, 50}) {
-    if (stopped()) return result;
-    context.say(fmt::format("paper's ρ, {0} × {0}", side));
+    if (context.stopped()) return result;
+    context.report(fmt::format("paper's ρ, {0} × {0}", side));
     const History h = history(methods()[0], side, 0, 0, 200000, context);
     if (!is_success(h.result.status)) {
-      if (stopped()) return result;
+      if (context.stopped()) return result;
       throw std::runtime_error(fmt::format("uzawa, {} rows: {}", side, h.result.message));
     }
     sizes.series.push_back(curve(fmt::format("{0} × {0}", side), style++, h, guarded));
@@ -206,8 +205,8 @@ PaperResult run_fig13(const PaperContext& context) {
     // So many contact updates that the largest lattice ends in seconds.
     const int cap = static_cast<int>(std::min(2e5, 3e8 / (2.0 * side * side + side)));
     for (const Method& method : methods()) {
-      if (stopped()) return result;
-      context.say(fmt::format("{0}, {1} × {1}", method.name, side));
+      if (context.stopped()) return result;
+      context.report(fmt::format("{0}, {1} × {1}", method.name, side));
       const History h = history(method, side, kMu, 0, cap, context);
       chart.series.push_back(curve(method.name, method.style, h, guarded));
       for (const IterationRecord& r : h.records) {
@@ -253,9 +252,9 @@ PaperResult run_fig13(const PaperContext& context) {
   leaning.x = {"iteration", ChartAxis::Kind::kLog};
   leaning.y = {"error", ChartAxis::Kind::kLog, 1e-10, {}};
   for (const int k : {1, 3, 5}) {
-    if (stopped()) return result;
+    if (context.stopped()) return result;
     const Method& method = methods()[static_cast<std::size_t>(k)];
-    context.say(fmt::format("{}, leaning", method.name));
+    context.report(fmt::format("{}, leaning", method.name));
     const History h = history(method, context.quick ? 10 : 20, kMu, 10, 200000, context);
     leaning.series.push_back(curve(fmt::format("ε, {}", method.name), method.style, h, guarded));
     leaning.series.push_back(

@@ -17,6 +17,11 @@ struct PaperContext {
   bool quick = false;                           ///< small sizes, seconds
   std::function<void(const std::string&)> say;  ///< progress, one line; may be empty
   std::function<bool()> interrupted;            ///< asked between pieces of work; may be empty
+
+  void report(const std::string& what) const {
+    if (say) say(what);
+  }
+  bool stopped() const { return interrupted && interrupted(); }
 };
 
 /// A number that the page states. Whatever the prose says is one of these.
@@ -33,8 +38,8 @@ struct PaperNumber {
 
 /// A drawing: a chart, or a file of `out` (SVG).
 struct PaperFigure {
-  std::string
-      name;  ///< of the files <name>.svg and, for charts, <name>.csv; begins with the item's
+  /// Of the files <name>.svg and, for charts, <name>.csv and <name>.gp; begins with the item's.
+  std::string name;
   std::string caption;
   std::string command;  ///< empty: the item's own
   std::optional<Chart> chart;

@@ -21,7 +21,7 @@ State run_paper_scene(const Scene& scene, const PaperContext& context,
   TimeStepper stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
   State state = initial_state(scene);
   for (int k = 0; k < scene.num_steps; ++k) {
-    if (context.interrupted && context.interrupted()) break;
+    if (context.stopped()) break;
     const StepReport report = stepper.advance(state);
     if (!report.converged) {
       throw std::runtime_error(

@@ -84,7 +84,7 @@ PaperResult run_table1(const PaperContext& context) {
   int iterations = 0;
   for (int k = 0; k < 2; ++k) {
     const double e = k == 0 ? 1.0 : 0.9;
-    context.say(fmt::format("e_n = {:g}", e));
+    context.report(fmt::format("e_n = {:g}", e));
     const Bounces b = bounce(shipped, e, h, context);
     iterations = std::max(iterations, b.max_iterations);
     film.series.push_back({fmt::format("e_n = {:g}", e), k, b.film});
@@ -122,7 +122,7 @@ PaperResult run_table1(const PaperContext& context) {
   ChartSeries here{"here", 0, {}}, first_order{"|v| h / h0", 1, {}};
   for (const double step : {2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5, 2e-6}) {
     if (context.quick && step < 1e-5) continue;
-    context.say(fmt::format("h = {:g} s", step));
+    context.report(fmt::format("h = {:g} s", step));
     const Bounces b = bounce(shipped, 0.9, step, context);
     const double exact = kHeight * 0.81;
     if (b.height.empty()) continue;

@@ -23,7 +23,9 @@ Wall half_plane(const char* name, const Vec2& point, const Vec2& normal) {
 
 }  // namespace
 
-std::vector<std::string> family_names() { return {"square", "triangular", "pyramid", "random"}; }
+std::vector<std::string> family_names() {
+  return {"square", "triangular", "diluted", "pyramid", "random"};
+}
 
 Scene make_family_scene(const std::string& family, int side, const FamilyOptions& options) {
   Scene scene;
@@ -44,6 +46,13 @@ Scene make_family_scene(const std::string& family, int side, const FamilyOptions
     scene.disks = rectangular_lattice(side, side, kRadius, corner);
   } else if (family == "triangular") {
     scene.disks = triangular_lattice(side, side, kRadius, corner);
+  } else if (family == "diluted") {
+    // Every disk keeps its place; which ones are missing is drawn without the standard library's
+    // distributions, which differ between platforms.
+    std::mt19937_64 engine(options.seed);
+    for (const Disk& d : triangular_lattice(side, side, kRadius, corner)) {
+      if (engine() % 10 != 0) scene.disks.push_back(d);
+    }
   } else if (family == "pyramid") {
     scene.disks = pyramid(side, kRadius, corner);
     box = false;

@@ -13,8 +13,8 @@ namespace bipot {
 /// One stage of the race that `auto` runs, and why it stands there. A stage ends when it meets the
 /// stop test, at `max_iterations`, or as soon as it does not promise to get there: from
 /// `min_iterations` on, the decades that the best error fell over the second half of the stage are
-/// carried forward, and the stage is abandoned when they would not reach the tolerance within
-/// `max_iterations`.
+/// carried forward, and the stage is given up when they would not reach the tolerance within
+/// `max_iterations`, unless the error is within a decade of it.
 struct AutoStage {
   /// Where a stage starts: at the impulse that the same solver left at its last stage (the caller's
   /// start, the first time), or at the best impulse of all stages. The best impulse of another

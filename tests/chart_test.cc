@@ -240,6 +240,24 @@ TEST(Chart, TakesASinglePointAndEveryKindOfSeries) {
   }
 }
 
+TEST(Chart, ShowsMarkersOnItsFrame) {
+  // The four corners of the ranges, with notes and without, on both kinds of axes.
+  for (auto kind : {ChartAxis::Kind::kLinear, ChartAxis::Kind::kLog}) {
+    for (const char* note : {"", "note"}) {
+      Chart chart;
+      chart.x = {"x", kind, 1.0, 100.0};
+      chart.y = {"y", kind, {}, {}};
+      chart.series = {
+          {"", 0, {{1, 1, false, note}, {1, 10, false, note}, {100, 1, false, note}, {100, 10}}}};
+      EXPECT_EQ(count(to_svg(chart), "-gpPt6' transform"), 4u) << note;
+    }
+  }
+  Chart single;  // its decade begins where it stands
+  single.x = {"x", ChartAxis::Kind::kLog, {}, {}};
+  single.series = {{"", 0, {{100, 0, false, "note"}}}};
+  EXPECT_EQ(count(to_svg(single), "-gpPt6' transform"), 1u);
+}
+
 TEST(Chart, IsTheSameToTheByteAndItsIdsAreItsOwn) {
   Chart other = falling();
   other.series[0].points[0].y = 0.2;

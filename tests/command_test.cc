@@ -221,6 +221,19 @@ TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
   EXPECT_EQ(bipot("paper --only table2 --out /proc/nowhere").exit_code, 4);
 }
 
+TEST_F(Command, InterruptedPaperKeepsWhatIsDone) {
+  const std::string out = path("out");
+  const Outcome run = bipot("paper --only table2,fig13 --out " + out +
+                            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+  EXPECT_EQ(run.exit_code, 5);
+  const json results = json::parse(content(out + "/results.json"));
+  for (const json& item : results["items"]) {
+    if (item["name"] == "table2") EXPECT_EQ(item["status"], "done");
+    if (item["name"] == "fig13") EXPECT_EQ(item["status"], "interrupted");
+  }
+  EXPECT_GT(fs::file_size(out + "/index.html"), 100u);
+}
+
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
   const std::string out = path("out");
   const Outcome solve =

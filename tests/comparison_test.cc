@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <stdexcept>
@@ -27,6 +28,7 @@ ComparisonOptions quick(std::vector<std::string> solvers, std::vector<double> to
   options.tols = std::move(tols);
   options.time_limit = 20;
   options.reference_time_limit = 20;
+  options.min_time = 0;
   return options;
 }
 
@@ -203,6 +205,74 @@ TEST(Comparison, ShowsATimeOutAndDoesNotRepeatItAtTighterTolerances) {
   EXPECT_NE(to_text(c).find(" T "), std::string::npos);
 }
 
+TEST(Comparison, DoesNotTryLargeProblemsAfterATimeOutOnSmallOnes) {
+  // What uzawa does in a tenth of a millisecond is not enough for 60 disks.
+  const TemporaryFolder folder;
+  ComparisonOptions options = quick({"uzawa", "auto"}, {1e-10});
+  options.time_limit = 1e-4;
+  options.out = folder / "table";
+  const auto sources =
+      expand_targets({"triangular:8:tilt=10", "triangular:9:tilt=10", "triangular:9:tilt=5"});
+  const Comparison c = compare(sources, options);
+  ASSERT_EQ(c.rows.size(), 6u);
+  EXPECT_EQ(c.rows[0].status, "time limit");
+  EXPECT_EQ(c.rows[2].status, ComparisonRow::kNotTried);
+  EXPECT_NE(c.rows[2].message.find("triangular:8:tilt=10"), std::string::npos);
+  EXPECT_TRUE(std::isnan(c.rows[2].guarded));
+  EXPECT_TRUE(std::isnan(c.rows[2].time()));
+  EXPECT_EQ(c.rows[2].contacts, c.rows[3].contacts);
+  EXPECT_NE(c.rows[3].status, ComparisonRow::kNotTried);  // auto always runs
+  EXPECT_EQ(c.rows[4].status, "time limit");              // another series
+  EXPECT_EQ(to_csv(compare(sources, options)), to_csv(c));
+  options.out.clear();
+  options.try_all = true;
+  EXPECT_EQ(compare(sources, options).rows[2].status, "time limit");
+}
+
+TEST(Comparison, KeepsTheHistoryOfTheTightestSolve) {
+  const TemporaryFolder folder;
+  ComparisonOptions options = quick({"pgs", "ipm"}, {1e-2, 1e-8});
+  options.out = folder / "table";
+  const auto sources = expand_targets({"triangular:6:tilt=10"});
+  const Comparison c = compare(sources, options);
+  ASSERT_EQ(c.histories.size(), 2u);
+  for (const History& h : c.histories) {
+    const ComparisonRow& row = row_of(c, h.solver, 1e-8);
+    EXPECT_EQ(h.tol, 1e-8);
+    ASSERT_GE(h.points.size(), 3u);
+    EXPECT_EQ(h.points.front().iteration, 0);
+    EXPECT_EQ(h.points.back().iteration, row.iterations);
+    EXPECT_NEAR(h.points.back().guarded(), row.guarded, 1e-6 * row.guarded);
+    for (std::size_t k = 1; k < h.points.size(); ++k) {
+      EXPECT_GT(h.points[k].iteration, h.points[k - 1].iteration);
+    }
+  }
+  // s = 0 has the error of no contact forces at all.
+  const ContactProblem problem = sources[0].load().problem;
+  EXPECT_NEAR(c.histories[0].points[0].guarded(),
+              naive_error(problem, Vector::Zero(problem.num_rows())).guarded(), 1e-9);
+  const Comparison again = compare(sources, options);
+  ASSERT_EQ(again.histories.size(), 2u);
+  EXPECT_EQ(to_csv(again.histories[1]), to_csv(c.histories[1]));
+
+  // A solve that was cut off and begun again stands twice in the file; its second run counts.
+  History broken = c.histories[0];
+  broken.points.resize(2);
+  std::ofstream(folder / "h.csv") << history_csv_header() << '\n'
+                                  << to_csv(broken) << to_csv(c.histories[0]);
+  const auto read = read_csv_histories(folder / "h.csv");
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_EQ(to_csv(read[0]), to_csv(c.histories[0]));
+}
+
+TEST(Comparison, RepeatsShortSolves) {
+  ComparisonOptions options = quick({"pgs"}, {1e-4});
+  options.min_time = 0.01;
+  const Comparison c = compare(expand_targets({"square:3"}), options);
+  EXPECT_GT(c.rows[0].repeats, 3);  // a few microseconds each
+  EXPECT_LE(c.rows[0].cpu_min * c.rows[0].repeats, 0.02);
+}
+
 TEST(Comparison, ShowsSolversThatRefuseAProblem) {
   const Comparison c = compare(expand_targets({"square:30"}), quick({"lemke", "apgd"}, {1e-2}));
   const ComparisonRow& row = row_of(c, "lemke", 1e-2);
@@ -290,9 +360,36 @@ TEST(ComparisonTargets, AreCheckedBeforeAnythingRuns) {
     EXPECT_THROW(expand_targets({bad}), std::invalid_argument) << bad;
   }
   EXPECT_THROW(expand_targets({"square:4", "square:4"}), std::invalid_argument);
-  EXPECT_GT(expand_targets({"benchmark"}).size(), 10u);
+  const auto shared = [](const char* folder) {
+    setenv("BIPOT_PROBLEMS", folder, 1);
+    const std::size_t count = expand_targets({"benchmark"}).size();
+    unsetenv("BIPOT_PROBLEMS");
+    return count;
+  };
+  const TemporaryFolder folder;
+  write_fclib(folder / "other.hdf5", lattice_step(Lattice::kSquare, 3, 0.3, 0), {});
+  EXPECT_GT(shared(""), 30u);
+  EXPECT_EQ(shared(folder.path().c_str()), shared("") + 1);
+  EXPECT_LT(expand_targets({"benchmark"}, {.quick = true}).size(), 20u);
   EXPECT_THROW(compare(expand_targets({"square:4"}), quick({"pgz"}, {1e-2})),
                std::invalid_argument);
+}
+
+TEST(ComparisonTargets, TellSeriesAndSizes) {
+  const auto sources = expand_targets({"square:10:tilt=10:mu=0.5", "square:20:tilt=10:mu=0.5"});
+  EXPECT_EQ(sources[0].series, "square:tilt=10:mu=0.5");
+  EXPECT_EQ(sources[1].series, sources[0].series);
+  EXPECT_EQ(sources[1].size, 20);
+}
+
+TEST(ComparisonTargets, HitAPileWithAFastDisk) {
+  const auto sources = expand_targets({"pile:4", "impact:4"});
+  const ComparisonProblem rest = sources[0].load(), hit = sources[1].load();
+  EXPECT_EQ(hit.problem.num_dofs(), rest.problem.num_dofs() + 3);
+  EXPECT_GT(hit.problem.num_contacts(), rest.problem.num_contacts());
+  // Of the approach of 20 m/s at least cos 60 degrees goes along a normal; the pile is at rest.
+  EXPECT_LT(hit.problem.u_free.minCoeff(), -9);
+  EXPECT_GT(rest.problem.u_free.minCoeff(), -1);
 }
 
 TEST(ComparisonTargets, TakeProblemsAlongARun) {
@@ -334,7 +431,7 @@ TEST(ComparisonReport, FindsTheFastestAndTheUnbeaten) {
     ComparisonRow row;
     row.problem = "p";
     row.solver = solver;
-    row.total_min = seconds;
+    row.cpu_min = seconds;
     row.velocity_error = error;
     rows.push_back(row);
   };
@@ -363,10 +460,10 @@ TEST(ComparisonReport, PageStandsAlone) {
     EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
   }
   EXPECT_NE(page.find("bipot compare &lt;targets&gt; &amp; more"), std::string::npos);
-  // Two profiles, and two figures a problem.
+  // Four tolerance profiles, four to true errors, three within times; three figures a problem.
   std::size_t figures = 0;
   for (std::size_t at = 0; (at = page.find("<svg", at)) != std::string::npos; ++at) ++figures;
-  EXPECT_EQ(figures, 6u);
+  EXPECT_EQ(figures, 17u);
   const auto json = to_json(c, context);
   EXPECT_EQ(json["rows"].size(), c.rows.size());
   EXPECT_FALSE(json["commit"].get<std::string>().empty());

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <string>
+
+namespace bipot {
+
+/// 1e-6 and not 1e-06; 0.01.
+std::string tolerance_label(double tol);
+/// With the unit that keeps it short: 12 µs, 3.4 ms, 5 s; a dash for what is not finite.
+std::string seconds_label(double seconds);
+/// Two digits, 1.2e-05; a dash for what is undefined.
+std::string error_label(double error);
+/// Three digits, 1.23 or 45.6 or 123; a dash for what is undefined.
+std::string ratio_label(double ratio);
+
+}  // namespace bipot
