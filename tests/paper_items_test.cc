@@ -35,7 +35,7 @@ TEST_P(PaperItemsQuick, ChecksHold) {
 
 INSTANTIATE_TEST_SUITE_P(All, PaperItemsQuick,
                          ::testing::Values("table1", "table2", "fig10", "fig13", "fig14"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& tested) { return std::string(tested.param); });
 
 }  // namespace
 }  // namespace bipot
