@@ -71,16 +71,18 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
   command->add_option("--solvers", flags.solvers, "all, or names separated by commas")
       ->delimiter(',')
       ->type_name("NAMES");
-  command->add_option("--tols", flags.tols, "Tolerances (default 1e-2,1e-4,1e-8; quick 1e-2,1e-6)")
+  command
+      ->add_option("--tols", flags.tols,
+                   "Tolerances (default 1e-2,1e-4,1e-6,1e-8; quick 1e-2,1e-6)")
       ->delimiter(',')
       ->check(CLI::PositiveNumber)
       ->type_name("NUMBERS");
-  command->add_option("--time-limit", flags.time_limit, "Wall seconds of one solve (10; quick 1)")
+  command->add_option("--time-limit", flags.time_limit, "Wall seconds of one solve (2; quick 1)")
       ->check(CLI::PositiveNumber)
       ->type_name("SECONDS");
   command
       ->add_option("--reference-time-limit", flags.reference_time_limit,
-                   "Wall seconds of one attempt at a reference (30; quick 5)")
+                   "Wall seconds of one attempt at a reference (6; quick 3)")
       ->check(CLI::PositiveNumber)
       ->type_name("SECONDS");
   command->add_option("--repeat", flags.repeat, "Solves behind each time, at least")
@@ -128,9 +130,10 @@ int compare_command(const CompareFlags& flags) {
       flags.solvers.size() == 1 && flags.solvers[0] == "all" ? solver_names() : flags.solvers;
   options.tols = !flags.tols.empty() ? flags.tols
                  : flags.quick       ? std::vector<double>{1e-2, 1e-6}
-                                     : std::vector<double>{1e-2, 1e-4, 1e-8};
-  options.time_limit = flags.time_limit.value_or(flags.quick ? 1 : 10);
-  options.reference_time_limit = flags.reference_time_limit.value_or(flags.quick ? 5 : 30);
+                                     : options.tols;
+  options.time_limit = flags.time_limit.value_or(flags.quick ? 1 : ComparisonOptions{}.time_limit);
+  options.reference_time_limit = flags.reference_time_limit.value_or(
+      flags.quick ? 3 : ComparisonOptions{}.reference_time_limit);
   options.repeat = flags.repeat;
   options.min_time = flags.min_time;
   options.try_all = flags.try_all;

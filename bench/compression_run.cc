@@ -31,7 +31,8 @@ std::vector<double> window_pressures(const State& state, double step, const Box&
 struct Sample {
   double kinetic = 0;
   Mat2 stress, walls, fabric_of_step;
-  double wall_pressure = 0, applied_pressure = 0, asymmetry = 0, contact_asymmetry = 0;
+  double kinetic_pressure = 0, wall_pressure = 0, applied_pressure = 0;
+  double asymmetry = 0, contact_asymmetry = 0;
   double coordination = 0;
   std::vector<double> windows;
   State contacts_only;
@@ -46,6 +47,7 @@ Sample measure(const Scene& scene, const State& before, const State& after) {
   const std::vector<double> moments = spin_changes(before, after);
   const MeanStress stress = sample_stress(after, h, area, moments);
   sample.stress = stress.total();
+  sample.kinetic_pressure = 0.5 * stress.kinetic.trace();
   sample.asymmetry = asymmetry(sample.stress);
   sample.contact_asymmetry = asymmetry(stress.contact);
   sample.fabric_of_step = fabric_tensor(after);
@@ -155,9 +157,9 @@ Compression run_compression(const Scene& scene, const PaperContext& context) {
         }
         c.time.push_back(r.time);
         c.pressure.push_back(0.5 * s.stress.trace());
+        c.kinetic_pressure.push_back(s.kinetic_pressure);
         c.wall_pressure.push_back(s.wall_pressure);
         c.applied_pressure.push_back(s.applied_pressure);
-        c.correlation.push_back(force_correlation(before.contacts, after.contacts));
         if (r.step > jammed_from) {
           jammed_converged += r.converged ? 1 : 0;
           c.jammed_run.iterations += r.iterations;
@@ -184,7 +186,7 @@ Compression run_compression(const Scene& scene, const PaperContext& context) {
   c.jammed_run.steps = c.jammed.steps;
   c.jammed_run.converged = jammed_converged;
   c.jammed_run.mean_error = std::exp(logarithms / c.jammed.steps);
-  c.solid_fraction = solid_fraction(c.state, box_of(c.state, scene.step).size().prod());
+  c.solid_fraction = covered_fraction(c.state, box_of(c.state, scene.step).size().prod());
   for (const Sample& s : jammed) {
     c.coordination += s.coordination / static_cast<double>(jammed.size());
   }

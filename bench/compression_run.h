@@ -43,7 +43,7 @@ struct Compression {
   PackingRun run, jammed_run;
   CompressionPhase flow, jammed;
   /// Of each step.
-  std::vector<double> time, pressure, wall_pressure, applied_pressure, correlation;
+  std::vector<double> time, pressure, kinetic_pressure, wall_pressure, applied_pressure;
   /// Largest |contact force on a wall - (applied force - mass times acceleration)| over the applied
   /// force, all steps: Newton's law of the walls.
   double wall_balance = 0;

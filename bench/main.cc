@@ -14,6 +14,7 @@
 #include "bench/paper_command.h"
 #include "bench/run_command.h"
 #include "bench/solve_command.h"
+#include "bench/trade_command.h"
 #include "core/file_error.h"
 #include "core/scene_file.h"
 
@@ -33,18 +34,21 @@ int main(int argc, char** argv) {
       "  bipot advise scene.toml --force-error 1e-2 --write advised.toml\n"
       "  bipot compare square:30 pile:18 --quick --out out/compare\n"
       "  bipot paper --out out/paper\n"
+      "  bipot trade my_scene.toml --out out/trade\n"
       "  bipot list solvers");
   RunFlags run_flags;
   SolveFlags solve_flags;
   CompareFlags compare_flags;
   AdviseFlags advise_flags;
   PaperFlags paper_flags;
+  TradeFlags trade_flags;
   ListFlags list_flags;
   const CLI::App* run = add_run_command(app, run_flags);
   const CLI::App* solve = add_solve_command(app, solve_flags);
   const CLI::App* compare = add_compare_command(app, compare_flags);
   const CLI::App* advise = add_advise_command(app, advise_flags);
   const CLI::App* paper = add_paper_command(app, paper_flags);
+  const CLI::App* trade = add_trade_command(app, trade_flags);
   add_list_command(app, list_flags);
   try {
     app.parse(argc, argv);
@@ -57,6 +61,8 @@ int main(int argc, char** argv) {
     const std::string destination = run->parsed()      ? run_flags.common.json
                                     : solve->parsed()  ? solve_flags.common.json
                                     : advise->parsed() ? advise_flags.json
+                                    : trade->parsed()  ? trade_flags.json
+                                    : paper->parsed()  ? paper_flags.json
                                                        : std::string();
     if (!destination.empty()) {
       try {
@@ -80,6 +86,7 @@ int main(int argc, char** argv) {
     if (compare->parsed()) return compare_command(compare_flags);
     if (advise->parsed()) return advise_command(advise_flags);
     if (paper->parsed()) return paper_command(paper_flags);
+    if (trade->parsed()) return trade_command(trade_flags);
     return list_command(list_flags);
   } catch (const FileError& e) {
     return refuse(e.what(), kExitIo);

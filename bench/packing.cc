@@ -35,6 +35,12 @@ void merge_pairs(std::span<const ContactOutcome> a, std::span<const ContactOutco
   }
 }
 
+/// What a chord at a distance from the centre cuts off a circle.
+double segment_area(double radius, double distance) {
+  const double x = std::clamp(distance / radius, -1.0, 1.0);
+  return radius * radius * (std::acos(x) - x * std::sqrt(1 - x * x));
+}
+
 double slope_of_line(std::span<const double> x, std::span<const double> y) {
   const double n = static_cast<double>(x.size());
   double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
@@ -128,9 +134,21 @@ double coordination(const State& state) {
   return disks > 0 ? static_cast<double>(ends) / disks : kNaN;
 }
 
-double solid_fraction(const State& state, double area) {
+double covered_fraction(const State& state, double area) {
   double sum = 0;
   for (const Disk& d : state.disks) sum += std::numbers::pi * d.radius * d.radius;
+  for (const ContactOutcome& o : state.contacts) {
+    if (!(o.contact.gap < 0)) continue;
+    const double a = state.disks[static_cast<std::size_t>(o.contact.i)].radius;
+    const auto j = static_cast<std::size_t>(o.contact.j);
+    if (j >= state.disks.size()) {
+      sum -= segment_area(a, a + o.contact.gap);
+      continue;
+    }
+    const double b = state.disks[j].radius, d = a + b + o.contact.gap;
+    const double chord = 0.5 * (d + (a * a - b * b) / d);  // its distance from the first centre
+    sum -= segment_area(a, chord) + segment_area(b, d - chord);
+  }
   return sum / area;
 }
 

@@ -15,7 +15,7 @@ namespace bipot {
 struct PackingRun {
   int steps = 0, converged = 0;
   long iterations = 0;
-  int far_starts = 0;         ///< steps that began with the impulses of two steps before
+  int far_starts = 0;      ///< steps that began with the impulses of two steps before
   double worst_error = 0;  ///< largest guarded error of a step
   double mean_error = 0;   ///< geometric mean over the steps with an error above 0
   double penetration = 0;  ///< largest overlap at mid-step                     [m]
@@ -39,8 +39,10 @@ Vec2 force_on_wall(const State& state, double step, int wall);
 /// Mean number of loaded contacts of a disk, with walls or not.
 double coordination(const State& state);
 
-/// Area of the disks over `area`.
-double solid_fraction(const State& state, double area);
+/// Area that the disks cover over `area`; where two overlap, or one reaches into a wall's
+/// half-plane, it counts once or not at all (overlaps of three are not corrected). Overlaps are
+/// those of the step's contacts.
+double covered_fraction(const State& state, double area);
 
 /// Pearson's correlation of the normal impulses of two steps, over the pairs of bodies that carry
 /// some in either. NaN where either does not vary.

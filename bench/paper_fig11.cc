@@ -246,6 +246,7 @@ class Fig11 {
   void picture(const Settling& main) {
     ForcePictureOptions options;
     options.take_off = false;
+    options.width = 600;  // the page shows it about as large
     draw_force_picture(context_.out / "fig11_forces.svg", main.scene, main.state,
                        fmt::format("342 disks at rest, t = {:.3f} s", main.state.time), options);
     result_.figures.push_back({.name = "fig11_forces",
@@ -286,7 +287,8 @@ class Fig11 {
         "on the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory "
         "the walls take load off the floor once the grains slide down along them; here they could "
         "take at most {side_limit}, and what they do take depends on how the packing came to rest "
-        "(its sign differs from seed to seed). With frictionless side walls the floor carries "
+        "({side_least} to {side_most} in {packings} packings; negative: they press it down). With "
+        "frictionless side walls the floor carries "
         "{floor_load_smooth}.");
   }
 
@@ -304,6 +306,9 @@ class Fig11 {
       slopes.push_back(std::atan(surface.slope) * 180 / std::numbers::pi);
       heaps.push_back(std::atan(surface.heap) * 180 / std::numbers::pi);
       const std::vector<double> f = relative_forces(s.state, 1), g = relative_forces(s.state, 8);
+      sides.push_back(
+          -(force_on_wall(s.state, s.scene.step, 1) + force_on_wall(s.state, s.scene.step, 2))[1] /
+          weight(s.scene));
       rates.push_back(fit_exponential_tail(f, kTailFrom).rate);
       layer_rates.push_back(fit_exponential_tail(g, kTailFrom).rate);
       forces.insert(forces.end(), f.begin(), f.end());
@@ -320,6 +325,15 @@ class Fig11 {
     number({.name = "packings",
             .value = static_cast<double>(packings.size()),
             .meaning = "packings, from different random starts"});
+    number({.name = "side_least",
+            .value = *std::min_element(sides.begin(), sides.end()),
+            .meaning = "least share of the side walls' upward friction in the weight, last step of "
+                       "the packings",
+            .digits = 2});
+    number({.name = "side_most",
+            .value = *std::max_element(sides.begin(), sides.end()),
+            .meaning = "largest",
+            .digits = 2});
     number({.name = "roughness",
             .value = rough.mean,
             .unit = "diameters",

@@ -185,10 +185,11 @@ PaperResult run_fig13(const PaperContext& context) {
       "decay "
       "drawn log–log stays level until about its time constant and then plunges; nothing "
       "accelerates. "
-      "Measured: {tau_5} for 5 rows (theory {tau_theory_5}), {tau_10} for 10. The paper's twenty "
-      "iterations are thus the time constant of about five rows, and the start grows with the "
-      "number "
-      "of disks.");
+      "Measured: {tau_5} for 5 rows (theory {tau_theory_5}), {tau_10} for 10. The paper does not "
+      "give "
+      "its size: twenty iterations would be the travel through twenty rows, or the time constant "
+      "of "
+      "five. Better initial forces shorten the second part, and more rows lengthen it.");
   result.figures.push_back({.name = "fig13_paper",
                             .caption = "`uzawa` with the paper's ρ, μ = 0, several sizes.",
                             .chart = sizes,

@@ -26,24 +26,6 @@ double extent(const Scene& scene, const Vec2& axis) {
   return high - low;
 }
 
-/// True when a chain of touching bodies leads from every disk to a wall.
-bool all_supported(const Scene& scene, double touching) {
-  const std::size_t n = scene.disks.size();
-  std::vector<std::size_t> parent(n + 1);  // the last: all walls together
-  std::iota(parent.begin(), parent.end(), std::size_t{0});
-  const auto root = [&](std::size_t i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (const Contact& c : detect_contacts(scene.disks, scene.walls, touching)) {
-    parent[root(static_cast<std::size_t>(c.i))] = root(std::min(static_cast<std::size_t>(c.j), n));
-  }
-  for (std::size_t i = 0; i < n; ++i) {
-    if (root(i) != root(n)) return false;
-  }
-  return true;
-}
-
 struct Load {
   double force = 0;  // [N]
   double speed = 0;  // [m/s]
@@ -96,7 +78,7 @@ Load estimate_load(const Scene& scene, double smallest) {
   }
   for (const Wall& w : scene.walls) wall_speed = std::max(wall_speed, w.v.norm());
   const double diameter = diameters / static_cast<double>(scene.disks.size());
-  const bool supported = all_supported(scene, 1e-3 * smallest);
+  const bool supported = supported_by_walls(scene, 1e-3 * smallest);
   double speed2 = (disk_speed + wall_speed) * (disk_speed + wall_speed);
   const double g = scene.gravity.norm();
   if (g > 0) {
@@ -189,6 +171,23 @@ double shortest_half_period(const Scene& scene, double k_n, double k_t) {
 }
 
 }  // namespace
+
+bool supported_by_walls(const Scene& scene, double touching) {
+  const std::size_t n = scene.disks.size();
+  std::vector<std::size_t> parent(n + 1);  // the last: all walls together
+  std::iota(parent.begin(), parent.end(), std::size_t{0});
+  const auto root = [&](std::size_t i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (const Contact& c : detect_contacts(scene.disks, scene.walls, touching)) {
+    parent[root(static_cast<std::size_t>(c.i))] = root(std::min(static_cast<std::size_t>(c.j), n));
+  }
+  for (std::size_t i = 0; i < n; ++i) {
+    if (root(i) != root(n)) return false;
+  }
+  return true;
+}
 
 double restitution_of_damping(double zeta) {
   const double one_minus = 1 - zeta * zeta;

@@ -28,14 +28,16 @@ void draw_stress_picture(const std::filesystem::path& path, const Scene& scene, 
   options.fill.values = pressures;
   options.fill.label = "pressure in the disk";
   options.fill.unit = "Pa";
-  if (!(options.fill.high > 0) && !pressures.empty()) {
-    std::vector<double> sorted = pressures;
-    std::sort(sorted.begin(), sorted.end());
-    const auto rank = static_cast<std::size_t>(kShown * static_cast<double>(sorted.size() - 1));
-    const double high = sorted[rank] > 0 ? sorted[rank] : sorted.back();
-    if (high > 0) options.fill.high = round_above(high);
-  }
+  if (!(options.fill.high > 0)) options.fill.high = colour_bar_end(pressures);
   draw_force_picture(path, scene, state, caption, options);
+}
+
+double colour_bar_end(std::vector<double> values) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const auto rank = static_cast<std::size_t>(kShown * static_cast<double>(values.size() - 1));
+  const double end = values[rank] > 0 ? values[rank] : values.back();
+  return end > 0 ? round_above(end) : 0;
 }
 
 std::vector<double> disk_pressures(const State& state, double step) {

@@ -465,7 +465,12 @@ TEST(ComparisonReport, PageStandsAlone) {
   context.command = "bipot compare <targets> & more";
   context.command_of_target = "bipot compare {}";
   context.build = build_info();
-  const std::string page = to_html(c, context);
+  const std::string page =
+      to_html(c, context, {{"simulations", "Whole simulations & more", "<p>inside</p>"}});
+  EXPECT_NE(page.find("<h2 id=\"simulations\">Whole simulations &amp; more</h2>\n<p>inside</p>"),
+            std::string::npos);
+  EXPECT_NE(page.find("<a href=\"#simulations\">Whole simulations &amp; more</a>"),
+            std::string::npos);
   for (const char* foreign : {"http://", "https://", "src=", "@import", "url(", "//cdn"}) {
     EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
   }
@@ -479,6 +484,12 @@ TEST(ComparisonReport, PageStandsAlone) {
   EXPECT_FALSE(json["commit"].get<std::string>().empty());
   EXPECT_FALSE(json["compiler"].get<std::string>().empty());
   EXPECT_EQ(json["rows"][0]["iterations"], c.rows[0].iterations);
+  // Two solvers at two tolerances, by time and by iterations; four true errors; no auto, no series.
+  EXPECT_EQ(json["profiles"].size(), 2u * (2 * 2 + 4));
+  EXPECT_EQ(json["errors_within"].size(), 2u * 3);
+  EXPECT_EQ(json["tolerance_meaning"].size(), 2u);
+  EXPECT_TRUE(json["growth"].empty());
+  EXPECT_EQ(json["regret_of_auto"]["cases"], 0);
 }
 
 }  // namespace

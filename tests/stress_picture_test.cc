@@ -48,6 +48,14 @@ TEST(StressPicture, TheBarEndsWhereAllButTwoInAHundredDisksAre) {
   EXPECT_TRUE(drawn(one, 0) == drawn(one, 5));
 }
 
+TEST(StressPicture, EndsOfColourBarsAreRound) {
+  EXPECT_EQ(colour_bar_end({}), 0);
+  EXPECT_EQ(colour_bar_end({0, 0}), 0);
+  EXPECT_DOUBLE_EQ(colour_bar_end({1234}), 1500);
+  EXPECT_DOUBLE_EQ(colour_bar_end({8e4}), 8e4);
+  EXPECT_DOUBLE_EQ(colour_bar_end({8.1e-3}), 1e-2);
+}
+
 TEST(StressPicture, PressuresAreThoseOfTheDisksOwnAreas) {
   // A disk of radius 2 squeezed with 7 N: Σ F r = 7 · 4 in xx, half of it over π 2².
   State state;
