@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <ctime>
-#include <fstream>
 
 #include "bench/build_info.h"
 #include "bench/chart.h"
@@ -17,22 +16,12 @@
 #include "bench/progress_bar.h"
 #include "bench/trade_command.h"
 #include "core/atomic_file.h"
-#include "core/file_error.h"
 #include "solvers/registry.h"
 
 namespace bipot {
 namespace {
 
 namespace fs = std::filesystem;
-
-void write_text(const fs::path& path, const std::string& text) {
-  AtomicFile file(path);
-  std::ofstream out(file.draft(), std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw FileError(path, "", "cannot be written");
-  file.commit();
-}
 
 /// The command as it was typed, results aside.
 std::string command_line(const std::string& targets, const CompareFlags& flags) {
@@ -184,7 +173,7 @@ int compare_command(const CompareFlags& flags) {
   context.command = command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags);
   context.command_of_target = command_line("{}", flags);
   if (!flags.out.empty()) {
-    write_text(options.out / "comparison.csv", to_csv(comparison));
+    write_text_file(options.out / "comparison.csv", to_csv(comparison));
     write_json(to_json(comparison, context), (options.out / "comparison.json").string());
     std::vector<ReportSection> sections;
     if (whole) {
@@ -193,7 +182,7 @@ int compare_command(const CompareFlags& flags) {
           {"whole", "Whole simulations",
            "<style>" + trade_style() + "</style>" + trade_section(whole->trade, whole->context)});
     }
-    write_text(options.out / "report.html", to_html(comparison, context, sections));
+    write_text_file(options.out / "report.html", to_html(comparison, context, sections));
   }
   if (!flags.json.empty()) {
     nlohmann::ordered_json table = to_json(comparison, context);

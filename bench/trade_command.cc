@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 
 #include "bench/chart.h"
@@ -24,15 +23,6 @@ namespace bipot {
 namespace {
 
 namespace fs = std::filesystem;
-
-void write_text(const fs::path& path, const std::string& text) {
-  AtomicFile file(path);
-  std::ofstream out(file.draft(), std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw FileError(path, "", "cannot be written");
-  file.commit();
-}
 
 std::string numbers(const char* flag, const std::vector<double>& values) {
   if (values.empty()) return {};
@@ -157,9 +147,9 @@ FinishedTrade run_trade(const TradeFlags& flags, bool quiet) {
 }
 
 void write_trade(const fs::path& folder, const FinishedTrade& finished) {
-  write_text(folder / "trade.csv", to_csv(finished.trade));
+  write_text_file(folder / "trade.csv", to_csv(finished.trade));
   write_json(to_json(finished.trade, finished.context), (folder / "trade.json").string());
-  write_text(folder / "trade.html", trade_page(finished.trade, finished.context));
+  write_text_file(folder / "trade.html", trade_page(finished.trade, finished.context));
 }
 
 int trade_command(const TradeFlags& flags) {
