@@ -13,7 +13,6 @@
 #include "bench/comparison_target.h"
 #include "bench/reference_solution.h"
 #include "core/contact_detection.h"
-#include "core/nearest_name.h"
 #include "core/time_stepping.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -900,12 +899,17 @@ Advice advise(const Scene& scene, const AdviseOptions& options) {
     }
   }
   if (!asked) throw std::invalid_argument("nothing is asked for: give at least one goal");
+  if (scene.model != Model::kNonsmooth) {
+    throw std::invalid_argument(
+        "the scene asks for springs and dashpots (model dem), which solve no contact problem: "
+        "there is no solver to advise");
+  }
   if (options.samples < 1 || options.fresh < 0) {
     throw std::invalid_argument("at least one step must be sampled");
   }
   for (const SolverVariant& variant : options.solvers) {
     if (find_solver(variant.solver) == nullptr) {
-      throw std::invalid_argument(unknown_name_message("solver", variant.solver, solver_names()));
+      throw std::invalid_argument(unknown_solver_message(variant.solver));
     }
   }
   const Clock clock(options.time_limit);
