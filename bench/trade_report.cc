@@ -26,6 +26,10 @@ std::string error_text(double x) {
   const std::size_t e = text.find('e');
   return fmt::format("{}e{}", text.substr(0, e), std::stoi(text.substr(e + 1)));
 }
+/// Per cent, where that is short.
+std::string share_text(double x) {
+  return x >= 1e-4 ? fmt::format("{:.2g} %", 100 * x) : error_text(x);
+}
 std::string value_text(double x) { return cell_text("{:.4g}", x); }
 std::string seconds_text(double s) {
   if (!std::isfinite(s)) return "–";
@@ -70,7 +74,7 @@ std::string springs_sentence(const SceneTrade& s) {
     text +=
         fmt::format("{}: {:.2g} times the cost", name, cell.cpu_per_second / rigid->cpu_per_second);
     if (std::isfinite(error)) {
-      text += fmt::format(", {} {:.2g} % away", s.scene->quantities[q].name, 100 * error);
+      text += fmt::format(", {} {} away", s.scene->quantities[q].name, share_text(error));
     }
   }
   if (text.empty()) return {};
@@ -227,13 +231,13 @@ class Section {
           cell_text("{:.2g} ×", cell->cpu_per_second / rigid->cpu_per_second),
           error_text(cell->penetration),
           std::isfinite(worst)
-              ? fmt::format("{:.2g} %, {}", 100 * worst, escape_markup(s.scene->quantities[q].name))
+              ? fmt::format("{}, {}", share_text(worst), escape_markup(s.scene->quantities[q].name))
               : "–"));
     }
     add("</tbody></table></div>\n<p class=\"small\">Worst outcome: the one that is furthest from "
         "the reference. Springs are another model: where statics leaves forces open, elasticity "
         "picks "
-        "others, and tangential restitution is missing; such differences are no errors.</p>\n");
+        "others, and tangential restitution is missing; such differences are not errors.</p>\n");
   }
 
   void setting_table(const SceneTrade& s) {
