@@ -170,6 +170,7 @@ int trade_command(const TradeFlags& flags) {
     fs::create_directories(out, error);
     if (error) throw FileError(out, "", "cannot create: " + error.message());
   }
+  if (!flags.json.empty()) require_writable(flags.json);
 
   const bool quiet = flags.quiet || flags.json == "-";
   const FinishedTrade finished = run_trade(flags, quiet);
