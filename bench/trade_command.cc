@@ -11,10 +11,10 @@
 #include <stdexcept>
 
 #include "bench/chart.h"
-#include "bench/comparison_report.h"
 #include "bench/exit_code.h"
 #include "bench/interrupt.h"
 #include "bench/json_output.h"
+#include "bench/labels.h"
 #include "bench/progress_bar.h"
 #include "bench/trade_report.h"
 #include "core/atomic_file.h"
