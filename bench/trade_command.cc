@@ -10,10 +10,10 @@
 #include <stdexcept>
 
 #include "bench/chart.h"
-#include "bench/comparison_report.h"
 #include "bench/exit_code.h"
 #include "bench/interrupt.h"
 #include "bench/json_output.h"
+#include "bench/labels.h"
 #include "bench/progress_bar.h"
 #include "bench/trade_report.h"
 #include "core/atomic_file.h"
@@ -160,6 +160,7 @@ int trade_command(const TradeFlags& flags) {
     fs::create_directories(out, error);
     if (error) throw FileError(out, "", "cannot create: " + error.message());
   }
+  if (!flags.json.empty()) require_writable(flags.json);
 
   const bool quiet = flags.quiet || flags.json == "-";
   const FinishedTrade finished = run_trade(flags, quiet);

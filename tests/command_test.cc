@@ -414,6 +414,7 @@ TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
   EXPECT_EQ(bipot("trade " + scene + ":steps=x").exit_code, 2);
   EXPECT_EQ(bipot("trade " + scene + " --overlaps 0.5").exit_code, 2);
   EXPECT_EQ(bipot("trade " + scene + " --out /proc/nowhere").exit_code, 4);
+  EXPECT_EQ(bipot("trade " + scene + " --json /proc/nowhere/a.json").exit_code, 4);
   const Outcome refused = bipot("trade no_such_scene --json -");
   EXPECT_EQ(json::parse(refused.out)["exit_code"], 2);
 }
