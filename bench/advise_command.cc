@@ -307,11 +307,8 @@ void check_destinations(const AdviseFlags& flags) {
   if (!flags.write.empty() && fs::exists(flags.write) && !flags.force_overwrite) {
     throw std::invalid_argument(flags.write + " exists: name another file, or give --force");
   }
-  for (const std::string& path : {flags.write, flags.json}) {
-    if (path.empty() || path == "-") continue;
-    const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : ".";
-    if (!fs::is_directory(folder)) throw FileError(path, "", "its folder does not exist");
-  }
+  require_writable(flags.write);
+  require_writable(flags.json);
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <set>
 #include <string_view>
 
@@ -74,6 +73,12 @@ std::string wrapped(const std::string& text, std::size_t width) {
 
 bool is_log(const ChartAxis& axis) { return axis.kind != ChartAxis::Kind::kLinear; }
 
+/// Whether a reference line stands within the limits that are given.
+bool allows(const ChartAxis& axis, double at) {
+  return std::isfinite(at) && !(is_log(axis) && at <= 0) && !(axis.low && at < *axis.low) &&
+         !(axis.high && at > *axis.high);
+}
+
 /// Where non-positive values go on a logarithmic axis: its limit, or the decade below all others.
 double floor_of(const ChartAxis& axis, const std::vector<double>& values) {
   if (axis.low && *axis.low > 0) return *axis.low;
@@ -95,9 +100,14 @@ class Script {
         if (!std::isfinite(p.x) || !std::isfinite(p.y)) continue;
         xs_.push_back(p.x);
         ys_.push_back(p.y);
+        if (!std::isfinite(p.y_low) || !std::isfinite(p.y_high)) continue;
+        ys_.push_back(p.y_low);
+        ys_.push_back(p.y_high);
       }
     }
-    if (is_log(chart.x)) x_floor_ = floor_of(chart.x, xs_);
+    std::vector<double> places = xs_;
+    for (const ChartLine& line : chart.x_lines) places.push_back(line.at);
+    if (is_log(chart.x)) x_floor_ = floor_of(chart.x, places);
     std::vector<double> levels = ys_;
     for (const ChartLine& line : horizontal()) levels.push_back(line.at);
     if (is_log(chart.y)) y_floor_ = floor_of(chart.y, levels);
@@ -130,7 +140,6 @@ class Script {
     }
     // Constant functions take part in the range of the axis.
     for (const ChartLine& reference : horizontal()) {
-      if (is_log(chart_.y) && !(reference.at >= y_floor_)) continue;
       add_plot(fmt::format("{} with lines lw 1.5 dt (1,4) lc rgb '#777777' notitle",
                            number(reference.at)),
                reference.label);
@@ -175,7 +184,7 @@ class Script {
     std::vector<ChartLine> lines;
     if (chart_.y_line) lines.push_back({*chart_.y_line, chart_.y_line_label});
     lines.insert(lines.end(), chart_.y_lines.begin(), chart_.y_lines.end());
-    std::erase_if(lines, [](const ChartLine& l) { return !std::isfinite(l.at); });
+    std::erase_if(lines, [this](const ChartLine& l) { return !allows(chart_.y, l.at); });
     return lines;
   }
 
@@ -237,7 +246,9 @@ class Script {
     }
     // An axis without data, or with one value, is given a range.
     std::vector<double> values = along_x ? xs_ : ys_;
-    for (const ChartLine& l : along_x ? chart_.x_lines : horizontal()) values.push_back(l.at);
+    for (const ChartLine& l : along_x ? chart_.x_lines : horizontal()) {
+      if (allows(axis, l.at)) values.push_back(l.at);
+    }
     double least = std::numeric_limits<double>::infinity(), most = -least;
     for (double v : values) {
       if (!std::isfinite(v)) continue;
@@ -279,9 +290,7 @@ class Script {
 
   void vertical_lines() {
     for (const ChartLine& reference : chart_.x_lines) {
-      if (!std::isfinite(reference.at) || (is_log(chart_.x) && !(reference.at >= x_floor_))) {
-        continue;
-      }
+      if (!allows(chart_.x, reference.at)) continue;
       const std::string at = number(reference.at);
       line(
           fmt::format("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead lw 1.5 dt "
@@ -504,15 +513,6 @@ std::string csv_field(std::string_view text) {
   return out + '"';
 }
 
-void write_file(const std::filesystem::path& path, std::string_view text) {
-  AtomicFile file(path);
-  std::ofstream out(file.draft(), std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw FileError(path, "", "cannot be written");
-  file.commit();
-}
-
 }  // namespace
 
 std::string escape_markup(const std::string& text) {
@@ -572,18 +572,18 @@ std::vector<std::string> to_svg(std::span<const Chart> charts) {
 void write_chart_files(const std::filesystem::path& folder, const std::string& name,
                        const Chart& chart) {
   const std::string script = Script(chart, false).write();
-  write_file(folder / (name + ".svg"), run_gnuplot(script));
+  write_text_file(folder / (name + ".svg"), run_gnuplot(script));
   // The output is named once the terminal is.
-  write_file(folder / (name + ".gp"),
-             fmt::format("# gnuplot {0}.gp makes {0}.svg.\nset output {1}\n{2}", name,
-                         in_quotes(name + ".svg"), script));
+  write_text_file(folder / (name + ".gp"),
+                  fmt::format("# gnuplot {0}.gp makes {0}.svg.\nset output {1}\n{2}", name,
+                              in_quotes(name + ".svg"), script));
   std::string csv = "series,x,y,note\n";
   for (const ChartSeries& series : chart.series) {
     for (const ChartPoint& p : series.points) {
       csv += fmt::format("{},{},{},{}\n", csv_field(series.name), p.x, p.y, csv_field(p.note));
     }
   }
-  write_file(folder / (name + ".csv"), csv);
+  write_text_file(folder / (name + ".csv"), csv);
 }
 
 void require_plotting_tool() {

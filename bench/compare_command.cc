@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <ctime>
-#include <fstream>
 
 #include "bench/build_info.h"
 #include "bench/chart.h"
@@ -15,23 +14,14 @@
 #include "bench/interrupt.h"
 #include "bench/json_output.h"
 #include "bench/progress_bar.h"
+#include "bench/trade_command.h"
 #include "core/atomic_file.h"
-#include "core/file_error.h"
 #include "solvers/registry.h"
 
 namespace bipot {
 namespace {
 
 namespace fs = std::filesystem;
-
-void write_text(const fs::path& path, const std::string& text) {
-  AtomicFile file(path);
-  std::ofstream out(file.draft(), std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw FileError(path, "", "cannot be written");
-  file.commit();
-}
 
 /// The command as it was typed, results aside.
 std::string command_line(const std::string& targets, const CompareFlags& flags) {
@@ -54,6 +44,9 @@ std::string command_line(const std::string& targets, const CompareFlags& flags) 
   if (flags.try_all) line += " --try-all";
   if (flags.scene_problems) line += fmt::format(" --scene-problems {}", *flags.scene_problems);
   if (flags.scene_steps) line += fmt::format(" --scene-steps {}", *flags.scene_steps);
+  if (!flags.whole_runs.empty()) {
+    line += fmt::format(" --whole-runs {}", fmt::join(flags.whole_runs, ","));
+  }
   return line;
 }
 
@@ -71,16 +64,18 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
   command->add_option("--solvers", flags.solvers, "all, or names separated by commas")
       ->delimiter(',')
       ->type_name("NAMES");
-  command->add_option("--tols", flags.tols, "Tolerances (default 1e-2,1e-4,1e-8; quick 1e-2,1e-6)")
+  command
+      ->add_option("--tols", flags.tols,
+                   "Tolerances (default 1e-2,1e-4,1e-6,1e-8; quick 1e-2,1e-6)")
       ->delimiter(',')
       ->check(CLI::PositiveNumber)
       ->type_name("NUMBERS");
-  command->add_option("--time-limit", flags.time_limit, "Wall seconds of one solve (10; quick 1)")
+  command->add_option("--time-limit", flags.time_limit, "Wall seconds of one solve (2; quick 1)")
       ->check(CLI::PositiveNumber)
       ->type_name("SECONDS");
   command
       ->add_option("--reference-time-limit", flags.reference_time_limit,
-                   "Wall seconds of one attempt at a reference (30; quick 5)")
+                   "Wall seconds of one attempt at a reference (6; quick 3)")
       ->check(CLI::PositiveNumber)
       ->type_name("SECONDS");
   command->add_option("--repeat", flags.repeat, "Solves behind each time, at least")
@@ -99,6 +94,12 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
       ->check(CLI::Range(1, 1000));
   command->add_option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--whole-runs", flags.whole_runs,
+                   "Scenes to run as a whole too, by tolerance, time step and model, as `bipot "
+                   "trade` does; 'set' is its own set")
+      ->delimiter(',')
+      ->type_name("SCENES");
   command->add_flag("--quick", flags.quick,
                     "Loose limits and the small benchmark, for a first look");
   command
@@ -118,7 +119,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
       "  bipot compare square:30 pile:18 --out out/compare\n"
       "  bipot compare problems/ --solvers auto,pgs,ipm --tols 1e-8 --time-limit 60 --json -\n"
       "  bipot compare compaction --quick --out out/compaction_solvers\n"
-      "  bipot compare benchmark --out out/benchmark");
+      "  bipot compare benchmark --whole-runs set --out out/benchmark");
   return command;
 }
 
@@ -128,9 +129,10 @@ int compare_command(const CompareFlags& flags) {
       flags.solvers.size() == 1 && flags.solvers[0] == "all" ? solver_names() : flags.solvers;
   options.tols = !flags.tols.empty() ? flags.tols
                  : flags.quick       ? std::vector<double>{1e-2, 1e-6}
-                                     : std::vector<double>{1e-2, 1e-4, 1e-8};
-  options.time_limit = flags.time_limit.value_or(flags.quick ? 1 : 10);
-  options.reference_time_limit = flags.reference_time_limit.value_or(flags.quick ? 5 : 30);
+                                     : options.tols;
+  options.time_limit = flags.time_limit.value_or(flags.quick ? 1 : ComparisonOptions{}.time_limit);
+  options.reference_time_limit = flags.reference_time_limit.value_or(
+      flags.quick ? 3 : ComparisonOptions{}.reference_time_limit);
   options.repeat = flags.repeat;
   options.min_time = flags.min_time;
   options.try_all = flags.try_all;
@@ -142,6 +144,10 @@ int compare_command(const CompareFlags& flags) {
   if (!flags.out.empty()) require_plotting_tool();
   const std::vector<ProblemSource> sources = expand_targets(flags.targets, scenes);
 
+  // What lies in the folder of the results is found when that is made.
+  if (flags.out.empty() || fs::path(flags.json).parent_path() != fs::path(flags.out)) {
+    require_writable(flags.json);
+  }
   const bool quiet = flags.quiet || flags.json == "-";
   const long total =
       static_cast<long>(sources.size() * options.solvers.size() * options.tols.size());
@@ -152,6 +158,13 @@ int compare_command(const CompareFlags& flags) {
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;
   const Comparison comparison = compare(sources, options);
+  std::optional<FinishedTrade> whole;
+  if (!flags.whole_runs.empty() && comparison.complete) {
+    TradeFlags trade_flags;
+    if (flags.whole_runs != std::vector<std::string>{"set"}) trade_flags.scenes = flags.whole_runs;
+    trade_flags.quick = flags.quick;
+    whole = run_trade(trade_flags, quiet);
+  }
 
   ReportContext context;
   context.options = options;
@@ -160,19 +173,32 @@ int compare_command(const CompareFlags& flags) {
   context.command = command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags);
   context.command_of_target = command_line("{}", flags);
   if (!flags.out.empty()) {
-    write_text(options.out / "comparison.csv", to_csv(comparison));
+    write_text_file(options.out / "comparison.csv", to_csv(comparison));
     write_json(to_json(comparison, context), (options.out / "comparison.json").string());
-    write_text(options.out / "report.html", to_html(comparison, context));
+    std::vector<ReportSection> sections;
+    if (whole) {
+      write_trade(options.out, *whole);
+      sections.push_back(
+          {"whole", "Whole simulations",
+           "<style>" + trade_style() + "</style>" + trade_section(whole->trade, whole->context)});
+    }
+    write_text_file(options.out / "report.html", to_html(comparison, context, sections));
   }
-  if (!flags.json.empty()) write_json(to_json(comparison, context), flags.json);
+  if (!flags.json.empty()) {
+    nlohmann::ordered_json table = to_json(comparison, context);
+    if (whole) table["whole_simulations"] = to_json(whole->trade, whole->context);
+    write_json(table, flags.json);
+  }
   if (!quiet) {
     fmt::print("{}", to_text(comparison));
+    if (whole) fmt::print("\nWhole simulations\n\n{}", to_text(whole->trade));
     if (!flags.out.empty()) {
       fmt::print("results in {}, {} of {} rows from before\n", flags.out, comparison.rows_kept,
                  comparison.rows.size());
     }
   }
-  return comparison.complete ? kExitConverged : kExitInterrupted;
+  return comparison.complete && (!whole || whole->trade.complete) ? kExitConverged
+                                                                  : kExitInterrupted;
 }
 
 }  // namespace bipot

@@ -209,6 +209,37 @@ std::vector<BudgetErrors> errors_within(const Comparison& comparison, double sec
   return all;
 }
 
+std::vector<ToleranceMeaning> tolerance_meaning(const Comparison& comparison) {
+  std::map<std::string, Ranking> rankings;
+  for (const ProblemSummary& problem : comparison.problems) {
+    if (problem.contacts > 0 && !problem.several_velocities()) {
+      rankings[problem.name] = ranking(problem, comparison.rows);
+    }
+  }
+  std::vector<ToleranceMeaning> all;
+  for (double tol : tolerances_of(comparison)) {
+    ToleranceMeaning& made = all.emplace_back();
+    made.tol = tol;
+    std::vector<double> errors;
+    for (const ComparisonRow& row : comparison.rows) {
+      const auto rank = rankings.find(row.problem);
+      if (row.tol != tol || !row.solved() || rank == rankings.end()) continue;
+      const double error = rank->second.of(row);
+      if (!std::isfinite(error)) continue;
+      errors.push_back(error);
+      if (made.rows++ == 0 || error > made.worst) {
+        made.worst = error;
+        made.worst_problem = row.problem;
+        made.worst_solver = row.solver;
+      }
+    }
+    std::sort(errors.begin(), errors.end());
+    made.median = quantile(errors, 0.5);
+    made.ninth_decile = quantile(errors, 0.9);
+  }
+  return all;
+}
+
 std::vector<Growth> growth(const Comparison& comparison) {
   std::vector<std::string> names;
   std::map<std::string, std::vector<const ProblemSummary*>> series;

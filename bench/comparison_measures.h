@@ -75,6 +75,18 @@ struct BudgetErrors {
 };
 std::vector<BudgetErrors> errors_within(const Comparison& comparison, double seconds);
 
+/// The true errors behind a tolerance: of all rows that met it, on problems whose velocities are
+/// unique as far as is known.
+struct ToleranceMeaning {
+  double tol = 0;
+  int rows = 0;
+  double median = ComparisonRow::kNaN, ninth_decile = ComparisonRow::kNaN,
+         worst = ComparisonRow::kNaN;
+  std::string worst_problem, worst_solver;
+};
+/// From loose to tight.
+std::vector<ToleranceMeaning> tolerance_meaning(const Comparison& comparison);
+
 /// Cost against size, along one series of problems.
 struct Growth {
   struct Point {

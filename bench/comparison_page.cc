@@ -27,6 +27,7 @@ code{font:.88em ui-monospace,monospace;background:#f3f3f3;padding:.1em .3em;over
 .scroll{overflow-x:auto;border:1px solid #ddd}
 table{border-collapse:separate;border-spacing:0;font-variant-numeric:tabular-nums;font-size:.87rem;width:100%}
 th,td{padding:.3em .6em;text-align:left;border-bottom:1px solid #e6e6e6;vertical-align:top}
+.scroll+.grid{margin-top:1em}
 td.n,th.n{text-align:right;white-space:nowrap}
 thead th{background:#f3f3f3}
 th:first-child,td:first-child{position:sticky;left:0;background:#fff}
@@ -60,7 +61,7 @@ dt{font-weight:600}dd{margin:0;max-width:42em}
  #rows td:first-child,#rows th:first-child{min-width:7.5em;max-width:7.5em;overflow-wrap:anywhere}}
 @media print{body{max-width:none;padding:0;font-size:10pt}.filters,nav,#open-all{display:none}
  .scroll{overflow:visible;border:0}th:first-child,td:first-child{position:static}
- table{font-size:7.5pt}th,td{padding:.15em .3em}#rows{font-size:6pt}@page wide{size:landscape;margin:10mm}
+ figcaption,.small{font-size:8pt}table{font-size:7.5pt}th,td{padding:.15em .3em}#rows{font-size:6pt}@page wide{size:landscape;margin:10mm}
  .wide{page:wide}.grid{grid-template-columns:1fr 1fr}
  h2,h3,summary{break-after:avoid}tr{break-inside:avoid}}
 )";
@@ -158,6 +159,7 @@ class Page {
     answer();
     contents();
     answer_by_problem();
+    meaning();
     solver_summary();
     regret();
     profiles();
@@ -224,23 +226,27 @@ class Page {
     if (!c_.complete) add("<p><strong>This comparison was stopped; rows are missing.</strong></p>");
     add(
         fmt::format("<p>{} problems, {} solvers. For each accuracy: on how many problems some "
-                    "solver reaches it, and which solvers are the fastest to it, with the number "
-                    "of problems. The error is a true one, against a reference solution; the "
-                    "tolerance that a solver is given is another number.</p>\n",
+                    "solver reaches it, which solvers get there first, with the number of "
+                    "problems, and the tolerance that they need in the median. Errors are true "
+                    "ones, measured against a reference solution.</p>\n",
                     c_.problems.size(), solvers_.size()));
-    add("<div class=\"scroll\"><table><thead><tr><th>true error</th><th class=\"n\">reached on</th>"
-        "<th>fastest on</th></tr></thead><tbody>\n");
+    add("<div class=\"scroll\"><table><thead><tr><th>true error</th><th class=\"n\">reached "
+        "on</th><th class=\"n\">tolerance</th><th>fastest on</th></tr></thead><tbody>\n");
     for (double accuracy : kProfileAccuracies) {
       std::map<std::string, int> wins;
-      int reached = 0;
+      std::vector<double> needed;
       for (const ProblemSummary& p : c_.problems) {
         if (const ComparisonRow* best = fastest_to(p, c_.rows, accuracy)) {
           ++wins[best->solver];
-          ++reached;
+          needed.push_back(best->tol);
         }
       }
-      add(fmt::format("<tr><td>{}</td><td class=\"n\">{} of {}</td><td>{}</td></tr>\n",
-                      accuracy_label(accuracy), reached, c_.problems.size(), ranked(wins, 4)));
+      std::sort(needed.begin(), needed.end());
+      add(fmt::format(
+          "<tr><td>{}</td><td class=\"n\">{} of {}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
+          accuracy_label(accuracy), needed.size(), c_.problems.size(),
+          needed.empty() ? "–" : tolerance_label(needed[(needed.size() - 1) / 2]),
+          ranked(wins, 4)));
     }
     add("</tbody></table></div>\n");
     const Regret r = regret_of(c_, "auto");
@@ -256,7 +262,8 @@ class Page {
   }
 
   void contents() {
-    add("<nav><a href=\"#answer\">Fastest, by problem</a><a href=\"#solvers\">Who solves "
+    add("<nav><a href=\"#answer\">Fastest, by problem</a><a href=\"#tolerance\">What a tolerance "
+        "means</a><a href=\"#solvers\">Who solves "
         "what</a>");
     if (has_auto()) add("<a href=\"#auto\">auto</a>");
     if (c_.problems.size() > 1) add("<a href=\"#profiles\">Profiles</a>");
@@ -310,6 +317,27 @@ class Page {
   /// Of the problem's part of the page.
   std::string id_of(const ProblemSummary& p) const {
     return fmt::format("p{}", &p - c_.problems.data() + 1);
+  }
+
+  void meaning() {
+    heading("tolerance", "What a tolerance means");
+    add("<p>The true errors of all rows that met a tolerance, whatever the solver.</p>\n<div "
+        "class=\"scroll\"><table><thead><tr><th>tolerance</th><th class=\"n\">rows</th><th "
+        "class=\"n\">median error</th><th class=\"n\">90 % below</th><th "
+        "class=\"n\">worst</th><th>of</th></tr></thead><tbody>\n");
+    for (const ToleranceMeaning& m : tolerance_meaning(c_)) {
+      add(fmt::format(
+          "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td><td "
+          "class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td></tr>\n",
+          tolerance_label(m.tol), m.rows, error_label(m.median), error_label(m.ninth_decile),
+          error_label(m.worst),
+          m.rows == 0 ? "–"
+                      : escape_markup(m.worst_solver) + " on " + escape_markup(m.worst_problem)));
+    }
+    add("</tbody></table></div>\n<p class=\"small\">The error in the force on the worst body, or "
+        "in "
+        "the velocities where a problem does not know its bodies. Problems with several velocity "
+        "solutions are left out.</p>\n");
   }
 
   void solver_summary() {
@@ -451,22 +479,8 @@ class Page {
         if (p.series == name) targets += (targets.empty() ? "" : " ") + p.target;
       }
       const std::string replay = fmt::format(fmt::runtime(context_.command_of_target), targets);
-      add(fmt::format("<details><summary>{}</summary>\n<div class=\"grid\">\n",
-                      escape_markup(name)));
-      std::vector<double> shown = {tols_.front()};
-      if (tols_.size() > 1) shown.push_back(tols_.back());
-      for (double tol : shown) {
-        for (GrowthOf quantity : {GrowthOf::kIterations, GrowthOf::kTime}) {
-          const bool time = quantity == GrowthOf::kTime;
-          figure(growth_chart(growth_, name, tol, quantity),
-                 fmt::format("{} at tolerance {}, {}.", time ? "Time" : "Iterations",
-                             tolerance_label(tol), escape_markup(name)),
-                 replay,
-                 fmt::format("{} in comparison.csv, dofs / 3 in comparison.json",
-                             time ? "cpu_min" : "iterations"));
-        }
-      }
-      add("</div>\n<div class=\"scroll\"><table><thead><tr><th>solver</th>");
+      add(fmt::format("<details><summary>{}</summary>\n", escape_markup(name)));
+      add("<div class=\"scroll\"><table><thead><tr><th>solver</th>");
       for (double tol : tols_) {
         add(fmt::format("<th class=\"n\">iterations, {0}</th><th class=\"n\">time, {0}</th>",
                         tolerance_label(tol)));
@@ -483,7 +497,21 @@ class Page {
         }
         add("</tr>\n");
       }
-      add("</tbody></table></div></details>\n");
+      add("</tbody></table></div>\n<div class=\"grid\">\n");
+      std::vector<double> shown = {tols_.front()};
+      if (tols_.size() > 1) shown.push_back(tols_.back());
+      for (double tol : shown) {
+        for (GrowthOf quantity : {GrowthOf::kIterations, GrowthOf::kTime}) {
+          const bool time = quantity == GrowthOf::kTime;
+          figure(growth_chart(growth_, name, tol, quantity),
+                 fmt::format("{} at tolerance {}, {}.", time ? "Time" : "Iterations",
+                             tolerance_label(tol), escape_markup(name)),
+                 replay,
+                 fmt::format("{} in comparison.csv, dofs / 3 in comparison.json",
+                             time ? "cpu_min" : "iterations"));
+        }
+      }
+      add("</div></details>\n");
     }
   }
 

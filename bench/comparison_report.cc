@@ -161,6 +161,16 @@ nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext
           {{"seconds", budget}, {"solver", b.solver}, {"errors", b.errors}});
     }
   }
+  j["tolerance_meaning"] = nlohmann::ordered_json::array();
+  for (const ToleranceMeaning& m : tolerance_meaning(comparison)) {
+    j["tolerance_meaning"].push_back({{"tol", m.tol},
+                                      {"rows", m.rows},
+                                      {"median", number(m.median)},
+                                      {"ninth_decile", number(m.ninth_decile)},
+                                      {"worst", number(m.worst)},
+                                      {"worst_problem", m.worst_problem},
+                                      {"worst_solver", m.worst_solver}});
+  }
   j["growth"] = nlohmann::ordered_json::array();
   for (const Growth& g : growth(comparison)) {
     const auto law = [](const PowerLaw& fit) {

@@ -62,6 +62,7 @@ int main(int argc, char** argv) {
                                     : solve->parsed()  ? solve_flags.common.json
                                     : advise->parsed() ? advise_flags.json
                                     : trade->parsed()  ? trade_flags.json
+                                    : paper->parsed()  ? paper_flags.json
                                                        : std::string();
     if (!destination.empty()) {
       try {

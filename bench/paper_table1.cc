@@ -135,7 +135,7 @@ PaperResult run_table1(const PaperContext& context) {
       "At the paper's step, e_n = 0.9, the heights are {h1_e09_error} and {h2_e09_error} off and "
       "the times {t1_e09_error} and {t2_e09_error}. What is left is the place of the impact within "
       "a step: it falls with the step length, unevenly, because it depends on where the steps "
-      "happen to fall. No more than {iterations} iterations were needed in an impact."};
+      "happen to fall. Most iterations in an impact: {iterations}."};
   result.figures.push_back(
       {"table1_film", "Height against time (the paper's Fig. 7), h = 1e-4 s.", "", film});
   result.figures.push_back({"table1_step",

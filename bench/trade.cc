@@ -316,9 +316,15 @@ std::string TradeSetting::label() const {
 }
 
 std::vector<std::string> trade_targets(bool quick) {
-  if (quick)
-    return {"bouncing_ball", "sliding_cylinder", "square_lattice:steps=100", "compaction_100"};
-  return {"bouncing_ball", "sliding_cylinder", "square_lattice:steps=300", "compaction_100",
+  if (quick) {
+    return {"bouncing_ball", "sliding_cylinder", "square_lattice:steps=100",
+            "triangular_lattice:steps=100", "compaction_100"};
+  }
+  return {"bouncing_ball",
+          "sliding_cylinder",
+          "square_lattice:steps=300",
+          "triangular_lattice:steps=300",
+          "compaction_100",
           "compaction"};
 }
 

@@ -266,9 +266,24 @@ std::string SceneTrade::answer() const {
     text += ".";
     if (ratio > 1.1) {
       text += fmt::format(
-          " Tolerance {} costs {:.2g} times as much for digits that the time step "
-          "throws away.",
+          " Tolerance {} costs {:.2g} times as much for digits that are lost "
+          "anyway.",
           tolerance_label(tols.back()), ratio);
+    }
+    const TradeCell* loosest = find({.solver = solver, .tol = tols.front()});
+    if (loosest->cpu_per_second > 1.1 * cpu_sufficient) {
+      text += fmt::format(
+          " It even costs less than {}: what a loose step leaves undone, the next "
+          "ones must mend.",
+          tolerance_label(tols.front()));
+    }
+    double noise = 0;
+    for (const TradeQuantityErrors& e : quantities) noise = std::max(noise, e.noise);
+    if (noise > 0) {
+      text += fmt::format(
+          " With {} runs of each setting, differences below {:.2g} % (the worst "
+          "outcome) cannot be seen.",
+          scene->replicas, 100 * noise);
     }
   }
   return text;

@@ -18,21 +18,20 @@ Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 std::string cell_text(const std::string& pattern, double x) {
   return std::isfinite(x) ? fmt::format(fmt::runtime(pattern), x) : "–";
 }
-/// Relative errors: 0 stays 0, and not 0.0e+00.
+/// 1.2e-3 and not 1.2e-03; 0 stays 0.
 std::string error_text(double x) {
   if (x == 0) return "0";
-  std::string text = cell_text("{:.1e}", x);
-  // 1.2e-3 and not 1.2e-03.
+  if (!std::isfinite(x)) return "–";
+  const std::string text = fmt::format("{:.1e}", x);
   const std::size_t e = text.find('e');
-  if (e != std::string::npos && text.size() == e + 4 && text[e + 2] == '0') text.erase(e + 2, 1);
-  return text;
+  return fmt::format("{}e{}", text.substr(0, e), std::stoi(text.substr(e + 1)));
 }
 std::string value_text(double x) { return cell_text("{:.4g}", x); }
 std::string seconds_text(double s) {
   if (!std::isfinite(s)) return "–";
-  if (s < 1e-3) return fmt::format("{:.2g} µs", s * 1e6);
-  if (s < 1) return fmt::format("{:.2g} ms", s * 1e3);
-  return s < 100 ? fmt::format("{:.2g} s", s) : fmt::format("{:.0f} s", s);
+  if (s < 1e-3) return fmt::format("{:.3g} µs", s * 1e6);
+  if (s < 1) return fmt::format("{:.3g} ms", s * 1e3);
+  return s < 100 ? fmt::format("{:.3g} s", s) : fmt::format("{:.0f} s", s);
 }
 
 std::string model_name(const TradeSetting& s) { return s.dem() ? "dem" : "nscd"; }
@@ -223,9 +222,8 @@ class Section {
                                   (cell->done() ? "" : " (" + cell->status + ")")
                             : fmt::format("rigid, {} at tolerance {}", s.solver,
                                           tolerance_label(cell->setting.tol))),
-          dem ? cell_text("{:.2g} N/m", cell->stiffness) : "–",
-          cell_text("{:.3g}", dem ? cell->iterations / h : 1 / h),
-          seconds_text(cell->cpu_per_second),
+          dem ? error_text(cell->stiffness) + " N/m" : "–",
+          error_text(dem ? cell->iterations / h : 1 / h), seconds_text(cell->cpu_per_second),
           cell_text("{:.2g} ×", cell->cpu_per_second / rigid->cpu_per_second),
           error_text(cell->penetration),
           std::isfinite(worst)
@@ -233,8 +231,9 @@ class Section {
               : "–"));
     }
     add("</tbody></table></div>\n<p class=\"small\">Worst outcome: the one that is furthest from "
-        "the reference. Springs are another model: their differences hold what the reference does "
-        "not have (tangential springs, no tangential restitution), not only errors.</p>\n");
+        "the reference. Springs are another model: where statics leaves forces open, elasticity "
+        "picks "
+        "others, and tangential restitution is missing; such differences are no errors.</p>\n");
   }
 
   void setting_table(const SceneTrade& s) {

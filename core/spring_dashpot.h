@@ -8,6 +8,12 @@
 
 namespace bipot {
 
+/// When a step fails instead of going on.
+struct SpringDashpotLimits {
+  double overlap = 0.1;         ///< of the smaller radius: beyond it a step fails
+  double created_energy = 0.1;  ///< of the energy in play, made in one step: beyond it it fails
+};
+
 /// The smooth discrete element method of Cundall and Strack, Géotechnique 29 (1979) 47-65, that
 /// the paper contrasts itself with: what `bipot run --model dem` integrates. Contacts overlap; at
 /// an overlap d = -gap > 0, with the relative velocity (u_n, u_t) of core/assembly.h,
@@ -24,11 +30,7 @@ namespace bipot {
 ///
 /// of second order; dashpots see the velocity of half a substep before, which is first order in
 /// them. Friction acts at the lever arm a_i, as in H.
-struct SpringDashpotLimits {
-  double overlap = 0.1;         ///< of the smaller radius: beyond it a step fails
-  double created_energy = 0.1;  ///< of the energy in play, made in one step: beyond it it fails
-};
-
+///
 /// Same use as TimeStepper: advance() takes one step h of the scene, in setup().substeps substeps.
 /// Contacts of the state carry the impulses of the whole step (force = s/h is the mean force), the
 /// geometry and velocities at its end, and the tangential springs: a restart continues bit for bit.

@@ -238,6 +238,17 @@ TEST(Chart, TakesASinglePointAndEveryKindOfSeries) {
   for (const char* text : {">half<", ">one and a half<", ">below all data<", "<title>here<"}) {
     EXPECT_NE(svg.find(text), svg.npos) << text;
   }
+  chart.y.low = 0;  // nothing is written outside the frame
+  EXPECT_EQ(to_svg(chart).find(">below all data<"), std::string::npos);
+}
+
+TEST(Chart, HasRoomForErrorBars) {
+  // From 0.5 to 300 around 10: three decades and a half need the axis from 10^-1 to 10^3.
+  Chart chart;
+  chart.y.kind = ChartAxis::Kind::kLog;
+  chart.series = {{"", 0, {{0, 10}, {1, 10, false, "", true, 0.5, 300}}}};
+  const std::string svg = to_svg(chart);
+  for (const char* power : {">−1</tspan>", ">3</tspan>"}) EXPECT_EQ(count(svg, power), 1u) << power;
 }
 
 TEST(Chart, ShowsMarkersOnItsFrame) {

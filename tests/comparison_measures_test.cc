@@ -114,6 +114,25 @@ TEST(ComparisonMeasures, ErrorsWithinATimeAreTheLeastOfTheRowsThatFit) {
   EXPECT_EQ(errors_within(c, 0.5)[1].errors, (std::vector<double>{1, 1}));
 }
 
+TEST(ComparisonMeasures, MeaningOfAToleranceIsInTheRowsThatMetIt) {
+  // At 1e-2 on p: 1e-1, 1e-3, 1e-1; on q: 1e-2, 5e-2, and 2 of a row that did not meet it.
+  Comparison c = small_table();
+  const auto all = tolerance_meaning(c);
+  ASSERT_EQ(all.size(), 2u);
+  EXPECT_EQ(all[0].tol, 1e-2);
+  EXPECT_EQ(all[0].rows, 5);
+  EXPECT_EQ(all[0].median, 5e-2);
+  EXPECT_EQ(all[0].ninth_decile, 1e-1);
+  EXPECT_EQ(all[0].worst, 1e-1);
+  EXPECT_EQ(all[0].worst_problem, "p");
+  EXPECT_EQ(all[0].worst_solver, "a");
+  // At 1e-4 on p: 1e-3, 1e-6, 1e-3; on q: 1e-5. With several velocities on p, q is left.
+  EXPECT_EQ(all[1].rows, 4);
+  c.problems[0].velocity_spread = 1e-2;
+  EXPECT_EQ(tolerance_meaning(c)[1].rows, 1);
+  EXPECT_EQ(tolerance_meaning(c)[1].worst, 1e-5);
+}
+
 TEST(ComparisonMeasures, RegretIsOverTheBestOfTheOthers) {
   // p: 1.5/1 and 6/3; q at 1e-2: not solved while b was; q at 1e-4: auto alone.
   const Comparison c = small_table();

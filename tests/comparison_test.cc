@@ -75,6 +75,16 @@ TEST(Comparison, HasARowForEachProblemSolverAndTolerance) {
   EXPECT_EQ(count_solved(c, 1e-8)[0].solved, 2);
 }
 
+TEST(Comparison, AProblemWithoutContactsKeepsItsDimension) {
+  ContactProblem free;
+  free.dim = 1;
+  const Comparison c = compare({source_of("free", free)}, quick({"pgs"}, {1e-3}));
+  ASSERT_EQ(c.rows.size(), 1u);
+  EXPECT_EQ(c.rows[0].status, "nothing to do");
+  EXPECT_EQ(c.rows[0].contacts, 0);
+  EXPECT_EQ(c.rows[0].dim, 1);
+}
+
 TEST(Comparison, RowsSayWhatASolveOfTheirOwnSays) {
   const ContactProblem problem = lattice_step(Lattice::kTriangular, 5, 0.3, 20);
   const Comparison c = compare({source_of("t5", problem)}, quick({"pgs"}, {1e-3}));
@@ -455,7 +465,12 @@ TEST(ComparisonReport, PageStandsAlone) {
   context.command = "bipot compare <targets> & more";
   context.command_of_target = "bipot compare {}";
   context.build = build_info();
-  const std::string page = to_html(c, context);
+  const std::string page =
+      to_html(c, context, {{"simulations", "Whole simulations & more", "<p>inside</p>"}});
+  EXPECT_NE(page.find("<h2 id=\"simulations\">Whole simulations &amp; more</h2>\n<p>inside</p>"),
+            std::string::npos);
+  EXPECT_NE(page.find("<a href=\"#simulations\">Whole simulations &amp; more</a>"),
+            std::string::npos);
   for (const char* foreign : {"http://", "https://", "src=", "@import", "url(", "//cdn"}) {
     EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
   }
@@ -469,6 +484,12 @@ TEST(ComparisonReport, PageStandsAlone) {
   EXPECT_FALSE(json["commit"].get<std::string>().empty());
   EXPECT_FALSE(json["compiler"].get<std::string>().empty());
   EXPECT_EQ(json["rows"][0]["iterations"], c.rows[0].iterations);
+  // Two solvers at two tolerances, by time and by iterations; four true errors; no auto, no series.
+  EXPECT_EQ(json["profiles"].size(), 2u * (2 * 2 + 4));
+  EXPECT_EQ(json["errors_within"].size(), 2u * 3);
+  EXPECT_EQ(json["tolerance_meaning"].size(), 2u);
+  EXPECT_TRUE(json["growth"].empty());
+  EXPECT_EQ(json["regret_of_auto"]["cases"], 0);
 }
 
 }  // namespace
