@@ -372,8 +372,8 @@ class Fig11 {
     result_.ours.push_back(
         "Flat top. Over {packings} packings the surface deviates by {roughness} (rms) from its "
         "mean height; its slope is {slope} ± {slope_confidence}, its fall from the middle to the "
-        "sides {heap} ± {heap_confidence}. The slope is what remains of the start, whose last row "
-        "has its three free places on the right.");
+        "sides {heap} ± {heap_confidence}. The start may leave a slope to the right, where its "
+        "last row has three free places.");
 
     number({.name = "tail_rate",
             .value = rate.mean,
@@ -516,7 +516,7 @@ class Fig11 {
             .digits = 2});
     result_.ours.push_back(
         "Rest. With e_t = 0 the kinetic energy falls to {kinetic_inelastic} of what the fall "
-        "released. With e_t = 1 it stays at {kinetic}, for ever: e_t = 1 turns the tangential "
+        "released. With e_t = 1 it stays at {kinetic}: e_t = 1 turns the tangential "
         "velocity of every sticking contact round at each step, which loses no energy, and "
         "friction "
         "can do so as long as the impulse is inside the cone. Only sliding dissipates, so what "
