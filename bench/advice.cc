@@ -85,13 +85,17 @@ std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy&
 }
 
 int nearest_trial(const std::vector<SolverTrial>& trials, const Accuracy& budget) {
+  const bool stretches = std::any_of(trials.begin(), trials.end(),
+                                     [](const SolverTrial& t) { return t.stretches > 0; });
   int nearest = -1;
+  double smallest = 0;
   for (int i = 0; i < static_cast<int>(trials.size()); ++i) {
-    if (!solved_everywhere(trials[i])) continue;
-    const auto share = [&](int k) {
-      return share_of(worst_of(trials[k].error, trials[k].stretch), budget);
-    };
-    if (nearest < 0 || share(i) < share(nearest)) nearest = i;
+    const SolverTrial& trial = trials[i];
+    if (!solved_everywhere(trial) || (stretches && trial.stretches == 0)) continue;
+    const double share = share_of(worst_of(trial.error, trial.stretch), budget);
+    if (nearest >= 0 && share >= smallest) continue;
+    nearest = i;
+    smallest = share;
   }
   return nearest;
 }

@@ -71,6 +71,7 @@ bool meets(const SolverTrial& trial, const Accuracy& budget);
 /// wide) count as equal and stay in the order given.
 std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy& budget);
 /// Index of the trial that was solved everywhere with the smallest share of the budget, -1: none.
+/// Of those run on stretches, where any was.
 int nearest_trial(const std::vector<SolverTrial>& trials, const Accuracy& budget);
 /// Marks the trials, solved everywhere, that no other one beats in both time and share of the goal:
 /// on stretches where any trial was run on them (the others are then not marked), else on steps.

@@ -77,6 +77,8 @@ TEST(Advice, NearestCountsStretches) {
                                      trial("steady", 1e-2, 1e-3, 1e-2)};
   trials[0].stretch = force(0.5);
   trials[1].stretch = force(2e-3);
+  trials[0].stretches = trials[1].stretches = 3;
+  trials.push_back(trial("not run on them", 1e-8, 1e-8, 1));
   EXPECT_EQ(nearest_trial(trials, force(1e-5)), 1);
 }
 
