@@ -42,10 +42,18 @@ double share_of(const Accuracy& error, const Accuracy& goal) {
 }
 
 StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal) {
+  // A step is no better than a smaller one: where it measures so, it does by chance.
+  const auto share = [&](const StepTrial& trial) {
+    double largest = 0;
+    for (const StepTrial& other : steps) {
+      if (other.step <= trial.step) largest = std::max(largest, share_of(other.error, goal));
+    }
+    return largest;
+  };
   const auto largest_within = [&](double part) {
     int best = -1;
     for (int i = 0; i < static_cast<int>(steps.size()); ++i) {
-      if (share_of(steps[i].error, goal) > part) continue;
+      if (share(steps[i]) > part) continue;
       if (best < 0 || steps[i].step > steps[best].step) best = i;
     }
     return best;
@@ -55,7 +63,7 @@ StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal
   // Errors of neighbouring steps differ by chance: of those near the smallest, the largest step.
   constexpr double kNear = 1.25;
   double smallest = std::numeric_limits<double>::infinity();
-  for (const StepTrial& trial : steps) smallest = std::min(smallest, share_of(trial.error, goal));
+  for (const StepTrial& trial : steps) smallest = std::min(smallest, share(trial));
   return {largest_within(kNear * smallest), false};
 }
 

@@ -37,9 +37,10 @@ struct StepChoice {
   int index = -1;
   bool met = false;  ///< the step leaves at least a tenth of every goal to the solver
 };
-/// The largest step that takes at most half of every goal; else the largest that takes at most nine
-/// tenths; else, not met, the largest whose share is within a quarter of the smallest share. Steps
-/// in any order; empty: index -1.
+/// A step counts with the worst error of itself and all smaller ones. The largest step that takes
+/// at most half of every goal; else the largest that takes at most nine tenths; else, not met, the
+/// largest whose share is within a quarter of the smallest share. Steps in any order; empty: index
+/// -1.
 StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal);
 
 /// What is left to the solver: goal - step's error. Where the step misses the goal, half of the

@@ -39,6 +39,13 @@ TEST(Advice, LargestStepThatTakesHalfTheGoal) {
   EXPECT_TRUE(most.met);
 }
 
+TEST(Advice, AStepIsNoBetterThanASmallerOne) {
+  const std::vector<StepTrial> steps = {step(4e-3, 1e-3), step(2e-3, 4e-2), step(1e-3, 2e-3)};
+  const StepChoice choice = choose_step(steps, force(1e-2));
+  EXPECT_EQ(choice.index, 2);  // 4e-3 s came out well by chance
+  EXPECT_TRUE(choice.met);
+}
+
 TEST(Advice, AMissedGoalNamesTheLargestStepNearTheBest) {
   // The error stops falling: 1.1e-1 is within a quarter of 1e-1.
   const std::vector<StepTrial> steps = {step(4e-3, 5e-1), step(2e-3, 1.1e-1), step(1e-3, 1e-1)};
