@@ -66,6 +66,8 @@ struct ProblemSummary {
   /// at the reference and rows alike; NaN when there are fewer than two.
   double velocity_spread = ComparisonRow::kNaN;
   bool several_velocities() const { return velocity_spread > ReferenceSolution::kSeveral; }
+  /// Errors against it are no true errors.
+  bool poor_reference() const { return reference_guarded > ReferenceSolution::kTrusted; }
 };
 
 struct ComparisonOptions {

@@ -299,8 +299,11 @@ class Page {
       add(fmt::format(
           "<tr><td><a href=\"#{}\">{}</a>{}</td><td class=\"n\" data-label=\"contacts\">{}</td>"
           "<td data-label=\"error in\">{}</td>",
-          id_of(p), escape_markup(p.name), p.several_velocities() ? " †" : "", p.contacts,
-          error_word(rank)));
+          id_of(p), escape_markup(p.name),
+          p.several_velocities() ? " †"
+          : p.poor_reference()   ? " ‡"
+                                 : "",
+          p.contacts, error_word(rank)));
       for (double a : kProfileAccuracies) {
         const ComparisonRow* best = fastest_to(p, c_.rows, a);
         add(fmt::format("<td data-label=\"to {}\"><span>{}</span></td>", accuracy_label(a),
@@ -310,8 +313,8 @@ class Page {
     }
     add("</tbody></table></div>\n"
         "<p class=\"small\">A dash: nothing that was tried got there. † several velocity "
-        "solutions: ranked by the guarded error, because a distance to one of them says "
-        "nothing.</p>\n");
+        "solutions, ‡ no reference with a guarded error below 1e-9: ranked by the guarded error, "
+        "because a distance to one solution, or to none, says nothing.</p>\n");
   }
 
   /// Of the problem's part of the page.
@@ -337,7 +340,7 @@ class Page {
     add("</tbody></table></div>\n<p class=\"small\">The error in the force on the worst body, or "
         "in "
         "the velocities where a problem does not know its bodies. Problems with several velocity "
-        "solutions are left out.</p>\n");
+        "solutions († above) or without a trusted reference (‡) are left out.</p>\n");
   }
 
   void solver_summary() {
@@ -570,6 +573,9 @@ class Page {
   }
 
   static std::string uniqueness(const ProblemSummary& p) {
+    if (p.poor_reference()) {
+      return " <strong>No trusted reference</strong>: solvers are ranked by the guarded error.";
+    }
     if (p.several_velocities()) {
       return fmt::format(
           " <strong>Several velocity solutions</strong>: two solvers below 1e-9 differ by {} in "
