@@ -402,11 +402,11 @@ class Script {
   std::vector<std::string> plots_, tips_;
 };
 
-/// FNV-1a, folded to 48 bits: the same text gets the same name on every machine.
+/// FNV-1a, folded to 32 bits: the same text gets the same name on every machine.
 std::uint64_t hash_of(std::string_view text) {
   std::uint64_t hash = 14695981039346656037u;
   for (char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
-  return (hash ^ (hash >> 48)) & 0xffffffffffffu;
+  return (hash ^ (hash >> 32)) & 0xffffffffu;
 }
 
 bool take(std::string_view& text, std::string_view start) {
@@ -416,20 +416,20 @@ bool take(std::string_view& text, std::string_view start) {
 }
 
 /// The attributes of a tag with ids that start with `prefix`, links in the form that needs no
-/// namespace, and without those that say what holds anyway.
+/// namespace, and without those that say what holds anyway or that nothing refers to.
 std::string with_own_ids(std::string_view tag, const std::string& prefix) {
   std::string out;
   while (!tag.empty()) {
     if (take(tag, " id='")) {
       out += " id='" + prefix;
-    } else if (take(tag, " id=\"")) {
-      out += " id=\"" + prefix;
+    } else if (take(tag, " id=\"gnuplot_")) {
+      tag.remove_prefix(tag.find('"') + 1);
     } else if (take(tag, "xlink:href='#")) {
       out += "href='#" + prefix;
     } else if (take(tag, "url(#")) {
       out += "url(#" + prefix;
     } else if (!take(tag, " stroke-linecap=\"butt\" stroke-linejoin=\"miter\"") &&
-               !take(tag, " class=\"gridline\" ")) {
+               !take(tag, " stroke-width=\"1.00\"") && !take(tag, " class=\"gridline\" ")) {
       out += tag.front();
       tag.remove_prefix(1);
     }

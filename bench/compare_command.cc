@@ -70,12 +70,12 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
       ->delimiter(',')
       ->check(CLI::PositiveNumber)
       ->type_name("NUMBERS");
-  command->add_option("--time-limit", flags.time_limit, "Wall seconds of one solve (2; quick 1)")
+  command->add_option("--time-limit", flags.time_limit, "CPU seconds of one solve (2; quick 1)")
       ->check(CLI::PositiveNumber)
       ->type_name("SECONDS");
   command
       ->add_option("--reference-time-limit", flags.reference_time_limit,
-                   "Wall seconds of one attempt at a reference (6; quick 3)")
+                   "CPU seconds of one attempt at a reference (6; quick 3)")
       ->check(CLI::PositiveNumber)
       ->type_name("SECONDS");
   command->add_option("--repeat", flags.repeat, "Solves behind each time, at least")

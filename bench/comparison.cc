@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <ctime>
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -13,6 +12,7 @@
 #include <stdexcept>
 
 #include "bench/build_info.h"
+#include "bench/cpu_limit.h"
 #include "core/fclib_file.h"
 #include "core/file_error.h"
 #include "core/time_stepping.h"
@@ -32,13 +32,6 @@ double median(std::vector<double> x) {
   std::sort(x.begin(), x.end());
   const std::size_t half = x.size() / 2;
   return x.size() % 2 == 1 ? x[half] : 0.5 * (x[half - 1] + x[half]);
-}
-
-/// CPU time of this process so far [s].
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 /// A problem's name as a file name.
@@ -196,7 +189,7 @@ Measurement measure(const SolverEntry& entry, const ComparisonProblem& given, do
   ComparisonRow& row = made.row;
   SolverOptions solver;
   solver.tol = tol;
-  solver.time_limit = options.time_limit;
+  solver.time_limit = CpuLimit::kWallFactor * options.time_limit;
   // Watching costs next to nothing beside the judgements themselves, and only the first repeat is
   // watched.
   HistoryRecorder recorder;
@@ -204,8 +197,10 @@ Measurement measure(const SolverEntry& entry, const ComparisonProblem& given, do
   std::vector<double> setup, solve_time, total, cpu;
   double spent = 0;
   for (int k = 0; k < std::max(1, options.repeat) || spent < options.min_time; ++k) {
+    CpuLimit limit(options.time_limit);
+    solver.cancelled = [&limit] { return limit(); };
     const double before = cpu_seconds();
-    const SolveResult result = solve(entry, problem, solver);
+    SolveResult result = solve(entry, problem, solver);
     cpu.push_back(cpu_seconds() - before);
     spent += cpu.back();
     setup.push_back(result.setup_seconds);
@@ -213,6 +208,12 @@ Measurement measure(const SolverEntry& entry, const ComparisonProblem& given, do
     total.push_back(result.setup_seconds + result.solve_seconds);
     if (k == 0) {
       solver.on_iteration = nullptr;
+      if (limit.reached() && !is_success(result.status)) {
+        result.status = SolveStatus::kTimeLimit;
+        result.message =
+            fmt::format("time limit {} s of CPU time reached after {} iterations, error {:.2e}",
+                        options.time_limit, result.iterations, result.error.guarded());
+      }
       row.status = to_string(result.status);
       row.message = result.message;
       row.iterations = result.iterations;
@@ -236,7 +237,7 @@ Measurement measure(const SolverEntry& entry, const ComparisonProblem& given, do
       row.dissipated = error.dissipated;
       row.energy_error = error.energy;
     }
-    if (result.status == SolveStatus::kTimeLimit) break;  // more of the same
+    if (limit.reached() || result.status == SolveStatus::kTimeLimit) break;  // more of the same
   }
   row.repeats = static_cast<int>(total.size());
   row.setup_min = *std::min_element(setup.begin(), setup.end());
@@ -366,7 +367,8 @@ class ProblemRows {
                         options_.out.string(), source_.name, before, reference_.error.guarded()));
       }
     } else {
-      reference_ = find_reference(problem_, options_.reference_time_limit);
+      reference_ = find_reference(problem_, options_.reference_time_limit,
+                                  ReferenceSolution::kTarget, LimitOn::kCpu);
       store_.write(source_, problem_, reference_);
     }
     true_error_.emplace(problem_, reference_);

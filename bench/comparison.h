@@ -66,12 +66,14 @@ struct ProblemSummary {
   /// at the reference and rows alike; NaN when there are fewer than two.
   double velocity_spread = ComparisonRow::kNaN;
   bool several_velocities() const { return velocity_spread > ReferenceSolution::kSeveral; }
+  /// Errors against it are no true errors.
+  bool poor_reference() const { return reference_guarded > ReferenceSolution::kTrusted; }
 };
 
 struct ComparisonOptions {
   std::vector<std::string> solvers;
   std::vector<double> tols = {1e-2, 1e-4, 1e-6, 1e-8};
-  double time_limit = 2;            ///< wall seconds of one solve
+  double time_limit = 2;            ///< CPU seconds of one solve
   double reference_time_limit = 6;  ///< of one attempt at a reference
   int repeat = 1;                   ///< solves behind each time, at least
   double min_time = 0.02;  ///< a short solve is repeated until its repeats took this long [s]

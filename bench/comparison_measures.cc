@@ -72,7 +72,9 @@ std::string_view Ranking::name() const {
 }
 
 Ranking ranking(const ProblemSummary& problem, const std::vector<ComparisonRow>& rows) {
-  if (problem.several_velocities()) return {Ranking::Measure::kGuarded};
+  if (problem.several_velocities() || problem.poor_reference()) {
+    return {Ranking::Measure::kGuarded};
+  }
   for (const ComparisonRow& row : rows) {
     if (row.problem == problem.name && std::isfinite(row.force_error)) {
       return {Ranking::Measure::kForce};
@@ -113,7 +115,15 @@ const ComparisonRow* fastest_to(const ProblemSummary& problem,
       best = &row;
     }
   }
-  return best;
+  if (best == nullptr) return best;
+  const ComparisonRow* loosest = best;
+  for (const ComparisonRow& row : rows) {
+    if (row.problem == problem.name && row.solver == best->solver && rank.of(row) <= accuracy &&
+        row.time() <= 1.05 * best->time() && row.tol > loosest->tol) {
+      loosest = &row;
+    }
+  }
+  return loosest;
 }
 
 std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol) {
@@ -212,8 +222,9 @@ std::vector<BudgetErrors> errors_within(const Comparison& comparison, double sec
 std::vector<ToleranceMeaning> tolerance_meaning(const Comparison& comparison) {
   std::map<std::string, Ranking> rankings;
   for (const ProblemSummary& problem : comparison.problems) {
-    if (problem.contacts > 0 && !problem.several_velocities()) {
-      rankings[problem.name] = ranking(problem, comparison.rows);
+    const Ranking rank = ranking(problem, comparison.rows);
+    if (problem.contacts > 0 && rank.measure != Ranking::Measure::kGuarded) {
+      rankings[problem.name] = rank;
     }
   }
   std::vector<ToleranceMeaning> all;

@@ -19,7 +19,7 @@ std::vector<double> tolerances_of(const Comparison& comparison);
 
 /// The true error by which a problem's solvers are ranked: the resultant force on bodies where it
 /// is defined, else the velocity; the guarded error where the problem has several solutions, so
-/// that a distance to one of them says nothing.
+/// that a distance to one of them says nothing, or no trusted reference.
 struct Ranking {
   enum class Measure { kForce, kVelocity, kGuarded };
   Measure measure = Measure::kVelocity;
@@ -31,8 +31,9 @@ Ranking ranking(const ProblemSummary& problem, const std::vector<ComparisonRow>&
 /// Rows of a problem that no other row of it beats in both time and ranked error.
 std::vector<const ComparisonRow*> pareto_rows(const ProblemSummary& problem,
                                               const std::vector<ComparisonRow>& rows);
-/// The row of least time whose ranked error is at most `accuracy`; null without one. `solver`:
-/// among its rows alone, empty: among all.
+/// The row of least time whose ranked error is at most `accuracy`; null without one. Where looser
+/// tolerances of its solver reach it too, in as good as the same time (5 %), the loosest of them.
+/// `solver`: among its rows alone, empty: among all.
 const ComparisonRow* fastest_to(const ProblemSummary& problem,
                                 const std::vector<ComparisonRow>& rows, double accuracy,
                                 std::string_view solver = {});
@@ -75,8 +76,8 @@ struct BudgetErrors {
 };
 std::vector<BudgetErrors> errors_within(const Comparison& comparison, double seconds);
 
-/// The true errors behind a tolerance: of all rows that met it, on problems whose velocities are
-/// unique as far as is known.
+/// The true errors behind a tolerance: of all rows that met it, on problems that are not ranked by
+/// the guarded error.
 struct ToleranceMeaning {
   double tol = 0;
   int rows = 0;

@@ -299,8 +299,11 @@ class Page {
       add(fmt::format(
           "<tr><td><a href=\"#{}\">{}</a>{}</td><td class=\"n\" data-label=\"contacts\">{}</td>"
           "<td data-label=\"error in\">{}</td>",
-          id_of(p), escape_markup(p.name), p.several_velocities() ? " †" : "", p.contacts,
-          error_word(rank)));
+          id_of(p), escape_markup(p.name),
+          p.several_velocities() ? " †"
+          : p.poor_reference()   ? " ‡"
+                                 : "",
+          p.contacts, error_word(rank)));
       for (double a : kProfileAccuracies) {
         const ComparisonRow* best = fastest_to(p, c_.rows, a);
         add(fmt::format("<td data-label=\"to {}\"><span>{}</span></td>", accuracy_label(a),
@@ -310,8 +313,8 @@ class Page {
     }
     add("</tbody></table></div>\n"
         "<p class=\"small\">A dash: nothing that was tried got there. † several velocity "
-        "solutions: ranked by the guarded error, because a distance to one of them says "
-        "nothing.</p>\n");
+        "solutions, ‡ no reference with a guarded error below 1e-9: ranked by the guarded error, "
+        "because a distance to one solution, or to none, says nothing.</p>\n");
   }
 
   /// Of the problem's part of the page.
@@ -337,7 +340,7 @@ class Page {
     add("</tbody></table></div>\n<p class=\"small\">The error in the force on the worst body, or "
         "in "
         "the velocities where a problem does not know its bodies. Problems with several velocity "
-        "solutions are left out.</p>\n");
+        "solutions († above) or without a trusted reference (‡) are left out.</p>\n");
   }
 
   void solver_summary() {
@@ -570,6 +573,9 @@ class Page {
   }
 
   static std::string uniqueness(const ProblemSummary& p) {
+    if (p.poor_reference()) {
+      return " <strong>No trusted reference</strong>: solvers are ranked by the guarded error.";
+    }
     if (p.several_velocities()) {
       return fmt::format(
           " <strong>Several velocity solutions</strong>: two solvers below 1e-9 differ by {} in "
@@ -694,7 +700,7 @@ class Page {
 <dt>penetration</dt><dd>Overlap that the remaining approach velocity adds in one step, as a fraction of the smallest radius. Given where step and radius are known.</dd>
 <dt>energy error</dt><dd>Relative error of the energy that the contacts take out of the free motion.</dd>
 <dt>time</dt><dd>CPU time of set-up, iteration and final check on one core; the least of the repeats. A short solve is repeated until its repeats took long enough to be measured. All solvers ran once on a problem of one contact before the first measurement, so that none pays for the start of a library. Waiting for a core that other programs use does not count.</dd>
-<dt>wall time</dt><dd>The same without the final check, by the clock on the wall. The time limit of a solve is one of wall time.</dd>
+<dt>wall time</dt><dd>The same without the final check, by the clock on the wall.</dd>
 <dt>not tried</dt><dd>The solver was out of time on a smaller problem of the same series at this tolerance or a looser one, or on this problem at a looser one. It counts as not solved.</dd>
 <dt>not run again</dt><dd>Said in the words of a row: the solver's path does not depend on the tolerance, and it was out of time at a looser one already; the row shows where it stood then.</dd>
 <dt>Pareto</dt><dd>No other row of the problem is both faster and more accurate.</dd>
@@ -716,13 +722,12 @@ class Page {
     item("flags", "<code>" + escape_markup(context_.build.flags) + "</code>");
     item("machine", fmt::format("{}, {} logical cores, 1 used", escape_markup(context_.build.cpu),
                                 context_.build.cores));
-    item("limits",
-         fmt::format(
-             "{:g} s a solve, {:g} s an attempt at a reference; at least {} repeat{} and {:g} "
-             "s of them",
-             context_.options.time_limit, context_.options.reference_time_limit,
-             context_.options.repeat, context_.options.repeat == 1 ? "" : "s",
-             context_.options.min_time));
+    item("limits", fmt::format("{:g} s a solve, {:g} s an attempt at a reference, CPU time; at "
+                               "least {} repeat{} and {:g} "
+                               "s of them",
+                               context_.options.time_limit, context_.options.reference_time_limit,
+                               context_.options.repeat, context_.options.repeat == 1 ? "" : "s",
+                               context_.options.min_time));
     item("date", context_.date);
     std::string made;
     std::vector<std::string> commits;

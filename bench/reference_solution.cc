@@ -6,6 +6,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "bench/cpu_limit.h"
 #include "bench/json_output.h"
 #include "core/atomic_file.h"
 #include "core/delassus.h"
@@ -91,7 +92,8 @@ SolveStatus parse_status(const std::string& text) {
 
 }  // namespace
 
-ReferenceSolution find_reference(const ComparisonProblem& given, double time_limit, double target) {
+ReferenceSolution find_reference(const ComparisonProblem& given, double time_limit, double target,
+                                 LimitOn limit_on) {
   const double witness = std::max(ReferenceSolution::kTrusted, 10 * target);
   const ContactProblem& problem = given.problem;
   ReferenceSolution best;
@@ -109,7 +111,13 @@ ReferenceSolution find_reference(const ComparisonProblem& given, double time_lim
     SolverOptions options;
     options.tol = target;
     options.time_limit = time_limit;
-    const SolveResult result = solve(*entry, problem, options);
+    CpuLimit limit(time_limit);
+    if (limit_on == LimitOn::kCpu) {
+      options.time_limit *= CpuLimit::kWallFactor;
+      options.cancelled = [&limit] { return limit(); };
+    }
+    SolveResult result = solve(*entry, problem, options);
+    if (limit.reached() && !is_success(result.status)) result.status = SolveStatus::kTimeLimit;
     ReferenceAttempt attempt{name, result.status, kNaN,
                              result.setup_seconds + result.solve_seconds};
     if (result.s.size() == problem.num_rows() && result.status != SolveStatus::kInvalidInput) {

@@ -37,11 +37,15 @@ struct ReferenceSolution {
   static constexpr double kSeveral = 1e-5;  ///< relative difference of velocities
 };
 
+/// What a time limit is counted in; CPU time does not depend on what else the machine does.
+enum class LimitOn { kWall, kCpu };
+
 /// Runs auto, newton, ipm and apgd in turn from s = 0 to a guarded error of `target`, each within
 /// the time limit, until one gets there and a second one stands below 1e-9 (or ten times the
 /// target, if that is more) as a witness; keeps the lowest.
 ReferenceSolution find_reference(const ComparisonProblem& problem, double time_limit,
-                                 double target = ReferenceSolution::kTarget);
+                                 double target = ReferenceSolution::kTarget,
+                                 LimitOn limit_on = LimitOn::kWall);
 
 /// How wrong an impulse is in terms that a user feels. NaN where a measure is not defined.
 struct TrueError {

@@ -114,6 +114,26 @@ TEST(ComparisonMeasures, ErrorsWithinATimeAreTheLeastOfTheRowsThatFit) {
   EXPECT_EQ(errors_within(c, 0.5)[1].errors, (std::vector<double>{1, 1}));
 }
 
+TEST(ComparisonMeasures, ProblemsWithoutATrustedReferenceAreRankedByTheGuardedError) {
+  Comparison c = small_table();
+  EXPECT_EQ(ranking(c.problems[0], c.rows).measure, Ranking::Measure::kVelocity);
+  c.problems[0].reference_guarded = 1e-8;
+  EXPECT_EQ(ranking(c.problems[0], c.rows).measure, Ranking::Measure::kGuarded);
+  c.problems[0].reference_guarded = 1e-10;
+  EXPECT_EQ(ranking(c.problems[0], c.rows).measure, Ranking::Measure::kVelocity);
+}
+
+TEST(ComparisonMeasures, FastestRowIsTheLoosestOfThoseThatTakeTheSameTime) {
+  // The same work at three tolerances; the clock says 1, 0.97 and 0.96 s. A fourth is slower.
+  Table t;
+  t.problem("p")
+      .row("a", 1e-1, 1.2, 1, 1e-9, 1e-9)
+      .row("a", 1e-2, 1, 1, 1e-9, 1e-9)
+      .row("a", 1e-4, 0.97, 1, 1e-9, 1e-9)
+      .row("a", 1e-8, 0.96, 1, 1e-9, 1e-9);
+  EXPECT_EQ(fastest_to(t.made.problems[0], t.made.rows, 1e-3)->tol, 1e-2);
+}
+
 TEST(ComparisonMeasures, MeaningOfAToleranceIsInTheRowsThatMetIt) {
   // At 1e-2 on p: 1e-1, 1e-3, 1e-1; on q: 1e-2, 5e-2, and 2 of a row that did not meet it.
   Comparison c = small_table();
