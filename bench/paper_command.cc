@@ -121,6 +121,7 @@ int paper_command(const PaperFlags& flags) {
   };
 
   require_plotting_tool();
+  require_writable(flags.json);
   const fs::path folder = flags.out;
   std::error_code failure;
   fs::create_directories(folder, failure);

@@ -25,7 +25,7 @@ namespace {
 
 const SolverEntry kSolvers[] = {
     {.name = "auto",
-     .summary = "chain of the solvers below by size, form, start and tolerance; see --explain",
+     .summary = "race of the solvers below, given up and taken up by their progress; see --explain",
      .run = &solve_auto,
      .parameters = {}},
     {.name = "uzawa",
