@@ -42,10 +42,18 @@ double share_of(const Accuracy& error, const Accuracy& goal) {
 }
 
 StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal) {
+  // A step is no better than a smaller one: where it measures so, it does by chance.
+  const auto share = [&](const StepTrial& trial) {
+    double largest = 0;
+    for (const StepTrial& other : steps) {
+      if (other.step <= trial.step) largest = std::max(largest, share_of(other.error, goal));
+    }
+    return largest;
+  };
   const auto largest_within = [&](double part) {
     int best = -1;
     for (int i = 0; i < static_cast<int>(steps.size()); ++i) {
-      if (share_of(steps[i].error, goal) > part) continue;
+      if (share(steps[i]) > part) continue;
       if (best < 0 || steps[i].step > steps[best].step) best = i;
     }
     return best;
@@ -55,7 +63,7 @@ StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal
   // Errors of neighbouring steps differ by chance: of those near the smallest, the largest step.
   constexpr double kNear = 1.25;
   double smallest = std::numeric_limits<double>::infinity();
-  for (const StepTrial& trial : steps) smallest = std::min(smallest, share_of(trial.error, goal));
+  for (const StepTrial& trial : steps) smallest = std::min(smallest, share(trial));
   return {largest_within(kNear * smallest), false};
 }
 
@@ -85,13 +93,17 @@ std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy&
 }
 
 int nearest_trial(const std::vector<SolverTrial>& trials, const Accuracy& budget) {
+  const bool stretches = std::any_of(trials.begin(), trials.end(),
+                                     [](const SolverTrial& t) { return t.stretches > 0; });
   int nearest = -1;
+  double smallest = 0;
   for (int i = 0; i < static_cast<int>(trials.size()); ++i) {
-    if (!solved_everywhere(trials[i])) continue;
-    const auto share = [&](int k) {
-      return share_of(worst_of(trials[k].error, trials[k].stretch), budget);
-    };
-    if (nearest < 0 || share(i) < share(nearest)) nearest = i;
+    const SolverTrial& trial = trials[i];
+    if (!solved_everywhere(trial) || (stretches && trial.stretches == 0)) continue;
+    const double share = share_of(worst_of(trial.error, trial.stretch), budget);
+    if (nearest >= 0 && share >= smallest) continue;
+    nearest = i;
+    smallest = share;
   }
   return nearest;
 }

@@ -37,9 +37,10 @@ struct StepChoice {
   int index = -1;
   bool met = false;  ///< the step leaves at least a tenth of every goal to the solver
 };
-/// The largest step that takes at most half of every goal; else the largest that takes at most nine
-/// tenths; else, not met, the largest whose share is within a quarter of the smallest share. Steps
-/// in any order; empty: index -1.
+/// A step counts with the worst error of itself and all smaller ones. The largest step that takes
+/// at most half of every goal; else the largest that takes at most nine tenths; else, not met, the
+/// largest whose share is within a quarter of the smallest share. Steps in any order; empty: index
+/// -1.
 StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal);
 
 /// What is left to the solver: goal - step's error. Where the step misses the goal, half of the
@@ -71,6 +72,7 @@ bool meets(const SolverTrial& trial, const Accuracy& budget);
 /// wide) count as equal and stay in the order given.
 std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy& budget);
 /// Index of the trial that was solved everywhere with the smallest share of the budget, -1: none.
+/// Of those run on stretches, where any was.
 int nearest_trial(const std::vector<SolverTrial>& trials, const Accuracy& budget);
 /// Marks the trials, solved everywhere, that no other one beats in both time and share of the goal:
 /// on stretches where any trial was run on them (the others are then not marked), else on steps.

@@ -13,7 +13,6 @@
 #include "bench/comparison_target.h"
 #include "bench/reference_solution.h"
 #include "core/contact_detection.h"
-#include "core/nearest_name.h"
 #include "core/time_stepping.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -279,67 +278,64 @@ StepRuns study_steps(const Scene& scene, const std::vector<const State*>& starts
   StepStudy& study = all.study;
   const WindowLength window = window_length(scene, options.window);
   study.window = window.seconds;
-  const double radius = smallest_radius(scene);
   SolverOptions tight;
   tight.tol = tight_tolerance(options.goal);
   tight.cancelled = options.interrupted;
+  double end = kTrialsEnd;  // the first window may take longer: without it nothing is known
   const StepSolver solver = [&](const ContactProblem& p, const Vector& s0) {
-    tight.time_limit = clock.until(kStepsEnd);
+    tight.time_limit = clock.until(end);
     return make_step_solver(*find_solver("auto"), tight)(p, s0);
   };
-
-  std::vector<std::size_t> live(starts.size());  // windows still followed
-  for (std::size_t i = 0; i < live.size(); ++i) live[i] = i;
-  std::map<double, std::map<std::size_t, WindowRun>> levels;  // by factor
-  double last_seconds = 0;
-  constexpr double kFinest = 0.125, kNeeded = 0.5;
-  for (double factor = 4; factor >= kFinest; factor /= 2) {
-    // A level costs twice the one before. Coarse levels are not worth much without a finer one:
-    // windows are given up for it; after that, levels are.
-    const auto too_long = [&] {
-      return 2 * last_seconds > clock.until(kStepsEnd) && !levels.empty();
-    };
-    while (factor >= kNeeded && live.size() > 1 && too_long()) {
-      last_seconds *= static_cast<double>(live.size() - 1) / static_cast<double>(live.size());
-      live.pop_back();
-    }
-    if (factor < kNeeded && too_long()) break;
+  const auto run = [&](const State* start, double factor) {
     Scene other = scene;
     other.step = factor * scene.step;
-    const double start = clock.seconds();
-    std::map<std::size_t, WindowRun> level;
-    std::vector<std::size_t> kept;
-    for (std::size_t i : live) {
-      if (options.interrupted && options.interrupted()) return all;
-      WindowRun run = run_window(other, *starts[i], factor, static_cast<int>(window.steps / factor),
-                                 solver, 10 * tight.tol);
-      if (!run.usable) continue;
-      kept.push_back(i);
-      level[i] = std::move(run);
+    return run_window(other, *start, factor, static_cast<int>(std::lround(window.steps / factor)),
+                      solver, 10 * tight.tol);
+  };
+  const auto stopped = [&] { return options.interrupted && options.interrupted(); };
+
+  // The scene's own step and half of it: what must be known of a window.
+  double halves = 0;  // seconds for the half steps of all windows kept
+  double slowest = 0;
+  for (const State* start : starts) {
+    if (stopped()) return all;
+    if (!all.starts.empty() && slowest > clock.until(kStepsEnd)) break;
+    const double begin = clock.seconds();
+    WindowRun whole = run(start, 1);
+    const double between = clock.seconds();
+    WindowRun half = whole.usable ? run(start, 0.5) : WindowRun();
+    slowest = std::max(slowest, clock.seconds() - begin);
+    if (!half.usable) continue;
+    halves += clock.seconds() - between;
+    all.starts.push_back(start);
+    all.runs[1].push_back(std::move(whole));
+    all.runs[0.5].push_back(std::move(half));
+    all.floor += energy_floor(scene, *start);
+    end = kStepsEnd;
+  }
+  study.windows = static_cast<int>(all.starts.size());
+  study.windows_dropped = static_cast<int>(starts.size() - all.starts.size());
+  if (all.starts.empty()) return all;
+
+  // Then what time allows; a level counts when all windows came through.
+  for (double factor : {2.0, 4.0, 0.25, 0.125}) {
+    if (options.keep_step && factor > 1) continue;
+    if (halves * 0.5 / factor > clock.until(kStepsEnd)) continue;
+    std::vector<WindowRun> level;
+    for (const State* start : all.starts) {
+      if (stopped()) return all;
+      level.push_back(run(start, factor));
+      if (!level.back().usable) break;
     }
-    // Out of time: the level is given up, or where it is needed, what is not done. A window that
-    // failed is dropped from all levels.
-    const bool cut = clock.past(kStepsEnd) && kept.size() < live.size();
-    if (kept.empty() || (cut && factor < kNeeded)) break;
-    live = std::move(kept);
-    last_seconds = clock.seconds() - start;
-    levels[factor] = std::move(level);
+    if (level.back().usable) all.runs[factor] = std::move(level);
   }
-  study.windows = static_cast<int>(live.size());
-  study.windows_dropped = static_cast<int>(starts.size() - live.size());
-  for (std::size_t i : live) {
-    all.starts.push_back(starts[i]);
-    all.floor += energy_floor(scene, *starts[i]);
-    for (auto& [factor, runs] : levels) all.runs[factor].push_back(std::move(runs.at(i)));
-  }
-  if (levels.size() < 2) return all;
-  study.finest = levels.begin()->first;
+  study.finest = all.runs.begin()->first;
   const std::vector<WindowRun>& reference = all.runs.at(study.finest);
-  for (auto level = levels.rbegin(); level != levels.rend(); ++level) {
+  for (auto level = all.runs.rbegin(); level != all.runs.rend(); ++level) {
     const double factor = level->first;
     if (factor == study.finest || (options.keep_step && factor != 1)) continue;
     StepTrial trial{factor, factor * scene.step,
-                    window_errors(all.runs.at(factor), reference, radius, all.floor)};
+                    window_errors(level->second, reference, smallest_radius(scene), all.floor)};
     const double scale = factor / (factor - study.finest);
     trial.error.force *= scale;
     trial.error.energy *= scale;
@@ -745,8 +741,9 @@ void choose_trial(const std::vector<SampledProblem>& fresh, const AdviseOptions&
     SolverTrial& trial = advice.trials[i];
     if (stretches && trial.verdict != Verdict::kStretchMet) continue;
     if (!fresh.empty()) {
-      const TrialPair pair = try_solver(trial.solver, trial.tol, fresh,
-                                        std::max(clock.until(1), 10 * trial.seconds), options);
+      const TrialPair pair =
+          try_solver(trial.solver, trial.tol, fresh,
+                     std::max({clock.until(1), 1.0, 20 * trial.seconds}), options);
       advice.fresh = trial.warm ? pair.warm : pair.cold;
       if (!meets(advice.fresh, advice.budget)) {
         trial.verdict = Verdict::kFreshMissed;
@@ -806,8 +803,9 @@ void conclude(const Scene& scene, Advice& advice) {
     std::string text;
     for (auto m : Accuracy::kMeasures) {
       if (std::isnan(advice.goal.*m)) continue;
-      text += fmt::format("{}{} {:.1e} (goal {:.0e})", text.empty() ? "" : ", ", name_of(m),
-                          error.*m, advice.goal.*m);
+      text += fmt::format("{}{} {} (goal {:.0e})", text.empty() ? "" : ", ", name_of(m),
+                          std::isnan(error.*m) ? "not measured" : fmt::format("{:.1e}", error.*m),
+                          advice.goal.*m);
     }
     return text;
   };
@@ -851,6 +849,9 @@ void conclude(const Scene& scene, Advice& advice) {
   } else {
     advice.status = Advice::Status::kMet;
     advice.message = "the goal is met on all sampled and fresh steps";
+    if (advice.several_solutions > 0) {
+      advice.message += "; those with several solutions were judged on stretches alone";
+    }
   }
 }
 
@@ -900,12 +901,17 @@ Advice advise(const Scene& scene, const AdviseOptions& options) {
     }
   }
   if (!asked) throw std::invalid_argument("nothing is asked for: give at least one goal");
+  if (scene.model != Model::kNonsmooth) {
+    throw std::invalid_argument(
+        "the scene asks for springs and dashpots (model dem), which solve no contact problem: "
+        "there is no solver to advise");
+  }
   if (options.samples < 1 || options.fresh < 0) {
     throw std::invalid_argument("at least one step must be sampled");
   }
   for (const SolverVariant& variant : options.solvers) {
     if (find_solver(variant.solver) == nullptr) {
-      throw std::invalid_argument(unknown_name_message("solver", variant.solver, solver_names()));
+      throw std::invalid_argument(unknown_solver_message(variant.solver));
     }
   }
   const Clock clock(options.time_limit);

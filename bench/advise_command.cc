@@ -234,8 +234,13 @@ void print_confidence(const Advice& a) {
   fmt::print("  the scene ran for {} of {} steps, {} with contacts (at most {}){}\n",
              a.sample.steps_run, a.sample.steps_planned, a.sample.contact_steps,
              a.sample.contacts_max, a.sample.note.empty() ? "" : "; " + a.sample.note);
-  fmt::print("  chosen on {} steps; on {} others the worst is: {}\n", a.problems, a.fresh.problems,
-             error_text(a.fresh.error, a.goal));
+  if (a.fresh.problems > 0) {
+    fmt::print("  steps that it was chosen on: {}; the worst on {} others: {}\n", a.problems,
+               a.fresh.problems, error_text(a.fresh.error, a.goal));
+  } else {
+    fmt::print("  steps that it was chosen on: {}; no others were solved to verify it\n",
+               a.problems);
+  }
   if (a.whole_windows > 0) {
     fmt::print("  the advice as a whole, on {} other stretches, against the finest steps: {}\n",
                a.whole_windows, error_text(a.whole_window, a.goal));
@@ -307,11 +312,8 @@ void check_destinations(const AdviseFlags& flags) {
   if (!flags.write.empty() && fs::exists(flags.write) && !flags.force_overwrite) {
     throw std::invalid_argument(flags.write + " exists: name another file, or give --force");
   }
-  for (const std::string& path : {flags.write, flags.json}) {
-    if (path.empty() || path == "-") continue;
-    const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : ".";
-    if (!fs::is_directory(folder)) throw FileError(path, "", "its folder does not exist");
-  }
+  require_writable(flags.write);
+  require_writable(flags.json);
 }
 
 }  // namespace

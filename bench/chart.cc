@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <set>
 #include <string_view>
 
@@ -514,15 +513,6 @@ std::string csv_field(std::string_view text) {
   return out + '"';
 }
 
-void write_file(const std::filesystem::path& path, std::string_view text) {
-  AtomicFile file(path);
-  std::ofstream out(file.draft(), std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw FileError(path, "", "cannot be written");
-  file.commit();
-}
-
 }  // namespace
 
 std::string escape_markup(const std::string& text) {
@@ -582,18 +572,18 @@ std::vector<std::string> to_svg(std::span<const Chart> charts) {
 void write_chart_files(const std::filesystem::path& folder, const std::string& name,
                        const Chart& chart) {
   const std::string script = Script(chart, false).write();
-  write_file(folder / (name + ".svg"), run_gnuplot(script));
+  write_text_file(folder / (name + ".svg"), run_gnuplot(script));
   // The output is named once the terminal is.
-  write_file(folder / (name + ".gp"),
-             fmt::format("# gnuplot {0}.gp makes {0}.svg.\nset output {1}\n{2}", name,
-                         in_quotes(name + ".svg"), script));
+  write_text_file(folder / (name + ".gp"),
+                  fmt::format("# gnuplot {0}.gp makes {0}.svg.\nset output {1}\n{2}", name,
+                              in_quotes(name + ".svg"), script));
   std::string csv = "series,x,y,note\n";
   for (const ChartSeries& series : chart.series) {
     for (const ChartPoint& p : series.points) {
       csv += fmt::format("{},{},{},{}\n", csv_field(series.name), p.x, p.y, csv_field(p.note));
     }
   }
-  write_file(folder / (name + ".csv"), csv);
+  write_text_file(folder / (name + ".csv"), csv);
 }
 
 void require_plotting_tool() {

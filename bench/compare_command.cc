@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <ctime>
-#include <fstream>
 
 #include "bench/build_info.h"
 #include "bench/chart.h"
@@ -15,23 +14,14 @@
 #include "bench/interrupt.h"
 #include "bench/json_output.h"
 #include "bench/progress_bar.h"
+#include "bench/trade_command.h"
 #include "core/atomic_file.h"
-#include "core/file_error.h"
 #include "solvers/registry.h"
 
 namespace bipot {
 namespace {
 
 namespace fs = std::filesystem;
-
-void write_text(const fs::path& path, const std::string& text) {
-  AtomicFile file(path);
-  std::ofstream out(file.draft(), std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw FileError(path, "", "cannot be written");
-  file.commit();
-}
 
 /// The command as it was typed, results aside.
 std::string command_line(const std::string& targets, const CompareFlags& flags) {
@@ -54,6 +44,9 @@ std::string command_line(const std::string& targets, const CompareFlags& flags) 
   if (flags.try_all) line += " --try-all";
   if (flags.scene_problems) line += fmt::format(" --scene-problems {}", *flags.scene_problems);
   if (flags.scene_steps) line += fmt::format(" --scene-steps {}", *flags.scene_steps);
+  if (!flags.whole_runs.empty()) {
+    line += fmt::format(" --whole-runs {}", fmt::join(flags.whole_runs, ","));
+  }
   return line;
 }
 
@@ -101,6 +94,12 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
       ->check(CLI::Range(1, 1000));
   command->add_option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)")
       ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--whole-runs", flags.whole_runs,
+                   "Scenes to run as a whole too, by tolerance, time step and model, as `bipot "
+                   "trade` does; 'set' is its own set")
+      ->delimiter(',')
+      ->type_name("SCENES");
   command->add_flag("--quick", flags.quick,
                     "Loose limits and the small benchmark, for a first look");
   command
@@ -120,7 +119,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
       "  bipot compare square:30 pile:18 --out out/compare\n"
       "  bipot compare problems/ --solvers auto,pgs,ipm --tols 1e-8 --time-limit 60 --json -\n"
       "  bipot compare compaction --quick --out out/compaction_solvers\n"
-      "  bipot compare benchmark --out out/benchmark");
+      "  bipot compare benchmark --whole-runs set --out out/benchmark");
   return command;
 }
 
@@ -145,6 +144,10 @@ int compare_command(const CompareFlags& flags) {
   if (!flags.out.empty()) require_plotting_tool();
   const std::vector<ProblemSource> sources = expand_targets(flags.targets, scenes);
 
+  // What lies in the folder of the results is found when that is made.
+  if (flags.out.empty() || fs::path(flags.json).parent_path() != fs::path(flags.out)) {
+    require_writable(flags.json);
+  }
   const bool quiet = flags.quiet || flags.json == "-";
   const long total =
       static_cast<long>(sources.size() * options.solvers.size() * options.tols.size());
@@ -155,6 +158,13 @@ int compare_command(const CompareFlags& flags) {
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;
   const Comparison comparison = compare(sources, options);
+  std::optional<FinishedTrade> whole;
+  if (!flags.whole_runs.empty() && comparison.complete) {
+    TradeFlags trade_flags;
+    if (flags.whole_runs != std::vector<std::string>{"set"}) trade_flags.scenes = flags.whole_runs;
+    trade_flags.quick = flags.quick;
+    whole = run_trade(trade_flags, quiet);
+  }
 
   ReportContext context;
   context.options = options;
@@ -163,19 +173,32 @@ int compare_command(const CompareFlags& flags) {
   context.command = command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags);
   context.command_of_target = command_line("{}", flags);
   if (!flags.out.empty()) {
-    write_text(options.out / "comparison.csv", to_csv(comparison));
+    write_text_file(options.out / "comparison.csv", to_csv(comparison));
     write_json(to_json(comparison, context), (options.out / "comparison.json").string());
-    write_text(options.out / "report.html", to_html(comparison, context));
+    std::vector<ReportSection> sections;
+    if (whole) {
+      write_trade(options.out, *whole);
+      sections.push_back(
+          {"whole", "Whole simulations",
+           "<style>" + trade_style() + "</style>" + trade_section(whole->trade, whole->context)});
+    }
+    write_text_file(options.out / "report.html", to_html(comparison, context, sections));
   }
-  if (!flags.json.empty()) write_json(to_json(comparison, context), flags.json);
+  if (!flags.json.empty()) {
+    nlohmann::ordered_json table = to_json(comparison, context);
+    if (whole) table["whole_simulations"] = to_json(whole->trade, whole->context);
+    write_json(table, flags.json);
+  }
   if (!quiet) {
     fmt::print("{}", to_text(comparison));
+    if (whole) fmt::print("\nWhole simulations\n\n{}", to_text(whole->trade));
     if (!flags.out.empty()) {
       fmt::print("results in {}, {} of {} rows from before\n", flags.out, comparison.rows_kept,
                  comparison.rows.size());
     }
   }
-  return comparison.complete ? kExitConverged : kExitInterrupted;
+  return comparison.complete && (!whole || whole->trade.complete) ? kExitConverged
+                                                                  : kExitInterrupted;
 }
 
 }  // namespace bipot

@@ -18,6 +18,8 @@ struct CompareFlags {
   bool try_all = false;
   std::optional<int> scene_problems;  ///< 3; quick 1
   std::optional<int> scene_steps;     ///< all; quick 100
+  /// Scenes run as a whole, beside the problems; "set": the set of `bipot trade`.
+  std::vector<std::string> whole_runs;
   bool quick = false, quiet = false;
   std::string out, json;
 };

@@ -15,7 +15,6 @@
 #include "bench/cpu_limit.h"
 #include "core/fclib_file.h"
 #include "core/file_error.h"
-#include "core/nearest_name.h"
 #include "core/time_stepping.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -306,7 +305,7 @@ class ProblemRows {
     row.solver = entry.name;
     row.tol = tol;
     row.contacts = problem_.problem.num_contacts();
-    row.dim = problem_.problem.num_contacts() > 0 ? problem_.problem.dim : 0;
+    row.dim = defect_.empty() ? problem_.problem.dim : 0;
     row.commit = commit_;
     return made;
   }
@@ -427,7 +426,7 @@ Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOp
   for (const std::string& name : options.solvers) {
     entries.push_back(find_solver(name));
     if (entries.back() == nullptr) {
-      throw std::invalid_argument(unknown_name_message("solver", name, solver_names()));
+      throw std::invalid_argument(unknown_solver_message(name));
     }
   }
   std::vector<double> tols = options.tols;

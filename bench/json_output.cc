@@ -1,6 +1,7 @@
 #include "bench/json_output.h"
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iostream>
 
@@ -23,6 +24,18 @@ void add_error(nlohmann::ordered_json& json, const ContactError& error) {
   const int worst = error.eta > error.epsilon ? error.worst_eta : error.worst_epsilon;
   json["worst_contact"] =
       worst >= 0 ? nlohmann::ordered_json(worst) : nlohmann::ordered_json(nullptr);
+}
+
+void require_writable(const std::string& destination) {
+  if (destination.empty() || destination == "-") return;
+  std::error_code none;
+  const bool there = std::filesystem::exists(destination, none);
+  if (std::filesystem::is_directory(destination, none)) {
+    throw FileError(destination, "", "cannot be written: it is a folder");
+  }
+  const bool writable = std::ofstream(destination, std::ios::app).is_open();
+  if (!there) std::filesystem::remove(destination, none);
+  if (!writable) throw FileError(destination, "", "cannot be written");
 }
 
 void write_json(const nlohmann::ordered_json& json, const std::string& destination) {

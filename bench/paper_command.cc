@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <chrono>
 #include <ctime>
-#include <fstream>
 
 #include "bench/exit_code.h"
 #include "bench/interrupt.h"
@@ -24,15 +23,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-void write_text(const fs::path& path, const std::string& text) {
-  AtomicFile file(path);
-  std::ofstream out(file.draft(), std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw FileError(path, "", "cannot be written");
-  file.commit();
-}
-
 std::string command_line(const PaperFlags& flags, const std::vector<std::string>& only) {
   std::string line = "bipot paper";
   if (!only.empty()) line += fmt::format(" --only {}", fmt::join(only, ","));
@@ -41,8 +31,8 @@ std::string command_line(const PaperFlags& flags, const std::vector<std::string>
 }
 
 void write_report(const fs::path& folder, const PaperReport& report) {
-  write_text(folder / "results.json", to_json(report).dump(1) + "\n");
-  write_text(folder / "index.html", to_html(report));
+  write_text_file(folder / "results.json", to_json(report).dump(1) + "\n");
+  write_text_file(folder / "index.html", to_html(report));
 }
 
 PaperEntry run_item(const PaperItem& item, const PaperContext& context,

@@ -503,10 +503,10 @@ class Fig10 {
     chart.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, 1.0};
     chart.y = {"height lost by the top disk (radii)", ChartAxis::Kind::kLinear, 0.0, {}};
     int style = 0;
-    for (const Case& c : {Case{"μ = 0.5, apgd", 0.5, "apgd", false},
-                          Case{"μ = 0.6, apgd", kStandingMu, "apgd", false},
-                          Case{"μ = 0.6, ipm", kStandingMu, "ipm", false},
-                          Case{"μ = 0.6, apgd, given forces", kStandingMu, "apgd", true}}) {
+    for (const Case& c :
+         {Case{"μ = 0.5, pgs", 0.5, "pgs", false}, Case{"μ = 0.6, pgs", kStandingMu, "pgs", false},
+          Case{"μ = 0.6, ipm", kStandingMu, "ipm", false},
+          Case{"μ = 0.6, pgs, given forces", kStandingMu, "pgs", true}}) {
       if (stopped()) return;
       Scene scene = make_family_scene("pyramid", 10, {.mu = c.mu});
       State state = initial_state(scene);
@@ -560,10 +560,10 @@ class Fig10 {
     picture("fig10_fallen", fallen_.first, fallen_.second, result_.ours.size(),
             fmt::format("The pyramid of 10 rows at μ = 0.5 after {:.1f} s.", fallen_.second.time));
     result_.ours.push_back(
-        "Over many steps: at μ = 0.5 the top disk of 10 rows drops by {drop_05_apgd}. At μ = 0.6, "
-        "above the least coefficient {mu_10rows}, it drops by {drop_06_apgd} with `apgd` from a "
+        "Over many steps: at μ = 0.5 the top disk of 10 rows drops by {drop_05_pgs}. At μ = 0.6, "
+        "above the least coefficient {mu_10rows}, it drops by {drop_06_pgs} with `pgs` from a "
         "cold "
-        "start, by {drop_06_ipm} with `ipm`, and by {drop_06_held_apgd} with `apgd` when the first "
+        "start, by {drop_06_ipm} with `ipm`, and by {drop_06_held_pgs} with `pgs` when the first "
         "step is given the forces that hold.");
   }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <numbers>
 
 #include "bench/packing.h"
@@ -29,7 +30,7 @@ struct Settling {
   Scene scene;
   State state;
   double initial = 0, final = 0;  ///< potential energy                                       [J]
-  double kinetic = 0;             ///< of the last quiet steps, their largest                 [J]
+  double kinetic = 0;             ///< mean of the last kQuietSteps steps                     [J]
   double displacement = 0;        ///< the same of displacement_energy()                      [J]
   double floor = 0, sides = 0;    ///< mean upward force in these steps over the weight
   double side_limit = 0;          ///< mu times the side walls' normal force over the weight
@@ -82,45 +83,47 @@ Scene fig11_scene(const Variant& v) {
   return scene;
 }
 
-/// Goes on until kQuietSteps steps in a row had the energy below kRest of what the fall released.
+/// Goes on until the mean energy of the last kQuietSteps steps is below kRest of what the fall
+/// released, that of the displacing velocities or the kinetic one.
 void settle(Settling& s, const PaperContext& context, bool by_displacement) {
   const double total = weight(s.scene);
   double released = s.initial;
   struct Row {
     double kinetic, displacement, floor, sides, limit;
   };
-  std::vector<Row> quiet;
+  std::deque<Row> last;
+  const auto mean = [&last](double Row::*member) {
+    double sum = 0;
+    for (const Row& row : last) sum += row.*member;
+    return sum / static_cast<double>(last.size());
+  };
   const double mu = s.scene.laws[0].mu;
   s.run = run_packing(
       s.scene, s.state, context, [&](const State& before, const State& after, const StepReport& r) {
         released = s.initial - r.energy.potential;
-        const double moving = displacement_energy(before, after);
         if (r.step % 10 == 0) {
           s.history.push_back({r.time, r.energy.kinetic / released, false, "", false});
-        }
-        // The start is quiet too: nothing has fallen yet.
-        const double energy = by_displacement ? moving : r.energy.kinetic;
-        if (!(energy < kRest * released) || r.contacts < static_cast<int>(after.disks.size())) {
-          quiet.clear();
-          return true;
         }
         const double h = s.scene.step;
         const Vec2 left = force_on_wall(after, h, 1), right = force_on_wall(after, h, 2);
         const double pressed = std::abs(left[0]) + std::abs(right[0]);
-        quiet.push_back({r.energy.kinetic, moving, -force_on_wall(after, h, 0)[1] / total,
-                         -(left[1] + right[1]) / total, mu * pressed / total});
-        return static_cast<int>(quiet.size()) < kQuietSteps;
+        last.push_back({r.energy.kinetic, displacement_energy(before, after),
+                        -force_on_wall(after, h, 0)[1] / total, -(left[1] + right[1]) / total,
+                        mu * pressed / total});
+        if (last.size() > kQuietSteps) last.pop_front();
+        // The start is quiet too: nothing has fallen yet.
+        if (last.size() < kQuietSteps || r.contacts < static_cast<int>(after.disks.size())) {
+          return true;
+        }
+        s.at_rest = mean(by_displacement ? &Row::displacement : &Row::kinetic) < kRest * released;
+        return !s.at_rest;
       });
   s.final = s.initial - released;
-  s.at_rest = static_cast<int>(quiet.size()) == kQuietSteps;
-  const double n = static_cast<double>(quiet.size());
-  for (const Row& row : quiet) {
-    s.kinetic = std::max(s.kinetic, row.kinetic);
-    s.displacement = std::max(s.displacement, row.displacement);
-    s.floor += row.floor / n;
-    s.sides += row.sides / n;
-    s.side_limit += row.limit / n;
-  }
+  s.kinetic = mean(&Row::kinetic);
+  s.displacement = mean(&Row::displacement);
+  s.floor = mean(&Row::floor);
+  s.sides = mean(&Row::sides);
+  s.side_limit = mean(&Row::limit);
 }
 
 Settling settled(const Variant& v, const PaperContext& context) {
@@ -252,7 +255,8 @@ class Fig11 {
     result_.figures.push_back({.name = "fig11_forces",
                                .caption = "Force chains at rest: segments between centres as wide "
                                           "as the normal force.",
-                               .file = "fig11_forces.svg"});
+                               .file = "fig11_forces.svg",
+                               .after = 0});
   }
 
   void load(const Settling& main, const Settling& smooth) {
@@ -317,9 +321,9 @@ class Fig11 {
     const MeanValue rough = mean_value(roughness), slope = mean_value(slopes),
                     heap = mean_value(heaps), rate = mean_value(rates),
                     layer_rate = mean_value(layer_rates);
-    const ExponentialTail pooled = fit_exponential_tail(layered, kTailFrom);
-    // Lilliefors' test of an exponential with a fitted mean: 5 % points at 1.094 / sqrt(n).
-    const double critical = 1.094 / std::sqrt(static_cast<double>(pooled.points));
+    const ExponentialTail pooled = fit_exponential_tail(forces, kTailFrom);
+    // Lilliefors' test of an exponential with a fitted mean: 1 % points at 1.308 / sqrt(n).
+    const double critical = 1.308 / std::sqrt(static_cast<double>(pooled.points));
     const double steepest = std::atan(main.scene.laws[0].mu) * 180 / std::numbers::pi;
 
     number({.name = "packings",
@@ -368,48 +372,40 @@ class Fig11 {
     result_.ours.push_back(
         "Flat top. Over {packings} packings the surface deviates by {roughness} (rms) from its "
         "mean height; its slope is {slope} ± {slope_confidence}, its fall from the middle to the "
-        "sides {heap} ± {heap_confidence}. The slope is what remains of the start, whose last row "
-        "has its three free places on the right.");
+        "sides {heap} ± {heap_confidence}. The start may leave a slope to the right, where its "
+        "last row has three free places.");
 
     number({.name = "tail_rate",
-            .value = layer_rate.mean,
-            .meaning =
-                "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, ⟨f⟩ in each of eight layers, "
-                "mean of the packings",
-            .digits = 3});
-    number({.name = "tail_confidence",
-            .value = layer_rate.confidence,
-            .meaning = "half width of its 95 % confidence interval, from the packings",
+            .value = rate.mean,
+            .meaning = "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, mean of the packings",
             .digits = 2});
+    number({.name = "tail_confidence",
+            .value = rate.confidence,
+            .meaning = "half width of its 95 % confidence interval, from the packings",
+            .digits = 1});
     number({.name = "tail_forces",
             .value = static_cast<double>(pooled.points),
             .meaning = "forces in these tails"});
     number({.name = "tail_distance",
             .value = pooled.distance,
             .meaning = "largest distance between the distributions of the tail and of the fit",
-            .expected = fmt::format("at most {:.3f} (Lilliefors' test, 5 %)", critical),
+            .expected = fmt::format("at most {:.3f} (Lilliefors' test, 1 %)", critical),
             .holds = pooled.distance <= critical,
             .digits = 2});
-    number({.name = "tail_rate_packing",
-            .value = rate.mean,
-            .meaning = "β with ⟨f⟩ of the whole packing",
-            .digits = 3});
-    number({.name = "tail_packing_confidence",
-            .value = rate.confidence,
+    number({.name = "tail_rate_layers",
+            .value = layer_rate.mean,
+            .meaning = "β with ⟨f⟩ of each of eight layers",
+            .digits = 2});
+    number({.name = "tail_layers_confidence",
+            .value = layer_rate.confidence,
             .meaning = "half width of its 95 % confidence interval",
-            .digits = 2});
-    number({.name = "tail_packing_distance",
-            .value = fit_exponential_tail(forces, kTailFrom).distance,
-            .meaning = "largest distance of its distributions",
-            .digits = 2});
+            .digits = 1});
     result_.ours.push_back(
-        "Forces. Relative to the mean of their layer the normal forces above 1.5 fall off "
-        "exponentially, β = {tail_rate} ± {tail_confidence}; weaker ones are about equally "
-        "frequent "
-        "down to zero. Relative to the mean of the whole packing, which mixes light forces "
-        "at the top with heavy ones at the bottom, β is {tail_rate_packing} ± "
-        "{tail_packing_confidence}, and the tail less exactly exponential (distance "
-        "{tail_packing_distance} against {tail_distance}).");
+        "Forces. The normal forces above 1.5 times their mean fall off exponentially, β = "
+        "{tail_rate} ± "
+        "{tail_confidence}. Part of that spread is depth: relative to the mean of their layer, "
+        "β is {tail_rate_layers} ± {tail_layers_confidence}, and weak forces are about equally "
+        "frequent down to zero.");
     Chart chart;
     chart.title = "Distribution of the normal forces";
     chart.x = {"f/⟨f⟩", ChartAxis::Kind::kLinear, 0.0, {}};
@@ -426,7 +422,8 @@ class Fig11 {
                                                       "their mean, and exponentials fitted from "
                                                       "1.5 on.",
                                                       packings.size()),
-                               .chart = chart});
+                               .chart = chart,
+                               .after = 2});
   }
 
   /// How the packing comes to rest; takes `main` further with smaller steps.
@@ -519,7 +516,7 @@ class Fig11 {
             .digits = 2});
     result_.ours.push_back(
         "Rest. With e_t = 0 the kinetic energy falls to {kinetic_inelastic} of what the fall "
-        "released. With e_t = 1 it stays at {kinetic}, for ever: e_t = 1 turns the tangential "
+        "released. With e_t = 1 it stays at {kinetic}: e_t = 1 turns the tangential "
         "velocity of every sticking contact round at each step, which loses no energy, and "
         "friction "
         "can do so as long as the impulse is inside the cone. Only sliding dissipates, so what "
@@ -550,7 +547,8 @@ class Fig11 {
     result_.figures.push_back({.name = "fig11_rest",
                                .caption = "Kinetic energy over the energy that the fall has "
                                           "released so far.",
-                               .chart = decay});
+                               .chart = decay,
+                               .after = 3});
     Chart level;
     level.title = "Kinetic energy at rest against time step, e_t = 1";
     level.x = {"time step h (s)", ChartAxis::Kind::kLog, {}, {}};
@@ -562,7 +560,8 @@ class Fig11 {
                                .caption =
                                    "The packing with e_t = 1, at rest, taken further with "
                                    "smaller and smaller steps; bound: 3/8 (μ h)² Σ (Σ f_n)²/m.",
-                               .chart = level});
+                               .chart = level,
+                               .after = 3});
   }
 
   const PaperContext& context_;

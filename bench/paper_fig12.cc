@@ -37,6 +37,17 @@ double overlap(const Compression& c) {
   return largest / 0.8e-3;
 }
 
+double mean_overlap(const Compression& c) {
+  double sum = 0;
+  int loaded = 0;
+  for (const ContactOutcome& o : c.state.contacts) {
+    if (!(o.s_n > 0)) continue;
+    sum += std::max(0.0, -o.contact.gap);
+    ++loaded;
+  }
+  return sum / std::max(loaded, 1) / 0.8e-3;
+}
+
 std::vector<std::string> row(const Variation& v) {
   const Compression& c = v.result;
   const CompressionPhase& j = c.jammed;
@@ -98,7 +109,7 @@ class Fig12 {
     const auto draw = [&](const char* name, const State& state, const std::string& caption) {
       const std::string file = std::string(name) + ".svg";
       draw_force_picture(context_.out / file, main.scene, state, "", options);
-      result_.figures.push_back({.name = name, .caption = caption, .file = file});
+      result_.figures.push_back({.name = name, .caption = caption, .file = file, .after = 1});
     };
     draw("fig12_before", main.previous, "Force chains after 299 steps.");
     draw("fig12_end", main.state, "Force chains after 300 steps, one later. Same scale.");
@@ -228,7 +239,8 @@ class Fig12 {
     result_.figures.push_back({.name = "fig12_correlation",
                                .caption = "Correlation of the normal forces of two steps, pair by "
                                           "pair, mean over all such steps.",
-                               .chart = chart});
+                               .chart = chart,
+                               .after = 1});
   }
 
   void walls(const Compression& main) {
@@ -271,6 +283,34 @@ class Fig12 {
         "{traction_difference}. "
         "Its pressure is {pressure_ratio} of the normal pressure alone, because friction along the "
         "walls presses the sample as well; without friction there it is {ratio_smooth} (table).");
+    number({.name = "jam_met",
+            .value = static_cast<double>(main.jammed_run.converged),
+            .meaning =
+                "of the last 100 steps, those that met the tolerance 1e-2 within 3000 iterations"});
+    number({.name = "jam_error",
+            .value = main.jammed_run.mean_error,
+            .meaning = "ε of the last 100 steps, geometric mean",
+            .digits = 2});
+    number({.name = "far_starts",
+            .value = static_cast<double>(main.run.far_starts),
+            .meaning = "steps whose solve began with the impulses of two steps before"});
+    number({.name = "overlap",
+            .value = overlap(main),
+            .meaning = "largest overlap at the end over the smallest radius",
+            .digits = 2});
+    number({.name = "overlap_mean",
+            .value = mean_overlap(main),
+            .meaning = "mean overlap of the loaded contacts over the smallest radius",
+            .digits = 2});
+    result_.ours.push_back(
+        "Cost. Jammed steps with e_t = 1 are hard: {jam_met} of the last 100 met 1e-2 within 3000 "
+        "iterations of `apgd`, the others reached ε = {jam_error} (mean of all). A solve begins "
+        "with "
+        "the impulses of two steps before where the last forces are more like those than like the "
+        "ones of one step before ({far_starts} of 300 steps). The walls arrive fast, so that "
+        "disks overlap by {overlap_mean} of the smallest radius in the mean, "
+        "{overlap} "
+        "at most; overlaps are not pushed back.");
     Chart chart;
     chart.title = "Pressure against time";
     chart.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}};
@@ -290,7 +330,8 @@ class Fig12 {
                                .caption = "Pressure in the sample (contacts and velocity "
                                           "fluctuations), of the contacts on the walls, and of the "
                                           "driving forces.",
-                               .chart = chart});
+                               .chart = chart,
+                               .after = 2});
   }
 
   /// Density, walls' mass, tolerance and restitution at a quarter of the size.
@@ -315,7 +356,6 @@ class Fig12 {
         {"walls' mass / 4", with([](auto& o) { o.wall_mass /= 4; }), 1, tol, true},
         {"walls' mass × 4", with([](auto& o) { o.wall_mass *= 4; }), 1, tol, true},
         {"density / 4, step / 2", with([](auto& o) { o.density /= 4; }), 0.5, tol, true},
-        {"density × 4, step × 2", with([](auto& o) { o.density *= 4; }), 2, tol, true},
         {"density / 4", with([](auto& o) { o.density /= 4; }), 1, tol, false},
         {"density × 4", with([](auto& o) { o.density *= 4; }), 1, tol, false},
         {"another start", with([](auto& o) { o.seed = 2; }), 1, tol, false},
@@ -416,17 +456,20 @@ class Fig12 {
             .digits = 4});
     result_.tables.push_back(std::move(table));
     result_.ours.push_back(
-        "Choices. Steel-like 7800 kg/m³ and walls of 20 kg. Density sets the speed of the fall; "
-        "with "
-        "density by factors 1/4 and 4 and the step in proportion to its root, and with the walls' "
-        "mass "
-        "by 1/4 and 4, the solid fraction changes by {fraction_spread}, the coordination by "
-        "{coordination_spread}, the mean stress is isotropic to {anisotropy_most}, and the "
-        "networks take turns in all. With the same step for all densities the solid fraction "
-        "changes "
-        "by {fraction_step}: a faster fall overlaps more in a step, and overlaps stay. Another "
-        "start, and tolerances from 1e-1 to 1e-3, lead to other networks but the same picture "
-        "(table). With e_t = 0 the jammed network stands still, correlation {inelastic_lag1}.");
+        "Choices. Steel-like 7800 kg/m³ and walls of 20 kg. With the walls' mass by factors 1/4 "
+        "and 4 "
+        "the solid fraction changes by {fraction_spread}, the coordination by "
+        "{coordination_spread}, "
+        "the mean stress is isotropic to {anisotropy_most}, and the networks take turns in all. "
+        "Density sets the unit of time: with the step in proportion to its root, a change of "
+        "density is one of the walls' mass (two rows of the table are equal). With the same step "
+        "for "
+        "all densities the solid fraction changes by {fraction_step} from density / 4 to density × "
+        "4: "
+        "a faster fall overlaps more in a step. Another start, and tolerances from 1e-1 to 1e-3, "
+        "lead "
+        "to other networks but the same picture. With e_t = 0 the jammed network stands still, "
+        "correlation {inelastic_lag1}.");
   }
 
   const PaperContext& context_;

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "bench/paper_items.h"
+#include "bench/paper_report.h"
 #include "core/scene_family.h"
 #include "core/time_stepping.h"
 #include "solvers/registry.h"
@@ -125,7 +126,7 @@ PaperResult run_fig13(const PaperContext& context) {
   Chart sizes;
   sizes.title = "Error of the paper's solver against the iteration, square lattices";
   sizes.x = {"iteration", ChartAxis::Kind::kLog};
-  sizes.y = {"ε", ChartAxis::Kind::kLog, 1e-10, {}};
+  sizes.y = {"error in the contact law, ε", ChartAxis::Kind::kLog, 1e-10, {}};
   double time_constant_5 = 0;
   int style = 0;
   for (const int side : context.quick ? std::vector<int>{5, 10} : std::vector<int>{5, 10, 20, 50}) {
@@ -202,7 +203,7 @@ PaperResult run_fig13(const PaperContext& context) {
     Chart chart;
     chart.title = fmt::format("Error against the iteration, square lattice {0} × {0}", side);
     chart.x = {"iteration", ChartAxis::Kind::kLog};
-    chart.y = {"ε", ChartAxis::Kind::kLog, 1e-10, {}};
+    chart.y = {"error in the contact law, ε", ChartAxis::Kind::kLog, 1e-10, {}};
     // So many contact updates that the largest lattice ends in seconds.
     const int cap = static_cast<int>(std::min(2e5, 3e8 / (2.0 * side * side + side)));
     for (const Method& method : methods()) {
@@ -218,12 +219,12 @@ PaperResult run_fig13(const PaperContext& context) {
         result.numbers.push_back(
             {.name = fmt::format("its_{}_{}", method.style, side),
              .value = static_cast<double>(h.result.iterations),
-             .meaning =
-                 fmt::format("{1} × {1}, μ = 0.3, {0}: iterations{2}", method.name, side,
-                             is_success(h.result.status)
-                                 ? " to 1e-10"
-                                 : fmt::format(" done, ε = {:.1e} ({})", h.result.error.guarded(),
-                                               to_string(h.result.status)))});
+             .meaning = fmt::format(
+                 "{1} × {1}, μ = 0.3, {0}: iterations{2}", method.name, side,
+                 is_success(h.result.status)
+                     ? " to 1e-10"
+                     : fmt::format(" done, ε = {} ({})", to_text(h.result.error.guarded(), "", 2),
+                                   to_string(h.result.status)))});
       }
     }
     result.figures.push_back(
@@ -231,7 +232,7 @@ PaperResult run_fig13(const PaperContext& context) {
          .caption =
              fmt::format("All methods, {0} × {0}, μ = 0.3. Hollow: did not reach 1e-10 in {1} "
                          "iterations.",
-                         side, cap),
+                         side, to_text(cap, "", 6)),
          .chart = chart,
          .after = 1});
   }
@@ -263,8 +264,8 @@ PaperResult run_fig13(const PaperContext& context) {
     result.numbers.push_back(
         {.name = fmt::format("raw_end_{}", k),
          .value = h.result.error.raw42,
-         .meaning = fmt::format("leaning lattice, {}: raw (42) where ε = {:.0e}", method.name,
-                                h.result.error.guarded()),
+         .meaning = fmt::format("leaning lattice, {}: raw (42) where ε = {}", method.name,
+                                to_text(h.result.error.guarded(), "", 1)),
          .digits = 2});
   }
   result.figures.push_back(

@@ -28,6 +28,7 @@ code{font:.86em ui-monospace,monospace;background:#f3f3f3;padding:.1em .3em;over
 .scroll{overflow-x:auto}
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.88rem;width:100%;
  margin:.4em 0}
+summary{font-size:.88rem;color:#333;padding:.3em 0;cursor:pointer}
 caption{text-align:left;color:#333;padding:.3em 0;caption-side:top}
 th,td{padding:.3em .7em .3em 0;text-align:left;border-bottom:1px solid #e2e2e2;vertical-align:top}
 thead th{border-bottom:1px solid #888}
@@ -200,11 +201,17 @@ class Page {
     add("</tbody></table>\n");
   }
 
+  // A long table is folded: it is there for who looks something up.
   void table(const PaperTable& t) {
-    add(
-        fmt::format("<div class=\"scroll\"><table><caption>{} <span class=\"small\"><code>{}</code>"
-                    "</span></caption><thead><tr>",
-                    prose(t.caption), escape_markup(t.command)));
+    constexpr std::size_t kLong = 30;
+    const bool folded = t.rows.size() > kLong;
+    const std::string caption = fmt::format("{} <span class=\"small\"><code>{}</code></span>",
+                                            prose(t.caption), escape_markup(t.command));
+    add(folded ? fmt::format("<details><summary>{} ({} rows)</summary>", caption, t.rows.size())
+               : std::string());
+    add("<div class=\"scroll\"><table>");
+    if (!folded) add(fmt::format("<caption>{}</caption>", caption));
+    add("<thead><tr>");
     for (const std::string& c : t.columns) add(fmt::format("<th>{}</th>", prose(c)));
     add("</tr></thead><tbody>\n");
     for (const auto& row : t.rows) {
@@ -213,6 +220,7 @@ class Page {
       add("</tr>\n");
     }
     add("</tbody></table></div>\n");
+    if (folded) add("</details>\n");
   }
 
   void provenance() {

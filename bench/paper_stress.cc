@@ -148,12 +148,14 @@ class StressItem {
                                .caption =
                                    "Pressure in each disk, over its own area, after the last "
                                    "step of the isotropic compression.",
-                               .file = "stress_disks.svg"});
+                               .file = "stress_disks.svg",
+                               .after = 1});
     result_.figures.push_back(
         {.name = "stress_disks_mean",
          .caption = fmt::format("The same of the forces' mean over the last {} steps. Same scale.",
                                 rough_jam.steps),
-         .file = "stress_disks_mean.svg"});
+         .file = "stress_disks_mean.svg",
+         .after = 1});
     Chart chart;
     chart.title = "Parts of the pressure against time";
     chart.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}};
@@ -172,7 +174,8 @@ class StressItem {
                                .caption =
                                    "Isotropic compression: pressure of the sample and of the "
                                    "walls' contacts, relative to the applied one.",
-                               .chart = chart});
+                               .chart = chart,
+                               .after = 1});
   }
 
   /// Disks and windows against the sample.
@@ -249,7 +252,8 @@ class StressItem {
     result_.figures.push_back({.name = "stress_depth",
                                .caption = "Square lattice under gravity, frictionless: windows of "
                                           "one row, at their middle.",
-                               .chart = chart});
+                               .chart = chart,
+                               .after = 2});
     result_.ours.push_back(
         "Disks and windows add up to the sample: {disks_error} and {windows_error}. Under gravity "
         "the rows of a square lattice carry the weight above them, to {gravity_error}.");

@@ -226,7 +226,7 @@ PaperResult run_warm_start(const PaperContext& context) {
          context.quick ? std::nullopt : std::optional<bool>(least > 1));
 
   result.ours = {
-      "A compaction of {disks} disks runs with auto, warm. Each {every}th step is solved twice by "
+      "A compaction of {disks} disks runs with apgd, warm. Each {every}th step is solved twice by "
       "each solver to a guarded ε of {tol}, once from zero and once from the impulses of the step "
       "before, matched by pair of bodies: the same problems for all, so that nothing but the "
       "start differs. It is done with the paper's e_t = 1, with which the packing never quite "
@@ -244,7 +244,9 @@ PaperResult run_warm_start(const PaperContext& context) {
       "and {gain_et0_apgd_run} with e_t = 0.",
       "The interior point gains nothing from impulses on the edge of the cone, where its path "
       "cannot start: {gain_et1_ipm_run} over the run with e_t = 1, {gain_et0_ipm_run} with "
-      "e_t = 0, where some steps at rest are met by the start itself. auto follows apgd here."};
+      "e_t = 0, where some steps at rest are met by the start itself. Impulses are not unique in a "
+      "packing: those of apgd serve apgd and the sweeps; what another kind of solver leaves may "
+      "not."};
 
   const auto figure = [&](const Run& run, const char* key, const char* what,
                           const std::vector<std::string>& solvers) {

@@ -16,7 +16,6 @@
 #include "core/fclib_file.h"
 #include "core/file_error.h"
 #include "core/force_picture.h"
-#include "core/nearest_name.h"
 #include "core/run_output.h"
 #include "core/scene_file.h"
 #include "core/spring_dashpot.h"
@@ -84,7 +83,7 @@ std::string caption(const Scene& scene, const RunTotals& totals, const State& st
                        scene.title.empty() ? scene.source : scene.title, state.step, state.time,
                        totals.last.iterations);
   }
-  return fmt::format("{}: step {}, t = {:.4g} s, solver {}, ε = {:.1e} (tol {:.0e})",
+  return fmt::format("{}: step {}, t = {:.4g} s, solver {}, max(ε, η) = {:.1e} (tol {:.0e})",
                      scene.title.empty() ? scene.source : scene.title, state.step, state.time,
                      scene.solver.name, totals.last.error.guarded(), scene.solver.tol);
 }
@@ -257,7 +256,7 @@ fs::path run_folder(const fs::path& run) {
 const SolverEntry& chosen_solver(const std::string& name) {
   const SolverEntry* entry = find_solver(name);
   if (entry == nullptr) {
-    throw std::invalid_argument(unknown_name_message("solver", name, solver_names()));
+    throw std::invalid_argument(unknown_solver_message(name));
   }
   return *entry;
 }
@@ -350,6 +349,8 @@ int run_command(const RunFlags& flags) {
     writer = std::make_unique<RunWriter>(out, scene, text, same_folder ? state.step : -1);
     writer->frame(state);
   }
+
+  require_writable(flags.common.json);  // may lie in the folder that was just made
 
   const InterruptGuard interrupt;
   const bool json_on_stdout = flags.common.json == "-";

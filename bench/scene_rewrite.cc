@@ -169,6 +169,7 @@ class Editor {
 /// Empty where all but time and solver is the same, else what differs.
 std::string difference(const Scene& a, const Scene& b) {
   if (a.title != b.title) return "title";
+  if (a.model != b.model) return "model";
   if (a.gravity != b.gravity) return "gravity";
   if (a.contact_distance != b.contact_distance) return "contact distance";
   if (a.materials != b.materials || a.laws.size() != b.laws.size()) return "materials";
@@ -197,7 +198,7 @@ std::string difference(const Scene& a, const Scene& b) {
   }
   const OutputChoice &x = a.output, &y = b.output;
   if (x.every != y.every || x.ledger_every != y.ledger_every || x.picture != y.picture ||
-      x.track != y.track) {
+      x.stress_picture != y.stress_picture || x.track != y.track) {
     return "output";
   }
   return {};

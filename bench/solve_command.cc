@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <optional>
@@ -12,7 +14,6 @@
 #include "core/delassus.h"
 #include "core/fclib_file.h"
 #include "core/file_error.h"
-#include "core/nearest_name.h"
 #include "core/problem_file.h"
 #include "solvers/auto_solver.h"
 #include "solvers/registry.h"
@@ -117,6 +118,40 @@ SolveFlags with_folder(SolveFlags flags) {
   return flags;
 }
 
+/// Equal up to the rounding of another code's text.
+bool close(const Vector& a, const Vector& b) {
+  return a.size() == b.size() && (a - b).norm() <= 1e-9 * std::max(a.norm(), b.norm());
+}
+
+/// Refuses a file for --solution that cannot take it, before the solve: not writable, not FCLIB, or
+/// with another problem in it.
+void check_solution_file(const std::string& path, const ContactProblem& problem) {
+  require_writable(path);
+  if (path.empty() || !std::ifstream(path)) return;
+  std::optional<ProblemFile> there;
+  try {
+    there = read_fclib(path);
+  } catch (const FileError& e) {
+    throw std::invalid_argument(fmt::format("--solution: {}", e.what()));
+  }
+  const ContactProblem& other = there->problem;
+  // Both forms give W, and a problem is W, u_free and mu; an uneven vector tells two W apart.
+  const auto product = [](const ContactProblem& p) {
+    const DelassusOperator delassus(p);
+    Vector probe(p.num_rows()), result(p.num_rows());
+    for (Eigen::Index i = 0; i < probe.size(); ++i)
+      probe[i] = std::cos(1.0 + static_cast<double>(i));
+    delassus.apply(probe, result);
+    return result;
+  };
+  if (other.dim != problem.dim || !close(other.u_free, problem.u_free) ||
+      !close(other.mu, problem.mu) || !close(product(other), product(problem))) {
+    throw std::invalid_argument(path +
+                                ": --solution names a file with another problem in it; name "
+                                "another file, a new one is made");
+  }
+}
+
 }  // namespace
 
 int solve_command(const SolveFlags& given) {
@@ -129,10 +164,12 @@ int solve_command(const SolveFlags& given) {
     throw std::invalid_argument(e.what());  // readable, but not a problem: bad input
   }
   const ContactProblem& problem = file->problem;
+  check_solution_file(flags.solution, problem);
+  require_writable(flags.common.json);
   const SolverChoice choice = merged(SolverChoice{}, flags.solver);
   const SolverEntry* entry = find_solver(choice.name);
   if (entry == nullptr) {
-    throw std::invalid_argument(unknown_name_message("solver", choice.name, solver_names()));
+    throw std::invalid_argument(unknown_solver_message(choice.name));
   }
   SolverOptions options = to_options(choice);
   options.time_limit = flags.common.time_limit;

@@ -12,7 +12,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "bench/comparison_report.h"
+#include "bench/labels.h"
 #include "bench/scene_catalogue.h"
 #include "core/nearest_name.h"
 #include "core/scene_file.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/comparison_report.h"
+#include "bench/labels.h"
 
 namespace bipot {
 namespace {

@@ -7,14 +7,13 @@
 #include <algorithm>
 #include <ctime>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 
 #include "bench/chart.h"
-#include "bench/comparison_report.h"
 #include "bench/exit_code.h"
 #include "bench/interrupt.h"
 #include "bench/json_output.h"
+#include "bench/labels.h"
 #include "bench/progress_bar.h"
 #include "bench/trade_report.h"
 #include "core/atomic_file.h"
@@ -24,15 +23,6 @@ namespace bipot {
 namespace {
 
 namespace fs = std::filesystem;
-
-void write_text(const fs::path& path, const std::string& text) {
-  AtomicFile file(path);
-  std::ofstream out(file.draft(), std::ios::binary);
-  out << text;
-  out.close();
-  if (!out) throw FileError(path, "", "cannot be written");
-  file.commit();
-}
 
 std::string numbers(const char* flag, const std::vector<double>& values) {
   if (values.empty()) return {};
@@ -108,7 +98,7 @@ CLI::App* add_trade_command(CLI::App& app, TradeFlags& flags) {
   return command;
 }
 
-int trade_command(const TradeFlags& flags) {
+FinishedTrade run_trade(const TradeFlags& flags, bool quiet) {
   TradeOptions options;
   options.targets = flags.scenes.empty() ? trade_targets(flags.quick) : flags.scenes;
   options.solvers = flags.solvers;
@@ -133,15 +123,6 @@ int trade_command(const TradeFlags& flags) {
   if (flags.time_limit) options.time_limit = *flags.time_limit;
   if (flags.accuracy) options.accuracy = *flags.accuracy;
   if (flags.replicas) options.replicas = *flags.replicas;
-  const fs::path out = flags.out;
-  if (!out.empty()) {
-    require_plotting_tool();
-    std::error_code error;
-    fs::create_directories(out, error);
-    if (error) throw FileError(out, "", "cannot create: " + error.message());
-  }
-
-  const bool quiet = flags.quiet || flags.json == "-";
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;
   // Replicas are not known yet: a bound, for the bar.
@@ -156,26 +137,40 @@ int trade_command(const TradeFlags& flags) {
     progress.update(done,
                     fmt::format("{}: {}, run {}", row.scene, row.setting.label(), row.replica + 1));
   };
-  const Trade trade = run_trade(options);
+  Trade trade = run_trade(options);
+  return {std::move(trade),
+          {.command = command_line(fmt::format("{}", fmt::join(flags.scenes, " ")), flags),
+           .command_of_scene = command_line("{}", flags),
+           .time_limit = options.time_limit,
+           .build = build_info(),
+           .date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))}};
+}
 
-  std::vector<std::string> typed = flags.scenes;
-  const TradeContext context{
-      .command = command_line(fmt::format("{}", fmt::join(typed, " ")), flags),
-      .command_of_scene = command_line("{}", flags),
-      .time_limit = options.time_limit,
-      .build = build_info(),
-      .date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))};
+void write_trade(const fs::path& folder, const FinishedTrade& finished) {
+  write_text_file(folder / "trade.csv", to_csv(finished.trade));
+  write_json(to_json(finished.trade, finished.context), (folder / "trade.json").string());
+  write_text_file(folder / "trade.html", trade_page(finished.trade, finished.context));
+}
+
+int trade_command(const TradeFlags& flags) {
+  const fs::path out = flags.out;
   if (!out.empty()) {
-    write_text(out / "trade.csv", to_csv(trade));
-    write_json(to_json(trade, context), (out / "trade.json").string());
-    write_text(out / "trade.html", trade_page(trade, context));
+    require_plotting_tool();
+    std::error_code error;
+    fs::create_directories(out, error);
+    if (error) throw FileError(out, "", "cannot create: " + error.message());
   }
-  if (!flags.json.empty()) write_json(to_json(trade, context), flags.json);
+  if (!flags.json.empty()) require_writable(flags.json);
+
+  const bool quiet = flags.quiet || flags.json == "-";
+  const FinishedTrade finished = run_trade(flags, quiet);
+  if (!out.empty()) write_trade(out, finished);
+  if (!flags.json.empty()) write_json(to_json(finished.trade, finished.context), flags.json);
   if (!quiet) {
-    fmt::print("{}", to_text(trade));
+    fmt::print("{}", to_text(finished.trade));
     if (!out.empty()) fmt::print("results in {}\n", flags.out);
   }
-  return trade.complete ? kExitConverged : kExitInterrupted;
+  return finished.trade.complete ? kExitConverged : kExitInterrupted;
 }
 
 }  // namespace bipot

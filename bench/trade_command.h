@@ -1,9 +1,12 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "bench/trade_report.h"
 
 namespace bipot {
 
@@ -19,6 +22,17 @@ struct TradeFlags {
 
 /// Declares `bipot trade`.
 CLI::App* add_trade_command(CLI::App& app, TradeFlags& flags);
+
+/// What the flags ask for, run; with a progress bar unless `quiet`. Destinations are not looked at.
+/// Throws as run_trade.
+struct FinishedTrade {
+  Trade trade;
+  TradeContext context;
+};
+FinishedTrade run_trade(const TradeFlags& flags, bool quiet);
+
+/// trade.csv, trade.json and trade.html. Throws FileError.
+void write_trade(const std::filesystem::path& folder, const FinishedTrade& finished);
 
 /// Runs whole simulations and writes what they say. Returns an ExitCode: 0 when all were run,
 /// whatever came of them.

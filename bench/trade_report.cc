@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "bench/chart.h"
-#include "bench/comparison_report.h"
+#include "bench/labels.h"
 
 namespace bipot {
 namespace {
@@ -26,14 +26,11 @@ std::string error_text(double x) {
   const std::size_t e = text.find('e');
   return fmt::format("{}e{}", text.substr(0, e), std::stoi(text.substr(e + 1)));
 }
-std::string value_text(double x) { return cell_text("{:.4g}", x); }
-std::string seconds_text(double s) {
-  if (!std::isfinite(s)) return "–";
-  if (s < 1e-3) return fmt::format("{:.3g} µs", s * 1e6);
-  if (s < 1) return fmt::format("{:.3g} ms", s * 1e3);
-  return s < 100 ? fmt::format("{:.3g} s", s) : fmt::format("{:.0f} s", s);
+/// Per cent, where that is short.
+std::string share_text(double x) {
+  return x >= 1e-4 ? fmt::format("{:.2g} %", 100 * x) : error_text(x);
 }
-
+std::string value_text(double x) { return cell_text("{:.4g}", x); }
 std::string model_name(const TradeSetting& s) { return s.dem() ? "dem" : "nscd"; }
 
 std::string csv_text(const std::string& text) {
@@ -70,7 +67,7 @@ std::string springs_sentence(const SceneTrade& s) {
     text +=
         fmt::format("{}: {:.2g} times the cost", name, cell.cpu_per_second / rigid->cpu_per_second);
     if (std::isfinite(error)) {
-      text += fmt::format(", {} {:.2g} % away", s.scene->quantities[q].name, 100 * error);
+      text += fmt::format(", {} {} away", s.scene->quantities[q].name, share_text(error));
     }
   }
   if (text.empty()) return {};
@@ -125,9 +122,9 @@ class Section {
           "<td class=\"n\">{}</td></tr>\n",
           escape_markup(s.scene->name), known ? tolerance_label(*s.sufficient_tol) : "–",
           known && *s.sufficient_tol < s.tols.front() ? escape_markup(s.decided_by) : "–",
-          seconds_text(s.cpu_sufficient),
+          seconds_label(s.cpu_sufficient),
           s.tols.empty() ? "–"
-                         : fmt::format("{} at {}", seconds_text(s.cpu_tightest),
+                         : fmt::format("{} at {}", seconds_label(s.cpu_tightest),
                                        tolerance_label(s.tols.back()))));
     }
     add("</tbody></table></div>\n");
@@ -223,17 +220,17 @@ class Section {
                             : fmt::format("rigid, {} at tolerance {}", s.solver,
                                           tolerance_label(cell->setting.tol))),
           dem ? error_text(cell->stiffness) + " N/m" : "–",
-          error_text(dem ? cell->iterations / h : 1 / h), seconds_text(cell->cpu_per_second),
+          error_text(dem ? cell->iterations / h : 1 / h), seconds_label(cell->cpu_per_second),
           cell_text("{:.2g} ×", cell->cpu_per_second / rigid->cpu_per_second),
           error_text(cell->penetration),
           std::isfinite(worst)
-              ? fmt::format("{:.2g} %, {}", 100 * worst, escape_markup(s.scene->quantities[q].name))
+              ? fmt::format("{}, {}", share_text(worst), escape_markup(s.scene->quantities[q].name))
               : "–"));
     }
     add("</tbody></table></div>\n<p class=\"small\">Worst outcome: the one that is furthest from "
         "the reference. Springs are another model: where statics leaves forces open, elasticity "
         "picks "
-        "others, and tangential restitution is missing; such differences are no errors.</p>\n");
+        "others, and tangential restitution is missing; such differences are not errors.</p>\n");
   }
 
   void setting_table(const SceneTrade& s) {
@@ -255,7 +252,7 @@ class Section {
           "<tr{}><td>{}</td><td title=\"{}\">{}</td><td class=\"n\">{}</td>"
           "<td class=\"n\">{}</td><td class=\"n\">{}</td>",
           cell.done() ? "" : " class=\"bad\"", escape_markup(name), escape_markup(cell.message),
-          escape_markup(cell.status), seconds_text(cell.cpu_per_second),
+          escape_markup(cell.status), seconds_label(cell.cpu_per_second),
           cell_text("{:.3g}", cell.iterations), error_text(cell.penetration)));
       for (const double x : cell.means) add(fmt::format("<td class=\"n\">{}</td>", value_text(x)));
       std::size_t q = 0;
@@ -357,7 +354,7 @@ class Section {
         std::size_t q = 0;
         const double worst = s.worst_error(*cell, &q);
         const std::string note = fmt::format("{}: {} per simulated second", cell->setting.label(),
-                                             seconds_text(cell->cpu_per_second));
+                                             seconds_label(cell->cpu_per_second));
         if (worst > 0) {
           in_error.points.push_back(
               {cell->cpu_per_second, worst, false,

@@ -37,7 +37,9 @@ std::vector<WarmStartRow> study_warm_start(Scene scene, const WarmStartOptions& 
   scene.solver.warm_start = true;
   SolverOptions run;
   run.tol = options.run_tol;
-  const StepSolver runner = make_step_solver(*find_solver("auto"), run);
+  run.max_iterations = options.run_iterations;
+  run.parameters = options.runner.parameters;
+  const StepSolver runner = make_step_solver(*find_solver(options.runner.solver), run);
   SolverOptions compared;
   compared.tol = options.tol;
   compared.max_iterations = options.max_iterations;

@@ -1,5 +1,6 @@
 #include "core/atomic_file.h"
 
+#include <fstream>
 #include <system_error>
 #include <utility>
 
@@ -20,6 +21,15 @@ void AtomicFile::commit() {
   std::error_code error;
   std::filesystem::rename(draft_, path_, error);
   if (error) throw FileError(path_, "", "cannot write: " + error.message());
+}
+
+void write_text_file(const std::filesystem::path& path, std::string_view text) {
+  AtomicFile file(path);
+  std::ofstream out(file.draft(), std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw FileError(path, "", "cannot be written");
+  file.commit();
 }
 
 }  // namespace bipot

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string_view>
 
 namespace bipot {
 
@@ -23,5 +24,8 @@ class AtomicFile {
  private:
   std::filesystem::path path_, draft_;
 };
+
+/// The whole text as a file. Throws FileError.
+void write_text_file(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace bipot

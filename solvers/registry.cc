@@ -1,5 +1,8 @@
 #include "solvers/registry.h"
 
+#include <fmt/format.h>
+
+#include "core/nearest_name.h"
 #include "solvers/accelerated_gradient.h"
 #include "solvers/admm.h"
 #include "solvers/anderson.h"
@@ -118,6 +121,20 @@ std::vector<std::string> solver_names() {
   std::vector<std::string> names;
   for (const SolverEntry& entry : solver_table()) names.emplace_back(entry.name);
   return names;
+}
+
+std::string unknown_solver_message(std::string_view name) {
+  const auto lacks = [&](const char* option, const char* package) {
+    return fmt::format("solver '{}' is not in this build: configure with -D{}=ON (needs {})", name,
+                       option, package);
+  };
+#ifndef BIPOT_WITH_SICONOS
+  if (name.starts_with("siconos:")) return lacks("BIPOT_WITH_SICONOS", "libsiconos-numerics-dev");
+#endif
+#ifndef BIPOT_WITH_PETSC
+  if (name == "newton") return lacks("BIPOT_WITH_PETSC", "petsc-dev");
+#endif
+  return unknown_name_message("solver", name, solver_names());
 }
 
 }  // namespace bipot

@@ -16,4 +16,8 @@ const SolverEntry* find_solver(std::string_view name);
 
 std::vector<std::string> solver_names();
 
+/// For a name that find_solver() does not know: the nearest one, or the build option that this build
+/// lacks.
+std::string unknown_solver_message(std::string_view name);
+
 }  // namespace bipot

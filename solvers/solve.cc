@@ -7,7 +7,6 @@
 #include <exception>
 
 #include "core/delassus.h"
-#include "core/nearest_name.h"
 #include "solvers/parameters.h"
 #include "solvers/registry.h"
 
@@ -101,7 +100,7 @@ void judge(const ContactProblem& problem, const SolverOptions& options,
 SolveResult solve(std::string_view solver, const ContactProblem& problem,
                   const SolverOptions& options) {
   const SolverEntry* entry = find_solver(solver);
-  if (entry == nullptr) return refuse(unknown_name_message("solver", solver, solver_names()));
+  if (entry == nullptr) return refuse(unknown_solver_message(solver));
   return solve(*entry, problem, options);
 }
 

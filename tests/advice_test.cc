@@ -39,6 +39,13 @@ TEST(Advice, LargestStepThatTakesHalfTheGoal) {
   EXPECT_TRUE(most.met);
 }
 
+TEST(Advice, AStepIsNoBetterThanASmallerOne) {
+  const std::vector<StepTrial> steps = {step(4e-3, 1e-3), step(2e-3, 4e-2), step(1e-3, 2e-3)};
+  const StepChoice choice = choose_step(steps, force(1e-2));
+  EXPECT_EQ(choice.index, 2);  // 4e-3 s came out well by chance
+  EXPECT_TRUE(choice.met);
+}
+
 TEST(Advice, AMissedGoalNamesTheLargestStepNearTheBest) {
   // The error stops falling: 1.1e-1 is within a quarter of 1e-1.
   const std::vector<StepTrial> steps = {step(4e-3, 5e-1), step(2e-3, 1.1e-1), step(1e-3, 1e-1)};
@@ -77,6 +84,8 @@ TEST(Advice, NearestCountsStretches) {
                                      trial("steady", 1e-2, 1e-3, 1e-2)};
   trials[0].stretch = force(0.5);
   trials[1].stretch = force(2e-3);
+  trials[0].stretches = trials[1].stretches = 3;
+  trials.push_back(trial("not run on them", 1e-8, 1e-8, 1));
   EXPECT_EQ(nearest_trial(trials, force(1e-5)), 1);
 }
 

@@ -163,6 +163,50 @@ TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
   EXPECT_EQ(content(path("history.csv")).substr(0, 26), "iteration,seconds,epsilon,");
 }
 
+TEST_F(Command, DestinationsAreLookedAtBeforeTheWork) {
+  const std::string problem =
+      std::string(BIPOT_SOURCE_DIR) + "/data/problems/2d_triangular_lattice.hdf5";
+  const std::string solve = "solve " + problem + " --solver pgs --tol 1e-4";
+  EXPECT_EQ(bipot(solve + " --history " + path("h.csv") + " --json /proc/nowhere/a.json").exit_code,
+            4);
+  EXPECT_FALSE(fs::exists(path("h.csv")));  // nothing was solved
+  EXPECT_EQ(
+      bipot(solve + " --json " + path("a.json") + " --solution /proc/nowhere/s.hdf5").exit_code, 4);
+  EXPECT_EQ(json::parse(content(path("a.json")))["exit_code"], 4);
+  EXPECT_EQ(bipot("run square_lattice --json /proc/nowhere/a.json").exit_code, 4);
+  EXPECT_EQ(bipot(solve + " --solution " + path("s.hdf5")).exit_code, 0);
+  EXPECT_EQ(bipot(solve + " --solution " + path("s.hdf5")).exit_code, 0);  // the same problem
+}
+
+TEST_F(Command, SolutionsDoNotGoIntoOtherProblems) {
+  // Two lattices that differ in friction alone: the same sizes.
+  std::string text =
+      content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/triangular_lattice.toml");
+  const std::string run = "run " + write("a.toml", text) + " --steps 1 --quiet --dump-problems all";
+  ASSERT_EQ(bipot(run + " --out " + path("a")).exit_code, 0);
+  const std::string mu = "mu = 0.3";
+  text.replace(text.find(mu), mu.size(), "mu = 0.4");
+  write("a.toml", text);
+  ASSERT_EQ(bipot(run + " --out " + path("b")).exit_code, 0);
+  const std::string a = path("a/problems/step_000001.hdf5"),
+                    b = path("b/problems/step_000001.hdf5");
+  EXPECT_EQ(bipot("solve " + a + " --solution " + b).exit_code, 2);
+  EXPECT_FALSE(read_problem(b).r.has_value());
+  EXPECT_EQ(bipot("solve " + a + " --solution " + a).exit_code, 0);
+  EXPECT_TRUE(read_problem(a).r.has_value());
+  EXPECT_EQ(bipot("solve " + a + " --solution " + write("no.hdf5", "not HDF5")).exit_code, 2);
+}
+
+TEST_F(Command, ASolverOfAnotherBuildNamesItsOption) {
+  if (bipot("list solvers").out.find("siconos:nsgs") != std::string::npos) {
+    GTEST_SKIP() << "built with Siconos";
+  }
+  const Outcome run = bipot("run square_lattice --solver siconos:nsgs --json -");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(json::parse(run.out)["message"].get<std::string>().find("BIPOT_WITH_SICONOS"),
+            std::string::npos);
+}
+
 TEST_F(Command, InterruptedRunLeavesAReadableState) {
   const std::string out = path("out");
   const Outcome run = bipot("run compaction --tol 1e-3 --out " + out +
@@ -370,6 +414,7 @@ TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
   EXPECT_EQ(bipot("trade " + scene + ":steps=x").exit_code, 2);
   EXPECT_EQ(bipot("trade " + scene + " --overlaps 0.5").exit_code, 2);
   EXPECT_EQ(bipot("trade " + scene + " --out /proc/nowhere").exit_code, 4);
+  EXPECT_EQ(bipot("trade " + scene + " --json /proc/nowhere/a.json").exit_code, 4);
   const Outcome refused = bipot("trade no_such_scene --json -");
   EXPECT_EQ(json::parse(refused.out)["exit_code"], 2);
 }

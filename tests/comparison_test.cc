@@ -75,6 +75,16 @@ TEST(Comparison, HasARowForEachProblemSolverAndTolerance) {
   EXPECT_EQ(count_solved(c, 1e-8)[0].solved, 2);
 }
 
+TEST(Comparison, AProblemWithoutContactsKeepsItsDimension) {
+  ContactProblem free;
+  free.dim = 1;
+  const Comparison c = compare({source_of("free", free)}, quick({"pgs"}, {1e-3}));
+  ASSERT_EQ(c.rows.size(), 1u);
+  EXPECT_EQ(c.rows[0].status, "nothing to do");
+  EXPECT_EQ(c.rows[0].contacts, 0);
+  EXPECT_EQ(c.rows[0].dim, 1);
+}
+
 TEST(Comparison, RowsSayWhatASolveOfTheirOwnSays) {
   const ContactProblem problem = lattice_step(Lattice::kTriangular, 5, 0.3, 20);
   const Comparison c = compare({source_of("t5", problem)}, quick({"pgs"}, {1e-3}));
