@@ -75,7 +75,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
       ->type_name("SECONDS");
   command
       ->add_option("--reference-time-limit", flags.reference_time_limit,
-                   "CPU seconds of one attempt at a reference (6; quick 3)")
+                   "CPU seconds of one attempt at a reference (5; quick 3)")
       ->check(CLI::PositiveNumber)
       ->type_name("SECONDS");
   command->add_option("--repeat", flags.repeat, "Solves behind each time, at least")

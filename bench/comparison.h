@@ -74,7 +74,7 @@ struct ComparisonOptions {
   std::vector<std::string> solvers;
   std::vector<double> tols = {1e-2, 1e-4, 1e-6, 1e-8};
   double time_limit = 2;            ///< CPU seconds of one solve
-  double reference_time_limit = 6;  ///< of one attempt at a reference
+  double reference_time_limit = 5;  ///< of one attempt at a reference
   int repeat = 1;                   ///< solves behind each time, at least
   double min_time = 0.02;  ///< a short solve is repeated until its repeats took this long [s]
   /// Whether a solver runs after it was out of time on a smaller problem of the series, at the same

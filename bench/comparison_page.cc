@@ -704,7 +704,7 @@ class Page {
 <dt>not tried</dt><dd>The solver was out of time on a smaller problem of the same series at this tolerance or a looser one, or on this problem at a looser one. It counts as not solved.</dd>
 <dt>not run again</dt><dd>Said in the words of a row: the solver's path does not depend on the tolerance, and it was out of time at a looser one already; the row shows where it stood then.</dd>
 <dt>Pareto</dt><dd>No other row of the problem is both faster and more accurate.</dd>
-<dt>reference</dt><dd>Solved to 1e-12 or as far as it goes by auto, newton, ipm and apgd in turn, the lowest guarded error kept; errors below the reference's own accuracy mean nothing.</dd>
+<dt>reference</dt><dd>Solved to 1e-12, beyond 1000 contacts to 1e-11, or as far as it goes, by auto, newton, ipm and apgd in turn until one gets there and a second one stands below 1e-9; the lowest guarded error is kept; errors below the reference's own accuracy mean nothing.</dd>
 </dl>
 )");
   }

@@ -105,7 +105,13 @@ ReferenceSolution find_reference(const ComparisonProblem& given, double time_lim
   double best_error = kInfinity;
   std::vector<Vector> trusted;
   const DelassusOperator delassus(problem);
-  for (const char* name : {"auto", "newton", "ipm", "apgd"}) {
+  // On large problems round-off stands in the way of 1e-12, newton is the slowest, and a witness
+  // that sweeps is found at once.
+  const bool large = problem.num_contacts() > ReferenceSolution::kLarge;
+  const double enough = large ? 10 * target : target;
+  const std::vector<const char*> names = large ? std::vector{"auto", "apgd", "ipm", "newton"}
+                                               : std::vector{"auto", "newton", "ipm", "apgd"};
+  for (const char* name : names) {
     const SolverEntry* entry = find_solver(name);
     if (entry == nullptr) continue;
     SolverOptions options;
@@ -132,7 +138,7 @@ ReferenceSolution find_reference(const ComparisonProblem& given, double time_lim
       if (error.guarded() <= witness) trusted.push_back(result.s);
     }
     best.attempts.push_back(attempt);
-    if (best_error <= target && trusted.size() >= 2) break;
+    if (best_error <= enough && trusted.size() >= 2) break;
   }
   if (trusted.size() >= 2) {
     const double scale = std::sqrt(energy_product(problem, delassus, best.s));
