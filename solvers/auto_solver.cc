@@ -108,12 +108,12 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
 
   const bool local = !p.has_velocities();
   // Information crosses a packing of N contacts in about sqrt(N) iterations of apgd.
-  const int crossing = 28 * static_cast<int>(std::sqrt(static_cast<double>(contacts))) + 50;
+  const int crossing = 40 * static_cast<int>(std::sqrt(static_cast<double>(contacts))) + 50;
   if (spread_of_masses(p, delassus) > kUnequal) {
     add("ipm", 40, 60, Start::kOwn, "very unequal masses: factorisations do not feel them");
   }
   if (contacts <= kLarge) {
-    add("anderson", contacts <= kFew ? 64 : 16, 160, Start::kOwn,
+    add("anderson", contacts <= kFew ? 64 : 16, 100, Start::kOwn,
         "the quickest by far on regular packings, and soon seen not to be elsewhere");
   }
   if (local && contacts > kFew) {
@@ -121,7 +121,7 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   }
   // From a warm start its error stands for some crossings before it falls; given that time, apgd
   // halves the cost of a compaction at rest.
-  add("apgd", warm ? 4 * crossing : crossing, std::max(warm ? 40000 : 8000, 4 * crossing),
+  add("apgd", warm ? 3 * crossing : crossing, std::max(warm ? 40000 : 8000, 4 * crossing),
       Start::kOwn, "momentum: O(sqrt N) iterations, whatever the packing");
   if (contacts <= kLarge) {
     add("pgs", contacts <= kSmall ? 200 : 64, local ? 1000 : 500, Start::kOwn,
@@ -140,12 +140,11 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
     add("apgd", 3000, 12000, Start::kOwn, "again, with patience");
     add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
   } else {
-    add("apgd", 3000, std::max(12000, 8 * crossing), Start::kOwn, "again, with patience");
-    add("ipm", 60, 150, Start::kOwn, "again, with patience");
-    if (contacts <= kLarge) {
-      add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
-      add("newton", 100, 500, Start::kOwn, "again, with patience");
-    }
+    // Momentum is lost where it was given up: from the start once more, to a later end.
+    add("apgd", 6000, std::max(12000, 8 * crossing), Start::kCaller, "again, with patience");
+    if (contacts <= kLarge) add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
+    add("ipm", 150, 300, Start::kCaller, "again, through the folds of sliding pyramids");
+    if (contacts <= kLarge) add("newton", 100, 500, Start::kOwn, "again, with patience");
   }
   add("apgd", kUnlimited, 100000, Start::kBest, "long runs of first order from the best impulse");
   if (contacts <= kLarge) {
@@ -220,6 +219,8 @@ class Race {
     auto own = own_.find(stage.solver);
     if (stage.start == AutoStage::Start::kBest) {
       inner_.s0 = best_.s;
+    } else if (stage.start == AutoStage::Start::kCaller) {
+      inner_.s0 = options_.s0;
     } else {
       inner_.s0 = own != own_.end() ? own->second : options_.s0;
     }

@@ -17,9 +17,9 @@ namespace bipot {
 /// `max_iterations`, unless the error is within a decade of it.
 struct AutoStage {
   /// Where a stage starts: at the impulse that the same solver left at its last stage (the caller's
-  /// start, the first time), or at the best impulse of all stages. The best impulse of another
-  /// solver may lie where this one never gets away from (free pyramids).
-  enum class Start { kOwn, kBest };
+  /// start, the first time), at the caller's start, or at the best impulse of all stages. The best
+  /// impulse of another solver may lie where this one never gets away from (free pyramids).
+  enum class Start { kOwn, kCaller, kBest };
   std::string_view solver;
   int min_iterations = 0, max_iterations = 0;  ///< of this stage, by the solver's own count
   Start start = Start::kOwn;
