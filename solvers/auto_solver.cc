@@ -107,8 +107,10 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   };
 
   const bool local = !p.has_velocities();
-  // Information crosses a packing of N contacts in about sqrt(N) iterations of apgd.
-  const int crossing = 40 * static_cast<int>(std::sqrt(static_cast<double>(contacts))) + 50;
+  // Information crosses a packing of N contacts in O(sqrt N) iterations of apgd; its error stands
+  // for some crossings before it falls.
+  const double root = std::sqrt(static_cast<double>(contacts));
+  const int crossing = 50 + static_cast<int>((local ? 20 : 70) * root);
   if (spread_of_masses(p, delassus) > kUnequal) {
     add("ipm", 40, 60, Start::kOwn, "very unequal masses: factorisations do not feel them");
   }
@@ -119,14 +121,18 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   if (local && contacts > kFew) {
     add("newton", 12, 40, Start::kOwn, "W given: a few factorisations cost little");
   }
-  // From a warm start its error stands for some crossings before it falls; given that time, apgd
-  // halves the cost of a compaction at rest.
-  add("apgd", warm ? 3 * crossing : crossing, std::max(warm ? 40000 : 8000, 4 * crossing),
-      Start::kOwn, "momentum: O(sqrt N) iterations, whatever the packing");
-  if (contacts <= kLarge) {
-    add("pgs", contacts <= kSmall ? 200 : 64, local ? 1000 : 500, Start::kOwn,
+  const auto sweeps = [&] {
+    if (contacts > kLarge) return;
+    add("pgs", local || contacts <= kSmall ? 200 : 64, local ? 1000 : 500, Start::kOwn,
         "sweeps find solutions of sliding pyramids that others miss");
-  }
+  };
+  const bool sweeps_first = !local && contacts <= kSmall;
+  if (sweeps_first) sweeps();
+  // Longer still from a warm start; given that time, apgd halves the cost of a compaction at rest.
+  add("apgd", warm ? 2 * crossing : crossing,
+      std::max(warm ? 40000 : (local ? 4000 : 8000), 4 * crossing), Start::kOwn,
+      "momentum: O(sqrt N) iterations, whatever the packing");
+  if (!sweeps_first) sweeps();
   // An interior point shows its progress late. On large problems too much would be thrown away; and
   // what resists first order from a warm start is a packing at rest, where it arrives in 25 to 50.
   const bool patient = warm || contacts > kLarge;
