@@ -263,18 +263,21 @@ class Race {
       error = measured.guarded();
       own_.insert_or_assign(std::string(stage.solver), result.s);
     }
-    const bool interrupted = last_ == SolveStatus::kInterrupted;
-    const bool by_caller = interrupted && options_.cancelled && options_.cancelled();
+    // Loops inside a solver see no difference between being stopped and being out of time.
+    const bool stopped = last_ == SolveStatus::kInterrupted || last_ == SolveStatus::kTimeLimit;
+    const bool by_caller = stopped && options_.cancelled && options_.cancelled();
+    const bool given_up =
+        stopped && !by_caller && promise.broken() && seconds_since(start_) < options_.time_limit;
+    if (by_caller) last_ = SolveStatus::kInterrupted;
     trail_ += fmt::format("{}{} {}: {} ({:.1e})", trail_.empty() ? "" : "; ", stage.solver,
-                          result.iterations,
-                          interrupted && !by_caller ? "given up" : to_string(last_), error);
-    if (interrupted && !by_caller) last_ = SolveStatus::kIterationLimit;
+                          result.iterations, given_up ? "given up" : to_string(last_), error);
+    if (given_up) last_ = SolveStatus::kIterationLimit;
     if (error < best_error_ || is_success(result.status)) {
       best_error_ = error;
       best_natural_map_ = measured.natural_map;
       best_.s = result.s;
     }
-    ended_ = by_caller || last_ == SolveStatus::kTimeLimit;
+    ended_ = stopped && !given_up;
   }
 
   /// The natural map lags behind: on to a ten times smaller error.

@@ -96,7 +96,7 @@ bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, do
     status_ = SolveStatus::kInterrupted;
     message_ =
         fmt::format("interrupted after {} iterations, best error {:.2e}", iteration, best_error_);
-  } else if (out_of_time()) {
+  } else if (seconds() >= options_.time_limit) {
     status_ = SolveStatus::kTimeLimit;
     message_ = fmt::format("time limit {} s reached after {} iterations, best error {:.2e}",
                            options_.time_limit, iteration, best_error_);
