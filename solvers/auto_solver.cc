@@ -130,7 +130,7 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   if (sweeps_first) sweeps();
   // Longer still from a warm start; given that time, apgd halves the cost of a compaction at rest.
   add("apgd", warm ? 2 * crossing : crossing,
-      std::max(warm ? 40000 : (local ? 4000 : 8000), 4 * crossing), Start::kOwn,
+      std::max(warm ? 40000 : (local ? 4000 : 8000), crossing + crossing / 2), Start::kOwn,
       "momentum: O(sqrt N) iterations, whatever the packing");
   if (!sweeps_first) sweeps();
   // An interior point shows its progress late. On large problems too much would be thrown away; and
