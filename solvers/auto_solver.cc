@@ -52,6 +52,11 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+/// What few contacts begin with, whatever they are.
+AutoStage first_of_few() {
+  return {"anderson", 64, 100, AutoStage::Start::kOwn, {}, "few contacts: next to free"};
+}
+
 /// Whether a stage is still worth its time, from the errors that it showed so far.
 class Promise {
  public:
@@ -111,11 +116,12 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   // for some crossings before it falls.
   const double root = std::sqrt(static_cast<double>(contacts));
   const int crossing = 50 + static_cast<int>((local ? 20 : 70) * root);
+  if (contacts <= kFew) stages.push_back(first_of_few());
   if (spread_of_masses(p, delassus) > kUnequal) {
     add("ipm", 40, 60, Start::kOwn, "very unequal masses: factorisations do not feel them");
   }
-  if (contacts <= kLarge) {
-    add("anderson", contacts <= kFew ? 64 : 16, 100, Start::kOwn,
+  if (contacts > kFew && contacts <= kLarge) {
+    add("anderson", 16, 100, Start::kOwn,
         "the quickest by far on regular packings, and soon seen not to be elsewhere");
   }
   if (local && contacts > kFew) {
@@ -197,19 +203,28 @@ class Race {
   }
 
   SolveResult run() {
-    for (const AutoStage& stage : plan_auto(p_, evaluate_.delassus(), is_warm(options_))) {
-      if (out_of_budget()) break;
-      run_stage(stage);
-      if (ended_) break;
-      if (is_success(last_)) {
-        if (options_.stop == StopTest::kGuarded && best_natural_map_ > options_.tol) tighten(stage);
-        break;
-      }
+    // On a handful of contacts the plan would cost more than the solution.
+    const bool few = p_.num_contacts() <= kFew;
+    if (few && finished(first_of_few())) return finish();
+    const std::vector<AutoStage> stages = plan_auto(p_, evaluate_.delassus(), is_warm(options_));
+    for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
+      if (finished(stages[k])) break;
     }
     return finish();
   }
 
  private:
+  /// Runs the stage; true when nothing is to follow.
+  bool finished(const AutoStage& stage) {
+    if (out_of_budget()) return true;
+    run_stage(stage);
+    if (!ended_ && is_success(last_) && options_.stop == StopTest::kGuarded &&
+        best_natural_map_ > options_.tol) {
+      tighten(stage);
+    }
+    return ended_ || is_success(last_);
+  }
+
   bool out_of_budget() {
     if (seconds_since(start_) >= options_.time_limit) {
       last_ = SolveStatus::kTimeLimit;
