@@ -12,6 +12,7 @@
 
 #include "bench/comparison_target.h"
 #include "bench/reference_solution.h"
+#include "bench/warm_up.h"
 #include "core/contact_detection.h"
 #include "core/time_stepping.h"
 #include "solvers/registry.h"
@@ -499,25 +500,6 @@ TrialPair try_solver(const SolverVariant& variant, double tol,
   return pair;
 }
 
-/// The first call of a solver pays for loading and initialising its libraries: here, not in a
-/// trial.
-void warm_up(const std::vector<SolverVariant>& variants) {
-  ContactProblem p;
-  p.dim = 2;
-  p.W.resize(2, 2);
-  p.W.setIdentity();
-  p.W.makeCompressed();
-  p.u_free = Vector(Eigen::Vector2d(-1, 0.5));
-  p.mu = Vector::Constant(1, 0.3);
-  for (const SolverVariant& variant : variants) {
-    SolverOptions options;
-    options.tol = 1e-6;
-    options.time_limit = 1;
-    options.parameters = variant.parameters;
-    solve(variant.solver, p, options);
-  }
-}
-
 struct Samples {
   std::vector<SampledProblem> chosen_on, fresh;
 };
@@ -574,7 +556,9 @@ void try_solvers(const std::vector<SampledProblem>& problems, const AdviseOption
                  const Clock& clock, Advice& advice) {
   const std::vector<SolverVariant> variants =
       options.solvers.empty() ? promising_solvers(advice.sample.contacts_max) : options.solvers;
-  warm_up(variants);
+  for (const SolverVariant& variant : variants) {
+    if (const SolverEntry* entry = find_solver(variant.solver)) warm_up(*entry);
+  }
   double best = kInfinity;  // seconds of a solve that meets all
   for (const SolverVariant& variant : variants) {
     if (options.say) options.say(fmt::format("trying {}", variant.label));

@@ -38,10 +38,4 @@ void add_warm_start_flags(CLI::App& command, SolverFlags& flags);
 /// when the command line names another solver.
 SolverChoice merged(const SolverChoice& base, const SolverFlags& flags);
 
-/// Throws std::invalid_argument for an unknown stop test.
-StopTest parse_stop_test(const std::string& name);
-
-/// Options for solve() from a choice; no time limit, no start.
-SolverOptions to_options(const SolverChoice& choice);
-
 }  // namespace bipot

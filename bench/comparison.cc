@@ -13,6 +13,7 @@
 
 #include "bench/build_info.h"
 #include "bench/cpu_limit.h"
+#include "bench/warm_up.h"
 #include "core/fclib_file.h"
 #include "core/file_error.h"
 #include "core/time_stepping.h"
@@ -249,21 +250,6 @@ Measurement measure(const SolverEntry& entry, const ComparisonProblem& given, do
   return made;
 }
 
-/// The first call of a solver pays for loading and initialising its libraries: here, not in a row.
-void warm_up() {
-  ContactProblem p;
-  p.dim = 2;
-  p.W.resize(2, 2);
-  p.W.setIdentity();
-  p.W.makeCompressed();
-  p.u_free = Vector(Eigen::Vector2d(-1, 0.5));
-  p.mu = Vector::Constant(1, 0.3);
-  SolverOptions options;
-  options.tol = 1e-10;
-  options.time_limit = 1;
-  for (const SolverEntry& entry : solver_table()) solve(entry, p, options);
-}
-
 /// True for solvers whose iterates do not depend on the tolerance: out of time at a loose one, they
 /// are out of time at a tight one.
 bool has_fixed_path(std::string_view solver) {
@@ -455,7 +441,9 @@ Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOp
           comparison.rows.push_back(*kept);
           ++comparison.rows_kept;
         } else {
-          if (!warm) warm_up();
+          if (!warm) {
+            for (const SolverEntry& solver : solver_table()) warm_up(solver);
+          }
           warm = true;
           const ComparisonRow* looser = k > 0 ? &comparison.rows.back() : nullptr;
           const std::string hopeless =

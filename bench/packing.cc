@@ -62,17 +62,15 @@ PackingRun run_packing(
     const std::function<bool(const State&, const State&, const StepReport&)>& on_step) {
   const SolverEntry* entry = find_solver(scene.solver.name);
   if (entry == nullptr) throw std::runtime_error("no solver " + scene.solver.name);
-  SolverOptions options;
-  options.tol = scene.solver.tol;
-  options.max_iterations = scene.solver.max_iterations;
-  options.parameters = scene.solver.parameters;
+  SolverOptions options = to_options(scene.solver);
+  options.cancelled = context.interrupted;
   TimeStepper stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
   PackingRun run;
   std::vector<ContactOutcome> old, older;  // one and two steps before `state`
   double logarithms = 0;
   int positive = 0;
   for (int k = 0; k < scene.num_steps; ++k) {
-    if (context.interrupted && context.interrupted()) break;
+    if (context.stopped()) break;
     const State previous = state;
     // e_t = 1 turns tangential velocities round at each step, so at rest forces repeat themselves
     // every second one: what was two steps before is then the better start.

@@ -65,8 +65,10 @@ PaperEntry run_item(const PaperItem& item, const PaperContext& context,
   } catch (const FileError&) {
     throw;  // no other item could write either
   } catch (const std::exception& e) {
-    entry.status = PaperEntry::Status::kFailed;
-    entry.message = e.what();
+    // A step that was cut short by Ctrl-C ends its item with an exception, too.
+    const bool interrupted = context.interrupted();
+    entry.status = interrupted ? PaperEntry::Status::kInterrupted : PaperEntry::Status::kFailed;
+    if (!interrupted) entry.message = e.what();
   }
   entry.wall_seconds =
       std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -123,9 +123,6 @@ class Fig10 {
   }
 
  private:
-  bool stopped() const { return context_.stopped(); }
-  void say(const std::string& what) const { context_.report(what); }
-
   void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
 
   /// Behind the paragraph `after`.
@@ -146,8 +143,8 @@ class Fig10 {
 
   void rectangular() {
     for (const int side : sides()) {
-      if (stopped()) return;
-      say(fmt::format("rectangular {0} × {0}", side));
+      if (context_.stopped()) return;
+      context_.report(fmt::format("rectangular {0} × {0}", side));
       const Rest rest = one_step("square", side, 0, "auto");
       const std::string id = fmt::format("rectangular{}", side);
       const double error = column_error(rest, side),
@@ -197,8 +194,8 @@ class Fig10 {
   void triangular() {
     for (const double mu : {0.0, 0.3}) {
       for (const int side : sides()) {
-        if (stopped()) return;
-        say(fmt::format("triangular {0} × {0}, μ = {1:g}", side, mu));
+        if (context_.stopped()) return;
+        context_.report(fmt::format("triangular {0} × {0}, μ = {1:g}", side, mu));
         const Rest rest = one_step("triangular", side, mu, "auto");
         const ForceBalance b = force_balance(rest.scene, rest.state);
         const std::string id = fmt::format("triangular{}{}", side, mu > 0 ? "_friction" : "");
@@ -272,13 +269,13 @@ class Fig10 {
 
   void pyramids() {
     three_disks();
-    if (stopped()) return;
+    if (context_.stopped()) return;
     curve();
-    if (stopped()) return;
+    if (context_.stopped()) return;
     pictures();
-    if (stopped()) return;
+    if (context_.stopped()) return;
     selection();
-    if (stopped()) return;
+    if (context_.stopped()) return;
     falling();
   }
 
@@ -295,7 +292,7 @@ class Fig10 {
   // friction tan(30° - 15°) = 2 - √3 at least, with equality for N = 0. The floor takes H + N
   // sideways, least for N = 0, and 3W/2 down: (2 - √3)/3.
   void three_disks() {
-    say("pyramid of 3 disks");
+    context_.report("pyramid of 3 disks");
     const double tan15 = 2 - std::sqrt(3.0);
     const auto check = [&](const char* name, const char* what, double exact, const char* formula,
                            auto&& problem) {
@@ -344,8 +341,8 @@ class Fig10 {
     ChartSeries series{"disks and floor alike", 0, {}};
     for (const int rows : {2, 3, 4, 5, 6, 8, 10, 14, 20}) {
       if (context_.quick && rows > 10) break;
-      if (stopped()) return;
-      say(fmt::format("least friction of {} rows", rows));
+      if (context_.stopped()) return;
+      context_.report(fmt::format("least friction of {} rows", rows));
       const double mu =
           critical_friction([&](double m) { return pyramid_problem(rows, m, m); }, 0.1, 1, 1e-6);
       series.points.push_back({static_cast<double>(rows), mu, false, fmt::format("{:.6f}", mu)});
@@ -389,8 +386,8 @@ class Fig10 {
 
   void pictures() {
     for (const int rows : sides()) {
-      if (stopped()) return;
-      say(fmt::format("pyramid of {} rows", rows));
+      if (context_.stopped()) return;
+      context_.report(fmt::format("pyramid of {} rows", rows));
       const Scene scene = make_family_scene("pyramid", rows, {.mu = kStandingMu});
       const StaticEquilibrium equilibrium =
           static_equilibrium(step_problem(scene, initial_state(scene), false));
@@ -436,8 +433,8 @@ class Fig10 {
         if (entry == nullptr) continue;  // built without PETSc
         table.rows.push_back({fmt::format("`{}`", solver)});
         for (const double mu : mus) {
-          if (stopped()) return;
-          say(fmt::format("{} rows, {}, μ = {:g}", rows, solver, mu));
+          if (context_.stopped()) return;
+          context_.report(fmt::format("{} rows, {}, μ = {:g}", rows, solver, mu));
           const Scene scene = make_family_scene("pyramid", rows, {.mu = mu});
           const ContactProblem problem =
               step_problem(scene, initial_state(scene), entry->needs_delassus);
@@ -507,7 +504,7 @@ class Fig10 {
          {Case{"μ = 0.5, pgs", 0.5, "pgs", false}, Case{"μ = 0.6, pgs", kStandingMu, "pgs", false},
           Case{"μ = 0.6, ipm", kStandingMu, "ipm", false},
           Case{"μ = 0.6, pgs, given forces", kStandingMu, "pgs", true}}) {
-      if (stopped()) return;
+      if (context_.stopped()) return;
       Scene scene = make_family_scene("pyramid", 10, {.mu = c.mu});
       State state = initial_state(scene);
       if (c.held) {
@@ -524,14 +521,14 @@ class Fig10 {
       const double top = state.disks.back().x[1];
       const int steps = context_.quick ? 20 : 100;
       int unsolved = 0;
-      for (int k = 0; k < steps && !stopped(); ++k) {
-        say(fmt::format("{}, step {}", c.name, k + 1));
+      for (int k = 0; k < steps && !context_.stopped(); ++k) {
+        context_.report(fmt::format("{}, step {}", c.name, k + 1));
         const StepReport report = stepper.advance(state);
         if (!report.converged) ++unsolved;
         series.points.push_back({report.time, (top - state.disks.back().x[1]) / 0.5, false, "",
                                  (k + 1) % (steps / 5) == 0});
       }
-      if (stopped()) return;
+      if (context_.stopped()) return;
       const std::string id =
           fmt::format("drop_{}{}_{}", c.mu == 0.5 ? "05" : "06", c.held ? "_held" : "", c.solver);
       const bool must_fall = c.mu == 0.5;

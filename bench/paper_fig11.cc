@@ -222,28 +222,24 @@ class Fig11 {
         "342 disks (25 % of radius 0.65 mm, 50 % of 0.75 mm, 25 % of 0.9 mm; μ = 0.1 everywhere, "
         "e_n = 0.1, e_t = 1) fall into a box. Force chains with large fluctuations from contact to "
         "contact; the top is flat, no conical heap.";
-    say("e_t = 1 until at rest");
+    context_.report("e_t = 1 until at rest");
     Settling main = settled({.step = step_}, context_);
-    if (stopped()) return std::move(result_);
-    say("e_t = 0 until at rest");
+    if (context_.stopped()) return std::move(result_);
+    context_.report("e_t = 0 until at rest");
     const Settling inelastic = settled({.e_t = 0, .step = step_}, context_);
-    if (stopped()) return std::move(result_);
-    say("smooth side walls");
+    if (context_.stopped()) return std::move(result_);
+    context_.report("smooth side walls");
     const Settling smooth = settled({.rough_sides = false, .step = step_}, context_);
-    if (stopped()) return std::move(result_);
+    if (context_.stopped()) return std::move(result_);
     picture(main);
     load(main, smooth);
     surface_and_forces(main);
-    if (stopped()) return std::move(result_);
+    if (context_.stopped()) return std::move(result_);
     rest(std::move(main), inelastic);
     return std::move(result_);
   }
 
  private:
-  bool stopped() const { return context_.interrupted && context_.interrupted(); }
-  void say(const std::string& what) const {
-    if (context_.say) context_.say(what);
-  }
   void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
 
   void picture(const Settling& main) {
@@ -299,8 +295,8 @@ class Fig11 {
   void surface_and_forces(const Settling& main) {
     std::vector<Settling> packings = {main};
     const int seeds = context_.quick ? 2 : 5;
-    for (int seed = 2; seed <= seeds && !stopped(); ++seed) {
-      say(fmt::format("packing {} of {}", seed, seeds));
+    for (int seed = 2; seed <= seeds && !context_.stopped(); ++seed) {
+      context_.report(fmt::format("packing {} of {}", seed, seeds));
       packings.push_back(settled({.seed = seed, .step = step_, .latest = kSample}, context_));
     }
     std::vector<double> roughness, slopes, heaps, sides, rates, layer_rates, forces, layered;
@@ -455,10 +451,10 @@ class Fig11 {
     const std::vector<ChartPoint> history = main.history;
     const int rounds = context_.quick ? 2 : 4;
     double last = main.kinetic;
-    for (int k = 0; k < rounds && !stopped(); ++k) {
+    for (int k = 0; k < rounds && !context_.stopped(); ++k) {
       main.scene.step /= 4;
       main.scene.num_steps = 120;
-      say(fmt::format("at rest with h = {:.1e} s", main.scene.step));
+      context_.report(fmt::format("at rest with h = {:.1e} s", main.scene.step));
       double kinetic = 0;
       int done = 0;
       run_packing(main.scene, main.state, context_,

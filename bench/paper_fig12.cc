@@ -77,9 +77,9 @@ class Fig12 {
         "over a longer time is homogeneous, because the configuration of forces changes very "
         "fast. Density, walls' mass and the start are not given, the average is not shown.";
     const int count = context_.quick ? 617 : 2470;
-    say(fmt::format("{} disks", count));
+    context_.report(fmt::format("{} disks", count));
     const Compression main = compressed({.count = count}, 1, 1e-2, 3000, context_);
-    if (stopped()) return std::move(result_);
+    if (context_.stopped()) return std::move(result_);
     pictures(main);
     homogeneity(main);
     walls(main);
@@ -88,10 +88,6 @@ class Fig12 {
   }
 
  private:
-  bool stopped() const { return context_.interrupted && context_.interrupted(); }
-  void say(const std::string& what) const {
-    if (context_.say) context_.say(what);
-  }
   void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
 
   void pictures(const Compression& main) {
@@ -388,10 +384,10 @@ class Fig12 {
            most_coordination = 0, least_turn = 1, ratio_smooth = std::nan(""),
            inelastic = std::nan("");
     for (const Wanted& w : all) {
-      if (stopped()) return;
-      say(fmt::format("{} disks: {}", count, w.name));
+      if (context_.stopped()) return;
+      context_.report(fmt::format("{} disks: {}", count, w.name));
       const Compression c = compressed(w.options, w.step_factor, w.tol, cap, context_);
-      if (stopped()) return;
+      if (context_.stopped()) return;
       table.rows.push_back(row({w.name, c}));
       if (w.options.e_t == 0) inelastic = at_lag(c.jammed, 1);
       if (w.options.smooth_walls) {

@@ -66,7 +66,7 @@ class Fig14 {
   PaperResult run() {
     for (const Case& c : cases_) {
       measure(c);
-      if (stopped()) return {};
+      if (context_.stopped()) return {};
     }
     fits_ = fit_growth(rows_, kFitFrom);
     result_.paper =
@@ -96,8 +96,6 @@ class Fig14 {
   }
 
  private:
-  bool stopped() const { return context_.stopped(); }
-
   void add_case(const std::string& family, double tilt, const char* what,
                 const std::vector<double>& sizes, double largest_ipm) {
     Case c;
@@ -129,7 +127,7 @@ class Fig14 {
           if (expected <= cap) tols.push_back(kTols[t]);
         }
         if (tols.empty()) continue;
-        if (stopped()) return;
+        if (context_.stopped()) return;
         context_.report(
             fmt::format("{}, {:.0f} disks, {}", c.scene.family, disks, method.method.name));
         GrowthLimits limits;

@@ -259,10 +259,7 @@ PaperTable scenes_table(const std::vector<StopTestRow>& rows,
 }  // namespace
 
 PaperResult run_stop_test(const PaperContext& context) {
-  const auto say = [&](const std::string& text) {
-    if (context.say) context.say(text);
-  };
-  say("making the scenes");
+  context.report("making the scenes");
   const std::vector<StopTestScene> scenes = make_scenes(context.quick);
   StopTestOptions options;
   options.solvers = {{"uzawa, paper's ρ", "uzawa", {{"rho", "paper"}}},
@@ -276,15 +273,15 @@ PaperResult run_stop_test(const PaperContext& context) {
   std::vector<StopTestRow> rows;
   double worst_reference = 0, worst_spread = 0;
   for (const StopTestScene& scene : scenes) {
-    if (context.interrupted && context.interrupted()) return {};
-    say(scene.name);
+    if (context.stopped()) return {};
+    context.report(scene.name);
     const ReferenceSolution reference = find_reference(scene.given, 20, 1e-11);
     worst_reference = std::fmax(worst_reference, reference.error.guarded());
     worst_spread = std::fmax(worst_spread, reference.velocity_spread);
     const std::vector<StopTestRow> more = study_stop_tests(scene, reference, options);
     rows.insert(rows.end(), more.begin(), more.end());
   }
-  say("growing lattices");
+  context.report("growing lattices");
   const Growth growth = study_growth(context);
 
   const Measure velocity = [](const StopTestRow& row) { return row.velocity; };

@@ -36,21 +36,17 @@ class StressItem {
         "stress of each disk and of the sample into the frames and the ledger; with "
         "`stress_picture = true` it draws it.");
     compression();
-    if (stopped()) return std::move(result_);
+    if (context_.stopped()) return std::move(result_);
     gravity();
     return std::move(result_);
   }
 
  private:
-  bool stopped() const { return context_.interrupted && context_.interrupted(); }
-  void say(const std::string& what) const {
-    if (context_.say) context_.say(what);
-  }
   void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
 
   Compression compressed(bool smooth) const {
     const int count = context_.quick ? 154 : 617;
-    say(fmt::format("{} disks between {} walls", count, smooth ? "smooth" : "rough"));
+    context_.report(fmt::format("{} disks between {} walls", count, smooth ? "smooth" : "rough"));
     Scene scene = compression_scene({.count = count, .smooth_walls = smooth});
     scene.solver.max_iterations = 3000;
     return run_compression(scene, context_);
@@ -58,9 +54,9 @@ class StressItem {
 
   void compression() {
     const Compression rough = compressed(false);
-    if (stopped()) return;
+    if (context_.stopped()) return;
     const Compression smooth = compressed(true);
-    if (stopped()) return;
+    if (context_.stopped()) return;
     const CompressionPhase &jam = smooth.jammed, &rough_jam = rough.jammed;
     double worst = 0;
     for (std::size_t k = smooth.pressure.size() - static_cast<std::size_t>(jam.steps);

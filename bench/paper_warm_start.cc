@@ -161,7 +161,7 @@ PaperResult run_warm_start(const PaperContext& context) {
       }
     };
     run.rows = study_warm_start(std::move(scene), options);
-    if (context.interrupted && context.interrupted()) return {};
+    if (context.stopped()) return {};
     run.phases = find_phases(run.rows);
     for (const WarmStartRow& row : run.rows) {
       auto& gains = run.gains[row.solver];

@@ -18,6 +18,7 @@
 #include "solvers/auto_solver.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "solvers/step_solver.h"
 
 namespace bipot {
 namespace {

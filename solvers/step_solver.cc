@@ -1,5 +1,10 @@
 #include "solvers/step_solver.h"
 
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "core/nearest_name.h"
 #include "solvers/solve.h"
 
 namespace bipot {
@@ -22,6 +27,24 @@ StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options) {
     step.iterations = result.iterations;
     return step;
   };
+}
+
+StopTest parse_stop_test(const std::string& name) {
+  std::vector<std::string> names;
+  for (StopTest stop : {StopTest::kGuarded, StopTest::kRaw42, StopTest::kImpulse}) {
+    if (to_string(stop) == name) return stop;
+    names.emplace_back(to_string(stop));
+  }
+  throw std::invalid_argument(unknown_name_message("stop test", name, names));
+}
+
+SolverOptions to_options(const SolverChoice& choice) {
+  SolverOptions options;
+  options.tol = choice.tol;
+  options.stop = parse_stop_test(choice.stop);
+  options.max_iterations = choice.max_iterations;
+  options.parameters = choice.parameters;
+  return options;
 }
 
 }  // namespace bipot

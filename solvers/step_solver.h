@@ -10,4 +10,10 @@ namespace bipot {
 /// cut short: kTimeLimit, kInterrupted; converged: the successful statuses.
 StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options);
 
+/// The stop test of that name. Throws std::invalid_argument for an unknown one.
+StopTest parse_stop_test(const std::string& name);
+
+/// Options for solve() from a scene's choice; no time limit, no start. Throws as parse_stop_test.
+SolverOptions to_options(const SolverChoice& choice);
+
 }  // namespace bipot
