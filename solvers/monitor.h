@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-#include "core/contact_error.h"
+#include "core/problem/contact_error.h"
 #include "solvers/solver.h"
 
 namespace bipot {

@@ -3,22 +3,22 @@
 #include <fmt/format.h>
 
 #include "core/nearest_name.h"
-#include "solvers/accelerated_gradient.h"
-#include "solvers/admm.h"
-#include "solvers/anderson.h"
-#include "solvers/auto_solver.h"
-#include "solvers/classical.h"
-#include "solvers/gauss_seidel.h"
-#include "solvers/interior_point.h"
-#include "solvers/lemke.h"
+#include "solvers/methods/accelerated_gradient.h"
+#include "solvers/methods/admm.h"
+#include "solvers/methods/anderson.h"
+#include "solvers/methods/auto_solver.h"
+#include "solvers/methods/classical.h"
+#include "solvers/methods/gauss_seidel.h"
+#include "solvers/methods/interior_point.h"
+#include "solvers/methods/lemke.h"
 #ifdef BIPOT_WITH_PETSC
-#include "solvers/newton_snes.h"
+#include "solvers/methods/newton_snes.h"
 #endif
-#include "solvers/proximal_point.h"
+#include "solvers/methods/proximal_point.h"
 #ifdef BIPOT_WITH_SICONOS
-#include "solvers/siconos.h"
+#include "solvers/methods/siconos.h"
 #endif
-#include "solvers/uzawa.h"
+#include "solvers/methods/uzawa.h"
 
 namespace bipot {
 namespace {

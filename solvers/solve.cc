@@ -6,7 +6,7 @@
 #include <cmath>
 #include <exception>
 
-#include "core/delassus.h"
+#include "core/problem/delassus.h"
 #include "solvers/parameters.h"
 #include "solvers/registry.h"
 

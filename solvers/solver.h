@@ -7,8 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/contact_error.h"
-#include "core/contact_problem.h"
+#include "core/problem/contact_error.h"
+#include "core/problem/contact_problem.h"
 
 namespace bipot {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/time_stepping.h"
+#include "core/motion/time_stepping.h"
 #include "solvers/solver.h"
 
 namespace bipot {

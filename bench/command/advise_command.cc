@@ -1,0 +1,409 @@
+#include "bench/command/advise_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "bench/advise/advise.h"
+#include "bench/command/exit_code.h"
+#include "bench/command/interrupt.h"
+#include "bench/report/build_info.h"
+#include "bench/report/json_output.h"
+#include "bench/scenes/scene_catalogue.h"
+#include "bench/scenes/scene_rewrite.h"
+#include "core/file_error.h"
+#include "core/files/atomic_file.h"
+#include "core/files/scene_file.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+Json to_json(const Accuracy& a) {
+  return {{"force", number(a.force)},
+          {"penetration", number(a.penetration)},
+          {"energy", number(a.energy)}};
+}
+
+std::string_view verdict_name(SolverTrial::Verdict verdict) {
+  switch (verdict) {
+    case SolverTrial::Verdict::kNone:
+      return "";
+    case SolverTrial::Verdict::kStretchMissed:
+      return "missed on stretches";
+    case SolverTrial::Verdict::kStretchMet:
+      return "met on stretches";
+    case SolverTrial::Verdict::kFreshMissed:
+      return "missed on fresh steps";
+    case SolverTrial::Verdict::kChosen:
+      return "chosen";
+  }
+  return "";
+}
+
+Json to_json(const SolverTrial& t) {
+  return {{"solver", t.solver.solver},
+          {"parameters", t.solver.parameters},
+          {"tol", t.tol},
+          {"warm_start", t.warm},
+          {"problems", t.problems},
+          {"solved", t.solved},
+          {"error", to_json(t.error)},
+          {"guarded", number(t.guarded)},
+          {"seconds", t.seconds},
+          {"iterations", t.iterations},
+          {"pareto", t.pareto},
+          {"stretches", t.stretches},
+          {"stretch_error", to_json(t.stretch)},
+          {"stretch_seconds", t.run_seconds},
+          {"verdict", verdict_name(t.verdict)},
+          {"message", t.message}};
+}
+
+int exit_code_of(Advice::Status status) {
+  switch (status) {
+    case Advice::Status::kMet:
+    case Advice::Status::kNoContacts:
+      return kExitConverged;
+    case Advice::Status::kInterrupted:
+      return kExitInterrupted;
+    case Advice::Status::kNotMet:
+      break;
+  }
+  return kExitNotConverged;
+}
+
+Json to_json(const Scene& scene, const Advice& a) {
+  Json j{{"command", "advise"},
+         {"version", build_info().version},
+         {"commit", build_info().commit},
+         {"cpu", build_info().cpu},
+         {"scene", scene.source},
+         {"title", scene.title},
+         {"status", to_string(a.status)},
+         {"message", a.message},
+         {"exit_code", exit_code_of(a.status)},
+         {"goal", to_json(a.goal)}};
+  if (a.choice >= 0) {
+    const SolverTrial& t = a.trials[a.choice];
+    j["advice"] = {{"solver", t.solver.solver},
+                   {"parameters", t.solver.parameters},
+                   {"tol", t.tol},
+                   {"warm_start", t.warm},
+                   {"step", a.step_size},
+                   {"steps", a.num_steps},
+                   {"seconds_per_step", a.seconds_per_step},
+                   {"seconds", a.seconds_in_all}};
+  } else {
+    j["advice"] = nullptr;
+  }
+  j["run"] = {{"steps_planned", a.sample.steps_planned},
+              {"steps_run", a.sample.steps_run},
+              {"steps_with_contacts", a.sample.contact_steps},
+              {"contacts_max", a.sample.contacts_max},
+              {"note", a.sample.note}};
+  j["step_study"] = {{"window", a.steps.window},
+                     {"windows", a.steps.windows},
+                     {"windows_dropped", a.steps.windows_dropped},
+                     {"finest_step", number(a.steps.finest * scene.step)},
+                     {"met", a.step.met},
+                     {"steps", Json::array()}};
+  for (const StepTrial& t : a.steps.steps) {
+    j["step_study"]["steps"].push_back({{"step", t.step}, {"error", to_json(t.error)}});
+  }
+  j["budget"] = to_json(a.budget);
+  j["trials"] = Json::array();
+  for (const SolverTrial& t : a.trials) j["trials"].push_back(to_json(t));
+  j["fresh"] = {{"problems", a.fresh.problems},
+                {"solved", a.fresh.solved},
+                {"error", to_json(a.fresh.error)}};
+  j["whole"] = {{"stretches", a.whole_windows}, {"error", to_json(a.whole_window)}};
+  j["problems"] = {{"sampled", a.problems},
+                   {"fresh", a.fresh_problems},
+                   {"several_solutions", a.several_solutions},
+                   {"without_reference", a.without_reference},
+                   {"worst_reference", number(a.worst_reference)},
+                   {"reference_spread", number(a.reference_spread)}};
+  j["seconds"] = a.seconds_spent;
+  return j;
+}
+
+std::string goal_text(const Accuracy& goal) {
+  std::string text;
+  for (auto m : Accuracy::kMeasures) {
+    if (std::isnan(goal.*m)) continue;
+    text += fmt::format("{}{} {:g}", text.empty() ? "" : ", ", name_of(m), goal.*m);
+  }
+  return text;
+}
+
+/// "force error 1.2e-03, energy error 3.4e-02" of what is asked for and measured.
+std::string error_text(const Accuracy& error, const Accuracy& goal) {
+  std::string text;
+  for (auto m : Accuracy::kMeasures) {
+    if (std::isnan(goal.*m)) continue;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name_of(m),
+                        std::isnan(error.*m) ? "not measured" : fmt::format("{:.1e}", error.*m));
+  }
+  return text;
+}
+
+std::string cell(double x) {
+  if (std::isnan(x)) return "-";
+  if (std::isinf(x)) return "failed";
+  return fmt::format("{:.1e}", x);
+}
+
+std::string time_text(double seconds) {
+  if (seconds < 1e-3) return fmt::format("{:.3g} µs", 1e6 * seconds);
+  if (seconds < 1) return fmt::format("{:.3g} ms", 1e3 * seconds);
+  if (seconds < 120) return fmt::format("{:.3g} s", seconds);
+  return fmt::format("{:.3g} min", seconds / 60);
+}
+
+void print_trials(const Advice& a) {
+  const bool any_stretch = std::any_of(a.trials.begin(), a.trials.end(),
+                                       [](const SolverTrial& t) { return t.stretches > 0; });
+  fmt::print(
+      "\nSolvers: worst error over {} steps of the run and mean CPU time of a solve, on the left "
+      "on "
+      "single\nsteps, on the right on stretches of {:g} s, where each step starts from the errors "
+      "of "
+      "the one before.\n*: nothing is better in both time and error. Left to the solver: {}.\n",
+      a.problems, a.steps.window, error_text(a.budget, a.goal));
+  fmt::print("    {:<15} {:>6} {:<5} {:>8} {:>8} {:>8} {:>9}   {:>8} {:>8} {:>8} {:>9}\n", "solver",
+             "tol", "start", "force", "penetr.", "energy", "time", "force", "penetr.", "energy",
+             "time");
+  int others = 0;
+  for (std::size_t i = 0; i < a.trials.size(); ++i) {
+    const SolverTrial& t = a.trials[i];
+    const bool tried = t.stretches > 0;
+    if (any_stretch && t.verdict == SolverTrial::Verdict::kNone &&
+        static_cast<int>(i) != a.choice) {
+      ++others;
+      continue;
+    }
+    std::string note;
+    if (t.solved < t.problems) note = fmt::format("  solved {} of {}", t.solved, t.problems);
+    if (!tried && t.verdict == SolverTrial::Verdict::kStretchMissed) note += "  " + t.message;
+    fmt::print("  {}{} {:<15} {:>6.0e} {:<5} {:>8} {:>8} {:>8} {:>9}   {:>8} {:>8} {:>8} {:>9}{}\n",
+               static_cast<int>(i) == a.choice ? ">" : " ", t.pareto ? "*" : " ", t.solver.label,
+               t.tol, t.warm ? "warm" : "cold", cell(t.error.force), cell(t.error.penetration),
+               cell(t.error.energy), time_text(t.seconds), cell(tried ? t.stretch.force : NAN),
+               cell(tried ? t.stretch.penetration : NAN), cell(tried ? t.stretch.energy : NAN),
+               tried ? time_text(t.run_seconds) : "-", note);
+  }
+  if (others > 0) {
+    fmt::print("  {} more trials were too inaccurate or too slow for stretches; --json has them\n",
+               others);
+  }
+}
+
+void print_steps(const Scene& scene, const Advice& a) {
+  if (a.steps.steps.empty()) {
+    fmt::print("\nTime step: not measured; time was up or solves failed.\n");
+    return;
+  }
+  fmt::print(
+      "\nTime step: error that the step alone makes, solved tightly, over {} stretch{} of {:g} s, "
+      "against steps of\n{:g} s. Force: mean over the stretch; penetration: added by a step, over "
+      "the smallest radius.\n",
+      a.steps.windows, a.steps.windows == 1 ? "" : "es", a.steps.window,
+      a.steps.finest * scene.step);
+  fmt::print("     {:>10} {:>8} {:>8} {:>8}\n", "step (s)", "force", "penetr.", "energy");
+  for (std::size_t i = 0; i < a.steps.steps.size(); ++i) {
+    const StepTrial& t = a.steps.steps[i];
+    fmt::print("   {} {:>10g} {:>8} {:>8} {:>8}{}\n",
+               static_cast<int>(i) == a.step.index ? ">" : " ", t.step, cell(t.error.force),
+               cell(t.error.penetration), cell(t.error.energy),
+               t.factor == 1 ? "  the scene's" : "");
+  }
+}
+
+void print_confidence(const Advice& a) {
+  fmt::print("\nHow far to trust it:\n");
+  fmt::print("  the scene ran for {} of {} steps, {} with contacts (at most {}){}\n",
+             a.sample.steps_run, a.sample.steps_planned, a.sample.contact_steps,
+             a.sample.contacts_max, a.sample.note.empty() ? "" : "; " + a.sample.note);
+  if (a.fresh.problems > 0) {
+    fmt::print("  steps that it was chosen on: {}; the worst on {} others: {}\n", a.problems,
+               a.fresh.problems, error_text(a.fresh.error, a.goal));
+  } else {
+    fmt::print("  steps that it was chosen on: {}; no others were solved to verify it\n",
+               a.problems);
+  }
+  if (a.whole_windows > 0) {
+    fmt::print("  the advice as a whole, on {} other stretches, against the finest steps: {}\n",
+               a.whole_windows, error_text(a.whole_window, a.goal));
+  }
+  fmt::print("  references: guarded error at most {:.0e}; two solvers agree to {:.0e}\n",
+             a.worst_reference, a.reference_spread);
+  if (a.several_solutions > 0) {
+    fmt::print(
+        "  steps with several solutions, left out of the errors, as one of them says nothing of "
+        "the "
+        "others: {}\n",
+        a.several_solutions);
+  }
+  if (a.without_reference > 0) {
+    fmt::print("  steps left out because no solver got far enough below the goal in time: {}\n",
+               a.without_reference);
+  }
+  if (a.steps.windows_dropped > 0 || (a.steps.finest > 0.125 && a.steps.finest > 0)) {
+    fmt::print(
+        "  time was short for the step study ({} stretches dropped, finest step {:g} of the "
+        "scene's): --time-limit gives more\n",
+        a.steps.windows_dropped, a.steps.finest);
+  }
+}
+
+void print(const Scene& scene, const Advice& a) {
+  fmt::print("{}\n", scene.title.empty() ? scene.source : scene.title);
+  fmt::print("  asked for   {}\n", goal_text(a.goal));
+  fmt::print("  status      {}: {}\n", to_string(a.status), a.message);
+  if (a.choice < 0) return;
+  const SolverTrial& t = a.trials[a.choice];
+  const bool own_step = std::abs(a.step_size / scene.step - 1) < 1e-9;
+  fmt::print("  advice      {} to {:.0e}, {} start, time step {:g} s{}\n", t.solver.label, t.tol,
+             t.warm ? "warm" : "cold", a.step_size,
+             own_step ? " (the scene's)" : fmt::format(" (the scene's: {:g} s)", scene.step));
+  fmt::print("  error       time step: {}\n", error_text(a.step_error, a.goal));
+  fmt::print("              solver:    {}\n", error_text(worst_of(t.error, t.stretch), a.goal));
+  fmt::print("  cost        {} a step, {} for the {:g} s of the scene ({} steps), files aside\n",
+             time_text(a.seconds_per_step), time_text(a.seconds_in_all),
+             scene.num_steps * scene.step, a.num_steps);
+  print_steps(scene, a);
+  print_trials(a);
+  print_confidence(a);
+}
+
+void write_scene(const AdviseFlags& flags, const std::string& text, const Scene& scene,
+                 const Advice& advice) {
+  const SolverTrial& t = advice.trials[advice.choice];
+  const std::string written =
+      rewrite_scene(text, scene.source,
+                    {.step = advice.step_size,
+                     .num_steps = advice.num_steps,
+                     .solver = t.solver.solver,
+                     .parameters = t.solver.parameters,
+                     .tol = t.tol,
+                     .warm_start = t.warm,
+                     .comment = fmt::format("bipot advise, {} ({})", goal_text(advice.goal),
+                                            to_string(advice.status))});
+  AtomicFile file(flags.write);
+  std::ofstream out(file.draft(), std::ios::binary);
+  out << written;
+  out.close();
+  if (!out) throw FileError(flags.write, "", "cannot be written");
+  file.commit();
+}
+
+/// Found before the work, not after it.
+void check_destinations(const AdviseFlags& flags) {
+  if (!flags.write.empty() && fs::exists(flags.write) && !flags.force_overwrite) {
+    throw std::invalid_argument(flags.write + " exists: name another file, or give --force");
+  }
+  require_writable(flags.write);
+  require_writable(flags.json);
+}
+
+}  // namespace
+
+CLI::App* add_advise_command(CLI::App& app, AdviseFlags& flags) {
+  CLI::App* command = app.add_subcommand(
+      "advise", "Which solver, tolerance and time step a scene needs, tried on the scene itself");
+  command->add_option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
+      ->required();
+  command
+      ->add_option("--force-error", flags.force,
+                   "Largest error of the contact force on a body, over the largest such force")
+      ->type_name("X");
+  command
+      ->add_option("--penetration", flags.penetration,
+                   "Largest overlap that a step may add, over the smallest radius")
+      ->type_name("X");
+  command->add_option("--energy", flags.energy, "Largest relative error of the dissipated energy")
+      ->type_name("X");
+  command
+      ->add_option("--solvers", flags.solvers, "Solvers to try, separated by commas (a selection)")
+      ->delimiter(',')
+      ->type_name("NAMES");
+  command->add_option("--time-limit", flags.time_limit, "Wall seconds for the trials")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->type_name("SECONDS");
+  command
+      ->add_option("--window", flags.window,
+                   "Time in s over which forces are averaged to judge the time step (a fiftieth of "
+                   "the run, at least 16 steps)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("SECONDS");
+  command->add_option("--samples", flags.samples, "Steps of the run to choose on")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command->add_option("--fresh", flags.fresh, "Further steps to verify on")
+      ->check(CLI::Range(0, 32))
+      ->capture_default_str();
+  command->add_flag("--keep-step", flags.keep_step, "Keep the scene's time step");
+  command
+      ->add_option("--write", flags.write,
+                   "Write a copy of the scene with the advice in it; comments and layout stay")
+      ->type_name("FILE");
+  command->add_flag("--force", flags.force_overwrite, "--write may overwrite a file");
+  command
+      ->add_option("--json", flags.json,
+                   "Write advice and evidence as JSON; '-' is standard output, with nothing else "
+                   "on it")
+      ->type_name("FILE");
+  command->add_flag("--quiet,-q", flags.quiet, "Nothing on the terminal");
+  command->footer(
+      "Ends with 0 when the goal is met (or nothing touches), with 1 when it is not: the message\n"
+      "says what stands in the way and the best that can be had.\n"
+      "Examples:\n"
+      "  bipot advise compaction --force-error 1e-1\n"
+      "  bipot advise my_scene.toml --force-error 1e-2 --energy 1e-2 --write advised.toml\n"
+      "  bipot advise my_scene.toml --penetration 1e-3 --keep-step --json -");
+  return command;
+}
+
+int advise_command(const AdviseFlags& flags) {
+  check_destinations(flags);
+  const fs::path path = find_scene(flags.scene);
+  std::ostringstream content;
+  content << std::ifstream(path).rdbuf();
+  const Scene scene = parse_scene(content.str(), path.string());
+  AdviseOptions options;
+  options.goal = {flags.force.value_or(Accuracy::kNaN), flags.penetration.value_or(Accuracy::kNaN),
+                  flags.energy.value_or(Accuracy::kNaN)};
+  for (const std::string& name : flags.solvers) options.solvers.push_back({name, name, {}});
+  options.time_limit = flags.time_limit;
+  options.window = flags.window.value_or(0);
+  options.samples = flags.samples;
+  options.fresh = flags.fresh;
+  options.keep_step = flags.keep_step;
+  const bool quiet = flags.quiet || flags.json == "-";
+  if (!quiet) {
+    options.say = [](const std::string& stage) { fmt::print(stderr, "{} ...\n", stage); };
+  }
+  const InterruptGuard interrupt;
+  options.interrupted = &InterruptGuard::requested;
+  const Advice advice = advise(scene, options);
+  if (!flags.json.empty()) write_json(to_json(scene, advice), flags.json);
+  if (!quiet) print(scene, advice);
+  if (!flags.write.empty() && advice.choice >= 0) {
+    write_scene(flags, content.str(), scene, advice);
+    if (!quiet) fmt::print("\nadvice written into {}\n", flags.write);
+  }
+  return exit_code_of(advice.status);
+}
+
+}  // namespace bipot

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <limits>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/scene/scene.h"
+#include "solvers/solver.h"
+
+namespace bipot {
+
+/// Flags that `run` and `solve` share.
+struct CommonFlags {
+  std::string out;
+  bool quiet = false;
+  double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds
+  std::string json;                                             ///< file, "-": standard output
+};
+void add_common_flags(CLI::App& command, CommonFlags& flags);
+
+/// What the command line says of the solver; unset entries leave the scene's or the default choice.
+struct SolverFlags {
+  std::optional<std::string> name, stop;
+  std::optional<double> tol;
+  std::optional<int> max_iterations;
+  std::optional<bool> warm_start;
+  std::map<std::string, std::string> parameters;  ///< filled by parse callbacks
+};
+/// One flag for each parameter name in the solver table, besides --solver, --tol, --stop, ...
+void add_solver_flags(CLI::App& command, SolverFlags& flags);
+/// --warm-start and --no-warm-start, for commands with more than one step.
+void add_warm_start_flags(CLI::App& command, SolverFlags& flags);
+
+/// The scene's choice with the command line's entries put in. Parameters of the scene are dropped
+/// when the command line names another solver.
+SolverChoice merged(const SolverChoice& base, const SolverFlags& flags);
+
+}  // namespace bipot

@@ -1,0 +1,204 @@
+#include "bench/command/compare_command.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <ctime>
+
+#include "bench/command/exit_code.h"
+#include "bench/command/interrupt.h"
+#include "bench/command/progress_bar.h"
+#include "bench/command/trade_command.h"
+#include "bench/compare/comparison.h"
+#include "bench/compare/comparison_report.h"
+#include "bench/report/build_info.h"
+#include "bench/report/chart.h"
+#include "bench/report/json_output.h"
+#include "core/files/atomic_file.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The command as it was typed, results aside.
+std::string command_line(const std::string& targets, const CompareFlags& flags) {
+  std::string line = "bipot compare " + targets;
+  if (flags.quick) line += " --quick";
+  if (flags.solvers != CompareFlags{}.solvers) {
+    line += fmt::format(" --solvers {}", fmt::join(flags.solvers, ","));
+  }
+  std::vector<std::string> tols;
+  for (double tol : flags.tols) tols.push_back(tolerance_label(tol));
+  if (!tols.empty()) line += fmt::format(" --tols {}", fmt::join(tols, ","));
+  if (flags.time_limit) line += fmt::format(" --time-limit {:g}", *flags.time_limit);
+  if (flags.reference_time_limit) {
+    line += fmt::format(" --reference-time-limit {:g}", *flags.reference_time_limit);
+  }
+  if (flags.repeat != CompareFlags{}.repeat) line += fmt::format(" --repeat {}", flags.repeat);
+  if (flags.min_time != CompareFlags{}.min_time) {
+    line += fmt::format(" --min-time {:g}", flags.min_time);
+  }
+  if (flags.try_all) line += " --try-all";
+  if (flags.scene_problems) line += fmt::format(" --scene-problems {}", *flags.scene_problems);
+  if (flags.scene_steps) line += fmt::format(" --scene-steps {}", *flags.scene_steps);
+  if (!flags.whole_runs.empty()) {
+    line += fmt::format(" --whole-runs {}", fmt::join(flags.whole_runs, ","));
+  }
+  return line;
+}
+
+}  // namespace
+
+CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
+  CLI::App* command = app.add_subcommand(
+      "compare", "Solvers on problems at tolerances: time against true error, as a report");
+  command
+      ->add_option("targets", flags.targets,
+                   "Problem file, folder of them, scene, family as square:30, triangular:30, "
+                   "pyramid:20, random:20, pile:32, impact:32 (with "
+                   ":mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), or benchmark")
+      ->required();
+  command->add_option("--solvers", flags.solvers, "all, or names separated by commas")
+      ->delimiter(',')
+      ->type_name("NAMES");
+  command
+      ->add_option("--tols", flags.tols,
+                   "Tolerances (default 1e-2,1e-4,1e-6,1e-8; quick 1e-2,1e-6)")
+      ->delimiter(',')
+      ->check(CLI::PositiveNumber)
+      ->type_name("NUMBERS");
+  command->add_option("--time-limit", flags.time_limit, "CPU seconds of one solve (2; quick 1)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("SECONDS");
+  command
+      ->add_option("--reference-time-limit", flags.reference_time_limit,
+                   "CPU seconds of one attempt at a reference (5; quick 3)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("SECONDS");
+  command->add_option("--repeat", flags.repeat, "Solves behind each time, at least")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  command
+      ->add_option("--min-time", flags.min_time,
+                   "CPU seconds for which short solves are repeated; the least time counts")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->type_name("SECONDS");
+  command->add_flag("--try-all", flags.try_all,
+                    "Run solvers also after they were out of time at a looser tolerance or on a "
+                    "smaller problem of the series");
+  command->add_option("--scene-problems", flags.scene_problems, "Steps of a scene (3; quick 1)")
+      ->check(CLI::Range(1, 1000));
+  command->add_option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)")
+      ->check(CLI::PositiveNumber);
+  command
+      ->add_option("--whole-runs", flags.whole_runs,
+                   "Scenes to run as a whole too, by tolerance, time step and model, as `bipot "
+                   "trade` does; 'set' is its own set")
+      ->delimiter(',')
+      ->type_name("SCENES");
+  command->add_flag("--quick", flags.quick,
+                    "Loose limits and the small benchmark, for a first look");
+  command
+      ->add_option("--out", flags.out,
+                   "Folder for rows.csv, history.csv, comparison.csv, comparison.json and "
+                   "report.html; a stopped comparison goes on from the rows there")
+      ->type_name("DIR");
+  command
+      ->add_option("--json", flags.json,
+                   "Write the table as JSON; '-' is standard output, with nothing else on it")
+      ->type_name("FILE");
+  command->add_flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  command->footer(
+      "Ends with 0 when the table is complete: solves that fail or run out of time are rows of "
+      "it.\n"
+      "Examples:\n"
+      "  bipot compare square:30 pile:18 --out out/compare\n"
+      "  bipot compare problems/ --solvers auto,pgs,ipm --tols 1e-8 --time-limit 60 --json -\n"
+      "  bipot compare compaction --quick --out out/compaction_solvers\n"
+      "  bipot compare benchmark --whole-runs set --out out/benchmark");
+  return command;
+}
+
+int compare_command(const CompareFlags& flags) {
+  ComparisonOptions options;
+  options.solvers =
+      flags.solvers.size() == 1 && flags.solvers[0] == "all" ? solver_names() : flags.solvers;
+  options.tols = !flags.tols.empty() ? flags.tols
+                 : flags.quick       ? std::vector<double>{1e-2, 1e-6}
+                                     : options.tols;
+  options.time_limit = flags.time_limit.value_or(flags.quick ? 1 : ComparisonOptions{}.time_limit);
+  options.reference_time_limit = flags.reference_time_limit.value_or(
+      flags.quick ? 3 : ComparisonOptions{}.reference_time_limit);
+  options.repeat = flags.repeat;
+  options.min_time = flags.min_time;
+  options.try_all = flags.try_all;
+  options.out = flags.out;
+  TargetOptions scenes;
+  scenes.scene_problems = flags.scene_problems.value_or(flags.quick ? 1 : 3);
+  scenes.quick = flags.quick;
+  scenes.scene_steps = flags.scene_steps.value_or(flags.quick ? 100 : scenes.scene_steps);
+  if (!flags.out.empty()) require_plotting_tool();
+  const std::vector<ProblemSource> sources = expand_targets(flags.targets, scenes);
+
+  // What lies in the folder of the results is found when that is made.
+  if (flags.out.empty() || fs::path(flags.json).parent_path() != fs::path(flags.out)) {
+    require_writable(flags.json);
+  }
+  const bool quiet = flags.quiet || flags.json == "-";
+  const long total =
+      static_cast<long>(sources.size() * options.solvers.size() * options.tols.size());
+  ProgressBar progress(total, quiet);
+  options.on_row = [&progress](const ComparisonRow& row, int done, int) {
+    progress.update(done, fmt::format("{} {} {:g}", row.problem, row.solver, row.tol));
+  };
+  const InterruptGuard interrupt;
+  options.interrupted = &InterruptGuard::requested;
+  const Comparison comparison = compare(sources, options);
+  std::optional<FinishedTrade> whole;
+  if (!flags.whole_runs.empty() && comparison.complete) {
+    TradeFlags trade_flags;
+    if (flags.whole_runs != std::vector<std::string>{"set"}) trade_flags.scenes = flags.whole_runs;
+    trade_flags.quick = flags.quick;
+    whole = run_trade(trade_flags, quiet);
+  }
+
+  ReportContext context;
+  context.options = options;
+  context.build = build_info();
+  context.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  context.command = command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags);
+  context.command_of_target = command_line("{}", flags);
+  if (!flags.out.empty()) {
+    write_text_file(options.out / "comparison.csv", to_csv(comparison));
+    write_json(to_json(comparison, context), (options.out / "comparison.json").string());
+    std::vector<ReportSection> sections;
+    if (whole) {
+      write_trade(options.out, *whole);
+      sections.push_back(
+          {"whole", "Whole simulations",
+           "<style>" + trade_style() + "</style>" + trade_section(whole->trade, whole->context)});
+    }
+    write_text_file(options.out / "report.html", to_html(comparison, context, sections));
+  }
+  if (!flags.json.empty()) {
+    nlohmann::ordered_json table = to_json(comparison, context);
+    if (whole) table["whole_simulations"] = to_json(whole->trade, whole->context);
+    write_json(table, flags.json);
+  }
+  if (!quiet) {
+    fmt::print("{}", to_text(comparison));
+    if (whole) fmt::print("\nWhole simulations\n\n{}", to_text(whole->trade));
+    if (!flags.out.empty()) {
+      fmt::print("results in {}, {} of {} rows from before\n", flags.out, comparison.rows_kept,
+                 comparison.rows.size());
+    }
+  }
+  return comparison.complete && (!whole || whole->trade.complete) ? kExitConverged
+                                                                  : kExitInterrupted;
+}
+
+}  // namespace bipot

@@ -1,0 +1,104 @@
+#include "bench/command/list_command.h"
+
+#include <fmt/format.h>
+
+#include "bench/command/exit_code.h"
+#include "bench/report/json_output.h"
+#include "bench/scenes/scene_catalogue.h"
+#include "core/files/scene_file.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+namespace {
+
+std::string_view kind_of(const ParameterSpec& spec) {
+  switch (spec.kind) {
+    case ParameterSpec::Kind::kNumber:
+      return "number";
+    case ParameterSpec::Kind::kInteger:
+      return "integer";
+    case ParameterSpec::Kind::kChoice:
+      return "choice";
+    case ParameterSpec::Kind::kText:
+      return "text";
+  }
+  return "?";
+}
+
+std::string domain_of(const ParameterSpec& spec) {
+  if (spec.kind == ParameterSpec::Kind::kChoice) return std::string(spec.choices);
+  if (spec.kind == ParameterSpec::Kind::kText) return std::string(kind_of(spec));
+  return fmt::format("{} in [{:g}, {:g}]", kind_of(spec), spec.minimum, spec.maximum);
+}
+
+nlohmann::ordered_json solvers_json() {
+  auto rows = nlohmann::ordered_json::array();
+  for (const SolverEntry& entry : solver_table()) {
+    nlohmann::ordered_json row{
+        {"name", entry.name}, {"summary", entry.summary}, {"max_dim", entry.max_dim}};
+    row["parameters"] = nlohmann::ordered_json::array();
+    for (const ParameterSpec& spec : entry.parameters) {
+      row["parameters"].push_back({{"name", spec.name},
+                                   {"default", spec.default_value},
+                                   {"domain", domain_of(spec)},
+                                   {"help", spec.help}});
+    }
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+void print_solvers() {
+  for (const SolverEntry& entry : solver_table()) {
+    fmt::print("{:<14} {}\n", entry.name, entry.summary);
+    for (const ParameterSpec& spec : entry.parameters) {
+      fmt::print("{:<14}   {} = {}  ({})  {}\n", "", spec.name, spec.default_value, domain_of(spec),
+                 spec.help);
+    }
+  }
+}
+
+nlohmann::ordered_json scenes_json() {
+  auto rows = nlohmann::ordered_json::array();
+  for (const auto& path : shipped_scenes()) {
+    const Scene scene = read_scene(path);
+    rows.push_back({{"name", path.stem().string()},
+                    {"title", scene.title},
+                    {"disks", scene.disks.size()},
+                    {"walls", scene.walls.size()},
+                    {"steps", scene.num_steps}});
+  }
+  return rows;
+}
+
+}  // namespace
+
+CLI::App* add_list_command(CLI::App& app, ListFlags& flags) {
+  CLI::App* command =
+      app.add_subcommand("list", "List the solvers of this build, or shipped scenes");
+  command->add_option("what", flags.what, "solvers or scenes")
+      ->required()
+      ->check(CLI::IsMember({"solvers", "scenes"}));
+  command->add_option("--json", flags.json, "Write the list as JSON; '-' is standard output")
+      ->type_name("FILE");
+  command->footer("Examples:\n  bipot list solvers\n  bipot list scenes --json -");
+  return command;
+}
+
+int list_command(const ListFlags& flags) {
+  const bool solvers = flags.what == "solvers";
+  if (!flags.json.empty()) {
+    write_json(solvers ? solvers_json() : scenes_json(), flags.json);
+  } else if (solvers) {
+    print_solvers();
+  } else {
+    for (const auto& row : scenes_json()) {
+      fmt::print("{:<24} {:>6} disks {:>3} walls {:>7} steps  {}\n", row["name"].get<std::string>(),
+                 row["disks"].get<int>(), row["walls"].get<int>(), row["steps"].get<int>(),
+                 row["title"].get<std::string>());
+    }
+  }
+  return kExitConverged;
+}
+
+}  // namespace bipot

@@ -1,0 +1,193 @@
+#include "bench/command/paper_command.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <chrono>
+#include <ctime>
+
+#include "bench/command/exit_code.h"
+#include "bench/command/interrupt.h"
+#include "bench/command/progress_bar.h"
+#include "bench/paper/paper_items.h"
+#include "bench/paper/paper_page.h"
+#include "bench/report/json_output.h"
+#include "core/file_error.h"
+#include "core/files/atomic_file.h"
+#include "core/nearest_name.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string command_line(const PaperFlags& flags, const std::vector<std::string>& only) {
+  std::string line = "bipot paper";
+  if (!only.empty()) line += fmt::format(" --only {}", fmt::join(only, ","));
+  if (flags.quick) line += " --quick";
+  return line;
+}
+
+void write_report(const fs::path& folder, const PaperReport& report) {
+  write_text_file(folder / "results.json", to_json(report).dump(1) + "\n");
+  write_text_file(folder / "index.html", to_html(report));
+}
+
+PaperEntry run_item(const PaperItem& item, const PaperContext& context,
+                    const std::string& command) {
+  PaperEntry entry;
+  entry.name = item.name;
+  entry.title = item.title;
+  entry.command = command;
+  entry.quick = context.quick;
+  entry.build = build_info();
+  entry.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  const auto start = std::chrono::steady_clock::now();
+  const std::clock_t cpu_start = std::clock();
+  try {
+    PaperResult result = item.run(context);
+    if (context.interrupted()) {
+      entry.status = PaperEntry::Status::kInterrupted;
+    } else {
+      complete(result, command);
+      for (const PaperFigure& f : result.figures) {
+        if (f.chart) {
+          write_chart_files(context.out, f.name, *f.chart);
+        } else if (!fs::is_regular_file(context.out / f.file)) {
+          throw std::logic_error(fmt::format("figure {}: no file {}", f.name, f.file));
+        }
+      }
+      entry.result = std::move(result);
+      entry.status = PaperEntry::Status::kDone;
+    }
+  } catch (const FileError&) {
+    throw;  // no other item could write either
+  } catch (const std::exception& e) {
+    // A step that was cut short by Ctrl-C ends its item with an exception, too.
+    const bool interrupted = context.interrupted();
+    entry.status = interrupted ? PaperEntry::Status::kInterrupted : PaperEntry::Status::kFailed;
+    if (!interrupted) entry.message = e.what();
+  }
+  entry.wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  entry.cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  return entry;
+}
+
+}  // namespace
+
+CLI::App* add_paper_command(CLI::App& app, PaperFlags& flags) {
+  CLI::App* command = app.add_subcommand(
+      "paper", "The paper's figures and tables, made again and checked, as a page");
+  std::string names;
+  for (const PaperItem& item : paper_items()) {
+    names += fmt::format("{}{}", names.empty() ? "" : ", ", item.name);
+  }
+  command->add_option("--only", flags.only, "Items, separated by commas, of " + names)
+      ->delimiter(',')
+      ->type_name("NAMES");
+  command->add_flag("--quick", flags.quick, "Small sizes, seconds");
+  command
+      ->add_option("--out", flags.out,
+                   "Folder for index.html, results.json, pictures and their data; items of an "
+                   "earlier run that are not run now stay")
+      ->type_name("DIR")
+      ->capture_default_str();
+  command
+      ->add_option("--json", flags.json,
+                   "Write the results as JSON; '-' is standard output, with nothing else on it")
+      ->type_name("FILE");
+  command->add_flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  command->footer(
+      "Ends with 1 when a check does not hold or an item failed.\n"
+      "Examples:\n"
+      "  bipot paper --out out/paper\n"
+      "  bipot paper --only table1,fig10 --quick --json -");
+  return command;
+}
+
+int paper_command(const PaperFlags& flags) {
+  const std::vector<PaperItem>& items = paper_items();
+  std::vector<std::string> names;
+  for (const PaperItem& item : items) names.emplace_back(item.name);
+  for (const std::string& name : flags.only) {
+    if (std::find(names.begin(), names.end(), name) == names.end()) {
+      throw std::invalid_argument(unknown_name_message("item", name, names));
+    }
+  }
+  const auto chosen = [&](std::string_view name) {
+    return flags.only.empty() ||
+           std::find(flags.only.begin(), flags.only.end(), name) != flags.only.end();
+  };
+
+  require_plotting_tool();
+  require_writable(flags.json);
+  const fs::path folder = flags.out;
+  std::error_code failure;
+  fs::create_directories(folder, failure);
+  if (failure) throw FileError(folder, "", failure.message());
+
+  PaperReport report;
+  report.command = command_line(flags, flags.only);
+  const std::vector<PaperEntry> before = read_entries(folder / "results.json");
+  for (const PaperItem& item : items) {
+    PaperEntry entry;
+    for (const PaperEntry& old : before) {
+      if (old.name == item.name) entry = old;
+    }
+    entry.name = item.name;
+    entry.title = item.title;
+    if (entry.command.empty()) entry.command = fmt::format("bipot paper --only {}", item.name);
+    report.entries.push_back(std::move(entry));
+  }
+
+  const bool quiet = flags.quiet || flags.json == "-";
+  const long total = static_cast<long>(
+      std::count_if(names.begin(), names.end(), [&](const auto& name) { return chosen(name); }));
+  ProgressBar progress(total, quiet);
+  const InterruptGuard interrupt;
+  PaperContext context;
+  context.out = folder;
+  context.quick = flags.quick;
+  context.interrupted = &InterruptGuard::requested;
+  long done = 0;
+  bool sound = true;
+  std::string summary;
+  for (std::size_t i = 0; i < items.size() && !InterruptGuard::requested(); ++i) {
+    const PaperItem& item = items[i];
+    if (!chosen(item.name)) continue;
+    context.say = [&](const std::string& what) {
+      progress.update(done, fmt::format("{}: {}", item.name, what));
+    };
+    context.say("");
+    PaperEntry entry = run_item(item, context, command_line(flags, {std::string(item.name)}));
+    progress.update(++done, "");
+    if (entry.status == PaperEntry::Status::kInterrupted) {
+      // A result of an earlier run is worth more than none.
+      if (report.entries[i].status != PaperEntry::Status::kDone) report.entries[i] = entry;
+      break;
+    }
+    sound = sound && entry.status == PaperEntry::Status::kDone && entry.held() == entry.checks();
+    summary +=
+        entry.status == PaperEntry::Status::kDone
+            ? fmt::format("{:<11} {:>2} of {:>2} checks hold {:>7.1f} s\n", entry.name,
+                          entry.held(), entry.checks(), entry.wall_seconds)
+            : fmt::format("{:<11} {}: {}\n", entry.name, to_string(entry.status), entry.message);
+    for (const PaperNumber& n : entry.result.numbers) {
+      if (n.holds.value_or(true)) continue;
+      summary += fmt::format("  does not hold: {}: {}, expected {}\n", n.meaning,
+                             to_text(n.value, n.unit, n.digits), n.expected);
+    }
+    report.entries[i] = std::move(entry);
+    write_report(folder, report);
+  }
+  write_report(folder, report);
+  if (!flags.json.empty()) write_json(to_json(report), flags.json);
+  if (!quiet) fmt::print("{}{}\n", summary, (folder / "index.html").string());
+  if (InterruptGuard::requested()) return kExitInterrupted;
+  return sound ? kExitConverged : kExitNotConverged;
+}
+
+}  // namespace bipot

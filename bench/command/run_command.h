@@ -1,0 +1,28 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "bench/command/command_options.h"
+
+namespace bipot {
+
+struct RunFlags {
+  CommonFlags common;
+  SolverFlags solver;
+  std::string scene;
+  std::optional<int> steps;
+  std::optional<double> step_size;
+  std::string restart;        ///< run.h5 of an earlier run
+  std::string dump_problems;  ///< "", "all" or "failed"
+  std::optional<std::string> model;
+  /// Of the spring-dashpot model; unset entries leave the scene's choice.
+  std::optional<double> stiffness, overlap, tangential_ratio, substep;
+};
+
+/// Declares `bipot run`.
+CLI::App* add_run_command(CLI::App& app, RunFlags& flags);
+
+/// Runs a scene: time steps, files, summary. Returns an ExitCode.
+int run_command(const RunFlags& flags);
+
+}  // namespace bipot

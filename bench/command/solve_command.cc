@@ -1,0 +1,224 @@
+#include "bench/command/solve_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <optional>
+
+#include "bench/command/exit_code.h"
+#include "bench/command/interrupt.h"
+#include "bench/report/json_output.h"
+#include "core/file_error.h"
+#include "core/files/fclib_file.h"
+#include "core/files/problem_file.h"
+#include "core/problem/delassus.h"
+#include "solvers/methods/auto_solver.h"
+#include "solvers/registry.h"
+#include "solvers/solve.h"
+#include "solvers/step_solver.h"
+
+namespace bipot {
+namespace {
+
+int exit_code_of(SolveStatus status) {
+  switch (status) {
+    case SolveStatus::kConverged:
+    case SolveStatus::kNothingToDo:
+      return kExitConverged;
+    case SolveStatus::kInvalidInput:
+      return kExitBadInput;
+    case SolveStatus::kInterrupted:
+      return kExitInterrupted;
+    case SolveStatus::kNumericalFailure:
+    case SolveStatus::kDiverged:
+      return kExitNumericalFailure;
+    default:
+      return kExitNotConverged;
+  }
+}
+
+nlohmann::ordered_json summary(const SolveFlags& flags, const std::string& solver,
+                               const ContactProblem& problem, const SolveResult& r) {
+  nlohmann::ordered_json j{{"command", "solve"},
+                           {"version", BIPOT_VERSION},
+                           {"problem", flags.problem},
+                           {"status", to_string(r.status)},
+                           {"message", r.message},
+                           {"exit_code", exit_code_of(r.status)},
+                           {"solver", solver},
+                           {"iterations", r.iterations},
+                           {"setup_seconds", r.setup_seconds},
+                           {"solve_seconds", r.solve_seconds}};
+  add_error(j, r.error);
+  const ContactCount count =
+      r.s.size() == problem.num_rows() ? count_contacts(problem, r.s) : ContactCount{};
+  j["contacts"] = problem.num_contacts();
+  j["dim"] = problem.dim;
+  j["take_off"] = count.take_off;
+  j["stick"] = count.stick;
+  j["slip"] = count.slip;
+  return j;
+}
+
+void print_summary(const SolveFlags& flags, const std::string& solver, const ContactProblem& p,
+                   const SolveResult& r) {
+  const ContactCount count = count_contacts(p, r.s);
+  fmt::print("{}: {} contacts, d = {}\n", flags.problem, p.num_contacts(), p.dim);
+  fmt::print("  {}: {} ({})\n", solver, to_string(r.status), r.message);
+  fmt::print("  iterations {}, set-up {:.3e} s, solve {:.3e} s\n", r.iterations, r.setup_seconds,
+             r.solve_seconds);
+  fmt::print("  ε {:.3e}, η {:.3e}, raw (42) {:.3e}, natural map {:.3e}\n", r.error.epsilon,
+             r.error.eta, r.error.raw42, r.error.natural_map);
+  fmt::print("  take-off {}, stick {}, slip {}\n", count.take_off, count.stick, count.slip);
+}
+
+}  // namespace
+
+CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags) {
+  CLI::App* command =
+      app.add_subcommand("solve", "Solve one problem file (FCLIB HDF5, Siconos text)");
+  command->add_option("problem", flags.problem, "Problem file")->required();
+  command
+      ->add_option(
+          "--solution", flags.solution,
+          "Write r, u (and v) into the /solution group of this FCLIB file; a file that does "
+          "not exist is created with the problem")
+      ->type_name("FILE");
+  command->add_option("--history", flags.history, "Write the judged iterations as CSV")
+      ->type_name("FILE");
+  command->add_flag("--explain", flags.explain,
+                    "With --solver auto: print which stages are planned, and why");
+  add_common_flags(*command, flags.common);
+  add_solver_flags(*command, flags.solver);
+  command->footer(
+      "Examples:\n"
+      "  bipot solve problem.hdf5\n"
+      "  bipot solve problem.hdf5 --out out/problem\n"
+      "  bipot solve problem.dat --solver pgs --tol 1e-10 --json - --solution solved.hdf5");
+  return command;
+}
+
+namespace {
+
+/// --out DIR stands for the three files in DIR, unless a flag names another place.
+SolveFlags with_folder(SolveFlags flags) {
+  const std::filesystem::path out = flags.common.out;
+  if (out.empty()) return flags;
+  std::error_code error;
+  std::filesystem::create_directories(out, error);
+  if (error) throw FileError(out, "", error.message());
+  if (flags.common.json.empty()) flags.common.json = (out / "summary.json").string();
+  if (flags.history.empty()) flags.history = (out / "history.csv").string();
+  if (flags.solution.empty()) {
+    flags.solution = (out / "solution.hdf5").string();
+    std::filesystem::remove(flags.solution, error);  // of another problem, perhaps
+  }
+  return flags;
+}
+
+/// Equal up to the rounding of another code's text.
+bool close(const Vector& a, const Vector& b) {
+  return a.size() == b.size() && (a - b).norm() <= 1e-9 * std::max(a.norm(), b.norm());
+}
+
+/// Refuses a file for --solution that cannot take it, before the solve: not writable, not FCLIB, or
+/// with another problem in it.
+void check_solution_file(const std::string& path, const ContactProblem& problem) {
+  require_writable(path);
+  if (path.empty() || !std::ifstream(path)) return;
+  std::optional<ProblemFile> there;
+  try {
+    there = read_fclib(path);
+  } catch (const FileError& e) {
+    throw std::invalid_argument(fmt::format("--solution: {}", e.what()));
+  }
+  const ContactProblem& other = there->problem;
+  // Both forms give W, and a problem is W, u_free and mu; an uneven vector tells two W apart.
+  const auto product = [](const ContactProblem& p) {
+    const DelassusOperator delassus(p);
+    Vector probe(p.num_rows()), result(p.num_rows());
+    for (Eigen::Index i = 0; i < probe.size(); ++i)
+      probe[i] = std::cos(1.0 + static_cast<double>(i));
+    delassus.apply(probe, result);
+    return result;
+  };
+  if (other.dim != problem.dim || !close(other.u_free, problem.u_free) ||
+      !close(other.mu, problem.mu) || !close(product(other), product(problem))) {
+    throw std::invalid_argument(path +
+                                ": --solution names a file with another problem in it; name "
+                                "another file, a new one is made");
+  }
+}
+
+}  // namespace
+
+int solve_command(const SolveFlags& given) {
+  const SolveFlags flags = with_folder(given);
+  if (!std::ifstream(flags.problem)) throw FileError(flags.problem, "", "cannot be opened");
+  std::optional<ProblemFile> file;
+  try {
+    file = read_problem(flags.problem);
+  } catch (const FileError& e) {
+    throw std::invalid_argument(e.what());  // readable, but not a problem: bad input
+  }
+  const ContactProblem& problem = file->problem;
+  check_solution_file(flags.solution, problem);
+  require_writable(flags.common.json);
+  const SolverChoice choice = merged(SolverChoice{}, flags.solver);
+  const SolverEntry* entry = find_solver(choice.name);
+  if (entry == nullptr) {
+    throw std::invalid_argument(unknown_solver_message(choice.name));
+  }
+  SolverOptions options = to_options(choice);
+  options.time_limit = flags.common.time_limit;
+  const InterruptGuard interrupt;
+  options.cancelled = &InterruptGuard::requested;
+  std::ofstream history;
+  if (!flags.history.empty()) {
+    history.open(flags.history);
+    if (!history) throw FileError(flags.history, "", "cannot be written");
+    history << "iteration,seconds,epsilon,eta,epsilon_raw,natural_map,step,take_off,stick,slip\n";
+    options.on_iteration = [&history](const IterationRecord& r) {
+      history << fmt::format("{},{:.6e},{:.9e},{:.9e},{:.9e},{:.9e},{:.9e},{},{},{}\n", r.iteration,
+                             r.seconds, r.error.epsilon, r.error.eta, r.error.raw42,
+                             r.error.natural_map, r.step, r.count.take_off, r.count.stick,
+                             r.count.slip);
+    };
+  }
+
+  if (flags.explain) {
+    if (choice.name != "auto") {
+      throw std::invalid_argument("--explain explains the choice of --solver auto");
+    }
+    if (flags.common.json != "-") fmt::print("{}", explain_auto(problem, options));
+  }
+  const SolveResult result = solve(*entry, problem, options);
+  if (!flags.history.empty()) {
+    history.close();
+    if (!history) throw FileError(flags.history, "", "cannot be written");
+  }
+  if (!flags.common.json.empty()) {
+    write_json(summary(flags, choice.name, problem, result), flags.common.json);
+  }
+  if (result.status == SolveStatus::kInvalidInput) {
+    fmt::print(stderr, "bipot: {}: {}\n", flags.problem, result.message);
+    return kExitBadInput;
+  }
+  if (!flags.solution.empty() && problem.num_contacts() > 0) {  // FCLIB has no empty problem
+    if (!std::ifstream(flags.solution)) {
+      write_fclib(flags.solution, problem, file->info);
+    }
+    std::optional<Vector> v;
+    if (problem.has_velocities()) v = body_velocities(problem, result.s);
+    write_fclib_solution(flags.solution, result.s, result.u, v);
+  }
+  if (!flags.common.quiet && flags.common.json != "-") {
+    print_summary(flags, choice.name, problem, result);
+  }
+  return exit_code_of(result.status);
+}
+
+}  // namespace bipot

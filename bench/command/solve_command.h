@@ -1,0 +1,25 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include "bench/command/command_options.h"
+
+namespace bipot {
+
+struct SolveFlags {
+  CommonFlags common;
+  SolverFlags solver;
+  std::string problem;   ///< FCLIB HDF5 or Siconos text
+  std::string solution;  ///< FCLIB file whose /solution is written
+  bool explain = false;  ///< print the plan of `auto`
+  std::string history;   ///< CSV of the judged iterations
+};
+
+/// Declares `bipot solve`.
+CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags);
+
+/// Solves one problem file; --out DIR puts summary.json, history.csv and solution.hdf5 there.
+/// Returns an ExitCode.
+int solve_command(const SolveFlags& flags);
+
+}  // namespace bipot

@@ -1,0 +1,128 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "bench/compare/comparison_target.h"
+#include "bench/measure/reference_solution.h"
+#include "solvers/solver.h"
+
+namespace bipot {
+
+/// One solver on one problem at one tolerance. Undefined numbers are NaN.
+struct ComparisonRow {
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  std::string problem, solver;
+  double tol = kNaN;
+  int contacts = 0, dim = 0;
+  std::string status = "not run", message;
+  int iterations = 0;
+  int repeats = 0;  ///< solves behind the times
+  double setup_min = kNaN, setup_median = kNaN, solve_min = kNaN,
+         solve_median = kNaN;  ///< wall [s]
+  double total_min = kNaN;     ///< least set-up + solve of one repeat, wall          [s]
+  double cpu_min = kNaN;       ///< least CPU time of one repeat, all of it           [s]
+  double epsilon = kNaN, eta = kNaN, guarded = kNaN, raw42 = kNaN, natural_map = kNaN;
+  int take_off = 0, stick = 0, slip = 0;
+  /// TrueError's fields, against the reference of the problem.
+  double velocity_error = kNaN, force_error = kNaN, contact_force_error = kNaN;
+  double penetration_velocity = kNaN, penetration = kNaN, dissipated = kNaN, energy_error = kNaN;
+  std::string commit;  ///< of the program that made the row
+
+  bool solved() const { return guarded <= tol; }
+  /// What reports compare: CPU time. Waiting for a core that others use does not count, and all
+  /// solvers run on one.
+  double time() const { return cpu_min; }
+  static constexpr const char* kNotTried = "not tried";  ///< a status: see ComparisonOptions
+};
+
+/// The guarded error along one solve, at judged iterations (solvers/monitor.h), thinned to steps of
+/// a tenth beyond the 32nd. Of all tolerances of a solver the tightest that was run.
+struct HistoryPoint {
+  int iteration = 0;
+  double seconds = 0;  ///< wall time since the solver began
+  double epsilon = ComparisonRow::kNaN, eta = ComparisonRow::kNaN;
+  double guarded() const;  ///< max(epsilon, eta)
+};
+struct History {
+  std::string problem, solver;
+  double tol = ComparisonRow::kNaN;
+  std::vector<HistoryPoint> points;
+};
+
+/// What a comparison says of a problem.
+struct ProblemSummary {
+  std::string name, target, origin;
+  std::string defect;  ///< why there is no problem: the file is not readable, the run failed
+  std::string series;  ///< see ProblemSource
+  int contacts = 0, dim = 0, dofs = 0;
+  std::string reference_solver;
+  double reference_guarded = ComparisonRow::kNaN, reference_natural_map = ComparisonRow::kNaN;
+  std::vector<ReferenceAttempt> attempts;
+  /// Largest relative distance (energy norm) between velocities of solutions below 1e-9, attempts
+  /// at the reference and rows alike; NaN when there are fewer than two.
+  double velocity_spread = ComparisonRow::kNaN;
+  bool several_velocities() const { return velocity_spread > ReferenceSolution::kSeveral; }
+  /// Errors against it are no true errors.
+  bool poor_reference() const { return reference_guarded > ReferenceSolution::kTrusted; }
+};
+
+struct ComparisonOptions {
+  std::vector<std::string> solvers;
+  std::vector<double> tols = {1e-2, 1e-4, 1e-6, 1e-8};
+  double time_limit = 2;            ///< CPU seconds of one solve
+  double reference_time_limit = 5;  ///< of one attempt at a reference
+  int repeat = 1;                   ///< solves behind each time, at least
+  double min_time = 0.02;  ///< a short solve is repeated until its repeats took this long [s]
+  /// Whether a solver runs after it was out of time on a smaller problem of the series, at the same
+  /// tolerance or a looser one, or on the same problem at a looser one. If not, these rows have the
+  /// status "not tried". `auto` always runs.
+  bool try_all = false;
+  /// rows.csv, history.csv, references/, problems/; empty: nothing is written.
+  std::filesystem::path out;
+  std::function<void(const ComparisonRow&, int done, int total)> on_row;
+  std::function<bool()> interrupted;  ///< asked before each row
+};
+
+struct Comparison {
+  std::vector<ProblemSummary> problems;  ///< in the order of the sources
+  std::vector<ComparisonRow> rows;       ///< problem by problem, solver by solver, loose to tight
+  std::vector<History> histories;        ///< in the same order
+  int rows_kept = 0;                     ///< of an earlier, stopped comparison
+  bool complete = false;
+};
+
+/// Fills the table. Rows are appended to out/rows.csv as they finish; rows that stand there already
+/// (same problem, solver and tolerance) are kept as they are. All solves start from s = 0. A solver
+/// that ran into the time limit and whose iterates do not depend on the tolerance is not run again
+/// at tighter ones: those rows repeat the figures and say so. Throws FileError, and
+/// std::invalid_argument for an unknown solver or an `out` whose rows were made under other limits.
+Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOptions& options);
+
+/// Rows as CSV: header, then one line a row, every number to the last bit.
+std::string csv_header();
+std::string to_csv(const ComparisonRow& row);
+/// Throws FileError for a file of another kind. A last line that was cut off is dropped.
+std::vector<ComparisonRow> read_csv_rows(const std::filesystem::path& path);
+
+/// Histories as CSV: problem, solver, tol, iteration, seconds, epsilon, eta.
+std::string history_csv_header();
+std::string to_csv(const History& history);
+/// Throws FileError. Drops a cut last line; of several histories of a problem and solver the
+/// tightest one counts, of equal ones the last.
+std::vector<History> read_csv_histories(const std::filesystem::path& path);
+
+/// Names and values of a row's columns, in the order of the file.
+struct Column {
+  std::string_view name;
+  std::string_view explanation;
+  std::function<std::string(const ComparisonRow&)> write;
+  std::function<void(ComparisonRow&, const std::string&)> read;
+  bool text = false;
+};
+const std::vector<Column>& comparison_columns();
+
+}  // namespace bipot

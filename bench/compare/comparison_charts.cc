@@ -1,0 +1,238 @@
+#include "bench/compare/comparison_charts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "bench/report/labels.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+namespace {
+
+/// A solver keeps its marker in all figures of all reports of a build.
+int style_of(const std::string& solver) {
+  const auto names = solver_names();
+  return static_cast<int>(std::find(names.begin(), names.end(), solver) - names.begin());
+}
+
+/// The steps of a distribution: sorted values, each of which lifts the curve by 1/total. Starts at
+/// `begin`, ends at `end`; markers thinned so that they stay apart.
+ChartSeries distribution(const std::string& name, int style, const std::vector<double>& values,
+                         std::size_t total, double begin, double end) {
+  ChartSeries series{name, style, {}, ChartSeries::Kind::kSteps};
+  if (values.empty() || total == 0) return series;
+  const std::size_t stride = 1 + values.size() / 5;
+  series.points.push_back({begin, 0, false, "", false});
+  for (std::size_t i = 0; i < values.size() && values[i] <= end; ++i) {
+    const double share = static_cast<double>(i + 1) / static_cast<double>(total);
+    const bool marked = (values.size() - 1 - i) % stride == 0;
+    series.points.push_back({values[i], share, false,
+                             fmt::format("{}: {:.0f} % up to {:.3g}", name, 100 * share, values[i]),
+                             marked});
+  }
+  series.points.push_back({end, series.points.back().y, false, "", false});
+  return series;
+}
+
+double decade_above(double x) { return std::pow(10, std::ceil(std::log10(x) - 1e-9)); }
+double decade_below(double x) { return std::pow(10, std::floor(std::log10(x) + 1e-9)); }
+
+ChartAxis error_axis(const Comparison& comparison, const ProblemSummary& problem,
+                     const Ranking& rank) {
+  double least = 1;
+  for (const ComparisonRow& r : comparison.rows) {
+    if (r.problem == problem.name && rank.of(r) > 0) least = std::min(least, rank.of(r));
+  }
+  ChartAxis axis{std::string(rank.name()), ChartAxis::Kind::kLog};
+  if (rank.measure == Ranking::Measure::kForce) axis.label = "force error, worst body";
+  // An error of exactly 0 must stand somewhere.
+  axis.low = std::max(1e-15, decade_below(least));
+  return axis;
+}
+
+/// Error against time or tolerance: the same rows.
+Chart error_chart(const Comparison& comparison, const ProblemSummary& problem,
+                  double (*x)(const ComparisonRow&)) {
+  const Ranking rank = ranking(problem, comparison.rows);
+  Chart chart;
+  chart.y = error_axis(comparison, problem, rank);
+  if (rank.measure != Ranking::Measure::kGuarded && problem.reference_guarded >= *chart.y.low) {
+    chart.y_line = problem.reference_guarded;
+    chart.y_line_label = "guarded error of the reference";
+  }
+  for (const std::string& solver : solvers_of(comparison)) {
+    ChartSeries series{solver, style_of(solver), {}};
+    for (const ComparisonRow& r : comparison.rows) {
+      if (r.problem != problem.name || r.solver != solver) continue;
+      const double error = rank.of(r);
+      if (!std::isfinite(error) || !std::isfinite(r.time())) continue;
+      series.points.push_back(
+          {x(r), error, !r.solved(),
+           fmt::format("{} at {}: {}, {} iterations, {}, {} {}", solver, tolerance_label(r.tol),
+                       r.status, r.iterations, seconds_label(r.time()), rank.name(),
+                       error_label(error))});
+    }
+    if (!series.points.empty()) chart.series.push_back(std::move(series));
+  }
+  return chart;
+}
+
+}  // namespace
+
+Chart profile_chart(const std::vector<Profile>& profiles, const std::string& cost,
+                    const std::string& title) {
+  double largest = 10;
+  for (const Profile& p : profiles) {
+    if (!p.ratios.empty()) largest = std::max(largest, p.ratios.back());
+  }
+  Chart chart;
+  chart.title = title;
+  // Beyond a thousand times the best nothing is told apart any more.
+  chart.x = {cost + " over the least of all solvers", ChartAxis::Kind::kLog, 1.0,
+             std::min(1e3, decade_above(largest))};
+  chart.y = {"share of problems solved", ChartAxis::Kind::kLinear, 0.0, 1.0};
+  for (const Profile& p : profiles) {
+    chart.series.push_back(distribution(p.solver, style_of(p.solver), p.ratios,
+                                        static_cast<std::size_t>(p.problems), 1.0, *chart.x.high));
+  }
+  return chart;
+}
+
+Chart budget_chart(const std::vector<BudgetErrors>& errors, const std::string& title) {
+  constexpr double kLeast = 1e-12;
+  Chart chart;
+  chart.title = title;
+  chart.x = {"true error reached", ChartAxis::Kind::kLog, kLeast, 1.0};
+  chart.y = {"share of problems", ChartAxis::Kind::kLinear, 0.0, 1.0};
+  for (const BudgetErrors& e : errors) {
+    std::vector<double> reached;  // an error of 1 is no result
+    for (double error : e.errors) {
+      if (error < 1) reached.push_back(std::max(error, kLeast));
+    }
+    ChartSeries series =
+        distribution(e.solver, style_of(e.solver), reached, e.errors.size(), kLeast, 1.0);
+    chart.series.push_back(std::move(series));
+  }
+  return chart;
+}
+
+Chart regret_chart(const std::vector<Regret>& regrets, const std::vector<std::string>& names) {
+  double least = 1, largest = 10;
+  std::vector<std::vector<double>> ratios;
+  for (const Regret& regret : regrets) {
+    auto& finite = ratios.emplace_back();
+    for (const Regret::Entry& entry : regret.entries) {
+      if (!std::isfinite(entry.ratio)) continue;
+      finite.push_back(entry.ratio);
+      least = std::min(least, entry.ratio);
+      largest = std::max(largest, entry.ratio);
+    }
+    std::sort(finite.begin(), finite.end());
+  }
+  Chart chart;
+  chart.title = "Time of auto over that of the fastest other solver";
+  chart.x = {"time over the fastest other solver's", ChartAxis::Kind::kLog, decade_below(least),
+             decade_above(largest)};
+  chart.y = {"share of cases", ChartAxis::Kind::kLinear, 0.0, 1.0};
+  chart.x_lines = {{1, "as fast"}};
+  for (std::size_t i = 0; i < regrets.size(); ++i) {
+    chart.series.push_back(distribution(names[i], static_cast<int>(i), ratios[i],
+                                        regrets[i].entries.size(), *chart.x.low, *chart.x.high));
+  }
+  return chart;
+}
+
+Chart work_precision_chart(const Comparison& comparison, const ProblemSummary& problem) {
+  Chart chart = error_chart(comparison, problem, [](const ComparisonRow& r) { return r.time(); });
+  chart.title = "Work and precision, " + problem.name;
+  chart.x = {"time", ChartAxis::Kind::kLogSeconds};
+  const Ranking rank = ranking(problem, comparison.rows);
+  auto best = pareto_rows(problem, comparison.rows);
+  if (best.size() < 2) return chart;
+  std::sort(best.begin(), best.end(),
+            [](const ComparisonRow* a, const ComparisonRow* b) { return a->time() < b->time(); });
+  ChartSeries front{"beaten by none", 0, {}, ChartSeries::Kind::kSteps, true};
+  for (const ComparisonRow* row : best) front.points.push_back({row->time(), rank.of(*row)});
+  chart.series.push_back(std::move(front));
+  return chart;
+}
+
+Chart tolerance_chart(const Comparison& comparison, const ProblemSummary& problem) {
+  Chart chart = error_chart(comparison, problem, [](const ComparisonRow& r) { return r.tol; });
+  chart.title = "Error against tolerance, " + problem.name;
+  chart.x = {"tolerance", ChartAxis::Kind::kLog};
+  return chart;
+}
+
+Chart history_chart(const Comparison& comparison, const ProblemSummary& problem) {
+  constexpr double kMost = 100;  // what diverges leaves the picture
+  Chart chart;
+  chart.title = "Guarded error against iteration, " + problem.name;
+  chart.x = {"iteration", ChartAxis::Kind::kLog, 1.0, {}};
+  chart.y = {"guarded error", ChartAxis::Kind::kLog};
+  double largest = 0, least = 1;
+  for (const History& history : comparison.histories) {
+    if (history.problem != problem.name || history.points.empty()) continue;
+    ChartSeries series{history.solver, style_of(history.solver), {}};
+    int next = 1;  // a marker for each quadrupling
+    for (std::size_t i = 0; i < history.points.size(); ++i) {
+      const HistoryPoint& p = history.points[i];
+      const bool last = i + 1 == history.points.size();
+      const bool marked = last || p.iteration >= next;
+      if (p.iteration >= next) next = 4 * std::max(1, p.iteration);
+      series.points.push_back(
+          {static_cast<double>(p.iteration), p.guarded(), false,
+           marked ? fmt::format("{}: iteration {}, {}, guarded error {}", history.solver,
+                                p.iteration, seconds_label(p.seconds), error_label(p.guarded()))
+                  : "",
+           marked});
+      if (std::isfinite(p.guarded())) largest = std::max(largest, p.guarded());
+      if (p.guarded() > 0) least = std::min(least, p.guarded());
+    }
+    chart.series.push_back(std::move(series));
+  }
+  chart.y.low = std::max(1e-15, decade_below(least));
+  if (largest > kMost) chart.y.high = kMost;
+  return chart;
+}
+
+Chart growth_chart(const std::vector<Growth>& all, const std::string& series, double tol,
+                   GrowthOf quantity) {
+  const bool time = quantity == GrowthOf::kTime;
+  Chart chart;
+  chart.title = fmt::format("{} against size, {} at {}", time ? "Time" : "Iterations", series,
+                            tolerance_label(tol));
+  chart.x = {"number of disks", ChartAxis::Kind::kLog};
+  chart.y = {time ? "time" : "iterations",
+             time ? ChartAxis::Kind::kLogSeconds : ChartAxis::Kind::kLog};
+  for (const Growth& g : all) {
+    if (g.series != series || g.tol != tol) continue;
+    const PowerLaw& law = time ? g.time : g.iterations;
+    ChartSeries points{g.solver, style_of(g.solver), {}, ChartSeries::Kind::kPoints};
+    double from = std::numeric_limits<double>::infinity(), to = 0;
+    for (const Growth::Point& p : g.points) {
+      if (!std::isfinite(p.time)) continue;
+      points.points.push_back(
+          {p.bodies, time ? p.time : p.iterations, !p.solved,
+           fmt::format("{} on {}: {}{} iterations, {}", g.solver, p.problem,
+                       p.solved ? "" : "not solved, ", p.iterations, seconds_label(p.time))});
+      if (!p.solved) continue;
+      from = std::min(from, p.bodies);
+      to = std::max(to, p.bodies);
+    }
+    if (points.points.empty()) continue;
+    chart.series.push_back(std::move(points));
+    if (!(law.points >= 2 && std::isfinite(law.exponent))) continue;
+    ChartSeries fit{"", style_of(g.solver), {}, ChartSeries::Kind::kLine};
+    for (double n : {from, to}) {
+      fit.points.push_back({n, law.prefactor * std::pow(n, law.exponent)});
+    }
+    chart.series.push_back(std::move(fit));
+  }
+  return chart;
+}
+
+}  // namespace bipot

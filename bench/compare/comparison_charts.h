@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/compare/comparison_measures.h"
+#include "bench/report/chart.h"
+
+namespace bipot {
+
+/// The charts of a comparison's report. A solver has the same colour, marker and dashes in all of
+/// them.
+
+/// Curves of performance_profiles(); `cost` names what is compared, "time".
+Chart profile_chart(const std::vector<Profile>& profiles, const std::string& cost,
+                    const std::string& title);
+/// Share of the problems whose error is at most x.
+Chart budget_chart(const std::vector<BudgetErrors>& errors, const std::string& title);
+/// Share of the cases whose ratio is at most x, one curve for each regret.
+Chart regret_chart(const std::vector<Regret>& regrets, const std::vector<std::string>& names);
+
+/// True error against time, with the rows that none beats; one marker a tolerance.
+Chart work_precision_chart(const Comparison& comparison, const ProblemSummary& problem);
+/// True error against tolerance.
+Chart tolerance_chart(const Comparison& comparison, const ProblemSummary& problem);
+/// Guarded error against iteration.
+Chart history_chart(const Comparison& comparison, const ProblemSummary& problem);
+
+enum class GrowthOf { kIterations, kTime };
+/// One series at one tolerance against the number of disks, with the fitted powers.
+Chart growth_chart(const std::vector<Growth>& all, const std::string& series, double tol,
+                   GrowthOf quantity);
+
+}  // namespace bipot

@@ -1,0 +1,324 @@
+#include "bench/compare/comparison_measures.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace bipot {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The value that a share `q` of the sorted values does not exceed: the nearest rank.
+double quantile(const std::vector<double>& sorted, double q) {
+  if (sorted.empty()) return kNaN;
+  const double rank = std::ceil(q * static_cast<double>(sorted.size()) - 1e-9);
+  return sorted[static_cast<std::size_t>(std::max(1.0, rank)) - 1];
+}
+
+const ComparisonRow* row_of(const Comparison& comparison, const std::string& problem,
+                            const std::string& solver, double tol) {
+  for (const ComparisonRow& row : comparison.rows) {
+    if (row.tol == tol && row.solver == solver && row.problem == problem) return &row;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::vector<std::string> solvers_of(const Comparison& comparison) {
+  std::vector<std::string> names;
+  for (const ComparisonRow& row : comparison.rows) {
+    if (std::find(names.begin(), names.end(), row.solver) == names.end()) {
+      names.push_back(row.solver);
+    }
+  }
+  return names;
+}
+
+std::vector<double> tolerances_of(const Comparison& comparison) {
+  std::vector<double> tols;
+  for (const ComparisonRow& row : comparison.rows) {
+    if (std::find(tols.begin(), tols.end(), row.tol) == tols.end()) tols.push_back(row.tol);
+  }
+  std::sort(tols.begin(), tols.end(), std::greater<>());
+  return tols;
+}
+
+double Ranking::of(const ComparisonRow& row) const {
+  switch (measure) {
+    case Measure::kForce:
+      return row.force_error;
+    case Measure::kVelocity:
+      return row.velocity_error;
+    case Measure::kGuarded:
+      return row.guarded;
+  }
+  return row.guarded;
+}
+
+std::string_view Ranking::name() const {
+  switch (measure) {
+    case Measure::kForce:
+      return "force error";
+    case Measure::kVelocity:
+      return "velocity error";
+    case Measure::kGuarded:
+      return "guarded error";
+  }
+  return "";
+}
+
+Ranking ranking(const ProblemSummary& problem, const std::vector<ComparisonRow>& rows) {
+  if (problem.several_velocities() || problem.poor_reference()) {
+    return {Ranking::Measure::kGuarded};
+  }
+  for (const ComparisonRow& row : rows) {
+    if (row.problem == problem.name && std::isfinite(row.force_error)) {
+      return {Ranking::Measure::kForce};
+    }
+  }
+  return {Ranking::Measure::kVelocity};
+}
+
+std::vector<const ComparisonRow*> pareto_rows(const ProblemSummary& problem,
+                                              const std::vector<ComparisonRow>& rows) {
+  const Ranking rank = ranking(problem, rows);
+  std::vector<const ComparisonRow*> mine, best;
+  for (const ComparisonRow& row : rows) {
+    if (row.problem == problem.name && std::isfinite(row.time()) && std::isfinite(rank.of(row)) &&
+        rank.of(row) < 1) {  // s = 0 has error 1: worse is not an answer
+      mine.push_back(&row);
+    }
+  }
+  for (const ComparisonRow* row : mine) {
+    const bool beaten = std::any_of(mine.begin(), mine.end(), [&](const ComparisonRow* other) {
+      const double t = other->time(), e = rank.of(*other);
+      return t <= row->time() && e <= rank.of(*row) && (t < row->time() || e < rank.of(*row));
+    });
+    if (!beaten) best.push_back(row);
+  }
+  return best;
+}
+
+const ComparisonRow* fastest_to(const ProblemSummary& problem,
+                                const std::vector<ComparisonRow>& rows, double accuracy,
+                                std::string_view solver) {
+  const Ranking rank = ranking(problem, rows);
+  const ComparisonRow* best = nullptr;
+  for (const ComparisonRow& row : rows) {
+    if (row.problem != problem.name || !(rank.of(row) <= accuracy)) continue;
+    if (!solver.empty() && row.solver != solver) continue;
+    if (std::isfinite(row.time()) && (best == nullptr || row.time() < best->time())) {
+      best = &row;
+    }
+  }
+  if (best == nullptr) return best;
+  const ComparisonRow* loosest = best;
+  for (const ComparisonRow& row : rows) {
+    if (row.problem == problem.name && row.solver == best->solver && rank.of(row) <= accuracy &&
+        row.time() <= 1.05 * best->time() && row.tol > loosest->tol) {
+      loosest = &row;
+    }
+  }
+  return loosest;
+}
+
+std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol) {
+  std::vector<SolvedCount> counts;
+  for (const std::string& solver : solvers_of(comparison)) {
+    SolvedCount count{.solver = solver, .tol = tol};
+    std::vector<double> ratios;
+    for (const ComparisonRow& row : comparison.rows) {
+      if (row.solver != solver || row.tol != tol) continue;
+      ++count.problems;
+      if (row.natural_map <= 1e-8) ++count.by_natural_map;
+      if (!row.solved()) continue;
+      ++count.solved;
+      double best = row.time();
+      for (const ComparisonRow& other : comparison.rows) {
+        if (other.problem == row.problem && other.tol == tol && other.solved()) {
+          best = std::min(best, other.time());
+        }
+      }
+      if (best > 0) ratios.push_back(row.time() / best);
+    }
+    std::sort(ratios.begin(), ratios.end());
+    count.median_ratio = quantile(ratios, 0.5);
+    counts.push_back(count);
+  }
+  return counts;
+}
+
+double Profile::share(double ratio) const {
+  const auto within = std::upper_bound(ratios.begin(), ratios.end(), ratio) - ratios.begin();
+  return problems == 0 ? 0 : static_cast<double>(within) / problems;
+}
+
+std::vector<Profile> performance_profiles(const Comparison& comparison, const CostOf& cost) {
+  std::vector<Profile> profiles;
+  for (const std::string& solver : solvers_of(comparison)) {
+    profiles.push_back({solver, {}, static_cast<int>(comparison.problems.size())});
+  }
+  for (const ProblemSummary& problem : comparison.problems) {
+    std::vector<double> costs;
+    double best = kInfinity;
+    for (const Profile& profile : profiles) {
+      costs.push_back(cost(problem, profile.solver));
+      if (costs.back() > 0) best = std::min(best, costs.back());
+    }
+    for (std::size_t i = 0; i < profiles.size(); ++i) {
+      if (costs[i] > 0 && std::isfinite(costs[i])) profiles[i].ratios.push_back(costs[i] / best);
+    }
+  }
+  for (Profile& profile : profiles) std::sort(profile.ratios.begin(), profile.ratios.end());
+  return profiles;
+}
+
+CostOf time_at(const Comparison& comparison, double tol) {
+  return [&comparison, tol](const ProblemSummary& problem, const std::string& solver) {
+    const ComparisonRow* row = row_of(comparison, problem.name, solver, tol);
+    return row != nullptr && row->solved() ? row->time() : kNaN;
+  };
+}
+
+CostOf iterations_at(const Comparison& comparison, double tol) {
+  return [&comparison, tol](const ProblemSummary& problem, const std::string& solver) {
+    const ComparisonRow* row = row_of(comparison, problem.name, solver, tol);
+    return row != nullptr && row->solved() ? std::max(1.0, 1.0 * row->iterations) : kNaN;
+  };
+}
+
+CostOf time_to(const Comparison& comparison, double accuracy) {
+  return [&comparison, accuracy](const ProblemSummary& problem, const std::string& solver) {
+    const ComparisonRow* row = fastest_to(problem, comparison.rows, accuracy, solver);
+    return row != nullptr ? row->time() : kNaN;
+  };
+}
+
+std::vector<BudgetErrors> errors_within(const Comparison& comparison, double seconds) {
+  std::vector<BudgetErrors> all;
+  for (const std::string& solver : solvers_of(comparison)) {
+    BudgetErrors& made = all.emplace_back();
+    made.solver = solver;
+    for (const ProblemSummary& problem : comparison.problems) {
+      if (problem.contacts == 0) continue;
+      const Ranking rank = ranking(problem, comparison.rows);
+      double least = 1;
+      for (const ComparisonRow& row : comparison.rows) {
+        if (row.problem == problem.name && row.solver == solver && row.time() <= seconds) {
+          least = std::fmin(least, rank.of(row));
+        }
+      }
+      made.errors.push_back(least);
+    }
+    std::sort(made.errors.begin(), made.errors.end());
+  }
+  return all;
+}
+
+std::vector<ToleranceMeaning> tolerance_meaning(const Comparison& comparison) {
+  std::map<std::string, Ranking> rankings;
+  for (const ProblemSummary& problem : comparison.problems) {
+    const Ranking rank = ranking(problem, comparison.rows);
+    if (problem.contacts > 0 && rank.measure != Ranking::Measure::kGuarded) {
+      rankings[problem.name] = rank;
+    }
+  }
+  std::vector<ToleranceMeaning> all;
+  for (double tol : tolerances_of(comparison)) {
+    ToleranceMeaning& made = all.emplace_back();
+    made.tol = tol;
+    std::vector<double> errors;
+    for (const ComparisonRow& row : comparison.rows) {
+      const auto rank = rankings.find(row.problem);
+      if (row.tol != tol || !row.solved() || rank == rankings.end()) continue;
+      const double error = rank->second.of(row);
+      if (!std::isfinite(error)) continue;
+      errors.push_back(error);
+      if (made.rows++ == 0 || error > made.worst) {
+        made.worst = error;
+        made.worst_problem = row.problem;
+        made.worst_solver = row.solver;
+      }
+    }
+    std::sort(errors.begin(), errors.end());
+    made.median = quantile(errors, 0.5);
+    made.ninth_decile = quantile(errors, 0.9);
+  }
+  return all;
+}
+
+std::vector<Growth> growth(const Comparison& comparison) {
+  std::vector<std::string> names;
+  std::map<std::string, std::vector<const ProblemSummary*>> series;
+  for (const ProblemSummary& problem : comparison.problems) {
+    if (problem.series.empty() || problem.contacts == 0) continue;
+    auto& members = series[problem.series];
+    if (members.empty()) names.push_back(problem.series);
+    members.push_back(&problem);
+  }
+  std::vector<Growth> all;
+  for (const std::string& name : names) {
+    if (series[name].size() < 2) continue;
+    for (const std::string& solver : solvers_of(comparison)) {
+      for (double tol : tolerances_of(comparison)) {
+        Growth made;
+        made.series = name;
+        made.solver = solver;
+        made.tol = tol;
+        std::vector<double> bodies, iterations, times;
+        for (const ProblemSummary* problem : series[name]) {
+          const ComparisonRow* row = row_of(comparison, problem->name, solver, tol);
+          if (row == nullptr) continue;
+          // A disk has three degrees of freedom.
+          const double n = problem->dofs / 3.0;
+          made.points.push_back({problem->name, n, row->iterations, row->time(), row->solved()});
+          if (!row->solved()) continue;
+          bodies.push_back(n);
+          iterations.push_back(row->iterations);
+          times.push_back(row->time());
+        }
+        made.iterations = fit_power_law(bodies, iterations);
+        made.time = fit_power_law(bodies, times);
+        all.push_back(std::move(made));
+      }
+    }
+  }
+  return all;
+}
+
+Regret regret_of(const Comparison& comparison, const std::string& solver, double least_time) {
+  Regret regret;
+  regret.solver = solver;
+  for (const ComparisonRow& row : comparison.rows) {
+    if (row.solver != solver) continue;
+    const ComparisonRow* best = nullptr;
+    for (const ComparisonRow& other : comparison.rows) {
+      if (other.problem != row.problem || other.tol != row.tol || other.solver == solver) continue;
+      if (!other.solved() || !(other.time() > 0)) continue;
+      if (best == nullptr || other.time() < best->time()) best = &other;
+    }
+    if (best == nullptr) {
+      regret.alone += row.solved() ? 1 : 0;
+      continue;
+    }
+    if (best->time() < least_time) continue;
+    const double ratio = row.solved() ? row.time() / best->time() : kInfinity;
+    regret.failed += row.solved() ? 0 : 1;
+    regret.entries.push_back({row.problem, best->solver, row.tol, row.time(), best->time(), ratio});
+  }
+  std::stable_sort(regret.entries.begin(), regret.entries.end(),
+                   [](const auto& a, const auto& b) { return a.ratio > b.ratio; });
+  std::vector<double> ratios;
+  for (const Regret::Entry& entry : regret.entries) ratios.push_back(entry.ratio);
+  std::reverse(ratios.begin(), ratios.end());
+  regret.median = quantile(ratios, 0.5);
+  regret.ninth_decile = quantile(ratios, 0.9);
+  regret.worst = quantile(ratios, 1);
+  return regret;
+}
+
+}  // namespace bipot

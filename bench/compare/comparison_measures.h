@@ -1,0 +1,125 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/compare/comparison.h"
+#include "bench/measure/power_law.h"
+
+namespace bipot {
+
+/// What a comparison's table says, as numbers. All times are ComparisonRow::time().
+
+/// In the order of the rows.
+std::vector<std::string> solvers_of(const Comparison& comparison);
+/// From loose to tight.
+std::vector<double> tolerances_of(const Comparison& comparison);
+
+/// The true error by which a problem's solvers are ranked: the resultant force on bodies where it
+/// is defined, else the velocity; the guarded error where the problem has several solutions, so
+/// that a distance to one of them says nothing, or no trusted reference.
+struct Ranking {
+  enum class Measure { kForce, kVelocity, kGuarded };
+  Measure measure = Measure::kVelocity;
+  double of(const ComparisonRow& row) const;
+  std::string_view name() const;
+};
+Ranking ranking(const ProblemSummary& problem, const std::vector<ComparisonRow>& rows);
+
+/// Rows of a problem that no other row of it beats in both time and ranked error.
+std::vector<const ComparisonRow*> pareto_rows(const ProblemSummary& problem,
+                                              const std::vector<ComparisonRow>& rows);
+/// The row of least time whose ranked error is at most `accuracy`; null without one. Where looser
+/// tolerances of its solver reach it too, in as good as the same time (5 %), the loosest of them.
+/// `solver`: among its rows alone, empty: among all.
+const ComparisonRow* fastest_to(const ProblemSummary& problem,
+                                const std::vector<ComparisonRow>& rows, double accuracy,
+                                std::string_view solver = {});
+
+/// How many problems a solver solved at one tolerance.
+struct SolvedCount {
+  std::string solver;
+  double tol = 0;
+  int problems = 0;
+  int solved = 0;           ///< guarded error <= tol
+  int by_natural_map = 0;   ///< natural map <= 1e-8
+  double median_ratio = 0;  ///< of its time to the best solver's, where solved; NaN without one
+};
+std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol);
+
+/// Performance profile of one solver (Dolan and Moré, Mathematical Programming 91, 2002): its cost
+/// on each problem over the least cost of any solver there.
+struct Profile {
+  std::string solver;
+  std::vector<double> ratios;  ///< sorted, >= 1, of the problems that it solved
+  int problems = 0;            ///< all of them
+  /// Share of the problems that it solved within `ratio` times the best.
+  double share(double ratio) const;
+};
+/// `cost` is positive, or NaN where the solver has no result.
+using CostOf = std::function<double(const ProblemSummary&, const std::string& solver)>;
+std::vector<Profile> performance_profiles(const Comparison& comparison, const CostOf& cost);
+/// Of the rows that met the tolerance.
+CostOf time_at(const Comparison& comparison, double tol);
+CostOf iterations_at(const Comparison& comparison, double tol);  ///< none at all count as one
+/// Of the solver's cheapest row whose ranked error is at most `accuracy`.
+CostOf time_to(const Comparison& comparison, double accuracy);
+
+/// What one solver reaches within a time.
+struct BudgetErrors {
+  std::string solver;
+  /// Least ranked error of its rows within the time, for each problem with contacts; 1, the error
+  /// of no contact forces at all, without such a row. Sorted.
+  std::vector<double> errors;
+};
+std::vector<BudgetErrors> errors_within(const Comparison& comparison, double seconds);
+
+/// The true errors behind a tolerance: of all rows that met it, on problems that are not ranked by
+/// the guarded error.
+struct ToleranceMeaning {
+  double tol = 0;
+  int rows = 0;
+  double median = ComparisonRow::kNaN, ninth_decile = ComparisonRow::kNaN,
+         worst = ComparisonRow::kNaN;
+  std::string worst_problem, worst_solver;
+};
+/// From loose to tight.
+std::vector<ToleranceMeaning> tolerance_meaning(const Comparison& comparison);
+
+/// Cost against size, along one series of problems.
+struct Growth {
+  struct Point {
+    std::string problem;
+    double bodies = 0;  ///< disks
+    int iterations = 0;
+    double time = 0;
+    bool solved = false;
+  };
+  std::string series, solver;
+  double tol = 0;
+  std::vector<Point> points;
+  PowerLaw iterations, time;  ///< fitted to the solved points
+};
+/// Of series with two sizes or more, by series, solver, tolerance.
+std::vector<Growth> growth(const Comparison& comparison);
+
+/// Time of one solver over the time of the fastest of the others that met the same tolerance.
+struct Regret {
+  struct Entry {
+    std::string problem, best;
+    double tol = 0, time = 0, best_time = 0;
+    double ratio = 0;  ///< infinite where it did not meet the tolerance and another did
+  };
+  std::string solver;
+  std::vector<Entry> entries;  ///< from the largest ratio to the least
+  int failed = 0;              ///< infinite ones among them
+  int alone = 0;               ///< solved by nobody else: no entry
+  double median = ComparisonRow::kNaN, ninth_decile = ComparisonRow::kNaN,
+         worst = ComparisonRow::kNaN;
+};
+/// Over all problems and tolerances with one of the other solvers within [least_time, infinity).
+Regret regret_of(const Comparison& comparison, const std::string& solver, double least_time = 0);
+
+}  // namespace bipot

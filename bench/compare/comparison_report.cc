@@ -1,0 +1,258 @@
+#include "bench/compare/comparison_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "bench/report/json_output.h"
+
+namespace bipot {
+namespace {
+
+nlohmann::ordered_json number(double x) {
+  return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
+}
+
+double tightest(const Comparison& comparison) {
+  double tol = std::numeric_limits<double>::infinity();
+  for (const ComparisonRow& row : comparison.rows) tol = std::min(tol, row.tol);
+  return tol;
+}
+
+/// C converged, 0 nothing to do, I iteration limit, T time limit, S stalled, D diverged, F failure,
+/// - invalid input, N not tried.
+char letter(const std::string& status) {
+  if (status == "converged") return 'C';
+  if (status == "nothing to do") return '0';
+  if (status == "iteration limit") return 'I';
+  if (status == "time limit") return 'T';
+  if (status == "stalled") return 'S';
+  if (status == "diverged") return 'D';
+  if (status == "invalid input") return '-';
+  if (status == ComparisonRow::kNotTried) return 'N';
+  return 'F';
+}
+
+std::string cell(const ComparisonRow& row) {
+  if (row.status == "invalid input") return "-";
+  if (row.status == ComparisonRow::kNotTried) return "N";
+  return fmt::format("{} {} {:.0e}", letter(row.status), row.iterations, row.guarded);
+}
+
+nlohmann::ordered_json regret_json(const Regret& regret) {
+  nlohmann::ordered_json j{{"cases", regret.entries.size()},
+                           {"failed", regret.failed},
+                           {"alone", regret.alone},
+                           {"median", number(regret.median)},
+                           {"ninth_decile", number(regret.ninth_decile)},
+                           {"worst", number(regret.worst)}};
+  j["entries"] = nlohmann::ordered_json::array();
+  for (const Regret::Entry& e : regret.entries) {
+    j["entries"].push_back({{"problem", e.problem},
+                            {"tol", e.tol},
+                            {"ratio", number(e.ratio)},
+                            {"time", e.time},
+                            {"best", e.best},
+                            {"best_time", e.best_time}});
+  }
+  return j;
+}
+
+std::string regret_line(const Regret& regret) {
+  if (regret.entries.empty()) return {};
+  const Regret::Entry& worst = regret.entries.front();
+  const auto ratio = [](double x) {
+    return std::isfinite(x) ? fmt::format("{:.2f}", x) : std::string("not solved");
+  };
+  return fmt::format(
+      "auto over the fastest other solver, {} cases: median {}, 90 % below {}, worst {} ({} at {}, "
+      "{})\n",
+      regret.entries.size(), ratio(regret.median), ratio(regret.ninth_decile), ratio(regret.worst),
+      worst.problem, tolerance_label(worst.tol), worst.best);
+}
+
+}  // namespace
+
+nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext& context) {
+  nlohmann::ordered_json j{{"command", "compare"},
+                           {"command_line", context.command},
+                           {"version", context.build.version},
+                           {"commit", context.build.commit},
+                           {"compiler", context.build.compiler},
+                           {"flags", context.build.flags},
+                           {"build_type", context.build.build_type},
+                           {"cpu", context.build.cpu},
+                           {"cores", context.build.cores},
+                           {"threads", 1},
+                           {"date", context.date},
+                           {"time_limit", context.options.time_limit},
+                           {"reference_time_limit", context.options.reference_time_limit},
+                           {"repeat", context.options.repeat},
+                           {"complete", comparison.complete},
+                           {"rows_kept", comparison.rows_kept}};
+  j["problems"] = nlohmann::ordered_json::array();
+  for (const ProblemSummary& p : comparison.problems) {
+    nlohmann::ordered_json row{{"name", p.name},     {"target", p.target},     {"origin", p.origin},
+                               {"defect", p.defect}, {"contacts", p.contacts}, {"dim", p.dim},
+                               {"dofs", p.dofs}};
+    row["reference"] = {{"solver", p.reference_solver},
+                        {"guarded", number(p.reference_guarded)},
+                        {"natural_map", number(p.reference_natural_map)},
+                        {"velocity_spread", number(p.velocity_spread)},
+                        {"several_velocity_solutions", p.several_velocities()}};
+    row["reference"]["attempts"] = nlohmann::ordered_json::array();
+    for (const ReferenceAttempt& a : p.attempts) {
+      row["reference"]["attempts"].push_back({{"solver", a.solver},
+                                              {"status", to_string(a.status)},
+                                              {"guarded", number(a.guarded)},
+                                              {"seconds", a.seconds}});
+    }
+    row["ranked_by"] = ranking(p, comparison.rows).name();
+    j["problems"].push_back(std::move(row));
+  }
+  j["rows"] = nlohmann::ordered_json::array();
+  for (const ComparisonRow& r : comparison.rows) {
+    nlohmann::ordered_json row;
+    for (const Column& column : comparison_columns()) {
+      const std::string name(column.name), text = column.write(r);
+      if (column.text) {
+        row[name] = text;
+      } else if (text.find_first_not_of("-0123456789") == std::string::npos) {
+        row[name] = std::stol(text);
+      } else {
+        row[name] = number(std::strtod(text.c_str(), nullptr));
+      }
+    }
+    j["rows"].push_back(std::move(row));
+  }
+  j["solved"] = nlohmann::ordered_json::array();
+  for (const SolvedCount& c : count_solved(comparison, tightest(comparison))) {
+    j["solved"].push_back({{"solver", c.solver},
+                           {"tol", c.tol},
+                           {"problems", c.problems},
+                           {"guarded", c.solved},
+                           {"natural_map_1e-8", c.by_natural_map},
+                           {"median_time_ratio", number(c.median_ratio)}});
+  }
+  const auto profile = [&](const char* name, const CostOf& cost, double at) {
+    for (const Profile& p : performance_profiles(comparison, cost)) {
+      j["profiles"].push_back({{"of", name},
+                               {"at", at},
+                               {"solver", p.solver},
+                               {"problems", p.problems},
+                               {"ratios", p.ratios}});
+    }
+  };
+  j["profiles"] = nlohmann::ordered_json::array();
+  for (double tol : tolerances_of(comparison)) {
+    profile("time at tolerance", time_at(comparison, tol), tol);
+    profile("iterations at tolerance", iterations_at(comparison, tol), tol);
+  }
+  for (double accuracy : kProfileAccuracies) {
+    profile("time to true error", time_to(comparison, accuracy), accuracy);
+  }
+  j["errors_within"] = nlohmann::ordered_json::array();
+  for (double budget : kBudgets) {
+    for (const BudgetErrors& b : errors_within(comparison, budget)) {
+      j["errors_within"].push_back(
+          {{"seconds", budget}, {"solver", b.solver}, {"errors", b.errors}});
+    }
+  }
+  j["tolerance_meaning"] = nlohmann::ordered_json::array();
+  for (const ToleranceMeaning& m : tolerance_meaning(comparison)) {
+    j["tolerance_meaning"].push_back({{"tol", m.tol},
+                                      {"rows", m.rows},
+                                      {"median", number(m.median)},
+                                      {"ninth_decile", number(m.ninth_decile)},
+                                      {"worst", number(m.worst)},
+                                      {"worst_problem", m.worst_problem},
+                                      {"worst_solver", m.worst_solver}});
+  }
+  j["growth"] = nlohmann::ordered_json::array();
+  for (const Growth& g : growth(comparison)) {
+    const auto law = [](const PowerLaw& fit) {
+      return nlohmann::ordered_json{{"exponent", number(fit.exponent)},
+                                    {"confidence_95", number(fit.confidence)},
+                                    {"prefactor", number(fit.prefactor)},
+                                    {"points", fit.points}};
+    };
+    j["growth"].push_back({{"series", g.series},
+                           {"solver", g.solver},
+                           {"tol", g.tol},
+                           {"iterations", law(g.iterations)},
+                           {"time", law(g.time)}});
+  }
+  j["regret_of_auto"] = regret_json(regret_of(comparison, "auto"));
+  j["regret_of_auto_from_1_ms"] = regret_json(regret_of(comparison, "auto", 1e-3));
+  return j;
+}
+
+std::string to_csv(const Comparison& comparison) {
+  std::string text = csv_header() + "\n";
+  for (const ComparisonRow& row : comparison.rows) text += to_csv(row) + "\n";
+  return text;
+}
+
+std::string to_text(const Comparison& comparison) {
+  if (comparison.rows.empty()) return "no rows\n";
+  const double tol = tightest(comparison);
+  const std::vector<std::string> solvers = solvers_of(comparison);
+  std::size_t name_width = 7;
+  for (const ProblemSummary& p : comparison.problems) {
+    name_width = std::clamp(p.name.size(), name_width, std::size_t{44});
+  }
+  constexpr std::size_t kCell = 15;
+  const std::size_t per_block = std::max<std::size_t>(1, (99 - name_width) / kCell);
+  std::string text = fmt::format(
+      "tol {}: status, iterations, guarded error\n"
+      "(C converged, 0 nothing to do, I iteration limit, T time limit, S stalled, D diverged,\n"
+      " F failure, - not for this problem, N not tried: out of time before)\n",
+      tolerance_label(tol));
+  for (std::size_t begin = 0; begin < solvers.size(); begin += per_block) {
+    const std::size_t end = std::min(begin + per_block, solvers.size());
+    text += fmt::format("\n{:<{}}", "problem", name_width);
+    for (std::size_t s = begin; s < end; ++s) text += fmt::format(" {:>{}}", solvers[s], kCell - 1);
+    text += '\n';
+    for (const ProblemSummary& p : comparison.problems) {
+      text += fmt::format("{:<{}}", p.name.substr(0, name_width), name_width);
+      for (std::size_t s = begin; s < end; ++s) {
+        std::string content;
+        for (const ComparisonRow& row : comparison.rows) {
+          if (row.problem == p.name && row.solver == solvers[s] && row.tol == tol) {
+            content = cell(row);
+          }
+        }
+        text += fmt::format(" {:>{}}", content, kCell - 1);
+      }
+      text += '\n';
+    }
+  }
+  text += fmt::format("\n{:<16} {:>14} {:>20} {:>22}\n", "solver", "solved", "natural map <= 1e-8",
+                      "median time / best");
+  for (const SolvedCount& c : count_solved(comparison, tol)) {
+    text +=
+        fmt::format("{:<16} {:>7} of {:>3} {:>13} of {:>3} {:>22}\n", c.solver, c.solved,
+                    c.problems, c.by_natural_map, c.problems,
+                    std::isfinite(c.median_ratio) ? fmt::format("{:.1f}", c.median_ratio) : "-");
+  }
+  text += regret_line(regret_of(comparison, "auto"));
+  for (const ProblemSummary& p : comparison.problems) {
+    if (!p.defect.empty()) {
+      text += fmt::format("{}: {}\n", p.name, p.defect);
+    } else if (!(p.reference_guarded <= ReferenceSolution::kTarget)) {
+      text += fmt::format("{}: the reference stands at {:.1e} only ({})\n", p.name,
+                          p.reference_guarded, p.reference_solver);
+    }
+    if (p.several_velocities()) {
+      text += fmt::format(
+          "{}: several velocity solutions, {:.1e} apart; errors against one of them say little\n",
+          p.name, p.velocity_spread);
+    }
+  }
+  return text;
+}
+
+}  // namespace bipot

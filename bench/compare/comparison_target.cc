@@ -1,0 +1,379 @@
+#include "bench/compare/comparison_target.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <set>
+#include <stdexcept>
+#include <tuple>
+
+#include "bench/scenes/scene_catalogue.h"
+#include "bench/scenes/settled_pile.h"
+#include "core/files/problem_file.h"
+#include "core/files/scene_file.h"
+#include "core/motion/time_stepping.h"
+#include "core/nearest_name.h"
+#include "core/scene/scene_family.h"
+#include "solvers/registry.h"
+#include "solvers/step_solver.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+// In series, so that the growth with size shows. Regular packings, tilted so that they load
+// unevenly; one of uneven masses; packings that friction alone holds; piles at rest, piles that
+// begin to flow because gravity turned, and one that a fast disk hits. Then the shipped problems,
+// and those of the folder BIPOT_PROBLEMS.
+const std::vector<std::string> kBenchmark = {"square:10:tilt=10",
+                                             "square:18:tilt=10",
+                                             "square:32:tilt=10",
+                                             "square:56:tilt=10",
+                                             "square:100:tilt=10",
+                                             "triangular:10:tilt=10",
+                                             "triangular:18:tilt=10",
+                                             "triangular:32:tilt=10",
+                                             "triangular:56:tilt=10",
+                                             "triangular:100:tilt=10",
+                                             "triangular:20:ratio=1e4",
+                                             "pyramid:10",
+                                             "pyramid:20",
+                                             "pyramid:30",
+                                             "pile:18:mu=0.1",
+                                             "pile:18:mu=0.5",
+                                             "pile:18",
+                                             "pile:32",
+                                             "pile:56",
+                                             "pile:100",
+                                             "pile:18:tilt=25",
+                                             "pile:32:tilt=25",
+                                             "pile:56:tilt=25",
+                                             "pile:100:tilt=25",
+                                             "impact:32"};
+const std::vector<std::string> kQuickBenchmark = {"square:10:tilt=10",
+                                                  "square:18:tilt=10",
+                                                  "square:32:tilt=10",
+                                                  "triangular:10:tilt=10",
+                                                  "triangular:18:tilt=10",
+                                                  "triangular:32:tilt=10",
+                                                  "triangular:20:ratio=1e4",
+                                                  "pyramid:5",
+                                                  "pyramid:10",
+                                                  "pile:18",
+                                                  "pile:18:tilt=25",
+                                                  "impact:18"};
+constexpr const char* kSharedProblems = "BIPOT_PROBLEMS";
+
+std::vector<std::string> split(const std::string& text, char separator) {
+  std::vector<std::string> parts(1);
+  for (char c : text) {
+    if (c == separator) {
+      parts.emplace_back();
+    } else {
+      parts.back() += c;
+    }
+  }
+  return parts;
+}
+
+double parse_number(const std::string& target, const std::string& text) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) {
+    throw std::invalid_argument(fmt::format("target {}: '{}' is not a number", target, text));
+  }
+  return value;
+}
+
+double smallest_radius(const Scene& scene) {
+  double radius = std::numeric_limits<double>::infinity();
+  for (const Disk& disk : scene.disks) radius = std::min(radius, disk.radius);
+  return std::isfinite(radius) ? radius : ComparisonProblem::kNaN;
+}
+
+/// Settling takes longer than most solves: each pile settles once.
+class Piles {
+ public:
+  const SettledPile& get(const PileOptions& options) {
+    const auto [place, fresh] =
+        piles_.try_emplace({options.count, options.mu, options.seed}, SettledPile());
+    if (fresh) place->second = settle_pile(options);
+    return place->second;
+  }
+
+ private:
+  std::map<std::tuple<int, double, std::uint64_t>, SettledPile> piles_;
+};
+
+struct Family {
+  std::string name;
+  int side = 0;
+  FamilyOptions options;
+};
+
+std::vector<std::string> families() {
+  std::vector<std::string> names = family_names();
+  names.emplace_back("pile");
+  names.emplace_back("impact");
+  return names;
+}
+
+bool is_pile(const Family& family) { return family.name == "pile" || family.name == "impact"; }
+
+Family parse_family(const std::string& target) {
+  const std::vector<std::string> parts = split(target, ':');
+  Family family;
+  family.name = parts[0];
+  const double side = parse_number(target, parts[1]);
+  if (side < 1 || side > 2000 || side != std::floor(side)) {
+    throw std::invalid_argument(
+        fmt::format("target {}: side = {}, expected an integer in [1, 2000]", target, parts[1]));
+  }
+  family.side = static_cast<int>(side);
+  for (std::size_t i = 2; i < parts.size(); ++i) {
+    const std::size_t equals = parts[i].find('=');
+    const std::string key = parts[i].substr(0, equals);
+    const double value = parse_number(
+        target, equals == std::string::npos ? std::string() : parts[i].substr(equals + 1));
+    FamilyOptions& o = family.options;
+    if (key == "mu" && value >= 0) {
+      o.mu = value;
+    } else if (key == "tilt" && std::abs(value) <= 180) {
+      o.tilt_degrees = value;
+    } else if (key == "ratio" && value >= 1) {
+      o.mass_ratio = value;
+    } else if (key == "seed" && value >= 0 && value < 1e15 && value == std::floor(value)) {
+      o.seed = static_cast<std::uint64_t>(value);
+    } else if (key == "e" && value >= 0 && value <= 1) {
+      o.e_n = o.e_t = value;
+    } else {
+      throw std::invalid_argument(fmt::format(
+          "target {}: '{}'; expected mu >= 0, tilt in degrees, ratio >= 1, seed or e in [0, 1]",
+          target, parts[i]));
+    }
+  }
+  if (is_pile(family) && (family.options.mass_ratio != 1 || family.options.e_n != 0)) {
+    throw std::invalid_argument(
+        fmt::format("target {}: a settled pile takes mu, tilt and seed alone", target));
+  }
+  return family;
+}
+
+/// A disk like the others that comes down on the middle of a settled pile at 20 m/s and touches it
+/// in the middle of the coming step. Positions and velocities of the state; the scene has the disk.
+void throw_disk(Scene& scene, State& state) {
+  constexpr double kSpeed = 20;
+  Disk disk = state.disks.front();
+  disk.radius = 0.5;
+  disk.mass = 1;
+  disk.inertia = 0.5 * disk.mass * disk.radius * disk.radius;
+  disk.v = Vec2(0, -kSpeed);
+  disk.angle = disk.spin = 0;
+  double left = std::numeric_limits<double>::infinity(), right = -left;
+  for (const Disk& d : state.disks) {
+    left = std::min(left, d.x.x());
+    right = std::max(right, d.x.x());
+  }
+  disk.x.x() = 0.5 * (left + right);
+  double height = 0;
+  for (const Disk& d : state.disks) {
+    const double reach = disk.radius + d.radius, aside = d.x.x() - disk.x.x();
+    if (std::abs(aside) < reach) {
+      height = std::max(height, d.x.y() + std::sqrt(reach * reach - aside * aside));
+    }
+  }
+  disk.x.y() = height + 0.5 * scene.step * kSpeed;
+  state.disks.push_back(disk);
+  scene.disks.push_back(disk);
+}
+
+ComparisonProblem make_family_problem(const Family& family, Piles& piles) {
+  const FamilyOptions& o = family.options;
+  ComparisonProblem made;
+  Scene scene;
+  State state;
+  if (is_pile(family)) {
+    const SettledPile& pile =
+        piles.get({.count = family.side * family.side, .mu = o.mu, .seed = o.seed});
+    scene = pile.scene;
+    state = pile.state;
+    made.origin = fmt::format("{} disks {} after {} steps", scene.disks.size(),
+                              pile.at_rest ? "at rest" : "still moving", pile.steps);
+    // A tilted pile settles level; then gravity turns and the pile starts to flow.
+    const double angle = o.tilt_degrees * std::acos(-1.0) / 180;
+    if (angle != 0) {
+      scene.gravity = Eigen::Rotation2Dd(angle) * scene.gravity;
+      made.origin += ", beginning to flow as gravity turns";
+    }
+    if (family.name == "impact") {
+      throw_disk(scene, state);
+      made.origin += ", hit by one more at 20 m/s";
+    }
+  } else {
+    scene = make_family_scene(family.name, family.side, o);
+    state = initial_state(scene);
+    made.origin = fmt::format("family {}, {} disks, first step", family.name, scene.disks.size());
+  }
+  made.origin += fmt::format(", mu = {:g}, tilt {:g} degrees, mass ratio {:g}, e = {:g}, seed {}",
+                             o.mu, o.tilt_degrees, o.mass_ratio, o.e_n, o.seed);
+  made.problem = step_problem(scene, state, false);
+  made.step = scene.step;
+  made.smallest_radius = smallest_radius(scene);
+  return made;
+}
+
+/// Contact problems along one run. The run is made once, when the first of them is asked for.
+class SceneRun {
+ public:
+  SceneRun(Scene scene, std::vector<int> steps) : scene_(std::move(scene)), steps_(steps) {}
+
+  ComparisonProblem at(int step) {
+    if (problems_.empty()) run();
+    return problems_.at(step);
+  }
+
+ private:
+  void run() {
+    SolverOptions options;
+    options.tol = scene_.solver.tol;
+    State state = initial_state(scene_);
+    TimeStepper stepper(scene_, make_step_solver(*find_solver("auto"), options), false);
+    for (int k = 1; k <= steps_.back(); ++k) {
+      const StepReport report = stepper.advance(state);
+      if (!std::binary_search(steps_.begin(), steps_.end(), k)) continue;
+      ComparisonProblem& made = problems_[k];
+      made.origin = fmt::format("scene {}, step {} at t = {:g} s of a run with auto to {:.0e}",
+                                fs::path(scene_.source).filename().string(), k, report.time,
+                                scene_.solver.tol);
+      made.problem = stepper.problem();
+      made.step = scene_.step;
+      made.smallest_radius = smallest_radius(scene_);
+    }
+  }
+
+  Scene scene_;
+  std::vector<int> steps_;
+  std::map<int, ComparisonProblem> problems_;
+};
+
+ProblemSource file_source(const fs::path& path) {
+  return {path.stem().string(), path.string(), [path] {
+            ComparisonProblem made;
+            made.problem = read_problem(path).problem;
+            made.origin = fmt::format("file {}", path.filename().string());
+            return made;
+          }};
+}
+
+void add_folder(const std::string& target, std::vector<ProblemSource>& sources) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(target)) {
+    const fs::path extension = entry.path().extension();
+    if (extension == ".hdf5" || extension == ".h5" || extension == ".dat") {
+      files.push_back(entry.path());
+    }
+  }
+  if (files.empty()) {
+    throw std::invalid_argument(target + ": the folder has no .hdf5, .h5 or .dat file");
+  }
+  std::sort(files.begin(), files.end());
+  for (const fs::path& file : files) sources.push_back(file_source(file));
+}
+
+void add_scene(const std::string& target, const TargetOptions& options,
+               std::vector<ProblemSource>& sources) {
+  const fs::path path = find_scene(target);
+  Scene scene = read_scene(path);
+  const int last = std::min(scene.num_steps, options.scene_steps);
+  std::set<int> steps;
+  for (int i = 1; i <= options.scene_problems; ++i) {
+    steps.insert(std::max(
+        1, static_cast<int>(std::lround(static_cast<double>(last) * i / options.scene_problems))));
+  }
+  const auto run =
+      std::make_shared<SceneRun>(std::move(scene), std::vector<int>(steps.begin(), steps.end()));
+  for (int step : steps) {
+    sources.push_back({fmt::format("{}@{}", path.stem().string(), step), target,
+                       [run, step] { return run->at(step); }});
+  }
+}
+
+/// The family target without its size.
+std::string series_of(const std::string& target) {
+  const std::size_t begin = target.find(':'), end = target.find(':', begin + 1);
+  return target.substr(0, begin) + (end == std::string::npos ? "" : target.substr(end));
+}
+
+void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& piles,
+                   std::vector<ProblemSource>& sources);
+
+void add_target(const std::string& target, const TargetOptions& options,
+                const std::shared_ptr<Piles>& piles, std::vector<ProblemSource>& sources) {
+  if (fs::is_directory(target)) return add_folder(target, sources);
+  if (fs::is_regular_file(target)) {
+    if (fs::path(target).extension() == ".toml") return add_scene(target, options, sources);
+    sources.push_back(file_source(target));
+    return;
+  }
+  const std::vector<std::string> names = families();
+  if (const std::size_t colon = target.find(':'); colon != std::string::npos) {
+    const std::string family = target.substr(0, colon);
+    if (std::find(names.begin(), names.end(), family) == names.end()) {
+      throw std::invalid_argument(target + ": no such file; " +
+                                  unknown_name_message("family", family, names));
+    }
+    const Family f = parse_family(target);
+    sources.push_back({target, target, [f, piles] { return make_family_problem(f, *piles); },
+                       series_of(target), static_cast<double>(f.side)});
+    return;
+  }
+  if (target == "benchmark") return add_benchmark(options, piles, sources);
+  if (std::find(names.begin(), names.end(), target) != names.end()) {
+    for (const fs::path& scene : shipped_scenes()) {
+      if (scene.stem() == target) return add_scene(target, options, sources);
+    }
+    throw std::invalid_argument(
+        fmt::format("target {}: a family needs a size, as in {}:20", target, target));
+  }
+  add_scene(target, options, sources);
+}
+
+void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& piles,
+                   std::vector<ProblemSource>& sources) {
+  for (const std::string& target : options.quick ? kQuickBenchmark : kBenchmark) {
+    add_target(target, options, piles, sources);
+  }
+  if (options.quick) return;
+  add_folder((data_folder() / "problems").string(), sources);
+  if (const char* shared = std::getenv(kSharedProblems); shared != nullptr && *shared != 0) {
+    add_folder(shared, sources);
+  }
+}
+
+}  // namespace
+
+std::vector<ProblemSource> expand_targets(const std::vector<std::string>& targets,
+                                          const TargetOptions& options) {
+  std::vector<ProblemSource> sources;
+  const auto piles = std::make_shared<Piles>();
+  for (const std::string& target : targets) add_target(target, options, piles, sources);
+  std::set<std::string> names;
+  for (const ProblemSource& source : sources) {
+    if (!names.insert(source.name).second) {
+      throw std::invalid_argument(
+          fmt::format("two problems are called {}; rename one or compare them apart", source.name));
+    }
+  }
+  return sources;
+}
+
+}  // namespace bipot

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/problem/contact_problem.h"
+
+namespace bipot {
+
+/// A problem of a comparison, with what the problem itself does not say.
+struct ComparisonProblem {
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  std::string origin;  ///< one sentence: file, or scene, step and seed
+  ContactProblem problem;
+  double step = kNaN;             ///< h, NaN where the source does not say it      [s]
+  double smallest_radius = kNaN;  ///< of the disks, NaN likewise                   [m]
+};
+
+/// A problem that is made when it is needed: a comparison that is taken up again makes only those
+/// that still have rows to fill.
+struct ProblemSource {
+  std::string name;    ///< unique in a comparison
+  std::string target;  ///< what makes this problem on the command line
+  /// Throws FileError, std::invalid_argument or StepFailure.
+  std::function<ComparisonProblem()> load;
+  /// Problems of one series differ in size alone ("square:tilt=10", sizes 10 and 32); empty: none.
+  std::string series = {};
+  double size = ComparisonProblem::kNaN;
+};
+
+struct TargetOptions {
+  int scene_problems = 3;                             ///< steps of a scene, evenly along its run
+  int scene_steps = std::numeric_limits<int>::max();  ///< a run is cut there
+  bool quick = false;                                 ///< the small benchmark
+};
+
+/// The problems of the targets, in order. A target is
+///   - a problem file (FCLIB, Siconos text) or a folder of them,
+///   - a scene file or the name of a shipped scene: contact problems along a run made with `auto`,
+///   - a family "square:30", "triangular:30", "pyramid:20", "random:30" (scene_family.h, the first
+///     step), "pile:32" (settled_pile.h, 32² disks at rest) or "impact:32" (such a pile as one more
+///     disk hits it at 20 m/s), with options behind it: "square:30:mu=0.5:tilt=10:ratio=1e4:seed=2:
+///     e=0.5" (friction, degrees, mass ratio, restitution);
+///   - "benchmark": series of families from 10² to 10⁴ disks, the shipped problems and those of the
+///     folder that the environment variable BIPOT_PROBLEMS names.
+/// Throws std::invalid_argument for what is none of these, and for two problems of one name.
+std::vector<ProblemSource> expand_targets(const std::vector<std::string>& targets,
+                                          const TargetOptions& options = {});
+
+}  // namespace bipot

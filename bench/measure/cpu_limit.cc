@@ -1,0 +1,38 @@
+#include "bench/measure/cpu_limit.h"
+
+#include <algorithm>
+#include <ctime>
+
+namespace bipot {
+
+double cpu_seconds() {
+  timespec now{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
+}
+
+CpuLimit::CpuLimit(double seconds)
+    : end_(cpu_seconds() + seconds),
+      grain_(std::min(1e-3, seconds / 20)),
+      asked_(Clock::now()),
+      read_(asked_) {}
+
+bool CpuLimit::operator()() {
+  // Iterations last from a microsecond to a second, and either kind may follow the other: a few
+  // quick ones are let through unseen, then the clock on the wall, which is read in a few
+  // nanoseconds, tells whether it is worth while to ask the system.
+  if (reached_ || ++calls_ < stride_) return reached_;
+  calls_ = 0;
+  const Clock::time_point now = Clock::now();
+  const auto since = [now](Clock::time_point then) {
+    return std::chrono::duration<double>(now - then).count();
+  };
+  stride_ = since(asked_) < grain_ ? 8 : 1;
+  asked_ = now;
+  if (since(read_) < grain_) return false;
+  read_ = now;
+  reached_ = cpu_seconds() >= end_;
+  return reached_;
+}
+
+}  // namespace bipot

@@ -1,0 +1,218 @@
+#include "bench/measure/iteration_growth.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "bench/report/json_output.h"
+#include "bench/scenes/settled_pile.h"
+#include "core/motion/time_stepping.h"
+#include "core/scene/scene_family.h"
+#include "solvers/registry.h"
+#include "solvers/solve.h"
+
+namespace bipot {
+namespace {
+
+double disks_of(const std::string& family, int side) {
+  const double n = side;
+  if (family == "pyramid") return n * (n + 1) / 2;
+  const double triangular = n * n - std::floor(n / 2);  // every second row has one disk less
+  if (family == "triangular") return triangular;
+  if (family == "diluted") return 0.9 * triangular;
+  return n * n;
+}
+
+/// True for solvers whose iterates do not depend on the tolerance.
+bool has_fixed_path(const std::string& solver) {
+  constexpr std::string_view kNames[] = {"uzawa",    "classical", "pgs",   "apgd",
+                                         "anderson", "admm",      "lemke", "ipm"};
+  return std::find(std::begin(kNames), std::end(kNames), solver) != std::end(kNames);
+}
+
+SolverOptions options_of(const GrowthMethod& method, double tol, const GrowthLimits& limits) {
+  SolverOptions options;
+  options.tol = tol;
+  options.time_limit = limits.time_limit;
+  options.max_iterations = limits.max_iterations;
+  options.cancelled = limits.cancelled;
+  options.parameters = method.parameters;
+  return options;
+}
+
+GrowthRow empty_row(const GrowthScene& scene, const GrowthProblem& problem,
+                    const GrowthMethod& method, double tol) {
+  GrowthRow row;
+  row.family = scene.family;
+  row.method = method.name;
+  row.tol = tol;
+  row.side = problem.side;
+  row.disks = problem.disks;
+  row.contacts = problem.problem.num_contacts();
+  return row;
+}
+
+void fill(GrowthRow& row, const SolveResult& result) {
+  row.status = result.status;
+  row.iterations = result.iterations;
+  row.error = result.error;
+  row.setup_seconds = result.setup_seconds;
+  row.solve_seconds = result.solve_seconds;
+}
+
+nlohmann::ordered_json to_json(const PowerLaw& law) {
+  const auto number = [](double x) {
+    return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
+  };
+  return {{"exponent", number(law.exponent)},
+          {"confidence_95", number(law.confidence)},
+          {"prefactor", number(law.prefactor)},
+          {"points", law.points}};
+}
+
+}  // namespace
+
+GrowthProblem make_growth_problem(const GrowthScene& scene, int side) {
+  GrowthProblem made;
+  made.side = side;
+  Scene disks;
+  State state;
+  if (scene.family == "pile") {
+    SettledPile pile = settle_pile({.count = side * side, .mu = scene.mu, .seed = scene.seed});
+    disks = std::move(pile.scene);
+    state = std::move(pile.state);
+    disks.gravity =
+        Eigen::Rotation2D<double>(scene.tilt_degrees * std::numbers::pi / 180) * disks.gravity;
+  } else {
+    disks = make_family_scene(scene.family, side,
+                              {.mu = scene.mu,
+                               .tilt_degrees = scene.tilt_degrees,
+                               .mass_ratio = scene.mass_ratio,
+                               .seed = scene.seed});
+    state = initial_state(disks);
+  }
+  made.disks = disks.disks.size();
+  made.problem = step_problem(disks, state, false);
+  return made;
+}
+
+int side_of(const std::string& family, double disks) {
+  int side = 1;
+  while (disks_of(family, side) < disks) ++side;
+  const double above = disks_of(family, side), below = disks_of(family, side - 1);
+  return side > 1 && disks - below < above - disks ? side - 1 : side;
+}
+
+GrowthRow growth_row(const GrowthScene& scene, const GrowthProblem& problem,
+                     const GrowthMethod& method, double tol, const GrowthLimits& limits) {
+  GrowthRow row = empty_row(scene, problem, method, tol);
+  fill(row, solve(method.solver, problem.problem, options_of(method, tol, limits)));
+  return row;
+}
+
+std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthProblem& problem,
+                                   const GrowthMethod& method, std::span<const double> tols,
+                                   const GrowthLimits& limits) {
+  std::vector<GrowthRow> rows;
+  if (!has_fixed_path(method.solver)) {
+    for (const double tol : tols) {
+      rows.push_back(growth_row(scene, problem, method, tol, limits));
+    }
+    return rows;
+  }
+  for (const double tol : tols) rows.push_back(empty_row(scene, problem, method, tol));
+  SolverOptions options = options_of(method, *std::min_element(tols.begin(), tols.end()), limits);
+  options.on_iteration = [&rows](const IterationRecord& record) {
+    for (GrowthRow& row : rows) {
+      if (row.status != SolveStatus::kNotRun || !(record.error.guarded() <= row.tol)) continue;
+      row.status = SolveStatus::kConverged;
+      row.iterations = record.iteration;
+      row.error = record.error;
+      row.solve_seconds = record.seconds;
+    }
+  };
+  const SolveResult result = solve(method.solver, problem.problem, options);
+  for (GrowthRow& row : rows) {
+    if (row.status == SolveStatus::kConverged) {
+      // The record's clock starts before the set-up.
+      row.setup_seconds = std::min(result.setup_seconds, row.solve_seconds);
+      row.solve_seconds -= row.setup_seconds;
+    }
+    if (row.status == SolveStatus::kNotRun || row.tol == options.tol) fill(row, result);
+  }
+  return rows;
+}
+
+std::vector<GrowthFit> fit_growth(std::span<const GrowthRow> rows, double least_disks) {
+  std::vector<GrowthFit> fits;
+  std::vector<std::map<std::size_t, const GrowthRow*>> members;
+  for (const GrowthRow& row : rows) {
+    std::size_t k = 0;
+    while (k < fits.size() && (fits[k].family != row.family || fits[k].method != row.method ||
+                               fits[k].tol != row.tol)) {
+      ++k;
+    }
+    if (k == fits.size()) {
+      GrowthFit fit;
+      fit.family = row.family;
+      fit.method = row.method;
+      fit.tol = row.tol;
+      fit.least_disks = least_disks;
+      fits.push_back(std::move(fit));
+      members.emplace_back();
+    }
+    if (static_cast<double>(row.disks) >= least_disks) members[k][row.disks] = &row;
+  }
+  for (std::size_t k = 0; k < fits.size(); ++k) {
+    std::vector<double> disks, iterations, seconds;
+    for (const auto& [count, row] : members[k]) {
+      if (!is_success(row->status)) {
+        ++fits[k].not_met;
+        continue;
+      }
+      disks.push_back(static_cast<double>(count));
+      iterations.push_back(row->iterations);
+      seconds.push_back(row->setup_seconds + row->solve_seconds);
+    }
+    fits[k].iterations = fit_power_law(disks, iterations);
+    fits[k].seconds = fit_power_law(disks, seconds);
+  }
+  return fits;
+}
+
+std::string to_text(const PowerLaw& law) {
+  const std::string points = fmt::format("{} point{}", law.points, law.points == 1 ? "" : "s");
+  if (!std::isfinite(law.exponent)) return fmt::format("– ({})", points);
+  if (!std::isfinite(law.confidence)) return fmt::format("{:.2f} ({})", law.exponent, points);
+  return fmt::format("{:.2f} ± {:.2f} ({})", law.exponent, law.confidence, points);
+}
+
+nlohmann::ordered_json to_json(const GrowthFit& fit) {
+  return {{"family", fit.family},
+          {"method", fit.method},
+          {"tol", fit.tol},
+          {"least_disks", fit.least_disks},
+          {"not_met", fit.not_met},
+          {"iterations", to_json(fit.iterations)},
+          {"seconds", to_json(fit.seconds)}};
+}
+
+nlohmann::ordered_json to_json(const GrowthRow& row) {
+  nlohmann::ordered_json json{{"family", row.family},
+                              {"method", row.method},
+                              {"tol", row.tol},
+                              {"side", row.side},
+                              {"disks", row.disks},
+                              {"contacts", row.contacts},
+                              {"status", to_string(row.status)},
+                              {"iterations", row.iterations},
+                              {"setup_seconds", row.setup_seconds},
+                              {"solve_seconds", row.solve_seconds}};
+  add_error(json, row.error);
+  return json;
+}
+
+}  // namespace bipot

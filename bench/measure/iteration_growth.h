@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "bench/measure/power_law.h"
+#include "solvers/solver.h"
+
+namespace bipot {
+
+/// How iterations and time of a solver grow with the number of disks (Fig. 14 of the paper), shared
+/// by `solver_bench` and `bipot paper`.
+
+/// A scene of any size; one step of it is the problem.
+struct GrowthScene {
+  /// Of scene_family.h, or "pile" (settled_pile.h, made by a simulation first; the tilt turns
+  /// gravity for the step alone).
+  std::string family = "square";
+  double mu = 0.3;
+  double tilt_degrees = 0;
+  double mass_ratio = 1;  ///< not for piles
+  std::uint64_t seed = 1;
+};
+
+struct GrowthProblem {
+  ContactProblem problem;
+  int side = 0;
+  std::size_t disks = 0;
+};
+/// Throws std::invalid_argument for an unknown family.
+GrowthProblem make_growth_problem(const GrowthScene& scene, int side);
+/// The side with the number of disks nearest to `disks`.
+int side_of(const std::string& family, double disks);
+
+struct GrowthMethod {
+  std::string name;  ///< for tables: "uzawa, paper's rho"
+  std::string solver;
+  std::map<std::string, std::string> parameters = {};
+};
+
+/// One solver on one problem at one tolerance, from s = 0.
+struct GrowthRow {
+  std::string family, method;
+  double tol = 0;
+  int side = 0;
+  std::size_t disks = 0;
+  int contacts = 0;
+  SolveStatus status = SolveStatus::kNotRun;
+  int iterations = 0;
+  ContactError error;
+  double setup_seconds = 0, solve_seconds = 0;  ///< wall
+};
+
+struct GrowthLimits {
+  double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds of a solve
+  int max_iterations = 1000000;
+  std::function<bool()> cancelled;  ///< may be empty
+};
+
+GrowthRow growth_row(const GrowthScene& scene, const GrowthProblem& problem,
+                     const GrowthMethod& method, double tol, const GrowthLimits& limits);
+
+/// The same for several tolerances, in their order. Where the solver's iterates do not depend on
+/// the tolerance one solve gives all: a row ends at the first judged iteration that meets it, and
+/// its time is the time until then.
+std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthProblem& problem,
+                                   const GrowthMethod& method, std::span<const double> tols,
+                                   const GrowthLimits& limits);
+
+/// Power laws in the number of disks for one family, method and tolerance.
+struct GrowthFit {
+  std::string family, method;
+  double tol = 0;
+  PowerLaw iterations, seconds;
+  double least_disks = 0;  ///< smaller problems are left out ("small samples apart")
+  int not_met = 0;         ///< rows from least_disks on that did not meet the tolerance
+};
+/// In order of appearance. Only rows that met their tolerance count; of rows with the same number
+/// of disks the last.
+std::vector<GrowthFit> fit_growth(std::span<const GrowthRow> rows, double least_disks);
+
+/// "1.04 ± 0.03 (5 points)", "– (1 point)".
+std::string to_text(const PowerLaw& law);
+nlohmann::ordered_json to_json(const GrowthFit& fit);
+nlohmann::ordered_json to_json(const GrowthRow& row);
+
+}  // namespace bipot

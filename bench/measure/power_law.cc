@@ -1,0 +1,54 @@
+#include "bench/measure/power_law.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unsupported/Eigen/SpecialFunctions>
+
+namespace bipot {
+
+double student_t(double probability, int degrees_of_freedom) {
+  if (!(degrees_of_freedom >= 1)) return PowerLaw::kNaN;
+  // P(|T| > t) = I_{ν/(ν + t²)}(ν/2, 1/2), decreasing in t: bisection on x = ν/(ν + t²).
+  const double nu = degrees_of_freedom;
+  double low = 0, high = 1;
+  for (int k = 0; k < 200; ++k) {
+    const double x = 0.5 * (low + high);
+    (Eigen::numext::betainc(0.5 * nu, 0.5, x) < 1 - probability ? low : high) = x;
+  }
+  return std::sqrt(nu / low - nu);
+}
+
+PowerLaw fit_power_law(const std::vector<double>& x, const std::vector<double>& y) {
+  std::vector<double> a, b;
+  for (std::size_t k = 0; k < std::min(x.size(), y.size()); ++k) {
+    if (!(x[k] > 0 && y[k] > 0 && std::isfinite(x[k]) && std::isfinite(y[k]))) continue;
+    a.push_back(std::log(x[k]));
+    b.push_back(std::log(y[k]));
+  }
+  PowerLaw law;
+  law.points = static_cast<int>(a.size());
+  if (law.points < 2) return law;
+  double mean_a = 0, mean_b = 0;
+  for (int k = 0; k < law.points; ++k) {
+    mean_a += a[k] / law.points;
+    mean_b += b[k] / law.points;
+  }
+  double saa = 0, sab = 0;
+  for (int k = 0; k < law.points; ++k) {
+    saa += (a[k] - mean_a) * (a[k] - mean_a);
+    sab += (a[k] - mean_a) * (b[k] - mean_b);
+  }
+  if (!(saa > 1e-20)) return law;
+  law.exponent = sab / saa;
+  law.prefactor = std::exp(mean_b - law.exponent * mean_a);
+  if (law.points < 3) return law;
+  double residual = 0;
+  for (int k = 0; k < law.points; ++k) {
+    const double r = b[k] - mean_b - law.exponent * (a[k] - mean_a);
+    residual += r * r;
+  }
+  law.confidence = student_t(0.95, law.points - 2) * std::sqrt(residual / (law.points - 2) / saa);
+  return law;
+}
+
+}  // namespace bipot

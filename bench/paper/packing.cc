@@ -1,0 +1,256 @@
+#include "bench/paper/packing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "bench/measure/power_law.h"
+#include "solvers/registry.h"
+#include "solvers/step_solver.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+bool before(const ContactOutcome& a, const ContactOutcome& b) {
+  return a.contact.i != b.contact.i ? a.contact.i < b.contact.i : a.contact.j < b.contact.j;
+}
+
+/// Shows the pairs of two sorted lists, once each; null where a list does not have the pair.
+template <class Show>
+void merge_pairs(std::span<const ContactOutcome> a, std::span<const ContactOutcome> b,
+                 const Show& show) {
+  auto p = a.begin();
+  auto q = b.begin();
+  while (p != a.end() || q != b.end()) {
+    if (q == b.end() || (p != a.end() && before(*p, *q))) {
+      show(&*p++, static_cast<const ContactOutcome*>(nullptr));
+    } else if (p == a.end() || before(*q, *p)) {
+      show(static_cast<const ContactOutcome*>(nullptr), &*q++);
+    } else {
+      show(&*p++, &*q++);
+    }
+  }
+}
+
+/// What a chord at a distance from the centre cuts off a circle.
+double segment_area(double radius, double distance) {
+  const double x = std::clamp(distance / radius, -1.0, 1.0);
+  return radius * radius * (std::acos(x) - x * std::sqrt(1 - x * x));
+}
+
+double slope_of_line(std::span<const double> x, std::span<const double> y) {
+  const double n = static_cast<double>(x.size());
+  double mean_x = 0, mean_y = 0, xx = 0, xy = 0;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    mean_x += x[k] / n;
+    mean_y += y[k] / n;
+  }
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    xx += (x[k] - mean_x) * (x[k] - mean_x);
+    xy += (x[k] - mean_x) * (y[k] - mean_y);
+  }
+  return xy / xx;
+}
+
+}  // namespace
+
+PackingRun run_packing(
+    const Scene& scene, State& state, const PaperContext& context,
+    const std::function<bool(const State&, const State&, const StepReport&)>& on_step) {
+  const SolverEntry* entry = find_solver(scene.solver.name);
+  if (entry == nullptr) throw std::runtime_error("no solver " + scene.solver.name);
+  SolverOptions options = to_options(scene.solver);
+  options.cancelled = context.interrupted;
+  TimeStepper stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
+  PackingRun run;
+  std::vector<ContactOutcome> old, older;  // one and two steps before `state`
+  double logarithms = 0;
+  int positive = 0;
+  for (int k = 0; k < scene.num_steps; ++k) {
+    if (context.stopped()) break;
+    const State previous = state;
+    // e_t = 1 turns tangential velocities round at each step, so at rest forces repeat themselves
+    // every second one: what was two steps before is then the better start.
+    if (force_correlation(state.contacts, older) > force_correlation(state.contacts, old)) {
+      state.contacts = old;
+      ++run.far_starts;
+    }
+    const StepReport report = stepper.advance(state);
+    older = std::move(old);
+    old = previous.contacts;
+    ++run.steps;
+    run.converged += report.converged ? 1 : 0;
+    run.iterations += report.iterations;
+    const double error = report.error.guarded();
+    run.worst_error = std::max(run.worst_error, error);
+    run.penetration = std::max(run.penetration, report.penetration);
+    if (error > 0) {
+      logarithms += std::log(error);
+      ++positive;
+    }
+    if (on_step && !on_step(previous, state, report)) break;
+  }
+  run.mean_error = positive > 0 ? std::exp(logarithms / positive) : 0;
+  return run;
+}
+
+double displacement_energy(const State& before, const State& after) {
+  double sum = 0;
+  for (std::size_t k = 0; k < after.disks.size(); ++k) {
+    const Disk &a = before.disks[k], &b = after.disks[k];
+    const double spin = 0.5 * (a.spin + b.spin);
+    sum += 0.5 * b.mass * (0.5 * (a.v + b.v)).squaredNorm() + 0.5 * b.inertia * spin * spin;
+  }
+  for (std::size_t k = 0; k < after.walls.size(); ++k) {
+    const Wall &a = before.walls[k], &b = after.walls[k];
+    if (b.motion != Wall::Motion::kDriven) continue;
+    sum += 0.5 * b.mass * (0.5 * (a.v + b.v)).squaredNorm();
+  }
+  return sum;
+}
+
+Vec2 force_on_wall(const State& state, double step, int wall) {
+  const int body = static_cast<int>(state.disks.size()) + wall;
+  Vec2 force = Vec2::Zero();
+  for (const ContactOutcome& o : state.contacts) {
+    if (o.contact.j != body) continue;
+    const Vec2& n = o.contact.n;
+    force -= (o.s_n * n + o.s_t * Vec2(-n[1], n[0])) / step;
+  }
+  return force;
+}
+
+double coordination(const State& state) {
+  const int disks = static_cast<int>(state.disks.size());
+  int ends = 0;
+  for (const ContactOutcome& o : state.contacts) {
+    if (o.s_n > 0) ends += o.contact.j < disks ? 2 : 1;
+  }
+  return disks > 0 ? static_cast<double>(ends) / disks : kNaN;
+}
+
+double covered_fraction(const State& state, double area) {
+  double sum = 0;
+  for (const Disk& d : state.disks) sum += std::numbers::pi * d.radius * d.radius;
+  for (const ContactOutcome& o : state.contacts) {
+    if (!(o.contact.gap < 0)) continue;
+    const double a = state.disks[static_cast<std::size_t>(o.contact.i)].radius;
+    const auto j = static_cast<std::size_t>(o.contact.j);
+    if (j >= state.disks.size()) {
+      sum -= segment_area(a, a + o.contact.gap);
+      continue;
+    }
+    const double b = state.disks[j].radius, d = a + b + o.contact.gap;
+    const double chord = 0.5 * (d + (a * a - b * b) / d);  // its distance from the first centre
+    sum -= segment_area(a, chord) + segment_area(b, d - chord);
+  }
+  return sum / area;
+}
+
+double force_correlation(std::span<const ContactOutcome> a, std::span<const ContactOutcome> b) {
+  double n = 0, x = 0, y = 0, xx = 0, yy = 0, xy = 0;
+  merge_pairs(a, b, [&](const ContactOutcome* p, const ContactOutcome* q) {
+    const double s = p != nullptr ? p->s_n : 0, t = q != nullptr ? q->s_n : 0;
+    if (!(s > 0) && !(t > 0)) return;
+    n += 1;
+    x += s;
+    y += t;
+    xx += s * s;
+    yy += t * t;
+    xy += s * t;
+  });
+  const double vary_x = n * xx - x * x, vary_y = n * yy - y * y;
+  return vary_x > 0 && vary_y > 0 ? (n * xy - x * y) / std::sqrt(vary_x * vary_y) : kNaN;
+}
+
+void MeanContacts::add(const State& state) {
+  std::vector<ContactOutcome> sums;
+  sums.reserve(std::max(sums_.size(), state.contacts.size()));
+  merge_pairs(sums_, state.contacts, [&](const ContactOutcome* sum, const ContactOutcome* now) {
+    sums.push_back(now != nullptr ? *now : *sum);
+    if (sum != nullptr && now != nullptr) {
+      sums.back().s_n += sum->s_n;
+      sums.back().s_t += sum->s_t;
+      sums.back().u_n += sum->u_n;
+      sums.back().u_t += sum->u_t;
+    }
+  });
+  sums_ = std::move(sums);
+  ++steps_;
+}
+
+State MeanContacts::in(const State& state) const {
+  State mean = state;
+  mean.contacts = sums_;
+  for (ContactOutcome& o : mean.contacts) {
+    for (double* x : {&o.s_n, &o.s_t, &o.u_n, &o.u_t}) *x /= steps_;
+  }
+  return mean;
+}
+
+ExponentialTail fit_exponential_tail(std::vector<double> x, double from) {
+  std::erase_if(x, [&](double value) { return !(value >= from); });
+  std::sort(x.begin(), x.end());
+  ExponentialTail tail;
+  tail.points = static_cast<int>(x.size());
+  double sum = 0;
+  for (double value : x) sum += value - from;
+  if (!(sum > 0)) return tail;
+  const double count = tail.points;
+  tail.rate = count / sum;
+  tail.confidence = 1.96 * tail.rate / std::sqrt(count);
+  tail.distance = 0;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const double fitted = 1 - std::exp(-tail.rate * (x[k] - from));
+    const double below = static_cast<double>(k) / count;
+    tail.distance = std::max({tail.distance, fitted - below, below + 1 / count - fitted});
+  }
+  return tail;
+}
+
+Surface measure_surface(const State& state, double left, double right, int bins) {
+  const double width = (right - left) / bins;
+  std::vector<double> x, top;
+  for (int k = 0; k < bins; ++k) {
+    const double first = left + k * width, last = first + width;
+    double highest = -std::numeric_limits<double>::infinity();
+    for (const Disk& d : state.disks) {
+      const double aside = std::max({first - d.x[0], d.x[0] - last, 0.0});  // of the bin
+      if (aside >= d.radius) continue;
+      highest = std::max(highest, d.x[1] + std::sqrt(d.radius * d.radius - aside * aside));
+    }
+    if (!std::isfinite(highest)) continue;  // bare floor
+    x.push_back(0.5 * (first + last));
+    top.push_back(highest);
+  }
+  Surface surface;
+  const double middle = 0.5 * (left + right);
+  std::vector<double> aside;
+  for (double at : x) aside.push_back(std::abs(at - middle));
+  for (double height : top) surface.height += height / static_cast<double>(top.size());
+  for (double height : top) surface.roughness += std::pow(height - surface.height, 2);
+  surface.roughness = std::sqrt(surface.roughness / static_cast<double>(top.size()));
+  surface.slope = slope_of_line(x, top);
+  surface.heap = -slope_of_line(aside, top);
+  return surface;
+}
+
+MeanValue mean_value(std::span<const double> x) {
+  MeanValue value;
+  if (x.empty()) return value;
+  const double n = static_cast<double>(x.size());
+  double sum = 0, squares = 0;
+  for (double y : x) sum += y;
+  value.mean = sum / n;
+  for (double y : x) squares += (y - value.mean) * (y - value.mean);
+  if (x.size() > 1) {
+    value.confidence =
+        student_t(0.95, static_cast<int>(x.size()) - 1) * std::sqrt(squares / (n - 1) / n);
+  }
+  return value;
+}
+
+}  // namespace bipot

@@ -1,0 +1,30 @@
+#include "bench/report/build_info.h"
+
+#include <fstream>
+#include <thread>
+
+#include "build_commit.h"
+
+namespace bipot {
+
+BuildInfo build_info() {
+  BuildInfo info;
+  info.version = BIPOT_VERSION;
+  info.commit = BIPOT_COMMIT;
+  info.compiler = BIPOT_COMPILER;
+  info.flags = BIPOT_FLAGS;
+  info.build_type = BIPOT_BUILD_TYPE;
+  info.cores = static_cast<int>(std::thread::hardware_concurrency());
+  info.cpu = "unknown";
+  std::ifstream cpuinfo("/proc/cpuinfo");
+  for (std::string line; std::getline(cpuinfo, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) {
+      info.cpu = line.substr(colon + 2);
+      break;
+    }
+  }
+  return info;
+}
+
+}  // namespace bipot

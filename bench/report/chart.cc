@@ -1,0 +1,596 @@
+#include "bench/report/chart.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <set>
+#include <string_view>
+
+#include "bench/report/gnuplot.h"
+#include "core/file_error.h"
+#include "core/files/atomic_file.h"
+
+namespace bipot {
+namespace {
+
+// The numbers of colours, markers and dashes have no common factor: they repeat together after 210
+// styles only. Colours: Okabe and Ito's, for the colour-blind, without the yellow that white
+// swallows.
+constexpr std::array<const char*, 7> kColours = {"#000000", "#0072b2", "#d55e00", "#009e73",
+                                                 "#cc79a7", "#56b4e9", "#e69f00"};
+struct Marker {
+  int filled, hollow;  // gnuplot's point types
+  double size;         // to look alike
+};
+constexpr std::array<Marker, 6> kMarkers = {
+    {{7, 6, 0.62}, {5, 4, 0.58}, {9, 8, 0.72}, {13, 12, 0.8}, {11, 10, 0.72}, {15, 14, 0.68}}};
+constexpr std::array<const char*, 5> kDashes = {"solid", "(10,5)", "(2,4)", "(12,4,2,4)", "(18,6)"};
+
+constexpr double kKeyRow = 17, kKeySample = 42, kLetter = 6.6;  // of the key, in the chart's units
+
+template <class Array>
+const auto& of_style(const Array& all, int style) {
+  return all[static_cast<std::size_t>(std::max(0, style)) % all.size()];
+}
+
+/// As gnuplot reads it: nothing in single quotes has a meaning but the quote. Control characters
+/// become spaces.
+std::string in_quotes(std::string_view text) {
+  std::string out = "'";
+  for (char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (c == '\'') out += '\'';
+    out += code < 0x20 || code == 0x7f ? ' ' : c;
+  }
+  return out + '\'';
+}
+
+std::size_t letters(std::string_view utf8) {
+  return static_cast<std::size_t>(std::count_if(utf8.begin(), utf8.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+  }));
+}
+
+/// Lines of at most `width` letters, as an expression of gnuplot.
+std::string wrapped(const std::string& text, std::size_t width) {
+  std::string out, line;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    const std::string word = text.substr(begin, end - begin);
+    if (!line.empty() && letters(line) + 1 + letters(word) > width) {
+      out += in_quotes(line) + ".\"\\n\".";
+      line.clear();
+    }
+    line += (line.empty() ? "" : " ") + word;
+    begin = end + 1;
+  }
+  return out + in_quotes(line);
+}
+
+bool is_log(const ChartAxis& axis) { return axis.kind != ChartAxis::Kind::kLinear; }
+
+/// Whether a reference line stands within the limits that are given.
+bool allows(const ChartAxis& axis, double at) {
+  return std::isfinite(at) && !(is_log(axis) && at <= 0) && !(axis.low && at < *axis.low) &&
+         !(axis.high && at > *axis.high);
+}
+
+/// Where non-positive values go on a logarithmic axis: its limit, or the decade below all others.
+double floor_of(const ChartAxis& axis, const std::vector<double>& values) {
+  if (axis.low && *axis.low > 0) return *axis.low;
+  double least = std::numeric_limits<double>::infinity();
+  for (double v : values) {
+    if (v > 0) least = std::min(least, v);
+  }
+  if (!std::isfinite(least)) least = axis.high && *axis.high > 0 ? *axis.high / 10 : 1e-3;
+  return std::pow(10, std::floor(std::log10(least) + 1e-9));
+}
+
+/// The chart as gnuplot gets it: `page` for the element of a page, with the points' notes as
+/// labels "n<series>_<point>" that are replaced later; else a file with its title.
+class Script {
+ public:
+  Script(const Chart& chart, bool page) : chart_(chart), page_(page) {
+    for (const ChartSeries& series : chart.series) {
+      for (const ChartPoint& p : series.points) {
+        if (!std::isfinite(p.x) || !std::isfinite(p.y)) continue;
+        xs_.push_back(p.x);
+        ys_.push_back(p.y);
+        if (!std::isfinite(p.y_low) || !std::isfinite(p.y_high)) continue;
+        ys_.push_back(p.y_low);
+        ys_.push_back(p.y_high);
+      }
+    }
+    std::vector<double> places = xs_;
+    for (const ChartLine& line : chart.x_lines) places.push_back(line.at);
+    if (is_log(chart.x)) x_floor_ = floor_of(chart.x, places);
+    std::vector<double> levels = ys_;
+    for (const ChartLine& line : horizontal()) levels.push_back(line.at);
+    if (is_log(chart.y)) y_floor_ = floor_of(chart.y, levels);
+  }
+
+  std::string write() {
+    plan_key();
+    line("reset");
+    line(line_key_);
+    line("set encoding utf8");
+    line("set minussign");
+    line(fmt::format("set terminal svg enhanced size {:.0f},{:.0f} font 'sans-serif,12'{}", width_,
+                     height_, page_ ? "" : " background '#ffffff'"));
+    line("set border 3 lc rgb '#444444'");
+    line("set tics nomirror scale 0.6 textcolor rgb '#1b1b1b'");
+    line("set grid lt 1 lc rgb '#e3e3e3'");
+    line("set samples 2");
+    line("set clip two");
+    if (!page_ && !chart_.title.empty()) {
+      const auto fits = static_cast<std::size_t>(std::max(20.0, width_ / kLetter));
+      line(fmt::format("set title {} noenhanced", wrapped(chart_.title, fits)));
+    }
+    x_middle_ = axis("x", chart_.x, x_floor_);
+    y_middle_ = axis("y", chart_.y, y_floor_);
+    vertical_lines();
+    for (bool background : {true, false}) {
+      for (std::size_t i = 0; i < chart_.series.size(); ++i) {
+        if (chart_.series[i].background == background) series(i);
+      }
+    }
+    // Constant functions take part in the range of the axis.
+    for (const ChartLine& reference : horizontal()) {
+      add_plot(fmt::format("{} with lines lw 1.5 dt (1,4) lc rgb '#777777' notitle",
+                           number(reference.at)),
+               reference.label);
+      if (reference.label.empty()) continue;
+      line(
+          fmt::format("set label {} at graph 0.99, first {} right offset 0,0.5 noenhanced font "
+                      "',10' textcolor rgb '#555555' front",
+                      in_quotes(reference.label), number(reference.at)));
+    }
+    if (xs_.empty()) {
+      line("set label 'no finite values' at graph 0.5,0.5 center textcolor rgb '#555555'");
+      if (plots_.empty()) add_plot("NaN notitle", "");
+    }
+    for (std::size_t i = 0; i < chart_.series.size(); ++i) key_entry(chart_.series[i]);
+    std::string plot = "plot ";
+    for (std::size_t i = 0; i < plots_.size(); ++i) {
+      plot += (i == 0 ? "" : ", \\\n  ") + plots_[i];
+    }
+    line(plot);
+    return std::move(text_);
+  }
+
+  double width() const { return width_; }
+  double height() const { return height_; }
+  /// What the pointer shows on each plot, in their order.
+  const std::vector<std::string>& tips() const { return tips_; }
+
+ private:
+  void line(std::string_view text) {
+    text_ += text;
+    text_ += '\n';
+  }
+
+  void add_plot(std::string plot, std::string tip) {
+    plots_.push_back(std::move(plot));
+    tips_.push_back(std::move(tip));
+  }
+
+  static std::string number(double x) { return fmt::format("{}", x); }
+
+  std::vector<ChartLine> horizontal() const {
+    std::vector<ChartLine> lines;
+    if (chart_.y_line) lines.push_back({*chart_.y_line, chart_.y_line_label});
+    lines.insert(lines.end(), chart_.y_lines.begin(), chart_.y_lines.end());
+    std::erase_if(lines, [this](const ChartLine& l) { return !allows(chart_.y, l.at); });
+    return lines;
+  }
+
+  double lifted_x(double x) const { return is_log(chart_.x) ? std::max(x, x_floor_) : x; }
+  double lifted_y(double y) const { return is_log(chart_.y) ? std::max(y, y_floor_) : y; }
+
+  /// gnuplot lays the key out by itself, but takes its room from the axes: the drawing grows by as
+  /// much.
+  void plan_key() {
+    width_ = chart_.width;
+    height_ = chart_.height;
+    if (!page_ && !chart_.title.empty()) height_ += 30;
+    double longest = 0;
+    int entries = 0;
+    for (const ChartSeries& s : chart_.series) {
+      if (s.name.empty()) continue;
+      ++entries;
+      longest = std::max(longest, static_cast<double>(letters(s.name)));
+    }
+    if (entries == 0 || chart_.key == Chart::Key::kNone) {
+      line_key_ = "unset key";
+      return;
+    }
+    const double entry = kKeySample + kLetter * longest;
+    if (chart_.key == Chart::Key::kRight) {
+      width_ += entry;
+      height_ = std::max(height_, kKeyRow * entries + 20);
+      line_key_ = "set key outside right top vertical";
+    } else {
+      const int columns = std::clamp(static_cast<int>(width_ / entry), 1, entries);
+      const int rows = (entries + columns - 1) / columns;
+      height_ += kKeyRow * (rows + 1);
+      // By rows: limits on columns are lowered to what fits below the axes alone.
+      line_key_ = fmt::format("set key outside below center vertical height 1 maxrows {}", rows);
+    }
+    line_key_ += " Left reverse samplen 2 spacing 1.15 font ',10.5' textcolor rgb '#1b1b1b'";
+  }
+
+  /// Returns the middle of the axis.
+  double axis(const char* name, const ChartAxis& axis, double floor) {
+    const bool along_x = name[0] == 'x';
+    line(fmt::format("set {}label {} noenhanced{}", name, in_quotes(axis.label),
+                     along_x ? " offset 0,0.4" : ""));
+    std::string low = "*", high = "*";
+    if (axis.low && (!is_log(axis) || *axis.low > 0)) low = number(*axis.low);
+    if (axis.high && (!is_log(axis) || *axis.high > 0)) high = number(*axis.high);
+    if (is_log(axis)) line(fmt::format("set logscale {}", name));
+    switch (axis.kind) {
+      case ChartAxis::Kind::kLinear:
+        break;
+      case ChartAxis::Kind::kLog:
+        line(fmt::format("set format {} '10^{{%T}}'", name));
+        break;
+      case ChartAxis::Kind::kLogSeconds:
+        line(fmt::format("set format {} '%.0s %cs'", name));
+        // gnuplot writes u for micro.
+        line(fmt::format("set {}tics add ('1 µs' 1e-6, '10 µs' 1e-5, '100 µs' 1e-4)", name));
+        break;
+    }
+    // An axis without data, or with one value, is given a range.
+    std::vector<double> values = along_x ? xs_ : ys_;
+    for (const ChartLine& l : along_x ? chart_.x_lines : horizontal()) {
+      if (allows(axis, l.at)) values.push_back(l.at);
+    }
+    double least = std::numeric_limits<double>::infinity(), most = -least;
+    for (double v : values) {
+      if (!std::isfinite(v)) continue;
+      if (is_log(axis)) v = std::max(v, floor);
+      least = std::min(least, v);
+      most = std::max(most, v);
+    }
+    if (low != "*") least = *axis.low;
+    if (high != "*") most = *axis.high;
+    if (!std::isfinite(least) || !std::isfinite(most)) {
+      least = is_log(axis) ? floor : 0;
+      most = is_log(axis) ? 10 * floor : 1;
+      low = number(least);
+      high = number(most);
+    } else if (is_log(axis)) {
+      // Whole decades; gnuplot's own rounding adds one where a limit is met exactly.
+      const double first = std::floor(std::log10(least) + 1e-9);
+      const double last = std::max(std::ceil(std::log10(most) - 1e-9), first + 1);
+      if (low == "*") low = number(std::pow(10, first));
+      if (high == "*") high = number(std::pow(10, last));
+      if (last - first > 8) line(fmt::format("unset m{}tics", name));
+    } else if (!(most > least)) {
+      const double margin = least == 0 ? 1 : 0.5 * std::abs(least);
+      if (!axis.low) low = number(least - margin);
+      if (!axis.high) high = number(least + margin);
+    }
+    line(fmt::format("set {}range [{}:{}]", name, low, high));
+    const double first = low == "*" ? least : std::strtod(low.c_str(), nullptr);
+    const double last = high == "*" ? most : std::strtod(high.c_str(), nullptr);
+    return is_log(axis) ? std::sqrt(first) * std::sqrt(last) : 0.5 * (first + last);
+  }
+
+  /// gnuplot leaves out labels that stand on the frame, and markers with notes are labels: moved
+  /// inwards by less than anyone sees.
+  static double inside(const ChartAxis& axis, double v, double middle) {
+    constexpr double kShift = 1e-9;
+    return is_log(axis) ? v * std::pow(middle / v, kShift) : v + kShift * (middle - v);
+  }
+
+  void vertical_lines() {
+    for (const ChartLine& reference : chart_.x_lines) {
+      if (!allows(chart_.x, reference.at)) continue;
+      const std::string at = number(reference.at);
+      line(
+          fmt::format("set arrow from first {0}, graph 0 to first {0}, graph 1 nohead lw 1.5 dt "
+                      "(1,4) lc rgb '#777777'",
+                      at));
+      if (!reference.label.empty()) {
+        line(
+            fmt::format("set label {} at first {}, graph 0.98 right rotate by 90 offset -0.6,0 "
+                        "noenhanced font ',10' textcolor rgb '#555555' front",
+                        in_quotes(reference.label), at));
+      }
+      // Arrows do not widen the range, invisible data do.
+      if (ys_.empty()) continue;
+      const std::string block = fmt::format("$v{}", plots_.size());
+      line(fmt::format("{} << EOD\n{} {}\nEOD", block, at, number(lifted_y(ys_.front()))));
+      add_plot(block + " using 1:2 with points pt -1 notitle", "");
+    }
+  }
+
+  static std::string line_style(const ChartSeries& s) {
+    if (s.background) return "lw 7 dt solid lc rgb '#d9d9d9'";
+    return fmt::format("lw 1.6 dt {} lc rgb '{}'", of_style(kDashes, s.style),
+                       of_style(kColours, s.style));
+  }
+
+  /// Points of one kind, as a block of data and the plot that draws it.
+  void block(const std::string& name, const std::string& rows, const std::string& plot,
+             const std::string& tip) {
+    if (rows.empty()) return;
+    line(fmt::format("{} << EOD\n{}EOD", name, rows));
+    add_plot(name + " " + plot + " notitle", tip);
+  }
+
+  void series(std::size_t index) {
+    const ChartSeries& s = chart_.series[index];
+    using Kind = ChartSeries::Kind;
+    std::string joined, bars;
+    std::array<std::string, 4> marked;  // filled, hollow; then those with notes
+    for (std::size_t k = 0; k < s.points.size(); ++k) {
+      const ChartPoint& p = s.points[k];
+      if (!std::isfinite(p.x) || !std::isfinite(p.y)) continue;
+      const std::string at = number(lifted_x(p.x)) + " " + number(lifted_y(p.y));
+      joined += at + "\n";
+      if (std::isfinite(p.y_low) && std::isfinite(p.y_high)) {
+        bars +=
+            fmt::format("{} {} {}\n", at, number(lifted_y(p.y_low)), number(lifted_y(p.y_high)));
+      }
+      if (!p.marked || s.kind == Kind::kLine || s.background) continue;
+      const bool note = page_ && !p.note.empty();
+      marked[(p.hollow ? 1 : 0) + (note ? 2 : 0)] +=
+          note ? fmt::format("{} {} n{}_{}\n", inside(chart_.x, lifted_x(p.x), x_middle_),
+                             inside(chart_.y, lifted_y(p.y), y_middle_), index, k)
+               : at + "\n";
+    }
+    if (s.kind != Kind::kPoints) {
+      block(fmt::format("$line{}", index), joined,
+            fmt::format("using 1:2 with {} {}", s.kind == Kind::kSteps ? "steps" : "lines",
+                        line_style(s)),
+            s.name);
+    }
+    block(fmt::format("$bar{}", index), bars,
+          fmt::format("using 1:2:3:4 with yerrorbars pt -1 lw 1 lc rgb '{}'",
+                      of_style(kColours, s.style)),
+          s.name);
+    const Marker& marker = of_style(kMarkers, s.style);
+    const auto points = [&](int type, const char* colour) {
+      return fmt::format("points pt {} ps {} lw 1.2 lc rgb '{}'", type, marker.size, colour);
+    };
+    for (std::size_t note : {0, 2}) {
+      const char* colour = of_style(kColours, s.style);
+      const std::string with = note == 0 ? "using 1:2 with " : "using 1:2:3 with labels hypertext ";
+      const auto draw = [&](int type, const char* fill) {
+        std::string plot = points(type, fill);
+        return with + (note == 0 ? plot : "point" + plot.substr(6));
+      };
+      block(fmt::format("$filled{}_{}", index, note), marked[note], draw(marker.filled, colour),
+            s.name);
+      // White below, so that no line runs through an empty marker.
+      const std::string empty = fmt::format("$hollow{}_{}", index, note);
+      block(empty, marked[note + 1], "using 1:2 with " + points(marker.filled, "#ffffff"), s.name);
+      if (!marked[note + 1].empty()) {
+        add_plot(empty + " " + draw(marker.hollow, colour) + " notitle", s.name);
+      }
+    }
+  }
+
+  void key_entry(const ChartSeries& s) {
+    if (s.name.empty() || chart_.key == Chart::Key::kNone) return;
+    const bool any_marked =
+        s.kind != ChartSeries::Kind::kLine && !s.background &&
+        std::any_of(s.points.begin(), s.points.end(), [](const ChartPoint& p) { return p.marked; });
+    const bool joined = s.kind != ChartSeries::Kind::kPoints;
+    const Marker& marker = of_style(kMarkers, s.style);
+    std::string look = joined && any_marked ? "linespoints" : joined ? "lines" : "points";
+    if (any_marked || !joined) look += fmt::format(" pt {} ps {}", marker.filled, marker.size);
+    look +=
+        " " + (joined ? line_style(s) : fmt::format("lc rgb '{}'", of_style(kColours, s.style)));
+    add_plot(fmt::format("keyentry with {} title {} noenhanced", look, in_quotes(s.name)), s.name);
+  }
+
+  const Chart& chart_;
+  const bool page_;
+  std::vector<double> xs_, ys_;
+  double x_floor_ = 0, y_floor_ = 0;
+  double x_middle_ = 0, y_middle_ = 0;
+  double width_ = 0, height_ = 0;
+  std::string line_key_;
+  std::string text_;
+  std::vector<std::string> plots_, tips_;
+};
+
+/// FNV-1a, folded to 32 bits: the same text gets the same name on every machine.
+std::uint64_t hash_of(std::string_view text) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 1099511628211u;
+  return (hash ^ (hash >> 32)) & 0xffffffffu;
+}
+
+bool take(std::string_view& text, std::string_view start) {
+  if (!text.starts_with(start)) return false;
+  text.remove_prefix(start.size());
+  return true;
+}
+
+/// The attributes of a tag with ids that start with `prefix`, links in the form that needs no
+/// namespace, and without those that say what holds anyway or that nothing refers to.
+std::string with_own_ids(std::string_view tag, const std::string& prefix) {
+  std::string out;
+  while (!tag.empty()) {
+    if (take(tag, " id='")) {
+      out += " id='" + prefix;
+    } else if (take(tag, " id=\"gnuplot_")) {
+      tag.remove_prefix(tag.find('"') + 1);
+    } else if (take(tag, "xlink:href='#")) {
+      out += "href='#" + prefix;
+    } else if (take(tag, "url(#")) {
+      out += "url(#" + prefix;
+    } else if (!take(tag, " stroke-linecap=\"butt\" stroke-linejoin=\"miter\"") &&
+               !take(tag, " stroke-width=\"1.00\"") && !take(tag, " class=\"gridline\" ")) {
+      out += tag.front();
+      tag.remove_prefix(1);
+    }
+  }
+  return out;
+}
+
+/// The point that a label "n<series>_<point>" stands for.
+const std::string& note_of(const Chart& chart, std::string_view label) {
+  const std::string text(label);
+  char* end = nullptr;
+  const std::size_t series = std::strtoul(text.c_str() + 1, &end, 10);
+  const std::size_t point = std::strtoul(end + 1, nullptr, 10);
+  return chart.series.at(series).points.at(point).note;
+}
+
+/// What a page needs of a drawing besides gnuplot's document.
+struct Plan {
+  double width, height;
+  std::vector<std::string> tips;
+  std::string prefix;
+};
+
+/// gnuplot's document as an element of a page. gnuplot shows labels at the pointer by a script;
+/// here they become titles, which browsers show by themselves.
+std::string page_element(const Chart& chart, std::string_view document, const Plan& plan) {
+  constexpr std::string_view kLabel = "<g onmousemove=\"gnuplot_svg.showHypertext(evt,'";
+  constexpr std::string_view kLabelEnd =
+      "')\" onmouseout=\"gnuplot_svg.hideHypertext()\"><title> </title>";
+  constexpr std::string_view kBody = "</desc>", kUnused = "<filter", kUnusedEnd = "</defs>";
+  constexpr std::string_view kTitle = "<title>", kTitleEnd = "</title>", kGroupEnd = "</g>";
+  const auto end_of = [&document](std::string_view mark) {
+    const std::size_t at = document.find(mark);
+    if (at == std::string_view::npos) throw FileError("gnuplot", "", "wrote an unknown SVG");
+    return at + mark.size();
+  };
+  std::string out =
+      fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">\n",
+                  plan.width, plan.height, escape_markup(chart.title));
+  document.remove_prefix(end_of(kBody));
+  std::size_t plot = 0;
+  while (!document.empty()) {
+    if (document.starts_with(kUnused)) {  // of boxed text, which charts have not
+      document.remove_prefix(end_of(kUnusedEnd) - kUnusedEnd.size());
+    } else if (take(document, kLabel)) {
+      const std::size_t end = end_of(kLabelEnd);
+      const std::string& note = note_of(chart, document.substr(0, end - kLabelEnd.size()));
+      out += "<g><title>" + escape_markup(note) + "</title>";
+      document.remove_prefix(end);
+    } else if (document.starts_with(kTitle)) {  // of a plot; gnuplot names them by their data
+      document.remove_prefix(end_of(kTitleEnd));
+      const std::string& tip = plan.tips.at(plot++);
+      if (!tip.empty()) out += "<title>" + escape_markup(tip) + "</title>";
+    } else if (document.front() == '<') {
+      const std::size_t end = end_of(">");
+      const std::string_view tag = document.substr(0, end);
+      document.remove_prefix(end);
+      // Groups that set a colour and draw nothing.
+      const std::size_t next = std::min(document.find_first_not_of("\n\t "), document.size());
+      if (tag.starts_with("<g ") && document.substr(next).starts_with(kGroupEnd)) {
+        document.remove_prefix(next + kGroupEnd.size());
+      } else {
+        out += with_own_ids(tag, plan.prefix);
+      }
+    } else {
+      const std::size_t end = std::min(document.find('<'), document.size());
+      const std::string_view text = document.substr(0, end);
+      out += text.find_first_not_of("\n\t ") == std::string_view::npos ? "\n" : text;
+      document.remove_prefix(end);
+    }
+  }
+  return out;
+}
+
+std::string csv_field(std::string_view text) {
+  std::string out = "\"";
+  for (char c : text) {
+    if (c == '"') out += '"';
+    out += c == '\n' || c == '\r' ? ' ' : c;
+  }
+  return out + '"';
+}
+
+}  // namespace
+
+std::string escape_markup(const std::string& text) {
+  std::string out;
+  for (char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string to_svg(const Chart& chart) { return to_svg(std::span(&chart, 1)).front(); }
+
+std::vector<std::string> to_svg(std::span<const Chart> charts) {
+  if (charts.empty()) return {};
+  std::vector<Plan> plans;
+  std::set<std::string> prefixes;
+  std::string all;
+  for (const Chart& chart : charts) {
+    Script script(chart, true);
+    const std::string text = script.write();
+    std::string prefix = fmt::format("c{:x}-", hash_of(text));
+    for (int copy = 2; !prefixes.insert(prefix).second; ++copy) {
+      prefix = fmt::format("c{:x}-{}-", hash_of(text), copy);
+    }
+    plans.push_back({script.width(), script.height(), script.tips(), std::move(prefix)});
+    all += text;
+  }
+  const std::string documents = run_gnuplot(all);
+  constexpr std::string_view kStart = "<?xml";
+  std::vector<std::string> out;
+  std::size_t begin = documents.find(kStart);
+  for (std::size_t i = 0; i < charts.size(); ++i) {
+    if (begin == std::string::npos) throw FileError("gnuplot", "", "wrote fewer charts than asked");
+    const std::size_t next = documents.find(kStart, begin + 1);
+    const auto document = std::string_view(documents).substr(begin, next - begin);
+    out.push_back(page_element(charts[i], document, plans[i]));
+    begin = next;
+  }
+  return out;
+}
+
+void write_chart_files(const std::filesystem::path& folder, const std::string& name,
+                       const Chart& chart) {
+  const std::string script = Script(chart, false).write();
+  write_text_file(folder / (name + ".svg"), run_gnuplot(script));
+  // The output is named once the terminal is.
+  write_text_file(folder / (name + ".gp"),
+                  fmt::format("# gnuplot {0}.gp makes {0}.svg.\nset output {1}\n{2}", name,
+                              in_quotes(name + ".svg"), script));
+  std::string csv = "series,x,y,note\n";
+  for (const ChartSeries& series : chart.series) {
+    for (const ChartPoint& p : series.points) {
+      csv += fmt::format("{},{},{},{}\n", csv_field(series.name), p.x, p.y, csv_field(p.note));
+    }
+  }
+  write_text_file(folder / (name + ".csv"), csv);
+}
+
+void require_plotting_tool() {
+  const std::string version = run_gnuplot("set print '-'\nprint GPVAL_VERSION\n");
+  if (!(std::strtod(version.c_str(), nullptr) >= 5.4)) {
+    throw FileError("gnuplot", "", fmt::format("version {}, expected 5.4 or later", version));
+  }
+}
+
+}  // namespace bipot

@@ -1,0 +1,35 @@
+#include "bench/report/labels.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstdlib>
+
+namespace bipot {
+
+std::string tolerance_label(double tol) {
+  if (tol >= 1e-2) return fmt::format("{:g}", tol);
+  std::string text = fmt::format("{:e}", tol);
+  const std::size_t e = text.find('e');
+  const double mantissa = std::strtod(text.substr(0, e).c_str(), nullptr);
+  return fmt::format("{:g}e{}", mantissa, std::strtol(text.c_str() + e + 1, nullptr, 10));
+}
+
+std::string seconds_label(double seconds) {
+  if (!std::isfinite(seconds)) return "–";
+  if (seconds < 1e-3) return fmt::format("{:.3g} µs", seconds * 1e6);
+  if (seconds < 1) return fmt::format("{:.3g} ms", seconds * 1e3);
+  return fmt::format("{:.3g} s", seconds);
+}
+
+std::string error_label(double error) {
+  return std::isfinite(error) ? fmt::format("{:.1e}", error) : std::isnan(error) ? "–" : "∞";
+}
+
+std::string ratio_label(double ratio) {
+  if (std::isnan(ratio)) return "–";
+  if (std::isinf(ratio)) return "∞";
+  return ratio < 99.95 ? fmt::format("{:.3g}", ratio) : fmt::format("{:.0f}", ratio);
+}
+
+}  // namespace bipot

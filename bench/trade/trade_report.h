@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "bench/report/build_info.h"
+#include "bench/trade/trade_analysis.h"
+
+namespace bipot {
+
+/// What a reader must know to run it again.
+struct TradeContext {
+  std::string command;           ///< as it was typed
+  std::string command_of_scene;  ///< with {} for the scene
+  double time_limit = 0;
+  BuildInfo build;
+  std::string date;
+};
+
+nlohmann::ordered_json to_json(const Trade& trade, const TradeContext& context);
+/// One line for each scene, run and outcome: tidy, for a spreadsheet or a data frame.
+std::string to_csv(const Trade& trade);
+/// For a terminal of 100 columns.
+std::string to_text(const Trade& trade);
+/// Headings from <h3> down, for a page that has the classes of trade_style() and a heading of its
+/// own ("Whole simulations"). Charts are drawn: throws FileError without gnuplot.
+std::string trade_section(const Trade& trade, const TradeContext& context);
+/// The page by itself; needs nothing else.
+std::string trade_page(const Trade& trade, const TradeContext& context);
+/// CSS of the section, all under .trade.
+std::string trade_style();
+
+}  // namespace bipot

@@ -1,0 +1,380 @@
+#include "core/files/hdf5_file.h"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <array>
+#include <fstream>
+#include <limits>
+#include <utility>
+
+namespace bipot {
+namespace {
+
+static_assert(sizeof(hid_t) == sizeof(std::int64_t));
+
+/// Switches HDF5's printing of its error stack off for the time of one call.
+class Silence {
+ public:
+  Silence() {
+    H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
+    H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+  }
+  ~Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+  Silence(const Silence&) = delete;
+  Silence& operator=(const Silence&) = delete;
+
+ private:
+  H5E_auto2_t function_ = nullptr;
+  void* data_ = nullptr;
+};
+
+/// Owns one identifier.
+class Handle {
+ public:
+  Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
+  ~Handle() {
+    if (id_ >= 0) close_(id_);
+  }
+  Handle(const Handle&) = delete;
+  Handle& operator=(const Handle&) = delete;
+  operator hid_t() const { return id_; }
+  bool ok() const { return id_ >= 0; }
+
+ private:
+  hid_t id_;
+  herr_t (*close_)(hid_t);
+};
+
+/// The innermost message of HDF5's error stack.
+std::string hdf5_reason() {
+  std::string reason;
+  H5Ewalk2(
+      H5E_DEFAULT, H5E_WALK_DOWNWARD,
+      [](unsigned, const H5E_error2_t* error, void* out) -> herr_t {
+        if (error->desc != nullptr) *static_cast<std::string*>(out) = error->desc;
+        return 0;
+      },
+      &reason);
+  return reason.empty() ? "unknown HDF5 error" : reason;
+}
+
+bool link_exists(hid_t file, const std::string& name) {
+  if (name == "/") return true;
+  for (std::size_t end = name.find('/', 1);; end = name.find('/', end + 1)) {
+    if (H5Lexists(file, name.substr(0, end).c_str(), H5P_DEFAULT) <= 0) return false;
+    if (end == std::string::npos) break;
+  }
+  return H5Oexists_by_name(file, name.c_str(), H5P_DEFAULT) > 0;  // the target of a link, too
+}
+
+/// Reads a fixed or variable length text of an open dataset or attribute.
+std::vector<std::string> split_fixed(const std::vector<char>& bytes, std::size_t width) {
+  std::vector<std::string> texts;
+  for (std::size_t at = 0; at + width <= bytes.size(); at += width) {
+    std::string text(bytes.data() + at, width);
+    text.resize(std::min(text.size(), text.find('\0')));
+    texts.push_back(std::move(text));
+  }
+  return texts;
+}
+
+}  // namespace
+
+Hdf5File::Hdf5File(std::filesystem::path path, Mode mode) : path_(std::move(path)) {
+  const Silence silence;
+  if (mode != Mode::kCreate) {
+    if (!std::filesystem::exists(path_)) throw FileError(path_, "", "no such file");
+    if (!is_hdf5(path_)) throw FileError(path_, "", "not an HDF5 file");
+    file_ =
+        H5Fopen(path_.c_str(), mode == Mode::kRead ? H5F_ACC_RDONLY : H5F_ACC_RDWR, H5P_DEFAULT);
+  } else {
+    file_ = H5Fcreate(path_.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  }
+  if (file_ < 0) throw FileError(path_, "", "cannot open: " + hdf5_reason());
+}
+
+Hdf5File::~Hdf5File() {
+  const Silence silence;
+  if (file_ >= 0) H5Fclose(file_);
+}
+
+Hdf5File::Hdf5File(Hdf5File&& other) noexcept
+    : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {}
+
+void Hdf5File::close() {
+  const Silence silence;
+  if (file_ < 0) return;
+  const bool flushed = H5Fflush(file_, H5F_SCOPE_LOCAL) >= 0;
+  const bool closed = H5Fclose(std::exchange(file_, -1)) >= 0;
+  if (!flushed || !closed) throw FileError(path_, "", "cannot write: " + hdf5_reason());
+}
+
+bool Hdf5File::is_hdf5(const std::filesystem::path& path) {
+  constexpr std::array<char, 8> kSignature = {'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
+  std::array<char, 8> head{};
+  std::ifstream in(path, std::ios::binary);
+  in.read(head.data(), head.size());
+  return in.gcount() == static_cast<std::streamsize>(head.size()) && head == kSignature;
+}
+
+bool Hdf5File::exists(const std::string& name) const {
+  const Silence silence;
+  return link_exists(file_, name);
+}
+
+std::int64_t Hdf5File::open_dataset(const std::string& name) const {
+  if (!link_exists(file_, name)) throw FileError(path_, name, "missing");
+  const hid_t dataset = H5Dopen2(file_, name.c_str(), H5P_DEFAULT);
+  if (dataset < 0) throw FileError(path_, name, "not a dataset");
+  return dataset;
+}
+
+std::vector<std::size_t> Hdf5File::shape(const std::string& name) const {
+  const Silence silence;
+  const Handle dataset(open_dataset(name), H5Dclose);
+  const Handle space(H5Dget_space(dataset), H5Sclose);
+  const int rank = H5Sget_simple_extent_ndims(space);
+  if (rank < 0) throw FileError(path_, name, "has no simple extents");
+  std::vector<hsize_t> extents(static_cast<std::size_t>(rank));
+  H5Sget_simple_extent_dims(space, extents.data(), nullptr);
+  return {extents.begin(), extents.end()};
+}
+
+std::size_t Hdf5File::size(const std::string& name) const {
+  std::size_t product = 1;
+  for (std::size_t extent : shape(name)) product *= extent;
+  return product;
+}
+
+std::vector<std::string> Hdf5File::list(const std::string& group) const {
+  const Silence silence;
+  if (!link_exists(file_, group)) throw FileError(path_, group, "missing");
+  const Handle id(H5Gopen2(file_, group.c_str(), H5P_DEFAULT), H5Gclose);
+  if (!id.ok()) throw FileError(path_, group, "not a group");
+  std::vector<std::string> names;
+  H5Literate(
+      id, H5_INDEX_NAME, H5_ITER_INC, nullptr,
+      [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+        static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+        return 0;
+      },
+      &names);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::vector<double> Hdf5File::read_doubles(const std::string& name) const {
+  std::vector<double> values(size(name));
+  const Silence silence;
+  const Handle dataset(open_dataset(name), H5Dclose);
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  const H5T_class_t kind = H5Tget_class(type);
+  if (kind != H5T_FLOAT && kind != H5T_INTEGER) throw FileError(path_, name, "not numbers");
+  if (values.empty()) return values;
+  if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
+    throw FileError(path_, name, "cannot read: " + hdf5_reason());
+  }
+  return values;
+}
+
+std::vector<int> Hdf5File::read_ints(const std::string& name) const {
+  std::vector<std::int64_t> wide(size(name));
+  const Silence silence;
+  const Handle dataset(open_dataset(name), H5Dclose);
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  if (H5Tget_class(type) != H5T_INTEGER) throw FileError(path_, name, "not integers");
+  if (wide.empty()) return {};
+  if (H5Dread(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, wide.data()) < 0) {
+    throw FileError(path_, name, "cannot read: " + hdf5_reason());
+  }
+  std::vector<int> values;
+  values.reserve(wide.size());
+  for (std::size_t k = 0; k < wide.size(); ++k) {
+    if (wide[k] < std::numeric_limits<int>::min() || wide[k] > std::numeric_limits<int>::max()) {
+      throw FileError(path_, name, fmt::format("element {} = {} does not fit an int", k, wide[k]));
+    }
+    values.push_back(static_cast<int>(wide[k]));
+  }
+  return values;
+}
+
+int Hdf5File::read_int(const std::string& name) const {
+  const std::vector<int> values = read_ints(name);
+  if (values.size() != 1) {
+    throw FileError(path_, name, fmt::format("has {} elements, expected one", values.size()));
+  }
+  return values[0];
+}
+
+double Hdf5File::read_double(const std::string& name) const {
+  const std::vector<double> values = read_doubles(name);
+  if (values.size() != 1) {
+    throw FileError(path_, name, fmt::format("has {} elements, expected one", values.size()));
+  }
+  return values[0];
+}
+
+std::vector<std::string> Hdf5File::read_strings(const std::string& name) const {
+  const std::size_t count = size(name);
+  const Silence silence;
+  const Handle dataset(open_dataset(name), H5Dclose);
+  const Handle type(H5Dget_type(dataset), H5Tclose);
+  if (H5Tget_class(type) != H5T_STRING) throw FileError(path_, name, "not text");
+  if (count == 0) return {};
+  if (H5Tis_variable_str(type) > 0) {
+    std::vector<char*> texts(count, nullptr);
+    const Handle space(H5Dget_space(dataset), H5Sclose);
+    if (H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.data()) < 0) {
+      throw FileError(path_, name, "cannot read: " + hdf5_reason());
+    }
+    std::vector<std::string> result;
+    for (const char* text : texts) result.emplace_back(text == nullptr ? "" : text);
+    H5Dvlen_reclaim(type, space, H5P_DEFAULT, texts.data());
+    return result;
+  }
+  const std::size_t width = H5Tget_size(type);
+  std::vector<char> bytes(count * width);
+  if (H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
+    throw FileError(path_, name, "cannot read: " + hdf5_reason());
+  }
+  return split_fixed(bytes, width);
+}
+
+std::string Hdf5File::read_string(const std::string& name) const {
+  std::vector<std::string> texts = read_strings(name);
+  if (texts.size() != 1) {
+    throw FileError(path_, name, fmt::format("has {} elements, expected one", texts.size()));
+  }
+  return std::move(texts[0]);
+}
+
+void Hdf5File::write_array(const std::string& name, std::int64_t type, const void* data,
+                           std::span<const std::size_t> extents) {
+  if (link_exists(file_, name)) remove(name);
+  const Silence silence;
+  std::vector<hsize_t> dims(extents.begin(), extents.end());
+  const bool empty = std::find(dims.begin(), dims.end(), hsize_t{0}) != dims.end();
+  const Handle space(dims.empty()
+                         ? H5Screate(H5S_SCALAR)
+                         : H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr),
+                     H5Sclose);
+  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  H5Pset_create_intermediate_group(links, 1);
+  const Handle properties(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  H5Pset_obj_track_times(properties, false);
+  const Handle dataset(H5Dcreate2(file_, name.c_str(), type, space, links, properties, H5P_DEFAULT),
+                       H5Dclose);
+  if (!dataset.ok()) throw FileError(path_, name, "cannot create: " + hdf5_reason());
+  if (!empty && H5Dwrite(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, data) < 0) {
+    throw FileError(path_, name, "cannot write: " + hdf5_reason());
+  }
+}
+
+void Hdf5File::write(const std::string& name, int value) { write(name, std::span(&value, 1)); }
+
+void Hdf5File::write(const std::string& name, double value) { write(name, std::span(&value, 1)); }
+
+void Hdf5File::write(const std::string& name, std::span<const int> values) {
+  const std::array<std::size_t, 1> extents = {values.size()};
+  write_array(name, H5T_NATIVE_INT, values.data(), extents);
+}
+
+void Hdf5File::write(const std::string& name, std::span<const double> values) {
+  const std::array<std::size_t, 1> extents = {values.size()};
+  write_array(name, H5T_NATIVE_DOUBLE, values.data(), extents);
+}
+
+void Hdf5File::write_rows(const std::string& name, std::span<const double> values,
+                          std::size_t columns) {
+  const std::array<std::size_t, 2> extents = {values.size() / columns, columns};
+  write_array(name, H5T_NATIVE_DOUBLE, values.data(), extents);
+}
+
+void Hdf5File::write(const std::string& name, std::string_view value) {
+  const Silence silence;
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, value.size() + 1);
+  const std::string terminated(value);
+  write_array(name, type, terminated.c_str(), {});
+}
+
+void Hdf5File::write(const std::string& name, std::span<const std::string> values) {
+  const Silence silence;
+  std::size_t width = 1;
+  for (const std::string& value : values) width = std::max(width, value.size() + 1);
+  std::string bytes;
+  for (const std::string& value : values) {
+    bytes += value;
+    bytes.append(width - value.size(), '\0');
+  }
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, width);
+  const std::array<std::size_t, 1> extents = {values.size()};
+  write_array(name, type, bytes.data(), extents);
+}
+
+void Hdf5File::create_group(const std::string& name) {
+  const Silence silence;
+  if (link_exists(file_, name)) return;
+  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  H5Pset_create_intermediate_group(links, 1);
+  const Handle group(H5Gcreate2(file_, name.c_str(), links, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  if (!group.ok()) throw FileError(path_, name, "cannot create: " + hdf5_reason());
+}
+
+void Hdf5File::remove(const std::string& name) {
+  const Silence silence;
+  if (H5Ldelete(file_, name.c_str(), H5P_DEFAULT) < 0) {
+    throw FileError(path_, name, "cannot remove: " + hdf5_reason());
+  }
+}
+
+void Hdf5File::link(const std::string& name, const std::filesystem::path& file,
+                    const std::string& target) {
+  const Silence silence;
+  const Handle links(H5Pcreate(H5P_LINK_CREATE), H5Pclose);
+  H5Pset_create_intermediate_group(links, 1);
+  if (H5Lcreate_external(file.c_str(), target.c_str(), file_, name.c_str(), links, H5P_DEFAULT) <
+      0) {
+    throw FileError(path_, name, "cannot link: " + hdf5_reason());
+  }
+}
+
+void Hdf5File::write_attribute(const std::string& object, const std::string& name,
+                               std::string_view value) {
+  const Silence silence;
+  if (H5Aexists_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT) > 0) {
+    H5Adelete_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT);
+  }
+  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type, value.size() + 1);
+  const Handle space(H5Screate(H5S_SCALAR), H5Sclose);
+  const Handle attribute(H5Acreate_by_name(file_, object.c_str(), name.c_str(), type, space,
+                                           H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT),
+                         H5Aclose);
+  const std::string terminated(value);
+  if (!attribute.ok() || H5Awrite(attribute, type, terminated.c_str()) < 0) {
+    throw FileError(path_, object + "@" + name, "cannot write: " + hdf5_reason());
+  }
+}
+
+std::string Hdf5File::read_attribute(const std::string& object, const std::string& name) const {
+  const Silence silence;
+  const std::string place = object + "@" + name;
+  const Handle attribute(
+      H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  if (!attribute.ok()) throw FileError(path_, place, "missing");
+  const Handle type(H5Aget_type(attribute), H5Tclose);
+  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0) {
+    throw FileError(path_, place, "not a text of fixed length");
+  }
+  std::vector<char> bytes(H5Tget_size(type));
+  if (H5Aread(attribute, type, bytes.data()) < 0) {
+    throw FileError(path_, place, "cannot read: " + hdf5_reason());
+  }
+  return split_fixed(bytes, bytes.size()).front();
+}
+
+}  // namespace bipot

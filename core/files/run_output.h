@@ -1,0 +1,101 @@
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/file_error.h"
+#include "core/motion/time_stepping.h"
+
+namespace bipot {
+
+/// Lines of a CSV file that are on disk as soon as they are written.
+class CsvFile {
+ public:
+  /// Begins a file with `header`; of a file that is there, rows whose first number is at most
+  /// `keep_up_to` are kept. Columns that `header` has beyond those of that file are nan there.
+  CsvFile(std::filesystem::path path, const std::string& header, int keep_up_to);
+  void row(const std::string& line);
+
+ private:
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::filesystem::path path_;
+  std::unique_ptr<std::FILE, Close> file_;
+};
+
+/// Writes a run into a folder:
+///   run.h5               what does not change: scene text, version, disks' radius, mass, inertia
+///                        and material, walls, materials, solver; links /frames/<step> to
+///                        the files below
+///   frames/<step>.h5     one state: all that a restart needs, the contacts with impulses,
+///                        forces, velocities and status, and the stresses that follow from them
+///   run.xdmf             index of the frames for ParaView: disks as points, contacts as lines
+///                        between the centres, walls as lines
+///   ledger.csv           one row for each scene.output.ledger_every steps, and the last
+///   trajectory.csv       one row for each step and tracked disk, if scene.output.track names any
+/// data/formats.md describes each entry.
+///
+/// Every file but the CSV appears whole (AtomicFile): whenever the program is killed, all frames
+/// written so far can be read, and ParaView may look on while the run goes on. run.h5 and run.xdmf
+/// are rewritten after every frame up to the 32nd; later after every 1/32 of the frames so far,
+/// which bounds the cost, and by close(). read_state() finds the frames without them.
+/// Throws FileError.
+class RunWriter {
+ public:
+  /// Creates the folder. Output of an earlier run in it is removed; with `resume_after` >= 0, what
+  /// belongs to later steps is removed and the rest is continued.
+  RunWriter(std::filesystem::path folder, const Scene& scene, std::string scene_text,
+            int resume_after = -1);
+  /// Closes, but cannot report a failure: call close().
+  ~RunWriter();
+  RunWriter(const RunWriter&) = delete;
+  RunWriter& operator=(const RunWriter&) = delete;
+
+  /// Ledger and trajectories of a step.
+  void step(const State& state, const StepReport& report);
+  /// A frame; writing the one of the same step again is not an error and does nothing.
+  void frame(const State& state);
+  /// Writes what is due at the end. Without effect the second time.
+  void close();
+
+ private:
+  struct Frame {
+    int step = 0;
+    double time = 0;
+    std::size_t contacts = 0;
+    bool stress = true;  ///< false: of a version that did not write stresses
+  };
+
+  std::filesystem::path frame_path(int step) const;
+  void write_frame_file(const State& state) const;
+  void add_frame(const Frame& frame);
+  void write_index();
+  void write_run_file() const;
+  void write_xdmf() const;
+
+  std::filesystem::path folder_;
+  Scene scene_;
+  std::string scene_text_;
+  std::vector<Frame> frames_;
+  std::optional<CsvFile> ledger_, trajectory_;
+  std::string pending_row_;                              // last ledger row, if its step was not due
+  std::string xdmf_disks_, xdmf_contacts_, xdmf_walls_;  // grids of run.xdmf, all frames
+  std::size_t indexed_ = 0;                              // frames that run.h5 and run.xdmf know
+  bool closed_ = false;
+};
+
+/// Steps of the frames of a run, increasing. `run`: its folder or its run.h5.
+std::vector<int> frame_steps(const std::filesystem::path& run);
+
+/// The state of the frame after `step` (-1: the last frame), bit for bit. Throws FileError.
+State read_state(const std::filesystem::path& run, int step = -1);
+
+/// Scene text that the run was started with.
+std::string read_scene_text(const std::filesystem::path& run);
+
+}  // namespace bipot

@@ -1,0 +1,162 @@
+#include "core/motion/assembly.h"
+
+#include <cmath>
+
+#include "core/problem/delassus.h"
+
+namespace bipot {
+namespace {
+
+DofMap number_dofs(bool friction, std::size_t num_disks, std::span<const Wall> walls,
+                   std::span<const Contact> contacts) {
+  DofMap dofs;
+  dofs.per_disk = friction ? 3 : 2;
+  dofs.disk.assign(num_disks, -1);
+  dofs.wall.assign(walls.size(), -1);
+  for (const Contact& c : contacts) {
+    dofs.disk[c.i] = 0;
+    const std::size_t j = c.j;
+    if (j < num_disks) {
+      dofs.disk[j] = 0;
+    } else if (walls[j - num_disks].motion == Wall::Motion::kDriven) {
+      dofs.wall[j - num_disks] = 0;
+    }
+  }
+  for (int& first : dofs.disk) {
+    if (first < 0) continue;
+    first = dofs.size;
+    dofs.size += dofs.per_disk;
+  }
+  for (int& dof : dofs.wall) {
+    if (dof == 0) dof = dofs.size++;
+  }
+  return dofs;
+}
+
+/// Appends columns of H, rows ascending.
+class ColumnWriter {
+ public:
+  explicit ColumnWriter(int columns) { start_.reserve(columns + 1); }
+  void add(int row, double value) {
+    row_.push_back(row);
+    value_.push_back(value);
+  }
+  void close() { start_.push_back(static_cast<int>(row_.size())); }
+  SparseMatrix finish(int rows) const {
+    return Eigen::Map<const SparseMatrix>(rows, static_cast<Eigen::Index>(start_.size()) - 1,
+                                          static_cast<Eigen::Index>(row_.size()), start_.data(),
+                                          row_.data(), value_.data());
+  }
+
+ private:
+  std::vector<int> start_{0}, row_;
+  std::vector<double> value_;
+};
+
+SparseMatrix diagonal_matrix(const Vector& diagonal) {
+  const int n = static_cast<int>(diagonal.size());
+  SparseMatrix A(n, n);
+  A.resizeNonZeros(n);
+  for (int k = 0; k < n; ++k) {
+    A.outerIndexPtr()[k] = A.innerIndexPtr()[k] = k;
+    A.valuePtr()[k] = diagonal[k];
+  }
+  A.outerIndexPtr()[n] = n;
+  return A;
+}
+
+}  // namespace
+
+AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
+                            std::span<const Wall> walls, std::span<const Contact> contacts,
+                            std::span<const Vec2> disk_v_free, std::span<const double> wall_v_free,
+                            bool explicit_delassus) {
+  const bool friction = scene.has_friction();
+  const int d = friction ? 2 : 1;
+  const int num_contacts = static_cast<int>(contacts.size());
+  const int num_disks = static_cast<int>(disks.size());
+
+  AssembledStep step;
+  step.dofs = number_dofs(friction, disks.size(), walls, contacts);
+  const DofMap& dofs = step.dofs;
+  ContactProblem& p = step.problem;
+  p.dim = d;
+
+  Vector mass(dofs.size);
+  p.v_free.resize(dofs.size);
+  for (int i = 0; i < num_disks; ++i) {
+    const int k = dofs.disk[i];
+    if (k < 0) continue;
+    mass[k] = mass[k + 1] = disks[i].mass;
+    p.v_free.segment<2>(k) = disk_v_free[i];
+    if (friction) {
+      mass[k + 2] = disks[i].inertia;
+      p.v_free[k + 2] = disks[i].spin;  // no torque but that of the contacts
+    }
+  }
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    if (dofs.wall[w] < 0) continue;
+    mass[dofs.wall[w]] = walls[w].mass;
+    p.v_free[dofs.wall[w]] = wall_v_free[w];
+  }
+  p.A = diagonal_matrix(mass);
+
+  bool any_restitution = false;
+  for (const ContactLaw& law : scene.laws) any_restitution |= law.e_n != 0 || law.e_t != 0;
+  p.mu.resize(num_contacts);
+  p.u_free.resize(d * num_contacts);
+  step.u_before.resize(d * num_contacts);
+  if (any_restitution) p.row_scale.resize(d * num_contacts);
+
+  ColumnWriter columns(d * num_contacts);
+  for (int c = 0; c < num_contacts; ++c) {
+    const Contact& contact = contacts[c];
+    const Disk& a = disks[contact.i];
+    const bool with_disk = contact.j < num_disks;
+    const Disk* b = with_disk ? &disks[contact.j] : nullptr;
+    const Wall* wall = with_disk ? nullptr : &walls[contact.j - num_disks];
+    const ContactLaw& law = scene.law(a.material, with_disk ? b->material : wall->material);
+    const double r_n = std::sqrt(1 + law.e_n), r_t = std::sqrt(1 + law.e_t);
+    p.mu[c] = friction ? law.mu * r_t / r_n : 0.0;
+
+    const Vec2 other_before = with_disk ? b->v : wall->v;
+    Vec2 other_free = other_before;
+    if (with_disk) {
+      other_free = disk_v_free[contact.j];
+    } else if (wall->motion == Wall::Motion::kDriven) {
+      other_free = wall_v_free[contact.j - num_disks] * wall->direction;
+    }
+    const int k = dofs.disk[contact.i];
+    const int l = with_disk ? dofs.disk[contact.j] : dofs.wall[contact.j - num_disks];
+    for (int row = 0; row < d; ++row) {
+      const Vec2 axis = row == 0 ? contact.n : Vec2(-contact.n[1], contact.n[0]);
+      const double e = row == 0 ? law.e_n : law.e_t;
+      const double r = row == 0 ? r_n : r_t;
+      const double arm_a = row == 0 ? 0 : -a.radius;
+      const double arm_b = row == 0 || !with_disk ? 0 : -b->radius;
+      const double spin_part = arm_a * a.spin + (with_disk ? arm_b * b->spin : 0.0);
+      const double before = axis.dot(a.v - other_before) + spin_part;
+      const double free = axis.dot(disk_v_free[contact.i] - other_free) + spin_part;
+      step.u_before[c * d + row] = before;
+      p.u_free[c * d + row] = (free + e * before) / r;
+      if (any_restitution) p.row_scale[c * d + row] = r;
+
+      columns.add(k, axis[0] / r);
+      columns.add(k + 1, axis[1] / r);
+      if (row == 1) columns.add(k + 2, arm_a / r);
+      if (with_disk) {
+        columns.add(l, -axis[0] / r);
+        columns.add(l + 1, -axis[1] / r);
+        if (row == 1) columns.add(l + 2, arm_b / r);
+      } else if (l >= 0) {
+        columns.add(l, -axis.dot(wall->direction) / r);
+      }
+      columns.close();
+    }
+  }
+  p.H = columns.finish(dofs.size);
+  if (explicit_delassus) p.W = assemble_delassus(p.A, p.H, d);
+  return step;
+}
+
+}  // namespace bipot

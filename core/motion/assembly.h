@@ -1,0 +1,41 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/problem/contact_problem.h"
+#include "core/scene/contact.h"
+#include "core/scene/scene.h"
+
+namespace bipot {
+
+/// Where each body's degrees of freedom stand in the problem's v; -1 for bodies that take no part.
+struct DofMap {
+  int per_disk = 3;       ///< 3 (x, y, spin), or 2 (x, y) without friction
+  std::vector<int> disk;  ///< first dof of each disk
+  std::vector<int> wall;  ///< the dof of each driven wall
+  int size = 0;
+};
+
+/// A step's problem and the way back to the bodies.
+struct AssembledStep {
+  ContactProblem problem;
+  DofMap dofs;
+  Vector u_before;  ///< m, physical relative velocities u⁻ before the step    [m/s]
+};
+
+/// Assembles A, H, u_free, mu (and W on request) of one step of size h from the bodies' velocities
+/// before the step, their velocities without contact impulses, and the contacts:
+///
+///   contact of disk i with j:  u_n = n·(v_i - v_j),  u_t = t·(v_i - v_j) - a_i w_i - a_j w_j,
+///   D = diag 1/(1+e),  u = D (Hᵀ v⁺ + E Hᵀ v⁻)  (36),  symmetric form of method.md §3.
+///
+/// The contact dimension is 1 (no tangential rows, no rotations) when `frictionless`. Only bodies
+/// in contact enter; of the walls only driven ones have a degree of freedom, moving ones stand in
+/// the right-hand side. Restitution applies to every candidate alike. [ours, method.md §3]
+AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
+                            std::span<const Wall> walls, std::span<const Contact> contacts,
+                            std::span<const Vec2> disk_v_free, std::span<const double> wall_v_free,
+                            bool explicit_delassus);
+
+}  // namespace bipot

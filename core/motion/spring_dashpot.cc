@@ -1,0 +1,422 @@
+#include "core/motion/spring_dashpot.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+
+#include "core/scene/contact_detection.h"
+
+namespace bipot {
+namespace {
+
+/// Reach of the neighbour list, of the smallest radius: long enough that searching is rare, short
+/// enough that few pairs are tested in vain.
+constexpr double kSkin = 0.2;
+constexpr int kPollEvery = 64;  // substeps between looks at the clock
+
+using Clock = std::chrono::steady_clock;
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+bool before(int i, int j, int other_i, int other_j) {
+  return i < other_i || (i == other_i && j < other_j);
+}
+
+}  // namespace
+
+SpringDashpotStepper::SpringDashpotStepper(const Scene& scene, std::function<bool()> cut_short,
+                                           SpringDashpotLimits limits)
+    : scene_(scene),
+      setup_(spring_dashpot_setup(scene)),
+      cut_short_(std::move(cut_short)),
+      limits_(limits) {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const Disk& d : scene.disks) smallest = std::min(smallest, d.radius);
+  skin_ = scene.disks.empty() ? 0 : kSkin * smallest;
+}
+
+void SpringDashpotStepper::load(const State& state) {
+  bodies_.resize(state.disks.size());
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Disk& d = state.disks[k];
+    bodies_[k] = {.x = d.x[0],
+                  .y = d.x[1],
+                  .angle = d.angle,
+                  .vx = d.v[0],
+                  .vy = d.v[1],
+                  .spin = d.spin,
+                  .inv_mass = 1 / d.mass,
+                  .inv_inertia = 1 / d.inertia,
+                  .radius = d.radius};
+  }
+  walls_ = state.walls;
+  wall_push_.assign(walls_.size(), 0.0);
+  // The springs of the state; find_pairs() takes them over.
+  pairs_.clear();
+  for (const ContactOutcome& c : state.contacts) {
+    if (c.spring == 0) continue;
+    pairs_.push_back(make_pair(c.contact.i, c.contact.j));
+    pairs_.back().spring = c.spring;
+  }
+  find_pairs(state);
+  work_n_ = work_t_ = wall_work_ = 0;
+  external_ = Vec2::Zero();
+  worst_overlap_ = penetration_ = 0;
+  worst_i_ = worst_j_ = -1;
+}
+
+SpringDashpotStepper::Pair SpringDashpotStepper::make_pair(int i, int j) const {
+  const Body& a = bodies_[static_cast<std::size_t>(i)];
+  const int n = static_cast<int>(bodies_.size());
+  int material = 0;
+  double normal = a.inv_mass, rim = a.inv_mass + a.radius * a.radius * a.inv_inertia;
+  if (j < n) {
+    const Body& b = bodies_[static_cast<std::size_t>(j)];
+    normal += b.inv_mass;
+    rim += b.inv_mass + b.radius * b.radius * b.inv_inertia;
+    material = scene_.disks[static_cast<std::size_t>(j)].material;
+  } else {
+    const Wall& w = walls_[static_cast<std::size_t>(j - n)];
+    // A driven wall gives way along its direction only; its mass enters in full, which
+    // damps the other direction a little more.
+    if (w.motion == Wall::Motion::kDriven) {
+      normal += 1 / w.mass;
+      rim += 1 / w.mass;
+    }
+    material = w.material;
+  }
+  const auto count = scene_.materials.size();
+  const std::size_t law =
+      static_cast<std::size_t>(scene_.disks[static_cast<std::size_t>(i)].material) * count +
+      static_cast<std::size_t>(material);
+  const double zeta = setup_.damping[law];
+  return {.i = i,
+          .j = j,
+          .mu = scene_.laws[law].mu,
+          .c_n = 2 * zeta * std::sqrt(setup_.stiffness / normal),
+          .c_t = 2 * zeta * std::sqrt(setup_.tangential_stiffness / rim)};
+}
+
+/// A new neighbour list; pairs in use keep what they carry.
+void SpringDashpotStepper::find_pairs(const State& state) {
+  // Detection looks at centres and radii alone.
+  std::vector<Disk> disks = state.disks;
+  for (std::size_t k = 0; k < disks.size(); ++k) disks[k].x = Vec2(bodies_[k].x, bodies_[k].y);
+  const std::vector<Contact> near = detect_contacts(disks, walls_, skin_);
+  fresh_.clear();
+  auto old = pairs_.begin();
+  const auto keep_old = [&] {
+    if (old->touched || old->spring != 0) fresh_.push_back(*old);
+    ++old;
+  };
+  for (const Contact& c : near) {
+    while (old != pairs_.end() && before(old->i, old->j, c.i, c.j)) keep_old();
+    if (old != pairs_.end() && old->i == c.i && old->j == c.j) {
+      fresh_.push_back(*old++);
+    } else {
+      fresh_.push_back(make_pair(c.i, c.j));
+    }
+  }
+  while (old != pairs_.end()) keep_old();
+  pairs_.swap(fresh_);
+  path_ = 0;
+}
+
+SpringDashpotStepper::Geometry SpringDashpotStepper::geometry(const Pair& pair) const {
+  const Body& a = bodies_[static_cast<std::size_t>(pair.i)];
+  const auto j = static_cast<std::size_t>(pair.j);
+  double dx = 0, dy = 0, reach = a.radius;
+  if (j < bodies_.size()) {
+    const Body& b = bodies_[j];
+    dx = a.x - b.x;
+    dy = a.y - b.y;
+    reach += b.radius;
+  } else {
+    const Wall& w = walls_[j - bodies_.size()];
+    if (w.shape == Wall::Shape::kHalfPlane) {
+      const double height = w.normal[0] * (a.x - w.a[0]) + w.normal[1] * (a.y - w.a[1]);
+      return {w.normal, height - reach};
+    }
+    const Vec2 along = w.b - w.a, from = Vec2(a.x, a.y) - w.a;
+    const double t = std::clamp(from.dot(along) / along.squaredNorm(), 0.0, 1.0);
+    dx = from[0] - t * along[0];
+    dy = from[1] - t * along[1];
+  }
+  const double distance2 = dx * dx + dy * dy;
+  const double distance = std::sqrt(distance2);
+  return {Vec2(dx / distance, dy / distance), distance - reach};
+}
+
+Vec2 SpringDashpotStepper::relative_velocity(const Pair& pair, const Vec2& n) const {
+  const Body& a = bodies_[static_cast<std::size_t>(pair.i)];
+  const auto j = static_cast<std::size_t>(pair.j);
+  double vx = a.vx, vy = a.vy, rim = a.radius * a.spin;
+  if (j < bodies_.size()) {
+    const Body& b = bodies_[j];
+    vx -= b.vx;
+    vy -= b.vy;
+    rim += b.radius * b.spin;
+  } else {
+    const Wall& w = walls_[j - bodies_.size()];
+    vx -= w.v[0];
+    vy -= w.v[1];
+  }
+  return {n[0] * vx + n[1] * vy, n[0] * vy - n[1] * vx - rim};
+}
+
+void SpringDashpotStepper::drift(double dt) {
+  for (Body& b : bodies_) {
+    b.x += dt * b.vx;
+    b.y += dt * b.vy;
+    b.angle += dt * b.spin;
+  }
+  for (Wall& w : walls_) {
+    w.a += dt * w.v;
+    w.b += dt * w.v;
+  }
+}
+
+/// Forces at the mid-point. Work is the trapezoidal sum of force times velocity, so each pair's
+/// force of the substep before is still needed; so are pairs that have just come apart.
+void SpringDashpotStepper::apply_contacts(double dt) {
+  const double k_n = setup_.stiffness, k_t = setup_.tangential_stiffness;
+  const std::size_t num_disks = bodies_.size();
+  for (Pair& p : pairs_) {
+    Body& a = bodies_[static_cast<std::size_t>(p.i)];
+    const auto j = static_cast<std::size_t>(p.j);
+    if (j < num_disks && p.f_n == 0 && p.spring == 0) {
+      // Most pairs of the list do not touch.
+      const Body& b = bodies_[j];
+      const double dx = a.x - b.x, dy = a.y - b.y, reach = a.radius + b.radius;
+      if (dx * dx + dy * dy >= reach * reach) continue;
+    }
+    const Geometry at = geometry(p);
+    const double overlap = -at.gap;
+    const bool apart = !(overlap > 0);
+    if (apart && p.f_n == 0 && p.spring == 0) continue;
+    const Vec2 u = relative_velocity(p, at.n);
+    double f_n = 0, f_t = 0;
+    if (apart) {
+      p.spring = 0;
+    } else {
+      f_n = std::max(0.0, k_n * overlap - p.c_n * u[0]);
+      if (p.mu > 0) {
+        p.spring += dt * u[1];
+        const double limit = p.mu * f_n;
+        if (k_t * std::abs(p.spring) > limit) {
+          // Slip: the spring stays as long as friction can hold it, the dashpot takes no part.
+          f_t = std::copysign(limit, -p.spring);
+          p.spring = -f_t / k_t;
+        } else {
+          f_t = std::clamp(-k_t * p.spring - p.c_t * u[1], -limit, limit);
+        }
+      }
+      p.touched = true;
+      p.s_n += dt * f_n;
+      p.s_t += dt * f_t;
+      if (overlap > penetration_) penetration_ = overlap;
+      const double smaller = j < num_disks ? std::min(a.radius, bodies_[j].radius) : a.radius;
+      if (!(overlap <= worst_overlap_ * smaller)) {
+        worst_overlap_ = overlap / smaller;
+        worst_i_ = p.i;
+        worst_j_ = p.j;
+      }
+    }
+    work_n_ += 0.5 * dt * (p.f_n + f_n) * u[0];
+    work_t_ += 0.5 * dt * (p.f_t + f_t) * u[1];
+    p.f_n = f_n;
+    p.f_t = f_t;
+    if (apart) continue;
+    const double fx = f_n * at.n[0] - f_t * at.n[1], fy = f_n * at.n[1] + f_t * at.n[0];
+    a.fx += fx;
+    a.fy += fy;
+    a.torque -= a.radius * f_t;
+    if (j < num_disks) {
+      Body& b = bodies_[j];
+      b.fx -= fx;
+      b.fy -= fy;
+      b.torque -= b.radius * f_t;
+      continue;
+    }
+    const Wall& w = walls_[j - num_disks];
+    if (w.motion == Wall::Motion::kDriven) {
+      // What acts across the direction is taken by the wall's guide.
+      const double along = fx * w.direction[0] + fy * w.direction[1];
+      wall_push_[j - num_disks] -= along;
+      external_ += dt * (Vec2(fx, fy) - along * w.direction);
+    } else {
+      external_ += dt * Vec2(fx, fy);
+      wall_work_ += dt * (fx * w.v[0] + fy * w.v[1]);
+    }
+  }
+}
+
+void SpringDashpotStepper::kick(double dt) {
+  const double gx = scene_.gravity[0], gy = scene_.gravity[1];
+  for (Body& b : bodies_) {
+    b.vx += dt * (b.fx * b.inv_mass + gx);
+    b.vy += dt * (b.fy * b.inv_mass + gy);
+    b.spin += dt * b.torque * b.inv_inertia;
+    b.fx = b.fy = b.torque = 0;
+  }
+  for (std::size_t k = 0; k < walls_.size(); ++k) {
+    Wall& w = walls_[k];
+    if (w.motion != Wall::Motion::kDriven) continue;
+    const Vec2 v = w.v + dt * (w.force + wall_push_[k]) / w.mass * w.direction;
+    wall_work_ += dt * w.force * w.direction.dot(0.5 * (w.v + v));
+    w.v = v;
+    wall_push_[k] = 0;
+  }
+}
+
+/// The last half of the trapezoidal sums.
+void SpringDashpotStepper::close_work(double dt) {
+  for (Pair& p : pairs_) {
+    if (p.f_n == 0) continue;
+    const Vec2 u = relative_velocity(p, geometry(p).n);
+    work_n_ += 0.5 * dt * p.f_n * u[0];
+    work_t_ += 0.5 * dt * p.f_t * u[1];
+  }
+}
+
+SpringDashpotStepper::Elastic SpringDashpotStepper::elastic_energy() const {
+  Elastic energy;
+  for (const Pair& p : pairs_) {
+    const double overlap = -geometry(p).gap;
+    if (overlap > 0) energy.normal += 0.5 * setup_.stiffness * overlap * overlap;
+    energy.tangential += 0.5 * setup_.tangential_stiffness * p.spring * p.spring;
+  }
+  return energy;
+}
+
+/// By how much two bodies can come closer in a substep, at most.
+double SpringDashpotStepper::path_per_substep(double dt) const {
+  double disk2 = 0, wall2 = 0;
+  for (const Body& b : bodies_) disk2 = std::max(disk2, b.vx * b.vx + b.vy * b.vy);
+  for (const Wall& w : walls_) wall2 = std::max(wall2, w.v.squaredNorm());
+  return dt * (std::sqrt(disk2) + std::sqrt(std::max(disk2, wall2)));
+}
+
+StepReport SpringDashpotStepper::advance(State& state) {
+  const double h = scene_.step, dt = setup_.substep;
+  const Clock::time_point start = Clock::now();
+  const int step_number = state.step + 1;
+  StepReport report;
+  const auto failure = [&](StepFailure::Kind kind, const std::string& why) {
+    return StepFailure(kind,
+                       fmt::format("step {} at t = {:.9g} s: {}", step_number, state.time, why));
+  };
+
+  load(state);
+  report.detection_seconds = seconds_since(start);
+  const Elastic elastic_before = elastic_energy();
+  for (int k = 0; k < setup_.substeps; ++k) {
+    drift(0.5 * dt);
+    path_ += path_per_substep(dt);
+    if (!(path_ <= skin_)) {
+      const Clock::time_point search = Clock::now();
+      if (!std::isfinite(path_)) {
+        throw failure(StepFailure::Kind::kNumerical, "a velocity is not finite");
+      }
+      find_pairs(state);
+      report.detection_seconds += seconds_since(search);
+    }
+    apply_contacts(dt);
+    if (!(worst_overlap_ <= limits_.overlap)) {
+      throw failure(
+          StepFailure::Kind::kNumerical,
+          fmt::format("bodies {} and {} overlap by {:.2g} of the radius (limit {:g}): a stiffness "
+                      "of {:.4g} N/m is too low for this load, raise it",
+                      worst_i_, worst_j_, worst_overlap_, limits_.overlap, setup_.stiffness));
+    }
+    kick(dt);
+    drift(0.5 * dt);
+    if (cut_short_ && (k + 1) % kPollEvery == 0 && cut_short_()) {
+      throw failure(StepFailure::Kind::kCutShort,
+                    fmt::format("stopped after {} of {} substeps", k + 1, setup_.substeps));
+    }
+  }
+  close_work(dt);
+  const Elastic elastic_after = elastic_energy();
+
+  State next;
+  next.step = step_number;
+  // Multiples of h have no drift; after a restart with another step size there are none.
+  const bool multiple = std::abs(state.time - state.step * h) <= 1e-6 * h;
+  next.time = multiple ? step_number * h : state.time + h;
+  next.disks = state.disks;
+  next.walls = walls_;
+  for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    const Body& b = bodies_[k];
+    Disk& d = next.disks[k];
+    d.x = Vec2(b.x, b.y);
+    d.angle = b.angle;
+    d.v = Vec2(b.vx, b.vy);
+    d.spin = b.spin;
+  }
+  for (const Pair& p : pairs_) {
+    const Geometry at = geometry(p);
+    if (!p.touched && at.gap >= 0) continue;
+    const Vec2 u = relative_velocity(p, at.n);
+    next.contacts.push_back({.contact = {.i = p.i, .j = p.j, .n = at.n, .gap = at.gap},
+                             .s_n = p.s_n,
+                             .s_t = p.s_t,
+                             .u_n = u[0],
+                             .u_t = u[1],
+                             .status = contact_status(p.s_n, p.s_t, p.mu),
+                             .spring = p.spring});
+    report.active += p.s_n > 0 ? 1 : 0;
+  }
+  double mass = 0;
+  for (const Disk& d : next.disks) mass += d.mass;
+  external_ += h * mass * scene_.gravity;
+  for (const Wall& w : next.walls) {
+    if (w.motion == Wall::Motion::kDriven) external_ += h * w.force * w.direction;
+  }
+
+  const double friction_loss = -work_t_ - (elastic_after.tangential - elastic_before.tangential);
+  const double shock_loss = -work_n_ - (elastic_after.normal - elastic_before.normal);
+  next.wall_work = state.wall_work + wall_work_;
+  next.friction_loss = state.friction_loss + friction_loss;
+  next.shock_loss = state.shock_loss + shock_loss;
+  report.energy = {.kinetic = kinetic_energy(next),
+                   .potential = potential_energy(next, scene_.gravity),
+                   .wall_work = next.wall_work,
+                   .friction_loss = next.friction_loss,
+                   .shock_loss = next.shock_loss,
+                   .elastic = elastic_after.sum()};
+  const double kinetic_before = kinetic_energy(state);
+  const double fallen = potential_energy(state, scene_.gravity) - report.energy.potential;
+  report.energy.imbalance = report.energy.kinetic - kinetic_before - fallen + elastic_after.sum() -
+                            elastic_before.sum() - wall_work_ + friction_loss + shock_loss;
+  if (!std::isfinite(report.energy.kinetic + report.energy.potential + report.energy.elastic)) {
+    throw failure(StepFailure::Kind::kNumerical, "the energy is not finite");
+  }
+  const double in_play =
+      kinetic_before + elastic_before.sum() + std::abs(fallen) + std::abs(wall_work_);
+  const double created = -(friction_loss + shock_loss);
+  const double rounding = 1e-12 * std::abs(report.energy.potential);
+  if (created > limits_.created_energy * in_play + rounding) {
+    throw failure(
+        StepFailure::Kind::kNumerical,
+        fmt::format("the contacts made {:.2g} of the energy in play: substeps of {:.4g} s "
+                    "are too long for a stiffness of {:.4g} N/m, shorten them",
+                    created / in_play, dt, setup_.stiffness));
+  }
+  report.momentum = momentum(next);
+  report.momentum_imbalance = report.momentum - momentum(state) - external_;
+  report.step = next.step;
+  report.time = next.time;
+  report.contacts = static_cast<int>(next.contacts.size());
+  report.iterations = setup_.substeps;
+  report.penetration = penetration_;
+  report.solve_seconds = seconds_since(start) - report.detection_seconds;
+  state = std::move(next);
+  return report;
+}
+
+}  // namespace bipot

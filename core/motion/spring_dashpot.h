@@ -1,0 +1,110 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "core/motion/spring_dashpot_setup.h"
+#include "core/motion/time_stepping.h"
+
+namespace bipot {
+
+/// When a step fails instead of going on.
+struct SpringDashpotLimits {
+  double overlap = 0.1;         ///< of the smaller radius: beyond it a step fails
+  double created_energy = 0.1;  ///< of the energy in play, made in one step: beyond it it fails
+};
+
+/// The smooth discrete element method of Cundall and Strack, Géotechnique 29 (1979) 47-65, that
+/// the paper contrasts itself with: what `bipot run --model dem` integrates. Contacts overlap; at
+/// an overlap d = -gap > 0, with the relative velocity (u_n, u_t) of core/motion/assembly.h,
+///
+///   F_n = max(0, k_n d - c_n u_n),                    no tension
+///   x <- x + dt u_t, cut to k_t |x| <= mu F_n;   where it was cut (slip) F_t = -k_t x,
+///                                                else F_t = -k_t x - c_t u_t, cut to mu F_n,
+///
+/// x the elongation of the tangential spring since the contact began; c = 2 zeta √(k m) with the
+/// pair's effective mass m of the direction and zeta from e_n (spring_dashpot_setup.h). Each
+/// substep dt is explicit and has the form of the nonsmooth step (38), (43):
+///
+///   q_m = q + dt/2 v,   v <- v + dt A⁻¹ (F_ext + H F(q_m, v)),   q <- q_m + dt/2 v
+///
+/// of second order; dashpots see the velocity of half a substep before, which is first order in
+/// them. Friction acts at the lever arm a_i, as in H.
+///
+/// Same use as TimeStepper: advance() takes one step h of the scene, in setup().substeps substeps.
+/// Contacts of the state carry the impulses of the whole step (force = s/h is the mean force), the
+/// geometry and velocities at its end, and the tangential springs: a restart continues bit for bit.
+/// StepReport: iterations = substeps, error = NaN (there is no contact problem to judge),
+/// penetration = largest overlap in any substep, shock_loss and friction_loss = work of the normal
+/// and tangential forces less what their springs still store; with e_n = 1 the former is the
+/// integration's own error.
+class SpringDashpotStepper {
+ public:
+  /// The scene must outlive the stepper. `cut_short` is polled every few substeps; true leaves the
+  /// step for another run. Throws std::invalid_argument as spring_dashpot_setup() does.
+  explicit SpringDashpotStepper(const Scene& scene, std::function<bool()> cut_short = {},
+                                SpringDashpotLimits limits = {});
+
+  /// Throws StepFailure, leaving the state at the end of the step before, when overlap or energy
+  /// grow beyond the limits, anything is not finite, or it was cut short. Substeps allocate nothing
+  /// but where neighbours are searched anew.
+  StepReport advance(State& state);
+
+  const SpringDashpotSetup& setup() const { return setup_; }
+
+ private:
+  struct Body {
+    double x = 0, y = 0, angle = 0, vx = 0, vy = 0, spin = 0;
+    double fx = 0, fy = 0, torque = 0;
+    double inv_mass = 0, inv_inertia = 0, radius = 0;
+  };
+  /// A pair that touches or may touch soon.
+  struct Pair {
+    int i = 0, j = 0;
+    double mu = 0, c_n = 0, c_t = 0;
+    double spring = 0;
+    double f_n = 0, f_t = 0;  // of the last substep
+    double s_n = 0, s_t = 0;  // impulses of the step so far
+    bool touched = false;     // in this step
+  };
+  struct Geometry {
+    Vec2 n;
+    double gap;
+  };
+
+  struct Elastic {
+    double normal = 0, tangential = 0;
+    double sum() const { return normal + tangential; }
+  };
+
+  void load(const State& state);
+  void find_pairs(const State& state);
+  Pair make_pair(int i, int j) const;
+  Geometry geometry(const Pair& pair) const;
+  Vec2 relative_velocity(const Pair& pair, const Vec2& n) const;  // (u_n, u_t)
+  void drift(double dt);
+  void apply_contacts(double dt);
+  void kick(double dt);
+  void close_work(double dt);
+  Elastic elastic_energy() const;
+  double path_per_substep(double dt) const;
+
+  const Scene& scene_;
+  SpringDashpotSetup setup_;
+  std::function<bool()> cut_short_;
+  SpringDashpotLimits limits_;
+
+  std::vector<Body> bodies_;
+  std::vector<Wall> walls_;
+  std::vector<double> wall_push_;    // force on driven walls along their direction, this substep
+  std::vector<Pair> pairs_, fresh_;  // sorted by (i, j)
+  double skin_ = 0, path_ = 0;       // of the neighbour list: its reach, and what is used of it
+  double work_n_ = 0, work_t_ = 0;   // of contact forces in this step
+  double wall_work_ = 0;
+  Vec2 external_ = Vec2::Zero();  // impulse on disks and driven walls from outside
+  double worst_overlap_ = 0;      // relative to the smaller radius
+  double penetration_ = 0;
+  int worst_i_ = -1, worst_j_ = -1;
+};
+
+}  // namespace bipot

@@ -1,0 +1,310 @@
+#include "core/motion/stress_tensor.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace bipot {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr int kRimPoints = 256;
+
+/// Quarter turn counter-clockwise, e3 × .
+Mat2 quarter_turn() { return (Mat2() << 0, -1, 1, 0).finished(); }
+
+Vec2 middle(const Disk& d, double step) { return d.x - 0.5 * step * d.v; }
+
+/// A contact's force and geometry. The tensor of a contact is f ⊗ l but for its antisymmetric part,
+/// which is taken with the lever arms of the step (MeanStress).
+struct Link {
+  int i = 0, j = -1;   // j < 0: a wall
+  Vec2 from, to;       // ends of the branch: centre of i; centre of j or point of the wall
+  double share_i = 1;  // of disk i in the branch
+  Mat2 symmetric = Mat2::Zero();  // [N m]
+  double arms = 0;                // s_t (a_i + a_j) / h                          [N m]
+  Mat2 tensor() const { return symmetric + 0.5 * arms * quarter_turn(); }
+};
+
+std::vector<Link> collect_links(const State& state, double step) {
+  std::vector<Link> links;
+  links.reserve(state.contacts.size());
+  const int num_disks = static_cast<int>(state.disks.size());
+  for (const ContactOutcome& o : state.contacts) {
+    if (o.s_n == 0 && o.s_t == 0) continue;
+    const Disk& a = state.disks[static_cast<std::size_t>(o.contact.i)];
+    Link link;
+    link.i = o.contact.i;
+    link.from = middle(a, step);
+    double arms = a.radius;
+    if (o.contact.j < num_disks) {
+      const Disk& b = state.disks[static_cast<std::size_t>(o.contact.j)];
+      link.j = o.contact.j;
+      arms += b.radius;
+      link.share_i = a.radius / arms;
+    }
+    const Vec2& n = o.contact.n;
+    const Vec2 t(-n[1], n[0]);
+    const double length = arms + o.contact.gap;
+    link.to = link.from - length * n;
+    link.symmetric =
+        length / step *
+        (o.s_n * n * n.transpose() + 0.5 * o.s_t * (t * n.transpose() + n * t.transpose()));
+    link.arms = arms * o.s_t / step;
+    links.push_back(link);
+  }
+  return links;
+}
+
+Vec2 mean_velocity(std::span<const Disk> disks) {
+  Vec2 momentum = Vec2::Zero();
+  double mass = 0;
+  for (const Disk& d : disks) {
+    momentum += d.mass * d.v;
+    mass += d.mass;
+  }
+  return mass > 0 ? Vec2(momentum / mass) : Vec2(Vec2::Zero());
+}
+
+Mat2 kinetic_part(const Disk& d, const Vec2& mean) {
+  const Vec2 v = d.v - mean;
+  return d.mass * v * v.transpose();
+}
+
+Mat2 spin_part(double moment, double step) { return 0.5 * moment / step * quarter_turn(); }
+
+void divide(MeanStress& stress, double area) {
+  stress.area = area;
+  stress.contact /= area;
+  stress.kinetic /= area;
+  stress.spin /= area;
+}
+
+/// Length share of the segment from a to b with lower <= x < upper in both coordinates.
+double share_inside(const Vec2& a, const Vec2& b, const Box& box) {
+  double first = 0, last = 1;
+  for (int k = 0; k < 2; ++k) {
+    const double slope = b[k] - a[k];
+    if (slope == 0) {
+      if (a[k] < box.lower[k] || a[k] >= box.upper[k]) return 0;
+      continue;
+    }
+    const double low = (box.lower[k] - a[k]) / slope, high = (box.upper[k] - a[k]) / slope;
+    first = std::max(first, std::min(low, high));
+    last = std::min(last, std::max(low, high));
+  }
+  return std::max(0.0, last - first);
+}
+
+double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
+
+double polygon_area(const std::vector<Vec2>& corners) {
+  double twice = 0;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    twice += cross(corners[k] - corners[0], corners[(k + 1) % corners.size()] - corners[0]);
+  }
+  return 0.5 * twice;
+}
+
+/// What is left of a convex polygon in front of the half-plane.
+std::vector<Vec2> clip(const std::vector<Vec2>& polygon, const Vec2& point, const Vec2& normal) {
+  std::vector<Vec2> kept;
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const Vec2 &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
+    const double at_p = (p - point).dot(normal), at_q = (q - point).dot(normal);
+    if (at_p >= 0) kept.push_back(p);
+    if ((at_p > 0 && at_q < 0) || (at_p < 0 && at_q > 0)) {
+      kept.push_back(p + at_p / (at_p - at_q) * (q - p));
+    }
+  }
+  return kept;
+}
+
+/// Area that the half-planes enclose; NaN where they leave the sample open, or leave disks out.
+double enclosed_area(const State& state, double step, const Box& disks) {
+  constexpr double kFar = 1e3;  // an enclosure this many times as wide as the disks counts as none
+  Box far = disks;
+  far.widen(kFar * disks.size().maxCoeff());
+  std::vector<Vec2> polygon = {far.lower, Vec2(far.upper[0], far.lower[1]), far.upper,
+                               Vec2(far.lower[0], far.upper[1])};
+  for (const Wall& w : state.walls) {
+    if (w.shape != Wall::Shape::kHalfPlane) continue;
+    const Vec2 point = w.a - 0.5 * step * w.v;
+    for (const Disk& d : state.disks) {
+      if ((middle(d, step) - point).dot(w.normal) < 0) return kNaN;
+    }
+    polygon = clip(polygon, point, w.normal);
+  }
+  for (const Vec2& corner : polygon) {
+    const Vec2 room = (corner - far.lower).cwiseMin(far.upper - corner);
+    if (room.minCoeff() <= disks.size().maxCoeff()) return kNaN;
+  }
+  return polygon.size() < 3 ? kNaN : polygon_area(polygon);
+}
+
+/// Andrew's monotone chain.
+double hull_area(std::vector<Vec2> points) {
+  const auto less = [](const Vec2& a, const Vec2& b) {
+    return a[0] != b[0] ? a[0] < b[0] : a[1] < b[1];
+  };
+  std::sort(points.begin(), points.end(), less);
+  std::vector<Vec2> hull;
+  for (int half = 0; half < 2; ++half) {
+    const std::size_t base = hull.size();
+    for (const Vec2& p : points) {
+      while (hull.size() >= base + 2 &&
+             cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0) {
+        hull.pop_back();
+      }
+      hull.push_back(p);
+    }
+    hull.pop_back();
+    std::reverse(points.begin(), points.end());
+  }
+  return polygon_area(hull);
+}
+
+}  // namespace
+
+std::vector<double> contact_moments(const State& state) {
+  std::vector<double> moments(state.disks.size(), 0.0);
+  const int num_disks = static_cast<int>(state.disks.size());
+  for (const ContactOutcome& o : state.contacts) {
+    for (const int body : {o.contact.i, o.contact.j}) {
+      if (body >= num_disks) continue;
+      const auto k = static_cast<std::size_t>(body);
+      moments[k] -= state.disks[k].radius * o.s_t;
+    }
+  }
+  return moments;
+}
+
+std::vector<double> spin_changes(const State& before, const State& after) {
+  std::vector<double> changes(after.disks.size());
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    changes[k] = after.disks[k].inertia * (after.disks[k].spin - before.disks[k].spin);
+  }
+  return changes;
+}
+
+MeanStress sample_stress(const State& state, double step, double area,
+                         std::span<const double> moments) {
+  MeanStress stress;
+  for (const Link& link : collect_links(state, step)) stress.contact += link.tensor();
+  const Vec2 mean = mean_velocity(state.disks);
+  for (std::size_t k = 0; k < state.disks.size(); ++k) {
+    stress.kinetic += kinetic_part(state.disks[k], mean);
+    stress.spin += spin_part(moments[k], step);
+  }
+  divide(stress, area);
+  return stress;
+}
+
+MeanStress window_stress(const State& state, double step, const Box& window,
+                         std::span<const double> moments) {
+  MeanStress stress;
+  for (const Link& link : collect_links(state, step)) {
+    const double share = share_inside(link.from, link.to, window);
+    if (share > 0) stress.contact += share * link.tensor();
+  }
+  std::vector<Disk> inside;
+  for (std::size_t k = 0; k < state.disks.size(); ++k) {
+    const Vec2 x = middle(state.disks[k], step);
+    const bool in =
+        (x.array() >= window.lower.array()).all() && (x.array() < window.upper.array()).all();
+    if (!in) continue;
+    inside.push_back(state.disks[k]);
+    stress.spin += spin_part(moments[k], step);
+  }
+  const Vec2 mean = mean_velocity(inside);
+  for (const Disk& d : inside) stress.kinetic += kinetic_part(d, mean);
+  divide(stress, window.size().prod());
+  return stress;
+}
+
+std::vector<MeanStress> disk_stresses(const State& state, double step,
+                                      std::span<const double> moments) {
+  std::vector<MeanStress> stresses(state.disks.size());
+  for (const Link& link : collect_links(state, step)) {
+    const Mat2 tensor = link.tensor();
+    stresses[static_cast<std::size_t>(link.i)].contact += link.share_i * tensor;
+    if (link.j >= 0) {
+      stresses[static_cast<std::size_t>(link.j)].contact += (1 - link.share_i) * tensor;
+    }
+  }
+  const Vec2 mean = mean_velocity(state.disks);
+  for (std::size_t k = 0; k < stresses.size(); ++k) {
+    const Disk& d = state.disks[k];
+    stresses[k].kinetic = kinetic_part(d, mean);
+    stresses[k].spin = spin_part(moments[k], step);
+    divide(stresses[k], std::numbers::pi * d.radius * d.radius);
+  }
+  return stresses;
+}
+
+double sample_area(const State& state, double step) {
+  if (state.disks.empty()) return 0;
+  Box box;
+  for (const Disk& d : state.disks) {
+    box.include(middle(d, step) - Vec2::Constant(d.radius));
+    box.include(middle(d, step) + Vec2::Constant(d.radius));
+  }
+  if (const double enclosed = enclosed_area(state, step, box); std::isfinite(enclosed)) {
+    return enclosed;
+  }
+  // Only disks that reach farthest in some direction have points on the hull.
+  std::array<Vec2, kRimPoints> directions;
+  for (int k = 0; k < kRimPoints; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kRimPoints;
+    directions[static_cast<std::size_t>(k)] = Vec2(std::cos(angle), std::sin(angle));
+  }
+  std::vector<std::size_t> outer;
+  for (const Vec2& direction : directions) {
+    std::size_t farthest = 0;
+    double reach = -std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < state.disks.size(); ++k) {
+      const double here = middle(state.disks[k], step).dot(direction) + state.disks[k].radius;
+      if (here > reach) {
+        reach = here;
+        farthest = k;
+      }
+    }
+    outer.push_back(farthest);
+  }
+  std::sort(outer.begin(), outer.end());
+  outer.erase(std::unique(outer.begin(), outer.end()), outer.end());
+  std::vector<Vec2> rim;
+  for (const std::size_t k : outer) {
+    for (const Vec2& direction : directions) {
+      rim.push_back(middle(state.disks[k], step) + state.disks[k].radius * direction);
+    }
+  }
+  return hull_area(std::move(rim));
+}
+
+Mat2 fabric_tensor(const State& state) {
+  Mat2 sum = Mat2::Zero();
+  int loaded = 0;
+  for (const ContactOutcome& o : state.contacts) {
+    if (!(o.s_n > 0)) continue;
+    sum += o.contact.n * o.contact.n.transpose();
+    ++loaded;
+  }
+  return loaded > 0 ? Mat2(sum / loaded) : sum;
+}
+
+double anisotropy(const Mat2& tensor) {
+  const double trace = tensor.trace();
+  if (trace == 0) return kNaN;
+  const double shear = tensor(0, 1) + tensor(1, 0);
+  return std::hypot(tensor(0, 0) - tensor(1, 1), shear) / std::abs(trace);
+}
+
+double asymmetry(const Mat2& tensor) {
+  const double trace = tensor.trace();
+  return trace == 0 ? kNaN : std::abs(tensor(0, 1) - tensor(1, 0)) / std::abs(trace);
+}
+
+}  // namespace bipot

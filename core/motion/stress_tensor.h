@@ -1,0 +1,85 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/motion/time_stepping.h"
+#include "core/scene/scene_box.h"
+
+namespace bipot {
+
+using Mat2 = Eigen::Matrix2d;
+
+/// Mean stress of a set of disks over an area, at a step of the simulation. Pressure is positive
+/// (the granular sign: minus the mean Cauchy stress), first index the direction of the force,
+/// second that of the normal. Disks are cylinders of unit length, so newtons per metre are pascals.
+///
+///   total = contact + kinetic + spin                                                        [Pa]
+///   contact = 1/V Σ_c f ⊗ l                            Love 1927, Weber 1966; virial of the
+///   contacts kinetic = 1/V Σ_i m v' ⊗ v'                        fluctuations v' about the mean
+///   velocity spin    = 1/V Σ_i (dL/dt) / 2 · [0 -1; 1 0]        Fortin, Millet and de Saxcé 2003
+///
+/// f is the force s/h on the first body of a contact, l the branch from the second centre to the
+/// first (from the wall's surface for a wall), at mid-step, where the impulses act (38).
+///
+/// Why these three: averaging the Cauchy stress inside a disk gives Σ f ⊗ r - ∫ ρ a ⊗ r, whose last
+/// term is I/2 (α [0 -1; 1 0] - ω² 1) for a rigid rotation. Its ω² part (the pull of a turning disk
+/// on itself) is cancelled by the kinetic part of that rotation, the α part is `spin`. A contact
+/// part alone has the antisymmetric part (Σ dL/dt)/2V: it is symmetric if and only if the moments
+/// balance. The sum is symmetric whenever the spins follow from the contacts' moments.
+///
+/// Overlaps: the centres of a contact lie d = a_i + a_j + gap apart, but the step turns disk i with
+/// the lever arm a_i. What the arms leave out is a couple that no disk feels, so [ours] the
+/// antisymmetric part is taken with the arms, the symmetric one with d; they are the same where
+/// nothing overlaps. Hence two identities hold to round-off at every step, for any impulses: the
+/// symmetry of `total`, and the virial theorem (d/dt Σ m v ⊗ x against the forces of the walls).
+struct MeanStress {
+  double area = 0;              ///< V, > 0                                               [m²]
+  Mat2 contact = Mat2::Zero();  ///<                                                      [Pa]
+  Mat2 kinetic = Mat2::Zero();
+  Mat2 spin = Mat2::Zero();
+  Mat2 total() const { return contact + kinetic + spin; }
+  /// Half the trace of the total: the mean of the two principal stresses.
+  double pressure() const { return 0.5 * total().trace(); }
+};
+
+/// dL of each disk over the step of a state, as the contacts' moments give it           [N m s]
+std::vector<double> contact_moments(const State& state);
+/// The same as the spins have changed, I (ω⁺ - ω⁻). Equal to the contacts' moments to round-off
+/// when `after` was made from `before` by one step.
+std::vector<double> spin_changes(const State& before, const State& after);
+
+/// Of the whole sample. `step`: h > 0; `area`: see sample_area(); `moments`: dL of each disk.
+/// Velocities are those at the end of the step; the mean of kinetic parts at its two ends is what
+/// the virial theorem asks for, and what an average over steps gives.
+MeanStress sample_stress(const State& state, double step, double area,
+                         std::span<const double> moments);
+
+/// Over a rectangle: each contact counts by the share of its branch that lies in the window
+/// (indicator function in Goldhirsch's coarse graining, Granular Matter 12, 2010), disks by their
+/// centres at mid-step; v' is about the mean velocity of the disks in the window. Lower and left
+/// edges belong to the window, upper and right ones do not: the contact parts of windows that tile
+/// the sample add up to the sample's. Branches that a window cuts leave an antisymmetric part.
+MeanStress window_stress(const State& state, double step, const Box& window,
+                         std::span<const double> moments);
+
+/// Of each disk over its own area π a²: the mean stress of its material, with the kinetic part of
+/// its motion about the sample's mean velocity. A contact goes to its two disks in proportion to
+/// their radii. Σ π a² σ_i = V σ of the sample, part by part.
+std::vector<MeanStress> disk_stresses(const State& state, double step,
+                                      std::span<const double> moments);
+
+/// What half-planes enclose, where they do and the disks lie in it; else the convex hull of the
+/// disks (their rims as polygons of 256 points). At mid-step. 0 without disks.             [m²]
+double sample_area(const State& state, double step);
+
+/// Mean of n ⊗ n over the contacts that carry force; trace 1, zero without any.
+Mat2 fabric_tensor(const State& state);
+
+/// (σ₁ - σ₂)/(σ₁ + σ₂) of the symmetric part: 0 isotropic, 1 uniaxial. NaN where the trace is 0.
+double anisotropy(const Mat2& tensor);
+
+/// |σ_xy - σ_yx| / (σ_xx + σ_yy); NaN where the trace is 0.
+double asymmetry(const Mat2& tensor);
+
+}  // namespace bipot

@@ -1,0 +1,487 @@
+#include "core/pictures/force_picture.h"
+
+#include <cairo-svg.h>
+#include <cairo.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <numbers>
+#include <sstream>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/file_error.h"
+#include "core/files/atomic_file.h"
+#include "core/pictures/colour_map.h"
+#include "core/scene/scene_box.h"
+
+namespace bipot {
+namespace {
+
+// Okabe and Ito's blue, darkened, and orange: told apart by every common colour vision and by
+// their lightness alone.
+constexpr Colour kStick = {0.02, 0.27, 0.48};
+constexpr Colour kSlip = {0.95, 0.62, 0.04};
+constexpr Colour kSlipRim = {0.42, 0.24, 0.0};
+constexpr Colour kTakeOff = {0.55, 0.55, 0.55};
+constexpr Colour kDisk = {0.965, 0.965, 0.955};
+constexpr Colour kDiskRim = {0.74, 0.74, 0.72};
+constexpr Colour kWall = {0.2, 0.2, 0.2};
+constexpr Colour kText = {0.13, 0.13, 0.13};
+constexpr Colour kFilledRim = {0.35, 0.35, 0.35};
+
+constexpr double kMargin = 24;        // around everything                         [points]
+constexpr double kTallest = 1.25;     // height of the scene, relative to the width
+constexpr double kNarrowest = 0.75;   // width of the view, relative to its height
+constexpr double kFlattest = 0.3;     // height of the view, relative to its width
+constexpr double kLargestDisk = 150;  // radius                                    [points]
+constexpr double kWidest = 22;        // width of the widest segment               [points]
+constexpr double kHatch = 9;          // spacing of the hatching                   [points]
+constexpr double kLegendSize = 14, kCaptionSize = 16;
+constexpr double kRowHeight = 34;
+constexpr double kBarWidth = 300, kBarHeight = 14;  // of the colours             [points]
+constexpr const char* kFont = "sans-serif";
+
+using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
+using Canvas = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
+
+void set(cairo_t* c, const Colour& colour) {
+  cairo_set_source_rgb(c, colour.red, colour.green, colour.blue);
+}
+
+void stroke_line(cairo_t* c, const Vec2& a, const Vec2& b, double width, const Colour& colour,
+                 cairo_line_cap_t cap = CAIRO_LINE_CAP_BUTT) {
+  cairo_set_line_cap(c, cap);
+  cairo_set_line_width(c, width);
+  set(c, colour);
+  cairo_move_to(c, a[0], a[1]);
+  cairo_line_to(c, b[0], b[1]);
+  cairo_stroke(c);
+}
+
+double text_width(cairo_t* c, const std::string& text) {
+  cairo_text_extents_t extents;
+  cairo_text_extents(c, text.c_str(), &extents);
+  return extents.x_advance;
+}
+
+void show_text(cairo_t* c, double x, double y, const std::string& text) {
+  set(c, kText);
+  cairo_move_to(c, x, y);
+  cairo_show_text(c, text.c_str());
+}
+
+void use_font(cairo_t* c, double size) {
+  cairo_select_font_face(c, kFont, CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+  cairo_set_font_size(c, size);
+}
+
+/// The caption in lines that fit.
+std::vector<std::string> wrap(cairo_t* c, const std::string& text, double width) {
+  std::vector<std::string> lines;
+  std::stringstream paragraphs(text);
+  for (std::string paragraph; std::getline(paragraphs, paragraph);) {
+    std::stringstream words(paragraph);
+    std::string line;
+    for (std::string word; words >> word;) {
+      const std::string longer = line.empty() ? word : line + " " + word;
+      if (!line.empty() && text_width(c, longer) > width) {
+        lines.push_back(std::move(line));
+        line = word;
+      } else {
+        line = longer;
+      }
+    }
+    lines.push_back(std::move(line));
+  }
+  return lines;
+}
+
+/// Metres to points, y upwards to y downwards.
+struct Mapping {
+  double scale = 1;  // points per metre
+  Vec2 origin = Vec2::Zero();
+  Vec2 operator()(const Vec2& x) const {
+    return Vec2(origin[0] + scale * x[0], origin[1] - scale * x[1]);
+  }
+};
+
+enum class Kind { kNone, kHeld, kSliding };
+
+struct Segment {
+  Vec2 a, b;  // points
+  double force = 0;
+  Kind kind = Kind::kNone;
+  bool at_wall = false;  // b is a point of a wall
+};
+
+/// A line with round ends, or with one round end at a and a flat one at b.
+void stroke_force(cairo_t* c, const Segment& s, double width, const Colour& colour) {
+  stroke_line(c, s.a, s.b, width, colour, s.at_wall ? CAIRO_LINE_CAP_BUTT : CAIRO_LINE_CAP_ROUND);
+  if (!s.at_wall) return;
+  cairo_arc(c, s.a[0], s.a[1], 0.5 * width, 0, 2 * std::numbers::pi);
+  cairo_fill(c);
+}
+
+void draw_segment(cairo_t* c, const Segment& s, double width) {
+  if (s.kind == Kind::kNone) {
+    const double dots[] = {1.0, 3.0};
+    cairo_set_dash(c, dots, 2, 0);
+    stroke_line(c, s.a, s.b, 0.9, kTakeOff);
+    cairo_set_dash(c, nullptr, 0, 0);
+  } else if (s.kind == Kind::kHeld) {
+    stroke_force(c, s, width, kStick);
+  } else {
+    // The rim lies inside the width, so that widths stay comparable.
+    const double rim = std::min(1.1, 0.22 * width);
+    stroke_force(c, s, width, kSlipRim);
+    stroke_force(c, s, width - 2 * rim, kSlip);
+  }
+}
+
+/// The solid side of a half-plane: short strokes that leave the line at 45 degrees.
+void draw_hatching(cairo_t* c, const Vec2& first, const Vec2& last, const Vec2& outward) {
+  const double length = (last - first).norm();
+  if (!(length > 0)) return;
+  const Vec2 along = (last - first) / length;
+  const Vec2 stroke = kHatch * (along - outward);
+  for (double at = 0; at < length; at += kHatch) {
+    const Vec2 begin = first + at * along;
+    stroke_line(c, begin, begin + stroke, 0.9, kWall);
+  }
+}
+
+/// An entry below the scene: a drawing of some width and a text.
+struct LegendItem {
+  double width;
+  std::string text;
+  std::function<void(cairo_t*, double x, double y)> draw;  // at the left, middle of the row
+};
+
+class Picture {
+ public:
+  Picture(const Scene& scene, const State& state, const std::string& caption,
+          const ForcePictureOptions& options)
+      : scene_(scene), state_(state), options_(options), friction_(scene.has_friction()) {
+    box_ = view_box(state.disks, state.walls);
+    double largest = 0;
+    for (const Disk& d : state.disks) largest = std::max(largest, d.radius);
+    const double width = std::max(largest * (options.width - 2 * kMargin) / kLargestDisk,
+                                  kNarrowest * box_.size()[1]);
+    const double height = kFlattest * std::max(width, box_.size()[0]);
+    const Vec2 missing = (Vec2(width, height) - box_.size()).cwiseMax(0.0);
+    box_.lower -= 0.5 * missing;
+    box_.upper += 0.5 * missing;
+    const double room = options.width - 2 * kMargin;
+    map_.scale = std::min(room / box_.size()[0], kTallest * room / box_.size()[1]);
+    const Vec2 size = map_.scale * box_.size();
+    corner_ = Vec2(kMargin + 0.5 * (room - size[0]), kMargin);
+    map_.origin =
+        Vec2(corner_[0] - map_.scale * box_.lower[0], corner_[1] + map_.scale * box_.upper[1]);
+    bottom_ = corner_[1] + size[1];
+    if (!options.fill.values.empty() && options.fill.values.size() != state.disks.size()) {
+      throw std::invalid_argument(
+          fmt::format("{} values colour {} disks", options.fill.values.size(), state.disks.size()));
+    }
+    full_fill_ = options.fill.high;
+    if (!(full_fill_ > 0) && !options.fill.values.empty()) {
+      full_fill_ = *std::max_element(options.fill.values.begin(), options.fill.values.end());
+    }
+    if (options.forces) collect_segments();
+    choose_widths();
+    layout(caption);
+  }
+
+  double height() const { return height_; }
+
+  void draw(cairo_t* c) const {
+    cairo_set_source_rgb(c, 1, 1, 1);
+    cairo_paint(c);
+    cairo_save(c);
+    cairo_rectangle(c, corner_[0], corner_[1], map_.scale * box_.size()[0],
+                    map_.scale * box_.size()[1]);
+    cairo_clip(c);
+    draw_disks(c);
+    draw_walls(c);
+    for (const Segment& s : segments_) draw_segment(c, s, width_of(s.force));
+    cairo_restore(c);
+    draw_legend(c);
+  }
+
+ private:
+  double width_of(double force) const { return widest_ * force / full_force_; }
+
+  void collect_segments() {
+    const auto& disks = state_.disks;
+    for (const ContactOutcome& o : state_.contacts) {
+      Segment s;
+      const Disk& i = disks[static_cast<std::size_t>(o.contact.i)];
+      const auto j = static_cast<std::size_t>(o.contact.j);
+      s.a = map_(i.x);
+      s.at_wall = j >= disks.size();
+      s.b = map_(j < disks.size() ? disks[j].x : Vec2(i.x - i.radius * o.contact.n));
+      s.force = std::max(0.0, o.s_n / scene_.step);
+      if (s.force > 0) {
+        s.kind = friction_ && o.status == ContactStatus::kSlip ? Kind::kSliding : Kind::kHeld;
+      }
+      ++count_[static_cast<std::size_t>(s.kind)];
+      if (s.kind != Kind::kNone || options_.take_off) segments_.push_back(s);
+    }
+    // The strongest on top.
+    std::stable_sort(segments_.begin(), segments_.end(),
+                     [](const Segment& x, const Segment& y) { return x.force < y.force; });
+  }
+
+  void choose_widths() {
+    std::vector<double> radii;
+    for (const Disk& d : state_.disks) radii.push_back(map_.scale * d.radius);
+    if (!radii.empty()) {
+      const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
+      std::nth_element(radii.begin(), middle, radii.end());
+      widest_ = std::min(kWidest, 0.9 * *middle);
+    }
+    full_force_ = options_.full_force;
+    if (!(full_force_ > 0)) {
+      full_force_ = segments_.empty() ? 0.0 : segments_.back().force;
+    }
+    if (!(full_force_ > 0)) full_force_ = 1;  // nothing is drawn with it
+  }
+
+  void draw_disks(cairo_t* c) const {
+    const std::vector<double>& fill = options_.fill.values;
+    for (std::size_t k = 0; k < state_.disks.size(); ++k) {
+      const Disk& d = state_.disks[k];
+      const Vec2 x = map_(d.x);
+      const double radius = map_.scale * d.radius;
+      const double rim = std::clamp(0.06 * radius, 0.15, 1.2);
+      cairo_new_path(c);
+      cairo_arc(c, x[0], x[1], std::max(radius - 0.5 * rim, 0.1), 0, 2 * std::numbers::pi);
+      set(c, fill.empty() ? kDisk : sequential_colour(full_fill_ > 0 ? fill[k] / full_fill_ : 0));
+      cairo_fill_preserve(c);
+      set(c, fill.empty() ? kDiskRim : kFilledRim);
+      cairo_set_line_width(c, rim);
+      cairo_stroke(c);
+    }
+  }
+
+  void draw_walls(cairo_t* c) const {
+    const auto lines = wall_lines(state_.walls, box_);
+    for (std::size_t k = 0; k < lines.size(); ++k) {
+      const Wall& w = state_.walls[k];
+      const Vec2 a = map_(lines[k].first), b = map_(lines[k].second);
+      if (w.shape == Wall::Shape::kHalfPlane) {
+        draw_hatching(c, a, b, Vec2(w.normal[0], -w.normal[1]));
+        stroke_line(c, a, b, 2, kWall);
+      } else {
+        stroke_line(c, a, b, 3, kWall, CAIRO_LINE_CAP_ROUND);
+      }
+    }
+  }
+
+  std::vector<LegendItem> legend_items() const {
+    std::vector<LegendItem> items;
+    const double length = round_below(0.22 * box_.size()[0]);
+    const double bar = map_.scale * length;
+    items.push_back({bar, with_prefix(length, "m"), [bar](cairo_t* c, double x, double y) {
+                       stroke_line(c, Vec2(x, y), Vec2(x + bar, y), 2, kText);
+                       for (double end : {x, x + bar}) {
+                         stroke_line(c, Vec2(end, y - 5), Vec2(end, y + 5), 1.4, kText);
+                       }
+                     }});
+    if (!options_.forces) return items;
+    const double loaded = count_[1] + count_[2];
+    const auto sample = [this](Kind kind, double force) {
+      return [this, kind, force](cairo_t* c, double x, double y) {
+        const double inset = kind == Kind::kNone ? 0 : 0.5 * width_of(force);
+        draw_segment(c, {Vec2(x + inset, y), Vec2(x + kSample - inset, y), force, kind, false},
+                     width_of(force));
+      };
+    };
+    if (loaded > 0) {
+      const double force = round_below(full_force_);
+      items.push_back(
+          {kSample, "normal force " + with_prefix(force, "N"), sample(Kind::kHeld, force)});
+      const double shown = std::min(full_force_, full_force_ * 6 / widest_);
+      if (friction_) {
+        items.push_back(
+            {kSample, fmt::format("stick ({})", count_[1]), sample(Kind::kHeld, shown)});
+        items.push_back(
+            {kSample, fmt::format("slip ({})", count_[2]), sample(Kind::kSliding, shown)});
+      } else {
+        items.push_back(
+            {kSample, fmt::format("contact ({})", count_[1]), sample(Kind::kHeld, shown)});
+      }
+    } else {
+      items.push_back({0, "no contact forces", [](cairo_t*, double, double) {}});
+    }
+    if (options_.take_off && count_[0] > 0) {
+      items.push_back({kSample, fmt::format("take-off ({})", count_[0]), sample(Kind::kNone, 0)});
+    }
+    return items;
+  }
+
+  void layout(const std::string& caption) {
+    const Surface scratch(cairo_image_surface_create(CAIRO_FORMAT_ARGB32, 1, 1),
+                          cairo_surface_destroy);
+    const Canvas canvas(cairo_create(scratch.get()), cairo_destroy);
+    cairo_t* c = canvas.get();
+    use_font(c, kLegendSize);
+    double x = kMargin, y = bottom_ + 14 + 0.5 * kRowHeight;
+    for (LegendItem& item : legend_items()) {
+      const double width = item.width + (item.width > 0 ? 8 : 0) + text_width(c, item.text);
+      if (x > kMargin && x + width > options_.width - kMargin) {
+        x = kMargin;
+        y += kRowHeight;
+      }
+      legend_.emplace_back(Vec2(x, y), std::move(item));
+      x += width + 34;
+    }
+    y += 0.5 * kRowHeight;
+    if (!options_.fill.values.empty()) {
+      bar_at_ = Vec2(kMargin, y + 4);
+      y += 4 + kBarHeight + 1.6 * kLegendSize;
+    }
+    use_font(c, kCaptionSize);
+    caption_ = wrap(c, caption, options_.width - 2 * kMargin);
+    caption_at_ = y + 8 + kCaptionSize;
+    height_ = std::ceil(caption_.empty()
+                            ? y + kMargin
+                            : caption_at_ +
+                                  1.4 * kCaptionSize * static_cast<double>(caption_.size() - 1) +
+                                  kMargin);
+  }
+
+  void draw_legend(cairo_t* c) const {
+    use_font(c, kLegendSize);
+    for (const auto& [at, item] : legend_) {
+      item.draw(c, at[0], at[1]);
+      show_text(c, at[0] + item.width + (item.width > 0 ? 8 : 0), at[1] + 0.36 * kLegendSize,
+                item.text);
+    }
+    if (!options_.fill.values.empty()) draw_colour_bar(c);
+    use_font(c, kCaptionSize);
+    double y = caption_at_;
+    for (const std::string& line : caption_) {
+      show_text(c, kMargin, y, line);
+      y += 1.4 * kCaptionSize;
+    }
+  }
+
+  /// Colours from 0 to the full value, numbers below, what they are beside.
+  void draw_colour_bar(cairo_t* c) const {
+    const double x = bar_at_[0], y = bar_at_[1];
+    cairo_pattern_t* colours = cairo_pattern_create_linear(x, 0, x + kBarWidth, 0);
+    constexpr int kStops = 32;
+    for (int k = 0; k <= kStops; ++k) {
+      const double at = static_cast<double>(k) / kStops;
+      const Colour colour = sequential_colour(at);
+      cairo_pattern_add_color_stop_rgb(colours, at, colour.red, colour.green, colour.blue);
+    }
+    cairo_rectangle(c, x, y, kBarWidth, kBarHeight);
+    cairo_set_source(c, colours);
+    cairo_fill_preserve(c);
+    cairo_pattern_destroy(colours);
+    set(c, kText);
+    cairo_set_line_width(c, 0.8);
+    cairo_stroke(c);
+    const std::vector<double>& values = options_.fill.values;
+    const double largest = *std::max_element(values.begin(), values.end());
+    for (const double at : {0.0, 0.5, 1.0}) {
+      const double tick = x + at * kBarWidth;
+      stroke_line(c, Vec2(tick, y + kBarHeight), Vec2(tick, y + kBarHeight + 4), 1, kText);
+      std::string label = with_prefix(at * full_fill_, options_.fill.unit);
+      if (at == 1 && largest > full_fill_ * (1 + 1e-12)) {
+        label += " and more, at most " + with_prefix(largest, options_.fill.unit);
+      }
+      const double left = at == 0.5 ? tick - 0.5 * text_width(c, label) : tick - 4;
+      show_text(c, at == 0 ? tick : left, y + kBarHeight + 4 + kLegendSize, label);
+    }
+    show_text(c, x + kBarWidth + 12, y + 0.85 * kBarHeight, options_.fill.label);
+  }
+
+  static constexpr double kSample = 44;  // length of the legend's segments
+
+  const Scene& scene_;
+  const State& state_;
+  const ForcePictureOptions& options_;
+  bool friction_;
+  Box box_;
+  Mapping map_;
+  Vec2 corner_ = Vec2::Zero();
+  double bottom_ = 0;
+  std::vector<Segment> segments_;
+  std::array<int, 3> count_ = {0, 0, 0};  // by Kind
+  double widest_ = kWidest;
+  double full_force_ = 1;
+  double full_fill_ = 0;
+  Vec2 bar_at_ = Vec2::Zero();
+  std::vector<std::pair<Vec2, LegendItem>> legend_;
+  std::vector<std::string> caption_;
+  double caption_at_ = 0;
+  double height_ = 0;
+};
+
+void require(cairo_status_t status, const std::filesystem::path& path) {
+  if (status != CAIRO_STATUS_SUCCESS) {
+    throw FileError(path, "", std::string("cannot draw: ") + cairo_status_to_string(status));
+  }
+}
+
+}  // namespace
+
+double round_below(double x) {
+  const double power = std::pow(10.0, std::floor(std::log10(x)));
+  for (double digit : {5.0, 2.0, 1.0}) {
+    if (digit * power <= x * (1 + 1e-12)) return digit * power;
+  }
+  return power;
+}
+
+std::string with_prefix(double value, const std::string& unit) {
+  static constexpr std::array<std::string_view, 9> kPrefixes = {"p", "n", "µ", "m", "",
+                                                                "k", "M", "G", "T"};
+  if (!(std::abs(value) > 0)) return fmt::format("0 {}", unit);
+  const double thousands = std::floor(std::log10(std::abs(value)) / 3 + 1e-9);
+  const double index = std::clamp(thousands, -4.0, 4.0);
+  return fmt::format("{:.3g} {}{}", value * std::pow(10.0, -3 * index),
+                     kPrefixes[static_cast<std::size_t>(index + 4)], unit);
+}
+
+void draw_force_picture(const std::filesystem::path& path, const Scene& scene, const State& state,
+                        const std::string& caption, const ForcePictureOptions& options) {
+  const std::string format = path.extension().string();
+  if (format != ".svg" && format != ".png") {
+    throw FileError(path, "", "the name of a picture ends in .svg or .png");
+  }
+  const Picture picture(scene, state, caption, options);
+  AtomicFile target(path);
+  const double width = options.width, height = picture.height();
+  const double zoom = format == ".png" ? options.resolution : 1.0;
+  const Surface surface(
+      format == ".svg" ? cairo_svg_surface_create(target.draft().c_str(), width, height)
+                       : cairo_image_surface_create(CAIRO_FORMAT_RGB24,
+                                                    static_cast<int>(std::lround(zoom * width)),
+                                                    static_cast<int>(std::lround(zoom * height))),
+      cairo_surface_destroy);
+  require(cairo_surface_status(surface.get()), path);
+  {
+    const Canvas canvas(cairo_create(surface.get()), cairo_destroy);
+    cairo_scale(canvas.get(), zoom, zoom);
+    picture.draw(canvas.get());
+    require(cairo_status(canvas.get()), path);
+  }
+  if (format == ".png") {
+    require(cairo_surface_write_to_png(surface.get(), target.draft().c_str()), path);
+  }
+  cairo_surface_finish(surface.get());
+  require(cairo_surface_status(surface.get()), path);
+  target.commit();
+}
+
+}  // namespace bipot

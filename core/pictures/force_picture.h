@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "core/motion/time_stepping.h"
+
+namespace bipot {
+
+/// Colours of the disks by a number each, from 0 to `high` (sequential_colour), with a colour bar.
+struct DiskFill {
+  std::vector<double> values;  ///< one for each disk; empty: all disks alike
+  std::string label, unit;     ///< "pressure in the disk", "Pa"
+  double high = 0;             ///< end of the colour bar, in `unit`; 0: the largest value
+};
+
+struct ForcePictureOptions {
+  double width = 1000;    ///< of the picture, SVG points; a PNG has `resolution` pixels each
+  double resolution = 2;  ///< pixels of a PNG in a point
+  double full_force = 0;  ///< normal force of the widest segment; 0: the largest one   [N]
+  bool take_off = true;   ///< also the candidates that carry nothing, as thin dots
+  bool forces = true;     ///< false: no segments at all
+  DiskFill fill;
+};
+
+/// A force-chain picture as in Fig. 10 to 12: disks, walls (half-planes hatched on their solid
+/// side), and for each contact a segment between the centres (for a wall: centre to contact point)
+/// whose width is proportional to the normal force s_n / h. Sticking contacts are dark blue,
+/// sliding ones light orange with a dark rim, which differ in grey too; without friction in the
+/// scene there is one kind. Below: scale bar, force scale, legend and `caption`, whose lines are
+/// wrapped. The name's end, .svg or .png, chooses the format; the drawing is the same.
+/// Throws FileError.
+void draw_force_picture(const std::filesystem::path& path, const Scene& scene, const State& state,
+                        const std::string& caption, const ForcePictureOptions& options = {});
+
+/// The largest of 1, 2, 5 times a power of ten that is at most x > 0: lengths and forces of scales.
+double round_below(double x);
+
+/// "50 mm": three significant digits and a prefix that keeps the number between 1 and 1000.
+std::string with_prefix(double value, const std::string& unit);
+
+}  // namespace bipot

@@ -1,0 +1,170 @@
+#include "core/problem/contact_error.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/problem/coulomb_cone.h"
+
+namespace bipot {
+namespace {
+
+/// Physical row scale r of row i.
+double scale(const ContactProblem& p, int row) {
+  return p.row_scale.size() == 0 ? 1.0 : p.row_scale[row];
+}
+
+/// Physical friction coefficient: mu = mu_phys r_t / r_n.
+double physical_mu(const ContactProblem& p, int contact) {
+  if (p.row_scale.size() == 0 || p.dim == 1) return p.mu[contact];
+  const int row = contact * p.dim;
+  return p.mu[contact] * p.row_scale[row] / p.row_scale[row + 1];
+}
+
+/// 0/0 is 0 (nothing moves and nothing is violated), x/0 is infinite.
+double ratio(double numerator, double denominator) {
+  if (numerator == 0) return 0;
+  if (denominator == 0) return std::numeric_limits<double>::infinity();
+  return numerator / denominator;
+}
+
+}  // namespace
+
+ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem)
+    : problem_(problem),
+      delassus_(problem),
+      w_nn_(problem.num_contacts()),
+      rho_nn_(problem.num_contacts()),
+      rho_nat_(problem.num_contacts()),
+      s_(Vector::Zero(problem.num_rows())),
+      u_(Vector::Zero(problem.num_rows())) {
+  const Vector diagonal = delassus_.diagonal();
+  const int d = problem.dim;
+  double free_norm2 = 0;
+  for (int c = 0; c < problem.num_contacts(); ++c) {
+    double trace = 0;
+    for (int k = 0; k < d; ++k) {
+      const double r = scale(problem, c * d + k);
+      trace += r * r * diagonal[c * d + k];
+    }
+    const double r = scale(problem, c * d);
+    w_nn_[c] = r * r * diagonal[c * d];
+    rho_nn_[c] = 1 / w_nn_[c];
+    rho_nat_[c] = d / trace;
+    const double opening = problem.u_free[c * d] / r;
+    if (opening < 0) free_energy_ += 0.5 * opening * opening / w_nn_[c];
+    for (int k = 0; k < d; ++k) {
+      const double b = rho_nat_[c] * problem.u_free[c * d + k] / scale(problem, c * d + k);
+      free_norm2 += b * b;
+    }
+  }
+  free_norm_ = std::sqrt(free_norm2);
+}
+
+ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s) {
+  s_ = s;
+  const bool scaled = problem_.row_scale.size() != 0;
+  return dispatch_dim(problem_.dim, [&](auto d) {
+    return scaled ? evaluate<d(), true>() : evaluate<d(), false>();
+  });
+}
+
+template <int D, bool kScaled>
+ContactError ContactErrorEvaluator::evaluate() {
+  const ContactProblem& p = problem_;
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    if constexpr (kScaled) {
+      // The edge of the cone is the same set in scaled and in physical variables, its projection
+      // is not: the paper's projection is taken physically.
+      const Local<D> r = p.row_scale.segment<D>(c * D);
+      const Local<D> x = s_.segment<D>(c * D).cwiseQuotient(r);
+      s_.segment<D>(c * D) = project_coulomb_cone<D>(x, physical_mu(p, c)).cwiseProduct(r);
+    } else {
+      const Local<D> x = s_.segment<D>(c * D);
+      s_.segment<D>(c * D) = project_coulomb_cone<D>(x, p.mu[c]);
+    }
+  }
+  delassus_.velocity(s_, u_);
+
+  double friction = 0, gap = 0, gap_clipped = 0, penetration = 0, natural = 0, moved = 0;
+  double natural_rel = 0, impulse2 = 0;
+  double worst_gap = -1, worst_natural = -1;
+  ContactError e;
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    Local<D> x = s_.segment<D>(c * D);
+    Local<D> u = u_.segment<D>(c * D);
+    // sᵀ W s is the same in both variables: (r s)ᵀ (W / r r) (r s).
+    moved += x.dot(u - p.u_free.segment<D>(c * D));
+    if constexpr (kScaled) {
+      x = x.cwiseQuotient(p.row_scale.segment<D>(c * D));
+      u = u.cwiseQuotient(p.row_scale.segment<D>(c * D));
+    }
+    const double mu = kScaled ? physical_mu(p, c) : p.mu[c];
+    const double rho = rho_nn_[c];
+
+    const double slip = tangential_norm<D>(u);
+    const double dissipated = mu * x[0] * slip;
+    double tangential = dissipated;
+    for (int k = 1; k < D; ++k) tangential += x[k] * u[k];
+    tangential = positive_part(tangential);  // >= 0 on the cone; rounding may say otherwise
+    const double opening = positive_part(u[0]);
+    const double closing = positive_part(-u[0]);
+    const double contact_gap = tangential + x[0] * std::abs(u[0]);
+    const double contact_penetration = 0.5 * rho * closing * closing;
+    friction += dissipated;
+    gap += contact_gap;
+    gap_clipped += tangential + x[0] * opening;
+    penetration += contact_penetration;
+    if (contact_gap + contact_penetration > worst_gap) {
+      worst_gap = contact_gap + contact_penetration;
+      e.worst_epsilon = c;
+    }
+
+    impulse2 += x.squaredNorm();
+    // s = 0 with u_n >= 0 is the law exactly; the projection below would leave rounding.
+    if (x[0] == 0 && u[0] >= 0) continue;
+    const Local<D> hat = de_saxce_velocity<D>(u, mu);
+    const Local<D> n = x - project_coulomb_cone<D>(x - rho * hat, mu);
+    const double contact_natural = 0.5 * w_nn_[c] * n.squaredNorm();
+    natural += contact_natural;
+    if (contact_natural > worst_natural) {
+      worst_natural = contact_natural;
+      e.worst_eta = c;
+    }
+    natural_rel += (x - project_coulomb_cone<D>(x - rho_nat_[c] * hat, mu)).squaredNorm();
+  }
+
+  e.friction_power = friction;
+  e.energy = std::max(0.5 * moved, free_energy_);
+  const double denominator = std::max(friction, kTheta * e.energy);
+  e.epsilon = ratio(gap + penetration, denominator);
+  e.eta = std::sqrt(ratio(natural, denominator));
+  e.raw42 = friction > 0 ? gap_clipped / friction : ContactError::kNaN;
+  e.natural_map = ratio(std::sqrt(natural_rel), std::max(std::sqrt(impulse2), free_norm_));
+  return e;
+}
+
+ContactError contact_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s) {
+  return ContactErrorEvaluator(problem)(s);
+}
+
+ContactCount count_contacts(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
+  constexpr double kEdge = 1 - 1e-9;  // relative distance from the cone's edge that counts as slip
+  ContactCount count;
+  dispatch_dim(p.dim, [&](auto d) {
+    constexpr int D = d();
+    for (int c = 0; c < p.num_contacts(); ++c) {
+      const Local<D> x = local<D>(s, c);
+      if (x[0] <= 0) {
+        ++count.take_off;
+      } else if (D == 1 || tangential_norm<D>(x) < kEdge * p.mu[c] * x[0]) {
+        ++count.stick;
+      } else {
+        ++count.slip;
+      }
+    }
+    return 0;
+  });
+  return count;
+}
+
+}  // namespace bipot

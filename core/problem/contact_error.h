@@ -1,0 +1,69 @@
+#pragma once
+
+#include <limits>
+
+#include "core/problem/contact_problem.h"
+#include "core/problem/delassus.h"
+
+namespace bipot {
+
+/// The shared criterion (criterion.md), evaluated from a problem and an impulse alone. All
+/// dimensionless; NaN where undefined.
+struct ContactError {
+  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+  double epsilon = kNaN;  ///< (G + V) / max(D, theta E): guarded form of (42)
+  double eta = kNaN;      ///< natural map in energy, same denominator
+  double raw42 = kNaN;    ///< (42) as printed: normal penetration clipped, NaN where D = 0
+  double natural_map =
+      kNaN;  ///< ‖s - P_K(s - rho û)‖ / max(‖s‖, ‖rho u_free‖), rho_i = d / tr W_ii
+  int worst_epsilon = -1;        ///< contact with the largest term of G + V
+  int worst_eta = -1;            ///< contact with the largest term of the natural map
+  double friction_power = kNaN;  ///< D: friction's dissipation                                [J]
+  double energy = kNaN;          ///< E: energy that the contacts move, or would have to move  [J]
+
+  /// max(epsilon, eta): what every solver stops on and is judged by.
+  double guarded() const { return epsilon > eta || epsilon != epsilon ? epsilon : eta; }
+};
+
+/// Weight of E against D in the denominator, criterion.md.
+inline constexpr double kTheta = 0.1;
+
+/// Evaluates the criterion many times on one problem without allocation. s is projected on K_mu
+/// first (the paper asks for it), velocities are recomputed from the projected s. Where the problem
+/// carries a row_scale, everything is measured in physical variables.
+class ContactErrorEvaluator {
+ public:
+  explicit ContactErrorEvaluator(const ContactProblem& problem);
+
+  ContactError operator()(const Eigen::Ref<const Vector>& s);
+
+  /// Projected impulse and its velocity of the last evaluation, in the problem's variables.
+  const Vector& impulse() const { return s_; }
+  const Vector& velocity() const { return u_; }
+  const DelassusOperator& delassus() const { return delassus_; }
+
+ private:
+  template <int D, bool kScaled>
+  ContactError evaluate();
+
+  const ContactProblem& problem_;
+  DelassusOperator delassus_;
+  Vector w_nn_;             // c, physical W_nn
+  Vector rho_nn_;           // c, 1/W_nn
+  Vector rho_nat_;          // c, d / trace of the physical diagonal block
+  double free_energy_ = 0;  // ½ Σ rho_c (b_n⁻)², physical
+  double free_norm_ = 0;    // ‖rho u_free‖, physical
+  Vector s_, u_;
+};
+
+/// One evaluation.
+ContactError contact_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
+
+/// How many contacts take off (s_n = 0), stick (inside the cone) and slip (on its edge).
+struct ContactCount {
+  int take_off = 0, stick = 0, slip = 0;
+};
+ContactCount count_contacts(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
+
+}  // namespace bipot

@@ -1,0 +1,304 @@
+#include "core/problem/delassus.h"
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+#include <vector>
+
+#include "core/problem/coulomb_cone.h"
+#include "core/problem/sparse_factor.h"
+
+namespace bipot {
+namespace {
+
+/// What one contact does to one degree of freedom: a row of H restricted to the contact.
+template <int D>
+struct DofEntry {
+  int index = 0;  // the degree of freedom in a contact's list, the contact in a dof's list
+  double h[D] = {};
+};
+
+/// Lists of DofEntry, compressed.
+template <int D>
+struct EntryLists {
+  std::vector<int> start;
+  std::vector<DofEntry<D>> entries;
+};
+
+/// By contact: the degrees of freedom it acts on, ascending.
+template <int D>
+EntryLists<D> entries_by_contact(const SparseMatrix& H) {
+  const int contacts = static_cast<int>(H.cols()) / D;
+  EntryLists<D> lists;
+  lists.start.reserve(contacts + 1);
+  lists.start.push_back(0);
+  lists.entries.reserve(H.nonZeros());
+  const auto less = [](const DofEntry<D>& e, int dof) { return e.index < dof; };
+  for (int c = 0; c < contacts; ++c) {
+    for (int a = 0; a < D; ++a) {
+      for (SparseMatrix::InnerIterator it(H, c * D + a); it; ++it) {
+        const auto begin = lists.entries.begin() + lists.start[c];
+        auto at = std::lower_bound(begin, lists.entries.end(), static_cast<int>(it.row()), less);
+        if (at == lists.entries.end() || at->index != it.row()) {
+          at = lists.entries.insert(at, {static_cast<int>(it.row()), {}});
+        }
+        at->h[a] += it.value();
+      }
+    }
+    lists.start.push_back(static_cast<int>(lists.entries.size()));
+  }
+  return lists;
+}
+
+/// By degree of freedom: the contacts that act on it, ascending.
+template <int D>
+EntryLists<D> transposed(const EntryLists<D>& by_contact, int dofs) {
+  EntryLists<D> lists;
+  lists.start.assign(dofs + 1, 0);
+  for (const DofEntry<D>& e : by_contact.entries) ++lists.start[e.index + 1];
+  std::partial_sum(lists.start.begin(), lists.start.end(), lists.start.begin());
+  lists.entries.resize(by_contact.entries.size());
+  std::vector<int> next(lists.start.begin(), lists.start.end() - 1);
+  for (int c = 0; c + 1 < static_cast<int>(by_contact.start.size()); ++c) {
+    for (int k = by_contact.start[c]; k < by_contact.start[c + 1]; ++k) {
+      DofEntry<D> e = by_contact.entries[k];
+      const int dof = e.index;
+      e.index = c;
+      lists.entries[next[dof]++] = e;
+    }
+  }
+  return lists;
+}
+
+template <int D>
+SparseRows assemble_diagonal(const SparseMatrix& A, const SparseMatrix& H) {
+  const int rows = static_cast<int>(H.cols());
+  const int contacts = rows / D;
+  const Vector inverse_mass = A.diagonal().cwiseInverse();
+  const EntryLists<D> by_contact = entries_by_contact<D>(H);
+  const EntryLists<D> by_dof = transposed<D>(by_contact, static_cast<int>(H.rows()));
+
+  // First pass: the contacts coupled to each contact through a shared degree of freedom.
+  std::vector<int> neighbour_start{0}, neighbours;
+  neighbour_start.reserve(contacts + 1);
+  neighbours.reserve(static_cast<std::size_t>(contacts) * 11);
+  std::vector<int> last_seen(contacts, -1);
+  for (int c = 0; c < contacts; ++c) {
+    const std::size_t first = neighbours.size();
+    for (int k = by_contact.start[c]; k < by_contact.start[c + 1]; ++k) {
+      const int dof = by_contact.entries[k].index;
+      for (int l = by_dof.start[dof]; l < by_dof.start[dof + 1]; ++l) {
+        const int other = by_dof.entries[l].index;
+        if (last_seen[other] == c) continue;
+        last_seen[other] = c;
+        neighbours.push_back(other);
+      }
+    }
+    std::sort(neighbours.begin() + static_cast<std::ptrdiff_t>(first), neighbours.end());
+    neighbour_start.push_back(static_cast<int>(neighbours.size()));
+  }
+
+  // Second pass: values, straight into the compressed rows.
+  SparseRows W(rows, rows);
+  W.resizeNonZeros(static_cast<Eigen::Index>(neighbours.size()) * D * D);
+  std::vector<int> slot(contacts, 0);
+  for (int c = 0; c < contacts; ++c) {
+    const int count = neighbour_start[c + 1] - neighbour_start[c];
+    const int* neighbour = neighbours.data() + neighbour_start[c];
+    const int row_start = neighbour_start[c] * D * D;
+    const int row_length = count * D;
+    for (int k = 0; k < count; ++k) slot[neighbour[k]] = k;
+    int* column = W.innerIndexPtr() + row_start;
+    double* value = W.valuePtr() + row_start;
+    for (int a = 0; a < D; ++a) {
+      W.outerIndexPtr()[c * D + a] = row_start + a * row_length;
+      for (int k = 0; k < count; ++k) {
+        for (int b = 0; b < D; ++b) column[a * row_length + k * D + b] = neighbour[k] * D + b;
+      }
+    }
+    std::fill(value, value + D * row_length, 0.0);
+    for (int k = by_contact.start[c]; k < by_contact.start[c + 1]; ++k) {
+      const DofEntry<D>& mine = by_contact.entries[k];
+      const double weight = inverse_mass[mine.index];
+      for (int l = by_dof.start[mine.index]; l < by_dof.start[mine.index + 1]; ++l) {
+        const DofEntry<D>& other = by_dof.entries[l];
+        double* block = value + slot[other.index] * D;
+        for (int a = 0; a < D; ++a) {
+          for (int b = 0; b < D; ++b) block[a * row_length + b] += mine.h[a] * other.h[b] * weight;
+        }
+      }
+    }
+  }
+  W.outerIndexPtr()[rows] = static_cast<int>(neighbours.size()) * D * D;
+  return W;
+}
+
+SparseRows assemble_general(const SparseMatrix& A, const SparseMatrix& H) {
+  SparseCholesky factor;
+  if (!factor.factor(A)) throw std::runtime_error("the mass matrix A is not positive definite");
+  const SparseMatrix velocity = factor.solve(H);
+  const SparseMatrix W = SparseMatrix(H.transpose()) * velocity;
+  const SparseMatrix transposed = W.transpose();
+  return SparseRows(0.5 * (W + transposed));  // symmetric up to the rounding of the solves
+}
+
+}  // namespace
+
+bool is_diagonal(const SparseMatrix& A) {
+  for (int k = 0; k < A.outerSize(); ++k) {
+    for (SparseMatrix::InnerIterator it(A, k); it; ++it) {
+      if (it.row() != it.col() && it.value() != 0) return false;
+    }
+  }
+  return true;
+}
+
+SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int dim) {
+  if (!is_diagonal(A)) return assemble_general(A, H);
+  return dispatch_dim(dim, [&](auto d) { return assemble_diagonal<d()>(A, H); });
+}
+
+DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form) : problem_(problem) {
+  const bool can_two_pass = problem.has_velocities() && is_diagonal(problem.A);
+  two_pass_ = can_two_pass && form != Form::kExplicit;
+  if (form == Form::kTwoPass && !can_two_pass) {
+    throw std::invalid_argument("the two-pass form needs H and a diagonal A");
+  }
+  if (two_pass_) {
+    inverse_mass_ = problem.A.diagonal().cwiseInverse();
+    disks_ = disk_structure(problem);
+    velocity_.resize(disks_ ? 4 * static_cast<Eigen::Index>(disks_->bodies.size())
+                            : problem.num_dofs());
+    return;
+  }
+  if (!problem.has_delassus() && problem.has_velocities()) {
+    own_delassus_ = assemble_delassus(problem.A, problem.H, problem.dim);
+    delassus_ = &own_delassus_;
+  } else {
+    delassus_ = &problem.W;
+  }
+}
+
+template <int D>
+void DelassusOperator::apply_disks(const double* s, double* u) const {
+  double* const v = velocity_.data();
+  velocity_.setZero();
+  for (const DiskStructure::Contact& c : disks_->contacts) {
+    double* const vi = v + 4 * c.i;
+    double* const vj = v + 4 * c.j;
+    const double normal = c.normal * s[0];
+    double x = normal * c.n[0], y = normal * c.n[1];
+    if constexpr (D == 2) {
+      const double tangential = c.tangential * s[1];
+      x -= tangential * c.n[1];
+      y += tangential * c.n[0];
+      vi[2] -= tangential;
+      vj[2] -= tangential;
+    }
+    vi[0] += x;
+    vi[1] += y;
+    vj[0] -= x;
+    vj[1] -= y;
+    s += D;
+  }
+  double* body_velocity = v;
+  for (const DiskStructure::Body& body : disks_->bodies) {
+    body_velocity[0] *= body.inverse_mass;
+    body_velocity[1] *= body.inverse_mass;
+    body_velocity[2] *= body.inverse_inertia;
+    body_velocity += 4;
+  }
+  for (const DiskStructure::Contact& c : disks_->contacts) {
+    const double* const vi = v + 4 * c.i;
+    const double* const vj = v + 4 * c.j;
+    const double x = vi[0] - vj[0], y = vi[1] - vj[1];
+    u[0] = c.normal * (c.n[0] * x + c.n[1] * y);
+    if constexpr (D == 2) u[1] = c.tangential * (c.n[0] * y - c.n[1] * x - (vi[2] + vj[2]));
+    u += D;
+  }
+}
+
+void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const {
+  if (disks_) {
+    u.resize(problem_.num_rows());
+    if (problem_.dim == 1) {
+      apply_disks<1>(s.data(), u.data());
+    } else {
+      apply_disks<2>(s.data(), u.data());
+    }
+  } else if (two_pass_) {
+    velocity_.noalias() = problem_.H * s;
+    velocity_.array() *= inverse_mass_.array();
+    u.noalias() = problem_.H.transpose() * velocity_;
+  } else {
+    u.noalias() = *delassus_ * s;
+  }
+}
+
+void DelassusOperator::velocity(const Eigen::Ref<const Vector>& s, Vector& u) const {
+  apply(s, u);
+  u += problem_.u_free;
+}
+
+Eigen::MatrixXd DelassusOperator::diagonal_block(int contact) const {
+  const int d = problem_.dim;
+  Eigen::MatrixXd block = Eigen::MatrixXd::Zero(d, d);
+  if (two_pass_) {
+    for (int a = 0; a < d; ++a) {
+      for (int b = 0; b < d; ++b) {
+        SparseMatrix::InnerIterator x(problem_.H, contact * d + a);
+        SparseMatrix::InnerIterator y(problem_.H, contact * d + b);
+        while (x && y) {
+          if (x.row() == y.row()) {
+            block(a, b) += x.value() * y.value() * inverse_mass_[x.row()];
+            ++x;
+            ++y;
+          } else if (x.row() < y.row()) {
+            ++x;
+          } else {
+            ++y;
+          }
+        }
+      }
+    }
+  } else {
+    for (int a = 0; a < d; ++a) {
+      for (SparseRows::InnerIterator it(*delassus_, contact * d + a); it; ++it) {
+        const int b = static_cast<int>(it.col()) - contact * d;
+        if (b >= 0 && b < d) block(a, b) += it.value();
+      }
+    }
+  }
+  return block;
+}
+
+Vector DelassusOperator::diagonal() const {
+  Vector diagonal = Vector::Zero(problem_.num_rows());
+  if (two_pass_) {
+    for (int i = 0; i < problem_.num_rows(); ++i) {
+      for (SparseMatrix::InnerIterator it(problem_.H, i); it; ++it) {
+        diagonal[i] += it.value() * it.value() * inverse_mass_[it.row()];
+      }
+    }
+  } else {
+    for (int i = 0; i < problem_.num_rows(); ++i) {
+      for (SparseRows::InnerIterator it(*delassus_, i); it; ++it) {
+        if (it.col() == i) diagonal[i] += it.value();
+      }
+    }
+  }
+  return diagonal;
+}
+
+Vector body_velocities(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
+  if (!p.has_velocities()) {
+    throw std::invalid_argument("body velocities need a problem with A and H");
+  }
+  const Vector wrench = p.H * s;
+  if (is_diagonal(p.A)) return p.v_free + wrench.cwiseQuotient(p.A.diagonal());
+  SparseCholesky factor;
+  if (!factor.factor(p.A)) throw std::runtime_error("the mass matrix A is not positive definite");
+  return p.v_free + factor.solve(wrench);
+}
+
+}  // namespace bipot

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "core/problem/contact_problem.h"
+#include "core/problem/disk_structure.h"
+
+namespace bipot {
+
+/// W = Hᵀ A⁻¹ H in block rows: every d x d block that couples two contacts is stored whole, columns
+/// sorted. Diagonal A: cost and memory linear in the number of contact pairs that share a body,
+/// and the result is symmetric bit for bit. Other A: sparse Cholesky (CHOLMOD); throws
+/// std::runtime_error when A is not positive definite.
+SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int dim);
+
+/// True when every stored off-diagonal entry of A is zero.
+bool is_diagonal(const SparseMatrix& A);
+
+/// s -> W s, by the cheaper of the two forms that the problem offers: with a diagonal A two passes
+/// through H (about 10 multiplications a row; packed where H is that of disks), else the explicit
+/// W. A problem without
+/// W and with a general A gets its W assembled here once. Keeps a reference to the problem.
+class DelassusOperator {
+ public:
+  enum class Form { kAuto, kTwoPass, kExplicit };
+
+  explicit DelassusOperator(const ContactProblem& problem, Form form = Form::kAuto);
+
+  /// u = W s. No allocation.
+  void apply(const Eigen::Ref<const Vector>& s, Vector& u) const;
+  /// u = W s + u_free. No allocation.
+  void velocity(const Eigen::Ref<const Vector>& s, Vector& u) const;
+  /// Diagonal d x d block of contact c, row-major storage of d*d values.
+  Eigen::MatrixXd diagonal_block(int contact) const;
+  /// Diagonal of W, size m.
+  Vector diagonal() const;
+  bool two_pass() const { return two_pass_; }
+  /// The packed H of disks, nothing where the two-pass form is not used or finds other bodies.
+  const std::optional<DiskStructure>& disks() const { return disks_; }
+
+ private:
+  template <int D>
+  void apply_disks(const double* s, double* u) const;
+
+  const ContactProblem& problem_;
+  bool two_pass_ = false;
+  Vector inverse_mass_;      // diagonal of A⁻¹, two-pass form only
+  mutable Vector velocity_;  // scratch, n; for disks 4 values a body: (x, y, a ω, padding)
+  std::optional<DiskStructure> disks_;
+  SparseRows own_delassus_;  // only when W had to be assembled here
+  const SparseRows* delassus_ = nullptr;
+};
+
+/// v = v_free + A⁻¹ H s, the velocities after the step in the problem's own degrees of freedom
+/// (not scaled: row_scale is inside H). Requires has_velocities().
+Vector body_velocities(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
+
+}  // namespace bipot

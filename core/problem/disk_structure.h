@@ -1,0 +1,38 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/problem/contact_problem.h"
+
+namespace bipot {
+
+/// The wrench map of rigid disks (method.md §1), recognised in H and A and packed for kernels that
+/// stream over contacts. With unit normal n, t = e3 x n and the body velocities (V, w = a ω),
+///
+///     u_n = normal (n·(V_i - V_j)),      u_t = tangential (t·(V_i - V_j) - w_i - w_j).
+///
+/// The two factors hold 1/sqrt(1 + e); the arms a are inside w. In one dimension there is no w.
+struct DiskStructure {
+  struct Contact {
+    int i = 0, j = 0;  ///< bodies; a fixed partner is `surroundings`
+    double n[2] = {0, 0};
+    double normal = 1, tangential = 1;
+  };
+  struct Body {
+    double inverse_mass = 0;
+    double inverse_inertia = 0;  ///< a² / I, so that it multiplies tangential impulses  [1/kg]
+  };
+  std::vector<Contact> contacts;
+  std::vector<Body> bodies;  ///< the last one stands for the surroundings: it never moves
+
+  int surroundings() const { return static_cast<int>(bodies.size()) - 1; }
+};
+
+/// The structure of the problem's (A, H), or nothing when they do not have it to rounding: A must
+/// be diagonal with equal masses in x and y, body k must own the degrees of freedom dim 1: (2k,
+/// 2k+1), dim 2: (3k, 3k+1, 3k+2), and every contact must obey the formulas above with one arm per
+/// body. Walls with a degree of freedom of their own, other bodies and dim = 3 are not disks.
+std::optional<DiskStructure> disk_structure(const ContactProblem& problem);
+
+}  // namespace bipot

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/scene/scene.h"
+
+namespace bipot {
+
+/// Lattices of equal, touching disks. `corner` is the lower left corner of the bounding box; radius
+/// in m. Only position and radius of the disks are set. Order: row by row from the bottom.
+
+/// columns x rows, square lattice.
+std::vector<Disk> rectangular_lattice(int columns, int rows, double radius, const Vec2& corner);
+/// Triangular lattice: rows of `columns` and `columns - 1` disks alternate.
+std::vector<Disk> triangular_lattice(int columns, int rows, double radius, const Vec2& corner);
+/// Cannon-ball pyramid: `rows` disks in the lowest row, one at the top.
+std::vector<Disk> pyramid(int rows, double radius, const Vec2& corner);
+
+/// A share of disks of one radius.
+struct RadiusClass {
+  double radius = 0;    ///< [m]
+  double fraction = 0;  ///< of the number of disks
+};
+
+/// A loose, overlap-free random filling: `count` disks in the cells of a grid as wide as `width`,
+/// filled from the bottom up, each disk at a random place of its cell. Class sizes follow the
+/// fractions by largest remainders; the sequence of classes is shuffled. `spacing` >= 0 widens the
+/// cells beyond the largest diameter, relative. The same bits on every platform: 64-bit Mersenne
+/// twister, integer arithmetic and IEEE operations only. Throws std::invalid_argument.
+std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& classes, double width,
+                                 double spacing, std::uint64_t seed, const Vec2& corner);
+
+}  // namespace bipot

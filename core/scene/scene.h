@@ -1,0 +1,113 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/types.h"
+
+namespace bipot {
+
+/// Coulomb friction and Moreau's restitution coefficients of one pair of materials.
+struct ContactLaw {
+  double mu = 0;   ///< friction coefficient, >= 0                    [-]
+  double e_n = 0;  ///< normal restitution in [0, 1]                  [-]
+  double e_t = 0;  ///< tangential restitution in [0, 1]              [-]
+};
+
+/// A rigid disk (a cylinder of unit length where a density gave the mass).
+struct Disk {
+  Vec2 x = Vec2::Zero();  ///< centre                                 [m]
+  double angle = 0;       ///< rotation since the start               [rad]
+  Vec2 v = Vec2::Zero();  ///< velocity of the centre                 [m/s]
+  double spin = 0;        ///< angular velocity, counter-clockwise    [rad/s]
+  double radius = 0;      ///< > 0                                    [m]
+  double mass = 0;        ///< > 0                                    [kg]
+  double inertia = 0;     ///< > 0; m a²/2 for a homogeneous cylinder [kg m²]
+  int material = 0;       ///< index into Scene::materials
+};
+
+/// A wall: a half-plane (everything behind the line through a with outward normal `normal` is
+/// solid) or a segment from a to b, solid from both sides, ends included. Walls translate, never
+/// rotate.
+struct Wall {
+  enum class Shape { kHalfPlane, kSegment };
+  enum class Motion {
+    kFixed,
+    kMoving,  ///< prescribed velocity
+    kDriven   ///< prescribed force along `direction`; mass and one degree of freedom of its own
+  };
+  std::string name;
+  Shape shape = Shape::kHalfPlane;
+  Motion motion = Motion::kFixed;
+  Vec2 a = Vec2::Zero(), b = Vec2::Zero();  ///< b: segments only     [m]
+  Vec2 normal = Vec2(0, 1);                 ///< unit; half-planes only
+  Vec2 v = Vec2::Zero();                    ///< current velocity     [m/s]
+  Vec2 direction = Vec2::Zero();            ///< unit; driven walls only
+  double force = 0;                         ///< along direction      [N]
+  double mass = 0;                          ///< driven walls only    [kg]
+  int material = 0;
+};
+
+/// Which solver a scene asks for; the command line may override each entry.
+struct SolverChoice {
+  std::string name = "auto";
+  double tol = 1e-8;
+  std::string stop = "guarded";
+  int max_iterations = 1000000;
+  bool warm_start = true;
+  std::map<std::string, std::string> parameters;
+};
+
+/// How contacts are modelled. nscd: rigid disks with exact contact laws, one implicit problem a
+/// step (core/motion/time_stepping.h). dem: springs and dashpots, explicit
+/// (core/motion/spring_dashpot.h).
+enum class Model { kNonsmooth, kSpringDashpot };
+
+/// What the spring-dashpot model needs beyond a rigid scene. Zero: chosen from the scene
+/// (core/motion/spring_dashpot_setup.h).
+struct SpringDashpotChoice {
+  double stiffness = 0;               ///< k_n of every contact                           [N/m]
+  double overlap = 1e-3;              ///< aimed at when stiffness is 0, of the smallest radius
+  double tangential_ratio = 1.0 / 3;  ///< k_t / k_n                                      [-]
+  double substep = 0;                 ///< largest substep                                [s]
+  double safety = 0.5;                ///< substep over the critical one, when substep is 0
+};
+
+/// What a run writes, and how often (in steps; 0: never, the last step is always written).
+struct OutputChoice {
+  int every = 100;              ///< HDF5/XDMF frames
+  int ledger_every = 1;         ///< rows of the CSV ledger
+  bool picture = true;          ///< force-chain picture of the last step (SVG and PNG)
+  bool stress_picture = false;  ///< disks coloured by pressure, last step (SVG and PNG)
+  std::vector<int> track;       ///< disks whose trajectory goes to trajectory.csv at every step
+};
+
+/// Everything that a scene file says, ready to run. SI units.
+struct Scene {
+  std::string title;
+  std::string source;  ///< file name, or "generated"
+  Vec2 gravity = Vec2::Zero();
+  std::vector<Disk> disks;
+  std::vector<Wall> walls;
+  std::vector<std::string> materials;  ///< names
+  std::vector<ContactLaw> laws;        ///< materials² entries, symmetric, row-major
+  double step = 0;                     ///< h > 0                    [s]
+  int num_steps = 0;
+  double contact_distance = 0;  ///< eta of method.md §4      [m]
+  Model model = Model::kNonsmooth;
+  SolverChoice solver;      ///< nonsmooth model only
+  SpringDashpotChoice dem;  ///< spring-dashpot model only
+  OutputChoice output;
+
+  const ContactLaw& law(int material_a, int material_b) const {
+    return laws[static_cast<std::size_t>(material_a) * materials.size() + material_b];
+  }
+  /// True when some pair of materials has friction: the contact dimension is then 2, else 1.
+  bool has_friction() const;
+};
+
+/// Empty for a sound scene, else one sentence that names the entry, its index and its value.
+std::string validate(const Scene& scene);
+
+}  // namespace bipot

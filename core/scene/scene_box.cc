@@ -1,0 +1,88 @@
+#include "core/scene/scene_box.h"
+
+#include <algorithm>
+
+namespace bipot {
+namespace {
+
+Vec2 tangent(const Wall& wall) { return Vec2(-wall.normal[1], wall.normal[0]); }
+
+/// The point of a wall that is nearest to x.
+Vec2 nearest_point(const Wall& wall, const Vec2& x) {
+  if (wall.shape == Wall::Shape::kHalfPlane) {
+    return x - (x - wall.a).dot(wall.normal) * wall.normal;
+  }
+  const Vec2 along = wall.b - wall.a;
+  const double length2 = along.squaredNorm();
+  const double t = length2 > 0 ? (x - wall.a).dot(along) / length2 : 0.0;
+  return wall.a + std::clamp(t, 0.0, 1.0) * along;
+}
+
+}  // namespace
+
+Box view_box(std::span<const Disk> disks, std::span<const Wall> walls) {
+  Box box;
+  double largest = 0;
+  for (const Disk& d : disks) {
+    box.include(d.x + Vec2::Constant(d.radius));
+    box.include(d.x - Vec2::Constant(d.radius));
+    largest = std::max(largest, d.radius);
+  }
+  if (box.empty()) {
+    for (const Wall& w : walls) {
+      box.include(w.a);
+      if (w.shape == Wall::Shape::kSegment) box.include(w.b);
+    }
+    if (box.empty()) box.include(Vec2::Zero());
+    const double width = box.size().maxCoeff();
+    box.widen(width > 0 ? 0.1 * width : 1.0);
+    return box;
+  }
+  const Box of_disks = box;
+  const double reach = std::max(of_disks.size().maxCoeff(), 12 * largest);
+  for (const Wall& w : walls) {
+    for (const Vec2& x :
+         {of_disks.centre(), of_disks.lower, of_disks.upper,
+          Vec2(of_disks.lower[0], of_disks.upper[1]), Vec2(of_disks.upper[0], of_disks.lower[1])}) {
+      const Vec2 near = nearest_point(w, x);
+      const Vec2 inside = near.cwiseMax(of_disks.lower).cwiseMin(of_disks.upper);
+      if ((near - inside).norm() <= reach) box.include(near);
+    }
+  }
+  box.widen(std::max(0.03 * box.size().maxCoeff(), 0.5 * largest));
+  return box;
+}
+
+std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall> walls, const Box& box) {
+  std::vector<std::pair<Vec2, Vec2>> lines;
+  for (const Wall& wall : walls) {
+    if (wall.shape == Wall::Shape::kSegment) {
+      lines.emplace_back(wall.a, wall.b);
+      continue;
+    }
+    const Vec2 t = tangent(wall);
+    double first = 1e300, last = -1e300;
+    for (const Vec2& corner : {box.lower, box.upper, Vec2(box.lower[0], box.upper[1]),
+                               Vec2(box.upper[0], box.lower[1])}) {
+      first = std::min(first, (corner - wall.a).dot(t));
+      last = std::max(last, (corner - wall.a).dot(t));
+    }
+    double seen_first = first, seen_last = last;
+    for (const Wall& other : walls) {
+      if (&other == &wall || other.shape == Wall::Shape::kSegment) continue;
+      // Height above the other one at the parameter x: height + slope x.
+      const double height = (wall.a - other.a).dot(other.normal);
+      const double slope = t.dot(other.normal);
+      if (slope > 1e-9) seen_first = std::max(seen_first, -height / slope);
+      if (slope < -1e-9) seen_last = std::min(seen_last, -height / slope);
+    }
+    if (seen_first < seen_last) {  // else it is buried altogether: shown whole, nothing is hidden
+      first = seen_first;
+      last = seen_last;
+    }
+    lines.emplace_back(wall.a + first * t, wall.a + last * t);
+  }
+  return lines;
+}
+
+}  // namespace bipot

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/scene/scene.h"
+
+namespace bipot {
+
+/// Axes-parallel box; empty (lower > upper) until something is put in.                       [m]
+struct Box {
+  Vec2 lower = Vec2::Constant(1e300), upper = Vec2::Constant(-1e300);
+
+  bool empty() const { return !(lower.array() <= upper.array()).all(); }
+  void include(const Vec2& x) {
+    lower = lower.cwiseMin(x);
+    upper = upper.cwiseMax(x);
+  }
+  void widen(double by) {
+    lower.array() -= by;
+    upper.array() += by;
+  }
+  Vec2 size() const { return upper - lower; }
+  Vec2 centre() const { return 0.5 * (lower + upper); }
+};
+
+/// What a picture of disks and walls should show: the disks, the parts of walls beside them, and
+/// walls that are about as near as the disks are wide. Never empty.
+Box view_box(std::span<const Disk> disks, std::span<const Wall> walls);
+
+/// The two ends of each wall as it is drawn: of a segment its own, of a half-plane's line as far as
+/// the box reaches in its direction and no other half-plane covers it.
+std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall> walls, const Box& box);
+
+}  // namespace bipot

@@ -1,0 +1,80 @@
+#include "core/scene/scene_family.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <stdexcept>
+
+#include "core/nearest_name.h"
+#include "core/scene/generators.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kRadius = 0.5;
+
+Wall half_plane(const char* name, const Vec2& point, const Vec2& normal) {
+  Wall wall;
+  wall.name = name;
+  wall.a = point;
+  wall.normal = normal;
+  return wall;
+}
+
+}  // namespace
+
+std::vector<std::string> family_names() {
+  return {"square", "triangular", "diluted", "pyramid", "random"};
+}
+
+Scene make_family_scene(const std::string& family, int side, const FamilyOptions& options) {
+  Scene scene;
+  scene.title = family + " " + std::to_string(side);
+  scene.source = "generated";
+  const double tilt = options.tilt_degrees * std::numbers::pi / 180;
+  scene.gravity = 9.81 * Vec2(std::sin(tilt), -std::cos(tilt));
+  scene.materials = {"default"};
+  scene.laws = {{.mu = options.mu, .e_n = options.e_n, .e_t = options.e_t}};
+  scene.step = 0.01;
+  scene.num_steps = 1;
+  scene.contact_distance = 1e-6 * kRadius;
+
+  const Vec2 corner = Vec2::Zero();
+  double width = 2 * kRadius * side;
+  bool box = true;
+  if (family == "square") {
+    scene.disks = rectangular_lattice(side, side, kRadius, corner);
+  } else if (family == "triangular") {
+    scene.disks = triangular_lattice(side, side, kRadius, corner);
+  } else if (family == "diluted") {
+    // Every disk keeps its place; which ones are missing is drawn without the standard library's
+    // distributions, which differ between platforms.
+    std::mt19937_64 engine(options.seed);
+    for (const Disk& d : triangular_lattice(side, side, kRadius, corner)) {
+      if (engine() % 10 != 0) scene.disks.push_back(d);
+    }
+  } else if (family == "pyramid") {
+    scene.disks = pyramid(side, kRadius, corner);
+    box = false;
+  } else if (family == "random") {
+    width = 2.2 * kRadius * side;
+    scene.disks = random_filling(side * side, {{0.4, 0.25}, {0.5, 0.5}, {0.6, 0.25}}, width, 0.02,
+                                 options.seed, corner);
+  } else {
+    throw std::invalid_argument(unknown_name_message("scene family", family, family_names()));
+  }
+  std::mt19937_64 engine(options.seed);
+  for (Disk& d : scene.disks) {
+    const double uniform = static_cast<double>(engine() >> 11) * 0x1.0p-53;
+    d.mass = std::pow(options.mass_ratio, uniform);
+    d.inertia = 0.5 * d.mass * d.radius * d.radius;
+  }
+  scene.walls.push_back(half_plane("floor", corner, Vec2(0, 1)));
+  if (box) {
+    scene.walls.push_back(half_plane("left", corner, Vec2(1, 0)));
+    scene.walls.push_back(half_plane("right", Vec2(width, 0), Vec2(-1, 0)));
+  }
+  return scene;
+}
+
+}  // namespace bipot

@@ -1,0 +1,208 @@
+#include "solvers/interior/interior_state.h"
+
+#include <Eigen/LU>
+
+namespace bipot {
+namespace {
+
+constexpr int kRefinements = 2;
+
+}  // namespace
+
+template <int D>
+InteriorSystem<D>::InteriorSystem(const ContactProblem& problem, const DelassusOperator& delassus,
+                                  ShiftedDelassus::Form form)
+    : problem_(problem),
+      delassus_(delassus),
+      shifted_(problem, delassus, form),
+      friction_(problem.num_contacts()),
+      mobility_(delassus.diagonal()) {
+  for (int c = 0; c < num_contacts(); ++c) {
+    friction_[c] = D > 1 && problem.mu[c] > 0;
+    eigenvalues_ += Jordan::rank(friction_[c]);
+    double tangential = 0;
+    for (int k = 1; k < D; ++k) tangential += mobility_[c * D + k] / (D - 1);
+    // No tangential mobility (rounded data): the normal one stands in.
+    if (!(tangential > 1e-12 * mobility_[c * D])) tangential = mobility_[c * D];
+    for (int k = 1; k < D; ++k) mobility_[c * D + k] = tangential;
+  }
+  C_.resize(static_cast<std::size_t>(num_contacts()) * D * D);
+  R_.resize(C_.size());
+}
+
+template <int D>
+InteriorState<D> InteriorSystem<D>::central_state(const Vector& impulse,
+                                                  const Vector& energy) const {
+  State z;
+  z.X.setZero(num_contacts() * P);
+  z.Y.setZero(num_contacts() * P);
+  for (int c = 0; c < num_contacts(); ++c) {
+    Local<D> s = Local<D>::Zero();
+    s[0] = impulse[c];
+    const Pairs x = Jordan::pairs_of_impulse(s, mu(c), friction(c));
+    z.X.template segment<P>(c * P) = x;
+    z.Y.template segment<P>(c * P) =
+        Jordan::divide(Jordan::identity(energy[c], friction(c)), x, friction(c));
+  }
+  recompute(z);
+  return z;
+}
+
+template <int D>
+void InteriorSystem<D>::recompute(State& z) const {
+  const int contacts = num_contacts();
+  z.s.resize(contacts * D);
+  for (int c = 0; c < contacts; ++c) {
+    z.s.template segment<D>(c * D) = Jordan::impulse_of_pairs(pairs(z.X, c), friction(c));
+  }
+  delassus_.velocity(z.s, z.u);
+  z.p.resize(contacts * D);
+  for (int c = 0; c < contacts; ++c) {
+    Local<D> p = local<D>(z.u, c) -
+                 Jordan::velocity_of_pairs(pairs(z.Y, c), association_ * mu(c), friction(c));
+    if (!friction(c)) {
+      for (int k = 1; k < D; ++k) p[k] = 0;
+    }
+    z.p.template segment<D>(c * D) = p;
+  }
+}
+
+template <int D>
+void InteriorSystem<D>::move(State& z, const PairDirection& d, double t) const {
+  z.X += t * d.dX;
+  z.Y += t * d.dY;
+  if constexpr (D == 3) {  // the two copies of s_n must not drift apart
+    for (int c = 0; c < num_contacts(); ++c) {
+      if (friction(c)) z.X[c * P + 1] = mu(c) * z.X[c * P];
+    }
+  }
+  recompute(z);
+}
+
+template <int D>
+Vector InteriorSystem<D>::products(const Vector& X, const Vector& Y) const {
+  Vector z(X.size());
+  for (int c = 0; c < num_contacts(); ++c) {
+    z.segment<P>(c * P) = Jordan::product(pairs(X, c), pairs(Y, c), friction(c));
+  }
+  return z;
+}
+
+template <int D>
+double InteriorSystem<D>::mean_product(const Vector& products) const {
+  double sum = 0;
+  for (int c = 0; c < num_contacts(); ++c) sum += Jordan::trace(pairs(products, c), friction(c));
+  return sum / eigenvalues_;
+}
+
+template <int D>
+double InteriorSystem<D>::smallest_product(const Vector& products) const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (int c = 0; c < num_contacts(); ++c) {
+    smallest = std::min(smallest, Jordan::eigenvalues(pairs(products, c), friction(c)).minCoeff());
+  }
+  return smallest;
+}
+
+template <int D>
+double InteriorSystem<D>::residual_energy(const State& z) const {
+  double sum = 0;
+  for (int c = 0; c < num_contacts(); ++c) {
+    const Local<D> p = local<D>(z.p, c);
+    sum += (std::abs(p[0]) + mu(c) * tangential_norm<D>(p)) * z.s[c * D];
+  }
+  return sum / num_contacts();
+}
+
+template <int D>
+double InteriorSystem<D>::longest_step(const State& z, const PairDirection& d) const {
+  double t = std::numeric_limits<double>::infinity();
+  for (int c = 0; c < num_contacts(); ++c) {
+    t = std::min(t, Jordan::longest_step(pairs(z.X, c), pairs(d.dX, c), friction(c)));
+    t = std::min(t, Jordan::longest_step(pairs(z.Y, c), pairs(d.dY, c), friction(c)));
+  }
+  return t;
+}
+
+template <int D>
+bool InteriorSystem<D>::linearise(const State& z, double delta) {
+  using Block = Eigen::Matrix<double, D, D, Eigen::RowMajor>;
+  for (int c = 0; c < num_contacts(); ++c) {
+    const bool f = friction(c);
+    const Pairs x = pairs(z.X, c), y = pairs(z.Y, c);
+    Eigen::Map<Block> C(&C_[static_cast<std::size_t>(c) * D * D]);
+    Eigen::Map<Block> R(&R_[static_cast<std::size_t>(c) * D * D]);
+    C.setZero();
+    R.setZero();
+    const int rows = f ? D : 1;
+    for (int k = 0; k < rows; ++k) {
+      Local<D> unit = Local<D>::Zero();
+      unit[k] = 1;
+      const Pairs dx = Jordan::pairs_of_impulse(unit, mu(c), f);
+      const Pairs dy = Jordan::divide(Jordan::product(dx, y, f), x, f);
+      C.col(k) = Jordan::velocity_of_pairs(dy, association_ * mu(c), f);
+      C(k, k) += delta * mobility_[c * D + k];
+    }
+    if (f) {
+      R = Block(C).inverse();
+    } else {
+      R(0, 0) = 1 / C(0, 0);
+    }
+  }
+  return shifted_.factor(R_);
+}
+
+template <int D>
+void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector& p,
+                                  PairDirection& out) const {
+  using Block = Eigen::Matrix<double, D, D, Eigen::RowMajor>;
+  const int contacts = num_contacts();
+  Vector q(contacts * D), g(contacts * D), correction, wds;
+  for (int c = 0; c < contacts; ++c) {
+    const bool f = friction(c);
+    Local<D> row = Jordan::velocity_of_pairs(Jordan::divide(pairs(r, c), pairs(z.X, c), f),
+                                             association_ * mu(c), f) -
+                   local<D>(p, c);
+    if (!f) row.template tail<D - 1>().setZero();
+    q.segment<D>(c * D) = row;
+    g.segment<D>(c * D) = Eigen::Map<const Block>(&R_[static_cast<std::size_t>(c) * D * D]) * row;
+  }
+  shifted_.solve(g, out.ds);
+  for (int k = 0; k < kRefinements; ++k) {
+    delassus_.apply(out.ds, wds);
+    for (int c = 0; c < contacts; ++c) {
+      const std::size_t at = static_cast<std::size_t>(c) * D * D;
+      Local<D> e = local<D>(q, c) - local<D>(wds, c) -
+                   Eigen::Map<const Block>(&C_[at]) * local<D>(out.ds, c);
+      if (!friction(c)) e.template tail<D - 1>().setZero();
+      g.segment<D>(c * D) = Eigen::Map<const Block>(&R_[at]) * e;
+    }
+    shifted_.solve(g, correction);
+    out.ds += correction;
+  }
+  out.dX.resize(contacts * P);
+  out.dY.resize(contacts * P);
+  for (int c = 0; c < contacts; ++c) {
+    const bool f = friction(c);
+    const Pairs dx = Jordan::pairs_of_impulse(local<D>(out.ds, c), mu(c), f);
+    out.dX.template segment<P>(c * P) = dx;
+    out.dY.template segment<P>(c * P) =
+        Jordan::divide(pairs(r, c) - Jordan::product(pairs(z.Y, c), dx, f), pairs(z.X, c), f);
+  }
+}
+
+template <int D>
+void InteriorSystem<D>::set_association(State& z, double association) {
+  for (int c = 0; c < num_contacts(); ++c) {
+    z.Y[c * P] +=
+        (association_ - association) * mu(c) * Jordan::slip_speed(pairs(z.Y, c), friction(c));
+  }
+  association_ = association;
+  recompute(z);
+}
+
+template class InteriorSystem<1>;
+template class InteriorSystem<2>;
+template class InteriorSystem<3>;
+
+}  // namespace bipot

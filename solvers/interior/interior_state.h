@@ -1,0 +1,99 @@
+#pragma once
+
+#include <vector>
+
+#include "solvers/interior/contact_jordan.h"
+#include "solvers/kernels/shifted_delassus.h"
+
+namespace bipot {
+
+/// A point of the interior of the contact law's cones, with exact dynamics: the pairs X, Y of every
+/// contact (contact_jordan.h), the impulse s of X, the velocity u = W s + u_free recomputed from s,
+/// and the kinematic residual p = u - U Y.
+template <int D>
+struct InteriorState {
+  using Jordan = ContactJordan<D>;
+  static constexpr int P = Jordan::P;
+
+  Vector X, Y;  ///< P components a contact
+  Vector s, u;  ///< m
+  Vector p;     ///< m, u - U Y; zero where the contact has no friction (tangents)
+};
+
+/// A direction in the pairs and the impulse.
+struct PairDirection {
+  Vector dX, dY, ds;
+};
+
+/// The complementarity system of a problem and its Newton directions. With W_cc the diagonal of W
+/// (tangents averaged) and L(X) the multiplication by X, a direction solves
+///
+///     X∘dY + Y∘dX = r,   dX = T ds,   W ds + delta W_cc ds - U dY = -p,
+///
+/// condensed contact by contact to (W + C) ds = q, C = U L(X)⁻¹ L(Y) T + delta W_cc,
+/// q = U L(X)⁻¹ r - p. One factorisation of I + C⁻¹ W serves all right-hand sides; each solution is
+/// refined by the velocity residual q - W ds - C ds, because the elimination of nearly open or
+/// nearly edge contacts loses ds (C ranges over 1e12).
+template <int D>
+class InteriorSystem {
+ public:
+  using State = InteriorState<D>;
+  using Jordan = ContactJordan<D>;
+  using Pairs = typename Jordan::Pairs;
+  static constexpr int P = Jordan::P;
+
+  InteriorSystem(const ContactProblem& problem, const DelassusOperator& delassus,
+                 ShiftedDelassus::Form form);
+
+  /// X, Y with all eigenvalue products equal to `energy[c]`, s_t = 0, s_n = impulse[c].
+  State central_state(const Vector& impulse, const Vector& energy) const;
+  /// u and p from X and Y.
+  void recompute(State& z) const;
+  /// z + t d.
+  void move(State& z, const PairDirection& d, double t) const;
+
+  Vector products(const Vector& X, const Vector& Y) const;
+  double mean_product(const Vector& products) const;
+  double smallest_product(const Vector& products) const;
+  /// Mean over the contacts of (|p_n| + mu |p_t|) s_n, an energy like the mean product.
+  double residual_energy(const State& z) const;
+  double longest_step(const State& z, const PairDirection& d) const;
+
+  /// Factors at z. False: singular or not finite.
+  [[nodiscard]] bool linearise(const State& z, double delta);
+  int determinant_sign() const { return shifted_.determinant_sign(); }
+  /// Direction for the right-hand sides r (P a contact) and p.
+  void direction(const State& z, const Vector& r, const Vector& p, PairDirection& out) const;
+
+  /// Blends the exact law (0) with the associated, convex one (1): u_n = w + association mu gamma.
+  /// The change is absorbed by w, which stays positive when the association falls.
+  void set_association(State& z, double association);
+  void set_association(double association) { association_ = association; }
+
+  bool friction(int c) const { return friction_[c]; }
+  double mu(int c) const { return problem_.mu[c]; }
+  int num_contacts() const { return problem_.num_contacts(); }
+  int num_eigenvalues() const { return eigenvalues_; }
+  const Vector& mobility() const { return mobility_; }
+  ShiftedDelassus& shifted() { return shifted_; }
+  const DelassusOperator& delassus() const { return delassus_; }
+  const ContactProblem& problem() const { return problem_; }
+
+  Pairs pairs(const Vector& x, int c) const { return x.template segment<P>(c * P); }
+
+ private:
+  const ContactProblem& problem_;
+  const DelassusOperator& delassus_;
+  ShiftedDelassus shifted_;
+  std::vector<char> friction_;
+  int eigenvalues_ = 0;
+  double association_ = 0;
+  Vector mobility_;            // diagonal of W, tangents averaged
+  std::vector<double> C_, R_;  // row-major d x d blocks of the last linearisation
+};
+
+extern template class InteriorSystem<1>;
+extern template class InteriorSystem<2>;
+extern template class InteriorSystem<3>;
+
+}  // namespace bipot

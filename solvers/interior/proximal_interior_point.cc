@@ -1,0 +1,118 @@
+#include "solvers/interior/proximal_interior_point.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bipot {
+namespace {
+
+constexpr double kFirstDelta = 1e-3;      // first proximal term against a negative determinant
+constexpr double kShortStepDelta = 1e-5;  // the same, against a short step
+constexpr double kShortStep = 0.1, kLongStep = 0.7;
+constexpr double kLargestDelta = 1e8;  // beyond it I + C^-1 W is the identity
+constexpr double kToBoundary = 0.99;
+constexpr double kSmallestStep = 1e-12, kTinyStep = 1e-3;
+constexpr int kHoldsBeforeRaise = 8;
+
+/// Ratio of the smallest product to the mean one.
+template <int D>
+double centrality(const InteriorSystem<D>& system, const Vector& products) {
+  return system.smallest_product(products) / system.mean_product(products);
+}
+
+/// target e - products - second order, contact by contact.
+template <int D>
+Vector centring(const InteriorSystem<D>& system, const Vector& products, double target) {
+  constexpr int P = ContactJordan<D>::P;
+  Vector r = -products;
+  for (int c = 0; c < system.num_contacts(); ++c) {
+    r.segment<P>(c * P) += ContactJordan<D>::identity(target, system.friction(c));
+  }
+  return r;
+}
+
+}  // namespace
+
+template <int D>
+StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z, InteriorRun& run,
+                                 const ProximalInteriorPointOptions& options,
+                                 InteriorState<D>& best) {
+  double delta = options.delta_floor;
+  int holds = 0, tiny_steps = 0;
+  double best_error = std::numeric_limits<double>::infinity();
+  double progress_error = best_error;
+  int progress = 0;
+  PairDirection affine, d;
+  InteriorState<D> trial;
+  for (int k = 0; k < options.max_iterations; ++k) {
+    if (!system.linearise(z, delta)) return StageEnd::kFailed;
+    while (system.determinant_sign() < 0) {
+      delta = std::max(5 * delta, kFirstDelta);
+      if (delta > kLargestDelta) return StageEnd::kStuck;
+      if (!system.linearise(z, delta)) return StageEnd::kFailed;
+      if (run.monitor.out_of_time()) break;
+    }
+    const Vector products = system.products(z.X, z.Y);
+    const double tau = system.mean_product(products);
+    const double residual = system.residual_energy(z);
+    if (options.final_gap > 0) {
+      const double gap = tau * system.num_eigenvalues() + residual * system.num_contacts();
+      const double energy = 0.5 * z.s.dot(z.u - system.problem().u_free);
+      if (gap < options.final_gap * kTheta * energy) return StageEnd::kLimit;
+    }
+    const bool hold = residual > 10 * tau && delta > options.delta_floor;
+    double target = tau;
+    if (hold) {
+      if (++holds % kHoldsBeforeRaise == 0) target = tau * std::clamp(residual / tau, 1.0, 1e3);
+      system.direction(z, centring(system, products, target), z.p, d);
+    } else {
+      holds = 0;
+      system.direction(z, centring(system, products, 0.0), z.p, affine);
+      const double t = std::min(1.0, system.longest_step(z, affine));
+      const double tau_affine =
+          system.mean_product(system.products(z.X + t * affine.dX, z.Y + t * affine.dY));
+      double sigma = std::clamp(std::pow(tau_affine / tau, 3), 1e-3, 0.9);
+      if (t < 0.1) sigma = std::max(sigma, 0.5);
+      Vector r = centring(system, products, sigma * tau);
+      if (t > 0.1) r -= system.products(affine.dX, affine.dY);
+      system.direction(z, r, z.p, d);
+    }
+    if (!d.ds.allFinite()) return StageEnd::kFailed;
+
+    const double floor = std::min(options.neighbourhood, 0.9 * centrality(system, products));
+    double t = std::min(1.0, kToBoundary * system.longest_step(z, d));
+    while (t > kSmallestStep) {
+      const Vector moved = system.products(z.X + t * d.dX, z.Y + t * d.dY);
+      if (system.smallest_product(moved) >= floor * system.mean_product(moved)) break;
+      t *= 0.7;
+    }
+    system.move(z, d, t);
+    if (run.next(z.s, t)) return StageEnd::kStop;
+    if (run.judged() && run.monitor.last_error() < best_error) {
+      best_error = run.monitor.last_error();
+      best = z;
+    }
+    if (best_error < 0.5 * progress_error) {
+      progress_error = best_error;
+      progress = k;
+    }
+    if (k - progress >= options.patience) return StageEnd::kStuck;
+    if (t < kShortStep) delta = std::max(5 * delta, kShortStepDelta);
+    if (t > kLongStep) delta = std::max(options.delta_floor, 0.1 * delta);
+    tiny_steps = t < kTinyStep ? tiny_steps + 1 : 0;
+    if (tiny_steps >= 3) return StageEnd::kStuck;
+  }
+  return StageEnd::kLimit;
+}
+
+template StageEnd proximal_interior_point<1>(InteriorSystem<1>&, InteriorState<1>&, InteriorRun&,
+                                             const ProximalInteriorPointOptions&,
+                                             InteriorState<1>&);
+template StageEnd proximal_interior_point<2>(InteriorSystem<2>&, InteriorState<2>&, InteriorRun&,
+                                             const ProximalInteriorPointOptions&,
+                                             InteriorState<2>&);
+template StageEnd proximal_interior_point<3>(InteriorSystem<3>&, InteriorState<3>&, InteriorRun&,
+                                             const ProximalInteriorPointOptions&,
+                                             InteriorState<3>&);
+
+}  // namespace bipot

@@ -1,0 +1,114 @@
+#include "solvers/interior/proximal_newton.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bipot {
+namespace {
+
+constexpr int kInnerCap = 8;
+constexpr int kQuick = 6;  // inner iterations after which delta may fall
+constexpr double kInnerAccuracy = 1e-8, kStagnation = 1e-4;
+constexpr double kSmallestDelta = 1e-6, kLargestDelta = 1e2;
+
+/// Projection of Alart and Curnier at z and a generalised Jacobian of it.
+template <int D>
+Local<D> project(const Local<D>& z, double mu, Eigen::Matrix<double, D, D>& jacobian) {
+  Local<D> s = Local<D>::Zero();
+  jacobian.setZero();
+  if (z[0] <= 0) return s;
+  s[0] = z[0];
+  jacobian(0, 0) = 1;
+  if constexpr (D > 1) {
+    const double norm = tangential_norm<D>(z);
+    const double radius = mu * z[0];
+    if (norm <= radius) {
+      s = z;
+      jacobian.setIdentity();
+    } else {
+      const Eigen::Matrix<double, D - 1, 1> t = z.template tail<D - 1>() / norm;
+      s.template tail<D - 1>() = radius * t;
+      jacobian.template bottomLeftCorner<D - 1, 1>() = mu * t;
+      jacobian.template bottomRightCorner<D - 1, D - 1>() =
+          radius / norm * (Eigen::Matrix<double, D - 1, D - 1>::Identity() - t * t.transpose());
+    }
+  }
+  return s;
+}
+
+}  // namespace
+
+template <int D>
+StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delassus,
+                         ShiftedDelassus& shifted, const Vector& mobility, const Vector& start,
+                         InteriorRun& run, const ProximalNewtonOptions& options) {
+  const int contacts = p.num_contacts();
+  std::vector<double> R(static_cast<std::size_t>(contacts) * D * D);
+  Vector anchor = start, s = start, u, g(contacts * D), ds;
+  double delta = options.delta;
+  double first_residual = 0, last_residual = 0;
+  int inner = 0;
+  for (int k = 0; k < options.max_iterations; ++k) {
+    delassus.velocity(s, u);
+    double residual = 0, scale = 0;  // energies
+    for (int c = 0; c < contacts; ++c) {
+      Local<D> rho;
+      for (int i = 0; i < D; ++i) rho[i] = 1 / (delta * mobility[c * D + i]);
+      const Local<D> z = local<D>(anchor, c) - rho.cwiseProduct(local<D>(u, c));
+      Eigen::Matrix<double, D, D> jacobian;
+      const Local<D> f = project<D>(z, p.mu[c], jacobian) - local<D>(s, c);
+      g.segment<D>(c * D) = f;
+      for (int i = 0; i < D; ++i) {
+        residual += mobility[c * D + i] * f[i] * f[i];
+        scale += mobility[c * D + i] * z[i] * z[i];
+      }
+      Eigen::Map<Eigen::Matrix<double, D, D, Eigen::RowMajor>> block(
+          &R[static_cast<std::size_t>(c) * D * D]);
+      block = jacobian * rho.asDiagonal();
+    }
+    if (!std::isfinite(residual)) return StageEnd::kFailed;
+    if (inner == 0) first_residual = residual;
+    // Nor can the residual fall below the rounding of u times the step 1/delta.
+    const double rounding = 1e3 * std::numeric_limits<double>::epsilon() / delta;
+    const double accuracy =
+        std::max(kInnerAccuracy * kInnerAccuracy * first_residual, rounding * rounding * scale);
+    // Ill-conditioned contacts stop earlier: small, and no longer falling.
+    const bool stagnates = inner > 1 && residual > 0.25 * last_residual &&
+                           residual <= kStagnation * kStagnation * first_residual;
+    last_residual = residual;
+    const bool converged = (inner > 0 && residual <= accuracy) || stagnates;
+    if (converged || inner >= kInnerCap) {
+      if (converged) {
+        anchor = s;
+        if (inner <= kQuick) delta = std::max(0.1 * delta, kSmallestDelta);
+      } else {
+        s = anchor;
+        delta *= 10;
+        if (delta > kLargestDelta) return StageEnd::kStuck;
+      }
+      inner = 0;
+      --k;  // no factorisation
+      continue;
+    }
+    // The anchor itself solves its proximal problem: nothing is left to gain.
+    if (inner == 0 && residual <= rounding * rounding * scale) return StageEnd::kStuck;
+    if (!shifted.factor(R)) return StageEnd::kFailed;
+    shifted.solve(g, ds);
+    s += ds;
+    ++inner;
+    if (run.next(s, delta)) return StageEnd::kStop;
+  }
+  return StageEnd::kLimit;
+}
+
+template StageEnd proximal_newton<1>(const ContactProblem&, const DelassusOperator&,
+                                     ShiftedDelassus&, const Vector&, const Vector&, InteriorRun&,
+                                     const ProximalNewtonOptions&);
+template StageEnd proximal_newton<2>(const ContactProblem&, const DelassusOperator&,
+                                     ShiftedDelassus&, const Vector&, const Vector&, InteriorRun&,
+                                     const ProximalNewtonOptions&);
+template StageEnd proximal_newton<3>(const ContactProblem&, const DelassusOperator&,
+                                     ShiftedDelassus&, const Vector&, const Vector&, InteriorRun&,
+                                     const ProximalNewtonOptions&);
+
+}  // namespace bipot

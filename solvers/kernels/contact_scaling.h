@@ -1,0 +1,23 @@
+#pragma once
+
+#include "core/problem/contact_problem.h"
+#include "core/problem/coulomb_cone.h"
+
+namespace bipot {
+
+/// A change of variables x = impulse ∘ s, w = velocity ∘ u with one positive factor for the normal
+/// and one for all tangents of each contact. Coulomb's law is homogeneous in either part
+/// separately, hence keeps its form with the friction coefficient mu below (method.md §3).
+struct ContactScaling {
+  Vector impulse;   ///< m, x = impulse ∘ s
+  Vector velocity;  ///< m, w = velocity ∘ u
+  Vector mu;        ///< c, mu_x = mu impulse_t / impulse_n
+};
+
+/// x = sqrt(W_ii) s, w = u / sqrt(W_ii), tangents averaged: the operator gets a unit diagonal.
+ContactScaling equilibrated_scaling(const ContactProblem& problem, const Vector& delassus_diagonal);
+
+/// x = s / r, w = u / r: the physical variables of the problem.
+ContactScaling physical_scaling(const ContactProblem& problem);
+
+}  // namespace bipot

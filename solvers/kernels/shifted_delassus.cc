@@ -1,0 +1,214 @@
+#include "solvers/kernels/shifted_delassus.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace bipot {
+namespace {
+
+/// Position of (row, col) in a compressed column matrix whose pattern holds it.
+int slot(const SparseMatrix& matrix, int row, int col) {
+  const int* begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[col];
+  const int* end = matrix.innerIndexPtr() + matrix.outerIndexPtr()[col + 1];
+  return static_cast<int>(std::lower_bound(begin, end, row) - matrix.innerIndexPtr());
+}
+
+/// Degrees of freedom that contact c acts on, sorted.
+std::vector<int> touched(const ContactProblem& p, int c) {
+  std::vector<int> dofs;
+  for (int a = 0; a < p.dim; ++a) {
+    for (SparseMatrix::InnerIterator it(p.H, c * p.dim + a); it; ++it) {
+      if (it.value() != 0) dofs.push_back(static_cast<int>(it.row()));
+    }
+  }
+  std::sort(dofs.begin(), dofs.end());
+  dofs.erase(std::unique(dofs.begin(), dofs.end()), dofs.end());
+  return dofs;
+}
+
+}  // namespace
+
+ShiftedDelassus::ShiftedDelassus(const ContactProblem& problem, const DelassusOperator& delassus,
+                                 Form form)
+    : problem_(problem), delassus_(delassus), lu_(SparseLU::Strategy::kAuto) {
+  const bool can_body = problem.has_velocities() && is_diagonal(problem.A);
+  if (form == Form::kBody && !can_body) {
+    throw std::invalid_argument("the body form needs H and a diagonal A");
+  }
+  int unknowns = 0;
+  if (can_body && form != Form::kContact) {
+    std::vector<char> used(problem.num_dofs(), 0);
+    for (int c = 0; c < problem.num_contacts(); ++c) {
+      for (int dof : touched(problem, c)) used[dof] = 1;
+    }
+    unknown_of_dof_.assign(problem.num_dofs(), -1);
+    for (int dof = 0; dof < problem.num_dofs(); ++dof) {
+      if (used[dof]) unknown_of_dof_[dof] = unknowns++;
+    }
+  }
+  body_form_ = can_body && form != Form::kContact &&
+               (form == Form::kBody || unknowns <= 2 * problem.num_rows());
+  if (body_form_) {
+    lu_ = SparseLU(SparseLU::Strategy::kSymmetric);
+    build_body_pattern();
+  } else {
+    build_contact_pattern();
+  }
+}
+
+ShiftedDelassus::~ShiftedDelassus() = default;
+
+void ShiftedDelassus::build_body_pattern() {
+  const ContactProblem& p = problem_;
+  const int d = p.dim;
+  const Vector masses = p.A.diagonal();
+  for (int dof = 0; dof < p.num_dofs(); ++dof) {
+    if (unknown_of_dof_[dof] >= 0) mass_.push_back(masses[dof]);
+  }
+  const int n = static_cast<int>(mass_.size());
+  body_start_.assign(1, 0);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < n; ++i) entries.emplace_back(i, i, 0.0);
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    const std::vector<int> dofs = touched(p, c);
+    const std::size_t first = body_unknown_.size();
+    for (int dof : dofs) body_unknown_.push_back(unknown_of_dof_[dof]);
+    body_wrench_.resize(body_unknown_.size() * d, 0.0);
+    for (int a = 0; a < d; ++a) {
+      for (SparseMatrix::InnerIterator it(p.H, c * d + a); it; ++it) {
+        if (it.value() == 0) continue;
+        const auto k = std::lower_bound(dofs.begin(), dofs.end(), it.row()) - dofs.begin();
+        body_wrench_[(first + k) * d + a] = it.value();
+      }
+    }
+    for (std::size_t i = first; i < body_unknown_.size(); ++i) {
+      for (std::size_t j = first; j < body_unknown_.size(); ++j) {
+        entries.emplace_back(body_unknown_[i], body_unknown_[j], 0.0);
+      }
+    }
+    body_start_.push_back(static_cast<int>(body_unknown_.size()));
+  }
+  matrix_.resize(n, n);
+  matrix_.setFromTriplets(entries.begin(), entries.end());
+  matrix_.makeCompressed();
+  for (int i = 0; i < n; ++i) diagonal_slot_.push_back(slot(matrix_, i, i));
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    for (int j = body_start_[c]; j < body_start_[c + 1]; ++j) {
+      for (int i = body_start_[c]; i < body_start_[c + 1]; ++i) {
+        body_slot_.push_back(slot(matrix_, body_unknown_[i], body_unknown_[j]));
+      }
+    }
+  }
+}
+
+void ShiftedDelassus::build_contact_pattern() {
+  const ContactProblem& p = problem_;
+  const int d = p.dim;
+  if (!p.has_delassus()) own_delassus_ = assemble_delassus(p.A, p.H, d);
+  const SparseRows& W = p.has_delassus() ? p.W : own_delassus_;
+  row_start_.assign(1, 0);
+  std::vector<int> column;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    std::vector<int> columns;
+    for (int a = 0; a < d; ++a) {
+      columns.push_back(c * d + a);  // the identity
+      for (SparseRows::InnerIterator it(W, c * d + a); it; ++it) {
+        if (it.value() != 0) columns.push_back(static_cast<int>(it.col()));
+      }
+    }
+    std::sort(columns.begin(), columns.end());
+    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
+    const std::size_t first = column.size();
+    column.insert(column.end(), columns.begin(), columns.end());
+    row_block_.resize(column.size() * d, 0.0);
+    for (int a = 0; a < d; ++a) {
+      for (SparseRows::InnerIterator it(W, c * d + a); it; ++it) {
+        if (it.value() == 0) continue;
+        const auto k = std::lower_bound(columns.begin(), columns.end(), it.col()) - columns.begin();
+        row_block_[(first + k) * d + a] += it.value();
+      }
+      for (int j : columns) entries.emplace_back(c * d + a, j, 0.0);
+    }
+    row_start_.push_back(static_cast<int>(column.size()));
+  }
+  matrix_.resize(p.num_rows(), p.num_rows());
+  matrix_.setFromTriplets(entries.begin(), entries.end());
+  matrix_.makeCompressed();
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    for (int k = row_start_[c]; k < row_start_[c + 1]; ++k) {
+      for (int a = 0; a < d; ++a) row_slot_.push_back(slot(matrix_, c * d + a, column[k]));
+    }
+  }
+}
+
+bool ShiftedDelassus::factor(const std::vector<double>& R) {
+  const int d = problem_.dim;
+  R_ = R;
+  double* value = matrix_.valuePtr();
+  std::fill(value, value + matrix_.nonZeros(), 0.0);
+  if (body_form_) {
+    for (std::size_t i = 0; i < mass_.size(); ++i) value[diagonal_slot_[i]] = mass_[i];
+    const int* position = body_slot_.data();
+    for (int c = 0; c < problem_.num_contacts(); ++c) {
+      const double* block = &R_[static_cast<std::size_t>(c) * d * d];
+      for (int j = body_start_[c]; j < body_start_[c + 1]; ++j) {
+        double column[3] = {0, 0, 0};  // R (row j of H)ᵀ
+        for (int a = 0; a < d; ++a) {
+          for (int b = 0; b < d; ++b) column[a] += block[a * d + b] * body_wrench_[j * d + b];
+        }
+        for (int i = body_start_[c]; i < body_start_[c + 1]; ++i) {
+          double sum = 0;
+          for (int a = 0; a < d; ++a) sum += body_wrench_[i * d + a] * column[a];
+          value[*position++] += sum;
+        }
+      }
+    }
+  } else {
+    for (int c = 0; c < problem_.num_contacts(); ++c) {
+      const double* block = &R_[static_cast<std::size_t>(c) * d * d];
+      for (int k = row_start_[c]; k < row_start_[c + 1]; ++k) {
+        for (int a = 0; a < d; ++a) {
+          double sum = 0;
+          for (int b = 0; b < d; ++b) sum += block[a * d + b] * row_block_[k * d + b];
+          value[row_slot_[k * d + a]] = sum;
+        }
+      }
+    }
+    for (int i = 0; i < problem_.num_rows(); ++i) matrix_.coeffRef(i, i) += 1;
+  }
+  if (!Eigen::Map<const Vector>(value, matrix_.nonZeros()).allFinite()) return false;
+  return lu_.factor(matrix_);
+}
+
+void ShiftedDelassus::solve(const Vector& g, Vector& x) const {
+  if (!body_form_) {
+    x = lu_.solve(g);
+    return;
+  }
+  const int d = problem_.dim;
+  wrench_.setZero(static_cast<Eigen::Index>(mass_.size()));
+  for (int c = 0; c < problem_.num_contacts(); ++c) {
+    for (int i = body_start_[c]; i < body_start_[c + 1]; ++i) {
+      double sum = 0;
+      for (int a = 0; a < d; ++a) sum += body_wrench_[i * d + a] * g[c * d + a];
+      wrench_[body_unknown_[i]] += sum;
+    }
+  }
+  velocity_ = lu_.solve(wrench_);
+  x = g;
+  for (int c = 0; c < problem_.num_contacts(); ++c) {
+    double du[3] = {0, 0, 0};
+    for (int i = body_start_[c]; i < body_start_[c + 1]; ++i) {
+      for (int a = 0; a < d; ++a) du[a] += body_wrench_[i * d + a] * velocity_[body_unknown_[i]];
+    }
+    const double* block = &R_[static_cast<std::size_t>(c) * d * d];
+    for (int a = 0; a < d; ++a) {
+      for (int b = 0; b < d; ++b) x[c * d + a] -= block[a * d + b] * du[b];
+    }
+  }
+}
+
+int ShiftedDelassus::determinant_sign() const { return lu_.determinant_sign(); }
+
+}  // namespace bipot

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/problem/delassus.h"
+#include "core/problem/sparse_factor.h"
+
+namespace bipot {
+
+/// Solves (I + R W) x = g for a block-diagonal R (one d x d block per contact, not symmetric, may
+/// be singular), the linear system of every Newton method on the contact law.
+///
+/// Two forms of the same system:
+///   - body: the contacts are eliminated, x = g - R Hᵀ K⁻¹ H g with K = A + H R Hᵀ in the degrees
+///   of
+///     freedom that contacts touch. Needs a diagonal A. Sparse and small for packings of disks, but
+///     x is a difference of large numbers where R W is large: refine().
+///   - contact: I + R W itself, in the rows of the contacts. Any W, symmetric or not.
+/// kAuto takes the body form unless it is not available or has more than twice as many unknowns.
+/// The determinants of the two forms have the same sign, det K = det A det(I + R W).
+class ShiftedDelassus {
+ public:
+  enum class Form { kAuto, kBody, kContact };
+
+  /// Keeps references to both arguments. Throws std::invalid_argument for an impossible form.
+  ShiftedDelassus(const ContactProblem& problem, const DelassusOperator& delassus,
+                  Form form = Form::kAuto);
+  ~ShiftedDelassus();
+
+  /// R: row-major d x d blocks, contact after contact, [kg]. False: singular to working precision.
+  [[nodiscard]] bool factor(const std::vector<double>& R);
+  /// x = (I + R W)⁻¹ g.
+  void solve(const Vector& g, Vector& x) const;
+  /// Sign of det(I + R W).
+  int determinant_sign() const;
+  bool body_form() const { return body_form_; }
+
+ private:
+  void build_body_pattern();
+  void build_contact_pattern();
+
+  const ContactProblem& problem_;
+  const DelassusOperator& delassus_;
+  bool body_form_ = false;
+  SparseMatrix matrix_;  // K or I + R W, fixed pattern
+  SparseLU lu_;
+  std::vector<double> R_;
+  mutable Vector wrench_, velocity_;
+
+  // Body form. Contact c touches the unknowns body_unknown_[body_start_[c] .. body_start_[c+1]).
+  std::vector<int> unknown_of_dof_, body_start_, body_unknown_;
+  std::vector<double> body_wrench_;  // H restricted to them, d columns per unknown
+  std::vector<int> body_slot_;       // positions of the square block of contact c in matrix_
+  std::vector<double> mass_;         // A of each unknown
+  std::vector<int> diagonal_slot_;
+
+  // Contact form. Block row c of W as a dense d x k block on the columns column_[start..).
+  SparseRows own_delassus_;
+  std::vector<int> row_start_;     // c + 1, into the columns of the block rows
+  std::vector<double> row_block_;  // d values per column
+  std::vector<int> row_slot_;      // d positions per column in matrix_
+};
+
+}  // namespace bipot

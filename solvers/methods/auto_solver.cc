@@ -1,0 +1,356 @@
+#include "solvers/methods/auto_solver.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <exception>
+#include <vector>
+
+#include "core/problem/contact_error.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+namespace {
+
+// Up to it, a stage of Anderson costs nothing and is given more patience.
+constexpr int kFew = 100;
+// Up to it, sweeps get more patience: they cost less than other solvers' set-up.
+constexpr int kSmall = 400;
+// Above it, proximal Newton (a factorisation of d contacts unknowns a step) and Anderson (whose
+// sweeps need more iterations the deeper the packing) are left out of the first rounds.
+constexpr int kLarge = 4000;
+// Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
+constexpr double kUnequal = 1e5;
+// An error that is that many tolerances is let go on to the end of its budget.
+constexpr double kClose = 10;
+constexpr int kUnlimited = std::numeric_limits<int>::max();
+
+bool is_hyperstatic(const ContactProblem& p) {
+  // Without H the rank is not known: dense packings are the rule.
+  return !p.has_velocities() || p.num_rows() > p.num_dofs();
+}
+
+/// Largest over smallest W_nn of a contact.
+double spread_of_masses(const ContactProblem& p, const DelassusOperator& delassus) {
+  const Vector diagonal = delassus.diagonal();
+  double least = std::numeric_limits<double>::infinity(), most = 0;
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    const double w = diagonal[static_cast<Eigen::Index>(c) * p.dim];
+    if (w > 0) least = std::min(least, w);
+    most = std::max(most, w);
+  }
+  return most > 0 ? most / least : 1;
+}
+
+bool is_warm(const SolverOptions& options) {
+  return options.s0.size() != 0 && options.s0.squaredNorm() > 0;
+}
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// What few contacts begin with, whatever they are.
+AutoStage first_of_few() {
+  return {"anderson", 64, 100, AutoStage::Start::kOwn, {}, "few contacts: next to free"};
+}
+
+/// Whether a stage is still worth its time, from the errors that it showed so far.
+class Promise {
+ public:
+  Promise(const AutoStage& stage, double tol, StopTest stop)
+      : first_(stage.min_iterations), last_(stage.max_iterations), tol_(tol), stop_(stop) {}
+
+  void record(const IterationRecord& r) {
+    // The difference of successive impulses is not in the record: nothing is predicted from it.
+    if (stop_ == StopTest::kImpulse || last_ == kUnlimited) return;
+    double error = r.error.guarded();
+    if (stop_ == StopTest::kRaw42 && std::isfinite(r.error.raw42)) error = r.error.raw42;
+    if (!history_.empty()) error = std::min(error, history_.back().error);
+    if (!std::isfinite(error)) return;
+    history_.push_back({r.iteration, error});
+    // So close, it would be a pity.
+    if (r.iteration < std::max(first_, 2) || error <= kClose * tol_) return;
+    // Decades gained since half as many iterations.
+    auto half = std::upper_bound(history_.begin(), history_.end(), r.iteration / 2,
+                                 [](int k, const Entry& e) { return k < e.iteration; });
+    if (half != history_.begin()) --half;
+    const double gained = std::log(half->error / error);
+    const double needed = std::log(error / tol_);
+    const double left = needed / gained * (r.iteration - half->iteration);  // inf: no gain
+    broken_ = !(r.iteration + left <= last_);
+  }
+  bool broken() const { return broken_; }
+
+ private:
+  struct Entry {
+    int iteration;
+    double error;
+  };
+  int first_, last_;
+  double tol_;
+  StopTest stop_;
+  std::vector<Entry> history_;
+  bool broken_ = false;
+};
+
+}  // namespace
+
+std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator& delassus,
+                                 bool warm) {
+  using Start = AutoStage::Start;
+  const int contacts = p.num_contacts();
+  const bool with_newton = find_solver("newton") != nullptr;  // needs PETSc
+  std::vector<AutoStage> stages;
+  stages.reserve(16);
+  const auto add = [&](const char* solver, int least, int most, Start start, const char* reason,
+                       std::map<std::string, std::string> parameters = {}) {
+    if (!with_newton && solver == std::string_view("newton")) return;
+    stages.push_back({solver, least, most, start, std::move(parameters), reason});
+  };
+
+  const bool local = !p.has_velocities();
+  // Information crosses a packing of N contacts in O(sqrt N) iterations of apgd; its error stands
+  // for some crossings before it falls.
+  const double root = std::sqrt(static_cast<double>(contacts));
+  const int crossing = 50 + static_cast<int>((local ? 20 : 70) * root);
+  if (contacts <= kFew) stages.push_back(first_of_few());
+  if (spread_of_masses(p, delassus) > kUnequal) {
+    add("ipm", 40, 60, Start::kOwn, "very unequal masses: factorisations do not feel them");
+  }
+  if (contacts > kFew && contacts <= kLarge) {
+    add("anderson", 16, 100, Start::kOwn,
+        "the quickest by far on regular packings, and soon seen not to be elsewhere");
+  }
+  if (local && contacts > kFew) {
+    add("newton", 12, 40, Start::kOwn, "W given: a few factorisations cost little");
+  }
+  const auto sweeps = [&] {
+    if (contacts > kLarge) return;
+    add("pgs", local || contacts <= kSmall ? 200 : 64, local ? 1000 : 500, Start::kOwn,
+        "sweeps find solutions of sliding pyramids that others miss");
+  };
+  const bool sweeps_first = !local && contacts <= kSmall;
+  if (sweeps_first) sweeps();
+  // Longer still from a warm start; given that time, apgd halves the cost of a compaction at rest.
+  add("apgd", warm ? 2 * crossing : crossing,
+      std::max(warm ? 40000 : (local ? 4000 : 8000), crossing + crossing / 2), Start::kOwn,
+      "momentum: O(sqrt N) iterations, whatever the packing");
+  if (!sweeps_first) sweeps();
+  // An interior point shows its progress late. On large problems too much would be thrown away; and
+  // what resists first order from a warm start is a packing at rest, where it arrives in 25 to 50.
+  const bool patient = warm || contacts > kLarge;
+  add("ipm", patient ? 40 : 12, patient ? 80 : 40, Start::kOwn,
+      "accuracy on piles, a few dozen factorisations");
+  if (contacts <= kLarge) {
+    add("newton", local ? 500 : 12, local ? 1000 : 40, Start::kOwn, "quadratic where W is regular");
+  }
+  if (local) {
+    add("ipm", 60, 150, Start::kOwn, "again, with patience");
+    add("apgd", 3000, 12000, Start::kOwn, "again, with patience");
+    add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
+  } else {
+    // Momentum is lost where it was given up: from the start once more, to a later end.
+    add("apgd", 6000, std::max(12000, 8 * crossing), Start::kCaller, "again, with patience");
+    if (contacts <= kLarge) add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
+    add("ipm", 150, 300, Start::kCaller, "again, through the folds of sliding pyramids");
+    if (contacts <= kLarge) add("newton", 100, 500, Start::kOwn, "again, with patience");
+  }
+  add("apgd", kUnlimited, 100000, Start::kBest, "long runs of first order from the best impulse");
+  if (contacts <= kLarge) {
+    add("newton", kUnlimited, 3000, Start::kBest, "proximal Newton from the best impulse",
+        {{"start_sweeps", "5000"}});
+    add("admm", kUnlimited, 4000, Start::kBest, "splitting, where pivots go wrong");
+  }
+  add("ipm", kUnlimited, 2000, Start::kBest, "arclength continuation through folds, restarts");
+  add("pgs", kUnlimited, kUnlimited, Start::kBest,
+      "last resort: sweeps, which approach where nothing converges");
+  return stages;
+}
+
+std::string explain_auto(const ContactProblem& p, const SolverOptions& options) {
+  std::string text = fmt::format(
+      "auto: {} contacts, d = {}, {}, {} start, tolerance {:.0e}\n", p.num_contacts(), p.dim,
+      !p.has_velocities() ? "local form"
+      : is_hyperstatic(p) ? "hyperstatic (more rows than degrees of freedom)"
+                          : "not hyperstatic by count",
+      is_warm(options) ? "warm" : "cold", options.tol);
+  int number = 0;
+  for (const AutoStage& stage : plan_auto(p, DelassusOperator(p), is_warm(options))) {
+    std::string budget =
+        stage.max_iterations == kUnlimited
+            ? std::string("(no limit)")
+            : fmt::format("({} to {})", std::min(stage.min_iterations, stage.max_iterations),
+                          stage.max_iterations);
+    text += fmt::format("  {:>2}. {:<8} {:<16} {}\n", ++number, stage.solver, budget, stage.reason);
+  }
+  return text;
+}
+
+namespace {
+
+/// The race in progress.
+class Race {
+ public:
+  Race(const ContactProblem& p, const SolverOptions& options)
+      : p_(p), options_(options), evaluate_(p), inner_(options) {
+    best_.s = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+    best_error_ = evaluate_(best_.s).guarded();
+    if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();
+    start_error_ = best_error_;
+  }
+
+  SolveResult run() {
+    // On a handful of contacts the plan would cost more than the solution.
+    const bool few = p_.num_contacts() <= kFew;
+    if (few && finished(first_of_few())) return finish();
+    const std::vector<AutoStage> stages = plan_auto(p_, evaluate_.delassus(), is_warm(options_));
+    for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
+      if (finished(stages[k])) break;
+    }
+    return finish();
+  }
+
+ private:
+  /// Runs the stage; true when nothing is to follow.
+  bool finished(const AutoStage& stage) {
+    if (out_of_budget()) return true;
+    run_stage(stage);
+    if (!ended_ && is_success(last_) && options_.stop == StopTest::kGuarded &&
+        best_natural_map_ > options_.tol) {
+      tighten(stage);
+    }
+    return ended_ || is_success(last_);
+  }
+
+  bool out_of_budget() {
+    if (seconds_since(start_) >= options_.time_limit) {
+      last_ = SolveStatus::kTimeLimit;
+    } else if (iterations_ >= options_.max_iterations) {
+      last_ = SolveStatus::kIterationLimit;
+    } else {
+      return false;
+    }
+    return true;
+  }
+
+  void run_stage(const AutoStage& stage) {
+    auto own = own_.find(stage.solver);
+    if (stage.start == AutoStage::Start::kBest) {
+      inner_.s0 = best_.s;
+    } else if (stage.start == AutoStage::Start::kCaller) {
+      inner_.s0 = options_.s0;
+    } else {
+      inner_.s0 = own != own_.end() ? own->second : options_.s0;
+    }
+    inner_.time_limit = std::max(options_.time_limit - seconds_since(start_), 1e-9);
+    inner_.max_iterations = std::min(stage.max_iterations, options_.max_iterations - iterations_);
+    inner_.parameters = stage.parameters;
+    Promise promise(stage, inner_.tol, options_.stop);
+    const double stage_start = seconds_since(start_);
+    inner_.on_iteration = [&](const IterationRecord& r) {
+      promise.record(r);
+      if (!options_.on_iteration || (iterations_ > 0 && r.iteration == 0)) return;
+      IterationRecord shifted = r;
+      shifted.iteration += iterations_;
+      shifted.seconds += stage_start;
+      options_.on_iteration(shifted);
+    };
+    inner_.cancelled = [&] {
+      return promise.broken() || (options_.cancelled && options_.cancelled());
+    };
+    SolveResult result;
+    try {
+      result = find_solver(stage.solver)->run(p_, inner_);
+    } catch (const std::exception& e) {
+      result.status = SolveStatus::kNumericalFailure;
+      result.message = e.what();
+    }
+    iterations_ += result.iterations;
+    best_.setup_seconds += result.setup_seconds;
+    last_ = result.status;
+    double error = std::numeric_limits<double>::infinity();
+    ContactError measured;
+    if (result.s.size() == p_.num_rows() && result.s.allFinite()) {
+      measured = evaluate_(result.s);
+      error = measured.guarded();
+      own_.insert_or_assign(std::string(stage.solver), result.s);
+    }
+    // Loops inside a solver see no difference between being stopped and being out of time.
+    const bool stopped = last_ == SolveStatus::kInterrupted || last_ == SolveStatus::kTimeLimit;
+    const bool by_caller = stopped && options_.cancelled && options_.cancelled();
+    const bool given_up =
+        stopped && !by_caller && promise.broken() && seconds_since(start_) < options_.time_limit;
+    if (by_caller) last_ = SolveStatus::kInterrupted;
+    trail_ += fmt::format("{}{} {}: {} ({:.1e})", trail_.empty() ? "" : "; ", stage.solver,
+                          result.iterations, given_up ? "given up" : to_string(last_), error);
+    if (given_up) last_ = SolveStatus::kIterationLimit;
+    if (error < best_error_ || is_success(result.status)) {
+      best_error_ = error;
+      best_natural_map_ = measured.natural_map;
+      best_.s = result.s;
+    }
+    ended_ = stopped && !given_up;
+  }
+
+  /// The natural map lags behind: on to a ten times smaller error.
+  void tighten(const AutoStage& successful) {
+    inner_.tol = 0.1 * options_.tol;
+    const SolveStatus reached = last_;
+    AutoStage more = successful;
+    more.start = AutoStage::Start::kBest;
+    more.max_iterations = std::max(100, std::min(successful.max_iterations, 4000));
+    more.min_iterations = more.max_iterations / 2;
+    for (const std::string_view solver :
+         {successful.solver, std::string_view("newton"), std::string_view("ipm")}) {
+      if (find_solver(solver) == nullptr || out_of_budget()) continue;
+      more.solver = solver;
+      if (solver != successful.solver) {
+        more.min_iterations = more.max_iterations = 40;
+        more.parameters.clear();
+      }
+      run_stage(more);
+      if (ended_ || best_natural_map_ <= options_.tol) break;
+    }
+    last_ = reached;  // whatever became of the tighter attempts
+  }
+
+  SolveResult finish() {
+    if (options_.stop == StopTest::kGuarded && best_error_ <= options_.tol) {
+      last_ = SolveStatus::kConverged;
+    }
+    // A stage that diverged or broke down leaves the best impulse of the others: the race as a
+    // whole has stalled, unless nothing better than the start was found.
+    const bool broke = last_ == SolveStatus::kDiverged || last_ == SolveStatus::kNumericalFailure;
+    if (broke && best_error_ < start_error_) last_ = SolveStatus::kStalled;
+    best_.status = last_;
+    best_.message = fmt::format("stages: {}", trail_.empty() ? "none was run" : trail_);
+    best_.iterations = iterations_;
+    best_.solve_seconds = seconds_since(start_) - best_.setup_seconds;
+    return std::move(best_);
+  }
+
+  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  const ContactProblem& p_;
+  const SolverOptions& options_;
+  ContactErrorEvaluator evaluate_;
+  SolverOptions inner_;
+  SolveResult best_;
+  std::map<std::string, Vector, std::less<>> own_;
+  double best_error_ = 0, start_error_ = 0;
+  double best_natural_map_ = std::numeric_limits<double>::infinity();
+  int iterations_ = 0;
+  SolveStatus last_ = SolveStatus::kIterationLimit;
+  bool ended_ = false;  // by the caller or the clock
+  std::string trail_;
+};
+
+}  // namespace
+
+SolveResult solve_auto(const ContactProblem& p, const SolverOptions& options) {
+  return Race(p, options).run();
+}
+
+}  // namespace bipot

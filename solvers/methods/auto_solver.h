@@ -1,0 +1,49 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/problem/delassus.h"
+#include "solvers/solver.h"
+
+namespace bipot {
+
+/// One stage of the race that `auto` runs, and why it stands there. A stage ends when it meets the
+/// stop test, at `max_iterations`, or as soon as it does not promise to get there: from
+/// `min_iterations` on, the decades that the best error fell over the second half of the stage are
+/// carried forward, and the stage is given up when they would not reach the tolerance within
+/// `max_iterations`, unless the error is within a decade of it.
+struct AutoStage {
+  /// Where a stage starts: at the impulse that the same solver left at its last stage (the caller's
+  /// start, the first time), at the caller's start, or at the best impulse of all stages. The best
+  /// impulse of another solver may lie where this one never gets away from (free pyramids).
+  enum class Start { kOwn, kCaller, kBest };
+  std::string_view solver;
+  int min_iterations = 0, max_iterations = 0;  ///< of this stage, by the solver's own count
+  Start start = Start::kOwn;
+  std::map<std::string, std::string> parameters;
+  std::string_view reason;
+};
+
+/// The race for this problem, from its size, form and masses. The budgets count iterations, not
+/// seconds, so that the result does not depend on the machine. The rule is the table in
+/// auto_solver.cc, taken from measurements (README, "Which solver"). `delassus` is the problem's;
+/// `warm`: the caller's start is not 0.
+std::vector<AutoStage> plan_auto(const ContactProblem& problem, const DelassusOperator& delassus,
+                                 bool warm);
+
+/// The plan in words, one line a stage.
+std::string explain_auto(const ContactProblem& problem, const SolverOptions& options);
+
+/// Runs the stages of plan_auto in turn until one meets the stop test; the message says which
+/// stages ran, how they ended and which one succeeded. Budgets grow from round to round, so that a
+/// wrong first guess costs a multiple of the best solver's time, not all of it. With the guarded
+/// test, a success whose natural map is above the tolerance is carried on to a ten times smaller
+/// one by the same solver, then by Newton, so that users who judge by either measure are served.
+/// No stage is hidden: when all fail, the status is that of the last one and the impulse the best
+/// one. `iterations` is the sum over stages, whose iterations differ much in cost.
+SolveResult solve_auto(const ContactProblem& problem, const SolverOptions& options);
+
+}  // namespace bipot

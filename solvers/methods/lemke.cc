@@ -1,0 +1,300 @@
+#include "solvers/methods/lemke.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "solvers/kernels/contact_scaling.h"
+#include "solvers/monitor.h"
+
+namespace bipot {
+namespace {
+
+using Dense = Eigen::MatrixXd;
+
+// Entries of an entering column below this, relative to its largest, are zeros.
+constexpr double kZero = 1e-10;
+// Ratios a / b that differ by less are ties: kTie relative, and kNoise / b for the rounding of a
+// (all data are of size one).
+constexpr double kTie = 1e-11, kNoise = 1e-13;
+// Longest path of one covering vector, per row of the complementarity problem. The longest one met
+// that ended took 28 (free pyramid of 11 rows, mu = 0.5); a cycle through rounding has no end.
+constexpr int kLongestPath = 40;
+// Pivots between two inversions of the basis.
+constexpr int kRefresh = 64;
+// Covering vectors that are tried.
+constexpr int kDraws = 5;
+constexpr double kNearlyExact = 1e-6;  // guarded error of a basis that only rounding keeps away
+
+/// w = M z + q, 0 <= w ⟂ z >= 0.
+struct Complementarity {
+  Dense M;
+  Vector q;
+};
+
+/// The law in equilibrated impulses x = impulse ∘ s, over the largest free velocity. Blocks of z:
+/// normal, b+, b-, l, each with one entry per contact.
+Complementarity stewart_trinkle(const ContactProblem& p, const ContactScaling& scaling,
+                                double unit) {
+  const int c = p.num_contacts(), d = p.dim;
+  const int blocks = d == 1 ? 1 : 4;
+  Complementarity out{Dense::Zero(blocks * c, blocks * c), Vector::Zero(blocks * c)};
+  for (int i = 0; i < p.num_rows(); ++i) {
+    const int contact = i / d;
+    const bool tangential = i % d == 1;
+    const double b = p.u_free[i] * scaling.velocity[i] / unit;
+    if (tangential) {
+      out.q[c + contact] = b;
+      out.q[2 * c + contact] = -b;
+    } else {
+      out.q[contact] = b;
+    }
+    for (SparseRows::InnerIterator it(p.W, i); it; ++it) {
+      const int j = static_cast<int>(it.col());
+      const int other = j / d;
+      const bool other_tangential = j % d == 1;
+      const double w = it.value() * scaling.velocity[i] * scaling.velocity[j];
+      for (int row_sign = tangential ? -1 : 1; row_sign <= 1; row_sign += 2) {
+        const int row = tangential ? (row_sign > 0 ? c : 2 * c) + contact : contact;
+        if (other_tangential) {
+          out.M(row, c + other) += row_sign * w;
+          out.M(row, 2 * c + other) -= row_sign * w;
+        } else {
+          out.M(row, other) += row_sign * w;
+        }
+      }
+    }
+  }
+  for (int contact = 0; contact < c && d > 1; ++contact) {
+    const int speed = 3 * c + contact;
+    out.M(c + contact, speed) = 1;
+    out.M(2 * c + contact, speed) = 1;
+    out.M(speed, contact) = scaling.mu[contact];
+    out.M(speed, c + contact) = -1;
+    out.M(speed, 2 * c + contact) = -1;
+  }
+  return out;
+}
+
+enum class Ending { kSolved, kRay, kSingular, kLongPath, kIterationLimit, kTimeLimit };
+
+/// Lemke's algorithm on I w - M z - cover z0 = q. Variables: w_i is i, z_i is n + i, z0 is 2n.
+class Pivoting {
+ public:
+  Pivoting(const Complementarity& lcp, Vector cover)
+      : lcp_(lcp),
+        cover_(std::move(cover)),
+        n_(static_cast<int>(lcp.q.size())),
+        basis_(n_),
+        inverse_(Dense::Identity(n_, n_)),
+        values_(lcp.q) {
+    for (int i = 0; i < n_; ++i) basis_[i] = i;
+  }
+
+  Ending run(int max_pivots, const IterationMonitor& monitor) {
+    if (values_.minCoeff() >= 0) return Ending::kSolved;
+    Vector column = inverse_ * this->column(2 * n_);
+    int row = first_row();
+    int entering = 2 * n_;
+    for (;;) {
+      if (pivots_ >= max_pivots) return Ending::kIterationLimit;
+      if (monitor.out_of_time()) return Ending::kTimeLimit;
+      if (pivots_ >= kLongestPath * n_) return Ending::kLongPath;
+      const int leaving = basis_[row];
+      pivot(row, entering, column);
+      ++pivots_;
+      if (leaving == 2 * n_) return Ending::kSolved;
+      if (pivots_ % kRefresh == 0 && !refresh()) return Ending::kSingular;
+      entering = leaving < n_ ? leaving + n_ : leaving - n_;
+      column = inverse_ * this->column(entering);
+      row = blocking_row(column);
+      if (row < 0) return Ending::kRay;
+    }
+  }
+
+  /// z of the final basis, solved from the data with refinement.
+  Vector solution() const {
+    Dense basis(n_, n_);
+    for (int i = 0; i < n_; ++i) basis.col(i) = column(basis_[i]);
+    const Eigen::PartialPivLU<Dense> lu(basis);
+    Vector x = lu.solve(lcp_.q);
+    for (int step = 0; step < 3; ++step) x += lu.solve(lcp_.q - basis * x);
+    Vector z = Vector::Zero(n_);
+    for (int i = 0; i < n_; ++i) {
+      if (basis_[i] >= n_ && basis_[i] < 2 * n_) z[basis_[i] - n_] = std::max(x[i], 0.0);
+    }
+    return z;
+  }
+  int pivots() const { return pivots_; }
+
+ private:
+  Vector column(int variable) const {
+    if (variable < n_) return Vector::Unit(n_, variable);
+    if (variable < 2 * n_) return -lcp_.M.col(variable - n_);
+    return -cover_;
+  }
+
+  /// Row i before row j in the order of (values, inverse rows) over the divisors.
+  bool lexicographically_less(int i, double by_i, int j, double by_j) const {
+    const double noise = kNoise * (1 / by_i + 1 / by_j);
+    const auto compare = [&](double a, double b) {
+      if (std::abs(a - b) <= kTie * std::max(std::abs(a), std::abs(b)) + noise) return 0;
+      return a < b ? -1 : 1;
+    };
+    if (const int order = compare(values_[i] / by_i, values_[j] / by_j); order != 0) {
+      return order < 0;
+    }
+    for (int k = 0; k < n_; ++k) {
+      if (const int order = compare(inverse_(i, k) / by_i, inverse_(j, k) / by_j); order != 0) {
+        return order < 0;
+      }
+    }
+    return false;
+  }
+
+  /// z0 enters at the value that makes the most negative row, over its cover, zero.
+  int first_row() const {
+    int best = 0;
+    for (int i = 1; i < n_; ++i) {
+      if (lexicographically_less(i, cover_[i], best, cover_[best])) best = i;
+    }
+    return best;
+  }
+
+  /// Row that reaches zero first, -1 for a ray. z0 wins every tie: it ends the run.
+  int blocking_row(const Vector& column) const {
+    const double zero = kZero * std::max(column.cwiseAbs().maxCoeff(), 1e-300);
+    int best = -1;
+    for (int i = 0; i < n_; ++i) {
+      if (column[i] <= zero) continue;
+      if (best < 0 || lexicographically_less(i, column[i], best, column[best])) best = i;
+    }
+    if (best < 0) return best;
+    for (int i = 0; i < n_; ++i) {
+      if (basis_[i] == 2 * n_ && column[i] > zero &&
+          values_[i] / column[i] <=
+              values_[best] / column[best] + kNoise * (1 / column[i] + 1 / column[best])) {
+        return i;
+      }
+    }
+    return best;
+  }
+
+  void pivot(int row, int entering, const Vector& column) {
+    const double by = column[row];
+    inverse_.row(row) /= by;
+    values_[row] /= by;
+    const Eigen::RowVectorXd pivot_row = inverse_.row(row);
+    const double pivot_value = values_[row];
+    for (int i = 0; i < n_; ++i) {
+      if (i == row || column[i] == 0) continue;
+      values_[i] -= column[i] * pivot_value;
+    }
+    Vector others = column;
+    others[row] = 0;
+    inverse_.noalias() -= others * pivot_row;
+    basis_[row] = entering;
+  }
+
+  bool refresh() {
+    Dense basis(n_, n_);
+    for (int i = 0; i < n_; ++i) basis.col(i) = column(basis_[i]);
+    const Eigen::PartialPivLU<Dense> lu(basis);
+    if (!(std::abs(lu.rcond()) > 1e-15)) return false;
+    inverse_ = lu.inverse();
+    values_ = inverse_ * lcp_.q;
+    return true;
+  }
+
+  const Complementarity& lcp_;
+  Vector cover_;
+  int n_;
+  std::vector<int> basis_;
+  Dense inverse_;  // of the basis
+  Vector values_;  // of the basic variables
+  int pivots_ = 0;
+};
+
+}  // namespace
+
+SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
+  IterationMonitor monitor(p, options);
+  const ContactScaling scaling = equilibrated_scaling(p, monitor.evaluator().delassus().diagonal());
+  const double unit = p.u_free.cwiseProduct(scaling.velocity).cwiseAbs().maxCoeff();
+  const Complementarity lcp = stewart_trinkle(p, scaling, unit);
+  const Vector start = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  monitor.end_setup();
+
+  int pivots = 0;
+  if (!monitor.stop(0, start)) {
+    std::mt19937_64 engine(1996);
+    std::string failures;
+    double closest = std::numeric_limits<double>::infinity();
+    for (int attempt = 0; attempt < kDraws; ++attempt) {
+      Vector cover(lcp.q.size());
+      for (double& x : cover) x = 0.5 + static_cast<double>(engine() >> 11) * 0x1.0p-53;
+      Pivoting lemke(lcp, std::move(cover));
+      const Ending ending = lemke.run(options.max_iterations - pivots, monitor);
+      pivots += lemke.pivots();
+      if (ending == Ending::kIterationLimit) {
+        monitor.fail(SolveStatus::kIterationLimit,
+                     fmt::format("iteration limit {} reached", options.max_iterations));
+        break;
+      }
+      if (ending == Ending::kTimeLimit) {
+        monitor.fail(SolveStatus::kTimeLimit, fmt::format("time limit {} s reached after {} pivots",
+                                                          options.time_limit, pivots));
+        break;
+      }
+      std::string what = ending == Ending::kRay        ? "a ray"
+                         : ending == Ending::kLongPath ? "no end within the longest path"
+                                                       : "a singular basis";
+      if (ending == Ending::kSolved) {
+        const Vector z = lemke.solution();
+        const int c = p.num_contacts(), d = p.dim;
+        Vector s(p.num_rows());
+        for (int i = 0; i < c; ++i) {
+          s[i * d] = z[i];
+          if (d > 1) s[i * d + 1] = z[c + i] - z[2 * c + i];
+        }
+        s = unit * s.cwiseQuotient(scaling.impulse);
+        if (s.allFinite() && monitor.meets(s)) {
+          monitor.fail(SolveStatus::kConverged,
+                       fmt::format("complementary basis after {} pivots{}", pivots,
+                                   attempt > 0 ? fmt::format(", covering vector {} (before: {})",
+                                                             attempt + 1, failures)
+                                               : ""));
+          break;
+        }
+        // Not good enough yet: another covering vector may lead to a basis with less rounding.
+        if (s.allFinite()) closest = std::min(closest, monitor.last_error());
+        what = fmt::format("a basis of error {:.1e}", monitor.last_error());
+      }
+      failures += (failures.empty() ? "" : "; ") + what;
+      if (attempt == kDraws - 1) {
+        if (closest <= kNearlyExact) {
+          monitor.fail(
+              SolveStatus::kStalled,
+              fmt::format("stalled: {} covering vectors, the closest basis of error {:.1e}, "
+                          "above the tolerance or not to be judged by the stop test",
+                          kDraws, closest));
+        } else {
+          monitor.fail(SolveStatus::kNumericalFailure,
+                       fmt::format("pivoting from {} covering vectors ended on {} after {} pivots: "
+                                   "the problem has no solution, or rounding was too large",
+                                   kDraws, failures, pivots));
+        }
+      }
+    }
+  }
+  SolveResult result = monitor.finish();
+  result.iterations = pivots;
+  return result;
+}
+
+}  // namespace bipot

@@ -1,0 +1,47 @@
+#include "solvers/methods/mpi_session.h"
+
+// The deprecated C++ bindings would need a library of their own.
+#define OMPI_SKIP_MPICXX 1
+#define MPICH_SKIP_MPICXX 1
+#include <mpi.h>
+
+#include <cstdlib>
+#include <stdexcept>
+
+namespace bipot {
+namespace {
+
+class MpiSession {
+ public:
+  MpiSession() {
+    int alive = 0;
+    MPI_Initialized(&alive);
+    if (alive) return;  // the host program uses MPI itself
+    setenv("OMPI_MCA_opal_signal", "", 0);
+    owned_ = MPI_Init(nullptr, nullptr) == MPI_SUCCESS;
+  }
+  ~MpiSession() {
+    int finalised = 0;
+    MPI_Finalized(&finalised);
+    if (owned_ && !finalised) MPI_Finalize();
+  }
+  MpiSession(const MpiSession&) = delete;
+  MpiSession& operator=(const MpiSession&) = delete;
+
+ private:
+  bool owned_ = false;
+};
+
+}  // namespace
+
+void ensure_mpi() {
+  static const MpiSession session;
+  int alive = 0, finalised = 0;
+  MPI_Initialized(&alive);
+  MPI_Finalized(&finalised);
+  if (!alive || finalised) {
+    throw std::runtime_error("MPI cannot be initialised, or is already finalised");
+  }
+}
+
+}  // namespace bipot

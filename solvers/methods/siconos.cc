@@ -1,0 +1,267 @@
+#include "solvers/methods/siconos.h"
+
+#include <CSparseMatrix.h>
+#include <FrictionContactProblem.h>
+#include <Friction_cst.h>
+#include <NonSmoothDrivers.h>
+#include <NumericsMatrix.h>
+#include <NumericsSparseMatrix.h>
+#include <NumericsVerbose.h>
+#include <SolverOptions.h>
+#include <SparseBlockMatrix.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <climits>
+#include <cstdlib>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "solvers/methods/mpi_session.h"
+#include "solvers/monitor.h"
+
+namespace bipot {
+namespace {
+
+enum class Storage { kDense, kBlocks, kTriplets };
+
+/// What one row of the registry asks Siconos for.
+struct Method {
+  const char* name;
+  int planar_id;   // fc2d solver, 0: none
+  int spatial_id;  // fc3d solver, 0: none
+  Storage storage;
+  int first_calls_iterations;
+  int inner_iterations = 0;  // of Siconos' inner solver; 0: its default
+};
+
+// Siconos' own tolerance is never asked below this.
+constexpr double kSmallestTolerance = 1e-16;
+// Calls in a row that do not improve the best iterate; then the solver is at its end.
+constexpr int kIdleCalls = 5;
+
+double* copy_to_c(const Vector& x) {
+  auto* out =
+      static_cast<double*>(std::malloc(sizeof(double) * std::max<Eigen::Index>(x.size(), 1)));
+  if (out == nullptr) throw std::bad_alloc();
+  std::copy(x.data(), x.data() + x.size(), out);
+  return out;
+}
+
+/// The problem in Siconos' form, in its dimension and scaled units.
+class SiconosProblem {
+ public:
+  SiconosProblem(const ContactProblem& p, int dim, Storage storage)
+      : d_(p.dim), dim_(dim), contacts_(p.num_contacts()) {
+    mobility_ = 0;
+    for (int c = 0; c < contacts_; ++c) mobility_ += p.W.coeff(c * d_, c * d_) / contacts_;
+    speed_ = p.u_free.cwiseAbs().maxCoeff();
+
+    const int n = contacts_ * dim_;
+    Vector q = Vector::Zero(n);
+    for (int i = 0; i < p.num_rows(); ++i) q[row(i)] = p.u_free[i] / speed_;
+    NumericsMatrix* matrix = NM_create(NM_SPARSE, n, n);
+    NM_triplet_alloc(matrix, static_cast<CS_INT>(p.W.nonZeros() + n));
+    matrix->matrix2->origin = NSM_TRIPLET;
+    for (int i = 0; i < p.num_rows(); ++i) {
+      for (SparseRows::InnerIterator it(p.W, i); it; ++it) {
+        CSparseMatrix_entry(matrix->matrix2->triplet, row(i), row(static_cast<int>(it.col())),
+                            it.value() / mobility_);
+      }
+    }
+    for (int c = 0; c < contacts_; ++c) {
+      const int model = c * d_ + d_ - 1;  // the last row that the contact has
+      for (int k = d_; k < dim_; ++k) {
+        CSparseMatrix_entry(matrix->matrix2->triplet, c * dim_ + k, c * dim_ + k,
+                            p.W.coeff(model, model) / mobility_);
+      }
+    }
+    if (storage == Storage::kBlocks) {
+      NumericsMatrix* blocked = NM_create(NM_SPARSE_BLOCK, n, n);
+      blocked->matrix1 = SBM_new();
+      if (SBM_from_csparse(dim_, NM_csc(matrix), blocked->matrix1) != 0) {
+        throw std::runtime_error("Siconos: SBM_from_csparse failed");
+      }
+      NM_free(matrix);
+      matrix = blocked;
+    } else if (storage == Storage::kDense) {
+      NumericsMatrix* dense = NM_create(NM_DENSE, n, n);
+      NM_to_dense(matrix, dense);
+      NM_free(matrix);
+      matrix = dense;
+    }
+    problem_ = frictionContactProblem_new_with_data(dim_, contacts_, matrix, copy_to_c(q),
+                                                    copy_to_c(p.mu));
+  }
+  ~SiconosProblem() {
+    if (problem_ != nullptr) frictionContactProblem_free(problem_);
+  }
+  SiconosProblem(const SiconosProblem&) = delete;
+  SiconosProblem& operator=(const SiconosProblem&) = delete;
+
+  FrictionContactProblem* get() const { return problem_; }
+  int rows() const { return contacts_ * dim_; }
+
+  Vector reaction(const Vector& s) const {
+    Vector r = Vector::Zero(rows());
+    for (int i = 0; i < contacts_ * d_; ++i) r[row(i)] = s[i] * mobility_ / speed_;
+    return r;
+  }
+  Vector velocity(const Vector& u) const {
+    Vector out = Vector::Zero(rows());
+    for (int i = 0; i < contacts_ * d_; ++i) out[row(i)] = u[i] / speed_;
+    return out;
+  }
+  Vector impulse(const Vector& reaction) const {
+    Vector s(contacts_ * d_);
+    for (int i = 0; i < contacts_ * d_; ++i) s[i] = reaction[row(i)] * speed_ / mobility_;
+    return s;
+  }
+
+ private:
+  int row(int i) const { return i / d_ * dim_ + i % d_; }
+
+  int d_, dim_, contacts_;
+  double mobility_ = 1, speed_ = 1;
+  FrictionContactProblem* problem_ = nullptr;
+};
+
+struct DeleteOptions {
+  void operator()(::SolverOptions* options) const { solver_options_delete(options); }
+};
+
+SolveResult run(const Method& method, const ContactProblem& p, const SolverOptions& options) {
+  const bool planar = p.dim <= 2 && method.planar_id != 0;
+  IterationMonitor monitor(p, options);
+  const SiconosProblem problem(p, planar ? 2 : 3, method.storage);
+  const std::unique_ptr<::SolverOptions, DeleteOptions> theirs(
+      solver_options_create(planar ? method.planar_id : method.spatial_id));
+  if (theirs == nullptr) throw std::runtime_error("Siconos: solver_options_create failed");
+  // What one outer iteration may take: a call cannot be interrupted.
+  if (method.inner_iterations > 0) {
+    theirs->internalSolvers[0]->iparam[SICONOS_IPARAM_MAX_ITER] = method.inner_iterations;
+  }
+  numerics_set_verbose(0);
+  ensure_mpi();  // Siconos' linear solver is MUMPS, and it leaves MPI to the caller
+  Vector s = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  monitor.end_setup();
+
+  int iteration = 0, calls = 0, idle = 0;
+  int budget = method.first_calls_iterations;
+  double tolerance = options.tol;
+  if (!monitor.stop(0, s)) {
+    Vector reaction = problem.reaction(s);
+    Vector u(p.num_rows());
+    monitor.evaluator().delassus().velocity(s, u);
+    Vector velocity = problem.velocity(u);
+    for (;;) {
+      const double best = monitor.best_error();
+      const int left = options.max_iterations - iteration;
+      theirs->iparam[SICONOS_IPARAM_MAX_ITER] = std::min(budget, left);
+      theirs->iparam[SICONOS_IPARAM_ITER_DONE] = 0;
+      theirs->dparam[SICONOS_DPARAM_TOL] = tolerance;
+      const int info =
+          planar ? fc2d_driver(problem.get(), reaction.data(), velocity.data(), theirs.get())
+                 : fc3d_driver(problem.get(), reaction.data(), velocity.data(), theirs.get());
+      ++calls;
+      // Some solvers do not count, none may loop for nothing.
+      iteration += std::max(1, theirs->iparam[SICONOS_IPARAM_ITER_DONE]);
+      const Vector before = s;
+      s = problem.impulse(reaction);
+      if (!s.allFinite()) {
+        monitor.fail(SolveStatus::kNumericalFailure,
+                     fmt::format("Siconos returned a non-finite impulse (info {})", info));
+        break;
+      }
+      // A call that changed nothing has met its tolerance at once, or is stuck: the next one asks
+      // for more.
+      if (s != before) {
+        if (monitor.stop(iteration, s)) break;
+        if (monitor.meets(s)) {
+          monitor.fail(SolveStatus::kConverged,
+                       fmt::format("guarded test met after {} iterations", iteration));
+          break;
+        }
+      }
+      if (iteration >= options.max_iterations) {
+        monitor.fail(SolveStatus::kIterationLimit,
+                     fmt::format("iteration limit {} reached, best error {:.2e}",
+                                 options.max_iterations, monitor.best_error()));
+        break;
+      }
+      if (monitor.out_of_time()) {
+        monitor.fail(SolveStatus::kTimeLimit,
+                     fmt::format("time limit {} s reached after {} iterations, best error {:.2e}",
+                                 options.time_limit, iteration, monitor.best_error()));
+        break;
+      }
+      idle = monitor.best_error() < 0.99 * best ? 0 : idle + 1;
+      const bool exhausted = info == 0 && tolerance <= kSmallestTolerance;
+      if (exhausted || idle >= kIdleCalls) {
+        monitor.fail(SolveStatus::kStalled,
+                     fmt::format("Siconos makes no progress (info {}, its tolerance {:.0e}), best "
+                                 "error {:.2e}",
+                                 info, tolerance, monitor.best_error()));
+        break;
+      }
+      if (info == 0) {
+        tolerance = std::max(0.1 * tolerance, kSmallestTolerance);
+      } else {
+        budget = budget > INT_MAX / 2 ? INT_MAX : 2 * budget;
+      }
+    }
+  }
+  SolveResult result = monitor.finish();
+  result.iterations = iteration;
+  result.message += fmt::format("; Siconos {} ({}), {} calls, its last tolerance {:.0e}",
+                                method.name, planar ? "fc2d" : "fc3d", calls, tolerance);
+  return result;
+}
+
+constexpr Method kNsgs{.name = "NSGS",
+                       .planar_id = SICONOS_FRICTION_2D_NSGS,
+                       .spatial_id = SICONOS_FRICTION_3D_NSGS,
+                       .storage = Storage::kBlocks,
+                       .first_calls_iterations = 1000};
+constexpr Method kNsnAc{.name = "NSN_AC",
+                        .planar_id = 0,
+                        .spatial_id = SICONOS_FRICTION_3D_NSN_AC,
+                        .storage = Storage::kTriplets,
+                        .first_calls_iterations = 200};
+constexpr Method kAdmm{.name = "ADMM",
+                       .planar_id = 0,
+                       .spatial_id = SICONOS_FRICTION_3D_ADMM,
+                       .storage = Storage::kTriplets,
+                       .first_calls_iterations = 1000};
+constexpr Method kProx{.name = "PROX",
+                       .planar_id = 0,
+                       .spatial_id = SICONOS_FRICTION_3D_PROX,
+                       .storage = Storage::kTriplets,
+                       .first_calls_iterations = 10,
+                       .inner_iterations = 200};
+constexpr Method kLemke{.name = "LEMKE",
+                        .planar_id = SICONOS_FRICTION_2D_LEMKE,
+                        .spatial_id = 0,
+                        .storage = Storage::kDense,
+                        .first_calls_iterations = 10000};
+
+}  // namespace
+
+SolveResult solve_siconos_nsgs(const ContactProblem& p, const SolverOptions& options) {
+  return run(kNsgs, p, options);
+}
+SolveResult solve_siconos_nsn_ac(const ContactProblem& p, const SolverOptions& options) {
+  return run(kNsnAc, p, options);
+}
+SolveResult solve_siconos_admm(const ContactProblem& p, const SolverOptions& options) {
+  return run(kAdmm, p, options);
+}
+SolveResult solve_siconos_prox(const ContactProblem& p, const SolverOptions& options) {
+  return run(kProx, p, options);
+}
+SolveResult solve_siconos_lemke(const ContactProblem& p, const SolverOptions& options) {
+  return run(kLemke, p, options);
+}
+
+}  // namespace bipot

@@ -1,0 +1,113 @@
+#include "bench/advise/advise.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <stdexcept>
+
+#include "core/scene/scene_family.h"
+
+namespace bipot {
+namespace {
+
+/// A triangular lattice of 4 rows comes to its first rest: static, so that any step size will do.
+Scene lattice() {
+  Scene scene = make_family_scene("triangular", 4);
+  scene.num_steps = 20;
+  return scene;
+}
+
+AdviseOptions quick(double force) {
+  AdviseOptions options;
+  options.goal.force = force;
+  options.solvers = {{"pgs", "pgs", {}}, {"ipm", "ipm", {}}};
+  options.time_limit = 120;  // never reached: what is measured does not hang on the machine
+  return options;
+}
+
+/// A disk of 1 m dropped from a height of 5 mm or so: one shock in mid-run.
+Scene drop() {
+  Scene scene = make_family_scene("square", 1);
+  scene.walls.resize(1);
+  scene.disks[0].x[1] += 0.005;
+  scene.step = 1e-3;
+  scene.num_steps = 100;
+  return scene;
+}
+
+TEST(Advise, MeetsTheGoalOnStepsThatItWasNotChosenOn) {
+  const Advice advice = advise(lattice(), quick(1e-2));
+  ASSERT_EQ(advice.status, Advice::Status::kMet) << advice.message;
+  ASSERT_GE(advice.choice, 0);
+  const SolverTrial& chosen = advice.trials[advice.choice];
+  EXPECT_EQ(chosen.verdict, SolverTrial::Verdict::kChosen);
+  EXPECT_LE(chosen.error.force, 1e-2);
+  EXPECT_LE(chosen.stretch.force, 1e-2);
+  EXPECT_GE(advice.fresh.problems, 1);
+  EXPECT_LE(advice.fresh.error.force, 1e-2);
+  EXPECT_EQ(advice.sample.steps_run, 20);
+  EXPECT_LE(advice.worst_reference, 1e-5);  // a thousandth of the goal
+  // At rest a larger step changes nothing: the largest is taken, for the same simulated time.
+  EXPECT_DOUBLE_EQ(advice.step_size, 4 * 0.01);
+  EXPECT_EQ(advice.num_steps, 5);
+}
+
+TEST(Advise, AGoalOnForcesAsksForFinerStepsThroughAShock) {
+  const Advice advice = advise(drop(), quick(1e-2));
+  ASSERT_FALSE(advice.steps.steps.empty());
+  // The shock's time is known to a step: the error of the mean force over a window of 16 of the
+  // scene's steps falls with the step, from more than 10 % at four times the scene's.
+  const StepTrial &largest = advice.steps.steps.front(), &smallest = advice.steps.steps.back();
+  EXPECT_DOUBLE_EQ(largest.step, 4e-3);
+  EXPECT_DOUBLE_EQ(smallest.step, 2.5e-4);
+  EXPECT_GT(largest.error.force, 0.1);
+  EXPECT_LT(smallest.error.force, 0.5 * largest.error.force);
+}
+
+TEST(Advise, TheScenesStepIsKeptOnRequest) {
+  AdviseOptions options = quick(1e-2);
+  options.keep_step = true;
+  const Advice advice = advise(lattice(), options);
+  EXPECT_EQ(advice.status, Advice::Status::kMet) << advice.message;
+  EXPECT_DOUBLE_EQ(advice.step_size, 0.01);
+  EXPECT_EQ(advice.steps.steps.size(), 1u);
+}
+
+TEST(Advise, SaysWhatCannotBeMet) {
+  AdviseOptions options = quick(1e-2);
+  options.goal = {.penetration = 1e-12};
+  const Advice advice = advise(drop(), options);
+  EXPECT_EQ(advice.status, Advice::Status::kNotMet);
+  EXPECT_NE(advice.message.find("no time step"), std::string::npos) << advice.message;
+  EXPECT_NE(advice.message.find("penetration"), std::string::npos) << advice.message;
+  // Half of the step's own error: no digits that the step throws away.
+  EXPECT_NEAR(advice.budget.penetration, 0.5 * advice.step_error.penetration, 1e-15);
+}
+
+TEST(Advise, SaysThatNothingTouches) {
+  Scene scene = drop();
+  scene.disks[0].x[1] += 10;
+  const Advice advice = advise(scene, quick(1e-2));
+  EXPECT_EQ(advice.status, Advice::Status::kNoContacts);
+  EXPECT_LT(advice.choice, 0);
+}
+
+TEST(Advise, RefusesGoalsWithoutMeaning) {
+  EXPECT_THROW(advise(lattice(), quick(0)), std::invalid_argument);
+  EXPECT_THROW(advise(lattice(), quick(-1)), std::invalid_argument);
+  AdviseOptions nothing = quick(1e-2);
+  nothing.goal = {};
+  EXPECT_THROW(advise(lattice(), nothing), std::invalid_argument);
+  AdviseOptions unknown = quick(1e-2);
+  unknown.solvers = {{"pgz", "pgz", {}}};
+  EXPECT_THROW(advise(lattice(), unknown), std::invalid_argument);
+}
+
+TEST(Advise, EndsWhenInterrupted) {
+  AdviseOptions options = quick(1e-2);
+  options.interrupted = [] { return true; };
+  EXPECT_EQ(advise(lattice(), options).status, Advice::Status::kInterrupted);
+}
+
+}  // namespace
+}  // namespace bipot

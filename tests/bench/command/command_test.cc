@@ -1,0 +1,441 @@
+// The `bipot` command, run as a user runs it.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/files/problem_file.h"
+#include "core/files/run_output.h"
+#include "core/problem/contact_error.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Outcome {
+  int exit_code = -1;
+  std::string out;  ///< standard output alone
+};
+
+Outcome bipot(const std::string& arguments) {
+  const std::string command = std::string(BIPOT_COMMAND) + " " + arguments + " 2>/dev/null";
+  Outcome outcome;
+  FILE* pipe = popen(command.c_str(), "r");
+  if (pipe == nullptr) return outcome;
+  std::array<char, 4096> buffer{};
+  while (const std::size_t n = fread(buffer.data(), 1, buffer.size(), pipe)) {
+    outcome.out.append(buffer.data(), n);
+  }
+  const int status = pclose(pipe);
+  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  return outcome;
+}
+
+/// A fresh folder for one test, removed at its end.
+class Command : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = ::testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::temp_directory_path() /
+              (std::string("bipot_") + info->name() + "_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+  std::string write(const std::string& name, const std::string& text) const {
+    std::ofstream(path(name)) << text;
+    return path(name);
+  }
+  fs::path folder_;
+};
+
+std::string content(const fs::path& file) {
+  std::ostringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+TEST_F(Command, RunsAShippedSceneAndLeavesItsFiles) {
+  const Outcome run = bipot("run square_lattice --json - --out " + path("out"));
+  ASSERT_EQ(run.exit_code, 0);
+  const json j = json::parse(run.out);  // nothing else on standard output
+  EXPECT_EQ(j["status"], "completed");
+  EXPECT_EQ(j["steps"], 10);
+  EXPECT_EQ(j["steps_converged"], 10);
+  EXPECT_LE(j["epsilon"].get<double>(), 1e-8);
+  EXPECT_TRUE(j["epsilon_raw"].is_null());  // nothing slides: (42) is undefined
+  for (const char* name :
+       {"run.h5", "run.xdmf", "ledger.csv", "forces.svg", "forces.png", "summary.json"}) {
+    EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
+  }
+}
+
+TEST_F(Command, TheStressPictureIsDrawnWhereTheSceneAsksForIt) {
+  const std::string scene =
+      content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/square_lattice.toml");
+  const std::string text = scene +
+                           (scene.find("[output]") == std::string::npos ? "\n[output]" : "") +
+                           "\nstress_picture = true\n";
+  const Outcome run =
+      bipot("run " + write("lattice.toml", text) + " --json - --out " + path("out"));
+  ASSERT_EQ(run.exit_code, 0);
+  for (const char* name : {"stress.svg", "stress.png"}) {
+    EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
+  }
+  // The summary's stress is that of the ledger's last row: area, xx, yy, xy, kinetic pressure.
+  const json stress = json::parse(run.out)["stress"];
+  const std::string ledger = content(folder_ / "out" / "ledger.csv");
+  std::stringstream last(ledger.substr(ledger.rfind('\n', ledger.size() - 2) + 1));
+  std::vector<double> row;
+  for (std::string cell; std::getline(last, cell, ',');) row.push_back(std::stod(cell));
+  ASSERT_EQ(row.size(), 26u);
+  EXPECT_EQ(stress["area"], row[21]);
+  EXPECT_EQ(stress["yy"], row[23]);
+  EXPECT_GT(row[23], 0);
+  EXPECT_DOUBLE_EQ(stress["pressure"].get<double>(), 0.5 * (row[22] + row[23]));
+  bipot("run square_lattice --steps 1 --quiet --out " + path("plain"));
+  EXPECT_FALSE(fs::exists(folder_ / "plain" / "stress.svg"));
+}
+
+TEST_F(Command, EachFailureHasItsExitCode) {
+  EXPECT_EQ(bipot("run square_lattice --max-iterations 3 --steps 1").exit_code, 1);
+  EXPECT_EQ(bipot("run no_such_scene").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --solver no_such_solver").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --solver pgs --omega 7").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --no-such-flag").exit_code, 2);
+  EXPECT_EQ(bipot("solve " + path("missing.hdf5")).exit_code, 4);
+  EXPECT_EQ(bipot("solve " + write("text.dat", "not a problem")).exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --steps 1 --out /proc/nowhere").exit_code, 4);
+  const std::string nan_scene =
+      content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/square_lattice.toml");
+  EXPECT_EQ(bipot("run " + write("bad.toml", nan_scene + "\n[outptu]\nevery = 1\n")).exit_code, 2);
+}
+
+TEST_F(Command, RestartContinuesBitForBit) {
+  const std::string flags = " --tol 1e-4 --quiet --out ";
+  ASSERT_EQ(bipot("run compaction --steps 60" + flags + path("whole")).exit_code, 0);
+  ASSERT_EQ(bipot("run compaction --steps 35" + flags + path("first")).exit_code, 0);
+  ASSERT_EQ(
+      bipot("run compaction --steps 25 --restart " + path("first/run.h5") + flags + path("second"))
+          .exit_code,
+      0);
+  const State whole = read_state(path("whole/run.h5"));
+  const State parts = read_state(path("second/run.h5"));
+  ASSERT_EQ(whole.disks.size(), parts.disks.size());
+  EXPECT_EQ(whole.step, parts.step);
+  EXPECT_EQ(whole.friction_loss, parts.friction_loss);
+  for (std::size_t i = 0; i < whole.disks.size(); ++i) {
+    EXPECT_EQ(whole.disks[i].x, parts.disks[i].x);
+    EXPECT_EQ(whole.disks[i].v, parts.disks[i].v);
+    EXPECT_EQ(whole.disks[i].spin, parts.disks[i].spin);
+  }
+}
+
+TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
+  ASSERT_EQ(
+      bipot("run triangular_lattice --steps 1 --dump-problems all --out " + path("out")).exit_code,
+      0);
+  const std::string problem = path("out/problems/step_000001.hdf5");
+  const Outcome solved =
+      bipot("solve " + problem + " --solver pgs --tol 1e-9 --json - --solution " + problem +
+            " --history " + path("history.csv"));
+  ASSERT_EQ(solved.exit_code, 0);
+  const json j = json::parse(solved.out);
+  EXPECT_EQ(j["status"], "converged");
+  EXPECT_EQ(j["dim"], 2);
+  const ProblemFile file = read_problem(problem);
+  ASSERT_TRUE(file.r.has_value());
+  EXPECT_EQ(j["contacts"], file.problem.num_contacts());
+  const ContactError error = contact_error(file.problem, *file.r);
+  EXPECT_LE(error.guarded(), 1e-9);
+  EXPECT_NEAR(j["epsilon"].get<double>(), error.epsilon, 1e-14);
+  EXPECT_EQ(content(path("history.csv")).substr(0, 26), "iteration,seconds,epsilon,");
+}
+
+TEST_F(Command, DestinationsAreLookedAtBeforeTheWork) {
+  const std::string problem =
+      std::string(BIPOT_SOURCE_DIR) + "/data/problems/2d_triangular_lattice.hdf5";
+  const std::string solve = "solve " + problem + " --solver pgs --tol 1e-4";
+  EXPECT_EQ(bipot(solve + " --history " + path("h.csv") + " --json /proc/nowhere/a.json").exit_code,
+            4);
+  EXPECT_FALSE(fs::exists(path("h.csv")));  // nothing was solved
+  EXPECT_EQ(
+      bipot(solve + " --json " + path("a.json") + " --solution /proc/nowhere/s.hdf5").exit_code, 4);
+  EXPECT_EQ(json::parse(content(path("a.json")))["exit_code"], 4);
+  EXPECT_EQ(bipot("run square_lattice --json /proc/nowhere/a.json").exit_code, 4);
+  EXPECT_EQ(bipot(solve + " --solution " + path("s.hdf5")).exit_code, 0);
+  EXPECT_EQ(bipot(solve + " --solution " + path("s.hdf5")).exit_code, 0);  // the same problem
+}
+
+TEST_F(Command, SolutionsDoNotGoIntoOtherProblems) {
+  // Two lattices that differ in friction alone: the same sizes.
+  std::string text =
+      content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/triangular_lattice.toml");
+  const std::string run = "run " + write("a.toml", text) + " --steps 1 --quiet --dump-problems all";
+  ASSERT_EQ(bipot(run + " --out " + path("a")).exit_code, 0);
+  const std::string mu = "mu = 0.3";
+  text.replace(text.find(mu), mu.size(), "mu = 0.4");
+  write("a.toml", text);
+  ASSERT_EQ(bipot(run + " --out " + path("b")).exit_code, 0);
+  const std::string a = path("a/problems/step_000001.hdf5"),
+                    b = path("b/problems/step_000001.hdf5");
+  EXPECT_EQ(bipot("solve " + a + " --solution " + b).exit_code, 2);
+  EXPECT_FALSE(read_problem(b).r.has_value());
+  EXPECT_EQ(bipot("solve " + a + " --solution " + a).exit_code, 0);
+  EXPECT_TRUE(read_problem(a).r.has_value());
+  EXPECT_EQ(bipot("solve " + a + " --solution " + write("no.hdf5", "not HDF5")).exit_code, 2);
+}
+
+TEST_F(Command, ASolverOfAnotherBuildNamesItsOption) {
+  if (bipot("list solvers").out.find("siconos:nsgs") != std::string::npos) {
+    GTEST_SKIP() << "built with Siconos";
+  }
+  const Outcome run = bipot("run square_lattice --solver siconos:nsgs --json -");
+  EXPECT_EQ(run.exit_code, 2);
+  EXPECT_NE(json::parse(run.out)["message"].get<std::string>().find("BIPOT_WITH_SICONOS"),
+            std::string::npos);
+}
+
+TEST_F(Command, InterruptedRunLeavesAReadableState) {
+  const std::string out = path("out");
+  const Outcome run = bipot("run compaction --tol 1e-3 --out " + out +
+                            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+  EXPECT_EQ(run.exit_code, 5);
+  const State state = read_state(out + "/run.h5");
+  EXPECT_EQ(state.disks.size(), 342u);
+  EXPECT_GT(state.step, 0);
+  EXPECT_EQ(json::parse(content(out + "/summary.json"))["status"], "interrupted");
+}
+
+TEST_F(Command, ComparisonLeavesATableAndAPage) {
+  const std::string arguments =
+      "compare square:4 pyramid:3 --solvers pgs,ipm,lemke --tols 1e-2,1e-6 --quick --out " +
+      path("out");
+  const Outcome first = bipot(arguments + " --json -");
+  ASSERT_EQ(first.exit_code, 0);
+  const json j = json::parse(first.out);  // nothing else on standard output
+  EXPECT_EQ(j["rows"].size(), 12u);
+  EXPECT_EQ(j["rows_kept"], 0);
+  EXPECT_TRUE(j["complete"]);
+  for (const json& row : j["rows"]) EXPECT_EQ(row["status"], "converged") << row;
+  for (const char* name : {"rows.csv", "comparison.csv", "comparison.json", "report.html",
+                           "problems/square_4.hdf5", "references/pyramid_3.json"}) {
+    EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
+  }
+  const std::string table = content(path("out/comparison.csv"));
+  const Outcome second = bipot(arguments);
+  EXPECT_EQ(second.exit_code, 0);
+  EXPECT_NE(second.out.find("12 of 12 rows from before"), std::string::npos) << second.out;
+  EXPECT_EQ(content(path("out/comparison.csv")), table);
+  EXPECT_EQ(bipot("compare no_such_thing").exit_code, 2);
+  EXPECT_EQ(bipot("compare square:4 --solvers pgz").exit_code, 2);
+  EXPECT_EQ(bipot("compare square:4 --out /proc/nowhere").exit_code, 4);
+}
+
+TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
+  const std::string scene = write("scene.toml", content(std::string(BIPOT_SOURCE_DIR) +
+                                                        "/data/scenes/triangular_lattice.toml"));
+  const std::string arguments = "advise " + scene +
+                                " --force-error 1e-2 --solvers apgd,ipm --time-limit 20 --json - "
+                                "--write " +
+                                path("advised.toml");
+  const Outcome first = bipot(arguments);
+  ASSERT_EQ(first.exit_code, 0);
+  const json j = json::parse(first.out);  // nothing else on standard output
+  EXPECT_EQ(j["status"], "met");
+  EXPECT_GT(j["problems"]["fresh"], 0);
+  EXPECT_LE(j["fresh"]["error"]["force"].get<double>(), 1e-2);
+  EXPECT_TRUE(j["goal"]["energy"].is_null());  // not asked for
+  EXPECT_EQ(bipot(arguments).exit_code, 2);    // the copy exists
+  EXPECT_EQ(bipot(arguments + " --force").exit_code, 0);
+  const Outcome run = bipot("run " + path("advised.toml") + " --json -");
+  EXPECT_EQ(run.exit_code, 0);
+  const json r = json::parse(run.out);
+  EXPECT_EQ(r["solver"], j["advice"]["solver"]);
+  EXPECT_EQ(r["tol"], j["advice"]["tol"]);
+  EXPECT_EQ(r["steps"], j["advice"]["steps"]);
+  EXPECT_EQ(bipot("advise " + scene).exit_code, 2);  // no goal
+  EXPECT_EQ(bipot("advise " + scene + " --force-error 1e-2 --json /proc/nowhere/a.json").exit_code,
+            4);
+}
+
+TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
+  const std::string arguments = "paper --quick --out " + path("out");
+  const Outcome first = bipot(arguments + " --only table2 --json -");
+  ASSERT_EQ(first.exit_code, 0);
+  const json j = json::parse(first.out);  // nothing else on standard output
+  EXPECT_EQ(j["checks"], j["checks_held"]);
+  EXPECT_GT(j["checks"], 2);
+  EXPECT_FALSE(j["all_items_done"]);
+  ASSERT_EQ(bipot(arguments + " --only table1").exit_code, 0);
+  const json both = json::parse(content(path("out/results.json")));
+  for (const json& item : both["items"]) {
+    const bool made = item["name"] == "table1" || item["name"] == "table2";
+    EXPECT_EQ(item["status"], made ? "done" : "not run") << item["name"];
+  }
+  const std::string page = content(path("out/index.html"));
+  for (const char* name : {"table2_velocity.svg", "table1_film.csv"}) {
+    EXPECT_NE(page.find(name), std::string::npos) << name;
+    EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
+  }
+  EXPECT_EQ(bipot("paper --only table3 --out " + path("out")).exit_code, 2);
+  EXPECT_EQ(bipot("paper --only table2 --out /proc/nowhere").exit_code, 4);
+}
+
+TEST_F(Command, InterruptedPaperKeepsWhatIsDone) {
+  const std::string out = path("out");
+  const Outcome run = bipot("paper --only table2,fig13 --out " + out +
+                            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+  EXPECT_EQ(run.exit_code, 5);
+  const json results = json::parse(content(out + "/results.json"));
+  for (const json& item : results["items"]) {
+    if (item["name"] != "table2" && item["name"] != "fig13") continue;
+    EXPECT_EQ(item["status"], item["name"] == "table2" ? "done" : "interrupted");
+  }
+  EXPECT_GT(fs::file_size(out + "/index.html"), 100u);
+}
+
+TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
+  const std::string out = path("out");
+  const Outcome solve =
+      bipot(std::string("solve ") + BIPOT_SOURCE_DIR +
+            "/data/problems/2d_compaction_rest.hdf5 --solver pgs --tol 1e-13 --out " + out +
+            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+  EXPECT_EQ(solve.exit_code, 5);
+  const json j = json::parse(content(out + "/summary.json"));
+  EXPECT_EQ(j["status"], "interrupted");
+  EXPECT_GT(j["iterations"], 0);
+  EXPECT_TRUE(read_problem(out + "/solution.hdf5").r.has_value());
+}
+
+TEST_F(Command, TimeLimitLeavesTheLastWholeStep) {
+  const Outcome run =
+      bipot("run compaction --tol 1e-6 --time-limit 1.5 --json - --out " + path("out"));
+  EXPECT_EQ(run.exit_code, 1);
+  const json j = json::parse(run.out);
+  EXPECT_EQ(j["status"], "time limit");
+  EXPECT_EQ(j["steps"], j["steps_converged"]);  // the step that was cut short is not taken
+  EXPECT_EQ(read_state(path("out")).step, j["steps"]);
+}
+
+TEST_F(Command, RestartRefusesAnotherScene) {
+  ASSERT_EQ(bipot("run sliding_cylinder --steps 5 --quiet --out " + path("a")).exit_code, 0);
+  std::string text = content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/sliding_cylinder.toml");
+  const std::string radius = "radius = 0.01";
+  text.replace(text.find(radius), radius.size(), "radius = 0.02");
+  const Outcome run =
+      bipot("run " + write("other.toml", text) + " --json - --restart " + path("a"));
+  EXPECT_EQ(run.exit_code, 2);
+  const json j = json::parse(run.out);  // refusals are JSON too
+  EXPECT_EQ(j["status"], "invalid input");
+  EXPECT_NE(j["message"].get<std::string>().find("radius"), std::string::npos);
+}
+
+TEST_F(Command, ForeignOutputDoesNotMixWithJson) {
+  if (json::parse(bipot("list solvers --json -").out).dump().find("\"newton\"") ==
+      std::string::npos) {
+    GTEST_SKIP() << "built without PETSc: there is no foreign output";
+  }
+  const Outcome solve = bipot(std::string("solve ") + BIPOT_SOURCE_DIR +
+                              "/data/problems/2d_triangular_lattice.hdf5 --solver newton "
+                              "--petsc \"-snes_monitor -ksp_view\" --json -");
+  EXPECT_EQ(solve.exit_code, 0);
+  EXPECT_EQ(json::parse(solve.out)["status"], "converged");
+}
+
+TEST_F(Command, SpringDashpotModelRunsTheSameScene) {
+  const Outcome run =
+      bipot("run square_lattice --model dem --steps 60 --json - --out " + path("a"));
+  ASSERT_EQ(run.exit_code, 0);
+  const json j = json::parse(run.out);
+  EXPECT_EQ(j["status"], "completed");
+  EXPECT_EQ(j["model"], "dem");
+  EXPECT_TRUE(j["epsilon"].is_null());  // there is no contact problem to judge
+  EXPECT_EQ(j["iterations_max"], j["dem"]["substeps_per_step"]);
+  EXPECT_LT(j["dem"]["substep"], j["dem"]["critical_step"]);
+  EXPECT_FALSE(j["dem"]["departures"].empty());  // e_n = 0
+  EXPECT_GT(j["penetration"], 1e-6);
+  for (const char* name : {"run.h5", "run.xdmf", "ledger.csv", "forces.svg", "summary.json"}) {
+    EXPECT_GT(fs::file_size(folder_ / "a" / name), 100u) << name;
+  }
+  // 40 and 20 steps with a restart between: the same bits.
+  ASSERT_EQ(bipot("run square_lattice --model dem --steps 40 -q --out " + path("b")).exit_code, 0);
+  ASSERT_EQ(bipot("run square_lattice --model dem --steps 20 -q --restart " + path("b") +
+                  " --out " + path("b"))
+                .exit_code,
+            0);
+  const State whole = read_state(path("a")), parts = read_state(path("b"));
+  for (std::size_t i = 0; i < whole.disks.size(); ++i) {
+    EXPECT_EQ(whole.disks[i].x, parts.disks[i].x);
+    EXPECT_EQ(whole.disks[i].v, parts.disks[i].v);
+  }
+  EXPECT_EQ(content(path("a/ledger.csv")), content(path("b/ledger.csv")));
+  // Unstable substeps, flags of the other model and a stiffness that gives way are refused.
+  EXPECT_EQ(bipot("run square_lattice --model dem --substep 1e-3").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --model dem --tol 1e-3").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --stiffness 1e6").exit_code, 2);
+  EXPECT_EQ(bipot("run square_lattice --model dem --stiffness 1e3 --steps 100").exit_code, 3);
+}
+
+TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
+  std::string text = content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/square_lattice.toml");
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"columns = 10", "columns = 3"},
+                                 {"rows = 10", "rows = 3"},
+                                 {"point = [0.2, 0.0]", "point = [0.06, 0.0]"}}) {
+    text.replace(text.find(from), from.size(), to);
+  }
+  const std::string scene = write("tiny.toml", text);
+  const Outcome run = bipot("trade --quick " + scene + ":steps=30 --json - --out " + path("out"));
+  ASSERT_EQ(run.exit_code, 0);
+  const json j = json::parse(run.out);  // nothing else on standard output
+  EXPECT_TRUE(j["complete"]);
+  // 2 tolerances, 2 more time steps, 2 kinds of springs; disks that stand need no replicas.
+  ASSERT_EQ(j["rows"].size(), 6u);
+  for (const json& row : j["rows"]) EXPECT_EQ(row["status"], "completed") << row;
+  const json& settings = j["scenes"][0]["settings"];
+  EXPECT_GT(settings[4]["penetration"], 5 * settings[5]["penetration"].get<double>());
+  EXPECT_FALSE(j["scenes"][0]["answer"].get<std::string>().empty());
+  for (const char* name : {"trade.csv", "trade.json", "trade.html"}) {
+    EXPECT_GT(fs::file_size(folder_ / "out" / name), 1000u) << name;
+  }
+  EXPECT_EQ(bipot("trade no_such_scene").exit_code, 2);
+  EXPECT_EQ(bipot("trade " + scene + " --solvers pgz").exit_code, 2);
+  EXPECT_EQ(bipot("trade " + scene + ":steps=x").exit_code, 2);
+  EXPECT_EQ(bipot("trade " + scene + " --overlaps 0.5").exit_code, 2);
+  EXPECT_EQ(bipot("trade " + scene + " --out /proc/nowhere").exit_code, 4);
+  EXPECT_EQ(bipot("trade " + scene + " --json /proc/nowhere/a.json").exit_code, 4);
+  const Outcome refused = bipot("trade no_such_scene --json -");
+  EXPECT_EQ(json::parse(refused.out)["exit_code"], 2);
+}
+
+TEST_F(Command, ListsWhatItHas) {
+  const Outcome solvers = bipot("list solvers --json -");
+  ASSERT_EQ(solvers.exit_code, 0);
+  EXPECT_EQ(json::parse(solvers.out)[0]["name"], "auto");
+  const Outcome scenes = bipot("list scenes --json -");
+  ASSERT_EQ(scenes.exit_code, 0);
+  EXPECT_GE(json::parse(scenes.out).size(), 6u);
+}
+
+TEST_F(Command, HelpNamesExamples) {
+  for (const char* command : {"--help", "run --help", "solve --help", "compare --help",
+                              "advise --help", "trade --help", "paper --help", "list --help"}) {
+    const Outcome help = bipot(command);
+    EXPECT_EQ(help.exit_code, 0);
+    EXPECT_NE(help.out.find("Examples"), std::string::npos) << command;
+  }
+}
+
+}  // namespace
+}  // namespace bipot

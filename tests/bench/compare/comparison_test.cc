@@ -1,0 +1,496 @@
+#include "bench/compare/comparison.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+#include <stdexcept>
+
+#include "bench/compare/comparison_report.h"
+#include "core/files/fclib_file.h"
+#include "core/problem/contact_error.h"
+#include "solvers/registry.h"
+#include "solvers/solve.h"
+#include "tests/support/naive_error.h"
+#include "tests/support/small_problems.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+ComparisonOptions quick(std::vector<std::string> solvers, std::vector<double> tols) {
+  ComparisonOptions options;
+  options.solvers = std::move(solvers);
+  options.tols = std::move(tols);
+  options.time_limit = 20;
+  options.reference_time_limit = 20;
+  options.min_time = 0;
+  return options;
+}
+
+ProblemSource source_of(const std::string& name, const ContactProblem& problem) {
+  return {name, name, [problem] {
+            ComparisonProblem made;
+            made.origin = "test";
+            made.problem = problem;
+            made.step = 0.01;
+            made.smallest_radius = 0.5;
+            return made;
+          }};
+}
+
+const ComparisonRow& row_of(const Comparison& c, const std::string& solver, double tol) {
+  for (const ComparisonRow& row : c.rows) {
+    if (row.solver == solver && row.tol == tol) return row;
+  }
+  throw std::out_of_range(solver);
+}
+
+/// Everything but the times, which no two runs share.
+std::string without_times(ComparisonRow row) {
+  row.total_min = row.setup_min = row.setup_median = row.solve_min = row.solve_median =
+      row.cpu_min = 0;
+  return to_csv(row);
+}
+
+TEST(Comparison, HasARowForEachProblemSolverAndTolerance) {
+  const auto sources = expand_targets({"square:4", "triangular:4:tilt=10"});
+  const Comparison c = compare(sources, quick({"pgs", "ipm"}, {1e-8, 1e-2}));
+  ASSERT_TRUE(c.complete);
+  ASSERT_EQ(c.rows.size(), 8u);
+  EXPECT_EQ(c.rows[0].problem, "square:4");
+  EXPECT_EQ(c.rows[0].tol, 1e-2);  // from loose to tight, whatever the order of the flags
+  for (const ComparisonRow& row : c.rows) {
+    EXPECT_EQ(row.status, "converged") << row.solver << ": " << row.message;
+    EXPECT_LE(row.guarded, row.tol);
+    EXPECT_GT(row.total_min, 0);
+    EXPECT_EQ(row.take_off + row.stick + row.slip, row.contacts);
+  }
+  ASSERT_EQ(c.problems.size(), 2u);
+  for (const ProblemSummary& p : c.problems) EXPECT_LE(p.reference_guarded, 1e-12) << p.name;
+  EXPECT_EQ(count_solved(c, 1e-8)[0].solved, 2);
+}
+
+TEST(Comparison, AProblemWithoutContactsKeepsItsDimension) {
+  ContactProblem free;
+  free.dim = 1;
+  const Comparison c = compare({source_of("free", free)}, quick({"pgs"}, {1e-3}));
+  ASSERT_EQ(c.rows.size(), 1u);
+  EXPECT_EQ(c.rows[0].status, "nothing to do");
+  EXPECT_EQ(c.rows[0].contacts, 0);
+  EXPECT_EQ(c.rows[0].dim, 1);
+}
+
+TEST(Comparison, RowsSayWhatASolveOfTheirOwnSays) {
+  const ContactProblem problem = lattice_step(Lattice::kTriangular, 5, 0.3, 20);
+  const Comparison c = compare({source_of("t5", problem)}, quick({"pgs"}, {1e-3}));
+  SolverOptions options;
+  options.tol = 1e-3;
+  const SolveResult alone = solve("pgs", problem, options);
+  ASSERT_EQ(c.rows.size(), 1u);
+  EXPECT_EQ(c.rows[0].iterations, alone.iterations);
+  const NaiveError naive = naive_error(problem, alone.s);
+  EXPECT_NEAR(c.rows[0].guarded, naive.guarded(), 1e-9 * naive.guarded());
+  EXPECT_NEAR(c.rows[0].natural_map, naive.natmap_scaled, 1e-9 * naive.natmap_scaled);
+}
+
+TEST(ReferenceSolution, MeetsItsErrorInTheNaiveCriterion) {
+  ComparisonProblem given;
+  given.problem = lattice_step(Lattice::kTriangular, 5, 0.3, 20);
+  const ReferenceSolution reference = find_reference(given, 20);
+  EXPECT_LE(reference.error.guarded(), 1e-12);
+  // The naive criterion rounds differently at this size.
+  EXPECT_LE(naive_error(given.problem, reference.s).guarded(), 1e-11);
+  EXPECT_GE(reference.attempts.size(), 2u);
+  EXPECT_LE(reference.velocity_spread, 1e-8);
+}
+
+TEST(TrueError, AgreesWithDenseMatrices) {
+  ComparisonProblem given;
+  given.problem = lattice_step(Lattice::kTriangular, 4, 0.3, 20);
+  given.step = 0.01;
+  given.smallest_radius = 0.5;
+  const ContactProblem& p = given.problem;
+  const ReferenceSolution reference = find_reference(given, 20);
+  SolverOptions options;
+  options.tol = 1e-2;
+  const Vector s = solve("pgs", p, options).s;
+  const TrueError error = TrueErrorEvaluator(given, reference)(s);
+
+  const Eigen::MatrixXd A(p.A), H(p.H);
+  const Eigen::VectorXd v = p.v_free + A.inverse() * H * s;
+  const Eigen::VectorXd v_ref = p.v_free + A.inverse() * H * reference.s;
+  const auto energy = [&](const Eigen::VectorXd& x) { return x.dot(A * x); };
+  EXPECT_NEAR(error.velocity, std::sqrt(energy(v - v_ref) / energy(v_ref - p.v_free)), 1e-9);
+  EXPECT_GT(error.velocity, 1e-6);
+  const double kinetic = 0.5 * (energy(p.v_free) - energy(v));
+  EXPECT_NEAR(error.dissipated, kinetic, 1e-9 * std::abs(kinetic));
+  const double kinetic_ref = 0.5 * (energy(p.v_free) - energy(v_ref));
+  EXPECT_NEAR(error.energy, std::abs(kinetic - kinetic_ref) / std::abs(kinetic_ref), 1e-9);
+  double worst = 0, largest = 0;
+  const Eigen::VectorXd f = H * (s - reference.s), f_ref = H * reference.s;
+  for (Eigen::Index b = 0; b + 2 < f.size(); b += 3) {
+    worst = std::max(worst, std::hypot(f[b], f[b + 1]));
+    largest = std::max(largest, std::hypot(f_ref[b], f_ref[b + 1]));
+  }
+  EXPECT_NEAR(error.force, worst / largest, 1e-9);
+  const Eigen::VectorXd u = H.transpose() * A.inverse() * H * s + p.u_free;
+  double approach = 0;
+  for (int c = 0; c < p.num_contacts(); ++c) approach = std::max(approach, -u[2 * c]);
+  EXPECT_NEAR(error.penetration_velocity, approach, 1e-12);
+  EXPECT_NEAR(error.penetration, approach * 0.01 / 0.5, 1e-14);
+}
+
+TEST(TrueError, IsThatOfTheLocalFormWhereNoBodiesAreGiven) {
+  ComparisonProblem given, local;
+  given.problem = lattice_step(Lattice::kSquare, 4, 0.3, 10);
+  local.problem = local_form(given.problem);
+  const ReferenceSolution reference = find_reference(given, 20);
+  SolverOptions options;
+  options.tol = 1e-2;
+  const Vector s = solve("pgs", given.problem, options).s;
+  const TrueError a = TrueErrorEvaluator(given, reference)(s);
+  const TrueError b = TrueErrorEvaluator(local, reference)(s);
+  EXPECT_NEAR(a.velocity, b.velocity, 1e-9);
+  EXPECT_TRUE(std::isfinite(a.force));
+  EXPECT_TRUE(std::isnan(b.force));
+}
+
+TEST(TrueError, GivesContactForcesOnlyWhereTheyAreUnique) {
+  ComparisonProblem packing, single;
+  packing.problem = lattice_step(Lattice::kSquare, 4, 0.3, 10);
+  single.problem = one_contact_problem(2, 1, 2, 0.3, -1, Vector::Constant(1, 0.1));
+  const auto contact_force = [](const ComparisonProblem& given) {
+    const ReferenceSolution reference = find_reference(given, 20);
+    return TrueErrorEvaluator(given, reference)(0.9 * reference.s).contact_force;
+  };
+  EXPECT_TRUE(std::isnan(contact_force(packing)));
+  EXPECT_NEAR(contact_force(single), 0.1, 1e-9);
+}
+
+TEST(BodyRows, FindDrivenWallsBehindTheDisks) {
+  // Two disks on four driven walls, whose rows fill another body's place and one more.
+  ContactProblem p;
+  p.dim = 2;
+  p.mu = Vector::Constant(4, 0.3);
+  p.u_free = Vector::Constant(8, -1);
+  p.v_free = Vector::Zero(10);
+  p.A = SparseMatrix(10, 10);
+  p.A.setIdentity();
+  std::vector<Eigen::Triplet<double>> h;
+  for (int c = 0; c < 4; ++c) {
+    const int disk = 3 * (c / 2), axis = c % 2;
+    h.emplace_back(disk + axis, 2 * c, 1.0);
+    h.emplace_back(6 + c, 2 * c, -1.0);
+    h.emplace_back(disk + 1 - axis, 2 * c + 1, 1.0);
+    h.emplace_back(disk + 2, 2 * c + 1, -0.5);
+  }
+  p.H = SparseMatrix(10, 8);
+  p.H.setFromTriplets(h.begin(), h.end());
+  ASSERT_EQ(validate(p), "");
+  const auto rows = find_body_rows(p);
+  ASSERT_TRUE(rows.has_value());
+  EXPECT_EQ(rows->bodies, 2);
+  EXPECT_EQ(rows->walls, 4);
+  p.H *= 1.1;  // no unit normals: not rigid bodies as this program lays them out
+  EXPECT_FALSE(find_body_rows(p).has_value());
+}
+
+TEST(Comparison, ShowsATimeOutAndDoesNotRepeatItAtTighterTolerances) {
+  ComparisonOptions options = quick({"uzawa"}, {1e-10, 1e-12});
+  options.time_limit = 1e-4;
+  const Comparison c = compare(expand_targets({"triangular:20:tilt=10"}), options);
+  ASSERT_EQ(c.rows.size(), 2u);
+  EXPECT_EQ(c.rows[0].status, "time limit");
+  EXPECT_GT(c.rows[0].guarded, 1e-10);
+  EXPECT_TRUE(std::isfinite(c.rows[0].velocity_error));
+  EXPECT_EQ(c.rows[1].status, "time limit");
+  EXPECT_EQ(c.rows[1].message.substr(0, 13), "not run again");
+  EXPECT_EQ(c.rows[1].guarded, c.rows[0].guarded);
+  EXPECT_EQ(count_solved(c, 1e-10)[0].solved, 0);
+  EXPECT_NE(to_text(c).find(" T "), std::string::npos);
+}
+
+TEST(Comparison, DoesNotTryLargeProblemsAfterATimeOutOnSmallOnes) {
+  // What uzawa does in a tenth of a millisecond is not enough for 60 disks.
+  const TemporaryFolder folder;
+  ComparisonOptions options = quick({"uzawa", "auto"}, {1e-10});
+  options.time_limit = 1e-4;
+  options.out = folder / "table";
+  const auto sources =
+      expand_targets({"triangular:8:tilt=10", "triangular:9:tilt=10", "triangular:9:tilt=5"});
+  const Comparison c = compare(sources, options);
+  ASSERT_EQ(c.rows.size(), 6u);
+  EXPECT_EQ(c.rows[0].status, "time limit");
+  EXPECT_EQ(c.rows[2].status, ComparisonRow::kNotTried);
+  EXPECT_NE(c.rows[2].message.find("triangular:8:tilt=10"), std::string::npos);
+  EXPECT_TRUE(std::isnan(c.rows[2].guarded));
+  EXPECT_TRUE(std::isnan(c.rows[2].time()));
+  EXPECT_EQ(c.rows[2].contacts, c.rows[3].contacts);
+  EXPECT_NE(c.rows[3].status, ComparisonRow::kNotTried);  // auto always runs
+  EXPECT_EQ(c.rows[4].status, "time limit");              // another series
+  EXPECT_EQ(to_csv(compare(sources, options)), to_csv(c));
+  options.out.clear();
+  options.try_all = true;
+  EXPECT_EQ(compare(sources, options).rows[2].status, "time limit");
+}
+
+TEST(Comparison, KeepsTheHistoryOfTheTightestSolve) {
+  const TemporaryFolder folder;
+  ComparisonOptions options = quick({"pgs", "ipm"}, {1e-2, 1e-8});
+  options.out = folder / "table";
+  const auto sources = expand_targets({"triangular:6:tilt=10"});
+  const Comparison c = compare(sources, options);
+  ASSERT_EQ(c.histories.size(), 2u);
+  for (const History& h : c.histories) {
+    const ComparisonRow& row = row_of(c, h.solver, 1e-8);
+    EXPECT_EQ(h.tol, 1e-8);
+    ASSERT_GE(h.points.size(), 3u);
+    EXPECT_EQ(h.points.front().iteration, 0);
+    EXPECT_EQ(h.points.back().iteration, row.iterations);
+    EXPECT_NEAR(h.points.back().guarded(), row.guarded, 1e-6 * row.guarded);
+    for (std::size_t k = 1; k < h.points.size(); ++k) {
+      EXPECT_GT(h.points[k].iteration, h.points[k - 1].iteration);
+    }
+  }
+  // s = 0 has the error of no contact forces at all.
+  const ContactProblem problem = sources[0].load().problem;
+  EXPECT_NEAR(c.histories[0].points[0].guarded(),
+              naive_error(problem, Vector::Zero(problem.num_rows())).guarded(), 1e-9);
+  const Comparison again = compare(sources, options);
+  ASSERT_EQ(again.histories.size(), 2u);
+  EXPECT_EQ(to_csv(again.histories[1]), to_csv(c.histories[1]));
+
+  // A solve that was cut off and begun again stands twice in the file; its second run counts.
+  History broken = c.histories[0];
+  broken.points.resize(2);
+  std::ofstream(folder / "h.csv") << history_csv_header() << '\n'
+                                  << to_csv(broken) << to_csv(c.histories[0]);
+  const auto read = read_csv_histories(folder / "h.csv");
+  ASSERT_EQ(read.size(), 1u);
+  EXPECT_EQ(to_csv(read[0]), to_csv(c.histories[0]));
+}
+
+TEST(Comparison, RepeatsShortSolves) {
+  ComparisonOptions options = quick({"pgs"}, {1e-4});
+  options.min_time = 0.01;
+  const Comparison c = compare(expand_targets({"square:3"}), options);
+  EXPECT_GT(c.rows[0].repeats, 3);  // a few microseconds each
+  EXPECT_LE(c.rows[0].cpu_min * c.rows[0].repeats, 0.02);
+}
+
+TEST(Comparison, ShowsSolversThatRefuseAProblem) {
+  const Comparison c = compare(expand_targets({"square:30"}), quick({"lemke", "apgd"}, {1e-2}));
+  const ComparisonRow& row = row_of(c, "lemke", 1e-2);
+  EXPECT_EQ(row.status, "invalid input");
+  EXPECT_NE(row.message.find("at most"), std::string::npos) << row.message;
+  EXPECT_TRUE(std::isnan(row.guarded));
+  EXPECT_EQ(row_of(c, "apgd", 1e-2).status, "converged");
+}
+
+TEST(Comparison, GoesOnWhereItWasStopped) {
+  const TemporaryFolder folder;
+  const auto sources = expand_targets({"square:4", "pyramid:4"});
+  ComparisonOptions options = quick({"pgs", "apgd", "lemke"}, {1e-2, 1e-6});
+  const Comparison whole = compare(sources, options);
+
+  options.out = folder / "table";
+  int left = 5;
+  options.interrupted = [&left] { return left-- == 0; };
+  const Comparison stopped = compare(sources, options);
+  EXPECT_FALSE(stopped.complete);
+  EXPECT_EQ(stopped.rows.size(), 5u);
+  options.interrupted = nullptr;
+  // The program died in the middle of a line.
+  std::ofstream(options.out / "rows.csv", std::ios::app) << "\"pyramid:4\",\"pg";
+  const Comparison resumed = compare(sources, options);
+  EXPECT_TRUE(resumed.complete);
+  EXPECT_EQ(resumed.rows_kept, 5);
+  ASSERT_EQ(resumed.rows.size(), whole.rows.size());
+  for (std::size_t i = 0; i < whole.rows.size(); ++i) {
+    EXPECT_EQ(without_times(resumed.rows[i]), without_times(whole.rows[i])) << i;
+  }
+
+  // Nothing is left to do: the same table to the last character, problems untouched.
+  auto closed = sources;
+  for (ProblemSource& source : closed) {
+    source.load = []() -> ComparisonProblem { throw std::logic_error("made again"); };
+  }
+  const Comparison again = compare(closed, options);
+  EXPECT_EQ(again.rows_kept, static_cast<int>(whole.rows.size()));
+  EXPECT_EQ(to_csv(again), to_csv(resumed));
+  EXPECT_EQ(again.problems[1].reference_guarded, resumed.problems[1].reference_guarded);
+  EXPECT_EQ(read_csv_rows(options.out / "rows.csv").size(), whole.rows.size());
+
+  options.time_limit = 7;
+  EXPECT_THROW(compare(sources, options), std::invalid_argument);
+}
+
+TEST(Comparison, RefusesRowsOfAnotherProblem) {
+  const TemporaryFolder folder;
+  ComparisonOptions options = quick({"pgs"}, {1e-2});
+  options.out = folder / "table";
+  compare({source_of("p", lattice_step(Lattice::kSquare, 4, 0.3, 10))}, options);
+  options.tols = {1e-2, 1e-4};
+  EXPECT_THROW(compare({source_of("p", lattice_step(Lattice::kSquare, 4, 0.3, 25))}, options),
+               std::invalid_argument);
+}
+
+TEST(Comparison, KeepsUnreadableProblemsInTheTable) {
+  const TemporaryFolder folder;
+  write_fclib(folder / "good.hdf5", lattice_step(Lattice::kSquare, 3, 0.3, 0), {});
+  std::ofstream(folder / "bad.dat") << "not a problem";
+  const Comparison c = compare(expand_targets({folder.path().string()}), quick({"pgs"}, {1e-4}));
+  ASSERT_EQ(c.rows.size(), 2u);
+  EXPECT_EQ(c.rows[0].problem, "bad");
+  EXPECT_EQ(c.rows[0].status, "invalid input");
+  EXPECT_NE(c.rows[0].message.find("bad.dat"), std::string::npos);
+  EXPECT_EQ(c.rows[1].status, "converged");
+}
+
+TEST(Comparison, NamesProblemsWithSeveralVelocities) {
+  // A free pyramid that slides apart: exact solutions with different velocities exist.
+  const Comparison c = compare(expand_targets({"pyramid:5"}), quick({"lemke", "pgs"}, {1e-10}));
+  ASSERT_EQ(c.problems.size(), 1u);
+  const ComparisonRow& lemke = row_of(c, "lemke", 1e-10);
+  ASSERT_LE(lemke.guarded, 1e-10);
+  ASSERT_LE(c.problems[0].reference_guarded, 1e-11);
+  EXPECT_GT(lemke.velocity_error, 1e-4);
+  EXPECT_TRUE(c.problems[0].several_velocities());
+  EXPECT_EQ(ranking(c.problems[0], c.rows).measure, Ranking::Measure::kGuarded);
+}
+
+TEST(ComparisonTargets, AreCheckedBeforeAnythingRuns) {
+  for (const char* bad : {"no_such_scene", "squre:10", "square:0", "square:ten", "square",
+                          "square:10:mu=-1", "square:10:speed=3", "pile:5:ratio=2"}) {
+    EXPECT_THROW(expand_targets({bad}), std::invalid_argument) << bad;
+  }
+  EXPECT_THROW(expand_targets({"square:4", "square:4"}), std::invalid_argument);
+  const auto shared = [](const char* folder) {
+    setenv("BIPOT_PROBLEMS", folder, 1);
+    const std::size_t count = expand_targets({"benchmark"}).size();
+    unsetenv("BIPOT_PROBLEMS");
+    return count;
+  };
+  const TemporaryFolder folder;
+  write_fclib(folder / "other.hdf5", lattice_step(Lattice::kSquare, 3, 0.3, 0), {});
+  EXPECT_GT(shared(""), 30u);
+  EXPECT_EQ(shared(folder.path().c_str()), shared("") + 1);
+  EXPECT_LT(expand_targets({"benchmark"}, {.quick = true}).size(), 20u);
+  EXPECT_THROW(compare(expand_targets({"square:4"}), quick({"pgz"}, {1e-2})),
+               std::invalid_argument);
+}
+
+TEST(ComparisonTargets, TellSeriesAndSizes) {
+  const auto sources = expand_targets({"square:10:tilt=10:mu=0.5", "square:20:tilt=10:mu=0.5"});
+  EXPECT_EQ(sources[0].series, "square:tilt=10:mu=0.5");
+  EXPECT_EQ(sources[1].series, sources[0].series);
+  EXPECT_EQ(sources[1].size, 20);
+}
+
+TEST(ComparisonTargets, HitAPileWithAFastDisk) {
+  const auto sources = expand_targets({"pile:4", "impact:4"});
+  const ComparisonProblem rest = sources[0].load(), hit = sources[1].load();
+  EXPECT_EQ(hit.problem.num_dofs(), rest.problem.num_dofs() + 3);
+  EXPECT_GT(hit.problem.num_contacts(), rest.problem.num_contacts());
+  // Of the approach of 20 m/s at least cos 60 degrees goes along a normal; the pile is at rest.
+  EXPECT_LT(hit.problem.u_free.minCoeff(), -9);
+  EXPECT_GT(rest.problem.u_free.minCoeff(), -1);
+}
+
+TEST(ComparisonTargets, TakeProblemsAlongARun) {
+  const auto sources = expand_targets({"square_lattice"}, {.scene_problems = 2, .scene_steps = 6});
+  ASSERT_EQ(sources.size(), 2u);
+  EXPECT_EQ(sources[0].name, "square_lattice@3");
+  EXPECT_EQ(sources[1].name, "square_lattice@6");
+  const ComparisonProblem made = sources[1].load();
+  EXPECT_GT(made.problem.num_contacts(), 0);
+  EXPECT_GT(made.step, 0);
+  EXPECT_GT(made.smallest_radius, 0);
+}
+
+TEST(ComparisonRows, SurviveTheCsvFile) {
+  const TemporaryFolder folder;
+  ComparisonRow row;
+  row.problem = "a,\"b\"";
+  row.solver = "pgs";
+  row.tol = 0.1 + 0.2;
+  row.message = "first, \"second\"\nthird";
+  row.guarded = std::numeric_limits<double>::infinity();
+  row.iterations = 12;
+  std::ofstream(folder / "rows.csv") << csv_header() << '\n' << to_csv(row) << '\n';
+  const auto rows = read_csv_rows(folder / "rows.csv");
+  ASSERT_EQ(rows.size(), 1u);
+  EXPECT_EQ(rows[0].problem, row.problem);
+  EXPECT_EQ(rows[0].tol, row.tol);
+  EXPECT_EQ(rows[0].message, "first, \"second\" third");
+  EXPECT_EQ(rows[0].guarded, row.guarded);
+  EXPECT_TRUE(std::isnan(rows[0].epsilon));
+  EXPECT_EQ(to_csv(rows[0]).size(), to_csv(row).size());
+}
+
+TEST(ComparisonReport, FindsTheFastestAndTheUnbeaten) {
+  ProblemSummary problem;
+  problem.name = "p";
+  std::vector<ComparisonRow> rows;
+  const auto add = [&rows](const char* solver, double seconds, double error) {
+    ComparisonRow row;
+    row.problem = "p";
+    row.solver = solver;
+    row.cpu_min = seconds;
+    row.velocity_error = error;
+    rows.push_back(row);
+  };
+  add("quick", 1, 1e-2);
+  add("beaten", 2, 1e-2);
+  add("slow", 3, 1e-6);
+  add("wrong", 0.1, 2);  // worse than no forces at all
+  EXPECT_EQ(fastest_to(problem, rows, 1e-2)->solver, "quick");
+  EXPECT_EQ(fastest_to(problem, rows, 1e-3)->solver, "slow");
+  EXPECT_EQ(fastest_to(problem, rows, 1e-9), nullptr);
+  const auto best = pareto_rows(problem, rows);
+  ASSERT_EQ(best.size(), 2u);
+  EXPECT_EQ(best[0]->solver, "quick");
+  EXPECT_EQ(best[1]->solver, "slow");
+}
+
+TEST(ComparisonReport, PageStandsAlone) {
+  const Comparison c =
+      compare(expand_targets({"square:3", "pyramid:3"}), quick({"pgs", "ipm"}, {1e-2, 1e-6}));
+  ReportContext context;
+  context.command = "bipot compare <targets> & more";
+  context.command_of_target = "bipot compare {}";
+  context.build = build_info();
+  const std::string page =
+      to_html(c, context, {{"simulations", "Whole simulations & more", "<p>inside</p>"}});
+  EXPECT_NE(page.find("<h2 id=\"simulations\">Whole simulations &amp; more</h2>\n<p>inside</p>"),
+            std::string::npos);
+  EXPECT_NE(page.find("<a href=\"#simulations\">Whole simulations &amp; more</a>"),
+            std::string::npos);
+  for (const char* foreign : {"http://", "https://", "src=", "@import", "url(", "//cdn"}) {
+    EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
+  }
+  EXPECT_NE(page.find("bipot compare &lt;targets&gt; &amp; more"), std::string::npos);
+  // Four tolerance profiles, four to true errors, three within times; three figures a problem.
+  std::size_t figures = 0;
+  for (std::size_t at = 0; (at = page.find("<svg", at)) != std::string::npos; ++at) ++figures;
+  EXPECT_EQ(figures, 17u);
+  const auto json = to_json(c, context);
+  EXPECT_EQ(json["rows"].size(), c.rows.size());
+  EXPECT_FALSE(json["commit"].get<std::string>().empty());
+  EXPECT_FALSE(json["compiler"].get<std::string>().empty());
+  EXPECT_EQ(json["rows"][0]["iterations"], c.rows[0].iterations);
+  // Two solvers at two tolerances, by time and by iterations; four true errors; no auto, no series.
+  EXPECT_EQ(json["profiles"].size(), 2u * (2 * 2 + 4));
+  EXPECT_EQ(json["errors_within"].size(), 2u * 3);
+  EXPECT_EQ(json["tolerance_meaning"].size(), 2u);
+  EXPECT_TRUE(json["growth"].empty());
+  EXPECT_EQ(json["regret_of_auto"]["cases"], 0);
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,48 @@
+#include "core/files/atomic_file.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "core/file_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream in(path);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+TEST(AtomicFile, TheOldFileStaysUntilTheNewOneIsCommitted) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "a") << "old";
+  {
+    AtomicFile file(folder / "a");
+    std::ofstream(file.draft()) << "new";
+    EXPECT_EQ(text_of(folder / "a"), "old");
+    file.commit();
+  }
+  EXPECT_EQ(text_of(folder / "a"), "new");
+}
+
+TEST(AtomicFile, WithoutCommitNothingIsLeft) {
+  const TemporaryFolder folder;
+  {
+    AtomicFile file(folder / "a");
+    std::ofstream(file.draft()) << "new";
+  }
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(AtomicFile, NothingToCommitIsAnError) {
+  const TemporaryFolder folder;
+  AtomicFile file(folder / "a");
+  EXPECT_THROW(file.commit(), FileError);
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,151 @@
+#include "core/files/hdf5_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+using Mode = Hdf5File::Mode;
+
+std::string bytes_of(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// The message of the FileError that f throws.
+template <class F>
+std::string refusal(F&& f) {
+  try {
+    f();
+  } catch (const FileError& e) {
+    return e.what();
+  }
+  return "nothing was thrown";
+}
+
+TEST(Hdf5File, WhatIsWrittenIsReadBackBitForBit) {
+  const TemporaryFolder folder;
+  const std::vector<double> x = {
+      1.0 / 3, -0.0, 5e-324, std::numeric_limits<double>::infinity(), std::nextafter(1.0, 2.0),
+      -1.7e308};
+  const std::vector<int> i = {0, -1, std::numeric_limits<int>::max()};
+  const std::vector<std::string> names = {"steel", "", "café au lait"};
+  {
+    Hdf5File file(folder / "a.h5", Mode::kCreate);
+    file.write("/x", x);
+    file.write("/deep/in/groups/i", i);
+    file.write("/number", 0.1);
+    file.write("/count", 7);
+    file.write("/text", "two\nlines");
+    file.write("/empty text", "");
+    file.write("/names", names);
+    file.write("/nothing", std::span<const double>());
+    file.write_rows("/table", x, 2);
+    file.write_attribute("/x", "unit", "m/s");
+    file.close();
+  }
+  const Hdf5File file(folder / "a.h5", Mode::kRead);
+  const std::vector<double> y = file.read_doubles("/x");
+  ASSERT_EQ(y.size(), x.size());
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    EXPECT_EQ(std::memcmp(&x[k], &y[k], sizeof(double)), 0) << k;
+  }
+  EXPECT_EQ(file.read_ints("/deep/in/groups/i"), i);
+  EXPECT_EQ(file.read_double("/number"), 0.1);
+  EXPECT_EQ(file.read_int("/count"), 7);
+  EXPECT_EQ(file.read_string("/text"), "two\nlines");
+  EXPECT_EQ(file.read_string("/empty text"), "");
+  EXPECT_EQ(file.read_strings("/names"), names);
+  EXPECT_TRUE(file.read_doubles("/nothing").empty());
+  EXPECT_EQ(file.shape("/table"), (std::vector<std::size_t>{3, 2}));
+  EXPECT_EQ(file.read_attribute("/x", "unit"), "m/s");
+  EXPECT_TRUE(file.exists("/deep/in"));
+  EXPECT_FALSE(file.exists("/deep/out/of/reach"));
+  EXPECT_EQ(file.list("/deep"), std::vector<std::string>{"in"});
+}
+
+TEST(Hdf5File, AppendReplacesAndKeepsTheRest) {
+  const TemporaryFolder folder;
+  const std::vector<double> two = {1, 2}, three = {3, 4, 5};
+  Hdf5File(folder / "a.h5", Mode::kCreate).write("/a/x", two);
+  {
+    Hdf5File file(folder / "a.h5", Mode::kAppend);
+    file.write("/a/y", two);
+    file.write("/a/x", three);
+  }
+  Hdf5File file(folder / "a.h5", Mode::kAppend);
+  EXPECT_EQ(file.read_doubles("/a/x"), three);
+  EXPECT_EQ(file.read_doubles("/a/y"), two);
+  file.remove("/a");
+  EXPECT_FALSE(file.exists("/a"));
+}
+
+TEST(Hdf5File, ALinkLeadsIntoAFileBesideIt) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "parts");
+  Hdf5File(folder / "parts/1.h5", Mode::kCreate).write("/x", 4.5);
+  {
+    Hdf5File file(folder / "all.h5", Mode::kCreate);
+    file.link("/parts/one", "parts/1.h5", "/");
+    file.link("/parts/two", "parts/2.h5", "/");
+  }
+  const Hdf5File file(folder / "all.h5", Mode::kRead);
+  EXPECT_EQ(file.read_double("/parts/one/x"), 4.5);
+  EXPECT_FALSE(file.exists("/parts/two"));  // its file is missing
+  EXPECT_EQ(file.list("/parts"), (std::vector<std::string>{"one", "two"}));
+}
+
+TEST(Hdf5File, TheSameContentGivesTheSameBytes) {
+  const TemporaryFolder folder;
+  for (const char* name : {"a.h5", "b.h5"}) {
+    Hdf5File file(folder / name, Mode::kCreate);
+    file.write("/group/x", 1.5);
+    file.write("/group/text", "same");
+  }
+  EXPECT_EQ(bytes_of(folder / "a.h5"), bytes_of(folder / "b.h5"));
+}
+
+TEST(Hdf5File, FailuresNameTheFileAndTheObject) {
+  const TemporaryFolder folder;
+  {
+    Hdf5File file(folder / "a.h5", Mode::kCreate);
+    file.write("/text", "words");
+    file.write("/x", std::vector<double>{1.5, 2.5});
+  }
+  testing::internal::CaptureStderr();
+  const Hdf5File file(folder / "a.h5", Mode::kRead);
+  const auto expect = [&](const std::string& message, const std::string& part) {
+    EXPECT_NE(message.find("a.h5"), std::string::npos) << message;
+    EXPECT_NE(message.find(part), std::string::npos) << message;
+  };
+  expect(refusal([&] { file.read_double("/y/z"); }), "/y/z: missing");
+  expect(refusal([&] { file.read_double("/x"); }), "/x: has 2 elements, expected one");
+  expect(refusal([&] { file.read_doubles("/text"); }), "/text: not numbers");
+  expect(refusal([&] { file.read_ints("/x"); }), "/x: not integers");
+  expect(refusal([&] { file.read_string("/x"); }), "/x: not text");
+  expect(refusal([&] { file.read_doubles("/"); }), "/: not a dataset");
+  expect(refusal([&] { file.list("/x"); }), "/x: not a group");
+  expect(refusal([&] { file.read_attribute("/x", "unit"); }), "/x@unit: missing");
+  EXPECT_NE(refusal([&] { Hdf5File(folder / "b.h5", Mode::kRead); }).find("no such file"),
+            std::string::npos);
+  EXPECT_NE(refusal([&] { Hdf5File(folder / "no/b.h5", Mode::kCreate); }).find("cannot open"),
+            std::string::npos);
+  std::ofstream(folder / "c.h5") << "plain text";
+  EXPECT_NE(refusal([&] { Hdf5File(folder / "c.h5", Mode::kRead); }).find("not an HDF5 file"),
+            std::string::npos);
+  std::ofstream(folder / "d.h5", std::ios::binary) << bytes_of(folder / "a.h5").substr(0, 700);
+  EXPECT_NE(refusal([&] { Hdf5File(folder / "d.h5", Mode::kRead); }).find("cannot open"),
+            std::string::npos);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "");  // HDF5 itself says nothing
+}
+
+}  // namespace
+}  // namespace bipot

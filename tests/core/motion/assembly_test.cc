@@ -1,0 +1,377 @@
+#include "core/motion/assembly.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "core/problem/contact_error.h"
+#include "core/problem/delassus.h"
+#include "core/scene/contact_detection.h"
+#include "solvers/solve.h"
+#include "tests/support/draw.h"
+
+namespace bipot {
+namespace {
+
+Scene one_material(double mu, double e_n, double e_t) {
+  Scene scene;
+  scene.materials = {"m"};
+  scene.laws = {{.mu = mu, .e_n = e_n, .e_t = e_t}};
+  scene.step = 1;
+  return scene;
+}
+
+Disk disk_at(double x, double y, double radius, const Vec2& v = Vec2::Zero(), double spin = 0) {
+  Disk d;
+  d.x = Vec2(x, y);
+  d.v = v;
+  d.spin = spin;
+  d.radius = radius;
+  d.mass = 1 + radius;
+  d.inertia = 0.5 * d.mass * radius * radius;
+  return d;
+}
+
+Wall half_plane(const Vec2& point, const Vec2& normal) {
+  Wall wall;
+  wall.a = point;
+  wall.normal = normal;
+  return wall;
+}
+
+SolverOptions tolerance(double tol) {
+  SolverOptions options;
+  options.tol = tol;
+  return options;
+}
+
+struct Bodies {
+  std::vector<Disk> disks;
+  std::vector<Wall> walls;
+  std::vector<Vec2> v_free;
+  std::vector<double> wall_free;
+
+  AssembledStep assemble(const Scene& scene, double eta = 0, bool with_delassus = true) {
+    if (v_free.empty()) {
+      for (const Disk& d : disks) v_free.push_back(d.v);
+    }
+    if (wall_free.empty()) {
+      for (const Wall& w : walls) wall_free.push_back(w.v.dot(w.direction));
+    }
+    return assemble_step(scene, disks, walls, detect_contacts(disks, walls, eta), v_free, wall_free,
+                         with_delassus);
+  }
+};
+
+/// Overlapping disks between a fixed half-plane, a driven half-plane and a driven segment.
+Bodies crowd(unsigned seed) {
+  Draw draw(seed);
+  Bodies b;
+  for (int k = 0; k < 25; ++k) {
+    b.disks.push_back(disk_at(draw.uniform(), draw.uniform(), draw.between(0.08, 0.16),
+                              Vec2(draw.symmetric(), draw.symmetric()), draw.symmetric()));
+    b.disks.back().mass = draw.between(0.5, 2);
+    b.v_free.push_back(b.disks.back().v + Vec2(0, -0.2));
+  }
+  b.walls.push_back(half_plane(Vec2(0, 0.1), Vec2(0, 1)));
+  b.walls.push_back(half_plane(Vec2(0.1, 0), Vec2(0.8, 0.6)));
+  b.walls[1].motion = Wall::Motion::kDriven;
+  b.walls[1].direction = Vec2(0.8, 0.6);
+  b.walls[1].mass = 4;
+  b.walls[1].v = 0.3 * b.walls[1].direction;
+  b.walls.push_back(b.walls[1]);
+  b.walls[2].shape = Wall::Shape::kSegment;
+  b.walls[2].a = Vec2(0.9, -1);
+  b.walls[2].b = Vec2(0.95, 2);
+  b.walls[2].direction = Vec2(-0.6, 0.8);
+  b.walls[2].v = -0.1 * b.walls[2].direction;
+  b.wall_free = {0, 0.35, -0.2};
+  return b;
+}
+
+/// Moves every body by the rates in v over a small time.
+Bodies moved(const Bodies& b, const DofMap& dofs, const Vector& v, double dt) {
+  Bodies out = b;
+  for (std::size_t i = 0; i < out.disks.size(); ++i) {
+    const int k = dofs.disk[i];
+    if (k < 0) continue;
+    out.disks[i].x += dt * v.segment<2>(k);
+    if (dofs.per_disk == 3) out.disks[i].angle += dt * v[k + 2];
+  }
+  for (std::size_t w = 0; w < out.walls.size(); ++w) {
+    if (dofs.wall[w] < 0) continue;
+    out.walls[w].a += dt * v[dofs.wall[w]] * out.walls[w].direction;
+    out.walls[w].b += dt * v[dofs.wall[w]] * out.walls[w].direction;
+  }
+  return out;
+}
+
+Vector random_vector(Eigen::Index size, unsigned seed) {
+  Draw draw(seed);
+  Vector x(size);
+  for (double& value : x) value = draw.symmetric();
+  return x;
+}
+
+TEST(Assembly, NormalRowIsTheRateOfTheGap) {
+  const Scene scene = one_material(0.3, 0, 0);
+  Bodies b = crowd(1);
+  const AssembledStep step = b.assemble(scene);
+  const int contacts = step.problem.num_contacts();
+  ASSERT_GT(contacts, 25);
+  const Vector v = random_vector(step.problem.num_dofs(), 2);
+  const Vector u = step.problem.H.transpose() * v;
+  const double dt = 1e-6;
+  const Bodies before = moved(b, step.dofs, v, -dt), after = moved(b, step.dofs, v, dt);
+  const auto gaps_before = detect_contacts(before.disks, before.walls, 1e-3);
+  const auto gaps_after = detect_contacts(after.disks, after.walls, 1e-3);
+  const auto gap_of = [](const std::vector<Contact>& all, const Contact& c) {
+    for (const Contact& other : all) {
+      if (other.i == c.i && other.j == c.j) return other.gap;
+    }
+    ADD_FAILURE() << "contact lost";
+    return 0.0;
+  };
+  const auto now = detect_contacts(b.disks, b.walls, 0);
+  for (int c = 0; c < contacts; ++c) {
+    const double rate = (gap_of(gaps_after, now[c]) - gap_of(gaps_before, now[c])) / (2 * dt);
+    EXPECT_NEAR(u[2 * c], rate, 1e-8) << now[c].i << ' ' << now[c].j;
+  }
+}
+
+TEST(Assembly, TangentialRowIsTheRateOfTheContactPointsShift) {
+  // Material points fixed to the two bodies at the contact, turned and shifted with them.
+  const Scene scene = one_material(0.3, 0, 0);
+  Bodies b = crowd(1);
+  const AssembledStep step = b.assemble(scene);
+  const Vector v = random_vector(step.problem.num_dofs(), 2);
+  const Vector u = step.problem.H.transpose() * v;
+  const double dt = 1e-6;
+  const auto now = detect_contacts(b.disks, b.walls, 0);
+  const int num_disks = static_cast<int>(b.disks.size());
+  for (std::size_t c = 0; c < now.size(); ++c) {
+    const Vec2 t(-now[c].n[1], now[c].n[0]);
+    const auto material_point = [&](const Bodies& at, int body, const Vec2& arm) -> Vec2 {
+      if (body >= num_disks) return at.walls[body - num_disks].a;
+      const Eigen::Rotation2D<double> turn(at.disks[body].angle - b.disks[body].angle);
+      return at.disks[body].x + turn * arm;
+    };
+    const auto shift = [&](double time) {
+      const Bodies at = moved(b, step.dofs, v, time);
+      const Vec2 arm_i = -b.disks[now[c].i].radius * now[c].n;
+      const Vec2 arm_j =
+          now[c].j < num_disks ? Vec2(b.disks[now[c].j].radius * now[c].n) : Vec2(0, 0);
+      return t.dot(material_point(at, now[c].i, arm_i) - material_point(at, now[c].j, arm_j));
+    };
+    EXPECT_NEAR(u[2 * c + 1], (shift(dt) - shift(-dt)) / (2 * dt), 1e-8);
+  }
+}
+
+TEST(Assembly, PowerOfImpulsesIsPowerOfWrenches) {
+  // u·s = v·(H s), Hᵀ v formed contact by contact from the bodies' velocities.
+  const Scene scene = one_material(0.3, 0.5, 0.2);
+  Bodies b = crowd(3);
+  b.v_free.clear();
+  b.wall_free = {0, 0.3, -0.1};  // the velocities before the step: u_free = (1 + e)/r u⁻ = r u⁻
+  const AssembledStep step = b.assemble(scene);
+  const ContactProblem& p = step.problem;
+  const Vector s = random_vector(p.num_rows(), 4);
+  EXPECT_NEAR(step.u_before.dot(s.cwiseProduct(p.row_scale.cwiseInverse())), p.v_free.dot(p.H * s),
+              1e-13 * s.size());
+  EXPECT_LT((p.u_free - step.u_before.cwiseProduct(p.row_scale)).norm(), 1e-13);
+}
+
+TEST(Assembly, OperatorIsThatOfTheBodies) {
+  const Scene scene = one_material(0.3, 0.5, 0.2);
+  Bodies b = crowd(3);
+  const ContactProblem p = b.assemble(scene).problem;
+  EXPECT_EQ(validate(p), "");
+  const Eigen::MatrixXd A(p.A), H(p.H);
+  const Eigen::MatrixXd dense = H.transpose() * A.inverse() * H;
+  EXPECT_LT((Eigen::MatrixXd(p.W) - dense).norm(), 1e-14 * dense.norm());
+  EXPECT_FALSE(b.assemble(scene, 0, false).problem.has_delassus());
+}
+
+TEST(Assembly, OneDiskOnAFloorHasItsKnownOperator) {
+  // m = 2, a = 0.5, I = m a²/2: W = diag(1/m, 1/m + a²/I) = diag(1, 3)/m.
+  const Scene scene = one_material(0.3, 0, 0);
+  Bodies b;
+  b.disks = {disk_at(0, 0.5, 0.5, Vec2(3, -1), 4)};
+  b.disks[0].mass = 2;
+  b.disks[0].inertia = 0.25;
+  b.walls = {half_plane(Vec2(0, 0), Vec2(0, 1))};
+  const ContactProblem p = b.assemble(scene).problem;
+  Eigen::MatrixXd W(2, 2), H(3, 2);
+  W << 0.5, 0, 0, 1.5;
+  H << 0, -1, 1, 0, 0, -0.5;  // n = (0, 1), t = e3 x n = (-1, 0)
+  EXPECT_EQ(Eigen::MatrixXd(p.W), W);
+  EXPECT_EQ(Eigen::MatrixXd(p.H), H);
+  EXPECT_EQ(p.u_free, Vector(Vec2(-1, -3 - 0.5 * 4)));
+  EXPECT_EQ(p.row_scale.size(), 0);
+  EXPECT_EQ(p.mu[0], 0.3);
+}
+
+TEST(Assembly, RestitutionReversesOneContact) {
+  // u_n⁺ = -e_n u_n⁻ for a head-on shock of two disks, whatever the masses.
+  for (const double e_n : {0.0, 0.3, 1.0}) {
+    const Scene scene = one_material(0, e_n, 0);
+    Bodies b;
+    b.disks = {disk_at(0, 0, 0.5, Vec2(2, 0)), disk_at(1.2, 0, 0.7, Vec2(-1, 0))};
+    const AssembledStep step = b.assemble(scene);
+    const SolveResult r = solve("pgs", step.problem, tolerance(1e-12));
+    ASSERT_EQ(r.status, SolveStatus::kConverged);
+    const Vector v = body_velocities(step.problem, r.s);
+    EXPECT_DOUBLE_EQ(step.u_before[0], -3);
+    EXPECT_NEAR(v[2] - v[0], 3 * e_n, 1e-11);  // from -3 to +3 e_n, n = (-1, 0)
+    EXPECT_NEAR(b.disks[0].mass * v[0] + b.disks[1].mass * v[2], 1.5 * 2 - 1.7, 1e-12);
+  }
+}
+
+TEST(Assembly, UnequalRestitutionsSolveThePhysicalLaw) {
+  // Solve the symmetric form, go back, and check Moreau's law on (36) in physical variables.
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const double e_n = 0.2, e_t = 0.9, mu = 0.4;
+    const Scene scene = one_material(mu, e_n, e_t);
+    Bodies b;
+    Draw draw(seed);
+    for (int k = 0; k < 5; ++k) {  // a chain on a floor
+      b.disks.push_back(disk_at(k * 0.98, 0.5 + 0.1 * (k % 2), 0.5,
+                                Vec2(draw.symmetric(), -draw.uniform()), 3 * draw.symmetric()));
+    }
+    b.walls = {half_plane(Vec2(0, 0.12), Vec2(0.0, 1.0))};
+    const AssembledStep step = b.assemble(scene);
+    const ContactProblem& p = step.problem;
+    const SolveResult r = solve("pgs", p, tolerance(1e-11));
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    const Vector v = body_velocities(p, r.s);
+    const Vector s = r.s.cwiseQuotient(p.row_scale);
+    const auto contacts = detect_contacts(b.disks, b.walls, 0);
+    int touching = 0;
+    for (std::size_t c = 0; c < contacts.size(); ++c) {
+      // u⁺ from the body velocities, by the formulas of the header.
+      const Vec2 n = contacts[c].n, t(-n[1], n[0]);
+      const int i = contacts[c].i, j = contacts[c].j;
+      Vec2 relative = v.segment<2>(step.dofs.disk[i]);
+      double spins = b.disks[i].radius * v[step.dofs.disk[i] + 2];
+      if (j < 5) {
+        relative -= v.segment<2>(step.dofs.disk[j]);
+        spins += b.disks[j].radius * v[step.dofs.disk[j] + 2];
+      }
+      const double after_n = n.dot(relative), after_t = t.dot(relative) - spins;
+      const double u_n = (after_n + e_n * step.u_before[2 * c]) / (1 + e_n);
+      const double u_t = (after_t + e_t * step.u_before[2 * c + 1]) / (1 + e_t);
+      const double s_n = s[2 * c], s_t = s[2 * c + 1];
+      EXPECT_GE(u_n, -1e-9);
+      EXPECT_GE(s_n, 0);
+      EXPECT_NEAR(u_n * s_n, 0, 1e-9);
+      EXPECT_LE(std::abs(s_t), mu * s_n * (1 + 1e-12));
+      EXPECT_NEAR(mu * s_n * std::abs(u_t) + s_t * u_t, 0, 1e-9);
+      touching += s_n > 0;
+    }
+    EXPECT_GT(touching, 2);
+  }
+}
+
+TEST(Assembly, MovingWallsStandInTheRightHandSide) {
+  const Scene scene = one_material(0.5, 0.25, 0);
+  Bodies b;
+  b.disks = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
+  b.v_free = {Vec2(1, -3)};
+  b.walls = {half_plane(Vec2(0, 0), Vec2(0, 1))};
+  b.walls[0].motion = Wall::Motion::kMoving;
+  b.walls[0].v = Vec2(4, 5);
+  const AssembledStep step = b.assemble(scene);
+  EXPECT_EQ(step.problem.num_dofs(), 3);
+  EXPECT_EQ(step.dofs.wall[0], -1);
+  // u⁻_n = -2 - 5, free -3 - 5; t = (-1, 0): u_t = -(1 - 4).
+  const double r = std::sqrt(1.25);
+  EXPECT_DOUBLE_EQ(step.u_before[0], -7);
+  EXPECT_DOUBLE_EQ(step.problem.u_free[0], (-8 + 0.25 * -7) / r);
+  EXPECT_DOUBLE_EQ(step.u_before[1], 3);
+  EXPECT_DOUBLE_EQ(step.problem.u_free[1], 3);
+  EXPECT_DOUBLE_EQ(step.problem.mu[0], 0.5 / r);
+}
+
+TEST(Assembly, DrivenWallsHaveOneDegreeOfFreedom) {
+  const Scene scene = one_material(0.5, 0, 0);
+  Bodies b;
+  b.disks = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
+  b.walls = {half_plane(Vec2(0, 0), Vec2(0, 1))};
+  b.walls[0].motion = Wall::Motion::kDriven;
+  b.walls[0].direction = Vec2(0.6, 0.8);
+  b.walls[0].mass = 4;
+  b.walls[0].v = 5 * b.walls[0].direction;
+  b.wall_free = {6};
+  const AssembledStep step = b.assemble(scene);
+  const ContactProblem& p = step.problem;
+  ASSERT_EQ(p.num_dofs(), 4);
+  EXPECT_EQ(step.dofs.wall[0], 3);
+  EXPECT_EQ(p.A.coeff(3, 3), 4);
+  EXPECT_EQ(p.v_free[3], 6);
+  EXPECT_DOUBLE_EQ(p.H.coeff(3, 0), -0.8);
+  EXPECT_DOUBLE_EQ(p.H.coeff(3, 1), 0.6);  // -t·direction, t = (-1, 0)
+  EXPECT_DOUBLE_EQ(step.u_before[0], -2 - 0.8 * 5);
+  EXPECT_DOUBLE_EQ(p.u_free[0], -2 - 0.8 * 6);
+  EXPECT_DOUBLE_EQ(p.u_free[1], -1 + 0.6 * 6);
+}
+
+TEST(Assembly, WithoutFrictionThereAreNoTangentsAndNoSpins) {
+  const Scene scene = one_material(0, 0.5, 0.7);
+  Bodies b = crowd(1);
+  const AssembledStep step = b.assemble(scene);
+  EXPECT_EQ(step.problem.dim, 1);
+  EXPECT_EQ(step.dofs.per_disk, 2);
+  EXPECT_EQ(step.problem.num_rows(), step.problem.num_contacts());
+  EXPECT_EQ(step.problem.num_dofs(), 2 * 25 + 2);
+  EXPECT_EQ(validate(step.problem), "");
+  // The normal rows are those of the problem with friction.
+  const AssembledStep rough = crowd(1).assemble(one_material(0.3, 0.5, 0.7));
+  EXPECT_EQ(rough.problem.dim, 2);
+  for (int c = 0; c < step.problem.num_contacts(); ++c) {
+    EXPECT_EQ(step.problem.u_free[c], rough.problem.u_free[2 * c]);
+  }
+}
+
+TEST(Assembly, BodiesWithoutContactsDoNotEnter) {
+  const Scene scene = one_material(0.3, 0, 0);
+  Bodies b;
+  b.disks = {disk_at(50, 50, 0.5), disk_at(0, 0, 0.5), disk_at(-50, 7, 0.5), disk_at(1, 0, 0.5)};
+  b.walls = {half_plane(Vec2(0, -80), Vec2(0, 1)), half_plane(Vec2(0, -90), Vec2(0, 1))};
+  b.walls[1].motion = Wall::Motion::kDriven;
+  b.walls[1].direction = Vec2(0, 1);
+  b.walls[1].mass = 1;
+  const AssembledStep step = b.assemble(scene);
+  EXPECT_EQ(step.problem.num_dofs(), 6);
+  EXPECT_EQ(step.dofs.disk, (std::vector<int>{-1, 0, -1, 3}));
+  EXPECT_EQ(step.dofs.wall, (std::vector<int>{-1, -1}));
+  b.disks = {disk_at(0, 0, 0.5)};
+  b.v_free.clear();
+  const AssembledStep none = b.assemble(scene);
+  EXPECT_EQ(none.problem.num_contacts(), 0);
+  EXPECT_EQ(none.problem.num_dofs(), 0);
+  EXPECT_EQ(validate(none.problem), "");
+}
+
+TEST(Assembly, EveryPairOfMaterialsHasItsLaw) {
+  Scene scene = one_material(0.3, 0, 0);
+  scene.materials = {"steel", "wood"};
+  const ContactLaw steel{.mu = 0.1, .e_n = 1}, mixed{.mu = 0.2, .e_n = 0.5},
+      wood{.mu = 0.4, .e_n = 0};
+  scene.laws = {steel, mixed, mixed, wood};
+  Bodies b;
+  b.disks = {disk_at(0, 0, 0.5), disk_at(1, 0, 0.5), disk_at(2, 0, 0.5), disk_at(3, 0, 0.5)};
+  b.disks[2].material = b.disks[3].material = 1;
+  const ContactProblem p = b.assemble(scene).problem;
+  ASSERT_EQ(p.num_contacts(), 3);
+  EXPECT_DOUBLE_EQ(p.mu[0] * std::sqrt(2.0), 0.1);
+  EXPECT_DOUBLE_EQ(p.mu[1] * std::sqrt(1.5), 0.2);
+  EXPECT_DOUBLE_EQ(p.mu[2], 0.4);
+  EXPECT_DOUBLE_EQ(p.row_scale[0], std::sqrt(2.0));
+  EXPECT_DOUBLE_EQ(p.row_scale[1], 1);
+  EXPECT_DOUBLE_EQ(p.row_scale[4], 1);
+}
+
+}  // namespace
+}  // namespace bipot

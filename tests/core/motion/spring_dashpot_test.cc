@@ -1,0 +1,539 @@
+#include "core/motion/spring_dashpot.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "core/files/run_output.h"
+#include "core/scene/generators.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kG = 9.81;
+constexpr double kPi = std::numbers::pi;
+
+Scene one_material(double mu, double e_n, double e_t = 0) {
+  Scene scene;
+  scene.model = Model::kSpringDashpot;
+  scene.materials = {"m"};
+  scene.laws = {{.mu = mu, .e_n = e_n, .e_t = e_t}};
+  scene.gravity = Vec2(0, -kG);
+  scene.step = 1e-3;
+  return scene;
+}
+
+/// A homogeneous cylinder.
+Disk cylinder(const Vec2& x, double radius, const Vec2& v = Vec2::Zero(), double mass = 2) {
+  Disk d;
+  d.x = x;
+  d.v = v;
+  d.radius = radius;
+  d.mass = mass;
+  d.inertia = 0.5 * d.mass * radius * radius;
+  return d;
+}
+
+Wall half_plane(const Vec2& point, const Vec2& normal) {
+  Wall wall;
+  wall.a = point;
+  wall.normal = normal;
+  return wall;
+}
+
+State run(const Scene& scene,
+          const std::function<void(const State&, const StepReport&)>& on_step = {}) {
+  SpringDashpotStepper stepper(scene);
+  State state = initial_state(scene);
+  for (int step = 0; step < scene.num_steps; ++step) {
+    const StepReport report = stepper.advance(state);
+    EXPECT_TRUE(report.converged);
+    EXPECT_EQ(report.iterations, stepper.setup().substeps);
+    if (on_step) on_step(state, report);
+  }
+  return state;
+}
+
+/// Two disks of 1 and 3 kg meet head-on at 2 m/s; ends after they have parted.
+Scene head_on(double e_n, double stiffness) {
+  Scene scene = one_material(0.3, e_n);
+  scene.gravity = Vec2::Zero();
+  scene.dem.stiffness = stiffness;
+  scene.disks = {cylinder(Vec2(0, 0), 0.1, Vec2(1.5, 0), 1),
+                 cylinder(Vec2(0.2001, 0), 0.1, Vec2(-0.5, 0), 3)};
+  scene.step = 1e-5;
+  scene.num_steps = 800;
+  return scene;
+}
+
+TEST(SpringDashpot, RestitutionAndDampingAreInverse) {
+  EXPECT_EQ(restitution_of_damping(0), 1);
+  EXPECT_NEAR(restitution_of_damping(1), std::exp(-2), 1e-12);
+  // Both branches meet there.
+  EXPECT_NEAR(restitution_of_damping(1 - 1e-6), restitution_of_damping(1 + 1e-6), 1e-6);
+  // Weakly damped, acos(zeta) is pi/2: the textbook's e = exp(-pi zeta).
+  EXPECT_NEAR(restitution_of_damping(1e-4), std::exp(-kPi * 1e-4), 1e-7);
+  for (const double e : {0.05, 0.1, 0.1353, 0.136, 0.5, 0.9, 0.999}) {
+    EXPECT_NEAR(restitution_of_damping(damping_of_restitution(e)), e, 1e-12) << e;
+  }
+  EXPECT_EQ(damping_of_restitution(1), 0);
+  EXPECT_EQ(damping_of_restitution(0), kMaxDamping);
+}
+
+TEST(SpringDashpot, HeadOnImpactGivesTheRestitutionAndTheDuration) {
+  // m = 3/4 kg, k = 1e6 N/m: half period pi √(m/k) = 2.72e-3 s. The contact ends when the force
+  // vanishes, after 2 acos(zeta) / (w √(1 - zeta²)).
+  const double k = 1e6, w = std::sqrt(k / 0.75);
+  for (const double e : {1.0, 0.9, 0.5, 0.2, 0.1}) {
+    int first = -1, last = -1;
+    const Scene scene = head_on(e, k);
+    const State end = run(scene, [&](const State& state, const StepReport& r) {
+      if (r.active > 0) {
+        if (first < 0) first = state.step;
+        last = state.step;
+      }
+      EXPECT_NEAR(r.momentum_imbalance.norm(), 0, 1e-12);
+      EXPECT_NEAR(r.momentum[0], 0, 1e-12);
+    });
+    EXPECT_TRUE(end.contacts.empty());
+    EXPECT_NEAR((end.disks[1].v[0] - end.disks[0].v[0]) / 2, e, 0.01) << "e " << e;
+    const double zeta = damping_of_restitution(e);
+    const double duration = zeta < 1 ? 2 * std::acos(zeta) / (w * std::sqrt(1 - zeta * zeta))
+                                     : 2 * std::acosh(zeta) / (w * std::sqrt(zeta * zeta - 1));
+    EXPECT_NEAR((last - first + 1) * scene.step / duration, 1, 0.015) << "e " << e;
+    // What was lost: m_eff v²/2 (1 - e²), by the normal force alone.
+    const double measured = (end.disks[1].v[0] - end.disks[0].v[0]) / 2;
+    EXPECT_NEAR(end.shock_loss, 0.5 * 0.75 * 4 * (1 - measured * measured), 1e-9);
+    EXPECT_EQ(end.friction_loss, 0);
+  }
+}
+
+TEST(SpringDashpot, ConvergesWithTheSubstep) {
+  // Elastic impacts to second order. With a dashpot the force jumps when the contact begins, at any
+  // phase of a substep: first order. Errors depend on where in a substep a contact begins and ends,
+  // so they are averaged over 16 gaps and 8 stiffnesses.
+  const auto error = [](double e, double substep) {
+    double sum = 0;
+    for (int k = 0; k < 128; ++k) {
+      Scene scene = head_on(e, 1e6 * (1 + 0.3 * (k / 16) / 8));
+      scene.step = substep;
+      scene.dem.substep = substep;
+      scene.disks[1].x[0] += 2 * substep * (k % 16) / 16;
+      scene.num_steps = static_cast<int>(std::lround(4e-3 / substep));
+      const State end = run(scene);
+      const double difference = (end.disks[1].v[0] - end.disks[0].v[0]) / 2 - e;
+      sum += difference * difference;
+    }
+    return std::sqrt(sum / 128);
+  };
+  EXPECT_NEAR(std::log2(error(1, 1e-4) / error(1, 1.25e-5)) / 3, 2, 0.2);
+  EXPECT_NEAR(std::log2(error(0.5, 1e-4) / error(0.5, 1.25e-5)) / 3, 1, 0.2);
+}
+
+TEST(SpringDashpot, DiskAtRestOverlapsByItsWeightOverTheStiffness) {
+  Scene scene = one_material(0.4, 0.3);
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.disks = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.num_steps = 3000;
+  const SpringDashpotSetup setup = spring_dashpot_setup(scene);
+  // The default stiffness: weight over 1e-3 of the radius.
+  EXPECT_NEAR(setup.stiffness, 2 * kG / 1e-4, 1e-6 * setup.stiffness);
+  const State end = run(scene);
+  EXPECT_NEAR(end.contacts.at(0).contact.gap, -1e-4, 1e-12);
+  EXPECT_NEAR(end.contacts.at(0).s_n / scene.step, 2 * kG, 1e-9);
+  EXPECT_EQ(end.contacts.at(0).s_t, 0);
+  EXPECT_EQ(end.disks[0].x[0], 0);
+  EXPECT_NEAR(end.disks[0].v[1], 0, 1e-13);
+  // It came down by d = mg/k and lost half of mg d, the other half is in the spring.
+  EXPECT_NEAR(end.shock_loss / (2 * kG * 1e-4), 0.5, 1e-3);
+}
+
+TEST(SpringDashpot, BouncingBallReachesTheHeightsOfTable1) {
+  // h_p = h0 e^2p, flights 2 e^p √(2 h0/g). Where in a substep the dashpot sets in moves e = 0.9 by
+  // up to 0.006, which is 1.3 % of a height.
+  for (const double e : {1.0, 0.9}) {
+    Scene scene = one_material(0, e);
+    scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+    scene.disks = {cylinder(Vec2(0, 0.11), 0.01, Vec2::Zero(), 1)};
+    scene.step = 1e-4;
+    scene.num_steps = 8000;
+    std::vector<double> heights, impacts;
+    double height = 0;
+    bool touched = false;
+    run(scene, [&](const State& state, const StepReport& r) {
+      if (r.active > 0 && !touched) impacts.push_back(state.time);
+      if (r.active > 0 && !touched && impacts.size() > 1) heights.push_back(height);
+      if (r.active > 0) height = 0;
+      touched = r.active > 0;
+      height = std::max(height, state.disks[0].x[1] - 0.01);
+    });
+    ASSERT_GE(heights.size(), 2u);
+    const double fall = std::sqrt(2 * 0.1 / kG);
+    EXPECT_NEAR(impacts[0], fall, 1.1e-4);
+    for (int p = 1; p <= 2; ++p) {
+      EXPECT_NEAR(heights[p - 1] / (0.1 * std::pow(e, 2 * p)), 1, 0.02) << "e " << e;
+      const double flight = impacts[p] - impacts[p - 1];
+      EXPECT_NEAR(flight / (2 * std::pow(e, p) * fall), 1, 0.01) << "e " << e;
+    }
+  }
+}
+
+TEST(SpringDashpot, SlidingCylinderRollsAtTwoThirdsOfItsSpeed) {
+  Scene scene = one_material(0.5, 0);
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.disks = {cylinder(Vec2(0, 0.01), 0.01, Vec2(1, 0), 1)};
+  scene.step = 1e-4;
+  scene.num_steps = 1500;
+  double rolls_from = -1;
+  const State end = run(scene, [&](const State& state, const StepReport&) {
+    if (state.contacts.at(0).status == ContactStatus::kStick && rolls_from < 0 &&
+        state.time > 0.01) {
+      rolls_from = state.time;
+    }
+  });
+  EXPECT_NEAR(end.disks[0].v[0], 2.0 / 3, 1e-4);
+  EXPECT_NEAR(end.disks[0].spin * 0.01, -2.0 / 3, 1e-4);
+  EXPECT_NEAR(rolls_from, 1 / (3 * 0.5 * kG), 2e-3);
+  // From m v0²/2 to 3/4 m (2/3 v0)²: m v0²/6.
+  EXPECT_NEAR(end.friction_loss, 1.0 / 6, 1e-4);
+}
+
+/// A cylinder on a plane at the given angle, gravity vertical; the plane falls to the right.
+Scene incline(double angle, double mu) {
+  Scene scene = one_material(mu, 0.2);
+  const Vec2 n(std::sin(angle), std::cos(angle));
+  scene.walls = {half_plane(Vec2::Zero(), n)};
+  scene.disks = {cylinder(0.1 * n, 0.1)};
+  scene.num_steps = 400;
+  return scene;
+}
+
+TEST(SpringDashpot, RollsWithoutSlipUpToTheThreshold) {
+  // Below tan(angle) = 3 mu: a = 2/3 g sin(angle), friction m g sin/3; above it g (sin - mu cos).
+  const double angle = 0.5;
+  const Vec2 down(std::cos(angle), -std::sin(angle));
+  const double time = 0.4;
+  const State rolls = run(incline(angle, std::tan(angle) / 3 * 1.05));
+  EXPECT_EQ(rolls.contacts.at(0).status, ContactStatus::kStick);
+  EXPECT_NEAR(rolls.disks[0].v.dot(down) / (2.0 / 3 * kG * std::sin(angle) * time), 1, 2e-3);
+  EXPECT_NEAR(rolls.contacts[0].s_t / (2 * kG * 1e-3 * std::sin(angle) / 3), 1, 1e-3);
+  const double mu = std::tan(angle) / 3 * 0.95;
+  const State slips = run(incline(angle, mu));
+  EXPECT_EQ(slips.contacts.at(0).status, ContactStatus::kSlip);
+  EXPECT_NEAR(slips.disks[0].v.dot(down) / (kG * (std::sin(angle) - mu * std::cos(angle)) * time),
+              1, 2e-3);
+}
+
+TEST(SpringDashpot, AStickingContactHoldsItsPlaceAndPullsBack) {
+  // A disk that cannot turn (huge inertia) is pulled aside by 0.3 of its weight on mu = 0.5: the
+  // tangential spring carries it, x = F/k_t, and it stays there.
+  Scene scene = one_material(0.5, 0.2);
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.disks = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.disks[0].inertia = 1e9;
+  scene.gravity = Vec2(0.3 * kG, -kG);
+  scene.num_steps = 2000;
+  const State end = run(scene);
+  const SpringDashpotSetup setup = spring_dashpot_setup(scene);
+  const double pull = 2 * 0.3 * kG;
+  EXPECT_EQ(end.contacts.at(0).status, ContactStatus::kStick);
+  EXPECT_NEAR(end.contacts.at(0).s_t / scene.step / pull, 1, 1e-9);
+  EXPECT_NEAR(end.contacts.at(0).spring / (-pull / setup.tangential_stiffness), 1, 1e-9);
+  EXPECT_NEAR(end.disks[0].v.norm(), 0, 1e-9);
+  // t = e3 x n points to -x; the disk's own way is in the spring, but for what slipped before the
+  // disk was pressed on.
+  EXPECT_GT(end.disks[0].x[0], 0.99 * -end.contacts[0].spring);
+}
+
+Scene lattice(int columns, int rows, double mu) {
+  Scene scene = one_material(mu, 0.1);
+  for (const Disk& d : rectangular_lattice(columns, rows, 0.01, Vec2::Zero())) {
+    scene.disks.push_back(cylinder(d.x, d.radius, Vec2::Zero(), 0.6));
+  }
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), half_plane(Vec2::Zero(), Vec2(1, 0)),
+                 half_plane(Vec2(0.02 * columns, 0), Vec2(-1, 0))};
+  return scene;
+}
+
+TEST(SpringDashpot, SquareLatticeCarriesTheWeightAboveEachDisk) {
+  Scene scene = lattice(3, 8, 0);
+  scene.num_steps = 500;
+  const State end = run(scene);
+  int columns = 0;
+  for (const ContactOutcome& c : end.contacts) {
+    if (std::abs(c.contact.n[1]) < 0.5) continue;
+    // The disk above the contact and those on it: rows of height 0.02 m.
+    const double top =
+        std::max(end.disks[c.contact.i].x[1], c.contact.j < 24 ? end.disks[c.contact.j].x[1] : 0.0);
+    const double above = 8 - std::floor(top / 0.02);
+    EXPECT_NEAR(c.s_n / scene.step / (above * 0.6 * kG), 1, 1e-6);
+    EXPECT_LT(-c.contact.gap, 1.2e-3 * 0.01);  // the overlap aimed at is that of the floor
+    ++columns;
+  }
+  EXPECT_EQ(columns, 24);
+}
+
+TEST(SpringDashpot, TheCriticalStepIsStable) {
+  // One undamped disk on a plane: 2/w = 2 √(m/k). Pressed lattices with friction at 0.99 of the
+  // critical step come to rest with the right weight: the bound holds for six contacts at once.
+  Scene one = one_material(0, 1);
+  one.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  one.disks = {cylinder(Vec2(0, 0.1), 0.1)};
+  one.dem.stiffness = 1e5;
+  EXPECT_NEAR(spring_dashpot_setup(one).critical_step, 2 * std::sqrt(2 / 1e5), 1e-15);
+  for (const bool triangular : {false, true}) {
+    Scene scene = lattice(6, 6, 0.4);
+    if (triangular) {
+      scene.disks.clear();
+      for (const Disk& d : triangular_lattice(6, 6, 0.01, Vec2::Zero())) {
+        scene.disks.push_back(cylinder(d.x, d.radius, Vec2::Zero(), 0.6));
+      }
+    }
+    scene.dem.substep = 0.99 * spring_dashpot_setup(scene).critical_step;
+    scene.step = scene.dem.substep;
+    scene.num_steps = 15000;
+    double kinetic = 0;
+    const State end =
+        run(scene, [&](const State&, const StepReport& r) { kinetic = r.energy.kinetic; });
+    EXPECT_LT(kinetic, 1e-12);
+    double floor = 0;
+    for (const ContactOutcome& c : end.contacts) {
+      if (c.contact.j == static_cast<int>(scene.disks.size())) floor += c.s_n / scene.step;
+    }
+    double walls = 0;  // friction at the side walls carries the rest
+    for (const ContactOutcome& c : end.contacts) {
+      if (c.contact.j > static_cast<int>(scene.disks.size())) {
+        walls += c.s_t * c.contact.n[0] / scene.step;
+      }
+    }
+    EXPECT_NEAR((floor + walls) / (0.6 * kG * static_cast<double>(scene.disks.size())), 1, 1e-6);
+  }
+}
+
+/// 60 disks fall into a box; lengths, masses and times in other units.
+Scene falling_box(double length, double mass, double time) {
+  Scene scene = one_material(0.3, 0.3, 0.5);
+  scene.gravity = Vec2(0, -kG * length / (time * time));
+  scene.step = 5e-4 * time;
+  for (const Disk& d : random_filling(60, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 5, Vec2::Zero())) {
+    scene.disks.push_back(
+        cylinder(d.x * length, d.radius * length, Vec2(0.1, -0.5) * length / time, 2 * mass));
+  }
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), half_plane(Vec2::Zero(), Vec2(1, 0)),
+                 half_plane(Vec2(0.2 * length, 0), Vec2(-1, 0))};
+  scene.num_steps = 300;
+  return scene;
+}
+
+TEST(SpringDashpot, TheLedgerCloses) {
+  const Scene scene = falling_box(1, 1, 1);
+  const State start = initial_state(scene);
+  const double initial = kinetic_energy(start) + potential_energy(start, scene.gravity);
+  double shock = 0, friction = 0;
+  int contacts = 0;
+  run(scene, [&](const State& state, const StepReport& r) {
+    const EnergyLedger& e = r.energy;
+    EXPECT_LT(std::abs(e.imbalance), 1e-5 * initial);
+    EXPECT_NEAR(e.kinetic + e.potential + e.elastic + e.friction_loss + e.shock_loss - e.wall_work,
+                initial, 2e-4 * initial);
+    EXPECT_LT(r.momentum_imbalance.norm(), 1e-12 * 60);
+    EXPECT_GT(e.shock_loss, shock - 1e-4 * initial);
+    EXPECT_GT(e.friction_loss, friction - 1e-4 * initial);
+    shock = e.shock_loss;
+    friction = e.friction_loss;
+    for (const ContactOutcome& c : state.contacts) {
+      EXPECT_GE(c.s_n, 0);
+      EXPECT_LE(std::abs(c.s_t), 0.3 * c.s_n * (1 + 1e-12));
+    }
+    contacts = r.contacts;
+  });
+  EXPECT_GT(shock, 0.1 * initial);
+  EXPECT_GT(friction, 0.01 * initial);
+  EXPECT_GT(contacts, 40);
+}
+
+TEST(SpringDashpot, ElasticDisksKeepTheirEnergy) {
+  // No friction, e = 1: after 300 steps of 0.5 ms and hundreds of impacts, what the integration
+  // itself lost stands in shock_loss.
+  Scene scene = falling_box(1, 1, 1);
+  scene.laws = {{.mu = 0, .e_n = 1, .e_t = 0}};
+  const State start = initial_state(scene);
+  const double kinetic = kinetic_energy(start);
+  const State end = run(scene);
+  EXPECT_LT(std::abs(end.shock_loss), 0.01 * kinetic);
+  EXPECT_EQ(end.friction_loss, 0);
+}
+
+TEST(SpringDashpot, UnitsDoNotChangeTheBits) {
+  // Powers of two keep the mantissas (of time and length both even, for the square roots).
+  const double length = 1024, mass = 0x1p-10, time = 128;
+  const State a = run(falling_box(1, 1, 1)), b = run(falling_box(length, mass, time));
+  ASSERT_EQ(a.contacts.size(), b.contacts.size());
+  EXPECT_GT(a.contacts.size(), 40u);
+  for (std::size_t k = 0; k < a.disks.size(); ++k) {
+    EXPECT_EQ(a.disks[k].x * length, b.disks[k].x);
+    EXPECT_EQ(a.disks[k].v * (length / time), b.disks[k].v);
+    EXPECT_EQ(a.disks[k].spin / time, b.disks[k].spin);
+  }
+  for (std::size_t k = 0; k < a.contacts.size(); ++k) {
+    EXPECT_EQ(a.contacts[k].s_n * (mass * length / time), b.contacts[k].s_n);
+  }
+}
+
+void expect_same(const State& a, const State& b) {
+  ASSERT_EQ(a.contacts.size(), b.contacts.size());
+  const auto same = [](double x, double y) {
+    return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
+  };
+  for (std::size_t k = 0; k < a.disks.size(); ++k) {
+    for (int c : {0, 1}) {
+      EXPECT_TRUE(same(a.disks[k].x[c], b.disks[k].x[c]));
+      EXPECT_TRUE(same(a.disks[k].v[c], b.disks[k].v[c]));
+    }
+    EXPECT_TRUE(same(a.disks[k].spin, b.disks[k].spin));
+  }
+  for (std::size_t k = 0; k < a.contacts.size(); ++k) {
+    EXPECT_TRUE(same(a.contacts[k].s_n, b.contacts[k].s_n));
+    EXPECT_TRUE(same(a.contacts[k].s_t, b.contacts[k].s_t));
+    EXPECT_TRUE(same(a.contacts[k].spring, b.contacts[k].spring));
+  }
+  EXPECT_TRUE(same(a.friction_loss, b.friction_loss));
+  EXPECT_TRUE(same(a.shock_loss, b.shock_loss));
+}
+
+TEST(SpringDashpot, RestartGoesOnWithTheSameBits) {
+  const TemporaryFolder folder;
+  Scene scene = falling_box(1, 1, 1);
+  scene.num_steps = 250;
+  const State whole = run(scene);
+  scene.num_steps = 200;
+  State state = run(scene);
+  int stretched = 0;
+  for (const ContactOutcome& c : state.contacts) stretched += c.spring != 0;
+  EXPECT_GT(stretched, 20);
+  RunWriter writer(folder.path() / "run", scene, "text");
+  writer.frame(state);
+  writer.close();
+  state = read_state(folder.path() / "run");
+  SpringDashpotStepper stepper(scene);
+  for (int k = 0; k < 50; ++k) stepper.advance(state);
+  expect_same(whole, state);
+}
+
+TEST(SpringDashpot, MovingAndDrivenWallsDoTheirWork) {
+  // A floor that moves up at 0.5 m/s lifts 2 kg by 0.5 m; 6 N on a wall of 1 kg and a disk of
+  // 2 kg: a = 2 m/s², 4 N between them, and the wall's force does 6 N x 0.25 m in 0.5 s.
+  Scene lift = one_material(0, 0.1);
+  lift.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  lift.walls[0].motion = Wall::Motion::kMoving;
+  lift.walls[0].v = Vec2(0, 0.5);
+  lift.disks = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 0.5))};
+  lift.num_steps = 1000;
+  const State lifted = run(lift);
+  EXPECT_NEAR(lifted.walls[0].a[1], 0.5, 1e-12);
+  EXPECT_NEAR(lifted.wall_work / (2 * kG * 0.5), 1, 1e-3);
+
+  Scene push = one_material(0, 0.1);
+  push.gravity = Vec2::Zero();
+  push.walls = {half_plane(Vec2::Zero(), Vec2(1, 0))};
+  push.walls[0].motion = Wall::Motion::kDriven;
+  push.walls[0].direction = Vec2(1, 0);
+  push.walls[0].mass = 1;
+  push.walls[0].force = 6;
+  push.disks = {cylinder(Vec2(0.1, 0), 0.1)};
+  push.num_steps = 500;
+  const State pushed = run(push, [](const State&, const StepReport& r) {
+    EXPECT_LT(r.momentum_imbalance.norm(), 1e-13);
+    EXPECT_LT(std::abs(r.energy.imbalance), 1e-12);
+  });
+  EXPECT_NEAR(pushed.disks[0].v[0], 1, 1e-3);
+  EXPECT_NEAR(pushed.walls[0].v[0], 1, 1e-3);
+  EXPECT_NEAR(pushed.contacts.at(0).s_n / push.step, 4, 1e-6);
+  EXPECT_NEAR(pushed.wall_work, 6 * 0.25, 2e-3);
+}
+
+TEST(SpringDashpot, SegmentsArePushedOffOnBothSides) {
+  Scene scene = one_material(0, 0.5);
+  scene.gravity = Vec2::Zero();
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls[0].shape = Wall::Shape::kSegment;
+  scene.walls[0].a = Vec2(-1, 0);
+  scene.walls[0].b = Vec2(1, 0);
+  scene.disks = {cylinder(Vec2(0, 0.11), 0.1, Vec2(0, -1)),
+                 cylinder(Vec2(0.5, -0.11), 0.1, Vec2(0, 1))};
+  scene.num_steps = 40;
+  const State end = run(scene);
+  EXPECT_NEAR(end.disks[0].v[1], 0.5, 0.01);
+  EXPECT_NEAR(end.disks[1].v[1], -0.5, 0.01);
+}
+
+TEST(SpringDashpot, AnUnstableSubstepIsRefused) {
+  Scene scene = head_on(0.5, 1e6);
+  scene.dem.substep = 1.01 * spring_dashpot_setup(scene).critical_step;
+  try {
+    spring_dashpot_setup(scene);
+    ADD_FAILURE() << "not refused";
+  } catch (const std::invalid_argument& e) {
+    EXPECT_NE(std::string(e.what()).find("unstable"), std::string::npos) << e.what();
+  }
+  scene.dem.substep /= 1.02;
+  EXPECT_LE(spring_dashpot_setup(scene).substep, scene.dem.substep);
+}
+
+TEST(SpringDashpot, ASceneWithoutLoadNeedsAStiffness) {
+  Scene scene = head_on(0.5, 0);
+  for (Disk& d : scene.disks) d.v = Vec2::Zero();
+  EXPECT_THROW(spring_dashpot_setup(scene), std::invalid_argument);
+  scene.dem.stiffness = 1;
+  EXPECT_EQ(spring_dashpot_setup(scene).stiffness, 1);
+}
+
+TEST(SpringDashpot, SaysWhatItCannotRepresent) {
+  EXPECT_TRUE(spring_dashpot_setup(head_on(0.5, 1e6)).departures.empty());
+  Scene scene = head_on(0, 1e6);
+  scene.laws[0].e_t = 0.7;
+  const auto departures = spring_dashpot_setup(scene).departures;
+  ASSERT_EQ(departures.size(), 2u);
+  EXPECT_NE(departures[0].find("e_n = 0"), std::string::npos);
+  EXPECT_NE(departures[1].find("e_t = 0.7"), std::string::npos);
+}
+
+void expect_failure(const Scene& scene, SpringDashpotLimits limits, std::function<bool()> cut_short,
+                    StepFailure::Kind kind, const std::string& message) {
+  SpringDashpotStepper stepper(scene, std::move(cut_short), limits);
+  State state = initial_state(scene);
+  try {
+    for (int k = 0; k < scene.num_steps; ++k) stepper.advance(state);
+    ADD_FAILURE() << "no failure: " << message;
+  } catch (const StepFailure& failure) {
+    EXPECT_EQ(failure.kind, kind);
+    EXPECT_NE(std::string(failure.what()).find(message), std::string::npos) << failure.what();
+    const std::string step = "step " + std::to_string(state.step + 1) + " ";
+    EXPECT_NE(std::string(failure.what()).find(step), std::string::npos) << failure.what();
+  }
+}
+
+TEST(SpringDashpot, FailuresNameTheRemedy) {
+  // 2 m/s on 100 N/m: the overlap v √(m/k) would be 0.17 m.
+  Scene soft = head_on(0.5, 100);
+  soft.step = 1e-3;
+  expect_failure(soft, {}, {}, StepFailure::Kind::kNumerical, "too low for this load, raise it");
+  // An elastic impact in few substeps makes and loses energy on its way.
+  Scene coarse = head_on(1, 1e6);
+  coarse.step = coarse.dem.substep = 0.9 * spring_dashpot_setup(coarse).critical_step;
+  coarse.disks[1].x[0] = 0.2;
+  expect_failure(coarse, {.created_energy = 1e-3}, {}, StepFailure::Kind::kNumerical,
+                 "shorten them");
+  Scene many = head_on(0.5, 1e6);
+  many.step = 1e-3;
+  many.dem.substep = 1e-6;
+  expect_failure(
+      many, {}, [] { return true; }, StepFailure::Kind::kCutShort, "64 of 1000");
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,216 @@
+#include "core/pictures/force_picture.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <regex>
+#include <stdexcept>
+
+#include "core/file_error.h"
+#include "core/pictures/colour_map.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+constexpr const char* kStick = "stroke:rgb\\(2%,27%,48%\\)";
+constexpr const char* kSlipRim = "stroke:rgb\\(42%,24%,0%\\)";
+constexpr const char* kTakeOff = "stroke:rgb\\(55%,55%,55%\\)";
+
+/// A column of `disks` disks of radius 1 cm on a floor, nothing touches yet.
+Scene column(int disks, double mu) {
+  Scene scene;
+  scene.materials = {"stone"};
+  scene.laws = {{mu, 0, 0}};
+  scene.step = 1e-3;
+  for (int k = 0; k < disks; ++k) {
+    Disk d;
+    d.x = Vec2(0, 0.01 + 0.02 * k);
+    d.radius = 0.01;
+    d.mass = d.inertia = 1;
+    scene.disks.push_back(d);
+  }
+  scene.walls.emplace_back();  // the half-plane y < 0
+  return scene;
+}
+
+ContactOutcome contact(int i, int j, double force, ContactStatus status) {
+  ContactOutcome c;
+  c.contact = {.i = i, .j = j, .n = Vec2(0, i < j && j < 3 ? -1 : 1), .gap = 0};
+  c.s_n = force * 1e-3;  // step 1e-3 s
+  c.status = status;
+  return c;
+}
+
+/// 3 N on the floor, 2 N and 1 N above; the middle one slides; one candidate carries nothing.
+State loaded_column(const Scene& scene) {
+  State state = initial_state(scene);
+  state.contacts = {contact(0, 1, 2, ContactStatus::kSlip), contact(0, 3, 3, ContactStatus::kStick),
+                    contact(1, 2, 1, ContactStatus::kStick),
+                    contact(1, 3, 0, ContactStatus::kTakeOff)};
+  return state;
+}
+
+class ForcePicture : public testing::Test {
+ protected:
+  std::string svg(const Scene& scene, const State& state, const std::string& caption = "caption",
+                  const ForcePictureOptions& options = {}) {
+    const auto path = folder_ / "picture.svg";
+    draw_force_picture(path, scene, state, caption, options);
+    std::ifstream in(path);
+    std::string text{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_NE(text.find("</svg>"), std::string::npos);
+    EXPECT_EQ(text.find("nan"), std::string::npos);
+    EXPECT_EQ(text.find("inf"), std::string::npos);
+    return text;
+  }
+  /// Widths of the lines of one colour, increasing.
+  static std::vector<double> widths(const std::string& svg, const std::string& colour) {
+    std::vector<double> widths;
+    const std::regex line("stroke-width:([0-9.e-]+);[^\"]*" + colour);
+    for (std::sregex_iterator it(svg.begin(), svg.end(), line), end; it != end; ++it) {
+      widths.push_back(std::stod((*it)[1]));
+    }
+    std::sort(widths.begin(), widths.end());
+    return widths;
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(ForcePicture, HasASegmentForEachContactOfAWidthInProportionToTheForce) {
+  const Scene scene = column(3, 0.5);
+  const std::string picture = svg(scene, loaded_column(scene));
+  // Stick: 1 N, 3 N (the widest, 22 points) and two samples: the force scale (2 N) and the kind
+  // (6).
+  const std::vector<double> stick = widths(picture, kStick);
+  ASSERT_EQ(stick.size(), 4u);
+  EXPECT_NEAR(stick[0], 6, 1e-5);
+  EXPECT_NEAR(stick[1], 22 / 3.0, 1e-5);
+  EXPECT_NEAR(stick[2], 22 * 2 / 3.0, 1e-5);
+  EXPECT_NEAR(stick[3], 22, 1e-5);
+  const std::vector<double> slip = widths(picture, kSlipRim);
+  ASSERT_EQ(slip.size(), 2u);  // 2 N and the sample
+  EXPECT_NEAR(slip[0], 6, 1e-5);
+  EXPECT_NEAR(slip[1], 22 * 2 / 3.0, 1e-5);
+  EXPECT_EQ(widths(picture, kTakeOff).size(), 2u);
+}
+
+TEST_F(ForcePicture, AGivenFullForceMakesPicturesComparable) {
+  const Scene scene = column(3, 0.5);
+  ForcePictureOptions options;
+  options.full_force = 6;
+  const std::vector<double> stick = widths(svg(scene, loaded_column(scene), "", options), kStick);
+  ASSERT_EQ(stick.size(), 4u);
+  EXPECT_NEAR(stick[0], 22 / 6.0, 1e-5);
+  EXPECT_NEAR(stick[2], 11, 1e-5);            // 3 N
+  EXPECT_NEAR(stick[3], 22 * 5 / 6.0, 1e-5);  // the scale: 5 N
+}
+
+TEST_F(ForcePicture, WithoutFrictionThereIsOneKindOfLoadedContact) {
+  const Scene scene = column(3, 0.0);
+  const std::string picture = svg(scene, loaded_column(scene));
+  EXPECT_EQ(widths(picture, kStick).size(), 3u + 2u);
+  EXPECT_EQ(widths(picture, kSlipRim).size(), 0u);
+}
+
+TEST_F(ForcePicture, DisksAreFilledByTheirNumberAndNoForceIsDrawnIfNoneIsWanted) {
+  const Scene scene = column(3, 0.5);
+  ForcePictureOptions options;
+  options.forces = false;
+  options.fill = {.values = {0, 1, 4}, .label = "heat", .unit = "Pa", .high = 2};
+  const std::string picture = svg(scene, loaded_column(scene), "", options);
+  EXPECT_TRUE(widths(picture, kStick).empty());
+  EXPECT_TRUE(widths(picture, kSlipRim).empty());
+  EXPECT_TRUE(widths(picture, kTakeOff).empty());
+  // The first, the middle and the last colour, this one also beyond the end of the bar.
+  for (const double at : {0.0, 0.5, 1.0}) {
+    const Colour c = sequential_colour(at);
+    std::string fill = "fill:rgb\\(";
+    for (double x : {c.red, c.green, c.blue})
+      fill += fmt::format("{}[0-9.]*%,", static_cast<int>(100 * x));
+    fill.back() = ';';
+    fill.insert(fill.size() - 1, "\\)");
+    EXPECT_TRUE(std::regex_search(picture, std::regex(fill))) << fill;
+  }
+  options.fill.values = {1, 2};
+  EXPECT_THROW(draw_force_picture(folder_ / "two.svg", scene, loaded_column(scene), "", options),
+               std::invalid_argument);
+  options.fill = {.values = {0, 0, 0}, .label = "heat", .unit = "Pa"};
+  svg(scene, loaded_column(scene), "", options);
+}
+
+TEST_F(ForcePicture, DrawsWhatThereIsWhenNothingTouches) {
+  const Scene one = column(1, 0.5);
+  EXPECT_TRUE(widths(svg(one, initial_state(one)), kStick).empty());
+  const Scene three = column(3, 0.5);
+  State unloaded = loaded_column(three);
+  for (ContactOutcome& c : unloaded.contacts) c.s_n = 0;
+  const std::string picture = svg(three, unloaded);
+  EXPECT_TRUE(widths(picture, kStick).empty());
+  EXPECT_EQ(widths(picture, kTakeOff).size(), 4u + 1u);
+  Scene empty = column(0, 0.5);
+  svg(empty, initial_state(empty));
+  empty.walls.clear();
+  svg(empty, initial_state(empty));
+  svg(empty, initial_state(empty), "");
+}
+
+TEST_F(ForcePicture, PngsAreWrittenWithTheChosenResolution) {
+  const Scene scene = column(3, 0.5);
+  ForcePictureOptions options;
+  options.width = 400;
+  options.resolution = 1.5;
+  draw_force_picture(folder_ / "picture.png", scene, loaded_column(scene), "caption", options);
+  std::ifstream in(folder_ / "picture.png", std::ios::binary);
+  const std::string bytes{std::istreambuf_iterator<char>(in), {}};
+  ASSERT_GT(bytes.size(), 24u);
+  EXPECT_EQ(bytes.substr(1, 3), "PNG");
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(bytes[k]); };
+  EXPECT_EQ(byte(18) * 256 + byte(19), 600);  // width, IHDR
+}
+
+TEST_F(ForcePicture, ALongCaptionMakesThePictureHigher) {
+  const Scene scene = column(3, 0.5);
+  const auto height = [&](const std::string& caption) {
+    const std::string text = svg(scene, loaded_column(scene), caption);
+    std::smatch match;
+    EXPECT_TRUE(std::regex_search(text, match, std::regex("height=\"([0-9.]+)pt\"")));
+    return std::stod(match[1]);
+  };
+  std::string words;
+  for (int k = 0; k < 60; ++k) words += "friction ";
+  EXPECT_GT(height(words), height("friction") + 60);
+  EXPECT_GT(height("two\nlines"), height("two lines"));
+}
+
+TEST_F(ForcePicture, OtherFormatsAndUnwritablePlacesAreRefused) {
+  const Scene scene = column(3, 0.5);
+  const State state = loaded_column(scene);
+  EXPECT_THROW(draw_force_picture(folder_ / "picture.pdf", scene, state, ""), FileError);
+  EXPECT_THROW(draw_force_picture(folder_ / "no/picture.png", scene, state, ""), FileError);
+  EXPECT_THROW(draw_force_picture(folder_ / "no/picture.svg", scene, state, ""), FileError);
+  EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+TEST(Scales, AreRoundAndNotTooLong) {
+  EXPECT_DOUBLE_EQ(round_below(0.0734), 0.05);
+  EXPECT_DOUBLE_EQ(round_below(0.05), 0.05);
+  EXPECT_DOUBLE_EQ(round_below(4999), 2000);
+  EXPECT_DOUBLE_EQ(round_below(1), 1);
+  EXPECT_DOUBLE_EQ(round_below(0.999), 0.5);
+  EXPECT_EQ(with_prefix(0.05, "m"), "50 mm");
+  EXPECT_EQ(with_prefix(1000, "N"), "1 kN");
+  EXPECT_EQ(with_prefix(0.001, "m"), "1 mm");
+  EXPECT_EQ(with_prefix(2, "N"), "2 N");
+  EXPECT_EQ(with_prefix(5e-6, "m"), "5 µm");
+  EXPECT_EQ(with_prefix(2e15, "N"), "2e+03 TN");
+  EXPECT_EQ(with_prefix(0, "N"), "0 N");
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,91 @@
+#include "core/problem/disk_structure.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/problem/delassus.h"
+#include "tests/support/lattice_problem.h"
+#include "tests/support/manufactured.h"
+
+namespace bipot {
+namespace {
+
+Vector random_vector(Eigen::Index size) {
+  Vector x(size);
+  for (Eigen::Index i = 0; i < size; ++i) x[i] = std::sin(1.0 + 7.0 * static_cast<double>(i));
+  return x;
+}
+
+TEST(DiskStructure, IsFoundInLatticesWithAndWithoutFriction) {
+  for (const int dim : {1, 2}) {
+    LatticeOptions o;
+    o.dim = dim;
+    o.turn = 0.3;
+    const ContactProblem p = triangular_lattice(5, o);
+    const auto disks = disk_structure(p);
+    ASSERT_TRUE(disks.has_value()) << dim;
+    EXPECT_EQ(disks->contacts.size(), p.mu.size());
+    EXPECT_EQ(disks->bodies.size() - 1,
+              static_cast<std::size_t>(p.num_dofs()) / (dim == 1 ? 2 : 3));
+    EXPECT_EQ(disks->bodies.back().inverse_mass, 0);
+  }
+}
+
+TEST(DiskStructure, GivesTheSameProductsAsH) {
+  for (const int dim : {1, 2}) {
+    LatticeOptions o;
+    o.dim = dim;
+    o.turn = 0.3;
+    o.e_n = 0.1;
+    o.e_t = dim == 2 ? 1 : 0;
+    const ContactProblem p = triangular_lattice(5, o);
+    const DelassusOperator packed(p);
+    ASSERT_TRUE(packed.disks().has_value());
+    const Vector s = random_vector(p.num_rows());
+    Vector u;
+    packed.apply(s, u);
+    const Vector expected = p.H.transpose() * Vector((p.H * s).cwiseQuotient(p.A.diagonal()));
+    EXPECT_LT((u - expected).norm(), 1e-14 * expected.norm());
+  }
+}
+
+TEST(DiskStructure, RefusesWhatIsNotADisk) {
+  const ContactProblem lattice = triangular_lattice(4);
+  EXPECT_FALSE(disk_structure(manufactured_problem(2, 4, 5, 1).problem).has_value());
+  EXPECT_FALSE(disk_structure(cubic_lattice(2)).has_value());
+
+  ContactProblem heavier_in_x = lattice;
+  heavier_in_x.A.coeffRef(3, 3) *= 1 + 1e-12;
+  EXPECT_FALSE(disk_structure(heavier_in_x).has_value());
+
+  // Each entry of H of the contact between disks 1 and 2 matters.
+  int column = -1;
+  for (int c = 0; c < lattice.num_contacts() && column < 0; ++c) {
+    if (lattice.H.col(2 * c).nonZeros() == 2 && lattice.H.coeff(3, 2 * c) != 0 &&
+        lattice.H.coeff(6, 2 * c) != 0) {
+      column = 2 * c;
+    }
+  }
+  ASSERT_GE(column, 0);
+  for (int k = 0; k < 2; ++k) {
+    for (SparseMatrix::InnerIterator it(lattice.H, column + k); it; ++it) {
+      ContactProblem changed = lattice;
+      changed.H.coeffRef(static_cast<int>(it.row()), column + k) *= 1 + 1e-12;
+      EXPECT_FALSE(disk_structure(changed).has_value()) << it.row() << " " << k;
+    }
+  }
+
+  ContactProblem spin_in_normal = lattice;
+  spin_in_normal.H.coeffRef(5, column) = 1e-6;
+  EXPECT_FALSE(disk_structure(spin_in_normal).has_value());
+
+  ContactProblem local = lattice;
+  local.W = assemble_delassus(lattice.A, lattice.H, 2);
+  local.A.resize(0, 0);
+  local.H.resize(0, 0);
+  EXPECT_FALSE(disk_structure(local).has_value());
+}
+
+}  // namespace
+}  // namespace bipot

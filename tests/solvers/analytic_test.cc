@@ -1,0 +1,171 @@
+// Scenes with a solution by hand: Tables 1 and 2 and the square lattice of Fig. 10 of the paper.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "core/files/scene_file.h"
+#include "tests/support/scene_run.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kG = 9.81;
+
+Scene shipped(const std::string& name) {
+  return read_scene(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/" + name + ".toml");
+}
+
+/// Bounces of a dropped ball, measured as on a film: each flight is the parabola through the state
+/// after the impact, its height and its duration between the two crossings of the gap's zero.
+struct Bounces {
+  std::vector<double> height, flight_time;
+  int max_iterations = 0;
+};
+
+Bounces bounce(double e_n, double h) {
+  Scene scene = shipped("bouncing_ball");
+  scene.laws[0].e_n = e_n;
+  scene.step = h;
+  scene.num_steps = static_cast<int>(std::ceil(0.5 / h));
+  Bounces result;
+  bool touched = false;
+  run_scene(scene, [&](const State& state, const StepReport& report) {
+    const Disk& ball = state.disks[0];
+    const double gap = ball.x[1] - ball.radius;
+    if (report.active > 0) {
+      touched = true;
+      result.max_iterations = std::max(result.max_iterations, report.iterations);
+    } else if (touched) {
+      touched = false;
+      const double v = ball.v[1];
+      const double rise = gap + v * v / (2 * kG);
+      result.height.push_back(rise);
+      result.flight_time.push_back(2 * std::sqrt(2 * rise / kG));
+    }
+  });
+  return result;
+}
+
+// h_p = h0 e^{2p}, t_p = 2 e^p sqrt(2 h0 / g) with h0 = 0.1 m.
+void expect_table_1(double e_n) {
+  const Bounces measured = bounce(e_n, 1e-4);
+  ASSERT_GE(measured.height.size(), e_n == 1 ? 1u : 2u);
+  for (std::size_t p = 1; p <= std::min<std::size_t>(2, measured.height.size()); ++p) {
+    const double height = 0.1 * std::pow(e_n, 2.0 * p);
+    const double time = 2 * std::pow(e_n, p) * std::sqrt(0.2 / kG);
+    EXPECT_NEAR(measured.height[p - 1] / height, 1, 5e-4) << "bounce " << p;
+    EXPECT_NEAR(measured.flight_time[p - 1] / time, 1, 5e-4) << "bounce " << p;
+  }
+  EXPECT_LE(measured.max_iterations, 2);
+  EXPECT_GE(measured.max_iterations, 1);
+}
+
+TEST(Table1, ElasticBallBouncesToItsHeight) { expect_table_1(1.0); }
+TEST(Table1, InelasticBallLosesItsShare) { expect_table_1(0.9); }
+
+TEST(Table1, HeightConvergesWithTheTimeStep) {
+  // The impact is placed within a step of |v| h of the plane: first order in h, erratic in sign.
+  const double exact = 0.1 * 0.81;
+  for (const double h : {1e-3, 1e-4, 1e-5, 1e-6}) {
+    const double error = std::abs(bounce(0.9, h).height.at(0) / exact - 1);
+    EXPECT_LT(error, 0.35 * 1.4 * h / 0.1) << "h = " << h;
+  }
+}
+
+TEST(Table2, CylinderSlidesThenRollsAtTwoThirds) {
+  Scene scene = shipped("sliding_cylinder");
+  double rolls_from = -1;
+  const State end = run_scene(scene, [&](const State& state, const StepReport&) {
+    if (rolls_from < 0 && state.contacts.at(0).status == ContactStatus::kStick) {
+      rolls_from = state.time;
+    }
+  });
+  EXPECT_NEAR(end.disks[0].v[0], 2.0 / 3.0, 1e-6);
+  EXPECT_NEAR(end.disks[0].v[0], -end.disks[0].spin * 0.01, 1e-9);  // rolling: v = -a w
+  EXPECT_NEAR(rolls_from, 1 / (3 * 0.5 * kG), 1e-4);
+}
+
+TEST(SquareLattice, FrictionlessColumnsCarryTheirWeight) {
+  const Scene scene = shipped("square_lattice");
+  const double weight = scene.disks[0].mass * kG;
+  const State end = run_scene(scene, [&](const State& state, const StepReport& report) {
+    EXPECT_EQ(report.contacts, 10 * 10 + 10 * 9 + 2 * 10);
+    for (const ContactOutcome& c : state.contacts) {
+      const bool vertical = std::abs(c.contact.n[1]) > 0.5;
+      if (!vertical) continue;
+      // Contact i of row r (from the bottom) carries the disks of rows r.. above it.
+      const int upper = c.contact.j < 100 ? std::max(c.contact.i, c.contact.j) : c.contact.i;
+      const int carried = 10 - upper / 10;
+      EXPECT_NEAR(c.s_n / scene.step / (carried * weight), 1, 1e-6) << "disk " << upper;
+    }
+  });
+  for (std::size_t i = 0; i < scene.disks.size(); ++i) {
+    EXPECT_LT((end.disks[i].x - scene.disks[i].x).norm(), 1e-9 * scene.disks[i].radius);
+  }
+}
+
+TEST(SquareLattice, WithFrictionEveryDiskIsInEquilibrium) {
+  Scene scene = shipped("square_lattice");
+  scene.laws[0].mu = 0.3;
+  scene.num_steps = 1;
+  const State end = run_scene(scene);
+  const double load = scene.disks[0].mass * kG * scene.step;
+  std::vector<Vec2> force(scene.disks.size(), Vec2(0, -load));
+  std::vector<double> moment(scene.disks.size(), 0.0);
+  Vec2 walls = Vec2::Zero();
+  for (const ContactOutcome& c : end.contacts) {
+    const Vec2 t(-c.contact.n[1], c.contact.n[0]);
+    const Vec2 impulse = c.s_n * c.contact.n + c.s_t * t;
+    force[c.contact.i] += impulse;
+    moment[c.contact.i] -= c.s_t;
+    if (c.contact.j < 100) {
+      force[c.contact.j] -= impulse;
+      moment[c.contact.j] -= c.s_t;
+    } else {
+      walls += impulse;
+    }
+    EXPECT_LE(std::abs(c.s_t), 0.3 * c.s_n * (1 + 1e-12));
+  }
+  for (std::size_t i = 0; i < force.size(); ++i) {
+    EXPECT_LT(force[i].norm(), 1e-6 * load) << i;
+    EXPECT_LT(std::abs(moment[i]), 1e-6 * load) << i;
+  }
+  EXPECT_NEAR(walls[1] / (100 * load), 1, 1e-7);
+  EXPECT_NEAR(walls[0] / (100 * load), 0, 1e-7);
+}
+
+TEST(Ledger, EnergyAndMomentumCloseToRoundOff) {
+  // A loose sample falls, shocks and slides between a fixed, a moving and a driven wall.
+  Scene scene = shipped("compaction");
+  scene.num_steps = 150;
+  scene.solver.tol = 1e-3;
+  scene.walls[1].motion = Wall::Motion::kMoving;
+  scene.walls[1].v = Vec2(0.02, 0.0);
+  scene.walls[2].motion = Wall::Motion::kDriven;
+  scene.walls[2].direction = Vec2(-1, 0);
+  scene.walls[2].mass = 0.5;
+  scene.walls[2].force = 3.0;
+  double scale = 0, momentum_scale = 0;
+  int active = 0;
+  const State start = initial_state(scene);
+  double initial = 0;
+  for (const Disk& d : start.disks) initial += d.mass * kG * d.x[1];
+  run_scene(scene, [&](const State&, const StepReport& r) {
+    scale = std::max({scale, r.energy.kinetic, std::abs(r.energy.potential)});
+    momentum_scale = std::max(momentum_scale, r.momentum.norm());
+    active = std::max(active, r.active);
+    EXPECT_LT(std::abs(r.energy.imbalance), 1e-13 * scale);
+    EXPECT_LT(r.momentum_imbalance.norm(), 1e-12 * momentum_scale);
+    EXPECT_NEAR(r.energy.kinetic + r.energy.potential + r.energy.friction_loss +
+                    r.energy.shock_loss - r.energy.wall_work,
+                initial, 1e-11 * scale);
+  });
+  EXPECT_GT(active, 100);
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,88 @@
+// Units and the direction of a scene must not matter: every registered solver, the same number of
+// iterations to the same error.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <cctype>
+#include <numbers>
+#include <string>
+
+#include "core/motion/time_stepping.h"
+#include "core/scene/scene_family.h"
+#include "solvers/registry.h"
+#include "solvers/solve.h"
+
+namespace bipot {
+namespace {
+
+/// A tilted triangular lattice with restitution: stick, slip and take-off. Small enough for lemke.
+Scene lattice() {
+  return make_family_scene("triangular", 6, {.mu = 0.3, .e_n = 0.2, .tilt_degrees = 10});
+}
+
+/// The same scene with all lengths, masses and times given in other units.
+Scene in_units(Scene scene, double length, double mass, double time) {
+  scene.gravity *= length / (time * time);
+  scene.step *= time;
+  scene.contact_distance *= length;
+  for (Disk& d : scene.disks) {
+    d.x *= length;
+    d.radius *= length;
+    d.mass *= mass;
+    d.inertia *= mass * length * length;
+  }
+  for (Wall& w : scene.walls) w.a *= length;
+  return scene;
+}
+
+Scene turned(Scene scene, double degrees) {
+  const Eigen::Rotation2D<double> turn(degrees * std::numbers::pi / 180);
+  scene.gravity = turn * scene.gravity;
+  for (Disk& d : scene.disks) d.x = turn * d.x;
+  for (Wall& w : scene.walls) {
+    w.a = turn * w.a;
+    w.normal = turn * w.normal;
+  }
+  return scene;
+}
+
+SolveResult solve_first_step(const std::string& solver, const Scene& scene) {
+  SolverOptions options;
+  options.tol = 1e-6;
+  return solve(solver, step_problem(scene, initial_state(scene), false), options);
+}
+
+class Invariance : public testing::TestWithParam<std::string> {};
+
+void expect_same(const SolveResult& a, const SolveResult& b) {
+  ASSERT_EQ(a.status, SolveStatus::kConverged) << a.message;
+  ASSERT_EQ(b.status, SolveStatus::kConverged) << b.message;
+  EXPECT_NEAR(a.iterations, b.iterations, 1);
+  EXPECT_LE(b.error.guarded(), 1e-6);
+}
+
+TEST_P(Invariance, UnitsDoNotMatter) {
+  // mm, g, ms: a length of 1 m is 1000, a mass of 1 kg is 1000, a time of 1 s is 1000.
+  const Scene scene = lattice();
+  expect_same(solve_first_step(GetParam(), scene),
+              solve_first_step(GetParam(), in_units(scene, 1e3, 1e3, 1e3)));
+}
+
+TEST_P(Invariance, DirectionDoesNotMatter) {
+  const Scene scene = lattice();
+  expect_same(solve_first_step(GetParam(), scene),
+              solve_first_step(GetParam(), turned(scene, 37)));
+}
+
+INSTANTIATE_TEST_SUITE_P(, Invariance, testing::ValuesIn(solver_names()),
+                         [](const testing::TestParamInfo<std::string>& parameters) {
+                           std::string name = parameters.param;
+                           for (char& c : name) {
+                             if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
+                           }
+                           return name;
+                         });
+
+}  // namespace
+}  // namespace bipot

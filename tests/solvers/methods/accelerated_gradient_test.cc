@@ -1,0 +1,104 @@
+#include "solvers/methods/accelerated_gradient.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "core/problem/delassus.h"
+#include "solvers/kernels/spectral_estimate.h"
+#include "solvers/solve.h"
+#include "tests/support/lattice_problem.h"
+#include "tests/support/manufactured.h"
+
+namespace bipot {
+namespace {
+
+SolveResult run(const ContactProblem& p, const std::string& map, double tol = 1e-8,
+                int max_iterations = 100000) {
+  SolverOptions o;
+  o.tol = tol;
+  o.max_iterations = max_iterations;
+  o.parameters = {{"map", map}};
+  return solve("apgd", p, o);
+}
+
+ContactProblem without_bodies(ContactProblem p) {
+  p.W = assemble_delassus(p.A, p.H, p.dim);
+  p.A.resize(0, 0);
+  p.H.resize(0, 0);
+  p.v_free.resize(0);
+  return p;
+}
+
+TEST(AcceleratedGradient, DiskKernelAndOperatorDoTheSameSteps) {
+  LatticeOptions o;
+  o.e_n = 0.1;
+  o.e_t = 1;
+  for (o.dim = 1; o.dim <= 2; ++o.dim) {
+    if (o.dim == 1) o.e_t = 0;
+    const ContactProblem p = triangular_lattice(8, o);
+    for (const std::string map : {"split", "cone"}) {
+      const SolveResult disks = run(p, map, 1e-14, 40);
+      const SolveResult whole = run(without_bodies(p), map, 1e-14, 40);
+      EXPECT_LT((disks.s - whole.s).norm(), 1e-9 * whole.s.norm()) << o.dim << map;
+    }
+    o.e_t = 1;
+  }
+}
+
+TEST(AcceleratedGradient, IterationsGrowWithTheSideOfALatticeNotWithItsArea) {
+  const SolveResult small = run(square_lattice(8), "auto"), large = run(square_lattice(24), "auto");
+  ASSERT_EQ(small.status, SolveStatus::kConverged) << small.message;
+  ASSERT_EQ(large.status, SolveStatus::kConverged) << large.message;
+  EXPECT_LT(large.iterations, 5 * small.iterations);  // three times the side, nine times the area
+}
+
+// The split map cycles on the free pyramid, the cone map does not, and auto finds that out.
+TEST(AcceleratedGradient, AutoSolvesThePyramidThatSplitDoesNot) {
+  const ContactProblem p = pyramid(10);
+  EXPECT_EQ(run(p, "split", 1e-8, 20000).status, SolveStatus::kIterationLimit);
+  EXPECT_EQ(run(p, "cone", 1e-8, 20000).status, SolveStatus::kConverged);
+  EXPECT_EQ(run(p, "auto", 1e-8, 20000).status, SolveStatus::kConverged);
+}
+
+TEST(AcceleratedGradient, SolvesAnUnsymmetricOperator) {
+  const Manufactured m = manufactured_problem(3, 12, 10, 4);
+  ContactProblem p = without_bodies(m.problem);
+  const double scale = p.W.diagonal().maxCoeff();
+  int k = 0;
+  for (int row = 0; row < p.W.outerSize(); ++row) {
+    for (SparseRows::InnerIterator it(p.W, row); it; ++it) {
+      it.valueRef() += 1e-3 * scale * std::sin(++k);
+    }
+  }
+  p.u_free = m.u - Vector(p.W * m.s);
+  const SolveResult r = run(p, "auto");
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+}
+
+TEST(SpectralEstimate, LiesBetweenTheTrueEigenvalueAndTheBound) {
+  const ContactProblem p = triangular_lattice(6);
+  const DelassusOperator delassus(p);
+  const Vector scale = delassus.diagonal().cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd dense =
+      scale.asDiagonal() * Eigen::MatrixXd(assemble_delassus(p.A, p.H, p.dim)) * scale.asDiagonal();
+  Vector x = Vector::Ones(p.num_rows());
+  for (int k = 0; k < 20000; ++k) x = (dense * x).normalized();
+  const double largest = x.dot(dense * x);
+  EXPECT_LE(spectral_estimate(p, delassus, scale, 30), largest * (1 + 1e-12));
+  EXPECT_GE(spectral_estimate(p, delassus, scale, 30), 0.9 * largest);
+  EXPECT_GE(spectral_bound(p, scale), largest);
+}
+
+TEST(SpectralBound, DoesNotDependOnTheDirectionOfTheScene) {
+  LatticeOptions turned;
+  turned.turn = 0.6;
+  const ContactProblem a = triangular_lattice(4), b = triangular_lattice(4, turned);
+  const Vector ones = Vector::Ones(a.num_rows());
+  EXPECT_NEAR(spectral_bound(a, ones), spectral_bound(b, ones), 1e-12 * spectral_bound(a, ones));
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,85 @@
+#include "solvers/methods/admm.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "core/problem/delassus.h"
+#include "solvers/solve.h"
+#include "tests/support/lattice_problem.h"
+#include "tests/support/manufactured.h"
+#include "tests/support/small_problems.h"
+
+namespace bipot {
+namespace {
+
+SolveResult run(const ContactProblem& p, std::map<std::string, std::string> parameters = {},
+                double tol = 1e-8, int max_iterations = 20000) {
+  SolverOptions o;
+  o.tol = tol;
+  o.max_iterations = max_iterations;
+  o.parameters = std::move(parameters);
+  return solve("admm", p, o);
+}
+
+TEST(Admm, VelocityAndContactFormDoTheSameSteps) {
+  const ContactProblem p = triangular_lattice(6);
+  ContactProblem local = local_form(p);
+  if (!local.has_delassus()) local.W = assemble_delassus(p.A, p.H, p.dim);
+  const SolveResult a = run(p, {{"penalty", "fixed"}, {"rho", "0.1"}}, 1e-14, 30);
+  const SolveResult b = run(local, {{"penalty", "fixed"}, {"rho", "0.1"}}, 1e-14, 30);
+  EXPECT_LT((a.s - b.s).norm(), 1e-8 * a.s.norm());
+}
+
+TEST(Admm, AFewDozenIterationsSolveALattice) {
+  LatticeOptions o;
+  o.tilt = 0.17;
+  for (const ContactProblem& p : {triangular_lattice(20, o), square_lattice(20)}) {
+    const SolveResult r = run(p);
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_LT(r.iterations, 200);
+  }
+}
+
+TEST(Admm, SolvesAnUnsymmetricOperator) {
+  const Manufactured m = manufactured_problem(3, 12, 10, 4);
+  ContactProblem p = local_form(m.problem);
+  const double scale = p.W.diagonal().maxCoeff();
+  int k = 0;
+  for (int row = 0; row < p.W.outerSize(); ++row) {
+    for (SparseRows::InnerIterator it(p.W, row); it; ++it) {
+      it.valueRef() += 1e-3 * scale * std::sin(++k);
+    }
+  }
+  p.u_free = m.u - Vector(p.W * m.s);
+  const SolveResult r = run(p);
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+}
+
+// An eigenvalue of -0.01 is more than the first penalty: that is raised until the factor exists.
+TEST(Admm, RaisesThePenaltyOfAnIndefiniteOperator) {
+  ContactProblem p;
+  p.dim = 2;
+  p.W.resize(4, 4);
+  p.W.insert(0, 0) = 1;
+  p.W.insert(0, 2) = 1.01;
+  p.W.insert(1, 1) = 1;
+  p.W.insert(2, 0) = 1.01;
+  p.W.insert(2, 2) = 1;
+  p.W.insert(3, 3) = 1;
+  p.W.makeCompressed();
+  p.mu = Vector::Constant(2, 0.3);
+  p.u_free = Vector(4);
+  p.u_free << -1, 0, -0.5, 0;  // the first contact alone: s_n = 1, u_n = 0.51 at the second
+  const SolveResult r = run(p);
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+}
+
+TEST(Admm, SolvesTheFreePyramid) {
+  const SolveResult r = run(pyramid(10));
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,46 @@
+#include "solvers/methods/anderson.h"
+
+#include <gtest/gtest.h>
+
+#include "solvers/solve.h"
+#include "tests/support/lattice_problem.h"
+#include "tests/support/manufactured.h"
+
+namespace bipot {
+namespace {
+
+SolveResult run(const std::string& solver, const ContactProblem& p,
+                std::map<std::string, std::string> parameters = {}) {
+  SolverOptions o;
+  o.parameters = std::move(parameters);
+  o.max_iterations = 100000;
+  return solve(solver, p, o);
+}
+
+TEST(Anderson, BeatsTheSweepsItAccelerates) {
+  for (const ContactProblem& p : {square_lattice(16), cubic_lattice(5)}) {
+    const SolveResult plain = run("pgs", p, {{"order", "symmetric"}}), fast = run("anderson", p);
+    ASSERT_EQ(plain.status, SolveStatus::kConverged) << plain.message;
+    ASSERT_EQ(fast.status, SolveStatus::kConverged) << fast.message;
+    // An iteration of anderson is a forward and a backward sweep.
+    EXPECT_LT(2 * 2 * fast.iterations, plain.iterations) << p.dim;
+  }
+}
+
+TEST(Anderson, MoreMemoryThanIterationsIsNoHarm) {
+  const ContactProblem p = manufactured_problem(2, 6, 6, 3).problem;
+  const SolveResult r = run("anderson", p, {{"memory", "100"}});
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+}
+
+// One column of memory is the secant method: it converges, and not faster than eight columns.
+TEST(Anderson, MemoryHelps) {
+  const ContactProblem p = square_lattice(16);
+  const SolveResult one = run("anderson", p, {{"memory", "1"}}), eight = run("anderson", p);
+  ASSERT_EQ(one.status, SolveStatus::kConverged) << one.message;
+  ASSERT_EQ(eight.status, SolveStatus::kConverged) << eight.message;
+  EXPECT_LT(eight.iterations, one.iterations);
+}
+
+}  // namespace
+}  // namespace bipot

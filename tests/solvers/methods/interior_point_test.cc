@@ -1,0 +1,476 @@
+#include "solvers/methods/interior_point.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "core/motion/time_stepping.h"
+#include "core/scene/generators.h"
+#include "solvers/interior/interior_state.h"
+#include "solvers/kernels/shifted_delassus.h"
+#include "solvers/registry.h"
+#include "solvers/solve.h"
+#include "tests/support/manufactured.h"
+
+namespace bipot {
+namespace {
+
+SolverOptions with(std::map<std::string, std::string> parameters, double tol = 1e-8) {
+  SolverOptions options;
+  options.tol = tol;
+  options.parameters = std::move(parameters);
+  return options;
+}
+
+/// The problem of the first step of a scene at rest.
+ContactProblem first_problem(const Scene& scene) {
+  ContactProblem problem;
+  const StepSolver copy = [&](const ContactProblem& p, const Vector&) {
+    problem = p;
+    StepSolution solution;
+    solution.converged = true;
+    solution.s = Vector::Zero(p.num_rows());
+    return solution;
+  };
+  State state = initial_state(scene);
+  TimeStepper(scene, copy, false).advance(state);
+  return problem;
+}
+
+Scene scene_of(std::vector<Disk> disks, double mu, double tilt_degrees) {
+  constexpr double kGravity = 9.81, kDensity = 1000;
+  const double tilt = tilt_degrees * std::numbers::pi / 180;
+  Scene scene;
+  scene.gravity = kGravity * Vec2(std::sin(tilt), -std::cos(tilt));
+  scene.materials = {"grain"};
+  scene.laws = {ContactLaw{mu, 0, 0}};
+  scene.step = 1e-3;
+  scene.num_steps = 1;
+  scene.contact_distance = 1e-8;
+  scene.disks = std::move(disks);
+  for (Disk& d : scene.disks) {
+    d.mass = kDensity * std::numbers::pi * d.radius * d.radius;
+    d.inertia = d.mass * d.radius * d.radius / 2;
+  }
+  scene.walls.push_back({.name = "floor"});
+  return scene;
+}
+
+Wall side_wall(double x, double normal) {
+  Wall wall{.name = "side"};
+  wall.a = Vec2(x, 0);
+  wall.normal = Vec2(normal, 0);
+  return wall;
+}
+
+constexpr double kRadius = 0.01;
+
+ContactProblem lattice(bool triangular, int n, double mu, double tilt) {
+  Scene scene = scene_of(triangular ? triangular_lattice(n, n, kRadius, Vec2::Zero())
+                                    : rectangular_lattice(n, n, kRadius, Vec2::Zero()),
+                         mu, tilt);
+  scene.walls.push_back(side_wall(0, 1));
+  scene.walls.push_back(side_wall(2 * kRadius * n, -1));
+  return first_problem(scene);
+}
+
+ContactProblem free_pyramid(int rows, double mu) {
+  return first_problem(scene_of(pyramid(rows, kRadius, Vec2::Zero()), mu, 0));
+}
+
+/// W alone, no bodies.
+ContactProblem local_form(ContactProblem p) {
+  if (!p.has_delassus()) p.W = assemble_delassus(p.A, p.H, p.dim);
+  p.A.resize(0, 0);
+  p.H.resize(0, 0);
+  p.v_free.resize(0);
+  return p;
+}
+
+Vector random_vector(int size, unsigned seed) {
+  std::mt19937_64 random(seed);
+  Vector x(size);
+  for (int i = 0; i < size; ++i) x[i] = static_cast<double>(random() >> 11) * 0x1p-52 - 1;
+  return x;
+}
+
+TEST(ShiftedDelassus, BothFormsSolveTheDenseSystemAndAgreeOnTheSign) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    const ContactProblem p = manufactured_problem(dim, 6, 9, 3).problem;
+    const DelassusOperator delassus(p);
+    const int m = p.num_rows();
+    bool seen[3] = {false, false, false};
+    for (unsigned seed = 1; seed <= 6; ++seed) {
+      const Vector values = 3 * random_vector(p.num_contacts() * dim * dim, seed);
+      const std::vector<double> R(values.begin(), values.end());
+      Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(m, m);
+      for (int c = 0; c < p.num_contacts(); ++c) {
+        for (int a = 0; a < dim; ++a) {
+          for (int b = 0; b < dim; ++b) {
+            dense.row(c * dim + a) +=
+                R[(c * dim + a) * dim + b] * Eigen::MatrixXd(p.W).row(c * dim + b);
+          }
+        }
+      }
+      const Vector g = random_vector(m, seed + 100);
+      const Vector expected = dense.lu().solve(g);
+      const int sign = dense.determinant() > 0 ? 1 : -1;
+      seen[sign + 1] = true;
+      for (const auto form : {ShiftedDelassus::Form::kBody, ShiftedDelassus::Form::kContact}) {
+        ShiftedDelassus system(p, delassus, form);
+        EXPECT_EQ(system.body_form(), form == ShiftedDelassus::Form::kBody);
+        ASSERT_TRUE(system.factor(R));
+        Vector x;
+        system.solve(g, x);
+        EXPECT_LT((x - expected).norm(), 1e-9 * expected.norm()) << dim << seed;
+        EXPECT_EQ(system.determinant_sign(), sign) << dim << seed;
+      }
+    }
+    EXPECT_TRUE(seen[0] && seen[2]) << "both signs must occur";
+  }
+}
+
+TEST(ShiftedDelassus, RefusesTheBodyFormWithoutBodies) {
+  const ContactProblem p = local_form(manufactured_problem(2, 6, 9, 3).problem);
+  const DelassusOperator delassus(p);
+  EXPECT_THROW(ShiftedDelassus(p, delassus, ShiftedDelassus::Form::kBody), std::invalid_argument);
+}
+
+template <int D>
+void expect_algebra_consistent() {
+  using Jordan = ContactJordan<D>;
+  using Pairs = typename Jordan::Pairs;
+  Pairs x = random_vector(Jordan::P, 5), z = random_vector(Jordan::P, 6);
+  if constexpr (D == 3) x[1] = 2;
+  x[0] = 1;
+  const Pairs y = Jordan::divide(z, x, true);
+  EXPECT_LT((Jordan::product(x, y, true) - z).norm(), 1e-14);
+  EXPECT_LT((Jordan::product(y, x, true) - z).norm(), 1e-14) << "the product commutes";
+  // On the path x and its multiple inverse have the identity as product.
+  const Pairs unit = Jordan::product(x, Jordan::divide(Jordan::identity(0.3, true), x, true), true);
+  for (int k = 0; k < Jordan::kEigenvalues; ++k) {
+    EXPECT_NEAR(Jordan::eigenvalues(unit, true)[k], 0.3, 1e-14);
+  }
+  EXPECT_NEAR(Jordan::trace(z, true), Jordan::eigenvalues(z, true).head(Jordan::rank(true)).sum(),
+              1e-14);
+}
+
+TEST(ContactJordan, DivisionInvertsTheProduct) {
+  expect_algebra_consistent<1>();
+  expect_algebra_consistent<2>();
+  expect_algebra_consistent<3>();
+}
+
+TEST(ContactJordan, TheLongestStepEndsOnTheBoundary) {
+  using Jordan = ContactJordan<3>;
+  const Jordan::Pairs x(1, 1, 0.3, -0.2);
+  int bounded = 0;
+  for (unsigned seed = 1; seed <= 50; ++seed) {
+    Jordan::Pairs dx = random_vector(4, seed);
+    const double t = Jordan::longest_step(x, dx, true);
+    const double reach = std::isinf(t) ? 1e6 : t;
+    EXPECT_GT(Jordan::eigenvalues(x + 0.999 * reach * dx, true).minCoeff(), 0) << seed;
+    if (std::isinf(t)) continue;
+    ++bounded;
+    EXPECT_NEAR(Jordan::eigenvalues(x + t * dx, true).minCoeff(), 0, 1e-9 * (1 + t)) << seed;
+  }
+  EXPECT_GT(bounded, 10);
+}
+
+TEST(ContactJordan, ThePairsCarryTheExactLaw) {
+  // x·y = mu s_n |u_t| + s_t·u_t where gamma = |u_t|, and u_n = w without dilatancy.
+  const double mu = 0.4;
+  const Local<2> s2(2.0, -0.5), u2(0.3, 0.7);
+  using J2 = ContactJordan<2>;
+  const J2::Pairs x2 = J2::pairs_of_impulse(s2, mu, true);
+  EXPECT_LT((J2::impulse_of_pairs(x2, true) - s2).norm(), 1e-15);
+  const J2::Pairs y2(0.3, 0.0, 0.7);  // la = max(-u_t, 0), lc = max(u_t, 0)
+  EXPECT_LT((J2::velocity_of_pairs(y2, 0, true) - u2).norm(), 1e-15);
+  EXPECT_NEAR(J2::trace(J2::product(x2, y2, true), true) - s2[0] * u2[0],
+              mu * s2[0] * std::abs(u2[1]) + s2[1] * u2[1], 1e-14);
+  using J3 = ContactJordan<3>;
+  const Local<3> s3(2.0, -0.5, 0.2), u3(0.3, 0.7, -0.1);
+  const J3::Pairs y3(0.3, u3.tail<2>().norm(), 0.7, -0.1);
+  const J3::Pairs x3 = J3::pairs_of_impulse(s3, mu, true);
+  EXPECT_LT((J3::velocity_of_pairs(y3, 0, true) - u3).norm(), 1e-15);
+  EXPECT_NEAR(J3::trace(J3::product(x3, y3, true), true) - s3[0] * u3[0],
+              mu * s3[0] * u3.tail<2>().norm() + s3.tail<2>().dot(u3.tail<2>()), 1e-14);
+  EXPECT_NEAR(J3::velocity_of_pairs(y3, mu, true)[0], 0.3 + mu * u3.tail<2>().norm(), 1e-14);
+}
+
+template <int D>
+void expect_direction_solves_the_linearised_system(double association) {
+  using Jordan = ContactJordan<D>;
+  constexpr int P = Jordan::P;
+  ContactProblem p = manufactured_problem(D, 8, 12, 11).problem;
+  if (D > 1) p.mu[3] = 0;  // no friction: the tangential pairs drop out
+  const DelassusOperator delassus(p);
+  InteriorSystem<D> system(p, delassus, ShiftedDelassus::Form::kAuto);
+  system.set_association(association);
+  const double delta = 0.1;
+  const InteriorState<D> z =
+      system.central_state(Vector::Constant(12, 0.7), Vector::Constant(12, 0.2));
+  Vector r = random_vector(12 * P, 1), q = random_vector(12 * D, 2);
+  ASSERT_TRUE(system.linearise(z, delta));
+  PairDirection d;
+  system.direction(z, r, q, d);
+  Vector wds;
+  delassus.apply(d.ds, wds);
+  for (int c = 0; c < 12; ++c) {
+    const bool f = system.friction(c);
+    const typename Jordan::Pairs left =
+        Jordan::product(system.pairs(z.X, c), system.pairs(d.dY, c), f) +
+        Jordan::product(system.pairs(z.Y, c), system.pairs(d.dX, c), f);
+    const int count = f || D == 1 ? P : 1;
+    EXPECT_LT((left - system.pairs(r, c)).head(count).norm(), 1e-12) << c;
+    const Local<D> kinematic =
+        local<D>(wds, c) + delta * local<D>(system.mobility(), c).cwiseProduct(local<D>(d.ds, c)) -
+        Jordan::velocity_of_pairs(system.pairs(d.dY, c), association * p.mu[c], f) + local<D>(q, c);
+    EXPECT_LT(kinematic.head(f ? D : 1).norm(), 1e-11) << c;
+    if (!f) {
+      EXPECT_EQ(local<D>(d.ds, c).tail(D - 1).norm(), 0);
+    }
+  }
+}
+
+TEST(InteriorSystem, DirectionsSolveTheLinearisedSystem) {
+  for (const double association : {0.0, 1.0}) {
+    expect_direction_solves_the_linearised_system<1>(association);
+    expect_direction_solves_the_linearised_system<2>(association);
+    expect_direction_solves_the_linearised_system<3>(association);
+  }
+}
+
+TEST(InteriorSystem, DroppingTheDilatancyKeepsTheKinematicResidual) {
+  const ContactProblem p = manufactured_problem(3, 8, 12, 11).problem;
+  const DelassusOperator delassus(p);
+  InteriorSystem<3> system(p, delassus, ShiftedDelassus::Form::kAuto);
+  system.set_association(1);
+  InteriorState<3> z = system.central_state(Vector::Constant(12, 0.7), Vector::Constant(12, 0.2));
+  const Vector before = z.p;
+  system.set_association(z, 0);
+  EXPECT_LT((z.p - before).norm(), 1e-14 * before.norm());
+}
+
+TEST(InteriorPoint, ReachesManufacturedSolutionsInEveryDimension) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    for (unsigned seed = 1; seed <= 5; ++seed) {
+      Manufactured m = manufactured_problem(dim, 30, 40, seed);
+      const SolveResult r = solve("ipm", m.problem);
+      EXPECT_EQ(r.status, SolveStatus::kConverged) << dim << " " << seed << ": " << r.message;
+      EXPECT_LT((r.u - m.u).norm(), 1e-6 * m.u.norm()) << dim << " " << seed;
+      EXPECT_LE(r.iterations, 40);
+    }
+  }
+}
+
+TEST(InteriorPoint, SolvesLocalProblemsWithUnsymmetricOperators) {
+  for (int dim = 2; dim <= 3; ++dim) {
+    Manufactured m = manufactured_problem(dim, 30, 40, 4);
+    ContactProblem p = local_form(m.problem);
+    // Rounded data of other codes: relative perturbations that differ between W_ij and W_ji.
+    double asymmetry = 0;
+    for (int k = 0; k < p.W.outerSize(); ++k) {
+      for (SparseRows::InnerIterator it(p.W, k); it; ++it) {
+        if (it.row() != it.col()) it.valueRef() *= 1 + 1e-4 * std::sin(3.0 * it.row() + it.col());
+      }
+    }
+    for (int k = 0; k < p.W.outerSize(); ++k) {
+      for (SparseRows::InnerIterator it(p.W, k); it; ++it) {
+        asymmetry = std::max(asymmetry, std::abs(it.value() - p.W.coeff(it.col(), it.row())));
+      }
+    }
+    ASSERT_GT(asymmetry, 1e-6);
+    const SolveResult r = solve("ipm", p);
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << dim << ": " << r.message;
+  }
+}
+
+TEST(InteriorPoint, HandlesContactsWithoutFrictionAmongOthers) {
+  for (int dim = 2; dim <= 3; ++dim) {
+    ContactProblem p = manufactured_problem(dim, 30, 40, 8).problem;
+    for (int c = 0; c < 40; c += 3) p.mu[c] = 0;
+    const SolveResult r = solve("ipm", p);
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << dim << ": " << r.message;
+    for (int c = 0; c < 40; c += 3) EXPECT_EQ(r.s.segment(c * dim + 1, dim - 1).norm(), 0);
+  }
+}
+
+TEST(InteriorPoint, BothLinearSystemsReachTheSameVelocities) {
+  const ContactProblem p = lattice(true, 6, 0.3, 10);
+  const SolveResult body = solve("ipm", p, with({{"linear_system", "body"}}, 1e-10));
+  const SolveResult contact = solve("ipm", p, with({{"linear_system", "contact"}}, 1e-10));
+  ASSERT_EQ(body.status, SolveStatus::kConverged) << body.message;
+  ASSERT_EQ(contact.status, SolveStatus::kConverged) << contact.message;
+  EXPECT_LT((body.u - contact.u).norm(), 1e-8 * p.u_free.norm());
+}
+
+TEST(InteriorPoint, LatticesTakeFewIterationsFromStartsOfAnyScale) {
+  for (const int n : {10, 30}) {
+    for (const bool triangular : {false, true}) {
+      const ContactProblem p = lattice(triangular, n, 0.3, triangular ? 10 : 0);
+      for (const char* scale : {"0.1", "1", "10"}) {
+        const SolveResult r = solve("ipm", p, with({{"start_scale", scale}}));
+        EXPECT_EQ(r.status, SolveStatus::kConverged) << n << " " << scale << ": " << r.message;
+        EXPECT_LE(r.iterations, 25) << n << " " << scale;
+      }
+    }
+  }
+}
+
+TEST(InteriorPoint, FreePyramidsAreReached) {
+  for (const double mu : {0.3, 0.5}) {
+    const SolveResult r = solve("ipm", free_pyramid(10, mu));
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << mu << ": " << r.message;
+    EXPECT_LE(r.iterations, 150);
+  }
+}
+
+TEST(InteriorPoint, RandomPilesAreReachedFromStartsOfAnyScale) {
+  // A loose filling that falls and settles; then the problem of one more step.
+  Scene scene = scene_of(random_filling(80, {{0.7 * kRadius, 0.4}, {kRadius, 0.6}}, 20 * kRadius,
+                                        0.02, 7, Vec2::Zero()),
+                         0.5, 0);
+  scene.walls.push_back(side_wall(0, 1));
+  scene.walls.push_back(side_wall(20 * kRadius, -1));
+  const StepSolver step = [&](const ContactProblem& p, const Vector& s0) {
+    SolverOptions options = with({}, 1e-4);
+    options.max_iterations = 100;
+    options.s0 = s0;
+    const SolveResult r = solve("pgs", p, options);
+    StepSolution solution;
+    solution.converged = true;
+    solution.s = r.s;
+    return solution;
+  };
+  State state = initial_state(scene);
+  TimeStepper stepper(scene, step, false);
+  for (int k = 0; k < 400; ++k) stepper.advance(state);
+  ContactProblem p = stepper.problem();
+  ASSERT_GT(p.num_contacts(), 100);
+  for (const char* scale : {"0.1", "1", "10"}) {
+    const SolveResult r = solve("ipm", p, with({{"start_scale", scale}}));
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << scale << ": " << r.message;
+    EXPECT_LE(r.iterations, 150);
+  }
+}
+
+TEST(InteriorPoint, IterationsDoNotDependOnTheUnits) {
+  // kg, m, s -> g, mm, ms: masses 1e3, moments 1e9, lengths 1e3, velocities 1, spins 1e-3.
+  const ContactProblem si = free_pyramid(8, 0.5);
+  ContactProblem p = si;
+  Vector dof(p.num_dofs());
+  for (int i = 0; i < p.num_dofs(); ++i) dof[i] = i % 3 == 2 ? 1e-3 : 1.0;  // new over old velocity
+  for (int i = 0; i < p.num_dofs(); ++i) p.A.coeffRef(i, i) *= i % 3 == 2 ? 1e9 : 1e3;
+  p.H = SparseMatrix(dof.cwiseInverse().asDiagonal() * p.H);
+  p.v_free = p.v_free.cwiseProduct(dof);
+  if (p.has_delassus()) p.W *= 1e-3;
+  const SolveResult a = solve("ipm", si), b = solve("ipm", p);
+  ASSERT_EQ(a.status, SolveStatus::kConverged) << a.message;
+  ASSERT_EQ(b.status, SolveStatus::kConverged) << b.message;
+  EXPECT_NEAR(a.iterations, b.iterations, 1);
+}
+
+TEST(InteriorPoint, PolishRemovesTheImpulsesOfDegenerateContacts) {
+  // Two bodies on the floor under gravity that also touch each other: that contact neither moves
+  // nor pushes, and its impulse on the central path falls only as the square root of the product.
+  ContactProblem p;
+  p.dim = 1;
+  p.A.resize(4, 4);
+  p.A.setIdentity();
+  p.H.resize(4, 3);
+  p.H.insert(1, 0) = 1;   // body 1 (x, y) on the floor
+  p.H.insert(3, 1) = 1;   // body 2
+  p.H.insert(0, 2) = -1;  // touching side by side
+  p.H.insert(2, 2) = 1;
+  p.v_free = (Vector(4) << 0, -1, 0, -1).finished();
+  p.u_free = p.H.transpose() * p.v_free;
+  p.mu = Vector::Zero(3);
+  const SolveResult r = solve("ipm", p, with({}, 1e-14));
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  EXPECT_NEAR(r.s[0], 1, 1e-12);
+  EXPECT_LT(r.s[2], 1e-14);
+}
+
+TEST(InteriorPoint, NeverClaimsASolutionWhereNoneExists) {
+  // A body between two walls that close in on it.
+  ContactProblem p;
+  p.dim = 1;
+  p.A.resize(1, 1);
+  p.A.insert(0, 0) = 1;
+  p.H.resize(1, 2);
+  p.H.insert(0, 0) = 1;
+  p.H.insert(0, 1) = -1;
+  p.v_free = Vector::Zero(1);
+  p.u_free = Vector::Constant(2, -1);
+  p.mu = Vector::Zero(2);
+  const SolveResult r = solve("ipm", p);
+  EXPECT_TRUE(r.status == SolveStatus::kStalled || r.status == SolveStatus::kDiverged)
+      << to_string(r.status) << ": " << r.message;
+  EXPECT_TRUE(r.s.allFinite());
+}
+
+TEST(InteriorPoint, AGoodStartCostsAFewNewtonSteps) {
+  const ContactProblem p = lattice(true, 10, 0.3, 10);
+  const SolveResult rough = solve("ipm", p, with({}, 1e-5));
+  ASSERT_EQ(rough.status, SolveStatus::kConverged);
+  SolverOptions options = with({}, 1e-10);
+  options.s0 = rough.s;
+  const SolveResult warm = solve("ipm", p, options);
+  EXPECT_EQ(warm.status, SolveStatus::kConverged) << warm.message;
+  EXPECT_LE(warm.iterations, 8) << warm.message;
+  options.s0 = 1.5 * rough.s;  // a bad start: back to the cold one
+  const SolveResult cold = solve("ipm", p, options);
+  EXPECT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
+}
+
+TEST(InteriorPoint, EachStageCanBeSwitchedOff) {
+  const ContactProblem p = lattice(true, 8, 0.3, 10);
+  for (const char* name : {"relaxation", "arclength", "polish"}) {
+    const SolveResult r = solve("ipm", p, with({{name, "off"}}));
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << name << ": " << r.message;
+  }
+}
+
+TEST(InteriorPoint, FollowsTheCentralPathThroughItsFolds) {
+  // The stages before stop at a fold: with them alone this start does not arrive.
+  const ContactProblem p = free_pyramid(20, 0.5);
+  const SolveResult without = solve("ipm", p, with({{"arclength", "off"}, {"rounds", "3"}}));
+  const SolveResult with_arc = solve("ipm", p, with({{"rounds", "3"}}));
+  EXPECT_EQ(without.status, SolveStatus::kStalled) << without.message;
+  EXPECT_NE(without.message.find("best error"), std::string::npos) << without.message;
+  EXPECT_EQ(with_arc.status, SolveStatus::kConverged) << with_arc.message;
+}
+
+TEST(InteriorPoint, RespectsTheLimits) {
+  const ContactProblem p = free_pyramid(10, 0.5);
+  SolverOptions few;
+  few.max_iterations = 3;
+  const SolveResult limited = solve("ipm", p, few);
+  EXPECT_EQ(limited.status, SolveStatus::kIterationLimit);
+  EXPECT_EQ(limited.iterations, 3);
+  SolverOptions hurried;
+  hurried.time_limit = 1e-9;
+  EXPECT_EQ(solve("ipm", p, hurried).status, SolveStatus::kTimeLimit);
+}
+
+TEST(InteriorPoint, ReportsEveryIteration) {
+  SolverOptions options;
+  std::vector<int> seen;
+  options.on_iteration = [&](const IterationRecord& r) { seen.push_back(r.iteration); };
+  const SolveResult r = solve("ipm", lattice(true, 6, 0.3, 10), options);
+  ASSERT_EQ(r.status, SolveStatus::kConverged);
+  ASSERT_EQ(static_cast<int>(seen.size()), r.iterations + 1);
+  for (int k = 0; k <= r.iterations; ++k) EXPECT_EQ(seen[k], k);
+}
+
+TEST(InteriorPoint, TheSameInputGivesTheSameBits) {
+  const ContactProblem p = free_pyramid(8, 0.3);
+  EXPECT_EQ(solve("ipm", p).s, solve("ipm", p).s);
+}
+
+}  // namespace
+}  // namespace bipot

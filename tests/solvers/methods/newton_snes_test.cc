@@ -1,0 +1,205 @@
+#include "solvers/methods/newton_snes.h"
+
+#include <gtest/gtest.h>
+
+#include <csignal>
+
+#include "solvers/solve.h"
+#include "tests/support/manufactured.h"
+#include "tests/support/small_problems.h"
+
+namespace bipot {
+namespace {
+
+using ParameterMap = std::map<std::string, std::string>;
+
+SolveResult newton(const ContactProblem& p, ParameterMap parameters = {}, double tol = 1e-8) {
+  SolverOptions options;
+  options.tol = tol;
+  parameters.emplace("start_sweeps", "0");
+  options.parameters = std::move(parameters);
+  return solve("newton", p, options);
+}
+
+class NewtonResidual : public testing::TestWithParam<const char*> {};
+
+TEST_P(NewtonResidual, OneContactTakesOffSticksAndSlips) {
+  const ParameterMap parameters = {{"residual", GetParam()}};
+  for (int dim = 2; dim <= 3; ++dim) {
+    Vector pull = Vector::Zero(dim - 1);
+    // w_n = 2, w_t = 3, b_n = -1: s_n = 1/2, friction bound 0.2, pull of 0.3 needs 0.1: stick.
+    pull[dim - 2] = 0.3;
+    SolveResult r = newton(one_contact_problem(dim, 2, 3, 0.4, -1, pull), parameters, 1e-12);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_NEAR(r.s[0], 0.5, 1e-12);
+    EXPECT_NEAR(r.s[dim - 1], -0.1, 1e-12);
+    EXPECT_LT(r.u.norm(), 1e-12);
+    // A pull of 3 would need 1: slip at 0.2, u_t = 3 - 3 * 0.2.
+    pull[dim - 2] = 3;
+    r = newton(one_contact_problem(dim, 2, 3, 0.4, -1, pull), parameters, 1e-12);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_NEAR(r.s[0], 0.5, 1e-12);
+    EXPECT_NEAR(r.s[dim - 1], -0.2, 1e-12);
+    EXPECT_NEAR(r.u[dim - 1], 2.4, 1e-12);
+    // mu = 0: no tangential impulse.
+    r = newton(one_contact_problem(dim, 2, 3, 0, -1, pull), parameters, 1e-12);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_NEAR(r.s[0], 0.5, 1e-12);
+    EXPECT_NEAR(r.s.tail(dim - 1).norm(), 0, 1e-12);
+    // Take-off: s = 0 is the law, nothing to do.
+    r = newton(one_contact_problem(dim, 2, 3, 0.4, 1, pull), parameters);
+    EXPECT_EQ(r.status, SolveStatus::kNothingToDo);
+    EXPECT_EQ(r.s.norm(), 0);
+  }
+}
+
+TEST_P(NewtonResidual, FindsManufacturedSolutions) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    const Manufactured m = manufactured_problem(dim, 20, 24, 7);
+    const SolveResult r = newton(m.problem, {{"residual", GetParam()}}, 1e-10);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << dim << r.message;
+    EXPECT_LT((r.u - m.u).norm(), 1e-7 * m.u.norm()) << dim;
+  }
+}
+
+TEST_P(NewtonResidual, ContactAndMixedFormsAgree) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 5, 0.3, 10);
+  const SolveResult contact = newton(p, {{"form", "contact"}, {"residual", GetParam()}}, 1e-10);
+  const SolveResult mixed = newton(p, {{"form", "mixed"}, {"residual", GetParam()}}, 1e-10);
+  ASSERT_EQ(contact.status, SolveStatus::kConverged) << contact.message;
+  ASSERT_EQ(mixed.status, SolveStatus::kConverged) << mixed.message;
+  EXPECT_EQ(contact.iterations, mixed.iterations);
+  EXPECT_LT((contact.u - mixed.u).norm(), 1e-7 * p.u_free.norm());
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, NewtonResidual,
+                         testing::Values("alart-curnier", "fischer-burmeister"),
+                         [](const auto& instance) {
+                           return std::string(instance.param).substr(0, 5);
+                         });
+
+class NewtonLinear : public testing::TestWithParam<const char*> {};
+
+TEST_P(NewtonLinear, SolvesAHyperstaticLattice) {
+  for (const double mu : {0.0, 0.3}) {  // d = 1 and d = 2
+    const ContactProblem p = lattice_step(Lattice::kTriangular, 8, mu, 10);
+    const SolveResult r = newton(p, {{"linear", GetParam()}, {"start_sweeps", "50"}});
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_LE(r.error.guarded(), 1e-8);
+    EXPECT_NE(r.message.find(GetParam()), std::string::npos);
+    EXPECT_NE(r.message.find("last kappa"), std::string::npos);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, NewtonLinear, testing::Values("umfpack", "mumps", "petsc", "gmres"),
+                         [](const auto& instance) { return std::string(instance.param); });
+
+class NewtonLineSearch : public testing::TestWithParam<const char*> {};
+
+TEST_P(NewtonLineSearch, SolvesASquareLattice) {
+  const ContactProblem p = lattice_step(Lattice::kSquare, 8, 0.3, 0);
+  const SolveResult r = newton(p, {{"line_search", GetParam()}});
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, NewtonLineSearch, testing::Values("basic", "bt", "l2", "cp"),
+                         [](const auto& instance) { return std::string(instance.param); });
+
+TEST(Newton, SolvesFrictionlessProblemsAsVariationalInequalities) {
+  for (const Lattice lattice : {Lattice::kSquare, Lattice::kTriangular}) {
+    const ContactProblem p = lattice_step(lattice, 8, 0, 0);
+    ASSERT_EQ(p.dim, 1);
+    const SolveResult r = newton(p, {{"residual", "snesvi"}});
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  }
+  const SolveResult refused =
+      newton(lattice_step(Lattice::kSquare, 3, 0.3, 0), {{"residual", "snesvi"}});
+  EXPECT_EQ(refused.status, SolveStatus::kInvalidInput);
+  EXPECT_NE(refused.message.find("dimension 1"), std::string::npos) << refused.message;
+}
+
+TEST(Newton, SolvesTheFreePyramidWithTheDefaults) {
+  for (const double mu : {0.3, 0.5}) {
+    const SolveResult r = solve("newton", lattice_step(Lattice::kPyramid, 10, mu, 0));
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  }
+}
+
+TEST(Newton, TakesTheSameStepsInAnyUnits) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
+  const SolveResult si = newton(in_units(p, 1, 1, 1));
+  const SolveResult small = newton(in_units(p, 1e3, 1e3, 1e3));  // g, mm, ms
+  ASSERT_EQ(si.status, SolveStatus::kConverged) << si.message;
+  ASSERT_EQ(small.status, SolveStatus::kConverged) << small.message;
+  EXPECT_EQ(si.iterations, small.iterations);
+}
+
+TEST(Newton, RepeatsItselfBitForBit) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
+  EXPECT_EQ(newton(p).s, newton(p).s);
+}
+
+TEST(Newton, AnExactStartCostsNoIteration) {
+  const Manufactured m = manufactured_problem(2, 10, 12, 3);
+  SolverOptions options;
+  options.s0 = m.s;
+  const SolveResult r = solve("newton", m.problem, options);
+  EXPECT_EQ(r.status, SolveStatus::kConverged);
+  EXPECT_EQ(r.iterations, 0);
+}
+
+TEST(Newton, StopsAtItsLimitsAndSaysSo) {
+  const ContactProblem p = lattice_step(Lattice::kPyramid, 10, 0.3, 0);
+  SolverOptions options;
+  options.max_iterations = 2;
+  const SolveResult few = solve("newton", p, options);
+  EXPECT_EQ(few.status, SolveStatus::kIterationLimit) << few.message;
+  EXPECT_EQ(few.iterations, 2);
+  options = {};
+  options.time_limit = 1e-6;
+  const SolveResult late = solve("newton", p, options);
+  EXPECT_EQ(late.status, SolveStatus::kTimeLimit) << late.message;
+}
+
+TEST(Newton, StallsAtRoundOffAndSaysSo) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 5, 0.3, 10);
+  const SolveResult r = newton(p, {}, 1e-19);
+  EXPECT_EQ(r.status, SolveStatus::kStalled) << r.message;
+  EXPECT_LT(r.error.guarded(), 1e-10);
+  EXPECT_NE(r.message.find("round-off"), std::string::npos) << r.message;
+}
+
+TEST(Newton, HandsOptionsToPetscAndNamesTheUnusedOnes) {
+  const ContactProblem p = lattice_step(Lattice::kSquare, 3, 0.3, 0);
+  const SolveResult r =
+      newton(p, {{"petsc", "-snes_linesearch_type bt -bipot_newton_ksp_type preonly -nonsense 1"}});
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  EXPECT_NE(r.message.find("did not use the options -nonsense"), std::string::npos) << r.message;
+  const SolveResult clean = newton(p);  // nothing is left behind in PETSc's database
+  EXPECT_EQ(clean.message.find("nonsense"), std::string::npos) << clean.message;
+  const SolveResult refused = newton(p, {{"petsc", "bt -snes_view"}});
+  EXPECT_EQ(refused.status, SolveStatus::kInvalidInput);
+  EXPECT_NE(refused.message.find("'bt'"), std::string::npos) << refused.message;
+}
+
+TEST(Newton, APetscErrorBecomesAStatusWithText) {
+  const ContactProblem p = lattice_step(Lattice::kSquare, 3, 0.3, 0);
+  const SolveResult r = newton(p, {{"petsc", "-pc_type no_such_preconditioner"}});
+  EXPECT_EQ(r.status, SolveStatus::kNumericalFailure);
+  EXPECT_NE(r.message.find("PETSc"), std::string::npos) << r.message;
+  EXPECT_EQ(newton(p).status, SolveStatus::kConverged);  // and the next solve is not affected
+}
+
+TEST(Newton, LeavesSignalHandlersAlone) {
+  struct sigaction before[3], after[3];
+  const int signals[3] = {SIGSEGV, SIGFPE, SIGTERM};
+  for (int k = 0; k < 3; ++k) sigaction(signals[k], nullptr, &before[k]);
+  ASSERT_EQ(newton(lattice_step(Lattice::kSquare, 3, 0.3, 0)).status, SolveStatus::kConverged);
+  for (int k = 0; k < 3; ++k) {
+    sigaction(signals[k], nullptr, &after[k]);
+    EXPECT_EQ(before[k].sa_handler, after[k].sa_handler) << "signal " << signals[k];
+  }
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,73 @@
+#include "solvers/methods/siconos.h"
+
+#include <gtest/gtest.h>
+
+#include "solvers/registry.h"
+#include "solvers/solve.h"
+#include "tests/support/manufactured.h"
+#include "tests/support/small_problems.h"
+
+namespace bipot {
+namespace {
+
+class Siconos : public testing::TestWithParam<const char*> {
+ protected:
+  static SolveResult run(const ContactProblem& p, double tol = 1e-8) {
+    SolverOptions options;
+    options.tol = tol;
+    return solve(GetParam(), p, options);
+  }
+  static int max_dim() { return find_solver(GetParam())->max_dim; }
+};
+
+TEST_P(Siconos, OneContactTakesOffSticksAndSlipsInEveryDimension) {
+  for (int dim = 1; dim <= max_dim(); ++dim) {
+    Vector pull = Vector::Zero(dim - 1);
+    // w_n = 2, w_t = 3, mu = 0.4, b_n = -1: s_n = 1/2, friction bound 0.2.
+    if (dim > 1) pull[dim - 2] = 0.3;
+    SolveResult r = run(one_contact_problem(dim, 2, 3, dim > 1 ? 0.4 : 0, -1, pull), 1e-9);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << dim << r.message;
+    EXPECT_NEAR(r.s[0], 0.5, 1e-7);
+    if (dim > 1) {
+      EXPECT_NEAR(r.s[dim - 1], -0.1, 1e-7);
+      pull[dim - 2] = 3;
+      r = run(one_contact_problem(dim, 2, 3, 0.4, -1, pull), 1e-9);
+      ASSERT_EQ(r.status, SolveStatus::kConverged) << dim << r.message;
+      EXPECT_NEAR(r.s[dim - 1], -0.2, 1e-7);
+      EXPECT_NEAR(r.u[dim - 1], 2.4, 1e-6);
+    }
+    EXPECT_EQ(run(one_contact_problem(dim, 2, 3, 0.4, 1, pull)).status, SolveStatus::kNothingToDo);
+  }
+}
+
+TEST_P(Siconos, FindsManufacturedSolutions) {
+  for (int dim = 1; dim <= max_dim(); ++dim) {
+    const Manufactured m = manufactured_problem(dim, 12, 12, 7);
+    const SolveResult r = run(m.problem);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << dim << r.message;
+    EXPECT_LT((r.u - m.u).norm(), 1e-6 * m.u.norm()) << dim;
+  }
+}
+
+TEST_P(Siconos, IsJudgedByThisProjectsMeasure) {
+  // Whatever Siconos claims, the status follows the guarded error.
+  const ContactProblem p = lattice_step(Lattice::kSquare, 6, 0.3, 0);
+  const SolveResult r = run(p);
+  EXPECT_EQ(is_success(r.status), r.error.guarded() <= 1e-8) << r.message;
+  EXPECT_NE(r.message.find("Siconos"), std::string::npos) << r.message;
+}
+
+TEST_P(Siconos, StopsAtItsIterationLimit) {
+  SolverOptions options;
+  options.max_iterations = 1;
+  const SolveResult r = solve(GetParam(), lattice_step(Lattice::kTriangular, 6, 0.3, 10), options);
+  EXPECT_TRUE(r.status == SolveStatus::kIterationLimit || is_success(r.status)) << r.message;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Siconos,
+                         testing::Values("siconos:nsgs", "siconos:nsn_ac", "siconos:admm",
+                                         "siconos:prox", "siconos:lemke"),
+                         [](const auto& instance) { return std::string(instance.param + 8); });
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,103 @@
+#include "solvers/methods/uzawa.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/problem/contact_error.h"
+#include "solvers/solve.h"
+#include "tests/support/lattice_problem.h"
+#include "tests/support/small_problems.h"
+
+namespace bipot {
+namespace {
+
+SolveResult run(const std::string& solver, const ContactProblem& p,
+                std::map<std::string, std::string> parameters, SolverOptions o = {}) {
+  o.parameters = std::move(parameters);
+  return solve(solver, p, o);
+}
+
+// One iteration by hand: W = diag(2, 5), mu = 0.5, b = (-4, 3), rho = 1/2 from s = 0. De Saxcé's
+// velocity is (-4 + 0.5·3, 3) = (-2.5, 3), tau = (1.25, -1.5), outside the cone; (34) gives
+// s_n = (1.25 + 0.5·1.5)/1.25 = 1.6, s_t = -0.8.
+TEST(Uzawa, PaperStepIsFormula41) {
+  SolverOptions o;
+  o.max_iterations = 1;
+  o.tol = 1e-15;
+  double epsilon = 0;
+  Vector b_t(1);
+  b_t << 3;
+  const ContactProblem p = one_contact_problem(2, 2, 5, 0.5, -4, b_t);
+  o.on_iteration = [&](const IterationRecord& r) {
+    if (r.iteration == 1) epsilon = r.error.epsilon;
+  };
+  run("uzawa", p, {{"rho", "paper"}}, o);
+  Vector s(2);
+  s << 1.6, -0.8;
+  EXPECT_NEAR(epsilon, contact_error(p, s).epsilon, 1e-12);
+}
+
+// The same contact: s_n = max(0, 0 + 4/2) = 2, then s_t = -3/2 cut off at mu s_n = 1.
+TEST(Classical, TakesTheNormalPartFirst) {
+  SolverOptions o;
+  o.max_iterations = 1;
+  o.tol = 1e-15;
+  double epsilon = 0;
+  Vector b_t(1);
+  b_t << 3;
+  const ContactProblem p = one_contact_problem(2, 2, 5, 0.5, -4, b_t);
+  o.on_iteration = [&](const IterationRecord& r) {
+    if (r.iteration == 1) epsilon = r.error.epsilon;
+  };
+  run("classical", p, {{"rho", "paper"}}, o);
+  Vector s(2);
+  s << 2, -1;
+  EXPECT_NEAR(epsilon, contact_error(p, s).epsilon, 1e-12);
+}
+
+// rho W_tt = 3 > 2 on sticking contacts: the paper's step leaves the stable range.
+TEST(Uzawa, ThePapersStepFailsWhereDisksStick) {
+  LatticeOptions lattice;
+  lattice.tilt = 0.17;
+  const ContactProblem p = triangular_lattice(6, lattice);
+  SolverOptions o;
+  o.tol = 1e-2;
+  o.max_iterations = 20000;
+  for (const std::string solver : {"uzawa", "classical"}) {
+    for (const std::string refresh : {"jacobi", "gauss-seidel"}) {
+      const SolveResult r = run(solver, p, {{"rho", "paper"}, {"refresh", refresh}}, o);
+      EXPECT_FALSE(is_success(r.status)) << solver << refresh << r.message;
+      EXPECT_TRUE(r.s.allFinite());
+      EXPECT_EQ(run(solver, p, {{"refresh", refresh}}, o).status, SolveStatus::kConverged);
+    }
+  }
+}
+
+TEST(Uzawa, TheAdaptiveStepNeedsFewerIterations) {
+  LatticeOptions lattice;
+  lattice.tilt = 0.17;
+  const ContactProblem p = triangular_lattice(8, lattice);
+  const SolveResult fixed = run("uzawa", p, {}), adaptive = run("uzawa", p, {{"rho", "adaptive"}});
+  ASSERT_EQ(fixed.status, SolveStatus::kConverged) << fixed.message;
+  ASSERT_EQ(adaptive.status, SolveStatus::kConverged) << adaptive.message;
+  EXPECT_LT(adaptive.iterations, fixed.iterations);
+}
+
+// The classical stop test is met long before the law holds: the iterates creep on a lattice.
+TEST(Classical, ItsOwnStopTestIsMetEarly) {
+  const ContactProblem p = square_lattice(12);
+  SolverOptions o;
+  o.tol = 1e-2;
+  o.stop = StopTest::kImpulse;
+  const SolveResult impulse = run("classical", p, {}, o);
+  ASSERT_EQ(impulse.status, SolveStatus::kConverged) << impulse.message;
+  EXPECT_GT(impulse.error.guarded(), 10 * o.tol);
+  o.stop = StopTest::kGuarded;
+  const SolveResult guarded = run("classical", p, {}, o);
+  ASSERT_EQ(guarded.status, SolveStatus::kConverged) << guarded.message;
+  EXPECT_GT(guarded.iterations, impulse.iterations);
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,603 @@
+#include "solvers/solve.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "solvers/monitor.h"
+#include "solvers/registry.h"
+#include "tests/support/manufactured.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+constexpr double kInf = std::numeric_limits<double>::infinity();
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+#define EXPECT_MESSAGE(result, part) \
+  EXPECT_TRUE(contains((result).message, part)) << (result).message
+
+ContactProblem some_problem(int dim = 2) { return manufactured_problem(dim, 12, 14, 3).problem; }
+
+/// Two contacts of one disk in a notch, mu large: sticking, W_tt = 3 W_nn.
+ContactProblem sticking_column(int disks) {
+  ContactProblem p;
+  p.dim = 2;
+  std::vector<Eigen::Triplet<double>> a, h;
+  for (int k = 0; k < disks; ++k) {
+    for (int dof = 0; dof < 3; ++dof)
+      a.emplace_back(3 * k + dof, 3 * k + dof, dof == 2 ? 0.5 : 1.0);
+    // Disk k of radius 1 stands on disk k - 1 or on the floor.
+    h.emplace_back(3 * k + 1, 2 * k, 1);
+    h.emplace_back(3 * k, 2 * k + 1, -1);
+    h.emplace_back(3 * k + 2, 2 * k + 1, -1);
+    if (k > 0) {
+      h.emplace_back(3 * k - 2, 2 * k, -1);
+      h.emplace_back(3 * k - 3, 2 * k + 1, 1);
+      h.emplace_back(3 * k - 1, 2 * k + 1, -1);
+    }
+  }
+  p.A.resize(3 * disks, 3 * disks);
+  p.A.setFromTriplets(a.begin(), a.end());
+  p.H.resize(3 * disks, 2 * disks);
+  p.H.setFromTriplets(h.begin(), h.end());
+  p.v_free = Vector::Zero(3 * disks);
+  for (int k = 0; k < disks; ++k) {
+    p.v_free[3 * k] = 0.1;  // a push to the side
+    p.v_free[3 * k + 1] = -1;
+  }
+  p.u_free = p.H.transpose() * p.v_free;
+  p.mu = Vector::Constant(disks, 5.0);
+  return p;
+}
+
+TEST(Solve, ExactStartCostsNoIteration) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    const Manufactured m = manufactured_problem(dim, 12, 14, 3);
+    for (const SolverEntry& entry : solver_table()) {
+      if (dim > entry.max_dim) continue;
+      SolverOptions options;
+      options.tol = 1e-12;
+      options.s0 = m.s;
+      const SolveResult r = solve(entry, m.problem, options);
+      EXPECT_EQ(r.status, SolveStatus::kConverged) << entry.name << ": " << r.message;
+      EXPECT_EQ(r.iterations, 0) << entry.name;
+      EXPECT_LT((r.u - m.u).norm(), 1e-12 * m.u.norm());
+      EXPECT_LE(r.error.guarded(), 1e-12);
+    }
+  }
+}
+
+TEST(Solve, NothingToDoWithoutContacts) {
+  for (const StopTest stop : {StopTest::kGuarded, StopTest::kRaw42, StopTest::kImpulse}) {
+    for (const SolverEntry& entry : solver_table()) {
+      SolverOptions options;
+      options.stop = stop;
+      const SolveResult r = solve(entry, ContactProblem{}, options);
+      EXPECT_EQ(r.status, SolveStatus::kNothingToDo) << entry.name << ": " << r.message;
+      EXPECT_EQ(r.iterations, 0);
+      EXPECT_EQ(r.s.size(), 0);
+      EXPECT_EQ(r.error.guarded(), 0);
+    }
+  }
+}
+
+TEST(Solve, NothingToDoWhereEveryContactOpens) {
+  ContactProblem p = some_problem();
+  for (int c = 0; c < p.num_contacts(); ++c) p.u_free[2 * c] = c % 2 == 0 ? 0.0 : 1.0;
+  for (const StopTest stop : {StopTest::kGuarded, StopTest::kRaw42, StopTest::kImpulse}) {
+    for (const SolverEntry& entry : solver_table()) {
+      SolverOptions options;
+      options.stop = stop;
+      options.s0 = Vector::Ones(p.num_rows());  // a poor start is no reason to work
+      const SolveResult r = solve(entry, p, options);
+      EXPECT_EQ(r.status, SolveStatus::kNothingToDo) << entry.name << ": " << r.message;
+      EXPECT_EQ(r.s, Vector(Vector::Zero(p.num_rows())));
+      EXPECT_EQ(r.u, p.u_free);
+    }
+  }
+}
+
+TEST(Solve, StatusIterationLimit) {
+  for (const int limit : {0, 1, 3}) {
+    SolverOptions options;
+    options.max_iterations = limit;
+    options.tol = 1e-14;
+    const SolveResult r = solve("uzawa", some_problem(), options);
+    EXPECT_EQ(r.status, SolveStatus::kIterationLimit) << r.message;
+    EXPECT_EQ(r.iterations, limit);
+    EXPECT_TRUE(r.s.allFinite());
+    EXPECT_GT(r.error.guarded(), options.tol);
+    EXPECT_MESSAGE(r, "iteration limit");
+  }
+}
+
+TEST(Solve, StatusTimeLimit) {
+  SolverOptions options;
+  options.time_limit = 1e-9;
+  options.tol = 1e-14;
+  const SolveResult r = solve("uzawa", some_problem(), options);
+  EXPECT_EQ(r.status, SolveStatus::kTimeLimit) << r.message;
+  EXPECT_MESSAGE(r, "time limit");
+  EXPECT_LE(r.iterations, 1);
+}
+
+TEST(Solve, StatusStalledAtRoundOff) {
+  SolverOptions options;
+  options.tol = 1e-300;
+  const SolveResult r = solve("pgs", some_problem(), options);
+  EXPECT_EQ(r.status, SolveStatus::kStalled) << r.message;
+  EXPECT_MESSAGE(r, "round-off");
+  EXPECT_LT(r.error.guarded(), 1e-12);  // it says where it stopped, and returns the best
+}
+
+TEST(Solve, StatusDivergedWhenTheIterateGrowsWithoutBound) {
+  SolverEntry entry;
+  entry.name = "growing";
+  entry.run = [](const ContactProblem& p, const SolverOptions& options) {
+    IterationMonitor monitor(p, options);
+    Vector s = Vector::Constant(p.num_rows(), 0.01);
+    for (int k = 0; !monitor.stop(k, s); ++k) s *= 10;
+    return monitor.finish();
+  };
+  for (int dim = 1; dim <= 3; ++dim) {
+    const SolveResult r = solve(entry, some_problem(dim));
+    EXPECT_EQ(r.status, SolveStatus::kDiverged) << r.message;
+    EXPECT_LT(r.iterations, 30);
+    EXPECT_TRUE(r.s.allFinite());
+    EXPECT_LT(r.error.guarded(), 1e3);  // the best iterate, not the last
+  }
+}
+
+TEST(Solve, WaitingAtZeroIsNeitherStalledNorConverged) {
+  // Splitting methods may keep s = 0 for a while, with multipliers on the move.
+  SolverEntry entry;
+  entry.name = "late starter";
+  entry.run = [](const ContactProblem& p, const SolverOptions& options) {
+    IterationMonitor monitor(p, options);
+    SolverOptions inner;
+    inner.tol = 1e-12;
+    const Vector solution = solve("pgs", p, inner).s;
+    Vector s = Vector::Zero(p.num_rows());
+    for (int k = 0; !monitor.stop(k, s); ++k) {
+      if (k >= 3) s = solution;
+    }
+    return monitor.finish();
+  };
+  for (const StopTest stop : {StopTest::kGuarded, StopTest::kImpulse}) {
+    SolverOptions options;
+    options.stop = stop;
+    const SolveResult r = solve(entry, some_problem(), options);
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_GE(r.iterations, 4);
+    EXPECT_LE(r.error.guarded(), 1e-8);
+  }
+}
+
+TEST(Solve, StatusDivergedWhenTheIterateIsNotANumber) {
+  SolverEntry entry;
+  entry.name = "not a number";
+  entry.run = [](const ContactProblem& p, const SolverOptions& options) {
+    IterationMonitor monitor(p, options);
+    Vector s = Vector::Zero(p.num_rows());
+    for (int k = 0; !monitor.stop(k, s); ++k) s[0] = kNaN;
+    return monitor.finish();
+  };
+  for (int dim = 1; dim <= 3; ++dim) {
+    const SolveResult r = solve(entry, some_problem(dim));
+    EXPECT_EQ(r.status, SolveStatus::kDiverged) << r.message;
+    EXPECT_EQ(r.iterations, 1);
+    EXPECT_TRUE(r.s.allFinite());
+  }
+}
+
+TEST(Solve, ThePapersStepCyclesOnStickingContactsAndSaysSo) {
+  // rho = 1/W_nn, W_tt = 3 W_nn: 1 - rho W_tt = -2.
+  SolverOptions options;
+  options.parameters = {{"rho", "paper"}};
+  options.max_iterations = 2000;
+  const ContactProblem p = sticking_column(10);
+  const SolveResult r = solve("uzawa", p, options);
+  EXPECT_FALSE(is_success(r.status)) << r.message;
+  EXPECT_NE(r.status, SolveStatus::kNumericalFailure) << r.message;
+  EXPECT_GT(r.error.guarded(), 0.1);
+  options.parameters.clear();
+  options.max_iterations = 100000;
+  EXPECT_EQ(solve("uzawa", p, options).status, SolveStatus::kConverged);
+}
+
+TEST(Solve, StatusNumericalFailureForAnIndefiniteMassMatrix) {
+  ContactProblem p = some_problem();
+  p.W = SparseRows();
+  p.A.coeffRef(0, 1) = p.A.coeffRef(1, 0) = 100;
+  for (const SolverEntry& entry : solver_table()) {
+    const SolveResult r = solve(entry, p);
+    EXPECT_EQ(r.status, SolveStatus::kNumericalFailure) << entry.name << ": " << r.message;
+    EXPECT_MESSAGE(r, "not positive definite");
+    EXPECT_TRUE(r.s.allFinite());
+  }
+}
+
+TEST(Solve, StatusInvalidInputNamesTheDefect) {
+  const auto expect_refused = [](const ContactProblem& p, const SolverOptions& options,
+                                 const std::string& part) {
+    for (const SolverEntry& entry : solver_table()) {
+      const SolveResult r = solve(entry, p, options);
+      EXPECT_EQ(r.status, SolveStatus::kInvalidInput) << entry.name;
+      EXPECT_MESSAGE(r, part);
+    }
+  };
+  ContactProblem bad = some_problem();
+  bad.u_free[5] = kNaN;
+  expect_refused(bad, {}, "u_free[5]");
+  const ContactProblem p = some_problem();
+  SolverOptions options;
+  for (const double tol : {0.0, -1.0, kNaN, kInf}) {
+    options = {};
+    options.tol = tol;
+    expect_refused(p, options, "tol");
+  }
+  options = {};
+  options.max_iterations = -1;
+  expect_refused(p, options, "max_iterations");
+  for (const double limit : {0.0, -1.0, kNaN}) {
+    options = {};
+    options.time_limit = limit;
+    expect_refused(p, options, "time_limit");
+  }
+  options = {};
+  options.s0 = Vector::Zero(3);
+  expect_refused(p, options, "s0 has size 3, expected 28");
+  options.s0 = Vector::Constant(28, kNaN);
+  expect_refused(p, options, "non-finite");
+}
+
+TEST(Solve, UnknownSolverListsTheValidOnes) {
+  const SolveResult r = solve("uzava", some_problem());
+  EXPECT_EQ(r.status, SolveStatus::kInvalidInput);
+  EXPECT_MESSAGE(r, "unknown solver 'uzava'; did you mean 'uzawa'?");
+  for (const std::string& name : solver_names()) EXPECT_MESSAGE(r, name);
+}
+
+TEST(Solve, UnknownParameterNamesTheNearest) {
+  SolverOptions options;
+  options.parameters = {{"refesh", "jacobi"}};
+  const SolveResult r = solve("uzawa", some_problem(), options);
+  EXPECT_EQ(r.status, SolveStatus::kInvalidInput);
+  EXPECT_MESSAGE(r, "uzawa");
+  EXPECT_MESSAGE(r, "unknown parameter 'refesh'; did you mean 'refresh'?");
+}
+
+TEST(Solve, ParameterValuesAreCheckedAgainstTheirRange) {
+  const auto message = [](const char* solver, const char* name, const char* value) {
+    SolverOptions options;
+    options.parameters = {{name, value}};
+    const SolveResult r = solve(solver, some_problem(), options);
+    EXPECT_EQ(r.status, SolveStatus::kInvalidInput) << value;
+    return r.message;
+  };
+  for (const char* value : {"2.5", "0", "-1", "nan", "inf", "1.2x", "", " 1", "1e"}) {
+    EXPECT_TRUE(contains(message("pgs", "omega", value), "omega = '" + std::string(value) + "'"));
+  }
+  EXPECT_TRUE(contains(message("uzawa", "rho", "papers"), "stable|paper"));
+  EXPECT_TRUE(contains(message("uzawa", "rho", ""), "stable|paper"));
+  EXPECT_TRUE(contains(message("uzawa", "rho", "stable|paper"), "expected one of"));
+}
+
+TEST(Solve, LimitsOfAnEntryAreInvalidInput) {
+  SolverEntry entry = *find_solver("pgs");
+  entry.max_dim = 2;
+  EXPECT_EQ(solve(entry, some_problem(3)).status, SolveStatus::kInvalidInput);
+  EXPECT_EQ(solve(entry, some_problem(2)).status, SolveStatus::kConverged);
+  entry.max_contacts = 13;
+  const SolveResult r = solve(entry, some_problem(2));
+  EXPECT_EQ(r.status, SolveStatus::kInvalidInput);
+  EXPECT_MESSAGE(r, "at most 13 contacts, the problem has 14");
+}
+
+TEST(Solve, AssemblesTheOperatorForSolversThatNeedIt) {
+  SolverEntry entry;
+  entry.name = "needs W";
+  entry.needs_delassus = true;
+  entry.run = [](const ContactProblem& p, const SolverOptions& options) {
+    EXPECT_TRUE(p.has_delassus());
+    return solve("pgs", p, options);
+  };
+  ContactProblem p = some_problem();
+  p.W = SparseRows();
+  EXPECT_EQ(solve(entry, p).status, SolveStatus::kConverged);
+}
+
+// Solvers that do not keep the contract.
+
+SolverEntry saboteur(SolveResult (*run)(const ContactProblem&, const SolverOptions&)) {
+  SolverEntry entry;
+  entry.name = "saboteur";
+  entry.run = run;
+  return entry;
+}
+
+SolveResult claim(Vector s) {
+  SolveResult r;
+  r.status = SolveStatus::kConverged;
+  r.message = "trust me";
+  r.s = std::move(s);
+  return r;
+}
+
+void expect_caught(const SolverEntry& entry, const std::string& part,
+                   std::vector<StopTest> stops = {StopTest::kGuarded, StopTest::kRaw42}) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    const ContactProblem p = some_problem(dim);
+    for (const StopTest stop : stops) {
+      SolverOptions options;
+      options.stop = stop;
+      const SolveResult r = solve(entry, p, options);
+      EXPECT_EQ(r.status, SolveStatus::kNumericalFailure) << dim << ": " << r.message;
+      EXPECT_MESSAGE(r, part);
+      EXPECT_EQ(r.s.size(), p.num_rows());
+      EXPECT_EQ(r.u.size(), p.num_rows());
+      EXPECT_TRUE(r.s.allFinite());
+      EXPECT_TRUE(r.u.allFinite());
+      EXPECT_GT(r.error.guarded(), options.tol);
+    }
+  }
+}
+
+TEST(Sabotage, ZerosAndAClaimOfConvergence) {
+  const SolverEntry zeros = saboteur([](const ContactProblem& p, const SolverOptions&) {
+    return claim(Vector::Zero(p.num_rows()));
+  });
+  expect_caught(zeros, "withdrawn");
+  EXPECT_MESSAGE(solve(zeros, some_problem()), "trust me");
+}
+
+TEST(Sabotage, NothingToDoIsAClaimToo) {
+  expect_caught(saboteur([](const ContactProblem& p, const SolverOptions&) {
+                  SolveResult r = claim(Vector::Zero(p.num_rows()));
+                  r.status = SolveStatus::kNothingToDo;
+                  return r;
+                }),
+                "withdrawn");
+}
+
+TEST(Sabotage, NotANumber) {
+  expect_caught(saboteur([](const ContactProblem& p, const SolverOptions&) {
+                  return claim(Vector::Constant(p.num_rows(), kNaN));
+                }),
+                "non-finite");
+  expect_caught(saboteur([](const ContactProblem& p, const SolverOptions&) {
+                  Vector s = Vector::Zero(p.num_rows());
+                  s[0] = kInf;
+                  return claim(s);
+                }),
+                "non-finite");
+}
+
+TEST(Sabotage, OnlyTheTangentialPartMoves) {
+  const SolverEntry tangential =
+      saboteur([](const ContactProblem& p, const SolverOptions& options) {
+        SolverOptions guarded = options;
+        guarded.stop = StopTest::kGuarded;
+        SolveResult r = solve("pgs", p, guarded);
+        for (int c = 0; c < p.num_contacts(); ++c) r.s[c * p.dim] = 0;
+        return r;
+      });
+  expect_caught(tangential, "withdrawn", {StopTest::kGuarded});
+  // Who asks for the raw (42) gets it: the projected impulses slide as they should and penetrate,
+  // which it does not see. The guarded error beside it does.
+  SolverOptions options;
+  options.stop = StopTest::kRaw42;
+  const SolveResult r = solve(tangential, some_problem(), options);
+  EXPECT_GT(r.error.guarded(), 0.1);
+}
+
+TEST(Sabotage, OnlyTheNormalPartMoves) {
+  for (int dim = 2; dim <= 3; ++dim) {
+    const SolveResult r = solve(saboteur([](const ContactProblem& p, const SolverOptions& options) {
+                                  SolveResult inner = solve("pgs", p, options);
+                                  for (int i = 0; i < p.num_rows(); ++i) {
+                                    if (i % p.dim != 0) inner.s[i] = 0;
+                                  }
+                                  return inner;
+                                }),
+                                some_problem(dim));
+    EXPECT_EQ(r.status, SolveStatus::kNumericalFailure) << r.message;
+  }
+}
+
+TEST(Sabotage, WrongSize) {
+  expect_caught(saboteur([](const ContactProblem& p, const SolverOptions&) {
+                  return claim(Vector::Zero(p.num_rows() - 1));
+                }),
+                "rows, expected");
+  expect_caught(
+      saboteur([](const ContactProblem&, const SolverOptions&) { return claim(Vector()); }),
+      "returned 0 rows");
+}
+
+TEST(Sabotage, Exceptions) {
+  expect_caught(saboteur([](const ContactProblem&, const SolverOptions&) -> SolveResult {
+                  throw std::runtime_error("the pivot broke");
+                }),
+                "the pivot broke");
+  expect_caught(saboteur([](const ContactProblem&, const SolverOptions&) -> SolveResult {
+                  throw 42;  // not even an exception
+                }),
+                "saboteur failed");
+}
+
+TEST(Sabotage, NoStatus) {
+  expect_caught(saboteur([](const ContactProblem& p, const SolverOptions&) {
+                  SolveResult r;
+                  r.s = Vector::Zero(p.num_rows());
+                  return r;
+                }),
+                "without a status");
+}
+
+TEST(Sabotage, AFlatteringErrorIsOverwritten) {
+  const SolveResult r = solve(saboteur([](const ContactProblem& p, const SolverOptions&) {
+                                SolveResult mine = claim(Vector::Zero(p.num_rows()));
+                                mine.error.epsilon = mine.error.eta = 0;
+                                return mine;
+                              }),
+                              some_problem());
+  EXPECT_GT(r.error.guarded(), 1e-3);
+}
+
+TEST(Sabotage, AnHonestFailureKeepsItsStatus) {
+  const SolveResult r = solve(saboteur([](const ContactProblem& p, const SolverOptions&) {
+                                SolveResult mine = claim(Vector::Zero(p.num_rows()));
+                                mine.status = SolveStatus::kStalled;
+                                return mine;
+                              }),
+                              some_problem());
+  EXPECT_EQ(r.status, SolveStatus::kStalled);
+  EXPECT_EQ(r.message, "trust me");
+}
+
+// Stop tests and history.
+
+TEST(StopTests, Raw42IsMetInThePapersSense) {
+  for (int dim = 2; dim <= 3; ++dim) {
+    SolverOptions options;
+    options.stop = StopTest::kRaw42;
+    options.tol = 1e-6;
+    const SolveResult r = solve("pgs", some_problem(dim), options);
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_LE(r.error.raw42, 1e-6);
+    EXPECT_MESSAGE(r, "raw42");
+  }
+}
+
+TEST(StopTests, Raw42IsNeverMetWithoutFriction) {
+  SolverOptions options;
+  options.stop = StopTest::kRaw42;
+  options.tol = 1e-6;
+  options.max_iterations = 50;
+  const SolveResult r = solve("uzawa", some_problem(1), options);
+  EXPECT_FALSE(is_success(r.status)) << r.message;
+  EXPECT_TRUE(std::isnan(r.error.raw42));
+}
+
+TEST(StopTests, ImpulseComparesConsecutiveIterates) {
+  SolverOptions options;
+  options.stop = StopTest::kImpulse;
+  options.tol = 1e-3;
+  std::vector<int> judged;
+  options.on_iteration = [&](const IterationRecord& record) { judged.push_back(record.iteration); };
+  const ContactProblem p = some_problem();
+  const SolveResult r = solve("pgs", p, options);
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  EXPECT_MESSAGE(r, "impulse");
+  for (int k = 0; k < static_cast<int>(judged.size()); ++k) EXPECT_EQ(judged[k], k);  // every one
+  ASSERT_GE(r.iterations, 1);
+}
+
+TEST(StopTests, AnExactStartDoesNotMeetTheImpulseTestByItself) {
+  // One impulse says nothing about successive ones: at least one iteration.
+  const Manufactured m = manufactured_problem(2, 12, 14, 3);
+  SolverOptions options;
+  options.stop = StopTest::kImpulse;
+  options.tol = 1e-6;
+  options.s0 = m.s;
+  const SolveResult r = solve("pgs", m.problem, options);
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  EXPECT_EQ(r.iterations, 1);
+}
+
+TEST(History, IsCalledAtTheStatedCadence) {
+  // 0 to 32, then whenever the count has grown by 1/32; the last one always.
+  SolverOptions options;
+  options.tol = 1e-300;
+  options.max_iterations = 500;
+  options.parameters = {{"rho", "stable"}};
+  std::vector<IterationRecord> records;
+  options.on_iteration = [&](const IterationRecord& record) { records.push_back(record); };
+  const ContactProblem p = manufactured_problem(2, 30, 60, 5).problem;
+  const SolveResult r = solve("uzawa", p, options);
+  ASSERT_EQ(r.status, SolveStatus::kIterationLimit) << r.message;
+  std::vector<int> expected;
+  for (int k = 0; k < 500; k = k < 32 ? k + 1 : k + k / 32) expected.push_back(k);
+  expected.push_back(500);
+  std::vector<int> judged;
+  for (const IterationRecord& record : records) judged.push_back(record.iteration);
+  EXPECT_EQ(judged, expected);
+  double time = 0, best = kInf;
+  for (const IterationRecord& record : records) {
+    EXPECT_GE(record.seconds, time);
+    time = record.seconds;
+    best = std::min(best, record.error.guarded());
+    EXPECT_EQ(record.count.take_off + record.count.stick + record.count.slip, 60);
+    EXPECT_GT(record.step, 0);
+  }
+  EXPECT_NEAR(best, r.error.guarded(), 1e-9 * best);  // the best iterate is returned
+}
+
+TEST(History, DoesNotChangeTheIterates) {
+  const ContactProblem p = some_problem();
+  for (const SolverEntry& entry : solver_table()) {
+    SolverOptions options;
+    const SolveResult quiet = solve(entry, p, options);
+    int calls = 0;
+    options.on_iteration = [&](const IterationRecord&) { ++calls; };
+    const SolveResult watched = solve(entry, p, options);
+    EXPECT_EQ(quiet.s, watched.s) << entry.name;
+    EXPECT_EQ(quiet.iterations, watched.iterations) << entry.name;
+    EXPECT_GT(calls, 0) << entry.name;
+  }
+}
+
+TEST(Solve, IsDeterministic) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    for (const SolverEntry& entry : solver_table()) {
+      if (dim > entry.max_dim) continue;
+      const SolveResult a = solve(entry, some_problem(dim)), b = solve(entry, some_problem(dim));
+      EXPECT_EQ(a.s, b.s) << entry.name;
+      EXPECT_EQ(a.iterations, b.iterations) << entry.name;
+      EXPECT_EQ(a.status, b.status) << entry.name;
+    }
+  }
+}
+
+TEST(Solve, EveryStatusAndStopTestHasAName) {
+  for (int k = 0; k <= static_cast<int>(SolveStatus::kInvalidInput); ++k) {
+    EXPECT_NE(to_string(static_cast<SolveStatus>(k)), "unknown status") << k;
+  }
+  EXPECT_TRUE(is_success(SolveStatus::kConverged));
+  EXPECT_TRUE(is_success(SolveStatus::kNothingToDo));
+  EXPECT_FALSE(is_success(SolveStatus::kStalled));
+  EXPECT_EQ(to_string(StopTest::kGuarded), "guarded");
+  EXPECT_EQ(to_string(StopTest::kRaw42), "raw42");
+  EXPECT_EQ(to_string(StopTest::kImpulse), "impulse");
+}
+
+TEST(Registry, EntriesAreCompleteAndTheirNamesDiffer) {
+  std::vector<std::string> names = solver_names();
+  for (const SolverEntry& entry : solver_table()) {
+    EXPECT_EQ(find_solver(entry.name), &entry);
+    EXPECT_FALSE(entry.summary.empty());
+    EXPECT_NE(entry.run, nullptr);
+    for (const ParameterSpec& spec : entry.parameters) {
+      EXPECT_FALSE(spec.help.empty()) << entry.name << ' ' << spec.name;
+      // The default is a valid value.
+      SolverOptions options;
+      options.parameters = {{std::string(spec.name), std::string(spec.default_value)}};
+      EXPECT_NE(solve(entry, ContactProblem{}, options).status, SolveStatus::kInvalidInput)
+          << entry.name << ' ' << spec.name;
+    }
+  }
+  EXPECT_EQ(find_solver("no such solver"), nullptr);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,76 @@
+#include "tests/support/manufactured.h"
+
+#include "core/problem/coulomb_cone.h"
+#include "core/problem/delassus.h"
+#include "tests/support/draw.h"
+
+namespace bipot {
+namespace {
+
+template <int D>
+Manufactured make(int bodies, int contacts, unsigned seed, double mu) {
+  Draw draw(seed);
+  constexpr int K = D == 3 ? 6 : (D == 2 ? 3 : 2);
+  const int n = bodies * K, m = contacts * D;
+  Manufactured out;
+  ContactProblem& p = out.problem;
+  p.dim = D;
+  std::vector<Eigen::Triplet<double>> a, h;
+  for (int b = 0; b < bodies; ++b) {
+    for (int k = 0; k < K; ++k) a.emplace_back(b * K + k, b * K + k, 0.5 + draw.uniform());
+  }
+  p.A.resize(n, n);
+  p.A.setFromTriplets(a.begin(), a.end());
+  for (int c = 0; c < contacts; ++c) {
+    // Every body is touched: first a chain, then random pairs.
+    const int i = c % bodies;
+    const int j = c < bodies - 1 ? c + 1 : draw.below(bodies);
+    for (int r = 0; r < D; ++r) {
+      for (int k = 0; k < K; ++k) {
+        h.emplace_back(i * K + k, c * D + r, draw.symmetric());
+        if (j != i) h.emplace_back(j * K + k, c * D + r, draw.symmetric());
+      }
+    }
+  }
+  p.H.resize(n, m);
+  p.H.setFromTriplets(h.begin(), h.end());
+  p.W = assemble_delassus(p.A, p.H, D);
+  p.mu = Vector::Constant(contacts, D == 1 ? 0.0 : mu);
+  out.s = Vector::Zero(m);
+  out.u = Vector::Zero(m);
+  for (int c = 0; c < contacts; ++c) {
+    const int status = draw.below(3);
+    Local<D> s = Local<D>::Zero(), u = Local<D>::Zero(), direction = Local<D>::Zero();
+    if constexpr (D > 1) {
+      for (int k = 1; k < D; ++k) direction[k] = draw.symmetric();
+      direction /= direction.norm();
+    }
+    const double normal = 0.2 + draw.uniform();
+    if (status == 0) {  // take-off
+      for (int k = 0; k < D; ++k) u[k] = draw.symmetric();
+      u[0] = normal;
+    } else if (status == 1) {  // stick, well inside the cone
+      s = 0.7 * draw.uniform() * mu * normal * direction;
+      s[0] = normal;
+    } else {  // slip: the impulse opposes the velocity
+      s = -mu * normal * direction;
+      s[0] = normal;
+      if constexpr (D > 1) u = (0.1 + draw.uniform()) * direction;
+    }
+    out.s.segment<D>(c * D) = s;
+    out.u.segment<D>(c * D) = u;
+  }
+  p.u_free = out.u - Vector(p.W * out.s);
+  // Velocities without contact impulses that are consistent with u_free need not exist; v_free is
+  // free to choose as u_free carries the rest.
+  p.v_free = Vector::Zero(n);
+  return out;
+}
+
+}  // namespace
+
+Manufactured manufactured_problem(int dim, int bodies, int contacts, unsigned seed, double mu) {
+  return dispatch_dim(dim, [&](auto d) { return make<d()>(bodies, contacts, seed, mu); });
+}
+
+}  // namespace bipot

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "core/problem/contact_problem.h"
+
+namespace bipot {
+
+/// A problem with a known solution, at any size and contact dimension. A chain-like random network
+/// of bodies (3 degrees of freedom each for d <= 2, 6 for d = 3) is joined by random contacts; an
+/// impulse in the cone and a velocity that obeys the law are drawn contact by contact (a third each
+/// of take-off, stick and slip), and u_free = u - W s.
+struct Manufactured {
+  ContactProblem problem;
+  Vector s, u;  ///< a solution; s is unique only where W is regular, u where the solution is
+};
+Manufactured manufactured_problem(int dim, int bodies, int contacts, unsigned seed,
+                                  double mu = 0.4);
+
+}  // namespace bipot

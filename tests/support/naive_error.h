@@ -1,0 +1,26 @@
+#pragma once
+
+#include "core/problem/contact_problem.h"
+
+namespace bipot {
+
+/// The criterion once more, straight from its written definition: dense matrices, plain loops and
+/// nothing of core/ but the problem's fields. Slow; the second opinion of the agreement tests.
+struct NaiveError {
+  double epsilon = 0, eta = 0, raw42 = 0;
+  /// ‖s - P_K(s - rho û)‖ / max(‖s‖, ‖rho b‖), rho = d / tr W_cc.
+  double natmap_scaled = 0;
+  Eigen::VectorXd u;  ///< physical mean velocities, recomputed from the projected impulse
+
+  double guarded() const { return epsilon >= eta ? epsilon : eta; }
+};
+
+/// Of an impulse in the problem's variables, admissible or not.
+NaiveError naive_error(const ContactProblem& problem, const Eigen::VectorXd& s);
+
+/// W of the problem, dense, and the same with W at hand: for many impulses of one problem.
+Eigen::MatrixXd naive_delassus(const ContactProblem& problem);
+NaiveError naive_error(const ContactProblem& problem, const Eigen::MatrixXd& delassus,
+                       const Eigen::VectorXd& s);
+
+}  // namespace bipot

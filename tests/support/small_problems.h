@@ -1,0 +1,26 @@
+#pragma once
+
+#include "core/problem/contact_problem.h"
+
+namespace bipot {
+
+/// One contact on one body of mass 1/w_n in the normal and 1/w_t in the tangential directions, with
+/// A and H: u_n = w_n s_n + b_n, u_t = w_t s_t + b_t. The solution follows by hand:
+///   take-off  b_n >= 0:                          s = 0
+///   stick     |b_t| / w_t <= -mu b_n / w_n:      s_n = -b_n / w_n, s_t = -b_t / w_t, u = 0
+///   slip      otherwise:                         s_n = -b_n / w_n, |s_t| = mu s_n against b_t
+ContactProblem one_contact_problem(int dim, double w_n, double w_t, double mu, double b_n,
+                                   const Vector& b_t);
+
+/// The same problem without A and H: W alone.
+ContactProblem local_form(const ContactProblem& problem);
+
+/// A lattice of lattice_problem.h with disks of 1 kg and radius 1/2 m, step 0.01 s, gravity tilted
+/// by `tilt` degrees; mu = 0 gives d = 1.
+enum class Lattice { kSquare, kTriangular, kPyramid };
+ContactProblem lattice_step(Lattice lattice, int rows, double mu, double tilt);
+
+/// The problem in other units: mass, length and time multiplied by these factors.
+ContactProblem in_units(const ContactProblem& problem, double mass, double length, double time);
+
+}  // namespace bipot
