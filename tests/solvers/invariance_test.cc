@@ -71,8 +71,7 @@ TEST_P(Invariance, UnitsDoNotMatter) {
 
 TEST_P(Invariance, DirectionDoesNotMatter) {
   const Scene scene = lattice();
-  expect_same(solve_first_step(GetParam(), scene),
-              solve_first_step(GetParam(), turned(scene, 37)));
+  expect_same(solve_first_step(GetParam(), scene), solve_first_step(GetParam(), turned(scene, 37)));
 }
 
 INSTANTIATE_TEST_SUITE_P(, Invariance, testing::ValuesIn(solver_names()),

@@ -17,7 +17,8 @@ class TemporaryFolder {
     for (char& c : name) {
       if (c == '/') c = '_';
     }
-    path_ = std::filesystem::path(::testing::TempDir()) / ("bipot_" + name + "_" + std::to_string(::getpid()));
+    path_ = std::filesystem::path(::testing::TempDir()) /
+            ("bipot_" + name + "_" + std::to_string(::getpid()));
     std::filesystem::remove_all(path_);
     std::filesystem::create_directories(path_);
   }

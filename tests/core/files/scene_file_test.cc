@@ -381,7 +381,7 @@ std::string text_of(const std::filesystem::path& path) {
 /// Every key that the reader asks a table for.
 std::set<std::string> keys_in_the_source() {
   const std::string source =
-      text_of(std::filesystem::path(BIPOT_SOURCE_DIR) / "core" / "scene_file.cc");
+      text_of(std::filesystem::path(BIPOT_SOURCE_DIR) / "core" / "files" / "scene_file.cc");
   const std::regex access(
       R"((?:has|maybe_number|number|positive|integer|natural|boolean|word|one_of|maybe_vec2|vec2|numbers|words|table|tables)\(\"([a-z_]+)\")");
   std::set<std::string> keys;
