@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <limits>
 
 namespace bipot {
 
@@ -11,5 +12,8 @@ using Vec2 = Eigen::Vector2d;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 /// Row-major: a row of W is one equation of a sweep.
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  ///< undefined
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 }  // namespace bipot

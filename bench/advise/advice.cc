@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/types.h"
+
 namespace bipot {
 namespace {
 
@@ -72,7 +74,7 @@ Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_error) {
   for (auto m : Accuracy::kMeasures) {
     const double taken = std::isnan(step_error.*m) ? 0 : step_error.*m;
     budget.*m = taken <= kMost * goal.*m ? goal.*m - taken : 0.5 * taken;
-    if (std::isnan(goal.*m)) budget.*m = Accuracy::kNaN;
+    if (std::isnan(goal.*m)) budget.*m = kNaN;
   }
   return budget;
 }

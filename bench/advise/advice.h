@@ -1,18 +1,17 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "bench/paper/stop_test_study.h"
+#include "core/types.h"
 
 namespace bipot {
 
 /// Errors in the terms in which a user asks for accuracy. As a goal: NaN is not asked for. As a
 /// measurement: NaN is not measured, or nothing is there to be wrong.
 struct Accuracy {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   double force = kNaN;        ///< of the resultant on a body, over the largest one            [-]
   double penetration = kNaN;  ///< overlap that a step adds, over the smallest radius          [-]
   double energy = kNaN;       ///< of the dissipated energy, relative                          [-]

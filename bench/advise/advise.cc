@@ -15,6 +15,7 @@
 #include "bench/measure/warm_up.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/contact_detection.h"
+#include "core/types.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "solvers/step_solver.h"
@@ -26,7 +27,6 @@ constexpr std::size_t kMaxCheckpoints = 64;
 // Parts of the time limit after which a stage must be done.
 constexpr double kTightRunEnd = 0.06, kRunEnd = 0.25, kStepsEnd = 0.52, kReferencesEnd = 0.66,
                  kTrialsEnd = 0.8, kStretchesEnd = 0.92;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class Clock {
  public:
@@ -42,12 +42,6 @@ class Clock {
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   double limit_;
 };
-
-double smallest_radius(const Scene& scene) {
-  double radius = kInfinity;
-  for (const Disk& disk : scene.disks) radius = std::min(radius, disk.radius);
-  return radius;
-}
 
 double smallest_goal(const Accuracy& goal) {
   double smallest = kInfinity;

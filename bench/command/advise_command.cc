@@ -19,6 +19,7 @@
 #include "core/file_error.h"
 #include "core/files/atomic_file.h"
 #include "core/files/scene_file.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -382,8 +383,8 @@ int advise_command(const AdviseFlags& flags) {
   content << std::ifstream(path).rdbuf();
   const Scene scene = parse_scene(content.str(), path.string());
   AdviseOptions options;
-  options.goal = {flags.force.value_or(Accuracy::kNaN), flags.penetration.value_or(Accuracy::kNaN),
-                  flags.energy.value_or(Accuracy::kNaN)};
+  options.goal = {flags.force.value_or(kNaN), flags.penetration.value_or(kNaN),
+                  flags.energy.value_or(kNaN)};
   for (const std::string& name : flags.solvers) options.solvers.push_back({name, name, {}});
   options.time_limit = flags.time_limit;
   options.window = flags.window.value_or(0);

@@ -2,19 +2,18 @@
 
 #include <filesystem>
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "bench/compare/comparison_target.h"
 #include "bench/measure/reference_solution.h"
+#include "core/types.h"
 #include "solvers/solver.h"
 
 namespace bipot {
 
 /// One solver on one problem at one tolerance. Undefined numbers are NaN.
 struct ComparisonRow {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   std::string problem, solver;
   double tol = kNaN;
   int contacts = 0, dim = 0;
@@ -44,12 +43,12 @@ struct ComparisonRow {
 struct HistoryPoint {
   int iteration = 0;
   double seconds = 0;  ///< wall time since the solver began
-  double epsilon = ComparisonRow::kNaN, eta = ComparisonRow::kNaN;
+  double epsilon = kNaN, eta = kNaN;
   double guarded() const;  ///< max(epsilon, eta)
 };
 struct History {
   std::string problem, solver;
-  double tol = ComparisonRow::kNaN;
+  double tol = kNaN;
   std::vector<HistoryPoint> points;
 };
 
@@ -60,11 +59,11 @@ struct ProblemSummary {
   std::string series;  ///< see ProblemSource
   int contacts = 0, dim = 0, dofs = 0;
   std::string reference_solver;
-  double reference_guarded = ComparisonRow::kNaN, reference_natural_map = ComparisonRow::kNaN;
+  double reference_guarded = kNaN, reference_natural_map = kNaN;
   std::vector<ReferenceAttempt> attempts;
   /// Largest relative distance (energy norm) between velocities of solutions below 1e-9, attempts
   /// at the reference and rows alike; NaN when there are fewer than two.
-  double velocity_spread = ComparisonRow::kNaN;
+  double velocity_spread = kNaN;
   bool several_velocities() const { return velocity_spread > ReferenceSolution::kSeveral; }
   /// Errors against it are no true errors.
   bool poor_reference() const { return reference_guarded > ReferenceSolution::kTrusted; }

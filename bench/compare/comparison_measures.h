@@ -7,6 +7,7 @@
 
 #include "bench/compare/comparison.h"
 #include "bench/measure/power_law.h"
+#include "core/types.h"
 
 namespace bipot {
 
@@ -81,8 +82,7 @@ std::vector<BudgetErrors> errors_within(const Comparison& comparison, double sec
 struct ToleranceMeaning {
   double tol = 0;
   int rows = 0;
-  double median = ComparisonRow::kNaN, ninth_decile = ComparisonRow::kNaN,
-         worst = ComparisonRow::kNaN;
+  double median = kNaN, ninth_decile = kNaN, worst = kNaN;
   std::string worst_problem, worst_solver;
 };
 /// From loose to tight.
@@ -116,8 +116,7 @@ struct Regret {
   std::vector<Entry> entries;  ///< from the largest ratio to the least
   int failed = 0;              ///< infinite ones among them
   int alone = 0;               ///< solved by nobody else: no entry
-  double median = ComparisonRow::kNaN, ninth_decile = ComparisonRow::kNaN,
-         worst = ComparisonRow::kNaN;
+  double median = kNaN, ninth_decile = kNaN, worst = kNaN;
 };
 /// Over all problems and tolerances with one of the other solvers within [least_time, infinity).
 Regret regret_of(const Comparison& comparison, const std::string& solver, double least_time = 0);

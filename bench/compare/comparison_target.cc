@@ -22,6 +22,7 @@
 #include "core/motion/time_stepping.h"
 #include "core/nearest_name.h"
 #include "core/scene/scene_family.h"
+#include "core/types.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
 
@@ -94,10 +95,9 @@ double parse_number(const std::string& target, const std::string& text) {
   return value;
 }
 
-double smallest_radius(const Scene& scene) {
-  double radius = std::numeric_limits<double>::infinity();
-  for (const Disk& disk : scene.disks) radius = std::min(radius, disk.radius);
-  return std::isfinite(radius) ? radius : ComparisonProblem::kNaN;
+/// NaN (not known) for a scene without disks.
+double smallest_radius_of(const Scene& scene) {
+  return scene.disks.empty() ? kNaN : smallest_radius(scene);
 }
 
 /// Settling takes longer than most solves: each pile settles once.
@@ -227,7 +227,7 @@ ComparisonProblem make_family_problem(const Family& family, Piles& piles) {
                              o.mu, o.tilt_degrees, o.mass_ratio, o.e_n, o.seed);
   made.problem = step_problem(scene, state, false);
   made.step = scene.step;
-  made.smallest_radius = smallest_radius(scene);
+  made.smallest_radius = smallest_radius_of(scene);
   return made;
 }
 
@@ -256,7 +256,7 @@ class SceneRun {
                                 scene_.solver.tol);
       made.problem = stepper.problem();
       made.step = scene_.step;
-      made.smallest_radius = smallest_radius(scene_);
+      made.smallest_radius = smallest_radius_of(scene_);
     }
   }
 

@@ -6,12 +6,12 @@
 #include <vector>
 
 #include "core/problem/contact_problem.h"
+#include "core/types.h"
 
 namespace bipot {
 
 /// A problem of a comparison, with what the problem itself does not say.
 struct ComparisonProblem {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   std::string origin;  ///< one sentence: file, or scene, step and seed
   ContactProblem problem;
   double step = kNaN;             ///< h, NaN where the source does not say it      [s]
@@ -27,7 +27,7 @@ struct ProblemSource {
   std::function<ComparisonProblem()> load;
   /// Problems of one series differ in size alone ("square:tilt=10", sizes 10 and 32); empty: none.
   std::string series = {};
-  double size = ComparisonProblem::kNaN;
+  double size = kNaN;
 };
 
 struct TargetOptions {

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <unsupported/Eigen/SpecialFunctions>
 
+#include "core/types.h"
+
 namespace bipot {
 
 double student_t(double probability, int degrees_of_freedom) {
-  if (!(degrees_of_freedom >= 1)) return PowerLaw::kNaN;
+  if (!(degrees_of_freedom >= 1)) return kNaN;
   // P(|T| > t) = I_{ν/(ν + t²)}(ν/2, 1/2), decreasing in t: bisection on x = ν/(ν + t²).
   const double nu = degrees_of_freedom;
   double low = 0, high = 1;

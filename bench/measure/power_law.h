@@ -1,13 +1,13 @@
 #pragma once
 
-#include <limits>
 #include <vector>
+
+#include "core/types.h"
 
 namespace bipot {
 
 /// y = prefactor x^exponent, fitted by least squares in the logarithms.
 struct PowerLaw {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   double exponent = kNaN, prefactor = kNaN;
   /// Half width of the 95 % confidence interval of the exponent (Student's t with points - 2
   /// degrees of freedom); NaN with fewer than three points.

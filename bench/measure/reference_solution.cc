@@ -12,14 +12,13 @@
 #include "core/files/atomic_file.h"
 #include "core/problem/delassus.h"
 #include "core/problem/sparse_factor.h"
+#include "core/types.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 
 namespace bipot {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // A rank test by dense QR stays below a second up to here.
 constexpr int kMaxRankRows = 600;
 

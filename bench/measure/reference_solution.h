@@ -8,6 +8,7 @@
 
 #include "bench/compare/comparison_target.h"
 #include "core/problem/contact_error.h"
+#include "core/types.h"
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -51,7 +52,6 @@ ReferenceSolution find_reference(const ComparisonProblem& problem, double time_l
 
 /// How wrong an impulse is in terms that a user feels. NaN where a measure is not defined.
 struct TrueError {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   /// ‖v - v*‖_A / ‖v* - v_free‖_A, equal to sqrt(Δsᵀ W Δs / s*ᵀ W s*)             [-]
   double velocity = kNaN;
   /// Largest error of the resultant contact force on a body over the largest resultant; needs H

@@ -6,13 +6,12 @@
 #include <stdexcept>
 
 #include "bench/measure/power_law.h"
+#include "core/types.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
 
 namespace bipot {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 bool before(const ContactOutcome& a, const ContactOutcome& b) {
   return a.contact.i != b.contact.i ? a.contact.i < b.contact.i : a.contact.j < b.contact.j;

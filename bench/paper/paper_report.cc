@@ -9,13 +9,12 @@
 #include <stdexcept>
 
 #include "core/file_error.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 double number_or_nan(const Json& json) { return json.is_number() ? json.get<double>() : kNaN; }

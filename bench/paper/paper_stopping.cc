@@ -45,8 +45,7 @@ ComparisonProblem first_step(const std::string& origin, const Scene& scene, cons
   made.origin = origin;
   made.problem = step_problem(scene, state, false);
   made.step = scene.step;
-  made.smallest_radius = std::numeric_limits<double>::infinity();
-  for (const Disk& d : scene.disks) made.smallest_radius = std::min(made.smallest_radius, d.radius);
+  made.smallest_radius = smallest_radius(scene);
   return made;
 }
 

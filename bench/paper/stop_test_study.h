@@ -7,6 +7,7 @@
 
 #include "bench/compare/comparison_target.h"
 #include "bench/measure/reference_solution.h"
+#include "core/types.h"
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -26,7 +27,6 @@ struct SolverVariant {
 
 /// What a user gets who asks for `tol` by one stop test.
 struct StopTestRow {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   std::string scene, solver;  ///< names as above
   bool dynamic = false;
   StopTest stop = StopTest::kGuarded;
@@ -59,7 +59,6 @@ std::vector<StopTestRow> study_stop_tests(const StopTestScene& scene,
 
 /// How well a test's number predicts an error: statistics of error / tol over rows that were met.
 struct Prediction {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   int asked = 0, met = 0;
   int too_early = 0;       ///< met rows with error > 10 tol
   int too_late = 0;        ///< met rows with error < tol / 10

@@ -18,6 +18,7 @@
 #include "core/motion/spring_dashpot.h"
 #include "core/motion/time_stepping.h"
 #include "core/nearest_name.h"
+#include "core/types.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
 
@@ -27,12 +28,6 @@ namespace {
 constexpr double kKick = 1e-3;  // of √(a r)
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
-
-double smallest_radius(const Scene& scene) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const Disk& d : scene.disks) smallest = std::min(smallest, d.radius);
-  return smallest;
-}
 
 TradeScene load_target(const std::string& target, const TradeOptions& options) {
   TradeScene made;
@@ -127,7 +122,7 @@ class Runner {
     row.step = scene.scene.step * setting.step_factor;
     row.steps_planned =
         std::max(1, static_cast<int>(std::lround(scene.scene.num_steps / setting.step_factor)));
-    row.values.assign(scene.quantities.size(), TradeRow::kNaN);
+    row.values.assign(scene.quantities.size(), kNaN);
     return row;
   }
 
@@ -252,7 +247,7 @@ void run_scene(const TradeScene& scene, const TradeOptions& options, Runner& run
   std::vector<double> factors = options.step_factors;
   std::sort(factors.rbegin(), factors.rend());
   const double shortest = factors.empty() ? 1 : factors.back();
-  double tol = completed.empty() ? TradeSetting::kNaN : completed.front();
+  double tol = completed.empty() ? kNaN : completed.front();
   for (const double t : completed) {
     const double cost = mean_cpu(trade, scene.name, {.solver = options.solvers.front(), .tol = t});
     if (1.5 * cost / shortest <= options.time_limit) tol = t;

@@ -1,18 +1,17 @@
 #pragma once
 
 #include <functional>
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "bench/trade/trade_outcome.h"
 #include "core/scene/scene.h"
+#include "core/types.h"
 
 namespace bipot {
 
 /// How one whole simulation is run. Numbers that do not apply are NaN.
 struct TradeSetting {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   Model model = Model::kNonsmooth;
   std::string solver;       ///< nonsmooth
   double tol = kNaN;        ///< nonsmooth
@@ -29,7 +28,6 @@ struct TradeSetting {
 
 /// One whole simulation.
 struct TradeRow {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   std::string scene;
   TradeSetting setting;
   int replica = 0;

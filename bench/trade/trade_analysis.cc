@@ -6,11 +6,10 @@
 #include <cmath>
 
 #include "bench/report/labels.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 std::vector<TradeCell> cells_of(const Trade& trade, const TradeScene& scene) {
   std::vector<TradeCell> cells;

@@ -1,17 +1,16 @@
 #pragma once
 
-#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "bench/trade/trade.h"
+#include "core/types.h"
 
 namespace bipot {
 
 /// All replicas of one setting on one scene.
 struct TradeCell {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   TradeSetting setting;
   int runs = 0, completed = 0;
   std::string status;         ///< "completed", or that of the first replica that was not
@@ -26,7 +25,6 @@ struct TradeCell {
 
 /// The three scales of error of one outcome, each relative to TradeQuantity::scale.
 struct TradeQuantityErrors {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   double reference = kNaN;  ///< exact, or at the shortest step completed
   std::string reference_kind;
   /// What the scene's time step costs: against the exact value; by Richardson extrapolation where
@@ -48,7 +46,6 @@ struct TradeQuantityErrors {
 
 /// What the rows say of one scene.
 struct SceneTrade {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   const TradeScene* scene = nullptr;
   std::vector<TradeCell> cells;  ///< in the order of the rows
   std::string solver;            ///< the first one

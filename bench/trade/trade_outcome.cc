@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/motion/stress_tensor.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -155,9 +156,7 @@ void OutcomeRecorder::find_columns() {
   if (scene_.has_friction() || !has_floor_ || scene_.disks.size() < 2) return;
   const Vec2 side(up_[1], -up_[0]);
   const double floor = span_along(scene_.disks, up_).first;
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const Disk& d : scene_.disks) smallest = std::min(smallest, d.radius);
-  const double close = 1e-3 * smallest;
+  const double smallest = smallest_radius(scene_), close = 1e-3 * smallest;
   std::map<long, std::vector<int>> columns;
   for (int i = 0; i < static_cast<int>(scene_.disks.size()); ++i) {
     if (scene_.disks[i].v.norm() > 0) return;
@@ -243,7 +242,6 @@ void OutcomeRecorder::step(const State& state, const StepReport& report) {
 }
 
 std::vector<double> OutcomeRecorder::values() const {
-  constexpr double kNaN = TradeQuantity::kNaN;
   std::vector<double> values;
   if (kind_ == Kind::kBall) {
     for (std::size_t p = 0; p < quantities_.size() / 2; ++p) {

@@ -1,16 +1,15 @@
 #pragma once
 
-#include <limits>
 #include <string>
 #include <vector>
 
 #include "core/motion/time_stepping.h"
+#include "core/types.h"
 
 namespace bipot {
 
 /// A number that a whole simulation is run for.
 struct TradeQuantity {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   std::string name, unit;
   std::string meaning;     ///< one line
   double exact = kNaN;     ///< where theory knows it
@@ -53,7 +52,7 @@ class OutcomeRecorder {
 
   // Ball: middles of the steps of impact, tops between them. Slider: first step without sliding.
   std::vector<double> impacts_, tops_;
-  double top_ = 0, floor_ = 0, rolls_from_ = TradeQuantity::kNaN;
+  double top_ = 0, floor_ = 0, rolls_from_ = kNaN;
   bool touched_ = false, slid_ = false;
   // Sample.
   int window_steps_ = 0;

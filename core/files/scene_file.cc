@@ -17,6 +17,7 @@
 
 #include "core/nearest_name.h"
 #include "core/scene/generators.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -430,9 +431,7 @@ void rotate(Scene& scene, double degrees) {
 /// Touching lattices have gaps of rounding size: the default distance covers them, and is far below
 /// anything that matters.
 double default_contact_distance(const Scene& scene) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const Disk& d : scene.disks) smallest = std::min(smallest, d.radius);
-  return scene.disks.empty() ? 0 : 1e-6 * smallest;
+  return scene.disks.empty() ? 0 : 1e-6 * smallest_radius(scene);
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <charconv>
 #include <fstream>
 #include <iterator>
-#include <limits>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "core/file_error.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -53,7 +53,7 @@ class Words {
     const auto [end, error] = std::from_chars(w.data(), w.data() + w.size(), value);
     const bool all = end == w.data() + w.size();
     if (all && error == std::errc::result_out_of_range) {
-      return underflows(w) ? 0 : std::numeric_limits<double>::infinity();
+      return underflows(w) ? 0 : kInfinity;
     }
     if (error != std::errc() || !all) fail(fmt::format("{}: '{}' is not a number", what, whole));
     return value;

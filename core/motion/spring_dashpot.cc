@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <limits>
 
 #include "core/scene/contact_detection.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -34,9 +34,7 @@ SpringDashpotStepper::SpringDashpotStepper(const Scene& scene, std::function<boo
       setup_(spring_dashpot_setup(scene)),
       cut_short_(std::move(cut_short)),
       limits_(limits) {
-  double smallest = std::numeric_limits<double>::infinity();
-  for (const Disk& d : scene.disks) smallest = std::min(smallest, d.radius);
-  skin_ = scene.disks.empty() ? 0 : kSkin * smallest;
+  skin_ = scene.disks.empty() ? 0 : kSkin * smallest_radius(scene);
 }
 
 void SpringDashpotStepper::load(const State& state) {

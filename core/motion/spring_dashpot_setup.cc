@@ -10,11 +10,10 @@
 #include <stdexcept>
 
 #include "core/scene/contact_detection.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// Extent of the disks along a unit vector.
 double extent(const Scene& scene, const Vec2& axis) {

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
+
+#include "core/types.h"
 
 namespace bipot {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr int kRimPoints = 256;
 
 /// Quarter turn counter-clockwise, e3 × .
@@ -263,7 +263,7 @@ double sample_area(const State& state, double step) {
   std::vector<std::size_t> outer;
   for (const Vec2& direction : directions) {
     std::size_t farthest = 0;
-    double reach = -std::numeric_limits<double>::infinity();
+    double reach = -kInfinity;
     for (std::size_t k = 0; k < state.disks.size(); ++k) {
       const double here = middle(state.disks[k], step).dot(direction) + state.disks[k].radius;
       if (here > reach) {

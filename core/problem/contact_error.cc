@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/problem/coulomb_cone.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -23,7 +24,7 @@ double physical_mu(const ContactProblem& p, int contact) {
 /// 0/0 is 0 (nothing moves and nothing is violated), x/0 is infinite.
 double ratio(double numerator, double denominator) {
   if (numerator == 0) return 0;
-  if (denominator == 0) return std::numeric_limits<double>::infinity();
+  if (denominator == 0) return kInfinity;
   return numerator / denominator;
 }
 
@@ -138,7 +139,7 @@ ContactError ContactErrorEvaluator::evaluate() {
   const double denominator = std::max(friction, kTheta * e.energy);
   e.epsilon = ratio(gap + penetration, denominator);
   e.eta = std::sqrt(ratio(natural, denominator));
-  e.raw42 = friction > 0 ? gap_clipped / friction : ContactError::kNaN;
+  e.raw42 = friction > 0 ? gap_clipped / friction : kNaN;
   e.natural_map = ratio(std::sqrt(natural_rel), std::max(std::sqrt(impulse2), free_norm_));
   return e;
 }

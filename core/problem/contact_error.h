@@ -1,17 +1,14 @@
 #pragma once
 
-#include <limits>
-
 #include "core/problem/contact_problem.h"
 #include "core/problem/delassus.h"
+#include "core/types.h"
 
 namespace bipot {
 
 /// The shared criterion (criterion.md), evaluated from a problem and an impulse alone. All
 /// dimensionless; NaN where undefined.
 struct ContactError {
-  static constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
   double epsilon = kNaN;  ///< (G + V) / max(D, theta E): guarded form of (42)
   double eta = kNaN;      ///< natural map in energy, same denominator
   double raw42 = kNaN;    ///< (42) as printed: normal penetration clipped, NaN where D = 0

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "core/problem/delassus.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -48,7 +49,7 @@ class Reader {
     }
     out_.bodies.resize(bodies + 1);
     out_.contacts.resize(p_.num_contacts());
-    arm_.assign(bodies, std::numeric_limits<double>::quiet_NaN());
+    arm_.assign(bodies, kNaN);
     for (int c = 0; c < p_.num_contacts(); ++c) {
       if (!read_contact(c)) return {};
     }

@@ -6,9 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <stdexcept>
 #include <vector>
+
+#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -191,7 +192,7 @@ Vector SparseLU::solve(const Eigen::Ref<const Vector>& b, int refinements) const
   const LongColumns& m = f.matrix;
   if (umfpack_dl_solve(UMFPACK_A, m.start.data(), m.row.data(), m.value.data(), x.data(),
                        rhs.data(), f.numeric, f.control, f.info) != UMFPACK_OK) {
-    x.setConstant(std::numeric_limits<double>::quiet_NaN());
+    x.setConstant(kNaN);
   }
   return x;
 }

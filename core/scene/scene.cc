@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace bipot {
@@ -63,6 +64,12 @@ bool Scene::has_friction() const {
     if (law.mu > 0) return true;
   }
   return false;
+}
+
+double smallest_radius(const Scene& scene) {
+  double smallest = kInfinity;
+  for (const Disk& d : scene.disks) smallest = std::min(smallest, d.radius);
+  return smallest;
 }
 
 std::string validate(const Scene& scene) {

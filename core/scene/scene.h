@@ -107,6 +107,9 @@ struct Scene {
   bool has_friction() const;
 };
 
+/// Radius of the smallest disk [m]; infinite in a scene without disks.
+double smallest_radius(const Scene& scene);
+
 /// Empty for a sound scene, else one sentence that names the entry, its index and its value.
 std::string validate(const Scene& scene);
 

@@ -3,9 +3,9 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "core/problem/coulomb_cone.h"
+#include "core/types.h"
 
 namespace bipot {
 
@@ -148,8 +148,7 @@ struct ContactJordan {
 
   /// Largest t with x + t dx in the cone (infinity when the ray stays inside).
   static double longest_step(const Pairs& x, const Pairs& dx, bool friction) {
-    constexpr double kInf = std::numeric_limits<double>::infinity();
-    double t = dx[0] < 0 ? -x[0] / dx[0] : kInf;
+    double t = dx[0] < 0 ? -x[0] / dx[0] : kInfinity;
     if (D > 1 && friction) {
       if constexpr (D == 2) {
         if (dx[1] < 0) t = std::min(t, -x[1] / dx[1]);

@@ -4,18 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
+#include "core/types.h"
 #include "solvers/monitor.h"
 #include "solvers/registry.h"
 #include "tests/support/manufactured.h"
 
 namespace bipot {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 bool contains(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
@@ -238,7 +235,7 @@ TEST(Solve, StatusInvalidInputNamesTheDefect) {
   expect_refused(bad, {}, "u_free[5]");
   const ContactProblem p = some_problem();
   SolverOptions options;
-  for (const double tol : {0.0, -1.0, kNaN, kInf}) {
+  for (const double tol : {0.0, -1.0, kNaN, kInfinity}) {
     options = {};
     options.tol = tol;
     expect_refused(p, options, "tol");
@@ -374,7 +371,7 @@ TEST(Sabotage, NotANumber) {
                 "non-finite");
   expect_caught(saboteur([](const ContactProblem& p, const SolverOptions&) {
                   Vector s = Vector::Zero(p.num_rows());
-                  s[0] = kInf;
+                  s[0] = kInfinity;
                   return claim(s);
                 }),
                 "non-finite");
@@ -530,7 +527,7 @@ TEST(History, IsCalledAtTheStatedCadence) {
   std::vector<int> judged;
   for (const IterationRecord& record : records) judged.push_back(record.iteration);
   EXPECT_EQ(judged, expected);
-  double time = 0, best = kInf;
+  double time = 0, best = kInfinity;
   for (const IterationRecord& record : records) {
     EXPECT_GE(record.seconds, time);
     time = record.seconds;

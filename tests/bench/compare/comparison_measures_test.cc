@@ -4,16 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "bench/compare/comparison_charts.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// A table by hand: times in seconds, velocity errors; `guarded` decides what is solved.
 class Table {

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "core/types.h"
+
 namespace bipot {
 namespace {
 
@@ -36,7 +38,7 @@ TEST(PowerLaw, WhatCannotBeFittedIsUndefined) {
   EXPECT_TRUE(std::isnan(fit_power_law({10}, {1}).exponent));
   EXPECT_TRUE(std::isnan(fit_power_law({10, 10}, {1, 2}).exponent));
   EXPECT_TRUE(std::isnan(fit_power_law({10, 20}, {1, 2}).confidence));
-  const double nan = PowerLaw::kNaN;
+  const double nan = kNaN;
   EXPECT_EQ(fit_power_law({10, 20, 30, 40}, {1, nan, 0, -1}).points, 1);
 }
 

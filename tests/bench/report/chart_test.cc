@@ -5,19 +5,17 @@
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
-#include <limits>
 #include <set>
 #include <sstream>
 #include <string_view>
 
 #include "bench/report/gnuplot.h"
 #include "core/file_error.h"
+#include "core/types.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 /// What is wrong with a piece of XML, empty when nothing: tags that do not match, a bare & or <,
 /// an attribute without quotes or twice in a tag.

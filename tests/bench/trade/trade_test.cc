@@ -9,6 +9,7 @@
 #include "bench/trade/trade_analysis.h"
 #include "bench/trade/trade_report.h"
 #include "core/motion/spring_dashpot.h"
+#include "core/types.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -161,12 +162,12 @@ TEST(TradeAnalysis, RunsThatWereNotCompletedSayNothing) {
     const bool other_step = row.setting.step_factor != 1;
     if (tight && row.replica == 1) {
       row.status = "time limit";
-      row.values = {TradeRow::kNaN};
+      row.values = {kNaN};
     }
     if (other_step) row.setting.tol = 1e-3;
     if (other_step && row.setting.step_factor < 1) {
       row.status = "failed";
-      row.values = {TradeRow::kNaN};
+      row.values = {kNaN};
     }
   }
   const SceneTrade s = analyse_trade(trade).at(0);
@@ -309,7 +310,7 @@ TEST(TradeReport, NamesEveryRunAndNoNumberThatIsNone) {
   trade.scenes[0].target = "made.toml";
   trade.rows[0].status = "time limit";
   trade.rows[0].message = "5 s were up";
-  trade.rows[0].values = {TradeRow::kNaN};
+  trade.rows[0].values = {kNaN};
   TradeContext context;
   context.command = "bipot trade made.toml";
   context.command_of_scene = "bipot trade {}";

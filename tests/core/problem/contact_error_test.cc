@@ -10,14 +10,13 @@
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
 #include "core/scene/contact_detection.h"
+#include "core/types.h"
 #include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 
 namespace bipot {
 namespace {
-
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 Vector vector_of(std::initializer_list<double> values) {
   return Eigen::Map<const Vector>(values.begin(), static_cast<Eigen::Index>(values.size()));
@@ -359,9 +358,9 @@ TEST(ContactError, WorkWithoutAnyEnergyToCompareItWithIsInfinite) {
   const ContactError e =
       contact_error(local_problem(1, W, vector_of({0.5, 0.5}), mu), vector_of({1, 1}));
   EXPECT_EQ(e.energy, 0);
-  EXPECT_EQ(e.epsilon, kInf);
-  EXPECT_EQ(e.eta, kInf);
-  EXPECT_EQ(e.guarded(), kInf);
+  EXPECT_EQ(e.epsilon, kInfinity);
+  EXPECT_EQ(e.eta, kInfinity);
+  EXPECT_EQ(e.guarded(), kInfinity);
   // The same self-stress at rest is on the law: 0/0 = 0.
   EXPECT_EQ(contact_error(local_problem(1, W, vector_of({0, 0}), mu), vector_of({1, 1})).guarded(),
             0);

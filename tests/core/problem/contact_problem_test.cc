@@ -3,15 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
+#include "core/types.h"
 #include "tests/support/manufactured.h"
 
 namespace bipot {
 namespace {
-
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr double kInf = std::numeric_limits<double>::infinity();
 
 ContactProblem sound() { return manufactured_problem(2, 4, 5, 1).problem; }
 
@@ -88,7 +85,7 @@ TEST(Validate, RefusesOneWrongSizeAtATime) {
 }
 
 TEST(Validate, RefusesOneNonFiniteValueAtATime) {
-  for (const double bad : {kNaN, kInf, -kInf}) {
+  for (const double bad : {kNaN, kInfinity, -kInfinity}) {
     ContactProblem p = sound();
     p.u_free[3] = bad;
     expect_refused(p, {"u_free[3]", "not finite"});
