@@ -3,13 +3,11 @@
 #include <fmt/format.h>
 
 #include <cstdlib>
-#include <fstream>
 #include <map>
-#include <sstream>
 #include <utility>
 
 #include "bench/compare/comparison.h"
-#include "core/file_error.h"
+#include "bench/report/csv_text.h"
 
 namespace bipot {
 namespace {
@@ -37,62 +35,6 @@ Column count_column(std::string_view name, int ComparisonRow::*field,
             r.*field = static_cast<int>(std::strtol(t.c_str(), nullptr, 10));
           },
           false};
-}
-
-std::string quoted(const std::string& text) {
-  std::string out = "\"";
-  for (char c : text) {
-    if (c == '"') out += '"';
-    out += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return out + '"';
-}
-
-std::vector<std::string> split_csv(const std::string& line) {
-  std::vector<std::string> fields(1);
-  bool inside = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    if (line[i] == '"') {
-      if (inside && i + 1 < line.size() && line[i + 1] == '"') {
-        fields.back() += line[++i];
-      } else {
-        inside = !inside;
-      }
-    } else if (line[i] == ',' && !inside) {
-      fields.emplace_back();
-    } else {
-      fields.back() += line[i];
-    }
-  }
-  return fields;
-}
-
-/// The fields of a table's whole lines; a line without its end was being written.
-std::vector<std::vector<std::string>> read_csv(const std::filesystem::path& path,
-                                               const std::string& header, std::size_t columns) {
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw FileError(path, "", "cannot be opened");
-  std::ostringstream content;
-  content << in.rdbuf();
-  const std::string text = content.str();
-  std::vector<std::vector<std::string>> rows;
-  std::size_t begin = 0;
-  for (int number = 1;; ++number) {
-    const std::size_t end = text.find('\n', begin);
-    if (end == std::string::npos) break;
-    const std::string line = text.substr(begin, end - begin);
-    begin = end + 1;
-    if (number == 1) {
-      if (line != header) throw FileError(path, "line 1", "not a table of this version");
-      continue;
-    }
-    rows.push_back(split_csv(line));
-    if (rows.back().size() != columns) {
-      throw FileError(path, fmt::format("line {}", number),
-                      fmt::format("{} fields, expected {}", rows.back().size(), columns));
-    }
-  }
-  return rows;
 }
 
 }  // namespace
@@ -159,7 +101,7 @@ std::string to_csv(const ComparisonRow& row) {
   for (const Column& column : comparison_columns()) {
     if (!first) line += ',';
     first = false;
-    line += column.text ? quoted(column.write(row)) : column.write(row);
+    line += column.text ? csv_text(column.write(row)) : column.write(row);
   }
   return line;
 }
@@ -167,7 +109,8 @@ std::string to_csv(const ComparisonRow& row) {
 std::vector<ComparisonRow> read_csv_rows(const std::filesystem::path& path) {
   const auto& columns = comparison_columns();
   std::vector<ComparisonRow> rows;
-  for (const std::vector<std::string>& fields : read_csv(path, csv_header(), columns.size())) {
+  for (const std::vector<std::string>& fields :
+       read_csv_table(path, csv_header(), columns.size())) {
     ComparisonRow& row = rows.emplace_back();
     for (std::size_t i = 0; i < columns.size(); ++i) columns[i].read(row, fields[i]);
   }
@@ -179,9 +122,9 @@ std::string history_csv_header() { return "problem,solver,tol,iteration,seconds,
 std::string to_csv(const History& history) {
   std::string text;
   for (const HistoryPoint& p : history.points) {
-    text +=
-        fmt::format("{},{},{},{},{:.6g},{},{}\n", quoted(history.problem), quoted(history.solver),
-                    history.tol, p.iteration, p.seconds, p.epsilon, p.eta);
+    text += fmt::format("{},{},{},{},{:.6g},{},{}\n", csv_text(history.problem),
+                        csv_text(history.solver), history.tol, p.iteration, p.seconds, p.epsilon,
+                        p.eta);
   }
   return text;
 }
@@ -190,7 +133,7 @@ std::vector<History> read_csv_histories(const std::filesystem::path& path) {
   std::vector<History> histories;
   // By problem and solver; where a solve was begun again its first iteration comes again.
   std::map<std::pair<std::string, std::string>, std::size_t> places;
-  for (const std::vector<std::string>& fields : read_csv(path, history_csv_header(), 7)) {
+  for (const std::vector<std::string>& fields : read_csv_table(path, history_csv_header(), 7)) {
     const double tol = std::strtod(fields[2].c_str(), nullptr);
     const HistoryPoint point{static_cast<int>(std::strtol(fields[3].c_str(), nullptr, 10)),
                              std::strtod(fields[4].c_str(), nullptr),

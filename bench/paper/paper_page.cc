@@ -3,54 +3,44 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <set>
+
+#include "bench/report/page_style.h"
 
 namespace bipot {
 namespace {
 
-constexpr const char* kStyle = R"(
-:root{color-scheme:light}
-*{box-sizing:border-box}
-body{margin:0 auto;max-width:1080px;padding:16px;font:16px/1.5 system-ui,sans-serif;color:#1b1b1b;
- background:#fff}
-h1{font-size:1.5rem;line-height:1.25;margin:.4em 0}
-h2{font-size:1.25rem;margin:2.4em 0 .5em;border-bottom:1px solid #bbb;padding-bottom:.2em}
-h3{font-size:1rem;margin:1.6em 0 .3em}
-p,li{max-width:46em}
+// Text for reading in larger type, plain tables instead of boxes.
+constexpr std::string_view kOwnRules = R"(
+body{max-width:1080px;font-size:16px}
+h2{font-size:1.25rem;margin:2.4em 0 .5em;border-bottom-color:#bbb}
 a{color:#0a4a8a}
-code{font:.86em ui-monospace,monospace;background:#f3f3f3;padding:.1em .3em;overflow-wrap:anywhere}
-.small{color:#555;font-size:.87rem}
 .paper{border-left:3px solid #999;padding-left:.8em;color:#333}
 .failed{border-left:3px solid #8a1c00;padding-left:.8em;color:#8a1c00}
 .no{color:#8a1c00;font-weight:600}
 .yes{color:#1d5c2e}
 .yes,.no{white-space:nowrap}
-.scroll{overflow-x:auto}
-table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:.88rem;width:100%;
- margin:.4em 0}
-summary{font-size:.88rem;color:#333;padding:.3em 0;cursor:pointer}
+.scroll{border:0}
+table{border-collapse:collapse;font-size:.88rem;margin:.4em 0}
+th,td{padding:.3em .7em .3em 0}
+th:first-child,td:first-child{position:static}
+thead th,thead th:first-child{background:none;border-bottom:1px solid #888}
+summary{font-size:.88rem;color:#333;padding:.3em 0}
 caption{text-align:left;color:#333;padding:.3em 0;caption-side:top}
-th,td{padding:.3em .7em .3em 0;text-align:left;border-bottom:1px solid #e2e2e2;vertical-align:top}
-thead th{border-bottom:1px solid #888}
-td.n,th.n{text-align:right;white-space:nowrap}
 .made td,.made th{background:#f6f6f6;font-weight:normal;padding:.25em .4em;color:#444}
-.grid{display:grid;grid-template-columns:repeat(auto-fill,minmax(min(100%,420px),1fr));
- gap:18px 28px;margin:1em 0}
-figure{margin:0;break-inside:avoid;min-width:0}
+.grid{grid-template-columns:repeat(auto-fill,minmax(min(100%,420px),1fr));gap:18px 28px;
+ margin:1em 0}
 figure.wide{grid-column:1/-1}
 figure img{display:block;width:100%;height:auto}
-figcaption{font-size:.88rem;color:#333;max-width:44em;margin-top:.3em}
-dl{display:grid;grid-template-columns:minmax(7em,max-content) 1fr;gap:.3em 1em;font-size:.88rem}
-dt{font-weight:600}dd{margin:0;overflow-wrap:anywhere}
-@media(max-width:640px){body{padding:10px}dl{display:block}dd{margin:0 0 .5em}
- .cards thead{display:none}
+figcaption{font-size:.88rem;max-width:44em;margin-top:.3em}
+dl{font-size:.88rem}
+dd{max-width:none;overflow-wrap:anywhere}
+@media(max-width:620px){.cards thead{display:none}
  .cards tr{display:block;border-bottom:1px solid #bbb;padding:.35em 0}
  .cards td,.cards th{display:block;border:0;padding:.08em 0;text-align:left;white-space:normal}
  .cards td[data-label]::before{content:attr(data-label) ": ";color:#555}}
-@media print{body{max-width:none;padding:0;font-size:10pt}.scroll{overflow:visible}
- table{font-size:8pt}th,td{padding:.15em .5em .15em 0}
+@media print{table{font-size:8pt}th,td{padding:.15em .5em .15em 0}
  .grid{grid-template-columns:1fr 1fr;gap:8px 16px}figcaption{font-size:8.5pt}
- h2,h3,caption{break-after:avoid}tr{break-inside:avoid}a{color:inherit;text-decoration:none}
+ a{color:inherit;text-decoration:none}
  .made td,.made th,code{background:none}@page{margin:14mm}}
 )";
 
@@ -95,11 +85,8 @@ class Page {
   explicit Page(const PaperReport& report) : report_(report) {}
 
   std::string write() {
-    add("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
-        "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
-        "<title>Bipot: the paper's figures and tables</title>\n<style>");
-    add(kStyle);
-    add("</style></head><body>\n<h1>The paper's figures and tables, made again and checked</h1>\n"
+    add(page_head("Bipot: the paper's figures and tables", kOwnRules));
+    add("<h1>The paper's figures and tables, made again and checked</h1>\n"
         "<p>The paper is Fortin, Hjiaj and de Saxcé, <cite>An improved discrete element method "
         "based on a variational formulation of the frictional contact law</cite>, Computers and "
         "Geotechnics 29 (2002) 609–640; numbers in parentheses are its equations. Each section "
@@ -109,7 +96,7 @@ class Page {
     overview();
     for (const PaperEntry& entry : report_.entries) section(entry);
     provenance();
-    add("</body></html>\n");
+    add(page_end());
     return std::move(html_);
   }
 
@@ -225,10 +212,7 @@ class Page {
 
   void provenance() {
     add("<h2>How this page was made</h2>\n<dl>");
-    const auto item = [this](const char* name, const std::string& value) {
-      add(fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, value));
-    };
-    item("last command", "<code>" + escape_markup(report_.command) + "</code>");
+    add(page_term("last command", "<code>" + escape_markup(report_.command) + "</code>"));
     // Items kept from earlier runs may come from other programs and machines.
     const auto all = [this](const char* name, auto&& text_of) {
       std::vector<std::string> texts;
@@ -237,9 +221,7 @@ class Page {
         const std::string text = text_of(e);
         if (std::find(texts.begin(), texts.end(), text) == texts.end()) texts.push_back(text);
       }
-      for (const std::string& text : texts) {
-        add(fmt::format("<dt>{}</dt><dd>{}</dd>\n", name, escape_markup(text)));
-      }
+      for (const std::string& text : texts) add(page_term(name, escape_markup(text)));
     };
     all("program", [](const PaperEntry& e) {
       return fmt::format("bipot {}, commit {}", e.build.version, e.build.commit);
@@ -252,7 +234,7 @@ class Page {
     all("date", [](const PaperEntry& e) { return e.date.substr(0, 10); });
     double total = 0;
     for (const PaperEntry& e : report_.entries) total += e.wall_seconds;
-    item("time", seconds(total) + " for all items");
+    add(page_term("time", seconds(total) + " for all items"));
     add("</dl>\n<p class=\"small\">Every number of this page, and the points of every chart, stand "
         "in <a href=\"results.json\">results.json</a> beside it.</p>\n");
   }

@@ -10,6 +10,7 @@
 #include <set>
 #include <string_view>
 
+#include "bench/report/csv_text.h"
 #include "bench/report/gnuplot.h"
 #include "core/file_error.h"
 #include "core/files/atomic_file.h"
@@ -504,15 +505,6 @@ std::string page_element(const Chart& chart, std::string_view document, const Pl
   return out;
 }
 
-std::string csv_field(std::string_view text) {
-  std::string out = "\"";
-  for (char c : text) {
-    if (c == '"') out += '"';
-    out += c == '\n' || c == '\r' ? ' ' : c;
-  }
-  return out + '"';
-}
-
 }  // namespace
 
 std::string escape_markup(const std::string& text) {
@@ -580,7 +572,7 @@ void write_chart_files(const std::filesystem::path& folder, const std::string& n
   std::string csv = "series,x,y,note\n";
   for (const ChartSeries& series : chart.series) {
     for (const ChartPoint& p : series.points) {
-      csv += fmt::format("{},{},{},{}\n", csv_field(series.name), p.x, p.y, csv_field(p.note));
+      csv += fmt::format("{},{},{},{}\n", csv_text(series.name), p.x, p.y, csv_text(p.note));
     }
   }
   write_text_file(folder / (name + ".csv"), csv);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "bench/report/chart.h"
+#include "bench/report/csv_text.h"
 #include "bench/report/labels.h"
 
 namespace bipot {
@@ -32,15 +33,6 @@ std::string share_text(double x) {
 }
 std::string value_text(double x) { return cell_text("{:.4g}", x); }
 std::string model_name(const TradeSetting& s) { return s.dem() ? "dem" : "nscd"; }
-
-std::string csv_text(const std::string& text) {
-  std::string quoted = "\"";
-  for (const char c : text) {
-    if (c == '"') quoted += '"';
-    quoted += c == '\n' ? ' ' : c;
-  }
-  return quoted + "\"";
-}
 
 const TradeCell* sufficient_cell(const SceneTrade& s) {
   if (s.tols.empty()) return nullptr;

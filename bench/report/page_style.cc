@@ -1,0 +1,73 @@
+#include "bench/report/page_style.h"
+
+#include <fmt/format.h>
+
+#include "bench/report/chart.h"
+
+namespace bipot {
+namespace {
+
+constexpr std::string_view kScreen = R"(
+:root{color-scheme:light}
+*{box-sizing:border-box}
+body{margin:0 auto;max-width:1180px;padding:16px;font:15px/1.5 system-ui,sans-serif;color:#1b1b1b;
+ background:#fff}
+h1{font-size:1.5rem;line-height:1.2;margin:.4em 0}
+h2{font-size:1.2rem;margin:2em 0 .4em;border-bottom:1px solid #ccc;padding-bottom:.2em}
+h3{font-size:1rem;margin:1.6em 0 .3em}
+p,li{max-width:46em}
+code{font:.88em ui-monospace,monospace;background:#f3f3f3;padding:.1em .3em;overflow-wrap:anywhere}
+.small{color:#555;font-size:.87rem}
+.scroll{overflow-x:auto;border:1px solid #ddd}
+table{border-collapse:separate;border-spacing:0;font-variant-numeric:tabular-nums;font-size:.87rem;
+ width:100%}
+th,td{padding:.3em .6em;text-align:left;border-bottom:1px solid #e6e6e6;vertical-align:top}
+td.n,th.n{text-align:right;white-space:nowrap}
+thead th{background:#f3f3f3}
+th:first-child,td:first-child{position:sticky;left:0;background:#fff}
+thead th:first-child{background:#f3f3f3}
+tr.bad td{color:#8a1c00}
+tr.bad td:first-child{box-shadow:inset 3px 0 #8a1c00}
+.grid{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,400px),1fr));
+ gap:12px 28px}
+figure{margin:0;break-inside:avoid;min-width:0}
+figure svg{display:block;width:100%;max-width:560px;height:auto}
+figcaption{font-size:.87rem;color:#333;max-width:560px}
+summary{cursor:pointer}
+dl{display:grid;grid-template-columns:minmax(7em,max-content) 1fr;gap:.3em 1em}
+dt{font-weight:600}dd{margin:0;max-width:42em}
+)";
+
+constexpr std::string_view kSmallAndPrint = R"(
+@media(max-width:620px){body{padding:10px}dl{display:block}dd{margin:0 0 .5em}}
+@media print{body{max-width:none;padding:0;font-size:10pt}.scroll{overflow:visible;border:0}
+ th:first-child,td:first-child{position:static}
+ h2,h3,h4,caption,summary{break-after:avoid}tr{break-inside:avoid}}
+)";
+
+}  // namespace
+
+std::string page_head(std::string_view title, std::string_view own_rules) {
+  return fmt::format(
+      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
+      "<link rel=\"icon\" href=\"data:,\">\n<title>{}</title>\n<style>{}{}{}</style></head><body>\n",
+      escape_markup(std::string(title)), kScreen, own_rules, kSmallAndPrint);
+}
+
+std::string page_end() { return "</body></html>\n"; }
+
+std::string page_term(std::string_view term, std::string_view html) {
+  return fmt::format("<dt>{}</dt><dd>{}</dd>\n", term, html);
+}
+
+std::string page_terms(const BuildInfo& build) {
+  return page_term("program", fmt::format("bipot {}, commit {}", escape_markup(build.version),
+                                          escape_markup(build.commit))) +
+         page_term("compiler", escape_markup(build.compiler)) +
+         page_term("flags", "<code>" + escape_markup(build.flags) + "</code>") +
+         page_term("machine", fmt::format("{}, {} logical cores, 1 used", escape_markup(build.cpu),
+                                          build.cores));
+}
+
+}  // namespace bipot
