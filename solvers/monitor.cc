@@ -37,15 +37,8 @@ bool IterationMonitor::judge(const Eigen::Ref<const Vector>& s, double impulse_c
     best_error_ = error;
     best_s_ = evaluator_.impulse();
   }
-  switch (options_.stop) {
-    case StopTest::kGuarded:
-      return error <= options_.tol;
-    case StopTest::kRaw42:
-      return last_.raw42 <= options_.tol;
-    case StopTest::kImpulse:
-      return impulse_change <= options_.tol;
-  }
-  return false;
+  return options_.stop == StopTest::kImpulse ? impulse_change <= options_.tol
+                                             : bipot::meets(options_, last_);
 }
 
 bool IterationMonitor::meets(const Eigen::Ref<const Vector>& s) {
@@ -92,23 +85,31 @@ bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, do
     status_ = SolveStatus::kIterationLimit;
     message_ = fmt::format("iteration limit {} reached, best error {:.2e}", options_.max_iterations,
                            best_error_);
-  } else if (cancelled()) {
-    status_ = SolveStatus::kInterrupted;
-    message_ =
-        fmt::format("interrupted after {} iterations, best error {:.2e}", iteration, best_error_);
-  } else if (seconds() >= options_.time_limit) {
-    status_ = SolveStatus::kTimeLimit;
-    message_ = fmt::format("time limit {} s reached after {} iterations, best error {:.2e}",
-                           options_.time_limit, iteration, best_error_);
+  } else {
+    end_if_out_of_time(iteration);
   }
   previous_ = s;
   previous_iteration_ = iteration;
   return status_ != SolveStatus::kNotRun;
 }
 
-void IterationMonitor::fail(SolveStatus status, std::string message) {
+void IterationMonitor::end(SolveStatus status, std::string message) {
   status_ = status;
   message_ = std::move(message);
+}
+
+bool IterationMonitor::end_if_out_of_time(int iteration) {
+  if (cancelled()) {
+    end(SolveStatus::kInterrupted,
+        fmt::format("interrupted after {} iterations, best error {:.2e}", iteration, best_error_));
+  } else if (seconds() >= options_.time_limit) {
+    end(SolveStatus::kTimeLimit,
+        fmt::format("time limit {} s reached after {} iterations, best error {:.2e}",
+                    options_.time_limit, iteration, best_error_));
+  } else {
+    return false;
+  }
+  return true;
 }
 
 double IterationMonitor::seconds() const {

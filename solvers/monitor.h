@@ -27,8 +27,12 @@ class IterationMonitor {
   bool stop(int iteration, const Eigen::Ref<const Vector>& s,
             double step = std::numeric_limits<double>::quiet_NaN(), bool moving = false);
 
-  /// For solvers that find out by themselves that they cannot go on.
-  void fail(SolveStatus status, std::string message);
+  /// For solvers that find out by themselves that they are at their end, good or bad.
+  void end(SolveStatus status, std::string message);
+
+  /// Ends the solve where the caller asked for it (kInterrupted) or the time is over (kTimeLimit);
+  /// true: stop now. For work that stop() does not see, such as an inner solver that came back.
+  bool end_if_out_of_time(int iteration);
 
   /// Judges s now, whatever the cadence, without stopping: true when it meets the stop test.
   bool meets(const Eigen::Ref<const Vector>& s);
@@ -41,7 +45,7 @@ class IterationMonitor {
 
   double seconds() const;    ///< wall time since construction or the last restart_clock()
   bool cancelled() const;    ///< the caller asked to stop
-  bool out_of_time() const;  ///< for inner loops longer than an iteration
+  bool out_of_time() const;  ///< cancelled or over the time limit, for loops within an iteration
   double remaining_seconds() const;
   /// Ends the set-up phase: seconds so far are reported as setup_seconds.
   void end_setup();

@@ -2,22 +2,26 @@
 
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "solvers/solver.h"
 
 namespace bipot {
 
-/// The one table of solvers of this build, in the order of presentation.
+/// The one table of solvers of this build, in the order of presentation (methods/solver_table.cc).
 std::span<const SolverEntry> solver_table();
 
 /// Null when no solver has that name.
 const SolverEntry* find_solver(std::string_view name);
 
+/// The row of that name; throws std::invalid_argument(unknown_solver_message(name)).
+const SolverEntry& require_solver(std::string_view name);
+
 std::vector<std::string> solver_names();
 
-/// For a name that find_solver() does not know: the nearest one, or the build option that this build
-/// lacks.
+/// For a name that find_solver() does not know: the nearest one, or the build option that this
+/// build lacks.
 std::string unknown_solver_message(std::string_view name);
 
 }  // namespace bipot

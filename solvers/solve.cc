@@ -48,18 +48,6 @@ std::string validate_options(const SolverEntry& entry, const ContactProblem& p,
   return {};
 }
 
-bool meets(const ContactError& e, const SolverOptions& o) {
-  switch (o.stop) {
-    case StopTest::kGuarded:
-      return e.guarded() <= o.tol;
-    case StopTest::kRaw42:
-      return e.raw42 <= o.tol;
-    case StopTest::kImpulse:
-      return false;  // a single impulse says nothing about successive ones
-  }
-  return false;
-}
-
 /// Judges result.s on the original problem, writes s, u and error, withdraws false claims.
 void judge(const ContactProblem& problem, const SolverOptions& options,
            ContactErrorEvaluator& evaluate, SolveResult& result) {
@@ -127,7 +115,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
     if (evaluate(result.s).guarded() == 0) {
       result.status = SolveStatus::kNothingToDo;
       result.message = problem.num_contacts() == 0 ? "no contacts" : "s = 0 satisfies the law";
-    } else if (options.s0.size() != 0 && meets(evaluate(options.s0), options)) {
+    } else if (options.s0.size() != 0 && meets(options, evaluate(options.s0))) {
       result.status = SolveStatus::kConverged;
       result.message = "the start meets the stop test";
       result.s = options.s0;
@@ -156,48 +144,6 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
     result.u = problem.u_free;
     return result;
   }
-}
-
-std::string_view to_string(SolveStatus status) {
-  switch (status) {
-    case SolveStatus::kNotRun:
-      return "not run";
-    case SolveStatus::kConverged:
-      return "converged";
-    case SolveStatus::kNothingToDo:
-      return "nothing to do";
-    case SolveStatus::kIterationLimit:
-      return "iteration limit";
-    case SolveStatus::kTimeLimit:
-      return "time limit";
-    case SolveStatus::kInterrupted:
-      return "interrupted";
-    case SolveStatus::kStalled:
-      return "stalled";
-    case SolveStatus::kDiverged:
-      return "diverged";
-    case SolveStatus::kNumericalFailure:
-      return "numerical failure";
-    case SolveStatus::kInvalidInput:
-      return "invalid input";
-  }
-  return "unknown status";
-}
-
-bool is_success(SolveStatus status) {
-  return status == SolveStatus::kConverged || status == SolveStatus::kNothingToDo;
-}
-
-std::string_view to_string(StopTest stop) {
-  switch (stop) {
-    case StopTest::kGuarded:
-      return "guarded";
-    case StopTest::kRaw42:
-      return "raw42";
-    case StopTest::kImpulse:
-      return "impulse";
-  }
-  return "unknown stop test";
 }
 
 }  // namespace bipot

@@ -55,6 +55,13 @@ struct SolverOptions {
   std::function<void(const IterationRecord&)> on_iteration;  ///< history, at the judged iterations
 };
 
+/// Whether the error of one impulse meets options.stop. False for kImpulse: a single impulse says
+/// nothing about successive ones.
+bool meets(const SolverOptions& options, const ContactError& error);
+
+/// Where a solve begins: options.s0, or 0 where that is empty. Size m.
+Vector start_of(const ContactProblem& problem, const SolverOptions& options);
+
 struct SolveResult {
   SolveStatus status = SolveStatus::kNotRun;
   std::string message = "solve() was not called";
@@ -87,6 +94,9 @@ struct SolverEntry {
   bool needs_delassus = false;  ///< W must be present; solve() assembles it where it is not
   int max_dim = 3;              ///< largest contact dimension
   int max_contacts = std::numeric_limits<int>::max();  ///< beyond it: kInvalidInput, saying so
+  /// The iterates do not depend on `tol`, which decides only where they end: a solve to a loose
+  /// tolerance is the beginning of the one to a tight tolerance.
+  bool path_ignores_tolerance = false;
 };
 
 }  // namespace bipot

@@ -253,14 +253,6 @@ fs::path run_folder(const fs::path& run) {
   return run.has_parent_path() ? run.parent_path() : fs::path(".");
 }
 
-const SolverEntry& chosen_solver(const std::string& name) {
-  const SolverEntry* entry = find_solver(name);
-  if (entry == nullptr) {
-    throw std::invalid_argument(unknown_solver_message(name));
-  }
-  return *entry;
-}
-
 void dump_problem(const fs::path& folder, const Scene& scene, const StepReport& report,
                   const ContactProblem& problem) {
   if (problem.num_contacts() == 0) return;
@@ -323,7 +315,7 @@ int run_command(const RunFlags& flags) {
   std::string text;
   const Scene scene = load_scene(flags, text);
   const bool dem = scene.model == Model::kSpringDashpot;
-  const SolverEntry& entry = chosen_solver(dem ? SolverChoice{}.name : scene.solver.name);
+  const SolverEntry& entry = require_solver(dem ? SolverChoice{}.name : scene.solver.name);
   SolverOptions options = to_options(dem ? SolverChoice{} : scene.solver);
   // A first look at the options on a problem without contacts: wrong ones are refused here.
   if (const SolveResult probe = solve(entry, ContactProblem{}, options);

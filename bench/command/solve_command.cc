@@ -168,10 +168,7 @@ int solve_command(const SolveFlags& given) {
   check_solution_file(flags.solution, problem);
   require_writable(flags.common.json);
   const SolverChoice choice = merged(SolverChoice{}, flags.solver);
-  const SolverEntry* entry = find_solver(choice.name);
-  if (entry == nullptr) {
-    throw std::invalid_argument(unknown_solver_message(choice.name));
-  }
+  const SolverEntry* entry = &require_solver(choice.name);
   SolverOptions options = to_options(choice);
   options.time_limit = flags.common.time_limit;
   const InterruptGuard interrupt;

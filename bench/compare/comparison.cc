@@ -250,14 +250,6 @@ Measurement measure(const SolverEntry& entry, const ComparisonProblem& given, do
   return made;
 }
 
-/// True for solvers whose iterates do not depend on the tolerance: out of time at a loose one, they
-/// are out of time at a tight one.
-bool has_fixed_path(std::string_view solver) {
-  constexpr std::string_view kNames[] = {"uzawa",    "classical", "pgs",  "apgd",
-                                         "anderson", "admm",      "lemke"};
-  return std::find(std::begin(kNames), std::end(kNames), solver) != std::end(kNames);
-}
-
 /// Makes the rows of one problem, and the problem itself only where one is missing.
 class ProblemRows {
  public:
@@ -277,7 +269,7 @@ class ProblemRows {
     } else if (!hopeless.empty()) {
       row.status = ComparisonRow::kNotTried;
       row.message = hopeless;
-    } else if (looser != nullptr && has_fixed_path(entry.name) &&
+    } else if (looser != nullptr && entry.path_ignores_tolerance &&
                looser->status == to_string(SolveStatus::kTimeLimit)) {
       row = *looser;
       if (!row.message.starts_with("not run again")) {
@@ -387,7 +379,8 @@ class TimeOuts {
       const bool smaller =
           !source.series.empty() && s.series == source.series && s.size < source.size;
       // Where the path does not depend on the tolerance, the row is known without a run.
-      const bool looser = s.problem == source.name && s.tol > tol && !has_fixed_path(solver);
+      const bool looser =
+          s.problem == source.name && s.tol > tol && !require_solver(solver).path_ignores_tolerance;
       if (smaller || looser) {
         return fmt::format("not tried: out of time on {} at tol {:g}", s.problem, s.tol);
       }
@@ -410,10 +403,7 @@ double HistoryPoint::guarded() const { return std::fmax(epsilon, eta); }
 Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOptions& options) {
   std::vector<const SolverEntry*> entries;
   for (const std::string& name : options.solvers) {
-    entries.push_back(find_solver(name));
-    if (entries.back() == nullptr) {
-      throw std::invalid_argument(unknown_solver_message(name));
-    }
+    entries.push_back(&require_solver(name));
   }
   std::vector<double> tols = options.tols;
   std::sort(tols.begin(), tols.end(), std::greater<>());

@@ -26,13 +26,6 @@ double disks_of(const std::string& family, int side) {
   return n * n;
 }
 
-/// True for solvers whose iterates do not depend on the tolerance.
-bool has_fixed_path(const std::string& solver) {
-  constexpr std::string_view kNames[] = {"uzawa",    "classical", "pgs",   "apgd",
-                                         "anderson", "admm",      "lemke", "ipm"};
-  return std::find(std::begin(kNames), std::end(kNames), solver) != std::end(kNames);
-}
-
 SolverOptions options_of(const GrowthMethod& method, double tol, const GrowthLimits& limits) {
   SolverOptions options;
   options.tol = tol;
@@ -117,7 +110,7 @@ std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthProblem
                                    const GrowthMethod& method, std::span<const double> tols,
                                    const GrowthLimits& limits) {
   std::vector<GrowthRow> rows;
-  if (!has_fixed_path(method.solver)) {
+  if (!require_solver(method.solver).path_ignores_tolerance) {
     for (const double tol : tols) {
       rows.push_back(growth_row(scene, problem, method, tol, limits));
     }

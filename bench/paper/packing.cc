@@ -59,8 +59,7 @@ double slope_of_line(std::span<const double> x, std::span<const double> y) {
 PackingRun run_packing(
     const Scene& scene, State& state, const PaperContext& context,
     const std::function<bool(const State&, const State&, const StepReport&)>& on_step) {
-  const SolverEntry* entry = find_solver(scene.solver.name);
-  if (entry == nullptr) throw std::runtime_error("no solver " + scene.solver.name);
+  const SolverEntry* entry = &require_solver(scene.solver.name);
   SolverOptions options = to_options(scene.solver);
   options.cancelled = context.interrupted;
   TimeStepper stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);

@@ -11,8 +11,7 @@ namespace bipot {
 
 State run_paper_scene(const Scene& scene, const PaperContext& context,
                       const std::function<void(const State&, const StepReport&)>& on_step) {
-  const SolverEntry* entry = find_solver(scene.solver.name);
-  if (entry == nullptr) throw std::runtime_error("no solver " + scene.solver.name);
+  const SolverEntry* entry = &require_solver(scene.solver.name);
   SolverOptions options = to_options(scene.solver);
   options.cancelled = context.interrupted;
   TimeStepper stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);

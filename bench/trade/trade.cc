@@ -17,7 +17,6 @@
 #include "core/files/scene_file.h"
 #include "core/motion/spring_dashpot.h"
 #include "core/motion/time_stepping.h"
-#include "core/nearest_name.h"
 #include "core/types.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
@@ -324,11 +323,7 @@ std::vector<std::string> trade_targets(bool quick) {
 }
 
 Trade run_trade(const TradeOptions& options) {
-  for (const std::string& solver : options.solvers) {
-    if (find_solver(solver) == nullptr) {
-      throw std::invalid_argument(unknown_name_message("solver", solver, solver_names()));
-    }
-  }
+  for (const std::string& solver : options.solvers) require_solver(solver);
   if (options.solvers.empty() || options.tols.empty()) {
     throw std::invalid_argument("a comparison of runs needs a solver and a tolerance");
   }

@@ -324,7 +324,7 @@ SolveResult solve_accelerated_gradient(const ContactProblem& p, const SolverOpti
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
   const double lambda =
       kMargin * spectral_estimate(p, delassus, scaling.velocity, kPowerIterations);
-  const Vector s0 = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  const Vector s0 = start_of(p, options);
   monitor.end_setup();
   dispatch_dim(p.dim, [&](auto d) {
     constexpr int D = d();

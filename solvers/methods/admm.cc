@@ -122,7 +122,7 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
   }
   if (s0.isZero(0)) y.setZero();
   if (!factor_raising(resolvent, rho, y)) {
-    monitor.fail(SolveStatus::kNumericalFailure, "W + rho I is not positive definite");
+    monitor.end(SolveStatus::kNumericalFailure, "W + rho I is not positive definite");
     return;
   }
   monitor.end_setup();
@@ -177,8 +177,8 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
       rho *= factor;
       y /= factor;
       if (!factor_raising(resolvent, rho, y)) {
-        monitor.fail(SolveStatus::kNumericalFailure,
-                     fmt::format("factorisation failed for rho = {:.2e}", rho));
+        monitor.end(SolveStatus::kNumericalFailure,
+                    fmt::format("factorisation failed for rho = {:.2e}", rho));
         return;
       }
     }
@@ -192,7 +192,7 @@ SolveResult solve_admm(const ContactProblem& p, const SolverOptions& options) {
   IterationMonitor monitor(p, options);
   const DelassusOperator& delassus = monitor.evaluator().delassus();
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  const Vector s0 = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  const Vector s0 = start_of(p, options);
   Vector velocity(p.num_rows());
   delassus.velocity(s0, velocity);
   const std::string rule = parameters.choice("penalty");

@@ -124,7 +124,7 @@ SolveResult solve_anderson(const ContactProblem& p, const SolverOptions& options
   IterationMonitor monitor(p, options);
   const DelassusOperator& delassus = monitor.evaluator().delassus();
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  const Vector s0 = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  const Vector s0 = start_of(p, options);
   dispatch_dim(p.dim, [&](auto d) {
     constexpr int D = d();
     if (sweeps) {

@@ -196,7 +196,7 @@ class Race {
  public:
   Race(const ContactProblem& p, const SolverOptions& options)
       : p_(p), options_(options), evaluate_(p), inner_(options) {
-    best_.s = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+    best_.s = start_of(p, options);
     best_error_ = evaluate_(best_.s).guarded();
     if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();
     start_error_ = best_error_;

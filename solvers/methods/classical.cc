@@ -38,7 +38,7 @@ SolveResult solve_classical(const ContactProblem& p, const SolverOptions& option
   const PredictorSteps steps = parameters.choice("rho") == "paper"
                                    ? paper_steps(p, delassus)
                                    : stable_steps(p, delassus, jacobi);
-  const Vector s0 = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  const Vector s0 = start_of(p, options);
   monitor.end_setup();
   dispatch_dim(p.dim, [&](auto d) {
     const TwoCorrectors<d()> update{steps};

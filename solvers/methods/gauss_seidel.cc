@@ -79,7 +79,7 @@ SolveResult solve_gauss_seidel(const ContactProblem& p, const SolverOptions& opt
   const bool explicit_delassus = parameters.choice("operator") == "explicit";
   IterationMonitor monitor(p, options);
   const DelassusOperator& delassus = monitor.evaluator().delassus();
-  const Vector s0 = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  const Vector s0 = start_of(p, options);
   dispatch_dim(p.dim, [&](auto d) {
     run<d()>(p, delassus, s0, explicit_delassus, order, settings, monitor);
     return 0;

@@ -84,7 +84,7 @@ class Driver {
 
   void operator()() {
     const bool warm = options_.s0.size() != 0;
-    const Vector s0 = warm ? options_.s0 : Vector(Vector::Zero(p_.num_rows()));
+    const Vector s0 = start_of(p_, options_);
     if (monitor_.stop(0, s0)) return;
     if (warm && polish_ && monitor_.best_error() < kPolishBelow) {
       ProximalNewtonOptions newton;
@@ -94,11 +94,11 @@ class Driver {
     for (int round = 0; round < rounds_; ++round) {
       if (play(round)) return;
     }
-    monitor_.fail(SolveStatus::kStalled,
-                  fmt::format("the interior point stalled in its {} stage after {} rounds and {} "
-                              "iterations, best error {:.2e}",
-                              arclength_ ? "arclength" : "proximal", rounds_, run_.iteration,
-                              monitor_.best_error()));
+    monitor_.end(SolveStatus::kStalled,
+                 fmt::format("the interior point stalled in its {} stage after {} rounds and {} "
+                             "iterations, best error {:.2e}",
+                             arclength_ ? "arclength" : "proximal", rounds_, run_.iteration,
+                             monitor_.best_error()));
   }
 
  private:

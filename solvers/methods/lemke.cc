@@ -81,7 +81,7 @@ Complementarity stewart_trinkle(const ContactProblem& p, const ContactScaling& s
   return out;
 }
 
-enum class Ending { kSolved, kRay, kSingular, kLongPath, kIterationLimit, kTimeLimit };
+enum class Ending { kSolved, kRay, kSingular, kLongPath, kIterationLimit, kOutOfTime };
 
 /// Lemke's algorithm on I w - M z - cover z0 = q. Variables: w_i is i, z_i is n + i, z0 is 2n.
 class Pivoting {
@@ -103,7 +103,7 @@ class Pivoting {
     int entering = 2 * n_;
     for (;;) {
       if (pivots_ >= max_pivots) return Ending::kIterationLimit;
-      if (monitor.out_of_time()) return Ending::kTimeLimit;
+      if (monitor.out_of_time()) return Ending::kOutOfTime;
       if (pivots_ >= kLongestPath * n_) return Ending::kLongPath;
       const int leaving = basis_[row];
       pivot(row, entering, column);
@@ -227,7 +227,7 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
   const ContactScaling scaling = equilibrated_scaling(p, monitor.evaluator().delassus().diagonal());
   const double unit = p.u_free.cwiseProduct(scaling.velocity).cwiseAbs().maxCoeff();
   const Complementarity lcp = stewart_trinkle(p, scaling, unit);
-  const Vector start = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  const Vector start = start_of(p, options);
   monitor.end_setup();
 
   int pivots = 0;
@@ -242,15 +242,11 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
       const Ending ending = lemke.run(options.max_iterations - pivots, monitor);
       pivots += lemke.pivots();
       if (ending == Ending::kIterationLimit) {
-        monitor.fail(SolveStatus::kIterationLimit,
-                     fmt::format("iteration limit {} reached", options.max_iterations));
+        monitor.end(SolveStatus::kIterationLimit,
+                    fmt::format("iteration limit {} reached", options.max_iterations));
         break;
       }
-      if (ending == Ending::kTimeLimit) {
-        monitor.fail(SolveStatus::kTimeLimit, fmt::format("time limit {} s reached after {} pivots",
-                                                          options.time_limit, pivots));
-        break;
-      }
+      if (monitor.end_if_out_of_time(pivots)) break;
       std::string what = ending == Ending::kRay        ? "a ray"
                          : ending == Ending::kLongPath ? "no end within the longest path"
                                                        : "a singular basis";
@@ -264,11 +260,11 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
         }
         s = unit * s.cwiseQuotient(scaling.impulse);
         if (s.allFinite() && monitor.meets(s)) {
-          monitor.fail(SolveStatus::kConverged,
-                       fmt::format("complementary basis after {} pivots{}", pivots,
-                                   attempt > 0 ? fmt::format(", covering vector {} (before: {})",
-                                                             attempt + 1, failures)
-                                               : ""));
+          monitor.end(SolveStatus::kConverged,
+                      fmt::format("complementary basis after {} pivots{}", pivots,
+                                  attempt > 0 ? fmt::format(", covering vector {} (before: {})",
+                                                            attempt + 1, failures)
+                                              : ""));
           break;
         }
         // Not good enough yet: another covering vector may lead to a basis with less rounding.
@@ -278,16 +274,16 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
       failures += (failures.empty() ? "" : "; ") + what;
       if (attempt == kDraws - 1) {
         if (closest <= kNearlyExact) {
-          monitor.fail(
+          monitor.end(
               SolveStatus::kStalled,
               fmt::format("stalled: {} covering vectors, the closest basis of error {:.1e}, "
                           "above the tolerance or not to be judged by the stop test",
                           kDraws, closest));
         } else {
-          monitor.fail(SolveStatus::kNumericalFailure,
-                       fmt::format("pivoting from {} covering vectors ended on {} after {} pivots: "
-                                   "the problem has no solution, or rounding was too large",
-                                   kDraws, failures, pivots));
+          monitor.end(SolveStatus::kNumericalFailure,
+                      fmt::format("pivoting from {} covering vectors ended on {} after {} pivots: "
+                                  "the problem has no solution, or rounding was too large",
+                                  kDraws, failures, pivots));
         }
       }
     }

@@ -648,7 +648,7 @@ SolveResult solve_newton_snes(const ContactProblem& given, const SolverOptions& 
   petsc_options->insert();
 
   IterationMonitor monitor(p, options);
-  const Vector start = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  const Vector start = start_of(p, options);
   NewtonSystem system(p, monitor.evaluator().delassus().diagonal(), residual, mixed);
   Run run;
   run.system = &system;
@@ -666,7 +666,7 @@ SolveResult solve_newton_snes(const ContactProblem& given, const SolverOptions& 
     const SolveResult swept = solve_gauss_seidel(p, sweeps);
     ProximalReport report;
     if (monitor.meets(swept.s)) {
-      monitor.fail(SolveStatus::kConverged, "stop test met by the start sweeps");
+      monitor.end(SolveStatus::kConverged, "stop test met by the start sweeps");
     } else {
       try {
         const ProximalOptions loop{.kappa = parameters.number("kappa"),
@@ -675,14 +675,12 @@ SolveResult solve_newton_snes(const ContactProblem& given, const SolverOptions& 
           InnerReport r = snes.solve(kappa, anchor, inner_iterations);
           if (r.outcome == InnerReport::Outcome::kSolved && monitor.meets(r.s)) {
             // Between two judgements of the cadence, a proximal step ends on the solution.
-            monitor.fail(SolveStatus::kConverged,
-                         fmt::format("guarded test met after {} iterations", run.iterations));
+            monitor.end(SolveStatus::kConverged,
+                        fmt::format("{} test met after {} iterations", to_string(options.stop),
+                                    run.iterations));
             r.outcome = InnerReport::Outcome::kStop;
-          } else if (monitor.out_of_time() && r.outcome != InnerReport::Outcome::kStop) {
-            monitor.fail(SolveStatus::kTimeLimit,
-                         fmt::format("time limit {} s reached after {} iterations, best error "
-                                     "{:.2e}",
-                                     options.time_limit, run.iterations, monitor.best_error()));
+          } else if (r.outcome != InnerReport::Outcome::kStop &&
+                     monitor.end_if_out_of_time(run.iterations)) {
             r.outcome = InnerReport::Outcome::kStop;
           }
           return r;
@@ -691,8 +689,8 @@ SolveResult solve_newton_snes(const ContactProblem& given, const SolverOptions& 
             proximal_point(loop, proximal_weights(p, monitor.evaluator().delassus().diagonal()),
                            swept.s, inner, monitor);
       } catch (const PetscFailure& e) {
-        monitor.fail(SolveStatus::kNumericalFailure,
-                     fmt::format("{}; best error {:.2e}", e.what(), monitor.best_error()));
+        monitor.end(SolveStatus::kNumericalFailure,
+                    fmt::format("{}; best error {:.2e}", e.what(), monitor.best_error()));
       }
     }
     about = fmt::format(

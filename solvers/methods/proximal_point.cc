@@ -124,10 +124,10 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
       anchor_error = error;
       still = moved <= kStill * size ? still + 1 : 0;
       if (still >= kStillSteps) {
-        monitor.fail(SolveStatus::kStalled,
-                     fmt::format("stalled at round-off: proximal steps no longer move, kappa = "
-                                 "{:.1e}, best error {:.2e}",
-                                 kappa, monitor.best_error()));
+        monitor.end(SolveStatus::kStalled,
+                    fmt::format("stalled at round-off: proximal steps no longer move, kappa = "
+                                "{:.1e}, best error {:.2e}",
+                                kappa, monitor.best_error()));
         return report;
       }
       double next = kappa * growth(step.effort);
@@ -146,10 +146,10 @@ ProximalReport proximal_point(const ProximalOptions& options, const Vector& weig
     failed_at = kappa;
     kappa /= kShrink;
     if (kappa < options.kappa_min) {
-      monitor.fail(SolveStatus::kStalled,
-                   fmt::format("the regularised problem is not solved even at kappa = {:.1e} ({}), "
-                               "best error {:.2e}",
-                               report.kappa, step.reason, monitor.best_error()));
+      monitor.end(SolveStatus::kStalled,
+                  fmt::format("the regularised problem is not solved even at kappa = {:.1e} ({}), "
+                              "best error {:.2e}",
+                              report.kappa, step.reason, monitor.best_error()));
       return report;
     }
   }
@@ -187,7 +187,7 @@ SolveResult solve_proximal_point(const ContactProblem& p, const SolverOptions& o
   const Vector weights = proximal_weights(p, monitor.evaluator().delassus().diagonal());
   RegularisedProblem regularised(p, weights);
   ContactErrorEvaluator outer = monitor.evaluator();
-  Vector start = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  Vector start = start_of(p, options);
   monitor.end_setup();
 
   long inner_iterations = 0;
@@ -222,15 +222,12 @@ SolveResult solve_proximal_point(const ContactProblem& p, const SolverOptions& o
       if (fresh) {
         stop = monitor.stop(iteration, out.s, kappa);
       } else if (iteration >= options.max_iterations) {
-        monitor.fail(SolveStatus::kIterationLimit,
-                     fmt::format("iteration limit {} reached, best error {:.2e}", iteration,
-                                 monitor.best_error()));
+        monitor.end(SolveStatus::kIterationLimit,
+                    fmt::format("iteration limit {} reached, best error {:.2e}", iteration,
+                                monitor.best_error()));
         stop = true;
-      } else if (monitor.out_of_time()) {
-        monitor.fail(SolveStatus::kTimeLimit,
-                     fmt::format("time limit {} s reached after {} iterations, best error {:.2e}",
-                                 options.time_limit, iteration, monitor.best_error()));
-        stop = true;
+      } else {
+        stop = monitor.end_if_out_of_time(iteration);
       }
       if (stop) out.outcome = InnerReport::Outcome::kStop;
       return out;

@@ -30,7 +30,7 @@ struct InnerReport {
   enum class Outcome {
     kSolved,  ///< to the accuracy that the inner solver was asked for
     kFailed,  ///< s is its last iterate, for what it is worth
-    kStop     ///< the monitor said stop, or monitor.fail() was called
+    kStop     ///< the monitor said stop, or monitor.end() was called
   };
   Outcome outcome = Outcome::kFailed;
   Vector s;

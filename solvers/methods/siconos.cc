@@ -144,7 +144,7 @@ SolveResult run(const Method& method, const ContactProblem& p, const SolverOptio
   }
   numerics_set_verbose(0);
   ensure_mpi();  // Siconos' linear solver is MUMPS, and it leaves MPI to the caller
-  Vector s = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  Vector s = start_of(p, options);
   monitor.end_setup();
 
   int iteration = 0, calls = 0, idle = 0;
@@ -170,8 +170,8 @@ SolveResult run(const Method& method, const ContactProblem& p, const SolverOptio
       const Vector before = s;
       s = problem.impulse(reaction);
       if (!s.allFinite()) {
-        monitor.fail(SolveStatus::kNumericalFailure,
-                     fmt::format("Siconos returned a non-finite impulse (info {})", info));
+        monitor.end(SolveStatus::kNumericalFailure,
+                    fmt::format("Siconos returned a non-finite impulse (info {})", info));
         break;
       }
       // A call that changed nothing has met its tolerance at once, or is stuck: the next one asks
@@ -179,30 +179,25 @@ SolveResult run(const Method& method, const ContactProblem& p, const SolverOptio
       if (s != before) {
         if (monitor.stop(iteration, s)) break;
         if (monitor.meets(s)) {
-          monitor.fail(SolveStatus::kConverged,
-                       fmt::format("guarded test met after {} iterations", iteration));
+          monitor.end(SolveStatus::kConverged, fmt::format("{} test met after {} iterations",
+                                                           to_string(options.stop), iteration));
           break;
         }
       }
       if (iteration >= options.max_iterations) {
-        monitor.fail(SolveStatus::kIterationLimit,
-                     fmt::format("iteration limit {} reached, best error {:.2e}",
-                                 options.max_iterations, monitor.best_error()));
+        monitor.end(SolveStatus::kIterationLimit,
+                    fmt::format("iteration limit {} reached, best error {:.2e}",
+                                options.max_iterations, monitor.best_error()));
         break;
       }
-      if (monitor.out_of_time()) {
-        monitor.fail(SolveStatus::kTimeLimit,
-                     fmt::format("time limit {} s reached after {} iterations, best error {:.2e}",
-                                 options.time_limit, iteration, monitor.best_error()));
-        break;
-      }
+      if (monitor.end_if_out_of_time(iteration)) break;
       idle = monitor.best_error() < 0.99 * best ? 0 : idle + 1;
       const bool exhausted = info == 0 && tolerance <= kSmallestTolerance;
       if (exhausted || idle >= kIdleCalls) {
-        monitor.fail(SolveStatus::kStalled,
-                     fmt::format("Siconos makes no progress (info {}, its tolerance {:.0e}), best "
-                                 "error {:.2e}",
-                                 info, tolerance, monitor.best_error()));
+        monitor.end(SolveStatus::kStalled,
+                    fmt::format("Siconos makes no progress (info {}, its tolerance {:.0e}), best "
+                                "error {:.2e}",
+                                info, tolerance, monitor.best_error()));
         break;
       }
       if (info == 0) {

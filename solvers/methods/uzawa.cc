@@ -144,7 +144,7 @@ SolveResult solve_uzawa(const ContactProblem& p, const SolverOptions& options) {
   const DelassusOperator& delassus = monitor.evaluator().delassus();
   const PredictorSteps steps =
       rho == "paper" ? paper_steps(p, delassus) : stable_steps(p, delassus, jacobi);
-  const Vector s0 = options.s0.size() != 0 ? options.s0 : Vector(Vector::Zero(p.num_rows()));
+  const Vector s0 = start_of(p, options);
   monitor.end_setup();
   dispatch_dim(p.dim, [&](auto d) {
     constexpr int D = d();

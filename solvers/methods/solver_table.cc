@@ -1,0 +1,117 @@
+#include "solvers/methods/accelerated_gradient.h"
+#include "solvers/methods/admm.h"
+#include "solvers/methods/anderson.h"
+#include "solvers/methods/auto_solver.h"
+#include "solvers/methods/classical.h"
+#include "solvers/methods/gauss_seidel.h"
+#include "solvers/methods/interior_point.h"
+#include "solvers/methods/lemke.h"
+#include "solvers/registry.h"
+#ifdef BIPOT_WITH_PETSC
+#include "solvers/methods/newton_snes.h"
+#endif
+#include "solvers/methods/proximal_point.h"
+#ifdef BIPOT_WITH_SICONOS
+#include "solvers/methods/siconos.h"
+#endif
+#include "solvers/methods/uzawa.h"
+
+namespace bipot {
+namespace {
+
+const SolverEntry kSolvers[] = {
+    {.name = "auto",
+     .summary = "race of the solvers below, given up and taken up by their progress; see --explain",
+     .run = &solve_auto,
+     .parameters = {}},
+    {.name = "uzawa",
+     .summary = "bi-potential Uzawa, one predictor-corrector per contact (41)",
+     .run = &solve_uzawa,
+     .parameters = kUzawaParameters,
+     .path_ignores_tolerance = true},
+    {.name = "classical",
+     .summary =
+         "two predictor-correctors per contact, normal then friction (the paper's reference)",
+     .run = &solve_classical,
+     .parameters = kClassicalParameters,
+     .path_ignores_tolerance = true},
+    {.name = "pgs",
+     .summary = "projected block Gauss-Seidel, NSGS (Jean 1999)",
+     .run = &solve_gauss_seidel,
+     .parameters = kGaussSeidelParameters,
+     .path_ignores_tolerance = true},
+    {.name = "apgd",
+     .summary = "accelerated projected gradient with restart (Mazhar et al. 2015)",
+     .run = &solve_accelerated_gradient,
+     .parameters = kAcceleratedGradientParameters,
+     .path_ignores_tolerance = true},
+    {.name = "anderson",
+     .summary = "safeguarded Anderson acceleration of Gauss-Seidel sweeps (Walker and Ni 2011)",
+     .run = &solve_anderson,
+     .parameters = kAndersonParameters,
+     .path_ignores_tolerance = true},
+    {.name = "admm",
+     .summary = "operator splitting with sparse Cholesky factors (Boyd et al. 2011)",
+     .run = &solve_admm,
+     .parameters = kAdmmParameters,
+     .path_ignores_tolerance = true},
+    {.name = "ppa",
+     .summary = "proximal point around another solver (Rockafellar 1976)",
+     .run = &solve_proximal_point,
+     .parameters = kProximalPointParameters,
+     .needs_delassus = true},
+#ifdef BIPOT_WITH_PETSC
+    {.name = "newton",
+     .summary = "nonsmooth Newton on PETSc SNES (Alart and Curnier 1991), proximal outer loop",
+     .run = &solve_newton_snes,
+     .parameters = kNewtonParameters},
+#endif
+    {.name = "lemke",
+     .summary = "exact pivoting reference for tiny problems (Stewart and Trinkle 1996)",
+     .run = &solve_lemke,
+     .parameters = {},
+     .needs_delassus = true,
+     .max_dim = 2,
+     .max_contacts = kLemkeMaxContacts,
+     .path_ignores_tolerance = true},
+    {.name = "ipm",
+     .summary =
+         "primal-dual interior point on the exact law, arclength continuation, Newton polish",
+     .run = &solve_interior_point,
+     .parameters = kInteriorPointParameters,
+     .path_ignores_tolerance = true},
+#ifdef BIPOT_WITH_SICONOS
+    {.name = "siconos:nsgs",
+     .summary = "Siconos Numerics: nonsmooth Gauss-Seidel",
+     .run = &solve_siconos_nsgs,
+     .parameters = {},
+     .needs_delassus = true},
+    {.name = "siconos:nsn_ac",
+     .summary = "Siconos Numerics: nonsmooth Newton, Alart-Curnier",
+     .run = &solve_siconos_nsn_ac,
+     .parameters = {},
+     .needs_delassus = true},
+    {.name = "siconos:admm",
+     .summary = "Siconos Numerics: alternating directions",
+     .run = &solve_siconos_admm,
+     .parameters = {},
+     .needs_delassus = true},
+    {.name = "siconos:prox",
+     .summary = "Siconos Numerics: proximal point around its Newton",
+     .run = &solve_siconos_prox,
+     .parameters = {},
+     .needs_delassus = true},
+    {.name = "siconos:lemke",
+     .summary = "Siconos Numerics: Lemke's pivoting",
+     .run = &solve_siconos_lemke,
+     .parameters = {},
+     .needs_delassus = true,
+     .max_dim = 2},
+#endif
+};
+
+}  // namespace
+
+std::span<const SolverEntry> solver_table() { return kSolvers; }
+
+}  // namespace bipot
