@@ -83,6 +83,7 @@ struct ParameterSpec {
   std::string_view choices = {};  ///< kChoice only
   double minimum = 0, maximum = 0;
   std::string_view help = {};
+  std::string_view unit = {};  ///< numbers and integers; empty: a pure number
 };
 
 /// A row of the registry.

@@ -233,6 +233,24 @@ void write_matrix(Hdf5File& file, const std::string& group, Sparse matrix) {
   file.write(group + "/x", std::span<const double>(matrix.valuePtr(), count));
 }
 
+/// FCLIB's form: number_of_guesses, and a group 1, 2, ... with u, r (and v) for each. `p`: as it
+/// stands in the file, with the inert tangents of a frictionless problem.
+void write_guesses(Hdf5File& file, const ContactProblem& p, bool frictionless,
+                   const std::vector<Vector>& guesses) {
+  if (guesses.empty()) return;
+  file.write("/guesses/number_of_guesses", static_cast<int>(guesses.size()));
+  const DelassusOperator delassus(p);
+  for (std::size_t k = 0; k < guesses.size(); ++k) {
+    const std::string group = fmt::format("/guesses/{}", k + 1);
+    const Vector r = frictionless ? spread(guesses[k]) : guesses[k];
+    Vector u;
+    delassus.velocity(r, u);
+    if (p.has_velocities()) file.write(group + "/v", span(body_velocities(p, r)));
+    file.write(group + "/u", span(u));
+    file.write(group + "/r", span(r));
+  }
+}
+
 /// f = A v.
 Vector momentum(const ContactProblem& p) { return p.A * p.v_free; }
 
@@ -310,35 +328,45 @@ ProblemFile read_fclib(const std::filesystem::path& path) {
     throw FileError(path, root, defect);
   }
 
+  const auto read_rows = [&](const std::string& name, int size) {
+    Vector x = read_vector(file, name);
+    if (x.size() != size) {
+      throw FileError(path, name, fmt::format("has {} elements, expected {}", x.size(), size));
+    }
+    if (!x.allFinite()) throw FileError(path, name, "not finite");
+    return x;
+  };
   if (file.exists("/solution")) {
-    const auto read = [&](const char* name, int size) {
-      Vector x = read_vector(file, std::string("/solution/") + name);
-      if (x.size() != size) {
-        throw FileError(path, std::string("/solution/") + name,
-                        fmt::format("has {} elements, expected {}", x.size(), size));
-      }
-      if (!x.allFinite()) {
-        throw FileError(path, std::string("/solution/") + name, "not finite");
-      }
-      return x;
-    };
-    out.r = read("r", stored_rows);
-    out.u = read("u", stored_rows);
+    out.r = read_rows("/solution/r", stored_rows);
+    out.u = read_rows("/solution/u", stored_rows);
     if (frictionless) {
       out.r = every_other(*out.r);
       out.u = every_other(*out.u);
     }
-    if (out.global && file.exists("/solution/v")) out.v = read("v", stored_dofs).head(dofs).eval();
+    if (out.global && file.exists("/solution/v")) {
+      out.v = read_rows("/solution/v", stored_dofs).head(dofs).eval();
+    }
+  }
+  if (file.exists("/guesses/number_of_guesses")) {
+    const int guesses = file.read_int("/guesses/number_of_guesses");
+    for (int k = 1; k <= guesses; ++k) {
+      const Vector r = read_rows(fmt::format("/guesses/{}/r", k), stored_rows);
+      out.guesses.push_back(frictionless ? every_other(r) : r);
+    }
   }
   return out;
 }
 
 void write_fclib(const std::filesystem::path& path, const ContactProblem& problem,
-                 const ProblemInfo& info) {
+                 const ProblemInfo& info, const std::vector<Vector>& guesses) {
   if (std::string defect = validate(problem); !defect.empty()) {
     throw FileError(path, "", "refused to write: " + defect);
   }
   if (problem.num_contacts() == 0) throw FileError(path, "", "refused to write: no contacts");
+  for (const Vector& r : guesses) {
+    if (r.size() == problem.num_rows() && r.allFinite()) continue;
+    throw FileError(path, "/guesses", "refused to write: of another size, or not finite");
+  }
   const bool frictionless = problem.dim == 1;
   const ContactProblem p = frictionless ? with_inert_tangents(problem) : problem;
   AtomicFile target(path);
@@ -363,6 +391,7 @@ void write_fclib(const std::filesystem::path& path, const ContactProblem& proble
     if (p.has_velocities()) file.write("/bipot/dofs", problem.num_dofs());
   }
   if (problem.row_scale.size() > 0) file.write("/bipot/row_scale", span(problem.row_scale));
+  write_guesses(file, p, frictionless, guesses);
   file.close();
   target.commit();
 }

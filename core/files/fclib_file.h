@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <optional>
+#include <vector>
 
 #include "core/files/problem_file.h"
 
@@ -9,7 +10,7 @@ namespace bipot {
 
 /// FCLIB's HDF5 layout (Acary, Brémond, Koziara, Pérignon, FCLIB: a collection of discrete 3D
 /// frictional contact problems, 2014): one problem, local (W, q, mu) or global (M, H, f, w, mu), of
-/// spacedim 2 or 3, with an optional /solution. Sparse matrices by rows (nz = -2), by columns (-1)
+/// spacedim 2 or 3, with an optional /solution and optional /guesses. Sparse matrices by rows (nz = -2), by columns (-1)
 /// or as nz triplets, where `i` is the row and `p` the column; duplicates are summed, order and
 /// explicit zeros do not matter, arrays may be longer than used.
 ///
@@ -30,9 +31,10 @@ namespace bipot {
 ProblemFile read_fclib(const std::filesystem::path& path);
 
 /// Writes a new file, in global form where A and H are given (W is then not stored), else in local
-/// form. The information becomes /fclib_*/info. The problem must be sound.
+/// form. The information becomes /fclib_*/info. The problem must be sound. Each guess (an impulse r
+/// to start from) is written into /guesses with the u (and v) that it gives.
 void write_fclib(const std::filesystem::path& path, const ContactProblem& problem,
-                 const ProblemInfo& info);
+                 const ProblemInfo& info, const std::vector<Vector>& guesses = {});
 
 /// Writes /solution of an existing problem file, in place of the one that is there. r and u in the
 /// problem's variables. v: velocities of a global problem; computed from r where it is not given.

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/problem/contact_problem.h"
 
@@ -18,9 +19,10 @@ struct ProblemInfo {
 /// A problem read from a file, with the reference solution where the file has one.
 struct ProblemFile {
   ContactProblem problem;
-  bool global = false;         ///< given as (M, H, f, w), else as (W, q)
-  std::optional<Vector> r, u;  ///< reference solution, the problem's variables      [N s], [m/s]
-  std::optional<Vector> v;     ///< body velocities of the reference, global problems only
+  bool global = false;          ///< given as (M, H, f, w), else as (W, q)
+  std::optional<Vector> r, u;   ///< reference solution, the problem's variables      [N s], [m/s]
+  std::optional<Vector> v;      ///< body velocities of the reference, global problems only
+  std::vector<Vector> guesses;  ///< impulses to start from, the problem's variables     [N s]
   ProblemInfo info;
 };
 

@@ -16,7 +16,8 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
      .default_value = "1",
      .minimum = 1e-3,
      .maximum = 2,
-     .help = "step in multiples of 1/lambda_max"},
+     .help = "step in multiples of 1/lambda_max",
+     .unit = "1/lambda_max"},
 };
 
 /// Nesterov's accelerated projected gradient with adaptive restart, for contact by Mazhar, Heyn,

@@ -342,6 +342,37 @@ TEST(FclibFile, UnsoundProblemsAreNotWritten) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
+TEST(FclibFile, GuessesComeBackAsTheyWere) {
+  const TemporaryFolder folder;
+  for (int dim = 1; dim <= 3; ++dim) {
+    const Manufactured m = manufactured_problem(dim, 9, 14, 3);
+    const std::vector<Vector> guesses{0.5 * m.s, Vector::Zero(m.s.size())};
+    for (const ContactProblem& p : {m.problem, local_form(m.problem)}) {
+      write_fclib(folder / "p.hdf5", p, kInfo, guesses);
+      write_fclib_solution(folder / "p.hdf5", m.s, m.u);  // leaves them alone
+      const ProblemFile file = read_problem(folder / "p.hdf5");
+      ASSERT_EQ(file.guesses.size(), 2u);
+      EXPECT_EQ(file.guesses[0], guesses[0]);
+      EXPECT_EQ(file.guesses[1], guesses[1]);
+      // FCLIB wants the velocities of a guess, too.
+      Vector u;
+      DelassusOperator(p).velocity(guesses[0], u);
+      const std::vector<double> stored =
+          Hdf5File(folder / "p.hdf5", Mode::kRead).read_doubles("/guesses/1/u");
+      const int d = std::max(dim, 2);
+      ASSERT_EQ(stored.size(), static_cast<std::size_t>(14 * d));
+      for (int c = 0; c < 14; ++c) EXPECT_NEAR(stored[c * d], u[c * dim], 1e-12);
+    }
+  }
+  const ContactProblem p = manufactured_problem(2, 4, 4, 1).problem;
+  write_fclib(folder / "none.hdf5", p, kInfo);
+  EXPECT_TRUE(read_problem(folder / "none.hdf5").guesses.empty());
+  EXPECT_THROW(write_fclib(folder / "bad.hdf5", p, kInfo, {Vector::Zero(3)}), FileError);
+  write_fclib(folder / "short.hdf5", p, kInfo, {Vector::Zero(8)});
+  Hdf5File(folder / "short.hdf5", Mode::kAppend).write("/guesses/1/r", std::vector<double>{1, 2});
+  EXPECT_THROW(read_fclib(folder / "short.hdf5"), FileError);
+}
+
 #ifdef BIPOT_TESTS_WITH_FCLIB
 TEST(FclibFile, LibfclibReadsWhatIsWritten) {
   const TemporaryFolder folder;
@@ -369,7 +400,7 @@ TEST(FclibFile, LibfclibReadsWhatIsWritten) {
     fclib_delete_local(l);
 
     const std::string global = (folder / "global.hdf5").string();
-    write_fclib(global, m.problem, kInfo);
+    write_fclib(global, m.problem, kInfo, {m.s, 2 * m.s});
     write_fclib_solution(global, m.s, m.u);
     fclib_global* g = fclib_read_global(global.c_str());
     ASSERT_NE(g, nullptr);
@@ -383,6 +414,11 @@ TEST(FclibFile, LibfclibReadsWhatIsWritten) {
     for (int k = 0; k < v.size(); ++k) EXPECT_NEAR(solution->v[k], v[k], 1e-12);
     for (int c = 0; c < 14; ++c) EXPECT_EQ(solution->u[c * d], m.u[c * dim]);
     fclib_delete_solutions(solution, 1);
+    int number_of_guesses = 0;
+    fclib_solution* guesses = fclib_read_guesses(global.c_str(), &number_of_guesses);
+    ASSERT_EQ(number_of_guesses, 2);
+    for (int c = 0; c < 14; ++c) EXPECT_EQ(guesses[1].r[c * d], 2 * m.s[c * dim]);
+    fclib_delete_solutions(guesses, 2);
     fclib_delete_global(g);
   }
 }
