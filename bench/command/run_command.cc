@@ -15,7 +15,9 @@
 #include "bench/scenes/scene_catalogue.h"
 #include "core/file_error.h"
 #include "core/files/fclib_file.h"
+#include "core/files/run_layout.h"
 #include "core/files/run_output.h"
+#include "core/files/run_reader.h"
 #include "core/files/scene_file.h"
 #include "core/motion/spring_dashpot.h"
 #include "core/motion/stress_tensor.h"
@@ -245,12 +247,6 @@ Scene load_scene(const RunFlags& flags, std::string& text) {
   if (flags.substep) scene.dem.substep = *flags.substep;
   if (auto defect = validate(scene); !defect.empty()) throw std::invalid_argument(defect);
   return scene;
-}
-
-/// A run is named by its folder or by the run.h5 in it.
-fs::path run_folder(const fs::path& run) {
-  if (fs::is_directory(run)) return run;
-  return run.has_parent_path() ? run.parent_path() : fs::path(".");
 }
 
 void dump_problem(const fs::path& folder, const Scene& scene, const StepReport& report,

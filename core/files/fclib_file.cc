@@ -90,19 +90,19 @@ Matrix read_matrix(const Hdf5File& file, const std::string& group) {
   const int lines = by_rows ? matrix.rows : matrix.columns;
   require_length("p", p.size(), static_cast<std::size_t>(lines) + 1);
   if (p[0] != 0) refuse(fmt::format("p[0] = {}, expected 0", p[0]));
-  for (int line = 0; line < lines; ++line) {
+  for (std::size_t line = 0; line < to_size(lines); ++line) {
     if (p[line + 1] < p[line]) {
       refuse(
           fmt::format("p[{}] = {} is less than p[{}] = {}", line + 1, p[line + 1], line, p[line]));
     }
   }
-  const auto count = static_cast<std::size_t>(p[lines]);
+  const auto count = to_size(p[to_size(lines)]);
   require_length("i", i.size(), count);
   require_length("x", x.size(), count);
   for (int line = 0; line < lines; ++line) {
-    for (int k = p[line]; k < p[line + 1]; ++k) {
-      const auto index = static_cast<std::size_t>(k);
-      add(by_rows ? line : i[index], by_rows ? i[index] : line, index);
+    const std::size_t end = to_size(p[to_size(line) + 1]);
+    for (std::size_t k = to_size(p[to_size(line)]); k < end; ++k) {
+      add(by_rows ? line : i[k], by_rows ? i[k] : line, k);
     }
   }
   return matrix;
@@ -254,6 +254,97 @@ void write_guesses(Hdf5File& file, const ContactProblem& p, bool frictionless,
 /// f = A v.
 Vector momentum(const ContactProblem& p) { return p.A * p.v_free; }
 
+/// Sizes of a problem as it stands in the file.
+struct Stored {
+  int rows = 0;
+  int dofs = 0;  // global form only
+};
+
+/// The problem in the form that out.global says, with what the file calls spacedim.
+Stored read_form(const Hdf5File& file, const std::string& root, int dim, ProblemFile& out) {
+  Vector mu = read_vector(file, root + "/vectors/mu");
+  const Eigen::Index rows = dim * mu.size();
+  Stored stored;
+  try {
+    if (!out.global) {
+      refuse_constraints(file, root, {"V", "R"}, "s");
+      const Matrix W = read_matrix(file, root + "/W");
+      require_shape(file, root + "/W", W, rows, rows);
+      out.problem = from_local_form(dim, W.build<SparseRows>(),
+                                    read_vector(file, root + "/vectors/q"), std::move(mu));
+    } else {
+      refuse_constraints(file, root, {"G"}, "b");
+      const Matrix M = read_matrix(file, root + "/M");
+      const Matrix H = read_matrix(file, root + "/H");
+      const Vector f = read_vector(file, root + "/vectors/f");
+      require_shape(file, root + "/M", M, f.size(), f.size());
+      require_shape(file, root + "/H", H, f.size(), rows);
+      stored.dofs = M.rows;
+      out.problem = from_global_form(dim, M.build<SparseMatrix>(), H.build<SparseMatrix>(), f,
+                                     read_vector(file, root + "/vectors/w"), std::move(mu));
+    }
+  } catch (const std::invalid_argument& e) {
+    throw FileError(file.path(), root, e.what());
+  }
+  stored.rows = out.problem.num_rows();
+  return stored;
+}
+
+/// Takes the tangents of a frictionless problem away. Returns its number of degrees of freedom.
+int restore_dim(const Hdf5File& file, int dim, int stored_dofs, ProblemFile& out) {
+  if (!file.exists("/bipot/dim")) return stored_dofs;
+  const int true_dim = file.read_int("/bipot/dim");
+  const bool frictionless = true_dim == 1 && dim == 2;
+  if (!frictionless && true_dim != dim) {
+    throw FileError(file.path(), "/bipot/dim", fmt::format("{} with spacedim {}", true_dim, dim));
+  }
+  if (!frictionless) return stored_dofs;
+  const int dofs = out.global ? file.read_int("/bipot/dofs") : stored_dofs;
+  if (out.problem.mu.size() > 0 && out.problem.mu.maxCoeff() > 0) {
+    throw FileError(file.path(), "/bipot/dim", "1, but there is friction");
+  }
+  if (out.global && dofs != stored_dofs - out.problem.num_contacts()) {
+    throw FileError(
+        file.path(), "/bipot/dofs",
+        fmt::format("{} of {} with {} contacts", dofs, stored_dofs, out.problem.num_contacts()));
+  }
+  out.problem = without_tangents(out.problem, dofs);
+  return dofs;
+}
+
+/// Reference solution and guesses, where the file has them.
+void read_impulses(const Hdf5File& file, const Stored& stored, int dofs, ProblemFile& out) {
+  // In the file a frictionless problem has tangents.
+  const bool with_tangents = out.problem.num_rows() < stored.rows;
+  const auto read_rows = [&](const std::string& name, int size) {
+    Vector x = read_vector(file, name);
+    if (x.size() != size) {
+      throw FileError(file.path(), name,
+                      fmt::format("has {} elements, expected {}", x.size(), size));
+    }
+    if (!x.allFinite()) throw FileError(file.path(), name, "not finite");
+    return x;
+  };
+  if (file.exists("/solution")) {
+    out.r = read_rows("/solution/r", stored.rows);
+    out.u = read_rows("/solution/u", stored.rows);
+    if (with_tangents) {
+      out.r = every_other(*out.r);
+      out.u = every_other(*out.u);
+    }
+    if (out.global && file.exists("/solution/v")) {
+      out.v = read_rows("/solution/v", stored.dofs).head(dofs).eval();
+    }
+  }
+  if (file.exists("/guesses/number_of_guesses")) {
+    const int guesses = file.read_int("/guesses/number_of_guesses");
+    for (int k = 1; k <= guesses; ++k) {
+      const Vector r = read_rows(fmt::format("/guesses/{}/r", k), stored.rows);
+      out.guesses.push_back(with_tangents ? every_other(r) : r);
+    }
+  }
+}
+
 }  // namespace
 
 ProblemFile read_fclib(const std::filesystem::path& path) {
@@ -274,86 +365,15 @@ ProblemFile read_fclib(const std::filesystem::path& path) {
   out.info.title = read_optional_string(file, root + "/info/title");
   out.info.description = read_optional_string(file, root + "/info/description");
   out.info.math_info = read_optional_string(file, root + "/info/math_info");
-  Vector mu = read_vector(file, root + "/vectors/mu");
-  const Eigen::Index rows = dim * mu.size();
-  int stored_dofs = 0;
-  try {
-    if (local) {
-      refuse_constraints(file, root, {"V", "R"}, "s");
-      const Matrix W = read_matrix(file, root + "/W");
-      require_shape(file, root + "/W", W, rows, rows);
-      out.problem = from_local_form(dim, W.build<SparseRows>(),
-                                    read_vector(file, root + "/vectors/q"), std::move(mu));
-    } else {
-      refuse_constraints(file, root, {"G"}, "b");
-      const Matrix M = read_matrix(file, root + "/M");
-      const Matrix H = read_matrix(file, root + "/H");
-      const Vector f = read_vector(file, root + "/vectors/f");
-      require_shape(file, root + "/M", M, f.size(), f.size());
-      require_shape(file, root + "/H", H, f.size(), rows);
-      stored_dofs = M.rows;
-      out.problem = from_global_form(dim, M.build<SparseMatrix>(), H.build<SparseMatrix>(), f,
-                                     read_vector(file, root + "/vectors/w"), std::move(mu));
-    }
-  } catch (const std::invalid_argument& e) {
-    throw FileError(path, root, e.what());
-  }
-
-  const int stored_rows = out.problem.num_rows();
-  bool frictionless = false;
-  int dofs = stored_dofs;
-  if (file.exists("/bipot/dim")) {
-    const int true_dim = file.read_int("/bipot/dim");
-    frictionless = true_dim == 1 && dim == 2;
-    if (!frictionless && true_dim != dim) {
-      throw FileError(path, "/bipot/dim", fmt::format("{} with spacedim {}", true_dim, dim));
-    }
-  }
-  if (frictionless) {
-    if (out.global) dofs = file.read_int("/bipot/dofs");
-    if (out.problem.mu.size() > 0 && out.problem.mu.maxCoeff() > 0) {
-      throw FileError(path, "/bipot/dim", "1, but there is friction");
-    }
-    if (out.global && dofs != stored_dofs - out.problem.num_contacts()) {
-      throw FileError(
-          path, "/bipot/dofs",
-          fmt::format("{} of {} with {} contacts", dofs, stored_dofs, out.problem.num_contacts()));
-    }
-    out.problem = without_tangents(out.problem, dofs);
-  }
+  const Stored stored = read_form(file, root, dim, out);
+  const int dofs = restore_dim(file, dim, stored.dofs, out);
   if (file.exists("/bipot/row_scale")) {
     out.problem.row_scale = read_vector(file, "/bipot/row_scale");
   }
   if (std::string defect = validate(out.problem); !defect.empty()) {
     throw FileError(path, root, defect);
   }
-
-  const auto read_rows = [&](const std::string& name, int size) {
-    Vector x = read_vector(file, name);
-    if (x.size() != size) {
-      throw FileError(path, name, fmt::format("has {} elements, expected {}", x.size(), size));
-    }
-    if (!x.allFinite()) throw FileError(path, name, "not finite");
-    return x;
-  };
-  if (file.exists("/solution")) {
-    out.r = read_rows("/solution/r", stored_rows);
-    out.u = read_rows("/solution/u", stored_rows);
-    if (frictionless) {
-      out.r = every_other(*out.r);
-      out.u = every_other(*out.u);
-    }
-    if (out.global && file.exists("/solution/v")) {
-      out.v = read_rows("/solution/v", stored_dofs).head(dofs).eval();
-    }
-  }
-  if (file.exists("/guesses/number_of_guesses")) {
-    const int guesses = file.read_int("/guesses/number_of_guesses");
-    for (int k = 1; k <= guesses; ++k) {
-      const Vector r = read_rows(fmt::format("/guesses/{}/r", k), stored_rows);
-      out.guesses.push_back(frictionless ? every_other(r) : r);
-    }
-  }
+  read_impulses(file, stored, dofs, out);
   return out;
 }
 

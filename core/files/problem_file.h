@@ -1,43 +1,13 @@
 #pragma once
 
 #include <filesystem>
-#include <optional>
-#include <string>
-#include <vector>
 
-#include "core/problem/contact_problem.h"
+#include "core/files/problem_form.h"
 
 namespace bipot {
-
-/// What a problem file says about itself.
-struct ProblemInfo {
-  std::string title;
-  std::string description;  ///< provenance: scene, step, program version
-  std::string math_info;    ///< known properties: existence, uniqueness, rank
-};
-
-/// A problem read from a file, with the reference solution where the file has one.
-struct ProblemFile {
-  ContactProblem problem;
-  bool global = false;          ///< given as (M, H, f, w), else as (W, q)
-  std::optional<Vector> r, u;   ///< reference solution, the problem's variables      [N s], [m/s]
-  std::optional<Vector> v;      ///< body velocities of the reference, global problems only
-  std::vector<Vector> guesses;  ///< impulses to start from, the problem's variables     [N s]
-  ProblemInfo info;
-};
 
 /// Reads an FCLIB HDF5 file or a Siconos text file; the content decides, not the name. Throws
 /// FileError with the reason when the file cannot be read or the problem is not sound.
 ProblemFile read_problem(const std::filesystem::path& path);
-
-/// The local form W r + q of other codes. Explicit zeros are dropped; W is taken as it is, also
-/// where rounding has made it unsymmetric. Throws std::invalid_argument for an unsound problem.
-ContactProblem from_local_form(int dim, SparseRows W, Vector q, Vector mu);
-
-/// The global form M v = H r + f, u = Hᵀ v + w. Hence A = M, v_free = M⁻¹ f, u_free = Hᵀ v_free +
-/// w. W stays empty for a diagonal M (two passes through H are cheaper) and is assembled for any
-/// other. Throws std::invalid_argument for an unsound problem.
-ContactProblem from_global_form(int dim, SparseMatrix M, SparseMatrix H, const Vector& f,
-                                const Vector& w, Vector mu);
 
 }  // namespace bipot

@@ -3,16 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
-#include <charconv>
-#include <cstring>
-#include <fstream>
 #include <span>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
+#include "core/files/run_layout.h"
 #include "core/motion/spring_dashpot_setup.h"
 #include "core/motion/stress_tensor.h"
 #include "core/scene/scene_box.h"
@@ -22,8 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "bipot run";
-constexpr int kFormatVersion = 1;
 constexpr std::size_t kIndexShare = 32;  // see RunWriter
 
 /// Collects one column of numbers, or several, row by row.
@@ -67,91 +63,6 @@ void write_ints(Hdf5File& file, const std::string& name, const Range& range, Get
   file.write(name, column);
 }
 
-/// Numbers of a dataset whose size must be right.
-std::vector<double> read_sized(const Hdf5File& file, const std::string& name, std::size_t size) {
-  std::vector<double> values = file.read_doubles(name);
-  if (values.size() != size) {
-    throw FileError(file.path(), name,
-                    fmt::format("has {} elements, expected {}", values.size(), size));
-  }
-  return values;
-}
-
-std::vector<int> read_sized_ints(const Hdf5File& file, const std::string& name, std::size_t size) {
-  std::vector<int> values = file.read_ints(name);
-  if (values.size() != size) {
-    throw FileError(file.path(), name,
-                    fmt::format("has {} elements, expected {}", values.size(), size));
-  }
-  return values;
-}
-
-/// An enumerator read from a file.
-template <class Enum>
-Enum checked_enum(const Hdf5File& file, const std::string& name, int value, int last) {
-  if (value < 0 || value > last) {
-    throw FileError(file.path(), name, fmt::format("{} is not one of 0 to {}", value, last));
-  }
-  return static_cast<Enum>(value);
-}
-
-fs::path folder_of(const fs::path& run) {
-  if (fs::is_directory(run)) return run;
-  if (run.filename() != "run.h5") {
-    throw FileError(run, "", "a run is named by its folder or by the run.h5 in it");
-  }
-  return run.parent_path();
-}
-
-std::string frame_name(int step) { return fmt::format("{:08d}", step); }
-
-std::vector<int> steps_in(const fs::path& folder) {
-  std::vector<int> steps;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(folder / "frames", error)) {
-    if (entry.path().extension() != ".h5") continue;
-    const std::string stem = entry.path().stem().string();
-    int step = 0;
-    const auto [end, failure] = std::from_chars(stem.data(), stem.data() + stem.size(), step);
-    if (failure == std::errc() && end == stem.data() + stem.size()) steps.push_back(step);
-  }
-  std::sort(steps.begin(), steps.end());
-  return steps;
-}
-
-std::string data_item(const std::string& where, std::size_t rows, int columns, bool integer) {
-  const std::string extents =
-      columns == 1 ? fmt::format("{}", rows) : fmt::format("{} {}", rows, columns);
-  const char* type =
-      integer ? "NumberType=\"Int\" Precision=\"4\"" : "NumberType=\"Float\" Precision=\"8\"";
-  return fmt::format("<DataItem Dimensions=\"{}\" {} Format=\"HDF\">{}</DataItem>", extents, type,
-                     where);
-}
-
-std::string attribute(const char* name, const std::string& where, std::size_t rows,
-                      const char* centre, int columns = 1, bool integer = false) {
-  return fmt::format(
-      "      <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">{}</Attribute>\n", name,
-      columns == 1   ? "Scalar"
-      : columns == 6 ? "Tensor6"
-                     : "Vector",
-      centre, data_item(where, rows, columns, integer));
-}
-
-std::string geometry(const std::string& where, std::size_t points) {
-  return fmt::format("      <Geometry GeometryType=\"XY\">{}</Geometry>\n",
-                     data_item(where, points, 2, false));
-}
-
-/// Line segments of two points each.
-std::string segments(const std::string& where, std::size_t count) {
-  return fmt::format(
-             "      <Topology TopologyType=\"Polyline\" NumberOfElements=\"{}\" "
-             "NodesPerElement=\"2\">{}</Topology>\n",
-             count, data_item(where + "/points", count, 2, true)) +
-         geometry(where + "/segment", 2 * count);
-}
-
 /// Stress of each disk and of the sample, spins from the contacts' moments (stress_tensor.h).
 void write_stresses(Hdf5File& file, const State& state, double step) {
   const std::vector<double> moments = contact_moments(state);
@@ -188,43 +99,11 @@ void write_point_numbers(Hdf5File& file, const std::string& name, std::size_t po
 
 }  // namespace
 
-CsvFile::CsvFile(fs::path path, const std::string& header, int keep_up_to)
-    : path_(std::move(path)) {
-  std::vector<std::string> kept;
-  if (keep_up_to >= 0) {
-    std::ifstream before(path_);
-    std::string line;
-    std::getline(before, line);
-    const bool known = (header + ",").rfind(line + ",", 0) == 0;
-    std::string missing;
-    for (auto more =
-             std::count(header.begin() + static_cast<std::ptrdiff_t>(known ? line.size() : 0),
-                        header.end(), ',');
-         more > 0; --more) {
-      missing += ",nan";
-    }
-    while (known && std::getline(before, line)) {
-      int step = 0;
-      const auto [end, failure] = std::from_chars(line.data(), line.data() + line.size(), step);
-      if (failure == std::errc() && step <= keep_up_to) kept.push_back(line + missing);
-    }
-  }
-  file_.reset(std::fopen(path_.c_str(), "w"));
-  if (!file_) throw FileError(path_, "", std::string("cannot write: ") + std::strerror(errno));
-  row(header);
-  for (const std::string& line : kept) row(line);
-}
-
-void CsvFile::row(const std::string& line) {
-  const std::string text = line + "\n";
-  if (std::fwrite(text.data(), 1, text.size(), file_.get()) != text.size() ||
-      std::fflush(file_.get()) != 0) {
-    throw FileError(path_, "", std::string("cannot write: ") + std::strerror(errno));
-  }
-}
-
 RunWriter::RunWriter(fs::path folder, const Scene& scene, std::string scene_text, int resume_after)
-    : folder_(std::move(folder)), scene_(scene), scene_text_(std::move(scene_text)) {
+    : folder_(std::move(folder)),
+      scene_(scene),
+      scene_text_(std::move(scene_text)),
+      xdmf_(scene.disks.size(), scene.walls.size()) {
   for (int disk : scene_.output.track) {
     if (disk < 0 || disk >= static_cast<int>(scene_.disks.size())) {
       throw std::invalid_argument(fmt::format("there is no disk {} to track", disk));
@@ -233,13 +112,14 @@ RunWriter::RunWriter(fs::path folder, const Scene& scene, std::string scene_text
   std::error_code error;
   fs::create_directories(folder_ / "frames", error);
   if (error) throw FileError(folder_, "", "cannot create: " + error.message());
-  for (int step : steps_in(folder_)) {
+  for (int step : steps_in_folder(folder_)) {
     if (step > resume_after) {
-      fs::remove(frame_path(step), error);
-      if (error) throw FileError(frame_path(step), "", "cannot remove: " + error.message());
+      fs::remove(frame_path(folder_, step), error);
+      if (error)
+        throw FileError(frame_path(folder_, step), "", "cannot remove: " + error.message());
       continue;
     }
-    const Hdf5File file(frame_path(step), Hdf5File::Mode::kRead);
+    const Hdf5File file(frame_path(folder_, step), Hdf5File::Mode::kRead);
     add_frame(
         {step, file.read_double("/time"), file.size("/contacts/i"), file.exists("/disks/stress")});
   }
@@ -273,15 +153,11 @@ RunWriter::~RunWriter() {
   }
 }
 
-fs::path RunWriter::frame_path(int step) const {
-  return folder_ / "frames" / (frame_name(step) + ".h5");
-}
-
 void RunWriter::write_run_file() const {
   AtomicFile target(folder_ / "run.h5");
   Hdf5File file(target.draft(), Hdf5File::Mode::kCreate);
-  file.write("/format", kFormat);
-  file.write("/format_version", kFormatVersion);
+  file.write("/format", kRunFormat);
+  file.write("/format_version", kRunFormatVersion);
   file.write("/version", BIPOT_VERSION);
   file.write("/title", scene_.title);
   file.write("/source", scene_.source);
@@ -354,7 +230,7 @@ void RunWriter::write_run_file() const {
     }
   }
   file.create_group("/frames");
-  for (const Frame& frame : frames_) {
+  for (const FrameEntry& frame : frames_) {
     const std::string name = frame_name(frame.step);
     file.link("/frames/" + name, "frames/" + name + ".h5", "/");
   }
@@ -363,7 +239,7 @@ void RunWriter::write_run_file() const {
 }
 
 void RunWriter::write_frame_file(const State& state) const {
-  AtomicFile target(frame_path(state.step));
+  AtomicFile target(frame_path(folder_, state.step));
   Hdf5File file(target.draft(), Hdf5File::Mode::kCreate);
   file.write("/step", state.step);
   file.write("/time", state.time);
@@ -488,194 +364,15 @@ void RunWriter::close() {
   write_index();
 }
 
-void RunWriter::add_frame(const Frame& frame) {
+void RunWriter::add_frame(const FrameEntry& frame) {
   frames_.push_back(frame);
-  const std::string file = "frames/" + frame_name(frame.step) + ".h5:";
-  const auto grid = [&](const std::string& content) {
-    return fmt::format(
-        "    <Grid GridType=\"Uniform\">\n      <Time Value=\"{:.17g}\"/>\n{}    </Grid>\n",
-        frame.time, content);
-  };
-  if (const std::size_t disks = scene_.disks.size(); disks > 0) {
-    xdmf_disks_ +=
-        grid(fmt::format("      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
-                         "NodesPerElement=\"1\">{}</Topology>\n",
-                         disks, data_item("run.h5:/disks/points", disks, 1, true)) +
-             geometry(file + "/disks/x", disks) +
-             attribute("radius", "run.h5:/disks/radius", disks, "Node") +
-             attribute("mass", "run.h5:/disks/mass", disks, "Node") +
-             attribute("material", "run.h5:/disks/material", disks, "Node", 1, true) +
-             attribute("velocity", file + "/disks/v", disks, "Node", 3) +
-             attribute("spin", file + "/disks/spin", disks, "Node") +
-             attribute("angle", file + "/disks/angle", disks, "Node") +
-             (frame.stress ? attribute("stress", file + "/disks/stress", disks, "Node", 6) +
-                                 attribute("pressure", file + "/disks/pressure", disks, "Node")
-                           : std::string()));
-  }
-  // ParaView's readers stumble over empty grids and over collections with gaps: a frame without
-  // contacts shows run.h5:/no_contact, a segment of no length and no force.
-  const std::size_t contacts = std::max<std::size_t>(1, frame.contacts);
-  const std::string group = frame.contacts > 0 ? file + "/contacts" : "run.h5:/no_contact";
-  std::string content = segments(group, contacts);
-  for (const auto& [name, dataset] : {std::pair{"normal force", "force_n"},
-                                      {"tangential force", "force_t"},
-                                      {"normal impulse", "s_n"},
-                                      {"tangential impulse", "s_t"},
-                                      {"normal velocity", "u_n"},
-                                      {"tangential velocity", "u_t"},
-                                      {"gap", "gap"}}) {
-    content += attribute(name, group + "/" + dataset, contacts, "Cell");
-  }
-  for (const auto& [name, dataset] :
-       {std::pair{"status", "status"}, {"body i", "i"}, {"body j", "j"}}) {
-    content += attribute(name, group + "/" + dataset, contacts, "Cell", 1, true);
-  }
-  if (!scene_.disks.empty()) xdmf_contacts_ += grid(content);
-  if (const std::size_t walls = scene_.walls.size(); walls > 0) {
-    xdmf_walls_ += grid(segments(file + "/walls", walls) +
-                        attribute("material", "run.h5:/walls/material", walls, "Cell", 1, true));
-  }
+  xdmf_.add(frame);
 }
 
 void RunWriter::write_index() {
   write_run_file();
-  write_xdmf();
+  xdmf_.write(folder_ / "run.xdmf");
   indexed_ = frames_.size();
-}
-
-void RunWriter::write_xdmf() const {
-  AtomicFile target(folder_ / "run.xdmf");
-  std::ofstream out(target.draft(), std::ios::binary);
-  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n";
-  for (const auto& [name, grids] :
-       {std::pair{"disks", &xdmf_disks_}, {"contacts", &xdmf_contacts_}, {"walls", &xdmf_walls_}}) {
-    if (grids->empty()) continue;
-    out << fmt::format("  <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n",
-                       name)
-        << *grids << "  </Grid>\n";
-  }
-  out << "</Domain>\n</Xdmf>\n";
-  out.close();
-  if (!out) throw FileError(target.draft(), "", "cannot write");
-  target.commit();
-}
-
-std::vector<int> frame_steps(const fs::path& run) { return steps_in(folder_of(run)); }
-
-std::string read_scene_text(const fs::path& run) {
-  return Hdf5File(folder_of(run) / "run.h5", Hdf5File::Mode::kRead).read_string("/scene");
-}
-
-State read_state(const fs::path& run, int step) {
-  const fs::path folder = folder_of(run);
-  const Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
-  if (!fixed.exists("/format") || fixed.read_string("/format") != kFormat) {
-    throw FileError(fixed.path(), "", "not the output of a run");
-  }
-  if (const int version = fixed.read_int("/format_version"); version != kFormatVersion) {
-    throw FileError(
-        fixed.path(), "/format_version",
-        fmt::format("{} is not known, this program writes and reads {}", version, kFormatVersion));
-  }
-  const std::vector<int> steps = steps_in(folder);
-  if (steps.empty()) throw FileError(folder, "frames", "no frame has been written");
-  if (step < 0) step = steps.back();
-  if (!std::binary_search(steps.begin(), steps.end(), step)) {
-    throw FileError(folder, "frames",
-                    fmt::format("there is no frame of step {}; the first is of step {}, the last "
-                                "of step {}",
-                                step, steps.front(), steps.back()));
-  }
-  const Hdf5File file(folder / "frames" / (frame_name(step) + ".h5"), Hdf5File::Mode::kRead);
-  State state;
-  state.step = file.read_int("/step");
-  state.time = file.read_double("/time");
-  state.wall_work = file.read_double("/wall_work");
-  state.friction_loss = file.read_double("/friction_loss");
-  state.shock_loss = file.read_double("/shock_loss");
-
-  const std::vector<double> radius = fixed.read_doubles("/disks/radius");
-  const std::size_t n = radius.size();
-  const auto mass = read_sized(fixed, "/disks/mass", n);
-  const auto inertia = read_sized(fixed, "/disks/inertia", n);
-  const auto material = read_sized_ints(fixed, "/disks/material", n);
-  const auto x = read_sized(file, "/disks/x", 2 * n);
-  const auto angle = read_sized(file, "/disks/angle", n);
-  const auto v = read_sized(file, "/disks/v", 3 * n);
-  const auto spin = read_sized(file, "/disks/spin", n);
-  state.disks.resize(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    state.disks[k] = {.x = Vec2(x[2 * k], x[2 * k + 1]),
-                      .angle = angle[k],
-                      .v = Vec2(v[3 * k], v[3 * k + 1]),
-                      .spin = spin[k],
-                      .radius = radius[k],
-                      .mass = mass[k],
-                      .inertia = inertia[k],
-                      .material = material[k]};
-  }
-
-  const std::vector<std::string> names = fixed.read_strings("/walls/name");
-  const std::size_t walls = names.size();
-  const auto shape = read_sized_ints(fixed, "/walls/shape", walls);
-  const auto motion = read_sized_ints(fixed, "/walls/motion", walls);
-  const auto wall_material = read_sized_ints(fixed, "/walls/material", walls);
-  const auto normal = read_sized(fixed, "/walls/normal", 2 * walls);
-  const auto direction = read_sized(fixed, "/walls/direction", 2 * walls);
-  const auto force = read_sized(fixed, "/walls/force", walls);
-  const auto wall_mass = read_sized(fixed, "/walls/mass", walls);
-  const auto a = read_sized(file, "/walls/a", 2 * walls);
-  const auto b = read_sized(file, "/walls/b", 2 * walls);
-  const auto wall_v = read_sized(file, "/walls/v", 2 * walls);
-  state.walls.resize(walls);
-  for (std::size_t k = 0; k < walls; ++k) {
-    const auto pair = [&](const std::vector<double>& y) { return Vec2(y[2 * k], y[2 * k + 1]); };
-    state.walls[k] = {.name = names[k],
-                      .shape = checked_enum<Wall::Shape>(fixed, "/walls/shape", shape[k], 1),
-                      .motion = checked_enum<Wall::Motion>(fixed, "/walls/motion", motion[k], 2),
-                      .a = pair(a),
-                      .b = pair(b),
-                      .normal = pair(normal),
-                      .v = pair(wall_v),
-                      .direction = pair(direction),
-                      .force = force[k],
-                      .mass = wall_mass[k],
-                      .material = wall_material[k]};
-  }
-
-  const std::vector<int> i = file.read_ints("/contacts/i");
-  const std::size_t c = i.size();
-  const auto j = read_sized_ints(file, "/contacts/j", c);
-  const auto status = read_sized_ints(file, "/contacts/status", c);
-  const auto contact_n = read_sized(file, "/contacts/n", 2 * c);
-  const auto gap = read_sized(file, "/contacts/gap", c);
-  const auto s_n = read_sized(file, "/contacts/s_n", c);
-  const auto s_t = read_sized(file, "/contacts/s_t", c);
-  const auto u_n = read_sized(file, "/contacts/u_n", c);
-  const auto u_t = read_sized(file, "/contacts/u_t", c);
-  // Only the spring-dashpot model writes springs.
-  const auto spring = file.exists("/contacts/spring") ? read_sized(file, "/contacts/spring", c)
-                                                      : std::vector<double>(c, 0.0);
-  state.contacts.resize(c);
-  for (std::size_t k = 0; k < c; ++k) {
-    if (i[k] < 0 || i[k] >= static_cast<int>(n) || j[k] < 0 ||
-        j[k] >= static_cast<int>(n + walls)) {
-      throw FileError(file.path(), "/contacts",
-                      fmt::format("contact {} joins the bodies {} and {}", k, i[k], j[k]));
-    }
-    state.contacts[k] = {
-        .contact = {.i = i[k],
-                    .j = j[k],
-                    .n = Vec2(contact_n[2 * k], contact_n[2 * k + 1]),
-                    .gap = gap[k]},
-        .s_n = s_n[k],
-        .s_t = s_t[k],
-        .u_n = u_n[k],
-        .u_t = u_t[k],
-        .status = checked_enum<ContactStatus>(file, "/contacts/status", status[k], 2),
-        .spring = spring[k]};
-  }
-  return state;
 }
 
 }  // namespace bipot

@@ -1,32 +1,16 @@
 #pragma once
 
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "core/file_error.h"
+#include "core/files/csv_file.h"
+#include "core/files/xdmf_index.h"
 #include "core/motion/time_stepping.h"
 
 namespace bipot {
-
-/// Lines of a CSV file that are on disk as soon as they are written.
-class CsvFile {
- public:
-  /// Begins a file with `header`; of a file that is there, rows whose first number is at most
-  /// `keep_up_to` are kept. Columns that `header` has beyond those of that file are nan there.
-  CsvFile(std::filesystem::path path, const std::string& header, int keep_up_to);
-  void row(const std::string& line);
-
- private:
-  struct Close {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-  };
-  std::filesystem::path path_;
-  std::unique_ptr<std::FILE, Close> file_;
-};
 
 /// Writes a run into a folder:
 ///   run.h5               what does not change: scene text, version, disks' radius, mass, inertia
@@ -64,38 +48,20 @@ class RunWriter {
   void close();
 
  private:
-  struct Frame {
-    int step = 0;
-    double time = 0;
-    std::size_t contacts = 0;
-    bool stress = true;  ///< false: of a version that did not write stresses
-  };
-
-  std::filesystem::path frame_path(int step) const;
   void write_frame_file(const State& state) const;
-  void add_frame(const Frame& frame);
+  void add_frame(const FrameEntry& frame);
   void write_index();
   void write_run_file() const;
-  void write_xdmf() const;
 
   std::filesystem::path folder_;
   Scene scene_;
   std::string scene_text_;
-  std::vector<Frame> frames_;
+  std::vector<FrameEntry> frames_;
   std::optional<CsvFile> ledger_, trajectory_;
-  std::string pending_row_;                              // last ledger row, if its step was not due
-  std::string xdmf_disks_, xdmf_contacts_, xdmf_walls_;  // grids of run.xdmf, all frames
-  std::size_t indexed_ = 0;                              // frames that run.h5 and run.xdmf know
+  std::string pending_row_;  // last ledger row, if its step was not due
+  XdmfIndex xdmf_;
+  std::size_t indexed_ = 0;  // frames that run.h5 and run.xdmf know
   bool closed_ = false;
 };
-
-/// Steps of the frames of a run, increasing. `run`: its folder or its run.h5.
-std::vector<int> frame_steps(const std::filesystem::path& run);
-
-/// The state of the frame after `step` (-1: the last frame), bit for bit. Throws FileError.
-State read_state(const std::filesystem::path& run, int step = -1);
-
-/// Scene text that the run was started with.
-std::string read_scene_text(const std::filesystem::path& run);
 
 }  // namespace bipot

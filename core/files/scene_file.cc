@@ -221,7 +221,7 @@ void read_materials(const Table& root, Scene& scene) {
     const std::vector<std::string> between = table.words("between");
     if (between.size() != 2) table.fail("between", "expected two material names");
     std::array<std::size_t, 2> index{};
-    for (int k = 0; k < 2; ++k) {
+    for (std::size_t k = 0; k < 2; ++k) {
       const auto it = std::find(scene.materials.begin(), scene.materials.end(), between[k]);
       if (it == scene.materials.end()) {
         table.fail("between", unknown_name_message("material", between[k], scene.materials));

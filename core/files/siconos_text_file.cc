@@ -178,14 +178,16 @@ void read_blocks(Words& words, Matrix& matrix) {
       starts.back() != blocks) {
     words.fail(fmt::format("row starts do not increase from 0 to {}", blocks));
   }
-  for (int row = 0; row + 1 < num_starts; ++row) {
+  for (std::size_t row = 0; row + 1 < starts.size(); ++row) {
     for (int k = starts[row]; k < starts[row + 1]; ++k) {
       const int number = words.integer("block number");
       if (number != k) words.fail(fmt::format("block {} where {} should stand", number, k));
-      if (columns[k] >= block_columns) {
-        words.fail(fmt::format("block {} is in column {} of {}", k, columns[k], block_columns));
+      const int block_column = columns[to_size(k)];
+      if (block_column >= block_columns) {
+        words.fail(fmt::format("block {} is in column {} of {}", k, block_column, block_columns));
       }
-      for (int j = column_extents[columns[k]]; j < column_extents[columns[k] + 1]; ++j) {
+      const std::size_t column = to_size(block_column);
+      for (int j = column_extents[column]; j < column_extents[column + 1]; ++j) {
         for (int i = row_extents[row]; i < row_extents[row + 1]; ++i) {
           const double value = words.number("block entry");
           if (value != 0) matrix.entries.emplace_back(i, j, value);

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "core/files/problem_file.h"
+#include "core/files/problem_form.h"
 
 namespace bipot {
 

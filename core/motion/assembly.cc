@@ -14,8 +14,8 @@ DofMap number_dofs(bool friction, std::size_t num_disks, std::span<const Wall> w
   dofs.disk.assign(num_disks, -1);
   dofs.wall.assign(walls.size(), -1);
   for (const Contact& c : contacts) {
-    dofs.disk[c.i] = 0;
-    const std::size_t j = c.j;
+    dofs.disk[to_size(c.i)] = 0;
+    const std::size_t j = to_size(c.j);
     if (j < num_disks) {
       dofs.disk[j] = 0;
     } else if (walls[j - num_disks].motion == Wall::Motion::kDriven) {
@@ -36,7 +36,7 @@ DofMap number_dofs(bool friction, std::size_t num_disks, std::span<const Wall> w
 /// Appends columns of H, rows ascending.
 class ColumnWriter {
  public:
-  explicit ColumnWriter(int columns) { start_.reserve(columns + 1); }
+  explicit ColumnWriter(int columns) { start_.reserve(to_size(columns) + 1); }
   void add(int row, double value) {
     row_.push_back(row);
     value_.push_back(value);
@@ -74,7 +74,6 @@ AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
   const bool friction = scene.has_friction();
   const int d = friction ? 2 : 1;
   const int num_contacts = static_cast<int>(contacts.size());
-  const int num_disks = static_cast<int>(disks.size());
 
   AssembledStep step;
   step.dofs = number_dofs(friction, disks.size(), walls, contacts);
@@ -84,7 +83,7 @@ AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
 
   Vector mass(dofs.size);
   p.v_free.resize(dofs.size);
-  for (int i = 0; i < num_disks; ++i) {
+  for (std::size_t i = 0; i < disks.size(); ++i) {
     const int k = dofs.disk[i];
     if (k < 0) continue;
     mass[k] = mass[k + 1] = disks[i].mass;
@@ -110,11 +109,13 @@ AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
 
   ColumnWriter columns(d * num_contacts);
   for (int c = 0; c < num_contacts; ++c) {
-    const Contact& contact = contacts[c];
-    const Disk& a = disks[contact.i];
-    const bool with_disk = contact.j < num_disks;
-    const Disk* b = with_disk ? &disks[contact.j] : nullptr;
-    const Wall* wall = with_disk ? nullptr : &walls[contact.j - num_disks];
+    const Contact& contact = contacts[to_size(c)];
+    const std::size_t i = to_size(contact.i), j = to_size(contact.j);
+    const bool with_disk = j < disks.size();
+    const std::size_t w = with_disk ? 0 : j - disks.size();
+    const Disk& a = disks[i];
+    const Disk* b = with_disk ? &disks[j] : nullptr;
+    const Wall* wall = with_disk ? nullptr : &walls[w];
     const ContactLaw& law = scene.law(a.material, with_disk ? b->material : wall->material);
     const double r_n = std::sqrt(1 + law.e_n), r_t = std::sqrt(1 + law.e_t);
     p.mu[c] = friction ? law.mu * r_t / r_n : 0.0;
@@ -122,12 +123,12 @@ AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
     const Vec2 other_before = with_disk ? b->v : wall->v;
     Vec2 other_free = other_before;
     if (with_disk) {
-      other_free = disk_v_free[contact.j];
+      other_free = disk_v_free[j];
     } else if (wall->motion == Wall::Motion::kDriven) {
-      other_free = wall_v_free[contact.j - num_disks] * wall->direction;
+      other_free = wall_v_free[w] * wall->direction;
     }
-    const int k = dofs.disk[contact.i];
-    const int l = with_disk ? dofs.disk[contact.j] : dofs.wall[contact.j - num_disks];
+    const int k = dofs.disk[i];
+    const int l = with_disk ? dofs.disk[j] : dofs.wall[w];
     for (int row = 0; row < d; ++row) {
       const Vec2 axis = row == 0 ? contact.n : Vec2(-contact.n[1], contact.n[0]);
       const double e = row == 0 ? law.e_n : law.e_t;
@@ -136,7 +137,7 @@ AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
       const double arm_b = row == 0 || !with_disk ? 0 : -b->radius;
       const double spin_part = arm_a * a.spin + (with_disk ? arm_b * b->spin : 0.0);
       const double before = axis.dot(a.v - other_before) + spin_part;
-      const double free = axis.dot(disk_v_free[contact.i] - other_free) + spin_part;
+      const double free = axis.dot(disk_v_free[i] - other_free) + spin_part;
       step.u_before[c * d + row] = before;
       p.u_free[c * d + row] = (free + e * before) / r;
       if (any_restitution) p.row_scale[c * d + row] = r;

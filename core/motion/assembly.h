@@ -28,11 +28,12 @@ struct AssembledStep {
 /// before the step, their velocities without contact impulses, and the contacts:
 ///
 ///   contact of disk i with j:  u_n = n·(v_i - v_j),  u_t = t·(v_i - v_j) - a_i w_i - a_j w_j,
-///   D = diag 1/(1+e),  u = D (Hᵀ v⁺ + E Hᵀ v⁻)  (36),  symmetric form of method.md §3.
+///   D = diag 1/(1+e),  u = D (Hᵀ v⁺ + E Hᵀ v⁻)  (36),  symmetric form of data/method.md §3.
 ///
-/// The contact dimension is 1 (no tangential rows, no rotations) when `frictionless`. Only bodies
-/// in contact enter; of the walls only driven ones have a degree of freedom, moving ones stand in
-/// the right-hand side. Restitution applies to every candidate alike. [ours, method.md §3]
+/// The contact dimension is 1 (no tangential rows, no rotations) where no pair of the scene's
+/// materials has friction. Only bodies in contact enter; of the walls only driven ones have a
+/// degree of freedom, moving ones stand in the right-hand side. Restitution applies to every
+/// candidate alike. [ours, data/method.md §3]
 AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
                             std::span<const Wall> walls, std::span<const Contact> contacts,
                             std::span<const Vec2> disk_v_free, std::span<const double> wall_v_free,

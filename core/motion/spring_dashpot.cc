@@ -3,10 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <utility>
 
 #include "core/scene/contact_detection.h"
+#include "core/stopwatch.h"
 #include "core/types.h"
 
 namespace bipot {
@@ -16,11 +17,6 @@ namespace {
 /// enough that few pairs are tested in vain.
 constexpr double kSkin = 0.2;
 constexpr int kPollEvery = 64;  // substeps between looks at the clock
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 bool before(int i, int j, int other_i, int other_j) {
   return i < other_i || (i == other_i && j < other_j);
@@ -299,34 +295,25 @@ double SpringDashpotStepper::path_per_substep(double dt) const {
   return dt * (std::sqrt(disk2) + std::sqrt(std::max(disk2, wall2)));
 }
 
-StepReport SpringDashpotStepper::advance(State& state) {
-  const double h = scene_.step, dt = setup_.substep;
-  const Clock::time_point start = Clock::now();
-  const int step_number = state.step + 1;
-  StepReport report;
-  const auto failure = [&](StepFailure::Kind kind, const std::string& why) {
-    return StepFailure(kind,
-                       fmt::format("step {} at t = {:.9g} s: {}", step_number, state.time, why));
-  };
-
-  load(state);
-  report.detection_seconds = seconds_since(start);
-  const Elastic elastic_before = elastic_energy();
+/// All substeps of a step.
+void SpringDashpotStepper::integrate(const State& state, StepReport& report) {
+  const double dt = setup_.substep;
+  using Kind = StepFailure::Kind;
   for (int k = 0; k < setup_.substeps; ++k) {
     drift(0.5 * dt);
     path_ += path_per_substep(dt);
     if (!(path_ <= skin_)) {
-      const Clock::time_point search = Clock::now();
+      const Stopwatch search;
       if (!std::isfinite(path_)) {
-        throw failure(StepFailure::Kind::kNumerical, "a velocity is not finite");
+        throw StepFailure(Kind::kNumerical, state, "a velocity is not finite");
       }
       find_pairs(state);
-      report.detection_seconds += seconds_since(search);
+      report.detection_seconds += search.seconds();
     }
     apply_contacts(dt);
     if (!(worst_overlap_ <= limits_.overlap)) {
-      throw failure(
-          StepFailure::Kind::kNumerical,
+      throw StepFailure(
+          Kind::kNumerical, state,
           fmt::format("bodies {} and {} overlap by {:.2g} of the radius (limit {:g}): a stiffness "
                       "of {:.4g} N/m is too low for this load, raise it",
                       worst_i_, worst_j_, worst_overlap_, limits_.overlap, setup_.stiffness));
@@ -334,18 +321,18 @@ StepReport SpringDashpotStepper::advance(State& state) {
     kick(dt);
     drift(0.5 * dt);
     if (cut_short_ && (k + 1) % kPollEvery == 0 && cut_short_()) {
-      throw failure(StepFailure::Kind::kCutShort,
-                    fmt::format("stopped after {} of {} substeps", k + 1, setup_.substeps));
+      throw StepFailure(Kind::kCutShort, state,
+                        fmt::format("stopped after {} of {} substeps", k + 1, setup_.substeps));
     }
   }
   close_work(dt);
-  const Elastic elastic_after = elastic_energy();
+}
 
+/// Bodies, walls and contacts after the last substep.
+State SpringDashpotStepper::state_after(const State& state) const {
   State next;
-  next.step = step_number;
-  // Multiples of h have no drift; after a restart with another step size there are none.
-  const bool multiple = std::abs(state.time - state.step * h) <= 1e-6 * h;
-  next.time = multiple ? step_number * h : state.time + h;
+  next.step = state.step + 1;
+  next.time = time_after_step(state, scene_.step);
   next.disks = state.disks;
   next.walls = walls_;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -367,15 +354,14 @@ StepReport SpringDashpotStepper::advance(State& state) {
                              .u_t = u[1],
                              .status = contact_status(p.s_n, p.s_t, p.mu),
                              .spring = p.spring});
-    report.active += p.s_n > 0 ? 1 : 0;
   }
-  double mass = 0;
-  for (const Disk& d : next.disks) mass += d.mass;
-  external_ += h * mass * scene_.gravity;
-  for (const Wall& w : next.walls) {
-    if (w.motion == Wall::Motion::kDriven) external_ += h * w.force * w.direction;
-  }
+  return next;
+}
 
+/// Accumulated work of the state after the step, and the balances of energy and momentum.
+void SpringDashpotStepper::close_ledger(const State& state, const Elastic& elastic_before,
+                                        State& next, StepReport& report) {
+  const Elastic elastic_after = elastic_energy();
   const double friction_loss = -work_t_ - (elastic_after.tangential - elastic_before.tangential);
   const double shock_loss = -work_n_ - (elastic_after.normal - elastic_before.normal);
   next.wall_work = state.wall_work + wall_work_;
@@ -392,27 +378,45 @@ StepReport SpringDashpotStepper::advance(State& state) {
   report.energy.imbalance = report.energy.kinetic - kinetic_before - fallen + elastic_after.sum() -
                             elastic_before.sum() - wall_work_ + friction_loss + shock_loss;
   if (!std::isfinite(report.energy.kinetic + report.energy.potential + report.energy.elastic)) {
-    throw failure(StepFailure::Kind::kNumerical, "the energy is not finite");
+    throw StepFailure(StepFailure::Kind::kNumerical, state, "the energy is not finite");
   }
   const double in_play =
       kinetic_before + elastic_before.sum() + std::abs(fallen) + std::abs(wall_work_);
   const double created = -(friction_loss + shock_loss);
   const double rounding = 1e-12 * std::abs(report.energy.potential);
   if (created > limits_.created_energy * in_play + rounding) {
-    throw failure(
-        StepFailure::Kind::kNumerical,
+    throw StepFailure(
+        StepFailure::Kind::kNumerical, state,
         fmt::format("the contacts made {:.2g} of the energy in play: substeps of {:.4g} s "
                     "are too long for a stiffness of {:.4g} N/m, shorten them",
-                    created / in_play, dt, setup_.stiffness));
+                    created / in_play, setup_.substep, setup_.stiffness));
+  }
+  double mass = 0;
+  for (const Disk& d : next.disks) mass += d.mass;
+  external_ += scene_.step * mass * scene_.gravity;
+  for (const Wall& w : next.walls) {
+    if (w.motion == Wall::Motion::kDriven) external_ += scene_.step * w.force * w.direction;
   }
   report.momentum = momentum(next);
   report.momentum_imbalance = report.momentum - momentum(state) - external_;
+}
+
+StepReport SpringDashpotStepper::advance(State& state) {
+  StepReport report;
+  const Stopwatch watch;
+  load(state);
+  report.detection_seconds = watch.seconds();
+  const Elastic elastic_before = elastic_energy();
+  integrate(state, report);
+  State next = state_after(state);
+  close_ledger(state, elastic_before, next, report);
+  for (const ContactOutcome& c : next.contacts) report.active += c.s_n > 0 ? 1 : 0;
   report.step = next.step;
   report.time = next.time;
   report.contacts = static_cast<int>(next.contacts.size());
   report.iterations = setup_.substeps;
   report.penetration = penetration_;
-  report.solve_seconds = seconds_since(start) - report.detection_seconds;
+  report.solve_seconds = watch.seconds() - report.detection_seconds;
   state = std::move(next);
   return report;
 }

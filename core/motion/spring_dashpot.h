@@ -87,6 +87,10 @@ class SpringDashpotStepper {
   void kick(double dt);
   void close_work(double dt);
   Elastic elastic_energy() const;
+  void integrate(const State& state, StepReport& report);
+  State state_after(const State& state) const;
+  void close_ledger(const State& state, const Elastic& elastic_before, State& next,
+                    StepReport& report);
   double path_per_substep(double dt) const;
 
   const Scene& scene_;

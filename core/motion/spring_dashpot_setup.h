@@ -36,8 +36,9 @@ bool supported_by_walls(const Scene& scene, double touching);
 /// radius r. Force chains carry a few times F.
 ///
 /// Stable step: the scheme (core/motion/spring_dashpot.h) on M x'' + C x' + K x = 0 with K, C
-/// symmetric is stable while dt² x'Kx + 2 dt x'Cx <= 4 x'Mx for all x. Gershgorin, disk by disk, with as many
-/// contacts z at once as fit around it (6 for equal disks): dt² kappa + 2 dt chi <= 4,
+/// symmetric is stable while dt² x'Kx + 2 dt x'Cx <= 4 x'Mx for all x. Gershgorin, disk by disk,
+/// with as many contacts z at once as fit around it (6 for equal disks):
+///   dt² kappa + 2 dt chi <= 4,
 ///   kappa = Σ_z f max(k_n/m, k_t (1/m + a²/I)),  chi alike with the dashpots,
 /// f = 2 between disks (both ends move), 1 at walls. (Slip makes K unsymmetric and lies outside of
 /// this bound; a step whose contacts make energy fails.) The substep is safety x that, but at most

@@ -14,10 +14,10 @@ using Mat2 = Eigen::Matrix2d;
 /// (the granular sign: minus the mean Cauchy stress), first index the direction of the force,
 /// second that of the normal. Disks are cylinders of unit length, so newtons per metre are pascals.
 ///
-///   total = contact + kinetic + spin                                                        [Pa]
-///   contact = 1/V Σ_c f ⊗ l                            Love 1927, Weber 1966; virial of the
-///   contacts kinetic = 1/V Σ_i m v' ⊗ v'                        fluctuations v' about the mean
-///   velocity spin    = 1/V Σ_i (dL/dt) / 2 · [0 -1; 1 0]        Fortin, Millet and de Saxcé 2003
+///   total   = contact + kinetic + spin                                                      [Pa]
+///   contact = 1/V Σ_c f ⊗ l                            Love 1927, Weber 1966: virial of contacts
+///   kinetic = 1/V Σ_i m v' ⊗ v'                        fluctuations v' about the mean velocity
+///   spin    = 1/V Σ_i (dL/dt) / 2 · [0 -1; 1 0]        Fortin, Millet and de Saxcé 2003
 ///
 /// f is the force s/h on the first body of a contact, l the branch from the second centre to the
 /// first (from the wall's surface for a wall), at mid-step, where the impulses act (38).

@@ -1,28 +1,19 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "core/motion/assembly.h"
+#include "core/motion/state.h"
+#include "core/motion/step_outcome.h"
 #include "core/problem/contact_error.h"
 #include "core/problem/contact_problem.h"
-#include "core/scene/contact.h"
 #include "core/scene/scene.h"
 
 namespace bipot {
-
-/// The moving part of a scene: all that a restart needs.
-struct State {
-  double time = 0;  ///< [s]
-  int step = 0;     ///< steps done
-  std::vector<Disk> disks;
-  std::vector<Wall> walls;
-  std::vector<ContactOutcome> contacts;  ///< of the last step, sorted by (i, j); warm start
-  /// Accumulated since step 0, for the ledger                                  [J]
-  double wall_work = 0, friction_loss = 0, shock_loss = 0;
-};
-State initial_state(const Scene& scene);
 
 /// Energy of a state and what the steps so far did to it. Closed:
 ///   kinetic + potential + elastic = initial + wall_work - friction_loss - shock_loss
@@ -37,13 +28,6 @@ struct EnergyLedger {
   double imbalance = 0;      ///< of the last step: what does not add up         [J]
   double elastic = 0;        ///< stored in contacts, spring-dashpot model only  [J]
 };
-
-double kinetic_energy(const State& state);                         ///< disks and driven walls [J]
-double potential_energy(const State& state, const Vec2& gravity);  ///< zero at the origin     [J]
-Vec2 momentum(const State& state);  ///< disks and driven walls [kg m/s]
-
-/// What an impulse says of its contact. The cone's edge counts from 1 - 1e-9 of it on.
-ContactStatus contact_status(double s_n, double s_t, double mu);
 
 /// One step's answer from whatever solves the contact problem.
 struct StepSolution {
@@ -75,11 +59,6 @@ struct StepReport {
   double detection_seconds = 0, assembly_seconds = 0, solve_seconds = 0;
 };
 
-/// Empty when a state can go on under a scene: same disks (radius, mass, inertia, material) and
-/// walls (shape, motion, force, mass, direction, material); else one sentence that names the
-/// difference.
-std::string restart_mismatch(const Scene& scene, const State& state);
-
 /// The contact problem of the step that would come next.
 ContactProblem step_problem(const Scene& scene, const State& state, bool explicit_delassus);
 
@@ -87,6 +66,8 @@ ContactProblem step_problem(const Scene& scene, const State& state, bool explici
 struct StepFailure : std::runtime_error {
   enum class Kind { kNumerical, kInvalidInput, kCutShort };
   StepFailure(Kind k, const std::string& message) : std::runtime_error(message), kind(k) {}
+  /// Names the step that comes after the state `before`.
+  StepFailure(Kind k, const State& before, const std::string& why);
   Kind kind;
 };
 
@@ -102,13 +83,15 @@ class TimeStepper {
   StepReport advance(State& state);
 
   /// The contact problem of the last step.
-  const ContactProblem& problem() const { return problem_; }
+  const ContactProblem& problem() const { return assembled_.problem; }
 
  private:
+  Vector solve_contacts(const State& state, std::span<const Contact> contacts, StepReport& report);
+
   const Scene& scene_;
   StepSolver solver_;
   bool explicit_delassus_;
-  ContactProblem problem_;
+  AssembledStep assembled_;
 };
 
 }  // namespace bipot

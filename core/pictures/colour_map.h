@@ -8,8 +8,8 @@ struct Colour {
 };
 
 /// A colour for a number in [0, 1] (outside: the nearest end), from pale yellow over teal to dark
-/// blue. A polyline in Ottosson's OKLab space whose lightness falls linearly: equal
-/// steps look about equal, in colour and in grey.
+/// blue. A polyline in Ottosson's OKLab space whose lightness falls linearly: equal steps look about
+/// equal, in colour and in grey.
 Colour sequential_colour(double fraction);
 
 /// Lightness L of a colour in OKLab: 0 black, 1 white.

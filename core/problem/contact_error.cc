@@ -149,7 +149,6 @@ ContactError contact_error(const ContactProblem& problem, const Eigen::Ref<const
 }
 
 ContactCount count_contacts(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
-  constexpr double kEdge = 1 - 1e-9;  // relative distance from the cone's edge that counts as slip
   ContactCount count;
   dispatch_dim(p.dim, [&](auto d) {
     constexpr int D = d();
@@ -157,7 +156,7 @@ ContactCount count_contacts(const ContactProblem& p, const Eigen::Ref<const Vect
       const Local<D> x = local<D>(s, c);
       if (x[0] <= 0) {
         ++count.take_off;
-      } else if (D == 1 || tangential_norm<D>(x) < kEdge * p.mu[c] * x[0]) {
+      } else if (D == 1 || tangential_norm<D>(x) < kConeEdge * p.mu[c] * x[0]) {
         ++count.stick;
       } else {
         ++count.slip;

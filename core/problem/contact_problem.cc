@@ -74,6 +74,15 @@ std::string check_delassus_diagonal(const ContactProblem& p) {
 
 }  // namespace
 
+bool is_diagonal(const SparseMatrix& A) {
+  for (int k = 0; k < A.outerSize(); ++k) {
+    for (SparseMatrix::InnerIterator it(A, k); it; ++it) {
+      if (it.row() != it.col() && it.value() != 0) return false;
+    }
+  }
+  return true;
+}
+
 std::string validate(const ContactProblem& p) {
   if (p.dim < 1 || p.dim > 3) return fmt::format("dim = {}, expected 1, 2 or 3", p.dim);
   const Eigen::Index rows = static_cast<Eigen::Index>(p.dim) * p.mu.size();

@@ -17,7 +17,7 @@ namespace bipot {
 /// H are empty and W alone is given. A global problem may leave W empty: solvers that need it say
 /// so in the registry, the others work through H and A (see delassus.h).
 ///
-/// With restitution the variables of this struct are the symmetric ones of method.md §3. With
+/// With restitution the variables of this struct are the symmetric ones of data/method.md §3. With
 /// r = sqrt(1 + e) per row, they are s = r s_phys, u = r u_phys, and H, W, u_free and mu are those
 /// of the scaled problem (H = H_phys diag(1/r), mu = mu_phys r_t / r_n). `row_scale` holds r, so
 /// that the criterion can be evaluated in physical variables; empty means all ones. [ours] The two
@@ -40,11 +40,14 @@ struct ContactProblem {
   bool has_delassus() const { return W.rows() > 0; }
 };
 
+/// True when every stored off-diagonal entry of A is zero.
+bool is_diagonal(const SparseMatrix& A);
+
 /// Empty for a sound problem, otherwise one sentence that names the field, the index and the value
 /// (or both sizes). Refused: wrong sizes, non-finite values, a non-positive diagonal of A, W_nn <=
 /// 0, negative mu, non-positive row_scale or one that differs between the tangents of a contact, A
-/// that is not symmetric, W that is not compressed. W need not be symmetric:
-/// rounded data of other codes are solved as they are.
+/// that is not symmetric, W that is not compressed. W need not be symmetric: rounded data of other
+/// codes are solved as they are.
 std::string validate(const ContactProblem& problem);
 
 }  // namespace bipot

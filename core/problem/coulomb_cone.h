@@ -59,6 +59,9 @@ inline Local<D> project_coulomb_cone(const Local<D>& tau, double mu) {
   }
 }
 
+/// A contact counts as sliding from this part of the cone's edge on.
+inline constexpr double kConeEdge = 1 - 1e-9;
+
 /// De Saxcé's modified velocity û = u + mu |u_t| n, see (19).
 template <int D>
 inline Local<D> de_saxce_velocity(const Local<D>& u, double mu) {

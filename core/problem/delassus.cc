@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace {
 template <int D>
 struct DofEntry {
   int index = 0;  // the degree of freedom in a contact's list, the contact in a dof's list
-  double h[D] = {};
+  double h[to_size(D)] = {};
 };
 
 /// Lists of DofEntry, compressed.
@@ -23,6 +24,10 @@ template <int D>
 struct EntryLists {
   std::vector<int> start;
   std::vector<DofEntry<D>> entries;
+
+  std::span<const DofEntry<D>> of(int k) const {
+    return {entries.data() + start[to_size(k)], entries.data() + start[to_size(k) + 1]};
+  }
 };
 
 /// By contact: the degrees of freedom it acts on, ascending.
@@ -30,14 +35,14 @@ template <int D>
 EntryLists<D> entries_by_contact(const SparseMatrix& H) {
   const int contacts = static_cast<int>(H.cols()) / D;
   EntryLists<D> lists;
-  lists.start.reserve(contacts + 1);
+  lists.start.reserve(to_size(contacts) + 1);
   lists.start.push_back(0);
-  lists.entries.reserve(H.nonZeros());
+  lists.entries.reserve(to_size(H.nonZeros()));
   const auto less = [](const DofEntry<D>& e, int dof) { return e.index < dof; };
   for (int c = 0; c < contacts; ++c) {
     for (int a = 0; a < D; ++a) {
       for (SparseMatrix::InnerIterator it(H, c * D + a); it; ++it) {
-        const auto begin = lists.entries.begin() + lists.start[c];
+        const auto begin = lists.entries.begin() + lists.start[to_size(c)];
         auto at = std::lower_bound(begin, lists.entries.end(), static_cast<int>(it.row()), less);
         if (at == lists.entries.end() || at->index != it.row()) {
           at = lists.entries.insert(at, {static_cast<int>(it.row()), {}});
@@ -54,17 +59,16 @@ EntryLists<D> entries_by_contact(const SparseMatrix& H) {
 template <int D>
 EntryLists<D> transposed(const EntryLists<D>& by_contact, int dofs) {
   EntryLists<D> lists;
-  lists.start.assign(dofs + 1, 0);
-  for (const DofEntry<D>& e : by_contact.entries) ++lists.start[e.index + 1];
+  lists.start.assign(to_size(dofs) + 1, 0);
+  for (const DofEntry<D>& e : by_contact.entries) ++lists.start[to_size(e.index) + 1];
   std::partial_sum(lists.start.begin(), lists.start.end(), lists.start.begin());
   lists.entries.resize(by_contact.entries.size());
   std::vector<int> next(lists.start.begin(), lists.start.end() - 1);
   for (int c = 0; c + 1 < static_cast<int>(by_contact.start.size()); ++c) {
-    for (int k = by_contact.start[c]; k < by_contact.start[c + 1]; ++k) {
-      DofEntry<D> e = by_contact.entries[k];
-      const int dof = e.index;
+    for (DofEntry<D> e : by_contact.of(c)) {
+      int& slot = next[to_size(e.index)];
       e.index = c;
-      lists.entries[next[dof]++] = e;
+      lists.entries[to_size(slot++)] = e;
     }
   }
   return lists;
@@ -80,18 +84,17 @@ SparseRows assemble_diagonal(const SparseMatrix& A, const SparseMatrix& H) {
 
   // First pass: the contacts coupled to each contact through a shared degree of freedom.
   std::vector<int> neighbour_start{0}, neighbours;
-  neighbour_start.reserve(contacts + 1);
-  neighbours.reserve(static_cast<std::size_t>(contacts) * 11);
-  std::vector<int> last_seen(contacts, -1);
+  neighbour_start.reserve(to_size(contacts) + 1);
+  neighbours.reserve(to_size(contacts) * 11);
+  std::vector<int> last_seen(to_size(contacts), -1);
   for (int c = 0; c < contacts; ++c) {
     const std::size_t first = neighbours.size();
-    for (int k = by_contact.start[c]; k < by_contact.start[c + 1]; ++k) {
-      const int dof = by_contact.entries[k].index;
-      for (int l = by_dof.start[dof]; l < by_dof.start[dof + 1]; ++l) {
-        const int other = by_dof.entries[l].index;
-        if (last_seen[other] == c) continue;
-        last_seen[other] = c;
-        neighbours.push_back(other);
+    for (const DofEntry<D>& mine : by_contact.of(c)) {
+      for (const DofEntry<D>& other : by_dof.of(mine.index)) {
+        int& seen = last_seen[to_size(other.index)];
+        if (seen == c) continue;
+        seen = c;
+        neighbours.push_back(other.index);
       }
     }
     std::sort(neighbours.begin() + static_cast<std::ptrdiff_t>(first), neighbours.end());
@@ -101,13 +104,14 @@ SparseRows assemble_diagonal(const SparseMatrix& A, const SparseMatrix& H) {
   // Second pass: values, straight into the compressed rows.
   SparseRows W(rows, rows);
   W.resizeNonZeros(static_cast<Eigen::Index>(neighbours.size()) * D * D);
-  std::vector<int> slot(contacts, 0);
+  std::vector<int> slot(to_size(contacts), 0);
   for (int c = 0; c < contacts; ++c) {
-    const int count = neighbour_start[c + 1] - neighbour_start[c];
-    const int* neighbour = neighbours.data() + neighbour_start[c];
-    const int row_start = neighbour_start[c] * D * D;
+    const int first = neighbour_start[to_size(c)];
+    const int count = neighbour_start[to_size(c) + 1] - first;
+    const int* neighbour = neighbours.data() + first;
+    const int row_start = first * D * D;
     const int row_length = count * D;
-    for (int k = 0; k < count; ++k) slot[neighbour[k]] = k;
+    for (int k = 0; k < count; ++k) slot[to_size(neighbour[k])] = k;
     int* column = W.innerIndexPtr() + row_start;
     double* value = W.valuePtr() + row_start;
     for (int a = 0; a < D; ++a) {
@@ -117,12 +121,10 @@ SparseRows assemble_diagonal(const SparseMatrix& A, const SparseMatrix& H) {
       }
     }
     std::fill(value, value + D * row_length, 0.0);
-    for (int k = by_contact.start[c]; k < by_contact.start[c + 1]; ++k) {
-      const DofEntry<D>& mine = by_contact.entries[k];
+    for (const DofEntry<D>& mine : by_contact.of(c)) {
       const double weight = inverse_mass[mine.index];
-      for (int l = by_dof.start[mine.index]; l < by_dof.start[mine.index + 1]; ++l) {
-        const DofEntry<D>& other = by_dof.entries[l];
-        double* block = value + slot[other.index] * D;
+      for (const DofEntry<D>& other : by_dof.of(mine.index)) {
+        double* block = value + slot[to_size(other.index)] * D;
         for (int a = 0; a < D; ++a) {
           for (int b = 0; b < D; ++b) block[a * row_length + b] += mine.h[a] * other.h[b] * weight;
         }
@@ -144,15 +146,6 @@ SparseRows assemble_general(const SparseMatrix& A, const SparseMatrix& H) {
 
 }  // namespace
 
-bool is_diagonal(const SparseMatrix& A) {
-  for (int k = 0; k < A.outerSize(); ++k) {
-    for (SparseMatrix::InnerIterator it(A, k); it; ++it) {
-      if (it.row() != it.col() && it.value() != 0) return false;
-    }
-  }
-  return true;
-}
-
 SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int dim) {
   if (!is_diagonal(A)) return assemble_general(A, H);
   return dispatch_dim(dim, [&](auto d) { return assemble_diagonal<d()>(A, H); });
@@ -172,8 +165,9 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form) : p
     return;
   }
   if (!problem.has_delassus() && problem.has_velocities()) {
-    own_delassus_ = assemble_delassus(problem.A, problem.H, problem.dim);
-    delassus_ = &own_delassus_;
+    own_delassus_ =
+        std::make_shared<const SparseRows>(assemble_delassus(problem.A, problem.H, problem.dim));
+    delassus_ = own_delassus_.get();
   } else {
     delassus_ = &problem.W;
   }

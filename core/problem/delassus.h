@@ -14,18 +14,21 @@ namespace bipot {
 /// std::runtime_error when A is not positive definite.
 SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int dim);
 
-/// True when every stored off-diagonal entry of A is zero.
-bool is_diagonal(const SparseMatrix& A);
-
 /// s -> W s, by the cheaper of the two forms that the problem offers: with a diagonal A two passes
 /// through H (about 10 multiplications a row; packed where H is that of disks), else the explicit
-/// W. A problem without
-/// W and with a general A gets its W assembled here once. Keeps a reference to the problem.
+/// W. A problem without W and with a general A gets its W assembled here once.
+///
+/// Keeps a reference to the problem, which must outlive it and all its copies. A copy stands on its
+/// own; it shares a W that was assembled here, which never changes.
+///
+/// One operator serves one thread at a time: apply() and velocity() write to its scratch. Give
+/// every thread a copy.
 class DelassusOperator {
  public:
   enum class Form { kAuto, kTwoPass, kExplicit };
 
   explicit DelassusOperator(const ContactProblem& problem, Form form = Form::kAuto);
+  explicit DelassusOperator(ContactProblem&&, Form = Form::kAuto) = delete;  // would dangle
 
   /// u = W s. No allocation.
   void apply(const Eigen::Ref<const Vector>& s, Vector& u) const;
@@ -48,8 +51,8 @@ class DelassusOperator {
   Vector inverse_mass_;      // diagonal of A⁻¹, two-pass form only
   mutable Vector velocity_;  // scratch, n; for disks 4 values a body: (x, y, a ω, padding)
   std::optional<DiskStructure> disks_;
-  SparseRows own_delassus_;  // only when W had to be assembled here
-  const SparseRows* delassus_ = nullptr;
+  std::shared_ptr<const SparseRows> own_delassus_;  // only when W had to be assembled here
+  const SparseRows* delassus_ = nullptr;            // *own_delassus_ or the problem's W
 };
 
 /// v = v_free + A⁻¹ H s, the velocities after the step in the problem's own degrees of freedom

@@ -3,7 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/problem/delassus.h"
 #include "core/types.h"
 
 namespace bipot {
@@ -47,16 +46,18 @@ class Reader {
     for (int k = 0; k < bodies; ++k) {
       if (mass[k * kDofs] != mass[k * kDofs + 1]) return {};
     }
-    out_.bodies.resize(bodies + 1);
-    out_.contacts.resize(p_.num_contacts());
-    arm_.assign(bodies, kNaN);
+    out_.bodies.resize(to_size(bodies) + 1);
+    out_.contacts.resize(to_size(p_.num_contacts()));
+    arm_.assign(to_size(bodies), kNaN);
     for (int c = 0; c < p_.num_contacts(); ++c) {
       if (!read_contact(c)) return {};
     }
     for (int k = 0; k < bodies; ++k) {
-      out_.bodies[k].inverse_mass = 1 / mass[k * kDofs];
-      if (D == 2 && arm_[k] == arm_[k]) {
-        out_.bodies[k].inverse_inertia = arm_[k] * arm_[k] / mass[k * kDofs + kDofs - 1];
+      DiskStructure::Body& body = out_.bodies[to_size(k)];
+      const double arm = arm_[to_size(k)];
+      body.inverse_mass = 1 / mass[k * kDofs];
+      if (D == 2 && arm == arm) {
+        body.inverse_inertia = arm * arm / mass[k * kDofs + kDofs - 1];
       }
     }
     return std::move(out_);
@@ -66,7 +67,7 @@ class Reader {
   static constexpr int kDofs = D == 1 ? 2 : 3;
 
   bool read_contact(int c) {
-    DiskStructure::Contact& contact = out_.contacts[c];
+    DiskStructure::Contact& contact = out_.contacts[to_size(c)];
     int body[2] = {-1, -1};
     for (SparseMatrix::InnerIterator it(p_.H, c * D); it; ++it) {
       if (it.value() == 0) continue;
@@ -106,7 +107,7 @@ class Reader {
       }
       for (int side = 0; side < (pair ? 2 : 1); ++side) {
         const double arm = -t.side[side][2] / factor;
-        double& known = arm_[body[side]];
+        double& known = arm_[to_size(body[side])];
         if (known != known) known = arm;
         if (!close(arm, known, std::abs(known))) return false;
       }

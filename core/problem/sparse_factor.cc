@@ -22,17 +22,17 @@ struct LongColumns {
 
   /// Copies A (sorted, compressed). True when the pattern is the one of the call before.
   bool assign(const SparseMatrix& A, bool upper_only) {
-    std::vector<SuiteSparse_long> new_start(A.cols() + 1, 0), new_row;
-    new_row.reserve(A.nonZeros());
+    std::vector<SuiteSparse_long> new_start(to_size(A.cols()) + 1, 0), new_row;
+    new_row.reserve(to_size(A.nonZeros()));
     value.clear();
-    value.reserve(A.nonZeros());
+    value.reserve(to_size(A.nonZeros()));
     for (int k = 0; k < A.outerSize(); ++k) {
       for (SparseMatrix::InnerIterator it(A, k); it; ++it) {
         if (upper_only && it.row() > it.col()) continue;
         new_row.push_back(it.row());
         value.push_back(it.value());
       }
-      new_start[k + 1] = static_cast<SuiteSparse_long>(new_row.size());
+      new_start[to_size(k) + 1] = static_cast<SuiteSparse_long>(new_row.size());
     }
     const bool same = size == A.cols() && new_start == start && new_row == row;
     size = A.cols();

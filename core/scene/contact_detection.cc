@@ -41,19 +41,19 @@ std::vector<Level> build_levels(std::span<const Disk> disks, double eta) {
   std::vector<std::vector<int>> members;
   for (int i = 0; i < static_cast<int>(disks.size()); ++i) {
     int exponent = 0;
-    const double mantissa = std::frexp(disks[i].radius / smallest, &exponent);
+    const double mantissa = std::frexp(disks[to_size(i)].radius / smallest, &exponent);
     const int level = mantissa == 0.5 ? exponent - 1 : exponent;  // smallest * 2^level >= radius
-    if (level >= static_cast<int>(members.size())) members.resize(level + 1);
-    members[level].push_back(i);
+    if (level >= static_cast<int>(members.size())) members.resize(to_size(level) + 1);
+    members[to_size(level)].push_back(i);
   }
-  for (int l = 0; l < static_cast<int>(members.size()); ++l) {
+  for (std::size_t l = 0; l < members.size(); ++l) {
     if (members[l].empty()) continue;
     Level level;
     // Two disks of this class or smaller that touch lie in the same or in adjacent cells.
-    level.cell = 2 * std::ldexp(smallest, l) * (1 + 1e-12) + std::max(eta, 0.0);
+    level.cell = 2 * std::ldexp(smallest, static_cast<int>(l)) * (1 + 1e-12) + std::max(eta, 0.0);
     level.entries.reserve(members[l].size());
     for (int i : members[l]) {
-      const Vec2& x = disks[i].x;
+      const Vec2& x = disks[to_size(i)].x;
       level.entries.push_back({Level::key(level.index(x[0]), level.index(x[1])), i});
     }
     std::sort(level.entries.begin(), level.entries.end(),
@@ -67,8 +67,9 @@ std::vector<Level> build_levels(std::span<const Disk> disks, double eta) {
 
 void test_pair(std::span<const Disk> disks, int i, int j, double eta, std::vector<Contact>& out) {
   if (i > j) std::swap(i, j);
-  const Vec2 d = disks[i].x - disks[j].x;
-  const double reach = disks[i].radius + disks[j].radius + eta;
+  const Disk &a = disks[to_size(i)], &b = disks[to_size(j)];
+  const Vec2 d = a.x - b.x;
+  const double reach = a.radius + b.radius + eta;
   const double distance2 = d.squaredNorm();
   if (distance2 > reach * reach) return;
   const double distance = std::sqrt(distance2);
@@ -76,7 +77,7 @@ void test_pair(std::span<const Disk> disks, int i, int j, double eta, std::vecto
     throw std::invalid_argument(
         fmt::format("disks {} and {} have the same centre: their contact has no normal", i, j));
   }
-  out.push_back({i, j, d / distance, distance - (disks[i].radius + disks[j].radius)});
+  out.push_back({i, j, d / distance, distance - (a.radius + b.radius)});
 }
 
 void test_wall(const Disk& disk, int i, const Wall& wall, int j, double eta,
@@ -108,7 +109,7 @@ std::vector<Contact> detect_contacts(std::span<const Disk> disks, std::span<cons
     for (std::size_t coarse = fine; coarse < levels.size(); ++coarse) {
       const Level& target = levels[coarse];
       for (const CellEntry& entry : levels[fine].entries) {
-        const Vec2& x = disks[entry.disk].x;
+        const Vec2& x = disks[to_size(entry.disk)].x;
         const std::int64_t column = target.index(x[0]), row = target.index(x[1]);
         for (std::int64_t r = row - 1; r <= row + 1; ++r) {
           const std::uint64_t first = Level::key(column - 1, r), last = Level::key(column + 1, r);
@@ -127,7 +128,7 @@ std::vector<Contact> detect_contacts(std::span<const Disk> disks, std::span<cons
   const int num_disks = static_cast<int>(disks.size());
   for (int w = 0; w < static_cast<int>(walls.size()); ++w) {
     for (int i = 0; i < num_disks; ++i) {
-      test_wall(disks[i], i, walls[w], num_disks + w, eta, contacts);
+      test_wall(disks[to_size(i)], i, walls[to_size(w)], num_disks + w, eta, contacts);
     }
   }
   std::sort(contacts.begin(), contacts.end(),

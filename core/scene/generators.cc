@@ -57,12 +57,13 @@ std::vector<double> drawn_radii(int count, const std::vector<RadiusClass>& class
   std::vector<int> order(classes.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
-                   [&](int a, int b) { return remainders[a] > remainders[b]; });
+                   [&](int a, int b) { return remainders[to_size(a)] > remainders[to_size(b)]; });
   int missing = count - std::accumulate(sizes.begin(), sizes.end(), 0);
-  for (std::size_t k = 0; missing > 0; k = (k + 1) % order.size(), --missing) ++sizes[order[k]];
+  for (std::size_t k = 0; missing > 0; k = (k + 1) % order.size(), --missing)
+    ++sizes[to_size(order[k])];
   std::vector<double> radii;
   for (std::size_t k = 0; k < classes.size(); ++k) {
-    radii.insert(radii.end(), sizes[k], classes[k].radius);
+    radii.insert(radii.end(), to_size(sizes[k]), classes[k].radius);
   }
   for (std::size_t i = radii.size(); i > 1; --i) std::swap(radii[i - 1], radii[random.below(i)]);
   return radii;
@@ -72,7 +73,7 @@ std::vector<double> drawn_radii(int count, const std::vector<RadiusClass>& class
 
 std::vector<Disk> rectangular_lattice(int columns, int rows, double radius, const Vec2& corner) {
   std::vector<Disk> disks;
-  disks.reserve(static_cast<std::size_t>(columns) * rows);
+  disks.reserve(to_size(columns) * to_size(rows));
   for (int j = 0; j < rows; ++j) {
     for (int i = 0; i < columns; ++i) {
       disks.push_back(
@@ -127,7 +128,7 @@ std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& clas
   std::vector<Disk> disks;
   disks.reserve(radii.size());
   for (int k = 0; k < count; ++k) {
-    const double radius = radii[k];
+    const double radius = radii[to_size(k)];
     const double free_x = std::max(cell_width - 2 * radius, 0.0);
     const double free_y = std::max(pitch - 2 * radius, 0.0);
     const double x = corner[0] + (k % columns) * cell_width + radius + random.uniform() * free_x;

@@ -90,8 +90,8 @@ std::string validate(const Scene& scene) {
     const auto unit = [](double e) { return e >= 0 && e <= 1; };
     if (!(law.mu >= 0) || !std::isfinite(law.mu) || !unit(law.e_n) || !unit(law.e_t)) {
       return fmt::format("materials {} and {}: mu = {} (>= 0), e_n = {}, e_t = {} (both in [0, 1])",
-                         scene.materials[k / materials], scene.materials[k % materials], law.mu,
-                         law.e_n, law.e_t);
+                         scene.materials[k / scene.materials.size()],
+                         scene.materials[k % scene.materials.size()], law.mu, law.e_n, law.e_t);
     }
   }
   for (std::size_t i = 0; i < scene.disks.size(); ++i) {

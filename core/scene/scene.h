@@ -94,14 +94,14 @@ struct Scene {
   std::vector<ContactLaw> laws;        ///< materials² entries, symmetric, row-major
   double step = 0;                     ///< h > 0                    [s]
   int num_steps = 0;
-  double contact_distance = 0;  ///< eta of method.md §4      [m]
+  double contact_distance = 0;  ///< eta of data/method.md §4 [m]
   Model model = Model::kNonsmooth;
   SolverChoice solver;      ///< nonsmooth model only
   SpringDashpotChoice dem;  ///< spring-dashpot model only
   OutputChoice output;
 
   const ContactLaw& law(int material_a, int material_b) const {
-    return laws[static_cast<std::size_t>(material_a) * materials.size() + material_b];
+    return laws[to_size(material_a) * materials.size() + to_size(material_b)];
   }
   /// True when some pair of materials has friction: the contact dimension is then 2, else 1.
   bool has_friction() const;

@@ -22,7 +22,7 @@ bool contains(const std::string& text, const std::string& part) {
 
 ContactProblem some_problem(int dim = 2) { return manufactured_problem(dim, 12, 14, 3).problem; }
 
-/// Two contacts of one disk in a notch, mu large: sticking, W_tt = 3 W_nn.
+/// A column of disks on a floor, mu large: sticking, W_tt = 3 W_nn at the floor.
 ContactProblem sticking_column(int disks) {
   ContactProblem p;
   p.dim = 2;

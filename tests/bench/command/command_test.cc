@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/files/problem_file.h"
-#include "core/files/run_output.h"
+#include "core/files/run_reader.h"
 #include "core/problem/contact_error.h"
 
 namespace bipot {

@@ -10,6 +10,7 @@
 
 #include "core/file_error.h"
 #include "core/files/hdf5_file.h"
+#include "core/files/problem_file.h"
 #include "core/problem/contact_error.h"
 #include "core/problem/delassus.h"
 #include "tests/support/manufactured.h"

@@ -16,6 +16,7 @@
 #include <sstream>
 
 #include "core/files/hdf5_file.h"
+#include "core/files/run_reader.h"
 #include "core/files/scene_file.h"
 #include "core/motion/stress_tensor.h"
 #include "solvers/registry.h"

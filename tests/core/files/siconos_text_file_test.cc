@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "core/file_error.h"
+#include "core/files/problem_file.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

@@ -11,14 +11,13 @@
 #include "core/scene/contact_detection.h"
 #include "solvers/solve.h"
 #include "tests/support/draw.h"
+#include "tests/support/scene_parts.h"
 
 namespace bipot {
 namespace {
 
 Scene one_material(double mu, double e_n, double e_t) {
-  Scene scene;
-  scene.materials = {"m"};
-  scene.laws = {{.mu = mu, .e_n = e_n, .e_t = e_t}};
+  Scene scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.step = 1;
   return scene;
 }
@@ -32,13 +31,6 @@ Disk disk_at(double x, double y, double radius, const Vec2& v = Vec2::Zero(), do
   d.mass = 1 + radius;
   d.inertia = 0.5 * d.mass * radius * radius;
   return d;
-}
-
-Wall half_plane(const Vec2& point, const Vec2& normal) {
-  Wall wall;
-  wall.a = point;
-  wall.normal = normal;
-  return wall;
 }
 
 SolverOptions tolerance(double tol) {

@@ -8,7 +8,9 @@
 #include <numbers>
 
 #include "core/files/run_output.h"
+#include "core/files/run_reader.h"
 #include "core/scene/generators.h"
+#include "tests/support/scene_parts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -18,31 +20,11 @@ constexpr double kG = 9.81;
 constexpr double kPi = std::numbers::pi;
 
 Scene one_material(double mu, double e_n, double e_t = 0) {
-  Scene scene;
+  Scene scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.model = Model::kSpringDashpot;
-  scene.materials = {"m"};
-  scene.laws = {{.mu = mu, .e_n = e_n, .e_t = e_t}};
   scene.gravity = Vec2(0, -kG);
   scene.step = 1e-3;
   return scene;
-}
-
-/// A homogeneous cylinder.
-Disk cylinder(const Vec2& x, double radius, const Vec2& v = Vec2::Zero(), double mass = 2) {
-  Disk d;
-  d.x = x;
-  d.v = v;
-  d.radius = radius;
-  d.mass = mass;
-  d.inertia = 0.5 * d.mass * radius * radius;
-  return d;
-}
-
-Wall half_plane(const Vec2& point, const Vec2& normal) {
-  Wall wall;
-  wall.a = point;
-  wall.normal = normal;
-  return wall;
 }
 
 State run(const Scene& scene,

@@ -12,6 +12,7 @@
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
+#include "tests/support/scene_parts.h"
 
 namespace bipot {
 namespace {
@@ -25,13 +26,6 @@ Disk disk(double x, double y, double radius, double mass = 1) {
   d.mass = mass;
   d.inertia = 0.5 * mass * radius * radius;
   return d;
-}
-
-Wall half_plane(const Vec2& point, const Vec2& normal) {
-  Wall wall;
-  wall.a = point;
-  wall.normal = normal;
-  return wall;
 }
 
 /// A contact with the force f on disk i.

@@ -12,6 +12,7 @@
 #include "solvers/solve.h"
 #include "solvers/step_solver.h"
 #include "tests/support/draw.h"
+#include "tests/support/scene_parts.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -20,33 +21,12 @@ namespace {
 constexpr double kG = 9.81;
 
 Scene one_material(double mu, double e_n = 0, double e_t = 0) {
-  Scene scene;
-  scene.materials = {"m"};
-  scene.laws = {{.mu = mu, .e_n = e_n, .e_t = e_t}};
+  Scene scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.gravity = Vec2(0, -kG);
   scene.step = 1e-3;
   scene.solver.name = "pgs";
   scene.solver.tol = 1e-10;
   return scene;
-}
-
-/// A homogeneous cylinder of mass 2.
-Disk cylinder(const Vec2& x, double radius, const Vec2& v = Vec2::Zero(), double spin = 0) {
-  Disk d;
-  d.x = x;
-  d.v = v;
-  d.spin = spin;
-  d.radius = radius;
-  d.mass = 2;
-  d.inertia = 0.5 * d.mass * radius * radius;
-  return d;
-}
-
-Wall half_plane(const Vec2& point, const Vec2& normal) {
-  Wall wall;
-  wall.a = point;
-  wall.normal = normal;
-  return wall;
 }
 
 /// A cylinder on a plane at the given angle, gravity vertical; the plane falls to the right.
@@ -63,7 +43,7 @@ Scene incline(double angle, double mu) {
 TEST(TimeStepping, FreeFlightIsExact) {
   // The mid-point rule is exact for a parabola.
   Scene scene = one_material(0.3);
-  scene.disks = {cylinder(Vec2(1, 2), 0.1, Vec2(3, 4), 5)};
+  scene.disks = {cylinder(Vec2(1, 2), 0.1, Vec2(3, 4), 2, 5)};
   scene.num_steps = 1000;
   const State end = run_scene(scene);
   EXPECT_DOUBLE_EQ(end.time, 1);
@@ -77,7 +57,7 @@ TEST(TimeStepping, FreeFlightIsExact) {
 TEST(TimeStepping, DiskLeavesThePlane) {
   Scene scene = one_material(0.5);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 1), 3)};
+  scene.disks = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 1), 2, 3)};
   scene.contact_distance = 0.01;
   scene.num_steps = 1;
   const State end = run_scene(scene, [](const State&, const StepReport& r) {
@@ -122,7 +102,7 @@ TEST(TimeStepping, SpinningDiskSetOnAPlaneSpinsDownAndRollsOff) {
   // after t = |w| radius / (3 mu g).
   Scene scene = one_material(0.2);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1, Vec2::Zero(), -20)};
+  scene.disks = {cylinder(Vec2(0, 0.1), 0.1, Vec2::Zero(), 2, -20)};
   scene.contact_distance = 1e-6;
   scene.num_steps = 400;
   double rolls_from = -1;

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <optional>
+#include <thread>
 
 #include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
@@ -140,6 +142,49 @@ TEST(DelassusOperator, StoredZerosOffTheDiagonalAreStillDiagonal) {
   EXPECT_TRUE(is_diagonal(A));
   A.coeffRef(0, 1) = 1e-300;
   EXPECT_FALSE(is_diagonal(A));
+}
+
+TEST_P(Delassus, ACopyStandsOnItsOwn) {
+  // A general A and no W: the operator assembles its own.
+  ContactProblem p = manufactured_problem(GetParam(), 9, 14, 1).problem;
+  p.A = general_mass(p.num_dofs(), 2);
+  p.W = SparseRows();
+  ContactProblem other = p;
+  other.A = general_mass(p.num_dofs(), 3);
+  const Vector s = Vector::LinSpaced(p.num_rows(), -1, 2);
+  std::optional<DelassusOperator> original(p);
+  const DelassusOperator copy(*original);
+  const DelassusOperator moved(DelassusOperator{copy});
+  Vector expected, u;
+  original->apply(s, expected);
+  original.emplace(other);  // another operator where the first one lay
+  copy.apply(s, u);
+  EXPECT_EQ(u, expected);
+  moved.apply(s, u);
+  EXPECT_EQ(u, expected);
+  original->apply(s, u);
+  EXPECT_NE(u, expected);
+}
+
+TEST_P(Delassus, EachThreadMayUseItsOwnCopy) {
+  ContactProblem p = manufactured_problem(GetParam(), 9, 14, 1).problem;
+  const DelassusOperator first(p, DelassusOperator::Form::kTwoPass);
+  const auto apply_often = [&](const DelassusOperator& W, double scale, bool& same) {
+    const Vector s = scale * Vector::LinSpaced(p.num_rows(), -1, 2);
+    Vector expected, u;
+    W.apply(s, expected);
+    same = true;
+    for (int k = 0; k < 20000; ++k) {
+      W.apply(s, u);
+      same = same && u == expected;
+    }
+  };
+  bool same[2] = {};
+  std::thread beside([&, copy = first] { apply_often(copy, 3, same[1]); });
+  apply_often(first, 1, same[0]);
+  beside.join();
+  EXPECT_TRUE(same[0]);
+  EXPECT_TRUE(same[1]);
 }
 
 }  // namespace

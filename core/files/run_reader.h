@@ -1,0 +1,18 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "core/files/run_layout.h"
+#include "core/motion/state.h"
+
+namespace bipot {
+
+/// The state of the frame after `step` (-1: the last frame), bit for bit. `run`: its folder or its
+/// run.h5. Throws FileError.
+State read_state(const std::filesystem::path& run, int step = -1);
+
+/// Scene text that the run was started with. Throws FileError.
+std::string read_scene_text(const std::filesystem::path& run);
+
+}  // namespace bipot

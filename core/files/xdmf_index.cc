@@ -1,0 +1,115 @@
+#include "core/files/xdmf_index.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <utility>
+
+#include "core/files/atomic_file.h"
+#include "core/files/run_layout.h"
+
+namespace bipot {
+namespace {
+
+std::string data_item(const std::string& where, std::size_t rows, int columns, bool integer) {
+  const std::string extents =
+      columns == 1 ? fmt::format("{}", rows) : fmt::format("{} {}", rows, columns);
+  const char* type =
+      integer ? "NumberType=\"Int\" Precision=\"4\"" : "NumberType=\"Float\" Precision=\"8\"";
+  return fmt::format("<DataItem Dimensions=\"{}\" {} Format=\"HDF\">{}</DataItem>", extents, type,
+                     where);
+}
+
+std::string attribute(const char* name, const std::string& where, std::size_t rows,
+                      const char* centre, int columns = 1, bool integer = false) {
+  return fmt::format(
+      "      <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">{}</Attribute>\n", name,
+      columns == 1   ? "Scalar"
+      : columns == 6 ? "Tensor6"
+                     : "Vector",
+      centre, data_item(where, rows, columns, integer));
+}
+
+std::string geometry(const std::string& where, std::size_t points) {
+  return fmt::format("      <Geometry GeometryType=\"XY\">{}</Geometry>\n",
+                     data_item(where, points, 2, false));
+}
+
+/// Line segments of two points each.
+std::string segments(const std::string& where, std::size_t count) {
+  return fmt::format(
+             "      <Topology TopologyType=\"Polyline\" NumberOfElements=\"{}\" "
+             "NodesPerElement=\"2\">{}</Topology>\n",
+             count, data_item(where + "/points", count, 2, true)) +
+         geometry(where + "/segment", 2 * count);
+}
+
+}  // namespace
+
+void XdmfIndex::add(const FrameEntry& frame) {
+  const std::string file = "frames/" + frame_name(frame.step) + ".h5:";
+  const auto grid = [&](const std::string& content) {
+    return fmt::format(
+        "    <Grid GridType=\"Uniform\">\n      <Time Value=\"{:.17g}\"/>\n{}    </Grid>\n",
+        frame.time, content);
+  };
+  if (num_disks_ > 0) {
+    disks_ +=
+        grid(fmt::format("      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
+                         "NodesPerElement=\"1\">{}</Topology>\n",
+                         num_disks_, data_item("run.h5:/disks/points", num_disks_, 1, true)) +
+             geometry(file + "/disks/x", num_disks_) +
+             attribute("radius", "run.h5:/disks/radius", num_disks_, "Node") +
+             attribute("mass", "run.h5:/disks/mass", num_disks_, "Node") +
+             attribute("material", "run.h5:/disks/material", num_disks_, "Node", 1, true) +
+             attribute("velocity", file + "/disks/v", num_disks_, "Node", 3) +
+             attribute("spin", file + "/disks/spin", num_disks_, "Node") +
+             attribute("angle", file + "/disks/angle", num_disks_, "Node") +
+             (frame.stress ? attribute("stress", file + "/disks/stress", num_disks_, "Node", 6) +
+                                 attribute("pressure", file + "/disks/pressure", num_disks_, "Node")
+                           : std::string()));
+  }
+  // ParaView's readers stumble over empty grids and over collections with gaps: a frame without
+  // contacts shows run.h5:/no_contact, a segment of no length and no force.
+  const std::size_t contacts = std::max<std::size_t>(1, frame.contacts);
+  const std::string group = frame.contacts > 0 ? file + "/contacts" : "run.h5:/no_contact";
+  std::string content = segments(group, contacts);
+  for (const auto& [name, dataset] : {std::pair{"normal force", "force_n"},
+                                      {"tangential force", "force_t"},
+                                      {"normal impulse", "s_n"},
+                                      {"tangential impulse", "s_t"},
+                                      {"normal velocity", "u_n"},
+                                      {"tangential velocity", "u_t"},
+                                      {"gap", "gap"}}) {
+    content += attribute(name, group + "/" + dataset, contacts, "Cell");
+  }
+  for (const auto& [name, dataset] :
+       {std::pair{"status", "status"}, {"body i", "i"}, {"body j", "j"}}) {
+    content += attribute(name, group + "/" + dataset, contacts, "Cell", 1, true);
+  }
+  if (num_disks_ > 0) contacts_ += grid(content);
+  if (num_walls_ > 0) {
+    walls_ += grid(segments(file + "/walls", num_walls_) +
+                   attribute("material", "run.h5:/walls/material", num_walls_, "Cell", 1, true));
+  }
+}
+
+void XdmfIndex::write(const std::filesystem::path& path) const {
+  AtomicFile target(path);
+  std::ofstream out(target.draft(), std::ios::binary);
+  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n";
+  for (const auto& [name, grids] :
+       {std::pair{"disks", &disks_}, {"contacts", &contacts_}, {"walls", &walls_}}) {
+    if (grids->empty()) continue;
+    out << fmt::format("  <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n",
+                       name)
+        << *grids << "  </Grid>\n";
+  }
+  out << "</Domain>\n</Xdmf>\n";
+  out.close();
+  if (!out) throw FileError(target.draft(), "", "cannot write");
+  target.commit();
+}
+
+}  // namespace bipot

@@ -1,0 +1,19 @@
+#include "core/scene/scene.h"
+
+#include <gtest/gtest.h>
+
+namespace bipot {
+namespace {
+
+TEST(Scene, SmallestRadiusIsThatOfAllDisks) {
+  Scene scene;
+  EXPECT_EQ(smallest_radius(scene), kInfinity);
+  for (const double radius : {0.3, 0.1, 0.2}) {
+    scene.disks.emplace_back();
+    scene.disks.back().radius = radius;
+  }
+  EXPECT_EQ(smallest_radius(scene), 0.1);
+}
+
+}  // namespace
+}  // namespace bipot
