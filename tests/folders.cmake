@@ -1,0 +1,75 @@
+# The fence: which folder may include which. cmake -DROOT=<tree> -P folders.cmake
+#
+# A folder may include itself, the folders of its row, and what those may include. Arrows go down
+# only: the table is read from top to bottom, and a row may name only folders above it. The table of
+# solvers (solvers/methods/solver_table.cc) has no header, so that nobody includes it.
+cmake_minimum_required(VERSION 3.25)
+
+set(folders
+  "core ="
+  "core/problem = core"
+  "core/scene = core"
+  "core/motion = core/problem core/scene"
+  "core/files = core/motion"
+  "core/pictures = core/files"
+  "solvers = core/motion"
+  "solvers/kernels = solvers"
+  "solvers/interior = solvers/kernels"
+  "solvers/methods = solvers/interior"
+  "bench/report = core/files solvers"
+  "bench/scenes = core/files solvers"
+  "bench/measure = bench/report bench/scenes"
+  "bench/advise = bench/measure"
+  "bench/trade = bench/measure"
+  "bench/paper = bench/measure core/pictures"
+  "bench/compare = bench/measure bench/trade"
+  "bench/command = bench/advise bench/compare bench/paper bench/trade core/pictures solvers/methods"
+  "bench/google = bench/measure"
+  "tests = bench/command bench/google")
+
+set(known "")
+foreach(row IN LISTS folders)
+  string(REGEX MATCH "^([a-z/]+) =(.*)$" _ "${row}")
+  set(folder "${CMAKE_MATCH_1}")
+  string(STRIP "${CMAKE_MATCH_2}" named)
+  separate_arguments(named)
+  set(reach_${folder} ${folder})
+  foreach(lower IN LISTS named)
+    if(NOT lower IN_LIST known)
+      message(FATAL_ERROR "the table: ${folder} names ${lower}, which does not stand above it")
+    endif()
+    list(APPEND reach_${folder} ${reach_${lower}})
+  endforeach()
+  list(APPEND known ${folder})
+endforeach()
+
+set(bad 0)
+set(arrows 0)
+file(GLOB_RECURSE sources RELATIVE ${ROOT} ${ROOT}/core/*.h ${ROOT}/core/*.cc ${ROOT}/solvers/*.h
+  ${ROOT}/solvers/*.cc ${ROOT}/bench/*.h ${ROOT}/bench/*.cc ${ROOT}/tests/*.h ${ROOT}/tests/*.cc)
+foreach(source IN LISTS sources)
+  get_filename_component(folder ${source} DIRECTORY)
+  string(REGEX REPLACE "^tests/.*" "tests" folder ${folder})
+  if(NOT folder IN_LIST known)
+    message("${source}: the folder ${folder} is not in the table")
+    math(EXPR bad "${bad} + 1")
+    continue()
+  endif()
+  file(STRINGS ${ROOT}/${source} lines REGEX "^#include \"(core|solvers|bench|tests)/")
+  foreach(line IN LISTS lines)
+    string(REGEX MATCH "\"([^\"]+)/[^/\"]+\"" _ "${line}")
+    string(REGEX REPLACE "^tests/.*" "tests" target ${CMAKE_MATCH_1})
+    math(EXPR arrows "${arrows} + 1")
+    if(NOT target IN_LIST reach_${folder})
+      message("${source}: ${folder} may not include ${target}: ${line}")
+      math(EXPR bad "${bad} + 1")
+    endif()
+  endforeach()
+endforeach()
+if(bad)
+  message(FATAL_ERROR "${bad} arrows against the table of tests/folders.cmake")
+endif()
+if(NOT arrows)
+  message(FATAL_ERROR "no include found below ${ROOT}")
+endif()
+message("${arrows} includes, all along the table")
