@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/paper/stop_test_study.h"
+#include "bench/measure/solver_variant.h"
 #include "core/types.h"
 
 namespace bipot {

@@ -10,8 +10,9 @@
 #include <map>
 #include <stdexcept>
 
-#include "bench/compare/comparison_target.h"
 #include "bench/measure/reference_solution.h"
+#include "bench/measure/test_problem.h"
+#include "bench/measure/true_error.h"
 #include "bench/measure/warm_up.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/contact_detection.h"
@@ -343,7 +344,7 @@ StepRuns study_steps(const Scene& scene, const std::vector<const State*>& starts
 
 /// A sampled step, and the step before it for warm starts.
 struct SampledProblem {
-  ComparisonProblem given;
+  TestProblem given;
   ContactProblem before;
   std::vector<int> carried;  // contact of `before` for each contact, -1: new
   bool has_before = false;

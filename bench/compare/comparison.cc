@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "bench/measure/cpu_limit.h"
+#include "bench/measure/true_error.h"
 #include "bench/measure/warm_up.h"
 #include "bench/report/build_info.h"
 #include "core/file_error.h"
@@ -121,7 +122,7 @@ class Store {
     return read_reference(path);
   }
 
-  void write(const ProblemSource& source, const ComparisonProblem& problem,
+  void write(const ProblemSource& source, const TestProblem& problem,
              const ReferenceSolution& reference) const {
     if (folder_.empty()) return;
     write_reference(reference_path(source.name), source.name, reference);
@@ -183,7 +184,7 @@ struct Measurement {
   std::vector<HistoryPoint> history;
 };
 
-Measurement measure(const SolverEntry& entry, const ComparisonProblem& given, double tol,
+Measurement measure(const SolverEntry& entry, const TestProblem& given, double tol,
                     const TrueErrorEvaluator& true_error, const ComparisonOptions& options) {
   const ContactProblem& problem = given.problem;
   Measurement made;
@@ -358,7 +359,7 @@ class ProblemRows {
   const std::string& commit_;
   bool prepared_ = false;
   std::string defect_;
-  ComparisonProblem problem_;
+  TestProblem problem_;
   ReferenceSolution reference_;
   std::optional<TrueErrorEvaluator> true_error_;
 };

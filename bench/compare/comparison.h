@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/compare/comparison_target.h"
+#include "bench/measure/problem_target.h"
 #include "bench/measure/reference_solution.h"
 #include "core/types.h"
 #include "solvers/solver.h"
