@@ -12,6 +12,7 @@
 #include <stdexcept>
 
 #include "bench/measure/cpu_limit.h"
+#include "bench/measure/stopwatch.h"
 #include "bench/measure/true_error.h"
 #include "bench/measure/warm_up.h"
 #include "bench/report/build_info.h"
@@ -201,9 +202,9 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
   for (int k = 0; k < std::max(1, options.repeat) || spent < options.min_time; ++k) {
     CpuLimit limit(options.time_limit);
     solver.cancelled = [&limit] { return limit(); };
-    const double before = cpu_seconds();
+    const CpuStopwatch watch;
     SolveResult result = solve(entry, problem, solver);
-    cpu.push_back(cpu_seconds() - before);
+    cpu.push_back(watch.seconds());
     spent += cpu.back();
     setup.push_back(result.setup_seconds);
     solve_time.push_back(result.solve_seconds);
