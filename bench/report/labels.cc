@@ -32,4 +32,18 @@ std::string ratio_label(double ratio) {
   return ratio < 99.95 ? fmt::format("{:.3g}", ratio) : fmt::format("{:.0f}", ratio);
 }
 
+std::string compact_label(double x) {
+  if (x == 0) return "0";
+  if (!std::isfinite(x)) return "–";
+  const std::string text = fmt::format("{:.1e}", x);
+  const std::size_t e = text.find('e');
+  return fmt::format("{}e{}", text.substr(0, e), std::stoi(text.substr(e + 1)));
+}
+
+std::string share_label(double x) {
+  return x >= 1e-4 ? fmt::format("{:.2g} %", 100 * x) : compact_label(x);
+}
+
+std::string value_label(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "–"; }
+
 }  // namespace bipot

@@ -12,5 +12,11 @@ std::string seconds_label(double seconds);
 std::string error_label(double error);
 /// Three digits, 1.23 or 45.6 or 123; a dash for what is undefined.
 std::string ratio_label(double ratio);
+/// 1.2e-3 and not 1.2e-03; 0 stays 0; a dash for what is not finite.
+std::string compact_label(double x);
+/// Per cent where that is short, from 1e-4 on; else as compact_label.
+std::string share_label(double x);
+/// Four digits; a dash for what is not finite.
+std::string value_label(double x);
 
 }  // namespace bipot
