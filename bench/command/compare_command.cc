@@ -11,6 +11,7 @@
 #include "bench/command/progress_bar.h"
 #include "bench/command/watched_trade.h"
 #include "bench/compare/comparison.h"
+#include "bench/compare/comparison_page.h"
 #include "bench/compare/comparison_report.h"
 #include "bench/report/build_info.h"
 #include "bench/report/chart.h"

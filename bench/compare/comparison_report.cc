@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <limits>
 
+#include "bench/compare/comparison_rows.h"
 #include "bench/report/json_output.h"
 
 namespace bipot {

@@ -22,6 +22,10 @@ std::string seconds_label(double seconds) {
   return fmt::format("{:.3g} s", seconds);
 }
 
+std::string duration_label(double seconds) {
+  return seconds >= 120 ? fmt::format("{:.3g} min", seconds / 60) : seconds_label(seconds);
+}
+
 std::string error_label(double error) {
   return std::isfinite(error) ? fmt::format("{:.1e}", error) : std::isnan(error) ? "–" : "∞";
 }
@@ -30,6 +34,10 @@ std::string ratio_label(double ratio) {
   if (std::isnan(ratio)) return "–";
   if (std::isinf(ratio)) return "∞";
   return ratio < 99.95 ? fmt::format("{:.3g}", ratio) : fmt::format("{:.0f}", ratio);
+}
+
+std::string accuracy_label(double accuracy) {
+  return accuracy >= 1e-3 ? fmt::format("{:g} %", 100 * accuracy) : tolerance_label(accuracy);
 }
 
 std::string compact_label(double x) {

@@ -57,11 +57,10 @@ class Section {
 
   void intro() {
     add("<p>A tolerance is worth its cost as long as the solver's error in the outcome is larger "
-        "than two others: that of the time step, which a better solver cannot mend, and what runs "
-        "differ by that begin with tiny kicks, where disks fly freely. Each scene below is run as "
-        "a "
-        "whole, at several tolerances, at several time steps, and with springs and dashpots "
-        "instead of rigid contacts.</p>\n");
+        "than two others: that of the time step, which a better solver cannot mend, and what "
+        "runs differ by that begin with tiny kicks, where disks fly freely. Each scene below is "
+        "run as a whole, at several tolerances, at several time steps, and with springs and "
+        "dashpots instead of rigid contacts.</p>\n");
   }
 
   void answers() {
@@ -134,15 +133,13 @@ class Section {
                       e.sufficient_tol ? tolerance_label(*e.sufficient_tol) : "–"));
     }
     add("</tbody></table></div>\n<p class=\"small\">Relative errors. Time step: of the scene's "
-        "own, "
-        "against the exact value where it is known, else from shorter steps (how: rest the pointer "
-        "on it). ");
+        "own, against the exact value where it is known, else from shorter steps (how: rest the "
+        "pointer on it). ");
     if (s.scene->replicas > 1) {
       add("Nearby runs: twice the standard error of a difference of two means. ");
     }
     add("Solver: difference to the tightest tolerance at the same time step; bold where it "
-        "matters: "
-        "larger than the others and than the accuracy asked for.</p>\n");
+        "matters: larger than the others and than the accuracy asked for.</p>\n");
   }
 
   /// What springs cost and do beside rigid contacts at the tolerance that is enough.
@@ -182,8 +179,8 @@ class Section {
     }
     add("</tbody></table></div>\n<p class=\"small\">Worst outcome: the one that is furthest from "
         "the reference. Springs are another model: where statics leaves forces open, elasticity "
-        "picks "
-        "others, and tangential restitution is missing; such differences are not errors.</p>\n");
+        "picks others, and tangential restitution is missing; such differences are not "
+        "errors.</p>\n");
   }
 
   void setting_table(const SceneTrade& s) {

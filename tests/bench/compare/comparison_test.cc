@@ -10,7 +10,9 @@
 #include <limits>
 #include <stdexcept>
 
+#include "bench/compare/comparison_page.h"
 #include "bench/compare/comparison_report.h"
+#include "bench/compare/comparison_rows.h"
 #include "bench/measure/true_error.h"
 #include "core/files/fclib_file.h"
 #include "core/problem/contact_error.h"
