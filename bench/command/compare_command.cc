@@ -13,6 +13,7 @@
 #include "bench/compare/comparison.h"
 #include "bench/compare/comparison_page.h"
 #include "bench/compare/comparison_report.h"
+#include "bench/compare/comparison_success.h"
 #include "bench/report/build_info.h"
 #include "bench/report/chart.h"
 #include "bench/report/json_output.h"
@@ -106,8 +107,8 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
                     "Loose limits and the small benchmark, for a first look");
   command
       ->add_option("--out", flags.out,
-                   "Folder for rows.csv, history.csv, comparison.csv, comparison.json and "
-                   "report.html; a stopped comparison goes on from the rows there")
+                   "Folder for rows.csv, history.csv, success.csv, comparison.csv, comparison.json "
+                   "and report.html; a stopped comparison goes on from the rows there")
       ->type_name("DIR");
   command
       ->add_option("--json", flags.json,
@@ -176,6 +177,7 @@ int compare_command(const CompareFlags& flags) {
   context.command_of_target = command_line("{}", flags);
   if (!flags.out.empty()) {
     write_text_file(options.out / "comparison.csv", to_csv(comparison));
+    write_text_file(options.out / "success.csv", success_csv(success_curves(comparison)));
     write_json(to_json(comparison, context), (options.out / "comparison.json").string());
     std::vector<ReportSection> sections;
     if (whole) {

@@ -50,6 +50,7 @@ void add_contents(PageDraft& page, const PageContent& of,
       "means</a><a href=\"#solvers\">Who solves "
       "what</a>");
   if (of.has_auto()) page.add("<a href=\"#auto\">auto</a>");
+  if (!of.success.empty()) page.add("<a href=\"#success\">Success</a>");
   if (of.comparison.problems.size() > 1) page.add("<a href=\"#profiles\">Profiles</a>");
   if (!of.growth.empty()) page.add("<a href=\"#growth\">Growth with size</a>");
   for (const ReportSection& section : sections) {
@@ -75,6 +76,7 @@ std::string to_html(const Comparison& comparison, const ReportContext& context,
   add_tolerance_meaning(page, of);
   add_solver_summary(page, of);
   add_regret(page, of);
+  add_success(page, of);
   add_profiles(page, of);
   add_growth(page, of);
   for (const ReportSection& section : sections) {

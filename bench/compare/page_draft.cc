@@ -12,7 +12,8 @@ PageContent::PageContent(const Comparison& c, const ReportContext& r)
       report(r),
       solvers(solvers_of(c)),
       tols(tolerances_of(c)),
-      growth(bipot::growth(c)) {}
+      growth(bipot::growth(c)),
+      success(success_curves(c)) {}
 
 bool PageContent::has_auto() const {
   return solvers.size() > 1 && std::find(solvers.begin(), solvers.end(), "auto") != solvers.end();

@@ -7,6 +7,7 @@
 #include "bench/compare/comparison.h"
 #include "bench/compare/comparison_measures.h"
 #include "bench/compare/comparison_report.h"
+#include "bench/compare/comparison_success.h"
 #include "bench/report/chart.h"
 
 namespace bipot {
@@ -20,6 +21,7 @@ struct PageContent {
   std::vector<std::string> solvers;
   std::vector<double> tols;
   std::vector<Growth> growth;
+  std::vector<SuccessCurve> success;
 
   /// Whether `auto` and others were compared.
   bool has_auto() const;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "bench/compare/comparison_charts.h"
@@ -68,6 +69,25 @@ void add_regret(PageDraft& page, const PageContent& of) {
   page.figure(regret_chart({all, longer}, {"all cases", "fastest other at least 1 ms"}),
               "How often auto is within a multiple of the fastest other solver's time.",
               of.report.command, "cpu_min of the rows with guarded ≤ tol in comparison.csv");
+  page.add("</div>\n");
+}
+
+void add_success(PageDraft& page, const PageContent& of) {
+  if (of.success.empty()) return;
+  page.heading("success", "Success against tolerance");
+  page.add(
+      "<p>The share of the problems of a size that a solver brings below a tolerance within the "
+      "time limit, whatever it was asked for. The curves end at the tightest tolerance of this "
+      "comparison: beyond it nobody was asked.</p>\n<div class=\"grid\">\n");
+  for (const SizeClass& size : size_classes()) {
+    const auto has_size = [&](const SuccessCurve& curve) { return curve.size == size.name; };
+    const auto first = std::find_if(of.success.begin(), of.success.end(), has_size);
+    if (first == of.success.end()) continue;
+    page.figure(success_chart(of.success, size.name),
+                fmt::format("{} problem{} of {}.", first->problems, first->problems == 1 ? "" : "s",
+                            size.name),
+                of.report.command, "success.csv");
+  }
   page.add("</div>\n");
 }
 

@@ -58,8 +58,9 @@ void add_provenance(PageDraft& page, const PageContent& of) {
   if (commits.size() > 1) page.add(page_term("rows of commits", made));
   page.add(
       "</dl>\n<p class=\"small\">The numbers behind all figures stand beside this page: "
-      "comparison.csv (a line a row), history.csv (errors along the solves) and comparison.json "
-      "(rows, problems, profiles, growth, regret).</p>\n");
+      "comparison.csv (a line a row), history.csv (errors along the solves), success.csv (problems "
+      "solved against tolerance) and comparison.json (rows, problems, success, profiles, growth, "
+      "regret).</p>\n");
 }
 
 }  // namespace bipot
