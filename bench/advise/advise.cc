@@ -39,11 +39,7 @@ void check_request(const Scene& scene, const AdviseOptions& options) {
   if (options.samples < 1 || options.fresh < 0) {
     throw std::invalid_argument("at least one step must be sampled");
   }
-  for (const SolverVariant& variant : options.solvers) {
-    if (find_solver(variant.solver) == nullptr) {
-      throw std::invalid_argument(unknown_solver_message(variant.solver));
-    }
-  }
+  for (const SolverVariant& variant : options.solvers) require_solver(variant.solver);
 }
 
 /// The cheapest trial of those that met the budget on stretches which meets it on fresh steps too.
@@ -93,8 +89,8 @@ void check_windows(const Scene& scene, const std::vector<const State*>& states,
   recommended.step = advice.step_size;
   recommended.solver.warm_start = chosen.warm;
   const auto left = [&time] { return time.until(1); };
-  const StepSolver tried = limited_solver(*find_solver(chosen.solver.solver), own, left);
-  const StepSolver exact = limited_solver(*find_solver("auto"), tight, left);
+  const StepSolver tried = limited_solver(require_solver(chosen.solver.solver), own, left);
+  const StepSolver exact = limited_solver(require_solver("auto"), tight, left);
   std::vector<WindowRun> runs, references;
   double floor = 0;
   for (const State* state : states) {

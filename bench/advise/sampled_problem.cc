@@ -23,7 +23,7 @@ std::optional<SampledProblem> sample_problem(const Scene& scene, State state, do
   solver.tol = tight_tolerance(options.goal);
   solver.cancelled = options.interrupted;
   solver.time_limit = time.until(TimeBudget::kReferencesEnd);
-  TimeStepper stepper(scene, make_step_solver(*find_solver("auto"), solver), false);
+  TimeStepper stepper(scene, make_step_solver(require_solver("auto"), solver), false);
   scale_impulses(state, factor);
   SampledProblem sample;
   sample.given.step = scene.step;

@@ -24,7 +24,8 @@ SampledRun run_scene(const Scene& scene, double tol, double part, const AdviseOp
   solver.tol = tol;
   solver.cancelled = options.interrupted;
   TimeStepper stepper(
-      scene, limited_solver(*find_solver("auto"), solver, [&] { return time.until(part); }), false);
+      scene, limited_solver(require_solver("auto"), solver, [&] { return time.until(part); }),
+      false);
   State state = initial_state(scene);
   int stride = 1;
   double overhead = 0;

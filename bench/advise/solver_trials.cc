@@ -118,7 +118,7 @@ void try_solvers(const std::vector<SampledProblem>& problems, const AdviseOption
   const std::vector<SolverVariant> variants =
       options.solvers.empty() ? promising_solvers(advice.sample.contacts_max) : options.solvers;
   for (const SolverVariant& variant : variants) {
-    if (const SolverEntry* entry = find_solver(variant.solver)) warm_up(*entry);
+    warm_up(require_solver(variant.solver));
   }
   double best = kInfinity;  // seconds of a solve that meets all
   for (const SolverVariant& variant : variants) {

@@ -18,7 +18,7 @@ StepRuns study_steps(const Scene& scene, const std::vector<const State*>& starts
   double end =
       TimeBudget::kTrialsEnd;  // the first window may take longer: without it nothing is known
   const StepSolver solver =
-      limited_solver(*find_solver("auto"), tight, [&] { return time.until(end); });
+      limited_solver(require_solver("auto"), tight, [&] { return time.until(end); });
   const auto run = [&](const State* start, double factor) {
     Scene other = scene;
     other.step = factor * scene.step;

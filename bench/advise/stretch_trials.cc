@@ -18,7 +18,7 @@ bool tighten(StretchReference& reference, double tol, const AdviseOptions& optio
   tight.tol = tol;
   tight.cancelled = options.interrupted;
   const StepSolver solver =
-      limited_solver(*find_solver("auto"), tight, [&] { return time.until(1); });
+      limited_solver(require_solver("auto"), tight, [&] { return time.until(1); });
   const int steps = static_cast<int>(std::lround(reference.window / reference.scene.step));
   std::vector<WindowRun> runs;
   for (const State* start : reference.starts) {
@@ -52,7 +52,7 @@ void run_stretches(SolverTrial& trial, StretchReference& reference, const Advise
   int solves = 0;
   double seconds = 0;
   const StepSolver limited =
-      limited_solver(*find_solver(trial.solver.solver), own, [&] { return time.until(1); });
+      limited_solver(require_solver(trial.solver.solver), own, [&] { return time.until(1); });
   const StepSolver solver = [&](const ContactProblem& p, const Vector& s0) {
     const CpuStopwatch watch;
     StepSolution solution = limited(p, s0);

@@ -246,7 +246,7 @@ class SceneRun {
     SolverOptions options;
     options.tol = scene_.solver.tol;
     State state = initial_state(scene_);
-    TimeStepper stepper(scene_, make_step_solver(*find_solver("auto"), options), false);
+    TimeStepper stepper(scene_, make_step_solver(require_solver("auto"), options), false);
     for (int k = 1; k <= steps_.back(); ++k) {
       const StepReport report = stepper.advance(state);
       if (!std::binary_search(steps_.begin(), steps_.end(), k)) continue;

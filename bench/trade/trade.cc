@@ -154,7 +154,7 @@ class Runner {
       }
       row.stiffness = springs->setup().stiffness;
     } else {
-      const SolverEntry& entry = *find_solver(setting.solver);
+      const SolverEntry& entry = require_solver(setting.solver);
       SolverOptions solver;
       solver.tol = setting.tol;
       // The scene's parameters belong to its own solver.
