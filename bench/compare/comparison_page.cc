@@ -47,8 +47,7 @@ void add_contents(PageDraft& page, const PageContent& of,
                   const std::vector<ReportSection>& sections) {
   page.add(
       "<nav><a href=\"#answer\">Fastest, by problem</a><a href=\"#tolerance\">What a tolerance "
-      "means</a><a href=\"#solvers\">Who solves "
-      "what</a>");
+      "means</a><a href=\"#solvers\">Who solves what</a>");
   if (of.has_auto()) page.add("<a href=\"#auto\">auto</a>");
   if (!of.success.empty()) page.add("<a href=\"#success\">Success</a>");
   if (of.comparison.problems.size() > 1) page.add("<a href=\"#profiles\">Profiles</a>");

@@ -46,8 +46,9 @@ std::string best_label(const ComparisonRow& best) {
 
 void add_answer(PageDraft& page, const PageContent& of) {
   page.add("<h1>Contact solvers: what accuracy costs</h1>\n");
-  if (!of.comparison.complete)
+  if (!of.comparison.complete) {
     page.add("<p><strong>This comparison was stopped; rows are missing.</strong></p>");
+  }
   page.add(
       fmt::format("<p>{} problems, {} solvers. For each accuracy: on how many problems some "
                   "solver reaches it, which solvers get there first, with the number of "
