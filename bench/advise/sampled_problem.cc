@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <utility>
 
 #include "bench/advise/window_run.h"
+#include "core/motion/warm_start.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
 
@@ -41,14 +41,8 @@ std::optional<SampledProblem> sample_problem(const Scene& scene, State state, do
     }
     sample.given.problem = stepper.problem();
     sample.has_before = true;
-    std::map<std::pair<int, int>, int> index;
-    for (std::size_t c = 0; c < first.size(); ++c) {
-      index[{first[c].contact.i, first[c].contact.j}] = static_cast<int>(c);
-    }
-    for (const ContactOutcome& out : state.contacts) {
-      const auto found = index.find({out.contact.i, out.contact.j});
-      sample.carried.push_back(found == index.end() ? -1 : found->second);
-    }
+    sample.contacts_before = first;
+    for (const ContactOutcome& out : state.contacts) sample.contacts.push_back(out.contact);
     return sample;
   } catch (const StepFailure&) {
     return std::nullopt;
@@ -58,19 +52,17 @@ std::optional<SampledProblem> sample_problem(const Scene& scene, State state, do
 }  // namespace
 
 Vector carry_over(const SampledProblem& sample, const Vector& s_before) {
-  const ContactProblem& p = sample.given.problem;
-  Vector s0 = Vector::Zero(p.num_rows());
-  const auto scale = [](const ContactProblem& of, Eigen::Index row) {
-    return of.row_scale.size() != 0 ? of.row_scale[row] : 1.0;
+  const ContactProblem& p = sample.before;
+  const auto physical = [&](Eigen::Index row) {
+    return s_before[row] / (p.row_scale.size() != 0 ? p.row_scale[row] : 1.0);
   };
-  for (int c = 0; c < p.num_contacts(); ++c) {
-    if (sample.carried[c] < 0) continue;
-    for (int k = 0; k < p.dim; ++k) {
-      const Eigen::Index row = c * p.dim + k, old = sample.carried[c] * p.dim + k;
-      s0[row] = s_before[old] / scale(sample.before, old) * scale(p, row);
-    }
+  std::vector<ContactOutcome> before = sample.contacts_before;
+  for (std::size_t c = 0; c < before.size(); ++c) {
+    const Eigen::Index row = static_cast<Eigen::Index>(c) * p.dim;
+    before[c].s_n = physical(row);
+    if (p.dim == 2) before[c].s_t = physical(row + 1);
   }
-  return s0;
+  return warm_start(before, sample.contacts, sample.given.problem);
 }
 
 Samples sample_problems(const Scene& scene, double factor, const std::vector<const State*>& sampled,

@@ -16,7 +16,8 @@ namespace bipot {
 struct SampledProblem {
   TestProblem given;
   ContactProblem before;
-  std::vector<int> carried;  ///< contact of `before` for each contact, -1: new
+  std::vector<Contact> contacts;                ///< of `given`
+  std::vector<ContactOutcome> contacts_before;  ///< of `before`
   bool has_before = false;
   ReferenceSolution reference;
   bool several = false;

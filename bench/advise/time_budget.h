@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "bench/measure/stopwatch.h"
+#include "core/stopwatch.h"
 
 namespace bipot {
 
