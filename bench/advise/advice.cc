@@ -128,4 +128,32 @@ void mark_pareto(std::vector<SolverTrial>& trials, const Accuracy& goal) {
   }
 }
 
+double smallest_goal(const Accuracy& goal) {
+  double smallest = kInfinity;
+  for (auto m : Accuracy::kMeasures) smallest = std::fmin(smallest, goal.*m);
+  return smallest;
+}
+
+double tight_tolerance(const Accuracy& goal) {
+  return std::clamp(1e-3 * smallest_goal(goal), 1e-9, 1e-3);
+}
+
+double loose_tolerance(const Accuracy& goal) {
+  return std::clamp(0.1 * smallest_goal(goal), 1e-9, 1e-2);
+}
+
+std::string_view to_string(Advice::Status status) {
+  switch (status) {
+    case Advice::Status::kMet:
+      return "met";
+    case Advice::Status::kNotMet:
+      return "not met";
+    case Advice::Status::kNoContacts:
+      return "no contacts";
+    case Advice::Status::kInterrupted:
+      return "interrupted";
+  }
+  return "not met";
+}
+
 }  // namespace bipot

@@ -14,6 +14,7 @@
 #include "bench/command/interrupt.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
+#include "bench/report/labels.h"
 #include "bench/scenes/scene_catalogue.h"
 #include "bench/scenes/scene_rewrite.h"
 #include "core/file_error.h"
@@ -164,22 +165,14 @@ std::string cell(double x) {
   return fmt::format("{:.1e}", x);
 }
 
-std::string time_text(double seconds) {
-  if (seconds < 1e-3) return fmt::format("{:.3g} µs", 1e6 * seconds);
-  if (seconds < 1) return fmt::format("{:.3g} ms", 1e3 * seconds);
-  if (seconds < 120) return fmt::format("{:.3g} s", seconds);
-  return fmt::format("{:.3g} min", seconds / 60);
-}
-
 void print_trials(const Advice& a) {
   const bool any_stretch = std::any_of(a.trials.begin(), a.trials.end(),
                                        [](const SolverTrial& t) { return t.stretches > 0; });
   fmt::print(
       "\nSolvers: worst error over {} steps of the run and mean CPU time of a solve, on the left "
-      "on "
-      "single\nsteps, on the right on stretches of {:g} s, where each step starts from the errors "
-      "of "
-      "the one before.\n*: nothing is better in both time and error. Left to the solver: {}.\n",
+      "on single\nsteps, on the right on stretches of {:g} s, where each step starts from the "
+      "errors of the one before.\n*: nothing is better in both time and error. Left to the "
+      "solver: {}.\n",
       a.problems, a.steps.window, error_text(a.budget, a.goal));
   fmt::print("    {:<15} {:>6} {:<5} {:>8} {:>8} {:>8} {:>9}   {:>8} {:>8} {:>8} {:>9}\n", "solver",
              "tol", "start", "force", "penetr.", "energy", "time", "force", "penetr.", "energy",
@@ -199,9 +192,9 @@ void print_trials(const Advice& a) {
     fmt::print("  {}{} {:<15} {:>6.0e} {:<5} {:>8} {:>8} {:>8} {:>9}   {:>8} {:>8} {:>8} {:>9}{}\n",
                static_cast<int>(i) == a.choice ? ">" : " ", t.pareto ? "*" : " ", t.solver.label,
                t.tol, t.warm ? "warm" : "cold", cell(t.error.force), cell(t.error.penetration),
-               cell(t.error.energy), time_text(t.seconds), cell(tried ? t.stretch.force : NAN),
+               cell(t.error.energy), duration_label(t.seconds), cell(tried ? t.stretch.force : NAN),
                cell(tried ? t.stretch.penetration : NAN), cell(tried ? t.stretch.energy : NAN),
-               tried ? time_text(t.run_seconds) : "-", note);
+               tried ? duration_label(t.run_seconds) : "-", note);
   }
   if (others > 0) {
     fmt::print("  {} more trials were too inaccurate or too slow for stretches; --json has them\n",
@@ -251,8 +244,7 @@ void print_confidence(const Advice& a) {
   if (a.several_solutions > 0) {
     fmt::print(
         "  steps with several solutions, left out of the errors, as one of them says nothing of "
-        "the "
-        "others: {}\n",
+        "the others: {}\n",
         a.several_solutions);
   }
   if (a.without_reference > 0) {
@@ -280,7 +272,7 @@ void print(const Scene& scene, const Advice& a) {
   fmt::print("  error       time step: {}\n", error_text(a.step_error, a.goal));
   fmt::print("              solver:    {}\n", error_text(worst_of(t.error, t.stretch), a.goal));
   fmt::print("  cost        {} a step, {} for the {:g} s of the scene ({} steps), files aside\n",
-             time_text(a.seconds_per_step), time_text(a.seconds_in_all),
+             duration_label(a.seconds_per_step), duration_label(a.seconds_in_all),
              scene.num_steps * scene.step, a.num_steps);
   print_steps(scene, a);
   print_trials(a);

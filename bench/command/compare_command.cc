@@ -9,12 +9,15 @@
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
-#include "bench/command/trade_command.h"
+#include "bench/command/watched_trade.h"
 #include "bench/compare/comparison.h"
+#include "bench/compare/comparison_page.h"
 #include "bench/compare/comparison_report.h"
+#include "bench/compare/comparison_success.h"
 #include "bench/report/build_info.h"
 #include "bench/report/chart.h"
 #include "bench/report/json_output.h"
+#include "bench/trade/trade_page.h"
 #include "core/files/atomic_file.h"
 #include "solvers/registry.h"
 
@@ -104,8 +107,8 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
                     "Loose limits and the small benchmark, for a first look");
   command
       ->add_option("--out", flags.out,
-                   "Folder for rows.csv, history.csv, comparison.csv, comparison.json and "
-                   "report.html; a stopped comparison goes on from the rows there")
+                   "Folder for rows.csv, history.csv, success.csv, comparison.csv, comparison.json "
+                   "and report.html; a stopped comparison goes on from the rows there")
       ->type_name("DIR");
   command
       ->add_option("--json", flags.json,
@@ -160,10 +163,10 @@ int compare_command(const CompareFlags& flags) {
   const Comparison comparison = compare(sources, options);
   std::optional<FinishedTrade> whole;
   if (!flags.whole_runs.empty() && comparison.complete) {
-    TradeFlags trade_flags;
-    if (flags.whole_runs != std::vector<std::string>{"set"}) trade_flags.scenes = flags.whole_runs;
-    trade_flags.quick = flags.quick;
-    whole = run_trade(trade_flags, quiet);
+    TradeRequest request;
+    if (flags.whole_runs != std::vector<std::string>{"set"}) request.scenes = flags.whole_runs;
+    request.quick = flags.quick;
+    whole = run_watched_trade(request, quiet);
   }
 
   ReportContext context;
@@ -174,31 +177,32 @@ int compare_command(const CompareFlags& flags) {
   context.command_of_target = command_line("{}", flags);
   if (!flags.out.empty()) {
     write_text_file(options.out / "comparison.csv", to_csv(comparison));
+    write_text_file(options.out / "success.csv", success_csv(success_curves(comparison)));
     write_json(to_json(comparison, context), (options.out / "comparison.json").string());
     std::vector<ReportSection> sections;
     if (whole) {
       write_trade(options.out, *whole);
-      sections.push_back(
-          {"whole", "Whole simulations",
-           "<style>" + trade_style() + "</style>" + trade_section(whole->trade, whole->context)});
+      sections.push_back({"whole", "Whole simulations",
+                          "<style>" + trade_style() + "</style>" +
+                              trade_section(whole->analysed, whole->context)});
     }
     write_text_file(options.out / "report.html", to_html(comparison, context, sections));
   }
   if (!flags.json.empty()) {
     nlohmann::ordered_json table = to_json(comparison, context);
-    if (whole) table["whole_simulations"] = to_json(whole->trade, whole->context);
+    if (whole) table["whole_simulations"] = to_json(whole->analysed, whole->context);
     write_json(table, flags.json);
   }
   if (!quiet) {
     fmt::print("{}", to_text(comparison));
-    if (whole) fmt::print("\nWhole simulations\n\n{}", to_text(whole->trade));
+    if (whole) fmt::print("\nWhole simulations\n\n{}", to_text(whole->analysed));
     if (!flags.out.empty()) {
       fmt::print("results in {}, {} of {} rows from before\n", flags.out, comparison.rows_kept,
                  comparison.rows.size());
     }
   }
-  return comparison.complete && (!whole || whole->trade.complete) ? kExitConverged
-                                                                  : kExitInterrupted;
+  return comparison.complete && (!whole || whole->analysed.trade.complete) ? kExitConverged
+                                                                           : kExitInterrupted;
 }
 
 }  // namespace bipot

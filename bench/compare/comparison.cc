@@ -3,19 +3,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <fstream>
-#include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
 
+#include "bench/compare/comparison_store.h"
 #include "bench/measure/cpu_limit.h"
+#include "bench/measure/stopwatch.h"
+#include "bench/measure/true_error.h"
 #include "bench/measure/warm_up.h"
 #include "bench/report/build_info.h"
 #include "core/file_error.h"
-#include "core/files/fclib_file.h"
 #include "core/motion/time_stepping.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -23,141 +21,11 @@
 namespace bipot {
 namespace {
 
-namespace fs = std::filesystem;
-
-std::string key_of(const std::string& problem, const std::string& solver, double tol) {
-  return fmt::format("{}|{}|{}", problem, solver, tol);
-}
-
 double median(std::vector<double> x) {
   std::sort(x.begin(), x.end());
   const std::size_t half = x.size() / 2;
   return x.size() % 2 == 1 ? x[half] : 0.5 * (x[half - 1] + x[half]);
 }
-
-/// A problem's name as a file name.
-std::string file_stem(const std::string& name) {
-  std::string stem = name;
-  for (char& c : stem) {
-    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' ||
-                       c == '_' || c == '@' || c == '=';
-    if (!plain) c = '_';
-  }
-  return stem;
-}
-
-/// What all rows of a folder have in common besides their keys.
-nlohmann::ordered_json limits_json(const ComparisonOptions& o) {
-  return {{"time_limit", o.time_limit},
-          {"reference_time_limit", o.reference_time_limit},
-          {"repeat", o.repeat},
-          {"min_time", o.min_time},
-          {"try_all", o.try_all}};
-}
-
-/// The files of a comparison.
-class Store {
- public:
-  explicit Store(const ComparisonOptions& options) : folder_(options.out) {
-    if (folder_.empty()) return;
-    std::error_code failed;
-    fs::create_directories(folder_ / "references", failed);
-    if (!failed) fs::create_directories(folder_ / "problems", failed);
-    if (failed) throw FileError(folder_, "", failed.message());
-    const fs::path limits = folder_ / "limits.json";
-    const nlohmann::ordered_json now = limits_json(options);
-    if (std::ifstream in(limits); in) {
-      const auto before = nlohmann::ordered_json::parse(in, nullptr, false);
-      if (before != now) {
-        throw std::invalid_argument(
-            fmt::format("{}: rows were made under {}, not {}: name another folder",
-                        folder_.string(), before.dump(), now.dump()));
-      }
-    } else {
-      std::ofstream out(limits);
-      out << now.dump(2) << '\n';
-    }
-    const fs::path rows = folder_ / "rows.csv", histories = folder_ / "history.csv";
-    if (fs::exists(rows)) {
-      for (ComparisonRow& row : read_csv_rows(rows)) {
-        const std::string key = key_of(row.problem, row.solver, row.tol);
-        rows_.insert_or_assign(key, std::move(row));
-      }
-    }
-    if (fs::exists(histories)) {
-      for (History& history : read_csv_histories(histories)) {
-        histories_.insert_or_assign({history.problem, history.solver}, std::move(history));
-      }
-    }
-    open(rows, csv_header(), rows_file_);
-    open(histories, history_csv_header(), history_file_);
-  }
-
-  const ComparisonRow* find(const std::string& problem, const std::string& solver,
-                            double tol) const {
-    const auto found = rows_.find(key_of(problem, solver, tol));
-    return found == rows_.end() ? nullptr : &found->second;
-  }
-
-  /// The history before the row: a row that stands in the file has its history.
-  void append(const ComparisonRow& row, const History& history) {
-    if (!history.points.empty()) histories_[{history.problem, history.solver}] = history;
-    if (folder_.empty()) return;
-    history_file_ << to_csv(history) << std::flush;
-    rows_file_ << to_csv(row) << std::endl;
-    if (!rows_file_ || !history_file_) {
-      throw FileError(folder_ / "rows.csv", "", "cannot be written");
-    }
-  }
-
-  const History* history(const std::string& problem, const std::string& solver) const {
-    const auto found = histories_.find({problem, solver});
-    return found == histories_.end() ? nullptr : &found->second;
-  }
-
-  std::optional<ReferenceSolution> reference(const std::string& problem) const {
-    const fs::path path = reference_path(problem);
-    if (folder_.empty() || !fs::exists(path)) return std::nullopt;
-    return read_reference(path);
-  }
-
-  void write(const ProblemSource& source, const ComparisonProblem& problem,
-             const ReferenceSolution& reference) const {
-    if (folder_.empty()) return;
-    write_reference(reference_path(source.name), source.name, reference);
-    // Problems that come from files are not copied.
-    if (fs::exists(source.target) && !source.target.ends_with(".toml")) return;
-    if (problem.problem.num_contacts() == 0) return;
-    write_fclib(folder_ / "problems" / (file_stem(source.name) + ".hdf5"), problem.problem,
-                {.title = source.name, .description = problem.origin});
-  }
-
- private:
-  fs::path reference_path(const std::string& problem) const {
-    return folder_ / "references" / (file_stem(problem) + ".json");
-  }
-
-  /// For appending whole lines. A line that was cut off must not be continued by the next one.
-  static void open(const fs::path& path, const std::string& header, std::ofstream& file) {
-    if (fs::exists(path)) {
-      std::ifstream in(path, std::ios::binary);
-      const std::string whole((std::istreambuf_iterator<char>(in)), {});
-      in.close();
-      if (const std::size_t end = whole.rfind('\n'); end + 1 != whole.size()) {
-        fs::resize_file(path, end + 1);
-      }
-    }
-    const bool fresh = !fs::exists(path) || fs::file_size(path) == 0;
-    file.open(path, std::ios::app);
-    if (fresh) file << header << std::endl;
-    if (!file) throw FileError(path, "", "cannot be written");
-  }
-
-  fs::path folder_;
-  std::map<std::string, ComparisonRow> rows_;
-  std::map<std::pair<std::string, std::string>, History> histories_;
-  std::ofstream rows_file_, history_file_;
-};
 
 /// Adds a judged iteration to a history, unless it comes too soon after the one before. The newest
 /// always stands at the end.
@@ -183,7 +51,7 @@ struct Measurement {
   std::vector<HistoryPoint> history;
 };
 
-Measurement measure(const SolverEntry& entry, const ComparisonProblem& given, double tol,
+Measurement measure(const SolverEntry& entry, const TestProblem& given, double tol,
                     const TrueErrorEvaluator& true_error, const ComparisonOptions& options) {
   const ContactProblem& problem = given.problem;
   Measurement made;
@@ -200,9 +68,9 @@ Measurement measure(const SolverEntry& entry, const ComparisonProblem& given, do
   for (int k = 0; k < std::max(1, options.repeat) || spent < options.min_time; ++k) {
     CpuLimit limit(options.time_limit);
     solver.cancelled = [&limit] { return limit(); };
-    const double before = cpu_seconds();
+    const CpuStopwatch watch;
     SolveResult result = solve(entry, problem, solver);
-    cpu.push_back(cpu_seconds() - before);
+    cpu.push_back(watch.seconds());
     spent += cpu.back();
     setup.push_back(result.setup_seconds);
     solve_time.push_back(result.solve_seconds);
@@ -253,7 +121,7 @@ Measurement measure(const SolverEntry& entry, const ComparisonProblem& given, do
 /// Makes the rows of one problem, and the problem itself only where one is missing.
 class ProblemRows {
  public:
-  ProblemRows(const ProblemSource& source, const ComparisonOptions& options, Store& store,
+  ProblemRows(const ProblemSource& source, const ComparisonOptions& options, ComparisonStore& store,
               const std::string& commit)
       : source_(source), options_(options), store_(store), commit_(commit) {}
 
@@ -354,11 +222,11 @@ class ProblemRows {
 
   const ProblemSource& source_;
   const ComparisonOptions& options_;
-  Store& store_;
+  ComparisonStore& store_;
   const std::string& commit_;
   bool prepared_ = false;
   std::string defect_;
-  ComparisonProblem problem_;
+  TestProblem problem_;
   ReferenceSolution reference_;
   std::optional<TrueErrorEvaluator> true_error_;
 };
@@ -398,7 +266,12 @@ class TimeOuts {
 
 }  // namespace
 
-double HistoryPoint::guarded() const { return std::fmax(epsilon, eta); }
+double HistoryPoint::guarded() const {
+  ContactError error;
+  error.epsilon = epsilon;
+  error.eta = eta;
+  return error.guarded();
+}
 
 Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOptions& options) {
   std::vector<const SolverEntry*> entries;
@@ -415,7 +288,7 @@ Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOp
   }
 
   const std::string commit = build_info().commit;
-  Store store(options);
+  ComparisonStore store(options);
   Comparison comparison;
   bool warm = false;
   TimeOuts time_outs;

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/compare/comparison_target.h"
+#include "bench/measure/problem_target.h"
 #include "bench/measure/reference_solution.h"
 #include "core/types.h"
 #include "solvers/solver.h"
@@ -100,28 +100,5 @@ struct Comparison {
 /// at tighter ones: those rows repeat the figures and say so. Throws FileError, and
 /// std::invalid_argument for an unknown solver or an `out` whose rows were made under other limits.
 Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOptions& options);
-
-/// Rows as CSV: header, then one line a row, every number to the last bit.
-std::string csv_header();
-std::string to_csv(const ComparisonRow& row);
-/// Throws FileError for a file of another kind. A last line that was cut off is dropped.
-std::vector<ComparisonRow> read_csv_rows(const std::filesystem::path& path);
-
-/// Histories as CSV: problem, solver, tol, iteration, seconds, epsilon, eta.
-std::string history_csv_header();
-std::string to_csv(const History& history);
-/// Throws FileError. Drops a cut last line; of several histories of a problem and solver the
-/// tightest one counts, of equal ones the last.
-std::vector<History> read_csv_histories(const std::filesystem::path& path);
-
-/// Names and values of a row's columns, in the order of the file.
-struct Column {
-  std::string_view name;
-  std::string_view explanation;
-  std::function<std::string(const ComparisonRow&)> write;
-  std::function<void(ComparisonRow&, const std::string&)> read;
-  bool text = false;
-};
-const std::vector<Column>& comparison_columns();
 
 }  // namespace bipot

@@ -145,6 +145,25 @@ Chart regret_chart(const std::vector<Regret>& regrets, const std::vector<std::st
   return chart;
 }
 
+Chart success_chart(const std::vector<SuccessCurve>& curves, std::string_view size) {
+  Chart chart;
+  chart.title = fmt::format("Success against tolerance, {}", size);
+  chart.x = {"tolerance", ChartAxis::Kind::kLog};
+  chart.y = {"share of problems solved", ChartAxis::Kind::kLinear, 0.0, 1.0};
+  for (const SuccessCurve& curve : curves) {
+    if (curve.size != size) continue;
+    ChartSeries series{curve.solver, style_of(curve.solver), {}};
+    for (const SuccessCurve::Point& point : curve.points) {
+      series.points.push_back(
+          {point.tol, curve.share(point), false,
+           fmt::format("{} to {}: {} of {}", curve.solver, tolerance_label(point.tol), point.solved,
+                       curve.problems)});
+    }
+    chart.series.push_back(std::move(series));
+  }
+  return chart;
+}
+
 Chart work_precision_chart(const Comparison& comparison, const ProblemSummary& problem) {
   Chart chart = error_chart(comparison, problem, [](const ComparisonRow& r) { return r.time(); });
   chart.title = "Work and precision, " + problem.name;

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench/compare/comparison_measures.h"
+#include "bench/compare/comparison_success.h"
 #include "bench/report/chart.h"
 
 namespace bipot {
@@ -18,6 +20,9 @@ Chart profile_chart(const std::vector<Profile>& profiles, const std::string& cos
 Chart budget_chart(const std::vector<BudgetErrors>& errors, const std::string& title);
 /// Share of the cases whose ratio is at most x, one curve for each regret.
 Chart regret_chart(const std::vector<Regret>& regrets, const std::vector<std::string>& names);
+
+/// Share of the problems of one size that a solver brings below each tolerance.
+Chart success_chart(const std::vector<SuccessCurve>& curves, std::string_view size);
 
 /// True error against time, with the rows that none beats; one marker a tolerance.
 Chart work_precision_chart(const Comparison& comparison, const ProblemSummary& problem);

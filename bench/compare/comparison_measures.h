@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bench/compare/comparison.h"
-#include "bench/measure/power_law.h"
+#include "bench/measure/statistics.h"
 #include "core/types.h"
 
 namespace bipot {

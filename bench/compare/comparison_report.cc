@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <limits>
 
+#include "bench/compare/comparison_rows.h"
+#include "bench/compare/comparison_success.h"
 #include "bench/report/json_output.h"
 
 namespace bipot {
@@ -74,6 +76,140 @@ std::string regret_line(const Regret& regret) {
       worst.problem, tolerance_label(worst.tol), worst.best);
 }
 
+nlohmann::ordered_json problems_json(const Comparison& comparison) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const ProblemSummary& p : comparison.problems) {
+    nlohmann::ordered_json row{{"name", p.name},     {"target", p.target},     {"origin", p.origin},
+                               {"defect", p.defect}, {"contacts", p.contacts}, {"dim", p.dim},
+                               {"dofs", p.dofs}};
+    row["reference"] = {{"solver", p.reference_solver},
+                        {"guarded", number(p.reference_guarded)},
+                        {"natural_map", number(p.reference_natural_map)},
+                        {"velocity_spread", number(p.velocity_spread)},
+                        {"several_velocity_solutions", p.several_velocities()}};
+    row["reference"]["attempts"] = nlohmann::ordered_json::array();
+    for (const ReferenceAttempt& a : p.attempts) {
+      row["reference"]["attempts"].push_back({{"solver", a.solver},
+                                              {"status", to_string(a.status)},
+                                              {"guarded", number(a.guarded)},
+                                              {"seconds", a.seconds}});
+    }
+    row["ranked_by"] = ranking(p, comparison.rows).name();
+    all.push_back(std::move(row));
+  }
+  return all;
+}
+
+nlohmann::ordered_json rows_json(const Comparison& comparison) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const ComparisonRow& r : comparison.rows) {
+    nlohmann::ordered_json row;
+    for (const Column& column : comparison_columns()) {
+      const std::string name(column.name), text = column.write(r);
+      if (column.text) {
+        row[name] = text;
+      } else if (text.find_first_not_of("-0123456789") == std::string::npos) {
+        row[name] = std::stol(text);
+      } else {
+        row[name] = number(std::strtod(text.c_str(), nullptr));
+      }
+    }
+    all.push_back(std::move(row));
+  }
+  return all;
+}
+
+nlohmann::ordered_json solved_json(const Comparison& comparison) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const SolvedCount& c : count_solved(comparison, tightest(comparison))) {
+    all.push_back({{"solver", c.solver},
+                   {"tol", c.tol},
+                   {"problems", c.problems},
+                   {"guarded", c.solved},
+                   {"natural_map_1e-8", c.by_natural_map},
+                   {"median_time_ratio", number(c.median_ratio)}});
+  }
+  return all;
+}
+
+nlohmann::ordered_json success_json(const Comparison& comparison) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const SuccessCurve& curve : success_curves(comparison)) {
+    for (const SuccessCurve::Point& point : curve.points) {
+      all.push_back({{"size", curve.size},
+                     {"solver", curve.solver},
+                     {"tol", point.tol},
+                     {"problems", curve.problems},
+                     {"solved", point.solved},
+                     {"share", curve.share(point)}});
+    }
+  }
+  return all;
+}
+
+nlohmann::ordered_json profiles_json(const Comparison& comparison) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  const auto profile = [&](const char* name, const CostOf& cost, double at) {
+    for (const Profile& p : performance_profiles(comparison, cost)) {
+      all.push_back({{"of", name},
+                     {"at", at},
+                     {"solver", p.solver},
+                     {"problems", p.problems},
+                     {"ratios", p.ratios}});
+    }
+  };
+  for (double tol : tolerances_of(comparison)) {
+    profile("time at tolerance", time_at(comparison, tol), tol);
+    profile("iterations at tolerance", iterations_at(comparison, tol), tol);
+  }
+  for (double accuracy : kProfileAccuracies) {
+    profile("time to true error", time_to(comparison, accuracy), accuracy);
+  }
+  return all;
+}
+
+nlohmann::ordered_json errors_within_json(const Comparison& comparison) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (double budget : kBudgets) {
+    for (const BudgetErrors& b : errors_within(comparison, budget)) {
+      all.push_back({{"seconds", budget}, {"solver", b.solver}, {"errors", b.errors}});
+    }
+  }
+  return all;
+}
+
+nlohmann::ordered_json meaning_json(const Comparison& comparison) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const ToleranceMeaning& m : tolerance_meaning(comparison)) {
+    all.push_back({{"tol", m.tol},
+                   {"rows", m.rows},
+                   {"median", number(m.median)},
+                   {"ninth_decile", number(m.ninth_decile)},
+                   {"worst", number(m.worst)},
+                   {"worst_problem", m.worst_problem},
+                   {"worst_solver", m.worst_solver}});
+  }
+  return all;
+}
+
+nlohmann::ordered_json growth_json(const Comparison& comparison) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const Growth& g : growth(comparison)) {
+    const auto law = [](const PowerLaw& fit) {
+      return nlohmann::ordered_json{{"exponent", number(fit.exponent)},
+                                    {"confidence_95", number(fit.confidence)},
+                                    {"prefactor", number(fit.prefactor)},
+                                    {"points", fit.points}};
+    };
+    all.push_back({{"series", g.series},
+                   {"solver", g.solver},
+                   {"tol", g.tol},
+                   {"iterations", law(g.iterations)},
+                   {"time", law(g.time)}});
+  }
+  return all;
+}
+
 }  // namespace
 
 nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext& context) {
@@ -93,98 +229,14 @@ nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext
                            {"repeat", context.options.repeat},
                            {"complete", comparison.complete},
                            {"rows_kept", comparison.rows_kept}};
-  j["problems"] = nlohmann::ordered_json::array();
-  for (const ProblemSummary& p : comparison.problems) {
-    nlohmann::ordered_json row{{"name", p.name},     {"target", p.target},     {"origin", p.origin},
-                               {"defect", p.defect}, {"contacts", p.contacts}, {"dim", p.dim},
-                               {"dofs", p.dofs}};
-    row["reference"] = {{"solver", p.reference_solver},
-                        {"guarded", number(p.reference_guarded)},
-                        {"natural_map", number(p.reference_natural_map)},
-                        {"velocity_spread", number(p.velocity_spread)},
-                        {"several_velocity_solutions", p.several_velocities()}};
-    row["reference"]["attempts"] = nlohmann::ordered_json::array();
-    for (const ReferenceAttempt& a : p.attempts) {
-      row["reference"]["attempts"].push_back({{"solver", a.solver},
-                                              {"status", to_string(a.status)},
-                                              {"guarded", number(a.guarded)},
-                                              {"seconds", a.seconds}});
-    }
-    row["ranked_by"] = ranking(p, comparison.rows).name();
-    j["problems"].push_back(std::move(row));
-  }
-  j["rows"] = nlohmann::ordered_json::array();
-  for (const ComparisonRow& r : comparison.rows) {
-    nlohmann::ordered_json row;
-    for (const Column& column : comparison_columns()) {
-      const std::string name(column.name), text = column.write(r);
-      if (column.text) {
-        row[name] = text;
-      } else if (text.find_first_not_of("-0123456789") == std::string::npos) {
-        row[name] = std::stol(text);
-      } else {
-        row[name] = number(std::strtod(text.c_str(), nullptr));
-      }
-    }
-    j["rows"].push_back(std::move(row));
-  }
-  j["solved"] = nlohmann::ordered_json::array();
-  for (const SolvedCount& c : count_solved(comparison, tightest(comparison))) {
-    j["solved"].push_back({{"solver", c.solver},
-                           {"tol", c.tol},
-                           {"problems", c.problems},
-                           {"guarded", c.solved},
-                           {"natural_map_1e-8", c.by_natural_map},
-                           {"median_time_ratio", number(c.median_ratio)}});
-  }
-  const auto profile = [&](const char* name, const CostOf& cost, double at) {
-    for (const Profile& p : performance_profiles(comparison, cost)) {
-      j["profiles"].push_back({{"of", name},
-                               {"at", at},
-                               {"solver", p.solver},
-                               {"problems", p.problems},
-                               {"ratios", p.ratios}});
-    }
-  };
-  j["profiles"] = nlohmann::ordered_json::array();
-  for (double tol : tolerances_of(comparison)) {
-    profile("time at tolerance", time_at(comparison, tol), tol);
-    profile("iterations at tolerance", iterations_at(comparison, tol), tol);
-  }
-  for (double accuracy : kProfileAccuracies) {
-    profile("time to true error", time_to(comparison, accuracy), accuracy);
-  }
-  j["errors_within"] = nlohmann::ordered_json::array();
-  for (double budget : kBudgets) {
-    for (const BudgetErrors& b : errors_within(comparison, budget)) {
-      j["errors_within"].push_back(
-          {{"seconds", budget}, {"solver", b.solver}, {"errors", b.errors}});
-    }
-  }
-  j["tolerance_meaning"] = nlohmann::ordered_json::array();
-  for (const ToleranceMeaning& m : tolerance_meaning(comparison)) {
-    j["tolerance_meaning"].push_back({{"tol", m.tol},
-                                      {"rows", m.rows},
-                                      {"median", number(m.median)},
-                                      {"ninth_decile", number(m.ninth_decile)},
-                                      {"worst", number(m.worst)},
-                                      {"worst_problem", m.worst_problem},
-                                      {"worst_solver", m.worst_solver}});
-  }
-  j["growth"] = nlohmann::ordered_json::array();
-  for (const Growth& g : growth(comparison)) {
-    const auto law = [](const PowerLaw& fit) {
-      return nlohmann::ordered_json{{"exponent", number(fit.exponent)},
-                                    {"confidence_95", number(fit.confidence)},
-                                    {"prefactor", number(fit.prefactor)},
-                                    {"points", fit.points}};
-    };
-    j["growth"].push_back({{"series", g.series},
-                           {"solver", g.solver},
-                           {"tol", g.tol},
-                           {"iterations", law(g.iterations)},
-                           {"time", law(g.time)}});
-  }
+  j["problems"] = problems_json(comparison);
+  j["rows"] = rows_json(comparison);
+  j["solved"] = solved_json(comparison);
+  j["success"] = success_json(comparison);
+  j["profiles"] = profiles_json(comparison);
+  j["errors_within"] = errors_within_json(comparison);
+  j["tolerance_meaning"] = meaning_json(comparison);
+  j["growth"] = growth_json(comparison);
   j["regret_of_auto"] = regret_json(regret_of(comparison, "auto"));
   j["regret_of_auto_from_1_ms"] = regret_json(regret_of(comparison, "auto", 1e-3));
   return j;

@@ -30,16 +30,4 @@ nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext
 std::string to_csv(const Comparison& comparison);
 /// For a terminal of 100 columns: problem x solver at the tightest tolerance, and the counts.
 std::string to_text(const Comparison& comparison);
-/// A part of the page that others make.
-struct ReportSection {
-  std::string id;     ///< of the heading, for links: letters, digits, hyphens
-  std::string title;  ///< text
-  std::string html;   ///< below the heading
-};
-
-/// One page that needs nothing else: no network, no other file. `sections` stand before the
-/// problem-by-problem part. Throws FileError where gnuplot cannot draw (bench/report/chart.h).
-std::string to_html(const Comparison& comparison, const ReportContext& context,
-                    const std::vector<ReportSection>& sections = {});
-
 }  // namespace bipot

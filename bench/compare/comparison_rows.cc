@@ -1,4 +1,4 @@
-// Columns of a comparison's table, and the CSV file that keeps it.
+#include "bench/compare/comparison_rows.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,6 @@
 #include <map>
 #include <utility>
 
-#include "bench/compare/comparison.h"
 #include "bench/report/csv_text.h"
 
 namespace bipot {

@@ -1,15 +1,10 @@
 #include "bench/measure/cpu_limit.h"
 
 #include <algorithm>
-#include <ctime>
+
+#include "bench/measure/stopwatch.h"
 
 namespace bipot {
-
-double cpu_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 CpuLimit::CpuLimit(double seconds)
     : end_(cpu_seconds() + seconds),

@@ -4,9 +4,6 @@
 
 namespace bipot {
 
-/// CPU time of this process so far [s].
-double cpu_seconds();
-
 /// A limit on CPU time that can be asked in an inner loop: what else the machine does must not
 /// decide how far a solver gets. It looks once a millisecond at most.
 class CpuLimit {

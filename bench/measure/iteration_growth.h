@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "bench/measure/power_law.h"
+#include "bench/measure/statistics.h"
 #include "solvers/solver.h"
 
 namespace bipot {

@@ -5,7 +5,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "bench/measure/power_law.h"
 #include "core/types.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
@@ -189,26 +188,6 @@ State MeanContacts::in(const State& state) const {
   return mean;
 }
 
-ExponentialTail fit_exponential_tail(std::vector<double> x, double from) {
-  std::erase_if(x, [&](double value) { return !(value >= from); });
-  std::sort(x.begin(), x.end());
-  ExponentialTail tail;
-  tail.points = static_cast<int>(x.size());
-  double sum = 0;
-  for (double value : x) sum += value - from;
-  if (!(sum > 0)) return tail;
-  const double count = tail.points;
-  tail.rate = count / sum;
-  tail.confidence = 1.96 * tail.rate / std::sqrt(count);
-  tail.distance = 0;
-  for (std::size_t k = 0; k < x.size(); ++k) {
-    const double fitted = 1 - std::exp(-tail.rate * (x[k] - from));
-    const double below = static_cast<double>(k) / count;
-    tail.distance = std::max({tail.distance, fitted - below, below + 1 / count - fitted});
-  }
-  return tail;
-}
-
 Surface measure_surface(const State& state, double left, double right, int bins) {
   const double width = (right - left) / bins;
   std::vector<double> x, top;
@@ -234,21 +213,6 @@ Surface measure_surface(const State& state, double left, double right, int bins)
   surface.slope = slope_of_line(x, top);
   surface.heap = -slope_of_line(aside, top);
   return surface;
-}
-
-MeanValue mean_value(std::span<const double> x) {
-  MeanValue value;
-  if (x.empty()) return value;
-  const double n = static_cast<double>(x.size());
-  double sum = 0, squares = 0;
-  for (double y : x) sum += y;
-  value.mean = sum / n;
-  for (double y : x) squares += (y - value.mean) * (y - value.mean);
-  if (x.size() > 1) {
-    value.confidence =
-        student_t(0.95, static_cast<int>(x.size()) - 1) * std::sqrt(squares / (n - 1) / n);
-  }
-  return value;
 }
 
 }  // namespace bipot

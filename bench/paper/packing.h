@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <limits>
 #include <span>
 #include <vector>
 
@@ -62,17 +61,6 @@ class MeanContacts {
   std::vector<ContactOutcome> sums_;  // sorted by (i, j)
 };
 
-/// P(x) ~ exp(-rate x) for x >= from, by maximum likelihood: rate = 1 / mean(x - from).
-struct ExponentialTail {
-  double rate = std::numeric_limits<double>::quiet_NaN();
-  /// Half width of the 95 % confidence interval for independent x: 1.96 rate / sqrt(points).
-  double confidence = std::numeric_limits<double>::quiet_NaN();
-  /// Kolmogorov's distance between the tail and the fit: largest difference of distributions.
-  double distance = std::numeric_limits<double>::quiet_NaN();
-  int points = 0;
-};
-ExponentialTail fit_exponential_tail(std::vector<double> x, double from);
-
 /// The upper surface of a packing: the highest point of a disk in each of `bins` equal bins between
 /// `left` and `right`.
 struct Surface {
@@ -82,13 +70,5 @@ struct Surface {
   double height = 0;     ///< mean                                                    [m]
 };
 Surface measure_surface(const State& state, double left, double right, int bins);
-
-/// Mean of independent measurements.
-struct MeanValue {
-  double mean = std::numeric_limits<double>::quiet_NaN();
-  /// Half width of the 95 % confidence interval (Student's t); NaN below two.
-  double confidence = std::numeric_limits<double>::quiet_NaN();
-};
-MeanValue mean_value(std::span<const double> x);
 
 }  // namespace bipot

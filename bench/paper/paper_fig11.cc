@@ -7,7 +7,7 @@
 #include <deque>
 #include <numbers>
 
-#include "bench/measure/power_law.h"
+#include "bench/measure/statistics.h"
 #include "bench/paper/packing.h"
 #include "bench/paper/paper_items.h"
 #include "bench/scenes/scene_catalogue.h"

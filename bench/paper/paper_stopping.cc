@@ -7,7 +7,8 @@
 #include <cmath>
 #include <map>
 
-#include "bench/measure/power_law.h"
+#include "bench/measure/problem_target.h"
+#include "bench/measure/statistics.h"
 #include "bench/paper/paper_items.h"
 #include "bench/paper/stop_test_study.h"
 #include "bench/scenes/scene_catalogue.h"
@@ -34,14 +35,14 @@ constexpr Test kTests[] = {{StopTest::kGuarded, "guarded", "guarded ε", "ε"},
                            {StopTest::kRaw42, "raw42", "raw (42)", "(42)"},
                            {StopTest::kImpulse, "difference", "difference", "diff."}};
 
-ComparisonProblem load(const std::string& target, int scene_steps = 0) {
+TestProblem load(const std::string& target, int scene_steps = 0) {
   TargetOptions options;
   if (scene_steps > 0) options = {.scene_problems = 1, .scene_steps = scene_steps};
   return expand_targets({target}, options).at(0).load();
 }
 
-ComparisonProblem first_step(const std::string& origin, const Scene& scene, const State& state) {
-  ComparisonProblem made;
+TestProblem first_step(const std::string& origin, const Scene& scene, const State& state) {
+  TestProblem made;
   made.origin = origin;
   made.problem = step_problem(scene, state, false);
   made.step = scene.step;
@@ -50,7 +51,7 @@ ComparisonProblem first_step(const std::string& origin, const Scene& scene, cons
 }
 
 /// Three rows of ten disks on a floor, all at 1 m/s.
-ComparisonProblem sliding_layer() {
+TestProblem sliding_layer() {
   Scene scene = make_family_scene("square", 1);
   const Disk like = scene.disks[0];
   scene.disks = rectangular_lattice(10, 3, like.radius, Vec2::Zero());
@@ -64,7 +65,7 @@ ComparisonProblem sliding_layer() {
 }
 
 /// A disk strikes the top of a settled pile at 20 m/s.
-ComparisonProblem impact(int count) {
+TestProblem impact(int count) {
   SettledPile pile = settle_pile({.count = count});
   const auto top = std::max_element(
       pile.state.disks.begin(), pile.state.disks.end(),

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/measure/power_law.h"
+#include "bench/measure/statistics.h"
+#include "bench/measure/true_error.h"
 #include "solvers/solve.h"
 
 namespace bipot {

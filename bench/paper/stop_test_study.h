@@ -1,12 +1,13 @@
 #pragma once
 
 #include <functional>
-#include <map>
+#include <limits>
 #include <string>
 #include <vector>
 
-#include "bench/compare/comparison_target.h"
 #include "bench/measure/reference_solution.h"
+#include "bench/measure/solver_variant.h"
+#include "bench/measure/test_problem.h"
 #include "core/types.h"
 #include "solvers/solver.h"
 
@@ -16,13 +17,7 @@ namespace bipot {
 struct StopTestScene {
   std::string name;
   bool dynamic = false;  ///< something slides, flows or strikes; else at rest
-  ComparisonProblem given;
-};
-
-/// A solver with its parameters, under a name for readers.
-struct SolverVariant {
-  std::string label, solver;
-  std::map<std::string, std::string> parameters;
+  TestProblem given;
 };
 
 /// What a user gets who asks for `tol` by one stop test.

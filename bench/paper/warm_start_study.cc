@@ -1,8 +1,8 @@
 #include "bench/paper/warm_start_study.h"
 
-#include <ctime>
 #include <utility>
 
+#include "bench/measure/stopwatch.h"
 #include "core/motion/time_stepping.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -25,9 +25,9 @@ Timed timed_solve(const SolverVariant& variant, const ContactProblem& p, SolverO
                   const Vector& s0) {
   options.s0 = s0;
   options.parameters = variant.parameters;
-  const std::clock_t before = std::clock();
+  const CpuStopwatch watch;
   Timed timed{solve(variant.solver, p, options)};
-  timed.seconds = static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  timed.seconds = watch.seconds();
   return timed;
 }
 

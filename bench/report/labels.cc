@@ -22,6 +22,10 @@ std::string seconds_label(double seconds) {
   return fmt::format("{:.3g} s", seconds);
 }
 
+std::string duration_label(double seconds) {
+  return seconds >= 120 ? fmt::format("{:.3g} min", seconds / 60) : seconds_label(seconds);
+}
+
 std::string error_label(double error) {
   return std::isfinite(error) ? fmt::format("{:.1e}", error) : std::isnan(error) ? "–" : "∞";
 }
@@ -31,5 +35,23 @@ std::string ratio_label(double ratio) {
   if (std::isinf(ratio)) return "∞";
   return ratio < 99.95 ? fmt::format("{:.3g}", ratio) : fmt::format("{:.0f}", ratio);
 }
+
+std::string accuracy_label(double accuracy) {
+  return accuracy >= 1e-3 ? fmt::format("{:g} %", 100 * accuracy) : tolerance_label(accuracy);
+}
+
+std::string compact_label(double x) {
+  if (x == 0) return "0";
+  if (!std::isfinite(x)) return "–";
+  const std::string text = fmt::format("{:.1e}", x);
+  const std::size_t e = text.find('e');
+  return fmt::format("{}e{}", text.substr(0, e), std::stoi(text.substr(e + 1)));
+}
+
+std::string share_label(double x) {
+  return x >= 1e-4 ? fmt::format("{:.2g} %", 100 * x) : compact_label(x);
+}
+
+std::string value_label(double x) { return std::isfinite(x) ? fmt::format("{:.4g}", x) : "–"; }
 
 }  // namespace bipot

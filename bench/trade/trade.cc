@@ -5,13 +5,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 #include <optional>
 #include <random>
 #include <set>
 #include <stdexcept>
 
+#include "bench/measure/stopwatch.h"
 #include "bench/report/labels.h"
 #include "bench/scenes/scene_catalogue.h"
 #include "core/files/scene_file.h"
@@ -136,14 +136,11 @@ class Runner {
     kick(scene, replica);
 
     // CPU time: what else the machine does must not decide which rows there are.
-    const std::clock_t start = std::clock();
-    const auto seconds = [start] {
-      return static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
-    };
+    const CpuStopwatch watch;
     const auto out_of_time = [&, polls = 0]() mutable {
       if (stopped()) return true;
       // Asking the clock costs more than an iteration on a few contacts.
-      return ++polls % 16 == 0 && seconds() > options_.time_limit;
+      return ++polls % 16 == 0 && watch.seconds() > options_.time_limit;
     };
     std::optional<SpringDashpotStepper> springs;
     std::optional<TimeStepper> rigid;
@@ -157,7 +154,7 @@ class Runner {
       }
       row.stiffness = springs->setup().stiffness;
     } else {
-      const SolverEntry& entry = *find_solver(setting.solver);
+      const SolverEntry& entry = require_solver(setting.solver);
       SolverOptions solver;
       solver.tol = setting.tol;
       // The scene's parameters belong to its own solver.
@@ -189,13 +186,13 @@ class Runner {
         row.message = row.status == "time limit" ? time_limit_message() : failure.what();
         break;
       }
-      if (k + 1 < scene.num_steps && seconds() > options_.time_limit) {
+      if (k + 1 < scene.num_steps && watch.seconds() > options_.time_limit) {
         row.status = "time limit";
         row.message = time_limit_message();
         break;
       }
     }
-    row.cpu = seconds();
+    row.cpu = watch.seconds();
     row.simulated = state.time;
     if (row.steps > 0) row.iterations = iterations / row.steps;
     if (row.steps > 0) row.penetration = penetration / smallest_radius(scene);

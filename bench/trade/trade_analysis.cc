@@ -204,6 +204,11 @@ const TradeCell* SceneTrade::find(const TradeSetting& setting) const {
   return nullptr;
 }
 
+const TradeCell* SceneTrade::sufficient_cell() const {
+  return tols.empty() ? nullptr
+                      : find({.solver = solver, .tol = sufficient_tol.value_or(tols.back())});
+}
+
 double SceneTrade::error(const TradeCell& cell, std::size_t q) const {
   if (!cell.done()) return kNaN;
   const double reference = quantities[q].reference;

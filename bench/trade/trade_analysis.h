@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "bench/trade/trade.h"
@@ -58,6 +59,8 @@ struct SceneTrade {
   double cpu_sufficient = kNaN, cpu_tightest = kNaN;  ///< per simulated second
 
   const TradeCell* find(const TradeSetting& setting) const;
+  /// At the tolerance that is enough, else at the tightest; null where none was completed.
+  const TradeCell* sufficient_cell() const;
   /// Error of a cell's outcome q against the reference; NaN where either is missing.
   double error(const TradeCell& cell, std::size_t q) const;
   /// The largest of them, and its quantity.
@@ -68,5 +71,16 @@ struct SceneTrade {
 
 /// The scene and the trade must outlive the result.
 std::vector<SceneTrade> analyse_trade(const Trade& trade);
+
+/// A trade with what its rows say, found once for all reports. The analysis points into the trade:
+/// both are moved together and never copied.
+struct AnalysedTrade {
+  explicit AnalysedTrade(Trade whole) : trade(std::move(whole)), scenes(analyse_trade(trade)) {}
+  AnalysedTrade(AnalysedTrade&&) = default;
+  AnalysedTrade& operator=(AnalysedTrade&&) = default;
+
+  Trade trade;
+  std::vector<SceneTrade> scenes;
+};
 
 }  // namespace bipot

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -18,17 +17,10 @@ struct TradeContext {
   std::string date;
 };
 
-nlohmann::ordered_json to_json(const Trade& trade, const TradeContext& context);
+nlohmann::ordered_json to_json(const AnalysedTrade& analysed, const TradeContext& context);
 /// One line for each scene, run and outcome: tidy, for a spreadsheet or a data frame.
 std::string to_csv(const Trade& trade);
 /// For a terminal of 100 columns.
-std::string to_text(const Trade& trade);
-/// Headings from <h3> down, for a page that has the classes of trade_style() and a heading of its
-/// own ("Whole simulations"). Charts are drawn: throws FileError without gnuplot.
-std::string trade_section(const Trade& trade, const TradeContext& context);
-/// The page by itself; needs nothing else.
-std::string trade_page(const Trade& trade, const TradeContext& context);
-/// CSS of the section, all under .trade.
-std::string trade_style();
+std::string to_text(const AnalysedTrade& analysed);
 
 }  // namespace bipot

@@ -10,7 +10,10 @@
 #include <limits>
 #include <stdexcept>
 
+#include "bench/compare/comparison_page.h"
 #include "bench/compare/comparison_report.h"
+#include "bench/compare/comparison_rows.h"
+#include "bench/measure/true_error.h"
 #include "core/files/fclib_file.h"
 #include "core/problem/contact_error.h"
 #include "solvers/registry.h"
@@ -34,7 +37,7 @@ ComparisonOptions quick(std::vector<std::string> solvers, std::vector<double> to
 
 ProblemSource source_of(const std::string& name, const ContactProblem& problem) {
   return {name, name, [problem] {
-            ComparisonProblem made;
+            TestProblem made;
             made.origin = "test";
             made.problem = problem;
             made.step = 0.01;
@@ -99,7 +102,7 @@ TEST(Comparison, RowsSayWhatASolveOfTheirOwnSays) {
 }
 
 TEST(ReferenceSolution, MeetsItsErrorInTheNaiveCriterion) {
-  ComparisonProblem given;
+  TestProblem given;
   given.problem = lattice_step(Lattice::kTriangular, 5, 0.3, 20);
   const ReferenceSolution reference = find_reference(given, 20);
   EXPECT_LE(reference.error.guarded(), 1e-12);
@@ -110,7 +113,7 @@ TEST(ReferenceSolution, MeetsItsErrorInTheNaiveCriterion) {
 }
 
 TEST(TrueError, AgreesWithDenseMatrices) {
-  ComparisonProblem given;
+  TestProblem given;
   given.problem = lattice_step(Lattice::kTriangular, 4, 0.3, 20);
   given.step = 0.01;
   given.smallest_radius = 0.5;
@@ -146,7 +149,7 @@ TEST(TrueError, AgreesWithDenseMatrices) {
 }
 
 TEST(TrueError, IsThatOfTheLocalFormWhereNoBodiesAreGiven) {
-  ComparisonProblem given, local;
+  TestProblem given, local;
   given.problem = lattice_step(Lattice::kSquare, 4, 0.3, 10);
   local.problem = local_form(given.problem);
   const ReferenceSolution reference = find_reference(given, 20);
@@ -161,10 +164,10 @@ TEST(TrueError, IsThatOfTheLocalFormWhereNoBodiesAreGiven) {
 }
 
 TEST(TrueError, GivesContactForcesOnlyWhereTheyAreUnique) {
-  ComparisonProblem packing, single;
+  TestProblem packing, single;
   packing.problem = lattice_step(Lattice::kSquare, 4, 0.3, 10);
   single.problem = one_contact_problem(2, 1, 2, 0.3, -1, Vector::Constant(1, 0.1));
-  const auto contact_force = [](const ComparisonProblem& given) {
+  const auto contact_force = [](const TestProblem& given) {
     const ReferenceSolution reference = find_reference(given, 20);
     return TrueErrorEvaluator(given, reference)(0.9 * reference.s).contact_force;
   };
@@ -318,7 +321,7 @@ TEST(Comparison, GoesOnWhereItWasStopped) {
   // Nothing is left to do: the same table to the last character, problems untouched.
   auto closed = sources;
   for (ProblemSource& source : closed) {
-    source.load = []() -> ComparisonProblem { throw std::logic_error("made again"); };
+    source.load = []() -> TestProblem { throw std::logic_error("made again"); };
   }
   const Comparison again = compare(closed, options);
   EXPECT_EQ(again.rows_kept, static_cast<int>(whole.rows.size()));
@@ -394,7 +397,7 @@ TEST(ComparisonTargets, TellSeriesAndSizes) {
 
 TEST(ComparisonTargets, HitAPileWithAFastDisk) {
   const auto sources = expand_targets({"pile:4", "impact:4"});
-  const ComparisonProblem rest = sources[0].load(), hit = sources[1].load();
+  const TestProblem rest = sources[0].load(), hit = sources[1].load();
   EXPECT_EQ(hit.problem.num_dofs(), rest.problem.num_dofs() + 3);
   EXPECT_GT(hit.problem.num_contacts(), rest.problem.num_contacts());
   // Of the approach of 20 m/s at least cos 60 degrees goes along a normal; the pile is at rest.
@@ -407,7 +410,7 @@ TEST(ComparisonTargets, TakeProblemsAlongARun) {
   ASSERT_EQ(sources.size(), 2u);
   EXPECT_EQ(sources[0].name, "square_lattice@3");
   EXPECT_EQ(sources[1].name, "square_lattice@6");
-  const ComparisonProblem made = sources[1].load();
+  const TestProblem made = sources[1].load();
   EXPECT_GT(made.problem.num_contacts(), 0);
   EXPECT_GT(made.step, 0);
   EXPECT_GT(made.smallest_radius, 0);

@@ -5,6 +5,8 @@
 
 #include <cmath>
 
+#include "bench/measure/stopwatch.h"
+
 namespace bipot {
 namespace {
 

@@ -4,7 +4,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "bench/paper/compression_run.h"
 #include "bench/scenes/compression_scene.h"
@@ -113,32 +112,6 @@ TEST(Packing, ForceOnAWallIsOppositeToThatOnTheDisks) {
   EXPECT_EQ(force_on_wall(state, 0.5, 0), Vec2(-4, -1));
 }
 
-TEST(ExponentialTail, IsFittedByTheMeanExcess) {
-  const ExponentialTail tail = fit_exponential_tail({0.2, 1.0, 1.5, 2.0, 3.5}, 1.0);
-  EXPECT_EQ(tail.points, 4);
-  EXPECT_DOUBLE_EQ(tail.rate, 1.0);  // excesses 0, 0.5, 1, 2.5
-  EXPECT_DOUBLE_EQ(tail.confidence, 1.96 / 2);
-  // At the third, 1 - 1/e = 0.632 against steps from 0.5 to 0.75; at the second 0.393 against 0.25
-  // to 0.5; at the last 0.918 against 0.75 to 1; at the first 0 against 0 to 0.25: the largest.
-  EXPECT_DOUBLE_EQ(tail.distance, 0.25);
-  EXPECT_TRUE(std::isnan(fit_exponential_tail({1, 2}, 3).rate));
-  EXPECT_TRUE(std::isnan(fit_exponential_tail({1}, 1).rate));
-}
-
-TEST(ExponentialTail, FindsTheRateOfDrawnNumbersAndTellsOtherDistributions) {
-  std::mt19937_64 engine(4);
-  std::vector<double> exponential, uniform;
-  for (int k = 0; k < 4000; ++k) {
-    const double u = (static_cast<double>(engine() >> 11) + 0.5) * 0x1.0p-53;
-    exponential.push_back(-std::log(u) / 1.7);
-    uniform.push_back(4 * u);
-  }
-  const ExponentialTail tail = fit_exponential_tail(exponential, 0.5);
-  EXPECT_NEAR(tail.rate, 1.7, 2 * tail.confidence);
-  EXPECT_LT(tail.distance, 1.094 / std::sqrt(tail.points));
-  EXPECT_GT(fit_exponential_tail(uniform, 0.5).distance, 0.1);
-}
-
 TEST(Surface, OfAnInclinedRowHasItsSlopeAndNoHeap) {
   State state;
   for (int k = 0; k < 20; ++k) state.disks.push_back(disk(0.5 + k, 10 + 0.1 * k, 0.5));
@@ -159,14 +132,6 @@ TEST(Surface, OfARoofHasAHeapAndNoSlope) {
   const Surface surface = measure_surface(state, 0, 20, 20);
   EXPECT_NEAR(surface.slope, 0, 1e-12);
   EXPECT_NEAR(surface.heap, 0.2, 1e-12);
-}
-
-TEST(MeanValue, HasStudentsConfidence) {
-  const MeanValue value = mean_value(std::vector<double>{1, 2, 3});
-  EXPECT_DOUBLE_EQ(value.mean, 2);
-  EXPECT_NEAR(value.confidence, 4.302653 / std::sqrt(3.0), 1e-5);  // t(2), standard deviation 1
-  EXPECT_TRUE(std::isnan(mean_value(std::vector<double>{5}).confidence));
-  EXPECT_TRUE(std::isnan(mean_value({}).mean));
 }
 
 TEST(CompressionScene, IsTheShippedOneByDefault) {

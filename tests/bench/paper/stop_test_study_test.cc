@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "bench/measure/true_error.h"
 #include "solvers/solve.h"
 #include "tests/support/small_problems.h"
 

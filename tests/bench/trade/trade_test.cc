@@ -7,6 +7,7 @@
 #include <fstream>
 
 #include "bench/trade/trade_analysis.h"
+#include "bench/trade/trade_page.h"
 #include "bench/trade/trade_report.h"
 #include "core/motion/spring_dashpot.h"
 #include "core/types.h"
@@ -314,23 +315,24 @@ TEST(TradeReport, NamesEveryRunAndNoNumberThatIsNone) {
   TradeContext context;
   context.command = "bipot trade made.toml";
   context.command_of_scene = "bipot trade {}";
+  const AnalysedTrade analysed(trade);
   const std::string csv = to_csv(trade);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 7);
-  const auto json = to_json(trade, context);
+  const auto json = to_json(analysed, context);
   EXPECT_EQ(json["rows"].size(), 7u);
   EXPECT_TRUE(json["rows"][0]["values"][0].is_null());
   EXPECT_EQ(json["scenes"][0]["settings"].size(), 7u);
-  const std::string section = trade_section(trade, context);
+  const std::string section = trade_section(analysed, context);
   EXPECT_NE(section.find("&lt;made&gt;"), std::string::npos);
   EXPECT_NE(section.find("5 s were up"), std::string::npos);
   EXPECT_EQ(section.find("nan"), std::string::npos);
   EXPECT_EQ(section.find("<h1"), std::string::npos);
   EXPECT_EQ(section.find("<h2"), std::string::npos);
   EXPECT_NE(section.find("bipot trade made.toml"), std::string::npos);
-  const std::string page = trade_page(trade, context);
+  const std::string page = trade_page(analysed, context);
   EXPECT_NE(page.find(section.substr(0, 200)), std::string::npos);
   EXPECT_EQ(page.find("http"), page.find("http://www.w3.org"));  // nothing from elsewhere
-  EXPECT_NE(to_text(trade).find("time limit"), std::string::npos);
+  EXPECT_NE(to_text(analysed).find("time limit"), std::string::npos);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/types.h"
@@ -21,5 +22,24 @@ PowerLaw fit_power_law(const std::vector<double>& x, const std::vector<double>& 
 
 /// t such that |T| <= t with the given probability, for Student's distribution.
 double student_t(double probability, int degrees_of_freedom);
+
+/// Mean of independent measurements.
+struct MeanValue {
+  double mean = kNaN;
+  /// Half width of the 95 % confidence interval (Student's t); NaN below two.
+  double confidence = kNaN;
+};
+MeanValue mean_value(std::span<const double> x);
+
+/// P(x) ~ exp(-rate x) for x >= from, by maximum likelihood: rate = 1 / mean(x - from).
+struct ExponentialTail {
+  double rate = kNaN;
+  /// Half width of the 95 % confidence interval for independent x: 1.96 rate / sqrt(points).
+  double confidence = kNaN;
+  /// Kolmogorov's distance between the tail and the fit: largest difference of distributions.
+  double distance = kNaN;
+  int points = 0;
+};
+ExponentialTail fit_exponential_tail(std::vector<double> x, double from);
 
 }  // namespace bipot

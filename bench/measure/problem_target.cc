@@ -1,4 +1,4 @@
-#include "bench/compare/comparison_target.h"
+#include "bench/measure/problem_target.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -196,9 +196,9 @@ void throw_disk(Scene& scene, State& state) {
   scene.disks.push_back(disk);
 }
 
-ComparisonProblem make_family_problem(const Family& family, Piles& piles) {
+TestProblem make_family_problem(const Family& family, Piles& piles) {
   const FamilyOptions& o = family.options;
-  ComparisonProblem made;
+  TestProblem made;
   Scene scene;
   State state;
   if (is_pile(family)) {
@@ -236,7 +236,7 @@ class SceneRun {
  public:
   SceneRun(Scene scene, std::vector<int> steps) : scene_(std::move(scene)), steps_(steps) {}
 
-  ComparisonProblem at(int step) {
+  TestProblem at(int step) {
     if (problems_.empty()) run();
     return problems_.at(step);
   }
@@ -246,11 +246,11 @@ class SceneRun {
     SolverOptions options;
     options.tol = scene_.solver.tol;
     State state = initial_state(scene_);
-    TimeStepper stepper(scene_, make_step_solver(*find_solver("auto"), options), false);
+    TimeStepper stepper(scene_, make_step_solver(require_solver("auto"), options), false);
     for (int k = 1; k <= steps_.back(); ++k) {
       const StepReport report = stepper.advance(state);
       if (!std::binary_search(steps_.begin(), steps_.end(), k)) continue;
-      ComparisonProblem& made = problems_[k];
+      TestProblem& made = problems_[k];
       made.origin = fmt::format("scene {}, step {} at t = {:g} s of a run with auto to {:.0e}",
                                 fs::path(scene_.source).filename().string(), k, report.time,
                                 scene_.solver.tol);
@@ -262,12 +262,12 @@ class SceneRun {
 
   Scene scene_;
   std::vector<int> steps_;
-  std::map<int, ComparisonProblem> problems_;
+  std::map<int, TestProblem> problems_;
 };
 
 ProblemSource file_source(const fs::path& path) {
   return {path.stem().string(), path.string(), [path] {
-            ComparisonProblem made;
+            TestProblem made;
             made.problem = read_problem(path).problem;
             made.origin = fmt::format("file {}", path.filename().string());
             return made;

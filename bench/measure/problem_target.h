@@ -5,18 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "core/problem/contact_problem.h"
-#include "core/types.h"
+#include "bench/measure/test_problem.h"
 
 namespace bipot {
-
-/// A problem of a comparison, with what the problem itself does not say.
-struct ComparisonProblem {
-  std::string origin;  ///< one sentence: file, or scene, step and seed
-  ContactProblem problem;
-  double step = kNaN;             ///< h, NaN where the source does not say it      [s]
-  double smallest_radius = kNaN;  ///< of the disks, NaN likewise                   [m]
-};
 
 /// A problem that is made when it is needed: a comparison that is taken up again makes only those
 /// that still have rows to fill.
@@ -24,7 +15,7 @@ struct ProblemSource {
   std::string name;    ///< unique in a comparison
   std::string target;  ///< what makes this problem on the command line
   /// Throws FileError, std::invalid_argument or StepFailure.
-  std::function<ComparisonProblem()> load;
+  std::function<TestProblem()> load;
   /// Problems of one series differ in size alone ("square:tilt=10", sizes 10 and 32); empty: none.
   std::string series = {};
   double size = kNaN;

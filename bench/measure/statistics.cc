@@ -1,4 +1,4 @@
-#include "bench/measure/power_law.h"
+#include "bench/measure/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,6 +51,41 @@ PowerLaw fit_power_law(const std::vector<double>& x, const std::vector<double>& 
   }
   law.confidence = student_t(0.95, law.points - 2) * std::sqrt(residual / (law.points - 2) / saa);
   return law;
+}
+
+MeanValue mean_value(std::span<const double> x) {
+  MeanValue value;
+  if (x.empty()) return value;
+  const double n = static_cast<double>(x.size());
+  double sum = 0, squares = 0;
+  for (double y : x) sum += y;
+  value.mean = sum / n;
+  for (double y : x) squares += (y - value.mean) * (y - value.mean);
+  if (x.size() > 1) {
+    value.confidence =
+        student_t(0.95, static_cast<int>(x.size()) - 1) * std::sqrt(squares / (n - 1) / n);
+  }
+  return value;
+}
+
+ExponentialTail fit_exponential_tail(std::vector<double> x, double from) {
+  std::erase_if(x, [&](double value) { return !(value >= from); });
+  std::sort(x.begin(), x.end());
+  ExponentialTail tail;
+  tail.points = static_cast<int>(x.size());
+  double sum = 0;
+  for (double value : x) sum += value - from;
+  if (!(sum > 0)) return tail;
+  const double count = tail.points;
+  tail.rate = count / sum;
+  tail.confidence = 1.96 * tail.rate / std::sqrt(count);
+  tail.distance = 0;
+  for (std::size_t k = 0; k < x.size(); ++k) {
+    const double fitted = 1 - std::exp(-tail.rate * (x[k] - from));
+    const double below = static_cast<double>(k) / count;
+    tail.distance = std::max({tail.distance, fitted - below, below + 1 / count - fitted});
+  }
+  return tail;
 }
 
 }  // namespace bipot

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "bench/advise/advice.h"
+#include "bench/advise/time_budget.h"
+#include "bench/measure/reference_solution.h"
+#include "bench/measure/test_problem.h"
+#include "bench/measure/true_error.h"
+#include "core/motion/time_stepping.h"
+
+namespace bipot {
+
+/// A sampled step, and the step before it for warm starts.
+struct SampledProblem {
+  TestProblem given;
+  ContactProblem before;
+  std::vector<Contact> contacts;                ///< of `given`
+  std::vector<ContactOutcome> contacts_before;  ///< of `before`
+  bool has_before = false;
+  ReferenceSolution reference;
+  bool several = false;
+  std::shared_ptr<TrueErrorEvaluator> true_error;
+};
+
+/// Impulses of the step before at the contacts of the same pairs, in the problem's variables.
+Vector carry_over(const SampledProblem& sample, const Vector& s_before);
+
+struct Samples {
+  std::vector<SampledProblem> chosen_on, fresh;
+};
+/// Problems with references, to choose on and fresh ones in turn, as many as time allows. Those
+/// without a reference that is clearly better than the goal are left out.
+Samples sample_problems(const Scene& scene, double factor, const std::vector<const State*>& sampled,
+                        const std::vector<const State*>& fresh, const AdviseOptions& options,
+                        const TimeBudget& time, Advice& advice);
+
+}  // namespace bipot

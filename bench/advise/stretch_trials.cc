@@ -1,0 +1,128 @@
+#include "bench/advise/stretch_trials.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "bench/advise/solver_trials.h"
+#include "bench/measure/stopwatch.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+namespace {
+
+/// Solves the windows again, more tightly. False, and no change, where a step fails.
+bool tighten(StretchReference& reference, double tol, const AdviseOptions& options,
+             const TimeBudget& time) {
+  SolverOptions tight;
+  tight.tol = tol;
+  tight.cancelled = options.interrupted;
+  const StepSolver solver =
+      limited_solver(require_solver("auto"), tight, [&] { return time.until(1); });
+  const int steps = static_cast<int>(std::lround(reference.window / reference.scene.step));
+  std::vector<WindowRun> runs;
+  for (const State* start : reference.starts) {
+    runs.push_back(run_window(reference.scene, *start, reference.factor, steps, solver, 10 * tol));
+    if (!runs.back().usable) return false;
+  }
+  reference.runs = std::move(runs);
+  reference.tol = tol;
+  return true;
+}
+
+/// The trial over the windows of the study, against tight solves with the same step: errors of a
+/// step are here the start of the next, which trials of single steps cannot show.
+void run_stretches(SolverTrial& trial, StretchReference& reference, const AdviseOptions& options,
+                   const TimeBudget& time) {
+  trial.stretch = {kInfinity, kInfinity, kInfinity};
+  // Who is no looser than the reference cannot be judged by it.
+  constexpr double kTighter = 0.1;
+  if (reference.tol > 1.01 * kTighter * trial.tol &&
+      !tighten(reference, kTighter * trial.tol, options, time)) {
+    trial.message = "no reference for stretches that is tighter";
+    return;
+  }
+  const int steps = static_cast<int>(std::lround(reference.window / reference.scene.step));
+  Scene scene = reference.scene;
+  scene.solver.warm_start = trial.warm;
+  SolverOptions own;
+  own.tol = trial.tol;
+  own.parameters = trial.solver.parameters;
+  own.cancelled = options.interrupted;
+  int solves = 0;
+  double seconds = 0;
+  const StepSolver limited =
+      limited_solver(require_solver(trial.solver.solver), own, [&] { return time.until(1); });
+  const StepSolver solver = [&](const ContactProblem& p, const Vector& s0) {
+    const CpuStopwatch watch;
+    StepSolution solution = limited(p, s0);
+    if (p.num_contacts() > 0) {
+      seconds += watch.seconds();
+      ++solves;
+    }
+    return solution;
+  };
+  std::vector<WindowRun> runs;
+  for (const State* start : reference.starts) {
+    runs.push_back(run_window(scene, *start, reference.factor, steps, solver, trial.tol));
+    if (runs.back().usable) continue;
+    trial.message = "a step of a stretch was not solved";
+    return;
+  }
+  trial.stretches = static_cast<int>(runs.size());
+  if (solves > 0) trial.run_seconds = seconds / solves;
+  const double radius = smallest_radius(scene);
+  trial.stretch = window_errors(runs, reference.runs, radius, reference.floor);
+  trial.stretch.penetration = 0;  // what the solver adds to the step's own
+  for (std::size_t w = 0; w < runs.size(); ++w) {
+    const double more = (runs[w].penetration - reference.runs[w].penetration) / radius;
+    trial.stretch.penetration = std::max(trial.stretch.penetration, more);
+  }
+}
+
+}  // namespace
+
+void try_stretches(StretchReference reference, const std::vector<SampledProblem>& problems,
+                   const AdviseOptions& options, const TimeBudget& time, Advice& advice) {
+  using Verdict = SolverTrial::Verdict;
+  const auto same_line = [](const SolverTrial& a, const SolverTrial& b) {
+    return a.solver.label == b.solver.label && a.warm == b.warm;
+  };
+  double best = kInfinity;  // seconds of a solve of what met the budget on stretches
+  while (!options.stopped()) {
+    if (time.past(best < kInfinity ? TimeBudget::kStretchesEnd : 1)) return;
+    int next = -1;
+    for (int i : by_cost(advice.trials, advice.budget)) {
+      const SolverTrial& trial = advice.trials[i];
+      // Tried; or missed already at a tighter tolerance, or met at a looser one for less.
+      const bool settled =
+          std::any_of(advice.trials.begin(), advice.trials.end(), [&](const SolverTrial& t) {
+            return same_line(t, trial) &&
+                   ((t.tol <= trial.tol && t.verdict == Verdict::kStretchMissed) ||
+                    (t.tol >= trial.tol && t.verdict == Verdict::kStretchMet));
+          });
+      if (settled) continue;
+      next = i;
+      break;
+    }
+    if (next < 0 || advice.trials[next].seconds > 3 * best) return;
+    SolverTrial& trial = advice.trials[next];
+    run_stretches(trial, reference, options, time);
+    if (share_of(trial.stretch, advice.budget) <= 1) {
+      trial.verdict = Verdict::kStretchMet;
+      best = std::min(best, trial.run_seconds);
+      continue;
+    }
+    trial.verdict = Verdict::kStretchMissed;
+    const SolverTrial missed = trial;  // adding to the trials moves them
+    const double tol = 0.1 * missed.tol;
+    const bool known = std::any_of(
+        advice.trials.begin(), advice.trials.end(),
+        [&](const SolverTrial& t) { return same_line(t, missed) && t.tol < 1.01 * tol; });
+    if (known || tol < 1e-12) continue;
+    const TrialPair pair = try_solver(missed.solver, tol, problems, time.until(1), options);
+    advice.trials.push_back(missed.warm ? pair.warm : pair.cold);
+  }
+}
+
+}  // namespace bipot

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "bench/advise/advice.h"
+#include "bench/advise/sampled_problem.h"
+#include "bench/advise/time_budget.h"
+#include "bench/advise/window_run.h"
+
+namespace bipot {
+
+/// Windows at the recommended step, solved tightly.
+struct StretchReference {
+  Scene scene;
+  double factor = 1, window = 0, tol = 0, floor = 0;
+  std::vector<const State*> starts;
+  std::vector<WindowRun> runs;
+};
+
+/// Runs stretches with the trials that meet the budget, cheapest first. Where one misses it, the
+/// same solver at a tighter tolerance joins the trials. Ends when what is left takes much longer
+/// than the best so far, or with the time.
+void try_stretches(StretchReference reference, const std::vector<SampledProblem>& problems,
+                   const AdviseOptions& options, const TimeBudget& time, Advice& advice);
+
+}  // namespace bipot

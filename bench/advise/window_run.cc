@@ -1,0 +1,118 @@
+#include "bench/advise/window_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/scene/contact_detection.h"
+#include "solvers/step_solver.h"
+
+namespace bipot {
+namespace {
+
+/// How deep each pair that overlaps does so [m].
+using Overlaps = std::map<std::pair<int, int>, double>;
+Overlaps overlaps_of(const State& state) {
+  Overlaps overlaps;
+  for (const Contact& c : detect_contacts(state.disks, state.walls, 0)) {
+    if (c.gap < 0) overlaps[{c.i, c.j}] = -c.gap;
+  }
+  return overlaps;
+}
+
+}  // namespace
+
+WindowLength window_length(const Scene& scene, double asked) {
+  const double seconds = asked > 0 ? asked : scene.num_steps * scene.step / 50;
+  const int fours = std::max(4, static_cast<int>(std::lround(seconds / scene.step / 4)));
+  return {4 * fours * scene.step, 4 * fours};
+}
+
+void scale_impulses(State& state, double factor) {
+  for (ContactOutcome& out : state.contacts) {
+    out.s_n *= factor;
+    out.s_t *= factor;
+  }
+}
+
+WindowRun run_window(const Scene& scene, State state, double factor, int steps,
+                     const StepSolver& solver, double accepted) {
+  scale_impulses(state, factor);
+  WindowRun run;
+  const double h = scene.step;
+  TimeStepper stepper(scene, solver, false);
+  run.force.assign(state.disks.size() + state.walls.size(), Vec2::Zero());
+  const double before = state.friction_loss + state.shock_loss;
+  Overlaps overlaps = overlaps_of(state);
+  double weights = 0;
+  for (int k = 0; k < steps; ++k) {
+    const State last = state;
+    StepReport report;
+    try {
+      report = stepper.advance(state);
+    } catch (const StepFailure&) {
+      return run;
+    }
+    if (!report.converged && !(report.error.guarded() <= accepted)) return run;
+    const double weight = 1 - std::abs((2.0 * k + 1) / steps - 1);
+    weights += weight * h;
+    for (std::size_t i = 0; i < state.disks.size(); ++i) {
+      const Disk& d = state.disks[i];
+      run.force[i] += weight * d.mass * (d.v - last.disks[i].v - h * scene.gravity);
+    }
+    for (std::size_t w = 0; w < state.walls.size(); ++w) {
+      const Wall& wall = state.walls[w];
+      if (wall.motion != Wall::Motion::kDriven) continue;
+      run.force[state.disks.size() + w] +=
+          weight * (wall.mass * (wall.v - last.walls[w].v) - h * wall.force * wall.direction);
+    }
+    Overlaps now = overlaps_of(state);
+    for (const auto& [pair, overlap] : now) {
+      const auto old = overlaps.find(pair);
+      run.penetration =
+          std::max(run.penetration, overlap - (old == overlaps.end() ? 0 : old->second));
+    }
+    overlaps = std::move(now);
+  }
+  for (Vec2& f : run.force) f /= weights;
+  run.dissipated = state.friction_loss + state.shock_loss - before;
+  run.usable = true;
+  return run;
+}
+
+double energy_floor(const Scene& scene, const State& state) {
+  double weight = 0;
+  for (const Disk& d : state.disks) weight += d.mass * scene.gravity.norm();
+  return 1e-3 * std::max(kinetic_energy(state), weight * smallest_radius(scene));
+}
+
+Accuracy window_errors(const std::vector<WindowRun>& runs, const std::vector<WindowRun>& reference,
+                       double radius, double floor) {
+  Accuracy error;
+  double energy = 0, energies = 0;
+  for (std::size_t w = 0; w < runs.size(); ++w) {
+    double apart = 0, largest = 0;
+    for (std::size_t b = 0; b < runs[w].force.size(); ++b) {
+      apart = std::max(apart, (runs[w].force[b] - reference[w].force[b]).norm());
+      largest = std::max(largest, reference[w].force[b].norm());
+    }
+    if (largest > 0) error.force = std::fmax(error.force, apart / largest);
+    error.penetration = std::fmax(error.penetration, runs[w].penetration / radius);
+    energy += std::abs(runs[w].dissipated - reference[w].dissipated);
+    energies += std::abs(reference[w].dissipated);
+  }
+  error.energy = energy / std::max(energies, floor);
+  return error;
+}
+
+StepSolver limited_solver(const SolverEntry& entry, SolverOptions options,
+                          std::function<double()> seconds_left) {
+  return [&entry, options = std::move(options), seconds_left = std::move(seconds_left)](
+             const ContactProblem& p, const Vector& s0) mutable {
+    options.time_limit = seconds_left();
+    return make_step_solver(entry, options)(p, s0);
+  };
+}
+
+}  // namespace bipot

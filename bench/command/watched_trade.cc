@@ -1,0 +1,23 @@
+#include "bench/command/watched_trade.h"
+
+#include <optional>
+#include <string>
+
+#include "bench/command/interrupt.h"
+#include "bench/command/progress_bar.h"
+
+namespace bipot {
+
+FinishedTrade run_watched_trade(const TradeRequest& request, bool quiet) {
+  const InterruptGuard interrupt;
+  std::optional<ProgressBar> bar;
+  TradeWatch watch;
+  watch.interrupted = &InterruptGuard::requested;
+  watch.progress = [&](long done, long total, const std::string& what) {
+    if (!bar) bar.emplace(total, quiet);
+    bar->update(done, what);
+  };
+  return run_trade(request, watch);
+}
+
+}  // namespace bipot

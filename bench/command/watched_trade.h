@@ -1,0 +1,10 @@
+#pragma once
+
+#include "bench/trade/trade_request.h"
+
+namespace bipot {
+
+/// Runs the request with a progress bar on the terminal unless `quiet`; Ctrl-C ends it early.
+FinishedTrade run_watched_trade(const TradeRequest& request, bool quiet);
+
+}  // namespace bipot

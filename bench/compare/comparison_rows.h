@@ -1,0 +1,36 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/compare/comparison.h"
+
+namespace bipot {
+
+/// Rows as CSV: header, then one line a row, every number to the last bit.
+std::string csv_header();
+std::string to_csv(const ComparisonRow& row);
+/// Throws FileError for a file of another kind. A last line that was cut off is dropped.
+std::vector<ComparisonRow> read_csv_rows(const std::filesystem::path& path);
+
+/// Histories as CSV: problem, solver, tol, iteration, seconds, epsilon, eta.
+std::string history_csv_header();
+std::string to_csv(const History& history);
+/// Throws FileError. Drops a cut last line; of several histories of a problem and solver the
+/// tightest one counts, of equal ones the last.
+std::vector<History> read_csv_histories(const std::filesystem::path& path);
+
+/// Names and values of a row's columns, in the order of the file.
+struct Column {
+  std::string_view name;
+  std::string_view explanation;
+  std::function<std::string(const ComparisonRow&)> write;
+  std::function<void(ComparisonRow&, const std::string&)> read;
+  bool text = false;
+};
+const std::vector<Column>& comparison_columns();
+
+}  // namespace bipot

@@ -1,0 +1,139 @@
+#include "bench/compare/comparison_store.h"
+
+#include <fmt/format.h>
+
+#include <cctype>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "bench/compare/comparison_rows.h"
+#include "core/file_error.h"
+#include "core/files/fclib_file.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string key_of(const std::string& problem, const std::string& solver, double tol) {
+  return fmt::format("{}|{}|{}", problem, solver, tol);
+}
+
+/// A problem's name as a file name.
+std::string file_stem(const std::string& name) {
+  std::string stem = name;
+  for (char& c : stem) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-' ||
+                       c == '_' || c == '@' || c == '=';
+    if (!plain) c = '_';
+  }
+  return stem;
+}
+
+/// What all rows of a folder have in common besides their keys.
+nlohmann::ordered_json limits_json(const ComparisonOptions& o) {
+  return {{"time_limit", o.time_limit},
+          {"reference_time_limit", o.reference_time_limit},
+          {"repeat", o.repeat},
+          {"min_time", o.min_time},
+          {"try_all", o.try_all}};
+}
+
+/// For appending whole lines. A line that was cut off must not be continued by the next one.
+void open_for_lines(const fs::path& path, const std::string& header, std::ofstream& file) {
+  if (fs::exists(path)) {
+    std::ifstream in(path, std::ios::binary);
+    const std::string whole((std::istreambuf_iterator<char>(in)), {});
+    in.close();
+    if (const std::size_t end = whole.rfind('\n'); end + 1 != whole.size()) {
+      fs::resize_file(path, end + 1);
+    }
+  }
+  const bool fresh = !fs::exists(path) || fs::file_size(path) == 0;
+  file.open(path, std::ios::app);
+  if (fresh) file << header << std::endl;
+  if (!file) throw FileError(path, "", "cannot be written");
+}
+
+}  // namespace
+
+ComparisonStore::ComparisonStore(const ComparisonOptions& options) : folder_(options.out) {
+  if (folder_.empty()) return;
+  std::error_code failed;
+  fs::create_directories(folder_ / "references", failed);
+  if (!failed) fs::create_directories(folder_ / "problems", failed);
+  if (failed) throw FileError(folder_, "", failed.message());
+  const fs::path limits = folder_ / "limits.json";
+  const nlohmann::ordered_json now = limits_json(options);
+  if (std::ifstream in(limits); in) {
+    const auto before = nlohmann::ordered_json::parse(in, nullptr, false);
+    if (before != now) {
+      throw std::invalid_argument(
+          fmt::format("{}: rows were made under {}, not {}: name another folder", folder_.string(),
+                      before.dump(), now.dump()));
+    }
+  } else {
+    std::ofstream out(limits);
+    out << now.dump(2) << '\n';
+  }
+  const fs::path rows = folder_ / "rows.csv", histories = folder_ / "history.csv";
+  if (fs::exists(rows)) {
+    for (ComparisonRow& row : read_csv_rows(rows)) {
+      const std::string key = key_of(row.problem, row.solver, row.tol);
+      rows_.insert_or_assign(key, std::move(row));
+    }
+  }
+  if (fs::exists(histories)) {
+    for (History& history : read_csv_histories(histories)) {
+      histories_.insert_or_assign({history.problem, history.solver}, std::move(history));
+    }
+  }
+  open_for_lines(rows, csv_header(), rows_file_);
+  open_for_lines(histories, history_csv_header(), history_file_);
+}
+
+const ComparisonRow* ComparisonStore::find(const std::string& problem, const std::string& solver,
+                                           double tol) const {
+  const auto found = rows_.find(key_of(problem, solver, tol));
+  return found == rows_.end() ? nullptr : &found->second;
+}
+
+void ComparisonStore::append(const ComparisonRow& row, const History& history) {
+  if (!history.points.empty()) histories_[{history.problem, history.solver}] = history;
+  if (folder_.empty()) return;
+  history_file_ << to_csv(history) << std::flush;
+  rows_file_ << to_csv(row) << std::endl;
+  if (!rows_file_ || !history_file_) {
+    throw FileError(folder_ / "rows.csv", "", "cannot be written");
+  }
+}
+
+const History* ComparisonStore::history(const std::string& problem,
+                                        const std::string& solver) const {
+  const auto found = histories_.find({problem, solver});
+  return found == histories_.end() ? nullptr : &found->second;
+}
+
+std::optional<ReferenceSolution> ComparisonStore::reference(const std::string& problem) const {
+  const fs::path path = reference_path(problem);
+  if (folder_.empty() || !fs::exists(path)) return std::nullopt;
+  return read_reference(path);
+}
+
+void ComparisonStore::write(const ProblemSource& source, const TestProblem& problem,
+                            const ReferenceSolution& reference) const {
+  if (folder_.empty()) return;
+  write_reference(reference_path(source.name), source.name, reference);
+  // Problems that come from files are not copied.
+  if (fs::exists(source.target) && !source.target.ends_with(".toml")) return;
+  if (problem.problem.num_contacts() == 0) return;
+  write_fclib(folder_ / "problems" / (file_stem(source.name) + ".hdf5"), problem.problem,
+              {.title = source.name, .description = problem.origin});
+}
+
+fs::path ComparisonStore::reference_path(const std::string& problem) const {
+  return folder_ / "references" / (file_stem(problem) + ".json");
+}
+
+}  // namespace bipot

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "bench/compare/comparison.h"
+#include "bench/measure/problem_target.h"
+#include "bench/measure/reference_solution.h"
+
+namespace bipot {
+
+/// The files of a comparison: rows and histories, read when it is taken up again and appended to as
+/// they are made, references and problems. Without a folder it keeps histories alone.
+class ComparisonStore {
+ public:
+  /// Throws FileError, and std::invalid_argument where the rows of the folder were made under other
+  /// limits.
+  explicit ComparisonStore(const ComparisonOptions& options);
+
+  /// The row that was made before; null without one.
+  const ComparisonRow* find(const std::string& problem, const std::string& solver,
+                            double tol) const;
+  /// The history before the row: a row that stands in the file has its history.
+  void append(const ComparisonRow& row, const History& history);
+  const History* history(const std::string& problem, const std::string& solver) const;
+
+  std::optional<ReferenceSolution> reference(const std::string& problem) const;
+  /// Keeps the reference, and the problem where it does not come from a file.
+  void write(const ProblemSource& source, const TestProblem& problem,
+             const ReferenceSolution& reference) const;
+
+ private:
+  std::filesystem::path reference_path(const std::string& problem) const;
+
+  std::filesystem::path folder_;
+  std::map<std::string, ComparisonRow> rows_;
+  std::map<std::pair<std::string, std::string>, History> histories_;
+  std::ofstream rows_file_, history_file_;
+};
+
+}  // namespace bipot

@@ -1,0 +1,72 @@
+#include "bench/compare/comparison_success.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "bench/compare/comparison_measures.h"
+#include "bench/report/csv_text.h"
+#include "core/types.h"
+
+namespace bipot {
+namespace {
+
+constexpr SizeClass kSizes[] = {{"up to 100 contacts", 0, 100},
+                                {"101 to 1000 contacts", 100, 1000},
+                                {"more than 1000 contacts", 1000, std::numeric_limits<int>::max()}};
+
+constexpr double kTolerances[] = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
+
+}  // namespace
+
+std::span<const SizeClass> size_classes() { return kSizes; }
+
+std::vector<SuccessCurve> success_curves(const Comparison& comparison) {
+  // The least guarded error that a solver reached on a problem.
+  std::map<std::pair<std::string, std::string>, double> least;
+  double tightest = kInfinity;
+  for (const ComparisonRow& row : comparison.rows) {
+    tightest = std::min(tightest, row.tol);
+    const auto place = least.try_emplace({row.problem, row.solver}, kInfinity).first;
+    if (row.guarded < place->second) place->second = row.guarded;
+  }
+  std::vector<SuccessCurve> curves;
+  for (const SizeClass& size : kSizes) {
+    for (const std::string& solver : solvers_of(comparison)) {
+      SuccessCurve curve;
+      curve.size = size.name;
+      curve.solver = solver;
+      for (const double tol : kTolerances) {
+        // 1e-12 as it is typed and as it is computed may differ in the last bit.
+        if (tol > 0.999 * tightest) curve.points.push_back({tol, 0});
+      }
+      for (const ProblemSummary& problem : comparison.problems) {
+        if (!size.has(problem.contacts)) continue;
+        ++curve.problems;
+        const auto reached = least.find({problem.name, solver});
+        if (reached == least.end()) continue;
+        for (SuccessCurve::Point& point : curve.points) {
+          point.solved += reached->second <= point.tol ? 1 : 0;
+        }
+      }
+      if (curve.problems > 0 && !curve.points.empty()) curves.push_back(std::move(curve));
+    }
+  }
+  return curves;
+}
+
+std::string success_csv(const std::vector<SuccessCurve>& curves) {
+  std::string text = "size,solver,tol,problems,solved,share\n";
+  for (const SuccessCurve& curve : curves) {
+    for (const SuccessCurve::Point& point : curve.points) {
+      text += fmt::format("{},{},{},{},{},{}\n", csv_text(curve.size), csv_text(curve.solver),
+                          point.tol, curve.problems, point.solved, curve.share(point));
+    }
+  }
+  return text;
+}
+
+}  // namespace bipot

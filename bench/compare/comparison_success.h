@@ -1,0 +1,40 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/compare/comparison.h"
+
+namespace bipot {
+
+/// Problems of one size; those without contacts belong to none.
+struct SizeClass {
+  std::string_view name;
+  int above = 0, up_to = 0;  ///< contacts
+  bool has(int contacts) const { return contacts > above && contacts <= up_to; }
+};
+std::span<const SizeClass> size_classes();
+
+/// How many problems of a size one solver brings below a tolerance within the time limit.
+struct SuccessCurve {
+  std::string_view size;  ///< SizeClass::name
+  std::string solver;
+  int problems = 0;  ///< of the size
+  struct Point {
+    double tol = 0;
+    int solved = 0;  ///< a row of the solver, whatever it was asked for, has guarded <= tol
+  };
+  std::vector<Point> points;  ///< from loose to tight
+  double share(const Point& point) const { return static_cast<double>(point.solved) / problems; }
+};
+
+/// For each size with problems, and each solver. Tolerances are the powers of ten from 1e-3 to
+/// 1e-12 that are no tighter than the tightest of the table: beyond it nobody was asked.
+std::vector<SuccessCurve> success_curves(const Comparison& comparison);
+
+/// One line a size, solver and tolerance: size, solver, tol, problems, solved, share.
+std::string success_csv(const std::vector<SuccessCurve>& curves);
+
+}  // namespace bipot

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+#include "core/problem/contact_problem.h"
+#include "core/types.h"
+
+namespace bipot {
+
+/// A problem that solvers are tried on, with what the problem itself does not say.
+struct TestProblem {
+  std::string origin;  ///< one sentence: file, or scene, step and seed
+  ContactProblem problem;
+  double step = kNaN;             ///< h, NaN where the source does not say it      [s]
+  double smallest_radius = kNaN;  ///< of the disks, NaN likewise                   [m]
+};
+
+}  // namespace bipot
