@@ -282,14 +282,12 @@ class Fig11 {
             .holds = smooth.at_rest && std::abs(smooth.floor - 1) <= 0.01,
             .digits = 6});
     result_.ours.push_back(
-        "Base load. Floor and side walls carry {vertical_load} of the weight together. "
-        "Friction "
-        "on the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory "
-        "the walls take load off the floor once the grains slide down along them; here they could "
-        "take at most {side_limit}, and what they do take depends on how the packing came to rest "
+        "Base load. Floor and side walls carry {vertical_load} of the weight together. Friction on "
+        "the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory the "
+        "walls take load off the floor once the grains slide down along them; here they could take "
+        "at most {side_limit}, and what they do take depends on how the packing came to rest "
         "({side_least} to {side_most} in {packings} packings; negative: they press it down). With "
-        "frictionless side walls the floor carries "
-        "{floor_load_smooth}.");
+        "frictionless side walls the floor carries {floor_load_smooth}.");
   }
 
   void surface_and_forces(const Settling& main) {
@@ -398,10 +396,9 @@ class Fig11 {
             .digits = 1});
     result_.ours.push_back(
         "Forces. The normal forces above 1.5 times their mean fall off exponentially, β = "
-        "{tail_rate} ± "
-        "{tail_confidence}. Part of that spread is depth: relative to the mean of their layer, "
-        "β is {tail_rate_layers} ± {tail_layers_confidence}, and weak forces are about equally "
-        "frequent down to zero.");
+        "{tail_rate} ± {tail_confidence}. Part of that spread is depth: relative to the mean of "
+        "their layer, β is {tail_rate_layers} ± {tail_layers_confidence}, and weak forces are "
+        "about equally frequent down to zero.");
     Chart chart;
     chart.title = "Distribution of the normal forces";
     chart.x = {"f/⟨f⟩", ChartAxis::Kind::kLinear, 0.0, {}};
@@ -512,25 +509,19 @@ class Fig11 {
             .digits = 2});
     result_.ours.push_back(
         "Rest. With e_t = 0 the kinetic energy falls to {kinetic_inelastic} of what the fall "
-        "released. With e_t = 1 it stays at {kinetic}: e_t = 1 turns the tangential "
-        "velocity of every sticking contact round at each step, which loses no energy, and "
-        "friction "
-        "can do so as long as the impulse is inside the cone. Only sliding dissipates, so what "
-        "remains is bounded by μ h times the forces, {bound} here, in proportion to h². The disks "
-        "do "
-        "not move by it: the mean of the velocities before and after a step, which displaces "
-        "them, has {moving}. Going on with smaller steps lowers the level, to {kinetic_smallest} "
-        "for "
-        "h = {smallest_step}.");
+        "released. With e_t = 1 it stays at {kinetic}: e_t = 1 turns the tangential velocity of "
+        "every sticking contact round at each step, which loses no energy, and friction can do so "
+        "as long as the impulse is inside the cone. Only sliding dissipates, so what remains is "
+        "bounded by μ h times the forces, {bound} here, in proportion to h². The disks do not move "
+        "by it: the mean of the velocities before and after a step, which displaces them, has "
+        "{moving}. Going on with smaller steps lowers the level, to {kinetic_smallest} for h = "
+        "{smallest_step}.");
     result_.ours.push_back(
-        "Cost. Steps at rest with e_t = 1 are hard to solve: {met} of all steps met 1e-4 "
-        "within "
+        "Cost. Steps at rest with e_t = 1 are hard to solve: {met} of all steps met 1e-4 within "
         "1000 iterations of `apgd` (with e_t = 0: {met_inelastic}); the others were taken with "
-        "what "
-        "was reached, ε = {error} in the mean. Balance of momentum holds in any case. The largest "
-        "overlap, {overlap} of the smallest radius, is the way of a falling disk during half a "
-        "step "
-        "of {step}.");
+        "what was reached, ε = {error} in the mean. Balance of momentum holds in any case. The "
+        "largest overlap, {overlap} of the smallest radius, is the way of a falling disk during "
+        "half a step of {step}.");
 
     Chart decay;
     decay.title = "Kinetic energy against time";

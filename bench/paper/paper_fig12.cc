@@ -276,9 +276,9 @@ class Fig12 {
         "Wall pressure. Applied force, contact force and inertia of the walls balance to "
         "{wall_balance}. At the end the walls carry {wall_pressure} of the applied force, and the "
         "mean stress (item stress) equals what the walls do to the sample to "
-        "{traction_difference}. "
-        "Its pressure is {pressure_ratio} of the normal pressure alone, because friction along the "
-        "walls presses the sample as well; without friction there it is {ratio_smooth} (table).");
+        "{traction_difference}. Its pressure is {pressure_ratio} of the normal pressure alone, "
+        "because friction along the walls presses the sample as well; without friction there it is "
+        "{ratio_smooth} (table).");
     number({.name = "jam_met",
             .value = static_cast<double>(main.jammed_run.converged),
             .meaning =
@@ -301,12 +301,10 @@ class Fig12 {
     result_.ours.push_back(
         "Cost. Jammed steps with e_t = 1 are hard: {jam_met} of the last 100 met 1e-2 within 3000 "
         "iterations of `apgd`, the others reached ε = {jam_error} (mean of all). A solve begins "
-        "with "
-        "the impulses of two steps before where the last forces are more like those than like the "
-        "ones of one step before ({far_starts} of 300 steps). The walls arrive fast, so that "
-        "disks overlap by {overlap_mean} of the smallest radius in the mean, "
-        "{overlap} "
-        "at most; overlaps are not pushed back.");
+        "with the impulses of two steps before where the last forces are more like those than like "
+        "the ones of one step before ({far_starts} of 300 steps). The walls arrive fast, so that "
+        "disks overlap by {overlap_mean} of the smallest radius in the mean, {overlap} at most; "
+        "overlaps are not pushed back.");
     Chart chart;
     chart.title = "Pressure against time";
     chart.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}};
@@ -453,19 +451,14 @@ class Fig12 {
     result_.tables.push_back(std::move(table));
     result_.ours.push_back(
         "Choices. Steel-like 7800 kg/m³ and walls of 20 kg. With the walls' mass by factors 1/4 "
-        "and 4 "
-        "the solid fraction changes by {fraction_spread}, the coordination by "
-        "{coordination_spread}, "
-        "the mean stress is isotropic to {anisotropy_most}, and the networks take turns in all. "
-        "Density sets the unit of time: with the step in proportion to its root, a change of "
-        "density is one of the walls' mass (two rows of the table are equal). With the same step "
-        "for "
-        "all densities the solid fraction changes by {fraction_step} from density / 4 to density × "
-        "4: "
-        "a faster fall overlaps more in a step. Another start, and tolerances from 1e-1 to 1e-3, "
-        "lead "
-        "to other networks but the same picture. With e_t = 0 the jammed network stands still, "
-        "correlation {inelastic_lag1}.");
+        "and 4 the solid fraction changes by {fraction_spread}, the coordination by "
+        "{coordination_spread}, the mean stress is isotropic to {anisotropy_most}, and the "
+        "networks take turns in all. Density sets the unit of time: with the step in proportion to "
+        "its root, a change of density is one of the walls' mass (two rows of the table are "
+        "equal). With the same step for all densities the solid fraction changes by "
+        "{fraction_step} from density / 4 to density × 4: a faster fall overlaps more in a step. "
+        "Another start, and tolerances from 1e-1 to 1e-3, lead to other networks but the same "
+        "picture. With e_t = 0 the jammed network stands still, correlation {inelastic_lag1}.");
   }
 
   const PaperContext& context_;

@@ -107,8 +107,7 @@ PaperResult run_fig13(const PaperContext& context) {
   PaperResult result;
   result.paper =
       "ε against the iteration number, log–log, for a rectangular array: about twenty iterations "
-      "of "
-      "an unsteady start, put down to the zero initial forces, then fast convergence.";
+      "of an unsteady start, put down to the zero initial forces, then fast convergence.";
 
   // Frictionless, the paper's step: every contact of a column is a Jacobi iteration of the column's
   // equations 2 s_k - s_{k-1} - s_{k+1} = m g h, with s_n = 0 above the top and, the floor's own
@@ -118,10 +117,8 @@ PaperResult run_fig13(const PaperContext& context) {
   rows.name = "transient";
   rows.caption =
       "`uzawa` with the paper's ρ, μ = 0. Reached: first iteration in which every row carries "
-      "force. "
-      "Time constant: iterations for a factor e, measured over the last four decades and by "
-      "theory, "
-      "−1/ln cos(π/2n).";
+      "force. Time constant: iterations for a factor e, measured over the last four decades and by "
+      "theory, −1/ln cos(π/2n).";
   rows.columns = {"rows n", "reached", "time constant", "theory", "iterations to 1e-8"};
   Chart sizes;
   sizes.title = "Error of the paper's solver against the iteration, square lattices";
@@ -177,20 +174,14 @@ PaperResult run_fig13(const PaperContext& context) {
                             .digits = 3});
   result.ours.push_back(
       "The start has two parts. First the floor's push travels up: one row of contacts an "
-      "iteration, "
-      "so that n rows carry force only after n iterations. Then the forces diffuse to their "
-      "values: "
-      "each iteration averages a contact with its neighbours, and the slowest mode of a column "
-      "shrinks "
-      "by cos(π/2n) an iteration, a time constant of about 0.81 n² iterations. An exponential "
-      "decay "
-      "drawn log–log stays level until about its time constant and then plunges; nothing "
-      "accelerates. "
-      "Measured: {tau_5} for 5 rows (theory {tau_theory_5}), {tau_10} for 10. The paper does not "
-      "give "
-      "its size: twenty iterations would be the travel through twenty rows, or the time constant "
-      "of "
-      "five. Better initial forces shorten the second part, and more rows lengthen it.");
+      "iteration, so that n rows carry force only after n iterations. Then the forces diffuse to "
+      "their values: each iteration averages a contact with its neighbours, and the slowest mode "
+      "of a column shrinks by cos(π/2n) an iteration, a time constant of about 0.81 n² iterations. "
+      "An exponential decay drawn log–log stays level until about its time constant and then "
+      "plunges; nothing accelerates. Measured: {tau_5} for 5 rows (theory {tau_theory_5}), "
+      "{tau_10} for 10. The paper does not give its size: twenty iterations would be the travel "
+      "through twenty rows, or the time constant of five. Better initial forces shorten the second "
+      "part, and more rows lengthen it.");
   result.figures.push_back({.name = "fig13_paper",
                             .caption = "`uzawa` with the paper's ρ, μ = 0, several sizes.",
                             .chart = sizes,
@@ -245,8 +236,7 @@ PaperResult run_fig13(const PaperContext& context) {
   result.ours.push_back(
       "Momentum (`apgd`) turns the n² into n, and an interior-point step couples all rows at once "
       "(`ipm`: {its_5_10} iterations for 10 × 10 where `uzawa` needs {its_1_10} with the stable ρ "
-      "and "
-      "{its_0_10} with the paper's).");
+      "and {its_0_10} with the paper's).");
 
   // The lattice leans: friction has something to do, and raw (42) a denominator.
   Chart leaning;
@@ -278,12 +268,9 @@ PaperResult run_fig13(const PaperContext& context) {
        .after = 2});
   result.ours.push_back(
       "The ordinate here is the guarded ε. Raw (42) divides by the dissipation of friction, and in "
-      "a "
-      "packing at rest nothing slides: it is undefined in {raw_undefined} of the judged iterations "
-      "of "
-      "the upright lattices, and in a lattice that leans by 10° it ends at {raw_end_1}, "
-      "{raw_end_3} "
-      "and {raw_end_5} (`uzawa`, `pgs`, `ipm`) where ε is below 1e-10.");
+      "a packing at rest nothing slides: it is undefined in {raw_undefined} of the judged "
+      "iterations of the upright lattices, and in a lattice that leans by 10° it ends at "
+      "{raw_end_1}, {raw_end_3} and {raw_end_5} (`uzawa`, `pgs`, `ipm`) where ε is below 1e-10.");
   return result;
 }
 

@@ -125,8 +125,7 @@ class StressItem {
         "step; its contact part alone is off by up to {contact_asymmetry} while disks are spun up. "
         "Once jammed between smooth walls its pressure equals the contact pressure on the walls to "
         "{pressure_error} in the mean and {pressure_error_step} in the worst step. Rough walls "
-        "press "
-        "by friction as well; with that counted the tensor equals what they do to "
+        "press by friction as well; with that counted the tensor equals what they do to "
         "{traction_error}, without it the pressure is {friction_share} of theirs. The kinetic part "
         "reaches {kinetic_most} of the applied pressure during the fall and is {kinetic_last} of "
         "the whole at the end.");
