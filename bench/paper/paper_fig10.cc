@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -62,15 +62,13 @@ double column_error(const Rest& rest, int side) {
   return worst;
 }
 
-/// Dimension of the impulses that move nothing: rows of s less the rank of H.
+/// Dimension of the impulses that move nothing: rows of s less the rank of H. By elimination with
+/// full pivoting: H's entries are cosines and radii, so its rank shows in the pivots, and singular
+/// values would cost this file most of its compilation.
 int self_stresses(const ContactProblem& problem) {
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd{Eigen::MatrixXd(problem.H)};
-  int rank = 0;
-  while (rank < svd.singularValues().size() &&
-         svd.singularValues()[rank] > 1e-10 * svd.singularValues()[0]) {
-    ++rank;
-  }
-  return problem.num_rows() - rank;
+  Eigen::FullPivLU<Eigen::MatrixXd> factors{Eigen::MatrixXd(problem.H)};
+  factors.setThreshold(1e-10);
+  return problem.num_rows() - static_cast<int>(factors.rank());
 }
 
 Scene pyramid_scene(int rows, double mu, double mu_floor) {
