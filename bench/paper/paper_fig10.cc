@@ -8,9 +8,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "bench/measure/force_balance.h"
 #include "bench/paper/paper_items.h"
 #include "bench/paper/static_equilibrium.h"
+#include "core/motion/force_balance.h"
 #include "core/pictures/force_picture.h"
 #include "core/problem/contact_error.h"
 #include "core/problem/delassus.h"

@@ -99,7 +99,8 @@ void settle(Settling& s, const PaperContext& context, bool by_displacement) {
   };
   const double mu = s.scene.laws[0].mu;
   s.run = run_packing(
-      s.scene, s.state, context, [&](const State& before, const State& after, const StepReport& r) {
+      s.scene, s.state, context.interrupted,
+      [&](const State& before, const State& after, const StepReport& r) {
         released = s.initial - r.energy.potential;
         if (r.step % 10 == 0) {
           s.history.push_back({r.time, r.energy.kinetic / released, false, "", false});
@@ -519,7 +520,7 @@ class Fig11 {
       context_.report(fmt::format("at rest with h = {:.1e} s", main.scene.step));
       double kinetic = 0;
       int done = 0;
-      run_packing(main.scene, main.state, context_,
+      run_packing(main.scene, main.state, context_.interrupted,
                   [&](const State&, const State&, const StepReport& r) {
                     if (++done > main.scene.num_steps / 2)
                       kinetic = std::max(kinetic, r.energy.kinetic);

@@ -24,7 +24,7 @@ Compression compressed(const CompressionOptions& options, double step_factor, do
   scene.step *= step_factor;
   scene.solver.tol = tol;
   scene.solver.max_iterations = cap;
-  return run_compression(scene, context);
+  return run_compression(scene, context.interrupted);
 }
 
 double at_lag(const CompressionPhase& phase, std::size_t lag) {

@@ -49,7 +49,7 @@ class StressItem {
     context_.report(fmt::format("{} disks between {} walls", count, smooth ? "smooth" : "rough"));
     Scene scene = compression_scene({.count = count, .smooth_walls = smooth});
     scene.solver.max_iterations = 3000;
-    return run_compression(scene, context_);
+    return run_compression(scene, context_.interrupted);
   }
 
   /// Isotropic compression between rough and between smooth walls.
@@ -235,7 +235,7 @@ class StressItem {
     scene.solver.tol = 1e-12;
     scene.solver.max_iterations = 100000;
     State state = initial_state(scene);
-    run_packing(scene, state, context_, {});
+    run_packing(scene, state, context_.interrupted, {});
     const std::vector<double> moments = contact_moments(state);
     Chart chart;
     chart.title = "Vertical stress against depth in a square lattice";
