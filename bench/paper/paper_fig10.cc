@@ -38,8 +38,8 @@ Rest one_step(const std::string& family, int side, double mu, const std::string&
   SolverOptions options;
   options.tol = 1e-10;
   options.max_iterations = 200000;
-  const SolverEntry* entry = find_solver(solver);
-  TimeStepper stepper(rest.scene, make_step_solver(*entry, options), entry->needs_delassus);
+  const SolverEntry& entry = require_solver(solver);
+  TimeStepper stepper(rest.scene, make_step_solver(entry, options), entry.needs_delassus);
   rest.state = initial_state(rest.scene);
   const StepReport report = stepper.advance(rest.state);
   if (!report.converged) {
@@ -499,12 +499,12 @@ class Fig10 {
         state = held_pyramid(scene,
                              static_equilibrium(step_problem(scene, initial_state(scene), false)));
       }
-      const SolverEntry* entry = find_solver(c.solver);
+      const SolverEntry& entry = require_solver(c.solver);
       SolverOptions options;
       options.tol = 1e-6;
       options.max_iterations = 200000;
       options.cancelled = context_.interrupted;
-      TimeStepper stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
+      TimeStepper stepper(scene, make_step_solver(entry, options), entry.needs_delassus);
       ChartSeries series{c.name, style++, {{0, 0}}};
       const double top = state.disks.back().x[1];
       const int steps = context_.quick ? 20 : 100;

@@ -52,8 +52,8 @@ constexpr double kMu = 0.3;  // where there is friction
 History history(const Method& method, int side, double mu, double tilt, int max_iterations,
                 const PaperContext& context) {
   const Scene scene = make_family_scene("square", side, {.mu = mu, .tilt_degrees = tilt});
-  const SolverEntry* entry = find_solver(method.solver);
-  const ContactProblem problem = step_problem(scene, initial_state(scene), entry->needs_delassus);
+  const SolverEntry& entry = require_solver(method.solver);
+  const ContactProblem problem = step_problem(scene, initial_state(scene), entry.needs_delassus);
   History h;
   h.side = side;
   SolverOptions options;
@@ -62,7 +62,7 @@ History history(const Method& method, int side, double mu, double tilt, int max_
   options.parameters = method.parameters;
   options.cancelled = context.interrupted;
   options.on_iteration = [&h](const IterationRecord& record) { h.records.push_back(record); };
-  h.result = solve(*entry, problem, options);
+  h.result = solve(entry, problem, options);
   return h;
 }
 
