@@ -135,7 +135,7 @@ WindowStatistics window_statistics(const std::vector<double>& pressures) {
   return result;
 }
 
-Compression run_compression(const Scene& scene, const PaperContext& context) {
+Compression run_compression(const Scene& scene, const std::function<bool()>& interrupted) {
   Compression c;
   c.scene = scene;
   c.state = initial_state(scene);
@@ -143,32 +143,33 @@ Compression run_compression(const Scene& scene, const PaperContext& context) {
   int jammed_converged = 0;
   const int jammed_from = scene.num_steps - scene.num_steps / 3;  // steps after it are `jammed`
   double logarithms = 0;
-  c.run = run_packing(
-      scene, c.state, context, [&](const State& before, const State& after, const StepReport& r) {
-        Sample s = measure(scene, before, after);
-        s.kinetic = r.energy.kinetic;
-        for (int k = 0; k < 4; ++k) {
-          const Wall &a = before.walls[static_cast<std::size_t>(k)],
-                     &b = after.walls[static_cast<std::size_t>(k)];
-          const double inertia = b.mass * (b.v - a.v).dot(b.direction) / scene.step;
-          const double force = -force_on_wall(after, scene.step, k).dot(b.direction);
-          c.wall_balance =
-              std::max(c.wall_balance, std::abs(force - (b.force - inertia)) / b.force);
-        }
-        c.time.push_back(r.time);
-        c.pressure.push_back(0.5 * s.stress.trace());
-        c.kinetic_pressure.push_back(s.kinetic_pressure);
-        c.wall_pressure.push_back(s.wall_pressure);
-        c.applied_pressure.push_back(s.applied_pressure);
-        if (r.step > jammed_from) {
-          jammed_converged += r.converged ? 1 : 0;
-          c.jammed_run.iterations += r.iterations;
-          logarithms += std::log(r.error.guarded());
-        }
-        samples.push_back(std::move(s));
-        c.previous = before;
-        return true;
-      });
+  c.run =
+      run_packing(scene, c.state, interrupted,
+                  [&](const State& before, const State& after, const StepReport& r) {
+                    Sample s = measure(scene, before, after);
+                    s.kinetic = r.energy.kinetic;
+                    for (int k = 0; k < 4; ++k) {
+                      const Wall &a = before.walls[static_cast<std::size_t>(k)],
+                                 &b = after.walls[static_cast<std::size_t>(k)];
+                      const double inertia = b.mass * (b.v - a.v).dot(b.direction) / scene.step;
+                      const double force = -force_on_wall(after, scene.step, k).dot(b.direction);
+                      c.wall_balance =
+                          std::max(c.wall_balance, std::abs(force - (b.force - inertia)) / b.force);
+                    }
+                    c.time.push_back(r.time);
+                    c.pressure.push_back(0.5 * s.stress.trace());
+                    c.kinetic_pressure.push_back(s.kinetic_pressure);
+                    c.wall_pressure.push_back(s.wall_pressure);
+                    c.applied_pressure.push_back(s.applied_pressure);
+                    if (r.step > jammed_from) {
+                      jammed_converged += r.converged ? 1 : 0;
+                      c.jammed_run.iterations += r.iterations;
+                      logarithms += std::log(r.error.guarded());
+                    }
+                    samples.push_back(std::move(s));
+                    c.previous = before;
+                    return true;
+                  });
   if (static_cast<int>(samples.size()) < scene.num_steps) return c;  // interrupted
   double largest = 0;
   for (const Sample& s : samples) largest = std::max(largest, s.kinetic);

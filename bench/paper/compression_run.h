@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "bench/paper/packing.h"
@@ -49,6 +50,6 @@ struct Compression {
   double wall_balance = 0;
   double solid_fraction = 0, coordination = 0;  ///< at the end; coordination: mean of `jammed`
 };
-Compression run_compression(const Scene& scene, const PaperContext& context);
+Compression run_compression(const Scene& scene, const std::function<bool()>& interrupted);
 
 }  // namespace bipot

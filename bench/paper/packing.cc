@@ -56,18 +56,18 @@ double slope_of_line(std::span<const double> x, std::span<const double> y) {
 }  // namespace
 
 PackingRun run_packing(
-    const Scene& scene, State& state, const PaperContext& context,
+    const Scene& scene, State& state, const std::function<bool()>& interrupted,
     const std::function<bool(const State&, const State&, const StepReport&)>& on_step) {
   const SolverEntry* entry = &require_solver(scene.solver.name);
   SolverOptions options = to_options(scene.solver);
-  options.cancelled = context.interrupted;
+  options.cancelled = interrupted;
   TimeStepper stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
   PackingRun run;
   std::vector<ContactOutcome> old, older;  // one and two steps before `state`
   double logarithms = 0;
   int positive = 0;
   for (int k = 0; k < scene.num_steps; ++k) {
-    if (context.stopped()) break;
+    if (interrupted && interrupted()) break;
     const State previous = state;
     // e_t = 1 turns tangential velocities round at each step, so at rest forces repeat themselves
     // every second one: what was two steps before is then the better start.

@@ -4,7 +4,6 @@
 #include <span>
 #include <vector>
 
-#include "bench/paper/paper_item.h"
 #include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"
 
@@ -22,10 +21,11 @@ struct PackingRun {
 
 /// Up to scene.num_steps steps from a state, with the scene's solver, tolerance and iteration cap.
 /// A step that does not meet the tolerance is taken as it is, and counted. `on_step` sees the
-/// states before and after a step and ends the run by returning false. Stops when the context is
-/// interrupted. Throws StepFailure where a step cannot be taken.
+/// states before and after a step and ends the run by returning false. `interrupted` is asked
+/// before each step and inside solves; it may be empty. Throws StepFailure where a step cannot be
+/// taken.
 PackingRun run_packing(
-    const Scene& scene, State& state, const PaperContext& context,
+    const Scene& scene, State& state, const std::function<bool()>& interrupted,
     const std::function<bool(const State& before, const State& after, const StepReport&)>& on_step);
 
 /// Kinetic energy of the velocities that move the bodies during a step, the means of those before

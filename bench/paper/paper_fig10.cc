@@ -2,15 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SVD>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
 
-#include "bench/measure/force_balance.h"
 #include "bench/paper/paper_items.h"
 #include "bench/paper/static_equilibrium.h"
+#include "core/motion/force_balance.h"
 #include "core/pictures/force_picture.h"
 #include "core/problem/contact_error.h"
 #include "core/problem/delassus.h"
@@ -38,8 +38,8 @@ Rest one_step(const std::string& family, int side, double mu, const std::string&
   SolverOptions options;
   options.tol = 1e-10;
   options.max_iterations = 200000;
-  const SolverEntry* entry = find_solver(solver);
-  TimeStepper stepper(rest.scene, make_step_solver(*entry, options), entry->needs_delassus);
+  const SolverEntry& entry = require_solver(solver);
+  TimeStepper stepper(rest.scene, make_step_solver(entry, options), entry.needs_delassus);
   rest.state = initial_state(rest.scene);
   const StepReport report = stepper.advance(rest.state);
   if (!report.converged) {
@@ -62,15 +62,13 @@ double column_error(const Rest& rest, int side) {
   return worst;
 }
 
-/// Dimension of the impulses that move nothing: rows of s less the rank of H.
+/// Dimension of the impulses that move nothing: rows of s less the rank of H. By elimination with
+/// full pivoting: H's entries are cosines and radii, so its rank shows in the pivots, and singular
+/// values would cost this file most of its compilation.
 int self_stresses(const ContactProblem& problem) {
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd{Eigen::MatrixXd(problem.H)};
-  int rank = 0;
-  while (rank < svd.singularValues().size() &&
-         svd.singularValues()[rank] > 1e-10 * svd.singularValues()[0]) {
-    ++rank;
-  }
-  return problem.num_rows() - rank;
+  Eigen::FullPivLU<Eigen::MatrixXd> factors{Eigen::MatrixXd(problem.H)};
+  factors.setThreshold(1e-10);
+  return problem.num_rows() - static_cast<int>(factors.rank());
 }
 
 Scene pyramid_scene(int rows, double mu, double mu_floor) {
@@ -184,11 +182,9 @@ class Fig10 {
     }
     result_.ours.push_back(
         "Rectangular, μ = 0. The vertical forces are k m g to {rectangular10_columns}. Only they "
-        "are "
-        "compared: a row between two walls can be pre-stressed by any force, so the horizontal "
-        "forces "
-        "are not unique. `auto` returns at most {side_auto}, `ipm`, which stays inside the cones, "
-        "{side_ipm}; both solve the law.");
+        "are compared: a row between two walls can be pre-stressed by any force, so the horizontal "
+        "forces are not unique. `auto` returns at most {side_auto}, `ipm`, which stays inside the "
+        "cones, {side_ipm}; both solve the law.");
   }
 
   void triangular() {
@@ -262,9 +258,8 @@ class Fig10 {
         "forces are not unique: the 10 × 10 array has {self_stresses} independent self-stresses, "
         "and two solvers that both meet 1e-10 differ by {force_difference} of the largest force; "
         "with friction not even the floor's share is determined ({base_apgd} with `apgd`, "
-        "{base_ipm} "
-        "with `ipm`). So what is compared is the resultant on each disk and on the box, which is "
-        "unique.");
+        "{base_ipm} with `ipm`). So what is compared is the resultant on each disk and on the box, "
+        "which is unique.");
   }
 
   void pyramids() {
@@ -312,22 +307,18 @@ class Fig10 {
           [](double mu) { return pyramid_problem(2, mu, mu); });
     result_.ours.push_back(
         "Cannon-ball, three disks, by hand. The top disk hands each lower one half its weight. Of "
-        "the "
-        "forces on a lower disk, its weight and the floor's reaction pass through the floor "
-        "contact; "
-        "so must the third, the push from the top disk, when the lower disks touch without "
-        "pressing "
-        "(pressing only makes more friction necessary at both places). That line leans 15° from "
-        "the "
-        "vertical, the contact's normal 30°: the disks need μ ≥ tan 15° = 2 − √3 among each other. "
-        "The floor carries three halves of a weight and is pushed sideways by half a weight times "
-        "tan 15°: it needs (2 − √3)/3. Found by bisection: {mu_disks} and {mu_floor}.");
+        "the forces on a lower disk, its weight and the floor's reaction pass through the floor "
+        "contact; so must the third, the push from the top disk, when the lower disks touch "
+        "without pressing (pressing only makes more friction necessary at both places). That line "
+        "leans 15° from the vertical, the contact's normal 30°: the disks need μ ≥ tan 15° = 2 − "
+        "√3 among each other. The floor carries three halves of a weight and is pushed sideways by "
+        "half a weight times tan 15°: it needs (2 − √3)/3. Found by bisection: {mu_disks} and "
+        "{mu_floor}.");
     result_.ours.push_back(
         "Whether a pyramid can stand is decided by existence: are there forces within the friction "
         "cones that hold every disk? In the plane that is a linear question (limit analysis). "
-        "Either "
-        "such forces are found, or a motion that opens every contact at least as fast as friction "
-        "dilates it and gains power from gravity, which proves that there are none.");
+        "Either such forces are found, or a motion that opens every contact at least as fast as "
+        "friction dilates it and gains power from gravity, which proves that there are none.");
   }
 
   void curve() {
@@ -477,14 +468,11 @@ class Fig10 {
     result_.ours.push_back(
         "Existence is one thing, what a time step does another. Below the curve no forces hold the "
         "pyramid, and it falls whatever the solver. Above it rest solves the contact law, but "
-        "motions "
-        "may solve it too: the law does not decide between them, and which one comes out depends "
-        "on "
-        "the way there. The tables below show one step from zero impulses, in which every answer "
-        "satisfies "
-        "the law to 1e-8. With 10 rows and μ = 0.6 the mean velocity of the answers lies between "
-        "{least_motion_10} and {most_motion_10}; the largest μ of the table with an answer that "
-        "falls is {last_fall_10}.");
+        "motions may solve it too: the law does not decide between them, and which one comes out "
+        "depends on the way there. The tables below show one step from zero impulses, in which "
+        "every answer satisfies the law to 1e-8. With 10 rows and μ = 0.6 the mean velocity of the "
+        "answers lies between {least_motion_10} and {most_motion_10}; the largest μ of the table "
+        "with an answer that falls is {last_fall_10}.");
   }
 
   /// Height of the top disk over time.
@@ -511,12 +499,12 @@ class Fig10 {
         state = held_pyramid(scene,
                              static_equilibrium(step_problem(scene, initial_state(scene), false)));
       }
-      const SolverEntry* entry = find_solver(c.solver);
+      const SolverEntry& entry = require_solver(c.solver);
       SolverOptions options;
       options.tol = 1e-6;
       options.max_iterations = 200000;
       options.cancelled = context_.interrupted;
-      TimeStepper stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
+      TimeStepper stepper(scene, make_step_solver(entry, options), entry.needs_delassus);
       ChartSeries series{c.name, style++, {{0, 0}}};
       const double top = state.disks.back().x[1];
       const int steps = context_.quick ? 20 : 100;
@@ -558,8 +546,7 @@ class Fig10 {
             fmt::format("The pyramid of 10 rows at μ = 0.5 after {:.1f} s.", fallen_.second.time));
     result_.ours.push_back(
         "Over many steps: at μ = 0.5 the top disk of 10 rows drops by {drop_05_pgs}. At μ = 0.6, "
-        "above the least coefficient {mu_10rows}, it drops by {drop_06_pgs} with `pgs` from a "
-        "cold "
+        "above the least coefficient {mu_10rows}, it drops by {drop_06_pgs} with `pgs` from a cold "
         "start, by {drop_06_ipm} with `ipm`, and by {drop_06_held_pgs} with `pgs` when the first "
         "step is given the forces that hold.");
   }

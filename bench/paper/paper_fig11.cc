@@ -99,7 +99,8 @@ void settle(Settling& s, const PaperContext& context, bool by_displacement) {
   };
   const double mu = s.scene.laws[0].mu;
   s.run = run_packing(
-      s.scene, s.state, context, [&](const State& before, const State& after, const StepReport& r) {
+      s.scene, s.state, context.interrupted,
+      [&](const State& before, const State& after, const StepReport& r) {
         released = s.initial - r.energy.potential;
         if (r.step % 10 == 0) {
           s.history.push_back({r.time, r.energy.kinetic / released, false, "", false});
@@ -211,6 +212,32 @@ ChartSeries tail_line(const std::string& name, int style, const std::vector<doub
   return series;
 }
 
+double degrees(double radians) { return radians * 180 / std::numbers::pi; }
+
+/// What is measured in several packings, one entry a packing, and their forces together.
+struct Samples {
+  std::vector<double> roughness;           ///< rms deviation of the surface over kDiameter
+  std::vector<double> slopes, heaps;       ///< of the surface, degrees
+  std::vector<double> sides;               ///< upward friction of the side walls over the weight
+  std::vector<double> rates, layer_rates;  ///< of the tails of the forces
+  std::vector<double> forces, layered;     ///< over the mean of the packing, of the layer
+
+  void add(const Settling& s) {
+    const Surface surface = measure_surface(s.state, 0, 0.03, 20);
+    roughness.push_back(surface.roughness / kDiameter);
+    slopes.push_back(degrees(std::atan(surface.slope)));
+    heaps.push_back(degrees(std::atan(surface.heap)));
+    const Vec2 walls =
+        force_on_wall(s.state, s.scene.step, 1) + force_on_wall(s.state, s.scene.step, 2);
+    sides.push_back(-walls[1] / weight(s.scene));
+    const std::vector<double> f = relative_forces(s.state, 1), g = relative_forces(s.state, 8);
+    rates.push_back(fit_exponential_tail(f, kTailFrom).rate);
+    layer_rates.push_back(fit_exponential_tail(g, kTailFrom).rate);
+    forces.insert(forces.end(), f.begin(), f.end());
+    layered.insert(layered.end(), g.begin(), g.end());
+  }
+};
+
 class Fig11 {
  public:
   explicit Fig11(const PaperContext& context) : context_(context) {
@@ -233,7 +260,10 @@ class Fig11 {
     if (context_.stopped()) return std::move(result_);
     picture(main);
     load(main, smooth);
-    surface_and_forces(main);
+    const Samples samples = sample(main);
+    surface(samples, degrees(std::atan(main.scene.laws[0].mu)));
+    forces(samples);
+    distribution_chart(samples);
     if (context_.stopped()) return std::move(result_);
     rest(std::move(main), inelastic);
     return std::move(result_);
@@ -282,56 +312,40 @@ class Fig11 {
             .holds = smooth.at_rest && std::abs(smooth.floor - 1) <= 0.01,
             .digits = 6});
     result_.ours.push_back(
-        "Base load. Floor and side walls carry {vertical_load} of the weight together. "
-        "Friction "
-        "on the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory "
-        "the walls take load off the floor once the grains slide down along them; here they could "
-        "take at most {side_limit}, and what they do take depends on how the packing came to rest "
+        "Base load. Floor and side walls carry {vertical_load} of the weight together. Friction on "
+        "the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory the "
+        "walls take load off the floor once the grains slide down along them; here they could take "
+        "at most {side_limit}, and what they do take depends on how the packing came to rest "
         "({side_least} to {side_most} in {packings} packings; negative: they press it down). With "
-        "frictionless side walls the floor carries "
-        "{floor_load_smooth}.");
+        "frictionless side walls the floor carries {floor_load_smooth}.");
   }
 
-  void surface_and_forces(const Settling& main) {
-    std::vector<Settling> packings = {main};
+  /// The packing of the figure and others from different random starts.
+  Samples sample(const Settling& main) const {
+    Samples samples;
+    samples.add(main);
     const int seeds = context_.quick ? 2 : 5;
     for (int seed = 2; seed <= seeds && !context_.stopped(); ++seed) {
       context_.report(fmt::format("packing {} of {}", seed, seeds));
-      packings.push_back(settled({.seed = seed, .step = step_, .latest = kSample}, context_));
+      samples.add(settled({.seed = seed, .step = step_, .latest = kSample}, context_));
     }
-    std::vector<double> roughness, slopes, heaps, sides, rates, layer_rates, forces, layered;
-    for (const Settling& s : packings) {
-      const Surface surface = measure_surface(s.state, 0, 0.03, 20);
-      roughness.push_back(surface.roughness / kDiameter);
-      slopes.push_back(std::atan(surface.slope) * 180 / std::numbers::pi);
-      heaps.push_back(std::atan(surface.heap) * 180 / std::numbers::pi);
-      const std::vector<double> f = relative_forces(s.state, 1), g = relative_forces(s.state, 8);
-      sides.push_back(
-          -(force_on_wall(s.state, s.scene.step, 1) + force_on_wall(s.state, s.scene.step, 2))[1] /
-          weight(s.scene));
-      rates.push_back(fit_exponential_tail(f, kTailFrom).rate);
-      layer_rates.push_back(fit_exponential_tail(g, kTailFrom).rate);
-      forces.insert(forces.end(), f.begin(), f.end());
-      layered.insert(layered.end(), g.begin(), g.end());
-    }
-    const MeanValue rough = mean_value(roughness), slope = mean_value(slopes),
-                    heap = mean_value(heaps), rate = mean_value(rates),
-                    layer_rate = mean_value(layer_rates);
-    const ExponentialTail pooled = fit_exponential_tail(forces, kTailFrom);
-    // Lilliefors' test of an exponential with a fitted mean: 1 % points at 1.308 / sqrt(n).
-    const double critical = 1.308 / std::sqrt(static_cast<double>(pooled.points));
-    const double steepest = std::atan(main.scene.laws[0].mu) * 180 / std::numbers::pi;
+    return samples;
+  }
 
+  /// `steepest`: slope that friction can hold, degrees.
+  void surface(const Samples& samples, double steepest) {
+    const MeanValue rough = mean_value(samples.roughness), slope = mean_value(samples.slopes),
+                    heap = mean_value(samples.heaps);
     number({.name = "packings",
-            .value = static_cast<double>(packings.size()),
+            .value = static_cast<double>(samples.roughness.size()),
             .meaning = "packings, from different random starts"});
     number({.name = "side_least",
-            .value = *std::min_element(sides.begin(), sides.end()),
+            .value = *std::min_element(samples.sides.begin(), samples.sides.end()),
             .meaning = "least share of the side walls' upward friction in the weight, last step of "
                        "the packings",
             .digits = 2});
     number({.name = "side_most",
-            .value = *std::max_element(sides.begin(), sides.end()),
+            .value = *std::max_element(samples.sides.begin(), samples.sides.end()),
             .meaning = "largest",
             .digits = 2});
     number({.name = "roughness",
@@ -370,7 +384,13 @@ class Fig11 {
         "mean height; its slope is {slope} ± {slope_confidence}, its fall from the middle to the "
         "sides {heap} ± {heap_confidence}. The start may leave a slope to the right, where its "
         "last row has three free places.");
+  }
 
+  void forces(const Samples& samples) {
+    const MeanValue rate = mean_value(samples.rates), layer_rate = mean_value(samples.layer_rates);
+    const ExponentialTail pooled = fit_exponential_tail(samples.forces, kTailFrom);
+    // Lilliefors' test of an exponential with a fitted mean: 1 % points at 1.308 / sqrt(n).
+    const double critical = 1.308 / std::sqrt(static_cast<double>(pooled.points));
     number({.name = "tail_rate",
             .value = rate.mean,
             .meaning = "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, mean of the packings",
@@ -398,32 +418,59 @@ class Fig11 {
             .digits = 1});
     result_.ours.push_back(
         "Forces. The normal forces above 1.5 times their mean fall off exponentially, β = "
-        "{tail_rate} ± "
-        "{tail_confidence}. Part of that spread is depth: relative to the mean of their layer, "
-        "β is {tail_rate_layers} ± {tail_layers_confidence}, and weak forces are about equally "
-        "frequent down to zero.");
+        "{tail_rate} ± {tail_confidence}. Part of that spread is depth: relative to the mean of "
+        "their layer, β is {tail_rate_layers} ± {tail_layers_confidence}, and weak forces are "
+        "about equally frequent down to zero.");
+  }
+
+  void distribution_chart(const Samples& samples) {
     Chart chart;
     chart.title = "Distribution of the normal forces";
     chart.x = {"f/⟨f⟩", ChartAxis::Kind::kLinear, 0.0, {}};
     chart.y = {"P(f/⟨f⟩)", ChartAxis::Kind::kLog, {}, {}};
-    chart.series = {
-        histogram("mean of the packing", 0, forces),
-        tail_line(fmt::format("exp(−{:.2f} f/⟨f⟩)", fit_exponential_tail(forces, kTailFrom).rate),
-                  1, forces),
-        histogram("mean of the layer", 2, layered),
-        tail_line(fmt::format("exp(−{:.2f} f/⟨f⟩)", fit_exponential_tail(layered, kTailFrom).rate),
-                  3, layered)};
+    const auto add = [&chart](const char* name, int style, const std::vector<double>& x) {
+      const double rate = fit_exponential_tail(x, kTailFrom).rate;
+      chart.series.push_back(histogram(name, style, x));
+      chart.series.push_back(tail_line(fmt::format("exp(−{:.2f} f/⟨f⟩)", rate), style + 1, x));
+    };
+    add("mean of the packing", 0, samples.forces);
+    add("mean of the layer", 2, samples.layered);
     result_.figures.push_back({.name = "fig11_distribution",
                                .caption = fmt::format("Normal forces of {} packings, relative to "
                                                       "their mean, and exponentials fitted from "
                                                       "1.5 on.",
-                                                      packings.size()),
+                                                      samples.roughness.size()),
                                .chart = chart,
                                .after = 2});
   }
 
   /// How the packing comes to rest; takes `main` further with smaller steps.
   void rest(Settling main, const Settling& inelastic) {
+    energy_numbers(main, inelastic);
+    const double released = main.released();
+    const GoingOn going_on = go_on(main);
+    level_numbers(going_on, released);
+    solve_numbers(main, inelastic);
+    result_.ours.push_back(
+        "Rest. With e_t = 0 the kinetic energy falls to {kinetic_inelastic} of what the fall "
+        "released. With e_t = 1 it stays at {kinetic}: e_t = 1 turns the tangential velocity of "
+        "every sticking contact round at each step, which loses no energy, and friction can do so "
+        "as long as the impulse is inside the cone. Only sliding dissipates, so what remains is "
+        "bounded by μ h times the forces, {bound} here, in proportion to h². The disks do not move "
+        "by it: the mean of the velocities before and after a step, which displaces them, has "
+        "{moving}. Going on with smaller steps lowers the level, to {kinetic_smallest} for h = "
+        "{smallest_step}.");
+    result_.ours.push_back(
+        "Cost. Steps at rest with e_t = 1 are hard to solve: {met} of all steps met 1e-4 within "
+        "1000 iterations of `apgd` (with e_t = 0: {met_inelastic}); the others were taken with "
+        "what was reached, ε = {error} in the mean. Balance of momentum holds in any case. The "
+        "largest overlap, {overlap} of the smallest radius, is the way of a falling disk during "
+        "half a step of {step}.");
+    decay_chart(main.history, inelastic.history);
+    level_chart(going_on);
+  }
+
+  void energy_numbers(const Settling& main, const Settling& inelastic) {
     const double released = main.released();
     number({.name = "step", .value = step_, .unit = "s", .meaning = "time step h"});
     number({.name = "kinetic",
@@ -442,54 +489,74 @@ class Fig11 {
             .expected = "below 1e-9",
             .holds = inelastic.at_rest,
             .digits = 2});
+  }
 
+  /// A packing at rest with e_t = 1, taken further with smaller and smaller steps.
+  struct GoingOn {
+    /// Kinetic energy, and what friction can hold, over the energy released, against the step.
     ChartSeries levels{"kinetic energy at rest", 0, {}}, bounds{"bound", 1, {}};
-    bounds.kind = ChartSeries::Kind::kLine;
-    levels.points.push_back({step_, main.kinetic / released});
-    bounds.points.push_back({step_, alternating_bound(main) / released});
-    bool below = main.kinetic <= alternating_bound(main);
-    const std::vector<ChartPoint> history = main.history;
+    bool below = true;         ///< each level its bound
+    double last = 0;           ///< kinetic energy with the smallest step                    [J]
+    double smallest_step = 0;  // [s]
+
+    void add(const Settling& s, double kinetic, double released) {
+      last = kinetic;
+      smallest_step = s.scene.step;
+      below = below && kinetic <= alternating_bound(s);
+      levels.points.push_back({s.scene.step, kinetic / released});
+      bounds.points.push_back({s.scene.step, alternating_bound(s) / released});
+    }
+  };
+
+  GoingOn go_on(Settling& main) const {
+    GoingOn going_on;
+    going_on.bounds.kind = ChartSeries::Kind::kLine;
+    const double released = main.released();
+    going_on.add(main, main.kinetic, released);
     const int rounds = context_.quick ? 2 : 4;
-    double last = main.kinetic;
     for (int k = 0; k < rounds && !context_.stopped(); ++k) {
       main.scene.step /= 4;
       main.scene.num_steps = 120;
       context_.report(fmt::format("at rest with h = {:.1e} s", main.scene.step));
       double kinetic = 0;
       int done = 0;
-      run_packing(main.scene, main.state, context_,
+      run_packing(main.scene, main.state, context_.interrupted,
                   [&](const State&, const State&, const StepReport& r) {
                     if (++done > main.scene.num_steps / 2)
                       kinetic = std::max(kinetic, r.energy.kinetic);
                     return true;
                   });
-      last = kinetic;
-      below = below && kinetic <= alternating_bound(main);
-      levels.points.push_back({main.scene.step, kinetic / released});
-      bounds.points.push_back({main.scene.step, alternating_bound(main) / released});
+      going_on.add(main, kinetic, released);
     }
+    return going_on;
+  }
+
+  void level_numbers(const GoingOn& going_on, double released) {
     number({.name = "bound",
-            .value = bounds.points[0].y,
+            .value = going_on.bounds.points[0].y,
             .meaning = "what friction can hold: 3/8 (μ h)² Σ (Σ f_n)²/m over the energy released",
             .expected = "above the kinetic energy at rest, for each step",
-            .holds = below,
+            .holds = going_on.below,
             .digits = 2});
     number({.name = "smallest_step",
-            .value = main.scene.step,
+            .value = going_on.smallest_step,
             .unit = "s",
             .meaning = "smallest step at rest",
             .digits = 2});
     PaperNumber smallest{.name = "kinetic_smallest",
-                         .value = last / released,
+                         .value = going_on.last / released,
                          .meaning =
                              "kinetic energy at rest over the energy released, e_t = 1, "
                              "smallest step",
                          .digits = 2};
     if (!context_.quick) {
       smallest.expected = "below 1e-9";
-      smallest.holds = last < kRest * released;
+      smallest.holds = going_on.last < kRest * released;
     }
     number(smallest);
+  }
+
+  void solve_numbers(const Settling& main, const Settling& inelastic) {
     double overlap = 0;
     for (const ContactOutcome& o : main.state.contacts) overlap = std::max(overlap, -o.contact.gap);
     number({.name = "overlap",
@@ -510,33 +577,15 @@ class Fig11 {
             .value = static_cast<double>(inelastic.run.converged) / inelastic.run.steps,
             .meaning = "share of the steps that met it, e_t = 0",
             .digits = 2});
-    result_.ours.push_back(
-        "Rest. With e_t = 0 the kinetic energy falls to {kinetic_inelastic} of what the fall "
-        "released. With e_t = 1 it stays at {kinetic}: e_t = 1 turns the tangential "
-        "velocity of every sticking contact round at each step, which loses no energy, and "
-        "friction "
-        "can do so as long as the impulse is inside the cone. Only sliding dissipates, so what "
-        "remains is bounded by μ h times the forces, {bound} here, in proportion to h². The disks "
-        "do "
-        "not move by it: the mean of the velocities before and after a step, which displaces "
-        "them, has {moving}. Going on with smaller steps lowers the level, to {kinetic_smallest} "
-        "for "
-        "h = {smallest_step}.");
-    result_.ours.push_back(
-        "Cost. Steps at rest with e_t = 1 are hard to solve: {met} of all steps met 1e-4 "
-        "within "
-        "1000 iterations of `apgd` (with e_t = 0: {met_inelastic}); the others were taken with "
-        "what "
-        "was reached, ε = {error} in the mean. Balance of momentum holds in any case. The largest "
-        "overlap, {overlap} of the smallest radius, is the way of a falling disk during half a "
-        "step "
-        "of {step}.");
+  }
 
+  void decay_chart(const std::vector<ChartPoint>& elastic,
+                   const std::vector<ChartPoint>& inelastic) {
     Chart decay;
     decay.title = "Kinetic energy against time";
     decay.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}};
     decay.y = {"kinetic energy / energy released", ChartAxis::Kind::kLog, 1e-12, 1.0};
-    decay.series = {{"e_t = 1", 0, history}, {"e_t = 0", 1, inelastic.history}};
+    decay.series = {{"e_t = 1", 0, elastic}, {"e_t = 0", 1, inelastic}};
     for (ChartSeries& series : decay.series) series.kind = ChartSeries::Kind::kLine;
     decay.y_line = kRest;
     decay.y_line_label = "1e-9";
@@ -545,11 +594,14 @@ class Fig11 {
                                           "released so far.",
                                .chart = decay,
                                .after = 3});
+  }
+
+  void level_chart(const GoingOn& going_on) {
     Chart level;
     level.title = "Kinetic energy at rest against time step, e_t = 1";
     level.x = {"time step h (s)", ChartAxis::Kind::kLog, {}, {}};
     level.y = {"kinetic energy / energy released", ChartAxis::Kind::kLog, {}, {}};
-    level.series = {levels, bounds};
+    level.series = {going_on.levels, going_on.bounds};
     level.y_line = kRest;
     level.y_line_label = "1e-9";
     result_.figures.push_back({.name = "fig11_level",

@@ -24,7 +24,7 @@ Compression compressed(const CompressionOptions& options, double step_factor, do
   scene.step *= step_factor;
   scene.solver.tol = tol;
   scene.solver.max_iterations = cap;
-  return run_compression(scene, context);
+  return run_compression(scene, context.interrupted);
 }
 
 double at_lag(const CompressionPhase& phase, std::size_t lag) {
@@ -65,6 +65,37 @@ std::vector<std::string> row(const Variation& v) {
           fmt::format("{}", c.run.iterations)};
 }
 
+constexpr double kTol = 1e-2;
+constexpr int kCap = 3000;  // iterations
+
+struct WantedVariation {
+  const char* name;
+  CompressionOptions options;
+  double step_factor, tol;
+  bool choice;  ///< one of the paper's open choices: density or mass
+};
+
+/// What the variations have in common and what sets some of them apart.
+struct VariationExtremes {
+  // Over the paper's open choices.
+  double least_fraction = 1, most_fraction = 0, most_anisotropy = 0;
+  double least_coordination = 1e9, most_coordination = 0;
+  double least_turn = 1;  ///< of the correlation over two steps above that over one
+  // Of single runs.
+  double ratio_smooth = std::nan("");       ///< pressure over wall pressure, smooth walls
+  double inelastic = std::nan("");          ///< correlation of consecutive steps, e_t = 0
+  std::vector<double> same_step_fractions;  ///< solid fractions of other densities, same step
+
+  void add(const Compression& c) {
+    least_fraction = std::min(least_fraction, c.solid_fraction);
+    most_fraction = std::max(most_fraction, c.solid_fraction);
+    least_coordination = std::min(least_coordination, c.coordination);
+    most_coordination = std::max(most_coordination, c.coordination);
+    most_anisotropy = std::max(most_anisotropy, anisotropy(c.jammed.stress));
+    least_turn = std::min(least_turn, at_lag(c.jammed, 2) - at_lag(c.jammed, 1));
+  }
+};
+
 class Fig12 {
  public:
   explicit Fig12(const PaperContext& context) : context_(context) {}
@@ -78,10 +109,13 @@ class Fig12 {
         "fast. Density, walls' mass and the start are not given, the average is not shown.";
     const int count = context_.quick ? 617 : 2470;
     context_.report(fmt::format("{} disks", count));
-    const Compression main = compressed({.count = count}, 1, 1e-2, 3000, context_);
+    const Compression main = compressed({.count = count}, 1, kTol, kCap, context_);
     if (context_.stopped()) return std::move(result_);
     pictures(main);
-    homogeneity(main);
+    falling_numbers(main);
+    jammed_numbers(main);
+    homogeneity_text();
+    correlation_chart(main);
     walls(main);
     variations(main);
     return std::move(result_);
@@ -115,8 +149,8 @@ class Fig12 {
                      main.jammed.steps));
   }
 
-  void homogeneity(const Compression& main) {
-    const CompressionPhase &flow = main.flow, &jam = main.jammed;
+  void falling_numbers(const Compression& main) {
+    const CompressionPhase& flow = main.flow;
     number({.name = "disks",
             .value = static_cast<double>(main.state.disks.size()),
             .meaning = "disks; density 7800 kg/m³, a wall has 20 kg for 2470 disks"});
@@ -156,6 +190,10 @@ class Fig12 {
             .expected = "less than of the single steps",
             .holds = std::abs(flow.mean_windows.horizontal) < flow.horizontal,
             .digits = 2});
+  }
+
+  void jammed_numbers(const Compression& main) {
+    const CompressionPhase& jam = main.jammed;
     number({.name = "jam_lag1",
             .value = at_lag(jam, 1),
             .meaning = "correlation of the forces of consecutive steps, last 100 steps",
@@ -203,6 +241,9 @@ class Fig12 {
             .value = std::abs(jam.mean_windows.horizontal),
             .meaning = "of the mean over them, absolute",
             .digits = 2});
+  }
+
+  void homogeneity_text() {
     result_.ours.push_back(
         "There are two regimes. While the walls fall inwards ({flow_steps} steps) the forces of "
         "one step have little to do with those of the next (correlation {flow_lag1}); the "
@@ -219,7 +260,9 @@ class Fig12 {
         "falls from {jam_variation} to {jam_variation_mean} only, because the packing itself is "
         "uneven. Stress and fabric are isotropic to {stress_anisotropy} and {fabric_anisotropy} "
         "at each step, to {stress_anisotropy_mean} and {fabric_anisotropy_mean} in the average.");
+  }
 
+  void correlation_chart(const Compression& main) {
     Chart chart;
     chart.title = "Correlation of the contact forces against the number of steps between";
     chart.x = {"steps between", ChartAxis::Kind::kLinear, 0.0, 20.0};
@@ -231,7 +274,7 @@ class Fig12 {
       }
       return s;
     };
-    chart.series = {series("falling", 0, flow), series("jammed", 1, jam)};
+    chart.series = {series("falling", 0, main.flow), series("jammed", 1, main.jammed)};
     result_.figures.push_back({.name = "fig12_correlation",
                                .caption = "Correlation of the normal forces of two steps, pair by "
                                           "pair, mean over all such steps.",
@@ -276,9 +319,9 @@ class Fig12 {
         "Wall pressure. Applied force, contact force and inertia of the walls balance to "
         "{wall_balance}. At the end the walls carry {wall_pressure} of the applied force, and the "
         "mean stress (item stress) equals what the walls do to the sample to "
-        "{traction_difference}. "
-        "Its pressure is {pressure_ratio} of the normal pressure alone, because friction along the "
-        "walls presses the sample as well; without friction there it is {ratio_smooth} (table).");
+        "{traction_difference}. Its pressure is {pressure_ratio} of the normal pressure alone, "
+        "because friction along the walls presses the sample as well; without friction there it is "
+        "{ratio_smooth} (table).");
     number({.name = "jam_met",
             .value = static_cast<double>(main.jammed_run.converged),
             .meaning =
@@ -301,12 +344,10 @@ class Fig12 {
     result_.ours.push_back(
         "Cost. Jammed steps with e_t = 1 are hard: {jam_met} of the last 100 met 1e-2 within 3000 "
         "iterations of `apgd`, the others reached ε = {jam_error} (mean of all). A solve begins "
-        "with "
-        "the impulses of two steps before where the last forces are more like those than like the "
-        "ones of one step before ({far_starts} of 300 steps). The walls arrive fast, so that "
-        "disks overlap by {overlap_mean} of the smallest radius in the mean, "
-        "{overlap} "
-        "at most; overlaps are not pushed back.");
+        "with the impulses of two steps before where the last forces are more like those than like "
+        "the ones of one step before ({far_starts} of 300 steps). The walls arrive fast, so that "
+        "disks overlap by {overlap_mean} of the smallest radius in the mean, {overlap} at most; "
+        "overlaps are not pushed back.");
     Chart chart;
     chart.title = "Pressure against time";
     chart.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}};
@@ -330,42 +371,71 @@ class Fig12 {
                                .after = 2});
   }
 
-  /// Density, walls' mass, tolerance and restitution at a quarter of the size.
-  void variations(const Compression& main) {
-    const int count = context_.quick ? 154 : 617;
-    const double tol = 1e-2;
-    const int cap = 3000;
-    struct Wanted {
-      const char* name;
-      CompressionOptions options;
-      double step_factor, tol;
-      bool choice;  // one of the paper's open choices: density or mass
-    };
+  /// The paper's open choices, and solver and restitution, one changed at a time.
+  static std::vector<WantedVariation> wanted_variations(int count) {
     const CompressionOptions base = {.count = count};
     const auto with = [&](auto&& change) {
       CompressionOptions options = base;
       change(options);
       return options;
     };
-    const std::vector<Wanted> all = {
-        {"7800 kg/m³, 20 kg, 7e-5 s, 1e-2", base, 1, tol, true},
-        {"walls' mass / 4", with([](auto& o) { o.wall_mass /= 4; }), 1, tol, true},
-        {"walls' mass × 4", with([](auto& o) { o.wall_mass *= 4; }), 1, tol, true},
-        {"density / 4, step / 2", with([](auto& o) { o.density /= 4; }), 0.5, tol, true},
-        {"density / 4", with([](auto& o) { o.density /= 4; }), 1, tol, false},
-        {"density × 4", with([](auto& o) { o.density *= 4; }), 1, tol, false},
-        {"another start", with([](auto& o) { o.seed = 2; }), 1, tol, false},
-        {"tolerance 1e-1", base, 1, 1e-1, false},
-        {"tolerance 1e-3", base, 1, 1e-3, false},
-        {"e_t = 0", with([](auto& o) { o.e_t = 0; }), 1, tol, false},
-        {"smooth walls", with([](auto& o) { o.smooth_walls = true; }), 1, tol, false}};
+    return {{"7800 kg/m³, 20 kg, 7e-5 s, 1e-2", base, 1, kTol, true},
+            {"walls' mass / 4", with([](auto& o) { o.wall_mass /= 4; }), 1, kTol, true},
+            {"walls' mass × 4", with([](auto& o) { o.wall_mass *= 4; }), 1, kTol, true},
+            {"density / 4, step / 2", with([](auto& o) { o.density /= 4; }), 0.5, kTol, true},
+            {"density / 4", with([](auto& o) { o.density /= 4; }), 1, kTol, false},
+            {"density × 4", with([](auto& o) { o.density *= 4; }), 1, kTol, false},
+            {"another start", with([](auto& o) { o.seed = 2; }), 1, kTol, false},
+            {"tolerance 1e-1", base, 1, 1e-1, false},
+            {"tolerance 1e-3", base, 1, 1e-3, false},
+            {"e_t = 0", with([](auto& o) { o.e_t = 0; }), 1, kTol, false},
+            {"smooth walls", with([](auto& o) { o.smooth_walls = true; }), 1, kTol, false}};
+  }
+
+  /// Density, walls' mass, tolerance and restitution at a quarter of the size.
+  void variations(const Compression& main) {
+    const int count = context_.quick ? 154 : 617;
+    const CompressionOptions base = {.count = count};
+    PaperTable table = variations_table(main, count);
+    VariationExtremes found;
+    for (const WantedVariation& w : wanted_variations(count)) {
+      if (context_.stopped()) return;
+      context_.report(fmt::format("{} disks: {}", count, w.name));
+      const Compression c = compressed(w.options, w.step_factor, w.tol, kCap, context_);
+      if (context_.stopped()) return;
+      table.rows.push_back(row({w.name, c}));
+      if (w.options.e_t == 0) found.inelastic = at_lag(c.jammed, 1);
+      if (w.options.smooth_walls) {
+        found.ratio_smooth = 0.5 * c.jammed.stress.trace() / c.jammed.wall_pressure;
+      }
+      if (w.options.density != base.density && w.step_factor == 1) {
+        found.same_step_fractions.push_back(c.solid_fraction);
+      }
+      if (w.choice) found.add(c);
+    }
+    variation_numbers(found, main, count);
+    result_.tables.push_back(std::move(table));
+    result_.ours.push_back(
+        "Choices. Steel-like 7800 kg/m³ and walls of 20 kg. With the walls' mass by factors 1/4 "
+        "and 4 the solid fraction changes by {fraction_spread}, the coordination by "
+        "{coordination_spread}, the mean stress is isotropic to {anisotropy_most}, and the "
+        "networks take turns in all. Density sets the unit of time: with the step in proportion to "
+        "its root, a change of density is one of the walls' mass (two rows of the table are "
+        "equal). With the same step for all densities the solid fraction changes by "
+        "{fraction_step} from density / 4 to density × 4: a faster fall overlaps more in a step. "
+        "Another start, and tolerances from 1e-1 to 1e-3, lead to other networks but the same "
+        "picture. With e_t = 0 the jammed network stands still, correlation {inelastic_lag1}.");
+  }
+
+  /// With its first row, the run of the figure.
+  static PaperTable variations_table(const Compression& main, int count) {
     PaperTable table;
     table.name = "fig12_variations";
     table.caption = fmt::format(
         "First row: as above, {} disks. The others: {} disks, box and forces half as large for a "
         "quarter of the disks (the same pressure), masses of the walls in the ratio of the disks' "
         "number, {} iterations at most. Means of the last 100 steps.",
-        main.state.disks.size(), count, cap);
+        main.state.disks.size(), count, kCap);
     table.columns = {"",
                      "solid fraction",
                      "coordination",
@@ -379,93 +449,59 @@ class Fig12 {
                      "ε, geometric mean",
                      "iterations, all steps"};
     table.rows.push_back(row({fmt::format("{} disks", main.state.disks.size()), main}));
-    std::vector<double> fractions_at_step;
-    double least_fraction = 1, most_fraction = 0, most_anisotropy = 0, least_coordination = 1e9,
-           most_coordination = 0, least_turn = 1, ratio_smooth = std::nan(""),
-           inelastic = std::nan("");
-    for (const Wanted& w : all) {
-      if (context_.stopped()) return;
-      context_.report(fmt::format("{} disks: {}", count, w.name));
-      const Compression c = compressed(w.options, w.step_factor, w.tol, cap, context_);
-      if (context_.stopped()) return;
-      table.rows.push_back(row({w.name, c}));
-      if (w.options.e_t == 0) inelastic = at_lag(c.jammed, 1);
-      if (w.options.smooth_walls) {
-        ratio_smooth = 0.5 * c.jammed.stress.trace() / c.jammed.wall_pressure;
-      }
-      if (w.options.density != base.density && w.step_factor == 1) {
-        fractions_at_step.push_back(c.solid_fraction);
-      }
-      if (!w.choice) continue;
-      least_fraction = std::min(least_fraction, c.solid_fraction);
-      most_fraction = std::max(most_fraction, c.solid_fraction);
-      least_coordination = std::min(least_coordination, c.coordination);
-      most_coordination = std::max(most_coordination, c.coordination);
-      most_anisotropy = std::max(most_anisotropy, anisotropy(c.jammed.stress));
-      least_turn = std::min(least_turn, at_lag(c.jammed, 2) - at_lag(c.jammed, 1));
-    }
+    return table;
+  }
+
+  void variation_numbers(const VariationExtremes& found, const Compression& main, int count) {
     number({.name = "ratio_smooth",
-            .value = ratio_smooth,
+            .value = found.ratio_smooth,
             .meaning = fmt::format("pressure in the sample over the walls' normal pressure, smooth "
                                    "walls, {} disks",
                                    count),
             .expected = "1 within 1 %",
-            .holds = std::abs(ratio_smooth - 1) <= 0.01,
+            .holds = std::abs(found.ratio_smooth - 1) <= 0.01,
             .digits = 5});
     number(
         {.name = "fraction_spread",
-         .value = (most_fraction - least_fraction) / most_fraction,
+         .value = (found.most_fraction - found.least_fraction) / found.most_fraction,
          .meaning = "spread of the solid fraction over density and walls' mass, each by 1/4 and 4",
          .expected = "at most 2 %",
-         .holds = (most_fraction - least_fraction) / most_fraction <= 0.02,
+         .holds = (found.most_fraction - found.least_fraction) / found.most_fraction <= 0.02,
          .digits = 2});
     number({.name = "fraction_step",
-            .value = std::abs(fractions_at_step[1] - fractions_at_step[0]) / fractions_at_step[0],
+            .value = std::abs(found.same_step_fractions[1] - found.same_step_fractions[0]) /
+                     found.same_step_fractions[0],
             .meaning = "change of the solid fraction from density / 4 to density × 4 with the same "
                        "step of 7e-5 s",
             .digits = 2});
-    number({.name = "coordination_spread",
-            .value = (most_coordination - least_coordination) / most_coordination,
-            .meaning = "the same of the coordination",
-            .expected = "at most 10 %",
-            .holds = (most_coordination - least_coordination) / most_coordination <= 0.1,
-            .digits = 2});
+    number(
+        {.name = "coordination_spread",
+         .value = (found.most_coordination - found.least_coordination) / found.most_coordination,
+         .meaning = "the same of the coordination",
+         .expected = "at most 10 %",
+         .holds =
+             (found.most_coordination - found.least_coordination) / found.most_coordination <= 0.1,
+         .digits = 2});
     number({.name = "anisotropy_most",
-            .value = most_anisotropy,
+            .value = found.most_anisotropy,
             .meaning = "largest anisotropy of the mean stress among them",
             .expected = "at most 0.1",
-            .holds = most_anisotropy <= 0.1,
+            .holds = found.most_anisotropy <= 0.1,
             .digits = 2});
     number(
         {.name = "turn_least",
-         .value = least_turn,
+         .value = found.least_turn,
          .meaning = "least excess of the correlation over two steps over that of one, among them",
          .expected = "above 0: networks take turns",
-         .holds = least_turn > 0,
+         .holds = found.least_turn > 0,
          .digits = 2});
     number({.name = "inelastic_lag1",
-            .value = inelastic,
+            .value = found.inelastic,
             .meaning = fmt::format(
                 "correlation of the forces of consecutive steps, e_t = 0, {} disks", count),
             .expected = "above that with e_t = 1",
-            .holds = inelastic > at_lag(main.jammed, 1),
+            .holds = found.inelastic > at_lag(main.jammed, 1),
             .digits = 4});
-    result_.tables.push_back(std::move(table));
-    result_.ours.push_back(
-        "Choices. Steel-like 7800 kg/m³ and walls of 20 kg. With the walls' mass by factors 1/4 "
-        "and 4 "
-        "the solid fraction changes by {fraction_spread}, the coordination by "
-        "{coordination_spread}, "
-        "the mean stress is isotropic to {anisotropy_most}, and the networks take turns in all. "
-        "Density sets the unit of time: with the step in proportion to its root, a change of "
-        "density is one of the walls' mass (two rows of the table are equal). With the same step "
-        "for "
-        "all densities the solid fraction changes by {fraction_step} from density / 4 to density × "
-        "4: "
-        "a faster fall overlaps more in a step. Another start, and tolerances from 1e-1 to 1e-3, "
-        "lead "
-        "to other networks but the same picture. With e_t = 0 the jammed network stands still, "
-        "correlation {inelastic_lag1}.");
   }
 
   const PaperContext& context_;

@@ -87,8 +87,7 @@ class Fig14 {
         "The exponents stand with the half width of their 95 % confidence interval, from 300 disks "
         "on. Sweeps were given {work} contact updates a solve, some seconds, `apgd` eight times as "
         "many; what would take more, judged by the size before, was not begun, and what did not "
-        "meet "
-        "its tolerance is in no fit. `solver_bench` takes any sizes and limits."};
+        "meet its tolerance is in no fit. `solver_bench` takes any sizes and limits."};
     if (context_.quick) {
       result_.ours.push_back("Quick: small sizes and limits; the exponents are rough.");
     }

@@ -49,35 +49,53 @@ class StressItem {
     context_.report(fmt::format("{} disks between {} walls", count, smooth ? "smooth" : "rough"));
     Scene scene = compression_scene({.count = count, .smooth_walls = smooth});
     scene.solver.max_iterations = 3000;
-    return run_compression(scene, context_);
+    return run_compression(scene, context_.interrupted);
   }
 
+  /// Isotropic compression between rough and between smooth walls.
   void compression() {
     const Compression rough = compressed(false);
     if (context_.stopped()) return;
     const Compression smooth = compressed(true);
     if (context_.stopped()) return;
-    const CompressionPhase &jam = smooth.jammed, &rough_jam = rough.jammed;
-    double worst = 0;
-    for (std::size_t k = smooth.pressure.size() - static_cast<std::size_t>(jam.steps);
-         k < smooth.pressure.size(); ++k) {
-      worst = std::max(worst, std::abs(smooth.pressure[k] / smooth.wall_pressure[k] - 1));
-    }
+    symmetry(rough, smooth);
+    wall_pressures(rough, smooth);
+    parts(rough);
+    kinetic_part(rough);
+    result_.ours.push_back(
+        "Isotropic compression, {disks} disks. The tensor is symmetric to {asymmetry} at every "
+        "step; its contact part alone is off by up to {contact_asymmetry} while disks are spun up. "
+        "Once jammed between smooth walls its pressure equals the contact pressure on the walls to "
+        "{pressure_error} in the mean and {pressure_error_step} in the worst step. Rough walls "
+        "press by friction as well; with that counted the tensor equals what they do to "
+        "{traction_error}, without it the pressure is {friction_share} of theirs. The kinetic part "
+        "reaches {kinetic_most} of the applied pressure during the fall and is {kinetic_last} of "
+        "the whole at the end.");
+    pictures(rough);
+    parts_chart(rough);
+  }
+
+  void symmetry(const Compression& rough, const Compression& smooth) {
     number({.name = "disks",
             .value = static_cast<double>(smooth.state.disks.size()),
             .meaning = "disks of the isotropic compression"});
     number({.name = "asymmetry",
-            .value = std::max(
-                {smooth.flow.asymmetry, jam.asymmetry, rough.flow.asymmetry, rough_jam.asymmetry}),
+            .value = std::max({smooth.flow.asymmetry, smooth.jammed.asymmetry, rough.flow.asymmetry,
+                               rough.jammed.asymmetry}),
             .meaning = "largest |σ_xy − σ_yx|/(σ_xx + σ_yy) of a step, falling and jammed",
             .expected = "round-off: below 1e-12",
-            .holds = std::max({smooth.flow.asymmetry, jam.asymmetry, rough.flow.asymmetry,
-                               rough_jam.asymmetry}) < 1e-12,
+            .holds = std::max({smooth.flow.asymmetry, smooth.jammed.asymmetry, rough.flow.asymmetry,
+                               rough.jammed.asymmetry}) < 1e-12,
             .digits = 2});
     number({.name = "contact_asymmetry",
             .value = std::max({smooth.flow.contact_asymmetry, rough.flow.contact_asymmetry}),
             .meaning = "the same of the contact part alone, falling",
             .digits = 2});
+  }
+
+  /// The tensor against what the walls do to the sample, once it is jammed.
+  void wall_pressures(const Compression& rough, const Compression& smooth) {
+    const CompressionPhase &jam = smooth.jammed, &rough_jam = rough.jammed;
     const double pressure_error = std::abs(0.5 * jam.stress.trace() / jam.wall_pressure - 1);
     number({.name = "pressure_error",
             .value = pressure_error,
@@ -86,6 +104,11 @@ class StressItem {
             .expected = "at most 1 %",
             .holds = pressure_error <= 0.01,
             .digits = 2});
+    double worst = 0;
+    for (std::size_t k = smooth.pressure.size() - static_cast<std::size_t>(jam.steps);
+         k < smooth.pressure.size(); ++k) {
+      worst = std::max(worst, std::abs(smooth.pressure[k] / smooth.wall_pressure[k] - 1));
+    }
     number({.name = "pressure_error_step",
             .value = worst,
             .meaning = "the same in the worst of these steps",
@@ -106,8 +129,9 @@ class StressItem {
             .expected = "within 5 % = μ/2, what friction along the walls can add",
             .holds = std::abs(0.5 * rough_jam.stress.trace() / rough_jam.wall_pressure - 1) <= 0.05,
             .digits = 5});
-    parts(rough);
+  }
 
+  void kinetic_part(const Compression& rough) {
     double kinetic = 0;
     for (std::size_t k = 0; k < rough.pressure.size(); ++k) {
       kinetic = std::max(kinetic, rough.kinetic_pressure[k] / rough.applied_pressure[k]);
@@ -120,20 +144,12 @@ class StressItem {
             .value = rough.kinetic_pressure.back() / rough.pressure.back(),
             .meaning = "share of the kinetic part in the pressure after the last step",
             .digits = 2});
-    result_.ours.push_back(
-        "Isotropic compression, {disks} disks. The tensor is symmetric to {asymmetry} at every "
-        "step; its contact part alone is off by up to {contact_asymmetry} while disks are spun up. "
-        "Once jammed between smooth walls its pressure equals the contact pressure on the walls to "
-        "{pressure_error} in the mean and {pressure_error_step} in the worst step. Rough walls "
-        "press "
-        "by friction as well; with that counted the tensor equals what they do to "
-        "{traction_error}, without it the pressure is {friction_share} of theirs. The kinetic part "
-        "reaches {kinetic_most} of the applied pressure during the fall and is {kinetic_last} of "
-        "the whole at the end.");
+  }
 
+  void pictures(const Compression& rough) {
     ForcePictureOptions options;
     options.width = 600;  // the page shows it about as large
-    const State mean = rough_jam.contacts.in(rough.state);
+    const State mean = rough.jammed.contacts.in(rough.state);
     const std::vector<double> last = disk_pressures(rough.state, rough.scene.step);
     options.fill.high = colour_bar_end(last);
     draw_stress_picture(context_.out / "stress_disks.svg", rough.scene, rough.state, last, "",
@@ -149,9 +165,12 @@ class StressItem {
     result_.figures.push_back(
         {.name = "stress_disks_mean",
          .caption = fmt::format("The same of the forces' mean over the last {} steps. Same scale.",
-                                rough_jam.steps),
+                                rough.jammed.steps),
          .file = "stress_disks_mean.svg",
          .after = 1});
+  }
+
+  void parts_chart(const Compression& rough) {
     Chart chart;
     chart.title = "Parts of the pressure against time";
     chart.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}};
@@ -216,7 +235,7 @@ class StressItem {
     scene.solver.tol = 1e-12;
     scene.solver.max_iterations = 100000;
     State state = initial_state(scene);
-    run_packing(scene, state, context_, {});
+    run_packing(scene, state, context_.interrupted, {});
     const std::vector<double> moments = contact_moments(state);
     Chart chart;
     chart.title = "Vertical stress against depth in a square lattice";

@@ -42,13 +42,11 @@ PaperResult run_table2(const PaperContext& context) {
   PaperResult result;
   result.paper =
       "A cylinder with v0 = 1 m/s on a plane, μ = 0.5, time step 1e-4 s, slides and then rolls "
-      "from "
-      "0.0679 s on at 0.666 m/s; the numerical values agree with the analytical ones to the digits "
-      "printed.";
+      "from 0.0679 s on at 0.666 m/s; the numerical values agree with the analytical ones to the "
+      "digits printed.";
   result.ours = {
       "It rolls from {t1} on at {v1}. The velocity is {v1_error} off; the time is that of the "
-      "first "
-      "step without sliding, known to within the step of 1e-4 s."};
+      "first step without sliding, known to within the step of 1e-4 s."};
   result.numbers = {{.name = "v1",
                      .value = v_end,
                      .unit = "m/s",

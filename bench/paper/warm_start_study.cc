@@ -39,7 +39,7 @@ std::vector<WarmStartRow> study_warm_start(Scene scene, const WarmStartOptions& 
   run.tol = options.run_tol;
   run.max_iterations = options.run_iterations;
   run.parameters = options.runner.parameters;
-  const StepSolver runner = make_step_solver(*find_solver(options.runner.solver), run);
+  const StepSolver runner = make_step_solver(require_solver(options.runner.solver), run);
   SolverOptions compared;
   compared.tol = options.tol;
   compared.max_iterations = options.max_iterations;

@@ -17,7 +17,7 @@ SettledPile settle_pile(const PileOptions& options) {
   SolverOptions solver;
   solver.tol = options.tol;
   solver.max_iterations = 1000;
-  TimeStepper stepper(pile.scene, make_step_solver(*find_solver("apgd"), solver), false);
+  TimeStepper stepper(pile.scene, make_step_solver(require_solver("apgd"), solver), false);
   double initial = 0;
   while (pile.steps < options.max_steps && !pile.at_rest) {
     const StepReport report = stepper.advance(pile.state);

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "bench/measure/force_balance.h"
 #include "core/motion/time_stepping.h"
 #include "core/problem/contact_error.h"
 #include "core/scene/scene_family.h"
@@ -59,25 +58,6 @@ TEST(StaticEquilibrium, RefusesProblemsOfAnotherForm) {
   ContactProblem problem = pyramid_problem(2, 0.5, 0.5);
   problem.row_scale = Vector::Constant(problem.num_rows(), 1.2);
   EXPECT_THROW(static_equilibrium(problem), std::invalid_argument);
-}
-
-// A disk of 1 kg on a floor, radius 0.5 m: s_n = m g h balances; s_t = 0.01 N s more leaves the
-// force 0.01/h and the moment 0.01 a/h.
-TEST(ForceBalance, SumsForcesAndMoments) {
-  Scene scene = make_family_scene("square", 1, {});
-  State state = initial_state(scene);
-  ContactOutcome c;
-  c.contact = {.i = 0, .j = 1, .n = Vec2(0, 1)};
-  c.s_n = 9.81 * scene.step;
-  state.contacts = {c};
-  EXPECT_NEAR(force_balance(scene, state).force, 0, 1e-15);
-  state.contacts[0].s_t = 0.01;
-  const ForceBalance balance = force_balance(scene, state);
-  EXPECT_NEAR(balance.force, 0.01 / scene.step / 9.81, 1e-12);
-  EXPECT_NEAR(balance.moment, 0.01 / scene.step / 9.81, 1e-12);
-  EXPECT_NEAR(balance.weight, 9.81, 1e-12);
-  EXPECT_NEAR(balance.wall[0][1], 9.81, 1e-12);
-  EXPECT_NEAR(balance.walls[0], -0.01 / scene.step, 1e-12);  // t = e3 x n = (-1, 0)
 }
 
 }  // namespace

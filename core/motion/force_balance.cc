@@ -1,4 +1,4 @@
-#include "bench/measure/force_balance.h"
+#include "core/motion/force_balance.h"
 
 #include <algorithm>
 #include <cmath>
