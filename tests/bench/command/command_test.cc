@@ -426,6 +426,28 @@ TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
   EXPECT_TRUE(read_problem(out + "/solution.hdf5").r.has_value());
 }
 
+TEST_F(Command, InterruptedMeasurementsSaySoAndLeaveValidFiles) {
+  const auto interrupted = [&](const std::string& arguments) {
+    return bipot(arguments + " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?")
+        .exit_code;
+  };
+  const std::string compare = path("compare"), trade = path("trade"), advice = path("advice.json");
+  EXPECT_EQ(interrupted("compare pile:24 --tols 1e-2,1e-4,1e-6,1e-8,1e-10 --min-time 1 --json " +
+                        path("compare.json") + " --out " + compare),
+            5);
+  EXPECT_EQ(json::parse(content(path("compare.json")))["complete"], false);
+  EXPECT_EQ(json::parse(content(compare + "/comparison.json"))["complete"], false);
+  EXPECT_GT(fs::file_size(compare + "/report.html"), 100u);
+
+  EXPECT_EQ(interrupted("trade compaction --json " + path("trade.json") + " --out " + trade), 5);
+  EXPECT_EQ(json::parse(content(path("trade.json")))["complete"], false);
+  EXPECT_EQ(json::parse(content(trade + "/trade.json"))["complete"], false);
+
+  EXPECT_EQ(interrupted("advise compaction --force-error 1e-2 --json " + advice), 5);
+  EXPECT_EQ(json::parse(content(advice))["status"], "interrupted");
+  EXPECT_EQ(json::parse(content(advice))["exit_code"], 5);
+}
+
 TEST_F(Command, TimeLimitLeavesTheLastWholeStep) {
   const Outcome run =
       bipot("run compaction --tol 1e-6 --time-limit 1.5 --json - --out " + path("out"));
