@@ -1,12 +1,9 @@
 #include "bench/command/command_options.h"
 
-#include <fmt/format.h>
-#include <fmt/ranges.h>
-
 #include <algorithm>
-#include <stdexcept>
+#include <set>
+#include <string_view>
 
-#include "core/nearest_name.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -22,66 +19,72 @@ const CLI::Validator kPositive(
     },
     "POSITIVE");
 
+/// Of the flags in the help.
+constexpr const char* kSolverGroup =
+    "Solver (its parameters are flags too: bipot list solvers NAME)";
+
 }  // namespace
 
 void add_common_flags(CLI::App& command, CommonFlags& flags) {
-  command.add_option("--out", flags.out, "Folder for the results")->type_name("DIR");
-  command.add_flag("--quiet,-q", flags.quiet, "No progress, no summary on the terminal");
   command.add_option("--time-limit", flags.time_limit, "Wall-clock limit of the whole command")
       ->type_name("SECONDS")
       ->check(kPositive);
+  command.add_flag("--quiet,-q", flags.quiet, "No progress, no summary on the terminal");
+  command.add_option("--out", flags.out, "Folder for the results")
+      ->type_name("DIR")
+      ->group("Results");
   command
       .add_option("--json", flags.json,
                   "Write the summary as JSON; '-' is standard output, with nothing else on it")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->group("Results");
 }
 
 void add_solver_flags(CLI::App& command, SolverFlags& flags) {
-  command.add_option("--solver", flags.name, "Solver; see `bipot list solvers`")->type_name("NAME");
-  command.add_option("--tol", flags.tol, "Tolerance of the stop test")->check(kPositive);
-  command.add_option("--stop", flags.stop, "Stop test: guarded, raw42 or impulse");
+  command.add_option("--solver", flags.name, "One of `bipot list solvers`")
+      ->type_name("NAME")
+      ->group(kSolverGroup);
+  command.add_option("--tol", flags.tol, "Tolerance of the stop test")
+      ->type_name("NUMBER")
+      ->check(kPositive)
+      ->group(kSolverGroup);
+  command.add_option("--stop", flags.stop, "Stop test: guarded, raw42 or impulse")
+      ->type_name("NAME")
+      ->group(kSolverGroup);
   command.add_option("--max-iterations", flags.max_iterations, "Iteration limit of one solve")
-      ->check(CLI::NonNegativeNumber);
-  // One flag a name; solvers that share it are listed with what it means to them.
-  struct Meaning {
-    std::string_view help;
-    std::vector<std::string> solvers;
-  };
-  std::map<std::string_view, std::vector<Meaning>> flags_by_name;
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber)
+      ->group(kSolverGroup);
+  // One flag a name, whichever solvers have it; `bipot list solvers NAME` says what it means.
+  std::set<std::string_view> names;
   for (const SolverEntry& entry : solver_table()) {
-    for (const ParameterSpec& spec : entry.parameters) {
-      std::vector<Meaning>& meanings = flags_by_name[spec.name];
-      auto at = std::find_if(meanings.begin(), meanings.end(),
-                             [&](const Meaning& m) { return m.help == spec.help; });
-      if (at == meanings.end()) at = meanings.insert(meanings.end(), {spec.help, {}});
-      at->solvers.emplace_back(entry.name);
-    }
+    for (const ParameterSpec& spec : entry.parameters) names.insert(spec.name);
   }
-  for (const auto& [name, meanings] : flags_by_name) {
-    std::string flag = "--" + std::string(name);
-    std::replace(flag.begin(), flag.end(), '_', '-');
-    std::string help;
-    for (const Meaning& m : meanings) {
-      help +=
-          fmt::format("{}[{}] {}", help.empty() ? "" : "; ", fmt::join(m.solvers, ", "), m.help);
-    }
+  for (const std::string_view name : names) {
     command
         .add_option_function<std::string>(
-            flag,
-            [&flags, key = std::string(name)](const std::string& value) {
-              flags.parameters[key] = value;
-            },
-            help)
-        ->group("Solver parameters");
+            parameter_flag(name), [&flags, key = std::string(name)](
+                                      const std::string& value) { flags.parameters[key] = value; })
+        ->group("");  // not in the help
   }
 }
 
+std::string parameter_flag(std::string_view name) {
+  std::string flag = "--" + std::string(name);
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return flag;
+}
+
 void add_warm_start_flags(CLI::App& command, SolverFlags& flags) {
-  command.add_flag_callback(
-      "--warm-start", [&flags] { flags.warm_start = true; },
-      "Start each step from the impulses of the step before");
-  command.add_flag_callback(
-      "--no-warm-start", [&flags] { flags.warm_start = false; }, "Start each step from s = 0");
+  command
+      .add_flag_callback(
+          "--warm-start", [&flags] { flags.warm_start = true; },
+          "Start each step from the impulses of the step before")
+      ->group(kSolverGroup);
+  command
+      .add_flag_callback(
+          "--no-warm-start", [&flags] { flags.warm_start = false; }, "Start each step from s = 0")
+      ->group(kSolverGroup);
 }
 
 SolverChoice merged(const SolverChoice& base, const SolverFlags& flags) {

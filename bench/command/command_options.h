@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/scene/scene.h"
@@ -29,8 +30,11 @@ struct SolverFlags {
   std::optional<bool> warm_start;
   std::map<std::string, std::string> parameters;  ///< filled by parse callbacks
 };
-/// One flag for each parameter name in the solver table, besides --solver, --tol, --stop, ...
+/// --solver, --tol, --stop, --max-iterations, and, out of sight of the help, one flag for each
+/// parameter name in the solver table.
 void add_solver_flags(CLI::App& command, SolverFlags& flags);
+/// The flag of a solver's parameter: --inner-iterations for inner_iterations.
+std::string parameter_flag(std::string_view name);
 /// --warm-start and --no-warm-start, for commands with more than one step.
 void add_warm_start_flags(CLI::App& command, SolverFlags& flags);
 

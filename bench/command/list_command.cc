@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <limits>
+#include <stdexcept>
+
+#include "bench/command/command_options.h"
 #include "bench/command/exit_code.h"
+#include "bench/command/help_text.h"
 #include "bench/report/json_output.h"
 #include "bench/scenes/scene_catalogue.h"
 #include "core/files/scene_file.h"
@@ -31,21 +36,47 @@ std::string domain_of(const ParameterSpec& spec) {
   return fmt::format("{} in [{:g}, {:g}]", kind_of(spec), spec.minimum, spec.maximum);
 }
 
+nlohmann::ordered_json to_json(const SolverEntry& entry) {
+  nlohmann::ordered_json row{
+      {"name", entry.name}, {"summary", entry.summary}, {"max_dim", entry.max_dim}};
+  row["parameters"] = nlohmann::ordered_json::array();
+  for (const ParameterSpec& spec : entry.parameters) {
+    row["parameters"].push_back({{"name", spec.name},
+                                 {"flag", parameter_flag(spec.name)},
+                                 {"default", spec.default_value},
+                                 {"domain", domain_of(spec)},
+                                 {"unit", spec.unit},
+                                 {"help", spec.help}});
+  }
+  return row;
+}
+
 nlohmann::ordered_json solvers_json() {
   auto rows = nlohmann::ordered_json::array();
-  for (const SolverEntry& entry : solver_table()) {
-    nlohmann::ordered_json row{
-        {"name", entry.name}, {"summary", entry.summary}, {"max_dim", entry.max_dim}};
-    row["parameters"] = nlohmann::ordered_json::array();
-    for (const ParameterSpec& spec : entry.parameters) {
-      row["parameters"].push_back({{"name", spec.name},
-                                   {"default", spec.default_value},
-                                   {"domain", domain_of(spec)},
-                                   {"help", spec.help}});
-    }
-    rows.push_back(row);
-  }
+  for (const SolverEntry& entry : solver_table()) rows.push_back(to_json(entry));
   return rows;
+}
+
+/// One solver and its parameters, on a screen.
+void print_solver(const SolverEntry& entry) {
+  fmt::print("{}: {}\n", entry.name, wrapped(std::string(entry.summary), entry.name.size() + 2));
+  fmt::print("contacts of dimension up to {}", entry.max_dim);
+  if (entry.max_contacts < std::numeric_limits<int>::max()) {
+    fmt::print(", at most {} of them", entry.max_contacts);
+  }
+  fmt::print("\n");
+  if (entry.parameters.empty()) {
+    fmt::print("no parameters of its own\n");
+    return;
+  }
+  constexpr std::size_t kColumn = 24;
+  for (const ParameterSpec& spec : entry.parameters) {
+    fmt::print("\n{:<{}}{}\n", parameter_flag(spec.name), kColumn,
+               wrapped(std::string(spec.help), kColumn));
+    fmt::print("{:{}}default {}; {}{}\n", "", kColumn,
+               spec.default_value.empty() ? "none" : spec.default_value, domain_of(spec),
+               spec.unit.empty() ? "" : fmt::format("; unit: {}", spec.unit));
+  }
 }
 
 void print_solvers() {
@@ -79,14 +110,30 @@ CLI::App* add_list_command(CLI::App& app, ListFlags& flags) {
   command->add_option("what", flags.what, "solvers or scenes")
       ->required()
       ->check(CLI::IsMember({"solvers", "scenes"}));
+  command->add_option("name", flags.name,
+                      "One solver: its parameters with flag, default, range and unit");
   command->add_option("--json", flags.json, "Write the list as JSON; '-' is standard output")
       ->type_name("FILE");
-  command->footer("Examples:\n  bipot list solvers\n  bipot list scenes --json -");
+  command->footer(
+      "Examples:\n"
+      "  bipot list solvers\n"
+      "  bipot list solvers pgs\n"
+      "  bipot list scenes --json -");
   return command;
 }
 
 int list_command(const ListFlags& flags) {
   const bool solvers = flags.what == "solvers";
+  if (!flags.name.empty()) {
+    if (!solvers) throw std::invalid_argument("bipot list scenes takes no name");
+    const SolverEntry& entry = require_solver(flags.name);
+    if (flags.json.empty()) {
+      print_solver(entry);
+    } else {
+      write_json(to_json(entry), flags.json);
+    }
+    return kExitConverged;
+  }
   if (!flags.json.empty()) {
     write_json(solvers ? solvers_json() : scenes_json(), flags.json);
   } else if (solvers) {

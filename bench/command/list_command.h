@@ -7,6 +7,7 @@ namespace bipot {
 
 struct ListFlags {
   std::string what;  ///< "solvers" or "scenes"
+  std::string name;  ///< of one solver; empty: all
   std::string json;
 };
 

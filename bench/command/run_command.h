@@ -12,7 +12,7 @@ struct RunFlags {
   std::string scene;
   std::optional<int> steps;
   std::optional<double> step_size;
-  std::string restart;        ///< run.h5 of an earlier run
+  std::string restart;        ///< folder or run.h5 of an earlier run
   std::string dump_problems;  ///< "", "all" or "failed"
   std::optional<std::string> model;
   /// Of the spring-dashpot model; unset entries leave the scene's choice.

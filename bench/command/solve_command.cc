@@ -10,6 +10,7 @@
 
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
+#include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "core/file_error.h"
 #include "core/files/fclib_file.h"
@@ -43,12 +44,13 @@ int exit_code_of(SolveStatus status) {
 nlohmann::ordered_json summary(const SolveFlags& flags, const std::string& solver,
                                const ContactProblem& problem, const SolveResult& r) {
   nlohmann::ordered_json j{{"command", "solve"},
-                           {"version", BIPOT_VERSION},
+                           {"version", program_version()},
                            {"problem", flags.problem},
                            {"status", to_string(r.status)},
                            {"message", r.message},
                            {"exit_code", exit_code_of(r.status)},
                            {"solver", solver},
+                           {"warm", flags.warm},
                            {"iterations", r.iterations},
                            {"setup_seconds", r.setup_seconds},
                            {"solve_seconds", r.solve_seconds}};
@@ -81,17 +83,21 @@ CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags) {
   CLI::App* command =
       app.add_subcommand("solve", "Solve one problem file (FCLIB HDF5, Siconos text)");
   command->add_option("problem", flags.problem, "Problem file")->required();
+  command->add_flag("--warm", flags.warm,
+                    "Start from the file's first guess (FCLIB /guesses), not from s = 0");
+  command->add_flag("--explain", flags.explain,
+                    "With --solver auto: print which stages are planned, and why");
+  add_common_flags(*command, flags.common);
   command
       ->add_option(
           "--solution", flags.solution,
           "Write r, u (and v) into the /solution group of this FCLIB file; a file that does "
           "not exist is created with the problem")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->group("Results");
   command->add_option("--history", flags.history, "Write the judged iterations as CSV")
-      ->type_name("FILE");
-  command->add_flag("--explain", flags.explain,
-                    "With --solver auto: print which stages are planned, and why");
-  add_common_flags(*command, flags.common);
+      ->type_name("FILE")
+      ->group("Results");
   add_solver_flags(*command, flags.solver);
   command->footer(
       "Examples:\n"
@@ -171,6 +177,13 @@ int solve_command(const SolveFlags& given) {
   const SolverEntry* entry = &require_solver(choice.name);
   SolverOptions options = to_options(choice);
   options.time_limit = flags.common.time_limit;
+  if (flags.warm) {
+    if (file->guesses.empty()) {
+      throw std::invalid_argument(flags.problem +
+                                  ": --warm, but the file has no guess to start from");
+    }
+    options.s0 = file->guesses.front();
+  }
   const InterruptGuard interrupt;
   options.cancelled = &InterruptGuard::requested;
   std::ofstream history;

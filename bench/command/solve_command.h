@@ -11,6 +11,7 @@ struct SolveFlags {
   SolverFlags solver;
   std::string problem;   ///< FCLIB HDF5 or Siconos text
   std::string solution;  ///< FCLIB file whose /solution is written
+  bool warm = false;     ///< start from the file's first guess
   bool explain = false;  ///< print the plan of `auto`
   std::string history;   ///< CSV of the judged iterations
 };

@@ -115,8 +115,8 @@ int main(int argc, char** argv) {
   using namespace bipot;
   BenchFlags flags;
   CLI::App app{"Solver benchmark: iterations and time against the number of particles"};
-  app.allow_extras();
-  app.set_help_flag("--help-solver-bench");
+  app.allow_extras();  // Google Benchmark's own
+  app.set_help_flag("--help,-h", "Print these flags and Google Benchmark's");
   app.add_option("--solver", flags.solvers, "Solvers")->delimiter(',');
   app.add_option("--family", flags.families, "square, triangular, diluted, pyramid, random, pile")
       ->delimiter(',');
@@ -136,7 +136,17 @@ int main(int argc, char** argv) {
   app.add_option("--seed", flags.scene.seed, "Seed of masses, gaps and piles");
   app.add_option("--fit-from", flags.fit_from, "Fewest disks of a problem that enters the fits");
   app.add_option("--fit-out", flags.fit_out, "Rows and fits as JSON")->type_name("FILE");
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::CallForHelp& e) {
+    app.exit(e);
+    fmt::print("\nFlags of Google Benchmark:\n");
+    std::fflush(stdout);
+    benchmark::PrintDefaultHelp();
+    return 0;
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
 
   GrowthMethod method;
   for (const std::string& text : flags.parameters) {

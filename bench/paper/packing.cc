@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
+#include "bench/scenes/scene_run.h"
 #include "core/types.h"
-#include "solvers/registry.h"
-#include "solvers/step_solver.h"
 
 namespace bipot {
 namespace {
@@ -58,24 +56,24 @@ double slope_of_line(std::span<const double> x, std::span<const double> y) {
 PackingRun run_packing(
     const Scene& scene, State& state, const std::function<bool()>& interrupted,
     const std::function<bool(const State&, const State&, const StepReport&)>& on_step) {
-  const SolverEntry* entry = &require_solver(scene.solver.name);
-  SolverOptions options = to_options(scene.solver);
-  options.cancelled = interrupted;
-  TimeStepper stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
   PackingRun run;
+  State previous;
   std::vector<ContactOutcome> old, older;  // one and two steps before `state`
   double logarithms = 0;
   int positive = 0;
-  for (int k = 0; k < scene.num_steps; ++k) {
-    if (interrupted && interrupted()) break;
-    const State previous = state;
+  SceneRunOptions options;
+  options.cancelled = interrupted;
+  options.before_step = [&](State& next) {
+    previous = next;
     // e_t = 1 turns tangential velocities round at each step, so at rest forces repeat themselves
     // every second one: what was two steps before is then the better start.
-    if (force_correlation(state.contacts, older) > force_correlation(state.contacts, old)) {
-      state.contacts = old;
+    if (force_correlation(next.contacts, older) > force_correlation(next.contacts, old)) {
+      next.contacts = old;
       ++run.far_starts;
     }
-    const StepReport report = stepper.advance(state);
+  };
+  options.on_step = [&](const SceneStep& step) {
+    const StepReport& report = step.report;
     older = std::move(old);
     old = previous.contacts;
     ++run.steps;
@@ -88,8 +86,10 @@ PackingRun run_packing(
       logarithms += std::log(error);
       ++positive;
     }
-    if (on_step && !on_step(previous, state, report)) break;
-  }
+    return !on_step || on_step(previous, step.state, report);
+  };
+  const SceneRun taken = run_scene(scene, state, options);
+  if (taken.failure) throw *taken.failure;
   run.mean_error = positive > 0 ? std::exp(logarithms / positive) : 0;
   return run;
 }

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "bench/measure/stopwatch.h"
+#include "bench/scenes/scene_run.h"
 #include "core/motion/time_stepping.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -46,37 +47,38 @@ std::vector<WarmStartRow> study_warm_start(Scene scene, const WarmStartOptions& 
 
   std::vector<WarmStartRow> rows;
   State state = initial_state(scene);
-  TimeStepper stepper(
-      scene,
-      [&](const ContactProblem& p, const Vector& s0) {
-        if ((state.step + 1) % options.every == 0 && p.num_contacts() > 0) {
-          WarmStartRow row;
-          row.step = state.step + 1;
-          row.time = row.step * scene.step;
-          row.kinetic = kinetic_energy(state);
-          row.contacts = p.num_contacts();
-          row.carried = count_carried(p, s0);
-          for (const SolverVariant& variant : options.solvers) {
-            const Timed cold = timed_solve(variant, p, compared, Vector());
-            const Timed warm = timed_solve(variant, p, compared, s0);
-            row.solver = variant.label;
-            row.cold = cold.result.iterations;
-            row.warm = warm.result.iterations;
-            row.cold_met = is_success(cold.result.status);
-            row.warm_met = is_success(warm.result.status);
-            row.cold_seconds = cold.seconds;
-            row.warm_seconds = warm.seconds;
-            rows.push_back(row);
-          }
-        }
-        return runner(p, s0);
-      },
-      false);
-  for (int k = 1; k <= scene.num_steps; ++k) {
-    if (options.interrupted && options.interrupted()) return {};
-    stepper.advance(state);
-    if (options.on_step) options.on_step(k);
-  }
+  SceneRunOptions taken;
+  taken.solver = [&](const ContactProblem& p, const Vector& s0) {
+    if ((state.step + 1) % options.every == 0 && p.num_contacts() > 0) {
+      WarmStartRow row;
+      row.step = state.step + 1;
+      row.time = row.step * scene.step;
+      row.kinetic = kinetic_energy(state);
+      row.contacts = p.num_contacts();
+      row.carried = count_carried(p, s0);
+      for (const SolverVariant& variant : options.solvers) {
+        const Timed cold = timed_solve(variant, p, compared, Vector());
+        const Timed warm = timed_solve(variant, p, compared, s0);
+        row.solver = variant.label;
+        row.cold = cold.result.iterations;
+        row.warm = warm.result.iterations;
+        row.cold_met = is_success(cold.result.status);
+        row.warm_met = is_success(warm.result.status);
+        row.cold_seconds = cold.seconds;
+        row.warm_seconds = warm.seconds;
+        rows.push_back(row);
+      }
+    }
+    return runner(p, s0);
+  };
+  taken.cancelled = options.interrupted;
+  taken.on_step = [&](const SceneStep& step) {
+    if (options.on_step) options.on_step(step.report.step);
+    return true;
+  };
+  const SceneRun whole = run_scene(scene, state, taken);
+  if (whole.failure) throw *whole.failure;
+  if (whole.end == SceneRun::End::kCancelled) return {};
   return rows;
 }
 

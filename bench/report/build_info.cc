@@ -27,4 +27,6 @@ BuildInfo build_info() {
   return info;
 }
 
+std::string program_version() { return BIPOT_VERSION; }
+
 }  // namespace bipot

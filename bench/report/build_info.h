@@ -12,4 +12,7 @@ struct BuildInfo {
 };
 BuildInfo build_info();
 
+/// Version of the program.
+std::string program_version();
+
 }  // namespace bipot

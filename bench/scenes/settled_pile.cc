@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "bench/scenes/scene_run.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
@@ -17,13 +18,18 @@ SettledPile settle_pile(const PileOptions& options) {
   SolverOptions solver;
   solver.tol = options.tol;
   solver.max_iterations = 1000;
-  TimeStepper stepper(pile.scene, make_step_solver(require_solver("apgd"), solver), false);
   double initial = 0;
-  while (pile.steps < options.max_steps && !pile.at_rest) {
-    const StepReport report = stepper.advance(pile.state);
-    if (++pile.steps == 1) initial = report.energy.kinetic + report.energy.potential;
-    pile.at_rest = pile.steps > 10 && report.energy.kinetic < options.rest * initial;
-  }
+  SceneRunOptions to_rest;
+  to_rest.steps = options.max_steps;
+  to_rest.solver = make_step_solver(require_solver("apgd"), solver);
+  to_rest.on_step = [&](const SceneStep& step) {
+    const EnergyLedger& energy = step.report.energy;
+    if (++pile.steps == 1) initial = energy.kinetic + energy.potential;
+    pile.at_rest = pile.steps > 10 && energy.kinetic < options.rest * initial;
+    return !pile.at_rest;
+  };
+  const SceneRun run = run_scene(pile.scene, pile.state, to_rest);
+  if (run.failure) throw *run.failure;
   pile.scene.disks = pile.state.disks;
   return pile;
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -28,8 +29,8 @@ struct Outcome {
   std::string out;  ///< standard output alone
 };
 
-Outcome bipot(const std::string& arguments) {
-  const std::string command = std::string(BIPOT_COMMAND) + " " + arguments + " 2>/dev/null";
+Outcome run_command_line(const std::string& program, const std::string& arguments) {
+  const std::string command = program + " " + arguments + " 2>/dev/null";
   Outcome outcome;
   FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return outcome;
@@ -41,6 +42,8 @@ Outcome bipot(const std::string& arguments) {
   outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   return outcome;
 }
+
+Outcome bipot(const std::string& arguments) { return run_command_line(BIPOT_COMMAND, arguments); }
 
 /// A fresh folder for one test, removed at its end.
 class Command : public ::testing::Test {
@@ -142,6 +145,85 @@ TEST_F(Command, RestartContinuesBitForBit) {
   }
 }
 
+/// Disks that fall apart: the triangular lattice, smaller, without its right wall.
+std::string collapsing_scene(int steps) {
+  std::string text =
+      content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/triangular_lattice.toml");
+  text.erase(text.find("[[walls]]\nname = \"right\""),
+             text.find("[time]") - text.find("[[walls]]\nname = \"right\""));
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"columns = 10", "columns = 5"},
+                                 {"rows = 10", "rows = 5"},
+                                 {"steps = 10", "steps = " + std::to_string(steps)}}) {
+    text.replace(text.find(from), from.size(), to);
+  }
+  return text;
+}
+
+TEST_F(Command, RestartGoesOnToTheScenesPlannedEnd) {
+  const std::string scene = write("collapse.toml", collapsing_scene(400));
+  const std::string run = "run " + scene + " --tol 1e-4 --json - --out ";
+  ASSERT_EQ(bipot(run + path("whole")).exit_code, 0);
+  ASSERT_EQ(bipot(run + path("parts") + " --steps 260").exit_code, 0);
+  const Outcome rest = bipot(run + path("parts") + " --restart " + path("parts"));
+  ASSERT_EQ(rest.exit_code, 0);
+  const json j = json::parse(rest.out);
+  EXPECT_EQ(j["steps"], 140);
+  EXPECT_EQ(j["steps_planned"], 140);
+  EXPECT_EQ(j["last_step"], 400);
+  const State whole = read_state(path("whole")), parts = read_state(path("parts"));
+  EXPECT_EQ(parts.step, 400);
+  EXPECT_EQ(whole.time, parts.time);
+  EXPECT_EQ(whole.friction_loss, parts.friction_loss);
+  EXPECT_GT(whole.friction_loss, 0);  // something slid
+  ASSERT_EQ(whole.disks.size(), parts.disks.size());
+  for (std::size_t i = 0; i < whole.disks.size(); ++i) {
+    EXPECT_EQ(whole.disks[i].x, parts.disks[i].x);
+    EXPECT_EQ(whole.disks[i].v, parts.disks[i].v);
+    EXPECT_EQ(whole.disks[i].spin, parts.disks[i].spin);
+  }
+  EXPECT_EQ(content(path("whole/ledger.csv")), content(path("parts/ledger.csv")));
+
+  // At the end there is nothing to do, and nothing is touched.
+  const std::string summary = content(path("parts/summary.json"));
+  const Outcome again = bipot(run + path("parts") + " --restart " + path("parts"));
+  EXPECT_EQ(again.exit_code, 0);
+  EXPECT_EQ(json::parse(again.out)["status"], "nothing to do");
+  EXPECT_EQ(json::parse(again.out)["last_step"], 400);
+  EXPECT_EQ(content(path("parts/summary.json")), summary);
+  // --steps N is N more.
+  const Outcome more = bipot(run + path("more") + " --steps 5 --restart " + path("parts"));
+  EXPECT_EQ(json::parse(more.out)["steps"], 5);
+  EXPECT_EQ(read_state(path("more")).step, 405);
+}
+
+TEST_F(Command, EveryCommandSaysInItsJsonWhyItRefuses) {
+  for (const auto& [arguments, code] : {std::pair<const char*, int>{"run no_such_scene", 2},
+                                        {"run square_lattice --steps -3", 2},
+                                        {"run square_lattice --out /proc/nowhere", 4},
+                                        {"solve no_such_file.hdf5", 4},
+                                        {"solve", 2},
+                                        {"compare no_such_thing", 2},
+                                        {"compare square:4 --tols abc", 2},
+                                        {"compare square:4 --out /proc/nowhere", 4},
+                                        {"advise no_such_scene --energy 0.1", 2},
+                                        {"paper --only table3", 2},
+                                        {"trade no_such_scene", 2},
+                                        {"list nonsense", 2},
+                                        {"list solvers no_such_solver", 2}}) {
+    const std::string words = arguments;
+    const Outcome refused = bipot(words + " --json -");
+    EXPECT_EQ(refused.exit_code, code) << words;
+    const json j = json::parse(refused.out, nullptr, false);
+    ASSERT_FALSE(j.is_discarded()) << words << ": " << refused.out;
+    EXPECT_EQ(j["command"], words.substr(0, words.find(' ')));
+    EXPECT_EQ(j["exit_code"], code) << words;
+    EXPECT_EQ(j["status"], code == 4 ? "input or output failed" : "invalid input") << words;
+    EXPECT_FALSE(j["message"].get<std::string>().empty()) << words;
+    bipot(words + " --json=" + path("refusal.json"));
+    EXPECT_EQ(json::parse(content(path("refusal.json"))), j) << words;
+  }
+}
+
 TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
   ASSERT_EQ(
       bipot("run triangular_lattice --steps 1 --dump-problems all --out " + path("out")).exit_code,
@@ -161,6 +243,31 @@ TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
   EXPECT_LE(error.guarded(), 1e-9);
   EXPECT_NEAR(j["epsilon"].get<double>(), error.epsilon, 1e-14);
   EXPECT_EQ(content(path("history.csv")).substr(0, 26), "iteration,seconds,epsilon,");
+}
+
+TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {
+  // Disks at rest: the impulses of a step solve the next one.
+  ASSERT_EQ(
+      bipot("run square_lattice --steps 3 --tol 1e-12 --warm-start --dump-problems all --out " +
+            path("out"))
+          .exit_code,
+      0);
+  const std::string problem = path("out/problems/step_000003.hdf5");
+  EXPECT_EQ(read_problem(problem).guesses.size(), 1u);
+  const std::string solve = "solve " + problem + " --solver pgs --tol 1e-6 --json -";
+  const json cold = json::parse(bipot(solve).out), warm = json::parse(bipot(solve + " --warm").out);
+  EXPECT_EQ(cold["warm"], false);
+  EXPECT_EQ(warm["warm"], true);
+  EXPECT_EQ(warm["status"], "converged");
+  EXPECT_GT(cold["iterations"], 0);
+  EXPECT_EQ(warm["iterations"], 0);
+
+  ASSERT_EQ(bipot("run square_lattice --steps 1 --no-warm-start --dump-problems all --out " +
+                  path("cold"))
+                .exit_code,
+            0);
+  const Outcome refused = bipot("solve " + path("cold/problems/step_000001.hdf5") + " --warm");
+  EXPECT_EQ(refused.exit_code, 2);
 }
 
 TEST_F(Command, DestinationsAreLookedAtBeforeTheWork) {
@@ -319,6 +426,28 @@ TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
   EXPECT_TRUE(read_problem(out + "/solution.hdf5").r.has_value());
 }
 
+TEST_F(Command, InterruptedMeasurementsSaySoAndLeaveValidFiles) {
+  const auto interrupted = [&](const std::string& arguments) {
+    return bipot(arguments + " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?")
+        .exit_code;
+  };
+  const std::string compare = path("compare"), trade = path("trade"), advice = path("advice.json");
+  EXPECT_EQ(interrupted("compare pile:24 --tols 1e-2,1e-4,1e-6,1e-8,1e-10 --min-time 1 --json " +
+                        path("compare.json") + " --out " + compare),
+            5);
+  EXPECT_EQ(json::parse(content(path("compare.json")))["complete"], false);
+  EXPECT_EQ(json::parse(content(compare + "/comparison.json"))["complete"], false);
+  EXPECT_GT(fs::file_size(compare + "/report.html"), 100u);
+
+  EXPECT_EQ(interrupted("trade compaction --json " + path("trade.json") + " --out " + trade), 5);
+  EXPECT_EQ(json::parse(content(path("trade.json")))["complete"], false);
+  EXPECT_EQ(json::parse(content(trade + "/trade.json"))["complete"], false);
+
+  EXPECT_EQ(interrupted("advise compaction --force-error 1e-2 --json " + advice), 5);
+  EXPECT_EQ(json::parse(content(advice))["status"], "interrupted");
+  EXPECT_EQ(json::parse(content(advice))["exit_code"], 5);
+}
+
 TEST_F(Command, TimeLimitLeavesTheLastWholeStep) {
   const Outcome run =
       bipot("run compaction --tol 1e-6 --time-limit 1.5 --json - --out " + path("out"));
@@ -426,6 +555,60 @@ TEST_F(Command, ListsWhatItHas) {
   const Outcome scenes = bipot("list scenes --json -");
   ASSERT_EQ(scenes.exit_code, 0);
   EXPECT_GE(json::parse(scenes.out).size(), 6u);
+}
+
+TEST_F(Command, OneSolverIsListedWithItsParameters) {
+  const json j = json::parse(bipot("list solvers pgs --json -").out);
+  EXPECT_EQ(j["name"], "pgs");
+  bool omega = false;
+  for (const json& p : j["parameters"]) {
+    if (p["name"] != "omega") continue;
+    omega = true;
+    EXPECT_EQ(p["flag"], "--omega");
+    EXPECT_EQ(p["default"], "1");
+    EXPECT_EQ(p["domain"], "number in [0.001, 1.999]");
+    EXPECT_TRUE(p.contains("unit"));
+  }
+  EXPECT_TRUE(omega);
+  const Outcome text = bipot("list solvers apgd");
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_NE(text.out.find("--step"), std::string::npos);
+  EXPECT_NE(text.out.find("1/lambda_max"), std::string::npos);
+  EXPECT_EQ(bipot("list scenes pgs").exit_code, 2);
+  // What the list names is a flag, though the help of the commands passes over it.
+  for (const json& solver : json::parse(bipot("list solvers --json -").out)) {
+    for (const json& p : solver["parameters"]) {
+      const std::string flag = p["flag"];
+      const Outcome run = bipot("run square_lattice --steps 0 --json - --solver " +
+                                solver["name"].get<std::string>() + " " + flag + " ''");
+      if (run.exit_code == 0) continue;  // a text may be empty
+      const std::string message = json::parse(run.out)["message"];
+      EXPECT_NE(message.find(p["name"].get<std::string>()), std::string::npos) << flag << message;
+    }
+  }
+}
+
+TEST_F(Command, HelpFitsOnAScreen) {
+  for (const char* command : {"", "run", "solve", "compare", "advise", "trade", "paper", "list"}) {
+    std::istringstream help(bipot(std::string(command) + " --help").out);
+    int lines = 0;
+    for (std::string line; std::getline(help, line); ++lines) {
+      const auto columns =
+          std::count_if(line.begin(), line.end(), [](char c) { return (c & 0xC0) != 0x80; });
+      EXPECT_LE(columns, 100) << command << ": " << line;
+    }
+    EXPECT_LE(lines, 40) << command;
+    EXPECT_GT(lines, 5) << command;
+  }
+}
+
+TEST_F(Command, TheBenchmarksHelpShowsItsOwnFlagsAndGoogles) {
+  const Outcome help = run_command_line(BIPOT_SOLVER_BENCH, "--help");
+  EXPECT_EQ(help.exit_code, 0);
+  for (const char* flag : {"--solver", "--family", "--sizes", "--fit-out", "--benchmark_out"}) {
+    EXPECT_NE(help.out.find(flag), std::string::npos) << flag;
+  }
+  EXPECT_EQ(run_command_line(BIPOT_SOLVER_BENCH, "--no-such-flag").exit_code, 2);
 }
 
 TEST_F(Command, HelpNamesExamples) {

@@ -1,0 +1,152 @@
+#include "bench/command/bipot_command.h"
+
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/command/advise_command.h"
+#include "bench/command/compare_command.h"
+#include "bench/command/exit_code.h"
+#include "bench/command/help_text.h"
+#include "bench/command/list_command.h"
+#include "bench/command/paper_command.h"
+#include "bench/command/run_command.h"
+#include "bench/command/solve_command.h"
+#include "bench/command/trade_command.h"
+#include "bench/report/build_info.h"
+#include "bench/report/json_output.h"
+#include "core/file_error.h"
+#include "core/files/scene_file.h"
+
+namespace bipot {
+namespace {
+
+struct Command {
+  CLI::App* app;
+  std::function<int()> run;
+};
+
+/// Declares a command; its flags are filled when it is parsed.
+template <class Flags>
+Command command(CLI::App& app, CLI::App* (*add)(CLI::App&, Flags&), int (*run)(const Flags&)) {
+  const auto flags = std::make_shared<Flags>();
+  return {add(app, *flags), [flags, run] { return run(*flags); }};
+}
+
+/// What stands behind --json, read from the arguments themselves, so that it is known whatever
+/// command they name and even where they cannot be parsed.
+std::string json_destination(int argc, const char* const* argv) {
+  constexpr std::string_view kFlag = "--json";
+  for (int i = 1; i < argc; ++i) {
+    const std::string_view word = argv[i];
+    if (word == kFlag && i + 1 < argc) return argv[i + 1];
+    if (word.starts_with("--json=")) return std::string(word.substr(kFlag.size() + 1));
+  }
+  return {};
+}
+
+std::string_view status_of(ExitCode code) {
+  switch (code) {
+    case kExitIo:
+      return "input or output failed";
+    case kExitBadInput:
+      return "invalid input";
+    default:
+      return "numerical failure";
+  }
+}
+
+/// The command named by the arguments; empty where they name none.
+std::string command_name(const std::vector<Command>& commands, int argc, const char* const* argv) {
+  for (int i = 1; i < argc; ++i) {
+    for (const Command& c : commands) {
+      if (c.app->get_name() == argv[i]) return argv[i];
+    }
+  }
+  return {};
+}
+
+/// Whoever reads the JSON learns of a refusal there as well.
+void write_refusal(const std::string& destination, const std::string& command,
+                   const std::string& message, ExitCode code) {
+  if (destination.empty()) return;
+  try {
+    write_json({{"command", command},
+                {"version", program_version()},
+                {"status", status_of(code)},
+                {"message", message},
+                {"exit_code", static_cast<int>(code)}},
+               destination);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "bipot: {}\n", e.what());
+  }
+}
+
+}  // namespace
+
+int bipot_command(int argc, const char* const* argv) {
+  CLI::App app{"Frictional contact of rigid disks: one problem, many solvers, one error measure."};
+  app.name("bipot");
+  app.formatter(std::make_shared<ScreenHelp>());  // commands inherit it
+  app.set_version_flag("--version", "bipot " + program_version());
+  app.require_subcommand(1);
+  app.footer(
+      "Exit codes: 0 every solve met its tolerance; 1 some did not; 2 bad input; 3 numerical\n"
+      "failure; 4 a file could not be read or written; 5 interrupted.\n"
+      "Examples:\n"
+      "  bipot run compaction --out out/compaction\n"
+      "  bipot run scene.toml --solver uzawa --rho paper --tol 1e-4\n"
+      "  bipot solve problem.hdf5 --solver pgs --json -\n"
+      "  bipot advise scene.toml --force-error 1e-2 --write advised.toml\n"
+      "  bipot compare square:30 pile:18 --quick --out out/compare\n"
+      "  bipot paper --out out/paper\n"
+      "  bipot trade my_scene.toml --out out/trade\n"
+      "  bipot list solvers");
+  const std::vector<Command> commands = {
+      command(app, &add_run_command, &run_command),
+      command(app, &add_solve_command, &solve_command),
+      command(app, &add_compare_command, &compare_command),
+      command(app, &add_advise_command, &advise_command),
+      command(app, &add_paper_command, &paper_command),
+      command(app, &add_trade_command, &trade_command),
+      command(app, &add_list_command, &list_command),
+  };
+  const std::string json = json_destination(argc, argv);
+  const auto refuse = [&](const std::string& message, ExitCode code) {
+    write_refusal(json, command_name(commands, argc, argv), message, code);
+    return static_cast<int>(code);
+  };
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (app.exit(e) == 0) return kExitConverged;  // --help, --version
+    return refuse(e.what(), kExitBadInput);
+  }
+  const auto say_and_refuse = [&](const std::exception& e, ExitCode code) {
+    fmt::print(stderr, "bipot: {}\n", e.what());
+    return refuse(e.what(), code);
+  };
+  try {
+    for (const Command& c : commands) {
+      if (c.app->parsed()) return c.run();
+    }
+    throw std::logic_error("no command was parsed");
+  } catch (const FileError& e) {
+    return say_and_refuse(e, kExitIo);
+  } catch (const std::invalid_argument& e) {
+    return say_and_refuse(e, kExitBadInput);
+  } catch (const SceneFileError& e) {
+    return say_and_refuse(e, kExitBadInput);
+  } catch (const std::exception& e) {
+    return say_and_refuse(e, kExitNumericalFailure);
+  }
+}
+
+}  // namespace bipot

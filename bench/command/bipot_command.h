@@ -1,0 +1,10 @@
+#pragma once
+
+namespace bipot {
+
+/// The `bipot` command: reads the arguments, runs the command that they name and returns its
+/// ExitCode. Whatever is refused or fails is said on standard error, and in the file of --json
+/// (keys: data/formats.md), by every command alike.
+int bipot_command(int argc, const char* const* argv);
+
+}  // namespace bipot

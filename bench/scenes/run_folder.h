@@ -1,0 +1,46 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "bench/scenes/scene_run.h"
+#include "core/files/run_output.h"
+
+namespace bipot {
+
+struct RunFolderOptions {
+  enum class Problems { kNone, kFailed, kAll };
+  std::filesystem::path folder;
+  std::string scene_text;  ///< kept in run.h5
+  std::string program;     ///< name and version, kept in the problems' descriptions
+  bool resume = false;     ///< the folder is that of the run that goes on: its files are continued
+  Problems problems = Problems::kNone;  ///< contact problems that are written, as FCLIB files
+};
+
+/// The folder that a run leaves: what RunWriter writes, the steps' contact problems on request (each
+/// with the impulse that its solver started from, as a guess), and the pictures that the scene asks for. data/formats.md describes the files. Throws FileError.
+class RunFolder {
+ public:
+  /// Writes the frame of the state that the run begins with. The scene must outlive the folder.
+  RunFolder(const Scene& scene, const State& state, const RunFolderOptions& options);
+
+  void step(const SceneStep& step);
+  /// The last frame, the indices, the problem of a step that was not taken, and the pictures.
+  void finish(const State& state, const SceneRun& run);
+
+ private:
+  void write_problem(const ContactProblem& problem, const Vector& start, const StepReport& report);
+  void draw(const State& state, const SceneTotals& totals) const;
+
+  const Scene& scene_;
+  RunFolderOptions options_;
+  RunWriter writer_;
+  bool framed_ = true;  // the last step has its frame
+};
+
+/// Runs the scene into the folder: run_scene() with every step written. What the caller's on_step
+/// sees is on disk.
+SceneRun run_scene_into(const Scene& scene, State& state, const SceneRunOptions& run,
+                        const RunFolderOptions& folder);
+
+}  // namespace bipot
