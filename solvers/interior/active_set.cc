@@ -98,8 +98,8 @@ bool ActiveSet<D>::step() {
         R.template bottomLeftCorner<D - 1, 1>() = mu * R(0, 0) * e;
         if constexpr (D == 3) {
           const double speed = u_.template segment<2>(c * D + 1).norm();
-          const double turn = mu * std::max(s_[c * D], 0.0) /
-                              std::max(speed, std::numeric_limits<double>::min());
+          const double turn =
+              mu * std::max(s_[c * D], 0.0) / std::max(speed, std::numeric_limits<double>::min());
           R.template bottomRightCorner<2, 2>() =
               std::min(turn, 1 / (kProximal * mobility[c * D + 1])) *
               (Eigen::Matrix2d::Identity() - e * e.transpose());

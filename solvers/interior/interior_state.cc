@@ -53,8 +53,7 @@ void InteriorSystem<D>::recompute(State& z) const {
   delassus_.velocity(z.s, z.u);
   z.p.resize(contacts * D);
   for (int c = 0; c < contacts; ++c) {
-    Local<D> p = local<D>(z.u, c) -
-                 Jordan::velocity_of_pairs(pairs(z.Y, c), friction(c));
+    Local<D> p = local<D>(z.u, c) - Jordan::velocity_of_pairs(pairs(z.Y, c), friction(c));
     if (!friction(c)) {
       for (int k = 1; k < D; ++k) p[k] = 0;
     }
@@ -156,8 +155,7 @@ void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector&
   g_.resize(contacts * D);
   for (int c = 0; c < contacts; ++c) {
     const bool f = friction(c);
-    Local<D> row = Jordan::velocity_of_pairs(Jordan::divide(pairs(r, c), pairs(z.X, c), f),
-                                             f);
+    Local<D> row = Jordan::velocity_of_pairs(Jordan::divide(pairs(r, c), pairs(z.X, c), f), f);
     if (p.size() != 0) row -= local<D>(p, c);
     if (!f) row.template tail<D - 1>().setZero();
     q_.segment<D>(c * D) = row;

@@ -153,8 +153,8 @@ bool TaylorPath<D>::expand(double dt, const PairDirection& tangent) {
     }
     // Without refinement: an error here is seen by accurate() and shortens the step.
     system_.direction(z_, r_, {}, next_, 0);
-    const double along = (covector_x_.dot(next_.dX) + covector_y_.dot(next_.dY)) /
-                         system_.num_eigenvalues();
+    const double along =
+        (covector_x_.dot(next_.dX) + covector_y_.dot(next_.dY)) / system_.num_eigenvalues();
     const double tk = -dt * along;
     if (!std::isfinite(tk)) return false;
     t_[static_cast<std::size_t>(k)] = tk;

@@ -62,8 +62,8 @@ class TaylorPath {
   bool descending() const { return orientation_ < 0; }  ///< the last series went towards t = 0
   bool ended() const { return ended_; }
   int series() const { return num_series_; }
-  int folds() const { return folds_; }              ///< changes of the direction of t
-  int retractions() const { return retractions_; }  ///< steps taken back
+  int folds() const { return folds_; }                  ///< changes of the direction of t
+  int retractions() const { return retractions_; }      ///< steps taken back
   int disagreements() const { return disagreements_; }  ///< tangent believed against determinant
 
   /// Arclength of the last series' step, and the point of that series at `alpha`.
@@ -93,10 +93,10 @@ class TaylorPath {
   TaylorPathOptions options_;
   InteriorState<D> z_;
   double t_now_ = 1;
-  Vector c_, p0_;                // the path's right-hand sides from z_ on
-  std::vector<double> X_, Y_;    // P x (order + 1) coefficients of each contact, columns contiguous
-  std::vector<double> t_;        // coefficients of t
-  PairDirection end_tangent_;    // derivative of the last series at its end
+  Vector c_, p0_;              // the path's right-hand sides from z_ on
+  std::vector<double> X_, Y_;  // P x (order + 1) coefficients of each contact, columns contiguous
+  std::vector<double> t_;      // coefficients of t
+  PairDirection end_tangent_;  // derivative of the last series at its end
   double end_dt_ = 0;
   double reach_ = 0;
   int reference_sign_ = 0;  // of the determinant where t falls

@@ -48,8 +48,8 @@ struct Contender {
   double products = 0;  ///< of the start: factor of the cold one; of the network's normal energy
   int first_round = 0;
   std::unique_ptr<TaylorPath<D>> path = nullptr;  ///< from its first turn on
-  double last_try = kInfinity;  ///< error of the last endgame
-  std::vector<double> t = {};                                 ///< after each series
+  double last_try = kInfinity;                    ///< error of the last endgame
+  std::vector<double> t = {};                     ///< after each series
 
   bool over() const { return path && (path->ended() || path->t() < kSmallestT); }
   bool progresses() const {
@@ -94,9 +94,9 @@ class Driver {
       }
     }
     monitor_.end(SolveStatus::kStalled,
-                  fmt::format("no attempt and no path arrived in {} rounds and {} iterations, best "
-                              "error {:.2e}",
-                              rounds_, run_.iteration, monitor_.best_error()));
+                 fmt::format("no attempt and no path arrived in {} rounds and {} iterations, best "
+                             "error {:.2e}",
+                             rounds_, run_.iteration, monitor_.best_error()));
   }
 
   /// What was done, for the message.
@@ -145,8 +145,8 @@ class Driver {
   /// The proximal interior point from an equal-product start; impulses scale with the energy's
   /// factor, as in cold_start().
   StageEnd attempt_directly(int round) {
-    const double factor = scale_ * kDirectScales[static_cast<std::size_t>(round) %
-                                                 std::size(kDirectScales)];
+    const double factor =
+        scale_ * kDirectScales[static_cast<std::size_t>(round) % std::size(kDirectScales)];
     InteriorState<D> z = cold_start(system_, energy_, factor), best = z;
     ProximalInteriorPointOptions options;
     options.patience = kDirectPatience;
@@ -193,11 +193,10 @@ class Driver {
 
   StageEnd take_turn(Contender<D>& c, int budget) {
     if (!c.path) {
-      c.path = std::make_unique<TaylorPath<D>>(
-          system_,
-          c.cold ? cold_start(system_, energy_, c.products)
-                 : warm_start(system_, network_, c.products),
-          path_options_);
+      c.path = std::make_unique<TaylorPath<D>>(system_,
+                                               c.cold ? cold_start(system_, energy_, c.products)
+                                                      : warm_start(system_, network_, c.products),
+                                               path_options_);
     }
     const TaylorPath<D>& path = *c.path;
     for (int k = 0; k < budget || c.progresses(); ++k) {
