@@ -26,7 +26,7 @@ IterationMonitor::IterationMonitor(const ContactProblem& problem, const SolverOp
 }
 
 bool IterationMonitor::due(int iteration) const {
-  return options_.stop == StopTest::kImpulse || iteration >= next_ ||
+  return every_ || options_.stop == StopTest::kImpulse || iteration >= next_ ||
          iteration >= options_.max_iterations || cancelled();
 }
 

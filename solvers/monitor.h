@@ -18,6 +18,10 @@ class IterationMonitor {
  public:
   IterationMonitor(const ContactProblem& problem, const SolverOptions& options);
 
+  /// For solvers whose iteration is a factorisation or more: every one is judged, whatever the
+  /// count, so that no stage of theirs is blind.
+  void judge_every_iteration() { every_ = true; }
+
   /// Whether this iteration is judged. A solver that must do work to form s asks first.
   bool due(int iteration) const;
 
@@ -68,6 +72,7 @@ class IterationMonitor {
   Vector previous_;  // iterate of the judgement before (all iterations for the impulse test)
   int previous_iteration_ = -1;
   int next_ = 0;
+  bool every_ = false;
   int iterations_ = 0;
   double free_energy_ = 0;
   SolveStatus status_ = SolveStatus::kNotRun;

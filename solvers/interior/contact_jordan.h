@@ -67,13 +67,11 @@ struct ContactJordan {
     if constexpr (D == 3) return y[1];
     return 0;
   }
-  /// u = U Y, with u_n = w + dilatancy gamma. The exact law has dilatancy 0; with dilatancy mu the
-  /// law is the associated one (convex: U is then the transpose of T).
-  static Frame velocity_of_pairs(const Pairs& y, double dilatancy, bool friction) {
+  /// u = U Y, u_n = w: the exact law has no dilatancy.
+  static Frame velocity_of_pairs(const Pairs& y, bool friction) {
     Frame u = Frame::Zero();
     u[0] = y[0];
     if (D > 1 && friction) {
-      u[0] += dilatancy * slip_speed(y, friction);
       if constexpr (D == 2) u[1] = y[2] - y[1];
       if constexpr (D == 3) u.template tail<2>() = y.template tail<2>();
     }

@@ -3,11 +3,6 @@
 #include <Eigen/LU>
 
 namespace bipot {
-namespace {
-
-constexpr int kRefinements = 2;
-
-}  // namespace
 
 template <int D>
 InteriorSystem<D>::InteriorSystem(const ContactProblem& problem, const DelassusOperator& delassus,
@@ -58,8 +53,7 @@ void InteriorSystem<D>::recompute(State& z) const {
   delassus_.velocity(z.s, z.u);
   z.p.resize(contacts * D);
   for (int c = 0; c < contacts; ++c) {
-    Local<D> p = local<D>(z.u, c) -
-                 Jordan::velocity_of_pairs(pairs(z.Y, c), association_ * mu(c), friction(c));
+    Local<D> p = local<D>(z.u, c) - Jordan::velocity_of_pairs(pairs(z.Y, c), friction(c));
     if (!friction(c)) {
       for (int k = 1; k < D; ++k) p[k] = 0;
     }
@@ -140,7 +134,7 @@ bool InteriorSystem<D>::linearise(const State& z, double delta) {
       unit[k] = 1;
       const Pairs dx = Jordan::pairs_of_impulse(unit, mu(c), f);
       const Pairs dy = Jordan::divide(Jordan::product(dx, y, f), x, f);
-      C.col(k) = Jordan::velocity_of_pairs(dy, association_ * mu(c), f);
+      C.col(k) = Jordan::velocity_of_pairs(dy, f);
       C(k, k) += delta * mobility_[c * D + k];
     }
     if (f) {
@@ -154,31 +148,30 @@ bool InteriorSystem<D>::linearise(const State& z, double delta) {
 
 template <int D>
 void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector& p,
-                                  PairDirection& out) const {
+                                  PairDirection& out, int refinements) const {
   using Block = Eigen::Matrix<double, D, D, Eigen::RowMajor>;
   const int contacts = num_contacts();
-  Vector q(contacts * D), g(contacts * D), correction, wds;
+  q_.resize(contacts * D);
+  g_.resize(contacts * D);
   for (int c = 0; c < contacts; ++c) {
     const bool f = friction(c);
-    Local<D> row = Jordan::velocity_of_pairs(Jordan::divide(pairs(r, c), pairs(z.X, c), f),
-                                             association_ * mu(c), f) -
-                   local<D>(p, c);
+    Local<D> row = Jordan::velocity_of_pairs(Jordan::divide(pairs(r, c), pairs(z.X, c), f), f);
+    if (p.size() != 0) row -= local<D>(p, c);
     if (!f) row.template tail<D - 1>().setZero();
-    q.segment<D>(c * D) = row;
-    g.segment<D>(c * D) = Eigen::Map<const Block>(&R_[static_cast<std::size_t>(c) * D * D]) * row;
+    q_.segment<D>(c * D) = row;
+    g_.segment<D>(c * D) = Eigen::Map<const Block>(&R_[block(c)]) * row;
   }
-  shifted_.solve(g, out.ds);
-  for (int k = 0; k < kRefinements; ++k) {
-    delassus_.apply(out.ds, wds);
+  shifted_.solve(g_, out.ds);
+  for (int k = 0; k < refinements; ++k) {
+    delassus_.apply(out.ds, wds_);
     for (int c = 0; c < contacts; ++c) {
-      const std::size_t at = static_cast<std::size_t>(c) * D * D;
-      Local<D> e = local<D>(q, c) - local<D>(wds, c) -
-                   Eigen::Map<const Block>(&C_[at]) * local<D>(out.ds, c);
+      Local<D> e = local<D>(q_, c) - local<D>(wds_, c) -
+                   Eigen::Map<const Block>(&C_[block(c)]) * local<D>(out.ds, c);
       if (!friction(c)) e.template tail<D - 1>().setZero();
-      g.segment<D>(c * D) = Eigen::Map<const Block>(&R_[at]) * e;
+      g_.segment<D>(c * D) = Eigen::Map<const Block>(&R_[block(c)]) * e;
     }
-    shifted_.solve(g, correction);
-    out.ds += correction;
+    shifted_.solve(g_, correction_);
+    out.ds += correction_;
   }
   out.dX.resize(contacts * P);
   out.dY.resize(contacts * P);
@@ -189,16 +182,6 @@ void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector&
     out.dY.template segment<P>(c * P) =
         Jordan::divide(pairs(r, c) - Jordan::product(pairs(z.Y, c), dx, f), pairs(z.X, c), f);
   }
-}
-
-template <int D>
-void InteriorSystem<D>::set_association(State& z, double association) {
-  for (int c = 0; c < num_contacts(); ++c) {
-    z.Y[c * P] +=
-        (association_ - association) * mu(c) * Jordan::slip_speed(pairs(z.Y, c), friction(c));
-  }
-  association_ = association;
-  recompute(z);
 }
 
 template class InteriorSystem<1>;

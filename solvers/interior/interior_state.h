@@ -62,13 +62,9 @@ class InteriorSystem {
   /// Factors at z. False: singular or not finite.
   [[nodiscard]] bool linearise(const State& z, double delta);
   int determinant_sign() const { return shifted_.determinant_sign(); }
-  /// Direction for the right-hand sides r (P a contact) and p.
-  void direction(const State& z, const Vector& r, const Vector& p, PairDirection& out) const;
-
-  /// Blends the exact law (0) with the associated, convex one (1): u_n = w + association mu gamma.
-  /// The change is absorbed by w, which stays positive when the association falls.
-  void set_association(State& z, double association);
-  void set_association(double association) { association_ = association; }
+  /// Direction for the right-hand sides r (P a contact) and p (m; empty: zero), refined so often.
+  void direction(const State& z, const Vector& r, const Vector& p, PairDirection& out,
+                 int refinements = 2) const;
 
   bool friction(int c) const { return friction_[c]; }
   double mu(int c) const { return problem_.mu[c]; }
@@ -82,14 +78,17 @@ class InteriorSystem {
   Pairs pairs(const Vector& x, int c) const { return x.template segment<P>(c * P); }
 
  private:
+  /// Where the d x d block of contact c begins.
+  static std::size_t block(int c) { return static_cast<std::size_t>(c) * D * D; }
+
   const ContactProblem& problem_;
   const DelassusOperator& delassus_;
   ShiftedDelassus shifted_;
   std::vector<char> friction_;
   int eigenvalues_ = 0;
-  double association_ = 0;
   Vector mobility_;            // diagonal of W, tangents averaged
   std::vector<double> C_, R_;  // row-major d x d blocks of the last linearisation
+  mutable Vector q_, g_, correction_, wds_;
 };
 
 extern template class InteriorSystem<1>;

@@ -55,11 +55,6 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
     const Vector products = system.products(z.X, z.Y);
     const double tau = system.mean_product(products);
     const double residual = system.residual_energy(z);
-    if (options.final_gap > 0) {
-      const double gap = tau * system.num_eigenvalues() + residual * system.num_contacts();
-      const double energy = 0.5 * z.s.dot(z.u - system.problem().u_free);
-      if (gap < options.final_gap * kTheta * energy) return StageEnd::kLimit;
-    }
     const bool hold = residual > 10 * tau && delta > options.delta_floor;
     double target = tau;
     if (hold) {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+
+#include "core/problem/coulomb_cone.h"
 
 namespace bipot {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "solvers/interior/proximal_interior_point.h"
+#include "solvers/interior/interior_run.h"
 #include "solvers/kernels/shifted_delassus.h"
 
 namespace bipot {

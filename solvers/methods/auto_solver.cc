@@ -164,7 +164,7 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
         {{"start_sweeps", "5000"}});
     add("admm", kUnlimited, 4000, Start::kBest, "splitting, where pivots go wrong");
   }
-  add("ipm", kUnlimited, 2000, Start::kBest, "arclength continuation through folds, restarts");
+  add("ipm", kUnlimited, 2000, Start::kBest, "central paths through their folds, in turns");
   add("pgs", kUnlimited, kUnlimited, Start::kBest,
       "last resort: sweeps, which approach where nothing converges");
   return stages;

@@ -2,58 +2,61 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <random>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
 
-#include "solvers/interior/arclength.h"
+#include "core/problem/contact_error.h"
+#include "solvers/interior/active_set.h"
+#include "solvers/interior/equal_product_start.h"
 #include "solvers/interior/interior_state.h"
 #include "solvers/interior/proximal_interior_point.h"
 #include "solvers/interior/proximal_newton.h"
+#include "solvers/interior/taylor_path.h"
+#include "solvers/methods/accelerated_gradient.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
 
 namespace bipot {
 namespace {
 
-// Stiffness of the springs of the start estimate, over 1/W_nn: forces reach about its square root
-// of contacts far.
-constexpr double kStartStiffness = 1e4;
-constexpr double kRoundScales[] = {1, 0.1, 10};  // start scale of the rounds, in turn
-constexpr double kRelaxedGap = 1e-2;  // accuracy of the associated law before the exact one
-constexpr double kRelaxedNeighbourhood = 0.1;  // tight: the path has no folds to get around
-constexpr double kPolishBelow = 1e-2;          // guarded error from which Newton is worth a try
-constexpr int kWarmIterations = 15;
-constexpr int kEndgameIterations = 60;
-constexpr unsigned kSeed = 1;
+constexpr double kPolishBelow = 1e-5;   // guarded error from which Newton is worth a try
+constexpr double kEndgameBelow = 1e-4;  // and from which the proximal interior point is, on a path
+constexpr double kEndgameAgain = 0.1;   // fall of the error before the endgame is tried again
+constexpr int kActiveSetSteps = 3, kPolishSteps = 15;
+constexpr int kDirectPatience = 12;
+// Factor of the energy of the direct attempts of each round, in turn.
+constexpr double kDirectScales[] = {1, 10, 0.1, 100};
 
-/// In [0, 1), the same bits on every platform.
-double uniform(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1p-53; }
+constexpr double kColdFactor = 10;      // of the cold path's start
+constexpr double kNetworkError = 1e-2;  // of an impulse whose force network is worth keeping
+constexpr int kNetworkIterations = 2000;
+constexpr int kFirstTurn = 30;  // series of a path's turn in round 0, doubled each round
+// A path whose t fell by the factor over so many series keeps its turn.
+constexpr int kProgressSeries = 10;
+constexpr double kProgressFall = 0.3;
+constexpr double kSmallestT = 1e-18;  // of a path; products are then below round-off
 
-/// Energy of the start. The bodies are held by normal springs of stiffness kappa / W_nn, which may
-/// pull: (I + R W) s = -R u_free, R = diag(kappa / W_nn, 0). Its mean W_nn s_n² grows with the
-/// weight that a packing carries, has the problem's units and costs one factorisation.
+/// A path that takes turns with others.
 template <int D>
-double start_energy(InteriorSystem<D>& system) {
-  const ContactProblem& p = system.problem();
-  const Vector& mobility = system.mobility();
-  std::vector<double> R(static_cast<std::size_t>(p.num_contacts()) * D * D, 0.0);
-  Vector g = Vector::Zero(p.num_rows());
-  double fallback = 0;
-  for (int c = 0; c < p.num_contacts(); ++c) {
-    const double stiffness = kStartStiffness / mobility[c * D];
-    R[static_cast<std::size_t>(c) * D * D] = stiffness;
-    g[c * D] = -stiffness * p.u_free[c * D];
-    fallback += p.u_free.segment<D>(c * D).squaredNorm() / mobility[c * D];
+struct Contender {
+  std::string name;
+  bool cold = true;
+  double products = 0;  ///< of the start: factor of the cold one; of the network's normal energy
+  int first_round = 0;
+  std::unique_ptr<TaylorPath<D>> path = nullptr;  ///< from its first turn on
+  double last_try = kInfinity;                    ///< error of the last endgame
+  std::vector<double> t = {};                     ///< after each series
+
+  bool over() const { return path && (path->ended() || path->t() < kSmallestT); }
+  bool progresses() const {
+    return t.size() > kProgressSeries && path->descending() &&
+           t.back() < kProgressFall * t[t.size() - 1 - kProgressSeries];
   }
-  double energy = 0;
-  if (system.shifted().factor(R)) {
-    Vector s;
-    system.shifted().solve(g, s);
-    for (int c = 0; c < p.num_contacts(); ++c) energy += mobility[c * D] * s[c * D] * s[c * D];
-  }
-  // An operator that is not definite may put a pole where the springs are.
-  return (std::isfinite(energy) && energy > 0 ? energy : fallback) / p.num_contacts();
-}
+};
 
 template <int D>
 class Driver {
@@ -63,42 +66,53 @@ class Driver {
       : p_(p),
         options_(options),
         monitor_(monitor),
-        evaluate_(p),
         system_(p, monitor.evaluator().delassus(), form(parameters)),
         run_(monitor),
-        random_(kSeed) {
-    relaxation_ = D > 1 && parameters.choice("relaxation") == "on";
-    arclength_ = parameters.choice("arclength") == "on";
-    polish_ = parameters.choice("polish") == "on";
-    rounds_ = parameters.integer("rounds");
-    exact_.max_iterations = parameters.integer("stage_iterations");
-    associated_ = exact_;
-    associated_.final_gap = kRelaxedGap;
-    associated_.neighbourhood = kRelaxedNeighbourhood;
-    endgame_.max_iterations = kEndgameIterations;
-    arc_.max_iterations = parameters.integer("arc_iterations");
-    scale_ = parameters.number("start_scale");
-    energy_ = start_energy(system_);
+        active_set_(system_),
+        direct_(parameters.choice("direct") == "on"),
+        paths_(parameters.choice("paths") == "on"),
+        polish_(parameters.choice("polish") == "on"),
+        rounds_(parameters.integer("rounds")),
+        scale_(parameters.number("start_scale")),
+        energy_(spring_energy(system_)) {
+    path_options_.order = parameters.integer("order");
+    path_options_.tolerance = parameters.number("series_tolerance");
     monitor.end_setup();
   }
 
   void operator()() {
-    const bool warm = options_.s0.size() != 0;
     const Vector s0 = start_of(p_, options_);
     if (monitor_.stop(0, s0)) return;
-    if (warm && polish_ && monitor_.best_error() < kPolishBelow) {
-      ProximalNewtonOptions newton;
-      newton.max_iterations = kWarmIterations;
-      if (polish(s0, newton) == StageEnd::kStop) return;
-    }
+    if (polish_from(s0) == StageEnd::kStop) return;
     for (int round = 0; round < rounds_; ++round) {
-      if (play(round)) return;
+      if (direct_ && attempt_directly(round) == StageEnd::kStop) return;
+      if (!paths_) continue;
+      if (round == 0) enter_paths();
+      for (Contender<D>& c : contenders_) {
+        if (c.first_round > round || c.over()) continue;
+        if (take_turn(c, kFirstTurn << std::min(round, 16)) == StageEnd::kStop) return;
+      }
     }
     monitor_.end(SolveStatus::kStalled,
-                 fmt::format("the interior point stalled in its {} stage after {} rounds and {} "
-                             "iterations, best error {:.2e}",
-                             arclength_ ? "arclength" : "proximal", rounds_, run_.iteration,
-                             monitor_.best_error()));
+                 fmt::format("no attempt and no path arrived in {} rounds and {} iterations, best "
+                             "error {:.2e}",
+                             rounds_, run_.iteration, monitor_.best_error()));
+  }
+
+  /// What was done, for the message.
+  std::string story() const {
+    int paths = 0, series = 0, folds = 0;
+    std::string each;
+    for (const Contender<D>& c : contenders_) {
+      if (!c.path) continue;
+      ++paths;
+      series += c.path->series();
+      folds += c.path->folds();
+      each += fmt::format("{}{} {}", each.empty() ? "" : ", ", c.name, c.path->series());
+    }
+    if (paths == 0) return fmt::format("{} factorisations, no path", run_.iteration);
+    return fmt::format("{} factorisations, {} series on {} paths ({}), {} folds", run_.iteration,
+                       series, paths, each, folds);
   }
 
  private:
@@ -109,75 +123,124 @@ class Driver {
     return ShiftedDelassus::Form::kAuto;
   }
 
-  StageEnd polish(const Vector& s, const ProximalNewtonOptions& options) {
+  /// Newton from a good impulse; nothing from a bad one.
+  StageEnd polish_from(const Vector& s) {
+    if (!polish_ || !(monitor_.last_error() < kPolishBelow)) return StageEnd::kLimit;
+    active_set_.start(s);
+    if (active_set_(kActiveSetSteps, run_) == StageEnd::kStop) return StageEnd::kStop;
+    return newton(s);
+  }
+  StageEnd newton(const Vector& s) {
+    ProximalNewtonOptions options;
+    options.max_iterations = kPolishSteps;
     return proximal_newton<D>(p_, system_.delassus(), system_.shifted(), system_.mobility(), s,
                               run_, options);
   }
-
-  /// Start of a round: scales in turn, then random ones contact by contact as well.
-  Vector start_impulse(int round) {
-    const int scales = static_cast<int>(std::size(kRoundScales));
-    Vector impulse(p_.num_contacts());
-    for (int c = 0; c < p_.num_contacts(); ++c) {
-      impulse[c] =
-          scale_ * kRoundScales[round % scales] * std::sqrt(energy_ / system_.mobility()[c * D]);
-      if (round >= scales) impulse[c] *= std::pow(10.0, uniform(random_) - 0.5);
-    }
-    return impulse;
+  StageEnd finish_status(const InteriorState<D>& z) {
+    if (!polish_) return StageEnd::kLimit;
+    active_set_.start(z);
+    return active_set_(kActiveSetSteps, run_);
   }
 
-  /// One round; true: the monitor said stop.
-  bool play(int round) {
-    // The impulses are scaled, the velocities w, la, lc are not.
-    const double factor = scale_ * kRoundScales[round % std::size(kRoundScales)];
-    const Vector energy = Vector::Constant(p_.num_contacts(), factor * energy_);
-    const Vector impulse = start_impulse(round);
-    InteriorState<D> best;
-    double best_error = std::numeric_limits<double>::infinity();
-    for (const bool relaxed : {true, false}) {
-      if (relaxed && !relaxation_) continue;
-      system_.set_association(relaxed ? 1 : 0);
-      InteriorState<D> z = system_.central_state(impulse, energy);
-      InteriorState<D> candidate = z;
-      if (relaxed) {
-        const StageEnd end = proximal_interior_point(system_, z, run_, associated_, candidate);
-        if (end == StageEnd::kStop) return true;
-        system_.set_association(z, 0);
-        candidate = z;
-      }
-      if (proximal_interior_point(system_, z, run_, exact_, candidate) == StageEnd::kStop) {
-        return true;
-      }
-      const double error = evaluate_(candidate.s).guarded();
-      if (polish_ && error < kPolishBelow && polish(candidate.s, {}) == StageEnd::kStop) {
-        return true;
-      }
-      if (best.X.size() == 0 || error < best_error) {
-        best_error = error;
-        best = std::move(candidate);
+  /// The proximal interior point from an equal-product start; impulses scale with the energy's
+  /// factor, as in cold_start().
+  StageEnd attempt_directly(int round) {
+    const double factor =
+        scale_ * kDirectScales[static_cast<std::size_t>(round) % std::size(kDirectScales)];
+    InteriorState<D> z = cold_start(system_, energy_, factor), best = z;
+    ProximalInteriorPointOptions options;
+    options.patience = kDirectPatience;
+    if (proximal_interior_point(system_, z, run_, options, best) == StageEnd::kStop) {
+      return StageEnd::kStop;
+    }
+    if (!(monitor_.best_error() < kPolishBelow)) return StageEnd::kLimit;
+    if (finish_status(best) == StageEnd::kStop) return StageEnd::kStop;
+    return polish_ ? newton(best.s) : StageEnd::kLimit;
+  }
+
+  /// The paths, in the order of their turns: next to the force network of a rough impulse, and the
+  /// cold one. Where the rough impulse is bad its paths wait.
+  void enter_paths() {
+    Vector network = monitor_.best_impulse();
+    double error = monitor_.best_error();
+    if (!(error <= kNetworkError)) {
+      SolverOptions rough;
+      rough.tol = kNetworkError;
+      rough.max_iterations = kNetworkIterations;
+      rough.time_limit = std::max(monitor_.remaining_seconds(), 1e-9);
+      rough.s0 = options_.s0;
+      rough.cancelled = options_.cancelled;
+      network = solve_accelerated_gradient(p_, rough).s;
+      error = contact_error(p_, network).guarded();
+    }
+    const bool good = error <= kNetworkError;
+    const double energy = normal_energy(system_, network);
+    const auto enter_warm = [&](const char* name, double products, int first_round) {
+      if (!(energy > 0)) return;
+      contenders_.push_back(
+          {.name = name, .cold = false, .products = products * energy, .first_round = first_round});
+    };
+    const auto enter_cold = [&] {
+      contenders_.push_back({.name = "cold", .products = kColdFactor * scale_});
+    };
+    network_ = std::move(network);
+    if (!good) enter_cold();
+    enter_warm("warm 1e-2", 1e-2, good ? 0 : 1);
+    enter_warm("warm 1e-3", 1e-3, good ? 0 : 1);
+    if (good) enter_cold();
+    enter_warm("warm 1e-1", 1e-1, good ? 1 : 2);
+  }
+
+  StageEnd take_turn(Contender<D>& c, int budget) {
+    if (!c.path) {
+      c.path = std::make_unique<TaylorPath<D>>(system_,
+                                               c.cold ? cold_start(system_, energy_, c.products)
+                                                      : warm_start(system_, network_, c.products),
+                                               path_options_);
+    }
+    const TaylorPath<D>& path = *c.path;
+    for (int k = 0; k < budget || c.progresses(); ++k) {
+      const PathStep step = c.path->advance();
+      if (run_.next(path.state().s, path.reach())) return StageEnd::kStop;
+      if (step == PathStep::kRetracted) continue;
+      if (step == PathStep::kEnded || c.over()) break;
+      c.t.push_back(path.t());
+      const double error = monitor_.last_error();
+      if (path.descending() && error < std::min(kEndgameBelow, kEndgameAgain * c.last_try)) {
+        c.last_try = error;
+        if (endgame(path.state(), error) == StageEnd::kStop) return StageEnd::kStop;
       }
     }
-    if (!arclength_) return false;
-    const InteriorState<D> start = best;
-    if (follow_central_path(system_, start, run_, arc_, endgame_, best) == StageEnd::kStop) {
-      return true;
+    return StageEnd::kLimit;
+  }
+
+  /// From a path's state near the solution to the solution.
+  StageEnd endgame(const InteriorState<D>& z, double error) {
+    const bool near = error < kPolishBelow;
+    if (near && finish_status(z) == StageEnd::kStop) return StageEnd::kStop;
+    ProximalInteriorPointOptions options;
+    options.max_iterations = near ? 15 : 25;
+    options.patience = 12;
+    InteriorState<D> end = z, best = z;
+    if (proximal_interior_point(system_, end, run_, options, best) == StageEnd::kStop) {
+      return StageEnd::kStop;
     }
-    return polish_ && monitor_.best_error() < kPolishBelow &&
-           polish(Vector(monitor_.best_impulse()), {}) == StageEnd::kStop;
+    if (!(monitor_.best_error() < kPolishBelow)) return StageEnd::kLimit;
+    return finish_status(best);
   }
 
   const ContactProblem& p_;
   const SolverOptions& options_;
   IterationMonitor& monitor_;
-  ContactErrorEvaluator evaluate_;
   InteriorSystem<D> system_;
   InteriorRun run_;
-  std::mt19937_64 random_;
-  bool relaxation_ = true, arclength_ = true, polish_ = true;
-  int rounds_ = 1;
-  ProximalInteriorPointOptions exact_, associated_, endgame_;
-  ArclengthOptions arc_;
-  double scale_ = 1, energy_ = 0;  // the energy is that of the default start
+  ActiveSet<D> active_set_;
+  bool direct_, paths_, polish_;
+  int rounds_;
+  double scale_, energy_;  // the energy is that of the default start
+  TaylorPathOptions path_options_;
+  Vector network_;  // force network of the warm paths
+  std::vector<Contender<D>> contenders_;
 };
 
 }  // namespace
@@ -185,11 +248,15 @@ class Driver {
 SolveResult solve_interior_point(const ContactProblem& p, const SolverOptions& options) {
   const Parameters parameters(options.parameters, kInteriorPointParameters);
   IterationMonitor monitor(p, options);
-  dispatch_dim(p.dim, [&](auto d) {
-    Driver<d()>(p, options, parameters, monitor)();
-    return 0;
+  monitor.judge_every_iteration();
+  const std::string story = dispatch_dim(p.dim, [&](auto d) {
+    Driver<d()> driver(p, options, parameters, monitor);
+    driver();
+    return driver.story();
   });
-  return monitor.finish();
+  SolveResult result = monitor.finish();
+  result.message += "; " + story;
+  return result;
 }
 
 }  // namespace bipot

@@ -11,41 +11,40 @@ inline constexpr ParameterSpec kInteriorPointParameters[] = {
      .minimum = 1e-6,
      .maximum = 1e6,
      .help = "multiplies the impulses of the default start"},
-    {.name = "relaxation",
+    {.name = "direct",
      .kind = ParameterSpec::Kind::kChoice,
      .default_value = "on",
      .choices = "on|off",
-     .help = "solve the associated (convex) law roughly first, then drop its dilatancy"},
-    {.name = "arclength",
+     .help = "begin each round with a proximal interior point from a start of its own"},
+    {.name = "paths",
      .kind = ParameterSpec::Kind::kChoice,
      .default_value = "on",
      .choices = "on|off",
-     .help = "follow the central path through its folds where the first stage stops"},
+     .help = "follow central paths through their folds, in turns"},
     {.name = "polish",
      .kind = ParameterSpec::Kind::kChoice,
      .default_value = "on",
      .choices = "on|off",
-     .help = "proximal semismooth Newton from the best impulse, last stage"},
-    {.name = "stage_iterations",
+     .help = "active set and proximal Newton where the error is below 1e-5"},
+    {.name = "order",
      .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "150",
-     .minimum = 1,
-     .maximum = 100000,
-     .help = "cap of the proximal interior point stage",
-     .unit = "iterations"},
-    {.name = "arc_iterations",
-     .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "300",
-     .minimum = 1,
-     .maximum = 100000,
-     .help = "cap of each arclength stage",
-     .unit = "iterations"},
+     .default_value = "15",
+     .minimum = 2,
+     .maximum = 40,
+     .help = "order of a path's Taylor series",
+     .unit = "orders"},
+    {.name = "series_tolerance",
+     .kind = ParameterSpec::Kind::kNumber,
+     .default_value = "1e-3",
+     .minimum = 1e-12,
+     .maximum = 0.5,
+     .help = "largest relative error of a product within a series' reach"},
     {.name = "rounds",
      .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "20",
+     .default_value = "6",
      .minimum = 1,
-     .maximum = 1000,
-     .help = "rounds of all stages, each from another start, before giving up",
+     .maximum = 30,
+     .help = "rounds of all paths before giving up; each doubles the series of a turn",
      .unit = "rounds"},
     {.name = "linear_system",
      .kind = ParameterSpec::Kind::kChoice,
@@ -55,25 +54,28 @@ inline constexpr ParameterSpec kInteriorPointParameters[] = {
 };
 
 /// Primal-dual interior point on the exact Coulomb law, d = 1, 2, 3. One iteration is one
-/// factorisation; the start estimate takes one more. Stages, the first that meets the stop test
-/// ends:
+/// factorisation, each is judged; the start estimate takes one more. Rounds of stages, the first
+/// that meets the stop test ends:
 ///
-///   1. Associated law [ours]: the proximal interior point (proximal_interior_point.h) on the
-///   convex
-///      problem u_n = w + mu gamma (contact_jordan.h) down to a gap of 1 %. Its Newton matrix is
-///      definite and its central path has no folds. At rest it has the solutions of the exact law.
-///   2. Exact law, the same method from there: the dilatancy mu gamma goes over into w, which
-///   leaves
-///      the kinematic residual and all but the sliding contacts' products as they are.
-///   3. Exact law from the central start, where 2 did not arrive (much sliding: impacts, flows).
-///   4. Arclength continuation (arclength.h) along the folded central path of the better of 2
-///   and 3.
-/// After 2, 3 and 4 a good impulse is polished by proximal semismooth Newton (proximal_newton.h). A
-/// failed round is followed by another from 0.1 and 10 times the start, then from random starts of
-/// a fixed seed. Nothing guarantees an end at a solution: the status says stalled.
+///   1. Direct: the proximal interior point (proximal_interior_point.h) from an equal-product start
+///      (equal_product_start.h), given up after 12 iterations without halving the error. Packings
+///      at rest and half of the flowing ones arrive in 10 to 30 factorisations.
+///   2. Paths (taylor_path.h): the central path from equal products, followed through its folds by
+///      Taylor series, which is the method and the finding of Nguyen, Armand and Acary (2025): the
+///      path of the exact law is analytic, leads to a solution and is not monotone. Which of the
+///      paths is short cannot be told beforehand, so several take turns of 30 series, doubled each
+///      round: from next to the force network of a rough impulse (the best one so far where its
+///      error is below 1e-2, else up to 2000 iterations of apgd, which are not counted; products
+///      1e-2, 1e-3, 1e-1 of its energy), and the cold one from products ten times the energy of
+///      the spring estimate. A path keeps its turn while t falls fast. Where the network is bad
+///      the cold path comes first.
+///   Endgame of a path whose error is below 1e-4, and again at every decade below: active set
+///   (active_set.h, below 1e-5), proximal interior point, active set.
 ///
-/// A start s0 is judged and, when its error is below 1e-2, handed to the polish; the interior point
-/// itself starts cold. Contacts with mu = 0 have one pair only, no regularised friction.
+/// A start s0 with an error below 1e-5 is handed to the active set and to proximal Newton
+/// (proximal_newton.h). Nothing guarantees an end at a solution (a path may be too long, or none
+/// exist): the status says stalled. Contacts with mu = 0 have one pair only, no regularised
+/// friction. d = 3 is the same in the algebra of the Lorentz cone.
 /// Related: Acary, Armand, Nguyen and Shpakovych (2024) solve the associated cone program by an
 /// interior point, Acary, Cadoux, Lemaréchal and Malick (2011) iterate on such programs.
 SolveResult solve_interior_point(const ContactProblem& problem, const SolverOptions& options);

@@ -76,7 +76,7 @@ const SolverEntry kSolvers[] = {
      .path_ignores_tolerance = true},
     {.name = "ipm",
      .summary =
-         "primal-dual interior point on the exact law, arclength continuation, Newton polish",
+         "interior point on the exact law, central path by Taylor series (Nguyen et al. 2025)",
      .run = &solve_interior_point,
      .parameters = kInteriorPointParameters,
      .path_ignores_tolerance = true},

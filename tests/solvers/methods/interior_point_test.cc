@@ -181,35 +181,33 @@ TEST(ContactJordan, TheLongestStepEndsOnTheBoundary) {
 }
 
 TEST(ContactJordan, ThePairsCarryTheExactLaw) {
-  // x·y = mu s_n |u_t| + s_t·u_t where gamma = |u_t|, and u_n = w without dilatancy.
+  // x·y = mu s_n |u_t| + s_t·u_t where gamma = |u_t|, and u_n = w.
   const double mu = 0.4;
   const Local<2> s2(2.0, -0.5), u2(0.3, 0.7);
   using J2 = ContactJordan<2>;
   const J2::Pairs x2 = J2::pairs_of_impulse(s2, mu, true);
   EXPECT_LT((J2::impulse_of_pairs(x2, true) - s2).norm(), 1e-15);
   const J2::Pairs y2(0.3, 0.0, 0.7);  // la = max(-u_t, 0), lc = max(u_t, 0)
-  EXPECT_LT((J2::velocity_of_pairs(y2, 0, true) - u2).norm(), 1e-15);
+  EXPECT_LT((J2::velocity_of_pairs(y2, true) - u2).norm(), 1e-15);
   EXPECT_NEAR(J2::trace(J2::product(x2, y2, true), true) - s2[0] * u2[0],
               mu * s2[0] * std::abs(u2[1]) + s2[1] * u2[1], 1e-14);
   using J3 = ContactJordan<3>;
   const Local<3> s3(2.0, -0.5, 0.2), u3(0.3, 0.7, -0.1);
   const J3::Pairs y3(0.3, u3.tail<2>().norm(), 0.7, -0.1);
   const J3::Pairs x3 = J3::pairs_of_impulse(s3, mu, true);
-  EXPECT_LT((J3::velocity_of_pairs(y3, 0, true) - u3).norm(), 1e-15);
+  EXPECT_LT((J3::velocity_of_pairs(y3, true) - u3).norm(), 1e-15);
   EXPECT_NEAR(J3::trace(J3::product(x3, y3, true), true) - s3[0] * u3[0],
               mu * s3[0] * u3.tail<2>().norm() + s3.tail<2>().dot(u3.tail<2>()), 1e-14);
-  EXPECT_NEAR(J3::velocity_of_pairs(y3, mu, true)[0], 0.3 + mu * u3.tail<2>().norm(), 1e-14);
 }
 
 template <int D>
-void expect_direction_solves_the_linearised_system(double association) {
+void expect_direction_solves_the_linearised_system() {
   using Jordan = ContactJordan<D>;
   constexpr int P = Jordan::P;
   ContactProblem p = manufactured_problem(D, 8, 12, 11).problem;
   if (D > 1) p.mu[3] = 0;  // no friction: the tangential pairs drop out
   const DelassusOperator delassus(p);
   InteriorSystem<D> system(p, delassus, ShiftedDelassus::Form::kAuto);
-  system.set_association(association);
   const double delta = 0.1;
   const InteriorState<D> z =
       system.central_state(Vector::Constant(12, 0.7), Vector::Constant(12, 0.2));
@@ -228,7 +226,7 @@ void expect_direction_solves_the_linearised_system(double association) {
     EXPECT_LT((left - system.pairs(r, c)).head(count).norm(), 1e-12) << c;
     const Local<D> kinematic =
         local<D>(wds, c) + delta * local<D>(system.mobility(), c).cwiseProduct(local<D>(d.ds, c)) -
-        Jordan::velocity_of_pairs(system.pairs(d.dY, c), association * p.mu[c], f) + local<D>(q, c);
+        Jordan::velocity_of_pairs(system.pairs(d.dY, c), f) + local<D>(q, c);
     EXPECT_LT(kinematic.head(f ? D : 1).norm(), 1e-11) << c;
     if (!f) {
       EXPECT_EQ(local<D>(d.ds, c).tail(D - 1).norm(), 0);
@@ -237,22 +235,9 @@ void expect_direction_solves_the_linearised_system(double association) {
 }
 
 TEST(InteriorSystem, DirectionsSolveTheLinearisedSystem) {
-  for (const double association : {0.0, 1.0}) {
-    expect_direction_solves_the_linearised_system<1>(association);
-    expect_direction_solves_the_linearised_system<2>(association);
-    expect_direction_solves_the_linearised_system<3>(association);
-  }
-}
-
-TEST(InteriorSystem, DroppingTheDilatancyKeepsTheKinematicResidual) {
-  const ContactProblem p = manufactured_problem(3, 8, 12, 11).problem;
-  const DelassusOperator delassus(p);
-  InteriorSystem<3> system(p, delassus, ShiftedDelassus::Form::kAuto);
-  system.set_association(1);
-  InteriorState<3> z = system.central_state(Vector::Constant(12, 0.7), Vector::Constant(12, 0.2));
-  const Vector before = z.p;
-  system.set_association(z, 0);
-  EXPECT_LT((z.p - before).norm(), 1e-14 * before.norm());
+  expect_direction_solves_the_linearised_system<1>();
+  expect_direction_solves_the_linearised_system<2>();
+  expect_direction_solves_the_linearised_system<3>();
 }
 
 TEST(InteriorPoint, ReachesManufacturedSolutionsInEveryDimension) {
@@ -429,20 +414,21 @@ TEST(InteriorPoint, AGoodStartCostsAFewNewtonSteps) {
 
 TEST(InteriorPoint, EachStageCanBeSwitchedOff) {
   const ContactProblem p = lattice(true, 8, 0.3, 10);
-  for (const char* name : {"relaxation", "arclength", "polish"}) {
+  for (const char* name : {"direct", "paths", "polish"}) {
     const SolveResult r = solve("ipm", p, with({{name, "off"}}));
     EXPECT_EQ(r.status, SolveStatus::kConverged) << name << ": " << r.message;
   }
 }
 
 TEST(InteriorPoint, FollowsTheCentralPathThroughItsFolds) {
-  // The stages before stop at a fold: with them alone this start does not arrive.
+  // The proximal interior point stops at a fold: by itself it does not arrive.
   const ContactProblem p = free_pyramid(20, 0.5);
-  const SolveResult without = solve("ipm", p, with({{"arclength", "off"}, {"rounds", "3"}}));
-  const SolveResult with_arc = solve("ipm", p, with({{"rounds", "3"}}));
+  const SolveResult without = solve("ipm", p, with({{"paths", "off"}, {"rounds", "3"}}));
+  const SolveResult with_paths = solve("ipm", p, with({{"rounds", "3"}}));
   EXPECT_EQ(without.status, SolveStatus::kStalled) << without.message;
   EXPECT_NE(without.message.find("best error"), std::string::npos) << without.message;
-  EXPECT_EQ(with_arc.status, SolveStatus::kConverged) << with_arc.message;
+  EXPECT_EQ(with_paths.status, SolveStatus::kConverged) << with_paths.message;
+  EXPECT_NE(with_paths.message.find("folds"), std::string::npos) << with_paths.message;
 }
 
 TEST(InteriorPoint, RespectsTheLimits) {

@@ -1,0 +1,124 @@
+#include "solvers/interior/equal_product_start.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bipot {
+namespace {
+
+// Stiffness of the springs over 1/W_nn: forces reach about its square root of contacts far.
+constexpr double kSpringStiffness = 1e4;
+constexpr int kBisections = 100;
+
+/// Distance a = radius - |s_t| to the edge of the disk of the smoothed friction law
+/// W (|s_t| - pull) + 2 tau |s_t| / (radius² - |s_t|²) = 0, by bisection in the logarithm: a may be
+/// many decades below the radius.
+double edge_distance(double pull, double radius, double W, double tau) {
+  const auto excess = [&](double a) {
+    return W * (radius - a - pull) + 2 * tau * (radius - a) / (a * (2 * radius - a));
+  };
+  if (!(pull > 0)) return radius;
+  double low = std::min(0.5 * radius, 2.0 / 3.0 * tau / (W * pull)), high = radius;
+  for (int k = 0; k < kBisections && high > low * (1 + 1e-15); ++k) {
+    const double middle = std::sqrt(low) * std::sqrt(high);
+    (excess(middle) > 0 ? low : high) = middle;
+  }
+  return low;
+}
+
+}  // namespace
+
+template <int D>
+double spring_energy(InteriorSystem<D>& system) {
+  const ContactProblem& p = system.problem();
+  const Vector& mobility = system.mobility();
+  std::vector<double> R(static_cast<std::size_t>(p.num_contacts()) * D * D, 0.0);
+  Vector g = Vector::Zero(p.num_rows());
+  double fallback = 0;
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    const double stiffness = kSpringStiffness / mobility[c * D];
+    R[static_cast<std::size_t>(c) * D * D] = stiffness;
+    g[c * D] = -stiffness * p.u_free[c * D];
+    fallback += p.u_free.segment<D>(c * D).squaredNorm() / mobility[c * D];
+  }
+  double energy = 0;
+  if (system.shifted().factor(R)) {
+    Vector s;
+    system.shifted().solve(g, s);
+    energy = normal_energy(system, s);
+  }
+  // An operator that is not definite may put a pole where the springs are.
+  return std::isfinite(energy) && energy > 0 ? energy : fallback / p.num_contacts();
+}
+
+template <int D>
+double normal_energy(const InteriorSystem<D>& system, const Vector& s) {
+  double energy = 0;
+  for (int c = 0; c < system.num_contacts(); ++c) {
+    energy += system.mobility()[c * D] * s[c * D] * s[c * D];
+  }
+  return energy / system.num_contacts();
+}
+
+template <int D>
+InteriorState<D> cold_start(const InteriorSystem<D>& system, double energy, double factor) {
+  Vector impulse(system.num_contacts());
+  for (int c = 0; c < system.num_contacts(); ++c) {
+    impulse[c] = factor * std::sqrt(energy / system.mobility()[c * D]);
+  }
+  return system.central_state(impulse, Vector::Constant(system.num_contacts(), factor * energy));
+}
+
+template <int D>
+InteriorState<D> warm_start(const InteriorSystem<D>& system, const Vector& s0, double tau) {
+  using Jordan = ContactJordan<D>;
+  constexpr int P = Jordan::P;
+  InteriorState<D> z;
+  z.X.setZero(system.num_contacts() * P);
+  z.Y.setZero(system.num_contacts() * P);
+  Vector u0;
+  system.delassus().velocity(s0, u0);
+  for (int c = 0; c < system.num_contacts(); ++c) {
+    const bool f = system.friction(c);
+    const double W = system.mobility()[c * D], mu = system.mu(c);
+    const double pull = s0[c * D] - u0[c * D] / W;
+    const double root = std::sqrt(pull * pull + 4 * tau / W);
+    // The positive root of W s² - W pull s - tau, without cancellation.
+    const double normal = pull > 0 ? 0.5 * (pull + root) : 2 * tau / W / (root - pull);
+    Local<D> s = Local<D>::Zero();
+    s[0] = normal;
+    typename Jordan::Pairs x = Jordan::pairs_of_impulse(s, mu, f);
+    if constexpr (D > 1) {
+      if (f) {
+        const double Wt = system.mobility()[c * D + 1], radius = mu * normal;
+        const Eigen::Matrix<double, D - 1, 1> along =
+            s0.segment<D - 1>(c * D + 1) - u0.segment<D - 1>(c * D + 1) / Wt;
+        const double length = along.norm();
+        const double edge = edge_distance(length, radius, Wt, tau);
+        if (length > 0) s.template tail<D - 1>() = (radius - edge) / length * along;
+        x = Jordan::pairs_of_impulse(s, mu, f);
+        // The difference mu s_n - |s_t| has lost the small edge distance.
+        if constexpr (D == 2) x[s[1] > 0 ? 1 : 2] = edge;
+      }
+    }
+    z.X.template segment<P>(c * P) = x;
+    z.Y.template segment<P>(c * P) = Jordan::divide(Jordan::identity(tau, f), x, f);
+  }
+  system.recompute(z);
+  return z;
+}
+
+template double spring_energy<1>(InteriorSystem<1>&);
+template double spring_energy<2>(InteriorSystem<2>&);
+template double spring_energy<3>(InteriorSystem<3>&);
+template double normal_energy<1>(const InteriorSystem<1>&, const Vector&);
+template double normal_energy<2>(const InteriorSystem<2>&, const Vector&);
+template double normal_energy<3>(const InteriorSystem<3>&, const Vector&);
+template InteriorState<1> cold_start<1>(const InteriorSystem<1>&, double, double);
+template InteriorState<2> cold_start<2>(const InteriorSystem<2>&, double, double);
+template InteriorState<3> cold_start<3>(const InteriorSystem<3>&, double, double);
+template InteriorState<1> warm_start<1>(const InteriorSystem<1>&, const Vector&, double);
+template InteriorState<2> warm_start<2>(const InteriorSystem<2>&, const Vector&, double);
+template InteriorState<3> warm_start<3>(const InteriorSystem<3>&, const Vector&, double);
+
+}  // namespace bipot

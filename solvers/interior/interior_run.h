@@ -1,0 +1,36 @@
+#pragma once
+
+#include "solvers/monitor.h"
+
+namespace bipot {
+
+/// What the stages of the interior-point solver share: who judges, and the count of factorisations.
+/// One iteration is one factorisation whose impulse is judged; a factorisation that a stage throws
+/// away (a larger proximal term, a path that turns back) is counted by the stage that follows it.
+class InteriorRun {
+ public:
+  explicit InteriorRun(IterationMonitor& m) : monitor(m) {}
+  IterationMonitor& monitor;
+  int iteration = 0;
+
+  /// Counts one iteration and judges its impulse; true: stop everything.
+  bool next(const Vector& s, double step) {
+    judged_ = monitor.due(++iteration);
+    // Slacks, multipliers and delta change also where s does not: an equal s is no stall here.
+    return monitor.stop(iteration, s, step, /*moving=*/true);
+  }
+  /// Whether the last iterate was judged: the monitor's last error is then its own.
+  bool judged() const { return judged_; }
+
+ private:
+  bool judged_ = false;
+};
+
+enum class StageEnd {
+  kStop,    ///< the monitor said stop
+  kLimit,   ///< the stage's own budget of iterations is used
+  kStuck,   ///< no step is possible or no progress is made
+  kFailed,  ///< a factorisation failed or a value is not finite
+};
+
+}  // namespace bipot

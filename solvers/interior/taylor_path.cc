@@ -1,0 +1,281 @@
+#include "solvers/interior/taylor_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace bipot {
+namespace {
+
+constexpr double kLargestT = 100;
+constexpr int kMaxRetractions = 6;
+constexpr double kSmallestReach = 1e-14;
+constexpr double kSmallestRetraction = 1e-9;
+constexpr double kGrow = 1.2, kShrink = 0.8;
+constexpr int kMaxGrowths = 12;
+
+/// sum_k a_k alpha^k over the columns.
+template <int P, class Columns>
+Eigen::Matrix<double, P, 1> horner(const Columns& a, double alpha) {
+  Eigen::Index k = a.cols() - 1;
+  Eigen::Matrix<double, P, 1> value = a.col(k);
+  while (--k >= 0) value = value * alpha + a.col(k);
+  return value;
+}
+template <int P, class Columns>
+Eigen::Matrix<double, P, 1> horner_derivative(const Columns& a, double alpha) {
+  Eigen::Index k = a.cols() - 1;
+  Eigen::Matrix<double, P, 1> value = static_cast<double>(k) * a.col(k);
+  while (--k >= 1) value = value * alpha + static_cast<double>(k) * a.col(k);
+  return value;
+}
+
+Eigen::Map<const Eigen::RowVectorXd> row(const std::vector<double>& x) {
+  return {x.data(), static_cast<Eigen::Index>(x.size())};
+}
+
+}  // namespace
+
+template <int D>
+TaylorPath<D>::TaylorPath(InteriorSystem<D>& system, InteriorState<D> start,
+                          const TaylorPathOptions& options)
+    : system_(system),
+      options_(options),
+      z_(std::move(start)),
+      c_(system.products(z_.X, z_.Y)),
+      p0_(z_.p),
+      t_(static_cast<std::size_t>(options.order) + 1, 0.0) {}
+
+template <int D>
+auto TaylorPath<D>::coefficients(std::vector<double>& x, int c) -> Eigen::Map<Coefficients> {
+  const int columns = options_.order + 1;
+  return {x.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(P * columns), P,
+          columns};
+}
+template <int D>
+auto TaylorPath<D>::coefficients(const std::vector<double>& x, int c) const
+    -> Eigen::Map<const Coefficients> {
+  const int columns = options_.order + 1;
+  return {x.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(P * columns), P,
+          columns};
+}
+
+template <int D>
+PathStep TaylorPath<D>::end() {
+  ended_ = true;
+  return PathStep::kEnded;
+}
+
+template <int D>
+PathStep TaylorPath<D>::advance() {
+  if (ended_) return PathStep::kEnded;
+  if (!system_.linearise(z_, 0.0)) return end();
+  system_.direction(z_, c_, -p0_, tangent_);
+  const double length = std::sqrt(metric(tangent_, tangent_) + 1 / (t_now_ * t_now_));
+  if (!std::isfinite(length)) return end();
+  if (!orient(system_.determinant_sign(), tangent_)) {
+    retract();
+    return PathStep::kRetracted;
+  }
+  if (!expand(orientation_ / length, tangent_)) return end();
+  if (!find_reach()) return end();
+  ++num_series_;
+  take(reach_);
+  if (t_now_ > kLargestT) return end();
+  return PathStep::kAdvanced;
+}
+
+/// Chooses the orientation. False: tangent and determinant disagree, and a shorter step may help.
+template <int D>
+bool TaylorPath<D>::orient(int determinant, const PairDirection& tangent) {
+  if (num_series_ == 0) {
+    reference_sign_ = determinant;
+    orientation_ = -1;
+    return true;
+  }
+  const double along = metric(end_tangent_, tangent) + end_dt_ / (t_now_ * t_now_);
+  const int continued = along > 0 ? 1 : -1;
+  const int expected = determinant == reference_sign_ ? -1 : 1;
+  if (continued != expected) {
+    if (retractions_here_ < kMaxRetractions && reach_ > kSmallestRetraction) return false;
+    ++disagreements_;
+    reference_sign_ = -reference_sign_;
+  }
+  retractions_here_ = 0;
+  if (continued != orientation_) ++folds_;
+  orientation_ = continued;
+  return true;
+}
+
+template <int D>
+void TaylorPath<D>::retract() {
+  ++retractions_;
+  ++retractions_here_;
+  reach_ *= 0.5;
+  take(reach_);
+}
+
+/// The coefficients of the series from z_, whose first order is dt * tangent.
+template <int D>
+bool TaylorPath<D>::expand(double dt, const PairDirection& tangent) {
+  const int contacts = system_.num_contacts();
+  const std::size_t size = static_cast<std::size_t>(z_.X.size()) * t_.size();
+  X_.resize(size);
+  Y_.resize(size);
+  r_.resize(z_.X.size());
+  covector_x_.resize(z_.X.size());
+  covector_y_.resize(z_.X.size());
+  for (int c = 0; c < contacts; ++c) {
+    const bool f = system_.friction(c);
+    const Pairs x = system_.pairs(z_.X, c), y = system_.pairs(z_.Y, c);
+    coefficients(X_, c).col(0) = x;
+    coefficients(Y_, c).col(0) = y;
+    const auto weigh = [&](const Pairs& d, const Pairs& at) {
+      return Jordan::divide(Jordan::divide(d, at, f), at, f);
+    };
+    // The multiplication by x is symmetric: <z_1, .> is a plain scalar product with these.
+    covector_x_.template segment<P>(c * P) = dt * weigh(system_.pairs(tangent.dX, c), x);
+    covector_y_.template segment<P>(c * P) = dt * weigh(system_.pairs(tangent.dY, c), y);
+  }
+  t_[0] = t_now_;
+  t_[1] = dt;
+  next_.dX = Vector::Zero(z_.X.size());
+  next_.dY = next_.dX;
+  store(1, next_, dt, tangent);
+  for (int k = 2; k <= options_.order; ++k) {
+    for (int c = 0; c < contacts; ++c) {
+      const auto X = coefficients(std::as_const(X_), c), Y = coefficients(std::as_const(Y_), c);
+      Pairs sum = Pairs::Zero();
+      for (int j = 1; j < k; ++j) {
+        sum -= Jordan::product(X.col(j), Y.col(k - j), system_.friction(c));
+      }
+      r_.template segment<P>(c * P) = sum;
+    }
+    // Without refinement: an error here is seen by accurate() and shortens the step.
+    system_.direction(z_, r_, {}, next_, 0);
+    const double along =
+        (covector_x_.dot(next_.dX) + covector_y_.dot(next_.dY)) / system_.num_eigenvalues();
+    const double tk = -dt * along;
+    if (!std::isfinite(tk)) return false;
+    t_[static_cast<std::size_t>(k)] = tk;
+    store(k, next_, tk, tangent);
+  }
+  return true;
+}
+
+/// Column `order` of the coefficients: d + dt * tangent.
+template <int D>
+void TaylorPath<D>::store(int order, const PairDirection& d, double dt,
+                          const PairDirection& tangent) {
+  for (int c = 0; c < system_.num_contacts(); ++c) {
+    coefficients(X_, c).col(order) = system_.pairs(d.dX, c) + dt * system_.pairs(tangent.dX, c);
+    coefficients(Y_, c).col(order) = system_.pairs(d.dY, c) + dt * system_.pairs(tangent.dY, c);
+  }
+}
+
+/// Sets the longest arclength, within the factor 1.2, at which the series is accurate.
+template <int D>
+bool TaylorPath<D>::find_reach() {
+  double last = 0;  // <z_p, z_p> of the last order
+  for (int c = 0; c < system_.num_contacts(); ++c) {
+    const bool f = system_.friction(c);
+    const Pairs x = coefficients(std::as_const(X_), c).col(options_.order);
+    const Pairs y = coefficients(std::as_const(Y_), c).col(options_.order);
+    last += Jordan::divide(x, system_.pairs(z_.X, c), f).squaredNorm() +
+            Jordan::divide(y, system_.pairs(z_.Y, c), f).squaredNorm();
+  }
+  last = std::sqrt(last / system_.num_eigenvalues());
+  const double guess =
+      std::pow(options_.tolerance / std::max(last, 1e-300), 1.0 / (options_.order - 1));
+  if (!std::isfinite(guess)) return false;
+  reach_ = guess;
+  if (accurate(reach_)) {
+    for (int k = 0; k < kMaxGrowths && accurate(kGrow * reach_); ++k) reach_ *= kGrow;
+    return true;
+  }
+  while (reach_ > kSmallestReach) {
+    reach_ *= kShrink;
+    if (accurate(reach_)) return true;
+  }
+  return false;
+}
+
+/// Whether the series stays inside the cones at alpha and its products are right: the largest
+/// eigenvalue of X∘Y/t - c is at most the tolerance times the smallest of c.
+template <int D>
+bool TaylorPath<D>::accurate(double alpha) const {
+  const double t = horner<1>(row(t_), alpha)[0];
+  if (!(t > 0)) return false;
+  for (int c = 0; c < system_.num_contacts(); ++c) {
+    const bool f = system_.friction(c);
+    const Pairs x = horner<P>(coefficients(X_, c), alpha);
+    const Pairs y = horner<P>(coefficients(Y_, c), alpha);
+    const auto inside = [&](const Pairs& v) {
+      return Jordan::eigenvalues(v, f).head(Jordan::rank(f)).minCoeff() > 0;
+    };
+    if (!(inside(x) && inside(y))) return false;
+    const Pairs goal = system_.pairs(c_, c);
+    const Pairs error = Jordan::product(x, y, f) / t - goal;
+    const Eigen::Vector3d e = Jordan::eigenvalues(error, f), g = Jordan::eigenvalues(goal, f);
+    bool ok = std::abs(e[0]) <= options_.tolerance * g[0];
+    if (D == 2 && f) {
+      ok = ok && std::abs(e[1]) <= options_.tolerance * g[1] &&
+           std::abs(e[2]) <= options_.tolerance * g[2];
+    } else if (D == 3 && f) {
+      ok = ok && std::max(std::abs(e[1]), std::abs(e[2])) <= options_.tolerance * g[1];
+    }
+    if (!ok) return false;
+  }
+  return true;
+}
+
+/// Moves to the point at alpha of the series, which defines the path from there on.
+template <int D>
+void TaylorPath<D>::take(double alpha) {
+  end_tangent_.dX.resize(z_.X.size());
+  end_tangent_.dY.resize(z_.X.size());
+  for (int c = 0; c < system_.num_contacts(); ++c) {
+    const auto X = coefficients(std::as_const(X_), c), Y = coefficients(std::as_const(Y_), c);
+    Pairs x = horner<P>(X, alpha);
+    if (D == 3 && system_.friction(c)) x[1] = system_.mu(c) * x[0];  // two copies of s_n
+    z_.X.template segment<P>(c * P) = x;
+    z_.Y.template segment<P>(c * P) = horner<P>(Y, alpha);
+    end_tangent_.dX.template segment<P>(c * P) = horner_derivative<P>(X, alpha);
+    end_tangent_.dY.template segment<P>(c * P) = horner_derivative<P>(Y, alpha);
+  }
+  t_now_ = horner<1>(row(t_), alpha)[0];
+  end_dt_ = horner_derivative<1>(row(t_), alpha)[0];
+  system_.recompute(z_);
+  c_ = system_.products(z_.X, z_.Y) / t_now_;
+  p0_ = z_.p / t_now_;
+}
+
+template <int D>
+auto TaylorPath<D>::point(double alpha) const -> Point {
+  Point p{Vector(z_.X.size()), Vector(z_.X.size()), horner<1>(row(t_), alpha)[0]};
+  for (int c = 0; c < system_.num_contacts(); ++c) {
+    p.X.template segment<P>(c * P) = horner<P>(coefficients(X_, c), alpha);
+    p.Y.template segment<P>(c * P) = horner<P>(coefficients(Y_, c), alpha);
+  }
+  return p;
+}
+
+template <int D>
+double TaylorPath<D>::metric(const PairDirection& a, const PairDirection& b) const {
+  double sum = 0;
+  for (int c = 0; c < system_.num_contacts(); ++c) {
+    const bool f = system_.friction(c);
+    const Pairs x = system_.pairs(z_.X, c), y = system_.pairs(z_.Y, c);
+    sum += Jordan::divide(system_.pairs(a.dX, c), x, f)
+               .dot(Jordan::divide(system_.pairs(b.dX, c), x, f));
+    sum += Jordan::divide(system_.pairs(a.dY, c), y, f)
+               .dot(Jordan::divide(system_.pairs(b.dY, c), y, f));
+  }
+  return sum / system_.num_eigenvalues();
+}
+
+template class TaylorPath<1>;
+template class TaylorPath<2>;
+template class TaylorPath<3>;
+
+}  // namespace bipot

@@ -1,0 +1,116 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "solvers/interior/interior_state.h"
+
+namespace bipot {
+
+struct TaylorPathOptions {
+  int order = 15;           ///< of the series, >= 2
+  double tolerance = 1e-3;  ///< largest relative error of a product within a series' reach, < 1
+};
+
+enum class PathStep {
+  kAdvanced,   ///< the state is a new point of the path
+  kRetracted,  ///< the orientation was doubtful: the state went back to a shorter step
+  kEnded,      ///< a factorisation failed, t grew without bound or no step is possible
+};
+
+/// A path of interior states, followed by Taylor series (asymptotic numerical method: Damil and
+/// Potier-Ferry, Int. J. Eng. Sci. 28, 1990; Cochelin, Damil and Potier-Ferry, Int. J. Numer.
+/// Methods Eng. 37, 1994). That the central path of the exact law is analytic, converges to a
+/// solution and need not be monotone in its parameter, so that it folds, was found by Nguyen, Armand
+/// and Acary (2025), who follow it by this method. From a state with products c and kinematic
+/// residual p0 the path is
+///
+///     X∘Y = t c,   u - U Y = t p0,   t from 1 to 0 (not monotonically).
+///
+/// X∘Y is bilinear for every d (contact_jordan.h) and the rest linear, so that the series
+/// z = sum_k alpha^k z_k needs one factorisation of the Newton matrix and one back-substitution an
+/// order:
+///
+///     L(z_0) z_k = (t_k c - sum_{0<j<k} X_j∘Y_{k-j}, t_k p0),   <z_k, z_1> + t_k t_1 / t² = [k = 1],
+///
+/// <.,.> the mean over the pairs of the product of relative changes: alpha is an arclength in them.
+/// The step is as long as every product keeps `tolerance`. There is no corrector: products and
+/// residual of the end point define the path from there on, its weights drift by the tolerance.
+///
+/// Orientation: the tangent continues that of the series before. The sign of det L changes exactly
+/// where dt does (a fold), so the two must agree; where they do not, the path may have been left:
+/// the step is halved, up to six times, and then the tangent is believed (at a bifurcation, which
+/// symmetric scenes have, the determinant changes sign without a fold).
+///
+/// Resumable: between calls of advance() the system may serve others; the path's state is in here.
+template <int D>
+class TaylorPath {
+ public:
+  using Jordan = ContactJordan<D>;
+  using Pairs = typename Jordan::Pairs;
+  static constexpr int P = Jordan::P;
+
+  /// Keeps a reference to the system.
+  TaylorPath(InteriorSystem<D>& system, InteriorState<D> start,
+             const TaylorPathOptions& options = {});
+
+  /// One factorisation, one series. After kEnded nothing more is done.
+  PathStep advance();
+
+  const InteriorState<D>& state() const { return z_; }
+  double t() const { return t_now_; }
+  bool descending() const { return orientation_ < 0; }  ///< the last series went towards t = 0
+  bool ended() const { return ended_; }
+  int series() const { return num_series_; }
+  int folds() const { return folds_; }                  ///< changes of the direction of t
+  int retractions() const { return retractions_; }      ///< steps taken back
+  int disagreements() const { return disagreements_; }  ///< tangent believed against determinant
+
+  /// Arclength of the last series' step, and the point of that series at `alpha`.
+  double reach() const { return reach_; }
+  struct Point {
+    Vector X, Y;
+    double t = 0;
+  };
+  Point point(double alpha) const;
+
+ private:
+  using Coefficients = Eigen::Matrix<double, P, Eigen::Dynamic>;
+
+  PathStep end();
+  bool orient(int determinant, const PairDirection& tangent);
+  void retract();
+  bool expand(double dt, const PairDirection& tangent);
+  bool find_reach();
+  bool accurate(double alpha) const;
+  void take(double alpha);
+  double metric(const PairDirection& a, const PairDirection& b) const;
+  Eigen::Map<Coefficients> coefficients(std::vector<double>& x, int c);
+  Eigen::Map<const Coefficients> coefficients(const std::vector<double>& x, int c) const;
+  void store(int order, const PairDirection& d, double dt, const PairDirection& tangent);
+
+  InteriorSystem<D>& system_;
+  TaylorPathOptions options_;
+  InteriorState<D> z_;
+  double t_now_ = 1;
+  Vector c_, p0_;              // the path's right-hand sides from z_ on
+  std::vector<double> X_, Y_;  // P x (order + 1) coefficients of each contact, columns contiguous
+  std::vector<double> t_;      // coefficients of t
+  PairDirection end_tangent_;  // derivative of the last series at its end
+  double end_dt_ = 0;
+  double reach_ = 0;
+  int reference_sign_ = 0;  // of the determinant where t falls
+  int orientation_ = -1;
+  int num_series_ = 0, folds_ = 0, retractions_ = 0, disagreements_ = 0;
+  int retractions_here_ = 0;
+  bool ended_ = false;
+
+  PairDirection tangent_, next_;  // scratch of advance()
+  Vector r_, covector_x_, covector_y_;
+};
+
+extern template class TaylorPath<1>;
+extern template class TaylorPath<2>;
+extern template class TaylorPath<3>;
+
+}  // namespace bipot

@@ -1,0 +1,80 @@
+#include "solvers/interior/equal_product_start.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/problem/delassus.h"
+#include "tests/support/manufactured.h"
+
+namespace bipot {
+namespace {
+
+template <int D>
+void expect_equal_products() {
+  Manufactured m = manufactured_problem(D, 20, 30, 5);
+  if (D > 1) m.problem.mu[4] = 0;
+  const DelassusOperator delassus(m.problem);
+  InteriorSystem<D> system(m.problem, delassus, ShiftedDelassus::Form::kAuto);
+  // From far outside the cones as well.
+  for (const double factor : {1.0, -2.0}) {
+    const Vector s0 = factor * m.s;
+    const double tau = 1e-6 * normal_energy(system, m.s);
+    const InteriorState<D> z = warm_start(system, s0, tau);
+    const Vector products = system.products(z.X, z.Y);
+    for (int c = 0; c < system.num_contacts(); ++c) {
+      const bool f = system.friction(c);
+      const auto e = ContactJordan<D>::eigenvalues(system.pairs(products, c), f);
+      for (int k = 0; k < ContactJordan<D>::rank(f); ++k) EXPECT_NEAR(e[k], tau, 1e-6 * tau) << c;
+      EXPECT_GT(ContactJordan<D>::eigenvalues(system.pairs(z.X, c), f)
+                    .head(ContactJordan<D>::rank(f))
+                    .minCoeff(),
+                0);
+      // The local law: W_nn (s_n - z_n) = w, W_tt (s_t - z_t) = u_t.
+      Vector u0;
+      delassus.velocity(s0, u0);
+      const Local<D> local_velocity =
+          local<D>(system.mobility(), c).cwiseProduct(local<D>(z.s, c) - local<D>(s0, c)) +
+          local<D>(u0, c);
+      const Local<D> u = ContactJordan<D>::velocity_of_pairs(system.pairs(z.Y, c), f);
+      const int rows = f ? D : 1;
+      EXPECT_LT((local_velocity - u).head(rows).norm(), 1e-6 * (u.norm() + local<D>(u0, c).norm()))
+          << D << " " << c;
+    }
+  }
+}
+
+TEST(EqualProductStart, WarmStartSolvesTheSmoothedLocalLawWithEqualProducts) {
+  expect_equal_products<1>();
+  expect_equal_products<2>();
+  expect_equal_products<3>();
+}
+
+TEST(EqualProductStart, WarmStartTendsToTheSolution) {
+  const Manufactured m = manufactured_problem(2, 20, 30, 5);
+  const DelassusOperator delassus(m.problem);
+  InteriorSystem<2> system(m.problem, delassus, ShiftedDelassus::Form::kAuto);
+  double last = kInfinity;
+  for (const double tau : {1e-4, 1e-8, 1e-12}) {
+    const double distance =
+        (warm_start(system, m.s, tau * normal_energy(system, m.s)).s - m.s).norm();
+    EXPECT_LT(distance, 0.1 * last) << tau;
+    last = distance;
+  }
+}
+
+TEST(EqualProductStart, ColdStartHasTheGivenProducts) {
+  const Manufactured m = manufactured_problem(3, 20, 30, 5);
+  const DelassusOperator delassus(m.problem);
+  InteriorSystem<3> system(m.problem, delassus, ShiftedDelassus::Form::kAuto);
+  const double energy = spring_energy(system);
+  EXPECT_GT(energy, 0);
+  const InteriorState<3> z = cold_start(system, energy, 10);
+  const Vector products = system.products(z.X, z.Y);
+  EXPECT_NEAR(system.mean_product(products), 10 * energy, 1e-12 * energy);
+  EXPECT_NEAR(system.smallest_product(products), 10 * energy, 1e-12 * energy);
+  EXPECT_NEAR(normal_energy(system, z.s), 100 * energy, 1e-11 * energy);
+}
+
+}  // namespace
+}  // namespace bipot
