@@ -1,0 +1,222 @@
+#include "solvers/methods/homotopy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "solvers/homotopy/path_follower.h"
+#include "solvers/methods/accelerated_gradient.h"
+#include "solvers/monitor.h"
+#include "solvers/parameters.h"
+
+namespace bipot {
+namespace {
+
+// Starts prepared by apgd, each to a third of the error of the one before.
+constexpr int kStarts = 6;
+// Paths from one start, failed ones included.
+constexpr int kStages = 60;
+// Failed paths in a row: those that left nothing, and those that left a turning point.
+constexpr int kFailures = 7, kTurns = 20;
+// A turning point is taken as a start from that t on.
+constexpr double kUsefulTurn = 0.3;
+// Factors of delta after a path that failed.
+constexpr double kRaise = 5, kRaiseAtTurn = 3;
+constexpr double kLargestDelta = 1;
+// Errors below this must not grow again while delta is below kFine.
+constexpr double kSettled = 1e-5, kFine = 1e-6;
+// Stages at the smallest delta without a gain, before the solver gives up.
+constexpr int kIdleStages = 4;
+
+class Homotopy {
+ public:
+  Homotopy(const ContactProblem& p, const SolverOptions& options)
+      : options_(options),
+        p_(p),
+        parameters_(options.parameters, kHomotopyParameters),
+        monitor_(p, options),
+        problem_(p, monitor_.evaluator().delassus().diagonal()),
+        follower_(problem_, [this] { return monitor_.out_of_time(); }),
+        random_(static_cast<unsigned>(parameters_.integer("seed"))) {
+    monitor_.end_setup();
+  }
+
+  SolveResult run() {
+    Vector s = options_.s0.size() != 0 ? options_.s0 : Vector(Vector::Zero(p_.num_rows()));
+    if (!judge(s)) {
+      double wanted = parameters_.number("start_tol");
+      for (int round = 0; round < kStarts && !ended_; ++round) {
+        if (prepare(s, wanted) || stages(s)) break;
+        s = monitor_.best_impulse();
+        wanted = std::min(wanted, monitor_.best_error()) / 3;
+      }
+      if (!ended_) {
+        monitor_.fail(SolveStatus::kStalled,
+                      fmt::format("stalled after {}, best error {:.2e}", counted(),
+                                  monitor_.best_error()));
+      }
+    }
+    SolveResult result = monitor_.finish();
+    result.iterations = iteration();
+    return result;
+  }
+
+ private:
+  int iteration() const { return start_steps_ + follower_.counts().pivots + judged_; }
+  std::string counted() const {
+    const PathCounts& n = follower_.counts();
+    return fmt::format("{} pivots on {} paths ({} turns, {} paths failed, {} steps of apgd)",
+                       n.pivots, n.paths, n.turns, n.failed, start_steps_);
+  }
+  bool end(SolveStatus status, std::string text) {
+    monitor_.fail(status, std::move(text));
+    return ended_ = true;
+  }
+
+  /// Judges an impulse; true: everything ends here.
+  bool judge(const Vector& s) {
+    const bool due = monitor_.due(iteration());
+    if (monitor_.stop(iteration(), s, delta_, /*moving=*/true)) {
+      ended_ = true;
+      const SolveResult so_far = monitor_.finish();
+      if (so_far.status == SolveStatus::kConverged && follower_.counts().paths > 0) {
+        return end(so_far.status, fmt::format("{} test met after {}", to_string(options_.stop),
+                                              counted()));
+      }
+      return true;
+    }
+    if (!due && monitor_.meets(s)) {
+      return end(SolveStatus::kConverged,
+                 fmt::format("{} test met after {}", to_string(options_.stop), counted()));
+    }
+    return false;
+  }
+
+  /// apgd from s to the error `wanted`. True: everything ends here.
+  bool prepare(Vector& s, double wanted) {
+    const int limit =
+        std::min(parameters_.integer("start_iterations"), options_.max_iterations - iteration());
+    if (wanted >= 1 || limit <= 0) return false;
+    SolverOptions inner;
+    inner.tol = wanted;
+    inner.s0 = s;
+    inner.max_iterations = limit;
+    inner.time_limit = std::max(monitor_.remaining_seconds(), 1e-9);
+    inner.cancelled = options_.cancelled;
+    const SolveResult start = solve_accelerated_gradient(p_, inner);
+    start_steps_ += start.iterations;
+    s = start.s;
+    return judge(s);
+  }
+
+  /// The point of the manifold next to s, its bounded parameters shifted: generic, hence no ties.
+  LawPoint shifted_point(const Vector& s, double error) {
+    const Vector velocity = problem_.W * s + problem_.b;
+    LawPoint point = nearest_point(problem_, s, velocity);
+    const int d = problem_.dim;
+    double mean_impulse = 0;
+    for (int i = 0; i < problem_.num_contacts(); ++i) mean_impulse += std::abs(s[i * d]);
+    mean_impulse /= problem_.num_contacts();
+    const double mean_velocity = velocity.cwiseAbs().sum() / problem_.num_contacts();
+    if (mean_impulse == 0) mean_impulse = mean_velocity;
+    const double size = parameters_.number("perturbation") * std::min(1.0, error / 1e-2);
+    for (int slot = 0; slot < problem_.num_rows(); ++slot) {
+      if (point.bound[slot] == 0) continue;
+      const double draw = 0.5 + static_cast<double>(random_() >> 11) * 0x1.0p-53;
+      const double mean =
+          is_impulse(point.column[static_cast<std::size_t>(slot)]) ? mean_impulse : mean_velocity;
+      point.value[slot] += point.bound[slot] * size * draw * mean;
+    }
+    return point;
+  }
+
+  /// Paths from s with decreasing delta. True: everything ends here.
+  bool stages(const Vector& start) {
+    const double smallest = parameters_.number("smallest_delta");
+    const double shrink = parameters_.number("shrink");
+    delta_ = std::max(smallest, parameters_.number("delta"));
+    double factor = shrink, last_error = std::numeric_limits<double>::infinity();
+    double best = last_error;
+    Vector anchor = start.cwiseQuotient(problem_.impulse_unit), s;
+    LawPoint point = shifted_point(anchor, monitor_.last_error());
+    const int longest = std::max(300, problem_.num_contacts() / 6);
+    int failures = 0, idle = 0;
+    for (int stage = 0; stage < kStages; ++stage) {
+      const LawPoint before = point;
+      const int left = options_.max_iterations - iteration();
+      const PathEnd path = follower_.follow(point, anchor, delta_, std::min(longest, left));
+      point.impulse(problem_, s);
+      if (path == PathEnd::kSolved) {
+        ++judged_;
+        if (judge(s.cwiseProduct(problem_.impulse_unit))) return true;
+        const double error = monitor_.last_error();
+        failures = 0;
+        idle = error < 0.9 * best ? 0 : idle + 1;
+        best = std::min(best, error);
+        if (idle >= kIdleStages && best < kSettled && delta_ <= 10 * smallest) return false;
+        if (delta_ < kFine && last_error < kSettled && error > 2 * last_error) {
+          point = before;
+          delta_ = std::min(10 * delta_, 1e-5);
+          continue;
+        }
+        anchor = s;
+        last_error = error;
+        delta_ = std::max(smallest, factor * delta_);
+        factor = std::max(shrink, shrink * factor);
+        continue;
+      }
+      if (path == PathEnd::kStopped) return stopped();
+      if (iteration() >= options_.max_iterations) {
+        return end(SolveStatus::kIterationLimit,
+                   fmt::format("iteration limit {} reached, {}", options_.max_iterations,
+                               counted()));
+      }
+      factor = shrink;
+      ++failures;
+      if (follower_.turning_t() > kUsefulTurn) {
+        point = follower_.turning_point();
+        point.impulse(problem_, anchor);
+        delta_ = std::min(kLargestDelta, kRaiseAtTurn * delta_);
+        if (failures > kTurns) return false;
+      } else {
+        point = before;
+        delta_ *= kRaise;
+        if (delta_ > kLargestDelta || failures >= kFailures) return false;
+      }
+    }
+    return false;
+  }
+
+  bool stopped() {
+    return monitor_.cancelled()
+               ? end(SolveStatus::kInterrupted,
+                     fmt::format("interrupted after {}, best error {:.2e}", counted(),
+                                 monitor_.best_error()))
+               : end(SolveStatus::kTimeLimit,
+                     fmt::format("time limit {} s reached after {}, best error {:.2e}",
+                                 options_.time_limit, counted(), monitor_.best_error()));
+  }
+
+  const SolverOptions& options_;
+  const ContactProblem& p_;
+  const Parameters parameters_;
+  IterationMonitor monitor_;
+  LawProblem problem_;
+  PathFollower follower_;
+  std::mt19937_64 random_;
+  double delta_ = std::numeric_limits<double>::quiet_NaN();
+  int start_steps_ = 0, judged_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+SolveResult solve_homotopy(const ContactProblem& p, const SolverOptions& options) {
+  return Homotopy(p, options).run();
+}
+
+}  // namespace bipot
