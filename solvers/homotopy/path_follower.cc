@@ -16,6 +16,12 @@ constexpr double kSmallPivot = 1e-11;
 constexpr double kFarBack = -1e3;
 // A turn is remembered when t gained that much since the one remembered.
 constexpr double kTurnGain = 0.02;
+// Newton steps before a path, the least part of one that is tried, and the part of |F| that a full
+// one must remove.
+constexpr int kNewtonSteps = 20;
+constexpr double kLeastStep = 0.25, kDescent = 0.3;
+// That many faces ahead are left to the path: a pivot costs a thirtieth of a factorisation.
+constexpr int kFewFaces = 20;
 // Pivots between two questions whether to stop.
 constexpr int kPoll = 16;
 
@@ -27,16 +33,63 @@ PathFollower::PathFollower(const LawProblem& problem, std::function<bool()> stop
 PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, double delta, int longest) {
   ++counts_.paths;
   delta_ = delta;
-  point.impulse(problem_, s_);
-  point.velocity(problem_, u_);
   target_ = problem_.b - delta * anchor;
-  r_ = u_ - problem_.W * s_ - delta * s_ - target_;
+  factored_ = false;
+  if (!approach(point)) return PathEnd::kStopped;
+  residual(point, r_);
   t_ = 0;
   turning_t_ = 0;
   if (r_.isZero(0)) return PathEnd::kSolved;
   const PathEnd end = pursue(point, longest);
   if (end != PathEnd::kSolved) ++counts_.failed;
   return end;
+}
+
+/// f = F(p), returns its norm.
+double PathFollower::residual(const LawPoint& point, Vector& f) {
+  point.impulse(problem_, s_);
+  point.velocity(problem_, u_);
+  f = u_ - target_ - delta_ * s_;
+  f.noalias() -= problem_.W * s_;
+  return f.norm();
+}
+
+/// Damped Newton steps while many faces lie ahead. False: the caller said stop.
+bool PathFollower::approach(LawPoint& point) {
+  double norm = residual(point, r_);
+  LawPoint ahead = point, candidate;
+  for (int k = 0; k < kNewtonSteps && norm > 0; ++k) {
+    if (stop_()) return false;
+    point.sort_columns(problem_.dim);
+    factored_ = basis_.factor(point, delta_);
+    if (!factored_) return true;
+    ahead = point;
+    basis_.solve_refined(point, target_, 0, r_, 1, y_);
+    y_ -= point.value;
+    bool accepted = false;
+    double reached = norm;
+    for (double step = 1; step >= kLeastStep && !accepted; step *= 0.5) {
+      ahead.value = point.value + step * y_;
+      ahead.impulse(problem_, s_);
+      ahead.velocity(problem_, u_);
+      candidate = nearest_point(problem_, s_, u_);
+      if (step == 1) {
+        int faces = 0;
+        for (std::size_t i = 0; i < point.cell.size(); ++i) {
+          faces += candidate.cell[i] != point.cell[i] ? 1 : 0;
+        }
+        if (faces <= kFewFaces) return true;
+      }
+      reached = residual(candidate, r_);
+      accepted = reached <= (1 - kDescent * step) * norm;
+    }
+    if (!accepted) return true;
+    ++counts_.newton;
+    point = candidate;
+    factored_ = false;
+    norm = reached;
+  }
+  return true;
 }
 
 PathEnd PathFollower::pursue(LawPoint& point, int longest) {
@@ -76,9 +129,11 @@ PathEnd PathFollower::pursue(LawPoint& point, int longest) {
 
 /// Factors B and computes the parameters and x from the data.
 bool PathFollower::refresh(LawPoint& point) {
-  ++counts_.factorisations;
-  point.sort_columns(problem_.dim);
-  if (!basis_.factor(point, delta_)) return false;
+  if (!factored_) {
+    point.sort_columns(problem_.dim);
+    if (!basis_.factor(point, delta_)) return false;
+  }
+  factored_ = false;
   const int refinements = delta_ < 1e-7 ? 2 : 1;
   basis_.solve_refined(point, target_, 1 - static_cast<long double>(t_), r_, refinements,
                        point.value);

@@ -18,7 +18,7 @@ enum class PathEnd {
 
 /// What happened on all paths so far.
 struct PathCounts {
-  int pivots = 0, turns = 0, paths = 0, failed = 0, factorisations = 0;
+  int pivots = 0, turns = 0, paths = 0, failed = 0, newton = 0;
 };
 
 /// Follows the piecewise linear path of a proximal problem: with s and u the impulse and the
@@ -30,6 +30,9 @@ struct PathCounts {
 /// dp/dt = -x, x = B⁻¹ r, until one of them is zero. There the path enters the neighbouring cell by
 /// the exchange of one column (a pivot) and goes on; t may turn back. A path of a generic start
 /// goes on for ever, closes, or ends on a ray (Eaves 1976).
+///
+/// Before a path that would cross many faces, Newton steps cross them all at once: to t = 1 of the
+/// cell, then to the nearest point of the manifold, as long as |F| falls.
 class PathFollower {
  public:
   PathFollower(const LawProblem& problem, std::function<bool()> stop);
@@ -47,6 +50,8 @@ class PathFollower {
     int slot = -1;
     double step = 0;
   };
+  double residual(const LawPoint& point, Vector& f);
+  bool approach(LawPoint& point);
   PathEnd pursue(LawPoint& point, int longest);
   bool refresh(LawPoint& point);
   Blocking blocking(const LawPoint& point, int last) const;
@@ -59,6 +64,7 @@ class PathFollower {
   double delta_ = 0;
   Vector target_;  // b - delta anchor
   Vector r_, x_, y_, s_, u_;
+  bool factored_ = false;  // the basis is that of the point
   double t_ = 0;
   int direction_ = 1;  // of t
   double turning_t_ = 0;

@@ -29,6 +29,8 @@ constexpr double kRaise = 5, kRaiseAtTurn = 3;
 constexpr double kLargestDelta = 1;
 // Errors below this must not grow again while delta is below kFine.
 constexpr double kSettled = 1e-5, kFine = 1e-6;
+// Normal impulse minus velocity below that, relative to the mean: zero.
+constexpr double kNothing = 1e-10;
 // Stages at the smallest delta without a gain, before the solver gives up.
 constexpr int kIdleStages = 4;
 
@@ -113,23 +115,34 @@ class Homotopy {
     return judge(s);
   }
 
-  /// The point of the manifold next to s, its bounded parameters shifted: generic, hence no ties.
-  LawPoint shifted_point(const Vector& s, double error) {
+  /// The point of the manifold next to s. Bounded parameters next to zero are lifted by random
+  /// amounts: no ties, and no path that begins on a face.
+  LawPoint lifted_point(const Vector& s, double error) {
     const Vector velocity = problem_.W * s + problem_.b;
     LawPoint point = nearest_point(problem_, s, velocity);
-    const int d = problem_.dim;
-    double mean_impulse = 0;
-    for (int i = 0; i < problem_.num_contacts(); ++i) mean_impulse += std::abs(s[i * d]);
-    mean_impulse /= problem_.num_contacts();
-    const double mean_velocity = velocity.cwiseAbs().sum() / problem_.num_contacts();
-    if (mean_impulse == 0) mean_impulse = mean_velocity;
-    const double size = parameters_.number("perturbation") * std::min(1.0, error / 1e-2);
+    const int d = problem_.dim, c = problem_.num_contacts();
+    double impulse = 0;
+    for (int i = 0; i < c; ++i) impulse += std::abs(s[i * d]) / c;
+    const double speed = velocity.cwiseAbs().sum() / c;
+    if (impulse == 0) impulse = speed;
+    const double lift = parameters_.number("lift") * std::min(1.0, error / 1e-2);
+    for (int i = 0; i < c; ++i) {
+      // A contact that neither pushes nor moves, as beside the columns of a square lattice, stays
+      // open along the whole path if it begins so.
+      if (std::abs(s[i * d] - velocity[i * d]) <= kNothing * std::max(impulse, speed)) {
+        point.set(problem_, i, Cell::kTakeOff);
+        point.value[i * d] = 0;
+        if (d > 1) point.value[i * d + 1] = velocity[i * d + 1];
+      }
+    }
     for (int slot = 0; slot < problem_.num_rows(); ++slot) {
       if (point.bound[slot] == 0) continue;
       const double draw = 0.5 + static_cast<double>(random_() >> 11) * 0x1.0p-53;
-      const double mean =
-          is_impulse(point.column[static_cast<std::size_t>(slot)]) ? mean_impulse : mean_velocity;
-      point.value[slot] += point.bound[slot] * size * draw * mean;
+      const bool pushes = is_impulse(point.column[static_cast<std::size_t>(slot)]);
+      const double least = lift * draw * (pushes ? impulse : speed);
+      if (point.bound[slot] * point.value[slot] < least) {
+        point.value[slot] += point.bound[slot] * least;
+      }
     }
     return point;
   }
@@ -142,7 +155,7 @@ class Homotopy {
     double factor = shrink, last_error = std::numeric_limits<double>::infinity();
     double best = last_error;
     Vector anchor = start.cwiseQuotient(problem_.impulse_unit), s;
-    LawPoint point = shifted_point(anchor, monitor_.last_error());
+    LawPoint point = lifted_point(anchor, monitor_.last_error());
     const int longest = std::max(300, problem_.num_contacts() / 6);
     int failures = 0, idle = 0;
     for (int stage = 0; stage < kStages; ++stage) {

@@ -35,18 +35,18 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
      .minimum = 1e-3,
      .maximum = 0.99,
      .help = "factor of delta after a path that arrived"},
-    {.name = "perturbation",
+    {.name = "lift",
      .kind = ParameterSpec::Kind::kNumber,
      .default_value = "1e-2",
      .minimum = 0,
      .maximum = 1,
-     .help = "random shift of the start that keeps paths away from corners, in mean parameters"},
+     .help = "random lift of small parameters of the start, which keeps paths away from ties, in means"},
     {.name = "seed",
      .kind = ParameterSpec::Kind::kInteger,
      .default_value = "1",
      .minimum = 0,
      .maximum = 2147483647,
-     .help = "of that shift"},
+     .help = "of that lift"},
 };
 
 /// Exact path following on Coulomb's law as a piecewise linear manifold, d <= 2. Per contact the
@@ -68,7 +68,7 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
 /// turning point nearest to t = 1 as the next anchor, and a larger delta.
 ///
 /// W may be singular. An iteration is a step of apgd, a pivot, or a path. Deterministic: `seed` fixes
-/// the shifts of the starts. The message counts pivots, turns, paths and failed paths. Where paths
+/// the lifts of the starts. The message counts pivots, turns, paths and failed paths. Where paths
 /// keep failing, apgd makes a better start; after the last one the solver ends with kStalled.
 SolveResult solve_homotopy(const ContactProblem& problem, const SolverOptions& options);
 
