@@ -71,8 +71,8 @@ class Homotopy {
   int iteration() const { return start_steps_ + follower_.counts().pivots + judged_; }
   std::string counted() const {
     const PathCounts& n = follower_.counts();
-    return fmt::format("{} pivots on {} paths ({} turns, {} paths failed, {} steps of apgd)",
-                       n.pivots, n.paths, n.turns, n.failed, start_steps_);
+    return fmt::format("{} pivots on {} paths ({} turns, {} paths failed), {} Newton steps, {} of apgd",
+                       n.pivots, n.paths, n.turns, n.failed, n.newton, start_steps_);
   }
   bool end(SolveStatus status, std::string text) {
     monitor_.fail(status, std::move(text));
