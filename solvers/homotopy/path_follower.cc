@@ -14,6 +14,10 @@ constexpr int kRefresh = 120;
 constexpr double kSmallPivot = 1e-11;
 // Below this t the path is taken for a ray to -infinity.
 constexpr double kFarBack = -1e3;
+// Faces met after this t are met at t = 1: contacts that end on one, up to rounding.
+constexpr double kArrived = 1 - 1e-11;
+// Violated bounds of that size, relative to the largest parameter, are rounding.
+constexpr double kRounding = 1e-14;
 // A turn is remembered when t gained that much since the one remembered.
 constexpr double kTurnGain = 0.02;
 // Newton steps before a path, the least part of one that is tried, and the part of |F| that a full
@@ -35,12 +39,12 @@ PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, double delta
   delta_ = delta;
   target_ = problem_.b - delta * anchor;
   factored_ = false;
-  if (!approach(point)) return PathEnd::kStopped;
-  residual(point, r_);
-  t_ = 0;
-  turning_t_ = 0;
-  if (r_.isZero(0)) return PathEnd::kSolved;
-  const PathEnd end = pursue(point, longest);
+  t_ = turning_t_ = 0;
+  PathEnd end = approach(point);
+  if (end == PathEnd::kLong) {
+    residual(point, r_);
+    end = r_.isZero(0) ? PathEnd::kSolved : pursue(point, longest);
+  }
   if (end != PathEnd::kSolved) ++counts_.failed;
   return end;
 }
@@ -54,17 +58,23 @@ double PathFollower::residual(const LawPoint& point, Vector& f) {
   return f.norm();
 }
 
-/// Damped Newton steps while many faces lie ahead. False: the caller said stop.
-bool PathFollower::approach(LawPoint& point) {
+/// Damped Newton steps while many faces lie ahead. kLong: the rest is for the path.
+PathEnd PathFollower::approach(LawPoint& point) {
   double norm = residual(point, r_);
   LawPoint ahead = point, candidate;
   for (int k = 0; k < kNewtonSteps && norm > 0; ++k) {
-    if (stop_()) return false;
+    if (stop_()) return PathEnd::kStopped;
     point.sort_columns(problem_.dim);
     factored_ = basis_.factor(point, delta_);
-    if (!factored_) return true;
+    if (!factored_) return PathEnd::kSingular;
     ahead = point;
-    basis_.solve_refined(point, target_, 0, r_, 1, y_);
+    basis_.solve_refined(point, target_, 0, r_, 3, y_);
+    if (!y_.allFinite()) return PathEnd::kSingular;
+    const double violation = -point.bound.cwiseProduct(y_).minCoeff();
+    if (violation <= kRounding * y_.lpNorm<Eigen::Infinity>()) {
+      point.value = y_;
+      return PathEnd::kSolved;
+    }
     y_ -= point.value;
     bool accepted = false;
     double reached = norm;
@@ -78,18 +88,18 @@ bool PathFollower::approach(LawPoint& point) {
         for (std::size_t i = 0; i < point.cell.size(); ++i) {
           faces += candidate.cell[i] != point.cell[i] ? 1 : 0;
         }
-        if (faces <= kFewFaces) return true;
+        if (faces <= kFewFaces) return PathEnd::kLong;
       }
       reached = residual(candidate, r_);
       accepted = reached <= (1 - kDescent * step) * norm;
     }
-    if (!accepted) return true;
+    if (!accepted) return PathEnd::kLong;
     ++counts_.newton;
     point = candidate;
     factored_ = false;
     norm = reached;
   }
-  return true;
+  return PathEnd::kLong;
 }
 
 PathEnd PathFollower::pursue(LawPoint& point, int longest) {
@@ -105,7 +115,7 @@ PathEnd PathFollower::pursue(LawPoint& point, int longest) {
         end * direction_ > 0 && point.cell == first_cell) {
       return PathEnd::kLoop;
     }
-    if (direction_ > 0 && end >= 1) {
+    if (direction_ > 0 && end >= kArrived) {
       t_ = 1;
       basis_.solve_refined(point, target_, 0, r_, 3, point.value);
       return point.value.allFinite() ? PathEnd::kSolved : PathEnd::kSingular;

@@ -51,7 +51,7 @@ class PathFollower {
     double step = 0;
   };
   double residual(const LawPoint& point, Vector& f);
-  bool approach(LawPoint& point);
+  PathEnd approach(LawPoint& point);
   PathEnd pursue(LawPoint& point, int longest);
   bool refresh(LawPoint& point);
   Blocking blocking(const LawPoint& point, int last) const;
