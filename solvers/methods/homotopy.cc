@@ -57,7 +57,7 @@ class Homotopy {
         wanted = std::min(wanted, monitor_.best_error()) / 3;
       }
       if (!ended_) {
-        monitor_.fail(SolveStatus::kStalled,
+        monitor_.end(SolveStatus::kStalled,
                       fmt::format("stalled after {}, best error {:.2e}", counted(),
                                   monitor_.best_error()));
       }
@@ -75,7 +75,7 @@ class Homotopy {
                        n.pivots, n.paths, n.turns, n.failed, n.newton, start_steps_);
   }
   bool end(SolveStatus status, std::string text) {
-    monitor_.fail(status, std::move(text));
+    monitor_.end(status, std::move(text));
     return ended_ = true;
   }
 
