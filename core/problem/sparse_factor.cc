@@ -316,8 +316,8 @@ void OrderedLU::solve(const Vector& b, Vector& x) const {
   const SparseColumns& m = f.matrix;
   x.resize(b.size());
   if (umfpack_dl_wsolve(UMFPACK_A, m.start.data(), m.row.data(), m.value.data(), x.data(), b.data(),
-                        f.numeric, f.control, f.info, f.integers.data(), f.reals.data()) !=
-      UMFPACK_OK) {
+                        f.numeric, f.control, f.info, f.integers.data(),
+                        f.reals.data()) != UMFPACK_OK) {
     x.setConstant(std::numeric_limits<double>::quiet_NaN());
   }
 }

@@ -17,7 +17,9 @@ enum class Cell : unsigned char { kTakeOff, kSlipPlus, kSlipMinus, kStick, kSmoo
 enum class Column : unsigned char { kOpening, kSliding, kPlus, kMinus };
 
 /// Impulses, as opposed to velocities.
-inline bool is_impulse(Column column) { return column == Column::kPlus || column == Column::kMinus; }
+inline bool is_impulse(Column column) {
+  return column == Column::kPlus || column == Column::kMinus;
+}
 
 /// +1: the parameter must be >= 0, -1: <= 0, 0: free.
 inline int bound_of(Cell cell, Column column) {

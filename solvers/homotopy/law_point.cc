@@ -34,7 +34,7 @@ LawProblem::LawProblem(const ContactProblem& p, const Vector& delassus_diagonal)
 void LawPoint::set(const LawProblem& problem, int contact, Cell to) {
   cell[static_cast<std::size_t>(contact)] = to;
   const auto first = static_cast<std::size_t>(contact) * static_cast<std::size_t>(problem.dim);
-  column[first] = to == Cell::kTakeOff    ? Column::kOpening
+  column[first] = to == Cell::kTakeOff     ? Column::kOpening
                   : to == Cell::kSlipMinus ? Column::kMinus
                                            : Column::kPlus;
   if (problem.dim > 1) column[first + 1] = to == Cell::kStick ? Column::kMinus : Column::kSliding;

@@ -57,9 +57,8 @@ class Homotopy {
         wanted = std::min(wanted, monitor_.best_error()) / 3;
       }
       if (!ended_) {
-        monitor_.end(SolveStatus::kStalled,
-                      fmt::format("stalled after {}, best error {:.2e}", counted(),
-                                  monitor_.best_error()));
+        monitor_.end(SolveStatus::kStalled, fmt::format("stalled after {}, best error {:.2e}",
+                                                        counted(), monitor_.best_error()));
       }
     }
     SolveResult result = monitor_.finish();
@@ -71,8 +70,9 @@ class Homotopy {
   int iteration() const { return start_steps_ + follower_.counts().pivots + judged_; }
   std::string counted() const {
     const PathCounts& n = follower_.counts();
-    return fmt::format("{} pivots on {} paths ({} turns, {} paths failed), {} Newton steps, {} of apgd",
-                       n.pivots, n.paths, n.turns, n.failed, n.newton, start_steps_);
+    return fmt::format(
+        "{} pivots on {} paths ({} turns, {} paths failed), {} Newton steps, {} of apgd", n.pivots,
+        n.paths, n.turns, n.failed, n.newton, start_steps_);
   }
   bool end(SolveStatus status, std::string text) {
     monitor_.end(status, std::move(text));
@@ -86,8 +86,8 @@ class Homotopy {
       ended_ = true;
       const SolveResult so_far = monitor_.finish();
       if (so_far.status == SolveStatus::kConverged && follower_.counts().paths > 0) {
-        return end(so_far.status, fmt::format("{} test met after {}", to_string(options_.stop),
-                                              counted()));
+        return end(so_far.status,
+                   fmt::format("{} test met after {}", to_string(options_.stop), counted()));
       }
       return true;
     }
@@ -184,9 +184,8 @@ class Homotopy {
       }
       if (path == PathEnd::kStopped) return stopped();
       if (iteration() >= options_.max_iterations) {
-        return end(SolveStatus::kIterationLimit,
-                   fmt::format("iteration limit {} reached, {}", options_.max_iterations,
-                               counted()));
+        return end(SolveStatus::kIterationLimit, fmt::format("iteration limit {} reached, {}",
+                                                             options_.max_iterations, counted()));
       }
       factor = shrink;
       ++failures;

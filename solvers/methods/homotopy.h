@@ -40,7 +40,8 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
      .default_value = "1e-2",
      .minimum = 0,
      .maximum = 1,
-     .help = "random lift of small parameters of the start, which keeps paths away from ties, in means"},
+     .help =
+         "random lift of small parameters of the start, which keeps paths away from ties, in means"},
     {.name = "seed",
      .kind = ParameterSpec::Kind::kInteger,
      .default_value = "1",
