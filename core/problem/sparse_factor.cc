@@ -299,8 +299,8 @@ bool OrderedLU::factor() {
   const SparseColumns& m = f.matrix;
   const auto n = static_cast<SuiteSparse_long>(f.order.size());
   void* symbolic = nullptr;
-  int status = umfpack_dl_qsymbolic(n, n, m.start.data(), m.row.data(), m.value.data(),
-                                    f.order.data(), &symbolic, f.control, f.info);
+  SuiteSparse_long status = umfpack_dl_qsymbolic(n, n, m.start.data(), m.row.data(), m.value.data(),
+                                                 f.order.data(), &symbolic, f.control, f.info);
   if (status == UMFPACK_OK) {
     status = umfpack_dl_numeric(m.start.data(), m.row.data(), m.value.data(), symbolic, &f.numeric,
                                 f.control, f.info);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace bipot {
@@ -153,7 +152,7 @@ bool PathFollower::refresh(LawPoint& point) {
 
 /// Ratio test: the bounded parameter that first becomes zero, and the change of t until then.
 PathFollower::Blocking PathFollower::blocking(const LawPoint& point, int last) const {
-  Blocking first{-1, std::numeric_limits<double>::infinity()};
+  Blocking first{-1, kInfinity};
   const double* const value = point.value.data();
   const double* const bound = point.bound.data();
   const double* const x = x_.data();

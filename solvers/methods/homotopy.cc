@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <random>
 #include <string>
 
@@ -48,7 +47,7 @@ class Homotopy {
   }
 
   SolveResult run() {
-    Vector s = options_.s0.size() != 0 ? options_.s0 : Vector(Vector::Zero(p_.num_rows()));
+    Vector s = start_of(p_, options_);
     if (!judge(s)) {
       double wanted = parameters_.number("start_tol");
       for (int round = 0; round < kStarts && !ended_; ++round) {
@@ -152,7 +151,7 @@ class Homotopy {
     const double smallest = parameters_.number("smallest_delta");
     const double shrink = parameters_.number("shrink");
     delta_ = std::max(smallest, parameters_.number("delta"));
-    double factor = shrink, last_error = std::numeric_limits<double>::infinity();
+    double factor = shrink, last_error = kInfinity;
     double best = last_error;
     Vector anchor = start.cwiseQuotient(problem_.impulse_unit), s;
     LawPoint point = lifted_point(anchor, monitor_.last_error());
@@ -203,6 +202,7 @@ class Homotopy {
     return false;
   }
 
+  /// Says how it was stopped, in place of the number of iterations what they were.
   bool stopped() {
     return monitor_.cancelled()
                ? end(SolveStatus::kInterrupted,
@@ -220,7 +220,7 @@ class Homotopy {
   LawProblem problem_;
   PathFollower follower_;
   std::mt19937_64 random_;
-  double delta_ = std::numeric_limits<double>::quiet_NaN();
+  double delta_ = kNaN;
   int start_steps_ = 0, judged_ = 0;
   bool ended_ = false;
 };
