@@ -7,8 +7,8 @@ folder=data/problems
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 build/release/make_problems "$folder"
-dump() {  # NAME SCENE STEPS: the problem of the last step
-  "$bipot" run "$2" --steps "$3" --solver auto --tol 1e-4 --quiet --dump-problems all --out "$work/$1"
+dump() {  # NAME SCENE STEPS [TOLERANCE]: the problem of the last step
+  "$bipot" run "$2" --steps "$3" --solver auto --tol "${4:-1e-4}" --quiet --dump-problems all --out "$work/$1"
   cp "$(ls "$work/$1"/problems/*.hdf5 | tail -n 1)" "$folder/$1.hdf5"
 }
 dump 1d_bouncing_ball_impact bouncing_ball 1440
@@ -18,4 +18,7 @@ dump 2d_pyramid_10 pyramid 1
 dump 2d_compaction_flow compaction 250
 dump 2d_compaction_rest compaction 500
 dump 2d_isotropic_compression isotropic_compression 60
+dump 2d_pour300_273 data/moving_scenes/pour300.toml 273 1e-2
+dump 2d_pour300_392 data/moving_scenes/pour300.toml 392 1e-2
+dump 2d_tilt1000hi_182 data/moving_scenes/tilt1000hi.toml 182 1e-2
 (cd "$folder" && sha256sum -- *.hdf5 > SHA256SUMS)

@@ -4,6 +4,7 @@
 #include "solvers/methods/auto_solver.h"
 #include "solvers/methods/classical.h"
 #include "solvers/methods/gauss_seidel.h"
+#include "solvers/methods/homotopy.h"
 #include "solvers/methods/interior_point.h"
 #include "solvers/methods/lemke.h"
 #include "solvers/registry.h"
@@ -74,6 +75,12 @@ const SolverEntry kSolvers[] = {
      .max_dim = 2,
      .max_contacts = kLemkeMaxContacts,
      .path_ignores_tolerance = true},
+    {.name = "homotopy",
+     .summary = "exact piecewise linear path through stick, slip and take-off (Eaves 1976)",
+     .run = &solve_homotopy,
+     .parameters = kHomotopyParameters,
+     .needs_delassus = true,
+     .max_dim = 2},
     {.name = "ipm",
      .summary =
          "interior point on the exact law, central path by Taylor series (Nguyen et al. 2025)",

@@ -35,7 +35,8 @@ std::vector<std::string> shipped_problems() {
 
 /// Problems with several velocity solutions, compared by the errors alone: for each, the test
 /// ShippedProblemsEvidence.SolversFindDifferentVelocities holds two that obey the law.
-const std::set<std::string> kSeveralVelocities = {"2d_pyramid_10", "2d_pyramid_20_mu05",
+const std::set<std::string> kSeveralVelocities = {"2d_pour300_392", "2d_pyramid_10",
+                                                  "2d_pyramid_20_mu05", "2d_tilt1000hi_182",
                                                   "3d_sphere_pyramid_4"};
 
 /// How many solvers converge for certain in the time given, on a busy machine, where it is fewer
@@ -119,7 +120,7 @@ TEST(ShippedProblemsEvidence, SolversFindDifferentVelocities) {
     const Eigen::MatrixXd W = naive_delassus(p);
     const DelassusOperator delassus(p);
     std::vector<Vector> solutions;
-    for (const char* solver : {"auto", "pgs", "apgd", "ipm"}) {
+    for (const char* solver : {"auto", "pgs", "apgd", "ipm", "homotopy"}) {
       SolverOptions options;
       options.tol = 1e-10;
       options.time_limit = 30 * BIPOT_TEST_SLOWNESS;

@@ -1,0 +1,135 @@
+#include "solvers/homotopy/cell_basis.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace bipot {
+
+CellBasis::CellBasis(const LawProblem& problem)
+    : problem_(problem), lu_(fill_reducing_order(problem.W, problem.dim)) {
+  rhs_.setZero(problem.num_rows());
+}
+
+/// Calls add(row, value), rows ascending.
+template <class Add>
+void CellBasis::for_column(int contact, Column column, Add&& add) const {
+  const int d = problem_.dim, n = contact * d;
+  if (!is_impulse(column)) {
+    add(column == Column::kOpening ? n : n + 1, 1.0);
+    return;
+  }
+  const double tangent = problem_.tangent(contact, column);
+  SparseMatrix::InnerIterator a(problem_.W, n);
+  if (d == 1) {
+    for (; a; ++a) add(static_cast<int>(a.row()), -a.value() - (a.row() == n ? delta_ : 0));
+    return;
+  }
+  constexpr int kEnd = std::numeric_limits<int>::max();
+  SparseMatrix::InnerIterator b(problem_.W, n + 1);
+  while (a || b) {
+    const int row_a = a ? static_cast<int>(a.row()) : kEnd;
+    const int row_b = b ? static_cast<int>(b.row()) : kEnd;
+    const int row = std::min(row_a, row_b);
+    double value = 0;
+    if (row_a == row) {
+      value -= a.value();
+      ++a;
+    }
+    if (row_b == row) {
+      value -= tangent * b.value();
+      ++b;
+    }
+    if (row == n) value -= delta_;
+    if (row == n + 1) value -= tangent * delta_;
+    add(row, value);
+  }
+}
+
+bool CellBasis::factor(const LawPoint& point, double delta) {
+  delta_ = delta;
+  slots_.clear();
+  SparseColumns& matrix = lu_.matrix();
+  matrix.clear();
+  for (int slot = 0; slot < problem_.num_rows(); ++slot) {
+    for_column(slot / problem_.dim, point.column[static_cast<std::size_t>(slot)],
+               [&](int row, double value) { matrix.add(row, value); });
+    matrix.end_column();
+  }
+  return lu_.factor();
+}
+
+void CellBasis::solve(const Vector& g, Vector& x) {
+  lu_.solve(g, x);
+  for (std::size_t k = 0; k < slots_.size(); ++k) {
+    const Eigen::Index slot = slots_[k];
+    if (x[slot] == 0) continue;
+    const auto y = columns_.col(static_cast<Eigen::Index>(k));
+    const double share = x[slot] / y[slot];
+    x.noalias() -= share * y;
+    x[slot] = share;
+  }
+}
+
+void CellBasis::solve_column(int contact, Column column, Vector& y) {
+  for_column(contact, column, [&](int row, double value) { rhs_[row] = value; });
+  solve(rhs_, y);
+  for_column(contact, column, [&](int row, double) { rhs_[row] = 0; });
+}
+
+void CellBasis::exchange(int slot, const Vector& y) {
+  const auto count = static_cast<Eigen::Index>(slots_.size());
+  if (columns_.cols() <= count) {
+    columns_.conservativeResize(y.size(), std::max<Eigen::Index>(8, 2 * count));
+  }
+  columns_.col(count) = y;
+  slots_.push_back(slot);
+}
+
+int CellBasis::orientation(const LawPoint& point) const {
+  const auto impulses = std::count_if(point.column.begin(), point.column.end(), is_impulse);
+  return lu_.determinant_sign() * (impulses % 2 == 0 ? 1 : -1);
+}
+
+/// out = g + weight h - B x.
+void CellBasis::residual(const LawPoint& point, const Vector& g, long double weight,
+                         const Vector& h, const Vector& x, Vector& out) {
+  const int d = problem_.dim, m = problem_.num_rows();
+  sum_.resize(static_cast<std::size_t>(m));
+  long double* const sum = sum_.data();
+  for (int i = 0; i < m; ++i) sum[i] = static_cast<long double>(g[i]) + weight * h[i];
+  for (int slot = 0; slot < m; ++slot) {
+    const double value = x[slot];
+    const Column column = point.column[static_cast<std::size_t>(slot)];
+    const int contact = slot / d, n = contact * d;
+    if (column == Column::kOpening) {
+      sum[n] -= value;
+    } else if (column == Column::kSliding) {
+      sum[n + 1] -= value;
+    } else {
+      // The parts of the impulse in extended precision: mu times the parameter is not a double.
+      const auto add = [&](int row, long double part) {
+        for (SparseMatrix::InnerIterator it(problem_.W, row); it; ++it) {
+          sum[it.row()] += it.value() * part;
+        }
+        sum[row] += delta_ * part;
+      };
+      add(n, value);
+      if (d > 1) add(n + 1, static_cast<long double>(problem_.tangent(contact, column)) * value);
+    }
+  }
+  out.resize(m);
+  for (int i = 0; i < m; ++i) out[i] = static_cast<double>(sum[i]);
+}
+
+void CellBasis::solve_refined(const LawPoint& point, const Vector& g, long double weight,
+                              const Vector& h, int refinements, Vector& x) {
+  change_ = g + static_cast<double>(weight) * h;
+  solve(change_, x);
+  for (int k = 0; k < refinements; ++k) {
+    residual(point, g, weight, h, x, error_);
+    solve(error_, change_);
+    x += change_;
+  }
+}
+
+}  // namespace bipot

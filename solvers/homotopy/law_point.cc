@@ -1,0 +1,117 @@
+#include "solvers/homotopy/law_point.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace bipot {
+namespace {
+
+// A smaller friction coefficient does nothing that double precision could see.
+constexpr double kNoFriction = 1e-14;
+
+}  // namespace
+
+LawProblem::LawProblem(const ContactProblem& p, const Vector& delassus_diagonal)
+    : dim(p.dim), W(p.W) {
+  const ContactScaling scaling = equilibrated_scaling(p, delassus_diagonal);
+  for (int j = 0; j < W.outerSize(); ++j) {
+    for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
+      it.valueRef() *= scaling.velocity[it.row()] * scaling.velocity[j];
+    }
+  }
+  b = p.u_free.cwiseProduct(scaling.velocity);
+  const double largest = b.cwiseAbs().maxCoeff();
+  const double unit = largest > 0 ? largest : 1;
+  b /= unit;
+  impulse_unit = unit * scaling.velocity;
+  mu = dim > 1 ? scaling.mu : Vector(Vector::Zero(p.num_contacts()));
+  for (double& x : mu) {
+    if (x < kNoFriction) x = 0;
+  }
+}
+
+void LawPoint::set(const LawProblem& problem, int contact, Cell to) {
+  cell[static_cast<std::size_t>(contact)] = to;
+  const auto first = static_cast<std::size_t>(contact) * static_cast<std::size_t>(problem.dim);
+  column[first] = to == Cell::kTakeOff     ? Column::kOpening
+                  : to == Cell::kSlipMinus ? Column::kMinus
+                                           : Column::kPlus;
+  if (problem.dim > 1) column[first + 1] = to == Cell::kStick ? Column::kMinus : Column::kSliding;
+  for (int k = 0; k < problem.dim; ++k) {
+    const auto slot = first + static_cast<std::size_t>(k);
+    bound[static_cast<Eigen::Index>(slot)] = bound_of(to, column[slot]);
+  }
+}
+
+void LawPoint::sort_columns(int dim) {
+  if (dim == 1) return;
+  for (std::size_t i = 0; i < cell.size(); ++i) {
+    const std::size_t first = 2 * i;
+    const bool sorted = cell[i] == Cell::kStick ? column[first] == Column::kPlus
+                                                : column[first] != Column::kSliding;
+    if (sorted) continue;
+    const auto at = static_cast<Eigen::Index>(first);
+    std::swap(column[first], column[first + 1]);
+    std::swap(bound[at], bound[at + 1]);
+    std::swap(value[at], value[at + 1]);
+  }
+}
+
+void LawPoint::impulse(const LawProblem& problem, Vector& s) const {
+  s.setZero(problem.num_rows());
+  for (Eigen::Index slot = 0; slot < value.size(); ++slot) {
+    const Column kind = column[static_cast<std::size_t>(slot)];
+    if (!is_impulse(kind)) continue;
+    const int contact = static_cast<int>(slot) / problem.dim;
+    const Eigen::Index row = contact * problem.dim;
+    s[row] += value[slot];
+    if (problem.dim > 1) s[row + 1] += problem.tangent(contact, kind) * value[slot];
+  }
+}
+
+void LawPoint::velocity(const LawProblem& problem, Vector& u) const {
+  u.setZero(problem.num_rows());
+  for (Eigen::Index slot = 0; slot < value.size(); ++slot) {
+    const Column kind = column[static_cast<std::size_t>(slot)];
+    const Eigen::Index row = slot / problem.dim * problem.dim;
+    if (kind == Column::kOpening) u[row] = value[slot];
+    if (kind == Column::kSliding) u[row + 1] = value[slot];
+  }
+}
+
+LawPoint nearest_point(const LawProblem& problem, const Vector& s, const Vector& u) {
+  const int d = problem.dim;
+  LawPoint point;
+  point.cell.resize(static_cast<std::size_t>(problem.num_contacts()));
+  point.column.resize(static_cast<std::size_t>(problem.num_rows()));
+  point.bound.resize(problem.num_rows());
+  point.value.resize(problem.num_rows());
+  for (int i = 0; i < problem.num_contacts(); ++i) {
+    const Eigen::Index n = i * d, t = n + 1;
+    const double normal = s[n] - u[n];
+    const double tangent = d > 1 ? s[t] - u[t] : 0;
+    const double edge = problem.mu[i] * normal;
+    if (normal <= 0) {
+      point.set(problem, i, Cell::kTakeOff);
+      point.value[n] = -normal;
+      if (d > 1) point.value[t] = u[t];
+    } else if (!problem.friction(i)) {
+      point.set(problem, i, Cell::kSmooth);
+      point.value[n] = normal;
+      if (d > 1) point.value[t] = u[t];
+    } else if (std::abs(tangent) <= edge) {
+      point.set(problem, i, Cell::kStick);
+      const double ratio = tangent / problem.mu[i];
+      point.value[n] = 0.5 * (normal - ratio);
+      point.value[t] = 0.5 * (normal + ratio);
+    } else {
+      point.set(problem, i, tangent < 0 ? Cell::kSlipPlus : Cell::kSlipMinus);
+      point.value[n] = normal;
+      point.value[t] = (std::abs(tangent) - edge) * (tangent < 0 ? 1 : -1);
+    }
+  }
+  return point;
+}
+
+}  // namespace bipot

@@ -1,0 +1,200 @@
+#include "solvers/homotopy/path_follower.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace bipot {
+namespace {
+
+// Exchanges between two factorisations: 60 to 150 cost the same within 20 %.
+constexpr int kRefresh = 120;
+// A pivot smaller than this, relative to its column, is rounding: B is factored afresh.
+constexpr double kSmallPivot = 1e-11;
+// Below this t the path is taken for a ray to -infinity.
+constexpr double kFarBack = -1e3;
+// Faces met after this t are met at t = 1: contacts that end on one, up to rounding.
+constexpr double kArrived = 1 - 1e-11;
+// Violated bounds of that size, relative to the largest parameter, are rounding.
+constexpr double kRounding = 1e-14;
+// A turn is remembered when t gained that much since the one remembered.
+constexpr double kTurnGain = 0.02;
+// Newton steps before a path, the least part of one that is tried, and the part of |F| that a full
+// one must remove.
+constexpr int kNewtonSteps = 20;
+constexpr double kLeastStep = 0.25, kDescent = 0.3;
+// That many faces ahead are left to the path: a pivot costs a thirtieth of a factorisation.
+constexpr int kFewFaces = 20;
+// Pivots between two questions whether to stop.
+constexpr int kPoll = 16;
+
+}  // namespace
+
+PathFollower::PathFollower(const LawProblem& problem, std::function<bool()> stop)
+    : problem_(problem), stop_(std::move(stop)), basis_(problem) {}
+
+PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, double delta, int longest) {
+  ++counts_.paths;
+  delta_ = delta;
+  target_ = problem_.b - delta * anchor;
+  factored_ = false;
+  t_ = turning_t_ = 0;
+  PathEnd end = approach(point);
+  if (end == PathEnd::kLong) {
+    residual(point, r_);
+    end = r_.isZero(0) ? PathEnd::kSolved : pursue(point, longest);
+  }
+  if (end != PathEnd::kSolved) ++counts_.failed;
+  return end;
+}
+
+/// f = F(p), returns its norm.
+double PathFollower::residual(const LawPoint& point, Vector& f) {
+  point.impulse(problem_, s_);
+  point.velocity(problem_, u_);
+  f = u_ - target_ - delta_ * s_;
+  f.noalias() -= problem_.W * s_;
+  return f.norm();
+}
+
+/// Damped Newton steps while many faces lie ahead. kLong: the rest is for the path.
+PathEnd PathFollower::approach(LawPoint& point) {
+  double norm = residual(point, r_);
+  LawPoint ahead = point, candidate;
+  for (int k = 0; k < kNewtonSteps && norm > 0; ++k) {
+    if (stop_()) return PathEnd::kStopped;
+    point.sort_columns(problem_.dim);
+    factored_ = basis_.factor(point, delta_);
+    if (!factored_) return PathEnd::kSingular;
+    ahead = point;
+    basis_.solve_refined(point, target_, 0, r_, 3, y_);
+    if (!y_.allFinite()) return PathEnd::kSingular;
+    const double violation = -point.bound.cwiseProduct(y_).minCoeff();
+    if (violation <= kRounding * y_.lpNorm<Eigen::Infinity>()) {
+      point.value = y_;
+      return PathEnd::kSolved;
+    }
+    y_ -= point.value;
+    bool accepted = false;
+    double reached = norm;
+    for (double step = 1; step >= kLeastStep && !accepted; step *= 0.5) {
+      ahead.value = point.value + step * y_;
+      ahead.impulse(problem_, s_);
+      ahead.velocity(problem_, u_);
+      candidate = nearest_point(problem_, s_, u_);
+      if (step == 1) {
+        int faces = 0;
+        for (std::size_t i = 0; i < point.cell.size(); ++i) {
+          faces += candidate.cell[i] != point.cell[i] ? 1 : 0;
+        }
+        if (faces <= kFewFaces) return PathEnd::kLong;
+      }
+      reached = residual(candidate, r_);
+      accepted = reached <= (1 - kDescent * step) * norm;
+    }
+    if (!accepted) return PathEnd::kLong;
+    ++counts_.newton;
+    point = candidate;
+    factored_ = false;
+    norm = reached;
+  }
+  return PathEnd::kLong;
+}
+
+PathEnd PathFollower::pursue(LawPoint& point, int longest) {
+  if (!refresh(point)) return PathEnd::kSingular;
+  const int first_direction = direction_ = basis_.orientation(point);
+  if (direction_ == 0) return PathEnd::kSingular;
+  const std::vector<Cell> first_cell = point.cell;
+  int last = -1;  // slot that has just entered: its parameter is zero and grows
+  for (int pivots = 0;; ++pivots) {
+    const Blocking next = blocking(point, last);
+    const double end = t_ + direction_ * next.step;
+    if (pivots > 0 && direction_ == first_direction && t_ * direction_ <= 0 &&
+        end * direction_ > 0 && point.cell == first_cell) {
+      return PathEnd::kLoop;
+    }
+    if (direction_ > 0 && end >= kArrived) {
+      t_ = 1;
+      basis_.solve_refined(point, target_, 0, r_, 3, point.value);
+      return point.value.allFinite() ? PathEnd::kSolved : PathEnd::kSingular;
+    }
+    if (next.slot < 0 || end < kFarBack) return PathEnd::kRay;
+    if (pivots >= longest) return PathEnd::kLong;
+    if (pivots % kPoll == 0 && stop_()) return PathEnd::kStopped;
+    point.value.noalias() -= (direction_ * next.step) * x_;
+    point.value[next.slot] = 0;
+    t_ = end;
+    last = next.slot;
+    const int before = direction_;
+    if (!pivot(point, next.slot)) return PathEnd::kSingular;
+    if (basis_.updates() == 0) last = -1;  // factored afresh, columns sorted
+    if (direction_ != before) {
+      ++counts_.turns;
+      if (direction_ < 0) note_turn(point);
+    }
+  }
+}
+
+/// Factors B and computes the parameters and x from the data.
+bool PathFollower::refresh(LawPoint& point) {
+  if (!factored_) {
+    point.sort_columns(problem_.dim);
+    if (!basis_.factor(point, delta_)) return false;
+  }
+  factored_ = false;
+  const int refinements = delta_ < 1e-7 ? 2 : 1;
+  basis_.solve_refined(point, target_, 1 - static_cast<long double>(t_), r_, refinements,
+                       point.value);
+  basis_.solve_refined(point, r_, 0, r_, refinements, x_);
+  return x_.allFinite() && point.value.allFinite();
+}
+
+/// Ratio test: the bounded parameter that first becomes zero, and the change of t until then.
+PathFollower::Blocking PathFollower::blocking(const LawPoint& point, int last) const {
+  Blocking first{-1, kInfinity};
+  const double* const value = point.value.data();
+  const double* const bound = point.bound.data();
+  const double* const x = x_.data();
+  for (int slot = 0; slot < problem_.num_rows(); ++slot) {
+    const double speed = bound[slot] * x[slot] * direction_;  // towards zero
+    if (!(speed > 0) || slot == last) continue;
+    const double distance = std::max(bound[slot] * value[slot], 0.0);
+    if (distance < first.step * speed) first = {slot, distance / speed};
+  }
+  return first;
+}
+
+/// Enters the cell behind the face where the parameter of `slot` is zero.
+bool PathFollower::pivot(LawPoint& point, int slot) {
+  const int d = problem_.dim, contact = slot / d;
+  const auto at = static_cast<std::size_t>(slot);
+  const int other = d == 1 ? slot : slot ^ 1;
+  Cell& cell = point.cell[static_cast<std::size_t>(contact)];
+  const Crossing crossing =
+      cross(cell, point.column[at], point.value[other], problem_.friction(contact));
+  basis_.solve_column(contact, crossing.enters, y_);
+  if (y_[slot] == 0) return false;
+  const double speed = x_[slot] / y_[slot];
+  x_.noalias() -= speed * y_;
+  x_[slot] = speed;
+  cell = crossing.cell;
+  point.column[at] = crossing.enters;
+  for (const int k : {slot, other}) {
+    point.bound[k] = bound_of(cell, point.column[static_cast<std::size_t>(k)]);
+  }
+  direction_ = crossing.growth * speed < 0 ? 1 : -1;
+  ++counts_.pivots;
+  const bool small = std::abs(y_[slot]) < kSmallPivot * y_.lpNorm<Eigen::Infinity>();
+  if (small || basis_.updates() + 1 >= kRefresh) return refresh(point);
+  basis_.exchange(slot, y_);
+  return true;
+}
+
+void PathFollower::note_turn(const LawPoint& point) {
+  if (t_ <= turning_t_ + kTurnGain) return;
+  turning_t_ = t_;
+  turning_point_ = point;
+}
+
+}  // namespace bipot

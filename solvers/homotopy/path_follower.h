@@ -1,0 +1,75 @@
+#pragma once
+
+#include <functional>
+
+#include "solvers/homotopy/cell_basis.h"
+#include "solvers/homotopy/law_point.h"
+
+namespace bipot {
+
+enum class PathEnd {
+  kSolved,    ///< t = 1
+  kRay,       ///< nothing blocks, or t fell without bound
+  kLoop,      ///< back at the start, in the same direction
+  kLong,      ///< more pivots than allowed
+  kSingular,  ///< a cell whose matrix is singular to working precision
+  kStopped,   ///< the caller's stop() said so
+};
+
+/// What happened on all paths so far.
+struct PathCounts {
+  int pivots = 0, turns = 0, paths = 0, failed = 0, newton = 0;
+};
+
+/// Follows the piecewise linear path of a proximal problem: with s and u the impulse and the
+/// velocity of a point p of the law's manifold,
+///
+///     F(p) = u - W s - b - delta (s - anchor) = (1 - t) r,    r = F(p at t = 0),
+///
+/// from t = 0 to t = 1. In a cell F is B p - b + delta anchor: the parameters move along the line
+/// dp/dt = -x, x = B⁻¹ r, until one of them is zero. There the path enters the neighbouring cell by
+/// the exchange of one column (a pivot) and goes on; t may turn back. A path of a generic start
+/// goes on for ever, closes, or ends on a ray (Eaves 1976).
+///
+/// Before a path that would cross many faces, Newton steps cross them all at once: to t = 1 of the
+/// cell, then to the nearest point of the manifold, as long as |F| falls.
+class PathFollower {
+ public:
+  PathFollower(const LawProblem& problem, std::function<bool()> stop);
+
+  /// From `point`, which ends at the last point reached. `longest`: pivots allowed.
+  PathEnd follow(LawPoint& point, const Vector& anchor, double delta, int longest);
+
+  /// The point of the largest t among those where the last path turned back; its t, 0 if none.
+  double turning_t() const { return turning_t_; }
+  const LawPoint& turning_point() const { return turning_point_; }
+  const PathCounts& counts() const { return counts_; }
+
+ private:
+  struct Blocking {
+    int slot = -1;
+    double step = 0;
+  };
+  double residual(const LawPoint& point, Vector& f);
+  PathEnd approach(LawPoint& point);
+  PathEnd pursue(LawPoint& point, int longest);
+  bool refresh(LawPoint& point);
+  Blocking blocking(const LawPoint& point, int last) const;
+  bool pivot(LawPoint& point, int slot);
+  void note_turn(const LawPoint& point);
+
+  const LawProblem& problem_;
+  std::function<bool()> stop_;
+  CellBasis basis_;
+  double delta_ = 0;
+  Vector target_;  // b - delta anchor
+  Vector r_, x_, y_, s_, u_;
+  bool factored_ = false;  // the basis is that of the point
+  double t_ = 0;
+  int direction_ = 1;  // of t
+  double turning_t_ = 0;
+  LawPoint turning_point_;
+  PathCounts counts_;
+};
+
+}  // namespace bipot

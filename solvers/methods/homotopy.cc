@@ -1,0 +1,234 @@
+#include "solvers/methods/homotopy.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+
+#include "solvers/homotopy/path_follower.h"
+#include "solvers/methods/accelerated_gradient.h"
+#include "solvers/monitor.h"
+#include "solvers/parameters.h"
+
+namespace bipot {
+namespace {
+
+// Starts prepared by apgd, each to a third of the error of the one before.
+constexpr int kStarts = 6;
+// Paths from one start, failed ones included.
+constexpr int kStages = 60;
+// Failed paths in a row: those that left nothing, and those that left a turning point.
+constexpr int kFailures = 7, kTurns = 20;
+// A turning point is taken as a start from that t on.
+constexpr double kUsefulTurn = 0.3;
+// Factors of delta after a path that failed.
+constexpr double kRaise = 5, kRaiseAtTurn = 3;
+constexpr double kLargestDelta = 1;
+// Errors below this must not grow again while delta is below kFine.
+constexpr double kSettled = 1e-5, kFine = 1e-6;
+// Normal impulse minus velocity below that, relative to the mean: zero.
+constexpr double kNothing = 1e-10;
+// Stages at the smallest delta without a gain, before the solver gives up.
+constexpr int kIdleStages = 4;
+
+class Homotopy {
+ public:
+  Homotopy(const ContactProblem& p, const SolverOptions& options)
+      : options_(options),
+        p_(p),
+        parameters_(options.parameters, kHomotopyParameters),
+        monitor_(p, options),
+        problem_(p, monitor_.evaluator().delassus().diagonal()),
+        follower_(problem_, [this] { return monitor_.out_of_time(); }),
+        random_(static_cast<unsigned>(parameters_.integer("seed"))) {
+    monitor_.end_setup();
+  }
+
+  SolveResult run() {
+    Vector s = start_of(p_, options_);
+    if (!judge(s)) {
+      double wanted = parameters_.number("start_tol");
+      for (int round = 0; round < kStarts && !ended_; ++round) {
+        if (prepare(s, wanted) || stages(s)) break;
+        s = monitor_.best_impulse();
+        wanted = std::min(wanted, monitor_.best_error()) / 3;
+      }
+      if (!ended_) {
+        monitor_.end(SolveStatus::kStalled, fmt::format("stalled after {}, best error {:.2e}",
+                                                        counted(), monitor_.best_error()));
+      }
+    }
+    SolveResult result = monitor_.finish();
+    result.iterations = iteration();
+    return result;
+  }
+
+ private:
+  int iteration() const { return start_steps_ + follower_.counts().pivots + judged_; }
+  std::string counted() const {
+    const PathCounts& n = follower_.counts();
+    return fmt::format(
+        "{} pivots on {} paths ({} turns, {} paths failed), {} Newton steps, {} of apgd", n.pivots,
+        n.paths, n.turns, n.failed, n.newton, start_steps_);
+  }
+  bool end(SolveStatus status, std::string text) {
+    monitor_.end(status, std::move(text));
+    return ended_ = true;
+  }
+
+  /// Judges an impulse; true: everything ends here.
+  bool judge(const Vector& s) {
+    const bool due = monitor_.due(iteration());
+    if (monitor_.stop(iteration(), s, delta_, /*moving=*/true)) {
+      ended_ = true;
+      const SolveResult so_far = monitor_.finish();
+      if (so_far.status == SolveStatus::kConverged && follower_.counts().paths > 0) {
+        return end(so_far.status,
+                   fmt::format("{} test met after {}", to_string(options_.stop), counted()));
+      }
+      return true;
+    }
+    if (!due && monitor_.meets(s)) {
+      return end(SolveStatus::kConverged,
+                 fmt::format("{} test met after {}", to_string(options_.stop), counted()));
+    }
+    return false;
+  }
+
+  /// apgd from s to the error `wanted`. True: everything ends here.
+  bool prepare(Vector& s, double wanted) {
+    const int limit =
+        std::min(parameters_.integer("start_iterations"), options_.max_iterations - iteration());
+    if (wanted >= 1 || limit <= 0) return false;
+    SolverOptions inner;
+    inner.tol = wanted;
+    inner.s0 = s;
+    inner.max_iterations = limit;
+    inner.time_limit = std::max(monitor_.remaining_seconds(), 1e-9);
+    inner.cancelled = options_.cancelled;
+    const SolveResult start = solve_accelerated_gradient(p_, inner);
+    start_steps_ += start.iterations;
+    s = start.s;
+    return judge(s);
+  }
+
+  /// The point of the manifold next to s. Bounded parameters next to zero are lifted by random
+  /// amounts: no ties, and no path that begins on a face.
+  LawPoint lifted_point(const Vector& s, double error) {
+    const Vector velocity = problem_.W * s + problem_.b;
+    LawPoint point = nearest_point(problem_, s, velocity);
+    const int d = problem_.dim, c = problem_.num_contacts();
+    double impulse = 0;
+    for (int i = 0; i < c; ++i) impulse += std::abs(s[i * d]) / c;
+    const double speed = velocity.cwiseAbs().sum() / c;
+    if (impulse == 0) impulse = speed;
+    const double lift = parameters_.number("lift") * std::min(1.0, error / 1e-2);
+    for (int i = 0; i < c; ++i) {
+      // A contact that neither pushes nor moves, as beside the columns of a square lattice, stays
+      // open along the whole path if it begins so.
+      if (std::abs(s[i * d] - velocity[i * d]) <= kNothing * std::max(impulse, speed)) {
+        point.set(problem_, i, Cell::kTakeOff);
+        point.value[i * d] = 0;
+        if (d > 1) point.value[i * d + 1] = velocity[i * d + 1];
+      }
+    }
+    for (int slot = 0; slot < problem_.num_rows(); ++slot) {
+      if (point.bound[slot] == 0) continue;
+      const double draw = 0.5 + static_cast<double>(random_() >> 11) * 0x1.0p-53;
+      const bool pushes = is_impulse(point.column[static_cast<std::size_t>(slot)]);
+      const double least = lift * draw * (pushes ? impulse : speed);
+      if (point.bound[slot] * point.value[slot] < least) {
+        point.value[slot] += point.bound[slot] * least;
+      }
+    }
+    return point;
+  }
+
+  /// Paths from s with decreasing delta. True: everything ends here.
+  bool stages(const Vector& start) {
+    const double smallest = parameters_.number("smallest_delta");
+    const double shrink = parameters_.number("shrink");
+    delta_ = std::max(smallest, parameters_.number("delta"));
+    double factor = shrink, last_error = kInfinity;
+    double best = last_error;
+    Vector anchor = start.cwiseQuotient(problem_.impulse_unit), s;
+    LawPoint point = lifted_point(anchor, monitor_.last_error());
+    const int longest = std::max(300, problem_.num_contacts() / 6);
+    int failures = 0, idle = 0;
+    for (int stage = 0; stage < kStages; ++stage) {
+      const LawPoint before = point;
+      const int left = options_.max_iterations - iteration();
+      const PathEnd path = follower_.follow(point, anchor, delta_, std::min(longest, left));
+      point.impulse(problem_, s);
+      if (path == PathEnd::kSolved) {
+        ++judged_;
+        if (judge(s.cwiseProduct(problem_.impulse_unit))) return true;
+        const double error = monitor_.last_error();
+        failures = 0;
+        idle = error < 0.9 * best ? 0 : idle + 1;
+        best = std::min(best, error);
+        if (idle >= kIdleStages && best < kSettled && delta_ <= 10 * smallest) return false;
+        if (delta_ < kFine && last_error < kSettled && error > 2 * last_error) {
+          point = before;
+          delta_ = std::min(10 * delta_, 1e-5);
+          continue;
+        }
+        anchor = s;
+        last_error = error;
+        delta_ = std::max(smallest, factor * delta_);
+        factor = std::max(shrink, shrink * factor);
+        continue;
+      }
+      if (path == PathEnd::kStopped) return stopped();
+      if (iteration() >= options_.max_iterations) {
+        return end(SolveStatus::kIterationLimit, fmt::format("iteration limit {} reached, {}",
+                                                             options_.max_iterations, counted()));
+      }
+      factor = shrink;
+      ++failures;
+      if (follower_.turning_t() > kUsefulTurn) {
+        point = follower_.turning_point();
+        point.impulse(problem_, anchor);
+        delta_ = std::min(kLargestDelta, kRaiseAtTurn * delta_);
+        if (failures > kTurns) return false;
+      } else {
+        point = before;
+        delta_ *= kRaise;
+        if (delta_ > kLargestDelta || failures >= kFailures) return false;
+      }
+    }
+    return false;
+  }
+
+  /// Says how it was stopped, in place of the number of iterations what they were.
+  bool stopped() {
+    return monitor_.cancelled()
+               ? end(SolveStatus::kInterrupted,
+                     fmt::format("interrupted after {}, best error {:.2e}", counted(),
+                                 monitor_.best_error()))
+               : end(SolveStatus::kTimeLimit,
+                     fmt::format("time limit {} s reached after {}, best error {:.2e}",
+                                 options_.time_limit, counted(), monitor_.best_error()));
+  }
+
+  const SolverOptions& options_;
+  const ContactProblem& p_;
+  const Parameters parameters_;
+  IterationMonitor monitor_;
+  LawProblem problem_;
+  PathFollower follower_;
+  std::mt19937_64 random_;
+  double delta_ = kNaN;
+  int start_steps_ = 0, judged_ = 0;
+  bool ended_ = false;
+};
+
+}  // namespace
+
+SolveResult solve_homotopy(const ContactProblem& p, const SolverOptions& options) {
+  return Homotopy(p, options).run();
+}
+
+}  // namespace bipot

@@ -1,0 +1,77 @@
+#pragma once
+
+#include "solvers/solver.h"
+
+namespace bipot {
+
+inline constexpr ParameterSpec kHomotopyParameters[] = {
+    {.name = "start_tol",
+     .kind = ParameterSpec::Kind::kNumber,
+     .default_value = "1e-3",
+     .minimum = 1e-8,
+     .maximum = 1,
+     .help = "error to which apgd prepares the start of the first path; 1: the start as it is"},
+    {.name = "start_iterations",
+     .kind = ParameterSpec::Kind::kInteger,
+     .default_value = "2000",
+     .minimum = 0,
+     .maximum = 1000000,
+     .help = "limit of that",
+     .unit = "iterations"},
+    {.name = "delta",
+     .kind = ParameterSpec::Kind::kNumber,
+     .default_value = "1e-4",
+     .minimum = 1e-10,
+     .maximum = 1,
+     .help = "proximal term of the first path, in units of the diagonal of W"},
+    {.name = "smallest_delta",
+     .kind = ParameterSpec::Kind::kNumber,
+     .default_value = "1e-10",
+     .minimum = 1e-12,
+     .maximum = 1,
+     .help = "proximal term of the last paths"},
+    {.name = "shrink",
+     .kind = ParameterSpec::Kind::kNumber,
+     .default_value = "0.3",
+     .minimum = 1e-3,
+     .maximum = 0.99,
+     .help = "factor of delta after a path that arrived"},
+    {.name = "lift",
+     .kind = ParameterSpec::Kind::kNumber,
+     .default_value = "1e-2",
+     .minimum = 0,
+     .maximum = 1,
+     .help =
+         "random lift of small parameters of the start, which keeps paths away from ties, in means"},
+    {.name = "seed",
+     .kind = ParameterSpec::Kind::kInteger,
+     .default_value = "1",
+     .minimum = 0,
+     .maximum = 2147483647,
+     .help = "of that lift"},
+};
+
+/// Exact path following on Coulomb's law as a piecewise linear manifold, d <= 2. Per contact the
+/// law has four cells (take-off, two of slip, stick; law_cells.h), and u = W s + u_free is linear
+/// in each. From a point p0 of the manifold next to an impulse s0, the path
+///
+///     u - W s - u_free - delta D (s - anchor) = (1 - t) r,    D = diag W, r: the residual of p0
+///
+/// is followed through the cells by pivots, one exchange of a column each, as Lemke's algorithm
+/// follows its own (Lemke 1965; Eaves 1976 for paths of piecewise linear equations in general). At
+/// t = 1 it has solved the proximal problem exactly; its impulse is the anchor of the next, with a
+/// smaller delta. The fixed points solve the problem itself, whatever delta, to rounding: the linear
+/// systems are refined by residuals in 80 bits. Folds, where t turns back, are part of the path.
+///
+/// [ours] The cells used directly instead of a complementarity problem with four rows a contact; an
+/// arbitrary start, prepared by apgd; the orientation of the start by the sign of a determinant,
+/// which tells the component that leads to a solution; proximal stages, large delta first, because
+/// at small delta the path of an arbitrary start is often closed; from a path that failed, its
+/// turning point nearest to t = 1 as the next anchor, and a larger delta.
+///
+/// W may be singular. An iteration is a step of apgd, a pivot, or a path. Deterministic: `seed` fixes
+/// the lifts of the starts. The message counts pivots, turns, paths and failed paths. Where paths
+/// keep failing, apgd makes a better start; after the last one the solver ends with kStalled.
+SolveResult solve_homotopy(const ContactProblem& problem, const SolverOptions& options);
+
+}  // namespace bipot

@@ -1,0 +1,284 @@
+#include "solvers/methods/homotopy.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/files/problem_file.h"
+#include "solvers/homotopy/cell_basis.h"
+#include "solvers/homotopy/path_follower.h"
+#include "solvers/solve.h"
+#include "tests/support/manufactured.h"
+#include "tests/support/naive_error.h"
+#include "tests/support/small_problems.h"
+
+namespace bipot {
+namespace {
+
+SolveResult homotopy(const ContactProblem& p, double tol = 1e-11,
+                     std::map<std::string, std::string> parameters = {}) {
+  SolverOptions options;
+  options.tol = tol;
+  options.parameters = std::move(parameters);
+  return solve("homotopy", p, options);
+}
+
+/// Paths from s = 0 as it is: no help by apgd.
+const std::map<std::string, std::string> kFromZero = {{"start_tol", "1"}};
+
+ContactProblem shipped(const std::string& name) {
+  return read_problem(BIPOT_SOURCE_DIR "/data/problems/" + name + ".hdf5").problem;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// A number of the message, "12 pivots on 3 paths": the one before `word`.
+int counted(const SolveResult& r, const std::string& word) {
+  const std::size_t at = r.message.find(" " + word);
+  if (at == std::string::npos) return -1;
+  return std::stoi(r.message.substr(r.message.rfind(' ', at - 1) == std::string::npos
+                                        ? 0
+                                        : r.message.find_last_of(" (", at - 1) + 1));
+}
+
+TEST(Homotopy, OneContactTakesOffSticksAndSlips) {
+  const Vector gentle = Vector::Constant(1, 0.3), strong = Vector::Constant(1, 3.0);
+  for (const auto& start : {std::map<std::string, std::string>{}, kFromZero}) {
+    // w_n = 2, w_t = 3, mu = 0.4, b_n = -1: s_n = 1/2, friction bound 0.2.
+    SolveResult r = homotopy(one_contact_problem(2, 2, 3, 0.4, -1, gentle), 1e-14, start);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_NEAR(r.s[0], 0.5, 1e-14);
+    EXPECT_NEAR(r.s[1], -0.1, 1e-14);
+    r = homotopy(one_contact_problem(2, 2, 3, 0.4, -1, strong), 1e-14, start);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_NEAR(r.s[0], 0.5, 1e-14);
+    EXPECT_NEAR(r.s[1], -0.2, 1e-14);
+    EXPECT_NEAR(r.u[1], 2.4, 1e-14);
+    r = homotopy(one_contact_problem(2, 2, 3, 0.4, -1, -strong), 1e-14, start);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_NEAR(r.s[1], 0.2, 1e-14);
+    r = homotopy(one_contact_problem(2, 2, 3, 0, -1, strong), 1e-14, start);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_NEAR(r.s[0], 0.5, 1e-14);
+    EXPECT_EQ(r.s[1], 0);
+    r = homotopy(one_contact_problem(1, 2, 3, 0, -1, Vector()), 1e-14, start);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_NEAR(r.s[0], 0.5, 1e-14);
+  }
+}
+
+TEST(Homotopy, SolvesRandomNetworksFromZeroAndAgreesWithLemke) {
+  int compared = 0;
+  for (int dim = 1; dim <= 2; ++dim) {
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+      const Manufactured m = manufactured_problem(dim, 20, 24, seed);
+      const SolveResult path = homotopy(m.problem, 1e-12, kFromZero);
+      ASSERT_EQ(path.status, SolveStatus::kConverged) << dim << " " << seed << path.message;
+      EXPECT_LE(naive_error(m.problem, path.s).guarded(), 1.01e-12);
+      SolverOptions options;
+      options.tol = 1e-11;
+      const SolveResult exact = solve("lemke", m.problem, options);
+      if (!is_success(exact.status)) continue;
+      ++compared;
+      EXPECT_LT((exact.u - path.u).norm(), 1e-8 * m.problem.u_free.norm())
+          << "d = " << dim << ", seed " << seed;
+    }
+  }
+  EXPECT_GE(compared, 36);
+}
+
+TEST(Homotopy, SolvesManufacturedProblemsBeyondTheReachOfLemke) {
+  for (int dim = 1; dim <= 2; ++dim) {
+    const Manufactured m = manufactured_problem(dim, 600, 900, 3);
+    const SolveResult r = homotopy(m.problem, 1e-12);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_LE(contact_error(m.problem, r.s).guarded(), 1e-12);
+  }
+}
+
+TEST(Homotopy, SolvesHyperstaticAndSymmetricScenes) {
+  const ContactProblem problems[] = {
+      lattice_step(Lattice::kSquare, 5, 0.3, 0), lattice_step(Lattice::kTriangular, 5, 0.3, 10),
+      lattice_step(Lattice::kTriangular, 6, 0, 0), lattice_step(Lattice::kPyramid, 5, 0.5, 0),
+      lattice_step(Lattice::kPyramid, 10, 0.3, 0)};
+  for (const ContactProblem& p : problems) {
+    const SolveResult r = homotopy(p);
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << p.num_contacts() << r.message;
+  }
+}
+
+TEST(Homotopy, SolvesSquareLatticesWhoseSideContactsNeitherPushNorMove) {
+  // Every cell of a side contact touches its state: ties everywhere.
+  for (const double mu : {0.0, 0.3}) {
+    const ContactProblem p = lattice_step(Lattice::kSquare, 30, mu, 0);
+    const SolveResult r = homotopy(p, 1e-8);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+    EXPECT_LE(counted(r, "pivots"), p.num_contacts()) << r.message;
+  }
+}
+
+TEST(Homotopy, SolvesMovingStepsToTwelveDigits) {
+  for (const char* name : {"2d_pour300_273", "2d_pour300_392", "2d_tilt1000hi_182"}) {
+    const ContactProblem p = shipped(name);
+    const SolveResult r = homotopy(p, 1e-12);
+    ASSERT_EQ(r.status, SolveStatus::kConverged) << name << ": " << r.message;
+    EXPECT_LE(naive_error(p, r.s).guarded(), 1.01e-12) << name;
+  }
+}
+
+TEST(Homotopy, TakesAnUnsymmetricOperatorAsItIs) {
+  const Manufactured m = manufactured_problem(2, 8, 8, 5);
+  ContactProblem p = local_form(m.problem);
+  for (int k = 0; k < p.W.nonZeros(); ++k) p.W.valuePtr()[k] *= 1 + 1e-3 * (k % 7);
+  p.u_free = m.u - p.W * m.s;
+  const SolveResult r = homotopy(p);
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+}
+
+TEST(Homotopy, SaysWhenAProblemHasNoSolution) {
+  // A body between two walls that close in on it from both sides: u_1 + u_2 = -2 whatever s is.
+  ContactProblem p;
+  p.dim = 1;
+  p.A.resize(1, 1);
+  p.A.insert(0, 0) = 1;
+  p.H.resize(1, 2);
+  p.H.insert(0, 0) = 1;
+  p.H.insert(0, 1) = -1;
+  p.A.makeCompressed();
+  p.H.makeCompressed();
+  p.v_free = Vector::Zero(1);
+  p.u_free = Vector::Constant(2, -1.0);
+  p.mu = Vector::Zero(2);
+  const SolveResult r = homotopy(p);
+  EXPECT_TRUE(r.status == SolveStatus::kStalled || r.status == SolveStatus::kDiverged)
+      << to_string(r.status) << ": " << r.message;
+  EXPECT_GT(r.error.guarded(), 1e-3);
+}
+
+TEST(Homotopy, AWarmStartNeedsFewerPivots) {
+  const ContactProblem p = shipped("2d_pour300_392");
+  const SolveResult cold = homotopy(p, 1e-10, kFromZero);
+  ASSERT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
+  SolverOptions options;
+  options.tol = 1e-10;
+  options.parameters = kFromZero;
+  options.s0 = cold.s;
+  for (Eigen::Index i = 0; i < options.s0.size(); ++i) options.s0[i] *= i % 4 < 2 ? 0.99 : 1.01;
+  const SolveResult warm = solve("homotopy", p, options);
+  ASSERT_EQ(warm.status, SolveStatus::kConverged) << warm.message;
+  EXPECT_LT(2 * counted(warm, "pivots"), counted(cold, "pivots"))
+      << warm.message << "; cold: " << cold.message;
+}
+
+TEST(Homotopy, StopsAtItsLimitsAndSaysSo) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
+  SolverOptions options;
+  options.parameters = kFromZero;
+  options.max_iterations = 3;
+  const SolveResult few = solve("homotopy", p, options);
+  EXPECT_EQ(few.status, SolveStatus::kIterationLimit) << few.message;
+  EXPECT_EQ(few.iterations, 3);
+  options = {};
+  options.time_limit = 1e-9;
+  EXPECT_EQ(solve("homotopy", p, options).status, SolveStatus::kTimeLimit);
+  EXPECT_EQ(homotopy(manufactured_problem(3, 3, 4, 1).problem).status, SolveStatus::kInvalidInput);
+}
+
+TEST(Homotopy, StopsInsideAPath) {
+  // From zero the path of this step has hundreds of pivots; the caller says stop after a few polls.
+  const ContactProblem p = shipped("2d_tilt1000hi_182");
+  SolverOptions options;
+  options.parameters = kFromZero;
+  int polls = 0;
+  options.cancelled = [&] { return ++polls > 12; };
+  const SolveResult r = solve("homotopy", p, options);
+  EXPECT_EQ(r.status, SolveStatus::kInterrupted) << r.message;
+  EXPECT_TRUE(contains(r.message, "1 paths")) << r.message;
+  EXPECT_GE(counted(r, "pivots"), 16) << r.message;
+  EXPECT_LE(polls, 20);
+}
+
+TEST(Homotopy, TakesTheSamePathInAnyUnitsAndTwice) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 5, 0.3, 10);
+  const SolveResult si = homotopy(in_units(p, 1, 1, 1), 1e-9, kFromZero);
+  const SolveResult small = homotopy(in_units(p, 1e3, 1e3, 1e3), 1e-9, kFromZero);
+  ASSERT_EQ(si.status, SolveStatus::kConverged) << si.message;
+  EXPECT_EQ(si.message, small.message);
+  EXPECT_EQ(homotopy(p, 1e-9).s, homotopy(p, 1e-9).s);
+}
+
+/// One contact between cells: W = (2, 0; 0, 3) equilibrated to the identity, b = (-1, b_t).
+class PathOfOneContact : public testing::Test {
+ protected:
+  LawProblem law(double slip) const {
+    const ContactProblem p = one_contact_problem(2, 1, 1, 0.5, -1, Vector::Constant(1, slip));
+    ContactProblem local = local_form(p);
+    return {local, Vector(Vector::Ones(2))};
+  }
+};
+
+TEST_F(PathOfOneContact, CrossesFromTakeOffThroughSlipToStick) {
+  const LawProblem problem = law(0.2);
+  PathFollower follower(problem, [] { return false; });
+  // Open with u_n = 1, u_t = 1; the solution sticks with s = (1, -0.2) / (1 + delta).
+  LawPoint point = nearest_point(problem, Vector::Zero(2), Vector::Ones(2));
+  ASSERT_EQ(point.cell[0], Cell::kTakeOff);
+  const double delta = 1e-3;
+  ASSERT_EQ(follower.follow(point, Vector::Zero(2), delta, 10), PathEnd::kSolved);
+  EXPECT_EQ(point.cell[0], Cell::kStick);
+  EXPECT_EQ(follower.counts().pivots, 2);
+  Vector s;
+  point.impulse(problem, s);
+  EXPECT_NEAR(s[0], 1 / (1 + delta), 1e-15);
+  EXPECT_NEAR(s[1], -0.2 / (1 + delta), 1e-15);
+}
+
+TEST_F(PathOfOneContact, EndsWhereTheCallerStopsOrTheCountIsUsed) {
+  const LawProblem problem = law(0.2);
+  LawPoint point = nearest_point(problem, Vector::Zero(2), Vector::Ones(2));
+  PathFollower counting(problem, [] { return false; });
+  EXPECT_EQ(counting.follow(point, Vector::Zero(2), 1e-3, 1), PathEnd::kLong);
+  EXPECT_EQ(counting.counts().failed, 1);
+  PathFollower stopping(problem, [] { return true; });
+  EXPECT_EQ(stopping.follow(point, Vector::Zero(2), 1e-3, 10), PathEnd::kStopped);
+}
+
+TEST(CellBasis, UpdatedSolvesAreThoseOfAFreshFactor) {
+  const Manufactured m = manufactured_problem(2, 30, 40, 11);
+  const ContactProblem local = local_form(m.problem);
+  const LawProblem problem(local, Vector(local.W.diagonal()));
+  const Vector s = m.s.cwiseQuotient(problem.impulse_unit);
+  LawPoint point = nearest_point(problem, s, problem.W * s + problem.b);
+  const double delta = 1e-2;
+  CellBasis updated(problem), fresh(problem);
+  ASSERT_TRUE(updated.factor(point, delta));
+  Vector y, x, z;
+  int exchanged = 0;
+  for (int contact = 0; contact < problem.num_contacts(); contact += 3) {
+    const int slot = 2 * contact;
+    const Crossing crossing =
+        cross(point.cell[static_cast<std::size_t>(contact)],
+              point.column[static_cast<std::size_t>(slot)], point.value[slot + 1], true);
+    updated.solve_column(contact, crossing.enters, y);
+    if (std::abs(y[slot]) < 1e-6) continue;
+    updated.exchange(slot, y);
+    point.cell[static_cast<std::size_t>(contact)] = crossing.cell;
+    point.column[static_cast<std::size_t>(slot)] = crossing.enters;
+    ++exchanged;
+  }
+  EXPECT_GE(exchanged, 10);
+  EXPECT_EQ(updated.updates(), exchanged);
+  ASSERT_TRUE(fresh.factor(point, delta));
+  const Vector g = Vector::LinSpaced(problem.num_rows(), -1, 2);
+  updated.solve(g, x);
+  fresh.solve(g, z);
+  EXPECT_LT((x - z).norm(), 1e-9 * z.norm());
+}
+
+}  // namespace
+}  // namespace bipot
