@@ -162,7 +162,6 @@ ContactCount count_contacts(const ContactProblem& p, const Eigen::Ref<const Vect
         ++count.slip;
       }
     }
-    return 0;
   });
   return count;
 }
