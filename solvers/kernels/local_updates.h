@@ -70,10 +70,7 @@ void with_local_updates(const ContactProblem& p, const DelassusOperator& delassu
     }
   }
   LocalUpdates<D> update(p, delassus, settings);
-  const auto call = [&](auto sweep) {
-    f(sweep, [&](int c) { update(c, sweep); });
-    return 0;
-  };
+  const auto call = [&](auto sweep) { f(sweep, [&](int c) { update(c, sweep); }); };
   if (explicit_delassus) {
     with_explicit_sweep<D>(p, call);
   } else {

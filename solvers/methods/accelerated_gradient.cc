@@ -17,10 +17,6 @@
 namespace bipot {
 namespace {
 
-constexpr int kPowerIterations = 30;
-// The power method approaches lambda_max from below.
-constexpr double kMargin = 1.05;
-
 enum class Map { kSplit, kCone };
 
 /// x⁺ of one contact from the extrapolated impulse y and its velocity w.
@@ -304,7 +300,7 @@ void iterate(Kernel kernel, MapRota rota, const Vector& s0, double lambda, doubl
     t = t_next;
     if (energy > lambda * progress.change2) {
       // A larger eigenvalue than the estimate has shown itself.
-      lambda = kMargin * energy / progress.change2;
+      lambda = kSpectralMargin * energy / progress.change2;
       kernel.extrapolate(0);
       t = 1;
     }
@@ -322,8 +318,7 @@ SolveResult solve_accelerated_gradient(const ContactProblem& p, const SolverOpti
   IterationMonitor monitor(p, options);
   const DelassusOperator& delassus = monitor.evaluator().delassus();
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  const double lambda =
-      kMargin * spectral_estimate(p, delassus, scaling.velocity, kPowerIterations);
+  const double lambda = kSpectralMargin * spectral_estimate(p, delassus, scaling.velocity);
   const Vector s0 = start_of(p, options);
   monitor.end_setup();
   dispatch_dim(p.dim, [&](auto d) {
@@ -331,11 +326,10 @@ SolveResult solve_accelerated_gradient(const ContactProblem& p, const SolverOpti
     if constexpr (D < 3) {
       if (delassus.disks()) {
         iterate(DiskKernel<D>(p, *delassus.disks(), scaling), rota, s0, lambda, step, monitor);
-        return 0;
+        return;
       }
     }
     iterate(GeneralKernel<D>(p, delassus, scaling), rota, s0, lambda, step, monitor);
-    return 0;
   });
   return monitor.finish();
 }

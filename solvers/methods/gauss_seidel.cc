@@ -82,7 +82,6 @@ SolveResult solve_gauss_seidel(const ContactProblem& p, const SolverOptions& opt
   const Vector s0 = start_of(p, options);
   dispatch_dim(p.dim, [&](auto d) {
     run<d()>(p, delassus, s0, explicit_delassus, order, settings, monitor);
-    return 0;
   });
   return monitor.finish();
 }

@@ -185,10 +185,7 @@ class Driver {
 SolveResult solve_interior_point(const ContactProblem& p, const SolverOptions& options) {
   const Parameters parameters(options.parameters, kInteriorPointParameters);
   IterationMonitor monitor(p, options);
-  dispatch_dim(p.dim, [&](auto d) {
-    Driver<d()>(p, options, parameters, monitor)();
-    return 0;
-  });
+  dispatch_dim(p.dim, [&](auto d) { Driver<d()>(p, options, parameters, monitor)(); });
   return monitor.finish();
 }
 
