@@ -21,7 +21,7 @@ class SweepOrder {
   SweepOrder(const std::string& name, int contacts, unsigned seed)
       : contacts_(contacts), symmetric_(name == "symmetric"), engine_(seed) {
     if (name == "shuffled") {
-      order_.resize(contacts);
+      order_.resize(to_size(contacts));
       std::iota(order_.begin(), order_.end(), 0);
     }
   }

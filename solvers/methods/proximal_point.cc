@@ -53,7 +53,7 @@ std::map<std::string, std::string> parse_assignments(const std::string& text) {
 class RegularisedProblem {
  public:
   RegularisedProblem(const ContactProblem& p, const Vector& weights)
-      : p_(p), weights_(weights), diagonal_(p.num_rows(), -1) {
+      : p_(p), weights_(weights), diagonal_(Eigen::VectorXi::Constant(p.num_rows(), -1)) {
     sub_.dim = p.dim;
     sub_.mu = p.mu;
     sub_.row_scale = p.row_scale;
@@ -81,7 +81,7 @@ class RegularisedProblem {
   const Vector& weights_;
   ContactProblem sub_;
   Vector w_;
-  std::vector<int> diagonal_;
+  Eigen::VectorXi diagonal_;  // positions of the diagonal in W's values
 };
 
 }  // namespace

@@ -82,7 +82,9 @@ class EveryRow : public testing::TestWithParam<Row> {
     const int side = entry_->max_contacts < 10000 ? 10 : 58;
     problem_ = triangular_lattice(side, {.tilt = 0.1});
     ASSERT_LE(problem_.num_contacts(), entry_->max_contacts);
-    if (side == 58) ASSERT_NEAR(problem_.num_contacts(), 10000, 200);
+    if (side == 58) {
+      ASSERT_NEAR(problem_.num_contacts(), 10000, 200);
+    }
     if (local) problem_ = local_form(problem_);
     options_.tol = 1e-15;
     // What happens once in a process (PETSc's start) is not measured here.
@@ -115,12 +117,12 @@ TEST_P(EveryRow, KeepsToItsTime) {
 
 INSTANTIATE_TEST_SUITE_P(Table, EveryRow,
                          testing::Combine(testing::ValuesIn(row_names()), testing::Bool()),
-                         [](const testing::TestParamInfo<Row>& info) {
-                           std::string name = std::get<0>(info.param);
+                         [](const testing::TestParamInfo<Row>& row) {
+                           std::string name = std::get<0>(row.param);
                            std::replace_if(
                                name.begin(), name.end(),
                                [](char c) { return std::isalnum(c) == 0; }, '_');
-                           return name + (std::get<1>(info.param) ? "_LocalForm" : "_WithBodies");
+                           return name + (std::get<1>(row.param) ? "_LocalForm" : "_WithBodies");
                          });
 
 }  // namespace
