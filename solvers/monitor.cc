@@ -16,18 +16,19 @@ constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
 
 }  // namespace
 
-IterationMonitor::IterationMonitor(const ContactProblem& problem, const SolverOptions& options)
+IterationMonitor::IterationMonitor(const ContactProblem& problem, const SolverOptions& options,
+                                   Clock::time_point start)
     : problem_(problem),
       options_(options),
       evaluator_(problem),
-      start_(std::chrono::steady_clock::now()),
+      start_(start),
       best_s_(Vector::Zero(problem.num_rows())) {
   free_energy_ = evaluator_(best_s_).energy;
 }
 
 bool IterationMonitor::due(int iteration) const {
   return every_ || options_.stop == StopTest::kImpulse || iteration >= next_ ||
-         iteration >= options_.max_iterations || cancelled();
+         iteration >= options_.max_iterations || out_of_time();
 }
 
 bool IterationMonitor::judge(const Eigen::Ref<const Vector>& s, double impulse_change) {
@@ -113,13 +114,14 @@ bool IterationMonitor::end_if_out_of_time(int iteration) {
 }
 
 double IterationMonitor::seconds() const {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  return std::chrono::duration<double>(Clock::now() - start_).count();
 }
 
 bool IterationMonitor::cancelled() const { return options_.cancelled && options_.cancelled(); }
 
 bool IterationMonitor::out_of_time() const {
-  return cancelled() || seconds() >= options_.time_limit;
+  if (cancelled()) return true;
+  return std::isfinite(options_.time_limit) && seconds() >= options_.time_limit;
 }
 
 double IterationMonitor::remaining_seconds() const {

@@ -16,13 +16,18 @@ namespace bipot {
 /// The monitor keeps the best iterate by the guarded error; a solve that stops early returns it.
 class IterationMonitor {
  public:
-  IterationMonitor(const ContactProblem& problem, const SolverOptions& options);
+  using Clock = std::chrono::steady_clock;
+
+  /// `start`: when the set-up began, for solvers that must work before they can have a monitor.
+  IterationMonitor(const ContactProblem& problem, const SolverOptions& options,
+                   Clock::time_point start = Clock::now());
 
   /// For solvers whose iteration is a factorisation or more: every one is judged, whatever the
   /// count, so that no stage of theirs is blind.
   void judge_every_iteration() { every_ = true; }
 
-  /// Whether this iteration is judged. A solver that must do work to form s asks first.
+  /// Whether this iteration is judged; so is the one at which the caller or the clock ends the
+  /// solve. A solver that must do work to form s asks first.
   bool due(int iteration) const;
 
   /// Call after every iteration (iteration = number of completed iterations). True: stop now.
@@ -47,7 +52,7 @@ class IterationMonitor {
   const Vector& best_impulse() const { return best_s_; }
   const ContactErrorEvaluator& evaluator() const { return evaluator_; }
 
-  double seconds() const;    ///< wall time since construction or the last restart_clock()
+  double seconds() const;    ///< wall time since the start
   bool cancelled() const;    ///< the caller asked to stop
   bool out_of_time() const;  ///< cancelled or over the time limit, for loops within an iteration
   double remaining_seconds() const;
@@ -64,7 +69,7 @@ class IterationMonitor {
   const ContactProblem& problem_;
   const SolverOptions& options_;
   ContactErrorEvaluator evaluator_;
-  std::chrono::steady_clock::time_point start_;
+  Clock::time_point start_;
   double setup_seconds_ = 0;
   ContactError last_;
   double best_error_ = std::numeric_limits<double>::infinity();

@@ -103,7 +103,9 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
     const auto begin = Clock::now();
     const ContactProblem* given = &problem;
     ContactProblem with_delassus;
-    if (entry.needs_delassus && !problem.has_delassus() && problem.has_velocities()) {
+    // With a general A the operator is W itself: assembled once, for everybody in this solve.
+    const bool can_assemble = !problem.has_delassus() && problem.has_velocities();
+    if (can_assemble && (entry.needs_delassus || !is_diagonal(problem.A))) {
       with_delassus = problem;
       with_delassus.W = assemble_delassus(problem.A, problem.H, problem.dim);
       given = &with_delassus;

@@ -34,12 +34,12 @@ bool is_success(SolveStatus status);
 enum class StopTest { kGuarded, kRaw42, kImpulse };
 std::string_view to_string(StopTest stop);
 
-/// Number of contacts in each status and the errors at one judged iteration.
+/// One judged iteration: its errors and the number of contacts in each status.
 struct IterationRecord {
   int iteration = 0;
   double seconds = 0;  ///< wall time since the solver began, criterion included
   ContactError error;
-  double step = std::numeric_limits<double>::quiet_NaN();  ///< solver's own, NaN if it has none
+  double step = kNaN;  ///< solver's own, NaN if it has none
   ContactCount count;
 };
 

@@ -32,7 +32,6 @@ void iterate_gauss_seidel(const ContactProblem& p, const Vector& s0, double step
       }
       ++iteration;
     }
-    return 0;
   });
 }
 

@@ -1,9 +1,12 @@
 #include "solvers/kernels/contact_scaling.h"
 
-#include <cmath>
+#include <utility>
 
 namespace bipot {
 namespace {
+
+// Tangential mobility over the normal one, below which there is only rounding.
+constexpr double kNoMobility = 1e-12;
 
 ContactScaling with_mu(const ContactProblem& p, Vector impulse, Vector velocity) {
   ContactScaling scaling{std::move(impulse), std::move(velocity), p.mu};
@@ -15,18 +18,22 @@ ContactScaling with_mu(const ContactProblem& p, Vector impulse, Vector velocity)
 
 }  // namespace
 
-ContactScaling equilibrated_scaling(const ContactProblem& p, const Vector& diagonal) {
-  Vector root(p.num_rows());
+Vector mean_diagonal(const ContactProblem& p, const Vector& diagonal) {
+  Vector mean(p.num_rows());
   const int d = p.dim;
   for (int c = 0; c < p.num_contacts(); ++c) {
-    const double w_nn = diagonal[c * d];
-    root[c * d] = std::sqrt(w_nn);
+    const double normal = diagonal[c * d];
     double tangential = 0;
     for (int k = 1; k < d; ++k) tangential += diagonal[c * d + k] / (d - 1);
-    // A contact without tangential mobility (rounded data) is scaled by its normal part.
-    if (!(tangential > 1e-12 * w_nn)) tangential = w_nn;
-    for (int k = 1; k < d; ++k) root[c * d + k] = std::sqrt(tangential);
+    if (!(tangential > kNoMobility * normal)) tangential = normal;
+    mean[c * d] = normal;
+    for (int k = 1; k < d; ++k) mean[c * d + k] = tangential;
   }
+  return mean;
+}
+
+ContactScaling equilibrated_scaling(const ContactProblem& p, const Vector& diagonal) {
+  Vector root = mean_diagonal(p, diagonal).cwiseSqrt();
   Vector inverse = root.cwiseInverse();
   return with_mu(p, std::move(root), std::move(inverse));
 }

@@ -14,6 +14,10 @@ struct ContactScaling {
   Vector mu;        ///< c, mu_x = mu impulse_t / impulse_n
 };
 
+/// Diagonal of W with the tangential entries of each contact replaced by their mean, size m. A
+/// contact without tangential mobility (rounded data) takes its normal entry there.
+Vector mean_diagonal(const ContactProblem& problem, const Vector& delassus_diagonal);
+
 /// x = sqrt(W_ii) s, w = u / sqrt(W_ii), tangents averaged: the operator gets a unit diagonal.
 ContactScaling equilibrated_scaling(const ContactProblem& problem, const Vector& delassus_diagonal);
 

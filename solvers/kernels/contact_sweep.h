@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <stdexcept>
 #include <vector>
 
@@ -62,12 +63,12 @@ class TwoPassSweep {
   }
 
   explicit TwoPassSweep(const ContactProblem& p)
-      : p_(p), contacts_(p.num_contacts()), y_(Vector::Zero(p.num_dofs() + K)) {
+      : p_(p), contacts_(to_size(p.num_contacts())), y_(Vector::Zero(p.num_dofs() + K)) {
     root_inverse_mass_ = p.A.diagonal().cwiseInverse().cwiseSqrt();
     std::vector<int> dofs;
     for (int c = 0; c < p.num_contacts(); ++c) {
       const Runs r = runs(p, c, dofs);
-      Contact& contact = contacts_[c];
+      Contact& contact = contacts_[to_size(c)];
       contact.start[0] = r.start[0];
       contact.start[1] = r.start[1];
       for (int a = 0; a < D; ++a) {
@@ -85,17 +86,18 @@ class TwoPassSweep {
     y_.setZero();
     const Vector wrench = p_.H * s;
     y_.head(p_.num_dofs()) = root_inverse_mass_.cwiseProduct(wrench);
-    for (int c = 0; c < p_.num_contacts(); ++c) contacts_[c].s = s.segment<D>(c * D);
+    for (int c = 0; c < p_.num_contacts(); ++c) contacts_[to_size(c)].s = s.segment<D>(c * D);
   }
   const Vector& impulse() const {
     gathered_.resize(p_.num_rows());
-    for (int c = 0; c < p_.num_contacts(); ++c) gathered_.segment<D>(c * D) = contacts_[c].s;
+    for (int c = 0; c < p_.num_contacts(); ++c)
+      gathered_.segment<D>(c * D) = contacts_[to_size(c)].s;
     return gathered_;
   }
-  Local<D> impulse(int c) const { return contacts_[c].s; }
+  Local<D> impulse(int c) const { return contacts_[to_size(c)].s; }
 
   Local<D> velocity(int c) const {
-    const Contact& contact = contacts_[c];
+    const Contact& contact = contacts_[to_size(c)];
     Local<D> u = contact.b;
     for (int side = 0; side < 2; ++side) {
       const double* y = y_.data() + contact.start[side];
@@ -106,7 +108,7 @@ class TwoPassSweep {
     return u;
   }
   void set(int c, const Local<D>& s) {
-    Contact& contact = contacts_[c];
+    Contact& contact = contacts_[to_size(c)];
     const Local<D> ds = s - contact.s;
     contact.s = s;
     for (int side = 0; side < 2; ++side) {
@@ -118,9 +120,10 @@ class TwoPassSweep {
   }
 
  private:
+  static constexpr std::size_t kRun = K, kRows = D;
   struct Contact {
     int start[2] = {0, 0};
-    double g[2][K][D] = {};
+    double g[2][kRun][kRows] = {};
     Local<D> b = Local<D>::Zero(), s = Local<D>::Zero();
   };
   struct Runs {
@@ -165,14 +168,14 @@ template <int D>
 class DiskSweep {
  public:
   DiskSweep(const ContactProblem& p, const DiskStructure& disks)
-      : contacts_(p.num_contacts()), bodies_(disks.bodies.size()) {
+      : contacts_(to_size(p.num_contacts())), bodies_(disks.bodies.size()) {
     for (std::size_t k = 0; k < bodies_.size(); ++k) {
       bodies_[k].inverse_mass = disks.bodies[k].inverse_mass;
       bodies_[k].inverse_inertia = disks.bodies[k].inverse_inertia;
     }
     for (int c = 0; c < p.num_contacts(); ++c) {
-      const DiskStructure::Contact& from = disks.contacts[c];
-      Contact& to = contacts_[c];
+      const DiskStructure::Contact& from = disks.contacts[to_size(c)];
+      Contact& to = contacts_[to_size(c)];
       to.i = from.i;
       to.j = from.j;
       to.gx = from.normal * from.n[0];
@@ -186,7 +189,7 @@ class DiskSweep {
   void reset(const Eigen::Ref<const Vector>& s) {
     for (Body& body : bodies_) body.vx = body.vy = body.w = 0;
     for (int c = 0; c < static_cast<int>(contacts_.size()); ++c) {
-      for (int k = 0; k < D; ++k) contacts_[c].s[k] = 0;
+      for (int k = 0; k < D; ++k) contacts_[to_size(c)].s[k] = 0;
       set(c, local<D>(s, c));
     }
   }
@@ -198,12 +201,12 @@ class DiskSweep {
     }
     return gathered_;
   }
-  Local<D> impulse(int c) const { return Eigen::Map<const Local<D>>(contacts_[c].s); }
+  Local<D> impulse(int c) const { return Eigen::Map<const Local<D>>(contacts_[to_size(c)].s); }
 
   Local<D> velocity(int c) const {
-    const Contact& k = contacts_[c];
-    const Body& i = bodies_[k.i];
-    const Body& j = bodies_[k.j];
+    const Contact& k = contacts_[to_size(c)];
+    const Body& i = bodies_[to_size(k.i)];
+    const Body& j = bodies_[to_size(k.j)];
     const double vx = i.vx - j.vx, vy = i.vy - j.vy;
     Local<D> u;
     u[0] = k.gx * vx + k.gy * vy + k.b[0];
@@ -211,9 +214,9 @@ class DiskSweep {
     return u;
   }
   void set(int c, const Local<D>& s) {
-    Contact& k = contacts_[c];
-    Body& i = bodies_[k.i];
-    Body& j = bodies_[k.j];
+    Contact& k = contacts_[to_size(c)];
+    Body& i = bodies_[to_size(k.i)];
+    Body& j = bodies_[to_size(k.j)];
     const double normal = s[0] - k.s[0];
     k.s[0] = s[0];
     double px = k.gx * normal, py = k.gy * normal;
@@ -234,16 +237,16 @@ class DiskSweep {
 
   /// Steps of relax(); step[0] times W_nn and step[1] times W_tt are the relaxation.
   void set_steps(int c, const Local<D>& step, double mu) {
-    for (int k = 0; k < D; ++k) contacts_[c].step[k] = step[k];
-    contacts_[c].mu = mu;
+    for (int k = 0; k < D; ++k) contacts_[to_size(c)].step[k] = step[k];
+    contacts_[to_size(c)].mu = mu;
   }
   /// s_n <- max(0, s_n - step_n u_n), s_t <- s_t - step_t u_t cut off at mu s_n, and velocities.
   /// The same as velocity(), the two projections and set(), with products arranged so that the
   /// chain from one contact of a body to its next is as short as it can be.
   void relax(int c) {
-    Contact& k = contacts_[c];
-    Body& i = bodies_[k.i];
-    Body& j = bodies_[k.j];
+    Contact& k = contacts_[to_size(c)];
+    Body& i = bodies_[to_size(k.i)];
+    Body& j = bodies_[to_size(k.j)];
     const double vx = i.vx - j.vx, vy = i.vy - j.vy;
     const double ax = k.step[0] * k.gx, ay = k.step[0] * k.gy;
     const double start = k.s[0] - k.step[0] * k.b[0];
@@ -275,10 +278,11 @@ class DiskSweep {
   }
 
  private:
+  static constexpr std::size_t kRows = D;
   struct Contact {
     int i = 0, j = 0;
     double gx = 0, gy = 0, ratio = 0, spin = 0, mu = 0;
-    double b[D] = {}, s[D] = {}, step[D] = {};
+    double b[kRows] = {}, s[kRows] = {}, step[kRows] = {};
   };
   struct Body {
     double vx = 0, vy = 0, w = 0, inverse_mass = 0, inverse_inertia = 0;

@@ -22,7 +22,7 @@ class LocalUpdates {
   LocalUpdates(const ContactProblem& p, const DelassusOperator& delassus,
                const LocalSettings& settings)
       : settings_(settings) {
-    problems_.reserve(p.num_contacts());
+    problems_.reserve(to_size(p.num_contacts()));
     for (int c = 0; c < p.num_contacts(); ++c) {
       problems_.push_back(local_problem<D>(delassus.diagonal_block(c), p.mu[c]));
     }
@@ -30,7 +30,7 @@ class LocalUpdates {
 
   template <class Sweep>
   void operator()(int c, Sweep& sweep) {
-    LocalProblem<D>& local = problems_[c];
+    LocalProblem<D>& local = problems_[to_size(c)];
     const Local<D> s = sweep.impulse(c);
     const Local<D> u = sweep.velocity(c);
     if (settings_.exact) {
@@ -70,10 +70,7 @@ void with_local_updates(const ContactProblem& p, const DelassusOperator& delassu
     }
   }
   LocalUpdates<D> update(p, delassus, settings);
-  const auto call = [&](auto sweep) {
-    f(sweep, [&](int c) { update(c, sweep); });
-    return 0;
-  };
+  const auto call = [&](auto sweep) { f(sweep, [&](int c) { update(c, sweep); }); };
   if (explicit_delassus) {
     with_explicit_sweep<D>(p, call);
   } else {

@@ -37,13 +37,13 @@ ShiftedDelassus::ShiftedDelassus(const ContactProblem& problem, const DelassusOp
   }
   int unknowns = 0;
   if (can_body && form != Form::kContact) {
-    std::vector<char> used(problem.num_dofs(), 0);
+    std::vector<char> used(to_size(problem.num_dofs()), 0);
     for (int c = 0; c < problem.num_contacts(); ++c) {
-      for (int dof : touched(problem, c)) used[dof] = 1;
+      for (int dof : touched(problem, c)) used[to_size(dof)] = 1;
     }
-    unknown_of_dof_.assign(problem.num_dofs(), -1);
+    unknown_of_dof_.assign(to_size(problem.num_dofs()), -1);
     for (int dof = 0; dof < problem.num_dofs(); ++dof) {
-      if (used[dof]) unknown_of_dof_[dof] = unknowns++;
+      if (used[to_size(dof)]) unknown_of_dof_[to_size(dof)] = unknowns++;
     }
   }
   body_form_ = can_body && form != Form::kContact &&
@@ -63,7 +63,7 @@ void ShiftedDelassus::build_body_pattern() {
   const int d = p.dim;
   const Vector masses = p.A.diagonal();
   for (int dof = 0; dof < p.num_dofs(); ++dof) {
-    if (unknown_of_dof_[dof] >= 0) mass_.push_back(masses[dof]);
+    if (unknown_of_dof_[to_size(dof)] >= 0) mass_.push_back(masses[dof]);
   }
   const int n = static_cast<int>(mass_.size());
   body_start_.assign(1, 0);
@@ -72,13 +72,13 @@ void ShiftedDelassus::build_body_pattern() {
   for (int c = 0; c < p.num_contacts(); ++c) {
     const std::vector<int> dofs = touched(p, c);
     const std::size_t first = body_unknown_.size();
-    for (int dof : dofs) body_unknown_.push_back(unknown_of_dof_[dof]);
-    body_wrench_.resize(body_unknown_.size() * d, 0.0);
+    for (int dof : dofs) body_unknown_.push_back(unknown_of_dof_[to_size(dof)]);
+    body_wrench_.resize(body_unknown_.size() * to_size(d), 0.0);
     for (int a = 0; a < d; ++a) {
       for (SparseMatrix::InnerIterator it(p.H, c * d + a); it; ++it) {
         if (it.value() == 0) continue;
         const auto k = std::lower_bound(dofs.begin(), dofs.end(), it.row()) - dofs.begin();
-        body_wrench_[(first + k) * d + a] = it.value();
+        body_wrench_[(first + to_size(k)) * to_size(d) + to_size(a)] = it.value();
       }
     }
     for (std::size_t i = first; i < body_unknown_.size(); ++i) {
@@ -92,10 +92,10 @@ void ShiftedDelassus::build_body_pattern() {
   matrix_.setFromTriplets(entries.begin(), entries.end());
   matrix_.makeCompressed();
   for (int i = 0; i < n; ++i) diagonal_slot_.push_back(slot(matrix_, i, i));
-  for (int c = 0; c < p.num_contacts(); ++c) {
+  for (std::size_t c = 0; c + 1 < body_start_.size(); ++c) {
     for (int j = body_start_[c]; j < body_start_[c + 1]; ++j) {
       for (int i = body_start_[c]; i < body_start_[c + 1]; ++i) {
-        body_slot_.push_back(slot(matrix_, body_unknown_[i], body_unknown_[j]));
+        body_slot_.push_back(slot(matrix_, body_unknown_[to_size(i)], body_unknown_[to_size(j)]));
       }
     }
   }
@@ -121,12 +121,12 @@ void ShiftedDelassus::build_contact_pattern() {
     columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
     const std::size_t first = column.size();
     column.insert(column.end(), columns.begin(), columns.end());
-    row_block_.resize(column.size() * d, 0.0);
+    row_block_.resize(column.size() * to_size(d), 0.0);
     for (int a = 0; a < d; ++a) {
       for (SparseRows::InnerIterator it(W, c * d + a); it; ++it) {
         if (it.value() == 0) continue;
         const auto k = std::lower_bound(columns.begin(), columns.end(), it.col()) - columns.begin();
-        row_block_[(first + k) * d + a] += it.value();
+        row_block_[(first + to_size(k)) * to_size(d) + to_size(a)] += it.value();
       }
       for (int j : columns) entries.emplace_back(c * d + a, j, 0.0);
     }
@@ -136,8 +136,8 @@ void ShiftedDelassus::build_contact_pattern() {
   matrix_.setFromTriplets(entries.begin(), entries.end());
   matrix_.makeCompressed();
   for (int c = 0; c < p.num_contacts(); ++c) {
-    for (int k = row_start_[c]; k < row_start_[c + 1]; ++k) {
-      for (int a = 0; a < d; ++a) row_slot_.push_back(slot(matrix_, c * d + a, column[k]));
+    for (int k = row_start_[to_size(c)]; k < row_start_[to_size(c) + 1]; ++k) {
+      for (int a = 0; a < d; ++a) row_slot_.push_back(slot(matrix_, c * d + a, column[to_size(k)]));
     }
   }
 }
@@ -146,32 +146,36 @@ bool ShiftedDelassus::factor(const std::vector<double>& R) {
   const int d = problem_.dim;
   R_ = R;
   double* value = matrix_.valuePtr();
+  const double* block = R_.data();
   std::fill(value, value + matrix_.nonZeros(), 0.0);
   if (body_form_) {
     for (std::size_t i = 0; i < mass_.size(); ++i) value[diagonal_slot_[i]] = mass_[i];
     const int* position = body_slot_.data();
-    for (int c = 0; c < problem_.num_contacts(); ++c) {
-      const double* block = &R_[static_cast<std::size_t>(c) * d * d];
-      for (int j = body_start_[c]; j < body_start_[c + 1]; ++j) {
+    const int* start = body_start_.data();
+    const double* H = body_wrench_.data();
+    for (int c = 0; c < problem_.num_contacts(); ++c, block += d * d) {
+      for (int j = start[c]; j < start[c + 1]; ++j) {
         double column[3] = {0, 0, 0};  // R (row j of H)ᵀ
         for (int a = 0; a < d; ++a) {
-          for (int b = 0; b < d; ++b) column[a] += block[a * d + b] * body_wrench_[j * d + b];
+          for (int b = 0; b < d; ++b) column[a] += block[a * d + b] * H[j * d + b];
         }
-        for (int i = body_start_[c]; i < body_start_[c + 1]; ++i) {
+        for (int i = start[c]; i < start[c + 1]; ++i) {
           double sum = 0;
-          for (int a = 0; a < d; ++a) sum += body_wrench_[i * d + a] * column[a];
+          for (int a = 0; a < d; ++a) sum += H[i * d + a] * column[a];
           value[*position++] += sum;
         }
       }
     }
   } else {
-    for (int c = 0; c < problem_.num_contacts(); ++c) {
-      const double* block = &R_[static_cast<std::size_t>(c) * d * d];
-      for (int k = row_start_[c]; k < row_start_[c + 1]; ++k) {
+    const int* start = row_start_.data();
+    const int* position = row_slot_.data();
+    const double* W = row_block_.data();
+    for (int c = 0; c < problem_.num_contacts(); ++c, block += d * d) {
+      for (int k = start[c]; k < start[c + 1]; ++k) {
         for (int a = 0; a < d; ++a) {
           double sum = 0;
-          for (int b = 0; b < d; ++b) sum += block[a * d + b] * row_block_[k * d + b];
-          value[row_slot_[k * d + a]] = sum;
+          for (int b = 0; b < d; ++b) sum += block[a * d + b] * W[k * d + b];
+          value[position[k * d + a]] = sum;
         }
       }
     }
@@ -187,22 +191,25 @@ void ShiftedDelassus::solve(const Vector& g, Vector& x) const {
     return;
   }
   const int d = problem_.dim;
+  const int* start = body_start_.data();
+  const int* unknown = body_unknown_.data();
+  const double* H = body_wrench_.data();
+  const double* block = R_.data();
   wrench_.setZero(static_cast<Eigen::Index>(mass_.size()));
   for (int c = 0; c < problem_.num_contacts(); ++c) {
-    for (int i = body_start_[c]; i < body_start_[c + 1]; ++i) {
+    for (int i = start[c]; i < start[c + 1]; ++i) {
       double sum = 0;
-      for (int a = 0; a < d; ++a) sum += body_wrench_[i * d + a] * g[c * d + a];
-      wrench_[body_unknown_[i]] += sum;
+      for (int a = 0; a < d; ++a) sum += H[i * d + a] * g[c * d + a];
+      wrench_[unknown[i]] += sum;
     }
   }
   velocity_ = lu_.solve(wrench_);
   x = g;
-  for (int c = 0; c < problem_.num_contacts(); ++c) {
+  for (int c = 0; c < problem_.num_contacts(); ++c, block += d * d) {
     double du[3] = {0, 0, 0};
-    for (int i = body_start_[c]; i < body_start_[c + 1]; ++i) {
-      for (int a = 0; a < d; ++a) du[a] += body_wrench_[i * d + a] * velocity_[body_unknown_[i]];
+    for (int i = start[c]; i < start[c + 1]; ++i) {
+      for (int a = 0; a < d; ++a) du[a] += H[i * d + a] * velocity_[unknown[i]];
     }
-    const double* block = &R_[static_cast<std::size_t>(c) * d * d];
     for (int a = 0; a < d; ++a) {
       for (int b = 0; b < d; ++b) x[c * d + a] -= block[a * d + b] * du[b];
     }

@@ -13,9 +13,8 @@ namespace bipot {
 ///
 /// Two forms of the same system:
 ///   - body: the contacts are eliminated, x = g - R Hᵀ K⁻¹ H g with K = A + H R Hᵀ in the degrees
-///   of
-///     freedom that contacts touch. Needs a diagonal A. Sparse and small for packings of disks, but
-///     x is a difference of large numbers where R W is large: refine().
+///     of freedom that contacts touch. Needs a diagonal A. Sparse and small for packings of disks,
+///     but x is a difference of large numbers where R W is large.
 ///   - contact: I + R W itself, in the rows of the contacts. Any W, symmetric or not.
 /// kAuto takes the body form unless it is not available or has more than twice as many unknowns.
 /// The determinants of the two forms have the same sign, det K = det A det(I + R W).

@@ -17,10 +17,6 @@
 namespace bipot {
 namespace {
 
-constexpr int kPowerIterations = 30;
-// The power method approaches lambda_max from below.
-constexpr double kMargin = 1.05;
-
 enum class Map { kSplit, kCone };
 
 /// x⁺ of one contact from the extrapolated impulse y and its velocity w.
@@ -106,13 +102,13 @@ class DiskKernel {
   DiskKernel(const ContactProblem& p, const DiskStructure& disks, const ContactScaling& scaling)
       : scaling_(scaling),
         bodies_(disks.bodies),
-        contacts_(p.num_contacts()),
+        contacts_(to_size(p.num_contacts())),
         velocity_(4 * bodies_.size()),
         momentum_{std::vector<double>(4 * bodies_.size()), std::vector<double>(4 * bodies_.size())},
         s_(p.num_rows()) {
     for (int c = 0; c < p.num_contacts(); ++c) {
-      const DiskStructure::Contact& from = disks.contacts[c];
-      Contact& to = contacts_[c];
+      const DiskStructure::Contact& from = disks.contacts[to_size(c)];
+      Contact& to = contacts_[to_size(c)];
       to.i = 4 * from.i;
       to.j = 4 * from.j;
       const double normal = from.normal * scaling.velocity[c * D];
@@ -193,30 +189,32 @@ class DiskKernel {
   double extrapolate(double beta) {
     beta_ = beta;
     double energy = 0;
-    const double* const now = momentum_[now_].data();
-    double* const before = momentum_[1 - now_].data();  // becomes the accumulator of project()
-    double* const v = velocity_.data();
-    std::size_t at = 0;
+    const double* now = momentum_[now_].data();
+    double* before = momentum_[1 - now_].data();  // becomes the accumulator of project()
+    double* v = velocity_.data();
     for (const DiskStructure::Body& body : bodies_) {
       const double inverse[3] = {body.inverse_mass, body.inverse_mass, body.inverse_inertia};
       for (int k = 0; k < 3; ++k) {
-        const double change = now[at + k] - before[at + k];
+        const double change = now[k] - before[k];
         energy += inverse[k] * change * change;
-        v[at + k] = inverse[k] * (now[at + k] + beta * change);
-        before[at + k] = 0;
+        v[k] = inverse[k] * (now[k] + beta * change);
+        before[k] = 0;
       }
-      at += 4;
+      now += 4;
+      before += 4;
+      v += 4;
     }
     return energy;
   }
 
  private:
+  static constexpr std::size_t kRows = D;
   struct Contact {
     int i = 0, j = 0;  // offsets of the bodies' values
     double gx = 0, gy = 0, ratio = 0, spin = 0, mu = 0;
     double cone = 0;  // 1/(1 + mu²)
-    double b[D] = {};
-    double x[2][D] = {};  // the iterate and the one before
+    double b[kRows] = {};
+    double x[2][kRows] = {};  // the iterate and the one before
   };
 
   static void scatter(const Contact& c, const double* x, double* momentum) {
@@ -304,7 +302,7 @@ void iterate(Kernel kernel, MapRota rota, const Vector& s0, double lambda, doubl
     t = t_next;
     if (energy > lambda * progress.change2) {
       // A larger eigenvalue than the estimate has shown itself.
-      lambda = kMargin * energy / progress.change2;
+      lambda = kSpectralMargin * energy / progress.change2;
       kernel.extrapolate(0);
       t = 1;
     }
@@ -322,8 +320,7 @@ SolveResult solve_accelerated_gradient(const ContactProblem& p, const SolverOpti
   IterationMonitor monitor(p, options);
   const DelassusOperator& delassus = monitor.evaluator().delassus();
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  const double lambda =
-      kMargin * spectral_estimate(p, delassus, scaling.velocity, kPowerIterations);
+  const double lambda = kSpectralMargin * spectral_estimate(p, delassus, scaling.velocity);
   const Vector s0 = start_of(p, options);
   monitor.end_setup();
   dispatch_dim(p.dim, [&](auto d) {
@@ -331,11 +328,10 @@ SolveResult solve_accelerated_gradient(const ContactProblem& p, const SolverOpti
     if constexpr (D < 3) {
       if (delassus.disks()) {
         iterate(DiskKernel<D>(p, *delassus.disks(), scaling), rota, s0, lambda, step, monitor);
-        return 0;
+        return;
       }
     }
     iterate(GeneralKernel<D>(p, delassus, scaling), rota, s0, lambda, step, monitor);
-    return 0;
   });
   return monitor.finish();
 }

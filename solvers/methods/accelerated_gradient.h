@@ -24,8 +24,8 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
 /// Negrut and Tasora (ACM Trans. Graph. 34, 2015). In variables x with a unit diagonal of W
 /// (contact_scaling.h), L an estimate of lambda_max and w = W x + b,
 ///
-///     y = x + beta (x - x⁻),   x⁺ = P(y - w(y)/L),   t⁺ = (1 + sqrt(1 + 4 t²))/2, beta = (t -
-///     1)/t⁺
+///     y = x + beta (x - x⁻),          x⁺ = P(y - w(y)/L),
+///     t⁺ = (1 + sqrt(1 + 4 t²))/2,    beta = (t - 1)/t⁺
 ///
 /// with t = 1 again whenever (y - x⁺)·(x⁺ - x) > 0 (gradient restart of O'Donoghue and Candes,
 /// Found. Comput. Math. 15, 2015). P is either
@@ -37,9 +37,9 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
 /// least 1000) goes on from the best iterate with cone, then with split without momentum, and so
 /// on.
 ///
-/// L: 30 steps of the power method, with a margin of 5 %. Each step measures
-/// the curvature (x - x⁻)·W(x - x⁻)/‖x - x⁻‖² along the way; where it is above L, L is raised and
-/// momentum dropped. For mu = 0 this is FISTA on a convex quadratic, error O(1/k²); with friction
+/// L: 30 steps of the power method, with a margin of 5 %. Each step measures the curvature
+/// (x - x⁻)·W(x - x⁻)/‖x - x⁻‖² along the way; where it is above L, L is raised and momentum
+/// dropped. For mu = 0 this is FISTA on a convex quadratic, error O(1/k²); with friction
 /// there is no proof of convergence. An unsymmetric W (rounded data) is used as it is.
 ///
 /// Deviations from the source: equilibrated variables, split map, no line search on the objective

@@ -73,9 +73,9 @@ class Resolvent {
   double rho_ = 0;
 };
 
-/// False when no penalty makes the matrix positive definite.
-bool factor_raising(Resolvent& resolvent, double& rho, Vector& y) {
-  for (int k = 0; k < kRaises; ++k) {
+/// False when no penalty makes the matrix positive definite, or time is over before.
+bool factor_raising(Resolvent& resolvent, double& rho, Vector& y, const IterationMonitor& monitor) {
+  for (int k = 0; k < kRaises && !monitor.out_of_time(); ++k) {
     if (resolvent.factor(rho)) return true;
     rho *= 10;
     y *= 0.1;
@@ -121,8 +121,10 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
     y.segment<D>(c * D) = -de_saxce_velocity<D>(w, scaling.mu[c]) / rho;
   }
   if (s0.isZero(0)) y.setZero();
-  if (!factor_raising(resolvent, rho, y)) {
-    monitor.end(SolveStatus::kNumericalFailure, "W + rho I is not positive definite");
+  if (!factor_raising(resolvent, rho, y, monitor)) {
+    if (!monitor.end_if_out_of_time(0)) {
+      monitor.end(SolveStatus::kNumericalFailure, "W + rho I is not positive definite");
+    }
     return;
   }
   monitor.end_setup();
@@ -176,9 +178,11 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
     if (factor != 1) {
       rho *= factor;
       y /= factor;
-      if (!factor_raising(resolvent, rho, y)) {
-        monitor.end(SolveStatus::kNumericalFailure,
-                    fmt::format("factorisation failed for rho = {:.2e}", rho));
+      if (!factor_raising(resolvent, rho, y, monitor)) {
+        if (!monitor.end_if_out_of_time(iteration + 1)) {
+          monitor.end(SolveStatus::kNumericalFailure,
+                      fmt::format("factorisation failed for rho = {:.2e}", rho));
+        }
         return;
       }
     }
@@ -202,7 +206,6 @@ SolveResult solve_admm(const ContactProblem& p, const SolverOptions& options) {
   dispatch_dim(p.dim, [&](auto d) {
     iterate<d()>(p, scaling, velocity, s0, parameters.number("rho"),
                  parameters.number("relaxation"), penalty, monitor);
-    return 0;
   });
   return monitor.finish();
 }

@@ -138,7 +138,7 @@ SolveResult solve_anderson(const ContactProblem& p, const SolverOptions& options
         });
       });
     } else {
-      const double rho = 1 / (1.05 * spectral_estimate(p, delassus, scaling.velocity, 30));
+      const double rho = 1 / (kSpectralMargin * spectral_estimate(p, delassus, scaling.velocity));
       Vector u(p.num_rows());
       monitor.end_setup();
       iterate(scaling, s0, columns, monitor, [&](Vector& s) {
@@ -156,7 +156,6 @@ SolveResult solve_anderson(const ContactProblem& p, const SolverOptions& options
         }
       });
     }
-    return 0;
   });
   return monitor.finish();
 }

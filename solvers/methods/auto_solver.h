@@ -28,8 +28,8 @@ struct AutoStage {
 };
 
 /// The race for this problem, from its size, form and masses. The budgets count iterations, not
-/// seconds, so that the result does not depend on the machine. The rule is the table in
-/// auto_solver.cc, taken from measurements (README, "Which solver"). `delassus` is the problem's;
+/// seconds, so that the result does not depend on the machine. The rule was taken from
+/// measurements (README, "Which solver"). `delassus` is the problem's;
 /// `warm`: the caller's start is not 0.
 std::vector<AutoStage> plan_auto(const ContactProblem& problem, const DelassusOperator& delassus,
                                  bool warm);

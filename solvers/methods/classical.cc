@@ -47,7 +47,6 @@ SolveResult solve_classical(const ContactProblem& p, const SolverOptions& option
     } else {
       iterate_gauss_seidel<d()>(p, s0, steps.rho[0], monitor, update);
     }
-    return 0;
   });
   return monitor.finish();
 }

@@ -21,7 +21,7 @@ class SweepOrder {
   SweepOrder(const std::string& name, int contacts, unsigned seed)
       : contacts_(contacts), symmetric_(name == "symmetric"), engine_(seed) {
     if (name == "shuffled") {
-      order_.resize(contacts);
+      order_.resize(to_size(contacts));
       std::iota(order_.begin(), order_.end(), 0);
     }
   }
@@ -82,7 +82,6 @@ SolveResult solve_gauss_seidel(const ContactProblem& p, const SolverOptions& opt
   const Vector s0 = start_of(p, options);
   dispatch_dim(p.dim, [&](auto d) {
     run<d()>(p, delassus, s0, explicit_delassus, order, settings, monitor);
-    return 0;
   });
   return monitor.finish();
 }

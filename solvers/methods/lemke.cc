@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <random>
-#include <vector>
 
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/monitor.h"
@@ -90,11 +89,9 @@ class Pivoting {
       : lcp_(lcp),
         cover_(std::move(cover)),
         n_(static_cast<int>(lcp.q.size())),
-        basis_(n_),
+        basis_(Eigen::VectorXi::LinSpaced(n_, 0, n_ - 1)),
         inverse_(Dense::Identity(n_, n_)),
-        values_(lcp.q) {
-    for (int i = 0; i < n_; ++i) basis_[i] = i;
-  }
+        values_(lcp.q) {}
 
   Ending run(int max_pivots, const IterationMonitor& monitor) {
     if (values_.minCoeff() >= 0) return Ending::kSolved;
@@ -214,7 +211,7 @@ class Pivoting {
   const Complementarity& lcp_;
   Vector cover_;
   int n_;
-  std::vector<int> basis_;
+  Eigen::VectorXi basis_;
   Dense inverse_;  // of the basis
   Vector values_;  // of the basic variables
   int pivots_ = 0;

@@ -18,6 +18,8 @@ class MpiSession {
     MPI_Initialized(&alive);
     if (alive) return;  // the host program uses MPI itself
     setenv("OMPI_MCA_opal_signal", "", 0);
+    // A lone process needs no daemon: without this Open MPI starts one (orted) and leaves it.
+    setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
     owned_ = MPI_Init(nullptr, nullptr) == MPI_SUCCESS;
   }
   ~MpiSession() {

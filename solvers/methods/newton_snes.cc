@@ -3,20 +3,22 @@
 #include <fmt/format.h>
 #include <petscsnes.h>
 
+#include <algorithm>
 #include <cmath>
-#include <map>
-#include <mutex>
 #include <optional>
-#include <sstream>
 #include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "core/problem/delassus.h"
-#include "core/problem/sparse_factor.h"
-#include "solvers/kernels/contact_residual.h"
+#include "solvers/kernels/contact_scaling.h"
 #include "solvers/methods/gauss_seidel.h"
-#include "solvers/methods/mpi_session.h"
+#include "solvers/methods/newton_system.h"
+#include "solvers/methods/petsc_session.h"
 #include "solvers/methods/proximal_point.h"
+#include "solvers/monitor.h"
 #include "solvers/parameters.h"
 
 namespace bipot {
@@ -24,361 +26,7 @@ namespace {
 
 static_assert(std::is_same_v<PetscScalar, double>, "PETSc with real double scalars is needed");
 
-// ---------------------------------------------------------------------------------- PETSc session
-
-/// A PETSc call that failed, with PETSc's text.
-class PetscFailure : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-void check(PetscErrorCode code, const char* what) {
-  if (code == 0) return;
-  const char* text = nullptr;
-  PetscErrorMessage(code, &text, nullptr);
-  throw PetscFailure(fmt::format("PETSc: {} failed: {} (error {})", what,
-                                 text != nullptr ? text : "unknown error", static_cast<int>(code)));
-}
-
-/// Initialises PETSc once, and finalises it at the end of the process if it was
-/// initialised here.
-class PetscSession {
- public:
-  static void ensure() {
-    static PetscSession session;
-    PetscBool alive = PETSC_FALSE;
-    PetscInitialized(&alive);
-    if (!alive) throw PetscFailure("PETSc: initialisation failed, or it is already finalised");
-  }
-
- private:
-  PetscSession() {
-    PetscBool alive = PETSC_FALSE;
-    PetscInitialized(&alive);
-    if (alive) return;  // the host program uses PETSc itself
-    ensure_mpi();
-    PetscOptionsSetValue(nullptr, "-no_signal_handler", "true");
-    PetscOptionsSetValue(nullptr, "-skip_petscrc", "true");
-    owned_ = PetscInitializeNoArguments() == 0;
-    PETSC_STDOUT = stderr;  // monitors and views must not mix with a program's own output
-  }
-  ~PetscSession() {
-    PetscBool finalised = PETSC_FALSE;
-    PetscFinalized(&finalised);
-    if (owned_ && !finalised) PetscFinalize();
-  }
-  bool owned_ = false;
-};
-
-/// While alive, PETSc's errors are returned instead of printed and aborted on.
-class QuietErrors {
- public:
-  QuietErrors() { PetscPushErrorHandler(PetscReturnErrorHandler, nullptr); }
-  ~QuietErrors() { PetscPopErrorHandler(); }
-  QuietErrors(const QuietErrors&) = delete;
-  QuietErrors& operator=(const QuietErrors&) = delete;
-};
-
 constexpr const char* kPrefix = "bipot_newton_";
-
-/// The user's options string in PETSc's database, removed at the end of the solve.
-class ScopedOptions {
- public:
-  explicit ScopedOptions(const std::string& text) {
-    std::istringstream in(text);
-    std::string token;
-    while (in >> token) {
-      const bool is_name = token.size() > 1 && token[0] == '-' &&
-                           std::isalpha(static_cast<unsigned char>(token[1])) != 0;
-      if (is_name) {
-        std::string name = token.substr(1);
-        if (name.rfind(kPrefix, 0) == 0) name.erase(0, std::string_view(kPrefix).size());
-        options_.emplace_back(std::move(name), "");
-      } else if (options_.empty() || !options_.back().second.empty()) {
-        throw std::invalid_argument(
-            fmt::format("parameter petsc: '{}' follows no option name", token));
-      } else {
-        options_.back().second = token;
-      }
-    }
-  }
-  /// Defaults of this solver that the user has not set.
-  void add_default(const std::string& name, const std::string& value) {
-    for (const auto& [given, unused] : options_) {
-      if (given == name) return;
-    }
-    defaults_.emplace_back(name, value);
-  }
-  void insert() {
-    for (const auto& list : {options_, defaults_}) {
-      for (const auto& [name, value] : list) {
-        check(PetscOptionsSetValue(nullptr, key(name).c_str(),
-                                   value.empty() ? nullptr : value.c_str()),
-              "PetscOptionsSetValue");
-      }
-    }
-    inserted_ = true;
-  }
-  /// Names of the user's options that PETSc never asked for.
-  std::string unused() const {
-    std::string names;
-    for (const auto& [name, value] : options_) {
-      PetscBool used = PETSC_TRUE;
-      if (PetscOptionsUsed(nullptr, key(name).c_str() + 1, &used) == 0 && !used) {
-        names += (names.empty() ? "-" : ", -") + name;
-      }
-    }
-    return names;
-  }
-  ~ScopedOptions() {
-    if (!inserted_) return;
-    for (const auto& list : {options_, defaults_}) {
-      for (const auto& [name, value] : list) PetscOptionsClearValue(nullptr, key(name).c_str());
-    }
-  }
-  ScopedOptions(const ScopedOptions&) = delete;
-  ScopedOptions& operator=(const ScopedOptions&) = delete;
-
- private:
-  static std::string key(const std::string& name) { return fmt::format("-{}{}", kPrefix, name); }
-  std::vector<std::pair<std::string, std::string>> options_, defaults_;
-  bool inserted_ = false;
-};
-
-// -------------------------------------------------------------------------------------- equations
-
-enum class Residual { kAlartCurnier, kFischerBurmeister, kInequality };
-
-/// The regularised problem as a square system of equations with a fixed sparsity pattern.
-///
-///   contact form, unknown x:      f_c(x_c, w_c) = 0,  w = W' x + b' + (x - x_k) / kappa
-///   mixed form, unknown (y, x):   A' y - H' x = 0,  f_c(x_c, w_c) = 0,
-///                                 w = H'ᵀ y + b' + (x - x_k) / kappa
-///
-/// W' = D^{-1/2} W D^{-1/2}, A' = S A S, H' = S H D^{-1/2}, S = diag(A)^{-1/2}, b' = D^{-1/2}
-/// u_free / unit. kInequality: f = w, for a solver that keeps x >= 0 by itself.
-class NewtonSystem {
- public:
-  NewtonSystem(const ContactProblem& p, const Vector& diagonal, Residual residual, bool mixed)
-      : d_(p.dim), contacts_(p.num_contacts()), residual_(residual), mixed_(mixed) {
-    root_ = proximal_weights(p, diagonal).cwiseSqrt();
-    const Vector inverse = root_.cwiseInverse();
-    b_ = p.u_free.cwiseProduct(inverse);
-    unit_ = b_.norm();
-    b_ /= unit_;
-    mu_ = p.mu;
-    for (int c = 0; c < contacts_ && d_ > 1; ++c) mu_[c] *= root_[c * d_ + 1] / root_[c * d_];
-    anchor_ = Vector::Zero(rows());
-    if (mixed_) {
-      const Vector s = p.A.diagonal().cwiseSqrt().cwiseInverse();
-      dofs_ = p.num_dofs();
-      A_ = s.asDiagonal() * p.A * s.asDiagonal();
-      H_ = SparseMatrix(s.asDiagonal() * p.H * inverse.asDiagonal());
-      H_.makeCompressed();
-      H_rows_ = H_;
-      diagonal_mass_ = is_diagonal(p.A);
-      if (!diagonal_mass_ && !mass_factor_.factor(SparseMatrix(A_))) {
-        throw std::runtime_error("the mass matrix A is not positive definite");
-      }
-      build_mixed_pattern();
-    } else {
-      W_ = SparseRows(inverse.asDiagonal() * p.W * inverse.asDiagonal());
-      build_contact_pattern();
-    }
-  }
-
-  int rows() const { return contacts_ * d_; }
-  int size() const { return dofs_ + rows(); }
-  int offset() const { return dofs_; }
-  const std::vector<PetscInt>& row_start() const { return row_start_; }
-  const std::vector<PetscInt>& columns() const { return columns_; }
-
-  void set_proximal(double kappa, const Vector& anchor_impulse) {
-    kappa_ = kappa;
-    anchor_ = anchor_impulse.cwiseProduct(root_) / unit_;
-  }
-  double kappa() const { return kappa_; }
-
-  /// Unknowns at the impulse s, dynamics exact.
-  Vector unknowns(const Vector& s) const {
-    Vector z(size());
-    z.tail(rows()) = s.cwiseProduct(root_) / unit_;
-    if (mixed_) {
-      const Vector wrench = H_ * z.tail(rows());
-      z.head(dofs_) = diagonal_mass_ ? wrench : mass_factor_.solve(wrench);
-    }
-    return z;
-  }
-  Eigen::Map<const Vector> scaled_impulse(const double* z) const {
-    return Eigen::Map<const Vector>(z + dofs_, rows());
-  }
-  Vector impulse(const double* z) const { return unit_ * scaled_impulse(z).cwiseQuotient(root_); }
-  /// ‖x - x_k‖ / kappa: what the proximal term still changes.
-  double proximal_residual(const double* z) const {
-    return (scaled_impulse(z) - anchor_).norm() / kappa_;
-  }
-
-  void residual(const double* z, double* f) const {
-    const Vector w = velocity(z);
-    const Eigen::Map<const Vector> x = scaled_impulse(z);
-    if (mixed_) {
-      const Eigen::Map<const Vector> y(z, dofs_);
-      Eigen::Map<Vector>(f, dofs_) = A_ * y - H_rows_ * x;
-    }
-    if (residual_ == Residual::kInequality) {
-      Eigen::Map<Vector>(f + dofs_, rows()) = w;
-      return;
-    }
-    dispatch_dim(d_, [&](auto d) {
-      constexpr int D = d();
-      for (int c = 0; c < contacts_; ++c) {
-        Eigen::Map<Local<D>>(f + dofs_ + c * D) = equation<D>(c, x, w).f;
-      }
-      return 0;
-    });
-  }
-
-  /// Values of the Jacobian in the order of the pattern.
-  void jacobian(const double* z, double* values) const {
-    const Vector w = velocity(z);
-    const Eigen::Map<const Vector> x = scaled_impulse(z);
-    if (mixed_) std::copy(fixed_values_.begin(), fixed_values_.end(), values);
-    dispatch_dim(d_, [&](auto d) {
-      constexpr int D = d();
-      for (int c = 0; c < contacts_; ++c) {
-        LocalResidual<D> r;
-        if (residual_ == Residual::kInequality) {
-          r.Q.setIdentity();
-        } else {
-          r = equation<D>(c, x, w);
-        }
-        fill_contact<D>(c, r, values);
-      }
-      return 0;
-    });
-  }
-
- private:
-  Vector velocity(const double* z) const {
-    const Eigen::Map<const Vector> x = scaled_impulse(z);
-    Vector w = b_ + (x - anchor_) / kappa_;
-    if (mixed_) {
-      w += H_.transpose() * Eigen::Map<const Vector>(z, dofs_);
-    } else {
-      w += W_ * x;
-    }
-    return w;
-  }
-
-  template <int D>
-  LocalResidual<D> equation(int c, const Eigen::Map<const Vector>& x, const Vector& w) const {
-    const Local<D> xc = x.segment<D>(c * D), wc = w.segment<D>(c * D);
-    return residual_ == Residual::kAlartCurnier ? alart_curnier<D>(xc, wc, mu_[c])
-                                                : fischer_burmeister<D>(xc, wc, mu_[c]);
-  }
-
-  /// Row block of contact c: Q G on the columns of `coupling` (G = rows of W' or of H'ᵀ), then
-  /// P + Q / kappa on the contact's own columns.
-  template <int D>
-  void fill_contact(int c, const LocalResidual<D>& r, double* values) const {
-    const int begin = coupling_start_[c], width = coupling_start_[c + 1] - begin;
-    const typename LocalResidual<D>::Block own = r.P + r.Q / kappa_;
-    for (int a = 0; a < D; ++a) {
-      double* row = values + row_start_[dofs_ + c * D + a];
-      for (int k = 0; k < width; ++k) {
-        double sum = 0;
-        for (int b = 0; b < D; ++b) sum += r.Q(a, b) * coupling_[(begin + k) * D + b];
-        row[k] = sum;
-      }
-      if (mixed_) {
-        for (int b = 0; b < D; ++b) row[width + b] = own(a, b);
-      } else {
-        for (int b = 0; b < D; ++b) row[own_position_[c] + b] += own(a, b);
-      }
-    }
-  }
-
-  void build_contact_pattern() {
-    const int D = d_;
-    row_start_.assign(1, 0);
-    coupling_start_.assign(1, 0);
-    own_position_.resize(contacts_);
-    std::map<int, std::vector<double>> block;  // column -> D values, sorted
-    for (int c = 0; c < contacts_; ++c) {
-      block.clear();
-      for (int b = 0; b < D; ++b) block[c * D + b].assign(D, 0.0);
-      for (int a = 0; a < D; ++a) {
-        for (SparseRows::InnerIterator it(W_, c * D + a); it; ++it) {
-          std::vector<double>& column = block[static_cast<int>(it.col())];
-          column.resize(D, 0.0);
-          column[a] += it.value();
-        }
-      }
-      for (const auto& [column, value] : block) {
-        coupling_.insert(coupling_.end(), value.begin(), value.end());
-      }
-      coupling_start_.push_back(coupling_start_.back() + static_cast<int>(block.size()));
-      own_position_[c] = static_cast<int>(std::distance(block.begin(), block.find(c * D)));
-      for (int a = 0; a < D; ++a) {
-        for (const auto& [column, value] : block) columns_.push_back(column);
-        row_start_.push_back(static_cast<PetscInt>(columns_.size()));
-      }
-    }
-  }
-
-  void build_mixed_pattern() {
-    const int D = d_;
-    row_start_.assign(1, 0);
-    for (int i = 0; i < dofs_; ++i) {
-      for (SparseRows::InnerIterator it(A_, i); it; ++it) {
-        columns_.push_back(static_cast<PetscInt>(it.col()));
-        fixed_values_.push_back(it.value());
-      }
-      for (SparseRows::InnerIterator it(H_rows_, i); it; ++it) {
-        columns_.push_back(dofs_ + static_cast<PetscInt>(it.col()));
-        fixed_values_.push_back(-it.value());
-      }
-      row_start_.push_back(static_cast<PetscInt>(columns_.size()));
-    }
-    coupling_start_.assign(1, 0);
-    std::map<int, std::vector<double>> block;
-    for (int c = 0; c < contacts_; ++c) {
-      block.clear();
-      for (int a = 0; a < D; ++a) {
-        for (SparseMatrix::InnerIterator it(H_, c * D + a); it; ++it) {
-          std::vector<double>& column = block[static_cast<int>(it.row())];
-          column.resize(D, 0.0);
-          column[a] += it.value();
-        }
-      }
-      for (const auto& [column, value] : block) {
-        coupling_.insert(coupling_.end(), value.begin(), value.end());
-      }
-      coupling_start_.push_back(coupling_start_.back() + static_cast<int>(block.size()));
-      for (int a = 0; a < D; ++a) {
-        for (const auto& [column, value] : block) columns_.push_back(column);
-        for (int b = 0; b < D; ++b) columns_.push_back(dofs_ + c * D + b);
-        row_start_.push_back(static_cast<PetscInt>(columns_.size()));
-      }
-    }
-  }
-
-  int d_, contacts_, dofs_ = 0;
-  Residual residual_;
-  bool mixed_, diagonal_mass_ = true;
-  double unit_ = 1, kappa_ = 1;
-  Vector root_, b_, mu_, anchor_;
-  SparseRows W_, A_, H_rows_;
-  SparseMatrix H_;
-  SparseCholesky mass_factor_;
-  std::vector<PetscInt> row_start_, columns_;
-  std::vector<double> fixed_values_;  // rows of the dynamics, mixed form
-  std::vector<int> coupling_start_;   // per contact, into coupling_ / D
-  std::vector<double> coupling_;      // D values per coupled column
-  std::vector<int> own_position_;     // contact form: first own column in the row
-};
-
-// ---------------------------------------------------------------------------------------- solver
 
 /// What the callbacks share.
 struct Run {
@@ -473,7 +121,7 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
   if (run->recent.size() < kLongestCycle) {
     run->recent.push_back(std::move(s));
   } else {
-    run->recent[iteration % kLongestCycle] = std::move(s);
+    run->recent[static_cast<std::size_t>(iteration) % kLongestCycle] = std::move(s);
   }
   return 0;
 }
@@ -481,65 +129,48 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
 /// Owns the PETSc objects of one solve.
 class Snes {
  public:
-  Snes(Run& run, Residual residual, const std::string& linear, const std::string& line_search,
+  Snes(Run& run, NewtonSystem::Residual residual, const std::string& linear,
+       const std::string& line_search,
        int inner_iterations)
       : Snes(run) {  // delegated: the destructor cleans up after a failure below, too
     const NewtonSystem& system = *run.system;
     const PetscInt n = system.size();
-    check(VecCreateSeq(PETSC_COMM_SELF, n, &z_), "VecCreateSeq");
-    check(VecDuplicate(z_, &f_), "VecDuplicate");
-    check(MatCreate(PETSC_COMM_SELF, &J_), "MatCreate");
-    check(MatSetSizes(J_, n, n, n, n), "MatSetSizes");
-    check(MatSetType(J_, MATSEQAIJ), "MatSetType");
-    check(MatSeqAIJSetPreallocationCSR(J_, system.row_start().data(), system.columns().data(),
-                                       nullptr),
-          "MatSeqAIJSetPreallocationCSR");
-    check(MatSetOption(J_, MAT_NEW_NONZERO_LOCATIONS, PETSC_FALSE), "MatSetOption");
+    check_petsc(VecCreateSeq(PETSC_COMM_SELF, n, &z_), "VecCreateSeq");
+    check_petsc(VecDuplicate(z_, &f_), "VecDuplicate");
+    check_petsc(MatCreate(PETSC_COMM_SELF, &J_), "MatCreate");
+    check_petsc(MatSetSizes(J_, n, n, n, n), "MatSetSizes");
+    check_petsc(MatSetType(J_, MATSEQAIJ), "MatSetType");
+    const std::vector<PetscInt> starts(system.row_start().begin(), system.row_start().end());
+    const std::vector<PetscInt> columns(system.columns().begin(), system.columns().end());
+    check_petsc(MatSeqAIJSetPreallocationCSR(J_, starts.data(), columns.data(), nullptr),
+                "MatSeqAIJSetPreallocationCSR");
+    check_petsc(MatSetOption(J_, MAT_NEW_NONZERO_LOCATIONS, PETSC_FALSE), "MatSetOption");
 
-    check(SNESCreate(PETSC_COMM_SELF, &snes_), "SNESCreate");
-    check(SNESSetOptionsPrefix(snes_, kPrefix), "SNESSetOptionsPrefix");
-    check(SNESSetType(snes_, residual == Residual::kInequality ? SNESVINEWTONRSLS : SNESNEWTONLS),
-          "SNESSetType");
-    check(SNESSetFunction(snes_, f_, form_function, &run_), "SNESSetFunction");
-    check(SNESSetJacobian(snes_, J_, J_, form_jacobian, &run_), "SNESSetJacobian");
-    check(SNESSetConvergenceTest(snes_, test_convergence, &run_, nullptr),
-          "SNESSetConvergenceTest");
-    check(SNESSetTolerances(snes_, 0, 0, 0, inner_iterations, PETSC_MAX_INT), "SNESSetTolerances");
-    if (residual == Residual::kInequality) {
-      check(VecDuplicate(z_, &lower_), "VecDuplicate");
-      check(VecDuplicate(z_, &upper_), "VecDuplicate");
-      check(VecSet(lower_, 0), "VecSet");
-      check(VecSet(upper_, PETSC_INFINITY), "VecSet");
-      check(SNESVISetVariableBounds(snes_, lower_, upper_), "SNESVISetVariableBounds");
+    check_petsc(SNESCreate(PETSC_COMM_SELF, &snes_), "SNESCreate");
+    check_petsc(SNESSetOptionsPrefix(snes_, kPrefix), "SNESSetOptionsPrefix");
+    check_petsc(
+        SNESSetType(snes_, residual == NewtonSystem::Residual::kInequality ? SNESVINEWTONRSLS
+                                                                           : SNESNEWTONLS),
+        "SNESSetType");
+    check_petsc(SNESSetFunction(snes_, f_, form_function, &run_), "SNESSetFunction");
+    check_petsc(SNESSetJacobian(snes_, J_, J_, form_jacobian, &run_), "SNESSetJacobian");
+    check_petsc(SNESSetConvergenceTest(snes_, test_convergence, &run_, nullptr),
+                "SNESSetConvergenceTest");
+    check_petsc(SNESSetTolerances(snes_, 0, 0, 0, inner_iterations, PETSC_MAX_INT),
+                "SNESSetTolerances");
+    if (residual == NewtonSystem::Residual::kInequality) {
+      check_petsc(VecDuplicate(z_, &lower_), "VecDuplicate");
+      check_petsc(VecDuplicate(z_, &upper_), "VecDuplicate");
+      check_petsc(VecSet(lower_, 0), "VecSet");
+      check_petsc(VecSet(upper_, PETSC_INFINITY), "VecSet");
+      check_petsc(SNESVISetVariableBounds(snes_, lower_, upper_), "SNESVISetVariableBounds");
     }
     SNESLineSearch search = nullptr;
-    check(SNESGetLineSearch(snes_, &search), "SNESGetLineSearch");
-    check(SNESLineSearchSetType(search, line_search.c_str()), "SNESLineSearchSetType");
+    check_petsc(SNESGetLineSearch(snes_, &search), "SNESGetLineSearch");
+    check_petsc(SNESLineSearchSetType(search, line_search.c_str()), "SNESLineSearchSetType");
 
-    KSP ksp = nullptr;
-    PC pc = nullptr;
-    check(SNESGetKSP(snes_, &ksp), "SNESGetKSP");
-    check(KSPGetPC(ksp, &pc), "KSPGetPC");
-    if (linear == "gmres") {
-      check(KSPSetType(ksp, KSPGMRES), "KSPSetType");
-      check(KSPGMRESSetRestart(ksp, 100), "KSPGMRESSetRestart");
-      check(KSPSetTolerances(ksp, 1e-10, 0, PETSC_DEFAULT, 1000), "KSPSetTolerances");
-      check(PCSetType(pc, PCILU), "PCSetType");
-      check(PCFactorSetLevels(pc, 2), "PCFactorSetLevels");
-      check(PCFactorSetShiftType(pc, MAT_SHIFT_NONZERO), "PCFactorSetShiftType");
-    } else {
-      check(KSPSetType(ksp, KSPPREONLY), "KSPSetType");
-      check(PCSetType(pc, PCLU), "PCSetType");
-      check(PCFactorSetMatSolverType(pc, linear == "umfpack" ? MATSOLVERUMFPACK
-                                         : linear == "mumps" ? MATSOLVERMUMPS
-                                                             : MATSOLVERPETSC),
-            "PCFactorSetMatSolverType");
-      if (linear == "petsc") {
-        check(PCFactorSetMatOrderingType(pc, MATORDERINGND), "PCFactorSetMatOrderingType");
-        check(PCFactorSetShiftType(pc, MAT_SHIFT_NONZERO), "PCFactorSetShiftType");
-      }
-    }
-    check(SNESSetFromOptions(snes_), "SNESSetFromOptions");
+    choose_linear_solver(linear);
+    check_petsc(SNESSetFromOptions(snes_), "SNESSetFromOptions");
   }
   ~Snes() {
     SNESDestroy(&snes_);
@@ -559,13 +190,13 @@ class Snes {
     const Vector start = run_.system->unknowns(anchor);
     set(start);
     const int before = run_.iterations;
-    check(SNESSolve(snes_, nullptr, z_), "SNESSolve");
+    check_petsc(SNESSolve(snes_, nullptr, z_), "SNESSolve");
     SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
-    check(SNESGetConvergedReason(snes_, &reason), "SNESGetConvergedReason");
+    check_petsc(SNESGetConvergedReason(snes_, &reason), "SNESGetConvergedReason");
     const PetscScalar* values = nullptr;
-    check(VecGetArrayRead(z_, &values), "VecGetArrayRead");
+    check_petsc(VecGetArrayRead(z_, &values), "VecGetArrayRead");
     report.s = run_.system->impulse(values);
-    check(VecRestoreArrayRead(z_, &values), "VecRestoreArrayRead");
+    check_petsc(VecRestoreArrayRead(z_, &values), "VecRestoreArrayRead");
     const int steps = run_.iterations - before;
     if (run_.stop) {
       report.outcome = InnerReport::Outcome::kStop;
@@ -582,11 +213,37 @@ class Snes {
  private:
   explicit Snes(Run& run) : run_(run) {}
 
+  void choose_linear_solver(const std::string& linear) {
+    KSP ksp = nullptr;
+    PC pc = nullptr;
+    check_petsc(SNESGetKSP(snes_, &ksp), "SNESGetKSP");
+    check_petsc(KSPGetPC(ksp, &pc), "KSPGetPC");
+    if (linear == "gmres") {
+      check_petsc(KSPSetType(ksp, KSPGMRES), "KSPSetType");
+      check_petsc(KSPGMRESSetRestart(ksp, 100), "KSPGMRESSetRestart");
+      check_petsc(KSPSetTolerances(ksp, 1e-10, 0, PETSC_DEFAULT, 1000), "KSPSetTolerances");
+      check_petsc(PCSetType(pc, PCILU), "PCSetType");
+      check_petsc(PCFactorSetLevels(pc, 2), "PCFactorSetLevels");
+      check_petsc(PCFactorSetShiftType(pc, MAT_SHIFT_NONZERO), "PCFactorSetShiftType");
+    } else {
+      check_petsc(KSPSetType(ksp, KSPPREONLY), "KSPSetType");
+      check_petsc(PCSetType(pc, PCLU), "PCSetType");
+      check_petsc(PCFactorSetMatSolverType(pc, linear == "umfpack" ? MATSOLVERUMFPACK
+                                               : linear == "mumps" ? MATSOLVERMUMPS
+                                                                   : MATSOLVERPETSC),
+                  "PCFactorSetMatSolverType");
+      if (linear == "petsc") {
+        check_petsc(PCFactorSetMatOrderingType(pc, MATORDERINGND), "PCFactorSetMatOrderingType");
+        check_petsc(PCFactorSetShiftType(pc, MAT_SHIFT_NONZERO), "PCFactorSetShiftType");
+      }
+    }
+  }
+
   void set(const Vector& start) {
     PetscScalar* values = nullptr;
-    check(VecGetArray(z_, &values), "VecGetArray");
+    check_petsc(VecGetArray(z_, &values), "VecGetArray");
     Eigen::Map<Vector>(values, start.size()) = start;
-    check(VecRestoreArray(z_, &values), "VecRestoreArray");
+    check_petsc(VecRestoreArray(z_, &values), "VecRestoreArray");
   }
 
   Run& run_;
@@ -595,115 +252,148 @@ class Snes {
   Vec z_ = nullptr, f_ = nullptr, lower_ = nullptr, upper_ = nullptr;
 };
 
-}  // namespace
+/// The solver's own parameters, resolved.
+struct Settings {
+  std::string residual_name, linear, line_search;
+  NewtonSystem::Residual residual = NewtonSystem::Residual::kAlartCurnier;
+  bool mixed = false;
+  int start_sweeps = 0, inner_iterations = 0;
+  ProximalOptions loop;
+};
 
-SolveResult solve_newton_snes(const ContactProblem& given, const SolverOptions& options) {
-  const Parameters parameters(options.parameters, kNewtonParameters);
-  const std::string residual_name = parameters.choice("residual");
-  std::string linear = parameters.choice("linear");
-  if (linear == "auto") linear = given.num_rows() <= kSmall ? "petsc" : "umfpack";
+/// Throws std::invalid_argument for a combination that the problem does not allow.
+Settings settings_for(const ContactProblem& p, const Parameters& parameters) {
+  using Residual = NewtonSystem::Residual;
+  Settings s;
+  s.residual_name = parameters.choice("residual");
+  s.residual = s.residual_name == "alart-curnier"        ? Residual::kAlartCurnier
+               : s.residual_name == "fischer-burmeister" ? Residual::kFischerBurmeister
+                                                         : Residual::kInequality;
+  s.linear = parameters.choice("linear");
+  if (s.linear == "auto") s.linear = p.num_rows() <= kSmall ? "petsc" : "umfpack";
+  s.line_search = parameters.choice("line_search");
+  s.start_sweeps = parameters.integer("start_sweeps");
+  s.inner_iterations = parameters.integer("inner_iterations");
+  s.loop = {.kappa = parameters.number("kappa"), .kappa_max = parameters.number("kappa_max")};
+
   const std::string form = parameters.choice("form");
-  const int inner_iterations = parameters.integer("inner_iterations");
-  const Residual residual = residual_name == "alart-curnier"        ? Residual::kAlartCurnier
-                            : residual_name == "fischer-burmeister" ? Residual::kFischerBurmeister
-                                                                    : Residual::kInequality;
+  const bool inequality = s.residual == Residual::kInequality;
+  if (inequality && p.dim != 1) {
+    throw std::invalid_argument(
+        fmt::format("residual snesvi is for dimension 1, the problem has {}", p.dim));
+  }
+  if (form == "mixed" && inequality) {
+    throw std::invalid_argument("residual snesvi has the contact form only");
+  }
+  if (form == "mixed" && !p.has_velocities()) {
+    throw std::invalid_argument("form mixed needs A and H, the problem has W alone");
+  }
+  s.mixed = form == "mixed" ||
+            (form == "auto" && p.has_velocities() && !inequality && s.linear != "gmres");
+  return s;
+}
+
+/// Start sweeps, then the proximal loop around SNES; returns what the message adds.
+std::string iterate(const ContactProblem& p, const SolverOptions& options, const Settings& settings,
+                    const Vector& start, Run& run, Snes& snes, IterationMonitor& monitor) {
+  SolverOptions sweeps;
+  sweeps.max_iterations = settings.start_sweeps;
+  sweeps.tol = options.tol;
+  sweeps.s0 = start;
+  sweeps.time_limit = std::max(monitor.remaining_seconds(), 1e-9);
+  sweeps.cancelled = options.cancelled;
+  const SolveResult swept = solve_gauss_seidel(p, sweeps);
+  ProximalReport report;
+  if (monitor.meets(swept.s)) {
+    monitor.end(SolveStatus::kConverged, "stop test met by the start sweeps");
+  } else if (!monitor.end_if_out_of_time(0)) {
+    const auto inner = [&](double kappa, const Vector& anchor) {
+      InnerReport r = snes.solve(kappa, anchor, settings.inner_iterations);
+      if (r.outcome == InnerReport::Outcome::kSolved && monitor.meets(r.s)) {
+        // Between two judgements of the cadence, a proximal step ends on the solution.
+        monitor.end(SolveStatus::kConverged, fmt::format("{} test met after {} iterations",
+                                                         to_string(options.stop), run.iterations));
+        r.outcome = InnerReport::Outcome::kStop;
+      } else if (r.outcome != InnerReport::Outcome::kStop &&
+                 monitor.end_if_out_of_time(run.iterations)) {
+        r.outcome = InnerReport::Outcome::kStop;
+      }
+      return r;
+    };
+    try {
+      report =
+          proximal_point(settings.loop, mean_diagonal(p, monitor.evaluator().delassus().diagonal()),
+                         swept.s, inner, monitor);
+    } catch (const PetscFailure& e) {
+      monitor.end(SolveStatus::kNumericalFailure,
+                  fmt::format("{}; best error {:.2e}", e.what(), monitor.best_error()));
+    }
+  }
+  return fmt::format(
+      "; {}, {} form, {}: {} start sweeps, {} Newton steps in {} proximal steps ({} failed), "
+      "last kappa {:.1e}",
+      settings.residual_name, settings.mixed ? "mixed" : "contact", settings.linear,
+      swept.iterations, run.iterations, report.steps, report.failed, report.kappa);
+}
+
+SolveResult refuse(const ContactProblem& p, const std::string& message) {
   SolveResult refused;
   refused.status = SolveStatus::kInvalidInput;
-  refused.s = Vector::Zero(given.num_rows());
-  if (residual == Residual::kInequality && given.dim != 1) {
-    refused.message =
-        fmt::format("residual snesvi is for dimension 1, the problem has {}", given.dim);
-    return refused;
-  }
-  if (form == "mixed" && (residual == Residual::kInequality || !given.has_velocities())) {
-    refused.message = residual == Residual::kInequality
-                          ? "residual snesvi has the contact form only"
-                          : "form mixed needs A and H, the problem has W alone";
-    return refused;
-  }
-  std::optional<ScopedOptions> petsc_options;
-  try {
-    petsc_options.emplace(parameters.text("petsc"));
-  } catch (const std::invalid_argument& e) {
-    refused.message = e.what();
-    return refused;
-  }
-  const bool mixed = form == "mixed" || (form == "auto" && given.has_velocities() &&
-                                         residual != Residual::kInequality && linear != "gmres");
-  ContactProblem with_delassus;
-  const ContactProblem* problem = &given;
-  if (!mixed && !given.has_delassus()) {
-    with_delassus = given;
-    with_delassus.W = assemble_delassus(given.A, given.H, given.dim);
-    problem = &with_delassus;
-  }
-  const ContactProblem& p = *problem;
+  refused.message = message;
+  refused.s = Vector::Zero(p.num_rows());
+  return refused;
+}
 
-  static std::mutex one_at_a_time;
-  const std::lock_guard lock(one_at_a_time);
-  PetscSession::ensure();
-  const QuietErrors quiet;
-  petsc_options->add_default("mat_mumps_icntl_14", "1000");  // workspace, per cent; 200 runs out
-  if (linear != "mumps") petsc_options->add_default("mat_umfpack_ordering", "METIS");
-  petsc_options->insert();
+/// On a problem that has W where the contact form needs it. `begin`: of the set-up.
+SolveResult run_newton(const ContactProblem& p, const SolverOptions& options,
+                       const Settings& settings, PetscOptions petsc_options,
+                       IterationMonitor::Clock::time_point begin) {
+  // Workspace of MUMPS, per cent; its 200 run out.
+  petsc_options.add_default("mat_mumps_icntl_14", "1000");
+  if (settings.linear != "mumps") petsc_options.add_default("mat_umfpack_ordering", "METIS");
+  const PetscSession session(std::move(petsc_options));
 
-  IterationMonitor monitor(p, options);
+  IterationMonitor monitor(p, options, begin);
   const Vector start = start_of(p, options);
-  NewtonSystem system(p, monitor.evaluator().delassus().diagonal(), residual, mixed);
+  NewtonSystem system(p, monitor.evaluator().delassus().diagonal(), settings.residual,
+                      settings.mixed);
   Run run;
   run.system = &system;
   run.monitor = &monitor;
-  Snes snes(run, residual, linear, parameters.choice("line_search"), inner_iterations);
+  Snes snes(run, settings.residual, settings.linear, settings.line_search,
+            settings.inner_iterations);
   monitor.end_setup();
 
   std::string about;
   if (!monitor.stop(0, start)) {
-    SolverOptions sweeps;
-    sweeps.max_iterations = parameters.integer("start_sweeps");
-    sweeps.tol = options.tol;
-    sweeps.s0 = start;
-    sweeps.time_limit = std::max(monitor.remaining_seconds(), 1e-9);
-    const SolveResult swept = solve_gauss_seidel(p, sweeps);
-    ProximalReport report;
-    if (monitor.meets(swept.s)) {
-      monitor.end(SolveStatus::kConverged, "stop test met by the start sweeps");
-    } else {
-      try {
-        const ProximalOptions loop{.kappa = parameters.number("kappa"),
-                                   .kappa_max = parameters.number("kappa_max")};
-        const auto inner = [&](double kappa, const Vector& anchor) {
-          InnerReport r = snes.solve(kappa, anchor, inner_iterations);
-          if (r.outcome == InnerReport::Outcome::kSolved && monitor.meets(r.s)) {
-            // Between two judgements of the cadence, a proximal step ends on the solution.
-            monitor.end(SolveStatus::kConverged,
-                        fmt::format("{} test met after {} iterations", to_string(options.stop),
-                                    run.iterations));
-            r.outcome = InnerReport::Outcome::kStop;
-          } else if (r.outcome != InnerReport::Outcome::kStop &&
-                     monitor.end_if_out_of_time(run.iterations)) {
-            r.outcome = InnerReport::Outcome::kStop;
-          }
-          return r;
-        };
-        report =
-            proximal_point(loop, proximal_weights(p, monitor.evaluator().delassus().diagonal()),
-                           swept.s, inner, monitor);
-      } catch (const PetscFailure& e) {
-        monitor.end(SolveStatus::kNumericalFailure,
-                    fmt::format("{}; best error {:.2e}", e.what(), monitor.best_error()));
-      }
-    }
-    about = fmt::format(
-        "; {}, {} form, {}: {} start sweeps, {} Newton steps in {} proximal steps ({} failed), "
-        "last kappa {:.1e}",
-        residual_name, mixed ? "mixed" : "contact", linear, swept.iterations, run.iterations,
-        report.steps, report.failed, report.kappa);
-    const std::string unused = petsc_options->unused();
+    about = iterate(p, options, settings, start, run, snes, monitor);
+    const std::string unused = session.unused_options();
     if (!unused.empty()) about += fmt::format("; PETSc did not use the options {}", unused);
   }
   SolveResult result = monitor.finish();
   result.message += about;
   return result;
+}
+
+}  // namespace
+
+SolveResult solve_newton_snes(const ContactProblem& p, const SolverOptions& options) {
+  const auto begin = IterationMonitor::Clock::now();
+  const Parameters parameters(options.parameters, kNewtonParameters);
+  Settings settings;
+  std::optional<PetscOptions> petsc_options;
+  try {
+    settings = settings_for(p, parameters);
+    petsc_options.emplace(kPrefix, parameters.text("petsc"));
+  } catch (const std::invalid_argument& e) {
+    return refuse(p, e.what());
+  }
+  if (settings.mixed || p.has_delassus()) {
+    return run_newton(p, options, settings, std::move(*petsc_options), begin);
+  }
+  ContactProblem with_delassus = p;
+  with_delassus.W = assemble_delassus(p.A, p.H, p.dim);
+  return run_newton(with_delassus, options, settings, std::move(*petsc_options), begin);
 }
 
 }  // namespace bipot

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "solvers/methods/proximal_point.h"
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -39,18 +40,8 @@ inline constexpr ParameterSpec kNewtonParameters[] = {
      .maximum = 1e9,
      .help = "Newton steps in one proximal step before it counts as failed",
      .unit = "iterations"},
-    {.name = "kappa",
-     .kind = ParameterSpec::Kind::kNumber,
-     .default_value = "100",
-     .minimum = 1e-3,
-     .maximum = 1e12,
-     .help = "first proximal parameter, in units of the diagonal of W"},
-    {.name = "kappa_max",
-     .kind = ParameterSpec::Kind::kNumber,
-     .default_value = "1e7",
-     .minimum = 1e-3,
-     .maximum = 1e12,
-     .help = "largest proximal parameter"},
+    kKappaParameter,
+    kLargestKappaParameter,
     {.name = "petsc",
      .kind = ParameterSpec::Kind::kText,
      .default_value = "",
@@ -68,9 +59,8 @@ inline constexpr ParameterSpec kNewtonParameters[] = {
 /// reason where a step failed.
 ///
 /// The options string reaches PETSc's options database under the prefix `bipot_newton_`, for the
-/// time of the solve; options that PETSc did not use are named in the message. PETSc is initialised
-/// at the first call, without arguments, resource files or signal handlers; its errors become a
-/// status. Calls from several threads wait for one another, as PETSc objects are not thread-safe.
+/// time of the solve; options that PETSc did not use are named in the message. PETSc's start, at the
+/// first call of a process, counts as set-up; its errors become a status (petsc_session.h).
 SolveResult solve_newton_snes(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "solvers/kernels/contact_scaling.h"
 #include "solvers/parameters.h"
 #include "solvers/registry.h"
 
@@ -52,7 +53,7 @@ std::map<std::string, std::string> parse_assignments(const std::string& text) {
 class RegularisedProblem {
  public:
   RegularisedProblem(const ContactProblem& p, const Vector& weights)
-      : p_(p), weights_(weights), diagonal_(p.num_rows(), -1) {
+      : p_(p), weights_(weights), diagonal_(Eigen::VectorXi::Constant(p.num_rows(), -1)) {
     sub_.dim = p.dim;
     sub_.mu = p.mu;
     sub_.row_scale = p.row_scale;
@@ -80,25 +81,10 @@ class RegularisedProblem {
   const Vector& weights_;
   ContactProblem sub_;
   Vector w_;
-  std::vector<int> diagonal_;
+  Eigen::VectorXi diagonal_;  // positions of the diagonal in W's values
 };
 
 }  // namespace
-
-Vector proximal_weights(const ContactProblem& p, const Vector& diagonal) {
-  Vector weights(p.num_rows());
-  const int d = p.dim;
-  for (int c = 0; c < p.num_contacts(); ++c) {
-    const double normal = diagonal[c * d];
-    double tangential = 0;
-    for (int k = 1; k < d; ++k) tangential += diagonal[c * d + k] / (d - 1);
-    // A contact without tangential mobility (rounded data) is weighted by its normal part.
-    if (!(tangential > 1e-12 * normal)) tangential = normal;
-    weights[c * d] = normal;
-    for (int k = 1; k < d; ++k) weights[c * d + k] = tangential;
-  }
-  return weights;
-}
 
 ProximalReport proximal_point(const ProximalOptions& options, const Vector& weights, Vector start,
                               const InnerSolve& inner, IterationMonitor& monitor) {
@@ -182,9 +168,10 @@ SolveResult solve_proximal_point(const ContactProblem& p, const SolverOptions& o
     return refused;
   }
   inner_options.max_iterations = parameters.integer("inner_iterations");
+  inner_options.cancelled = options.cancelled;
 
   IterationMonitor monitor(p, options);
-  const Vector weights = proximal_weights(p, monitor.evaluator().delassus().diagonal());
+  const Vector weights = mean_diagonal(p, monitor.evaluator().delassus().diagonal());
   RegularisedProblem regularised(p, weights);
   ContactErrorEvaluator outer = monitor.evaluator();
   Vector start = start_of(p, options);

@@ -46,14 +46,26 @@ struct ProximalReport {
   double kappa = 0;  ///< of the last inner problem
 };
 
-/// D of the regularisation, size m.
-Vector proximal_weights(const ContactProblem& problem, const Vector& delassus_diagonal);
-
-/// The outer loop, for every inner solver. Runs until the inner solver reports kStop; sets the
+/// The outer loop, for every inner solver. `weights`: D, see mean_diagonal(). Runs until the inner solver reports kStop; sets the
 /// monitor's status itself where it cannot go on (kappa below its minimum, or no movement at the
 /// largest kappa).
 ProximalReport proximal_point(const ProximalOptions& options, const Vector& weights, Vector start,
                               const InnerSolve& inner, IterationMonitor& monitor);
+
+/// The parameters that every solver with this outer loop has.
+inline constexpr ParameterSpec kKappaParameter = {
+    .name = "kappa",
+    .kind = ParameterSpec::Kind::kNumber,
+    .default_value = "100",
+    .minimum = 1e-3,
+    .maximum = 1e12,
+    .help = "first proximal parameter, in units of the diagonal of W"};
+inline constexpr ParameterSpec kLargestKappaParameter = {.name = "kappa_max",
+                                                         .kind = ParameterSpec::Kind::kNumber,
+                                                         .default_value = "1e7",
+                                                         .minimum = 1e-3,
+                                                         .maximum = 1e12,
+                                                         .help = "largest proximal parameter"};
 
 inline constexpr ParameterSpec kProximalPointParameters[] = {
     {.name = "inner",
@@ -71,18 +83,8 @@ inline constexpr ParameterSpec kProximalPointParameters[] = {
      .maximum = 1e9,
      .help = "iteration limit of each regularised problem",
      .unit = "iterations"},
-    {.name = "kappa",
-     .kind = ParameterSpec::Kind::kNumber,
-     .default_value = "100",
-     .minimum = 1e-3,
-     .maximum = 1e12,
-     .help = "first proximal parameter, in units of the diagonal of W"},
-    {.name = "kappa_max",
-     .kind = ParameterSpec::Kind::kNumber,
-     .default_value = "1e7",
-     .minimum = 1e-3,
-     .maximum = 1e12,
-     .help = "largest proximal parameter"},
+    kKappaParameter,
+    kLargestKappaParameter,
 };
 
 /// `ppa`: the loop around another solver, by name. The inner tolerance follows the outer error: a

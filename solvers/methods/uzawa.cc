@@ -130,7 +130,6 @@ void adaptive_sweeps(const ContactProblem& p, PredictorSteps steps, const Vector
       }
       ++iteration;
     }
-    return 0;
   });
 }
 
@@ -158,7 +157,6 @@ SolveResult solve_uzawa(const ContactProblem& p, const SolverOptions& options) {
     } else {
       iterate_gauss_seidel<D>(p, s0, steps.rho[0], monitor, update);
     }
-    return 0;
   });
   return monitor.finish();
 }

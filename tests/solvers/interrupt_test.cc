@@ -1,0 +1,129 @@
+// Every row of the table ends when it is told to, by its caller or by the clock, on a problem of
+// 10 000 contacts; lemke on the largest one that it takes.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cctype>
+#include <chrono>
+#include <ctime>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "solvers/registry.h"
+#include "solvers/solve.h"
+#include "tests/support/lattice_problem.h"
+#include "tests/support/small_problems.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kPatience = 0.2 * BIPOT_TEST_SLOWNESS;  // [s] from the word to the answer
+
+/// The time of this process: the wall's, or the CPU's where other processes took part of that.
+class Timer {
+ public:
+  double seconds() const {
+    const double cpu = static_cast<double>(std::clock() - cpu_) / CLOCKS_PER_SEC;
+    const double wall = std::chrono::duration<double>(Clock::now() - wall_).count();
+    return std::min(cpu, wall);
+  }
+  void restart() { *this = Timer(); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  std::clock_t cpu_ = std::clock();
+  Clock::time_point wall_ = Clock::now();
+};
+
+/// A caller that says stop after `patience` seconds, and who keeps the longest time that a solver
+/// let pass between two of its questions: a stop at any moment before is noticed within that time.
+class Caller {
+ public:
+  explicit Caller(double patience) : patience_(patience) {}
+  bool stop() {
+    notice();
+    return since_start_.seconds() >= patience_;
+  }
+  /// At the end of the solve; the longest silence, the last one included.
+  double longest_silence() {
+    notice();
+    return longest_;
+  }
+
+ private:
+  void notice() {
+    longest_ = std::max(longest_, since_question_.seconds());
+    since_question_.restart();
+  }
+  double patience_, longest_ = 0;
+  Timer since_start_, since_question_;
+};
+
+/// A solver of the table, or "ppa around" one; and whether the problem comes as W alone.
+using Row = std::tuple<std::string, bool>;
+
+std::vector<std::string> row_names() {
+  std::vector<std::string> names = solver_names();
+  for (const char* inner : {"apgd", "newton", "ipm"}) {
+    if (find_solver(inner) != nullptr) names.push_back(std::string("ppa around ") + inner);
+  }
+  return names;
+}
+
+class EveryRow : public testing::TestWithParam<Row> {
+ protected:
+  void SetUp() override {
+    const auto& [name, local] = GetParam();
+    const std::string_view around = "ppa around ";
+    const bool is_ppa = name.starts_with(around);
+    entry_ = &require_solver(is_ppa ? "ppa" : name);
+    if (is_ppa) options_.parameters["inner"] = name.substr(around.size());
+    const int side = entry_->max_contacts < 10000 ? 10 : 58;
+    problem_ = triangular_lattice(side, {.tilt = 0.1});
+    ASSERT_LE(problem_.num_contacts(), entry_->max_contacts);
+    if (side == 58) {
+      ASSERT_NEAR(problem_.num_contacts(), 10000, 200);
+    }
+    if (local) problem_ = local_form(problem_);
+    options_.tol = 1e-15;
+    // What happens once in a process (PETSc's start) is not measured here.
+    SolverOptions warm_up = options_;
+    warm_up.max_iterations = 1;
+    solve(*entry_, triangular_lattice(3), warm_up);
+  }
+
+  const SolverEntry* entry_ = nullptr;
+  ContactProblem problem_;
+  SolverOptions options_;
+};
+
+TEST_P(EveryRow, IsInterruptedAtOnce) {
+  Caller caller(0.4 * BIPOT_TEST_SLOWNESS);
+  options_.cancelled = [&caller] { return caller.stop(); };
+  const SolveResult r = solve(*entry_, problem_, options_);
+  EXPECT_LE(caller.longest_silence(), kPatience);
+  EXPECT_EQ(r.status, SolveStatus::kInterrupted) << to_string(r.status) << ": " << r.message;
+  EXPECT_NE(r.message.find("interrupted"), std::string::npos) << r.message;
+}
+
+TEST_P(EveryRow, KeepsToItsTime) {
+  options_.time_limit = 0.05;
+  const Timer timer;
+  const SolveResult r = solve(*entry_, problem_, options_);
+  EXPECT_LE(timer.seconds(), options_.time_limit + kPatience);
+  EXPECT_EQ(r.status, SolveStatus::kTimeLimit) << to_string(r.status) << ": " << r.message;
+}
+
+INSTANTIATE_TEST_SUITE_P(Table, EveryRow,
+                         testing::Combine(testing::ValuesIn(row_names()), testing::Bool()),
+                         [](const testing::TestParamInfo<Row>& row) {
+                           std::string name = std::get<0>(row.param);
+                           std::replace_if(
+                               name.begin(), name.end(),
+                               [](char c) { return std::isalnum(c) == 0; }, '_');
+                           return name + (std::get<1>(row.param) ? "_LocalForm" : "_WithBodies");
+                         });
+
+}  // namespace
+}  // namespace bipot
