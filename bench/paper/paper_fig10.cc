@@ -11,6 +11,7 @@
 #include "bench/paper/paper_items.h"
 #include "bench/paper/static_equilibrium.h"
 #include "core/motion/force_balance.h"
+#include "core/motion/time_stepping.h"
 #include "core/pictures/force_picture.h"
 #include "core/problem/contact_error.h"
 #include "core/problem/delassus.h"

@@ -269,10 +269,9 @@ std::string SceneTrade::answer() const {
     }
     text += ".";
     if (ratio > 1.1) {
-      text += fmt::format(
-          " Tolerance {} costs {:.2g} times as much for digits that are lost "
-          "anyway.",
-          tolerance_label(tols.back()), ratio);
+      text +=
+          fmt::format(" Tolerance {} costs {:.2g} times as much for digits that are lost anyway.",
+                      tolerance_label(tols.back()), ratio);
     }
     const TradeCell* loosest = find({.solver = solver, .tol = tols.front()});
     if (loosest->cpu_per_second > 1.1 * cpu_sufficient) {

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "core/motion/time_stepping.h"
+#include <vector>
+
+#include "core/motion/state.h"
 
 namespace bipot {
 
