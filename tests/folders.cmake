@@ -23,7 +23,7 @@ set(folders
   "bench/advise = bench/measure"
   "bench/trade = bench/measure"
   "bench/paper = bench/measure core/pictures"
-  "bench/compare = bench/measure bench/trade"
+  "bench/compare = bench/measure"
   "bench/command = bench/advise bench/compare bench/paper bench/trade core/pictures solvers/methods"
   "bench/google = bench/measure"
   "tests = bench/command bench/google")

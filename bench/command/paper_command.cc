@@ -5,12 +5,12 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <chrono>
 #include <ctime>
 
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
+#include "bench/measure/stopwatch.h"
 #include "bench/paper/paper_items.h"
 #include "bench/paper/paper_page.h"
 #include "bench/report/json_output.h"
@@ -44,8 +44,8 @@ PaperEntry run_item(const PaperItem& item, const PaperContext& context,
   entry.quick = context.quick;
   entry.build = build_info();
   entry.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
-  const auto start = std::chrono::steady_clock::now();
-  const std::clock_t cpu_start = std::clock();
+  const Stopwatch wall;
+  const CpuStopwatch cpu;
   try {
     PaperResult result = item.run(context);
     if (context.interrupted()) {
@@ -70,9 +70,8 @@ PaperEntry run_item(const PaperItem& item, const PaperContext& context,
     entry.status = interrupted ? PaperEntry::Status::kInterrupted : PaperEntry::Status::kFailed;
     if (!interrupted) entry.message = e.what();
   }
-  entry.wall_seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  entry.cpu_seconds = static_cast<double>(std::clock() - cpu_start) / CLOCKS_PER_SEC;
+  entry.wall_seconds = wall.seconds();
+  entry.cpu_seconds = cpu.seconds();
   return entry;
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -22,6 +21,7 @@
 #include "core/files/run_layout.h"
 #include "core/files/run_reader.h"
 #include "core/files/scene_file.h"
+#include "core/stopwatch.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "solvers/step_solver.h"
@@ -30,16 +30,6 @@ namespace bipot {
 namespace {
 
 namespace fs = std::filesystem;
-
-class Clock {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 /// A flag without effect would mislead.
 void refuse_flags_of_the_other_model(const RunFlags& flags, Model model) {
@@ -226,7 +216,7 @@ int run_command(const RunFlags& flags) {
   }
   if (dem) spring_dashpot_setup(scene);  // refuses before anything is written
 
-  const Clock clock;
+  const Stopwatch watch;
   State state = flags.restart.empty() ? initial_state(scene) : read_state(flags.restart);
   if (const std::string mismatch = restart_mismatch(scene, state); !mismatch.empty()) {
     throw std::invalid_argument(flags.restart + " does not fit the scene: " + mismatch);
@@ -246,12 +236,12 @@ int run_command(const RunFlags& flags) {
   SceneRunOptions run_options;
   run_options.steps = scene.num_steps - state.step;
   run_options.solver = [&](const ContactProblem& problem, const Vector& s0) {
-    options.time_limit = std::max(limit - clock.seconds(), 1e-3);
+    options.time_limit = std::max(limit - watch.seconds(), 1e-3);
     options.cancelled = &InterruptGuard::requested;
     return make_step_solver(entry, options)(problem, s0);
   };
   run_options.explicit_delassus = entry.needs_delassus;
-  run_options.cancelled = [&] { return InterruptGuard::requested() || clock.seconds() > limit; };
+  run_options.cancelled = [&] { return InterruptGuard::requested() || watch.seconds() > limit; };
   SceneRun run;
   {
     ProgressBar progress(*run_options.steps, quiet);
@@ -266,7 +256,7 @@ int run_command(const RunFlags& flags) {
   }
   const auto [status, exit_code] = outcome_of(run);
   if (run.failure) fmt::print(stderr, "bipot: {}\n", run.failure->what());
-  const RunSummary summary{scene, state, run, status, exit_code, clock.seconds(), flags.common.out};
+  const RunSummary summary{scene, state, run, status, exit_code, watch.seconds(), flags.common.out};
   const auto json = to_json(summary);
   if (!flags.common.out.empty()) write_json(json, (folder.folder / "summary.json").string());
   if (!flags.common.json.empty()) write_json(json, flags.common.json);

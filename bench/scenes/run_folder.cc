@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <vector>
 
 #include "core/files/fclib_file.h"
 #include "core/motion/stress_tensor.h"
 #include "core/pictures/force_picture.h"
 #include "core/pictures/stress_picture.h"
+#include "core/stopwatch.h"
 
 namespace bipot {
 namespace {
@@ -90,9 +90,9 @@ SceneRun run_scene_into(const Scene& scene, State& state, const SceneRunOptions&
                         const RunFolderOptions& folder) {
   double seconds = 0;
   const auto timed = [&seconds](const auto& write) {
-    const auto start = std::chrono::steady_clock::now();
+    const Stopwatch watch;
     write();
-    seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    seconds += watch.seconds();
   };
   RunFolder files(scene, state, folder);
   SceneRunOptions written = run;
