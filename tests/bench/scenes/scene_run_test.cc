@@ -6,6 +6,7 @@
 
 #include "bench/scenes/run_folder.h"
 #include "core/files/fclib_file.h"
+#include "core/files/run_reader.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
