@@ -92,6 +92,9 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
       progress = k;
     }
     if (k - progress >= options.patience) return StageEnd::kStuck;
+    if (run.judged() && run.monitor.last_error() > options.largest_growth * best_error) {
+      return StageEnd::kStuck;
+    }
     if (t < kShortStep) delta = std::max(5 * delta, kShortStepDelta);
     if (t > kLongStep) delta = std::max(options.delta_floor, 0.1 * delta);
     tiny_steps = t < kTinyStep ? tiny_steps + 1 : 0;

@@ -28,6 +28,7 @@ constexpr double kEndgameBelow = 1e-4;  // and from which the proximal interior 
 constexpr double kEndgameAgain = 0.1;   // fall of the error before the endgame is tried again
 constexpr int kActiveSetSteps = 3, kPolishSteps = 15;
 constexpr int kDirectPatience = 12;
+constexpr double kDirectGrowth = 10;  // of the error over the best one: the attempt runs away
 // Factor of the energy of the direct attempts of each round, in turn.
 constexpr double kDirectScales[] = {1, 10, 0.1, 100};
 
@@ -150,6 +151,7 @@ class Driver {
     InteriorState<D> z = cold_start(system_, energy_, factor), best = z;
     ProximalInteriorPointOptions options;
     options.patience = kDirectPatience;
+    options.largest_growth = kDirectGrowth;
     if (proximal_interior_point(system_, z, run_, options, best) == StageEnd::kStop) {
       return StageEnd::kStop;
     }
