@@ -9,9 +9,13 @@
 namespace bipot {
 
 std::filesystem::path data_folder() {
-  const char* folder = std::getenv("BIPOT_DATA");
-  return folder != nullptr ? std::filesystem::path(folder)
-                           : std::filesystem::path(BIPOT_SOURCE_DIR) / "data";
+  if (const char* folder = std::getenv("BIPOT_DATA")) return folder;
+  // An installed command stands in bin/, its data in share/bipot beside it.
+  std::error_code none;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", none);
+  const std::filesystem::path installed = program.parent_path().parent_path() / "share/bipot";
+  if (std::filesystem::is_directory(installed, none)) return installed;
+  return std::filesystem::path(BIPOT_SOURCE_DIR) / "data";
 }
 
 std::vector<std::filesystem::path> shipped_scenes() {

@@ -1,0 +1,16 @@
+# Installs the build, builds tests/consumer against the package alone, and runs both programs.
+set(prefix ${BUILD}/install_test)
+file(REMOVE_RECURSE ${prefix} ${BUILD}/consumer_test)
+set(check COMMAND_ERROR_IS_FATAL ANY)
+execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix}
+  OUTPUT_QUIET ${check})
+execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/consumer -B ${BUILD}/consumer_test -G Ninja
+  -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${FLAGS} ${check})
+execute_process(COMMAND ${CMAKE_COMMAND} --build ${BUILD}/consumer_test ${check})
+execute_process(COMMAND ${BUILD}/consumer_test/consumer
+  ${prefix}/share/bipot/problems/2d_pile_300_mu03.hdf5 ${check})
+execute_process(COMMAND ${prefix}/bin/bipot list scenes OUTPUT_VARIABLE scenes ${check})
+if(NOT scenes MATCHES "compaction")
+  message(FATAL_ERROR "the installed command does not list the installed scenes: ${scenes}")
+endif()
+execute_process(COMMAND ${prefix}/bin/bipot run sliding_cylinder --steps 5 -q ${check})
