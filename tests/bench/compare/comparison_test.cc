@@ -478,10 +478,11 @@ TEST(ComparisonReport, PageStandsAlone) {
     EXPECT_EQ(page.find(foreign), std::string::npos) << foreign;
   }
   EXPECT_NE(page.find("bipot compare &lt;targets&gt; &amp; more"), std::string::npos);
-  // Four tolerance profiles, four to true errors, three within times; three figures a problem.
+  // Success for the one size; four tolerance profiles, four to true errors, three within times;
+  // three figures a problem.
   std::size_t figures = 0;
   for (std::size_t at = 0; (at = page.find("<svg", at)) != std::string::npos; ++at) ++figures;
-  EXPECT_EQ(figures, 17u);
+  EXPECT_EQ(figures, 18u);
   const auto json = to_json(c, context);
   EXPECT_EQ(json["rows"].size(), c.rows.size());
   EXPECT_FALSE(json["commit"].get<std::string>().empty());
@@ -489,6 +490,9 @@ TEST(ComparisonReport, PageStandsAlone) {
   EXPECT_EQ(json["rows"][0]["iterations"], c.rows[0].iterations);
   // Two solvers at two tolerances, by time and by iterations; four true errors; no auto, no series.
   EXPECT_EQ(json["profiles"].size(), 2u * (2 * 2 + 4));
+  // 1e-3 to 1e-6, one size.
+  EXPECT_EQ(json["success"].size(), 2u * 4);
+  EXPECT_EQ(json["success"][0]["problems"], 2);
   EXPECT_EQ(json["errors_within"].size(), 2u * 3);
   EXPECT_EQ(json["tolerance_meaning"].size(), 2u);
   EXPECT_TRUE(json["growth"].empty());
