@@ -96,7 +96,7 @@ struct SolverEntry {
   int max_dim = 3;              ///< largest contact dimension
   int max_contacts = std::numeric_limits<int>::max();  ///< beyond it: kInvalidInput, saying so
   /// The iterates do not depend on `tol`, which decides only where they end: a solve to a loose
-  /// tolerance is the beginning of the one to a tight tolerance.
+  /// tolerance is the beginning of the one to a tight tolerance, whatever the stop test.
   bool path_ignores_tolerance = false;
 };
 

@@ -2,6 +2,8 @@
 
 #include <Eigen/LU>
 
+#include "solvers/kernels/contact_scaling.h"
+
 namespace bipot {
 
 template <int D>
@@ -10,16 +12,12 @@ InteriorSystem<D>::InteriorSystem(const ContactProblem& problem, const DelassusO
     : problem_(problem),
       delassus_(delassus),
       shifted_(problem, delassus, form),
-      friction_(problem.num_contacts()),
-      mobility_(delassus.diagonal()) {
+      friction_(to_size(problem.num_contacts())),
+      mobility_(mean_diagonal(problem, delassus.diagonal())) {
   for (int c = 0; c < num_contacts(); ++c) {
-    friction_[c] = D > 1 && problem.mu[c] > 0;
-    eigenvalues_ += Jordan::rank(friction_[c]);
-    double tangential = 0;
-    for (int k = 1; k < D; ++k) tangential += mobility_[c * D + k] / (D - 1);
-    // No tangential mobility (rounded data): the normal one stands in.
-    if (!(tangential > 1e-12 * mobility_[c * D])) tangential = mobility_[c * D];
-    for (int k = 1; k < D; ++k) mobility_[c * D + k] = tangential;
+    const bool has_friction = D > 1 && problem.mu[c] > 0;
+    friction_[to_size(c)] = has_friction;
+    eigenvalues_ += Jordan::rank(has_friction);
   }
   C_.resize(static_cast<std::size_t>(num_contacts()) * D * D);
   R_.resize(C_.size());

@@ -66,7 +66,7 @@ class InteriorSystem {
   void direction(const State& z, const Vector& r, const Vector& p, PairDirection& out,
                  int refinements = 2) const;
 
-  bool friction(int c) const { return friction_[c]; }
+  bool friction(int c) const { return friction_[to_size(c)]; }
   double mu(int c) const { return problem_.mu[c]; }
   int num_contacts() const { return problem_.num_contacts(); }
   int num_eigenvalues() const { return eigenvalues_; }

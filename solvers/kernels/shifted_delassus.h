@@ -33,6 +33,7 @@ class ShiftedDelassus {
   void solve(const Vector& g, Vector& x) const;
   /// Sign of det(I + R W).
   int determinant_sign() const;
+  /// Which form was taken, for those who asked for kAuto.
   bool body_form() const { return body_form_; }
 
  private:

@@ -42,8 +42,8 @@ constexpr double kSmallestTolerance = 1e-16;
 constexpr int kIdleCalls = 5;
 
 double* copy_to_c(const Vector& x) {
-  auto* out =
-      static_cast<double*>(std::malloc(sizeof(double) * std::max<Eigen::Index>(x.size(), 1)));
+  auto* out = static_cast<double*>(
+      std::malloc(sizeof(double) * to_size(std::max<Eigen::Index>(x.size(), 1))));
   if (out == nullptr) throw std::bad_alloc();
   std::copy(x.data(), x.data() + x.size(), out);
   return out;

@@ -1,8 +1,14 @@
 #include "solvers/methods/newton_snes.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
 
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
@@ -199,6 +205,28 @@ TEST(Newton, LeavesSignalHandlersAlone) {
     sigaction(signals[k], nullptr, &after[k]);
     EXPECT_EQ(before[k].sa_handler, after[k].sa_handler) << "signal " << signals[k];
   }
+}
+
+/// Names of the processes that `parent` started and that are still there.
+std::vector<std::string> children_of(pid_t parent) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
+    std::ifstream stat(entry.path() / "stat");  // pid (name) state parent ...
+    std::string line;
+    if (!std::getline(stat, line)) continue;
+    const std::size_t open = line.find('('), close = line.rfind(')');
+    std::istringstream rest(line.substr(close + 1));
+    char state = 0;
+    pid_t of = 0;
+    if (rest >> state >> of && of == parent)
+      names.push_back(line.substr(open + 1, close - open - 1));
+  }
+  return names;
+}
+
+TEST(Newton, StartsMpiWithoutADaemon) {
+  ASSERT_EQ(newton(lattice_step(Lattice::kTriangular, 3, 0.3, 10)).status, SolveStatus::kConverged);
+  EXPECT_EQ(children_of(getpid()), std::vector<std::string>{});
 }
 
 }  // namespace
