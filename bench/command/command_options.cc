@@ -35,7 +35,7 @@ void add_common_flags(CLI::App& command, CommonFlags& flags) {
       ->group("Results");
   command
       .add_option("--json", flags.json,
-                  "Write the summary as JSON; '-' is standard output, with nothing else on it")
+                  "Write the summary as JSON; '-': standard output, with nothing else")
       ->type_name("FILE")
       ->group("Results");
 }

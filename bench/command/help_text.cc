@@ -6,7 +6,7 @@
 namespace bipot {
 namespace {
 
-constexpr std::size_t kColumn = 28;  // where descriptions begin
+constexpr std::size_t kColumn = 30;  // where descriptions begin
 
 /// Characters, not bytes: all of UTF-8 but its continuation bytes.
 std::size_t length(const std::string& text) {
@@ -54,6 +54,13 @@ std::string ScreenHelp::make_option(const CLI::Option* option, bool is_positiona
     line += std::string(kColumn - length(line), ' ');
   }
   return line + description + "\n";
+}
+
+std::string ScreenHelp::make_subcommand(const CLI::App* command) const {
+  constexpr std::size_t kNames = 12;
+  const std::string name = "  " + command->get_name();
+  return name + std::string(kNames - std::min(kNames, length(name)), ' ') +
+         wrapped(command->get_description(), kNames) + "\n";
 }
 
 std::string ScreenHelp::make_option_opts(const CLI::Option* option) const {

@@ -168,11 +168,11 @@ CLI::App* add_run_command(CLI::App& app, RunFlags& flags) {
       ->check(CLI::PositiveNumber);
   command
       ->add_option("--restart", flags.restart,
-                   "Go on from the last frame of that run (folder or run.h5) to the scene's end")
+                   "Go on from the last frame of that run (folder or run.h5)")
       ->type_name("RUN");
   command
       ->add_option("--model", flags.model,
-                   "nscd: rigid disks, one contact problem a step; dem: springs and dashpots")
+                   "nscd: rigid, one contact problem a step; dem: springs and dashpots")
       ->check(CLI::IsMember({"nscd", "dem"}));
   const auto dem = [&](const char* name, std::optional<double>& value, const char* unit,
                        const char* help) {
