@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bench/advise/window_run.h"
+#include "bench/scenes/scene_run.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -23,31 +24,25 @@ SampledRun run_scene(const Scene& scene, double tol, double part, const AdviseOp
   SolverOptions solver;
   solver.tol = tol;
   solver.cancelled = options.interrupted;
-  TimeStepper stepper(
-      scene, limited_solver(require_solver("auto"), solver, [&] { return time.until(part); }),
-      false);
-  State state = initial_state(scene);
+  State state = initial_state(scene), before;
   int stride = 1;
   double overhead = 0;
   // States of every quarter of a window: a window from the third last of them has the present in
   // its middle, where its weight is large.
   const int quarter = window_length(scene, options.window).steps / 4;
   std::deque<State> leads;
-  for (int k = 0; k < scene.num_steps; ++k) {
-    const State before = state;
-    if (k % quarter == 0) {
-      leads.push_back(state);
+  SceneRunOptions to_sample;
+  to_sample.solver =
+      limited_solver(require_solver("auto"), solver, [&] { return time.until(part); });
+  to_sample.before_step = [&](State& next) {
+    before = next;
+    if (run.seen.steps_run % quarter == 0) {
+      leads.push_back(next);
       if (leads.size() > 3) leads.pop_front();
     }
-    StepReport report;
-    try {
-      report = stepper.advance(state);
-    } catch (const StepFailure& e) {
-      run.seen.note = e.kind == StepFailure::Kind::kCutShort
-                          ? fmt::format("time for the run was up after {} steps", k)
-                          : fmt::format("the run ended: {}", e.what());
-      break;
-    }
+  };
+  to_sample.on_step = [&](const SceneStep& step) {
+    const StepReport& report = step.report;
     ++run.seen.steps_run;
     overhead += report.detection_seconds + report.assembly_seconds;
     run.seen.contacts_max = std::max(run.seen.contacts_max, report.contacts);
@@ -62,10 +57,13 @@ SampledRun run_scene(const Scene& scene, double tol, double part, const AdviseOp
         stride *= 2;
       }
     }
-    if (k + 1 < scene.num_steps && time.past(part)) {
-      run.seen.note = fmt::format("time for the run was up after {} steps", k + 1);
-      break;
-    }
+    return run.seen.steps_run == scene.num_steps || !time.past(part);
+  };
+  const SceneRun taken = run_scene(scene, state, to_sample);
+  if (taken.end == SceneRun::End::kFailed) {
+    run.seen.note = fmt::format("the run ended: {}", taken.failure->what());
+  } else if (taken.end != SceneRun::End::kCompleted) {
+    run.seen.note = fmt::format("time for the run was up after {} steps", run.seen.steps_run);
   }
   if (run.seen.steps_run > 0) run.seen.overhead_seconds = overhead / run.seen.steps_run;
   return run;

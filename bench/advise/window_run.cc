@@ -5,6 +5,7 @@
 #include <map>
 #include <utility>
 
+#include "bench/scenes/scene_run.h"
 #include "core/scene/contact_detection.h"
 #include "solvers/step_solver.h"
 
@@ -41,20 +42,19 @@ WindowRun run_window(const Scene& scene, State state, double factor, int steps,
   scale_impulses(state, factor);
   WindowRun run;
   const double h = scene.step;
-  TimeStepper stepper(scene, solver, false);
   run.force.assign(state.disks.size() + state.walls.size(), Vec2::Zero());
   const double before = state.friction_loss + state.shock_loss;
   Overlaps overlaps = overlaps_of(state);
   double weights = 0;
-  for (int k = 0; k < steps; ++k) {
-    const State last = state;
-    StepReport report;
-    try {
-      report = stepper.advance(state);
-    } catch (const StepFailure&) {
-      return run;
-    }
-    if (!report.converged && !(report.error.guarded() <= accepted)) return run;
+  State last;
+  int k = 0;
+  SceneRunOptions window;
+  window.steps = steps;
+  window.solver = solver;
+  window.before_step = [&last](State& next) { last = next; };
+  window.on_step = [&](const SceneStep& step) {
+    const StepReport& report = step.report;
+    if (!report.converged && !(report.error.guarded() <= accepted)) return false;
     const double weight = 1 - std::abs((2.0 * k + 1) / steps - 1);
     weights += weight * h;
     for (std::size_t i = 0; i < state.disks.size(); ++i) {
@@ -74,7 +74,10 @@ WindowRun run_window(const Scene& scene, State state, double factor, int steps,
           std::max(run.penetration, overlap - (old == overlaps.end() ? 0 : old->second));
     }
     overlaps = std::move(now);
-  }
+    ++k;
+    return true;
+  };
+  if (run_scene(scene, state, window).end != SceneRun::End::kCompleted) return run;
   for (Vec2& f : run.force) f /= weights;
   run.dissipated = state.friction_loss + state.shock_loss - before;
   run.usable = true;

@@ -45,6 +45,7 @@ std::string command_line(const std::string& targets, const CompareFlags& flags) 
     line += fmt::format(" --min-time {:g}", flags.min_time);
   }
   if (flags.try_all) line += " --try-all";
+  if (flags.warm) line += " --warm";
   if (flags.scene_problems) line += fmt::format(" --scene-problems {}", *flags.scene_problems);
   if (flags.scene_steps) line += fmt::format(" --scene-steps {}", *flags.scene_steps);
   if (!flags.whole_runs.empty()) {
@@ -93,6 +94,8 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
   command->add_flag("--try-all", flags.try_all,
                     "Run solvers also after they were out of time at a looser tolerance or on a "
                     "smaller problem of the series");
+  command->add_flag("--warm", flags.warm,
+                    "Beside each row the same from the step before, where a file or scene has it");
   command->add_option("--scene-problems", flags.scene_problems, "Steps of a scene (3; quick 1)")
       ->check(CLI::Range(1, 1000));
   command->add_option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)")
@@ -112,7 +115,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
       ->type_name("DIR");
   command
       ->add_option("--json", flags.json,
-                   "Write the table as JSON; '-' is standard output, with nothing else on it")
+                   "Write the table as JSON; '-': standard output, with nothing else")
       ->type_name("FILE");
   command->add_flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
   command->footer(
@@ -139,6 +142,7 @@ int compare_command(const CompareFlags& flags) {
   options.repeat = flags.repeat;
   options.min_time = flags.min_time;
   options.try_all = flags.try_all;
+  options.warm = flags.warm;
   options.out = flags.out;
   TargetOptions scenes;
   scenes.scene_problems = flags.scene_problems.value_or(flags.quick ? 1 : 3);
@@ -152,14 +156,15 @@ int compare_command(const CompareFlags& flags) {
     require_writable(flags.json);
   }
   const bool quiet = flags.quiet || flags.json == "-";
-  const long total =
-      static_cast<long>(sources.size() * options.solvers.size() * options.tols.size());
+  const long total = static_cast<long>(sources.size() * options.solvers.size() *
+                                       options.tols.size() * (options.warm ? 2 : 1));
   ProgressBar progress(total, quiet);
   options.on_row = [&progress](const ComparisonRow& row, int done, int) {
     progress.update(done, fmt::format("{} {} {:g}", row.problem, row.solver, row.tol));
   };
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;
+  options.cancelled = &InterruptGuard::requested;
   const Comparison comparison = compare(sources, options);
   std::optional<FinishedTrade> whole;
   if (!flags.whole_runs.empty() && comparison.complete) {
@@ -198,7 +203,7 @@ int compare_command(const CompareFlags& flags) {
     if (whole) fmt::print("\nWhole simulations\n\n{}", to_text(whole->analysed));
     if (!flags.out.empty()) {
       fmt::print("results in {}, {} of {} rows from before\n", flags.out, comparison.rows_kept,
-                 comparison.rows.size());
+                 comparison.rows.size() + comparison.warm_rows.size());
     }
   }
   return comparison.complete && (!whole || whole->analysed.trade.complete) ? kExitConverged

@@ -16,6 +16,7 @@ struct CompareFlags {
   int repeat = 1;
   double min_time = 0.02;  ///< of the repeats of a short solve together, CPU [s]
   bool try_all = false;
+  bool warm = false;                  ///< warm rows beside the cold ones
   std::optional<int> scene_problems;  ///< 3; quick 1
   std::optional<int> scene_steps;     ///< all; quick 100
   /// Scenes run as a whole, beside the problems; "set": the set of `bipot trade`.

@@ -96,7 +96,7 @@ CLI::App* add_paper_command(CLI::App& app, PaperFlags& flags) {
       ->capture_default_str();
   command
       ->add_option("--json", flags.json,
-                   "Write the results as JSON; '-' is standard output, with nothing else on it")
+                   "Write the results as JSON; '-': standard output, with nothing else")
       ->type_name("FILE");
   command->add_flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
   command->footer(

@@ -235,11 +235,13 @@ int run_command(const RunFlags& flags) {
   const double limit = flags.common.time_limit;
   SceneRunOptions run_options;
   run_options.steps = scene.num_steps - state.step;
-  run_options.solver = [&](const ContactProblem& problem, const Vector& s0) {
-    options.time_limit = std::max(limit - watch.seconds(), 1e-3);
-    options.cancelled = &InterruptGuard::requested;
-    return make_step_solver(entry, options)(problem, s0);
-  };
+  if (!dem) {
+    run_options.solver = [&](const ContactProblem& problem, const Vector& s0) {
+      options.time_limit = std::max(limit - watch.seconds(), 1e-3);
+      options.cancelled = &InterruptGuard::requested;
+      return make_step_solver(entry, options)(problem, s0);
+    };
+  }
   run_options.explicit_delassus = entry.needs_delassus;
   run_options.cancelled = [&] { return InterruptGuard::requested() || watch.seconds() > limit; };
   SceneRun run;

@@ -54,7 +54,7 @@ CLI::App* add_trade_command(CLI::App& app, TradeFlags& flags) {
       ->type_name("DIR");
   command
       ->add_option("--json", flags.json,
-                   "Write all of it as JSON; '-' is standard output, with nothing else on it")
+                   "Write all of it as JSON; '-': standard output, with nothing else")
       ->type_name("FILE");
   command->add_flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
   command->footer(

@@ -51,13 +51,14 @@ struct Measurement {
   std::vector<HistoryPoint> history;
 };
 
-Measurement measure(const SolverEntry& entry, const TestProblem& given, double tol,
+Measurement measure(const SolverEntry& entry, const TestProblem& given, double tol, bool warm,
                     const TrueErrorEvaluator& true_error, const ComparisonOptions& options) {
   const ContactProblem& problem = given.problem;
   Measurement made;
   ComparisonRow& row = made.row;
   SolverOptions solver;
   solver.tol = tol;
+  if (warm) solver.s0 = given.start;
   solver.time_limit = CpuLimit::kWallFactor * options.time_limit;
   // Watching costs next to nothing beside the judgements themselves, and only the first repeat is
   // watched.
@@ -67,7 +68,7 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
   double spent = 0;
   for (int k = 0; k < std::max(1, options.repeat) || spent < options.min_time; ++k) {
     CpuLimit limit(options.time_limit);
-    solver.cancelled = [&limit] { return limit(); };
+    solver.cancelled = [&] { return limit() || options.is_cancelled(); };
     const CpuStopwatch watch;
     SolveResult result = solve(entry, problem, solver);
     cpu.push_back(watch.seconds());
@@ -106,7 +107,10 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
       row.dissipated = error.dissipated;
       row.energy_error = error.energy;
     }
-    if (limit.reached() || result.status == SolveStatus::kTimeLimit) break;  // more of the same
+    if (limit.reached() || result.status == SolveStatus::kTimeLimit ||
+        result.status == SolveStatus::kInterrupted) {
+      break;  // more of the same
+    }
   }
   row.repeats = static_cast<int>(total.size());
   row.setup_min = *std::min_element(setup.begin(), setup.end());
@@ -126,7 +130,7 @@ class ProblemRows {
       : source_(source), options_(options), store_(store), commit_(commit) {}
 
   /// `hopeless`: why the solver is not tried, empty when it is.
-  Measurement make(const SolverEntry& entry, double tol, const ComparisonRow* looser,
+  Measurement make(const SolverEntry& entry, double tol, bool warm, const ComparisonRow* looser,
                    const std::string& hopeless) {
     prepare();
     Measurement made;
@@ -145,15 +149,22 @@ class ProblemRows {
                                   looser->tol, looser->message);
       }
     } else {
-      made = measure(entry, problem_, tol, *true_error_, options_);
+      made = measure(entry, problem_, tol, warm, *true_error_, options_);
     }
     row.problem = source_.name;
     row.solver = entry.name;
     row.tol = tol;
+    row.warm = warm ? 1 : 0;
     row.contacts = problem_.problem.num_contacts();
     row.dim = defect_.empty() ? problem_.problem.dim : 0;
     row.commit = commit_;
     return made;
+  }
+
+  /// Makes the problem.
+  bool has_start() {
+    prepare();
+    return problem_.start.size() == problem_.problem.num_rows() && problem_.start.size() > 0;
   }
 
   /// Without the problem where no row was missing and the reference is kept.
@@ -214,8 +225,10 @@ class ProblemRows {
       }
     } else {
       reference_ = find_reference(problem_, options_.reference_time_limit,
-                                  ReferenceSolution::kTarget, LimitOn::kCpu);
-      store_.write(source_, problem_, reference_);
+                                  ReferenceSolution::kTarget, LimitOn::kCpu, options_.cancelled);
+      if (!options_.is_cancelled()) {
+        store_.write(source_, problem_, reference_);
+      }
     }
     true_error_.emplace(problem_, reference_);
   }
@@ -264,6 +277,103 @@ class TimeOuts {
   std::vector<Seen> seen_;
 };
 
+/// Fills the table problem by problem.
+class TableFiller {
+ public:
+  TableFiller(const ComparisonOptions& options, std::vector<const SolverEntry*> entries,
+              std::vector<double> tols, std::size_t problems)
+      : options_(options),
+        entries_(std::move(entries)),
+        tols_(std::move(tols)),
+        total_(
+            static_cast<int>(problems * entries_.size() * tols_.size() * (options.warm ? 2 : 1))),
+        commit_(build_info().commit),
+        store_(options) {}
+
+  /// False when it was interrupted.
+  bool fill(const ProblemSource& source) {
+    ProblemRows problem(source, options_, store_, commit_);
+    const std::size_t first = table_.rows.size(), first_warm = table_.warm_rows.size();
+    for (const SolverEntry* entry : entries_) {
+      if (!fill_rows(source, problem, *entry, false)) return false;
+      if (options_.warm && !fill_rows(source, problem, *entry, true)) return false;
+      if (const History* history = store_.history(source.name, std::string(entry->name))) {
+        table_.histories.push_back(*history);
+      }
+    }
+    ProblemSummary summary = problem.summary();
+    if (summary.reference_guarded <= ReferenceSolution::kTrusted) {
+      widen_spread(table_.rows, first, summary);
+      widen_spread(table_.warm_rows, first_warm, summary);
+    }
+    table_.problems.push_back(std::move(summary));
+    return true;
+  }
+
+  Comparison& table() { return table_; }
+
+ private:
+  bool interrupted() const { return options_.interrupted && options_.interrupted(); }
+
+  bool fill_rows(const ProblemSource& source, ProblemRows& problem, const SolverEntry& entry,
+                 bool warm) {
+    std::vector<ComparisonRow>& rows = warm ? table_.warm_rows : table_.rows;
+    TimeOuts& time_outs = warm ? warm_time_outs_ : time_outs_;
+    const std::string name(entry.name);
+    for (std::size_t k = 0; k < tols_.size(); ++k) {
+      if (interrupted()) return false;
+      if (const ComparisonRow* kept = store_.find(source.name, name, tols_[k], warm)) {
+        rows.push_back(*kept);
+        ++table_.rows_kept;
+      } else {
+        if (warm && !problem.has_start()) return true;
+        warm_up_once();
+        const ComparisonRow* looser = k > 0 ? &rows.back() : nullptr;
+        const std::string hopeless =
+            options_.try_all ? "" : time_outs.reason(source, entry.name, tols_[k]);
+        Measurement made = problem.make(entry, tols_[k], warm, looser, hopeless);
+        if (options_.is_cancelled()) return false;
+        History history{source.name, name, tols_[k], {}};
+        if (!warm) history.points = std::move(made.history);
+        store_.append(made.row, history);
+        rows.push_back(std::move(made.row));
+      }
+      time_outs.add(source, rows.back());
+      if (options_.on_row) {
+        options_.on_row(rows.back(), static_cast<int>(table_.rows.size() + table_.warm_rows.size()),
+                        total_);
+      }
+    }
+    return true;
+  }
+
+  /// The program is warm before the first solve that counts.
+  void warm_up_once() {
+    if (warmed_up_) return;
+    for (const SolverEntry& solver : solver_table()) warm_up(solver);
+    warmed_up_ = true;
+  }
+
+  static void widen_spread(const std::vector<ComparisonRow>& rows, std::size_t first,
+                           ProblemSummary& summary) {
+    for (std::size_t i = first; i < rows.size(); ++i) {
+      if (rows[i].guarded <= ReferenceSolution::kTrusted && std::isfinite(rows[i].velocity_error)) {
+        summary.velocity_spread = std::fmax(summary.velocity_spread, rows[i].velocity_error);
+      }
+    }
+  }
+
+  const ComparisonOptions& options_;
+  const std::vector<const SolverEntry*> entries_;
+  const std::vector<double> tols_;
+  const int total_;
+  const std::string commit_;
+  ComparisonStore store_;
+  Comparison table_;
+  TimeOuts time_outs_, warm_time_outs_;
+  bool warmed_up_ = false;
+};
+
 }  // namespace
 
 double HistoryPoint::guarded() const {
@@ -287,56 +397,11 @@ Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOp
     }
   }
 
-  const std::string commit = build_info().commit;
-  ComparisonStore store(options);
-  Comparison comparison;
-  bool warm = false;
-  TimeOuts time_outs;
-  const int total = static_cast<int>(sources.size() * entries.size() * tols.size());
-  for (const ProblemSource& source : sources) {
-    ProblemRows problem(source, options, store, commit);
-    const std::size_t first = comparison.rows.size();
-    for (const SolverEntry* entry : entries) {
-      for (std::size_t k = 0; k < tols.size(); ++k) {
-        if (options.interrupted && options.interrupted()) return comparison;
-        if (const ComparisonRow* kept =
-                store.find(source.name, std::string(entry->name), tols[k])) {
-          comparison.rows.push_back(*kept);
-          ++comparison.rows_kept;
-        } else {
-          if (!warm) {
-            for (const SolverEntry& solver : solver_table()) warm_up(solver);
-          }
-          warm = true;
-          const ComparisonRow* looser = k > 0 ? &comparison.rows.back() : nullptr;
-          const std::string hopeless =
-              options.try_all ? "" : time_outs.reason(source, entry->name, tols[k]);
-          Measurement made = problem.make(*entry, tols[k], looser, hopeless);
-          store.append(made.row, {source.name, std::string(entry->name), tols[k], made.history});
-          comparison.rows.push_back(std::move(made.row));
-        }
-        time_outs.add(source, comparison.rows.back());
-        if (options.on_row) {
-          options.on_row(comparison.rows.back(), static_cast<int>(comparison.rows.size()), total);
-        }
-      }
-      if (const History* history = store.history(source.name, std::string(entry->name))) {
-        comparison.histories.push_back(*history);
-      }
-    }
-    ProblemSummary summary = problem.summary();
-    if (summary.reference_guarded <= ReferenceSolution::kTrusted) {
-      for (std::size_t i = first; i < comparison.rows.size(); ++i) {
-        const ComparisonRow& row = comparison.rows[i];
-        if (row.guarded <= ReferenceSolution::kTrusted && std::isfinite(row.velocity_error)) {
-          summary.velocity_spread = std::fmax(summary.velocity_spread, row.velocity_error);
-        }
-      }
-    }
-    comparison.problems.push_back(std::move(summary));
-  }
-  comparison.complete = true;
-  return comparison;
+  TableFiller filler(options, std::move(entries), std::move(tols), sources.size());
+  Comparison& table = filler.table();
+  table.complete = std::all_of(sources.begin(), sources.end(),
+                               [&](const ProblemSource& source) { return filler.fill(source); });
+  return std::move(table);
 }
 
 }  // namespace bipot

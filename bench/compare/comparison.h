@@ -16,6 +16,7 @@ namespace bipot {
 struct ComparisonRow {
   std::string problem, solver;
   double tol = kNaN;
+  int warm = 0;  ///< 1: started from the problem's start, 0: from s = 0
   int contacts = 0, dim = 0;
   std::string status = "not run", message;
   int iterations = 0;
@@ -80,22 +81,27 @@ struct ComparisonOptions {
   /// tolerance or a looser one, or on the same problem at a looser one. If not, these rows have the
   /// status "not tried". `auto` always runs.
   bool try_all = false;
+  bool warm = false;  ///< each row once more from the problem's start, where it has one
   /// rows.csv, history.csv, references/, problems/; empty: nothing is written.
   std::filesystem::path out;
   std::function<void(const ComparisonRow&, int done, int total)> on_row;
   std::function<bool()> interrupted;  ///< asked before each row
+  std::function<bool()> cancelled;    ///< asked inside solves: the row that it cuts short is left
+  bool is_cancelled() const { return cancelled && cancelled(); }
 };
 
 struct Comparison {
   std::vector<ProblemSummary> problems;  ///< in the order of the sources
   std::vector<ComparisonRow> rows;       ///< problem by problem, solver by solver, loose to tight
   std::vector<History> histories;        ///< in the same order
-  int rows_kept = 0;                     ///< of an earlier, stopped comparison
+  /// With ComparisonOptions::warm, in the order of `rows`, which are cold: what is ranked.
+  std::vector<ComparisonRow> warm_rows;
+  int rows_kept = 0;  ///< of an earlier, stopped comparison
   bool complete = false;
 };
 
 /// Fills the table. Rows are appended to out/rows.csv as they finish; rows that stand there already
-/// (same problem, solver and tolerance) are kept as they are. All solves start from s = 0. A solver
+/// (same problem, solver, tolerance and start) are kept as they are. A solver
 /// that ran into the time limit and whose iterates do not depend on the tolerance is not run again
 /// at tighter ones: those rows repeat the figures and say so. Throws FileError, and
 /// std::invalid_argument for an unknown solver or an `out` whose rows were made under other limits.

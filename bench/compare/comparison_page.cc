@@ -8,6 +8,7 @@
 #include "bench/compare/page_notes.h"
 #include "bench/compare/page_problems.h"
 #include "bench/compare/page_table.h"
+#include "bench/compare/page_warm.h"
 #include "bench/report/chart.h"
 #include "bench/report/page_style.h"
 
@@ -49,6 +50,7 @@ void add_contents(PageDraft& page, const PageContent& of,
       "<nav><a href=\"#answer\">Fastest, by problem</a><a href=\"#tolerance\">What a tolerance "
       "means</a><a href=\"#solvers\">Who solves what</a>");
   if (of.has_auto()) page.add("<a href=\"#auto\">auto</a>");
+  if (!of.comparison.warm_rows.empty()) page.add("<a href=\"#warm\">Warm starts</a>");
   if (!of.success.empty()) page.add("<a href=\"#success\">Success</a>");
   if (of.comparison.problems.size() > 1) page.add("<a href=\"#profiles\">Profiles</a>");
   if (!of.growth.empty()) page.add("<a href=\"#growth\">Growth with size</a>");
@@ -75,6 +77,7 @@ std::string to_html(const Comparison& comparison, const ReportContext& context,
   add_tolerance_meaning(page, of);
   add_solver_summary(page, of);
   add_regret(page, of);
+  add_warm_starts(page, of);
   add_success(page, of);
   add_profiles(page, of);
   add_growth(page, of);

@@ -9,6 +9,7 @@
 
 #include "bench/compare/comparison_rows.h"
 #include "bench/compare/comparison_success.h"
+#include "bench/compare/warm_gain.h"
 #include "bench/report/json_output.h"
 
 namespace bipot {
@@ -100,21 +101,38 @@ nlohmann::ordered_json problems_json(const Comparison& comparison) {
   return all;
 }
 
+nlohmann::ordered_json row_json(const ComparisonRow& r) {
+  nlohmann::ordered_json row;
+  for (const Column& column : comparison_columns()) {
+    const std::string name(column.name), text = column.write(r);
+    if (column.text) {
+      row[name] = text;
+    } else if (text.find_first_not_of("-0123456789") == std::string::npos) {
+      row[name] = std::stol(text);
+    } else {
+      row[name] = number(std::strtod(text.c_str(), nullptr));
+    }
+  }
+  return row;
+}
+
 nlohmann::ordered_json rows_json(const Comparison& comparison) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  for (const ComparisonRow& r : comparison.rows) {
-    nlohmann::ordered_json row;
-    for (const Column& column : comparison_columns()) {
-      const std::string name(column.name), text = column.write(r);
-      if (column.text) {
-        row[name] = text;
-      } else if (text.find_first_not_of("-0123456789") == std::string::npos) {
-        row[name] = std::stol(text);
-      } else {
-        row[name] = number(std::strtod(text.c_str(), nullptr));
-      }
-    }
-    all.push_back(std::move(row));
+  for (const ComparisonRow& row : comparison.rows) all.push_back(row_json(row));
+  for (const ComparisonRow& row : comparison.warm_rows) all.push_back(row_json(row));
+  return all;
+}
+
+nlohmann::ordered_json warm_json(const Comparison& comparison) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const WarmGain& gain : warm_gains(comparison)) {
+    all.push_back({{"solver", gain.solver},
+                   {"tol", gain.tol},
+                   {"problems", gain.problems},
+                   {"solved_cold", gain.solved_cold},
+                   {"solved_warm", gain.solved_warm},
+                   {"median_time_ratio", number(gain.time_ratio)},
+                   {"median_iterations_ratio", number(gain.iterations_ratio)}});
   }
   return all;
 }
@@ -233,6 +251,7 @@ nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext
   j["rows"] = rows_json(comparison);
   j["solved"] = solved_json(comparison);
   j["success"] = success_json(comparison);
+  if (!comparison.warm_rows.empty()) j["warm_starts"] = warm_json(comparison);
   j["profiles"] = profiles_json(comparison);
   j["errors_within"] = errors_within_json(comparison);
   j["tolerance_meaning"] = meaning_json(comparison);
@@ -245,6 +264,7 @@ nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext
 std::string to_csv(const Comparison& comparison) {
   std::string text = csv_header() + "\n";
   for (const ComparisonRow& row : comparison.rows) text += to_csv(row) + "\n";
+  for (const ComparisonRow& row : comparison.warm_rows) text += to_csv(row) + "\n";
   return text;
 }
 
@@ -291,6 +311,7 @@ std::string to_text(const Comparison& comparison) {
                     std::isfinite(c.median_ratio) ? fmt::format("{:.1f}", c.median_ratio) : "-");
   }
   text += regret_line(regret_of(comparison, "auto"));
+  for (const WarmGain& gain : warm_gains(comparison)) text += to_text(gain) + "\n";
   for (const ProblemSummary& p : comparison.problems) {
     if (!p.defect.empty()) {
       text += fmt::format("{}: {}\n", p.name, p.defect);

@@ -44,6 +44,7 @@ const std::vector<Column>& comparison_columns() {
       text_column("problem", &Row::problem, "name of the problem"),
       text_column("solver", &Row::solver, "name of the solver, see `bipot list solvers`"),
       number_column("tol", &Row::tol, "tolerance that the solver was given"),
+      count_column("warm", &Row::warm, "1: started from the step before, 0: from s = 0"),
       count_column("contacts", &Row::contacts, "number of candidate contacts"),
       count_column("dim", &Row::dim, "rows of a contact: 1 without friction, 2 in the plane, 3"),
       text_column("status", &Row::status, "how the solve ended"),

@@ -16,8 +16,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string key_of(const std::string& problem, const std::string& solver, double tol) {
-  return fmt::format("{}|{}|{}", problem, solver, tol);
+std::string key_of(const std::string& problem, const std::string& solver, double tol, bool warm) {
+  return fmt::format("{}|{}|{}|{}", problem, solver, tol, warm);
 }
 
 /// A problem's name as a file name.
@@ -80,7 +80,7 @@ ComparisonStore::ComparisonStore(const ComparisonOptions& options) : folder_(opt
   const fs::path rows = folder_ / "rows.csv", histories = folder_ / "history.csv";
   if (fs::exists(rows)) {
     for (ComparisonRow& row : read_csv_rows(rows)) {
-      const std::string key = key_of(row.problem, row.solver, row.tol);
+      const std::string key = key_of(row.problem, row.solver, row.tol, row.warm != 0);
       rows_.insert_or_assign(key, std::move(row));
     }
   }
@@ -94,8 +94,8 @@ ComparisonStore::ComparisonStore(const ComparisonOptions& options) : folder_(opt
 }
 
 const ComparisonRow* ComparisonStore::find(const std::string& problem, const std::string& solver,
-                                           double tol) const {
-  const auto found = rows_.find(key_of(problem, solver, tol));
+                                           double tol, bool warm) const {
+  const auto found = rows_.find(key_of(problem, solver, tol, warm));
   return found == rows_.end() ? nullptr : &found->second;
 }
 
@@ -128,8 +128,10 @@ void ComparisonStore::write(const ProblemSource& source, const TestProblem& prob
   // Problems that come from files are not copied.
   if (fs::exists(source.target) && !source.target.ends_with(".toml")) return;
   if (problem.problem.num_contacts() == 0) return;
-  write_fclib(folder_ / "problems" / (file_stem(source.name) + ".hdf5"), problem.problem,
-              {.title = source.name, .description = problem.origin});
+  write_fclib(
+      folder_ / "problems" / (file_stem(source.name) + ".hdf5"), problem.problem,
+      {.title = source.name, .description = problem.origin},
+      problem.start.size() > 0 ? std::vector<Vector>{problem.start} : std::vector<Vector>{});
 }
 
 fs::path ComparisonStore::reference_path(const std::string& problem) const {

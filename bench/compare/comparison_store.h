@@ -22,8 +22,8 @@ class ComparisonStore {
   explicit ComparisonStore(const ComparisonOptions& options);
 
   /// The row that was made before; null without one.
-  const ComparisonRow* find(const std::string& problem, const std::string& solver,
-                            double tol) const;
+  const ComparisonRow* find(const std::string& problem, const std::string& solver, double tol,
+                            bool warm) const;
   /// The history before the row: a row that stands in the file has its history.
   void append(const ComparisonRow& row, const History& history);
   const History* history(const std::string& problem, const std::string& solver) const;

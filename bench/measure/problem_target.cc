@@ -16,6 +16,7 @@
 #include <tuple>
 
 #include "bench/scenes/scene_catalogue.h"
+#include "bench/scenes/scene_run.h"
 #include "bench/scenes/settled_pile.h"
 #include "core/files/problem_file.h"
 #include "core/files/scene_file.h"
@@ -232,9 +233,9 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
 }
 
 /// Contact problems along one run. The run is made once, when the first of them is asked for.
-class SceneRun {
+class ProblemRun {
  public:
-  SceneRun(Scene scene, std::vector<int> steps) : scene_(std::move(scene)), steps_(steps) {}
+  ProblemRun(Scene scene, std::vector<int> steps) : scene_(std::move(scene)), steps_(steps) {}
 
   TestProblem at(int step) {
     if (problems_.empty()) run();
@@ -246,18 +247,24 @@ class SceneRun {
     SolverOptions options;
     options.tol = scene_.solver.tol;
     State state = initial_state(scene_);
-    TimeStepper stepper(scene_, make_step_solver(require_solver("auto"), options), false);
-    for (int k = 1; k <= steps_.back(); ++k) {
-      const StepReport report = stepper.advance(state);
-      if (!std::binary_search(steps_.begin(), steps_.end(), k)) continue;
+    SceneRunOptions to_last;
+    to_last.steps = steps_.back();
+    to_last.solver = make_step_solver(require_solver("auto"), options);
+    to_last.on_step = [this](const SceneStep& step) {
+      const int k = step.report.step;
+      if (!std::binary_search(steps_.begin(), steps_.end(), k)) return true;
       TestProblem& made = problems_[k];
       made.origin = fmt::format("scene {}, step {} at t = {:g} s of a run with auto to {:.0e}",
-                                fs::path(scene_.source).filename().string(), k, report.time,
+                                fs::path(scene_.source).filename().string(), k, step.report.time,
                                 scene_.solver.tol);
-      made.problem = stepper.problem();
+      made.problem = step.problem;
+      made.start = step.start;
       made.step = scene_.step;
       made.smallest_radius = smallest_radius_of(scene_);
-    }
+      return true;
+    };
+    const SceneRun run = run_scene(scene_, state, to_last);
+    if (run.failure) throw *run.failure;
   }
 
   Scene scene_;
@@ -268,7 +275,9 @@ class SceneRun {
 ProblemSource file_source(const fs::path& path) {
   return {path.stem().string(), path.string(), [path] {
             TestProblem made;
-            made.problem = read_problem(path).problem;
+            ProblemFile file = read_problem(path);
+            made.problem = std::move(file.problem);
+            if (!file.guesses.empty()) made.start = std::move(file.guesses.front());
             made.origin = fmt::format("file {}", path.filename().string());
             return made;
           }};
@@ -300,7 +309,7 @@ void add_scene(const std::string& target, const TargetOptions& options,
         1, static_cast<int>(std::lround(static_cast<double>(last) * i / options.scene_problems))));
   }
   const auto run =
-      std::make_shared<SceneRun>(std::move(scene), std::vector<int>(steps.begin(), steps.end()));
+      std::make_shared<ProblemRun>(std::move(scene), std::vector<int>(steps.begin(), steps.end()));
   for (int step : steps) {
     sources.push_back({fmt::format("{}@{}", path.stem().string(), step), target,
                        [run, step] { return run->at(step); }});

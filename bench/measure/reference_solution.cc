@@ -28,7 +28,7 @@ SolveStatus parse_status(const std::string& text) {
 }  // namespace
 
 ReferenceSolution find_reference(const TestProblem& given, double time_limit, double target,
-                                 LimitOn limit_on) {
+                                 LimitOn limit_on, const std::function<bool()>& interrupted) {
   const double witness = std::max(ReferenceSolution::kTrusted, 10 * target);
   const ContactProblem& problem = given.problem;
   ReferenceSolution best;
@@ -52,10 +52,11 @@ ReferenceSolution find_reference(const TestProblem& given, double time_limit, do
     SolverOptions options;
     options.tol = target;
     options.time_limit = time_limit;
+    options.cancelled = interrupted;
     CpuLimit limit(time_limit);
     if (limit_on == LimitOn::kCpu) {
       options.time_limit *= CpuLimit::kWallFactor;
-      options.cancelled = [&limit] { return limit(); };
+      options.cancelled = [&] { return limit() || (interrupted && interrupted()); };
     }
     SolveResult result = solve(*entry, problem, options);
     if (limit.reached() && !is_success(result.status)) result.status = SolveStatus::kTimeLimit;
@@ -73,6 +74,7 @@ ReferenceSolution find_reference(const TestProblem& given, double time_limit, do
       if (error.guarded() <= witness) trusted.push_back(result.s);
     }
     best.attempts.push_back(attempt);
+    if (interrupted && interrupted()) break;
     if (best_error <= enough && trusted.size() >= 2) break;
   }
   if (trusted.size() >= 2) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <string>
 #include <vector>
@@ -44,10 +45,11 @@ enum class LimitOn { kWall, kCpu };
 /// Runs auto, newton, ipm and apgd in turn from s = 0 to a guarded error of `target`, each within
 /// the time limit, until one gets there and a second one stands below 1e-9 (or ten times the
 /// target, if that is more) as a witness; keeps the lowest. Beyond kLarge contacts the order is
-/// auto, apgd, ipm, newton.
+/// auto, apgd, ipm, newton. `interrupted` is polled inside the solves: true ends the search.
 ReferenceSolution find_reference(const TestProblem& problem, double time_limit,
                                  double target = ReferenceSolution::kTarget,
-                                 LimitOn limit_on = LimitOn::kWall);
+                                 LimitOn limit_on = LimitOn::kWall,
+                                 const std::function<bool()>& interrupted = {});
 
 /// A reference as a JSON file, bit for bit.
 void write_reference(const std::filesystem::path& path, const std::string& problem,

@@ -11,7 +11,8 @@ namespace bipot {
 struct TestProblem {
   std::string origin;  ///< one sentence: file, or scene, step and seed
   ContactProblem problem;
-  double step = kNaN;             ///< h, NaN where the source does not say it      [s]
+  Vector start;        ///< impulse that a run starts its solver from; empty: none is known  [N s]
+  double step = kNaN;  ///< h, NaN where the source does not say it      [s]
   double smallest_radius = kNaN;  ///< of the disks, NaN likewise                   [m]
 };
 

@@ -10,6 +10,7 @@
 
 #include "bench/paper/paper_items.h"
 #include "bench/paper/static_equilibrium.h"
+#include "bench/scenes/scene_run.h"
 #include "core/motion/force_balance.h"
 #include "core/motion/time_stepping.h"
 #include "core/pictures/force_picture.h"
@@ -505,18 +506,26 @@ class Fig10 {
       options.tol = 1e-6;
       options.max_iterations = 200000;
       options.cancelled = context_.interrupted;
-      TimeStepper stepper(scene, make_step_solver(entry, options), entry.needs_delassus);
       ChartSeries series{c.name, style++, {{0, 0}}};
       const double top = state.disks.back().x[1];
       const int steps = context_.quick ? 20 : 100;
-      int unsolved = 0;
-      for (int k = 0; k < steps && !context_.stopped(); ++k) {
-        context_.report(fmt::format("{}, step {}", c.name, k + 1));
-        const StepReport report = stepper.advance(state);
-        if (!report.converged) ++unsolved;
-        series.points.push_back({report.time, (top - state.disks.back().x[1]) / 0.5, false, "",
-                                 (k + 1) % (steps / 5) == 0});
-      }
+      SceneRunOptions fall;
+      fall.steps = steps;
+      fall.solver = make_step_solver(entry, options);
+      fall.explicit_delassus = entry.needs_delassus;
+      fall.cancelled = context_.interrupted;
+      fall.before_step = [&](const State&) {
+        context_.report(fmt::format("{}, step {}", c.name, series.points.size()));
+      };
+      fall.on_step = [&](const SceneStep& step) {
+        const auto taken = static_cast<int>(series.points.size());  // the first point is the start
+        series.points.push_back({step.report.time, (top - step.state.disks.back().x[1]) / 0.5,
+                                 false, "", taken % (steps / 5) == 0});
+        return true;
+      };
+      const SceneRun run = run_scene(scene, state, fall);
+      if (run.failure) throw *run.failure;
+      const int unsolved = run.totals.steps - run.totals.converged;
       if (context_.stopped()) return;
       const std::string id =
           fmt::format("drop_{}{}_{}", c.mu == 0.5 ? "05" : "06", c.held ? "_held" : "", c.solver);

@@ -13,7 +13,7 @@ namespace {
 class SceneStepper {
  public:
   SceneStepper(const Scene& scene, const SceneRunOptions& options) {
-    if (scene.model == Model::kSpringDashpot) {
+    if (!options.solver && scene.model == Model::kSpringDashpot) {
       springs_.emplace(scene, options.cancelled);
       return;
     }

@@ -35,7 +35,8 @@ struct SceneTotals {
 
 struct SceneRunOptions {
   std::optional<int> steps;  ///< to take; the scene's number where it is not given
-  /// Solves the steps' problems; empty: the scene's own choice, which `cancelled` interrupts.
+  /// Solves the steps' problems, with rigid contacts whatever the scene's model is; empty: the model
+  /// and the solver are the scene's own choice, which `cancelled` interrupts.
   StepSolver solver;
   bool explicit_delassus = false;   ///< `solver` needs W
   std::function<bool()> cancelled;  ///< polled before each step (and by springs inside); true ends
@@ -61,9 +62,9 @@ struct SceneRun {
   double output_seconds = 0;                  ///< wall time of the files, run_scene_into() only
 };
 
-/// Takes the steps of a scene, with rigid contacts or with springs and dashpots as it says: `state`
-/// goes from what is given to the end of the last whole step. Throws std::invalid_argument when the
-/// scene's solver or springs are refused before the first step; what happens later is in the result.
+/// Takes the steps of a scene: `state` goes from what is given to the end of the last whole step.
+/// Throws std::invalid_argument when the scene's solver or springs are refused before the first
+/// step; what happens later is in the result.
 SceneRun run_scene(const Scene& scene, State& state, const SceneRunOptions& options = {});
 
 }  // namespace bipot

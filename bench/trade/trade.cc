@@ -14,9 +14,8 @@
 #include "bench/measure/stopwatch.h"
 #include "bench/report/labels.h"
 #include "bench/scenes/scene_catalogue.h"
+#include "bench/scenes/scene_run.h"
 #include "core/files/scene_file.h"
-#include "core/motion/spring_dashpot.h"
-#include "core/motion/time_stepping.h"
 #include "core/types.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
@@ -142,63 +141,62 @@ class Runner {
       // Asking the clock costs more than an iteration on a few contacts.
       return ++polls % 16 == 0 && watch.seconds() > options_.time_limit;
     };
-    std::optional<SpringDashpotStepper> springs;
-    std::optional<TimeStepper> rigid;
-    if (setting.dem()) {
-      try {
-        springs.emplace(scene, out_of_time);
-      } catch (const std::invalid_argument& e) {
-        row.status = "failed";
-        row.message = e.what();
-        return row;
-      }
-      row.stiffness = springs->setup().stiffness;
-    } else {
+    SceneRunOptions run_options;
+    run_options.cancelled = out_of_time;
+    if (!setting.dem()) {
       const SolverEntry& entry = require_solver(setting.solver);
       SolverOptions solver;
       solver.tol = setting.tol;
       // The scene's parameters belong to its own solver.
       if (setting.solver == scene.solver.name) solver.parameters = scene.solver.parameters;
       solver.cancelled = out_of_time;
-      rigid.emplace(scene, make_step_solver(entry, solver), entry.needs_delassus);
+      run_options.solver = make_step_solver(entry, solver);
+      run_options.explicit_delassus = entry.needs_delassus;
     }
     OutcomeRecorder recorder(scene);
+    run_options.on_step = [&](const SceneStep& step) {
+      recorder.step(step.state, step.report);
+      const double guarded = step.report.error.guarded();
+      if (std::isfinite(guarded)) row.worst_guarded = std::fmax(row.worst_guarded, guarded);
+      return ++row.steps == scene.num_steps || watch.seconds() <= options_.time_limit;
+    };
     State state = initial_state(scene);
-    double iterations = 0, penetration = 0;
-    row.status = "completed";
-    for (int k = 0; k < scene.num_steps; ++k) {
-      try {
-        const StepReport report = springs ? springs->advance(state) : rigid->advance(state);
-        ++row.steps;
-        row.steps_converged += report.converged ? 1 : 0;
-        if (!report.converged && row.message.empty()) row.message = report.message;
-        iterations += report.iterations;
-        penetration = std::max(penetration, report.penetration);
-        const double guarded = report.error.guarded();
-        if (std::isfinite(guarded)) {
-          row.worst_guarded =
-              std::isnan(row.worst_guarded) ? guarded : std::max(row.worst_guarded, guarded);
-        }
-        recorder.step(state, report);
-      } catch (const StepFailure& failure) {
-        const bool cut_short = failure.kind == StepFailure::Kind::kCutShort;
-        row.status = !cut_short ? "failed" : stopped() ? "interrupted" : "time limit";
-        row.message = row.status == "time limit" ? time_limit_message() : failure.what();
-        break;
-      }
-      if (k + 1 < scene.num_steps && watch.seconds() > options_.time_limit) {
-        row.status = "time limit";
-        row.message = time_limit_message();
-        break;
-      }
+    SceneRun run;
+    try {
+      run = run_scene(scene, state, run_options);
+    } catch (const std::invalid_argument& e) {  // springs that the scene does not allow
+      row.status = "failed";
+      row.message = e.what();
+      return row;
     }
+    if (run.springs) row.stiffness = run.springs->stiffness;
+    row.steps_converged = run.totals.converged;
+    describe_end(run, row);
     row.cpu = watch.seconds();
     row.simulated = state.time;
-    if (row.steps > 0) row.iterations = iterations / row.steps;
-    if (row.steps > 0) row.penetration = penetration / smallest_radius(scene);
-    if (row.status == "completed" && row.steps_converged < row.steps) row.status = "not converged";
+    if (row.steps > 0) {
+      row.iterations = static_cast<double>(run.totals.iterations) / row.steps;
+      row.penetration = run.totals.penetration / smallest_radius(scene);
+    }
     if (row.steps == scene.num_steps) row.values = recorder.values();
     return row;
+  }
+
+  /// Status and message.
+  void describe_end(const SceneRun& run, TradeRow& row) const {
+    row.message = run.totals.message;
+    if (run.end == SceneRun::End::kCompleted) {
+      row.status = row.steps_converged < row.steps ? "not converged" : "completed";
+    } else if (run.end == SceneRun::End::kFailed) {
+      row.status = "failed";
+      row.message = run.failure->what();
+    } else if (stopped()) {
+      row.status = "interrupted";
+      if (run.failure) row.message = run.failure->what();
+    } else {
+      row.status = "time limit";
+      row.message = time_limit_message();
+    }
   }
 
   std::string time_limit_message() const {

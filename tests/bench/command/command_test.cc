@@ -262,6 +262,17 @@ TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {
   EXPECT_GT(cold["iterations"], 0);
   EXPECT_EQ(warm["iterations"], 0);
 
+  const Outcome compared =
+      bipot("compare " + problem + " --solvers pgs --tols 1e-6 --warm --json -");
+  ASSERT_EQ(compared.exit_code, 0);
+  const json table = json::parse(compared.out);
+  ASSERT_EQ(table["rows"].size(), 2u);
+  EXPECT_EQ(table["rows"][0]["warm"], 0);
+  EXPECT_EQ(table["rows"][0]["iterations"], cold["iterations"]);
+  EXPECT_EQ(table["rows"][1]["warm"], 1);
+  EXPECT_EQ(table["rows"][1]["iterations"], 0);
+  EXPECT_EQ(table["warm_starts"][0]["solved_warm"], 1);
+
   ASSERT_EQ(bipot("run square_lattice --steps 1 --no-warm-start --dump-problems all --out " +
                   path("cold"))
                 .exit_code,

@@ -13,6 +13,7 @@
 #include "bench/compare/comparison_page.h"
 #include "bench/compare/comparison_report.h"
 #include "bench/compare/comparison_rows.h"
+#include "bench/compare/warm_gain.h"
 #include "bench/measure/true_error.h"
 #include "core/files/fclib_file.h"
 #include "core/problem/contact_error.h"
@@ -331,6 +332,73 @@ TEST(Comparison, GoesOnWhereItWasStopped) {
 
   options.time_limit = 7;
   EXPECT_THROW(compare(sources, options), std::invalid_argument);
+}
+
+/// A problem whose step before left its solution.
+ProblemSource started_at_its_solution(const std::string& name, const ContactProblem& problem) {
+  SolverOptions exact;
+  exact.tol = 1e-13;
+  const Vector start = solve("ipm", problem, exact).s;
+  return {name, name, [problem, start] {
+            TestProblem made;
+            made.origin = "test";
+            made.problem = problem;
+            made.start = start;
+            return made;
+          }};
+}
+
+TEST(Comparison, HasWarmRowsBesideTheColdOnesWhereAProblemHasAStart) {
+  const TemporaryFolder folder;
+  const ContactProblem lattice = lattice_step(Lattice::kSquare, 5, 0.3, 10);
+  const std::vector<ProblemSource> sources{started_at_its_solution("warm", lattice),
+                                           source_of("cold", lattice)};
+  ComparisonOptions options = quick({"pgs", "apgd"}, {1e-2, 1e-6});
+  const Comparison cold = compare(sources, options);
+  EXPECT_TRUE(cold.warm_rows.empty());
+  EXPECT_TRUE(warm_gains(cold).empty());
+
+  options.warm = true;
+  options.out = folder / "table";
+  const Comparison both = compare(sources, options);
+  ASSERT_EQ(both.rows.size(), cold.rows.size());
+  for (std::size_t i = 0; i < cold.rows.size(); ++i) {
+    EXPECT_EQ(without_times(both.rows[i]), without_times(cold.rows[i])) << i;
+    EXPECT_GT(both.rows[i].iterations, 0);
+  }
+  ASSERT_EQ(both.warm_rows.size(), 4u);  // "cold" has no start
+  for (const ComparisonRow& row : both.warm_rows) {
+    EXPECT_EQ(row.problem, "warm");
+    EXPECT_EQ(row.warm, 1);
+    EXPECT_EQ(row.status, "converged");
+    EXPECT_EQ(row.iterations, 0) << row.solver;
+  }
+  const std::vector<WarmGain> gains = warm_gains(both);
+  ASSERT_EQ(gains.size(), 4u);
+  EXPECT_EQ(gains[0].solver, "pgs");
+  EXPECT_EQ(gains[0].problems, 1);
+  EXPECT_EQ(gains[0].solved_warm, 1);
+  EXPECT_EQ(gains[0].iterations_ratio, 0);
+
+  // The file has both, and a second run takes both from it.
+  EXPECT_EQ(read_csv_rows(options.out / "rows.csv").size(), 12u);
+  EXPECT_EQ(read_fclib(options.out / "problems" / "warm.hdf5").guesses.size(), 1u);
+  const Comparison again = compare(sources, options);
+  EXPECT_EQ(again.rows_kept, 12);
+  EXPECT_EQ(to_csv(again), to_csv(both));
+}
+
+TEST(Comparison, ACancelledSolveLeavesNoRow) {
+  const ContactProblem lattice = lattice_step(Lattice::kSquare, 6, 0.3, 10);
+  ComparisonOptions options = quick({"pgs"}, {1e-2, 1e-12});
+  int polls = 0;
+  bool first_row_done = false;
+  options.on_row = [&](const ComparisonRow&, int, int) { first_row_done = true; };
+  options.cancelled = [&] { return first_row_done && ++polls > 3; };
+  const Comparison stopped = compare({source_of("lattice", lattice)}, options);
+  EXPECT_FALSE(stopped.complete);
+  ASSERT_EQ(stopped.rows.size(), 1u);
+  EXPECT_EQ(stopped.rows[0].tol, 1e-2);
 }
 
 TEST(Comparison, RefusesRowsOfAnotherProblem) {

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bench/compare/comparison.h"
+
+namespace bipot {
+
+/// What a solver gains at one tolerance when it starts from the step before.
+struct WarmGain {
+  std::string solver;
+  double tol = 0;
+  int problems = 0;                      ///< that have a start
+  int solved_cold = 0, solved_warm = 0;  ///< of these
+  double time_ratio = kNaN;              ///< warm over cold, median where both solved; NaN: none
+  double iterations_ratio = kNaN;        ///< likewise, where the cold start took iterations
+};
+/// In the order of the warm rows; empty without any.
+std::vector<WarmGain> warm_gains(const Comparison& comparison);
+
+/// One line.
+std::string to_text(const WarmGain& gain);
+
+}  // namespace bipot
