@@ -6,7 +6,7 @@
 namespace bipot {
 namespace {
 
-// Stiffness of the springs over 1/W_nn: forces reach about its square root of contacts far.
+// Least stiffness of the springs over 1/W_nn: forces reach about its square root of contacts far.
 constexpr double kSpringStiffness = 1e4;
 constexpr int kBisections = 100;
 
@@ -36,7 +36,9 @@ double spring_energy(InteriorSystem<D>& system) {
   Vector g = Vector::Zero(p.num_rows());
   double fallback = 0;
   for (int c = 0; c < p.num_contacts(); ++c) {
-    const double stiffness = kSpringStiffness / mobility[c * D];
+    // Across the largest packing of so many contacts.
+    const double stiffness =
+        std::max(kSpringStiffness, static_cast<double>(p.num_contacts())) / mobility[c * D];
     R[static_cast<std::size_t>(c) * D * D] = stiffness;
     g[c * D] = -stiffness * p.u_free[c * D];
     fallback += p.u_free.segment<D>(c * D).squaredNorm() / mobility[c * D];

@@ -10,8 +10,9 @@ namespace bipot {
 
 /// Mean W_nn s_n² [J] of the impulses that hold the bodies, an energy with the problem's own scale.
 /// The bodies are held by normal springs of stiffness kappa / W_nn, which may pull:
-/// (I + R W) s = -R u_free, R = diag(kappa / W_nn, 0), kappa = 1e4. It grows with the weight that a
-/// packing carries and costs one factorisation.
+/// (I + R W) s = -R u_free, R = diag(kappa / W_nn, 0), kappa = 1e4 or the number of contacts where
+/// that is more, so that the forces reach across. It grows with the weight that a packing carries
+/// and costs one factorisation.
 template <int D>
 double spring_energy(InteriorSystem<D>& system);
 

@@ -13,6 +13,9 @@ constexpr double kLargestDelta = 1e8;  // beyond it I + C^-1 W is the identity
 constexpr double kToBoundary = 0.99;
 constexpr double kSmallestStep = 1e-12, kTinyStep = 1e-3;
 constexpr int kHoldsBeforeRaise = 8;
+constexpr double kFar = 1;
+constexpr int kFarIterations = 24;
+constexpr double kNear = 1e-2;  // guarded error below which a rising error is running away
 
 /// Ratio of the smallest product to the mean one.
 template <int D>
@@ -91,8 +94,11 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
       progress_error = best_error;
       progress = k;
     }
+    // Errors of large products say nothing yet.
+    if (run.monitor.last_error() > kFar && k < kFarIterations) progress = k;
     if (k - progress >= options.patience) return StageEnd::kStuck;
-    if (run.judged() && run.monitor.last_error() > options.largest_growth * best_error) {
+    if (best_error < kNear && run.judged() &&
+        run.monitor.last_error() > options.largest_growth * best_error) {
       return StageEnd::kStuck;
     }
     if (t < kShortStep) delta = std::max(5 * delta, kShortStepDelta);

@@ -9,7 +9,8 @@ struct ProximalInteriorPointOptions {
   int max_iterations = 150;
   double neighbourhood = 1e-3;  ///< smallest product over the mean one
   int patience = 40;            ///< kStuck after so many iterations without halving the best error
-  double largest_growth = kInfinity;  ///< kStuck once the error is that many times the best one
+  double largest_growth = kInfinity;  ///< kStuck once the error is that many times the best one,
+                                      ///< where that is below 1e-2: far away it may well rise
   double delta_floor = 1e-7;          ///< smallest proximal term, in units of 1/W
 };
 
