@@ -15,11 +15,11 @@
 #include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/methods/gauss_seidel.h"
-#include "solvers/methods/newton_system.h"
-#include "solvers/methods/petsc_session.h"
 #include "solvers/methods/proximal_point.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
+#include "solvers/petsc/newton_system.h"
+#include "solvers/petsc/petsc_session.h"
 
 namespace bipot {
 namespace {

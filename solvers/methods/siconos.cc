@@ -18,8 +18,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "solvers/methods/mpi_session.h"
 #include "solvers/monitor.h"
+#include "solvers/petsc/mpi_session.h"
 
 namespace bipot {
 namespace {

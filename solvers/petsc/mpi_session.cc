@@ -1,4 +1,4 @@
-#include "solvers/methods/mpi_session.h"
+#include "solvers/petsc/mpi_session.h"
 
 // The deprecated C++ bindings would need a library of their own.
 #define OMPI_SKIP_MPICXX 1

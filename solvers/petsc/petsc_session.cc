@@ -1,4 +1,4 @@
-#include "solvers/methods/petsc_session.h"
+#include "solvers/petsc/petsc_session.h"
 
 #include <fmt/format.h>
 #include <petscsys.h>
@@ -7,7 +7,7 @@
 #include <cctype>
 #include <sstream>
 
-#include "solvers/methods/mpi_session.h"
+#include "solvers/petsc/mpi_session.h"
 
 namespace bipot {
 namespace {

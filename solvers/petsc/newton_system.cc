@@ -1,4 +1,4 @@
-#include "solvers/methods/newton_system.h"
+#include "solvers/petsc/newton_system.h"
 
 #include <algorithm>
 #include <map>
