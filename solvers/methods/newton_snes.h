@@ -60,7 +60,8 @@ inline constexpr ParameterSpec kNewtonParameters[] = {
 ///
 /// The options string reaches PETSc's options database under the prefix `bipot_newton_`, for the
 /// time of the solve; options that PETSc did not use are named in the message. PETSc's start, at the
-/// first call of a process, counts as set-up; its errors become a status (solvers/petsc/petsc_session.h).
+/// first call of a process, counts as set-up; its errors become a status
+/// (solvers/petsc/petsc_session.h).
 SolveResult solve_newton_snes(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot
