@@ -18,7 +18,7 @@ dump 2d_pyramid_10 pyramid 1
 dump 2d_compaction_flow compaction 250
 dump 2d_compaction_rest compaction 500
 dump 2d_isotropic_compression isotropic_compression 60
-dump 2d_pour300_273 data/moving_scenes/pour300.toml 273 1e-2
-dump 2d_pour300_392 data/moving_scenes/pour300.toml 392 1e-2
-dump 2d_tilt1000hi_182 data/moving_scenes/tilt1000hi.toml 182 1e-2
+dump 2d_pour300_273 pour_300 273 1e-2
+dump 2d_pour300_392 pour_300 392 1e-2
+dump 2d_tilt1000hi_182 tilt_1000 182 1e-2
 (cd "$folder" && sha256sum -- *.hdf5 > SHA256SUMS)
