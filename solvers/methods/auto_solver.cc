@@ -28,6 +28,13 @@ constexpr int kCheapFactors = 1000;
 constexpr double kUnequal = 1e5;
 // An error that is that many tolerances is let go on to the end of its budget.
 constexpr double kClose = 10;
+// What apgd does before paths are tried, and pivots of these in the first round: moving packings
+// of up to 4000 contacts need 0 to 1300.
+constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000;
+// Paths from a worse start are long: free pyramids.
+constexpr double kUsefulStart = 0.1;
+// Tolerances from here on are loose.
+constexpr double kRough = 3e-3;
 constexpr int kUnlimited = std::numeric_limits<int>::max();
 
 bool is_hyperstatic(const ContactProblem& p) {
@@ -113,6 +120,12 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
     if (!with_newton && solver == std::string_view("newton")) return;
     stages.push_back({solver, least, most, start, std::move(parameters), reason});
   };
+  // In space the law is not piecewise linear.
+  const bool exact = p.dim <= 2;
+  const auto follow = [&](int most, std::map<std::string, std::string> parameters,
+                          const char* reason) {
+    if (exact) add("homotopy", most, most, Start::kBest, reason, std::move(parameters));
+  };
 
   const bool local = !p.has_velocities();
   // Information crosses a packing of N contacts in O(sqrt N) iterations of apgd; its error stands
@@ -138,11 +151,24 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   };
   const bool sweeps_first = !local && contacts <= kSmall;
   if (sweeps_first) sweeps();
-  // Longer still from a warm start; given that time, apgd halves the cost of a compaction at rest.
-  add("apgd", warm ? 2 * crossing : crossing,
-      std::max(warm ? 40000 : (local ? 4000 : 8000), crossing + crossing / 2), Start::kOwn,
-      "momentum: O(sqrt N) iterations, whatever the packing");
+  if (exact && !local && contacts <= kLarge) {
+    // Where it does not go on to the end, it has made a start for paths by then.
+    const int enough = std::min(crossing, kStartSteps);
+    add("apgd", enough, 2 * enough, Start::kOwn, "momentum: O(sqrt N) iterations, and a start");
+  } else {
+    // Longer still from a warm start; given that time, it halves the cost of a compaction at rest.
+    add("apgd", warm ? 2 * crossing : crossing,
+        std::max(warm ? 40000 : (local ? 4000 : 8000), crossing + crossing / 2), Start::kOwn,
+        "momentum: O(sqrt N) iterations, whatever the packing");
+  }
   if (local && contacts > kCheapFactors) newton_on_delassus();
+  if (contacts > kLarge) {
+    add("admm", 40, 400, Start::kCaller, "large moving packings, roughly");
+    stages.back().least_tol = kRough;
+  }
+  follow(contacts > kLarge ? kManyPivots : kPivots, {{"start_tol", "1"}},
+         "moving packings: an exact path from the best impulse");
+  if (exact) stages.back().largest_error = kUsefulStart;
   if (!sweeps_first) sweeps();
   // An interior point shows its progress late. On large problems too much would be thrown away; and
   // what resists first order from a warm start is a packing at rest, where it arrives in 25 to 50.
@@ -152,6 +178,7 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   if (contacts <= kLarge) {
     add("newton", local ? 500 : 12, local ? 1000 : 40, Start::kOwn, "quadratic where W is regular");
   }
+  follow(kManyPivots, {}, "again, with patience, from a better start");
   if (local) {
     add("ipm", 60, 150, Start::kOwn, "again, with patience");
     add("apgd", 3000, 12000, Start::kOwn, "again, with patience");
@@ -169,6 +196,7 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
         {{"start_sweeps", "5000"}});
     add("admm", kUnlimited, 4000, Start::kBest, "splitting, where pivots go wrong");
   }
+  follow(kUnlimited, {}, "paths from better and better starts");
   add("ipm", kUnlimited, 2000, Start::kBest, "central paths through their folds, in turns");
   add("pgs", kUnlimited, kUnlimited, Start::kBest,
       "last resort: sweeps, which approach where nothing converges");
@@ -189,7 +217,13 @@ std::string explain_auto(const ContactProblem& p, const SolverOptions& options) 
             ? std::string("(no limit)")
             : fmt::format("({} to {})", std::min(stage.min_iterations, stage.max_iterations),
                           stage.max_iterations);
-    text += fmt::format("  {:>2}. {:<8} {:<16} {}\n", ++number, stage.solver, budget, stage.reason);
+    std::string condition;
+    if (stage.least_tol > 0) condition = fmt::format("; tolerance >= {:.0e}", stage.least_tol);
+    if (std::isfinite(stage.largest_error)) {
+      condition += fmt::format("; best error <= {:.0e}", stage.largest_error);
+    }
+    text += fmt::format("  {:>2}. {:<8} {:<16} {}{}\n", ++number, stage.solver, budget,
+                        stage.reason, condition);
   }
   return text;
 }
@@ -222,6 +256,7 @@ class Race {
   /// Runs the stage; true when nothing is to follow.
   bool finished(const AutoStage& stage) {
     if (out_of_budget()) return true;
+    if (options_.tol < stage.least_tol || best_error_ > stage.largest_error) return false;
     run_stage(stage);
     if (!ended_ && is_success(last_) && options_.stop == StopTest::kGuarded &&
         best_natural_map_ > options_.tol) {
@@ -268,7 +303,8 @@ class Race {
     };
     SolveResult result;
     try {
-      result = find_solver(stage.solver)->run(p_, inner_);
+      const SolverEntry& entry = require_solver(stage.solver);
+      result = entry.run(entry.needs_delassus ? with_delassus() : p_, inner_);
     } catch (const std::exception& e) {
       result.status = SolveStatus::kNumericalFailure;
       result.message = e.what();
@@ -298,6 +334,18 @@ class Race {
       best_.s = result.s;
     }
     ended_ = stopped && !given_up;
+  }
+
+  /// The problem with W in it, assembled by the first stage that needs it.
+  const ContactProblem& with_delassus() {
+    if (p_.has_delassus()) return p_;
+    if (!with_delassus_.has_delassus()) {
+      const auto begin = std::chrono::steady_clock::now();
+      with_delassus_ = p_;
+      with_delassus_.W = assemble_delassus(p_.A, p_.H, p_.dim);
+      best_.setup_seconds += seconds_since(begin);
+    }
+    return with_delassus_;
   }
 
   /// The natural map lags behind: on to a ten times smaller error.
@@ -340,6 +388,7 @@ class Race {
   const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
   const ContactProblem& p_;
   const SolverOptions& options_;
+  ContactProblem with_delassus_;
   ContactErrorEvaluator evaluate_;
   SolverOptions inner_;
   SolveResult best_;

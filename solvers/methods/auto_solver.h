@@ -14,7 +14,8 @@ namespace bipot {
 /// stop test, at `max_iterations`, or as soon as it does not promise to get there: from
 /// `min_iterations` on, the decades that the best error fell over the second half of the stage are
 /// carried forward, and the stage is given up when they would not reach the tolerance within
-/// `max_iterations`, unless the error is within a decade of it.
+/// `max_iterations`, unless the error is within a decade of it. A stage is passed over where the
+/// tolerance is below `least_tol`, or the best error so far above `largest_error`.
 struct AutoStage {
   /// Where a stage starts: at the impulse that the same solver left at its last stage (the caller's
   /// start, the first time), at the caller's start, or at the best impulse of all stages. The best
@@ -25,12 +26,23 @@ struct AutoStage {
   Start start = Start::kOwn;
   std::map<std::string, std::string> parameters;
   std::string_view reason;
+  double least_tol = 0, largest_error = kInfinity;
 };
 
-/// The race for this problem, from its size, form and masses. The budgets count iterations, not
-/// seconds, so that the result does not depend on the machine. The rule was taken from
-/// measurements (README, "Which solver"). `delassus` is the problem's;
-/// `warm`: the caller's start is not 0.
+/// The race for this problem, from its size, form and masses:
+///
+///   1. `anderson`, which is the quickest on regular packings and soon seen not to be elsewhere
+///      (very unequal masses: `ipm` first; up to 400 contacts also `pgs`);
+///   2. `apgd`: all that a loose tolerance needs, and a start for what follows;
+///   3. d <= 2: `homotopy` from the best impulse. Moving packings, in which many contacts close
+///      and slip at once, are solved exactly after few pivots; free pyramids, whose start is bad,
+///      and large packings need too many of them, and end with their budget;
+///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `ipm` alone, and `admm` for loose tolerances;
+///   5. the same with patience, then long runs from the best impulse.
+///
+/// Problems given by W alone have `newton` early. The budgets count iterations, not seconds, so
+/// that the result does not depend on the machine. The rule was taken from measurements (README,
+/// "Which solver"). `delassus` is the problem's; `warm`: the caller's start is not 0.
 std::vector<AutoStage> plan_auto(const ContactProblem& problem, const DelassusOperator& delassus,
                                  bool warm);
 
