@@ -151,6 +151,13 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   };
   const bool sweeps_first = !local && contacts <= kSmall;
   if (sweeps_first) sweeps();
+  if (exact && contacts > kLarge) {
+    // Where momentum takes long, the factors of W are worth their price for two digits.
+    add("apgd", 3000, 3000, Start::kOwn, "packings at rest, roughly");
+    stages.back().least_tol = kRough;
+    add("admm", 600, 2000, Start::kBest, "moving packings, roughly");
+    stages.back().least_tol = kRough;
+  }
   if (exact && !local && contacts <= kLarge) {
     // Where it does not go on to the end, it has made a start for paths by then.
     const int enough = std::min(crossing, kStartSteps);
@@ -162,10 +169,6 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
         "momentum: O(sqrt N) iterations, whatever the packing");
   }
   if (local && contacts > kCheapFactors) newton_on_delassus();
-  if (contacts > kLarge) {
-    add("admm", 40, 400, Start::kCaller, "large moving packings, roughly");
-    stages.back().least_tol = kRough;
-  }
   follow(contacts > kLarge ? kManyPivots : kPivots, {{"start_tol", "1"}},
          "moving packings: an exact path from the best impulse");
   if (exact) stages.back().largest_error = kUsefulStart;
@@ -178,6 +181,8 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   if (contacts <= kLarge) {
     add("newton", local ? 500 : 12, local ? 1000 : 40, Start::kOwn, "quadratic where W is regular");
   }
+  const bool sweeps_again = !local && contacts <= kCheapFactors;
+  if (sweeps_again) add("pgs", 16000, 20000, Start::kOwn, "again, with patience: still cheap");
   follow(kManyPivots, {}, "again, with patience, from a better start");
   if (local) {
     add("ipm", 60, 150, Start::kOwn, "again, with patience");
@@ -186,7 +191,9 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   } else {
     // Momentum is lost where it was given up: from the start once more, to a later end.
     add("apgd", 6000, std::max(12000, 8 * crossing), Start::kCaller, "again, with patience");
-    if (contacts <= kLarge) add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
+    if (!sweeps_again && contacts <= kLarge) {
+      add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
+    }
     add("ipm", 150, 300, Start::kCaller, "again, through the folds of sliding pyramids");
     if (contacts <= kLarge) add("newton", 100, 500, Start::kOwn, "again, with patience");
   }

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/files/problem_file.h"
@@ -40,6 +42,68 @@ TEST(AutoSolver, GivesUpWhatDoesNotPromiseAndSolvesAllTheSame) {
   EXPECT_LE(result.error.guarded(), 1e-8);
   EXPECT_NE(result.message.find("anderson 16: given up"), std::string::npos) << result.message;
   EXPECT_LT(result.iterations, 20000);
+}
+
+int stages_of(const ContactProblem& p, std::string_view solver) {
+  const std::vector<AutoStage> stages = plan(p);
+  return static_cast<int>(std::count_if(stages.begin(), stages.end(), [&](const AutoStage& stage) {
+    return stage.solver == solver;
+  }));
+}
+
+TEST(AutoSolver, MovingPackingsAreSolvedByPathFollowing) {
+  for (const char* name :
+       {"2d_pour300_273.hdf5", "2d_pour300_392.hdf5", "2d_tilt1000hi_182.hdf5"}) {
+    SolverOptions options{.tol = 1e-10};
+    options.time_limit = 2 * BIPOT_TEST_SLOWNESS;
+    const SolveResult result = solve("auto", shipped(name), options);
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << name << ": " << result.message;
+    EXPECT_LE(result.error.guarded(), 1e-10) << name;
+    // First order was given up, and nothing was needed after the first paths.
+    EXPECT_NE(result.message.find("given up"), std::string::npos) << name;
+    const std::size_t path = result.message.find("homotopy");
+    ASSERT_NE(path, std::string::npos) << name << ": " << result.message;
+    EXPECT_EQ(result.message.find(';', path), std::string::npos) << name << result.message;
+    EXPECT_LT(result.iterations, 3000) << name;
+  }
+}
+
+TEST(AutoSolver, NothingExactForALooseTolerance) {
+  const SolveResult result = solve("auto", shipped("2d_tilt1000hi_182.hdf5"), {.tol = 1e-2});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_EQ(result.message.find("homotopy"), std::string::npos) << result.message;
+}
+
+TEST(AutoSolver, NoPathsInSpace) {
+  EXPECT_EQ(stages_of(shipped("3d_sphere_pyramid_4.hdf5"), "homotopy"), 0);
+  EXPECT_GT(stages_of(shipped("2d_pyramid_10.hdf5"), "homotopy"), 0);
+  EXPECT_GT(stages_of(shipped("1d_square_20.hdf5"), "homotopy"), 0);
+}
+
+TEST(AutoSolver, AWarmStartSavesIterations) {
+  const ContactProblem p = shipped("2d_pour300_392.hdf5");
+  const SolveResult rough = solve("auto", p, {.tol = 1e-4});
+  ASSERT_EQ(rough.status, SolveStatus::kConverged) << rough.message;
+  const SolveResult cold = solve("auto", p, {.tol = 1e-10});
+  const SolveResult warm = solve("auto", p, {.tol = 1e-10, .s0 = rough.s});
+  EXPECT_EQ(warm.status, SolveStatus::kConverged) << warm.message;
+  EXPECT_LT(warm.iterations, cold.iterations) << warm.message;
+}
+
+TEST(AutoSolver, PathsSeeTheCallersCancel) {
+  // The caller stops the solve in the middle of the paths.
+  SolverOptions options{.tol = 1e-12};
+  bool on_path = false;
+  options.on_iteration = [&](const IterationRecord& r) {
+    // apgd is given up by 2100 iterations: what follows are paths.
+    on_path = r.iteration > 2100;
+  };
+  options.cancelled = [&on_path] { return on_path; };
+  const SolveResult result = solve("auto", shipped("2d_pyramid_20_mu05.hdf5"), options);
+  EXPECT_EQ(result.status, SolveStatus::kInterrupted) << result.message;
+  const std::size_t path = result.message.find("homotopy");
+  ASSERT_NE(path, std::string::npos) << result.message;
+  EXPECT_EQ(result.message.find(';', path), std::string::npos) << result.message;
 }
 
 TEST(AutoSolver, TheCallersCancelIsNoGivingUp) {
