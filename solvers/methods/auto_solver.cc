@@ -32,7 +32,7 @@ constexpr double kClose = 10;
 // of up to 4000 contacts need 0 to 1300.
 constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000;
 // Paths from a worse start are long: free pyramids.
-constexpr double kUsefulStart = 0.1;
+constexpr double kUsefulStart = 0.5;
 // Tolerances from here on are loose.
 constexpr double kRough = 3e-3;
 constexpr int kUnlimited = std::numeric_limits<int>::max();
@@ -161,7 +161,7 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   if (exact && !local && contacts <= kLarge) {
     // Where it does not go on to the end, it has made a start for paths by then.
     const int enough = std::min(crossing, kStartSteps);
-    add("apgd", enough, 2 * enough, Start::kOwn, "momentum: O(sqrt N) iterations, and a start");
+    add("apgd", enough, enough + enough / 2, Start::kOwn, "momentum: O(sqrt N) iterations, and a start");
   } else {
     // Longer still from a warm start; given that time, it halves the cost of a compaction at rest.
     add("apgd", warm ? 2 * crossing : crossing,
