@@ -28,8 +28,8 @@ constexpr int kCheapFactors = 1000;
 constexpr double kUnequal = 1e5;
 // An error that is that many tolerances is let go on to the end of its budget.
 constexpr double kClose = 10;
-// What apgd does before paths are tried, and pivots of these in the first round: moving packings
-// of up to 4000 contacts need 0 to 1300.
+// What apgd does before paths are tried, and pivots of these: moving packings of N <= 4000
+// contacts need 0 to 1300, one in fifty up to 3 N.
 constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000;
 // Paths from a worse start are long: free pyramids.
 constexpr double kUsefulStart = 0.5;
@@ -161,7 +161,8 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   if (exact && !local && contacts <= kLarge) {
     // Where it does not go on to the end, it has made a start for paths by then.
     const int enough = std::min(crossing, kStartSteps);
-    add("apgd", enough, enough + enough / 2, Start::kOwn, "momentum: O(sqrt N) iterations, and a start");
+    add("apgd", enough, enough + enough / 2, Start::kOwn,
+        "momentum: O(sqrt N) iterations, and a start");
   } else {
     // Longer still from a warm start; given that time, it halves the cost of a compaction at rest.
     add("apgd", warm ? 2 * crossing : crossing,
@@ -169,7 +170,7 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
         "momentum: O(sqrt N) iterations, whatever the packing");
   }
   if (local && contacts > kCheapFactors) newton_on_delassus();
-  follow(contacts > kLarge ? kManyPivots : kPivots, {{"start_tol", "1"}},
+  follow(contacts > kLarge ? kManyPivots : std::max(kPivots, 3 * contacts), {{"start_tol", "1"}},
          "moving packings: an exact path from the best impulse");
   if (exact) stages.back().largest_error = kUsefulStart;
   if (!sweeps_first) sweeps();

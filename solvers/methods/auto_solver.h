@@ -31,18 +31,20 @@ struct AutoStage {
 
 /// The race for this problem, from its size, form and masses:
 ///
-///   1. `anderson`, which is the quickest on regular packings and soon seen not to be elsewhere
-///      (very unequal masses: `ipm` first; up to 400 contacts also `pgs`);
-///   2. `apgd`: all that a loose tolerance needs, and a start for what follows;
+///   1. `anderson`, the quickest on regular packings and soon seen not to be elsewhere (very
+///      unequal masses: `ipm` before it; up to 400 contacts: `pgs` after it);
+///   2. `apgd`: all that a loose tolerance needs, and a start for what follows. Above 4000 contacts
+///      in the plane and at loose tolerances briefly, then `admm`: moving packings there meet 1e-2
+///      by 500 solves with factors of W, where momentum needs tens of thousands of steps;
 ///   3. d <= 2: `homotopy` from the best impulse. Moving packings, in which many contacts close
-///      and slip at once, are solved exactly after few pivots; free pyramids, whose start is bad,
-///      and large packings need too many of them, and end with their budget;
-///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `ipm` alone, and `admm` for loose tolerances;
-///   5. the same with patience, then long runs from the best impulse.
+///      and slip at once, are solved exactly within a few hundred pivots. Free pyramids and many
+///      large packings need too many, and end with their budget;
+///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `ipm` alone;
+///   5. the same with patience, the cheap ones first, then long runs from the best impulse.
 ///
-/// Problems given by W alone have `newton` early. The budgets count iterations, not seconds, so
-/// that the result does not depend on the machine. The rule was taken from measurements (README,
-/// "Which solver"). `delassus` is the problem's; `warm`: the caller's start is not 0.
+/// Problems given by W alone have `newton` early and no short `apgd`. The budgets count iterations,
+/// not seconds, so that the result does not depend on the machine. The rule was taken from
+/// measurements. `delassus` is the problem's; `warm`: the caller's start is not 0.
 std::vector<AutoStage> plan_auto(const ContactProblem& problem, const DelassusOperator& delassus,
                                  bool warm);
 
