@@ -170,15 +170,19 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
         "momentum: O(sqrt N) iterations, whatever the packing");
   }
   if (local && contacts > kCheapFactors) newton_on_delassus();
-  follow(contacts > kLarge ? kManyPivots : std::max(kPivots, 3 * contacts), {{"start_tol", "1"}},
-         "moving packings: an exact path from the best impulse");
-  if (exact) stages.back().largest_error = kUsefulStart;
+  const auto first_paths = [&](int pivots) {
+    follow(pivots, {{"start_tol", "1"}}, "moving packings: an exact path from the best impulse");
+    if (exact) stages.back().largest_error = kUsefulStart;
+  };
+  if (contacts <= kLarge) first_paths(std::max(kPivots, 3 * contacts));
   if (!sweeps_first) sweeps();
   // An interior point shows its progress late. On large problems too much would be thrown away; and
   // what resists first order from a warm start is a packing at rest, where it arrives in 25 to 50.
   const bool patient = warm || contacts > kLarge;
   add("ipm", patient ? 40 : 12, patient ? 80 : 40, Start::kOwn,
       "accuracy on piles, a few dozen factorisations");
+  // There a path costs more than all factorisations that a packing at rest needs.
+  if (contacts > kLarge) first_paths(kManyPivots);
   if (contacts <= kLarge) {
     add("newton", local ? 500 : 12, local ? 1000 : 40, Start::kOwn, "quadratic where W is regular");
   }
