@@ -176,6 +176,9 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   };
   if (contacts <= kLarge) first_paths(std::max(kPivots, 3 * contacts));
   if (!sweeps_first) sweeps();
+  if (exact && contacts > kLarge) {
+    add("admm", 1000, 3000, Start::kCaller, "large packings at rest, by factors of W");
+  }
   // An interior point shows its progress late. On large problems too much would be thrown away; and
   // what resists first order from a warm start is a packing at rest, where it arrives in 25 to 50.
   const bool patient = warm || contacts > kLarge;

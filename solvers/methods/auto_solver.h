@@ -39,7 +39,7 @@ struct AutoStage {
 ///   3. d <= 2: `homotopy` from the best impulse. Moving packings, in which many contacts close
 ///      and slip at once, are solved exactly within a few hundred pivots. Free pyramids and many
 ///      large packings need too many, and end with their budget;
-///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `ipm` alone, and before the paths;
+///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `admm` and `ipm`, and before the paths;
 ///   5. the same with patience, the cheap ones first, then long runs from the best impulse.
 ///
 /// Problems given by W alone have `newton` early and no short `apgd`. The budgets count iterations,
