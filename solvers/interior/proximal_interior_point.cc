@@ -14,7 +14,6 @@ constexpr double kToBoundary = 0.99;
 constexpr double kSmallestStep = 1e-12, kTinyStep = 1e-3;
 constexpr int kHoldsBeforeRaise = 8;
 constexpr double kFar = 1;
-constexpr int kFarIterations = 24;
 constexpr double kNear = 1e-2;  // guarded error below which a rising error is running away
 
 /// Ratio of the smallest product to the mean one.
@@ -95,7 +94,10 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
       progress = k;
     }
     // Errors of large products say nothing yet.
-    if (run.monitor.last_error() > kFar && k < kFarIterations) progress = k;
+    if (run.monitor.last_error() > kFar) {
+      if (k < options.far_iterations) progress = k;
+      if (k + 1 == options.far_iterations) return StageEnd::kStuck;
+    }
     if (k - progress >= options.patience) return StageEnd::kStuck;
     if (best_error < kNear && run.judged() &&
         run.monitor.last_error() > options.largest_growth * best_error) {

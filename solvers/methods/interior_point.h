@@ -58,8 +58,10 @@ inline constexpr ParameterSpec kInteriorPointParameters[] = {
 /// that meets the stop test ends:
 ///
 ///   1. Direct: the proximal interior point (proximal_interior_point.h) from an equal-product start
-///      (equal_product_start.h), given up after 12 iterations without halving the error. Packings
-///      at rest and half of the flowing ones arrive in 10 to 30 factorisations.
+///      (equal_product_start.h), given up after 12 iterations without halving the error, or when
+///      the error is above 1 after 10: then once more from products 30 times as large. Packings at
+///      rest and two thirds of the flowing ones arrive in 10 to 30 factorisations. Later rounds try
+///      10, 0.1 and 100 times the start.
 ///   2. Paths (taylor_path.h): the central path from equal products, followed through its folds by
 ///      Taylor series, which is the method and the finding of Nguyen, Armand and Acary (2025): the
 ///      path of the exact law is analytic, leads to a solution and is not monotone. Which of the
