@@ -19,10 +19,10 @@ void add_several(PageDraft& page, const PageContent& of) {
       "the nearest answer that is known, and digits below the spread say nothing about the body "
       "that one looks at: energies and means over many steps or runs survive, one body's force at "
       "one instant does not. Nobody has looked for all answers: shares are lower bounds.</p>\n<div "
-      "class=\"scroll\"><table><thead><tr><th>size</th><th class=\"n\">problems with a "
-      "reference</th><th class=\"n\">with several answers</th><th class=\"n\">velocities apart, "
-      "median</th><th class=\"n\">most</th><th class=\"n\">force on a body, median</th><th "
-      "class=\"n\">most</th><th class=\"n\">dissipated energy, most</th></tr></thead><tbody>\n");
+      "class=\"scroll\"><table><thead><tr><th>contacts</th><th class=\"n\">problems</th><th "
+      "class=\"n\">several</th><th class=\"n\">velocity, median</th><th class=\"n\">most</th><th "
+      "class=\"n\">force, median</th><th class=\"n\">most</th><th class=\"n\">energy, "
+      "most</th></tr></thead><tbody>\n");
   for (const SeveralShare& s : shares) {
     page.add(fmt::format(
         "<tr><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{} ({:.0f} %)</td><td "
@@ -32,7 +32,9 @@ void add_several(PageDraft& page, const PageContent& of) {
         error_label(s.median_velocity), error_label(s.largest_velocity),
         error_label(s.median_force), error_label(s.largest_force), error_label(s.largest_energy)));
   }
-  page.add("</tbody></table></div>\n");
+  page.add(
+      "</tbody></table></div>\n<p class=\"small\">Problems: those with a reference below "
+      "1e-9.</p>\n");
   if (shares.back().several == 0) return;
   page.add(
       "<div class=\"scroll\"><table><thead><tr><th>problem</th><th class=\"n\">contacts</th><th "

@@ -55,13 +55,15 @@ void draw_several_picture(const std::filesystem::path& path, const ContactProble
   for (std::size_t c = 0; c < state.contacts.size(); ++c) {
     state.contacts[c].status = found.answers.front().status[c];
   }
-  double mean = 0;
-  int loaded = 0;
-  for (const Vec2& sum : sums.front()) {
-    mean += sum.norm();
-    loaded += sum.norm() > 0 ? 1 : 0;
+  // Over the bodies of the problem: the disks with a candidate contact.
+  std::vector<char> touched(disks, 0);
+  for (const ContactOutcome& o : state.contacts) {
+    touched[to_size(o.contact.i)] = 1;
+    if (to_size(o.contact.j) < disks) touched[to_size(o.contact.j)] = 1;
   }
-  mean /= std::max(1, loaded);
+  double mean = 0;
+  for (const Vec2& sum : sums.front()) mean += sum.norm();
+  mean /= std::max<double>(1, static_cast<double>(std::count(touched.begin(), touched.end(), 1)));
   ForcePictureOptions options;
   options.take_off = false;
   options.fill.values.assign(disks, 0);
@@ -69,10 +71,11 @@ void draw_several_picture(const std::filesystem::path& path, const ContactProble
     for (std::size_t b = 0; b < a; ++b) {
       for (std::size_t d = 0; d < disks && mean > 0; ++d) {
         options.fill.values[d] =
-            std::max(options.fill.values[d], (sums[a][d] - sums[b][d]).norm() / mean);
+            std::max(options.fill.values[d], 100 * (sums[a][d] - sums[b][d]).norm() / mean);
       }
     }
   }
+  options.fill.unit = "%";
   options.fill.label = "difference of the force on the disk, over the mean force";
   options.marked = found.differing_contacts;
   options.marked_label = "status differs";
