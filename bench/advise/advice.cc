@@ -79,6 +79,14 @@ Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_error) {
   return budget;
 }
 
+Accuracy without_lost_digits(const Accuracy& error, const Accuracy& spread) {
+  Accuracy counted = error;
+  for (auto m : Accuracy::kMeasures) {
+    if (error.*m <= 0.5 * spread.*m) counted.*m = 0;
+  }
+  return counted;
+}
+
 bool meets(const SolverTrial& trial, const Accuracy& budget) {
   return solved_everywhere(trial) && share_of(trial.error, budget) <= 1;
 }

@@ -47,13 +47,17 @@ StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal
 /// step's error: digits below it are thrown away by the step.
 Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_error);
 
+/// Errors that count on a step with several exact answers: those that are at most half of what the
+/// answers differ by are 0, as nobody can say which answer is meant. NaN in `spread`: all count.
+Accuracy without_lost_digits(const Accuracy& error, const Accuracy& spread);
+
 /// One solver at one tolerance over all sampled problems.
 struct SolverTrial {
   SolverVariant solver;
   double tol = 0;
   bool warm = false;  ///< from the impulses that it found itself in the step before
   int problems = 0, solved = 0;
-  Accuracy error;         ///< worst over the problems
+  Accuracy error;         ///< worst over the problems, see without_lost_digits
   double guarded = 0;     ///< worst
   double seconds = 0;     ///< CPU of one solve, mean over the problems
   double iterations = 0;  ///< mean
@@ -146,7 +150,8 @@ struct Advice {
   int choice = -1;    ///< index into trials; -1: nothing to recommend
   SolverTrial fresh;  ///< the choice on steps that it was not chosen on; problems = 0: none
   int problems = 0, fresh_problems = 0;
-  int several_solutions = 0;    ///< problems left out of the errors: two references disagree
+  int several_solutions = 0;    ///< problems, chosen on and fresh, with several exact answers
+  Accuracy spread;              ///< largest difference of two exact answers of one step
   int without_reference = 0;    ///< problems left out: no reference clearly better than the goal
   double worst_reference = 0;   ///< guarded error
   double reference_spread = 0;  ///< largest relative difference of two solvers' references

@@ -123,6 +123,23 @@ std::string held_against(const Accuracy& error, const Accuracy& goal) {
   return text;
 }
 
+/// What several exact answers of a step mean for the goal.
+std::string several_sentence(const Advice& advice) {
+  std::string apart;
+  bool beyond = false;
+  for (auto m : Accuracy::kMeasures) {
+    if (std::isnan(advice.goal.*m) || std::isnan(advice.spread.*m)) continue;
+    apart += fmt::format("{}{} {:.1e}", apart.empty() ? "" : ", ", name_of(m), advice.spread.*m);
+    beyond = beyond || advice.spread.*m > advice.goal.*m;
+  }
+  std::string text = fmt::format(
+      "{} of {} steps have several exact answers{}: no digits below half of that are paid for there",
+      advice.several_solutions, advice.problems + advice.fresh_problems,
+      apart.empty() ? "" : ", which differ by " + apart);
+  if (beyond) text += ", and no solver can promise more for one body at one instant";
+  return text;
+}
+
 /// Costs, status and message from what was found.
 void conclude(const Scene& scene, Advice& advice) {
   if (advice.choice < 0) {
@@ -167,10 +184,8 @@ void conclude(const Scene& scene, Advice& advice) {
   } else {
     advice.status = Advice::Status::kMet;
     advice.message = "the goal is met on all sampled and fresh steps";
-    if (advice.several_solutions > 0) {
-      advice.message += "; those with several solutions were judged on stretches alone";
-    }
   }
+  if (advice.several_solutions > 0) advice.message += "; " + several_sentence(advice);
 }
 
 /// The stages of an advice; each leaves in it what it found.

@@ -69,7 +69,10 @@ Samples sample_problems(const Scene& scene, double factor, const std::vector<con
                         const std::vector<const State*>& fresh, const AdviseOptions& options,
                         const TimeBudget& time, Advice& advice) {
   constexpr double kReferenceSeconds = 5;
-  const double target = std::clamp(1e-3 * smallest_goal(options.goal), 1e-12, 1e-7);
+  constexpr double kAgree = 1e-5;  // relative difference of velocities
+  // Tight enough that two references can prove that a step has several answers.
+  const double target =
+      std::clamp(1e-3 * smallest_goal(options.goal), 1e-12, ReferenceSolution::kTrusted);
   Samples samples;
   samples.chosen_on.reserve(sampled.size());  // evaluators point into them
   samples.fresh.reserve(fresh.size());
@@ -81,19 +84,25 @@ Samples sample_problems(const Scene& scene, double factor, const std::vector<con
     problems.push_back(std::move(*sample));
     SampledProblem& made = problems.back();
     made.reference = find_reference(made.given, std::min(kReferenceSeconds, time.until(1)), target);
-    made.several =
-        made.reference.velocity_spread > std::max(ReferenceSolution::kSeveral, 1e3 * target);
-    if (made.several) {
-      ++advice.several_solutions;
-    } else if (made.reference.error.guarded() > 0.1 * smallest_goal(options.goal)) {
+    const bool disagree = made.reference.velocity_spread > std::max(kAgree, 1e3 * target);
+    if (made.reference.error.guarded() > 0.1 * smallest_goal(options.goal) ||
+        (disagree && !made.reference.several())) {
       ++advice.without_reference;
       problems.pop_back();
       return;
-    } else {
-      advice.worst_reference = std::fmax(advice.worst_reference, made.reference.error.guarded());
+    }
+    advice.worst_reference = std::fmax(advice.worst_reference, made.reference.error.guarded());
+    if (!made.reference.several()) {
       advice.reference_spread = std::fmax(advice.reference_spread, made.reference.velocity_spread);
     }
     made.true_error = std::make_shared<TrueErrorEvaluator>(made.given, made.reference);
+    if (made.reference.several()) {
+      ++advice.several_solutions;
+      made.reference.spread = made.true_error->spread();
+      const AnswerSpread& apart = made.reference.spread;
+      made.spread = {.force = apart.force, .energy = apart.energy};
+      advice.spread = worst_of(advice.spread, made.spread);
+    }
   };
   // From the middle outwards: where time ends, the middle has been seen.
   const auto outwards = [](std::size_t k, std::size_t count) {

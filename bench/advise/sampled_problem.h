@@ -20,7 +20,7 @@ struct SampledProblem {
   std::vector<ContactOutcome> contacts_before;  ///< of `before`
   bool has_before = false;
   ReferenceSolution reference;
-  bool several = false;
+  Accuracy spread;  ///< of its exact answers; NaN where a single one is known
   std::shared_ptr<TrueErrorEvaluator> true_error;
 };
 
@@ -31,7 +31,8 @@ struct Samples {
   std::vector<SampledProblem> chosen_on, fresh;
 };
 /// Problems with references, to choose on and fresh ones in turn, as many as time allows. Those
-/// without a reference that is clearly better than the goal are left out.
+/// without a reference that is clearly better than the goal, or where two disagree without proof of
+/// several answers, are left out.
 Samples sample_problems(const Scene& scene, double factor, const std::vector<const State*>& sampled,
                         const std::vector<const State*>& fresh, const AdviseOptions& options,
                         const TimeBudget& time, Advice& advice);

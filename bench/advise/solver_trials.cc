@@ -51,12 +51,12 @@ void add(SolverTrial& trial, const SampledProblem& sample, const TimedSolve& tim
   }
   ++trial.solved;
   trial.guarded = std::fmax(trial.guarded, timed.result.error.guarded());
-  if (sample.several) return;
   const TrueError error = (*sample.true_error)(timed.result.s);
   // Nothing is known more exactly than the reference.
   const double unknown = sample.reference.error.guarded();
-  trial.error =
-      worst_of(trial.error, {error.force + unknown, error.penetration, error.energy + unknown});
+  trial.error = worst_of(trial.error, without_lost_digits({error.force + unknown, error.penetration,
+                                                           error.energy + unknown},
+                                                          sample.spread));
 }
 
 }  // namespace

@@ -132,6 +132,7 @@ Json to_json(const Scene& scene, const Advice& a) {
   j["problems"] = {{"sampled", a.problems},
                    {"fresh", a.fresh_problems},
                    {"several_solutions", a.several_solutions},
+                   {"spread", to_json(a.spread)},
                    {"without_reference", a.without_reference},
                    {"worst_reference", number(a.worst_reference)},
                    {"reference_spread", number(a.reference_spread)}};
@@ -243,9 +244,9 @@ void print_confidence(const Advice& a) {
              a.worst_reference, a.reference_spread);
   if (a.several_solutions > 0) {
     fmt::print(
-        "  steps with several solutions, left out of the errors, as one of them says nothing of "
-        "the others: {}\n",
-        a.several_solutions);
+        "  steps with several exact answers: {}, apart by at most {}; errors there are distances\n"
+        "  to the nearest answer, and nothing below half of that counts\n",
+        a.several_solutions, error_text(a.spread, a.goal));
   }
   if (a.without_reference > 0) {
     fmt::print("  steps left out because no solver got far enough below the goal in time: {}\n",

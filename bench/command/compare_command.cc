@@ -13,6 +13,7 @@
 #include "bench/compare/comparison.h"
 #include "bench/compare/comparison_page.h"
 #include "bench/compare/comparison_report.h"
+#include "bench/compare/comparison_several.h"
 #include "bench/compare/comparison_success.h"
 #include "bench/report/build_info.h"
 #include "bench/report/chart.h"
@@ -62,8 +63,8 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
   command
       ->add_option("targets", flags.targets,
                    "Problem file, folder of them, scene, family as square:30, triangular:30, "
-                   "pyramid:20, random:20, pile:32, impact:32 (with "
-                   ":mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), or benchmark")
+                   "pyramid:20, random:20, pile:32, impact:32, pour:32, collapse:32, tilt:32, "
+                   "strike:32 (with :mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), or benchmark")
       ->required();
   command->add_option("--solvers", flags.solvers, "all, or names separated by commas")
       ->delimiter(',')
@@ -96,7 +97,9 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
                     "smaller problem of the series");
   command->add_flag("--warm", flags.warm,
                     "Beside each row the same from the step before, where a file or scene has it");
-  command->add_option("--scene-problems", flags.scene_problems, "Steps of a scene (3; quick 1)")
+  command
+      ->add_option("--scene-problems", flags.scene_problems,
+                   "Steps of a scene or a moving family (3; quick 1)")
       ->check(CLI::Range(1, 1000));
   command->add_option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)")
       ->check(CLI::PositiveNumber);
@@ -109,9 +112,10 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
   command->add_flag("--quick", flags.quick,
                     "Loose limits and the small benchmark, for a first look");
   command
-      ->add_option("--out", flags.out,
-                   "Folder for rows.csv, history.csv, success.csv, comparison.csv, comparison.json "
-                   "and report.html; a stopped comparison goes on from the rows there")
+      ->add_option(
+          "--out", flags.out,
+          "Folder for rows.csv, history.csv, success.csv, several.csv, comparison.csv, "
+          "comparison.json and report.html; a stopped comparison goes on from the rows there")
       ->type_name("DIR");
   command
       ->add_option("--json", flags.json,
@@ -183,6 +187,7 @@ int compare_command(const CompareFlags& flags) {
   if (!flags.out.empty()) {
     write_text_file(options.out / "comparison.csv", to_csv(comparison));
     write_text_file(options.out / "success.csv", success_csv(success_curves(comparison)));
+    write_text_file(options.out / "several.csv", several_csv(comparison));
     write_json(to_json(comparison, context), (options.out / "comparison.json").string());
     std::vector<ReportSection> sections;
     if (whole) {

@@ -10,6 +10,7 @@
 
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
+#include "bench/command/several_command.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "core/file_error.h"
@@ -85,6 +86,11 @@ CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags) {
   command->add_option("problem", flags.problem, "Problem file")->required();
   command->add_flag("--warm", flags.warm,
                     "Start from the file's first guess (FCLIB /guesses), not from s = 0");
+  command
+      ->add_option("--several", flags.several,
+                   "Look for several exact answers from N starts; --seed S draws others")
+      ->check(CLI::Range(1, 10000))
+      ->type_name("N");
   command->add_flag("--explain", flags.explain,
                     "With --solver auto: print which stages are planned, and why");
   add_common_flags(*command, flags.common);
@@ -103,6 +109,7 @@ CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags) {
       "Examples:\n"
       "  bipot solve problem.hdf5\n"
       "  bipot solve problem.hdf5 --out out/problem\n"
+      "  bipot solve problem.hdf5 --several 12 --out out/answers\n"
       "  bipot solve problem.dat --solver pgs --tol 1e-10 --json - --solution solved.hdf5");
   return command;
 }
@@ -162,14 +169,15 @@ void check_solution_file(const std::string& path, const ContactProblem& problem)
 }  // namespace
 
 int solve_command(const SolveFlags& given) {
-  const SolveFlags flags = with_folder(given);
-  if (!std::ifstream(flags.problem)) throw FileError(flags.problem, "", "cannot be opened");
+  if (!std::ifstream(given.problem)) throw FileError(given.problem, "", "cannot be opened");
   std::optional<ProblemFile> file;
   try {
-    file = read_problem(flags.problem);
+    file = read_problem(given.problem);
   } catch (const FileError& e) {
     throw std::invalid_argument(e.what());  // readable, but not a problem: bad input
   }
+  if (given.several) return several_command(given, *file);
+  const SolveFlags flags = with_folder(given);
   const ContactProblem& problem = file->problem;
   check_solution_file(flags.solution, problem);
   require_writable(flags.common.json);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
 
 #include "bench/command/command_options.h"
 
@@ -9,11 +11,12 @@ namespace bipot {
 struct SolveFlags {
   CommonFlags common;
   SolverFlags solver;
-  std::string problem;   ///< FCLIB HDF5 or Siconos text
-  std::string solution;  ///< FCLIB file whose /solution is written
-  bool warm = false;     ///< start from the file's first guess
-  bool explain = false;  ///< print the plan of `auto`
-  std::string history;   ///< CSV of the judged iterations
+  std::string problem;         ///< FCLIB HDF5 or Siconos text
+  std::string solution;        ///< FCLIB file whose /solution is written
+  bool warm = false;           ///< start from the file's first guess
+  bool explain = false;        ///< print the plan of `auto`
+  std::string history;         ///< CSV of the judged iterations
+  std::optional<int> several;  ///< starts of a search for several answers
 };
 
 /// Declares `bipot solve`.

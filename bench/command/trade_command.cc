@@ -49,6 +49,15 @@ CLI::App* add_trade_command(CLI::App& app, TradeFlags& flags) {
       ->add_option("--replicas", flags.request.replicas,
                    "Nearby runs of each setting where disks fly freely (3; quick 2)")
       ->check(CLI::Range(1, 1000));
+  command
+      ->add_option_function<std::string>(
+          "--witness",
+          [&flags](const std::string& name) {
+            flags.request.witness = name == "none" ? std::string() : name;
+          },
+          "Solver that runs the tightest tolerance too, to see what several exact answers do "
+          "(apgd; none)")
+      ->type_name("NAME");
   command->add_flag("--quick", flags.request.quick, "Fewer scenes and settings for a first look");
   command->add_option("--out", flags.out, "Folder for trade.csv, trade.json and trade.html")
       ->type_name("DIR");

@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <stdexcept>
+#include <tuple>
 
 #include "bench/compare/comparison_store.h"
 #include "bench/measure/cpu_limit.h"
@@ -49,7 +51,20 @@ class HistoryRecorder {
 struct Measurement {
   ComparisonRow row;
   std::vector<HistoryPoint> history;
+  Vector s;  ///< that the row is about; empty: none was found now
 };
+
+void write_errors(const TrueErrorEvaluator& true_error, const Vector& s, ComparisonRow& row) {
+  const TrueError error = true_error(s);
+  row.velocity_error = error.velocity;
+  row.force_error = error.force;
+  row.contact_force_error = error.contact_force;
+  row.penetration_velocity = error.penetration_velocity;
+  row.penetration = error.penetration;
+  row.dissipated = error.dissipated;
+  row.energy_error = error.energy;
+  row.answer = error.nearest + 1;
+}
 
 Measurement measure(const SolverEntry& entry, const TestProblem& given, double tol, bool warm,
                     const TrueErrorEvaluator& true_error, const ComparisonOptions& options) {
@@ -98,14 +113,8 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
       row.take_off = count.take_off;
       row.stick = count.stick;
       row.slip = count.slip;
-      const TrueError error = true_error(result.s);
-      row.velocity_error = error.velocity;
-      row.force_error = error.force;
-      row.contact_force_error = error.contact_force;
-      row.penetration_velocity = error.penetration_velocity;
-      row.penetration = error.penetration;
-      row.dissipated = error.dissipated;
-      row.energy_error = error.energy;
+      write_errors(true_error, result.s, row);
+      made.s = result.s;
     }
     if (limit.reached() || result.status == SolveStatus::kTimeLimit ||
         result.status == SolveStatus::kInterrupted) {
@@ -158,7 +167,19 @@ class ProblemRows {
     row.contacts = problem_.problem.num_contacts();
     row.dim = defect_.empty() ? problem_.problem.dim : 0;
     row.commit = commit_;
+    if (made.s.size() > 0 && !options_.is_cancelled()) learn(made);
     return made;
+  }
+
+  /// True when answers were found after the errors of some row were measured.
+  bool has_stale_errors() const { return learned_; }
+
+  /// Measures the errors of a row again; false where its impulse is not known any more.
+  bool renew_errors(ComparisonRow& row) const {
+    const auto found = impulses_.find({row.solver, row.tol, row.warm});
+    if (found == impulses_.end()) return false;
+    write_errors(*true_error_, found->second, row);
+    return true;
   }
 
   /// Makes the problem.
@@ -190,10 +211,25 @@ class ProblemRows {
     s.reference_natural_map = reference_.error.natural_map;
     s.attempts = reference_.attempts;
     s.velocity_spread = reference_.velocity_spread;
+    if (!s.poor_reference()) s.answers = 1 + static_cast<int>(reference_.others.size());
+    s.spread = reference_.spread;
     return s;
   }
 
  private:
+  /// An answer that nobody knew changes what errors are measured against.
+  void learn(const Measurement& made) {
+    const ComparisonRow& row = made.row;
+    impulses_[{row.solver, row.tol, row.warm}] = made.s;
+    if (!learn_answer(problem_.problem, made.s, options_.reference_time_limit, options_.cancelled,
+                      reference_)) {
+      return;
+    }
+    learned_ = true;
+    reference_.spread = true_error_->spread();
+    store_.write(source_, problem_, reference_);
+  }
+
   void prepare() {
     if (prepared_) return;
     prepared_ = true;
@@ -226,11 +262,13 @@ class ProblemRows {
     } else {
       reference_ = find_reference(problem_, options_.reference_time_limit,
                                   ReferenceSolution::kTarget, LimitOn::kCpu, options_.cancelled);
+      true_error_.emplace(problem_, reference_);
+      if (reference_.several()) reference_.spread = true_error_->spread();
       if (!options_.is_cancelled()) {
         store_.write(source_, problem_, reference_);
       }
     }
-    true_error_.emplace(problem_, reference_);
+    if (!true_error_) true_error_.emplace(problem_, reference_);
   }
 
   const ProblemSource& source_;
@@ -242,6 +280,9 @@ class ProblemRows {
   TestProblem problem_;
   ReferenceSolution reference_;
   std::optional<TrueErrorEvaluator> true_error_;
+  /// By solver, tolerance and start: what the rows made here are about.
+  std::map<std::tuple<std::string, double, int>, Vector> impulses_;
+  bool learned_ = false;
 };
 
 /// Which solver ran out of time where.
@@ -301,12 +342,11 @@ class TableFiller {
         table_.histories.push_back(*history);
       }
     }
-    ProblemSummary summary = problem.summary();
-    if (summary.reference_guarded <= ReferenceSolution::kTrusted) {
-      widen_spread(table_.rows, first, summary);
-      widen_spread(table_.warm_rows, first_warm, summary);
+    if (problem.has_stale_errors()) {
+      renew_errors(problem, table_.rows, first);
+      renew_errors(problem, table_.warm_rows, first_warm);
     }
-    table_.problems.push_back(std::move(summary));
+    table_.problems.push_back(problem.summary());
     return true;
   }
 
@@ -354,12 +394,11 @@ class TableFiller {
     warmed_up_ = true;
   }
 
-  static void widen_spread(const std::vector<ComparisonRow>& rows, std::size_t first,
-                           ProblemSummary& summary) {
+  /// Of the rows from `first` on, in the table and on disk, where the later line counts.
+  void renew_errors(const ProblemRows& problem, std::vector<ComparisonRow>& rows,
+                    std::size_t first) {
     for (std::size_t i = first; i < rows.size(); ++i) {
-      if (rows[i].guarded <= ReferenceSolution::kTrusted && std::isfinite(rows[i].velocity_error)) {
-        summary.velocity_spread = std::fmax(summary.velocity_spread, rows[i].velocity_error);
-      }
+      if (problem.renew_errors(rows[i])) store_.append(rows[i], {});
     }
   }
 

@@ -27,9 +27,10 @@ struct ComparisonRow {
   double cpu_min = kNaN;       ///< least CPU time of one repeat, all of it           [s]
   double epsilon = kNaN, eta = kNaN, guarded = kNaN, raw42 = kNaN, natural_map = kNaN;
   int take_off = 0, stick = 0, slip = 0;
-  /// TrueError's fields, against the reference of the problem.
+  /// TrueError's fields, against the nearest known answer of the problem.
   double velocity_error = kNaN, force_error = kNaN, contact_force_error = kNaN;
   double penetration_velocity = kNaN, penetration = kNaN, dissipated = kNaN, energy_error = kNaN;
+  int answer = 0;      ///< that one: 1 the reference, 2, 3, ... others; 0: none is known
   std::string commit;  ///< of the program that made the row
 
   bool solved() const { return guarded <= tol; }
@@ -62,10 +63,14 @@ struct ProblemSummary {
   std::string reference_solver;
   double reference_guarded = kNaN, reference_natural_map = kNaN;
   std::vector<ReferenceAttempt> attempts;
-  /// Largest relative distance (energy norm) between velocities of solutions below 1e-9, attempts
-  /// at the reference and rows alike; NaN when there are fewer than two.
+  /// Largest relative distance (energy norm) between velocities of attempts at the reference that
+  /// stand below 1e-9; NaN when there are fewer than two.
   double velocity_spread = kNaN;
-  bool several_velocities() const { return velocity_spread > ReferenceSolution::kSeveral; }
+  /// Exact answers that are known to be distinct, of attempts and rows alike; 0: no reference below
+  /// 1e-9. More than one proves that there are several (solvers/distinct_answers.h).
+  int answers = 0;
+  AnswerSpread spread;  ///< between them
+  bool several_velocities() const { return answers > 1; }
   /// Errors against it are no true errors.
   bool poor_reference() const { return reference_guarded > ReferenceSolution::kTrusted; }
 };
@@ -103,7 +108,9 @@ struct Comparison {
 /// Fills the table. Rows are appended to out/rows.csv as they finish; rows that stand there already
 /// (same problem, solver, tolerance and start) are kept as they are. A solver
 /// that ran into the time limit and whose iterates do not depend on the tolerance is not run again
-/// at tighter ones: those rows repeat the figures and say so. Throws FileError, and
+/// at tighter ones: those rows repeat the figures and say so. Where rows of a problem find further
+/// exact answers, the errors of its rows are measured again against the nearest (not those of rows
+/// that were kept from a comparison stopped in the midst of the problem). Throws FileError, and
 /// std::invalid_argument for an unknown solver or an `out` whose rows were made under other limits.
 Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOptions& options);
 

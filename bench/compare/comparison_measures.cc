@@ -70,9 +70,7 @@ std::string_view Ranking::name() const {
 }
 
 Ranking ranking(const ProblemSummary& problem, const std::vector<ComparisonRow>& rows) {
-  if (problem.several_velocities() || problem.poor_reference()) {
-    return {Ranking::Measure::kGuarded};
-  }
+  if (problem.poor_reference()) return {Ranking::Measure::kGuarded};
   for (const ComparisonRow& row : rows) {
     if (row.problem == problem.name && std::isfinite(row.force_error)) {
       return {Ranking::Measure::kForce};

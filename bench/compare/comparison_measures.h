@@ -19,8 +19,8 @@ std::vector<std::string> solvers_of(const Comparison& comparison);
 std::vector<double> tolerances_of(const Comparison& comparison);
 
 /// The true error by which a problem's solvers are ranked: the resultant force on bodies where it
-/// is defined, else the velocity; the guarded error where the problem has several solutions, so
-/// that a distance to one of them says nothing, or no trusted reference.
+/// is defined, else the velocity (of several exact answers, the distance to the nearest one that is
+/// known); the guarded error where the problem has no trusted reference.
 struct Ranking {
   enum class Measure { kForce, kVelocity, kGuarded };
   Measure measure = Measure::kVelocity;

@@ -7,6 +7,7 @@
 #include "bench/compare/page_figures.h"
 #include "bench/compare/page_notes.h"
 #include "bench/compare/page_problems.h"
+#include "bench/compare/page_several.h"
 #include "bench/compare/page_table.h"
 #include "bench/compare/page_warm.h"
 #include "bench/report/chart.h"
@@ -48,7 +49,8 @@ void add_contents(PageDraft& page, const PageContent& of,
                   const std::vector<ReportSection>& sections) {
   page.add(
       "<nav><a href=\"#answer\">Fastest, by problem</a><a href=\"#tolerance\">What a tolerance "
-      "means</a><a href=\"#solvers\">Who solves what</a>");
+      "means</a><a href=\"#several\">Several answers</a><a href=\"#solvers\">Who solves "
+      "what</a>");
   if (of.has_auto()) page.add("<a href=\"#auto\">auto</a>");
   if (!of.comparison.warm_rows.empty()) page.add("<a href=\"#warm\">Warm starts</a>");
   if (!of.success.empty()) page.add("<a href=\"#success\">Success</a>");
@@ -75,6 +77,7 @@ std::string to_html(const Comparison& comparison, const ReportContext& context,
   add_contents(page, of, sections);
   add_answer_by_problem(page, of);
   add_tolerance_meaning(page, of);
+  add_several(page, of);
   add_solver_summary(page, of);
   add_regret(page, of);
   add_warm_starts(page, of);

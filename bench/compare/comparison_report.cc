@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "bench/compare/comparison_rows.h"
+#include "bench/compare/comparison_several.h"
 #include "bench/compare/comparison_success.h"
 #include "bench/compare/warm_gain.h"
 #include "bench/report/json_output.h"
@@ -87,6 +88,11 @@ nlohmann::ordered_json problems_json(const Comparison& comparison) {
                         {"guarded", number(p.reference_guarded)},
                         {"natural_map", number(p.reference_natural_map)},
                         {"velocity_spread", number(p.velocity_spread)},
+                        {"answers", p.answers},
+                        {"spread",
+                         {{"velocity", number(p.spread.velocity)},
+                          {"force", number(p.spread.force)},
+                          {"energy", number(p.spread.energy)}}},
                         {"several_velocity_solutions", p.several_velocities()}};
     row["reference"]["attempts"] = nlohmann::ordered_json::array();
     for (const ReferenceAttempt& a : p.attempts) {
@@ -161,6 +167,22 @@ nlohmann::ordered_json success_json(const Comparison& comparison) {
                      {"solved", point.solved},
                      {"share", curve.share(point)}});
     }
+  }
+  return all;
+}
+
+nlohmann::ordered_json several_json(const Comparison& comparison) {
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const SeveralShare& s : several_shares(comparison)) {
+    all.push_back({{"size", s.size},
+                   {"problems", s.problems},
+                   {"several", s.several},
+                   {"share", s.share()},
+                   {"median_velocity", number(s.median_velocity)},
+                   {"largest_velocity", number(s.largest_velocity)},
+                   {"median_force", number(s.median_force)},
+                   {"largest_force", number(s.largest_force)},
+                   {"largest_energy", number(s.largest_energy)}});
   }
   return all;
 }
@@ -251,6 +273,7 @@ nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext
   j["rows"] = rows_json(comparison);
   j["solved"] = solved_json(comparison);
   j["success"] = success_json(comparison);
+  j["several"] = several_json(comparison);
   if (!comparison.warm_rows.empty()) j["warm_starts"] = warm_json(comparison);
   j["profiles"] = profiles_json(comparison);
   j["errors_within"] = errors_within_json(comparison);
@@ -319,12 +342,8 @@ std::string to_text(const Comparison& comparison) {
       text += fmt::format("{}: the reference stands at {:.1e} only ({})\n", p.name,
                           p.reference_guarded, p.reference_solver);
     }
-    if (p.several_velocities()) {
-      text += fmt::format(
-          "{}: several velocity solutions, {:.1e} apart; errors against one of them say little\n",
-          p.name, p.velocity_spread);
-    }
   }
+  text += several_text(comparison);
   return text;
 }
 

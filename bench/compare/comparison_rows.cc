@@ -80,6 +80,8 @@ const std::vector<Column>& comparison_columns() {
                     "overlap added in a step, fraction of the smallest radius"),
       number_column("dissipated", &Row::dissipated, "energy taken out of the free motion [J]"),
       number_column("energy_error", &Row::energy_error, "true relative error of that energy"),
+      count_column("answer", &Row::answer,
+                   "exact answer that the errors are distances to: 1 the reference, 2, ... others"),
       text_column("commit", &Row::commit, "version of the program that made the row"),
       text_column("message", &Row::message, "what the solver said"),
   };

@@ -102,7 +102,7 @@ const ComparisonRow* ComparisonStore::find(const std::string& problem, const std
 void ComparisonStore::append(const ComparisonRow& row, const History& history) {
   if (!history.points.empty()) histories_[{history.problem, history.solver}] = history;
   if (folder_.empty()) return;
-  history_file_ << to_csv(history) << std::flush;
+  if (!history.problem.empty()) history_file_ << to_csv(history) << std::flush;
   rows_file_ << to_csv(row) << std::endl;
   if (!rows_file_ || !history_file_) {
     throw FileError(folder_ / "rows.csv", "", "cannot be written");

@@ -112,9 +112,10 @@ void add_answer_by_problem(PageDraft& page, const PageContent& of) {
   }
   page.add(
       "</tbody></table></div>\n"
-      "<p class=\"small\">A dash: nothing that was tried got there. † several velocity "
-      "solutions, ‡ no reference with a guarded error below 1e-9: ranked by the guarded error, "
-      "because a distance to one solution, or to none, says nothing.</p>\n");
+      "<p class=\"small\">A dash: nothing that was tried got there. † several exact "
+      "answers: errors are distances to the nearest that is known. ‡ no reference with a guarded "
+      "error below 1e-9: ranked by the guarded error, because a distance to none says "
+      "nothing.</p>\n");
 }
 
 void add_tolerance_meaning(PageDraft& page, const PageContent& of) {
@@ -136,7 +137,8 @@ void add_tolerance_meaning(PageDraft& page, const PageContent& of) {
   page.add(
       "</tbody></table></div>\n<p class=\"small\">The error in the force on the worst body, or "
       "in the velocities where a problem does not know its bodies. Problems with several "
-      "velocity solutions († above) or without a trusted reference (‡) are left out.</p>\n");
+      "exact answers († above) count by the distance to the nearest, problems without a trusted "
+      "reference (‡) are left out.</p>\n");
 }
 
 void add_solver_summary(PageDraft& page, const PageContent& of) {

@@ -29,6 +29,7 @@ void add_measures(PageDraft& page) {
 <dt>not run again</dt><dd>Said in the words of a row: the solver's path does not depend on the tolerance, and it was out of time at a looser one already; the row shows where it stood then.</dd>
 <dt>Pareto</dt><dd>No other row of the problem is both faster and more accurate.</dd>
 <dt>reference</dt><dd>Solved to 1e-12, beyond 1000 contacts to 1e-11, or as far as it goes, by auto, newton, ipm and apgd in turn until one gets there and a second one stands below 1e-9; the lowest guarded error is kept; errors below the reference's own accuracy mean nothing.</dd>
+<dt>several answers</dt><dd>What was found on the way, attempts and rows, joins the reference where it is exact to 1e-9 and distinct; rows that end near 1e-6 or better far from all of them are first solved on from where they are. True errors are distances to the nearest in velocity.</dd>
 </dl>
 )");
 }
@@ -59,7 +60,7 @@ void add_provenance(PageDraft& page, const PageContent& of) {
   page.add(
       "</dl>\n<p class=\"small\">The numbers behind all figures stand beside this page: "
       "comparison.csv (a line a row), history.csv (errors along the solves), success.csv (problems "
-      "solved against tolerance) and comparison.json (rows, problems, success, profiles, growth, "
+      "solved against tolerance), several.csv (problems with several answers) and comparison.json (rows, problems, success, profiles, growth, "
       "regret).</p>\n");
 }
 

@@ -18,9 +18,10 @@ std::string uniqueness(const ProblemSummary& p) {
   }
   if (p.several_velocities()) {
     return fmt::format(
-        " <strong>Several velocity solutions</strong>: two solvers below 1e-9 differ by {} in "
-        "the energy norm.",
-        error_label(p.velocity_spread));
+        " <strong>Several exact answers</strong>: {} are known, velocities up to {} apart in the "
+        "energy norm, the force on a body by {} of the largest. Errors are distances to the "
+        "nearest.",
+        p.answers, error_label(p.spread.velocity), error_label(p.spread.force));
   }
   if (std::isfinite(p.velocity_spread)) {
     return fmt::format(" Solvers below 1e-9 agree on the velocities to {}.",

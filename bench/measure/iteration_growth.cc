@@ -7,7 +7,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "bench/measure/moving_problems.h"
 #include "bench/report/json_output.h"
+#include "bench/scenes/moving_scene.h"
 #include "bench/scenes/settled_pile.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
@@ -71,6 +73,17 @@ nlohmann::ordered_json to_json(const PowerLaw& law) {
 GrowthProblem make_growth_problem(const GrowthScene& scene, int side) {
   GrowthProblem made;
   made.side = side;
+  const std::vector<std::string> moving = moving_family_names();
+  if (std::find(moving.begin(), moving.end(), scene.family) != moving.end()) {
+    const FamilyOptions options{
+        .mu = scene.mu, .tilt_degrees = scene.tilt_degrees, .seed = scene.seed};
+    made.problem =
+        moving_problems({scene.family, side, options, moving_steps(scene.family, side, 1)})
+            .front()
+            .problem;
+    made.disks = to_size(side) * to_size(side);
+    return made;
+  }
   Scene disks;
   State state;
   if (scene.family == "pile") {

@@ -19,7 +19,7 @@ namespace bipot {
 /// A scene of any size; one step of it is the problem.
 struct GrowthScene {
   /// Of scene_family.h, or "pile" (settled_pile.h, made by a simulation first; the tilt turns
-  /// gravity for the step alone).
+  /// gravity for the step alone), or of moving_scene.h (a step at 0.65 of the run, kept in a cache).
   std::string family = "square";
   double mu = 0.3;
   double tilt_degrees = 0;

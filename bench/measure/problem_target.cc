@@ -15,6 +15,8 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "bench/measure/moving_problems.h"
+#include "bench/scenes/moving_scene.h"
 #include "bench/scenes/scene_catalogue.h"
 #include "bench/scenes/scene_run.h"
 #include "bench/scenes/settled_pile.h"
@@ -34,7 +36,8 @@ namespace fs = std::filesystem;
 
 // In series, so that the growth with size shows. Regular packings, tilted so that they load
 // unevenly; one of uneven masses; packings that friction alone holds; piles at rest, piles that
-// begin to flow because gravity turned, and one that a fast disk hits. Then the shipped problems,
+// begin to flow because gravity turned, and one that a fast disk hits; steps of runs in which
+// everything moves. Then the shipped problems,
 // and those of the folder BIPOT_PROBLEMS.
 const std::vector<std::string> kBenchmark = {"square:10:tilt=10",
                                              "square:18:tilt=10",
@@ -60,7 +63,12 @@ const std::vector<std::string> kBenchmark = {"square:10:tilt=10",
                                              "pile:32:tilt=25",
                                              "pile:56:tilt=25",
                                              "pile:100:tilt=25",
-                                             "impact:32"};
+                                             "impact:32",
+                                             "pour:18",
+                                             "pour:32",
+                                             "collapse:32",
+                                             "tilt:32:angle=30",
+                                             "strike:32"};
 const std::vector<std::string> kQuickBenchmark = {"square:10:tilt=10",
                                                   "square:18:tilt=10",
                                                   "square:32:tilt=10",
@@ -72,7 +80,9 @@ const std::vector<std::string> kQuickBenchmark = {"square:10:tilt=10",
                                                   "pyramid:10",
                                                   "pile:18",
                                                   "pile:18:tilt=25",
-                                                  "impact:18"};
+                                                  "impact:18",
+                                                  "pour:18",
+                                                  "tilt:18:angle=30"};
 constexpr const char* kSharedProblems = "BIPOT_PROBLEMS";
 
 std::vector<std::string> split(const std::string& text, char separator) {
@@ -121,12 +131,19 @@ struct Family {
   FamilyOptions options;
 };
 
+bool contains(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
 std::vector<std::string> families() {
   std::vector<std::string> names = family_names();
   names.emplace_back("pile");
   names.emplace_back("impact");
+  for (const std::string& name : moving_family_names()) names.push_back(name);
   return names;
 }
+
+bool is_moving(const Family& family) { return contains(moving_family_names(), family.name); }
 
 bool is_pile(const Family& family) { return family.name == "pile" || family.name == "impact"; }
 
@@ -148,7 +165,8 @@ Family parse_family(const std::string& target) {
     FamilyOptions& o = family.options;
     if (key == "mu" && value >= 0) {
       o.mu = value;
-    } else if (key == "tilt" && std::abs(value) <= 180) {
+    } else if ((key == "tilt" || (key == "angle" && family.name == "tilt")) &&
+               std::abs(value) <= 180) {
       o.tilt_degrees = value;
     } else if (key == "ratio" && value >= 1) {
       o.mass_ratio = value;
@@ -165,6 +183,10 @@ Family parse_family(const std::string& target) {
   if (is_pile(family) && (family.options.mass_ratio != 1 || family.options.e_n != 0)) {
     throw std::invalid_argument(
         fmt::format("target {}: a settled pile takes mu, tilt and seed alone", target));
+  }
+  if (is_moving(family) && family.options.mass_ratio != 1) {
+    throw std::invalid_argument(
+        fmt::format("target {}: a moving scene takes mu, tilt, e and seed alone", target));
   }
   return family;
 }
@@ -272,6 +294,30 @@ class ProblemRun {
   std::map<int, TestProblem> problems_;
 };
 
+/// The family target without its size.
+std::string series_of(const std::string& target) {
+  const std::size_t begin = target.find(':'), end = target.find(':', begin + 1);
+  return target.substr(0, begin) + (end == std::string::npos ? "" : target.substr(end));
+}
+
+/// Steps of one run of a moving family, which is made when the first of them is asked for.
+void add_moving(const std::string& target, const Family& family, const TargetOptions& options,
+                std::vector<ProblemSource>& sources) {
+  const auto request = std::make_shared<const MovingRunRequest>(
+      MovingRunRequest{family.name, family.side, family.options,
+                       moving_steps(family.name, family.side, options.scene_problems)});
+  const auto made = std::make_shared<std::vector<TestProblem>>();
+  for (std::size_t k = 0; k < request->steps.size(); ++k) {
+    const auto load = [request, made, k] {
+      if (made->empty()) *made = moving_problems(*request);
+      return made->at(k);
+    };
+    sources.push_back({fmt::format("{}@{}", target, request->steps[k]), target, load,
+                       fmt::format("{}@{}/{}", series_of(target), k + 1, request->steps.size()),
+                       static_cast<double>(family.side)});
+  }
+}
+
 ProblemSource file_source(const fs::path& path) {
   return {path.stem().string(), path.string(), [path] {
             TestProblem made;
@@ -316,12 +362,6 @@ void add_scene(const std::string& target, const TargetOptions& options,
   }
 }
 
-/// The family target without its size.
-std::string series_of(const std::string& target) {
-  const std::size_t begin = target.find(':'), end = target.find(':', begin + 1);
-  return target.substr(0, begin) + (end == std::string::npos ? "" : target.substr(end));
-}
-
 void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& piles,
                    std::vector<ProblemSource>& sources);
 
@@ -336,17 +376,18 @@ void add_target(const std::string& target, const TargetOptions& options,
   const std::vector<std::string> names = families();
   if (const std::size_t colon = target.find(':'); colon != std::string::npos) {
     const std::string family = target.substr(0, colon);
-    if (std::find(names.begin(), names.end(), family) == names.end()) {
+    if (!contains(names, family)) {
       throw std::invalid_argument(target + ": no such file; " +
                                   unknown_name_message("family", family, names));
     }
     const Family f = parse_family(target);
+    if (is_moving(f)) return add_moving(target, f, options, sources);
     sources.push_back({target, target, [f, piles] { return make_family_problem(f, *piles); },
                        series_of(target), static_cast<double>(f.side)});
     return;
   }
   if (target == "benchmark") return add_benchmark(options, piles, sources);
-  if (std::find(names.begin(), names.end(), target) != names.end()) {
+  if (contains(names, target)) {
     for (const fs::path& scene : shipped_scenes()) {
       if (scene.stem() == target) return add_scene(target, options, sources);
     }

@@ -22,7 +22,7 @@ struct ProblemSource {
 };
 
 struct TargetOptions {
-  int scene_problems = 3;                             ///< steps of a scene, evenly along its run
+  int scene_problems = 3;  ///< steps of a scene or a moving family, evenly along its run
   int scene_steps = std::numeric_limits<int>::max();  ///< a run is cut there
   bool quick = false;                                 ///< the small benchmark
 };
@@ -34,6 +34,9 @@ struct TargetOptions {
 ///     step), "pile:32" (settled_pile.h, 32² disks at rest) or "impact:32" (such a pile as one more
 ///     disk hits it at 20 m/s), with options behind it: "square:30:mu=0.5:tilt=10:ratio=1e4:seed=2:
 ///     e=0.5" (friction, degrees, mass ratio, restitution);
+///   - a moving family "pour:32", "collapse:32", "tilt:32:angle=30" or "strike:32"
+///     (scenes/moving_scene.h): steps along one run, each with its start, kept in a cache folder
+///     (moving_problems.h), with :mu, :tilt, :e and :seed behind it;
 ///   - "benchmark": series of families from 10² to 10⁴ disks, the shipped problems and those of the
 ///     folder that the environment variable BIPOT_PROBLEMS names.
 /// Throws std::invalid_argument for what is none of these, and for two problems of one name.

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/measure/energy_norm.h"
 #include "core/problem/delassus.h"
+#include "core/problem/energy_norm.h"
 #include "core/problem/sparse_factor.h"
 
 namespace bipot {
@@ -22,29 +22,6 @@ double largest_impulse(int dim, const Vector& s) {
   return largest;
 }
 
-/// True when each normal pushes one body or two with unit forces, the bodies laid out as `rows`
-/// says.
-bool has_unit_normals(const ContactProblem& p, const BodyRows& rows) {
-  for (int c = 0; c < p.num_contacts(); ++c) {
-    const double scale = p.row_scale.size() != 0 ? p.row_scale[c * p.dim] : 1.0;
-    int body = -1;
-    double squared = 0;
-    const auto is_unit = [&] { return body < 0 || std::abs(std::sqrt(squared) - 1) < 1e-6; };
-    for (SparseMatrix::InnerIterator it(p.H, c * p.dim); it; ++it) {
-      const int row = static_cast<int>(it.row());
-      if (row >= rows.bodies * rows.per_body) break;
-      if (row / rows.per_body != body) {
-        if (!is_unit()) return false;
-        body = row / rows.per_body;
-        squared = 0;
-      }
-      if (row % rows.per_body < rows.translations) squared += std::pow(scale * it.value(), 2);
-    }
-    if (body < 0 || !is_unit()) return false;
-  }
-  return true;
-}
-
 /// True when W is regular by a rank-revealing QR; false for large problems, where it is not asked.
 bool has_unique_forces(const ContactProblem& p) {
   const int rows = p.num_rows();
@@ -58,21 +35,6 @@ bool has_unique_forces(const ContactProblem& p) {
 }
 
 }  // namespace
-
-std::optional<BodyRows> find_body_rows(const ContactProblem& p) {
-  if (!p.has_velocities()) return std::nullopt;
-  BodyRows rows;
-  rows.per_body = p.dim == 1 ? 2 : p.dim == 2 ? 3 : 6;
-  rows.translations = p.dim == 1 ? 2 : p.dim;
-  // A few walls' rows could stand where another body's would: their number is searched.
-  constexpr int kMaxWalls = 24;
-  for (rows.walls = p.num_dofs() % rows.per_body; rows.walls <= std::min(kMaxWalls, p.num_dofs());
-       rows.walls += rows.per_body) {
-    rows.bodies = (p.num_dofs() - rows.walls) / rows.per_body;
-    if (has_unit_normals(p, rows)) return rows;
-  }
-  return std::nullopt;
-}
 
 double TrueErrorEvaluator::largest_resultant(const Vector& s) const {
   const Vector x = given_.problem.H * s;
@@ -105,16 +67,39 @@ double TrueErrorEvaluator::dissipated(const Vector& s) const {
   return -(0.5 * energy_product(p, evaluate_.delassus(), s) + linear);
 }
 
-TrueError TrueErrorEvaluator::operator()(const Vector& s) const {
-  const ContactProblem& p = given_.problem;
+double TrueErrorEvaluator::distance(const Vector& a, const Vector& b) const {
+  return std::sqrt(energy_product(given_.problem, evaluate_.delassus(), a - b));
+}
+
+TrueError TrueErrorEvaluator::difference(const Vector& s, const Vector& exact) const {
   TrueError error;
-  if (s.size() != p.num_rows()) return error;
-  const Vector difference = s - reference_.s;
-  error.velocity = relative_error(std::sqrt(energy_product(p, evaluate_.delassus(), difference)),
-                                  reference_norm_);
+  const Vector difference = s - exact;
+  error.velocity = relative_error(distance(s, exact), reference_norm_);
   if (body_rows_) error.force = relative_error(largest_resultant(difference), reference_force_);
   if (unique_)
-    error.contact_force = relative_error(largest_impulse(p.dim, difference), reference_impulse_);
+    error.contact_force =
+        relative_error(largest_impulse(given_.problem.dim, difference), reference_impulse_);
+  error.dissipated = dissipated(s);
+  error.energy = relative_error(std::abs(error.dissipated - dissipated(exact)),
+                                std::abs(reference_dissipated_));
+  return error;
+}
+
+TrueError TrueErrorEvaluator::operator()(const Vector& s) const {
+  const ContactProblem& p = given_.problem;
+  if (s.size() != p.num_rows()) return {};
+  const Vector* exact = &reference_.s;
+  int nearest = 0;
+  double closest = reference_.several() ? distance(s, *exact) : 0;
+  for (std::size_t k = 0; k < reference_.others.size(); ++k) {
+    const double apart = distance(s, reference_.others[k]);
+    if (!(apart < closest)) continue;
+    closest = apart;
+    exact = &reference_.others[k];
+    nearest = static_cast<int>(k) + 1;
+  }
+  TrueError error = difference(s, *exact);
+  error.nearest = nearest;
   evaluate_(s);
   error.penetration_velocity = 0;
   for (int c = 0; c < p.num_contacts(); ++c) {
@@ -123,10 +108,22 @@ TrueError TrueErrorEvaluator::operator()(const Vector& s) const {
         std::max(error.penetration_velocity, -evaluate_.velocity()[c * p.dim] / scale);
   }
   error.penetration = error.penetration_velocity * given_.step / given_.smallest_radius;
-  error.dissipated = dissipated(s);
-  error.energy = relative_error(std::abs(error.dissipated - reference_dissipated_),
-                                std::abs(reference_dissipated_));
   return error;
+}
+
+AnswerSpread TrueErrorEvaluator::spread() const {
+  AnswerSpread spread;
+  std::vector<const Vector*> all{&reference_.s};
+  for (const Vector& other : reference_.others) all.push_back(&other);
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const TrueError d = difference(*all[i], *all[j]);
+      spread.velocity = std::fmax(spread.velocity, d.velocity);
+      spread.force = std::fmax(spread.force, d.force);
+      spread.energy = std::fmax(spread.energy, d.energy);
+    }
+  }
+  return spread;
 }
 
 }  // namespace bipot

@@ -1,14 +1,19 @@
-// Writes the shipped problems that no scene can dump: three-dimensional ones, and single steps of
-// scene families. Usage: make_problems DIR
+// Writes the shipped problems that no scene can dump: three-dimensional ones, single steps of
+// scene families, and steps of runs of moving families. Usage: make_problems DIR
 
 #include <fmt/format.h>
 
 #include <filesystem>
 #include <functional>
+#include <string>
+#include <vector>
 
+#include "bench/scenes/moving_run.h"
+#include "bench/scenes/moving_scene.h"
 #include "bench/scenes/settled_pile.h"
 #include "bench/scenes/sphere_problems.h"
 #include "core/files/fclib_file.h"
+#include "core/files/problem_geometry.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 
@@ -24,6 +29,37 @@ ContactProblem family_step(const char* family, int side, const FamilyOptions& op
 ContactProblem pile_step(int count, double mu) {
   const SettledPile pile = settle_pile({.count = count, .mu = mu});
   return step_problem(pile.scene, pile.state, false);
+}
+
+/// Steps of one run of a moving family.
+struct MovingEntries {
+  const char* family;
+  int side;
+  FamilyOptions options;
+  std::vector<int> steps;
+};
+
+/// One file a step, with the impulse that the step started from as a guess, and its geometry.
+void write_steps(const std::filesystem::path& folder, const MovingEntries& entries) {
+  const FamilyOptions& o = entries.options;
+  const Scene scene = make_moving_scene(entries.family, entries.side, o);
+  run_moving_scene(scene, entries.steps, [&](const SceneStep& step) {
+    const std::string name =
+        fmt::format("2d_{}{}_{}", entries.family, entries.side, step.report.step);
+    const std::filesystem::path path = folder / (name + ".hdf5");
+    write_fclib(
+        path, step.problem,
+        {.title = name,
+         .description = fmt::format(
+             "bipot make_problems: scene {} of {} disks, mu = {:g}, e_n = {:g}, gravity "
+             "leans {:g} degrees, seed {}; step {} at t = {:g} s, h = {:g} s, of a run by "
+             "apgd to {:g} with at most {} iterations a step",
+             entries.family, scene.disks.size(), o.mu, o.e_n, o.tilt_degrees, o.seed,
+             step.report.step, step.report.time, scene.step, kMovingTolerance, kMovingIterations)},
+        step.start.size() > 0 ? std::vector<Vector>{step.start} : std::vector<Vector>{});
+    write_geometry(path, scene, step.state);
+    fmt::print("{}\n", path.string());
+  });
 }
 
 struct Entry {
@@ -70,5 +106,13 @@ int main(int argc, char** argv) {
                                     e.description)});
     fmt::print("{}\n", path.string());
   }
+  const MovingEntries moving[] = {
+      {"pour", 12, {.mu = 0.5, .e_n = 0.3, .seed = 21}, {170, 250}},
+      {"pour", 14, {.mu = 0.3, .seed = 22}, {200, 230}},
+      {"collapse", 14, {.mu = 0.4, .seed = 23}, {260}},
+      {"tilt", 12, {.mu = 0.3, .tilt_degrees = 30, .seed = 24}, {180, 320}},
+      {"strike", 12, {.mu = 0.3, .e_n = 0.1, .seed = 25}, {450, 600}},
+  };
+  for (const MovingEntries& m : moving) write_steps(argv[1], m);
   return 0;
 }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/files/fclib_file.h"
+#include "core/files/problem_geometry.h"
 #include "core/motion/stress_tensor.h"
 #include "core/pictures/force_picture.h"
 #include "core/pictures/stress_picture.h"
@@ -40,6 +41,9 @@ void RunFolder::step(const SceneStep& step) {
   if (options_.problems == Problems::kAll ||
       (options_.problems == Problems::kFailed && !step.report.converged)) {
     write_problem(step.problem, step.start, step.report);
+    if (step.problem.num_contacts() > 0) {
+      write_geometry(problem_path(step.report.step), scene_, step.state);
+    }
   }
   writer_.step(step.state, step.report);
   framed_ = scene_.output.every > 0 && step.state.step % scene_.output.every == 0;
@@ -59,12 +63,16 @@ void RunFolder::finish(const State& state, const SceneRun& run) {
   draw(state, run.totals);
 }
 
+fs::path RunFolder::problem_path(int step) const {
+  return options_.folder / "problems" / fmt::format("step_{:06d}.hdf5", step);
+}
+
 void RunFolder::write_problem(const ContactProblem& problem, const Vector& start,
                               const StepReport& report) {
   if (problem.num_contacts() == 0) return;  // FCLIB has no empty problem
-  const fs::path folder = options_.folder / "problems";
-  fs::create_directories(folder);
-  write_fclib(folder / fmt::format("step_{:06d}.hdf5", report.step), problem,
+  const fs::path path = problem_path(report.step);
+  fs::create_directories(path.parent_path());
+  write_fclib(path, problem,
               {.title = fmt::format("{}, step {}", scene_.title, report.step),
                .description = fmt::format(
                    "{}, scene {}, step {} at t = {} s, h = {} s; solver {}: {}", options_.program,

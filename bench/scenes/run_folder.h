@@ -18,7 +18,8 @@ struct RunFolderOptions {
 };
 
 /// The folder that a run leaves: what RunWriter writes, the steps' contact problems on request (each
-/// with the impulse that its solver started from, as a guess), and the pictures that the scene asks for. data/formats.md describes the files. Throws FileError.
+/// with the impulse that its solver started from, as a guess, and with its geometry), and the
+/// pictures that the scene asks for. data/formats.md describes the files. Throws FileError.
 class RunFolder {
  public:
   /// Writes the frame of the state that the run begins with. The scene must outlive the folder.
@@ -29,6 +30,7 @@ class RunFolder {
   void finish(const State& state, const SceneRun& run);
 
  private:
+  std::filesystem::path problem_path(int step) const;
   void write_problem(const ContactProblem& problem, const Vector& start, const StepReport& report);
   void draw(const State& state, const SceneTotals& totals) const;
 

@@ -237,6 +237,11 @@ void run_scene(const TradeScene& scene, const TradeOptions& options, Runner& run
       }
     }
   }
+  const auto& solvers = options.solvers;
+  const bool known = std::find(solvers.begin(), solvers.end(), options.witness) != solvers.end();
+  if (!options.witness.empty() && !known && !completed.empty()) {
+    runner.run(scene, {.solver = options.witness, .tol = completed.back()});
+  }
   // 2. Time steps.
   std::vector<double> factors = options.step_factors;
   std::sort(factors.rbegin(), factors.rend());
@@ -319,6 +324,7 @@ std::vector<std::string> trade_targets(bool quick) {
 
 Trade run_trade(const TradeOptions& options) {
   for (const std::string& solver : options.solvers) require_solver(solver);
+  if (!options.witness.empty()) require_solver(options.witness);
   if (options.solvers.empty() || options.tols.empty()) {
     throw std::invalid_argument("a comparison of runs needs a solver and a tolerance");
   }

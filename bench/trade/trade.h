@@ -64,6 +64,9 @@ struct TradeOptions {
   double time_limit = 20;                             ///< CPU seconds of one run
   /// Relative error of an outcome below which nobody looks: no solver has to beat it.
   double accuracy = 1e-4;
+  /// Runs once more at the tightest tolerance that the first solver completed: where steps have
+  /// several exact answers, solvers choose different ones. Empty, or one of `solvers`: nobody.
+  std::string witness;
   int replicas = 3;  ///< of scenes whose disks fly freely: runs that differ in tiny kicks
   std::function<void(const TradeRow&)> on_row;
   std::function<bool()> interrupted;
@@ -80,7 +83,8 @@ struct Trade {
 std::vector<std::string> trade_targets(bool quick);
 
 /// Runs whole simulations, scene by scene:
-///   1. every solver at every tolerance, loose to tight, with the scene's time step;
+///   1. every solver at every tolerance, loose to tight, with the scene's time step, and the witness
+///      at the tightest;
 ///   2. the first solver at every other time step, at the tightest tolerance that was completed and
 ///      whose cost promises to fit the time limit at the shortest step;
 ///   3. the spring-dashpot model at every stiffness, with the scene's step.

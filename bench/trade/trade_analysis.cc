@@ -133,6 +133,22 @@ void time_step_error(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e)
   }
 }
 
+/// Solvers at the tightest tolerance of the first one, which ended elsewhere.
+void choice_error(SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
+  const double scale = s.scene->quantities[q].scale(e.reference);
+  const TradeCell* own = s.find({.solver = s.solver, .tol = s.tols.back()});
+  for (const TradeCell& cell : s.cells) {
+    const TradeSetting& setting = cell.setting;
+    if (setting.dem() || setting.solver == s.solver || setting.step_factor != 1) continue;
+    if (setting.tol != s.tols.back() || !cell.done()) continue;
+    const double apart = std::abs(cell.means[q] - own->means[q]) / scale;
+    if (std::isfinite(apart) && apart > e.choice) {
+      e.choice = apart;
+      s.other_solver = setting.solver;
+    }
+  }
+}
+
 void solver_errors(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
   const double scale = s.scene->quantities[q].scale(e.reference);
   const TradeCell* tightest = s.find({.solver = s.solver, .tol = s.tols.back()});
@@ -174,6 +190,7 @@ SceneTrade analyse_scene(const Trade& trade, const TradeScene& scene) {
                 scene.quantities[q].scale(size);
     }
     time_step_error(s, q, e);
+    choice_error(s, q, e);
     solver_errors(s, q, e);
     if (!e.sufficient_tol) {
       all_known = false;
@@ -194,7 +211,7 @@ SceneTrade analyse_scene(const Trade& trade, const TradeScene& scene) {
 }  // namespace
 
 double TradeQuantityErrors::bound() const {
-  return std::isnan(step_error) ? kNaN : std::max({step_error, noise, accuracy});
+  return std::isnan(step_error) ? kNaN : std::max({step_error, noise, accuracy, choice});
 }
 
 const TradeCell* SceneTrade::find(const TradeSetting& setting) const {
@@ -224,6 +241,29 @@ double SceneTrade::worst_error(const TradeCell& cell, std::size_t* which) const 
     if (which != nullptr) *which = q;
   }
   return worst;
+}
+
+std::string SceneTrade::choice_sentence() const {
+  // What is below the accuracy asked for is not worth a word.
+  const TradeQuantityErrors* most = nullptr;
+  std::size_t which = 0;
+  for (std::size_t q = 0; q < quantities.size(); ++q) {
+    const TradeQuantityErrors& e = quantities[q];
+    if (!(e.choice > e.accuracy) || (most != nullptr && e.choice <= most->choice)) continue;
+    most = &e;
+    which = q;
+  }
+  if (most == nullptr) return {};
+  std::string text =
+      fmt::format(" At tolerance {} {} ends {:.2g} % away in '{}'", tolerance_label(tols.back()),
+                  other_solver, 100 * most->choice, scene->quantities[which].name);
+  const std::size_t count = most->solver_error.size();
+  const bool beyond = count > 1 && most->choice > 3 * most->solver_error[count - 2];
+  text += beyond
+              ? ", more than tolerances explain: steps of this scene have several exact answers. "
+                "No digits below that are paid for."
+              : "; no digits below that are paid for.";
+  return text;
 }
 
 std::string SceneTrade::answer() const {
@@ -268,6 +308,7 @@ std::string SceneTrade::answer() const {
       text += fmt::format(" or below {} of the outcome", tolerance_label(quantities[0].accuracy));
     }
     text += ".";
+    text += choice_sentence();
     if (ratio > 1.1) {
       text +=
           fmt::format(" Tolerance {} costs {:.2g} times as much for digits that are lost anyway.",

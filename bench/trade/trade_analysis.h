@@ -36,9 +36,13 @@ struct TradeQuantityErrors {
   /// Twice the standard error of the difference of two means over the replicas: what nearby runs
   /// differ by anyway. 0 with a single replica.
   double noise = 0;
+  /// Largest difference of another solver's outcome at the tightest tolerance: solvers that solve
+  /// every step to it and still end elsewhere chose other answers where steps have several. 0 where
+  /// no other solver completed it.
+  double choice = 0;
   std::vector<double> solver_error;  ///< of each tolerance of SceneTrade::tols, to the tightest
   double accuracy = 0;               ///< of TradeOptions
-  /// What the solver's error is compared with: max(step_error, noise, accuracy); NaN where
+  /// What the solver's error is compared with: max(step_error, noise, accuracy, choice); NaN where
   /// step_error is.
   double bound() const;
   /// Loosest tolerance from which on every solver error is below the bound.
@@ -56,6 +60,7 @@ struct SceneTrade {
   /// The tightest of the quantities' sufficient tolerances; none where the errors are unknown.
   std::optional<double> sufficient_tol;
   std::string decided_by;                             ///< the quantity
+  std::string other_solver;                           ///< behind the largest choice; empty: none
   double cpu_sufficient = kNaN, cpu_tightest = kNaN;  ///< per simulated second
 
   const TradeCell* find(const TradeSetting& setting) const;
@@ -67,6 +72,9 @@ struct SceneTrade {
   double worst_error(const TradeCell& cell, std::size_t* which = nullptr) const;
   /// The answer in a sentence or two.
   std::string answer() const;
+
+ private:
+  std::string choice_sentence() const;
 };
 
 /// The scene and the trade must outlive the result.

@@ -109,6 +109,7 @@ class Section {
     add("<h4>Where the error comes from</h4>\n<div class=\"scroll\"><table><thead><tr><th>outcome"
         "</th><th class=\"n\">reference</th><th class=\"n\">time step</th>");
     if (s.scene->replicas > 1) add("<th class=\"n\">nearby runs</th>");
+    if (!s.other_solver.empty()) add("<th class=\"n\">other solver</th>");
     for (const double tol : s.tols) {
       add(fmt::format("<th class=\"n\">solver, {}</th>", tolerance_label(tol)));
     }
@@ -125,6 +126,9 @@ class Section {
       if (s.scene->replicas > 1) {
         add(fmt::format("<td class=\"n\">{}</td>", compact_label(e.noise)));
       }
+      if (!s.other_solver.empty()) {
+        add(fmt::format("<td class=\"n\">{}</td>", compact_label(e.choice)));
+      }
       for (const double x : e.solver_error) {
         const bool below = x <= e.bound();
         add(fmt::format("<td class=\"n{}\">{}</td>", below ? "" : " over", compact_label(x)));
@@ -137,6 +141,12 @@ class Section {
         "pointer on it). ");
     if (s.scene->replicas > 1) {
       add("Nearby runs: twice the standard error of a difference of two means. ");
+    }
+    if (!s.other_solver.empty()) {
+      add(
+          fmt::format("Other solver: difference of {} at the tightest tolerance, where steps with "
+                      "several exact answers show. ",
+                      escape_markup(s.other_solver)));
     }
     add("Solver: difference to the tightest tolerance at the same time step; bold where it "
         "matters: larger than the others and than the accuracy asked for.</p>\n");

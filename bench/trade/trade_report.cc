@@ -71,6 +71,7 @@ Json outcomes_json(const SceneTrade& s) {
          {"step_error", number(e.step_error)},
          {"step_error_kind", e.step_error_kind},
          {"noise", number(e.noise)},
+         {"choice", number(e.choice)},
          {"solver_errors", solver},
          {"sufficient_tol", e.sufficient_tol ? Json(*e.sufficient_tol) : Json(nullptr)}});
   }
@@ -202,15 +203,16 @@ std::string to_text(const AnalysedTrade& analysed) {
                                                : "–");
     }
     if (!s.tols.empty()) {
-      text += fmt::format("  {:<16} {:>12} {:>10} {:>10}  solver's error at", "outcome",
-                          "reference", "time step", "noise");
+      text += fmt::format("  {:<16} {:>12} {:>10} {:>10} {:>10}  solver's error at", "outcome",
+                          "reference", "time step", "noise", "choice");
       for (const double tol : s.tols) text += fmt::format(" {:>8}", tolerance_label(tol));
       text += "\n";
       for (std::size_t k = 0; k < s.quantities.size(); ++k) {
         const TradeQuantityErrors& e = s.quantities[k];
-        text += fmt::format("  {:<16} {:>12} {:>10} {:>10}  {:17}", s.scene->quantities[k].name,
-                            value_label(e.reference), compact_label(e.step_error),
-                            compact_label(e.noise), "");
+        text +=
+            fmt::format("  {:<16} {:>12} {:>10} {:>10} {:>10}  {:17}", s.scene->quantities[k].name,
+                        value_label(e.reference), compact_label(e.step_error),
+                        compact_label(e.noise), compact_label(e.choice), "");
         for (const double x : e.solver_error) text += fmt::format(" {:>8}", compact_label(x));
         text += "\n";
       }

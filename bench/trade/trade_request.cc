@@ -36,6 +36,9 @@ std::string command_line(const std::string& scenes, const TradeRequest& request)
           numbers("--overlaps", request.overlaps) + numbers("--stiffness", request.stiffness);
   if (request.time_limit) line += fmt::format(" --time-limit {:g}", *request.time_limit);
   if (request.accuracy) line += fmt::format(" --accuracy {}", tolerance_label(*request.accuracy));
+  if (request.witness != TradeRequest{}.witness) {
+    line += fmt::format(" --witness {}", request.witness.empty() ? "none" : request.witness);
+  }
   if (request.replicas) line += fmt::format(" --replicas {}", *request.replicas);
   return line;
 }
@@ -65,6 +68,7 @@ TradeOptions options_of(const TradeRequest& request) {
   if (request.time_limit) options.time_limit = *request.time_limit;
   if (request.accuracy) options.accuracy = *request.accuracy;
   if (request.replicas) options.replicas = *request.replicas;
+  options.witness = request.witness;
   return options;
 }
 
@@ -75,8 +79,9 @@ FinishedTrade run_trade(const TradeRequest& request, const TradeWatch& watch) {
   options.interrupted = watch.interrupted;
   const std::size_t springs =
       options.stiffness.empty() ? options.overlaps.size() : options.stiffness.size();
-  const std::size_t settings =
-      options.solvers.size() * options.tols.size() + options.step_factors.size() + springs;
+  const std::size_t settings = options.solvers.size() * options.tols.size() +
+                               options.step_factors.size() + springs +
+                               (options.witness.empty() ? 0 : 1);
   const long total = static_cast<long>(settings * options.targets.size());
   long done = 0;
   if (watch.progress) watch.progress(done, total, "");

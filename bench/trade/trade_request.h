@@ -18,6 +18,7 @@ struct TradeRequest {
   std::vector<double> tols, step_sizes, overlaps, stiffness;
   std::optional<double> time_limit, accuracy;
   std::optional<int> replicas;
+  std::string witness = "apgd";  ///< TradeOptions::witness
   bool quick = false;
 };
 

@@ -35,7 +35,9 @@ constexpr Colour kDiskRim = {0.74, 0.74, 0.72};
 constexpr Colour kWall = {0.2, 0.2, 0.2};
 constexpr Colour kText = {0.13, 0.13, 0.13};
 constexpr Colour kFilledRim = {0.35, 0.35, 0.35};
+constexpr Colour kMark = {0.8, 0.05, 0.35};
 
+constexpr double kMarkRadius = 6;     // of the ring around a marked contact       [points]
 constexpr double kMargin = 24;        // around everything                         [points]
 constexpr double kTallest = 1.25;     // height of the scene, relative to the width
 constexpr double kNarrowest = 0.75;   // width of the view, relative to its height
@@ -164,6 +166,17 @@ struct LegendItem {
   std::function<void(cairo_t*, double x, double y)> draw;  // at the left, middle of the row
 };
 
+/// A ring with a light edge, so that it shows on dark and light ground.
+void draw_mark(cairo_t* c, const Vec2& at) {
+  for (const auto& [width, colour] : {std::pair{3.6, Colour{1, 1, 1}}, std::pair{2.0, kMark}}) {
+    cairo_new_path(c);
+    cairo_arc(c, at[0], at[1], kMarkRadius, 0, 2 * std::numbers::pi);
+    set(c, colour);
+    cairo_set_line_width(c, width);
+    cairo_stroke(c);
+  }
+}
+
 class Picture {
  public:
   Picture(const Scene& scene, const State& state, const std::string& caption,
@@ -210,6 +223,7 @@ class Picture {
     draw_disks(c);
     draw_walls(c);
     for (const Segment& s : segments_) draw_segment(c, s, width_of(s.force));
+    for (const int k : options_.marked) draw_mark(c, touching_point(k));
     cairo_restore(c);
     draw_legend(c);
   }
@@ -236,6 +250,13 @@ class Picture {
     // The strongest on top.
     std::stable_sort(segments_.begin(), segments_.end(),
                      [](const Segment& x, const Segment& y) { return x.force < y.force; });
+  }
+
+  /// Where contact k touches, in points.
+  Vec2 touching_point(int k) const {
+    const Contact& contact = state_.contacts.at(to_size(k)).contact;
+    const Disk& i = state_.disks[to_size(contact.i)];
+    return map_(Vec2(i.x - i.radius * contact.n));
   }
 
   void choose_widths() {
@@ -294,6 +315,11 @@ class Picture {
                          stroke_line(c, Vec2(end, y - 5), Vec2(end, y + 5), 1.4, kText);
                        }
                      }});
+    if (!options_.marked.empty()) {
+      items.push_back(
+          {2 * kMarkRadius, fmt::format("{} ({})", options_.marked_label, options_.marked.size()),
+           [](cairo_t* c, double x, double y) { draw_mark(c, Vec2(x + kMarkRadius, y)); }});
+    }
     if (!options_.forces) return items;
     const double loaded = count_[1] + count_[2];
     const auto sample = [this](Kind kind, double force) {

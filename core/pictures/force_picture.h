@@ -22,6 +22,8 @@ struct ForcePictureOptions {
   bool take_off = true;   ///< also the candidates that carry nothing, as thin dots
   bool forces = true;     ///< false: no segments at all
   DiskFill fill;
+  std::vector<int> marked;   ///< indices into State::contacts, each with a ring where it touches
+  std::string marked_label;  ///< what they are, for the legend
 };
 
 /// A force-chain picture as in Fig. 10 to 12: disks, walls (half-planes hatched on their solid

@@ -35,9 +35,10 @@ std::vector<std::string> shipped_problems() {
 
 /// Problems with several velocity solutions, compared by the errors alone: for each, the test
 /// ShippedProblemsEvidence.SolversFindDifferentVelocities holds two that obey the law.
-const std::set<std::string> kSeveralVelocities = {"2d_pile_300_mu03",  "2d_pour300_392",
-                                                  "2d_pyramid_10",     "2d_pyramid_20_mu05",
-                                                  "2d_tilt1000hi_182", "3d_sphere_pyramid_4"};
+const std::set<std::string> kSeveralVelocities = {
+    "2d_pile_300_mu03", "2d_pour14_200",     "2d_pour14_230",
+    "2d_pour300_392",   "2d_pyramid_10",     "2d_pyramid_20_mu05",
+    "2d_tilt12_320",    "2d_tilt1000hi_182", "3d_sphere_pyramid_4"};
 
 /// How many solvers converge for certain in the time given, on a busy machine, where it is fewer
 /// than three: at rest with e_t = 1 the compaction is out of reach of most.
@@ -120,7 +121,7 @@ TEST(ShippedProblemsEvidence, SolversFindDifferentVelocities) {
     const Eigen::MatrixXd W = naive_delassus(p);
     const DelassusOperator delassus(p);
     std::vector<Vector> solutions;
-    for (const char* solver : {"auto", "pgs", "apgd", "ipm", "homotopy"}) {
+    for (const char* solver : {"auto", "pgs", "apgd", "ipm", "homotopy", "anderson"}) {
       SolverOptions options;
       options.tol = 1e-10;
       options.time_limit = 30 * BIPOT_TEST_SLOWNESS;

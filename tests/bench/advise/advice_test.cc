@@ -55,6 +55,19 @@ TEST(Advice, AMissedGoalNamesTheLargestStepNearTheBest) {
   EXPECT_EQ(choose_step({}, force(1e-2)).index, -1);
 }
 
+TEST(Advice, PaysForNoDigitsBelowWhatExactAnswersDifferBy) {
+  // Answers 0.2 apart in force: an error of 0.1 is lost in that, one of 0.11 is not.
+  const Accuracy spread{.force = 0.2, .energy = 1e-3};
+  const Accuracy lost =
+      without_lost_digits({.force = 0.1, .penetration = 0.5, .energy = 2e-3}, spread);
+  EXPECT_EQ(lost.force, 0);
+  EXPECT_EQ(lost.penetration, 0.5);  // an exact answer has none
+  EXPECT_EQ(lost.energy, 2e-3);
+  EXPECT_EQ(without_lost_digits(force(0.11), spread).force, 0.11);
+  // A single answer: everything counts.
+  EXPECT_EQ(without_lost_digits(force(1e-9), Accuracy{}).force, 1e-9);
+}
+
 TEST(Advice, TheSolverGetsWhatTheStepLeaves) {
   EXPECT_DOUBLE_EQ(solver_budget(force(1e-2), force(4e-3)).force, 6e-3);
   EXPECT_DOUBLE_EQ(solver_budget(force(1e-2), Accuracy{}).force, 1e-2);  // not measured

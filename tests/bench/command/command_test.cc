@@ -281,6 +281,50 @@ TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {
   EXPECT_EQ(refused.exit_code, 2);
 }
 
+TEST_F(Command, SolveLooksForSeveralAnswers) {
+  const std::string problem =
+      std::string(BIPOT_SOURCE_DIR) + "/data/problems/2d_tilt1000hi_182.hdf5";
+  const Outcome text = bipot("solve " + problem + " --several 5");
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_NE(text.out.find("Several answers, each exact"), std::string::npos) << text.out;
+  const Outcome run = bipot("solve " + problem + " --several 5 --json -");
+  EXPECT_EQ(run.exit_code, 0);
+  json j = json::parse(run.out);
+  EXPECT_EQ(j["starts"].size(), 5u);
+  ASSERT_GE(j["answers"].size(), 3u);
+  EXPECT_GT(j["spread"]["velocity"], 5e-2);
+  EXPECT_EQ(j["spread"]["contacts"].get<std::size_t>() > 0, !j["differing_contacts"].empty());
+  for (const json& answer : j["answers"]) {
+    EXPECT_LE(std::max(answer["epsilon"].get<double>(), answer["eta"].get<double>()), 1e-9);
+  }
+  // The same seed, the same numbers, seconds aside.
+  json again = json::parse(bipot("solve " + problem + " --several 5 --json -").out);
+  for (json* one : {&j, &again}) {
+    one->erase("seconds");
+    for (json& start : (*one)["starts"]) start.erase("seconds");
+  }
+  EXPECT_EQ(j, again);
+  EXPECT_EQ(bipot("solve " + problem + " --several 500 --time-limit 0.3").exit_code, 1);
+  EXPECT_EQ(bipot("solve " + problem + " --several 0").exit_code, 2);
+  EXPECT_EQ(bipot("solve " + problem + " --several 3 --explain").exit_code, 2);
+  EXPECT_EQ(bipot("solve " + problem + " --several 3 --warm").exit_code, 2);  // has no guess
+  EXPECT_EQ(bipot("solve " + problem +
+                  " --several 5000 >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?")
+                .exit_code,
+            5);
+}
+
+TEST_F(Command, DumpedStepsAreDrawnWithTheirAnswers) {
+  ASSERT_EQ(bipot("run pyramid --steps 2 --dump-problems all --out " + path("run")).exit_code, 0);
+  const std::string step = path("run/problems/step_000002.hdf5");
+  ASSERT_TRUE(fs::exists(step));
+  EXPECT_EQ(bipot("solve " + step + " --several 4 --warm --out " + path("answers")).exit_code, 0);
+  const json j = json::parse(content(path("answers/summary.json")));
+  EXPECT_EQ(read_problem(path("answers/answers.hdf5")).guesses.size(), j["answers"].size());
+  EXPECT_NE(content(path("answers/answers.svg")).find("<svg"), std::string::npos);
+  EXPECT_GT(fs::file_size(path("answers/answers.png")), 1000u);
+}
+
 TEST_F(Command, DestinationsAreLookedAtBeforeTheWork) {
   const std::string problem =
       std::string(BIPOT_SOURCE_DIR) + "/data/problems/2d_triangular_lattice.hdf5";

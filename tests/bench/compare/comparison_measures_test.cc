@@ -143,9 +143,12 @@ TEST(ComparisonMeasures, MeaningOfAToleranceIsInTheRowsThatMetIt) {
   EXPECT_EQ(all[0].worst, 1e-1);
   EXPECT_EQ(all[0].worst_problem, "p");
   EXPECT_EQ(all[0].worst_solver, "a");
-  // At 1e-4 on p: 1e-3, 1e-6, 1e-3; on q: 1e-5. With several velocities on p, q is left.
+  // At 1e-4 on p: 1e-3, 1e-6, 1e-3; on q: 1e-5. Errors of several answers are distances to the
+  // nearest and count. Without a trusted reference of p, q is left.
   EXPECT_EQ(all[1].rows, 4);
-  c.problems[0].velocity_spread = 1e-2;
+  c.problems[0].answers = 2;
+  EXPECT_EQ(tolerance_meaning(c)[1].rows, 4);
+  c.problems[0].reference_guarded = 1e-6;
   EXPECT_EQ(tolerance_meaning(c)[1].rows, 1);
   EXPECT_EQ(tolerance_meaning(c)[1].worst, 1e-5);
 }

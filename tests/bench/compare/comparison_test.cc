@@ -430,9 +430,12 @@ TEST(Comparison, NamesProblemsWithSeveralVelocities) {
   const ComparisonRow& lemke = row_of(c, "lemke", 1e-10);
   ASSERT_LE(lemke.guarded, 1e-10);
   ASSERT_LE(c.problems[0].reference_guarded, 1e-11);
-  EXPECT_GT(lemke.velocity_error, 1e-4);
+  // lemke's is one of the answers that are known: its error is the distance to itself.
+  EXPECT_LT(lemke.velocity_error, 1e-6);
+  EXPECT_GT(lemke.answer, 0);
   EXPECT_TRUE(c.problems[0].several_velocities());
-  EXPECT_EQ(ranking(c.problems[0], c.rows).measure, Ranking::Measure::kGuarded);
+  EXPECT_GT(c.problems[0].spread.velocity, 1e-4);
+  EXPECT_EQ(ranking(c.problems[0], c.rows).measure, Ranking::Measure::kForce);
 }
 
 TEST(ComparisonTargets, AreCheckedBeforeAnythingRuns) {

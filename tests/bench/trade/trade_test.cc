@@ -155,6 +155,41 @@ TEST(TradeAnalysis, NearbyRunsHideWhatIsSmallerThanTheirSpread) {
   EXPECT_EQ(*s.sufficient_tol, 1e-1);
 }
 
+/// The trade with one more solver at the tightest tolerance.
+Trade with_witness(Trade trade, double value) {
+  TradeRow row = trade.rows.front();
+  row.setting = {.solver = "apgd", .tol = 1e-6};
+  row.values = {value};
+  trade.rows.push_back(row);
+  return trade;
+}
+
+TEST(TradeAnalysis, WhatOtherExactAnswersDoIsAFloor) {
+  // The step is exact and the solver's error 0.5 tol: alone, 1e-6 is needed. Another solver ends 0.02
+  // away at the same tolerance: then the 0.005 of 1e-2 are nobody's digits.
+  const Trade alone = manufactured(1, 0, [](double tol, double, int) { return 1 + 0.5 * tol; });
+  EXPECT_EQ(*analyse_trade(alone).at(0).sufficient_tol, 1e-6);
+  const Trade trade = with_witness(alone, 1.02);
+  const SceneTrade s = analyse_trade(trade).at(0);
+  EXPECT_NEAR(s.quantities[0].choice, 0.02, 1e-5);
+  EXPECT_EQ(s.other_solver, "apgd");
+  EXPECT_EQ(*s.sufficient_tol, 1e-2);
+  EXPECT_NE(s.answer().find("several exact answers"), std::string::npos) << s.answer();
+  EXPECT_NE(s.answer().find("No digits below that are paid for"), std::string::npos);
+}
+
+TEST(TradeAnalysis, AWitnessThatAgreesChangesNothing) {
+  const Trade alone = manufactured(1, 0, [](double tol, double, int) { return 1 + 0.5 * tol; });
+  const SceneTrade s = analyse_trade(with_witness(alone, 1 + 0.5e-6)).at(0);
+  EXPECT_EQ(s.quantities[0].choice, 0);
+  EXPECT_EQ(*s.sufficient_tol, 1e-6);
+  EXPECT_EQ(s.answer().find("several exact answers"), std::string::npos) << s.answer();
+  // Nor one that did not get there.
+  Trade failed = with_witness(alone, kNaN);
+  failed.rows.back().status = "time limit";
+  EXPECT_EQ(analyse_trade(failed).at(0).quantities[0].choice, 0);
+}
+
 TEST(TradeAnalysis, RunsThatWereNotCompletedSayNothing) {
   Trade trade =
       manufactured(2, 0, [](double tol, double f, int) { return 1 + 0.01 * f + 0.5 * tol; });

@@ -144,6 +144,20 @@ TEST_F(ForcePicture, DisksAreFilledByTheirNumberAndNoForceIsDrawnIfNoneIsWanted)
   svg(scene, loaded_column(scene), "", options);
 }
 
+TEST_F(ForcePicture, MarkedContactsHaveARingAndAnEntryInTheLegend) {
+  const Scene scene = column(3, 0.5);
+  const State state = loaded_column(scene);
+  constexpr const char* kMark = "stroke:rgb\\(80%,5%,35%\\)";
+  EXPECT_TRUE(widths(svg(scene, state), kMark).empty());
+  ForcePictureOptions options;
+  options.marked = {0, 2};
+  options.marked_label = "status differs";
+  const std::string picture = svg(scene, state, "caption", options);
+  EXPECT_EQ(widths(picture, kMark).size(), 3u);  // two contacts and the sample
+  options.marked = {99};
+  EXPECT_THROW(svg(scene, state, "caption", options), std::out_of_range);
+}
+
 TEST_F(ForcePicture, DrawsWhatThereIsWhenNothingTouches) {
   const Scene one = column(1, 0.5);
   EXPECT_TRUE(widths(svg(one, initial_state(one)), kStick).empty());

@@ -1,4 +1,4 @@
-#include "bench/measure/energy_norm.h"
+#include "core/problem/energy_norm.h"
 
 #include <algorithm>
 

@@ -1,0 +1,136 @@
+#include "bench/command/several_command.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <stdexcept>
+#include <string>
+
+#include "bench/command/exit_code.h"
+#include "bench/command/interrupt.h"
+#include "bench/report/build_info.h"
+#include "bench/report/json_output.h"
+#include "bench/report/several_report.h"
+#include "bench/scenes/several_picture.h"
+#include "core/file_error.h"
+#include "core/files/fclib_file.h"
+#include "solvers/several_answers.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+int exit_code_of(const SeveralAnswers& found) {
+  switch (found.status) {
+    case SolveStatus::kInvalidInput:
+      return kExitBadInput;
+    case SolveStatus::kInterrupted:
+      return kExitInterrupted;
+    case SolveStatus::kTimeLimit:
+      return kExitNotConverged;
+    default:
+      return found.answers.empty() ? kExitNotConverged : kExitConverged;
+  }
+}
+
+/// --seed is a parameter of solvers as well; here it is the search's.
+std::uint64_t take_seed(std::map<std::string, std::string>& parameters, std::uint64_t otherwise) {
+  const auto given = parameters.find("seed");
+  if (given == parameters.end()) return otherwise;
+  const std::string text = given->second;
+  std::uint64_t seed = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), seed);
+  if (failure != std::errc() || end != text.data() + text.size()) {
+    throw std::invalid_argument("--seed " + text + ": expected an integer from 0 on");
+  }
+  parameters.erase(given);
+  return seed;
+}
+
+SeveralOptions options_of(const SolveFlags& flags, const ProblemFile& file) {
+  SeveralOptions options;
+  options.starts = *flags.several;
+  options.tol = flags.solver.tol.value_or(options.tol);
+  options.time_limit = flags.common.time_limit;
+  options.solver = flags.solver.name.value_or("");
+  options.parameters = flags.solver.parameters;
+  options.seed = take_seed(options.parameters, options.seed);
+  if (!options.parameters.empty() && options.solver.empty()) {
+    throw std::invalid_argument("--several: a solver's parameters need --solver");
+  }
+  if (flags.explain || !flags.solution.empty() || !flags.history.empty()) {
+    throw std::invalid_argument("--several goes without --explain, --solution and --history");
+  }
+  if (flags.solver.stop || flags.solver.max_iterations) {
+    throw std::invalid_argument("--several goes without --stop and --max-iterations");
+  }
+  if (flags.warm) {
+    if (file.guesses.empty()) {
+      throw std::invalid_argument(flags.problem +
+                                  ": --warm, but the file has no guess to start from");
+    }
+    options.guess = file.guesses.front();
+  }
+  return options;
+}
+
+void write_answers(const fs::path& out, const std::string& problem, const ProblemFile& file,
+                   const SeveralAnswers& found) {
+  if (found.answers.empty() || file.problem.num_contacts() == 0) return;
+  std::vector<Vector> impulses;
+  for (const Answer& answer : found.answers) impulses.push_back(answer.impulse.s);
+  write_fclib(out / "answers.hdf5", file.problem, file.info, impulses);
+  if (const auto geometry = read_geometry(problem, file.problem.num_contacts())) {
+    const std::string title =
+        fmt::format("{}, step {}", fs::path(problem).filename().string(), geometry->state.step);
+    for (const char* name : {"answers.svg", "answers.png"}) {
+      draw_several_picture(out / name, file.problem, *geometry, found, title);
+    }
+  }
+}
+
+}  // namespace
+
+int several_command(const SolveFlags& flags, const ProblemFile& file) {
+  SeveralOptions options = options_of(flags, file);
+  const fs::path out = flags.common.out;
+  std::string json = flags.common.json;
+  if (!out.empty()) {
+    std::error_code error;
+    fs::create_directories(out, error);
+    if (error) throw FileError(out, "", error.message());
+    if (json.empty()) json = (out / "summary.json").string();
+  }
+  require_writable(json);
+  const InterruptGuard interrupt;
+  options.cancelled = &InterruptGuard::requested;
+  const SeveralAnswers found = find_several_answers(file.problem, options);
+  if (found.status == SolveStatus::kInvalidInput) throw std::invalid_argument(found.message);
+  const int code = exit_code_of(found);
+  if (!out.empty()) write_answers(out, flags.problem, file, found);
+  if (!json.empty()) {
+    nlohmann::ordered_json j{{"command", "solve"},
+                             {"version", program_version()},
+                             {"problem", flags.problem},
+                             {"exit_code", code},
+                             {"contacts", file.problem.num_contacts()},
+                             {"dim", file.problem.dim},
+                             {"several", *flags.several},
+                             {"seed", options.seed},
+                             {"warm", flags.warm},
+                             {"tol", options.tol}};
+    j.update(to_json(found));
+    write_json(j, json);
+  }
+  if (!flags.common.quiet && json != "-") {
+    fmt::print("{}: {} contacts, d = {}\n{}", flags.problem, file.problem.num_contacts(),
+               file.problem.dim, to_text(found));
+  }
+  return code;
+}
+
+}  // namespace bipot

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "bench/command/solve_command.h"
+#include "core/files/problem_form.h"
+
+namespace bipot {
+
+/// `bipot solve PROBLEM --several N`: looks for several exact answers. --out DIR gets summary.json,
+/// answers.hdf5 (the problem with the answers as guesses) and, where the file has its geometry,
+/// answers.svg and answers.png. Returns an ExitCode.
+int several_command(const SolveFlags& flags, const ProblemFile& file);
+
+}  // namespace bipot

@@ -1,0 +1,89 @@
+#include "bench/compare/comparison_several.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/compare/comparison_success.h"
+#include "bench/report/csv_text.h"
+#include "bench/report/labels.h"
+
+namespace bipot {
+namespace {
+
+double median(std::vector<double> x) {
+  std::erase_if(x, [](double value) { return !std::isfinite(value); });
+  if (x.empty()) return kNaN;
+  std::sort(x.begin(), x.end());
+  return x[(x.size() - 1) / 2];
+}
+
+double largest(const std::vector<double>& x) {
+  double most = kNaN;
+  for (const double value : x) most = std::fmax(most, value);
+  return most;
+}
+
+SeveralShare share_of(const Comparison& comparison, const SizeClass& size) {
+  SeveralShare share;
+  share.size = size.name;
+  std::vector<double> velocity, force, energy;
+  for (const ProblemSummary& p : comparison.problems) {
+    if (!size.has(p.contacts) || p.answers == 0) continue;
+    ++share.problems;
+    if (!p.several_velocities()) continue;
+    ++share.several;
+    velocity.push_back(p.spread.velocity);
+    force.push_back(p.spread.force);
+    energy.push_back(p.spread.energy);
+  }
+  share.median_velocity = median(velocity);
+  share.largest_velocity = largest(velocity);
+  share.median_force = median(force);
+  share.largest_force = largest(force);
+  share.largest_energy = largest(energy);
+  return share;
+}
+
+}  // namespace
+
+std::vector<SeveralShare> several_shares(const Comparison& comparison) {
+  std::vector<SeveralShare> shares;
+  for (const SizeClass& size : size_classes()) {
+    const SeveralShare share = share_of(comparison, size);
+    if (share.problems > 0) shares.push_back(share);
+  }
+  if (!shares.empty()) {
+    shares.push_back(share_of(comparison, {"all", 0, std::numeric_limits<int>::max()}));
+  }
+  return shares;
+}
+
+std::string several_csv(const Comparison& comparison) {
+  std::string text = "problem,contacts,answers,velocity,force,energy\n";
+  for (const ProblemSummary& p : comparison.problems) {
+    if (!p.several_velocities()) continue;
+    text += fmt::format("{},{},{},{},{},{}\n", csv_text(p.name), p.contacts, p.answers,
+                        p.spread.velocity, p.spread.force, p.spread.energy);
+  }
+  return text;
+}
+
+std::string several_text(const Comparison& comparison) {
+  const std::vector<SeveralShare> shares = several_shares(comparison);
+  if (shares.empty() || shares.back().several == 0) return {};
+  std::string text;
+  for (const ProblemSummary& p : comparison.problems) {
+    if (!p.several_velocities()) continue;
+    text +=
+        fmt::format("{}: {} exact answers known, apart by {} in velocity, {} in force\n", p.name,
+                    p.answers, error_label(p.spread.velocity), error_label(p.spread.force));
+  }
+  return text + fmt::format(
+                    "{} of {} problems with a reference have several exact answers; errors are "
+                    "distances to the nearest\n",
+                    shares.back().several, shares.back().problems);
+}
+
+}  // namespace bipot

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "bench/compare/comparison.h"
+
+namespace bipot {
+
+/// How many problems of a size have several exact answers, and how far these are apart.
+struct SeveralShare {
+  std::string_view size;  ///< SizeClass::name, or "all"
+  int problems = 0;       ///< with contacts and a reference below 1e-9
+  int several = 0;        ///< of them, with two or more exact answers that are known
+  /// Over those: NaN without one.
+  double median_velocity = kNaN, largest_velocity = kNaN;
+  double median_force = kNaN, largest_force = kNaN;
+  double largest_energy = kNaN;
+  double share() const { return static_cast<double>(several) / problems; }
+};
+/// For each size that has problems with a reference, then for all of them together.
+std::vector<SeveralShare> several_shares(const Comparison& comparison);
+
+/// One line a problem that has several: problem, contacts, answers, velocity, force, energy.
+std::string several_csv(const Comparison& comparison);
+/// "2d_x: 3 exact answers, velocities up to 5.1e-02 apart, ..." and how many problems have several.
+std::string several_text(const Comparison& comparison);
+
+}  // namespace bipot

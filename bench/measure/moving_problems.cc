@@ -1,0 +1,125 @@
+#include "bench/measure/moving_problems.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <optional>
+
+#include "bench/report/build_info.h"
+#include "bench/scenes/moving_run.h"
+#include "bench/scenes/moving_scene.h"
+#include "core/file_error.h"
+#include "core/files/atomic_file.h"
+#include "core/files/fclib_file.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string key_of(const MovingRunRequest& request) {
+  const FamilyOptions& o = request.options;
+  return fmt::format("{}_{}_mu={:g}_tilt={:g}_e={:g}_seed={}", request.family, request.side, o.mu,
+                     o.tilt_degrees, o.e_n, o.seed);
+}
+
+/// What the files say of themselves; another version's differ.
+std::string recipe_of(const MovingRunRequest& request, int step) {
+  const BuildInfo build = build_info();
+  const FamilyOptions& o = request.options;
+  return fmt::format(
+      "family {}, side {}, mu = {:g}, tilt {:g} degrees, e = {:g}, seed {}: step {} of a run by apgd "
+      "to {:g}, at most {} iterations a step; program {} {}",
+      request.family, request.side, o.mu, o.tilt_degrees, o.e_n, o.seed, step, kMovingTolerance,
+      kMovingIterations, build.version, build.commit);
+}
+
+fs::path path_of(const MovingRunRequest& request, int step) {
+  return problem_cache_folder() / fmt::format("{}_step{}.hdf5", key_of(request), step);
+}
+
+std::optional<TestProblem> read_step(const MovingRunRequest& request, int step) {
+  const fs::path path = path_of(request, step);
+  if (!fs::exists(path)) return std::nullopt;
+  ProblemFile file;
+  try {
+    file = read_fclib(path);
+  } catch (const FileError&) {
+    return std::nullopt;  // cut off, or of another kind: made again
+  }
+  const std::string recipe = recipe_of(request, step);
+  if (file.info.description != recipe) return std::nullopt;
+  TestProblem made;
+  made.origin = recipe;
+  made.problem = std::move(file.problem);
+  if (!file.guesses.empty()) made.start = std::move(file.guesses.front());
+  return made;
+}
+
+void write_step(const MovingRunRequest& request, int step, const ContactProblem& problem,
+                const Vector& start) {
+  const fs::path path = path_of(request, step);
+  std::error_code failed;
+  fs::create_directories(path.parent_path(), failed);
+  if (failed) throw FileError(path.parent_path(), "", failed.message());
+  AtomicFile file(path);
+  write_fclib(file.draft(), problem,
+              {.title = fmt::format("{}, step {}", key_of(request), step),
+               .description = recipe_of(request, step)},
+              start.size() > 0 ? std::vector<Vector>{start} : std::vector<Vector>{});
+  file.commit();
+}
+
+}  // namespace
+
+fs::path problem_cache_folder() {
+  const auto folder = [](const char* variable) -> fs::path {
+    const char* value = std::getenv(variable);
+    return value == nullptr ? fs::path() : fs::path(value);
+  };
+  if (const fs::path own = folder("BIPOT_CACHE"); !own.empty()) return own;
+  if (const fs::path cache = folder("XDG_CACHE_HOME"); !cache.empty()) return cache / "bipot";
+  if (const fs::path home = folder("HOME"); !home.empty()) return home / ".cache" / "bipot";
+  return fs::temp_directory_path() / "bipot";
+}
+
+std::vector<int> moving_steps(const std::string& family, int side, int count) {
+  const int last = make_moving_scene(family, side, {}).num_steps;
+  std::vector<int> steps;
+  for (int i = 1; i <= count; ++i) {
+    const auto step = static_cast<int>(std::lround(last * (i - 0.35) / count));
+    if (step >= 1 && (steps.empty() || step > steps.back())) steps.push_back(step);
+  }
+  return steps;
+}
+
+std::vector<TestProblem> moving_problems(const MovingRunRequest& request) {
+  const Scene scene = make_moving_scene(request.family, request.side, request.options);
+  // What is changed and not yet committed has no name of its own: its files are not believed.
+  const bool trusted = !build_info().commit.ends_with("-dirty");
+  const bool complete =
+      trusted && std::all_of(request.steps.begin(), request.steps.end(),
+                             [&](int step) { return read_step(request, step).has_value(); });
+  if (!complete) {
+    run_moving_scene(scene, request.steps, [&](const SceneStep& step) {
+      write_step(request, step.report.step, step.problem, step.start);
+    });
+  }
+  std::vector<TestProblem> made;
+  for (const int step : request.steps) {
+    std::optional<TestProblem> problem = read_step(request, step);
+    if (!problem) {  // no contacts: FCLIB has no such problem
+      problem.emplace();
+      problem->origin = recipe_of(request, step);
+      problem->problem.dim = scene.has_friction() ? 2 : 1;
+    }
+    problem->step = scene.step;
+    problem->smallest_radius = smallest_radius(scene);
+    made.push_back(std::move(*problem));
+  }
+  return made;
+}
+
+}  // namespace bipot

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "bench/measure/test_problem.h"
+#include "core/scene/scene_family.h"
+
+namespace bipot {
+
+/// Steps of a run of a moving scene (bench/scenes/moving_scene.h, moving_run.h), counted from 1.
+struct MovingRunRequest {
+  std::string family;
+  int side = 0;
+  FamilyOptions options;
+  std::vector<int> steps;  ///< wanted, increasing
+};
+
+/// Steps of the run, in the order of the request. Each problem comes from its file in the cache
+/// folder (FCLIB, with the start of the step as a guess), which is made by one run where one of them
+/// is missing or of another version of the program: whoever takes it gets the same bits. The cache
+/// folder is $BIPOT_CACHE, else $XDG_CACHE_HOME/bipot, else ~/.cache/bipot, else one in the
+/// temporary folder. Throws StepFailure and FileError.
+std::vector<TestProblem> moving_problems(const MovingRunRequest& request);
+
+/// `count` steps of the run at the parts (i - 0.35) / count of it, i = 1 to count: between the fall
+/// and the rest.
+std::vector<int> moving_steps(const std::string& family, int side, int count);
+
+std::filesystem::path problem_cache_folder();
+
+}  // namespace bipot

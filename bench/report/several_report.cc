@@ -1,0 +1,178 @@
+#include "bench/report/several_report.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <vector>
+
+#include "bench/report/json_output.h"
+#include "bench/report/labels.h"
+
+namespace bipot {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+
+std::string_view word(ContactStatus status) {
+  switch (status) {
+    case ContactStatus::kTakeOff:
+      return "take-off";
+    case ContactStatus::kStick:
+      return "stick";
+    case ContactStatus::kSlip:
+      return "slip";
+  }
+  return "";
+}
+
+/// "pgs (2), apgd": the starts that ended at an answer, by solver.
+std::string solvers_of(const SeveralAnswers& found, const Answer& answer) {
+  std::map<std::string, int> counts;
+  for (const int k : answer.starts) ++counts[found.starts[to_size(k)].solver];
+  std::vector<std::string> parts;
+  for (const auto& [solver, count] : counts) {
+    parts.push_back(count == 1 ? solver : fmt::format("{} ({})", solver, count));
+  }
+  return fmt::format("{}", fmt::join(parts, "; "));
+}
+
+std::string kind_text(const SeveralAnswers& found, const Answer& answer) {
+  switch (answer.kind) {
+    case AnswerKind::kIsolated:
+      return "isolated";
+    case AnswerKind::kLeft:
+      return "a solve from 1 % away left it";
+    case AnswerKind::kUnknown:
+      return "not known";
+    case AnswerKind::kFamily: {
+      const auto members =
+          std::count_if(found.answers.begin(), found.answers.end(),
+                        [&](const Answer& other) { return other.set == answer.set; });
+      return members > 1 ? fmt::format("family {} with {} more", answer.set + 1, members - 1)
+                         : "of a continuous family";
+    }
+  }
+  return "";
+}
+
+Json to_json(const AnswerDifference& d) {
+  return {{"velocity", number(d.velocity)}, {"body_velocity", number(d.body_velocity)},
+          {"kinetic", number(d.kinetic)},   {"force", number(d.force)},
+          {"total", number(d.total)},       {"contacts", d.contacts}};
+}
+
+Json start_json(const AnswerStart& start) {
+  Json j{{"solver", start.solver},
+         {"from", start.from},
+         {"finished_by", start.finished_by},
+         {"answer", start.answer < 0 ? Json(nullptr) : Json(start.answer + 1)},
+         {"message", start.message},
+         {"seconds", start.seconds}};
+  add_error(j, start.error);
+  return j;
+}
+
+Json answer_json(const Answer& answer) {
+  Json j{{"starts", answer.starts.size()},
+         {"kind", to_string(answer.kind)},
+         {"set", answer.set + 1},
+         {"take_off", answer.take_off},
+         {"stick", answer.stick},
+         {"slip", answer.slip},
+         {"kinetic", number(answer.kinetic)},
+         {"perturbed", number(answer.perturbed)},
+         {"came_back_to", number(answer.came_back_to)},
+         {"from_first", to_json(answer.from_first)}};
+  add_error(j, answer.impulse.error);
+  return j;
+}
+
+std::string conclusion(const SeveralAnswers& found) {
+  if (found.answers.empty()) {
+    return fmt::format("No start reached a guarded error of {:.0e}, so nothing is known.\n",
+                       DistinctAnswers::kTrusted);
+  }
+  if (found.answers.size() == 1) {
+    return fmt::format(
+        "One answer: starts agree to {} of the velocities or better. This proves nothing about\n"
+        "starts that were not tried.\n",
+        error_label(found.resolution));
+  }
+  const AnswerDifference& d = found.spread;
+  std::string text = fmt::format(
+      "Several answers, each exact: {} of them in {} set{}. Farthest apart (relative):\n"
+      "  velocities {} in the energy norm, {} of the fastest body;\n"
+      "  contact force on one body {} of the mean one, on all bodies together {};\n"
+      "  kinetic energy {}; {} contacts differ in status.\n"
+      "What errors explain, a hundred times over: {} at most.\n",
+      found.answers.size(), found.sets, found.sets == 1 ? "" : "s", error_label(d.velocity),
+      error_label(d.body_velocity), error_label(d.force), error_label(d.total),
+      error_label(d.kinetic), found.differing_contacts.size(), error_label(found.resolution));
+  if (d.force > 0.1) {
+    text += "The force on one body at this instant is no property of the step.\n";
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string to_text(const SeveralAnswers& found) {
+  std::string text =
+      fmt::format("  {} ({}), {:.2f} s\n", to_string(found.status), found.message, found.seconds);
+  if (!found.answers.empty()) {
+    text += fmt::format(
+        "\n{:>6} {:>6}  {:>7} {:>8} {:>5} {:>5} {:>5}   {:>8} {:>8} {:>8} {:>8} {:>4}\n", "answer",
+        "starts", "error", "kinetic", "open", "stick", "slip", "velocity", "fastest", "kinetic",
+        "force", "cont");
+    int number = 0;
+    for (const Answer& a : found.answers) {
+      const AnswerDifference& d = a.from_first;
+      text += fmt::format(
+          "{:>6} {:>6}  {:>7} {:>8} {:>5} {:>5} {:>5}   {:>8} {:>8} {:>8} {:>8} {:>4}\n", ++number,
+          a.starts.size(), error_label(a.impulse.error.guarded()), value_label(a.kinetic),
+          a.take_off, a.stick, a.slip, error_label(d.velocity), error_label(d.body_velocity),
+          error_label(d.kinetic), error_label(d.force), d.contacts);
+    }
+    text +=
+        "(kinetic: J; then how far from answer 1, relative: velocities in the energy norm, of the\n"
+        " fastest body, kinetic energy, force on a body over the mean one; contacts that differ)\n\n";
+    number = 0;
+    for (const Answer& a : found.answers) {
+      text +=
+          fmt::format("{:>6}  {}; by {}\n", ++number, kind_text(found, a), solvers_of(found, a));
+    }
+    text += "\n";
+  }
+  return text + conclusion(found);
+}
+
+nlohmann::ordered_json to_json(const SeveralAnswers& found) {
+  Json j{{"status", to_string(found.status)},
+         {"message", found.message},
+         {"seconds", found.seconds},
+         {"trusted", DistinctAnswers::kTrusted},
+         {"factor", DistinctAnswers::kFactor},
+         {"resolution", number(found.resolution)},
+         {"sets", found.sets},
+         {"spread", to_json(found.spread)}};
+  j["answers"] = Json::array();
+  for (const Answer& answer : found.answers) j["answers"].push_back(answer_json(answer));
+  j["starts"] = Json::array();
+  for (const AnswerStart& start : found.starts) j["starts"].push_back(start_json(start));
+  j["differing_contacts"] = Json::array();
+  for (const int c : found.differing_contacts) {
+    Json row{{"contact", c}, {"status", Json::array()}};
+    for (const Answer& answer : found.answers) {
+      row["status"].push_back(word(answer.status[to_size(c)]));
+    }
+    j["differing_contacts"].push_back(std::move(row));
+  }
+  return j;
+}
+
+}  // namespace bipot

@@ -1,0 +1,49 @@
+#include "core/problem/body_rows.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bipot {
+namespace {
+
+/// True when each normal pushes one body or two with unit forces, the bodies laid out as `rows`
+/// says.
+bool has_unit_normals(const ContactProblem& p, const BodyRows& rows) {
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    const double scale = p.row_scale.size() != 0 ? p.row_scale[c * p.dim] : 1.0;
+    int body = -1;
+    double squared = 0;
+    const auto is_unit = [&] { return body < 0 || std::abs(std::sqrt(squared) - 1) < 1e-6; };
+    for (SparseMatrix::InnerIterator it(p.H, c * p.dim); it; ++it) {
+      const int row = static_cast<int>(it.row());
+      if (row >= rows.bodies * rows.per_body) break;
+      if (row / rows.per_body != body) {
+        if (!is_unit()) return false;
+        body = row / rows.per_body;
+        squared = 0;
+      }
+      if (row % rows.per_body < rows.translations) squared += std::pow(scale * it.value(), 2);
+    }
+    if (body < 0 || !is_unit()) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::optional<BodyRows> find_body_rows(const ContactProblem& p) {
+  if (!p.has_velocities()) return std::nullopt;
+  BodyRows rows;
+  rows.per_body = p.dim == 1 ? 2 : p.dim == 2 ? 3 : 6;
+  rows.translations = p.dim == 1 ? 2 : p.dim;
+  // A few walls' rows could stand where another body's would: their number is searched.
+  constexpr int kMaxWalls = 24;
+  for (rows.walls = p.num_dofs() % rows.per_body; rows.walls <= std::min(kMaxWalls, p.num_dofs());
+       rows.walls += rows.per_body) {
+    rows.bodies = (p.num_dofs() - rows.walls) / rows.per_body;
+    if (has_unit_normals(p, rows)) return rows;
+  }
+  return std::nullopt;
+}
+
+}  // namespace bipot

@@ -1,0 +1,126 @@
+#include "bench/measure/moving_problems.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+#include "bench/measure/iteration_growth.h"
+#include "bench/measure/problem_target.h"
+#include "bench/scenes/moving_scene.h"
+#include "core/problem/contact_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+/// A cache folder of its own for the time of a test.
+class OwnCache {
+ public:
+  OwnCache() { setenv("BIPOT_CACHE", folder_.path().c_str(), 1); }
+  ~OwnCache() { unsetenv("BIPOT_CACHE"); }
+  const TemporaryFolder& folder() const { return folder_; }
+  std::size_t files() const {
+    std::size_t count = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
+      count += entry.path().extension() == ".hdf5" ? 1 : 0;
+    }
+    return count;
+  }
+
+ private:
+  TemporaryFolder folder_;
+};
+
+TEST(MovingScene, IsLooseHeavyAndAboveTheFloor) {
+  for (const std::string& family : moving_family_names()) {
+    const Scene scene = make_moving_scene(family, 6, {});
+    EXPECT_EQ(validate(scene), "") << family;
+    EXPECT_GE(scene.disks.size(), 36u) << family;
+    for (std::size_t i = 0; i < scene.disks.size(); ++i) {
+      const Disk& a = scene.disks[i];
+      EXPECT_GE(a.x.y(), a.radius) << family;
+      for (std::size_t j = 0; j < i; ++j) {
+        const Disk& b = scene.disks[j];
+        EXPECT_GE((a.x - b.x).norm(), (a.radius + b.radius) * (1 - 1e-12)) << family;
+      }
+    }
+    const Disk& first = scene.disks.front();
+    EXPECT_NEAR(first.mass, 1000 * std::numbers::pi * first.radius * first.radius, 1e-9);
+  }
+  EXPECT_EQ(make_moving_scene("collapse", 6, {}).walls.size(), 1u);
+  EXPECT_EQ(make_moving_scene("pour", 6, {}).walls.size(), 3u);
+  // Gravity leans by 30 degrees unless an angle is given.
+  EXPECT_NEAR(make_moving_scene("tilt", 6, {}).gravity.x(), 9.81 / 2, 1e-12);
+  EXPECT_NEAR(make_moving_scene("tilt", 6, {.tilt_degrees = 45}).gravity.x(),
+              9.81 / std::numbers::sqrt2, 1e-12);
+  EXPECT_EQ(make_moving_scene("pour", 32, {}).num_steps, 600);
+  EXPECT_EQ(make_moving_scene("pour", 8, {}).num_steps, 300);
+  EXPECT_THROW(make_moving_scene("pours", 6, {}), std::invalid_argument);
+}
+
+TEST(MovingProblems, AreStepsOfOneRunWithTheirStart) {
+  const OwnCache cache;
+  const std::vector<int> steps = moving_steps("pour", 6, 3);
+  ASSERT_EQ(steps.size(), 3u);  // of 260: 0.217, 0.55 and 0.883
+  EXPECT_EQ(steps[0], 56);
+  EXPECT_EQ(steps[2], 230);
+  const MovingRunRequest request{"pour", 6, {}, steps};
+  const std::vector<TestProblem> made = moving_problems(request);
+  ASSERT_EQ(made.size(), 3u);
+  EXPECT_EQ(cache.files(), 3u);
+  for (const TestProblem& p : made) {
+    EXPECT_EQ(validate(p.problem), "");
+    EXPECT_GT(p.problem.num_contacts(), 0);
+    EXPECT_EQ(p.start.size(), p.problem.num_rows());
+    EXPECT_EQ(p.step, 0.005);
+    EXPECT_EQ(p.smallest_radius, 0.4);
+  }
+  EXPECT_LT(made[0].problem.num_contacts(), made[2].problem.num_contacts());
+  EXPECT_GT(made[2].problem.num_contacts(), 36);  // 36 disks that hold each other
+  // A late step starts near its solution: better than from nothing.
+  const ContactProblem& last = made[2].problem;
+  EXPECT_LT(contact_error(last, made[2].start).guarded(),
+            contact_error(last, Vector::Zero(last.num_rows())).guarded());
+}
+
+TEST(MovingProblems, TheCacheGivesTheSameBits) {
+  const OwnCache cache;
+  const MovingRunRequest request{"collapse", 5, {.mu = 0.4, .seed = 3}, {60, 90}};
+  const std::vector<TestProblem> fresh = moving_problems(request);
+  const std::vector<TestProblem> kept = moving_problems(request);
+  ASSERT_EQ(fresh.size(), kept.size());
+  for (std::size_t k = 0; k < fresh.size(); ++k) {
+    EXPECT_EQ(fresh[k].origin, kept[k].origin);
+    EXPECT_EQ(Vector(fresh[k].problem.u_free), Vector(kept[k].problem.u_free));
+    EXPECT_EQ(fresh[k].start, kept[k].start);
+  }
+  // Another seed, another run, other files.
+  MovingRunRequest other = request;
+  other.options.seed = 4;
+  EXPECT_NE(moving_problems(other)[0].problem.u_free, fresh[0].problem.u_free);
+  EXPECT_EQ(cache.files(), 4u);
+}
+
+TEST(MovingProblems, AreTargetsAndFamilies) {
+  const OwnCache cache;
+  const auto sources = expand_targets({"pour:5", "tilt:5:angle=45:mu=0.5"}, {.scene_problems = 2});
+  ASSERT_EQ(sources.size(), 4u);
+  EXPECT_TRUE(sources[0].name.starts_with("pour:5@")) << sources[0].name;
+  EXPECT_EQ(sources[0].series, "pour@1/2");
+  EXPECT_EQ(sources[3].series, "tilt:angle=45:mu=0.5@2/2");
+  EXPECT_EQ(sources[3].size, 5);
+  EXPECT_EQ(cache.files(), 0u);  // nothing runs before a problem is asked for
+  EXPECT_GT(sources[1].load().problem.num_contacts(), 0);
+  EXPECT_EQ(cache.files(), 2u);
+  for (const char* bad : {"pour:5:ratio=2", "pour:5:angle=3", "pour", "strike:0"}) {
+    EXPECT_THROW(expand_targets({bad}), std::invalid_argument) << bad;
+  }
+  const GrowthProblem growth = make_growth_problem({.family = "pour"}, 5);
+  EXPECT_EQ(growth.disks, 25u);
+  EXPECT_GT(growth.problem.num_contacts(), 0);
+}
+
+}  // namespace
+}  // namespace bipot
