@@ -33,7 +33,7 @@ Column count_column(std::string_view name, int ComparisonRow::*field,
           [field](ComparisonRow& r, const std::string& t) {
             r.*field = static_cast<int>(std::strtol(t.c_str(), nullptr, 10));
           },
-          false};
+          false, true};
 }
 
 }  // namespace
