@@ -267,7 +267,7 @@ but for `delassus()` where W must be assembled, `velocity` and `body_velocity`.)
           "As it was given; None where the problem has bodies alone, see `delassus`.")
       .def_property_readonly(
           "v_free", vector_property(&ContactProblem::v_free, true),
-          "(n,) velocities without contact impulses [m/s, rad/s], read-only view; None without bodies.")
+          "(n,) velocities without contact impulses [m/s, rad/s], a view; None without bodies.")
       .def_property_readonly("u_free", vector_property(&ContactProblem::u_free, false),
                              "(m,) value of u at s = 0 [m/s], read-only view.")
       .def_property_readonly("mu", vector_property(&ContactProblem::mu, false),

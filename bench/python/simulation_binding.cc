@@ -121,9 +121,14 @@ class PythonSimulation {
   PythonSimulation& operator=(const PythonSimulation&) = delete;
 
   const Scene& scene() const { return scene_; }
-  const State& state() const { return state_; }
+  const State& state() const {
+    require_rest();
+    return state_;
+  }
 
   Step advance() {
+    require_rest();
+    const Stepping stepping(stepping_);
     watch_ = PythonWatch();
     auto step = std::make_shared<PythonStep>();
     std::optional<StepFailure> failure;
@@ -149,6 +154,7 @@ class PythonSimulation {
 
   /// The wall of that name or number. Throws std::invalid_argument.
   Wall& wall(const py::object& which) {
+    require_rest();
     if (py::isinstance<py::int_>(which)) {
       const auto k = which.cast<std::int64_t>();
       if (k >= 0 && k < static_cast<std::int64_t>(state_.walls.size())) {
@@ -167,6 +173,20 @@ class PythonSimulation {
   }
 
  private:
+  /// Marks a step that is being taken.
+  struct Stepping {
+    explicit Stepping(bool& flag) : flag_(flag) { flag_ = true; }
+    ~Stepping() { flag_ = false; }
+    Stepping(const Stepping&) = delete;
+    Stepping& operator=(const Stepping&) = delete;
+    bool& flag_;
+  };
+
+  /// Another thread, or a solver in Python, may come while a step is taken.
+  void require_rest() const {
+    if (stepping_) throw std::runtime_error("the simulation is in the middle of a step");
+  }
+
   void choose(const SimulationChoice& choice) {
     if (choice.step) scene_.step = *choice.step;
     if (choice.num_steps) scene_.num_steps = *choice.num_steps;
@@ -205,6 +225,7 @@ class PythonSimulation {
 
   Scene scene_;
   State state_;
+  bool stepping_ = false;  // read and written with Python's lock held
   PythonWatch watch_;
   ChosenSolver chosen_;
   std::optional<SceneStepper> stepper_;

@@ -13,9 +13,10 @@ A problem of c contacts with d rows each (m = c d) asks for s with
 Contact i owns the entries [i d, (i + 1) d) of s and u: normal first, then tangents; s_n > 0 pushes
 apart, u_n > 0 opens. SI units: s in N s, u in m/s. W = H^T A^-1 H in 1/kg.
 
-Bad input raises ValueError or TypeError with the sentence of the command line, a file that cannot be
-read or written OSError. How a solve ends is a status, never an exception; Ctrl-C raises
-KeyboardInterrupt. Nothing prints. data/python.md is a tutorial, data/criterion.md defines the errors.
+Bad input raises ValueError or TypeError with the sentence of the command line, a file that cannot
+be read or written OSError. How a solve ends is a status, never an exception; Ctrl-C raises
+KeyboardInterrupt. Nothing prints. data/python.md is a tutorial, data/criterion.md defines the
+errors.
 """
 
 from ._bipot import (

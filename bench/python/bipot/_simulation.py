@@ -37,8 +37,8 @@ class Simulation:
         num_steps and friction (of all pairs). Other options are the solver's parameters. A scene of
         springs and dashpots (model dem) gets rigid contacts where a solver is named.
 
-    Raises ValueError for a scene or an option that is refused, TypeError for one that does not
-    exist.
+    For one thread at a time. Raises ValueError for a scene or an option that is refused, TypeError
+    for one that does not exist.
     """
 
     def __init__(

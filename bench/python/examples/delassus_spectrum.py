@@ -1,6 +1,7 @@
 """The Delassus operator W = H^T A^-1 H in scipy: how singular is it, and how does that grow?
 
-    PYTHONPATH=build/release/python python3 bench/python/examples/delassus_spectrum.py [--quick] [--out DIR]
+    export PYTHONPATH=build/release/python
+    python3 bench/python/examples/delassus_spectrum.py [--quick] [--out DIR]
 """
 
 import argparse
@@ -36,7 +37,8 @@ def main():
             f"largest eigenvalue {largest:.4g} = {spectrum[0]:.4g} 1/kg, "
             f"smallest positive one {spectrum[rank - 1]:.3g} 1/kg"
         )
-        axes.semilogy(np.arange(m) / m, np.maximum(spectrum / spectrum[0], 1e-17), label=f"{m} rows")
+        relative = np.maximum(spectrum / spectrum[0], 1e-17)  # round-off may be negative
+        axes.semilogy(np.arange(m) / m, relative, label=f"{m} rows")
     axes.set(xlabel="share of the eigenvalues", ylabel="eigenvalue / largest",
              title="Triangular lattices: half of W is singular")
     axes.legend()

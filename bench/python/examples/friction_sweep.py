@@ -1,6 +1,7 @@
 """A cannon-ball pyramid on a floor: the load under its base against friction.
 
-    PYTHONPATH=build/release/python python3 bench/python/examples/friction_sweep.py [--quick] [--out DIR]
+    export PYTHONPATH=build/release/python
+    python3 bench/python/examples/friction_sweep.py [--quick] [--out DIR]
 """
 
 import argparse

@@ -1,7 +1,8 @@
 """A box of disks whose side wall moves as Python decides: it presses until the force on it is what
 was asked for, then holds it.
 
-    PYTHONPATH=build/release/python python3 bench/python/examples/moving_wall.py [--quick] [--out DIR]
+    export PYTHONPATH=build/release/python
+    python3 bench/python/examples/moving_wall.py [--quick] [--out DIR]
 """
 
 import argparse

@@ -1,6 +1,7 @@
 """A solver in ten lines of numpy: how good is its answer, and how does it stand beside the others?
 
-    PYTHONPATH=build/release/python python3 bench/python/examples/own_solver.py [--quick] [--out DIR]
+    export PYTHONPATH=build/release/python
+    python3 bench/python/examples/own_solver.py [--quick] [--out DIR]
 """
 
 import argparse

@@ -83,6 +83,16 @@ def test_a_python_solver_drives_a_scene():
         sim.advance()
 
 
+def test_a_step_is_not_begun_within_a_step():
+    def again(problem, tol, callback):
+        return sim.advance()
+
+    sim = bipot.Simulation("sliding_cylinder", solver=again)
+    with pytest.raises(bipot.StepError, match="in the middle of a step"):
+        sim.advance()
+    assert sim.steps_done == 0
+
+
 def moving_wall_scene(tmp_path):
     """The sliding cylinder on a belt instead of a floor."""
     text = (DATA / "scenes" / "sliding_cylinder.toml").read_text()

@@ -78,7 +78,8 @@ def test_every_solver_of_the_table_solves(solver):
 def test_parameters_are_those_of_the_table(lattice):
     rows = {row["name"]: row for row in bipot.solvers()}
     omega = next(p for p in rows["pgs"]["parameters"] if p["name"] == "omega")
-    assert omega["kind"] == "number" and omega["minimum"] < float(omega["default"]) < omega["maximum"]
+    assert omega["kind"] == "number"
+    assert omega["minimum"] < float(omega["default"]) < omega["maximum"]
     slow = bipot.solve(lattice, solver="pgs", tol=1e-3, omega=0.5)
     fast = bipot.solve(lattice, solver="pgs", tol=1e-3, omega=np.float64(1.3))
     assert slow.converged and fast.converged and fast.iterations < slow.iterations
