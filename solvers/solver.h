@@ -86,11 +86,11 @@ struct ParameterSpec {
   std::string_view unit = {};  ///< numbers and integers; empty: a pure number
 };
 
-/// A row of the registry.
+/// A row of the registry, or a solver that a caller brings along.
 struct SolverEntry {
   std::string_view name;
   std::string_view summary;  ///< one line with the citation
-  SolveResult (*run)(const ContactProblem&, const SolverOptions&);
+  std::function<SolveResult(const ContactProblem&, const SolverOptions&)> run;
   std::span<const ParameterSpec> parameters;
   bool needs_delassus = false;  ///< W must be present; solve() assembles it where it is not
   int max_dim = 3;              ///< largest contact dimension

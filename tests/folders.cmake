@@ -27,7 +27,8 @@ set(folders
   "bench/compare = bench/measure"
   "bench/command = bench/advise bench/compare bench/paper bench/trade core/pictures solvers/methods"
   "bench/google = bench/measure"
-  "tests = bench/command bench/google")
+  "bench/python = bench/advise bench/compare"
+  "tests = bench/command bench/google bench/python")
 
 set(known "")
 foreach(row IN LISTS folders)

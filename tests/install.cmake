@@ -14,3 +14,13 @@ if(NOT scenes MATCHES "compaction")
   message(FATAL_ERROR "the installed command does not list the installed scenes: ${scenes}")
 endif()
 execute_process(COMMAND ${prefix}/bin/bipot run sliding_cylinder --steps 5 -q ${check})
+if(PYTHON)
+  set(folder ${BUILD}/install_test_python)  # away from the sources
+  file(MAKE_DIRECTORY ${folder})
+  execute_process(COMMAND ${CMAKE_COMMAND} -E env PYTHONPATH=${prefix}/${PYTHON_DIR} ${PYTHON} -c
+    "import bipot; print(bipot.__file__, bipot.Simulation('sliding_cylinder').advance().converged)"
+    WORKING_DIRECTORY ${folder} OUTPUT_VARIABLE said ${check})
+  if(NOT said MATCHES "install_test/.*True")
+    message(FATAL_ERROR "the installed module does not run an installed scene: ${said}")
+  endif()
+endif()

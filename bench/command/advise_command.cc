@@ -9,6 +9,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "bench/advise/advice_json.h"
 #include "bench/advise/advise.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
@@ -26,50 +27,6 @@ namespace bipot {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
-
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
-Json to_json(const Accuracy& a) {
-  return {{"force", number(a.force)},
-          {"penetration", number(a.penetration)},
-          {"energy", number(a.energy)}};
-}
-
-std::string_view verdict_name(SolverTrial::Verdict verdict) {
-  switch (verdict) {
-    case SolverTrial::Verdict::kNone:
-      return "";
-    case SolverTrial::Verdict::kStretchMissed:
-      return "missed on stretches";
-    case SolverTrial::Verdict::kStretchMet:
-      return "met on stretches";
-    case SolverTrial::Verdict::kFreshMissed:
-      return "missed on fresh steps";
-    case SolverTrial::Verdict::kChosen:
-      return "chosen";
-  }
-  return "";
-}
-
-Json to_json(const SolverTrial& t) {
-  return {{"solver", t.solver.solver},
-          {"parameters", t.solver.parameters},
-          {"tol", t.tol},
-          {"warm_start", t.warm},
-          {"problems", t.problems},
-          {"solved", t.solved},
-          {"error", to_json(t.error)},
-          {"guarded", number(t.guarded)},
-          {"seconds", t.seconds},
-          {"iterations", t.iterations},
-          {"pareto", t.pareto},
-          {"stretches", t.stretches},
-          {"stretch_error", to_json(t.stretch)},
-          {"stretch_seconds", t.run_seconds},
-          {"verdict", verdict_name(t.verdict)},
-          {"message", t.message}};
-}
 
 int exit_code_of(Advice::Status status) {
   switch (status) {
@@ -82,62 +39,6 @@ int exit_code_of(Advice::Status status) {
       break;
   }
   return kExitNotConverged;
-}
-
-Json to_json(const Scene& scene, const Advice& a) {
-  Json j{{"command", "advise"},
-         {"version", build_info().version},
-         {"commit", build_info().commit},
-         {"cpu", build_info().cpu},
-         {"scene", scene.source},
-         {"title", scene.title},
-         {"status", to_string(a.status)},
-         {"message", a.message},
-         {"exit_code", exit_code_of(a.status)},
-         {"goal", to_json(a.goal)}};
-  if (a.choice >= 0) {
-    const SolverTrial& t = a.trials[a.choice];
-    j["advice"] = {{"solver", t.solver.solver},
-                   {"parameters", t.solver.parameters},
-                   {"tol", t.tol},
-                   {"warm_start", t.warm},
-                   {"step", a.step_size},
-                   {"steps", a.num_steps},
-                   {"seconds_per_step", a.seconds_per_step},
-                   {"seconds", a.seconds_in_all}};
-  } else {
-    j["advice"] = nullptr;
-  }
-  j["run"] = {{"steps_planned", a.sample.steps_planned},
-              {"steps_run", a.sample.steps_run},
-              {"steps_with_contacts", a.sample.contact_steps},
-              {"contacts_max", a.sample.contacts_max},
-              {"note", a.sample.note}};
-  j["step_study"] = {{"window", a.steps.window},
-                     {"windows", a.steps.windows},
-                     {"windows_dropped", a.steps.windows_dropped},
-                     {"finest_step", number(a.steps.finest * scene.step)},
-                     {"met", a.step.met},
-                     {"steps", Json::array()}};
-  for (const StepTrial& t : a.steps.steps) {
-    j["step_study"]["steps"].push_back({{"step", t.step}, {"error", to_json(t.error)}});
-  }
-  j["budget"] = to_json(a.budget);
-  j["trials"] = Json::array();
-  for (const SolverTrial& t : a.trials) j["trials"].push_back(to_json(t));
-  j["fresh"] = {{"problems", a.fresh.problems},
-                {"solved", a.fresh.solved},
-                {"error", to_json(a.fresh.error)}};
-  j["whole"] = {{"stretches", a.whole_windows}, {"error", to_json(a.whole_window)}};
-  j["problems"] = {{"sampled", a.problems},
-                   {"fresh", a.fresh_problems},
-                   {"several_solutions", a.several_solutions},
-                   {"spread", to_json(a.spread)},
-                   {"without_reference", a.without_reference},
-                   {"worst_reference", number(a.worst_reference)},
-                   {"reference_spread", number(a.reference_spread)}};
-  j["seconds"] = a.seconds_spent;
-  return j;
 }
 
 std::string goal_text(const Accuracy& goal) {
@@ -391,7 +292,12 @@ int advise_command(const AdviseFlags& flags) {
   const InterruptGuard interrupt;
   options.interrupted = &InterruptGuard::requested;
   const Advice advice = advise(scene, options);
-  if (!flags.json.empty()) write_json(to_json(scene, advice), flags.json);
+  if (!flags.json.empty()) {
+    nlohmann::ordered_json json{{"command", "advise"}};
+    json.update(to_json(scene, advice));
+    json["exit_code"] = exit_code_of(advice.status);
+    write_json(json, flags.json);
+  }
   if (!quiet) print(scene, advice);
   if (!flags.write.empty() && advice.choice >= 0) {
     write_scene(flags, content.str(), scene, advice);

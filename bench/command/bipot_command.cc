@@ -15,6 +15,7 @@
 #include "bench/command/compare_command.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/help_text.h"
+#include "bench/command/judge_command.h"
 #include "bench/command/list_command.h"
 #include "bench/command/paper_command.h"
 #include "bench/command/run_command.h"
@@ -104,6 +105,7 @@ int bipot_command(int argc, const char* const* argv) {
       "  bipot run compaction --out out/compaction\n"
       "  bipot run scene.toml --solver uzawa --rho paper --tol 1e-4\n"
       "  bipot solve problem.hdf5 --solver pgs --json -\n"
+      "  bipot judge problem.hdf5 --impulses mine.npy\n"
       "  bipot advise scene.toml --force-error 1e-2 --write advised.toml\n"
       "  bipot compare square:30 pile:18 --quick --out out/compare\n"
       "  bipot paper --out out/paper\n"
@@ -112,6 +114,7 @@ int bipot_command(int argc, const char* const* argv) {
   const std::vector<Command> commands = {
       command(app, &add_run_command, &run_command),
       command(app, &add_solve_command, &solve_command),
+      command(app, &add_judge_command, &judge_command),
       command(app, &add_compare_command, &compare_command),
       command(app, &add_advise_command, &advise_command),
       command(app, &add_paper_command, &paper_command),

@@ -13,13 +13,10 @@
 #include "bench/compare/comparison.h"
 #include "bench/compare/comparison_page.h"
 #include "bench/compare/comparison_report.h"
-#include "bench/compare/comparison_several.h"
-#include "bench/compare/comparison_success.h"
 #include "bench/report/build_info.h"
 #include "bench/report/chart.h"
 #include "bench/report/json_output.h"
 #include "bench/trade/trade_page.h"
-#include "core/files/atomic_file.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -185,10 +182,6 @@ int compare_command(const CompareFlags& flags) {
   context.command = command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags);
   context.command_of_target = command_line("{}", flags);
   if (!flags.out.empty()) {
-    write_text_file(options.out / "comparison.csv", to_csv(comparison));
-    write_text_file(options.out / "success.csv", success_csv(success_curves(comparison)));
-    write_text_file(options.out / "several.csv", several_csv(comparison));
-    write_json(to_json(comparison, context), (options.out / "comparison.json").string());
     std::vector<ReportSection> sections;
     if (whole) {
       write_trade(options.out, *whole);
@@ -196,7 +189,7 @@ int compare_command(const CompareFlags& flags) {
                           "<style>" + trade_style() + "</style>" +
                               trade_section(whole->analysed, whole->context)});
     }
-    write_text_file(options.out / "report.html", to_html(comparison, context, sections));
+    write_report(options.out, comparison, context, sections);
   }
   if (!flags.json.empty()) {
     nlohmann::ordered_json table = to_json(comparison, context);

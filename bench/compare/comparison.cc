@@ -294,15 +294,14 @@ class TimeOuts {
   }
 
   /// Why there is no hope, in words; empty when nothing is known.
-  std::string reason(const ProblemSource& source, std::string_view solver, double tol) const {
-    if (solver == "auto") return {};
+  std::string reason(const ProblemSource& source, const SolverEntry& solver, double tol) const {
+    if (solver.name == "auto") return {};
     for (const Seen& s : seen_) {
-      if (s.solver != solver || s.tol < tol) continue;
+      if (s.solver != solver.name || s.tol < tol) continue;
       const bool smaller =
           !source.series.empty() && s.series == source.series && s.size < source.size;
       // Where the path does not depend on the tolerance, the row is known without a run.
-      const bool looser =
-          s.problem == source.name && s.tol > tol && !require_solver(solver).path_ignores_tolerance;
+      const bool looser = s.problem == source.name && s.tol > tol && !solver.path_ignores_tolerance;
       if (smaller || looser) {
         return fmt::format("not tried: out of time on {} at tol {:g}", s.problem, s.tol);
       }
@@ -370,7 +369,7 @@ class TableFiller {
         warm_up_once();
         const ComparisonRow* looser = k > 0 ? &rows.back() : nullptr;
         const std::string hopeless =
-            options_.try_all ? "" : time_outs.reason(source, entry.name, tols_[k]);
+            options_.try_all ? "" : time_outs.reason(source, entry, tols_[k]);
         Measurement made = problem.make(entry, tols_[k], warm, looser, hopeless);
         if (options_.is_cancelled()) return false;
         History history{source.name, name, tols_[k], {}};
@@ -426,6 +425,19 @@ Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOp
   std::vector<const SolverEntry*> entries;
   for (const std::string& name : options.solvers) {
     entries.push_back(&require_solver(name));
+  }
+  for (const SolverEntry& entry : options.foreign) {
+    if (find_solver(entry.name) != nullptr) {
+      throw std::invalid_argument(
+          fmt::format("solver '{}' is the name of one of this build: give another", entry.name));
+    }
+    entries.push_back(&entry);
+  }
+  for (auto it = entries.begin(); it != entries.end(); ++it) {
+    if (std::any_of(entries.begin(), it,
+                    [&](const SolverEntry* other) { return other->name == (*it)->name; })) {
+      throw std::invalid_argument(fmt::format("solver '{}' is named twice", (*it)->name));
+    }
   }
   std::vector<double> tols = options.tols;
   std::sort(tols.begin(), tols.end(), std::greater<>());

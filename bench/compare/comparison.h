@@ -77,6 +77,8 @@ struct ProblemSummary {
 
 struct ComparisonOptions {
   std::vector<std::string> solvers;
+  /// Beside those of the table, after them; names of their own. What `name` views must live.
+  std::vector<SolverEntry> foreign;
   std::vector<double> tols = {1e-2, 1e-4, 1e-6, 1e-8};
   double time_limit = 2;            ///< CPU seconds of one solve
   double reference_time_limit = 5;  ///< of one attempt at a reference
@@ -111,7 +113,8 @@ struct Comparison {
 /// at tighter ones: those rows repeat the figures and say so. Where rows of a problem find further
 /// exact answers, the errors of its rows are measured again against the nearest (not those of rows
 /// that were kept from a comparison stopped in the midst of the problem). Throws FileError, and
-/// std::invalid_argument for an unknown solver or an `out` whose rows were made under other limits.
+/// std::invalid_argument for an unknown solver, one that is named twice, or an `out` whose rows were
+/// made under other limits.
 Comparison compare(const std::vector<ProblemSource>& sources, const ComparisonOptions& options);
 
 }  // namespace bipot

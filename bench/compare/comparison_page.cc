@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/compare/comparison_success.h"
 #include "bench/compare/page_answers.h"
 #include "bench/compare/page_draft.h"
 #include "bench/compare/page_figures.h"
@@ -11,7 +12,9 @@
 #include "bench/compare/page_table.h"
 #include "bench/compare/page_warm.h"
 #include "bench/report/chart.h"
+#include "bench/report/json_output.h"
 #include "bench/report/page_style.h"
+#include "core/files/atomic_file.h"
 
 namespace bipot {
 namespace {
@@ -97,6 +100,15 @@ std::string to_html(const Comparison& comparison, const ReportContext& context,
   page.add("</script>\n");
   page.add(page_end());
   return page.with_drawings();
+}
+
+void write_report(const std::filesystem::path& folder, const Comparison& comparison,
+                  const ReportContext& context, const std::vector<ReportSection>& sections) {
+  write_text_file(folder / "comparison.csv", to_csv(comparison));
+  write_text_file(folder / "success.csv", success_csv(success_curves(comparison)));
+  write_text_file(folder / "several.csv", several_csv(comparison));
+  write_json(to_json(comparison, context), (folder / "comparison.json").string());
+  write_text_file(folder / "report.html", to_html(comparison, context, sections));
 }
 
 }  // namespace bipot

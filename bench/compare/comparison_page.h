@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <vector>
 
@@ -18,5 +19,10 @@ struct ReportSection {
 /// problem-by-problem part. Throws FileError where gnuplot cannot draw (bench/report/chart.h).
 std::string to_html(const Comparison& comparison, const ReportContext& context,
                     const std::vector<ReportSection>& sections = {});
+
+/// comparison.csv, success.csv, comparison.json and report.html in a folder that exists. Throws
+/// FileError.
+void write_report(const std::filesystem::path& folder, const Comparison& comparison,
+                  const ReportContext& context, const std::vector<ReportSection>& sections = {});
 
 }  // namespace bipot

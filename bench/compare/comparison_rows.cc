@@ -29,11 +29,14 @@ Column number_column(std::string_view name, double ComparisonRow::*field,
 
 Column count_column(std::string_view name, int ComparisonRow::*field,
                     std::string_view explanation) {
-  return {name, explanation, [field](const ComparisonRow& r) { return std::to_string(r.*field); },
+  return {name,
+          explanation,
+          [field](const ComparisonRow& r) { return std::to_string(r.*field); },
           [field](ComparisonRow& r, const std::string& t) {
             r.*field = static_cast<int>(std::strtol(t.c_str(), nullptr, 10));
           },
-          false};
+          false,
+          true};
 }
 
 }  // namespace

@@ -30,6 +30,7 @@ struct Column {
   std::function<std::string(const ComparisonRow&)> write;
   std::function<void(ComparisonRow&, const std::string&)> read;
   bool text = false;
+  bool count = false;  ///< a whole number
 };
 const std::vector<Column>& comparison_columns();
 

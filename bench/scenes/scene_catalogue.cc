@@ -1,5 +1,7 @@
 #include "bench/scenes/scene_catalogue.h"
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <stdexcept>
@@ -7,13 +9,28 @@
 #include "core/nearest_name.h"
 
 namespace bipot {
+namespace {
+
+/// What bin/ of an installed command lies in; of an installed module, which is a shared object in
+/// lib/python3.11/dist-packages/bipot, likewise.
+std::filesystem::path install_prefix() {
+  std::error_code none;
+  Dl_info self{};
+  if (dladdr(reinterpret_cast<const void*>(&data_folder), &self) != 0) {
+    const std::filesystem::path object = std::filesystem::absolute(self.dli_fname, none);
+    if (object.extension() == ".so") {
+      return (object.parent_path() / "../../../..").lexically_normal();
+    }
+  }
+  return std::filesystem::read_symlink("/proc/self/exe", none).parent_path().parent_path();
+}
+
+}  // namespace
 
 std::filesystem::path data_folder() {
   if (const char* folder = std::getenv("BIPOT_DATA")) return folder;
-  // An installed command stands in bin/, its data in share/bipot beside it.
   std::error_code none;
-  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", none);
-  const std::filesystem::path installed = program.parent_path().parent_path() / "share/bipot";
+  const std::filesystem::path installed = install_prefix() / "share/bipot";
   if (std::filesystem::is_directory(installed, none)) return installed;
   return std::filesystem::path(BIPOT_SOURCE_DIR) / "data";
 }

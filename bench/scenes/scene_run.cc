@@ -1,61 +1,10 @@
 #include "bench/scenes/scene_run.h"
 
 #include <algorithm>
-#include <utility>
 
-#include "solvers/registry.h"
-#include "solvers/step_solver.h"
+#include "bench/scenes/scene_stepper.h"
 
 namespace bipot {
-namespace {
-
-/// Either model behind one advance().
-class SceneStepper {
- public:
-  SceneStepper(const Scene& scene, const SceneRunOptions& options) {
-    if (!options.solver && scene.model == Model::kSpringDashpot) {
-      springs_.emplace(scene, options.cancelled);
-      return;
-    }
-    StepSolver solver = options.solver;
-    bool explicit_delassus = options.explicit_delassus;
-    if (!solver) {
-      const SolverEntry& entry = require_solver(scene.solver.name);
-      SolverOptions choice = to_options(scene.solver);
-      choice.cancelled = options.cancelled;
-      solver = make_step_solver(entry, std::move(choice));
-      explicit_delassus = entry.needs_delassus;
-    }
-    rigid_.emplace(
-        scene,
-        [this, solver = std::move(solver)](const ContactProblem& problem, const Vector& start) {
-          start_ = start;
-          return solver(problem, start);
-        },
-        explicit_delassus);
-  }
-  SceneStepper(const SceneStepper&) = delete;  // the solver knows where start_ is
-  SceneStepper& operator=(const SceneStepper&) = delete;
-
-  StepReport advance(State& state) {
-    return springs_ ? springs_->advance(state) : rigid_->advance(state);
-  }
-  const ContactProblem& problem() const { return rigid_ ? rigid_->problem() : none_; }
-  const Vector& start() const { return start_; }
-  std::optional<SpringDashpotSetup> springs() const {
-    if (!springs_) return std::nullopt;
-    return springs_->setup();
-  }
-
- private:
-  std::optional<SpringDashpotStepper> springs_;
-  std::optional<TimeStepper> rigid_;
-  Vector start_;
-  ContactProblem none_;
-};
-
-}  // namespace
-
 void SceneTotals::add(const StepReport& r) {
   ++steps;
   converged += r.converged ? 1 : 0;
@@ -81,7 +30,7 @@ void SceneTotals::add(const StepReport& r) {
 SceneRun run_scene(const Scene& scene, State& state, const SceneRunOptions& options) {
   SceneRun run;
   run.planned = options.steps.value_or(scene.num_steps);
-  SceneStepper stepper(scene, options);
+  SceneStepper stepper(scene, options.solver, options.explicit_delassus, options.cancelled);
   run.springs = stepper.springs();
   while (run.totals.steps < run.planned) {
     if (options.cancelled && options.cancelled()) {

@@ -1,11 +1,8 @@
 // The `bipot` command, run as a user runs it.
 
 #include <gtest/gtest.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -17,31 +14,13 @@
 #include "core/files/problem_file.h"
 #include "core/files/run_reader.h"
 #include "core/problem/contact_error.h"
+#include "tests/support/command_line.h"
 
 namespace bipot {
 namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
-
-struct Outcome {
-  int exit_code = -1;
-  std::string out;  ///< standard output alone
-};
-
-Outcome run_command_line(const std::string& program, const std::string& arguments) {
-  const std::string command = program + " " + arguments + " 2>/dev/null";
-  Outcome outcome;
-  FILE* pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return outcome;
-  std::array<char, 4096> buffer{};
-  while (const std::size_t n = fread(buffer.data(), 1, buffer.size(), pipe)) {
-    outcome.out.append(buffer.data(), n);
-  }
-  const int status = pclose(pipe);
-  outcome.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  return outcome;
-}
 
 Outcome bipot(const std::string& arguments) { return run_command_line(BIPOT_COMMAND, arguments); }
 

@@ -79,6 +79,31 @@ TEST(Comparison, HasARowForEachProblemSolverAndTolerance) {
   EXPECT_EQ(count_solved(c, 1e-8)[0].solved, 2);
 }
 
+TEST(Comparison, JudgesSolversThatACallerBringsAlong) {
+  SolverEntry honest, liar;
+  honest.name = "honest";
+  honest.run = [](const ContactProblem& p, const SolverOptions& o) { return solve("ipm", p, o); };
+  liar.name = "liar";
+  liar.run = [](const ContactProblem& p, const SolverOptions&) {
+    SolveResult r;
+    r.status = SolveStatus::kConverged;
+    r.s = Vector::Zero(p.num_rows());
+    return r;
+  };
+  ComparisonOptions options = quick({"pgs"}, {1e-6});
+  options.foreign = {honest, liar};
+  const Comparison c = compare(expand_targets({"square:4"}), options);
+  ASSERT_EQ(c.rows.size(), 3u);
+  EXPECT_EQ(row_of(c, "honest", 1e-6).status, "converged");
+  EXPECT_LE(row_of(c, "honest", 1e-6).guarded, 1e-6);
+  EXPECT_EQ(row_of(c, "liar", 1e-6).status, "numerical failure");
+  EXPECT_GT(row_of(c, "liar", 1e-6).guarded, 1);
+  options.foreign[0].name = "pgs";
+  EXPECT_THROW(compare({}, options), std::invalid_argument);
+  options.foreign[0].name = "liar";
+  EXPECT_THROW(compare({}, options), std::invalid_argument);
+}
+
 TEST(Comparison, AProblemWithoutContactsKeepsItsDimension) {
   ContactProblem free;
   free.dim = 1;

@@ -1,0 +1,184 @@
+#include "bench/command/judge_command.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <fstream>
+#include <stdexcept>
+#include <vector>
+
+#include "bench/command/exit_code.h"
+#include "bench/report/build_info.h"
+#include "bench/report/json_output.h"
+#include "core/file_error.h"
+#include "core/files/impulse_file.h"
+#include "core/files/problem_file.h"
+#include "core/problem/impulse_verdict.h"
+
+namespace bipot {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+ImpulseLayout layout_of(const JudgeFlags& flags) {
+  return {.order = flags.order == "component" ? ImpulseLayout::Order::kComponent
+                                              : ImpulseLayout::Order::kContact,
+          .components = flags.components,
+          .negated = flags.negated,
+          .factor = flags.factor};
+}
+
+/// A file that is there, but does not have what is asked of it, is bad input.
+template <class Read>
+auto readable(const std::string& path, Read read) {
+  if (!std::ifstream(path)) throw FileError(path, "", "cannot be opened");
+  try {
+    return read();
+  } catch (const FileError& e) {
+    throw std::invalid_argument(e.what());
+  }
+}
+
+Vector impulse_of(const JudgeFlags& flags, const ProblemFile& file) {
+  const std::string& path = flags.impulses.empty() ? flags.problem : flags.impulses;
+  if (flags.impulses.empty() && !file.r) {
+    throw std::invalid_argument(flags.problem +
+                                ": no /solution to judge; name a file with --impulses");
+  }
+  return readable(path, [&] { return read_impulses(path, file.problem, layout_of(flags)); });
+}
+
+/// Null where no contact is meant.
+Json contact_or_null(int contact) { return contact >= 0 ? Json(contact) : Json(nullptr); }
+
+Json to_json(const JudgedContact& contact) {
+  Json faults = Json::array();
+  for (const ContactFault& fault : contact.faults) {
+    faults.push_back(
+        {{"kind", to_string(fault.kind)}, {"size", fault.size}, {"energy", fault.energy}});
+  }
+  return {{"contact", contact.contact},
+          {"mu", contact.mu},
+          {"s", std::vector<double>(contact.s.begin(), contact.s.end())},
+          {"u", std::vector<double>(contact.u.begin(), contact.u.end())},
+          {"share", contact.share},
+          {"faults", faults},
+          {"message", sentence(contact)}};
+}
+
+Json to_json(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerdict& v, int code) {
+  Json j{{"command", "judge"},
+         {"version", program_version()},
+         {"problem", flags.problem},
+         {"impulses", flags.impulses.empty() ? flags.problem : flags.impulses},
+         {"status", code == kExitConverged ? "within" : "not within"},
+         {"message", sentence(v, flags.tol)},
+         {"exit_code", code},
+         {"tol", flags.tol}};
+  add_error(j, v.error);
+  const auto finite = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
+  j["siconos_map"] = finite(v.siconos_map);
+  j["cone"] = finite(v.cone);
+  j["cone_violation"] = v.cone_violation;
+  j["cone_contact"] = contact_or_null(v.cone_contact);
+  j["penetration_velocity"] = v.penetration_velocity;
+  j["penetration_contact"] = contact_or_null(v.penetration_contact);
+  j["contacts"] = p.num_contacts();
+  j["dim"] = p.dim;
+  j["take_off"] = v.count.take_off;
+  j["stick"] = v.count.stick;
+  j["slip"] = v.count.slip;
+  j["worst"] = Json::array();
+  for (const JudgedContact& contact : v.worst) j["worst"].push_back(to_json(contact));
+  return j;
+}
+
+std::string at_contact(int contact) {
+  return contact >= 0 ? fmt::format(" (contact {})", contact) : std::string();
+}
+
+void print(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerdict& v) {
+  fmt::print("{}: {} contacts, d = {}\n", flags.problem, p.num_contacts(), p.dim);
+  fmt::print("  {}: {}\n", flags.impulses.empty() ? "its /solution" : flags.impulses,
+             sentence(v, flags.tol));
+  fmt::print("  ε {:.3e}, η {:.3e}, raw (42) {:.3e}, natural map {:.3e}, Siconos' {:.3e}\n",
+             v.error.epsilon, v.error.eta, v.error.raw42, v.error.natural_map, v.siconos_map);
+  fmt::print("  distance to the cone {:.3e}, at most {:.3e} N s{}\n", v.cone, v.cone_violation,
+             at_contact(v.cone_contact));
+  fmt::print("  penetration at most {:.3e} m/s{}\n", v.penetration_velocity,
+             at_contact(v.penetration_contact));
+  fmt::print("  take-off {}, stick {}, slip {}\n", v.count.take_off, v.count.stick, v.count.slip);
+  for (const JudgedContact& contact : v.worst) {
+    fmt::print("  {:>5.1f} %  {}\n", 100 * contact.share, sentence(contact));
+  }
+}
+
+}  // namespace
+
+CLI::App* add_judge_command(CLI::App& app, JudgeFlags& flags) {
+  CLI::App* command = app.add_subcommand(
+      "judge", "How wrong is an impulse that any code computed for a problem file, and where");
+  command->add_option("problem", flags.problem, "Problem file (FCLIB HDF5, Siconos text)")
+      ->required();
+  command
+      ->add_option("--impulses", flags.impulses,
+                   "The impulses: .npy, .csv, FCLIB HDF5 (/solution/r) or Siconos text; without it "
+                   "the problem file's own /solution")
+      ->type_name("FILE");
+  command->add_option("--tol", flags.tol, "Tolerance that the errors are held against")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->type_name("NUMBER");
+  command
+      ->add_option("--order", flags.order,
+                   "contact: all components of a contact together, as in FCLIB; component: all "
+                   "contacts' first components, then the second ones")
+      ->check(CLI::IsMember({"contact", "component"}))
+      ->capture_default_str()
+      ->group("How the file has the impulses");
+  command
+      ->add_option("--components", flags.components,
+                   "Order of the components, n normal, t and s tangential (nts; LMGC90's: tns)")
+      ->type_name("LETTERS")
+      ->group("How the file has the impulses");
+  command
+      ->add_option("--negate", flags.negated,
+                   "Components that point the other way: n where pushing is negative")
+      ->type_name("LETTERS")
+      ->group("How the file has the impulses");
+  command->add_option("--factor", flags.factor, "To N s: the time step, where the file has forces")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str()
+      ->type_name("NUMBER")
+      ->group("How the file has the impulses");
+  command->add_option("--worst", flags.worst, "Contacts to name")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  command
+      ->add_option("--json", flags.json,
+                   "Write the verdict as JSON; '-': standard output, with nothing else")
+      ->type_name("FILE");
+  command->add_flag("--quiet,-q", flags.quiet, "Nothing on the terminal: the exit code says it");
+  command->footer(
+      "Ends with 0 where the largest of ε, η and the distance to the cone is within --tol, with 1\n"
+      "where it is not.\n"
+      "Examples:\n"
+      "  bipot judge problem.hdf5\n"
+      "  bipot judge problem.hdf5 --impulses mine.npy --tol 1e-4\n"
+      "  bipot judge problem.dat --impulses lmgc90.csv --components tn --factor 1e-3 --json -");
+  return command;
+}
+
+int judge_command(const JudgeFlags& flags) {
+  const ProblemFile file = readable(flags.problem, [&] { return read_problem(flags.problem); });
+  require_writable(flags.json);
+  const ImpulseVerdict verdict = judge(file.problem, impulse_of(flags, file), flags.worst);
+  const int code = verdict.guarded() <= flags.tol ? kExitConverged : kExitNotConverged;
+  if (!flags.json.empty()) {
+    write_json(to_json(flags, file.problem, verdict, code), flags.json);
+  }
+  if (!flags.quiet && flags.json != "-") print(flags, file.problem, verdict);
+  return code;
+}
+
+}  // namespace bipot

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+namespace bipot {
+
+struct JudgeFlags {
+  std::string problem;   ///< FCLIB HDF5 or Siconos text
+  std::string impulses;  ///< empty: /solution of the problem file
+  double tol = 1e-8;
+  std::string order = "contact";  ///< or "component"
+  std::string components, negated;
+  double factor = 1;
+  int worst = 5;  ///< contacts that are named
+  bool quiet = false;
+  std::string json;
+};
+
+/// Declares `bipot judge`.
+CLI::App* add_judge_command(CLI::App& app, JudgeFlags& flags);
+
+/// Judges an impulse that some code computed for a problem file. Returns an ExitCode: 0 within the
+/// tolerance, 1 not.
+int judge_command(const JudgeFlags& flags);
+
+}  // namespace bipot

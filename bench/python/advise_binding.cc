@@ -1,0 +1,50 @@
+#include <pybind11/stl.h>
+
+#include <string>
+#include <vector>
+
+#include "bench/advise/advice_json.h"
+#include "bench/advise/advise.h"
+#include "bench/python/bindings.h"
+#include "bench/python/python_watch.h"
+#include "bench/scenes/scene_catalogue.h"
+#include "core/files/scene_file.h"
+
+namespace bipot {
+namespace {
+
+namespace py = pybind11;
+
+/// The advice as JSON text (keys: data/formats.md).
+std::string advise_scene(const std::string& name, double force, double penetration, double energy,
+                         const std::vector<std::string>& solvers, double time_limit, double window,
+                         int samples, int fresh, bool keep_step) {
+  PythonWatch watch;
+  AdviseOptions options;
+  options.goal = {.force = force, .penetration = penetration, .energy = energy};
+  for (const std::string& solver : solvers) options.solvers.push_back({solver, solver, {}});
+  options.time_limit = time_limit;
+  options.window = window;
+  options.samples = samples;
+  options.fresh = fresh;
+  options.keep_step = keep_step;
+  options.interrupted = [&watch] { return watch.stopped(); };
+  const Scene scene = read_scene(find_scene(name));
+  std::string json;
+  {
+    const py::gil_scoped_release release;
+    json = to_json(scene, advise(scene, options)).dump();
+  }
+  watch.rethrow();
+  return json;
+}
+
+}  // namespace
+
+void bind_advise(py::module_& module) {
+  module.def("advise", &advise_scene, py::arg("scene"), py::arg("force"), py::arg("penetration"),
+             py::arg("energy"), py::arg("solvers"), py::arg("time_limit"), py::arg("window"),
+             py::arg("samples"), py::arg("fresh"), py::arg("keep_step"));
+}
+
+}  // namespace bipot

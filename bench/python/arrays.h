@@ -1,0 +1,53 @@
+#pragma once
+
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+
+#include <string_view>
+#include <type_traits>
+
+#include "core/types.h"
+
+namespace bipot {
+
+/// One-dimensional read-only view of `size` values `stride` bytes apart; `owner` lives as long.
+template <class Number>
+pybind11::array view_of(const Number* data, Eigen::Index size, pybind11::handle owner,
+                        Eigen::Index stride = sizeof(Number)) {
+  pybind11::array array(pybind11::dtype::of<Number>(), {size}, {stride}, data, owner);
+  array.attr("setflags")(pybind11::arg("write") = false);
+  return array;
+}
+
+/// n x 2 read-only view of pairs of doubles in a row of structures.
+inline pybind11::array view_of_pairs(const double* data, Eigen::Index size, Eigen::Index stride,
+                                     pybind11::handle owner) {
+  pybind11::array array(pybind11::dtype::of<double>(), {size, Eigen::Index{2}},
+                        {stride, Eigen::Index{sizeof(double)}}, data, owner);
+  array.attr("setflags")(pybind11::arg("write") = false);
+  return array;
+}
+
+inline pybind11::array view_of(const Vector& x, pybind11::handle owner) {
+  return view_of(x.data(), x.size(), owner);
+}
+
+/// A copy that Python owns.
+inline pybind11::array_t<double> copy_of(const Vector& x) {
+  return pybind11::array_t<double>(x.size(), x.data());
+}
+
+/// A one-dimensional array-like of real numbers, copied. Throws TypeError or ValueError with the
+/// name of the argument (bipot/_arrays.py).
+Vector to_vector(pybind11::handle array_like, std::string_view name);
+
+/// A matrix of scipy.sparse, or a two-dimensional array, copied with duplicates summed, explicit
+/// zeros dropped and indices sorted. Throws as to_vector.
+SparseMatrix to_columns(pybind11::handle matrix, std::string_view name);
+SparseRows to_rows(pybind11::handle matrix, std::string_view name);
+
+/// scipy.sparse.csc_matrix or csr_matrix, of read-only views.
+pybind11::object scipy_view(const SparseMatrix& matrix, pybind11::handle owner);
+pybind11::object scipy_view(const SparseRows& matrix, pybind11::handle owner);
+
+}  // namespace bipot

@@ -1,0 +1,74 @@
+"""Which solver, tolerance and time step a scene needs."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from typing import Any, Sequence
+
+from . import _bipot
+from ._names import named_options
+
+
+class Advice(dict):
+    """What `bipot advise --json` says (keys: data/formats.md), and in short:
+
+    status: "met", "not met", "no contacts". message: one sentence.
+    solver, tol, warm_start, step [s]: what to take; None where there is nothing to recommend.
+    """
+
+    status: str = property(lambda self: self["status"])
+    message: str = property(lambda self: self["message"])
+    solver: str | None = property(lambda self: self._chosen("solver"))
+    tol: float | None = property(lambda self: self._chosen("tol"))
+    warm_start: bool | None = property(lambda self: self._chosen("warm_start"))
+    step: float | None = property(lambda self: self._chosen("step"))
+
+    def _chosen(self, key: str) -> Any:
+        return self["advice"][key] if self["advice"] else None
+
+    def __repr__(self) -> str:
+        return f"<bipot.Advice {self.status}: {self.message}>"
+
+
+@named_options
+def advise(
+    scene: str | os.PathLike[str],
+    *,
+    force_error: float | None = None,
+    penetration: float | None = None,
+    energy: float | None = None,
+    solvers: Sequence[str] = (),
+    time_limit: float = 60,
+    window: float | None = None,
+    samples: int = 6,
+    fresh: int = 3,
+    keep_step: bool = False,
+) -> Advice:
+    """Tries solvers, tolerances and time steps on steps of the scene and says what to take.
+
+    At least one goal: force_error, the error of the contact force on a body over the largest one;
+    penetration, the overlap that a step adds over the smallest radius; energy, the relative error of
+    the dissipated energy. time_limit: wall seconds of the trials; window: s over which forces are
+    averaged; samples, fresh: steps to choose on, and to verify on; keep_step: the scene's own.
+
+    Raises ValueError for a scene or a goal that is refused, KeyboardInterrupt.
+    """
+
+    def goal(x: float | None) -> float:
+        return math.nan if x is None else x
+
+    text = _bipot.advise(
+        os.fspath(scene),
+        goal(force_error),
+        goal(penetration),
+        goal(energy),
+        list(solvers),
+        time_limit,
+        0 if window is None else window,
+        samples,
+        fresh,
+        keep_step,
+    )
+    return Advice(json.loads(text))

@@ -1,0 +1,211 @@
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <cstdlib>
+#include <ctime>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "bench/compare/comparison.h"
+#include "bench/compare/comparison_page.h"
+#include "bench/compare/comparison_report.h"
+#include "bench/compare/comparison_rows.h"
+#include "bench/measure/problem_target.h"
+#include "bench/python/arrays.h"
+#include "bench/python/bindings.h"
+#include "bench/python/callable_solver.h"
+#include "bench/python/python_problem.h"
+#include "bench/python/python_watch.h"
+#include "bench/report/build_info.h"
+#include "bench/report/chart.h"
+
+namespace bipot {
+namespace {
+
+namespace py = pybind11;
+
+/// A finished comparison, and what its report says of how it was made.
+struct PythonComparison {
+  Comparison comparison;
+  ReportContext context;
+};
+
+ProblemSource source_of(const std::string& name, const PythonProblem& given, Vector start) {
+  ProblemSource source;
+  source.name = source.target = name;
+  source.load = [problem = given.problem, start = std::move(start)] {
+    TestProblem made;
+    made.origin = "a problem that Python handed over";
+    made.problem = *problem;
+    made.start = start;
+    return made;
+  };
+  return source;
+}
+
+/// From strings, which are targets of `bipot compare`, and tuples (name, Problem, start or None).
+std::vector<ProblemSource> sources_of(const py::list& given, const TargetOptions& scenes) {
+  std::vector<ProblemSource> sources;
+  for (const py::handle item : given) {
+    if (py::isinstance<py::str>(item)) {
+      for (ProblemSource& s : expand_targets({item.cast<std::string>()}, scenes)) {
+        sources.push_back(std::move(s));
+      }
+      continue;
+    }
+    const auto [name, problem, start] =
+        item.cast<std::tuple<std::string, std::shared_ptr<PythonProblem>, py::object>>();
+    sources.push_back(
+        source_of(name, *problem, start.is_none() ? Vector() : to_vector(start, "start")));
+  }
+  std::set<std::string> names;
+  for (const ProblemSource& source : sources) {
+    if (!names.insert(source.name).second) {
+      throw std::invalid_argument(
+          fmt::format("two problems are called {}; name them apart", source.name));
+    }
+  }
+  return sources;
+}
+
+py::dict to_dict(const ComparisonRow& row) {
+  py::dict out;
+  for (const Column& column : comparison_columns()) {
+    const std::string text = column.write(row);
+    const py::str key{std::string(column.name)};
+    if (column.text) {
+      out[key] = text;
+    } else if (column.count) {
+      out[key] = std::strtol(text.c_str(), nullptr, 10);
+    } else {
+      out[key] = std::strtod(text.c_str(), nullptr);
+    }
+  }
+  return out;
+}
+
+/// Name to list of values, the cold rows first.
+py::dict columns_of(const PythonComparison& self) {
+  py::dict out;
+  for (const Column& column : comparison_columns()) {
+    out[py::str{std::string(column.name)}] = py::list();
+  }
+  for (const auto* rows : {&self.comparison.rows, &self.comparison.warm_rows}) {
+    for (const ComparisonRow& row : *rows) {
+      for (const auto& [name, value] : to_dict(row)) out[name].attr("append")(value);
+    }
+  }
+  return out;
+}
+
+/// What a comparison tells Python as it goes on.
+void report_rows_to(const py::object& on_row, PythonWatch& watch, ComparisonOptions& options) {
+  if (on_row.is_none()) return;
+  options.on_row = [&](const ComparisonRow& row, int done, int total) {
+    const py::gil_scoped_acquire lock;
+    try {
+      on_row(to_dict(row), done, total);
+    } catch (const py::error_already_set&) {
+      watch.keep(std::current_exception());
+    }
+  };
+}
+
+PythonComparison run_comparison(const py::list& targets, std::vector<std::string> solvers,
+                                const py::list& callables, std::vector<double> tols,
+                                double time_limit, double reference_time_limit, int repeat,
+                                double min_time, bool try_all, bool warm,
+                                const std::filesystem::path& out, int scene_problems,
+                                const py::object& scene_steps, const py::object& on_row,
+                                const std::string& command) {
+  PythonWatch watch;
+  std::vector<std::unique_ptr<CallableSolver>> foreign;
+  PythonComparison made;
+  ComparisonOptions& options = made.context.options;
+  for (const py::handle item : callables) {
+    auto [name, callable] = item.cast<std::pair<std::string, py::object>>();
+    foreign.push_back(std::make_unique<CallableSolver>(name, callable, watch));
+    options.foreign.push_back(foreign.back()->entry());
+  }
+  options.solvers = std::move(solvers);
+  options.tols = std::move(tols);
+  options.time_limit = time_limit;
+  options.reference_time_limit = reference_time_limit;
+  options.repeat = repeat;
+  options.min_time = min_time;
+  options.try_all = try_all;
+  options.warm = warm;
+  options.out = out;
+  options.interrupted = options.cancelled = [&watch] { return watch.stopped(); };
+  report_rows_to(on_row, watch, options);
+  TargetOptions scenes;
+  scenes.scene_problems = scene_problems;
+  if (!scene_steps.is_none()) scenes.scene_steps = scene_steps.cast<int>();
+  const std::vector<ProblemSource> sources = sources_of(targets, scenes);
+  {
+    const py::gil_scoped_release release;
+    made.comparison = compare(sources, options);
+  }
+  watch.rethrow();
+  // What the report shows of the options; nothing of them runs again.
+  options.foreign.clear();
+  options.on_row = nullptr;
+  options.interrupted = options.cancelled = nullptr;
+  made.context.build = build_info();
+  made.context.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  made.context.command = command;
+  made.context.command_of_target = "bipot.compare([\"{}\"], ...)";
+  return made;
+}
+
+void write_into(const PythonComparison& self, const std::filesystem::path& folder) {
+  const py::gil_scoped_release release;
+  require_plotting_tool();
+  std::filesystem::create_directories(folder);
+  write_report(folder, self.comparison, self.context);
+}
+
+std::vector<std::shared_ptr<PythonProblem>> load_problems(const std::vector<std::string>& targets,
+                                                          int scene_problems,
+                                                          const py::object& scene_steps) {
+  TargetOptions scenes;
+  scenes.scene_problems = scene_problems;
+  if (!scene_steps.is_none()) scenes.scene_steps = scene_steps.cast<int>();
+  std::vector<std::shared_ptr<PythonProblem>> problems;
+  const py::gil_scoped_release release;
+  for (const ProblemSource& source : expand_targets(targets, scenes)) {
+    TestProblem made = source.load();
+    problems.push_back(std::make_shared<PythonProblem>(std::move(made.problem), source.name));
+    if (made.start.size() > 0) problems.back()->guesses.push_back(std::move(made.start));
+  }
+  return problems;
+}
+
+}  // namespace
+
+void bind_compare(py::module_& module) {
+  py::class_<PythonComparison>(module, "Comparison")
+      .def_property_readonly("complete",
+                             [](const PythonComparison& self) { return self.comparison.complete; })
+      .def("columns", &columns_of)
+      .def("text", [](const PythonComparison& self) { return to_text(self.comparison); })
+      .def("json",
+           [](const PythonComparison& self) {
+             return to_json(self.comparison, self.context).dump();
+           })
+      .def("report", &write_into, py::arg("folder"));
+  module.def("compare", &run_comparison, py::arg("targets"), py::arg("solvers"),
+             py::arg("callables"), py::arg("tols"), py::arg("time_limit"),
+             py::arg("reference_time_limit"), py::arg("repeat"), py::arg("min_time"),
+             py::arg("try_all"), py::arg("warm"), py::arg("out"), py::arg("scene_problems"),
+             py::arg("scene_steps"), py::arg("on_row"), py::arg("command"));
+  module.def("name_of_callable", &name_of_callable, py::arg("callable"));
+  module.def("problems", &load_problems, py::arg("targets"), py::arg("scene_problems"),
+             py::arg("scene_steps"));
+}
+
+}  // namespace bipot

@@ -1,0 +1,33 @@
+// The native part of the Python module `bipot`; what users call and its documentation are in bipot/.
+
+#include <pybind11/stl.h>
+
+#include "bench/python/bindings.h"
+#include "bench/report/build_info.h"
+#include "core/file_error.h"
+#include "core/files/scene_file.h"
+#include "core/nearest_name.h"
+
+namespace py = pybind11;
+
+PYBIND11_MODULE(_bipot, module) {
+  module.doc() = "Native part of the package bipot.";
+  py::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const bipot::FileError& e) {
+      PyErr_SetString(PyExc_OSError, e.what());
+    } catch (const bipot::SceneFileError& e) {
+      PyErr_SetString(PyExc_ValueError, e.what());
+    }
+  });
+  module.attr("__version__") = bipot::program_version();
+  module.def("unknown_name_message", &bipot::unknown_name_message, py::arg("kind"), py::arg("name"),
+             py::arg("candidates"));
+  bipot::bind_problem(module);
+  bipot::bind_solve(module);
+  bipot::bind_judge(module);
+  bipot::bind_compare(module);
+  bipot::bind_simulation(module);
+  bipot::bind_advise(module);
+}

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/problem/contact_problem.h"
+#include "core/types.h"
+
+namespace bipot {
+
+/// What Python holds as a Problem: sound, and never changed, so that arrays can look into it and
+/// solves can run on it while Python goes on.
+struct PythonProblem {
+  std::shared_ptr<const ContactProblem> problem;
+  std::string name;             ///< for readers; empty: none
+  Vector solution;              ///< reference of the file that it was read from; empty: none
+  std::vector<Vector> guesses;  ///< likewise, impulses to start from
+
+  explicit PythonProblem(ContactProblem p, std::string called = {})
+      : problem(std::make_shared<const ContactProblem>(std::move(p))), name(std::move(called)) {}
+};
+
+}  // namespace bipot

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "core/motion/spring_dashpot.h"
+#include "core/motion/time_stepping.h"
+
+namespace bipot {
+
+/// A scene's steps, one at a time, under either model.
+class SceneStepper {
+ public:
+  /// `solver` solves the steps' problems, with rigid contacts whatever the scene's model is; empty:
+  /// the model and the solver are the scene's own choice, which `cancelled` interrupts.
+  /// `explicit_delassus`: `solver` needs W. The scene must outlive the stepper. Throws
+  /// std::invalid_argument when the scene's solver or springs are refused.
+  explicit SceneStepper(const Scene& scene, StepSolver solver = {}, bool explicit_delassus = false,
+                        std::function<bool()> cancelled = {});
+  SceneStepper(const SceneStepper&) = delete;  // the solver knows where start_ is
+  SceneStepper& operator=(const SceneStepper&) = delete;
+
+  /// Takes one step, see TimeStepper::advance() and SpringDashpotStepper::advance().
+  StepReport advance(State& state);
+
+  /// Of the last step; without contacts under the model dem.
+  const ContactProblem& problem() const { return rigid_ ? rigid_->problem() : none_; }
+  /// Impulse that the solver of the last step started from; empty: none was given.
+  const Vector& start() const { return start_; }
+  /// Model dem only.
+  std::optional<SpringDashpotSetup> springs() const;
+
+ private:
+  std::optional<SpringDashpotStepper> springs_;
+  std::optional<TimeStepper> rigid_;
+  Vector start_;
+  ContactProblem none_;
+};
+
+}  // namespace bipot

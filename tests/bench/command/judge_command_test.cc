@@ -1,0 +1,131 @@
+// `bipot judge`, run as a user runs it.
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "core/files/problem_file.h"
+#include "solvers/solve.h"
+#include "tests/support/command_line.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+using nlohmann::json;
+
+const std::string kProblem =
+    std::string(BIPOT_SOURCE_DIR) + "/data/problems/2d_triangular_lattice.hdf5";
+
+Vector solution_of(const ContactProblem& p) {
+  SolverOptions options;
+  options.tol = 1e-9;
+  return solve("ipm", p, options).s;
+}
+
+class JudgeCommand : public testing::Test {
+ protected:
+  Outcome judge(const std::string& arguments) {
+    return run_command_line(BIPOT_COMMAND, "judge " + arguments);
+  }
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// The impulses of `s`, a line a contact, tangent first, forces of steps of 0.5 s, pulling
+  /// positive.
+  std::string foreign_file(const ContactProblem& p, const Vector& s) const {
+    std::ofstream out(path("foreign.csv"));
+    out.precision(17);
+    out << "t,n\n";
+    for (int c = 0; c < p.num_contacts(); ++c)
+      out << 2 * s[2 * c + 1] << ',' << -2 * s[2 * c] << '\n';
+    return path("foreign.csv");
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(JudgeCommand, AgreesWithTheSolverThatWroteTheSolution) {
+  const Outcome solved = run_command_line(
+      BIPOT_COMMAND,
+      "solve " + kProblem + " --solver ipm --tol 1e-10 --json - --solution " + path("solved.hdf5"));
+  ASSERT_EQ(solved.exit_code, 0);
+  const json said = json::parse(solved.out);
+  const Outcome judged = judge(path("solved.hdf5") + " --json -");
+  EXPECT_EQ(judged.exit_code, 0);
+  const json j = json::parse(judged.out);
+  EXPECT_EQ(j["command"], "judge");
+  EXPECT_EQ(j["status"], "within");
+  for (const char* key :
+       {"epsilon", "eta", "natural_map", "contacts", "take_off", "stick", "slip"}) {
+    EXPECT_EQ(j[key], said[key]) << key;
+  }
+  EXPECT_LT(j["cone"].get<double>(), 1e-15);
+  // The problem file and the impulses may be two files.
+  EXPECT_EQ(judge(kProblem + " --impulses " + path("solved.hdf5") + " -q").exit_code, 0);
+  EXPECT_EQ(judge(kProblem + " --impulses " + path("solved.hdf5") + " -q --tol 1e-16").exit_code,
+            1);
+}
+
+TEST_F(JudgeCommand, UndoesTheLayoutOfAnotherCode) {
+  const ContactProblem p = read_problem(kProblem).problem;
+  const std::string foreign = foreign_file(p, solution_of(p));
+  const std::string flags = " --components tn --negate n --factor 0.5 --tol 1e-6";
+  EXPECT_EQ(judge(kProblem + " --impulses " + foreign + flags + " -q").exit_code, 0);
+  EXPECT_EQ(judge(kProblem + " --impulses " + foreign + " --tol 1e-6 -q").exit_code, 1);
+}
+
+TEST_F(JudgeCommand, NamesTheContactThatWasSabotaged) {
+  const ContactProblem p = read_problem(kProblem).problem;
+  Vector s = solution_of(p);
+  const int contact = p.num_contacts() / 2;
+  s[2 * contact] = -0.1;
+  s[2 * contact + 1] = 0;
+  std::ofstream out(path("s.txt"));
+  out.precision(17);
+  for (const double x : s) out << x << '\n';
+  out.close();
+  const Outcome judged = judge(kProblem + " --impulses " + path("s.txt") + " --json -");
+  EXPECT_EQ(judged.exit_code, 1);
+  const json j = json::parse(judged.out);
+  EXPECT_EQ(j["status"], "not within");
+  EXPECT_EQ(j["cone_contact"], contact);
+  EXPECT_DOUBLE_EQ(j["cone_violation"].get<double>(), 0.1);
+  bool named = false;
+  for (const json& c : j["worst"]) {
+    named = named || (c["contact"] == contact &&
+                      c["message"].get<std::string>().find("pulls") != std::string::npos);
+  }
+  EXPECT_TRUE(named) << judged.out;
+  const Outcome text = judge(kProblem + " --impulses " + path("s.txt") + " --worst 2");
+  EXPECT_NE(text.out.find("not within the tolerance 1e-08"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("take-off"), std::string::npos);
+}
+
+TEST_F(JudgeCommand, BadInputHasItsExitCode) {
+  const auto with = [&](const std::string& name, const std::string& content) {
+    std::ofstream(path(name)) << content;
+    return kProblem + " --impulses " + path(name);
+  };
+  EXPECT_EQ(judge(path("missing.hdf5")).exit_code, 4);
+  EXPECT_EQ(judge(kProblem + " --impulses " + path("missing.npy")).exit_code, 4);
+  EXPECT_EQ(judge(with("short.txt", "1 2 3")).exit_code, 2);
+  EXPECT_EQ(judge(with("words.txt", "1 two 3")).exit_code, 2);
+  EXPECT_EQ(judge(kProblem + " --components tt").exit_code, 2);
+  EXPECT_EQ(judge(kProblem + " --order rows").exit_code, 2);
+  EXPECT_EQ(judge(kProblem + " --tol -1").exit_code, 2);
+  // A problem without /solution, and no --impulses; the refusal reaches the JSON as well.
+  const Outcome unsolved = judge(kProblem + " --json -");
+  EXPECT_EQ(unsolved.exit_code, 2);
+  EXPECT_NE(json::parse(unsolved.out)["message"].get<std::string>().find("no /solution to judge"),
+            std::string::npos);
+  // Not a number among the impulses.
+  std::string text;
+  const int rows = read_problem(kProblem).problem.num_rows();
+  for (int i = 0; i < rows; ++i) text += i == 3 ? "nan\n" : "0\n";
+  EXPECT_EQ(judge(with("nan.txt", text)).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace bipot

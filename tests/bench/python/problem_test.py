@@ -1,0 +1,292 @@
+"""Problems: what is taken, what is refused, what comes back."""
+
+import re
+
+import numpy as np
+import pytest
+import scipy.sparse as sparse
+
+import bipot
+from conftest import DATA, chain, one_contact
+
+
+def refusal(error=ValueError, **arguments):
+    with pytest.raises(error) as caught:
+        bipot.Problem(**arguments)
+    return str(caught.value)
+
+
+def same(a, b):
+    assert a.shape == b.shape
+    assert abs(a - b).max() == 0 if a.nnz else b.nnz == 0
+
+
+def rebuilt(p, convert=lambda m: m, **changes):
+    """The problem once more from what Python sees of it."""
+    arguments = dict(
+        A=convert(p.A), H=convert(p.H), v_free=p.v_free, u_free=p.u_free, mu=p.mu,
+        row_scale=p.row_scale,
+    )
+    arguments.update(changes)
+    return bipot.Problem(**arguments)
+
+
+def shuffled(m):
+    """COO with its entries in another order, each split into two that add up to it."""
+    m = m.tocoo()
+    order = np.random.default_rng(1).permutation(m.nnz)
+    row, col, data = m.row[order], m.col[order], m.data[order]
+    return sparse.coo_matrix(
+        (np.concatenate([0.25 * data, 0.75 * data]), (np.tile(row, 2), np.tile(col, 2))), m.shape
+    )
+
+
+def unsorted(m):
+    """CSR whose rows have their columns backwards."""
+    m = m.tocsr().copy()
+    for begin, end in zip(m.indptr, m.indptr[1:]):
+        m.indices[begin:end] = m.indices[begin:end][::-1].copy()
+        m.data[begin:end] = m.data[begin:end][::-1].copy()
+    m.has_sorted_indices = False
+    return m
+
+
+def with_zeros(m):
+    m = m.tocoo()
+    return sparse.coo_matrix(
+        (np.append(m.data, 0.0), (np.append(m.row, 0), np.append(m.col, m.shape[1] - 1))), m.shape
+    )
+
+
+def wide_indices(m):
+    m = m.tocsc().copy()
+    m.indices, m.indptr = m.indices.astype(np.int64), m.indptr.astype(np.int64)
+    return m
+
+
+@pytest.mark.parametrize(
+    "convert",
+    [
+        lambda m: m.tocsr(),
+        lambda m: m.tocsc(),
+        lambda m: m.tocoo(),
+        lambda m: m.tolil(),
+        lambda m: m.todok(),
+        lambda m: m.tobsr(),
+        lambda m: sparse.csr_array(m),
+        lambda m: m.toarray(),
+        unsorted,
+        with_zeros,
+        wide_indices,
+    ],
+)
+def test_every_form_of_a_matrix_gives_the_same_problem(lattice, convert):
+    q = rebuilt(lattice, convert)
+    same(q.A, lattice.A)
+    same(q.H, lattice.H)
+    assert q.H.nnz == lattice.H.nnz
+    assert np.array_equal(bipot.solve(q, tol=1e-6).s, bipot.solve(lattice, tol=1e-6).s)
+
+
+def test_duplicates_are_summed(lattice):
+    q = rebuilt(lattice, shuffled)
+    assert abs(q.H - lattice.H).max() <= 1e-15
+    assert q.H.nnz == lattice.H.nnz
+
+
+def test_arguments_are_copied_and_left_alone():
+    W = unsorted(sparse.csr_matrix([[2.0, 1.0], [1.0, 3.0]]))
+    indices, b = W.indices.copy(), np.array([-1.0, 0.5])
+    p = bipot.Problem(W=W, u_free=b, mu=[0.5])
+    assert np.array_equal(W.indices, indices)
+    W.data[:] = 7
+    b[:] = 7
+    assert np.array_equal(p.W.toarray(), [[2, 1], [1, 3]])
+    assert np.array_equal(p.u_free, [-1, 0.5])
+
+
+def test_integers_and_single_precision_become_double():
+    W = sparse.csr_matrix(np.array([[2, 0], [0, 6]], dtype=np.int8))
+    p = bipot.Problem(W=W, u_free=np.array([-1, 2], dtype=np.float32), mu=[1])
+    assert p.W.dtype == p.u_free.dtype == p.mu.dtype == np.float64
+    assert np.array_equal(p.u_free, [-1, 2])
+    # 100 + 100 does not fit into eight bits.
+    twice = sparse.coo_matrix((np.array([100, 100, 1], np.int8), ([0, 0, 1], [0, 0, 1])), (2, 2))
+    assert bipot.Problem(W=twice, u_free=[0, 0], mu=[0]).W[0, 0] == 200
+    assert np.array_equal(bipot.Problem(W=W, u_free=np.arange(4.0)[::2], mu=[1]).u_free, [0, 2])
+
+
+def test_views_are_read_only_without_copies_and_outlive_the_problem(lattice):
+    assert lattice.u_free.base is lattice
+    assert not lattice.u_free.flags.writeable
+    assert not lattice.H.data.flags.writeable
+    with pytest.raises(ValueError, match="read-only"):
+        lattice.mu[0] = 1
+    assert lattice.mu.ctypes.data == lattice.mu.ctypes.data
+    mu, H = lattice.mu, lattice.H
+    kept, product = mu.copy(), H @ np.ones(H.shape[1])
+    del lattice
+    bipot.solve(chain(100))
+    assert np.array_equal(mu, kept)
+    assert np.array_equal(H @ np.ones(H.shape[1]), product)
+
+
+def test_delassus_and_velocities_are_those_of_scipy(lattice, spheres):
+    for p in (lattice, spheres):
+        W = p.delassus()
+        expected = p.H.T @ sparse.diags(1 / p.A.diagonal()) @ p.H
+        assert abs(W - expected).max() <= 1e-14 * abs(W).max()
+        s = np.random.default_rng(2).normal(size=p.num_rows)
+        assert np.allclose(p.velocity(s), W @ s + p.u_free, atol=1e-12 * abs(W @ s).max())
+        v = p.v_free + (p.H @ s) / p.A.diagonal()
+        assert np.allclose(p.body_velocity(s), v, atol=1e-12 * abs(v).max())
+        assert not W.data.flags.writeable
+    with pytest.raises(ValueError, match="given by W alone"):
+        chain(2).body_velocity([0, 0, 0, 0])
+    with pytest.raises(ValueError, match="s has size 3, expected 4"):
+        chain(2).velocity([1, 2, 3])
+
+
+def test_dim_is_inferred_given_or_refused():
+    eye = sparse.eye(6)
+    assert bipot.Problem(W=eye, u_free=np.zeros(6), mu=[1] * 6).dim == 1
+    assert bipot.Problem(W=eye, u_free=np.zeros(6), mu=[1] * 3).dim == 2
+    assert bipot.Problem(W=eye, u_free=np.zeros(6), mu=[1] * 2).dim == 3
+    one_mu = bipot.Problem(W=eye, u_free=np.zeros(6), mu=0.3, dim=3)
+    assert one_mu.num_contacts == 2 and np.array_equal(one_mu.mu, [0.3, 0.3])
+    assert bipot.Problem(W=eye, u_free=np.zeros(6), mu=0.3, dim=np.int64(2)).num_contacts == 3
+    assert "cannot be inferred from a single mu" in refusal(W=eye, u_free=np.zeros(6), mu=0.3)
+    assert "cannot be inferred without contacts" in refusal(
+        W=sparse.csr_matrix((0, 0)), u_free=[], mu=[]
+    )
+    assert "u_free has size 6, expected 4, 8 or 12" in refusal(W=eye, u_free=np.zeros(6), mu=[1] * 4)
+    assert "dim = 4, expected 1, 2 or 3" in refusal(W=eye, u_free=np.zeros(6), mu=[1], dim=4)
+    assert "multiple of dim = 3" in refusal(W=sparse.eye(4), u_free=np.zeros(4), mu=1, dim=3)
+    assert "dim: expected" in refusal(TypeError, W=eye, u_free=np.zeros(6), mu=[1] * 3, dim=2.5)
+
+
+def test_wrong_shapes_are_refused_with_field_and_both_sizes(lattice):
+    p = lattice
+    m, n = p.num_rows, p.num_dofs
+    for change, words in [
+        (dict(u_free=p.u_free[:-1], dim=2), f"u_free has size {m - 1}, expected {m}"),
+        (dict(mu=p.mu[:-1], dim=2), f"u_free has size {m}, expected {m - 2}"),
+        (dict(v_free=p.v_free[1:]), f"v_free has size {n - 1}, expected {n}"),
+        (dict(A=sparse.eye(n - 3)), f"A (rows) has size {n - 3}, expected {n}"),
+        (dict(H=p.H[:, 2:]), f"H (columns) has size {m - 2}, expected {m}"),
+        (dict(W=sparse.eye(m + 1)), f"W (rows) has size {m + 1}, expected {m}"),
+        (dict(row_scale=[1.0]), f"row_scale has size 1, expected {m}"),
+        (dict(mu=p.mu.reshape(-1, 1)), f"mu has shape ({m // 2}, 1), expected one dimension"),
+        (dict(H=np.zeros(3)), "H has shape (3,), expected a matrix"),
+        (dict(v_free=None), "v_free is missing beside A and H"),
+        (dict(H=None), "A is given without H"),
+        (dict(mu=None), "mu is missing"),
+    ]:
+        with pytest.raises(ValueError, match=re.escape(words)):
+            rebuilt(p, **change)
+    assert "neither W nor (A, H) is given" in refusal(u_free=[0, 0], mu=[1])
+    assert "u_free is missing" in refusal(W=sparse.eye(2), mu=[1])
+
+
+def test_unsound_values_are_refused_with_their_place():
+    W, b = sparse.eye(2).tocsr(), [-1.0, 0]
+    assert refusal(W=W, u_free=[np.nan, 0], mu=[1]) == "u_free[0] = nan is not finite"
+    assert refusal(W=W, u_free=b, mu=[-0.1]) == "mu[0] = -0.1 is negative"
+    assert "W_nn of contact 0 = 0 is not positive" in refusal(W=0 * W, u_free=b, mu=[1])
+    assert "is not finite" in refusal(W=W * np.inf, u_free=b, mu=[1])
+    H = sparse.eye(2)
+    assert "A(1, 1) = -1 is not positive" in refusal(
+        A=sparse.diags([1.0, -1.0]), H=H, v_free=[0, 0], mu=[1]
+    )
+    assert "A is not symmetric" in refusal(
+        A=np.array([[2.0, 1.0], [0.0, 2.0]]), H=H, v_free=[0, 0], mu=[1]
+    )
+    assert "A is not positive definite" in refusal(
+        A=np.array([[1.0, 2.0], [2.0, 1.0]]), H=H, v_free=[0, 0], mu=[1]
+    )
+    broken = W.copy()
+    broken.indices[0] = 17
+    assert "W is not a sound sparse matrix" in refusal(W=broken, u_free=b, mu=[1])
+
+
+def test_wrong_types_are_refused_by_name():
+    W, b = sparse.eye(2), [-1.0, 0]
+    assert "u_free has dtype complex128" in refusal(TypeError, W=W, u_free=[1j, 0], mu=[1])
+    assert "W has dtype complex128" in refusal(TypeError, W=W * 1j, u_free=b, mu=[1])
+    assert "mu has dtype <U3" in refusal(TypeError, W=W, u_free=b, mu=["big"])
+    assert "W has dtype object" in refusal(
+        TypeError, W=np.array([[None, 1], [1, 1]]), u_free=b, mu=[1]
+    )
+    message = refusal(TypeError, W=W, ufree=b, mu=[1])
+    assert "unknown option 'ufree'; did you mean 'u_free'?" in message
+
+
+def test_indices_beyond_32_bits_are_refused():
+    class Huge:
+        """Looks like scipy's, without the memory."""
+
+    W = sparse.csr_matrix((2**31, 2))
+    assert "at most 2147483647 of each can be stored" in refusal(W=W, u_free=[0, 0], mu=[1])
+
+
+def test_a_general_mass_matrix_is_taken():
+    """Velocities v = T w of other coordinates w: the masses T^T A T are coupled, W is the same."""
+    p = bipot.read(DATA / "problems" / "2d_sliding_cylinder.hdf5")
+    T = sparse.eye(p.num_dofs).tolil()
+    T[:2, :2] = [[1, 0.3], [-0.2, 2]]
+    T = T.tocsc()
+    q = rebuilt(p, A=T.T @ p.A @ T, H=T.T @ p.H, v_free=np.linalg.solve(T.toarray(), p.v_free))
+    assert q.W is not None
+    assert np.allclose(q.W.toarray(), p.delassus().toarray(), rtol=1e-12)
+    a, b = bipot.solve(p, tol=1e-10), bipot.solve(q, tol=1e-10)
+    assert np.allclose(T @ b.v, a.v, atol=1e-10)
+
+
+def test_files_come_back_bit_for_bit(tmp_path, lattice, spheres):
+    for p in (lattice, spheres, chain(3), one_contact(-1, 0.8, dim=3)):
+        path = tmp_path / "problem.hdf5"
+        r = bipot.solve(p, tol=1e-9)
+        bipot.write(p, path, s=r.s, title="a title", guesses=[0.5 * r.s])
+        q = bipot.read(path)
+        assert q.name == "problem" and q.dim == p.dim
+        assert np.array_equal(q.mu, p.mu)
+        if p.A is None:
+            same(q.W, p.W)
+            assert np.array_equal(q.u_free, p.u_free)
+        else:
+            same(q.A, p.A)
+            same(q.H, p.H)
+            assert np.allclose(q.u_free, p.u_free, atol=1e-14)  # the file has f = A v
+        assert np.array_equal(q.solution, r.s)
+        assert len(q.guesses) == 1 and np.array_equal(q.guesses[0], 0.5 * r.s)
+        assert bipot.judge(q, q.solution).within(1e-8)
+
+
+def test_frictionless_problems_come_back(tmp_path):
+    p = bipot.Problem(W=sparse.eye(3), u_free=[-1, 2, -3], mu=[0, 0, 0])
+    bipot.write(p, tmp_path / "p.hdf5")
+    q = bipot.read(tmp_path / "p.hdf5")
+    assert q.dim == 1
+    assert np.array_equal(bipot.solve(q).s, [1, 0, 3])
+
+
+def test_siconos_text_is_read(tmp_path):
+    path = tmp_path / "problem.dat"
+    path.write_text("2\n1\n0\n2\n2\n2 2\n5 0\n0 6\n-1 0.5\n0.3\n")
+    p = bipot.read(path)
+    assert np.array_equal(p.W.toarray(), [[5, 0], [0, 6]])
+    assert np.array_equal(p.mu, [0.3])
+
+
+def test_files_that_are_no_problems_are_refused(tmp_path):
+    with pytest.raises(FileNotFoundError, match="no such file"):
+        bipot.read(tmp_path / "nothing.hdf5")
+    (tmp_path / "text.dat").write_text("not a problem")
+    with pytest.raises(ValueError, match="line 1"):
+        bipot.read(tmp_path / "text.dat")
+    with pytest.raises(OSError):
+        bipot.write(chain(2), "/proc/nowhere/p.hdf5")
+    with pytest.raises(ValueError, match="s has size 1, expected 4"):
+        bipot.write(chain(2), tmp_path / "p.hdf5", s=[1])
+    with pytest.raises(TypeError, match="did you mean 'title'"):
+        bipot.write(chain(2), tmp_path / "p.hdf5", tittle="x")

@@ -1,0 +1,204 @@
+"""Scenes step by step, and advice."""
+
+import numpy as np
+import pytest
+
+import bipot
+from conftest import DATA, gauss_seidel
+
+
+def test_a_scene_is_taken_step_by_step():
+    sim = bipot.Simulation("square_lattice")
+    assert sim.num_steps == 10 and sim.steps_done == 0 and sim.time == 0
+    steps = list(sim)
+    assert [s.step for s in steps] == list(range(1, 11))
+    assert sim.steps_done == 10 and sim.time == steps[-1].time == pytest.approx(10 * sim.step_size)
+    last = steps[-1]
+    assert last.converged and last.guarded <= 1e-8 and "converged" in repr(last)
+    n = len(last.radii)
+    assert last.positions.shape == last.velocities.shape == (n, 2)
+    assert last.angles.shape == last.spins.shape == last.masses.shape == (n,)
+    assert len(last.contacts) == last.problem.num_contacts
+    assert list(sim) == []
+    assert sim.advance().step == 11  # further than the scene plans
+
+
+def test_arrays_of_a_step_are_views_of_a_snapshot():
+    sim = bipot.Simulation("bouncing_ball")
+    first = sim.advance()
+    positions, kept = first.positions, first.positions.copy()
+    assert positions.base is first and not positions.flags.writeable
+    for _ in range(5):
+        sim.advance()
+    assert np.array_equal(positions, kept)
+    assert not np.array_equal(sim.state.positions, kept)
+    del first
+    assert np.array_equal(positions, kept)
+
+
+def test_contacts_and_problem_tell_the_same_story():
+    """Without restitution the impulses of the step are those of its problem, and they hold it."""
+    sim = bipot.Simulation("triangular_lattice", tol=1e-10)
+    step = sim.advance()
+    c = step.contacts
+    r = bipot.solve(step.problem, tol=1e-10)
+    assert bipot.judge(step.problem, np.column_stack([c["s_n"], c["s_t"]]).ravel()).within(1e-9)
+    n = len(step.radii)
+    floor = c[c["j"] >= n]
+    up = (floor["s_n"] * floor["n_y"] + floor["s_t"] * floor["n_x"]).sum()
+    momentum = (step.masses * step.velocities[:, 1]).sum()
+    weight = -step.energy["imbalance"]  # round-off
+    assert abs(weight) < 1e-9
+    assert r.converged and up > 0 and np.isfinite(momentum)
+    assert set(np.unique(c["status"])) <= {0, 1, 2}
+
+
+def test_choices_replace_the_scenes():
+    base = bipot.Simulation("triangular_lattice").advance()
+    other = bipot.Simulation("triangular_lattice", solver="pgs", tol=1e-3, omega=1.2).advance()
+    assert other.guarded <= 1e-3 and other.iterations != base.iterations
+    assert bipot.Simulation("triangular_lattice", num_steps=3).num_steps == 3
+    assert bipot.Simulation("triangular_lattice", step=1e-5).advance().time == 1e-5
+    slippery = bipot.Simulation("triangular_lattice", friction=0)
+    assert slippery.advance().problem.dim == 1
+    short = bipot.Simulation("triangular_lattice", solver="pgs", max_iterations=2).advance()
+    assert not short.converged and "iteration limit" in short.message
+
+
+def test_a_python_solver_drives_a_scene():
+    ours = bipot.Simulation("sliding_cylinder", solver=gauss_seidel, tol=1e-10, num_steps=20)
+    theirs = bipot.Simulation("sliding_cylinder", solver="ipm", tol=1e-10, num_steps=20)
+    for a, b in zip(ours, theirs):
+        assert a.converged, a.message
+        assert np.allclose(a.velocities, b.velocities, atol=1e-7)
+
+    def fails(problem, tol, callback):
+        raise RuntimeError("out of ideas")
+
+    sim = bipot.Simulation("sliding_cylinder", solver=fails)
+    with pytest.raises(bipot.StepError, match="step 1 at t = 0 s.*out of ideas"):
+        sim.advance()
+    assert sim.steps_done == 0
+    with pytest.raises(RuntimeError):  # StepError is one
+        sim.advance()
+
+
+def test_a_step_is_not_begun_within_a_step():
+    def again(problem, tol, callback):
+        return sim.advance()
+
+    sim = bipot.Simulation("sliding_cylinder", solver=again)
+    with pytest.raises(bipot.StepError, match="in the middle of a step"):
+        sim.advance()
+    assert sim.steps_done == 0
+
+
+def moving_wall_scene(tmp_path):
+    """The sliding cylinder on a belt instead of a floor."""
+    text = (DATA / "scenes" / "sliding_cylinder.toml").read_text()
+    assert text.count('name = "floor"') == 1
+    path = tmp_path / "belt.toml"
+    path.write_text(text.replace('name = "floor"', 'name = "belt"\nvelocity = [0, 0]'))
+    return path
+
+
+def test_python_moves_a_wall(tmp_path):
+    """A belt under a cylinder: friction drags it along, as far as the belt goes."""
+    path = moving_wall_scene(tmp_path)
+    still = bipot.Simulation(path, num_steps=50)
+    moved = bipot.Simulation(path, num_steps=50)
+    assert moved.walls[0]["motion"] == "moving" and moved.walls[0]["velocity"] == (0, 0)
+    for k in range(50):
+        still.advance()
+        moved.set_wall("belt", velocity=(0.5 * k, 0))
+        step = moved.advance()
+        assert step.walls[0]["velocity"] == (0.5 * k, 0)
+    a, b = still.state, moved.state
+    assert b.velocities[0, 0] > a.velocities[0, 0] + 1e-3
+    # The wall went the way that its velocities add up to.
+    h = moved.step_size
+    gone = moved.walls[0]["a"][0] - still.walls[0]["a"][0]
+    assert gone == pytest.approx(h * 0.5 * sum(range(50)), rel=1e-9)
+    assert step.energy["wall_work"] != 0
+    assert abs(step.energy["imbalance"]) < 1e-9
+
+
+def test_walls_that_python_may_not_move_are_refused(tmp_path):
+    sim = bipot.Simulation("square_lattice")
+    name = sim.walls[0]["name"]
+    with pytest.raises(ValueError, match="is fixed: a wall with a velocity needs 'velocity'"):
+        sim.set_wall(0, velocity=(1, 0))
+    with pytest.raises(ValueError, match="is fixed: a wall with a force"):
+        sim.set_wall(name or 0, force=1)
+    with pytest.raises(ValueError, match="wall 99: the scene has walls 0 to"):
+        sim.set_wall(99, velocity=(1, 0))
+    with pytest.raises(ValueError, match="unknown wall 'lid'"):
+        sim.set_wall("lid", velocity=(1, 0))
+    belt = bipot.Simulation(moving_wall_scene(tmp_path))
+    with pytest.raises(ValueError, match="velocity has size 3"):
+        belt.set_wall("belt", velocity=(1, 0, 0))
+    with pytest.raises(ValueError, match="expected 2 finite"):
+        belt.set_wall("belt", velocity=(np.nan, 0))
+
+
+def test_driven_walls_take_forces():
+    def squeezed(factor):
+        sim = bipot.Simulation("isotropic_compression", num_steps=1, tol=1e-1)
+        wall = next(k for k, w in enumerate(sim.walls) if w["motion"] == "driven")
+        sim.set_wall(wall, force=factor * sim.walls[wall]["force"])
+        sim.advance()
+        return np.array(sim.walls[wall]["velocity"])
+
+    once, twice = squeezed(1), squeezed(2)
+    assert np.linalg.norm(twice) > 1.5 * np.linalg.norm(once) > 0
+
+
+def test_springs_are_a_model_too(tmp_path):
+    text = (DATA / "scenes" / "sliding_cylinder.toml").read_text()
+    (tmp_path / "dem.toml").write_text('model = "dem"\n' + text)
+    for step in bipot.Simulation(tmp_path / "dem.toml", num_steps=20):
+        pass
+    assert step.energy["elastic"] > 0 and len(step.contacts) == 1
+    assert step.problem.num_contacts == 0  # nothing is solved
+    rigid = bipot.Simulation(tmp_path / "dem.toml", solver="pgs").advance()
+    assert rigid.problem.num_contacts == 1
+
+
+def test_bad_scenes_and_options_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="did you mean 'bouncing_ball'"):
+        bipot.Simulation("bouncing_bal")
+    (tmp_path / "bad.toml").write_text("[nonsense]\n")
+    with pytest.raises(ValueError, match="bad.toml"):
+        bipot.Simulation(tmp_path / "bad.toml")
+    with pytest.raises(ValueError, match="did you mean 'pgs'"):
+        bipot.Simulation("square_lattice", solver="pgz")
+    with pytest.raises(TypeError, match="did you mean 'friction'"):
+        bipot.Simulation("square_lattice", frictoin=0.3)
+    with pytest.raises(ValueError, match="unknown parameter"):
+        bipot.Simulation("square_lattice", solver="ipm", omega=1.2).advance()
+    with pytest.raises(ValueError):
+        bipot.Simulation("square_lattice", step=-1.0)
+    with pytest.raises(ValueError):
+        bipot.Simulation("square_lattice", friction=-1.0)
+
+
+# Advice
+
+
+def test_advice_is_that_of_the_command():
+    a = bipot.advise("bouncing_ball", energy=1e-2, time_limit=20)
+    assert a.status in ("met", "not met") and a.message
+    assert a["goal"]["energy"] == 1e-2 and a["goal"]["force"] is None
+    if a["advice"]:
+        assert a.solver in [row["name"] for row in bipot.solvers()]
+        assert a.tol > 0 and a.step > 0 and a.warm_start in (True, False)
+    assert a.status in repr(a)
+
+
+def test_advice_without_a_goal_is_refused():
+    with pytest.raises(ValueError, match="nothing is asked for"):
+        bipot.advise("bouncing_ball")
+    with pytest.raises(ValueError, match="force error: expected a positive number"):
+        bipot.advise("bouncing_ball", force_error=-1)
+    with pytest.raises(TypeError, match="did you mean 'force_error'"):
+        bipot.advise("bouncing_ball", force_eror=1e-2)
