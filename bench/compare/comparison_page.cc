@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "bench/compare/comparison_several.h"
 #include "bench/compare/comparison_success.h"
 #include "bench/compare/page_answers.h"
 #include "bench/compare/page_draft.h"
