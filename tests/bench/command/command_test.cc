@@ -563,11 +563,13 @@ TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
   ASSERT_EQ(run.exit_code, 0);
   const json j = json::parse(run.out);  // nothing else on standard output
   EXPECT_TRUE(j["complete"]);
-  // 2 tolerances, 2 more time steps, 2 kinds of springs; disks that stand need no replicas.
-  ASSERT_EQ(j["rows"].size(), 6u);
+  // 2 tolerances, the witness, 2 more time steps, 2 kinds of springs; disks that stand need no
+  // replicas.
+  ASSERT_EQ(j["rows"].size(), 7u);
+  EXPECT_EQ(j["rows"][2]["solver"], "apgd");
   for (const json& row : j["rows"]) EXPECT_EQ(row["status"], "completed") << row;
   const json& settings = j["scenes"][0]["settings"];
-  EXPECT_GT(settings[4]["penetration"], 5 * settings[5]["penetration"].get<double>());
+  EXPECT_GT(settings[5]["penetration"], 5 * settings[6]["penetration"].get<double>());
   EXPECT_FALSE(j["scenes"][0]["answer"].get<std::string>().empty());
   for (const char* name : {"trade.csv", "trade.json", "trade.html"}) {
     EXPECT_GT(fs::file_size(folder_ / "out" / name), 1000u) << name;
