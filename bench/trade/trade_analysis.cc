@@ -297,6 +297,7 @@ std::string SceneTrade::answer() const {
         "Tolerance {}, the tightest that was completed, is needed: at {} the solver still adds "
         "more to '{}' than the time step does.",
         tolerance_label(tols.back()), tolerance_label(tols[tols.size() - 2]), decided_by);
+    text += choice_sentence();
   } else {
     text =
         fmt::format("Tolerance {} is enough at this time step", tolerance_label(*sufficient_tol));

@@ -121,21 +121,19 @@ TEST(ShippedProblemsEvidence, SolversFindDifferentVelocities) {
     const Eigen::MatrixXd W = naive_delassus(p);
     const DelassusOperator delassus(p);
     std::vector<Vector> solutions;
+    double largest = 0;
     for (const char* solver : {"auto", "pgs", "apgd", "ipm", "homotopy", "anderson"}) {
       SolverOptions options;
       options.tol = 1e-10;
       options.time_limit = 30 * BIPOT_TEST_SLOWNESS;
       const SolveResult r = solve(solver, p, options);
-      if (is_success(r.status) && naive_error(p, W, r.s).guarded() <= 1.01e-10) {
-        solutions.push_back(r.s);
-      }
+      if (!is_success(r.status) || naive_error(p, W, r.s).guarded() > 1.01e-10) continue;
+      solutions.push_back(r.s);
+      largest = std::max(
+          largest, energy_norm(delassus, r.s - solutions[0]) / energy_norm(delassus, solutions[0]));
+      if (largest > 1e-5) break;  // found
     }
     ASSERT_GE(solutions.size(), 2u) << name;
-    double largest = 0;
-    for (const Vector& s : solutions) {
-      largest = std::max(
-          largest, energy_norm(delassus, s - solutions[0]) / energy_norm(delassus, solutions[0]));
-    }
     EXPECT_GT(largest, 1e-5) << name;
   }
 }
