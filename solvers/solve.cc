@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -83,6 +84,45 @@ void judge(const ContactProblem& problem, const SolverOptions& options,
   }
 }
 
+/// The power of two that brings the free motion's energies u²/W_nn near 1 where they are beyond
+/// what squares can hold; 0 for all but the most extreme data. Exact: the law is homogeneous.
+int velocity_exponent(const ContactProblem& p) {
+  constexpr int kSafe = 800;  // of 1022 binary decades
+  bool any = false;
+  int highest = 0;
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    const Eigen::Index row = static_cast<Eigen::Index>(c) * p.dim;
+    const double u = p.u_free.segment(row, p.dim).cwiseAbs().maxCoeff();
+    if (u == 0) continue;
+    double w = 0;
+    if (p.has_delassus()) {
+      w = p.W.coeff(row, row);
+    } else {
+      for (SparseMatrix::InnerIterator it(p.H, row); it; ++it)
+        w += it.value() * it.value() / p.A.coeff(it.row(), it.row());
+    }
+    const int energy = 2 * std::ilogb(u) - std::ilogb(w);
+    highest = any ? std::max(highest, energy) : energy;
+    any = true;
+  }
+  return std::abs(highest) <= kSafe ? 0 : -highest / 2;
+}
+
+/// Solves the problem with all velocities and impulses times 2^exponent, and takes it out again.
+SolveResult solve_in_other_units(const SolverEntry& entry, ContactProblem problem,
+                                 SolverOptions options, int exponent) {
+  const auto scale = [](Vector& x, int by) {
+    for (double& value : x) value = std::ldexp(value, by);
+  };
+  scale(problem.u_free, exponent);
+  scale(problem.v_free, exponent);
+  scale(options.s0, exponent);
+  SolveResult result = solve(entry, problem, options);
+  scale(result.s, -exponent);
+  scale(result.u, -exponent);
+  return result;
+}
+
 }  // namespace
 
 SolveResult solve(std::string_view solver, const ContactProblem& problem,
@@ -97,6 +137,9 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
   if (auto defect = validate(problem); !defect.empty()) return refuse(std::move(defect));
   if (auto defect = validate_options(entry, problem, options); !defect.empty()) {
     return refuse(std::move(defect));
+  }
+  if (const int exponent = velocity_exponent(problem); exponent != 0) {
+    return solve_in_other_units(entry, problem, options, exponent);
   }
   try {
     using Clock = std::chrono::steady_clock;

@@ -13,6 +13,7 @@ set(folders
   "core/files = core/motion"
   "core/pictures = core/files"
   "solvers = core/motion"
+  "solvers/certificate = solvers"
   "solvers/kernels = solvers"
   "solvers/interior = solvers/kernels"
   "solvers/homotopy = solvers/kernels"
@@ -24,8 +25,9 @@ set(folders
   "bench/advise = bench/measure"
   "bench/trade = bench/measure"
   "bench/paper = bench/measure core/pictures"
+  "bench/extremes = bench/measure solvers/certificate"
   "bench/compare = bench/measure"
-  "bench/command = bench/advise bench/compare bench/paper bench/trade core/pictures solvers/methods"
+  "bench/command = bench/advise bench/compare bench/extremes bench/paper bench/trade core/pictures solvers/certificate solvers/methods"
   "bench/google = bench/measure"
   "bench/python = bench/advise bench/compare"
   "tests = bench/command bench/google bench/python")

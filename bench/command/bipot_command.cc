@@ -14,6 +14,7 @@
 #include "bench/command/advise_command.h"
 #include "bench/command/compare_command.h"
 #include "bench/command/exit_code.h"
+#include "bench/command/extremes_command.h"
 #include "bench/command/help_text.h"
 #include "bench/command/judge_command.h"
 #include "bench/command/list_command.h"
@@ -110,6 +111,7 @@ int bipot_command(int argc, const char* const* argv) {
       "  bipot compare square:30 pile:18 --quick --out out/compare\n"
       "  bipot paper --out out/paper\n"
       "  bipot trade my_scene.toml --out out/trade\n"
+      "  bipot extremes --quick --out out/extremes\n"
       "  bipot list solvers");
   const std::vector<Command> commands = {
       command(app, &add_run_command, &run_command),
@@ -119,6 +121,7 @@ int bipot_command(int argc, const char* const* argv) {
       command(app, &add_advise_command, &advise_command),
       command(app, &add_paper_command, &paper_command),
       command(app, &add_trade_command, &trade_command),
+      command(app, &add_extremes_command, &extremes_command),
       command(app, &add_list_command, &list_command),
   };
   const std::string json = json_destination(argc, argv);

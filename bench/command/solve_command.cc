@@ -17,6 +17,7 @@
 #include "core/files/fclib_file.h"
 #include "core/files/problem_file.h"
 #include "core/problem/delassus.h"
+#include "solvers/certificate/existence.h"
 #include "solvers/methods/auto_solver.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -42,8 +43,18 @@ int exit_code_of(SolveStatus status) {
   }
 }
 
+using Certificate = std::optional<ExistenceCertificate>;
+
+nlohmann::ordered_json to_json(const ExistenceCertificate& c) {
+  return {{"verdict", to_string(c.verdict)},
+          {"margin", std::isfinite(c.margin) ? nlohmann::ordered_json(c.margin) : nullptr},
+          {"statement", to_text(c)},
+          {"seconds", c.seconds}};
+}
+
 nlohmann::ordered_json summary(const SolveFlags& flags, const std::string& solver,
-                               const ContactProblem& problem, const SolveResult& r) {
+                               const ContactProblem& problem, const SolveResult& r,
+                               const Certificate& certificate) {
   nlohmann::ordered_json j{{"command", "solve"},
                            {"version", program_version()},
                            {"problem", flags.problem},
@@ -63,11 +74,12 @@ nlohmann::ordered_json summary(const SolveFlags& flags, const std::string& solve
   j["take_off"] = count.take_off;
   j["stick"] = count.stick;
   j["slip"] = count.slip;
+  if (certificate) j["existence"] = to_json(*certificate);
   return j;
 }
 
 void print_summary(const SolveFlags& flags, const std::string& solver, const ContactProblem& p,
-                   const SolveResult& r) {
+                   const SolveResult& r, const Certificate& certificate) {
   const ContactCount count = count_contacts(p, r.s);
   fmt::print("{}: {} contacts, d = {}\n", flags.problem, p.num_contacts(), p.dim);
   fmt::print("  {}: {} ({})\n", solver, to_string(r.status), r.message);
@@ -76,6 +88,7 @@ void print_summary(const SolveFlags& flags, const std::string& solver, const Con
   fmt::print("  ε {:.3e}, η {:.3e}, raw (42) {:.3e}, natural map {:.3e}\n", r.error.epsilon,
              r.error.eta, r.error.raw42, r.error.natural_map);
   fmt::print("  take-off {}, stick {}, slip {}\n", count.take_off, count.stick, count.slip);
+  if (certificate) fmt::print("  {} [{:.2g} s]\n", to_text(*certificate), certificate->seconds);
 }
 
 }  // namespace
@@ -93,6 +106,9 @@ CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags) {
       ->type_name("N");
   command->add_flag("--explain", flags.explain,
                     "With --solver auto: print which stages are planned, and why");
+  command->add_flag("--certify", flags.certify,
+                    "Say whether a solution exists at all, by a proof that is checked in extended "
+                    "precision");
   add_common_flags(*command, flags.common);
   command
       ->add_option(
@@ -110,6 +126,7 @@ CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags) {
       "  bipot solve problem.hdf5\n"
       "  bipot solve problem.hdf5 --out out/problem\n"
       "  bipot solve problem.hdf5 --several 12 --out out/answers\n"
+      "  bipot solve problem.hdf5 --certify\n"
       "  bipot solve problem.dat --solver pgs --tol 1e-10 --json - --solution solved.hdf5");
   return command;
 }
@@ -214,12 +231,16 @@ int solve_command(const SolveFlags& given) {
     if (flags.common.json != "-") fmt::print("{}", explain_auto(problem, options));
   }
   const SolveResult result = solve(*entry, problem, options);
+  Certificate certificate;
+  if (flags.certify && result.status != SolveStatus::kInvalidInput) {
+    certificate = certify_existence(problem, flags.common.time_limit);
+  }
   if (!flags.history.empty()) {
     history.close();
     if (!history) throw FileError(flags.history, "", "cannot be written");
   }
   if (!flags.common.json.empty()) {
-    write_json(summary(flags, choice.name, problem, result), flags.common.json);
+    write_json(summary(flags, choice.name, problem, result, certificate), flags.common.json);
   }
   if (result.status == SolveStatus::kInvalidInput) {
     fmt::print(stderr, "bipot: {}: {}\n", flags.problem, result.message);
@@ -234,7 +255,7 @@ int solve_command(const SolveFlags& given) {
     write_fclib_solution(flags.solution, result.s, result.u, v);
   }
   if (!flags.common.quiet && flags.common.json != "-") {
-    print_summary(flags, choice.name, problem, result);
+    print_summary(flags, choice.name, problem, result, certificate);
   }
   return exit_code_of(result.status);
 }

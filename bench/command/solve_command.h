@@ -15,6 +15,7 @@ struct SolveFlags {
   std::string solution;        ///< FCLIB file whose /solution is written
   bool warm = false;           ///< start from the file's first guess
   bool explain = false;        ///< print the plan of `auto`
+  bool certify = false;        ///< say whether a solution exists, with proof
   std::string history;         ///< CSV of the judged iterations
   std::optional<int> several;  ///< starts of a search for several answers
 };

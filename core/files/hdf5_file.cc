@@ -165,8 +165,25 @@ std::vector<std::string> Hdf5File::list(const std::string& group) const {
   return names;
 }
 
+/// The number of elements, refused before memory is taken for them where the file cannot hold so many:
+/// no filter of HDF5 packs a number into less than a thousandth of a byte of the file.
+std::size_t Hdf5File::plausible_size(const std::string& name) const {
+  constexpr double kPacked = 1100;  // deflate, at best 1032 to 1
+  const std::vector<std::size_t> extents = shape(name);
+  double product = 1;
+  for (const std::size_t extent : extents) product *= static_cast<double>(extent);
+  hsize_t bytes = 0;
+  if (H5Fget_filesize(file_, &bytes) < 0) throw FileError(path_, name, "has no size");
+  if (product > kPacked * static_cast<double>(bytes)) {
+    throw FileError(
+        path_, name,
+        fmt::format("claims {:.6g} values, more than a file of {} bytes can hold", product, bytes));
+  }
+  return size(name);
+}
+
 std::vector<double> Hdf5File::read_doubles(const std::string& name) const {
-  std::vector<double> values(size(name));
+  std::vector<double> values(plausible_size(name));
   const Silence silence;
   const Handle dataset(open_dataset(name), H5Dclose);
   const Handle type(H5Dget_type(dataset), H5Tclose);
@@ -180,7 +197,7 @@ std::vector<double> Hdf5File::read_doubles(const std::string& name) const {
 }
 
 std::vector<int> Hdf5File::read_ints(const std::string& name) const {
-  std::vector<std::int64_t> wide(size(name));
+  std::vector<std::int64_t> wide(plausible_size(name));
   const Silence silence;
   const Handle dataset(open_dataset(name), H5Dclose);
   const Handle type(H5Dget_type(dataset), H5Tclose);

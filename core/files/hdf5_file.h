@@ -76,6 +76,7 @@ class Hdf5File {
   void write_array(const std::string& name, std::int64_t type, const void* data,
                    std::span<const std::size_t> extents);
   std::int64_t open_dataset(const std::string& name) const;
+  std::size_t plausible_size(const std::string& name) const;
 
   std::filesystem::path path_;
   std::int64_t file_ = -1;  // hid_t, kept out of this header

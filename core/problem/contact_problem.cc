@@ -62,9 +62,16 @@ std::string check_delassus_diagonal(const ContactProblem& p) {
     }
     return {};
   }
+  const Vector masses = p.A.diagonal();
   for (int c = 0; c < p.num_contacts(); ++c) {
     double norm = 0;
-    for (SparseMatrix::InnerIterator it(p.H, c * d); it; ++it) norm += it.value() * it.value();
+    for (SparseMatrix::InnerIterator it(p.H, c * d); it; ++it) {
+      norm += it.value() * it.value();
+      if (!std::isfinite(it.value() * it.value() / masses[it.row()])) {
+        return fmt::format("W_nn of contact {} is beyond the largest number: A({}, {}) = {}", c,
+                           it.row(), it.row(), masses[it.row()]);
+      }
+    }
     if (!(norm > 0)) {
       return fmt::format("normal column of H of contact {} is zero: no free body takes part", c);
     }

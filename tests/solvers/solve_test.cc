@@ -10,6 +10,7 @@
 #include "solvers/monitor.h"
 #include "solvers/registry.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {
@@ -52,6 +53,21 @@ ContactProblem sticking_column(int disks) {
   p.u_free = p.H.transpose() * p.v_free;
   p.mu = Vector::Constant(disks, 5.0);
   return p;
+}
+
+TEST(Solve, EnergiesBeyondTheRangeOfSquaresAreSolved) {
+  // s = -u_free / W. The energy u²/W is 1e-620, 1e450, 1e-500: no doubles, s and u are.
+  struct Data {
+    double w, b;
+  };
+  for (const Data& d : {Data{1, -1e-310}, Data{1e-150, -1e150}, Data{1e100, -1e-200}}) {
+    const ContactProblem p = one_contact_problem(1, d.w, 1, 0, d.b, Vector());
+    for (const SolverEntry& entry : solver_table()) {
+      const SolveResult r = solve(entry, p);
+      EXPECT_EQ(r.status, SolveStatus::kConverged) << entry.name << ": " << r.message;
+      EXPECT_NEAR(r.s[0] * d.w / d.b, -1, 1e-7) << entry.name;
+    }
+  }
 }
 
 TEST(Solve, ExactStartCostsNoIteration) {

@@ -584,6 +584,38 @@ TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
   EXPECT_EQ(json::parse(refused.out)["exit_code"], 2);
 }
 
+TEST_F(Command, CertifiesWhetherASolutionExists) {
+  const Outcome dumped = bipot("extremes --only wall_into_row --dump-problem " + path("none.hdf5"));
+  ASSERT_EQ(dumped.exit_code, 0);
+  const Outcome none = bipot("solve " + path("none.hdf5") + " --certify --time-limit 1 --json -");
+  EXPECT_NE(none.exit_code, 0);
+  const json proof = json::parse(none.out)["existence"];
+  EXPECT_EQ(proof["verdict"], "none");
+  EXPECT_NE(proof["statement"].get<std::string>().find("proved"), std::string::npos);
+  const std::string pile = std::string(BIPOT_SOURCE_DIR) + "/data/problems/2d_pyramid_10.hdf5";
+  const json exists = json::parse(bipot("solve " + pile + " --certify --json -").out)["existence"];
+  EXPECT_EQ(exists["verdict"], "exists");
+  EXPECT_GT(exists["margin"].get<double>(), 0);
+}
+
+TEST_F(Command, ExtremesLeaveAPageAndAnExitCode) {
+  const Outcome matrix = bipot("extremes --only s --solver auto,pgs --quick --out " + path("out"));
+  EXPECT_EQ(matrix.exit_code, 0) << matrix.out;
+  for (const char* name : {"extremes.csv", "extremes.html", "extremes.md"})
+    EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
+  EXPECT_EQ(bipot("extremes --only no_such_case").exit_code, 2);
+  const Outcome sets =
+      bipot("extremes --random-problems 6 --random-scenes 2 --solver auto --out " + path("out"));
+  EXPECT_EQ(sets.exit_code, 0) << sets.out;
+  EXPECT_NE(sets.out.find("6 random problems"), std::string::npos) << sets.out;
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "random.csv"));
+  // One of the set, on its own.
+  ASSERT_EQ(
+      bipot("extremes --random-problems 1 --first 4 --dump-problem " + path("4.hdf5")).exit_code,
+      0);
+  EXPECT_EQ(bipot("solve " + path("4.hdf5") + " -q").exit_code, 0);
+}
+
 TEST_F(Command, ListsWhatItHas) {
   const Outcome solvers = bipot("list solvers --json -");
   ASSERT_EQ(solvers.exit_code, 0);

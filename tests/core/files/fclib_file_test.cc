@@ -120,6 +120,21 @@ TEST_P(RoundTrip, TheRowScaleOfRestitutionIsKept) {
 
 INSTANTIATE_TEST_SUITE_P(Dimensions, RoundTrip, testing::Values(1, 2, 3));
 
+TEST(FclibFile, ADatasetThatClaimsMoreThanTheFileHoldsIsRefusedBeforeAllocation) {
+  // Found by tests/fuzz/hdf5_fuzz.cc: a header whose extent is 8e14 values in a file of 16 kB.
+  const std::filesystem::path path =
+      std::filesystem::path(BIPOT_SOURCE_DIR) / "data/fuzz/hdf5/claims_many_values.hdf5";
+  try {
+    read_fclib(path);
+    FAIL() << "it was read";
+  } catch (const FileError& e) {
+    EXPECT_NE(std::string(e.what()).find("more than a file of 15896 bytes can hold"),
+              std::string::npos)
+        << e.what();
+    EXPECT_NE(std::string(e.what()).find("/fclib_"), std::string::npos) << e.what();
+  }
+}
+
 TEST(FclibFile, FrictionlessProblemsAreSoundFor2dReaders) {
   // Without the group /bipot the file is the two-dimensional problem that others see.
   const TemporaryFolder folder;

@@ -111,6 +111,13 @@ TEST(Validate, RefusesOneNonFiniteValueAtATime) {
   }
 }
 
+TEST(Validate, RefusesAMassWhoseMobilityIsNotFinite) {
+  ContactProblem p = sound();
+  p.W = SparseRows();
+  for (int i = 0; i < p.A.rows(); ++i) p.A.coeffRef(i, i) = 1e-310;
+  expect_refused(p, {"W_nn of contact 0", "beyond the largest number", "1e-310"});
+}
+
 TEST(Validate, RefusesValuesOutOfRange) {
   ContactProblem p = sound();
   p.mu[1] = -0.25;

@@ -1,0 +1,208 @@
+#include "bench/command/extremes_command.h"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+
+#include "bench/command/exit_code.h"
+#include "bench/command/interrupt.h"
+#include "bench/command/progress_bar.h"
+#include "bench/extremes/extreme_matrix.h"
+#include "bench/extremes/extreme_report.h"
+#include "bench/extremes/random_problem.h"
+#include "bench/extremes/random_sets.h"
+#include "bench/report/csv_text.h"
+#include "core/file_error.h"
+#include "core/files/atomic_file.h"
+#include "core/files/fclib_file.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+void make_folder(const std::string& folder) {
+  if (folder.empty()) return;
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw FileError(folder, "", "cannot create: " + error.message());
+}
+
+std::vector<std::string> solvers_of(const ExtremesFlags& flags) {
+  if (flags.solvers.empty()) return solver_names();
+  for (const std::string& name : flags.solvers) require_solver(name);
+  return flags.solvers;
+}
+
+/// The one problem that the flags name, as a file for `bipot solve`.
+int dump(const ExtremesFlags& flags) {
+  ContactProblem problem;
+  std::string title;
+  if (flags.random_problems == 1) {
+    RandomProblem random = random_problem(flags.seed, flags.first);
+    problem = std::move(random.problem);
+    title = random.description;
+  } else {
+    for (const ExtremeCase& c : extreme_cases()) {
+      if (c.name != flags.only) continue;
+      if (!c.problem) throw std::invalid_argument(c.name + " is a run, not one problem");
+      problem = c.problem();
+      title = c.what;
+    }
+  }
+  if (problem.num_contacts() == 0) {
+    throw std::invalid_argument(
+        "--dump-problem takes one problem: --only with the whole name of a case, or "
+        "--random-problems 1 with --first");
+  }
+  write_fclib(flags.dump_problem, problem, {.title = title, .description = "bipot extremes"});
+  if (!flags.quiet) fmt::print("{}: {}\n", flags.dump_problem, title);
+  return kExitConverged;
+}
+
+int random_sets(const ExtremesFlags& flags) {
+  RandomSetOptions options;
+  options.first = flags.first;
+  options.seed = flags.seed;
+  options.tol = flags.tol;
+  options.time_limit = flags.time_limit.value_or(2);
+  options.solvers = solvers_of(flags);
+  options.interrupted = &InterruptGuard::requested;
+  bool sound = true;
+  std::string csv = "set,kind,index,solver,message,again\n";
+  const auto run = [&](int count, const char* what, const char* flag, auto* measure) {
+    if (count == 0) return;
+    options.count = count;
+    RandomSetResult result;
+    {
+      ProgressBar progress(count, flags.quiet);
+      options.on_progress = [&](int done) { progress.update(done, what); };
+      result = measure(options);
+    }
+    sound = sound && result.sound() && result.energy_grew == 0;
+    if (!flags.quiet) fmt::print("{}", to_text(result, what));
+    for (const RandomFinding& f : result.findings) {
+      const std::string again =
+          fmt::format("bipot extremes --{} 1 --seed {} --first {}{}", flag, flags.seed, f.index,
+                      f.solver.empty() ? "" : " --solver " + f.solver);
+      csv += fmt::format("{},{},{},{},{},{}\n", what, f.kind, f.index, f.solver,
+                         csv_text(f.message), csv_text(again));
+      if (!flags.quiet && f.kind != "planted, not solved" && f.kind != "exists, not solved") {
+        fmt::print("  {}: {}\n    {}\n", f.kind, again, f.message);
+      }
+    }
+  };
+  run(flags.random_problems, "random problems", "random-problems", &run_random_problems);
+  run(flags.random_scenes, "random scenes", "random-scenes", &run_random_scenes);
+  if (!flags.out.empty()) write_text_file(fs::path(flags.out) / "random.csv", csv);
+  if (InterruptGuard::requested()) return kExitInterrupted;
+  return sound ? kExitConverged : kExitNotConverged;
+}
+
+int matrix(const ExtremesFlags& flags) {
+  MatrixOptions options;
+  options.solvers = solvers_of(flags);
+  options.only = flags.only;
+  options.quick = flags.quick;
+  options.tol = flags.tol;
+  options.time_limit = flags.time_limit.value_or(flags.quick ? 0.2 : 2);
+  options.interrupted = &InterruptGuard::requested;
+  ExtremeMatrix result;
+  {
+    std::optional<ProgressBar> progress;
+    options.on_cell = [&](const ExtremeCell& cell, int done, int total) {
+      if (!progress) progress.emplace(total, flags.quiet);
+      progress->update(done, cell.name + ", " + cell.solver);
+    };
+    result = measure_extremes(options);
+  }
+  if (!flags.out.empty()) {
+    write_text_file(fs::path(flags.out) / "extremes.csv", to_csv(result));
+    write_text_file(fs::path(flags.out) / "extremes.md", to_markdown(result));
+    write_text_file(fs::path(flags.out) / "extremes.html", to_html(result));
+  }
+  if (!flags.quiet) {
+    fmt::print("{}", to_text(result));
+    for (std::size_t k = 0; k < result.cases.size() && result.cases.size() <= 3; ++k) {
+      fmt::print("{}: {}.\n  known: {}\n", result.cases[k].name, result.cases[k].what,
+                 result.cases[k].known);
+      if (!result.existence[k].empty()) fmt::print("  proved: {}\n", result.existence[k]);
+      for (const ExtremeCell& c : result.cells) {
+        if (c.name != result.cases[k].name) continue;
+        fmt::print(
+            "  {}: {} ({}), guarded {:.2e}, true error {:.2e}, energy created {:.2e}, {} "
+            "iterations, {:.3g} s\n",
+            c.solver, c.status, c.message, c.guarded, c.true_error, c.energy_error, c.iterations,
+            c.cpu_seconds);
+      }
+    }
+    if (!flags.out.empty()) fmt::print("results in {}\n", flags.out);
+  }
+  if (!result.complete) return kExitInterrupted;
+  return count_cells(result).wrong == 0 ? kExitConverged : kExitNotConverged;
+}
+
+}  // namespace
+
+CLI::App* add_extremes_command(CLI::App& app, ExtremesFlags& flags) {
+  CLI::App* command = app.add_subcommand(
+      "extremes", "Where solvers hold and where they break: extreme cases, random problems");
+  command->add_option("--only", flags.only, "One case, or all whose names begin so");
+  command->add_option("--solver,--solvers", flags.solvers, "Solvers (default: all)")
+      ->delimiter(',')
+      ->type_name("NAMES");
+  command->add_flag("--quick", flags.quick, "A tenth of the time a cell, without the large case");
+  command->add_option("--tol", flags.tol, "Tolerance")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command
+      ->add_option("--time-limit", flags.time_limit,
+                   "CPU seconds of a cell (2; quick 0.2) or of a random problem (2)")
+      ->type_name("SECONDS")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--out", flags.out, "Folder for extremes.csv, extremes.html, random.csv")
+      ->type_name("DIR");
+  command
+      ->add_option("--dump-problem", flags.dump_problem,
+                   "Write the one problem as an FCLIB file instead of solving it")
+      ->type_name("FILE");
+  const char* group = "Random sets (instead of the cases)";
+  command
+      ->add_option("--random-problems", flags.random_problems,
+                   "So many problems: the first solver sees all, the others share them")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber)
+      ->group(group);
+  command->add_option("--random-scenes", flags.random_scenes, "So many scenes, 20 steps each")
+      ->type_name("N")
+      ->check(CLI::NonNegativeNumber)
+      ->group(group);
+  command->add_option("--seed", flags.seed, "Of the sets")->capture_default_str()->group(group);
+  command->add_option("--first", flags.first, "Index to begin with")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str()
+      ->group(group);
+  command->add_flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  command->footer(
+      "Ends with 0 when nothing was wrong (no false claim of convergence, NaN, crash, hang or energy\n"
+      "against theory), with 1 otherwise; a problem that is not solved and says so is not wrong.\n"
+      "Examples:\n"
+      "  bipot extremes --quick --out out/extremes\n"
+      "  bipot extremes --only wedge --solver auto,ipm\n"
+      "  bipot extremes --random-problems 10000 --random-scenes 1000 --seed 1\n"
+      "  bipot extremes --random-problems 1 --first 7 --dump-problem out/seventh.hdf5");
+  return command;
+}
+
+int extremes_command(const ExtremesFlags& flags) {
+  if (!flags.dump_problem.empty()) return dump(flags);
+  make_folder(flags.out);
+  const InterruptGuard interrupt;
+  if (flags.random_problems + flags.random_scenes > 0) return random_sets(flags);
+  return matrix(flags);
+}
+
+}  // namespace bipot

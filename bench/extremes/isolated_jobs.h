@@ -1,0 +1,29 @@
+#pragma once
+
+#include <functional>
+#include <string>
+
+namespace bipot {
+
+/// How a job that ran in a process of its own came to its end.
+struct JobEnd {
+  enum class Kind { kDone, kCrashed, kHung };
+  Kind kind = Kind::kDone;
+  std::string text;  ///< what the job returned; else what ended it
+};
+
+struct IsolatedJobs {
+  int count = 0;
+  double seconds = 60;  ///< wall time after which a job counts as hung and is killed
+  std::function<std::string(int)> job;             ///< runs in the child
+  std::function<void(int, const JobEnd&)> on_end;  ///< runs here, in order
+  std::function<bool()> interrupted;               ///< asked between and during jobs; may be empty
+};
+
+/// Runs the jobs 0 .. count - 1 one after the other in a child process, so that neither a crash nor
+/// a hang of one of them is lost or ends the others: the next one then has a new child. An
+/// exception that a job lets out is a crash. Jobs after an interruption are not run. Throws
+/// std::system_error when no process can be made.
+void run_isolated(const IsolatedJobs& jobs);
+
+}  // namespace bipot

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "core/motion/state.h"
+
+namespace bipot {
+
+/// The most energy that contacts may hand on in a step because gravity acts within it, ½ κ |s·f| of
+/// data/method.md §3 with κ <= 1: f = h g at walls that stand, and 0 between disks, which fall
+/// alike. `after`: the state after the step.
+/// [J]
+double force_energy(const Scene& scene, const State& after);
+
+}  // namespace bipot

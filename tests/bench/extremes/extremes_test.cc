@@ -1,0 +1,190 @@
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <set>
+#include <stdexcept>
+#include <thread>
+
+#include "bench/extremes/extreme_matrix.h"
+#include "bench/extremes/extreme_report.h"
+#include "bench/extremes/isolated_jobs.h"
+#include "bench/extremes/random_problem.h"
+#include "bench/extremes/random_sets.h"
+#include "bench/measure/second_opinion.h"
+#include "solvers/registry.h"
+#include "tests/support/manufactured.h"
+#include "tests/support/naive_error.h"
+
+namespace bipot {
+namespace {
+
+TEST(SecondOpinion, AgreesWithTheNaiveImplementation) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    for (unsigned seed = 1; seed <= 5; ++seed) {
+      Manufactured m = manufactured_problem(dim, 6, 9, seed, 0.6);
+      m.problem.W = SparseRows();
+      EXPECT_LT(second_opinion(m.problem, m.s).guarded, 1e-12) << "d = " << dim;
+      // Off the law by about a tenth, also outside of the cones.
+      Vector s = m.s;
+      for (Eigen::Index i = 0; i < s.size(); ++i) s[i] += 0.1 * std::sin(7.0 * double(i) + seed);
+      const SecondOpinion opinion = second_opinion(m.problem, s);
+      const NaiveError naive = naive_error(m.problem, s);
+      EXPECT_NEAR(opinion.epsilon, naive.epsilon, 1e-10 * naive.epsilon) << "d = " << dim;
+      EXPECT_NEAR(opinion.eta, naive.eta, 1e-10 * naive.eta) << "d = " << dim;
+      EXPECT_GT(opinion.guarded, 1e-3);
+    }
+  }
+}
+
+TEST(SecondOpinion, ImpulsesThatPullAreNotOnTheCone) {
+  // s_n = -1 at a frictionless contact is put at 0, where u_n = -1 violates the law.
+  ContactProblem p = manufactured_problem(1, 2, 2, 1, 0).problem;
+  p.u_free.setConstant(-1);
+  EXPECT_GT(second_opinion(p, Vector::Constant(2, -1.0)).guarded, 0.1);
+  EXPECT_TRUE(std::isnan(second_opinion(p, Vector::Constant(2, kNaN)).guarded));
+}
+
+TEST(IsolatedJobs, ACrashAHangAndAnExceptionAreCountedAndTheOthersRun) {
+  std::vector<JobEnd> ends;
+  IsolatedJobs jobs;
+  jobs.count = 6;
+  jobs.seconds = 1;
+  jobs.job = [](int k) -> std::string {
+    if (k == 1) std::raise(SIGKILL);
+    if (k == 3) std::this_thread::sleep_for(std::chrono::seconds(60));
+    if (k == 4) throw std::runtime_error("on purpose");
+    return "job " + std::to_string(k);
+  };
+  jobs.on_end = [&](int, const JobEnd& end) { ends.push_back(end); };
+  run_isolated(jobs);
+  ASSERT_EQ(ends.size(), 6u);
+  for (const int k : {0, 2, 5}) {
+    EXPECT_EQ(ends[to_size(k)].kind, JobEnd::Kind::kDone);
+    EXPECT_EQ(ends[to_size(k)].text, "job " + std::to_string(k));
+  }
+  EXPECT_EQ(ends[1].kind, JobEnd::Kind::kCrashed);
+  EXPECT_NE(ends[1].text.find("signal 9"), std::string::npos) << ends[1].text;
+  EXPECT_EQ(ends[3].kind, JobEnd::Kind::kHung);
+  EXPECT_EQ(ends[4].kind, JobEnd::Kind::kCrashed);
+}
+
+TEST(IsolatedJobs, AnInterruptionEndsThem) {
+  int done = 0;
+  IsolatedJobs jobs;
+  jobs.count = 100;
+  jobs.job = [](int) { return std::string(); };
+  jobs.on_end = [&](int, const JobEnd&) { ++done; };
+  jobs.interrupted = [&] { return done >= 3; };
+  run_isolated(jobs);
+  EXPECT_EQ(done, 3);
+}
+
+TEST(RandomProblem, IsTheSameEveryTimeAndHoldsWhatItPlants) {
+  std::set<std::string> descriptions;
+  for (int k = 0; k < 100; ++k) {
+    const RandomProblem a = random_problem(5, k), b = random_problem(5, k);
+    EXPECT_EQ(a.problem.u_free, b.problem.u_free);
+    EXPECT_EQ(validate(a.problem), "") << a.description;
+    descriptions.insert(a.description);
+    EXPECT_EQ(a.planted.size() > 0, k % 2 == 0);
+    if (k % 2 == 0) {
+      EXPECT_LT(second_opinion(a.problem, a.planted).guarded, 1e-9) << k << ": " << a.description;
+    }
+  }
+  EXPECT_GT(descriptions.size(), 90u);
+}
+
+RandomSetOptions short_set(int count) {
+  RandomSetOptions options;
+  options.count = count;
+  options.seed = 20;
+  options.time_limit = 0.3;
+  options.solvers = solver_names();
+  return options;
+}
+
+TEST(RandomSets, NothingIsWrongInAShortOne) {
+  const RandomSetResult result = run_random_problems(short_set(66));
+  for (const RandomFinding& f : result.findings) {
+    if (f.kind.find("not solved") == std::string::npos)
+      ADD_FAILURE() << f.kind << ' ' << f.index << ' ' << f.solver << ": " << f.message;
+  }
+  EXPECT_TRUE(result.sound());
+  EXPECT_EQ(result.done, 66);
+  EXPECT_EQ(result.tallies.front().tried, 66);
+  EXPECT_GT(result.tallies.front().planted_solved, 26);  // of 33
+  EXPECT_GT(result.certificates, 10);
+}
+
+TEST(RandomSets, NothingIsWrongInAFewScenes) {
+  const RandomSetResult result = run_random_scenes(short_set(12));
+  for (const RandomFinding& f : result.findings) {
+    if (f.kind.find("not solved") == std::string::npos && f.kind != "run ended early")
+      ADD_FAILURE() << f.kind << ' ' << f.index << ": " << f.message;
+  }
+  EXPECT_TRUE(result.sound());
+  EXPECT_EQ(result.energy_grew, 0);
+  EXPECT_GT(result.tallies.front().tried, 100);
+}
+
+TEST(ExtremeCases, EachSaysWhatItIsAndWhatIsKnown) {
+  std::set<std::string> names;
+  for (const ExtremeCase& c : extreme_cases()) {
+    EXPECT_TRUE(names.insert(c.name).second) << c.name;
+    EXPECT_FALSE(c.what.empty()) << c.name;
+    EXPECT_FALSE(c.known.empty()) << c.name;
+    EXPECT_NE(bool(c.problem), bool(c.scene)) << c.name;
+    EXPECT_EQ(bool(c.scene), c.steps > 0) << c.name;
+  }
+  EXPECT_GT(names.size(), 60u);
+}
+
+MatrixOptions of(const std::string& name) {
+  MatrixOptions options;
+  options.only = name;
+  options.solvers = {"auto", "pgs"};
+  options.time_limit = 0.3;
+  return options;
+}
+
+TEST(ExtremeMatrix, KnowsWhatItsCasesAre) {
+  const ExtremeMatrix walls = measure_extremes(of("wall_into_row"));
+  EXPECT_EQ(walls.verdicts.front(), Existence::kNone);
+  EXPECT_EQ(walls.find("wall_into_row", "auto")->end, CellEnd::kNone);
+  const ExtremeMatrix tower = measure_extremes(of("light_on_heavy_1e2"));
+  EXPECT_EQ(tower.find("light_on_heavy_1e2", "auto")->end, CellEnd::kSolved);
+  EXPECT_LT(tower.find("light_on_heavy_1e2", "auto")->true_error, 1e-6);
+  // Weights of 1e12 kg in 53 digits: what is lost moves the light disks by more than the tolerance.
+  const ExtremeMatrix beyond = measure_extremes(of("heavy_on_light_1e12"));
+  EXPECT_GT(beyond.floors.front(), 1e-8);
+  EXPECT_EQ(beyond.find("heavy_on_light_1e12", "auto")->end, CellEnd::kBeyond);
+  EXPECT_EQ(measure_extremes(of("coincident_centres")).cells.front().end, CellEnd::kRefused);
+  EXPECT_THROW(measure_extremes(of("no_such_case")), std::invalid_argument);
+}
+
+TEST(ExtremeMatrix, NewtonsLawCreatesEnergyOnlyWhereTheCoefficientsDiffer) {
+  const ExtremeMatrix corners = measure_extremes(of("corner_e"));
+  for (const ExtremeCell& c : corners.cells) EXPECT_NE(c.end, CellEnd::kWrong) << c.name;
+  EXPECT_LT(corners.find("corner_e_1_1", "auto")->energy_error, 1e-7);
+  EXPECT_LT(corners.find("corner_e_0.5_0.5", "auto")->energy_error, 1e-7);
+  EXPECT_GT(corners.find("corner_e_1_0", "auto")->energy_error, 0.01);
+}
+
+TEST(ExtremeReport, EveryCellStandsInTheTableAndThePage) {
+  ExtremeMatrix m = measure_extremes(of("units_usual"));
+  m.cells.back().end = CellEnd::kWrong;
+  m.cells.back().message = "a <planted> fault";
+  const std::string csv = to_csv(m), text = to_text(m), page = to_html(m);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
+  EXPECT_NE(csv.find("bipot extremes --only units_usual --solver pgs"), std::string::npos);
+  EXPECT_NE(text.find("wrong: bipot extremes --only units_usual --solver pgs"), std::string::npos);
+  EXPECT_NE(page.find("a &lt;planted&gt; fault"), std::string::npos);
+  EXPECT_EQ(page.find("a <planted>"), std::string::npos);
+  EXPECT_NE(to_markdown(m).find("| units | 1/1 | 0/1, 1 wrong |"), std::string::npos)
+      << to_markdown(m);
+}
+
+}  // namespace
+}  // namespace bipot
