@@ -23,6 +23,7 @@ class SceneStepper {
       const SolverEntry& entry = require_solver(scene.solver.name);
       SolverOptions choice = to_options(scene.solver);
       choice.cancelled = options.cancelled;
+      choice.execution.threads = options.threads;
       solver = make_step_solver(entry, std::move(choice));
       explicit_delassus = entry.needs_delassus;
     }
@@ -32,7 +33,7 @@ class SceneStepper {
           start_ = start;
           return solver(problem, start);
         },
-        explicit_delassus);
+        explicit_delassus, options.threads);
   }
   SceneStepper(const SceneStepper&) = delete;  // the solver knows where start_ is
   SceneStepper& operator=(const SceneStepper&) = delete;
