@@ -20,7 +20,7 @@ IterationMonitor::IterationMonitor(const ContactProblem& problem, const SolverOp
                                    Clock::time_point start)
     : problem_(problem),
       options_(options),
-      evaluator_(problem),
+      evaluator_(problem, options.execution.threads),
       start_(start),
       best_s_(Vector::Zero(problem.num_rows())) {
   free_energy_ = evaluator_(best_s_).energy;
@@ -29,6 +29,11 @@ IterationMonitor::IterationMonitor(const ContactProblem& problem, const SolverOp
 bool IterationMonitor::due(int iteration) const {
   return every_ || options_.stop == StopTest::kImpulse || iteration >= next_ ||
          iteration >= options_.max_iterations || out_of_time();
+}
+
+int IterationMonitor::undue(int iteration, int most) const {
+  if (every_ || options_.stop == StopTest::kImpulse) return 1;
+  return std::clamp(std::min(next_, options_.max_iterations) - iteration, 1, most);
 }
 
 bool IterationMonitor::judge(const Eigen::Ref<const Vector>& s, double impulse_change) {

@@ -30,6 +30,10 @@ class IterationMonitor {
   /// solve. A solver that must do work to form s asks first.
   bool due(int iteration) const;
 
+  /// Iterations from `iteration` on to the next one that is judged, 1 to `most`: a solver may do so
+  /// many before it asks again. A caller's Ctrl-C and the time limit wait for them.
+  int undue(int iteration, int most) const;
+
   /// Call after every iteration (iteration = number of completed iterations). True: stop now.
   /// Does nothing unless due(iteration). `step` goes into the history. `moving`: the solver has a
   /// state beside s (multipliers) that still changes, so that an equal s is not a stall.

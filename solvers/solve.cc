@@ -28,6 +28,12 @@ std::string validate_options(const SolverEntry& entry, const ContactProblem& p,
   }
   if (o.max_iterations < 0)
     return fmt::format("max_iterations = {}, expected >= 0", o.max_iterations);
+  if (o.execution.threads < 1) {
+    return fmt::format("threads = {}, expected >= 1", o.execution.threads);
+  }
+  if (!has_path(o.execution.path)) {
+    return fmt::format("this machine has no {}", to_string(o.execution.path));
+  }
   if (!(o.time_limit > 0)) return fmt::format("time_limit = {} s, expected > 0", o.time_limit);
   if (o.s0.size() != 0 && o.s0.size() != p.num_rows()) {
     return fmt::format("start s0 has size {}, expected {}", o.s0.size(), p.num_rows());
@@ -153,7 +159,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       with_delassus.W = assemble_delassus(problem.A, problem.H, problem.dim);
       given = &with_delassus;
     }
-    ContactErrorEvaluator evaluate(*given);
+    ContactErrorEvaluator evaluate(*given, options.execution.threads);
 
     SolveResult result;
     result.s = Vector::Zero(problem.num_rows());

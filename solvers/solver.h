@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 
+#include "core/execution.h"
 #include "core/problem/contact_error.h"
 #include "core/problem/contact_problem.h"
 
@@ -50,6 +51,7 @@ struct SolverOptions {
   int max_iterations = 1000000;                                 ///< >= 0
   double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds, > 0
   Vector s0;                                                    ///< start; empty: s = 0
+  Execution execution;  ///< threads and instructions: the result's bits do not depend on them
   std::map<std::string, std::string> parameters;  ///< e.g. {"omega", "1.6"}; see SolverEntry
   std::function<bool()> cancelled;  ///< polled at every iteration; true ends the solve: Ctrl-C
   std::function<void(const IterationRecord&)> on_iteration;  ///< history, at the judged iterations

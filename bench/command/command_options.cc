@@ -25,10 +25,18 @@ constexpr const char* kSolverGroup =
 
 }  // namespace
 
+void add_threads_flag(CLI::App& command, int& threads) {
+  command
+      .add_option("--threads", threads, "Threads; every result has the same bits for any number")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
+}
+
 void add_common_flags(CLI::App& command, CommonFlags& flags) {
   command.add_option("--time-limit", flags.time_limit, "Wall-clock limit of the whole command")
       ->type_name("SECONDS")
       ->check(kPositive);
+  add_threads_flag(command, flags.threads);
   command.add_flag("--quiet,-q", flags.quiet, "No progress, no summary on the terminal");
   command.add_option("--out", flags.out, "Folder for the results")
       ->type_name("DIR")

@@ -19,8 +19,11 @@ struct CommonFlags {
   bool quiet = false;
   double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds
   std::string json;                                             ///< file, "-": standard output
+  int threads = 1;                                              ///< they change no bit
 };
 void add_common_flags(CLI::App& command, CommonFlags& flags);
+/// --threads.
+void add_threads_flag(CLI::App& command, int& threads);
 
 /// What the command line says of the solver; unset entries leave the scene's or the default choice.
 struct SolverFlags {

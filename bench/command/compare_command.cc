@@ -6,6 +6,7 @@
 
 #include <ctime>
 
+#include "bench/command/command_options.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
@@ -39,6 +40,9 @@ std::string command_line(const std::string& targets, const CompareFlags& flags) 
     line += fmt::format(" --reference-time-limit {:g}", *flags.reference_time_limit);
   }
   if (flags.repeat != CompareFlags{}.repeat) line += fmt::format(" --repeat {}", flags.repeat);
+  if (flags.threads != CompareFlags{}.threads) {
+    line += fmt::format(" --threads {}", flags.threads);
+  }
   if (flags.min_time != CompareFlags{}.min_time) {
     line += fmt::format(" --min-time {:g}", flags.min_time);
   }
@@ -118,6 +122,7 @@ CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
       ->add_option("--json", flags.json,
                    "Write the table as JSON; '-': standard output, with nothing else")
       ->type_name("FILE");
+  add_threads_flag(*command, flags.threads);
   command->add_flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
   command->footer(
       "Ends with 0 when the table is complete: solves that fail or run out of time are rows of "
@@ -141,6 +146,7 @@ int compare_command(const CompareFlags& flags) {
   options.reference_time_limit = flags.reference_time_limit.value_or(
       flags.quick ? 3 : ComparisonOptions{}.reference_time_limit);
   options.repeat = flags.repeat;
+  options.threads = flags.threads;
   options.min_time = flags.min_time;
   options.try_all = flags.try_all;
   options.warm = flags.warm;

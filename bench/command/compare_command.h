@@ -13,6 +13,7 @@ struct CompareFlags {
   std::vector<double> tols;                    ///< empty: 1e-2, 1e-4, 1e-6, 1e-8; quick 1e-2, 1e-6
   std::optional<double> time_limit;            ///< of one solve, 2 s; quick 1 s
   std::optional<double> reference_time_limit;  ///< of one attempt, 5 s; quick 3 s
+  int threads = 1;
   int repeat = 1;
   double min_time = 0.02;  ///< of the repeats of a short solve together, CPU [s]
   bool try_all = false;

@@ -206,6 +206,7 @@ int run_command(const RunFlags& flags) {
   const bool dem = scene.model == Model::kSpringDashpot;
   const SolverEntry& entry = require_solver(dem ? SolverChoice{}.name : scene.solver.name);
   SolverOptions options = to_options(dem ? SolverChoice{} : scene.solver);
+  options.execution.threads = flags.common.threads;
   // A first look at the options on a problem without contacts: wrong ones are refused here.
   if (const SolveResult probe = solve(entry, ContactProblem{}, options);
       probe.status == SolveStatus::kInvalidInput) {
@@ -243,6 +244,7 @@ int run_command(const RunFlags& flags) {
     };
   }
   run_options.explicit_delassus = entry.needs_delassus;
+  run_options.threads = flags.common.threads;
   run_options.cancelled = [&] { return InterruptGuard::requested() || watch.seconds() > limit; };
   SceneRun run;
   {

@@ -202,6 +202,7 @@ int solve_command(const SolveFlags& given) {
   const SolverEntry* entry = &require_solver(choice.name);
   SolverOptions options = to_options(choice);
   options.time_limit = flags.common.time_limit;
+  options.execution.threads = flags.common.threads;
   if (flags.warm) {
     if (file->guesses.empty()) {
       throw std::invalid_argument(flags.problem +

@@ -73,6 +73,7 @@ Measurement measure(const SolverEntry& entry, const TestProblem& given, double t
   ComparisonRow& row = made.row;
   SolverOptions solver;
   solver.tol = tol;
+  solver.execution.threads = options.threads;
   if (warm) solver.s0 = given.start;
   solver.time_limit = CpuLimit::kWallFactor * options.time_limit;
   // Watching costs next to nothing beside the judgements themselves, and only the first repeat is

@@ -83,6 +83,7 @@ struct ComparisonOptions {
   double time_limit = 2;            ///< CPU seconds of one solve
   double reference_time_limit = 5;  ///< of one attempt at a reference
   int repeat = 1;                   ///< solves behind each time, at least
+  int threads = 1;                  ///< of each solve; CPU seconds are those of all of them
   double min_time = 0.02;  ///< a short solve is repeated until its repeats took this long [s]
   /// Whether a solver runs after it was out of time on a smaller problem of the series, at the same
   /// tolerance or a looser one, or on the same problem at a looser one. If not, these rows have the

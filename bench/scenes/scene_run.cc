@@ -30,7 +30,8 @@ void SceneTotals::add(const StepReport& r) {
 SceneRun run_scene(const Scene& scene, State& state, const SceneRunOptions& options) {
   SceneRun run;
   run.planned = options.steps.value_or(scene.num_steps);
-  SceneStepper stepper(scene, options.solver, options.explicit_delassus, options.cancelled);
+  SceneStepper stepper(scene, options.solver, options.explicit_delassus, options.cancelled,
+                       options.threads);
   run.springs = stepper.springs();
   while (run.totals.steps < run.planned) {
     if (options.cancelled && options.cancelled()) {

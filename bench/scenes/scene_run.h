@@ -39,6 +39,7 @@ struct SceneRunOptions {
   /// and the solver are the scene's own choice, which `cancelled` interrupts.
   StepSolver solver;
   bool explicit_delassus = false;   ///< `solver` needs W
+  int threads = 1;                  ///< of detection, assembly and the scene's own solver
   std::function<bool()> cancelled;  ///< polled before each step (and by springs inside); true ends
   /// Before each step: may look, and change the impulses that the step starts from.
   std::function<void(State&)> before_step;

@@ -8,7 +8,7 @@
 namespace bipot {
 
 SceneStepper::SceneStepper(const Scene& scene, StepSolver solver, bool explicit_delassus,
-                           std::function<bool()> cancelled) {
+                           std::function<bool()> cancelled, int threads) {
   if (!solver && scene.model == Model::kSpringDashpot) {
     springs_.emplace(scene, std::move(cancelled));
     return;
@@ -17,6 +17,7 @@ SceneStepper::SceneStepper(const Scene& scene, StepSolver solver, bool explicit_
     const SolverEntry& entry = require_solver(scene.solver.name);
     SolverOptions choice = to_options(scene.solver);
     choice.cancelled = std::move(cancelled);
+    choice.execution.threads = threads;
     solver = make_step_solver(entry, std::move(choice));
     explicit_delassus = entry.needs_delassus;
   }
@@ -26,7 +27,7 @@ SceneStepper::SceneStepper(const Scene& scene, StepSolver solver, bool explicit_
         start_ = start;
         return solver(problem, start);
       },
-      explicit_delassus);
+      explicit_delassus, threads);
 }
 
 StepReport SceneStepper::advance(State& state) {

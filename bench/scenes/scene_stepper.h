@@ -13,10 +13,11 @@ class SceneStepper {
  public:
   /// `solver` solves the steps' problems, with rigid contacts whatever the scene's model is; empty:
   /// the model and the solver are the scene's own choice, which `cancelled` interrupts.
-  /// `explicit_delassus`: `solver` needs W. The scene must outlive the stepper. Throws
+  /// `explicit_delassus`: `solver` needs W. `threads`: of detection, assembly and the scene's own
+  /// solver. The scene must outlive the stepper. Throws
   /// std::invalid_argument when the scene's solver or springs are refused.
   explicit SceneStepper(const Scene& scene, StepSolver solver = {}, bool explicit_delassus = false,
-                        std::function<bool()> cancelled = {});
+                        std::function<bool()> cancelled = {}, int threads = 1);
   SceneStepper(const SceneStepper&) = delete;  // the solver knows where start_ is
   SceneStepper& operator=(const SceneStepper&) = delete;
 

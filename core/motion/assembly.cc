@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/parallel.h"
 #include "core/problem/delassus.h"
 
 namespace bipot {
@@ -33,24 +34,19 @@ DofMap number_dofs(bool friction, std::size_t num_disks, std::span<const Wall> w
   return dofs;
 }
 
-/// Appends columns of H, rows ascending.
+/// Writes columns of H one after the other from a known place on, rows ascending.
 class ColumnWriter {
  public:
-  explicit ColumnWriter(int columns) { start_.reserve(to_size(columns) + 1); }
+  ColumnWriter(SparseMatrix& H, int column, int at) : H_(H), column_(column), at_(at) {}
   void add(int row, double value) {
-    row_.push_back(row);
-    value_.push_back(value);
+    H_.innerIndexPtr()[at_] = row;
+    H_.valuePtr()[at_++] = value;
   }
-  void close() { start_.push_back(static_cast<int>(row_.size())); }
-  SparseMatrix finish(int rows) const {
-    return Eigen::Map<const SparseMatrix>(rows, static_cast<Eigen::Index>(start_.size()) - 1,
-                                          static_cast<Eigen::Index>(row_.size()), start_.data(),
-                                          row_.data(), value_.data());
-  }
+  void close() { H_.outerIndexPtr()[++column_] = at_; }
 
  private:
-  std::vector<int> start_{0}, row_;
-  std::vector<double> value_;
+  SparseMatrix& H_;
+  int column_, at_;
 };
 
 SparseMatrix diagonal_matrix(const Vector& diagonal) {
@@ -65,12 +61,82 @@ SparseMatrix diagonal_matrix(const Vector& diagonal) {
   return A;
 }
 
+/// What the rows of a contact are made from.
+struct StepInput {
+  const Scene& scene;
+  std::span<const Disk> disks;
+  std::span<const Wall> walls;
+  std::span<const Vec2> disk_v_free;
+  std::span<const double> wall_v_free;
+  int dim;
+};
+
+/// Entries of H in the columns of a contact.
+int entries_of(const Contact& contact, std::size_t num_disks, const DofMap& dofs, int d) {
+  const int of_disk = d == 1 ? 2 : 2 + 3;
+  const std::size_t j = to_size(contact.j);
+  if (j < num_disks) return 2 * of_disk;
+  return of_disk + (dofs.wall[j - num_disks] >= 0 ? d : 0);
+}
+
+/// The columns and rows of contact c.
+void write_contact(const StepInput& in, const Contact& contact, int c, ColumnWriter& columns,
+                   AssembledStep& step) {
+  const DofMap& dofs = step.dofs;
+  ContactProblem& p = step.problem;
+  const int d = in.dim;
+  const std::size_t i = to_size(contact.i), j = to_size(contact.j);
+  const bool with_disk = j < in.disks.size();
+  const std::size_t w = with_disk ? 0 : j - in.disks.size();
+  const Disk& a = in.disks[i];
+  const Disk* b = with_disk ? &in.disks[j] : nullptr;
+  const Wall* wall = with_disk ? nullptr : &in.walls[w];
+  const ContactLaw& law = in.scene.law(a.material, with_disk ? b->material : wall->material);
+  const double r_n = std::sqrt(1 + law.e_n), r_t = std::sqrt(1 + law.e_t);
+  p.mu[c] = d > 1 ? law.mu * r_t / r_n : 0.0;
+
+  const Vec2 other_before = with_disk ? b->v : wall->v;
+  Vec2 other_free = other_before;
+  if (with_disk) {
+    other_free = in.disk_v_free[j];
+  } else if (wall->motion == Wall::Motion::kDriven) {
+    other_free = in.wall_v_free[w] * wall->direction;
+  }
+  const int k = dofs.disk[i];
+  const int l = with_disk ? dofs.disk[j] : dofs.wall[w];
+  for (int row = 0; row < d; ++row) {
+    const Vec2 axis = row == 0 ? contact.n : Vec2(-contact.n[1], contact.n[0]);
+    const double e = row == 0 ? law.e_n : law.e_t;
+    const double r = row == 0 ? r_n : r_t;
+    const double arm_a = row == 0 ? 0 : -a.radius;
+    const double arm_b = row == 0 || !with_disk ? 0 : -b->radius;
+    const double spin_part = arm_a * a.spin + (with_disk ? arm_b * b->spin : 0.0);
+    const double before = axis.dot(a.v - other_before) + spin_part;
+    const double free = axis.dot(in.disk_v_free[i] - other_free) + spin_part;
+    step.u_before[c * d + row] = before;
+    p.u_free[c * d + row] = (free + e * before) / r;
+    if (p.row_scale.size() > 0) p.row_scale[c * d + row] = r;
+
+    columns.add(k, axis[0] / r);
+    columns.add(k + 1, axis[1] / r);
+    if (row == 1) columns.add(k + 2, arm_a / r);
+    if (with_disk) {
+      columns.add(l, -axis[0] / r);
+      columns.add(l + 1, -axis[1] / r);
+      if (row == 1) columns.add(l + 2, arm_b / r);
+    } else if (l >= 0) {
+      columns.add(l, -axis.dot(wall->direction) / r);
+    }
+    columns.close();
+  }
+}
+
 }  // namespace
 
 AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
                             std::span<const Wall> walls, std::span<const Contact> contacts,
                             std::span<const Vec2> disk_v_free, std::span<const double> wall_v_free,
-                            bool explicit_delassus) {
+                            bool explicit_delassus, int threads) {
   const bool friction = scene.has_friction();
   const int d = friction ? 2 : 1;
   const int num_contacts = static_cast<int>(contacts.size());
@@ -107,55 +173,20 @@ AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
   step.u_before.resize(d * num_contacts);
   if (any_restitution) p.row_scale.resize(d * num_contacts);
 
-  ColumnWriter columns(d * num_contacts);
+  // Where the columns of each contact begin: they are written on several threads.
+  std::vector<int> start(to_size(num_contacts) + 1, 0);
   for (int c = 0; c < num_contacts; ++c) {
-    const Contact& contact = contacts[to_size(c)];
-    const std::size_t i = to_size(contact.i), j = to_size(contact.j);
-    const bool with_disk = j < disks.size();
-    const std::size_t w = with_disk ? 0 : j - disks.size();
-    const Disk& a = disks[i];
-    const Disk* b = with_disk ? &disks[j] : nullptr;
-    const Wall* wall = with_disk ? nullptr : &walls[w];
-    const ContactLaw& law = scene.law(a.material, with_disk ? b->material : wall->material);
-    const double r_n = std::sqrt(1 + law.e_n), r_t = std::sqrt(1 + law.e_t);
-    p.mu[c] = friction ? law.mu * r_t / r_n : 0.0;
-
-    const Vec2 other_before = with_disk ? b->v : wall->v;
-    Vec2 other_free = other_before;
-    if (with_disk) {
-      other_free = disk_v_free[j];
-    } else if (wall->motion == Wall::Motion::kDriven) {
-      other_free = wall_v_free[w] * wall->direction;
-    }
-    const int k = dofs.disk[i];
-    const int l = with_disk ? dofs.disk[j] : dofs.wall[w];
-    for (int row = 0; row < d; ++row) {
-      const Vec2 axis = row == 0 ? contact.n : Vec2(-contact.n[1], contact.n[0]);
-      const double e = row == 0 ? law.e_n : law.e_t;
-      const double r = row == 0 ? r_n : r_t;
-      const double arm_a = row == 0 ? 0 : -a.radius;
-      const double arm_b = row == 0 || !with_disk ? 0 : -b->radius;
-      const double spin_part = arm_a * a.spin + (with_disk ? arm_b * b->spin : 0.0);
-      const double before = axis.dot(a.v - other_before) + spin_part;
-      const double free = axis.dot(disk_v_free[i] - other_free) + spin_part;
-      step.u_before[c * d + row] = before;
-      p.u_free[c * d + row] = (free + e * before) / r;
-      if (any_restitution) p.row_scale[c * d + row] = r;
-
-      columns.add(k, axis[0] / r);
-      columns.add(k + 1, axis[1] / r);
-      if (row == 1) columns.add(k + 2, arm_a / r);
-      if (with_disk) {
-        columns.add(l, -axis[0] / r);
-        columns.add(l + 1, -axis[1] / r);
-        if (row == 1) columns.add(l + 2, arm_b / r);
-      } else if (l >= 0) {
-        columns.add(l, -axis.dot(wall->direction) / r);
-      }
-      columns.close();
-    }
+    start[to_size(c) + 1] =
+        start[to_size(c)] + entries_of(contacts[to_size(c)], disks.size(), dofs, d);
   }
-  p.H = columns.finish(dofs.size);
+  p.H.resize(dofs.size, d * num_contacts);
+  p.H.resizeNonZeros(start.back());
+  p.H.outerIndexPtr()[0] = 0;
+  const StepInput input{scene, disks, walls, disk_v_free, wall_v_free, d};
+  run_pieces(threads, num_contacts, [&](int begin, int end) {
+    ColumnWriter columns(p.H, d * begin, start[to_size(begin)]);
+    for (int c = begin; c < end; ++c) write_contact(input, contacts[to_size(c)], c, columns, step);
+  });
   if (explicit_delassus) p.W = assemble_delassus(p.A, p.H, d);
   return step;
 }

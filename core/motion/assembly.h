@@ -37,6 +37,6 @@ struct AssembledStep {
 AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
                             std::span<const Wall> walls, std::span<const Contact> contacts,
                             std::span<const Vec2> disk_v_free, std::span<const double> wall_v_free,
-                            bool explicit_delassus);
+                            bool explicit_delassus, int threads = 1);
 
 }  // namespace bipot

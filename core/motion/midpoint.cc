@@ -4,7 +4,7 @@
 
 namespace bipot {
 
-Midpoint make_midpoint(const Scene& scene, const State& state) {
+Midpoint make_midpoint(const Scene& scene, const State& state, int threads) {
   const double h = scene.step;
   Midpoint mid;
   mid.disks = state.disks;
@@ -17,7 +17,7 @@ Midpoint make_midpoint(const Scene& scene, const State& state) {
     w.a += 0.5 * h * w.v;
     w.b += 0.5 * h * w.v;
   }
-  mid.contacts = detect_contacts(mid.disks, mid.walls, scene.contact_distance);
+  mid.contacts = detect_contacts(mid.disks, mid.walls, scene.contact_distance, threads);
 
   mid.disk_v_free.resize(mid.disks.size());
   for (std::size_t i = 0; i < mid.disks.size(); ++i) {
@@ -32,9 +32,10 @@ Midpoint make_midpoint(const Scene& scene, const State& state) {
   return mid;
 }
 
-AssembledStep assemble_step(const Scene& scene, const Midpoint& mid, bool explicit_delassus) {
+AssembledStep assemble_step(const Scene& scene, const Midpoint& mid, bool explicit_delassus,
+                            int threads) {
   return assemble_step(scene, mid.disks, mid.walls, mid.contacts, mid.disk_v_free, mid.wall_v_free,
-                       explicit_delassus);
+                       explicit_delassus, threads);
 }
 
 }  // namespace bipot

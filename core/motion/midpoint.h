@@ -18,9 +18,10 @@ struct Midpoint {
   std::vector<double> wall_v_free;  ///< of driven walls: along their direction, else 0    [m/s]
 };
 
-Midpoint make_midpoint(const Scene& scene, const State& state);
+Midpoint make_midpoint(const Scene& scene, const State& state, int threads = 1);
 
 /// The step's contact problem, see core/motion/assembly.h.
-AssembledStep assemble_step(const Scene& scene, const Midpoint& mid, bool explicit_delassus);
+AssembledStep assemble_step(const Scene& scene, const Midpoint& mid, bool explicit_delassus,
+                            int threads = 1);
 
 }  // namespace bipot

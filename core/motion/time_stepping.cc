@@ -62,8 +62,11 @@ void close_ledger(const State& before, const StepOutcome& outcome, const Vec2& g
 
 }  // namespace
 
-TimeStepper::TimeStepper(const Scene& scene, StepSolver solver, bool explicit_delassus)
-    : scene_(scene), solver_(std::move(solver)), explicit_delassus_(explicit_delassus) {}
+TimeStepper::TimeStepper(const Scene& scene, StepSolver solver, bool explicit_delassus, int threads)
+    : scene_(scene),
+      solver_(std::move(solver)),
+      explicit_delassus_(explicit_delassus),
+      threads_(threads) {}
 
 StepFailure::StepFailure(Kind k, const State& before, const std::string& why)
     : StepFailure(k,
@@ -97,9 +100,9 @@ Vector TimeStepper::solve_contacts(const State& state, std::span<const Contact> 
 StepReport TimeStepper::advance(State& state) {
   StepReport report;
   Stopwatch watch;
-  const Midpoint mid = make_midpoint(scene_, state);
+  const Midpoint mid = make_midpoint(scene_, state, threads_);
   report.detection_seconds = watch.lap();
-  assembled_ = assemble_step(scene_, mid, explicit_delassus_);
+  assembled_ = assemble_step(scene_, mid, explicit_delassus_, threads_);
   report.assembly_seconds = watch.lap();
   const Vector s = solve_contacts(state, mid.contacts, report);
   report.solve_seconds = watch.lap();

@@ -75,8 +75,9 @@ struct StepFailure : std::runtime_error {
 ///   q_m = q + h/2 v, contacts at q_m, one contact problem, q <- q_m + h/2 v⁺.
 class TimeStepper {
  public:
-  /// The scene must outlive the stepper. `explicit_delassus`: assemble W for every step.
-  TimeStepper(const Scene& scene, StepSolver solver, bool explicit_delassus);
+  /// The scene must outlive the stepper. `explicit_delassus`: assemble W for every step. `threads`:
+  /// of detection and assembly; they change no bit.
+  TimeStepper(const Scene& scene, StepSolver solver, bool explicit_delassus, int threads = 1);
 
   /// Takes one step. Throws StepFailure, leaving the state at the end of the step before, when the
   /// solver failed, refused or was cut short, or when anything comes out not finite.
@@ -91,6 +92,7 @@ class TimeStepper {
   const Scene& scene_;
   StepSolver solver_;
   bool explicit_delassus_;
+  int threads_;
   AssembledStep assembled_;
 };
 

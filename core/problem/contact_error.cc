@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
+#include "core/parallel.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/types.h"
 
@@ -30,9 +32,10 @@ double ratio(double numerator, double denominator) {
 
 }  // namespace
 
-ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem)
+ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem, int threads)
     : problem_(problem),
-      delassus_(problem),
+      threads_(threads),
+      delassus_(problem, DelassusOperator::Form::kAuto, threads),
       w_nn_(problem.num_contacts()),
       rho_nn_(problem.num_contacts()),
       rho_nat_(problem.num_contacts()),
@@ -69,10 +72,11 @@ ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s
   });
 }
 
+/// s <- its projection on the cones of the contacts [begin, end).
 template <int D, bool kScaled>
-ContactError ContactErrorEvaluator::evaluate() {
+void ContactErrorEvaluator::project(int begin, int end) {
   const ContactProblem& p = problem_;
-  for (int c = 0; c < p.num_contacts(); ++c) {
+  for (int c = begin; c < end; ++c) {
     if constexpr (kScaled) {
       // The edge of the cone is the same set in scaled and in physical variables, its projection
       // is not: the paper's projection is taken physically.
@@ -84,17 +88,44 @@ ContactError ContactErrorEvaluator::evaluate() {
       s_.segment<D>(c * D) = project_coulomb_cone<D>(x, p.mu[c]);
     }
   }
-  delassus_.velocity(s_, u_);
+}
 
+/// What the contacts of one piece add to the criterion.
+struct ContactErrorEvaluator::Sums {
   double friction = 0, gap = 0, gap_clipped = 0, penetration = 0, natural = 0, moved = 0;
   double natural_rel = 0, impulse2 = 0;
   double worst_gap = -1, worst_natural = -1;
-  ContactError e;
-  for (int c = 0; c < p.num_contacts(); ++c) {
+  int worst_epsilon = -1, worst_eta = -1;
+
+  void add(const Sums& later) {
+    friction += later.friction;
+    gap += later.gap;
+    gap_clipped += later.gap_clipped;
+    penetration += later.penetration;
+    natural += later.natural;
+    moved += later.moved;
+    natural_rel += later.natural_rel;
+    impulse2 += later.impulse2;
+    if (later.worst_gap > worst_gap) {
+      worst_gap = later.worst_gap;
+      worst_epsilon = later.worst_epsilon;
+    }
+    if (later.worst_natural > worst_natural) {
+      worst_natural = later.worst_natural;
+      worst_eta = later.worst_eta;
+    }
+  }
+};
+
+template <int D, bool kScaled>
+ContactErrorEvaluator::Sums ContactErrorEvaluator::sums(int begin, int end) const {
+  const ContactProblem& p = problem_;
+  Sums e;
+  for (int c = begin; c < end; ++c) {
     Local<D> x = s_.segment<D>(c * D);
     Local<D> u = u_.segment<D>(c * D);
     // sᵀ W s is the same in both variables: (r s)ᵀ (W / r r) (r s).
-    moved += x.dot(u - p.u_free.segment<D>(c * D));
+    e.moved += x.dot(u - p.u_free.segment<D>(c * D));
     if constexpr (kScaled) {
       x = x.cwiseQuotient(p.row_scale.segment<D>(c * D));
       u = u.cwiseQuotient(p.row_scale.segment<D>(c * D));
@@ -111,36 +142,54 @@ ContactError ContactErrorEvaluator::evaluate() {
     const double closing = positive_part(-u[0]);
     const double contact_gap = tangential + x[0] * std::abs(u[0]);
     const double contact_penetration = 0.5 * rho * closing * closing;
-    friction += dissipated;
-    gap += contact_gap;
-    gap_clipped += tangential + x[0] * opening;
-    penetration += contact_penetration;
-    if (contact_gap + contact_penetration > worst_gap) {
-      worst_gap = contact_gap + contact_penetration;
+    e.friction += dissipated;
+    e.gap += contact_gap;
+    e.gap_clipped += tangential + x[0] * opening;
+    e.penetration += contact_penetration;
+    if (contact_gap + contact_penetration > e.worst_gap) {
+      e.worst_gap = contact_gap + contact_penetration;
       e.worst_epsilon = c;
     }
 
-    impulse2 += x.squaredNorm();
+    e.impulse2 += x.squaredNorm();
     // s = 0 with u_n >= 0 is the law exactly; the projection below would leave rounding.
     if (x[0] == 0 && u[0] >= 0) continue;
     const Local<D> hat = de_saxce_velocity<D>(u, mu);
     const Local<D> n = x - project_coulomb_cone<D>(x - rho * hat, mu);
     const double contact_natural = 0.5 * w_nn_[c] * n.squaredNorm();
-    natural += contact_natural;
-    if (contact_natural > worst_natural) {
-      worst_natural = contact_natural;
+    e.natural += contact_natural;
+    if (contact_natural > e.worst_natural) {
+      e.worst_natural = contact_natural;
       e.worst_eta = c;
     }
-    natural_rel += (x - project_coulomb_cone<D>(x - rho_nat_[c] * hat, mu)).squaredNorm();
+    e.natural_rel += (x - project_coulomb_cone<D>(x - rho_nat_[c] * hat, mu)).squaredNorm();
   }
+  return e;
+}
 
-  e.friction_power = friction;
-  e.energy = std::max(0.5 * moved, free_energy_);
-  const double denominator = std::max(friction, kTheta * e.energy);
-  e.epsilon = ratio(gap + penetration, denominator);
-  e.eta = std::sqrt(ratio(natural, denominator));
-  e.raw42 = friction > 0 ? gap_clipped / friction : kNaN;
-  e.natural_map = ratio(std::sqrt(natural_rel), std::max(std::sqrt(impulse2), free_norm_));
+template <int D, bool kScaled>
+ContactError ContactErrorEvaluator::evaluate() {
+  const int contacts = problem_.num_contacts();
+  run_pieces(threads_, contacts, [&](int begin, int end) { project<D, kScaled>(begin, end); });
+  delassus_.velocity(s_, u_);
+  std::vector<Sums> pieces(to_size((contacts + kPieceItems - 1) / kPieceItems));
+  run_pieces(threads_, contacts, [&](int begin, int end) {
+    pieces[to_size(begin / kPieceItems)] = sums<D, kScaled>(begin, end);
+  });
+  Sums total;
+  for (const Sums& piece : pieces) total.add(piece);
+
+  ContactError e;
+  e.worst_epsilon = total.worst_epsilon;
+  e.worst_eta = total.worst_eta;
+  e.friction_power = total.friction;
+  e.energy = std::max(0.5 * total.moved, free_energy_);
+  const double denominator = std::max(total.friction, kTheta * e.energy);
+  e.epsilon = ratio(total.gap + total.penetration, denominator);
+  e.eta = std::sqrt(ratio(total.natural, denominator));
+  e.raw42 = total.friction > 0 ? total.gap_clipped / total.friction : kNaN;
+  e.natural_map =
+      ratio(std::sqrt(total.natural_rel), std::max(std::sqrt(total.impulse2), free_norm_));
   return e;
 }
 

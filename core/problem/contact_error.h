@@ -39,11 +39,12 @@ inline constexpr double kTheta = 0.1;
 /// Evaluates the criterion many times on one problem without allocation. s is projected on K_mu
 /// first (the paper asks for it), velocities are recomputed from the projected s. Where the problem
 /// carries a row_scale, everything is measured in physical variables. Copies and threads: as for
-/// DelassusOperator.
+/// DelassusOperator; sums are taken in pieces (core/parallel.h), with the same bits for any number
+/// of threads.
 class ContactErrorEvaluator {
  public:
-  explicit ContactErrorEvaluator(const ContactProblem& problem);
-  explicit ContactErrorEvaluator(ContactProblem&&) = delete;  // would dangle
+  explicit ContactErrorEvaluator(const ContactProblem& problem, int threads = 1);
+  explicit ContactErrorEvaluator(ContactProblem&&, int = 1) = delete;  // would dangle
 
   ContactError operator()(const Eigen::Ref<const Vector>& s);
 
@@ -53,10 +54,16 @@ class ContactErrorEvaluator {
   const DelassusOperator& delassus() const { return delassus_; }
 
  private:
+  struct Sums;
   template <int D, bool kScaled>
   ContactError evaluate();
+  template <int D, bool kScaled>
+  void project(int begin, int end);
+  template <int D, bool kScaled>
+  Sums sums(int begin, int end) const;
 
   const ContactProblem& problem_;
+  int threads_;
   DelassusOperator delassus_;
   Vector w_nn_;             // c, physical W_nn
   Vector rho_nn_;           // c, 1/W_nn

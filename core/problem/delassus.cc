@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/parallel.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/sparse_factor.h"
 
@@ -151,7 +152,8 @@ SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int d
   return dispatch_dim(dim, [&](auto d) { return assemble_diagonal<d()>(A, H); });
 }
 
-DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form) : problem_(problem) {
+DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form, int threads)
+    : problem_(problem), threads_(threads) {
   const bool can_two_pass = problem.has_velocities() && is_diagonal(problem.A);
   two_pass_ = can_two_pass && form != Form::kExplicit;
   if (form == Form::kTwoPass && !can_two_pass) {
@@ -162,6 +164,20 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form) : p
     disks_ = disk_structure(problem);
     velocity_.resize(disks_ ? 4 * static_cast<Eigen::Index>(disks_->bodies.size())
                             : problem.num_dofs());
+    if (disks_ && threads_ > 1) {
+      side_start_.assign(disks_->bodies.size() + 1, 0);
+      for (const DiskStructure::Contact& c : disks_->contacts) {
+        ++side_start_[to_size(c.i) + 1];
+        ++side_start_[to_size(c.j) + 1];
+      }
+      std::partial_sum(side_start_.begin(), side_start_.end(), side_start_.begin());
+      side_.resize(2 * disks_->contacts.size());
+      std::vector<int> next(side_start_.begin(), side_start_.end() - 1);
+      for (int c = 0; c < problem.num_contacts(); ++c) {
+        side_[to_size(next[to_size(disks_->contacts[to_size(c)].i)]++)] = 2 * c;
+        side_[to_size(next[to_size(disks_->contacts[to_size(c)].j)]++)] = 2 * c + 1;
+      }
+    }
     return;
   }
   if (!problem.has_delassus() && problem.has_velocities()) {
@@ -173,28 +189,82 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form) : p
   }
 }
 
+namespace {
+
+/// The impulse of a contact in the plane, and the one that turns both bodies.
+struct Push {
+  double x, y, spin;
+};
 template <int D>
-void DelassusOperator::apply_disks(const double* s, double* u) const {
+inline Push push(const DiskStructure::Contact& c, const double* s) {
+  const double normal = c.normal * s[0];
+  Push p{normal * c.n[0], normal * c.n[1], 0};
+  if constexpr (D == 2) {
+    p.spin = c.tangential * s[1];
+    p.x -= p.spin * c.n[1];
+    p.y += p.spin * c.n[0];
+  }
+  return p;
+}
+
+}  // namespace
+
+/// Momenta of the bodies, contact by contact.
+template <int D>
+void DelassusOperator::add_impulses(const double* s) const {
   double* const v = velocity_.data();
   velocity_.setZero();
   for (const DiskStructure::Contact& c : disks_->contacts) {
+    const Push p = push<D>(c, s);
     double* const vi = v + 4 * c.i;
     double* const vj = v + 4 * c.j;
-    const double normal = c.normal * s[0];
-    double x = normal * c.n[0], y = normal * c.n[1];
+    vi[0] += p.x;
+    vi[1] += p.y;
+    vj[0] -= p.x;
+    vj[1] -= p.y;
     if constexpr (D == 2) {
-      const double tangential = c.tangential * s[1];
-      x -= tangential * c.n[1];
-      y += tangential * c.n[0];
-      vi[2] -= tangential;
-      vj[2] -= tangential;
+      vi[2] -= p.spin;
+      vj[2] -= p.spin;
     }
-    vi[0] += x;
-    vi[1] += y;
-    vj[0] -= x;
-    vj[1] -= y;
     s += D;
   }
+}
+
+/// The same sums, body by body.
+template <int D>
+void DelassusOperator::add_impulses_by_body(const double* s) const {
+  run_pieces(threads_, disks_->surroundings(), [&](int begin, int end) {
+    for (int body = begin; body < end; ++body) {
+      double x = 0, y = 0, spin = 0;
+      for (int k = side_start_[to_size(body)]; k < side_start_[to_size(body) + 1]; ++k) {
+        const int c = side_[to_size(k)] / 2;
+        const Push p = push<D>(disks_->contacts[to_size(c)], s + D * c);
+        if (side_[to_size(k)] % 2 == 0) {
+          x += p.x;
+          y += p.y;
+        } else {
+          x -= p.x;
+          y -= p.y;
+        }
+        if constexpr (D == 2) spin -= p.spin;
+      }
+      double* const v = velocity_.data() + 4 * body;
+      v[0] = x;
+      v[1] = y;
+      v[2] = spin;
+    }
+  });
+  velocity_.tail<4>().setZero();  // the surroundings: what is added there does not count
+}
+
+template <int D>
+void DelassusOperator::apply_disks(const double* s, double* u) const {
+  if (side_.empty()) {
+    add_impulses<D>(s);
+  } else {
+    add_impulses_by_body<D>(s);
+  }
+  double* const v = velocity_.data();
   double* body_velocity = v;
   for (const DiskStructure::Body& body : disks_->bodies) {
     body_velocity[0] *= body.inverse_mass;
@@ -202,14 +272,18 @@ void DelassusOperator::apply_disks(const double* s, double* u) const {
     body_velocity[2] *= body.inverse_inertia;
     body_velocity += 4;
   }
-  for (const DiskStructure::Contact& c : disks_->contacts) {
-    const double* const vi = v + 4 * c.i;
-    const double* const vj = v + 4 * c.j;
-    const double x = vi[0] - vj[0], y = vi[1] - vj[1];
-    u[0] = c.normal * (c.n[0] * x + c.n[1] * y);
-    if constexpr (D == 2) u[1] = c.tangential * (c.n[0] * y - c.n[1] * x - (vi[2] + vj[2]));
-    u += D;
-  }
+  run_pieces(threads_, problem_.num_contacts(), [&](int begin, int end) {
+    double* to = u + D * begin;
+    for (int k = begin; k < end; ++k) {
+      const DiskStructure::Contact& c = disks_->contacts[to_size(k)];
+      const double* const vi = v + 4 * c.i;
+      const double* const vj = v + 4 * c.j;
+      const double x = vi[0] - vj[0], y = vi[1] - vj[1];
+      to[0] = c.normal * (c.n[0] * x + c.n[1] * y);
+      if constexpr (D == 2) to[1] = c.tangential * (c.n[0] * y - c.n[1] * x - (vi[2] + vj[2]));
+      to += D;
+    }
+  });
 }
 
 void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const {

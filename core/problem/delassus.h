@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/problem/contact_problem.h"
 #include "core/problem/disk_structure.h"
@@ -21,14 +22,17 @@ SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int d
 /// Keeps a reference to the problem, which must outlive it and all its copies. A copy stands on its
 /// own; it shares a W that was assembled here, which never changes.
 ///
-/// One operator serves one thread at a time: apply() and velocity() write to its scratch. Give
-/// every thread a copy.
+/// One operator serves one caller at a time: apply() and velocity() write to its scratch. Give every
+/// thread a copy. With `threads` > 1 the products for disks run on so many, with the same bits: a
+/// body adds up its contacts in their order either way.
 class DelassusOperator {
  public:
   enum class Form { kAuto, kTwoPass, kExplicit };
 
-  explicit DelassusOperator(const ContactProblem& problem, Form form = Form::kAuto);
-  explicit DelassusOperator(ContactProblem&&, Form = Form::kAuto) = delete;  // would dangle
+  explicit DelassusOperator(const ContactProblem& problem, Form form = Form::kAuto,
+                            int threads = 1);
+  explicit DelassusOperator(ContactProblem&&, Form = Form::kAuto,
+                            int = 1) = delete;  // would dangle
 
   /// u = W s. No allocation.
   void apply(const Eigen::Ref<const Vector>& s, Vector& u) const;
@@ -45,12 +49,19 @@ class DelassusOperator {
  private:
   template <int D>
   void apply_disks(const double* s, double* u) const;
+  template <int D>
+  void add_impulses(const double* s) const;
+  template <int D>
+  void add_impulses_by_body(const double* s) const;
 
   const ContactProblem& problem_;
   bool two_pass_ = false;
   Vector inverse_mass_;      // diagonal of A⁻¹, two-pass form only
   mutable Vector velocity_;  // scratch, n; for disks 4 values a body: (x, y, a ω, padding)
   std::optional<DiskStructure> disks_;
+  int threads_ = 1;
+  // With threads, the contacts of each body in their order: 2 c where it is body i, else 2 c + 1.
+  std::vector<int> side_start_, side_;
   std::shared_ptr<const SparseRows> own_delassus_;  // only when W had to be assembled here
   const SparseRows* delassus_ = nullptr;            // *own_delassus_ or the problem's W
 };

@@ -5,7 +5,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numeric>
 #include <stdexcept>
+
+#include "core/parallel.h"
 
 namespace bipot {
 namespace {
@@ -99,30 +102,97 @@ void test_wall(const Disk& disk, int i, const Wall& wall, int j, double eta,
   out.push_back({i, j, d / distance, distance - disk.radius});
 }
 
+using Entries = std::vector<CellEntry>;
+
+Entries::const_iterator first_from(const Entries& entries, std::uint64_t key) {
+  return std::lower_bound(entries.begin(), entries.end(), key,
+                          [](const CellEntry& e, std::uint64_t k) { return e.key < k; });
+}
+
+/// Contacts within a level of the entries [begin, end) with later ones: the rest of their cell, the
+/// cell to the right and the three above. Each pair is met once. Both places that are looked at move
+/// on as the entries do.
+void find_within(std::span<const Disk> disks, const Level& level, int begin, int end, double eta,
+                 std::vector<Contact>& out) {
+  const Entries& entries = level.entries;
+  constexpr std::uint64_t kNextRow = std::uint64_t{1} << 32;
+  auto above = first_from(entries, entries[to_size(begin)].key + kNextRow - 1);
+  for (int k = begin; k < end; ++k) {
+    const CellEntry& entry = entries[to_size(k)];
+    for (auto it = entries.begin() + k + 1; it != entries.end() && it->key <= entry.key + 1; ++it) {
+      test_pair(disks, entry.disk, it->disk, eta, out);
+    }
+    const std::uint64_t first = entry.key + kNextRow - 1;
+    while (above != entries.end() && above->key < first) ++above;
+    for (auto it = above; it != entries.end() && it->key <= first + 2; ++it) {
+      test_pair(disks, entry.disk, it->disk, eta, out);
+    }
+  }
+}
+
+/// Contacts of the entries [begin, end) of a level with the larger disks of another.
+void find_between(std::span<const Disk> disks, const Level& fine, const Level& coarse, int begin,
+                  int end, double eta, std::vector<Contact>& out) {
+  for (int k = begin; k < end; ++k) {
+    const int disk = fine.entries[to_size(k)].disk;
+    const Vec2& x = disks[to_size(disk)].x;
+    const std::int64_t column = coarse.index(x[0]), row = coarse.index(x[1]);
+    for (std::int64_t r = row - 1; r <= row + 1; ++r) {
+      const std::uint64_t last = Level::key(column + 1, r);
+      auto it = first_from(coarse.entries, Level::key(column - 1, r));
+      for (; it != coarse.entries.end() && it->key <= last; ++it) {
+        test_pair(disks, disk, it->disk, eta, out);
+      }
+    }
+  }
+}
+
+/// Calls find(begin, end, found) for pieces of the items, on threads, and appends what the pieces
+/// found in their order.
+template <class Find>
+void collect(int threads, int items, std::vector<Contact>& out, const Find& find) {
+  std::vector<std::vector<Contact>> found(to_size((items + kPieceItems - 1) / kPieceItems));
+  run_pieces(threads, items, [&](int begin, int end) {
+    std::vector<Contact>& piece = found[to_size(begin / kPieceItems)];
+    piece.reserve(3 * to_size(end - begin));
+    find(begin, end, piece);
+  });
+  std::size_t total = out.size();
+  for (const std::vector<Contact>& piece : found) total += piece.size();
+  out.reserve(total);
+  for (const std::vector<Contact>& piece : found) out.insert(out.end(), piece.begin(), piece.end());
+}
+
+/// By i, then by j: counted into the lists of each i, which are short.
+std::vector<Contact> sorted(const std::vector<Contact>& contacts, int num_disks) {
+  std::vector<int> start(to_size(num_disks) + 1, 0);
+  for (const Contact& c : contacts) ++start[to_size(c.i) + 1];
+  std::partial_sum(start.begin(), start.end(), start.begin());
+  std::vector<int> next(start.begin(), start.end() - 1);
+  std::vector<Contact> out(contacts.size());
+  for (const Contact& c : contacts) out[to_size(next[to_size(c.i)]++)] = c;
+  for (int i = 0; i < num_disks; ++i) {
+    std::sort(out.begin() + start[to_size(i)], out.begin() + start[to_size(i) + 1],
+              [](const Contact& a, const Contact& b) { return a.j < b.j; });
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<Contact> detect_contacts(std::span<const Disk> disks, std::span<const Wall> walls,
-                                     double eta) {
+                                     double eta, int threads) {
   std::vector<Contact> contacts;
   const std::vector<Level> levels = build_levels(disks, eta);
   for (std::size_t fine = 0; fine < levels.size(); ++fine) {
-    for (std::size_t coarse = fine; coarse < levels.size(); ++coarse) {
-      const Level& target = levels[coarse];
-      for (const CellEntry& entry : levels[fine].entries) {
-        const Vec2& x = disks[to_size(entry.disk)].x;
-        const std::int64_t column = target.index(x[0]), row = target.index(x[1]);
-        for (std::int64_t r = row - 1; r <= row + 1; ++r) {
-          const std::uint64_t first = Level::key(column - 1, r), last = Level::key(column + 1, r);
-          auto it =
-              std::lower_bound(target.entries.begin(), target.entries.end(), first,
-                               [](const CellEntry& e, std::uint64_t key) { return e.key < key; });
-          for (; it != target.entries.end() && it->key <= last; ++it) {
-            // Within a level each pair is met twice, between levels once.
-            if (fine == coarse && it->disk <= entry.disk) continue;
-            test_pair(disks, entry.disk, it->disk, eta, contacts);
-          }
-        }
-      }
+    const int entries = static_cast<int>(levels[fine].entries.size());
+    collect(threads, entries, contacts, [&](int begin, int end, std::vector<Contact>& found) {
+      find_within(disks, levels[fine], begin, end, eta, found);
+    });
+    for (std::size_t coarse = fine + 1; coarse < levels.size(); ++coarse) {
+      collect(threads, entries, contacts, [&](int begin, int end, std::vector<Contact>& found) {
+        find_between(disks, levels[fine], levels[coarse], begin, end, eta, found);
+      });
     }
   }
   const int num_disks = static_cast<int>(disks.size());
@@ -131,9 +201,7 @@ std::vector<Contact> detect_contacts(std::span<const Disk> disks, std::span<cons
       test_wall(disks[to_size(i)], i, walls[to_size(w)], num_disks + w, eta, contacts);
     }
   }
-  std::sort(contacts.begin(), contacts.end(),
-            [](const Contact& a, const Contact& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; });
-  return contacts;
+  return sorted(contacts, num_disks);
 }
 
 }  // namespace bipot

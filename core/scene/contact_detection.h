@@ -11,8 +11,9 @@ namespace bipot {
 /// All pairs (disk, disk) and (disk, wall) with gap <= eta, sorted by (i, j); j is a disk index or
 /// disks.size() + wall index. A hierarchical grid with one level per power of two of the radius:
 /// O(N log N) in the number N of disks for any ratio of radii, plus N times the number of walls.
-/// Deterministic. Throws std::invalid_argument for disks with coincident centres (no normal).
+/// Deterministic, with the same bits for any number of threads. Throws std::invalid_argument for
+/// disks with coincident centres (no normal).
 std::vector<Contact> detect_contacts(std::span<const Disk> disks, std::span<const Wall> walls,
-                                     double eta);
+                                     double eta, int threads = 1);
 
 }  // namespace bipot

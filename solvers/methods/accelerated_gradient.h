@@ -43,7 +43,8 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
 /// there is no proof of convergence. An unsymmetric W (rounded data) is used as it is.
 ///
 /// Deviations from the source: equilibrated variables, split map, no line search on the objective
-/// (with friction there is none), velocities at y from those at x and x⁻.
+/// (with friction there is none), velocities at y from those at x and x⁻. Disks run in vectors and on
+/// threads (solvers/kernels/tiled_gradient.h), with the same bits for any number of them.
 SolveResult solve_accelerated_gradient(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

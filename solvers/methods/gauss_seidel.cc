@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "core/problem/delassus.h"
+#include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/local_updates.h"
+#include "solvers/kernels/tiled_sweep.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
 
@@ -52,6 +54,24 @@ class SweepOrder {
   std::mt19937 engine_;
 };
 
+/// Iterations that may be done without a look at the clock.
+constexpr int kUnwatched = 64;
+
+template <int D>
+void run_tiled(const ContactProblem& p, const DelassusOperator& delassus, const Vector& s0,
+               double omega, const Execution& execution, IterationMonitor& monitor) {
+  const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
+  TiledSweep<D> sweep(p, *delassus.disks(), scaling, omega, execution);
+  sweep.reset(s0);
+  monitor.end_setup();
+  int iteration = 0;
+  while (!(monitor.due(iteration) && monitor.stop(iteration, sweep.impulse(), omega))) {
+    const int count = monitor.undue(iteration, kUnwatched);
+    sweep.advance(count);
+    iteration += count;
+  }
+}
+
 template <int D>
 void run(const ContactProblem& p, const DelassusOperator& delassus, const Vector& s0,
          bool explicit_delassus, SweepOrder& order, const LocalSettings& settings,
@@ -80,7 +100,14 @@ SolveResult solve_gauss_seidel(const ContactProblem& p, const SolverOptions& opt
   IterationMonitor monitor(p, options);
   const DelassusOperator& delassus = monitor.evaluator().delassus();
   const Vector s0 = start_of(p, options);
+  const bool tiled = parameters.choice("order") == "tiled";
   dispatch_dim(p.dim, [&](auto d) {
+    if constexpr (d() < 3) {
+      if (tiled && delassus.disks() && !explicit_delassus) {
+        run_tiled<d()>(p, delassus, s0, settings.omega, options.execution, monitor);
+        return;
+      }
+    }
     run<d()>(p, delassus, s0, explicit_delassus, order, settings, monitor);
   });
   return monitor.finish();

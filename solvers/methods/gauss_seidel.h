@@ -20,9 +20,10 @@ inline constexpr ParameterSpec kGaussSeidelParameters[] = {
     {.name = "order",
      .kind = ParameterSpec::Kind::kChoice,
      .default_value = "forward",
-     .choices = "forward|symmetric|shuffled",
+     .choices = "forward|symmetric|shuffled|tiled",
      .help =
-         "contacts as they stand, alternately forwards and backwards, or drawn anew each sweep"},
+         "contacts as they stand, alternately forwards and backwards, or drawn anew each sweep; "
+         "tiled: disks in vectors and on threads, tile by tile along the packing"},
     {.name = "seed",
      .kind = ParameterSpec::Kind::kInteger,
      .default_value = "1",
@@ -50,6 +51,9 @@ inline constexpr ParameterSpec kGaussSeidelParameters[] = {
 /// and omega/lambda_max(W_tt). local = exact: solve_local(), then s + omega (s_exact - s) projected
 /// on K_mu; where the exact solution fails its own check, one round of projection. Disks have
 /// diagonal blocks: one round with omega = 1 is exact there, and both choices are the same.
+///
+/// order = tiled: a sweep over disks in vectors and on threads (solvers/kernels/tiled_sweep.h), with
+/// the same bits for any number of them; other problems take their contacts as they stand.
 ///
 /// For mu = 0 and 0 < omega < 2 each update decreases a convex quadratic and the sweep converges
 /// (Luo and Tseng 1992); with friction there is no proof, exact local solutions can cycle where

@@ -1,0 +1,61 @@
+#include "core/parallel.h"
+
+#include <algorithm>
+#include <exception>
+#include <mutex>
+
+namespace bipot {
+namespace {
+
+/// Keeps the exception of the first task in order.
+class FirstFailure {
+ public:
+  void keep(int task, std::exception_ptr failure) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (failure_ && task_ <= task) return;
+    failure_ = std::move(failure);
+    task_ = task;
+  }
+  bool any() const { return static_cast<bool>(failure_); }
+  void rethrow() const {
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  std::mutex mutex_;
+  std::exception_ptr failure_;
+  int task_ = 0;
+};
+
+}  // namespace
+
+void run_phases(int threads, int phases, const int* first, const int* last, TaskRef task) {
+  int widest = 0;
+  for (int phase = 0; phase < phases; ++phase)
+    widest = std::max(widest, last[phase] - first[phase]);
+  threads = std::min(threads, widest);
+  if (threads <= 1) {
+    for (int phase = 0; phase < phases; ++phase) {
+      for (int k = first[phase]; k < last[phase]; ++k) task(phase, k);
+    }
+    return;
+  }
+  FirstFailure failure;
+  // Neighbouring tasks on the same thread, as they share data.
+#pragma omp parallel num_threads(threads)
+  for (int phase = 0; phase < phases; ++phase) {
+#pragma omp for schedule(static)
+    for (int k = first[phase]; k < last[phase]; ++k) {
+      try {
+        task(phase, k);
+      } catch (...) {
+        failure.keep(k, std::current_exception());
+      }
+    }
+    // The barrier behind the loop has made it visible to all.
+    if (failure.any()) break;
+  }
+  failure.rethrow();
+}
+
+}  // namespace bipot

@@ -1,0 +1,271 @@
+#include "solvers/kernels/contact_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+#include "core/types.h"
+
+namespace bipot {
+namespace {
+
+/// Tiles of fewer bodies would cost more to hand over than to work on.
+constexpr int kTileBodies = 96;
+/// A body may come again in the batch after the next: the kernels work on two at once.
+constexpr int kBatchGap = 2;
+
+/// Which bodies touch which, the surroundings left out.
+struct BodyGraph {
+  std::vector<int> start, neighbour;
+
+  explicit BodyGraph(const DiskStructure& disks) : start(disks.bodies.size(), 0) {
+    const int outside = disks.surroundings();
+    for (const DiskStructure::Contact& c : disks.contacts) {
+      if (c.j == outside) continue;
+      ++start[to_size(c.i) + 1];
+      ++start[to_size(c.j) + 1];
+    }
+    std::partial_sum(start.begin(), start.end(), start.begin());
+    neighbour.resize(to_size(start.back()));
+    std::vector<int> next(start.begin(), start.end() - 1);
+    for (const DiskStructure::Contact& c : disks.contacts) {
+      if (c.j == outside) continue;
+      neighbour[to_size(next[to_size(c.i)]++)] = c.j;
+      neighbour[to_size(next[to_size(c.j)]++)] = c.i;
+    }
+  }
+  int degree(int body) const { return start[to_size(body) + 1] - start[to_size(body)]; }
+};
+
+/// Breadth first from `root`, appended to `order`; visited bodies carry the mark `round`.
+void breadth_first(const BodyGraph& graph, int root, int round, std::vector<int>& mark,
+                   std::vector<int>& order) {
+  std::size_t head = order.size();
+  order.push_back(root);
+  mark[to_size(root)] = round;
+  while (head < order.size()) {
+    const int body = order[head++];
+    const auto first = static_cast<std::ptrdiff_t>(order.size());
+    for (int k = graph.start[to_size(body)]; k < graph.start[to_size(body) + 1]; ++k) {
+      const int other = graph.neighbour[to_size(k)];
+      if (mark[to_size(other)] == round) continue;
+      mark[to_size(other)] = round;
+      order.push_back(other);
+    }
+    std::sort(order.begin() + first, order.end(), [&](int a, int b) {
+      const int da = graph.degree(a), db = graph.degree(b);
+      return da != db ? da < db : a < b;
+    });
+  }
+}
+
+/// Largest distance of two bodies in contact.
+int bandwidth(const DiskStructure& disks, const std::vector<int>& row) {
+  int widest = 0;
+  for (const DiskStructure::Contact& c : disks.contacts) {
+    if (c.j == disks.surroundings()) continue;
+    widest = std::max(widest, std::abs(row[to_size(c.i)] - row[to_size(c.j)]));
+  }
+  return widest;
+}
+
+std::vector<int> body_rows(const DiskStructure& disks) {
+  const int bodies = disks.surroundings();
+  std::vector<int> row(to_size(bodies));
+  std::iota(row.begin(), row.end(), 0);
+  // A square packing row by row has the square root of the number of its bodies.
+  if (bandwidth(disks, row) <= 2 * std::sqrt(bodies) + kTileBodies) return row;
+  return reverse_cuthill_mckee(disks);
+}
+
+/// First body of every tile, and the number of bodies.
+std::vector<int> tile_starts(const DiskStructure& disks, const std::vector<int>& row) {
+  const int bodies = disks.surroundings();
+  std::vector<int> reach(to_size(bodies), 0);  // of the contacts of each row
+  for (const DiskStructure::Contact& c : disks.contacts) {
+    if (c.j == disks.surroundings()) continue;
+    const int a = row[to_size(c.i)], b = row[to_size(c.j)];
+    int& r = reach[to_size(std::min(a, b))];
+    r = std::max({r, a, b});
+  }
+  std::vector<int> starts{0};
+  int reached = 0, next_reached = 0;  // by the tiles before the last one, and with it
+  for (int r = 0; r < bodies; ++r) {
+    if (r - starts.back() >= kTileBodies && r > reached) {
+      starts.push_back(r);
+      reached = next_reached;
+    }
+    next_reached = std::max(next_reached, reach[to_size(r)]);
+  }
+  // A short rest joins the tile before.
+  if (starts.size() > 1 && bodies - starts.back() < kTileBodies / 2) starts.pop_back();
+  starts.push_back(bodies);
+  return starts;
+}
+
+/// Distributes the contacts of a tile over batches: each into the first batch with a free lane that
+/// is at least kBatchGap away from all other batches of its two bodies.
+class BatchFiller {
+ public:
+  explicit BatchFiller(std::size_t bodies) : uses_(bodies) {}
+
+  /// Appends the batches of one tile. `rows_of(c)` gives two bodies, -1 for the surroundings.
+  template <class RowsOf>
+  void fill(int tile, const std::vector<int>& contacts, const RowsOf& rows_of,
+            std::vector<int>& slots) {
+    lanes_.clear();
+    count_.clear();
+    skip_.clear();
+    links_.clear();
+    for (const int c : contacts) {
+      const std::pair<int, int> rows = rows_of(c);
+      int batch = first_free(0);
+      for (;;) {
+        const int wanted =
+            std::max(after_uses(tile, rows.first, batch), after_uses(tile, rows.second, batch));
+        if (wanted == batch) break;
+        batch = first_free(wanted);
+      }
+      while (batch >= static_cast<int>(count_.size())) {
+        skip_.push_back(static_cast<int>(count_.size()));
+        count_.push_back(0);
+        lanes_.resize(lanes_.size() + kLanes, -1);
+      }
+      int& count = count_[to_size(batch)];
+      lanes_[to_size(batch * kLanes + count++)] = c;
+      if (count == kLanes) skip_[to_size(batch)] = batch + 1;
+      use(tile, rows.first, batch);
+      use(tile, rows.second, batch);
+    }
+    slots.insert(slots.end(), lanes_.begin(), lanes_.end());
+  }
+
+ private:
+  /// The batches that a body is in, a list through links_; of another tile: none.
+  struct Uses {
+    int tile = -1, head = -1;
+  };
+  struct Link {
+    int batch, next;
+  };
+  /// `batch` itself, or the first one after a use of the body that is too close to it.
+  int after_uses(int tile, int body, int batch) const {
+    if (body < 0 || uses_[to_size(body)].tile != tile) return batch;
+    for (int k = uses_[to_size(body)].head; k >= 0; k = links_[to_size(k)].next) {
+      const int used = links_[to_size(k)].batch;
+      if (std::abs(used - batch) < kBatchGap) return used + kBatchGap;
+    }
+    return batch;
+  }
+  void use(int tile, int body, int batch) {
+    if (body < 0) return;
+    Uses& uses = uses_[to_size(body)];
+    if (uses.tile != tile) uses = {tile, -1};
+    links_.push_back({batch, uses.head});
+    uses.head = static_cast<int>(links_.size()) - 1;
+  }
+  /// First batch from `batch` on with a free lane (union-find with path halving).
+  int first_free(int batch) {
+    while (batch < static_cast<int>(skip_.size()) && skip_[to_size(batch)] != batch) {
+      int& next = skip_[to_size(batch)];
+      if (next < static_cast<int>(skip_.size())) next = skip_[to_size(next)];
+      batch = next;
+    }
+    return batch;
+  }
+
+  std::vector<Uses> uses_;
+  std::vector<Link> links_;
+  std::vector<int> lanes_, count_;  // of each batch
+  std::vector<int> skip_;           // the batch itself while it has a free lane, else a later one
+};
+
+/// Takes the entries in large steps, so that neighbours come far apart. The step has no divisor in
+/// common with the number of entries.
+void stride(std::vector<int>& entries, std::vector<int>& scratch) {
+  const std::size_t n = entries.size();
+  if (n < 3) return;
+  std::size_t step = static_cast<std::size_t>(0.618 * static_cast<double>(n)) | 1;
+  while (std::gcd(step, n) != 1) ++step;
+  scratch.resize(n);
+  std::size_t at = 0;
+  for (std::size_t k = 0; k < n; ++k) {
+    scratch[k] = entries[at];
+    at += step;
+    if (at >= n) at %= n;
+  }
+  entries.swap(scratch);
+}
+
+}  // namespace
+
+std::vector<int> reverse_cuthill_mckee(const DiskStructure& disks) {
+  const BodyGraph graph(disks);
+  const int bodies = disks.surroundings();
+  std::vector<int> mark(to_size(bodies), -1), order, trial;
+  order.reserve(to_size(bodies));
+  int round = 0;
+  for (int body = 0; body < bodies; ++body) {
+    if (mark[to_size(body)] >= 0) continue;
+    // Twice to the far end of the component: close to its ends, narrow levels.
+    int root = body;
+    for (int k = 0; k < 2; ++k) {
+      trial.clear();
+      breadth_first(graph, root, round++, mark, trial);
+      root = trial.back();
+    }
+    breadth_first(graph, root, round++, mark, order);
+  }
+  std::vector<int> row(to_size(bodies));
+  for (int k = 0; k < bodies; ++k) row[to_size(order[to_size(k)])] = bodies - 1 - k;
+  return row;
+}
+
+ContactTiles tile_contacts(const DiskStructure& disks) {
+  ContactTiles out;
+  const std::vector<int> position = body_rows(disks);
+  const std::vector<int> starts = tile_starts(disks, position);
+  const int tiles = static_cast<int>(starts.size()) - 1;
+  const int bodies = disks.surroundings();
+
+  // Every tile ends with a row of its own for the surroundings.
+  std::vector<int> tile_of(to_size(bodies));
+  for (int t = 0; t < tiles; ++t) {
+    for (int r = starts[to_size(t)]; r < starts[to_size(t) + 1]; ++r) tile_of[to_size(r)] = t;
+  }
+  out.row.resize(to_size(bodies));
+  for (int b = 0; b < bodies; ++b) {
+    const int at = position[to_size(b)];
+    out.row[to_size(b)] = at + tile_of[to_size(at)];
+  }
+  out.num_rows = bodies + tiles;
+
+  const auto pair_of = [&](int c) {
+    const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
+    const int i = position[to_size(contact.i)];
+    return std::pair(i, contact.j == bodies ? -1 : position[to_size(contact.j)]);
+  };
+  std::vector<std::vector<int>> contacts(to_size(tiles));
+  for (int c = 0; c < static_cast<int>(disks.contacts.size()); ++c) {
+    const auto [i, j] = pair_of(c);
+    contacts[to_size(tile_of[to_size(std::max(i, j))])].push_back(c);
+  }
+  BatchFiller filler(to_size(bodies));
+  std::vector<int> scratch;
+  out.contact.reserve(disks.contacts.size() + to_size(tiles) * kLanes);
+  for (int t = 0; t < tiles; ++t) {
+    ContactTiles::Tile tile;
+    tile.first_row = starts[to_size(t)] + t;
+    tile.last_row = starts[to_size(t) + 1] + t + 1;
+    tile.first_batch = out.num_batches();
+    stride(contacts[to_size(t)], scratch);
+    filler.fill(t, contacts[to_size(t)], pair_of, out.contact);
+    tile.last_batch = out.num_batches();
+    out.tiles.push_back(tile);
+  }
+  return out;
+}
+
+}  // namespace bipot

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "core/execution.h"
+#include "core/problem/disk_structure.h"
+
+namespace bipot {
+
+/// An order of bodies and contacts for kernels that stream through memory.
+///
+/// Bodies stand in rows along the contact graph (the given order where it is local already, else
+/// reverse Cuthill-McKee). Rows are cut into tiles so that *a contact joins bodies of one tile or of
+/// two neighbouring ones*; it belongs to the later. Hence tile t of one iteration and tile t + 2 of
+/// the iteration before share no body: they may run at the same time, or one right after the other
+/// while the data are in the cache, and every body still sees the same sequence of contacts.
+///
+/// The contacts of a tile stand in batches whose lanes share no body, drawn so that a body rarely
+/// occurs in two batches that follow each other (its velocity would be waited for).
+struct ContactTiles {
+  struct Tile {
+    int first_batch = 0, last_batch = 0;  ///< half open
+    int first_row = 0, last_row = 0;      ///< half open; the last row is a copy of the surroundings
+  };
+  std::vector<Tile> tiles;
+  std::vector<int> row;      ///< of each body, the surroundings excluded
+  std::vector<int> contact;  ///< kLanes a batch: the contact in each lane, -1 where there is none
+  int num_rows = 0;
+
+  int num_batches() const { return static_cast<int>(contact.size()) / kLanes; }
+};
+
+ContactTiles tile_contacts(const DiskStructure& disks);
+
+/// Rows of the bodies along the graph by reverse Cuthill and McKee (1969): breadth first from a body
+/// far out, neighbours by their number of neighbours. The order of the bodies breaks ties.
+std::vector<int> reverse_cuthill_mckee(const DiskStructure& disks);
+
+}  // namespace bipot

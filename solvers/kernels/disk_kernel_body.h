@@ -1,0 +1,325 @@
+#pragma once
+
+// The kernels for disks in vectors of BIPOT_WIDTH lanes. Each width is compiled once, with the flags
+// of its instructions; so everything here has internal linkage and nothing of the standard library
+// comes in, or the linker might take a function with these instructions for all others.
+
+#include "solvers/kernels/disk_kernel_tables.h"
+
+namespace bipot {
+namespace {
+
+constexpr int kWidth = BIPOT_WIDTH;
+constexpr int kParts = kLanes / kWidth;  // of a batch
+
+typedef double Lanes __attribute__((vector_size(8 * kWidth), may_alias));
+typedef long long Bits __attribute__((vector_size(8 * kWidth)));
+typedef double Row __attribute__((vector_size(32), may_alias));
+typedef double Pair __attribute__((vector_size(16), may_alias));
+
+inline Lanes load(const double* from, int part) {
+  return reinterpret_cast<const Lanes*>(from)[part];
+}
+inline void store(double* to, int part, Lanes x) { reinterpret_cast<Lanes*>(to)[part] = x; }
+inline const Row& row(const BodyRow& r) { return *reinterpret_cast<const Row*>(&r); }
+inline Row& row(BodyRow& r) { return *reinterpret_cast<Row*>(&r); }
+/// The row at an offset.
+inline const BodyRow& at(const BodyRow* rows, unsigned offset) {
+  return *reinterpret_cast<const BodyRow*>(reinterpret_cast<const char*>(rows) + offset);
+}
+inline BodyRow& at(BodyRow* rows, unsigned offset) {
+  return *reinterpret_cast<BodyRow*>(reinterpret_cast<char*>(rows) + offset);
+}
+
+inline Lanes all(double x) { return Lanes{} + x; }
+/// max(x, 0); NaN stays NaN.
+inline Lanes positive(Lanes x) { return x < 0.0 ? Lanes{} : x; }
+inline Lanes magnitude(Lanes x) {
+  return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(x) & 0x7fffffffffffffffLL);
+}
+/// x limited to [-radius, radius]; NaN stays NaN.
+inline Lanes cut_off(Lanes x, Lanes radius) {
+  const Lanes above = x < -radius ? -radius : x;
+  return above > radius ? radius : above;
+}
+
+/// What the bodies of each lane do together: V_i - V_j and the sum of the spins.
+struct Motion {
+  Lanes x, y, spin;
+};
+
+#if BIPOT_WIDTH == 2
+inline const Pair* half(const BodyRow& r) { return reinterpret_cast<const Pair*>(&r); }
+inline Pair* half(BodyRow& r) { return reinterpret_cast<Pair*>(&r); }
+
+inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
+  const Pair a = half(at(v, i[0]))[0] - half(at(v, j[0]))[0],
+             b = half(at(v, i[1]))[0] - half(at(v, j[1]))[0];
+  return {__builtin_shufflevector(a, b, 0, 2), __builtin_shufflevector(a, b, 1, 3),
+          Lanes{at(v, i[0]).value[2] + at(v, j[0]).value[2],
+                at(v, i[1]).value[2] + at(v, j[1]).value[2]}};
+}
+/// Adds the wrench, times `inverse` where there is one, to body i and its opposite to body j.
+template <bool kInverse>
+inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const BodyRow* inverse,
+                    BodyRow* to) {
+  const Pair linear[2] = {__builtin_shufflevector(p.x, p.y, 0, 2),
+                          __builtin_shufflevector(p.x, p.y, 1, 3)};
+  for (int k = 0; k < 2; ++k) {
+    BodyRow &a = at(to, i[k]), &b = at(to, j[k]);
+    if constexpr (kInverse) {
+      half(a)[0] += half(at(inverse, i[k]))[0] * linear[k];
+      a.value[2] += at(inverse, i[k]).value[2] * p.spin[k];
+      half(b)[0] -= half(at(inverse, j[k]))[0] * linear[k];
+      b.value[2] += at(inverse, j[k]).value[2] * p.spin[k];
+    } else {
+      half(a)[0] += linear[k];
+      a.value[2] += p.spin[k];
+      half(b)[0] -= linear[k];
+      b.value[2] += p.spin[k];
+    }
+  }
+}
+#else
+typedef long long RowBits __attribute__((vector_size(32)));
+constexpr long long kSign = static_cast<long long>(1ULL << 63);
+
+/// (-x, -y, spin, ...).
+inline Row opposite(Row r) {
+  return reinterpret_cast<Row>(reinterpret_cast<RowBits>(r) ^ RowBits{kSign, kSign, 0, 0});
+}
+template <bool kInverse>
+inline void add(Row wrench, unsigned i, unsigned j, const BodyRow* inverse, BodyRow* to) {
+  if constexpr (kInverse) {
+    row(at(to, i)) += row(at(inverse, i)) * wrench;
+    row(at(to, j)) += row(at(inverse, j)) * opposite(wrench);
+  } else {
+    row(at(to, i)) += wrench;
+    row(at(to, j)) += opposite(wrench);
+  }
+}
+#endif
+
+#if BIPOT_WIDTH == 4
+inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
+  Row r[4];
+  for (int k = 0; k < 4; ++k) r[k] = row(at(v, i[k])) + opposite(row(at(v, j[k])));
+  const Row even01 = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6);
+  const Row even23 = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6);
+  const Row odd01 = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
+  const Row odd23 = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
+  return {__builtin_shufflevector(even01, even23, 0, 1, 4, 5),
+          __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5),
+          __builtin_shufflevector(even01, even23, 2, 3, 6, 7)};
+}
+template <bool kInverse>
+inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const BodyRow* inverse,
+                    BodyRow* to) {
+  const Row zero{};
+  const Row even = __builtin_shufflevector(p.x, p.y, 0, 4, 2, 6);
+  const Row odd = __builtin_shufflevector(p.x, p.y, 1, 5, 3, 7);
+  const Row spin_even = __builtin_shufflevector(p.spin, zero, 0, 4, 2, 6);
+  const Row spin_odd = __builtin_shufflevector(p.spin, zero, 1, 5, 3, 7);
+  add<kInverse>(__builtin_shufflevector(even, spin_even, 0, 1, 4, 5), i[0], j[0], inverse, to);
+  add<kInverse>(__builtin_shufflevector(odd, spin_odd, 0, 1, 4, 5), i[1], j[1], inverse, to);
+  add<kInverse>(__builtin_shufflevector(even, spin_even, 2, 3, 6, 7), i[2], j[2], inverse, to);
+  add<kInverse>(__builtin_shufflevector(odd, spin_odd, 2, 3, 6, 7), i[3], j[3], inverse, to);
+}
+#elif BIPOT_WIDTH == 8
+/// Two rows in one register.
+inline Lanes both(Row a, Row b) { return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7); }
+
+inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
+  const Bits sign{kSign, kSign, 0, 0, kSign, kSign, 0, 0};
+  Lanes r[4];
+  for (int k = 0; k < 4; ++k) {
+    const Lanes to = both(row(at(v, j[2 * k])), row(at(v, j[2 * k + 1])));
+    r[k] = both(row(at(v, i[2 * k])), row(at(v, i[2 * k + 1]))) +
+           reinterpret_cast<Lanes>(reinterpret_cast<Bits>(to) ^ sign);
+  }
+  const Lanes even0 = __builtin_shufflevector(r[0], r[1], 0, 4, 8, 12, 2, 6, 10, 14);
+  const Lanes even1 = __builtin_shufflevector(r[2], r[3], 0, 4, 8, 12, 2, 6, 10, 14);
+  const Lanes odd0 = __builtin_shufflevector(r[0], r[1], 1, 5, 9, 13, 3, 7, 11, 15);
+  const Lanes odd1 = __builtin_shufflevector(r[2], r[3], 1, 5, 9, 13, 3, 7, 11, 15);
+  return {__builtin_shufflevector(even0, even1, 0, 1, 2, 3, 8, 9, 10, 11),
+          __builtin_shufflevector(odd0, odd1, 0, 1, 2, 3, 8, 9, 10, 11),
+          __builtin_shufflevector(even0, even1, 4, 5, 6, 7, 12, 13, 14, 15)};
+}
+template <bool kInverse>
+inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const BodyRow* inverse,
+                    BodyRow* to) {
+  // Pairs (x, y) of the lanes 0, 4 | 1, 5 | 2, 6 | 3, 7 in the places of two rows.
+  const Lanes zero{};
+  const Lanes even = __builtin_shufflevector(p.x, p.y, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes odd = __builtin_shufflevector(p.x, p.y, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Lanes spin_even = __builtin_shufflevector(p.spin, zero, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes spin_odd = __builtin_shufflevector(p.spin, zero, 1, 9, 3, 11, 5, 13, 7, 15);
+  const auto row_of = [&](Lanes linear, Lanes spin, auto upper) {
+    // clang-format off
+    if constexpr (upper) return __builtin_shufflevector(linear, spin, 2, 3, 10, 11, 6, 7, 14, 15);
+    else return __builtin_shufflevector(linear, spin, 0, 1, 8, 9, 4, 5, 12, 13);
+    // clang-format on
+  };
+  struct No {
+    constexpr operator bool() const { return false; }
+  };
+  struct Yes {
+    constexpr operator bool() const { return true; }
+  };
+  const Lanes rows[4] = {row_of(even, spin_even, No{}), row_of(odd, spin_odd, No{}),
+                         row_of(even, spin_even, Yes{}), row_of(odd, spin_odd, Yes{})};
+  for (int k = 0; k < 8; ++k) {
+    const Row wrench = k < 4 ? __builtin_shufflevector(rows[k % 4], zero, 0, 1, 2, 3)
+                             : __builtin_shufflevector(rows[k % 4], zero, 4, 5, 6, 7);
+    add<kInverse>(wrench, i[k], j[k], inverse, to);
+  }
+}
+#endif
+
+/// Runs solve(batch, part, motion) -> wrench over all parts of all batches. In program order the bodies
+/// of a part are read before the part before writes to its own, so that the processor works on both
+/// at once. They share no body: neither do the lanes of a batch nor two batches that follow.
+template <bool kInverse, int D, class Solve>
+inline void for_parts(const ContactBatch<D>* contact, int batches, const BodyRow* velocity,
+                      const BodyRow* inverse, BodyRow* to, const Solve& solve) {
+  Motion wrench{};
+  const unsigned *i = nullptr, *j = nullptr;
+  for (int k = 0; k < batches; ++k) {
+#pragma GCC unroll 4
+    for (int part = 0; part < kParts; ++part) {
+      const unsigned* const next_i = contact[k].i + part * kWidth;
+      const unsigned* const next_j = contact[k].j + part * kWidth;
+      const Motion motion = gather(velocity, next_i, next_j);
+      if (part > 0 || k > 0) scatter<kInverse>(wrench, i, j, inverse, to);
+      wrench = solve(k, part, motion);
+      i = next_i;
+      j = next_j;
+    }
+  }
+  if (batches > 0) scatter<kInverse>(wrench, i, j, inverse, to);
+}
+
+template <int D, bool kRelaxed>
+void sweep_batches(const SweepTask<D>& task) {
+  // A copy: the compiler cannot know that the stores leave the task alone.
+  const SweepTask<D> a = task;
+  const Lanes omega = all(a.omega);
+  const auto relaxed = [&](Lanes x) {
+    if constexpr (kRelaxed) x = omega * x;
+    return x;
+  };
+  // Sums are arranged so that the way from the velocities to the wrench is short.
+  const auto solve = [&](int k, int part, const Motion& v) {
+    const ContactBatch<D>& c = a.contact[k];
+    const LawBatch& law = a.laws[a.law[k]];
+    ImpulseBatch<D>& impulse = a.impulse[k];
+    const Lanes gx = load(c.gx, part), gy = load(c.gy, part);
+    const Lanes x_n = load(impulse.x[0], part);
+    const Lanes start_n = x_n - relaxed(load(c.b[0], part));
+    const Lanes z_n = positive(start_n - (relaxed(gx) * v.x + relaxed(gy) * v.y));
+    const Lanes normal = z_n - x_n;
+    store(impulse.x[0], part, z_n);
+    if constexpr (D == 1) {
+      return Motion{gx * normal, gy * normal, Lanes{}};
+    } else {
+      const Lanes ratio = load(law.ratio, part), spin = load(c.spin, part);
+      const Lanes tx = ratio * gy, ty = ratio * gx;
+      const Lanes x_t = load(impulse.x[1], part);
+      const Lanes start_t = x_t - relaxed(load(c.b[1], part));
+      const Lanes turned = relaxed(ty) * v.y - relaxed(tx) * v.x;
+      const Lanes trial = start_t - (turned - relaxed(spin) * v.spin);
+      const Lanes z_t = cut_off(trial, load(law.mu, part) * z_n);
+      const Lanes back = x_t - z_t;
+      store(impulse.x[1], part, z_t);
+      return Motion{gx * normal + tx * back, gy * normal - ty * back, spin * back};
+    }
+  };
+  for_parts<true>(a.contact, a.batches, a.velocity, a.inverse, a.velocity, solve);
+}
+
+template <int D>
+void sweep(const SweepTask<D>& task) {
+  if (task.omega == 1) {
+    sweep_batches<D, false>(task);
+  } else {
+    sweep_batches<D, true>(task);
+  }
+}
+
+/// Velocities of the tile's bodies at the extrapolated momentum.
+template <int D>
+void extrapolate(const GradientTask<D>& task, GradientSums& sums) {
+  const Row beta = Row{} + task.beta;
+  Row energy{};
+  for (int k = 0; k < task.rows; ++k) {
+    const Row inverse = row(task.inverse[k]), now = row(task.momentum_now[k]);
+    const Row change = now - row(task.momentum_before[k]);
+    energy += inverse * change * change;
+    row(task.velocity_own[k]) = inverse * (now + beta * change);
+    row(task.momentum_own[k]) = Row{};
+  }
+  for (int k = 0; k < 4; ++k) sums.energy[k] = energy[k];
+}
+
+template <int D, bool kCone>
+void project(const GradientTask<D>& task, GradientSums& sums) {
+  const GradientTask<D> a = task;
+  const Lanes beta = all(a.beta), rho = all(a.rho);
+  Lanes turn[kParts] = {}, change2[kParts] = {};
+  const auto solve = [&](int k, int part, const Motion& v) {
+    const ContactBatch<D>& c = a.contact[k];
+    const LawBatch& law = a.laws[a.law[k]];
+    const Lanes gx = load(c.gx, part), gy = load(c.gy, part);
+    const Lanes w_n = gx * v.x + gy * v.y + load(c.b[0], part);
+    const Lanes x_n = load(a.now[k].x[0], part);
+    const Lanes y_n = x_n + beta * (x_n - load(a.before[k].x[0], part));
+    Lanes z_n = y_n - rho * w_n;
+    Motion wrench;
+    if constexpr (D == 1) {
+      z_n = positive(z_n);
+      wrench = {gx * z_n, gy * z_n, Lanes{}};
+    } else {
+      const Lanes spin = load(c.spin, part), mu = load(law.mu, part);
+      const Lanes tx = load(law.ratio, part) * gy, ty = load(law.ratio, part) * gx;
+      const Lanes w_t = (ty * v.y - tx * v.x) - spin * v.spin + load(c.b[1], part);
+      const Lanes x_t = load(a.now[k].x[1], part);
+      const Lanes y_t = x_t + beta * (x_t - load(a.before[k].x[1], part));
+      const Lanes tau_t = y_t - rho * w_t;
+      if constexpr (kCone) {
+        const Lanes tau_n = y_n - rho * (w_n + mu * magnitude(w_t));
+        const Lanes edge = (tau_n + mu * magnitude(tau_t)) * load(law.cone, part);
+        z_n = edge > tau_n ? edge : tau_n;
+      }
+      z_n = positive(z_n);
+      const Lanes z_t = cut_off(tau_t, mu * z_n);
+      const Lanes change = z_t - x_t;
+      turn[part] += (y_t - z_t) * change;
+      change2[part] += change * change;
+      store(a.next[k].x[1], part, z_t);
+      wrench = {gx * z_n - tx * z_t, gy * z_n + ty * z_t, -(spin * z_t)};
+    }
+    const Lanes change = z_n - x_n;
+    turn[part] += (y_n - z_n) * change;
+    change2[part] += change * change;
+    store(a.next[k].x[0], part, z_n);
+    return wrench;
+  };
+  for_parts<false>(a.contact, a.batches, a.velocity, nullptr, a.momentum_next, solve);
+  for (int part = 0; part < kParts; ++part) {
+    store(sums.turn, part, turn[part]);
+    store(sums.change2, part, change2[part]);
+  }
+}
+
+template <int D>
+void gradient(const GradientTask<D>& task, GradientSums& sums) {
+  extrapolate(task, sums);
+  if (task.cone) {
+    project<D, true>(task, sums);
+  } else {
+    project<D, false>(task, sums);
+  }
+}
+
+}  // namespace
+}  // namespace bipot

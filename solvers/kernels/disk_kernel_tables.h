@@ -1,0 +1,16 @@
+#pragma once
+
+#include "solvers/kernels/disk_kernels.h"
+
+namespace bipot {
+
+/// One instantiation of disk_kernel_body.h, compiled for one set of instructions.
+struct DiskKernelTable {
+  DiskKernels<1> one;
+  DiskKernels<2> two;
+};
+extern const DiskKernelTable kPortableDiskKernels;
+extern const DiskKernelTable kAvx2DiskKernels;
+extern const DiskKernelTable kAvx512DiskKernels;
+
+}  // namespace bipot

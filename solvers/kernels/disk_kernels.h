@@ -1,0 +1,95 @@
+#pragma once
+
+#include "core/execution.h"
+
+namespace bipot {
+
+/// Values of one body: (x, y, a ω, unused).
+struct alignas(32) BodyRow {
+  double value[4] = {0, 0, 0, 0};
+};
+
+/// Where a row stands, in bytes behind the first one.
+inline unsigned row_offset(int row) {
+  return static_cast<unsigned>(sizeof(BodyRow)) * static_cast<unsigned>(row);
+}
+
+/// The wrench map of kLanes contacts of disks (core/problem/disk_structure.h) in variables that the
+/// caller has scaled: with the bodies' rows v,
+///
+///     w_n = g·(V_i - V_j) + b_n,     w_t = ratio g x (V_i - V_j) - spin (w_i + w_j) + b_t.
+///
+/// A lane without a contact has g = spin = b = 0 and the surroundings as both bodies.
+template <int D>
+struct alignas(64) ContactBatch {
+  unsigned i[kLanes], j[kLanes];  ///< rows, counted in bytes: see row_offset()
+  double gx[kLanes], gy[kLanes];
+  double spin[kLanes];
+  double b[static_cast<unsigned>(D)][kLanes];
+};
+/// Impulses of a batch in the scaled variables.
+template <int D>
+struct alignas(64) ImpulseBatch {
+  double x[static_cast<unsigned>(D)][kLanes] = {};
+};
+/// What contacts of the same materials share: few of these serve all batches.
+struct alignas(64) LawBatch {
+  double ratio[kLanes] = {};
+  double mu[kLanes] = {};
+  double cone[kLanes] = {};  ///< 1 / (1 + mu²)
+};
+
+/// One sweep of projected Gauss-Seidel over the batches of a tile:
+/// x_n <- max(0, x_n - ω w_n), x_t <- x_t - ω w_t cut off at mu x_n, velocities after each batch.
+template <int D>
+struct SweepTask {
+  int batches = 0;
+  double omega = 1;
+  const ContactBatch<D>* contact = nullptr;
+  const int* law = nullptr;  ///< of each batch
+  const LawBatch* laws = nullptr;
+  ImpulseBatch<D>* impulse = nullptr;
+  BodyRow* velocity = nullptr;       ///< all rows
+  const BodyRow* inverse = nullptr;  ///< all rows: 1/m, 1/m, a²/I, 0
+};
+
+/// One step of an accelerated projected gradient over a tile: velocities of its bodies at the
+/// extrapolated momentum, then x⁺ = P(y - rho w(y)) with y = x + beta (x - x⁻), and the momentum of
+/// x⁺. P: solvers/methods/accelerated_gradient.h.
+template <int D>
+struct GradientTask {
+  int batches = 0, rows = 0;
+  double beta = 0, rho = 0;
+  bool cone = false;
+  const ContactBatch<D>* contact = nullptr;
+  const int* law = nullptr;
+  const LawBatch* laws = nullptr;
+  const ImpulseBatch<D>*now = nullptr, *before = nullptr;             ///< x, x⁻
+  ImpulseBatch<D>* next = nullptr;                                    ///< x⁺, may be `before`
+  const BodyRow *momentum_now = nullptr, *momentum_before = nullptr;  ///< of the tile's rows
+  const BodyRow* inverse = nullptr;                                   ///< of the tile's rows
+  BodyRow* momentum_own = nullptr;    ///< next momentum of the tile's rows, set to 0 first
+  BodyRow* velocity_own = nullptr;    ///< of the tile's rows
+  BodyRow* momentum_next = nullptr;   ///< all rows
+  const BodyRow* velocity = nullptr;  ///< all rows
+};
+/// Partial sums of one tile, lane by lane: to be added in a fixed order.
+struct alignas(64) GradientSums {
+  double turn[kLanes] = {};     ///< (y - x⁺)·(x⁺ - x)
+  double change2[kLanes] = {};  ///< ‖x⁺ - x‖²
+  double energy[4] = {};        ///< ‖momentum - momentum before‖² in 1/mass
+};
+
+template <int D>
+struct DiskKernels {
+  void (*sweep)(const SweepTask<D>& task);
+  void (*gradient)(const GradientTask<D>& task, GradientSums& sums);
+};
+
+/// The kernels of one path. Every path gives the same bits: a lane does the same operations in the
+/// same order, products and sums are never contracted, and each lane has its own partial sum.
+/// Throws std::invalid_argument for a path that this machine does not have.
+template <int D>
+const DiskKernels<D>& disk_kernels(SimdPath path);
+
+}  // namespace bipot

@@ -1,0 +1,161 @@
+#include "solvers/kernels/disk_tiles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace bipot {
+namespace {
+
+constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+/// What a pipeline may keep in the cache of one core.
+constexpr std::size_t kCacheBytes = 600'000;
+constexpr int kDeepest = 16;
+
+/// Gives numbers that are equal to rounding the same bits: those of the first of them.
+class Snap {
+ public:
+  double operator()(double x) {
+    for (const double known : known_) {
+      if (std::abs(x - known) <= kRounding * std::abs(known)) return known;
+    }
+    if (known_.size() < kMost) known_.push_back(x);
+    return x;
+  }
+
+ private:
+  static constexpr std::size_t kMost = 16;  // beyond, numbers stay as they are
+  std::vector<double> known_;
+};
+
+}  // namespace
+
+template <int D>
+DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
+                        const ContactScaling& scaling)
+    : tiles_(tile_contacts(disks)),
+      impulse_scale_(scaling.impulse),
+      velocity_scale_(scaling.velocity),
+      contacts_(to_size(tiles_.num_batches())),
+      law_(to_size(tiles_.num_batches())),
+      inverse_(to_size(tiles_.num_rows)) {
+  for (int body = 0; body < disks.surroundings(); ++body) {
+    const DiskStructure::Body& from = disks.bodies[to_size(body)];
+    inverse_[to_size(tiles_.row[to_size(body)])] = {
+        {from.inverse_mass, from.inverse_mass, from.inverse_inertia, 0}};
+  }
+  Snap snap_ratio, snap_mu;
+  for (const Tile& tile : tiles_.tiles) {
+    const unsigned outside = row_offset(tile.last_row - 1);
+    for (int batch = tile.first_batch; batch < tile.last_batch; ++batch) {
+      ContactBatch<D>& to = contacts_[to_size(batch)];
+      LawBatch law;
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const int c = tiles_.contact[to_size(batch * kLanes + lane)];
+        to.i[lane] = to.j[lane] = outside;
+        to.gx[lane] = to.gy[lane] = to.spin[lane] = 0;
+        for (int k = 0; k < D; ++k) to.b[k][lane] = 0;
+        // An empty lane takes the law of its neighbour: one LawBatch less.
+        if (c < 0) {
+          law.ratio[lane] = law.ratio[0];
+          law.mu[lane] = law.mu[0];
+          law.cone[lane] = law.cone[0];
+          continue;
+        }
+        const DiskStructure::Contact& from = disks.contacts[to_size(c)];
+        const double normal = from.normal * scaling.velocity[c * D];
+        to.i[lane] = row_offset(tiles_.row[to_size(from.i)]);
+        if (from.j != disks.surroundings()) {
+          to.j[lane] = row_offset(tiles_.row[to_size(from.j)]);
+        }
+        to.gx[lane] = normal * from.n[0];
+        to.gy[lane] = normal * from.n[1];
+        for (int k = 0; k < D; ++k) {
+          to.b[k][lane] = scaling.velocity[c * D + k] * p.u_free[c * D + k];
+        }
+        if constexpr (D == 2) {
+          to.spin[lane] = from.tangential * scaling.velocity[c * D + 1];
+          law.ratio[lane] = snap_ratio(to.spin[lane] / normal);
+        }
+        law.mu[lane] = snap_mu(scaling.mu[c]);
+        law.cone[lane] = 1 / (1 + law.mu[lane] * law.mu[lane]);
+      }
+      law_[to_size(batch)] = law_number(law);
+    }
+  }
+}
+
+/// The number of an equal LawBatch among the last ones, or of a new one.
+template <int D>
+int DiskTiles<D>::law_number(const LawBatch& law) {
+  constexpr std::size_t kLook = 32;
+  for (std::size_t k = laws_.size(); k > 0 && k + kLook > laws_.size(); --k) {
+    if (std::memcmp(&laws_[k - 1], &law, sizeof(LawBatch)) == 0) return static_cast<int>(k) - 1;
+  }
+  laws_.push_back(law);
+  return static_cast<int>(laws_.size()) - 1;
+}
+
+template <int D>
+void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x,
+                        std::span<BodyRow> momentum) const {
+  std::fill(momentum.begin(), momentum.end(), BodyRow{});
+  for (int batch = 0; batch < num_batches(); ++batch) {
+    const ContactBatch<D>& contact = contacts_[to_size(batch)];
+    const LawBatch& law = laws_[to_size(law_[to_size(batch)])];
+    ImpulseBatch<D>& impulse = x[to_size(batch)];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int c = tiles_.contact[to_size(batch * kLanes + lane)];
+      for (int k = 0; k < D; ++k) {
+        impulse.x[k][lane] = c < 0 ? 0 : impulse_scale_[c * D + k] * s[c * D + k];
+      }
+      const double normal = impulse.x[0][lane];
+      double px = contact.gx[lane] * normal, py = contact.gy[lane] * normal, spin = 0;
+      if constexpr (D == 2) {
+        const double tangential = law.ratio[lane] * impulse.x[1][lane];
+        px -= contact.gy[lane] * tangential;
+        py += contact.gx[lane] * tangential;
+        spin = contact.spin[lane] * impulse.x[1][lane];
+      }
+      double* const i = momentum[contact.i[lane] / sizeof(BodyRow)].value;
+      double* const j = momentum[contact.j[lane] / sizeof(BodyRow)].value;
+      i[0] += px;
+      i[1] += py;
+      i[2] -= spin;
+      j[0] -= px;
+      j[1] -= py;
+      j[2] -= spin;
+    }
+  }
+}
+
+template <int D>
+void DiskTiles<D>::unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const {
+  s.resize(impulse_scale_.size());
+  for (int batch = 0; batch < num_batches(); ++batch) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const int c = tiles_.contact[to_size(batch * kLanes + lane)];
+      if (c < 0) continue;
+      for (int k = 0; k < D; ++k) {
+        s[c * D + k] = x[to_size(batch)].x[k][lane] * velocity_scale_[c * D + k];
+      }
+    }
+  }
+}
+
+template <int D>
+int DiskTiles<D>::pipeline_depth(int threads, std::size_t bytes_per_batch,
+                                 std::size_t bytes_per_row) const {
+  const std::size_t all =
+      to_size(num_batches()) * bytes_per_batch + to_size(num_rows()) * bytes_per_row;
+  if (threads == 1 && all <= kCacheBytes) return 1;
+  const std::size_t tile = all / to_size(std::max(num_tiles(), 1));
+  const int fitting = static_cast<int>(std::min<std::size_t>(kDeepest, kCacheBytes / (2 * tile)));
+  return std::min(std::max(fitting, 2) * threads, kDeepest);
+}
+
+template class DiskTiles<1>;
+template class DiskTiles<2>;
+
+}  // namespace bipot

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/problem/contact_problem.h"
+#include "core/problem/disk_structure.h"
+#include "solvers/kernels/contact_scaling.h"
+#include "solvers/kernels/contact_tiles.h"
+#include "solvers/kernels/disk_kernels.h"
+
+namespace bipot {
+
+/// A problem of disks packed for the vector kernels, tile by tile: 64 bytes a contact and 32 a body
+/// that never change. Lists of kernels' own values are indexed by batch and by row.
+template <int D>
+class DiskTiles {
+ public:
+  /// `scaling`: the variables x = impulse ∘ s of the kernels. Ratios and friction coefficients that
+  /// are equal to rounding (16 ε) are taken as equal, so that few LawBatch serve all.
+  DiskTiles(const ContactProblem& problem, const DiskStructure& disks,
+            const ContactScaling& scaling);
+
+  using Tile = ContactTiles::Tile;
+  int num_tiles() const { return static_cast<int>(tiles_.tiles.size()); }
+  const Tile& tile(int t) const { return tiles_.tiles[to_size(t)]; }
+  int num_rows() const { return tiles_.num_rows; }
+  int num_batches() const { return tiles_.num_batches(); }
+
+  const ContactBatch<D>* contacts(const Tile& t) const {
+    return &contacts_[to_size(t.first_batch)];
+  }
+  const int* law_numbers(const Tile& t) const { return &law_[to_size(t.first_batch)]; }
+  const LawBatch* laws() const { return laws_.data(); }
+  const BodyRow* inverse() const { return inverse_.data(); }
+
+  /// x = impulse ∘ s into the lanes, and Σ ± g x into the rows.
+  void pack(const Vector& s, std::span<ImpulseBatch<D>> x, std::span<BodyRow> momentum) const;
+  /// s = x / impulse.
+  void unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const;
+
+  /// Iterations that fit in flight (wavefront.h) when each tile's share of an iteration streams
+  /// `bytes_per_batch` and `bytes_per_row`.
+  int pipeline_depth(int threads, std::size_t bytes_per_batch, std::size_t bytes_per_row) const;
+
+ private:
+  int law_number(const LawBatch& law);
+
+  ContactTiles tiles_;
+  Vector impulse_scale_, velocity_scale_;
+  std::vector<ContactBatch<D>> contacts_;
+  std::vector<int> law_;
+  std::vector<LawBatch> laws_;
+  std::vector<BodyRow> inverse_;
+};
+
+}  // namespace bipot

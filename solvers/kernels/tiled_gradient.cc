@@ -1,0 +1,175 @@
+#include "solvers/kernels/tiled_gradient.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/kernels/spectral_estimate.h"
+#include "solvers/kernels/wavefront.h"
+
+namespace bipot {
+namespace {
+
+/// Iterations in flight for each iteration between restarts: few are thrown away.
+constexpr int kCaution = 6;
+
+}  // namespace
+
+double next_momentum(double t) { return 0.5 * (1 + std::sqrt(1 + 4 * t * t)); }
+
+template <int D>
+TiledGradient<D>::TiledGradient(const ContactProblem& problem, const DiskStructure& disks,
+                                const ContactScaling& scaling, const Execution& options)
+    : disks_(problem, disks, scaling),
+      kernels_(disk_kernels<D>(options.path)),
+      threads_(options.threads),
+      depth_(disks_.pipeline_depth(threads_, sizeof(ContactBatch<D>) + 4 * sizeof(ImpulseBatch<D>),
+                                   6 * sizeof(BodyRow))),
+      velocity_(to_size(disks_.num_rows())),
+      sums_(to_size(depth_) * to_size(disks_.num_tiles())) {
+  for (auto& x : impulse_) x.resize(to_size(disks_.num_batches()));
+  for (auto& p : momentum_) p.resize(to_size(disks_.num_rows()));
+}
+
+template <int D>
+void TiledGradient<D>::reset(const Vector& s) {
+  roles_ = {};
+  disks_.pack(s, impulse_[roles_.now], momentum_[roles_.now]);
+  impulse_[roles_.before] = impulse_[roles_.now];
+  momentum_[roles_.before] = momentum_[roles_.now];
+  beta_ = change2_ = 0;
+  since_restart_ = interval_ = 0;
+}
+
+template <int D>
+const Vector& TiledGradient<D>::impulse() {
+  disks_.unpack(impulse_[roles_.now], s_);
+  return s_;
+}
+
+template <int D>
+typename TiledGradient<D>::Roles TiledGradient<D>::after(int iterations) const {
+  Roles r = roles_;
+  for (int k = 0; k < iterations; ++k) {
+    // The first two iterations keep what the group started from, the later ones write over theirs.
+    const int written = k < 2 ? roles_.free[k] : r.before;
+    r.before = r.now;
+    r.now = written;
+  }
+  int* free = r.free;
+  for (int k = 0; k < 4; ++k) {
+    if (k != r.now && k != r.before) *free++ = k;
+  }
+  return r;
+}
+
+template <int D>
+void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
+                           const GradientControl& control) {
+  std::vector<Roles> roles;
+  for (int k = 0; k <= iterations; ++k) roles.push_back(after(k));
+  run_wavefront(threads_, disks_.num_tiles(), iterations, [&](int k, int t) {
+    const ContactTiles::Tile& tile = disks_.tile(t);
+    const std::size_t batch = to_size(tile.first_batch), row = to_size(tile.first_row);
+    const std::size_t now = to_size(roles[to_size(k)].now),
+                      next = to_size(roles[to_size(k) + 1].now);
+    const std::size_t before = to_size(roles[to_size(k)].before);
+    GradientTask<D> task;
+    task.batches = tile.last_batch - tile.first_batch;
+    task.rows = tile.last_row - tile.first_row;
+    task.beta = beta[to_size(k)];
+    task.rho = control.step / control.lambda;
+    task.cone = control.cone;
+    task.contact = disks_.contacts(tile);
+    task.law = disks_.law_numbers(tile);
+    task.laws = disks_.laws();
+    task.now = &impulse_[now][batch];
+    task.before = &impulse_[before][batch];
+    task.next = &impulse_[next][batch];
+    task.momentum_now = &momentum_[now][row];
+    task.momentum_before = &momentum_[before][row];
+    task.momentum_own = &momentum_[next][row];
+    task.momentum_next = momentum_[next].data();
+    task.inverse = disks_.inverse() + row;
+    task.velocity_own = &velocity_[row];
+    task.velocity = velocity_.data();
+    kernels_.gradient(task, sums_[to_size(k * disks_.num_tiles() + t)]);
+  });
+}
+
+template <int D>
+typename TiledGradient<D>::Totals TiledGradient<D>::totals(int iteration) const {
+  GradientSums sum;
+  for (int t = 0; t < disks_.num_tiles(); ++t) {
+    const GradientSums& part = sums_[to_size(iteration * disks_.num_tiles() + t)];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      sum.turn[lane] += part.turn[lane];
+      sum.change2[lane] += part.change2[lane];
+    }
+    for (int k = 0; k < 4; ++k) sum.energy[k] += part.energy[k];
+  }
+  Totals total;
+  for (int lane = 0; lane < kLanes; ++lane) {
+    total.turn += sum.turn[lane];
+    total.change2 += sum.change2[lane];
+  }
+  for (int k = 0; k < 3; ++k) total.energy += sum.energy[k];
+  return total;
+}
+
+template <int D>
+void TiledGradient<D>::advance(int iterations, GradientControl& control) {
+  std::vector<double> beta, t;
+  while (iterations > 0) {
+    const int cautious =
+        control.momentum ? 1 + std::max(interval_, since_restart_) / kCaution : depth_;
+    const int group = std::min({iterations, depth_, cautious});
+    beta.assign(1, beta_);
+    t.assign(1, control.t);
+    for (int k = 1; k < group; ++k) {
+      const double last = control.momentum ? t.back() : 1;
+      t.push_back(next_momentum(last));
+      beta.push_back((last - 1) / t.back());
+    }
+    run(group, beta, control);
+
+    int good = 0;  // iterations that stand
+    bool restart = false, raised = false;
+    double raised_to = 0, change2 = change2_;
+    while (good < group && !restart) {
+      const Totals sums = totals(good);
+      if (sums.energy > control.lambda * change2) {
+        // A larger eigenvalue than the estimate has shown itself in the step before.
+        raised = true;
+        raised_to = kSpectralMargin * sums.energy / change2;
+        break;
+      }
+      change2 = sums.change2;
+      restart = sums.turn > 0;
+      ++good;
+    }
+    if (good > 0 && good < group) run(good, beta, control);
+    if (good > 0) {
+      roles_ = after(good);
+      change2_ = change2;
+      const double last = restart || !control.momentum ? 1 : t[to_size(good) - 1];
+      control.t = next_momentum(last);
+      beta_ = (last - 1) / control.t;
+      since_restart_ += good;
+      iterations -= good;
+    }
+    if (raised) {
+      control.lambda = raised_to;
+      control.t = 1;
+      beta_ = 0;
+    }
+    if (restart || raised) {
+      interval_ = since_restart_;
+      since_restart_ = 0;
+    }
+  }
+}
+
+template class TiledGradient<1>;
+template class TiledGradient<2>;
+
+}  // namespace bipot

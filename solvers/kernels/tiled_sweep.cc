@@ -1,0 +1,61 @@
+#include "solvers/kernels/tiled_sweep.h"
+
+#include <algorithm>
+
+#include "solvers/kernels/wavefront.h"
+
+namespace bipot {
+
+template <int D>
+TiledSweep<D>::TiledSweep(const ContactProblem& problem, const DiskStructure& disks,
+                          const ContactScaling& equilibrated, double omega,
+                          const Execution& options)
+    : disks_(problem, disks, equilibrated),
+      kernels_(disk_kernels<D>(options.path)),
+      omega_(omega),
+      threads_(options.threads),
+      depth_(disks_.pipeline_depth(threads_, sizeof(ContactBatch<D>) + sizeof(ImpulseBatch<D>),
+                                   2 * sizeof(BodyRow))),
+      impulse_(to_size(disks_.num_batches())),
+      velocity_(to_size(disks_.num_rows())) {}
+
+template <int D>
+void TiledSweep<D>::reset(const Vector& s) {
+  disks_.pack(s, impulse_, velocity_);
+  const BodyRow* const inverse = disks_.inverse();
+  for (std::size_t row = 0; row < velocity_.size(); ++row) {
+    for (int k = 0; k < 4; ++k) velocity_[row].value[k] *= inverse[row].value[k];
+  }
+}
+
+template <int D>
+const Vector& TiledSweep<D>::impulse() {
+  disks_.unpack(impulse_, s_);
+  return s_;
+}
+
+template <int D>
+void TiledSweep<D>::advance(int sweeps) {
+  while (sweeps > 0) {
+    const int group = std::min(sweeps, depth_);
+    run_wavefront(threads_, disks_.num_tiles(), group, [&](int, int t) {
+      const ContactTiles::Tile& tile = disks_.tile(t);
+      SweepTask<D> task;
+      task.batches = tile.last_batch - tile.first_batch;
+      task.omega = omega_;
+      task.contact = disks_.contacts(tile);
+      task.law = disks_.law_numbers(tile);
+      task.laws = disks_.laws();
+      task.impulse = &impulse_[to_size(tile.first_batch)];
+      task.velocity = velocity_.data();
+      task.inverse = disks_.inverse();
+      kernels_.sweep(task);
+    });
+    sweeps -= group;
+  }
+}
+
+template class TiledSweep<1>;
+template class TiledSweep<2>;
+
+}  // namespace bipot
