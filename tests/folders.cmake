@@ -26,7 +26,7 @@ set(folders
   "bench/paper = bench/measure core/pictures"
   "bench/compare = bench/measure"
   "bench/command = bench/advise bench/compare bench/paper bench/trade core/pictures solvers/methods"
-  "bench/google = bench/measure"
+  "bench/google = bench/measure solvers/kernels"
   "tests = bench/command bench/google")
 
 set(known "")
