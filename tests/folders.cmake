@@ -28,7 +28,7 @@ set(folders
   "bench/extremes = bench/measure solvers/certificate"
   "bench/compare = bench/measure"
   "bench/command = bench/advise bench/compare bench/extremes bench/paper bench/trade core/pictures solvers/certificate solvers/methods"
-  "bench/google = bench/measure"
+  "bench/google = bench/measure solvers/kernels"
   "bench/python = bench/advise bench/compare"
   "tests = bench/command bench/google bench/python")
 
