@@ -48,7 +48,7 @@ def test_the_columns_are_those_of_the_command_and_go_into_a_table(lattice):
         "problem solver tol warm contacts dim status iterations repeats total_min setup_min "
         "setup_median solve_min solve_median cpu_min guarded epsilon eta raw42 natural_map take_off "
         "stick slip velocity_error force_error contact_force_error penetration_velocity penetration "
-        "dissipated energy_error commit message"
+        "dissipated energy_error answer commit message"
     ).split()
     assert list(t) == header
     # What pandas asks of a dict of columns: one-dimensional, of one length, keyed by text.
