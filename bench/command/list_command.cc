@@ -104,17 +104,15 @@ nlohmann::ordered_json scenes_json() {
 
 }  // namespace
 
-CLI::App* add_list_command(CLI::App& app, ListFlags& flags) {
-  CLI::App* command =
-      app.add_subcommand("list", "List the solvers of this build, or shipped scenes");
-  command->add_option("what", flags.what, "solvers or scenes")
-      ->required()
-      ->check(CLI::IsMember({"solvers", "scenes"}));
-  command->add_option("name", flags.name,
-                      "One solver: its parameters with flag, default, range and unit");
-  command->add_option("--json", flags.json, "Write the list as JSON; '-' is standard output")
-      ->type_name("FILE");
-  command->footer(
+CommandDeclaration add_list_command(CommandLine& line, ListFlags& flags) {
+  CommandDeclaration command =
+      line.add_command("list", "List the solvers of this build, or shipped scenes");
+  command.option("what", flags.what, "solvers or scenes").required().one_of({"solvers", "scenes"});
+  command.option("name", flags.name,
+                 "One solver: its parameters with flag, default, range and unit");
+  command.option("--json", flags.json, "Write the list as JSON; '-' is standard output")
+      .value_name("FILE");
+  command.footer(
       "Examples:\n"
       "  bipot list solvers\n"
       "  bipot list solvers pgs\n"
