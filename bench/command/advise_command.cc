@@ -291,7 +291,7 @@ int advise_command(const AdviseFlags& flags) {
   options.interrupted = &InterruptGuard::requested;
   const Advice advice = advise(scene, options);
   if (!flags.json.empty()) {
-    nlohmann::ordered_json json{{"command", "advise"}};
+    Json json{{"command", "advise"}};
     json.update(to_json(scene, advice));
     json["exit_code"] = exit_code_of(advice.status);
     write_json(json, flags.json);

@@ -1,10 +1,7 @@
 #include "bench/command/compare_command.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
-#include <ctime>
 
 #include "bench/command/command_options.h"
 #include "bench/command/exit_code.h"
@@ -177,7 +174,7 @@ int compare_command(const CompareFlags& flags) {
   ReportContext context;
   context.options = options;
   context.build = build_info();
-  context.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  context.date = date_and_time();
   context.command = command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags);
   context.command_of_target = command_line("{}", flags);
   if (!flags.out.empty()) {
@@ -191,7 +188,7 @@ int compare_command(const CompareFlags& flags) {
     write_report(options.out, comparison, context, sections);
   }
   if (!flags.json.empty()) {
-    nlohmann::ordered_json table = to_json(comparison, context);
+    Json table = to_json(comparison, context);
     if (whole) table["whole_simulations"] = to_json(whole->analysed, whole->context);
     write_json(table, flags.json);
   }

@@ -18,8 +18,6 @@
 namespace bipot {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 ImpulseLayout layout_of(const JudgeFlags& flags) {
   return {.order = flags.order == "component" ? ImpulseLayout::Order::kComponent
                                               : ImpulseLayout::Order::kContact,

@@ -36,10 +36,9 @@ std::string domain_of(const ParameterSpec& spec) {
   return fmt::format("{} in [{:g}, {:g}]", kind_of(spec), spec.minimum, spec.maximum);
 }
 
-nlohmann::ordered_json to_json(const SolverEntry& entry) {
-  nlohmann::ordered_json row{
-      {"name", entry.name}, {"summary", entry.summary}, {"max_dim", entry.max_dim}};
-  row["parameters"] = nlohmann::ordered_json::array();
+Json to_json(const SolverEntry& entry) {
+  Json row{{"name", entry.name}, {"summary", entry.summary}, {"max_dim", entry.max_dim}};
+  row["parameters"] = Json::array();
   for (const ParameterSpec& spec : entry.parameters) {
     row["parameters"].push_back({{"name", spec.name},
                                  {"flag", parameter_flag(spec.name)},
@@ -51,8 +50,8 @@ nlohmann::ordered_json to_json(const SolverEntry& entry) {
   return row;
 }
 
-nlohmann::ordered_json solvers_json() {
-  auto rows = nlohmann::ordered_json::array();
+Json solvers_json() {
+  auto rows = Json::array();
   for (const SolverEntry& entry : solver_table()) rows.push_back(to_json(entry));
   return rows;
 }
@@ -89,8 +88,8 @@ void print_solvers() {
   }
 }
 
-nlohmann::ordered_json scenes_json() {
-  auto rows = nlohmann::ordered_json::array();
+Json scenes_json() {
+  auto rows = Json::array();
   for (const auto& path : shipped_scenes()) {
     const Scene scene = read_scene(path);
     rows.push_back({{"name", path.stem().string()},

@@ -1,11 +1,9 @@
 #include "bench/command/paper_command.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <ctime>
 
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
@@ -13,6 +11,7 @@
 #include "bench/measure/stopwatch.h"
 #include "bench/paper/paper_items.h"
 #include "bench/paper/paper_page.h"
+#include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "core/file_error.h"
 #include "core/files/atomic_file.h"
@@ -43,7 +42,7 @@ PaperEntry run_item(const PaperItem& item, const PaperContext& context,
   entry.command = command;
   entry.quick = context.quick;
   entry.build = build_info();
-  entry.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  entry.date = date_and_time();
   const Stopwatch wall;
   const CpuStopwatch cpu;
   try {

@@ -45,27 +45,26 @@ int exit_code_of(SolveStatus status) {
 
 using Certificate = std::optional<ExistenceCertificate>;
 
-nlohmann::ordered_json to_json(const ExistenceCertificate& c) {
+Json to_json(const ExistenceCertificate& c) {
   return {{"verdict", to_string(c.verdict)},
-          {"margin", std::isfinite(c.margin) ? nlohmann::ordered_json(c.margin) : nullptr},
+          {"margin", std::isfinite(c.margin) ? Json(c.margin) : nullptr},
           {"statement", to_text(c)},
           {"seconds", c.seconds}};
 }
 
-nlohmann::ordered_json summary(const SolveFlags& flags, const std::string& solver,
-                               const ContactProblem& problem, const SolveResult& r,
-                               const Certificate& certificate) {
-  nlohmann::ordered_json j{{"command", "solve"},
-                           {"version", program_version()},
-                           {"problem", flags.problem},
-                           {"status", to_string(r.status)},
-                           {"message", r.message},
-                           {"exit_code", exit_code_of(r.status)},
-                           {"solver", solver},
-                           {"warm", flags.warm},
-                           {"iterations", r.iterations},
-                           {"setup_seconds", r.setup_seconds},
-                           {"solve_seconds", r.solve_seconds}};
+Json summary(const SolveFlags& flags, const std::string& solver, const ContactProblem& problem,
+             const SolveResult& r, const Certificate& certificate) {
+  Json j{{"command", "solve"},
+         {"version", program_version()},
+         {"problem", flags.problem},
+         {"status", to_string(r.status)},
+         {"message", r.message},
+         {"exit_code", exit_code_of(r.status)},
+         {"solver", solver},
+         {"warm", flags.warm},
+         {"iterations", r.iterations},
+         {"setup_seconds", r.setup_seconds},
+         {"solve_seconds", r.solve_seconds}};
   add_error(j, r.error);
   const ContactCount count =
       r.s.size() == problem.num_rows() ? count_contacts(problem, r.s) : ContactCount{};
