@@ -17,11 +17,11 @@ constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
 }  // namespace
 
 IterationMonitor::IterationMonitor(const ContactProblem& problem, const SolverOptions& options,
-                                   Clock::time_point start)
+                                   const Stopwatch& watch)
     : problem_(problem),
       options_(options),
       evaluator_(problem, options.execution.threads),
-      start_(start),
+      watch_(watch),
       best_s_(Vector::Zero(problem.num_rows())) {
   free_energy_ = evaluator_(best_s_).energy;
 }
@@ -118,9 +118,7 @@ bool IterationMonitor::end_if_out_of_time(int iteration) {
   return true;
 }
 
-double IterationMonitor::seconds() const {
-  return std::chrono::duration<double>(Clock::now() - start_).count();
-}
+double IterationMonitor::seconds() const { return watch_.seconds(); }
 
 bool IterationMonitor::cancelled() const { return options_.cancelled && options_.cancelled(); }
 

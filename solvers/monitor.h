@@ -1,8 +1,7 @@
 #pragma once
 
-#include <chrono>
-
 #include "core/problem/contact_error.h"
+#include "core/stopwatch.h"
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -16,11 +15,10 @@ namespace bipot {
 /// The monitor keeps the best iterate by the guarded error; a solve that stops early returns it.
 class IterationMonitor {
  public:
-  using Clock = std::chrono::steady_clock;
-
-  /// `start`: when the set-up began, for solvers that must work before they can have a monitor.
+  /// `watch`: runs since the set-up began, for solvers that must work before they can have a
+  /// monitor.
   IterationMonitor(const ContactProblem& problem, const SolverOptions& options,
-                   Clock::time_point start = Clock::now());
+                   const Stopwatch& watch = {});
 
   /// For solvers whose iteration is a factorisation or more: every one is judged, whatever the
   /// count, so that no stage of theirs is blind.
@@ -73,7 +71,7 @@ class IterationMonitor {
   const ContactProblem& problem_;
   const SolverOptions& options_;
   ContactErrorEvaluator evaluator_;
-  Clock::time_point start_;
+  Stopwatch watch_;
   double setup_seconds_ = 0;
   ContactError last_;
   double best_error_ = std::numeric_limits<double>::infinity();

@@ -62,7 +62,7 @@ int Parameters::integer(std::string_view name) const { return static_cast<int>(n
 
 std::string Parameters::choice(std::string_view name) const {
   const ParameterSpec& s = spec(name);
-  const std::string value = text(name);
+  std::string value = text(name);
   std::string_view rest = s.choices;
   while (!rest.empty()) {
     const std::size_t bar = rest.find('|');

@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <exception>
 
 #include "core/problem/delassus.h"
+#include "core/stopwatch.h"
 #include "solvers/parameters.h"
 #include "solvers/registry.h"
 
@@ -26,8 +26,9 @@ std::string validate_options(const SolverEntry& entry, const ContactProblem& p,
   if (!(o.tol > 0) || !std::isfinite(o.tol)) {
     return fmt::format("tol = {}, expected a positive finite number", o.tol);
   }
-  if (o.max_iterations < 0)
+  if (o.max_iterations < 0) {
     return fmt::format("max_iterations = {}, expected >= 0", o.max_iterations);
+  }
   if (o.execution.threads < 1) {
     return fmt::format("threads = {}, expected >= 1", o.execution.threads);
   }
@@ -148,8 +149,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
     return solve_in_other_units(entry, problem, options, exponent);
   }
   try {
-    using Clock = std::chrono::steady_clock;
-    const auto begin = Clock::now();
+    const Stopwatch watch;
     const ContactProblem* given = &problem;
     ContactProblem with_delassus;
     // With a general A the operator is W itself: assembled once, for everybody in this solve.
@@ -171,7 +171,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       result.message = "the start meets the stop test";
       result.s = options.s0;
     } else {
-      const double before = std::chrono::duration<double>(Clock::now() - begin).count();
+      const double before = watch.seconds();
       try {
         result = entry.run(*given, options);
       } catch (const std::exception& e) {

@@ -8,8 +8,6 @@
 namespace bipot {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 Json to_json(const Accuracy& a) {

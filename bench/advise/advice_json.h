@@ -1,14 +1,13 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
-
 #include "bench/advise/advice.h"
+#include "bench/report/json.h"
 #include "core/scene/scene.h"
 
 namespace bipot {
 
 /// All that an advice holds, with the scene and the program that it goes for. Keys:
 /// data/formats.md. Undefined numbers are null.
-nlohmann::ordered_json to_json(const Scene& scene, const Advice& advice);
+Json to_json(const Scene& scene, const Advice& advice);
 
 }  // namespace bipot

@@ -213,54 +213,52 @@ void check_destinations(const AdviseFlags& flags) {
 
 }  // namespace
 
-CLI::App* add_advise_command(CLI::App& app, AdviseFlags& flags) {
-  CLI::App* command = app.add_subcommand(
+CommandDeclaration add_advise_command(CommandLine& line, AdviseFlags& flags) {
+  CommandDeclaration command = line.add_command(
       "advise", "Which solver, tolerance and time step a scene needs, tried on the scene itself");
-  command->add_option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
-      ->required();
+  command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
+      .required();
   command
-      ->add_option("--force-error", flags.force,
-                   "Largest error of the contact force on a body, over the largest such force")
-      ->type_name("X");
+      .option("--force-error", flags.force,
+              "Largest error of the contact force on a body, over the largest such force")
+      .value_name("X");
   command
-      ->add_option("--penetration", flags.penetration,
-                   "Largest overlap that a step may add, over the smallest radius")
-      ->type_name("X");
-  command->add_option("--energy", flags.energy, "Largest relative error of the dissipated energy")
-      ->type_name("X");
+      .option("--penetration", flags.penetration,
+              "Largest overlap that a step may add, over the smallest radius")
+      .value_name("X");
+  command.option("--energy", flags.energy, "Largest relative error of the dissipated energy")
+      .value_name("X");
+  command.option("--solvers", flags.solvers, "Solvers to try, separated by commas (a selection)")
+      .value_name("NAMES");
+  command.option("--time-limit", flags.time_limit, "Wall seconds for the trials")
+      .positive()
+      .show_default()
+      .value_name("SECONDS");
   command
-      ->add_option("--solvers", flags.solvers, "Solvers to try, separated by commas (a selection)")
-      ->delimiter(',')
-      ->type_name("NAMES");
-  command->add_option("--time-limit", flags.time_limit, "Wall seconds for the trials")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
-      ->type_name("SECONDS");
+      .option("--window", flags.window,
+              "Time in s over which forces are averaged to judge the time step (a fiftieth of "
+              "the run, at least 16 steps)")
+      .positive()
+      .value_name("SECONDS");
+  command.option("--samples", flags.samples, "Steps of the run to choose on")
+      .between(1, 64)
+      .show_default();
+  command.option("--fresh", flags.fresh, "Further steps to verify on")
+      .between(0, 32)
+      .show_default();
+  command.flag("--keep-step", flags.keep_step, "Keep the scene's time step");
   command
-      ->add_option("--window", flags.window,
-                   "Time in s over which forces are averaged to judge the time step (a fiftieth of "
-                   "the run, at least 16 steps)")
-      ->check(CLI::PositiveNumber)
-      ->type_name("SECONDS");
-  command->add_option("--samples", flags.samples, "Steps of the run to choose on")
-      ->check(CLI::Range(1, 64))
-      ->capture_default_str();
-  command->add_option("--fresh", flags.fresh, "Further steps to verify on")
-      ->check(CLI::Range(0, 32))
-      ->capture_default_str();
-  command->add_flag("--keep-step", flags.keep_step, "Keep the scene's time step");
+      .option("--write", flags.write,
+              "Write a copy of the scene with the advice in it; comments and layout stay")
+      .value_name("FILE");
+  command.flag("--force", flags.force_overwrite, "--write may overwrite a file");
   command
-      ->add_option("--write", flags.write,
-                   "Write a copy of the scene with the advice in it; comments and layout stay")
-      ->type_name("FILE");
-  command->add_flag("--force", flags.force_overwrite, "--write may overwrite a file");
-  command
-      ->add_option("--json", flags.json,
-                   "Write advice and evidence as JSON; '-' is standard output, with nothing else "
-                   "on it")
-      ->type_name("FILE");
-  command->add_flag("--quiet,-q", flags.quiet, "Nothing on the terminal");
-  command->footer(
+      .option("--json", flags.json,
+              "Write advice and evidence as JSON; '-' is standard output, with nothing else "
+              "on it")
+      .value_name("FILE");
+  command.flag("--quiet,-q", flags.quiet, "Nothing on the terminal");
+  command.footer(
       "Ends with 0 when the goal is met (or nothing touches), with 1 when it is not: the message\n"
       "says what stands in the way and the best that can be had.\n"
       "Examples:\n"
@@ -293,7 +291,7 @@ int advise_command(const AdviseFlags& flags) {
   options.interrupted = &InterruptGuard::requested;
   const Advice advice = advise(scene, options);
   if (!flags.json.empty()) {
-    nlohmann::ordered_json json{{"command", "advise"}};
+    Json json{{"command", "advise"}};
     json.update(to_json(scene, advice));
     json["exit_code"] = exit_code_of(advice.status);
     write_json(json, flags.json);

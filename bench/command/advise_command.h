@@ -1,9 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "bench/command/command_line.h"
 
 namespace bipot {
 
@@ -19,7 +20,7 @@ struct AdviseFlags {
 };
 
 /// Declares `bipot advise`.
-CLI::App* add_advise_command(CLI::App& app, AdviseFlags& flags);
+CommandDeclaration add_advise_command(CommandLine& line, AdviseFlags& flags);
 
 /// Tries solvers and time steps on the scene and prints what to take. Returns an ExitCode: 0 when
 /// the goal is met or nothing touches, 1 when it is not met.

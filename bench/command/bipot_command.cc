@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <exception>
 #include <functional>
 #include <memory>
@@ -12,10 +11,10 @@
 #include <vector>
 
 #include "bench/command/advise_command.h"
+#include "bench/command/command_line.h"
 #include "bench/command/compare_command.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/extremes_command.h"
-#include "bench/command/help_text.h"
 #include "bench/command/judge_command.h"
 #include "bench/command/list_command.h"
 #include "bench/command/paper_command.h"
@@ -31,15 +30,16 @@ namespace bipot {
 namespace {
 
 struct Command {
-  CLI::App* app;
+  CommandDeclaration declaration;
   std::function<int()> run;
 };
 
 /// Declares a command; its flags are filled when it is parsed.
 template <class Flags>
-Command command(CLI::App& app, CLI::App* (*add)(CLI::App&, Flags&), int (*run)(const Flags&)) {
+Command command(CommandLine& line, CommandDeclaration (*add)(CommandLine&, Flags&),
+                int (*run)(const Flags&)) {
   const auto flags = std::make_shared<Flags>();
-  return {add(app, *flags), [flags, run] { return run(*flags); }};
+  return {add(line, *flags), [flags, run] { return run(*flags); }};
 }
 
 /// What stands behind --json, read from the arguments themselves, so that it is known whatever
@@ -69,7 +69,7 @@ std::string_view status_of(ExitCode code) {
 std::string command_name(const std::vector<Command>& commands, int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
     for (const Command& c : commands) {
-      if (c.app->get_name() == argv[i]) return argv[i];
+      if (c.declaration.name() == argv[i]) return argv[i];
     }
   }
   return {};
@@ -94,12 +94,9 @@ void write_refusal(const std::string& destination, const std::string& command,
 }  // namespace
 
 int bipot_command(int argc, const char* const* argv) {
-  CLI::App app{"Frictional contact of rigid disks: one problem, many solvers, one error measure."};
-  app.name("bipot");
-  app.formatter(std::make_shared<ScreenHelp>());  // commands inherit it
-  app.set_version_flag("--version", "bipot " + program_version());
-  app.require_subcommand(1);
-  app.footer(
+  CommandLine line(
+      "bipot", "Frictional contact of rigid disks: one problem, many solvers, one error measure.",
+      program_version(),
       "Exit codes: 0 every solve met its tolerance; 1 some did not; 2 bad input; 3 numerical\n"
       "failure; 4 a file could not be read or written; 5 interrupted.\n"
       "Examples:\n"
@@ -114,26 +111,25 @@ int bipot_command(int argc, const char* const* argv) {
       "  bipot extremes --quick --out out/extremes\n"
       "  bipot list solvers");
   const std::vector<Command> commands = {
-      command(app, &add_run_command, &run_command),
-      command(app, &add_solve_command, &solve_command),
-      command(app, &add_judge_command, &judge_command),
-      command(app, &add_compare_command, &compare_command),
-      command(app, &add_advise_command, &advise_command),
-      command(app, &add_paper_command, &paper_command),
-      command(app, &add_trade_command, &trade_command),
-      command(app, &add_extremes_command, &extremes_command),
-      command(app, &add_list_command, &list_command),
+      command(line, &add_run_command, &run_command),
+      command(line, &add_solve_command, &solve_command),
+      command(line, &add_judge_command, &judge_command),
+      command(line, &add_compare_command, &compare_command),
+      command(line, &add_advise_command, &advise_command),
+      command(line, &add_paper_command, &paper_command),
+      command(line, &add_trade_command, &trade_command),
+      command(line, &add_extremes_command, &extremes_command),
+      command(line, &add_list_command, &list_command),
   };
   const std::string json = json_destination(argc, argv);
   const auto refuse = [&](const std::string& message, ExitCode code) {
     write_refusal(json, command_name(commands, argc, argv), message, code);
     return static_cast<int>(code);
   };
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    if (app.exit(e) == 0) return kExitConverged;  // --help, --version
-    return refuse(e.what(), kExitBadInput);
+  const CommandLine::Parsed parsed = line.parse(argc, argv);
+  if (parsed.outcome == CommandLine::Parsed::Outcome::kAnswered) return kExitConverged;
+  if (parsed.outcome == CommandLine::Parsed::Outcome::kRefused) {
+    return refuse(parsed.refusal, kExitBadInput);
   }
   const auto say_and_refuse = [&](const std::exception& e, ExitCode code) {
     fmt::print(stderr, "bipot: {}\n", e.what());
@@ -141,7 +137,7 @@ int bipot_command(int argc, const char* const* argv) {
   };
   try {
     for (const Command& c : commands) {
-      if (c.app->parsed()) return c.run();
+      if (c.declaration.given()) return c.run();
     }
     throw std::logic_error("no command was parsed");
   } catch (const FileError& e) {

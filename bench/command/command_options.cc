@@ -9,71 +9,57 @@
 namespace bipot {
 namespace {
 
-/// CLI11's own check lets NaN through.
-const CLI::Validator kPositive(
-    [](std::string& text) {
-      double x = 0;
-      return CLI::detail::lexical_cast(text, x) && x > 0
-                 ? std::string{}
-                 : "expected a positive number, got " + text;
-    },
-    "POSITIVE");
-
 /// Of the flags in the help.
 constexpr const char* kSolverGroup =
     "Solver (its parameters are flags too: bipot list solvers NAME)";
 
 }  // namespace
 
-void add_threads_flag(CLI::App& command, int& threads) {
-  command
-      .add_option("--threads", threads, "Threads; every result has the same bits for any number")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1024));
+void add_threads_flag(CommandDeclaration& command, int& threads) {
+  command.option("--threads", threads, "Threads; every result has the same bits for any number")
+      .value_name("N")
+      .between(1, 1024);
 }
 
-void add_common_flags(CLI::App& command, CommonFlags& flags) {
-  command.add_option("--time-limit", flags.time_limit, "Wall-clock limit of the whole command")
-      ->type_name("SECONDS")
-      ->check(kPositive);
+void add_common_flags(CommandDeclaration& command, CommonFlags& flags) {
+  command.option("--time-limit", flags.time_limit, "Wall-clock limit of the whole command")
+      .value_name("SECONDS")
+      .positive();
   add_threads_flag(command, flags.threads);
-  command.add_flag("--quiet,-q", flags.quiet, "No progress, no summary on the terminal");
-  command.add_option("--out", flags.out, "Folder for the results")
-      ->type_name("DIR")
-      ->group("Results");
+  command.flag("--quiet,-q", flags.quiet, "No progress, no summary on the terminal");
+  command.option("--out", flags.out, "Folder for the results").value_name("DIR").group("Results");
   command
-      .add_option("--json", flags.json,
-                  "Write the summary as JSON; '-': standard output, with nothing else")
-      ->type_name("FILE")
-      ->group("Results");
+      .option("--json", flags.json,
+              "Write the summary as JSON; '-': standard output, with nothing else")
+      .value_name("FILE")
+      .group("Results");
 }
 
-void add_solver_flags(CLI::App& command, SolverFlags& flags) {
-  command.add_option("--solver", flags.name, "One of `bipot list solvers`")
-      ->type_name("NAME")
-      ->group(kSolverGroup);
-  command.add_option("--tol", flags.tol, "Tolerance of the stop test")
-      ->type_name("NUMBER")
-      ->check(kPositive)
-      ->group(kSolverGroup);
-  command.add_option("--stop", flags.stop, "Stop test: guarded, raw42 or impulse")
-      ->type_name("NAME")
-      ->group(kSolverGroup);
-  command.add_option("--max-iterations", flags.max_iterations, "Iteration limit of one solve")
-      ->type_name("N")
-      ->check(CLI::NonNegativeNumber)
-      ->group(kSolverGroup);
+void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
+  command.option("--solver", flags.name, "One of `bipot list solvers`")
+      .value_name("NAME")
+      .group(kSolverGroup);
+  command.option("--tol", flags.tol, "Tolerance of the stop test")
+      .value_name("NUMBER")
+      .positive()
+      .group(kSolverGroup);
+  command.option("--stop", flags.stop, "Stop test: guarded, raw42 or impulse")
+      .value_name("NAME")
+      .group(kSolverGroup);
+  command.option("--max-iterations", flags.max_iterations, "Iteration limit of one solve")
+      .value_name("N")
+      .not_negative()
+      .group(kSolverGroup);
   // One flag a name, whichever solvers have it; `bipot list solvers NAME` says what it means.
   std::set<std::string_view> names;
   for (const SolverEntry& entry : solver_table()) {
     for (const ParameterSpec& spec : entry.parameters) names.insert(spec.name);
   }
   for (const std::string_view name : names) {
-    command
-        .add_option_function<std::string>(
-            parameter_flag(name), [&flags, key = std::string(name)](
-                                      const std::string& value) { flags.parameters[key] = value; })
-        ->group("");  // not in the help
+    const auto keep = [&flags, key = std::string(name)](const std::string& value) {
+      flags.parameters[key] = value;
+    };
+    command.option(parameter_flag(name), keep, "").hidden();
   }
 }
 
@@ -83,16 +69,16 @@ std::string parameter_flag(std::string_view name) {
   return flag;
 }
 
-void add_warm_start_flags(CLI::App& command, SolverFlags& flags) {
+void add_warm_start_flags(CommandDeclaration& command, SolverFlags& flags) {
   command
-      .add_flag_callback(
+      .flag(
           "--warm-start", [&flags] { flags.warm_start = true; },
           "Start each step from the impulses of the step before")
-      ->group(kSolverGroup);
+      .group(kSolverGroup);
   command
-      .add_flag_callback(
+      .flag(
           "--no-warm-start", [&flags] { flags.warm_start = false; }, "Start each step from s = 0")
-      ->group(kSolverGroup);
+      .group(kSolverGroup);
 }
 
 SolverChoice merged(const SolverChoice& base, const SolverFlags& flags) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <limits>
 #include <map>
 #include <optional>
@@ -8,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bench/command/command_line.h"
 #include "core/scene/scene.h"
 #include "solvers/solver.h"
 
@@ -21,9 +21,9 @@ struct CommonFlags {
   std::string json;                                             ///< file, "-": standard output
   int threads = 1;                                              ///< they change no bit
 };
-void add_common_flags(CLI::App& command, CommonFlags& flags);
+void add_common_flags(CommandDeclaration& command, CommonFlags& flags);
 /// --threads.
-void add_threads_flag(CLI::App& command, int& threads);
+void add_threads_flag(CommandDeclaration& command, int& threads);
 
 /// What the command line says of the solver; unset entries leave the scene's or the default choice.
 struct SolverFlags {
@@ -35,11 +35,11 @@ struct SolverFlags {
 };
 /// --solver, --tol, --stop, --max-iterations, and, out of sight of the help, one flag for each
 /// parameter name in the solver table.
-void add_solver_flags(CLI::App& command, SolverFlags& flags);
+void add_solver_flags(CommandDeclaration& command, SolverFlags& flags);
 /// The flag of a solver's parameter: --inner-iterations for inner_iterations.
 std::string parameter_flag(std::string_view name);
 /// --warm-start and --no-warm-start, for commands with more than one step.
-void add_warm_start_flags(CLI::App& command, SolverFlags& flags);
+void add_warm_start_flags(CommandDeclaration& command, SolverFlags& flags);
 
 /// The scene's choice with the command line's entries put in. Parameters of the scene are dropped
 /// when the command line names another solver.

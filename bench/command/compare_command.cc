@@ -1,10 +1,7 @@
 #include "bench/command/compare_command.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
-#include <ctime>
 
 #include "bench/command/command_options.h"
 #include "bench/command/exit_code.h"
@@ -58,73 +55,66 @@ std::string command_line(const std::string& targets, const CompareFlags& flags) 
 
 }  // namespace
 
-CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags) {
-  CLI::App* command = app.add_subcommand(
+CommandDeclaration add_compare_command(CommandLine& line, CompareFlags& flags) {
+  CommandDeclaration command = line.add_command(
       "compare", "Solvers on problems at tolerances: time against true error, as a report");
   command
-      ->add_option("targets", flags.targets,
-                   "Problem file, folder of them, scene, family as square:30, triangular:30, "
-                   "pyramid:20, random:20, pile:32, impact:32, pour:32, collapse:32, tilt:32, "
-                   "strike:32 (with :mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), or benchmark")
-      ->required();
-  command->add_option("--solvers", flags.solvers, "all, or names separated by commas")
-      ->delimiter(',')
-      ->type_name("NAMES");
+      .option("targets", flags.targets,
+              "Problem file, folder of them, scene, family as square:30, triangular:30, "
+              "pyramid:20, random:20, pile:32, impact:32, pour:32, collapse:32, tilt:32, "
+              "strike:32 (with :mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5), or benchmark")
+      .required();
+  command.option("--solvers", flags.solvers, "all, or names separated by commas")
+      .value_name("NAMES");
+  command.option("--tols", flags.tols, "Tolerances (default 1e-2,1e-4,1e-6,1e-8; quick 1e-2,1e-6)")
+      .positive()
+      .value_name("NUMBERS");
+  command.option("--time-limit", flags.time_limit, "CPU seconds of one solve (2; quick 1)")
+      .positive()
+      .value_name("SECONDS");
   command
-      ->add_option("--tols", flags.tols,
-                   "Tolerances (default 1e-2,1e-4,1e-6,1e-8; quick 1e-2,1e-6)")
-      ->delimiter(',')
-      ->check(CLI::PositiveNumber)
-      ->type_name("NUMBERS");
-  command->add_option("--time-limit", flags.time_limit, "CPU seconds of one solve (2; quick 1)")
-      ->check(CLI::PositiveNumber)
-      ->type_name("SECONDS");
+      .option("--reference-time-limit", flags.reference_time_limit,
+              "CPU seconds of one attempt at a reference (5; quick 3)")
+      .positive()
+      .value_name("SECONDS");
+  command.option("--repeat", flags.repeat, "Solves behind each time, at least")
+      .between(1, 1000)
+      .show_default();
   command
-      ->add_option("--reference-time-limit", flags.reference_time_limit,
-                   "CPU seconds of one attempt at a reference (5; quick 3)")
-      ->check(CLI::PositiveNumber)
-      ->type_name("SECONDS");
-  command->add_option("--repeat", flags.repeat, "Solves behind each time, at least")
-      ->check(CLI::Range(1, 1000))
-      ->capture_default_str();
+      .option("--min-time", flags.min_time,
+              "CPU seconds for which short solves are repeated; the least time counts")
+      .not_negative()
+      .show_default()
+      .value_name("SECONDS");
+  command.flag("--try-all", flags.try_all,
+               "Run solvers also after they were out of time at a looser tolerance or on a "
+               "smaller problem of the series");
+  command.flag("--warm", flags.warm,
+               "Beside each row the same from the step before, where a file or scene has it");
   command
-      ->add_option("--min-time", flags.min_time,
-                   "CPU seconds for which short solves are repeated; the least time counts")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str()
-      ->type_name("SECONDS");
-  command->add_flag("--try-all", flags.try_all,
-                    "Run solvers also after they were out of time at a looser tolerance or on a "
-                    "smaller problem of the series");
-  command->add_flag("--warm", flags.warm,
-                    "Beside each row the same from the step before, where a file or scene has it");
+      .option("--scene-problems", flags.scene_problems,
+              "Steps of a scene or a moving family (3; quick 1)")
+      .between(1, 1000);
+  command.option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)")
+      .positive();
   command
-      ->add_option("--scene-problems", flags.scene_problems,
-                   "Steps of a scene or a moving family (3; quick 1)")
-      ->check(CLI::Range(1, 1000));
-  command->add_option("--scene-steps", flags.scene_steps, "Cut a scene's run there (no; quick 100)")
-      ->check(CLI::PositiveNumber);
+      .option("--whole-runs", flags.whole_runs,
+              "Scenes to run as a whole too, by tolerance, time step and model, as `bipot "
+              "trade` does; 'set' is its own set")
+      .value_name("SCENES");
+  command.flag("--quick", flags.quick, "Loose limits and the small benchmark, for a first look");
   command
-      ->add_option("--whole-runs", flags.whole_runs,
-                   "Scenes to run as a whole too, by tolerance, time step and model, as `bipot "
-                   "trade` does; 'set' is its own set")
-      ->delimiter(',')
-      ->type_name("SCENES");
-  command->add_flag("--quick", flags.quick,
-                    "Loose limits and the small benchmark, for a first look");
+      .option("--out", flags.out,
+              "Folder for rows.csv, history.csv, success.csv, several.csv, comparison.csv, "
+              "comparison.json and report.html; a stopped comparison goes on from the rows there")
+      .value_name("DIR");
   command
-      ->add_option(
-          "--out", flags.out,
-          "Folder for rows.csv, history.csv, success.csv, several.csv, comparison.csv, "
-          "comparison.json and report.html; a stopped comparison goes on from the rows there")
-      ->type_name("DIR");
-  command
-      ->add_option("--json", flags.json,
-                   "Write the table as JSON; '-': standard output, with nothing else")
-      ->type_name("FILE");
-  add_threads_flag(*command, flags.threads);
-  command->add_flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
-  command->footer(
+      .option("--json", flags.json,
+              "Write the table as JSON; '-': standard output, with nothing else")
+      .value_name("FILE");
+  add_threads_flag(command, flags.threads);
+  command.flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  command.footer(
       "Ends with 0 when the table is complete: solves that fail or run out of time are rows of "
       "it.\n"
       "Examples:\n"
@@ -184,7 +174,7 @@ int compare_command(const CompareFlags& flags) {
   ReportContext context;
   context.options = options;
   context.build = build_info();
-  context.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  context.date = date_and_time();
   context.command = command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags);
   context.command_of_target = command_line("{}", flags);
   if (!flags.out.empty()) {
@@ -198,7 +188,7 @@ int compare_command(const CompareFlags& flags) {
     write_report(options.out, comparison, context, sections);
   }
   if (!flags.json.empty()) {
-    nlohmann::ordered_json table = to_json(comparison, context);
+    Json table = to_json(comparison, context);
     if (whole) table["whole_simulations"] = to_json(whole->analysed, whole->context);
     write_json(table, flags.json);
   }

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "bench/command/command_line.h"
 
 namespace bipot {
 
@@ -27,7 +28,7 @@ struct CompareFlags {
 };
 
 /// Declares `bipot compare`.
-CLI::App* add_compare_command(CLI::App& app, CompareFlags& flags);
+CommandDeclaration add_compare_command(CommandLine& line, CompareFlags& flags);
 
 /// Fills the table of solver x problem x tolerance and writes it. Returns an ExitCode: 0 when the
 /// table is complete, whatever stands in it.

@@ -147,46 +147,42 @@ int matrix(const ExtremesFlags& flags) {
 
 }  // namespace
 
-CLI::App* add_extremes_command(CLI::App& app, ExtremesFlags& flags) {
-  CLI::App* command = app.add_subcommand(
+CommandDeclaration add_extremes_command(CommandLine& line, ExtremesFlags& flags) {
+  CommandDeclaration command = line.add_command(
       "extremes", "Where solvers hold and where they break: extreme cases, random problems");
-  command->add_option("--only", flags.only, "One case, or all whose names begin so");
-  command->add_option("--solver,--solvers", flags.solvers, "Solvers (default: all)")
-      ->delimiter(',')
-      ->type_name("NAMES");
-  command->add_flag("--quick", flags.quick, "A tenth of the time a cell, without the large case");
-  command->add_option("--tol", flags.tol, "Tolerance")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
+  command.option("--only", flags.only, "One case, or all whose names begin so");
+  command.option("--solver,--solvers", flags.solvers, "Solvers (default: all)").value_name("NAMES");
+  command.flag("--quick", flags.quick, "A tenth of the time a cell, without the large case");
+  command.option("--tol", flags.tol, "Tolerance").positive().show_default();
   command
-      ->add_option("--time-limit", flags.time_limit,
-                   "CPU seconds of a cell (2; quick 0.2) or of a random problem (2)")
-      ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--out", flags.out, "Folder for extremes.csv, extremes.html, random.csv")
-      ->type_name("DIR");
+      .option("--time-limit", flags.time_limit,
+              "CPU seconds of a cell (2; quick 0.2) or of a random problem (2)")
+      .value_name("SECONDS")
+      .positive();
+  command.option("--out", flags.out, "Folder for extremes.csv, extremes.html, random.csv")
+      .value_name("DIR");
   command
-      ->add_option("--dump-problem", flags.dump_problem,
-                   "Write the one problem as an FCLIB file instead of solving it")
-      ->type_name("FILE");
+      .option("--dump-problem", flags.dump_problem,
+              "Write the one problem as an FCLIB file instead of solving it")
+      .value_name("FILE");
   const char* group = "Random sets (instead of the cases)";
   command
-      ->add_option("--random-problems", flags.random_problems,
-                   "So many problems: the first solver sees all, the others share them")
-      ->type_name("N")
-      ->check(CLI::NonNegativeNumber)
-      ->group(group);
-  command->add_option("--random-scenes", flags.random_scenes, "So many scenes, 20 steps each")
-      ->type_name("N")
-      ->check(CLI::NonNegativeNumber)
-      ->group(group);
-  command->add_option("--seed", flags.seed, "Of the sets")->capture_default_str()->group(group);
-  command->add_option("--first", flags.first, "Index to begin with")
-      ->check(CLI::NonNegativeNumber)
-      ->capture_default_str()
-      ->group(group);
-  command->add_flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
-  command->footer(
+      .option("--random-problems", flags.random_problems,
+              "So many problems: the first solver sees all, the others share them")
+      .value_name("N")
+      .not_negative()
+      .group(group);
+  command.option("--random-scenes", flags.random_scenes, "So many scenes, 20 steps each")
+      .value_name("N")
+      .not_negative()
+      .group(group);
+  command.option("--seed", flags.seed, "Of the sets").show_default().group(group);
+  command.option("--first", flags.first, "Index to begin with")
+      .not_negative()
+      .show_default()
+      .group(group);
+  command.flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  command.footer(
       "Ends with 0 when nothing was wrong (no false claim of convergence, NaN, crash, hang or energy\n"
       "against theory), with 1 otherwise; a problem that is not solved and says so is not wrong.\n"
       "Examples:\n"

@@ -1,10 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include "bench/command/command_line.h"
 
 namespace bipot {
 
@@ -23,7 +24,7 @@ struct ExtremesFlags {
 };
 
 /// Declares `bipot extremes`.
-CLI::App* add_extremes_command(CLI::App& app, ExtremesFlags& flags);
+CommandDeclaration add_extremes_command(CommandLine& line, ExtremesFlags& flags);
 
 /// The matrix of cases and solvers, or random sets. Ends with 1 where anything is wrong. Returns an
 /// ExitCode.

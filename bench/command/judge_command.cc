@@ -18,8 +18,6 @@
 namespace bipot {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 ImpulseLayout layout_of(const JudgeFlags& flags) {
   return {.order = flags.order == "component" ? ImpulseLayout::Order::kComponent
                                               : ImpulseLayout::Order::kContact,
@@ -115,51 +113,48 @@ void print(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerdic
 
 }  // namespace
 
-CLI::App* add_judge_command(CLI::App& app, JudgeFlags& flags) {
-  CLI::App* command = app.add_subcommand(
+CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags) {
+  CommandDeclaration command = line.add_command(
       "judge", "How wrong is an impulse that any code computed for a problem file, and where");
-  command->add_option("problem", flags.problem, "Problem file (FCLIB HDF5, Siconos text)")
-      ->required();
+  command.option("problem", flags.problem, "Problem file (FCLIB HDF5, Siconos text)").required();
   command
-      ->add_option("--impulses", flags.impulses,
-                   "The impulses: .npy, .csv, FCLIB HDF5 (/solution/r) or Siconos text; without it "
-                   "the problem file's own /solution")
-      ->type_name("FILE");
-  command->add_option("--tol", flags.tol, "Tolerance that the errors are held against")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
-      ->type_name("NUMBER");
+      .option("--impulses", flags.impulses,
+              "The impulses: .npy, .csv, FCLIB HDF5 (/solution/r) or Siconos text; without it "
+              "the problem file's own /solution")
+      .value_name("FILE");
+  command.option("--tol", flags.tol, "Tolerance that the errors are held against")
+      .positive()
+      .show_default()
+      .value_name("NUMBER");
   command
-      ->add_option("--order", flags.order,
-                   "contact: all components of a contact together, as in FCLIB; component: all "
-                   "contacts' first components, then the second ones")
-      ->check(CLI::IsMember({"contact", "component"}))
-      ->capture_default_str()
-      ->group("How the file has the impulses");
+      .option("--order", flags.order,
+              "contact: all components of a contact together, as in FCLIB; component: all "
+              "contacts' first components, then the second ones")
+      .one_of({"contact", "component"})
+      .show_default()
+      .group("How the file has the impulses");
   command
-      ->add_option("--components", flags.components,
-                   "Order of the components, n normal, t and s tangential (nts; LMGC90's: tns)")
-      ->type_name("LETTERS")
-      ->group("How the file has the impulses");
+      .option("--components", flags.components,
+              "Order of the components, n normal, t and s tangential (nts; LMGC90's: tns)")
+      .value_name("LETTERS")
+      .group("How the file has the impulses");
   command
-      ->add_option("--negate", flags.negated,
-                   "Components that point the other way: n where pushing is negative")
-      ->type_name("LETTERS")
-      ->group("How the file has the impulses");
-  command->add_option("--factor", flags.factor, "To N s: the time step, where the file has forces")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str()
-      ->type_name("NUMBER")
-      ->group("How the file has the impulses");
-  command->add_option("--worst", flags.worst, "Contacts to name")
-      ->check(CLI::Range(0, 1000000))
-      ->capture_default_str();
+      .option("--negate", flags.negated,
+              "Components that point the other way: n where pushing is negative")
+      .value_name("LETTERS")
+      .group("How the file has the impulses");
+  command.option("--factor", flags.factor, "To N s: the time step, where the file has forces")
+      .positive()
+      .show_default()
+      .value_name("NUMBER")
+      .group("How the file has the impulses");
+  command.option("--worst", flags.worst, "Contacts to name").between(0, 1000000).show_default();
   command
-      ->add_option("--json", flags.json,
-                   "Write the verdict as JSON; '-': standard output, with nothing else")
-      ->type_name("FILE");
-  command->add_flag("--quiet,-q", flags.quiet, "Nothing on the terminal: the exit code says it");
-  command->footer(
+      .option("--json", flags.json,
+              "Write the verdict as JSON; '-': standard output, with nothing else")
+      .value_name("FILE");
+  command.flag("--quiet,-q", flags.quiet, "Nothing on the terminal: the exit code says it");
+  command.footer(
       "Ends with 0 where the largest of ε, η and the distance to the cone is within --tol, with 1\n"
       "where it is not.\n"
       "Examples:\n"

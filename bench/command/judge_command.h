@@ -1,7 +1,8 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
+
+#include "bench/command/command_line.h"
 
 namespace bipot {
 
@@ -18,7 +19,7 @@ struct JudgeFlags {
 };
 
 /// Declares `bipot judge`.
-CLI::App* add_judge_command(CLI::App& app, JudgeFlags& flags);
+CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags);
 
 /// Judges an impulse that some code computed for a problem file. Returns an ExitCode: 0 within the
 /// tolerance, 1 not.

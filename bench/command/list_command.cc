@@ -36,10 +36,9 @@ std::string domain_of(const ParameterSpec& spec) {
   return fmt::format("{} in [{:g}, {:g}]", kind_of(spec), spec.minimum, spec.maximum);
 }
 
-nlohmann::ordered_json to_json(const SolverEntry& entry) {
-  nlohmann::ordered_json row{
-      {"name", entry.name}, {"summary", entry.summary}, {"max_dim", entry.max_dim}};
-  row["parameters"] = nlohmann::ordered_json::array();
+Json to_json(const SolverEntry& entry) {
+  Json row{{"name", entry.name}, {"summary", entry.summary}, {"max_dim", entry.max_dim}};
+  row["parameters"] = Json::array();
   for (const ParameterSpec& spec : entry.parameters) {
     row["parameters"].push_back({{"name", spec.name},
                                  {"flag", parameter_flag(spec.name)},
@@ -51,8 +50,8 @@ nlohmann::ordered_json to_json(const SolverEntry& entry) {
   return row;
 }
 
-nlohmann::ordered_json solvers_json() {
-  auto rows = nlohmann::ordered_json::array();
+Json solvers_json() {
+  auto rows = Json::array();
   for (const SolverEntry& entry : solver_table()) rows.push_back(to_json(entry));
   return rows;
 }
@@ -89,8 +88,8 @@ void print_solvers() {
   }
 }
 
-nlohmann::ordered_json scenes_json() {
-  auto rows = nlohmann::ordered_json::array();
+Json scenes_json() {
+  auto rows = Json::array();
   for (const auto& path : shipped_scenes()) {
     const Scene scene = read_scene(path);
     rows.push_back({{"name", path.stem().string()},
@@ -104,17 +103,15 @@ nlohmann::ordered_json scenes_json() {
 
 }  // namespace
 
-CLI::App* add_list_command(CLI::App& app, ListFlags& flags) {
-  CLI::App* command =
-      app.add_subcommand("list", "List the solvers of this build, or shipped scenes");
-  command->add_option("what", flags.what, "solvers or scenes")
-      ->required()
-      ->check(CLI::IsMember({"solvers", "scenes"}));
-  command->add_option("name", flags.name,
-                      "One solver: its parameters with flag, default, range and unit");
-  command->add_option("--json", flags.json, "Write the list as JSON; '-' is standard output")
-      ->type_name("FILE");
-  command->footer(
+CommandDeclaration add_list_command(CommandLine& line, ListFlags& flags) {
+  CommandDeclaration command =
+      line.add_command("list", "List the solvers of this build, or shipped scenes");
+  command.option("what", flags.what, "solvers or scenes").required().one_of({"solvers", "scenes"});
+  command.option("name", flags.name,
+                 "One solver: its parameters with flag, default, range and unit");
+  command.option("--json", flags.json, "Write the list as JSON; '-' is standard output")
+      .value_name("FILE");
+  command.footer(
       "Examples:\n"
       "  bipot list solvers\n"
       "  bipot list solvers pgs\n"

@@ -1,7 +1,8 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
+
+#include "bench/command/command_line.h"
 
 namespace bipot {
 
@@ -12,7 +13,7 @@ struct ListFlags {
 };
 
 /// Declares `bipot list`.
-CLI::App* add_list_command(CLI::App& app, ListFlags& flags);
+CommandDeclaration add_list_command(CommandLine& line, ListFlags& flags);
 
 int list_command(const ListFlags& flags);
 

@@ -1,11 +1,9 @@
 #include "bench/command/paper_command.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <ctime>
 
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
@@ -13,6 +11,7 @@
 #include "bench/measure/stopwatch.h"
 #include "bench/paper/paper_items.h"
 #include "bench/paper/paper_page.h"
+#include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "core/file_error.h"
 #include "core/files/atomic_file.h"
@@ -43,7 +42,7 @@ PaperEntry run_item(const PaperItem& item, const PaperContext& context,
   entry.command = command;
   entry.quick = context.quick;
   entry.build = build_info();
-  entry.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  entry.date = date_and_time();
   const Stopwatch wall;
   const CpuStopwatch cpu;
   try {
@@ -77,29 +76,28 @@ PaperEntry run_item(const PaperItem& item, const PaperContext& context,
 
 }  // namespace
 
-CLI::App* add_paper_command(CLI::App& app, PaperFlags& flags) {
-  CLI::App* command = app.add_subcommand(
+CommandDeclaration add_paper_command(CommandLine& line, PaperFlags& flags) {
+  CommandDeclaration command = line.add_command(
       "paper", "The paper's figures and tables, made again and checked, as a page");
   std::string names;
   for (const PaperItem& item : paper_items()) {
     names += fmt::format("{}{}", names.empty() ? "" : ", ", item.name);
   }
-  command->add_option("--only", flags.only, "Items, separated by commas, of " + names)
-      ->delimiter(',')
-      ->type_name("NAMES");
-  command->add_flag("--quick", flags.quick, "Small sizes, seconds");
+  command.option("--only", flags.only, "Items, separated by commas, of " + names)
+      .value_name("NAMES");
+  command.flag("--quick", flags.quick, "Small sizes, seconds");
   command
-      ->add_option("--out", flags.out,
-                   "Folder for index.html, results.json, pictures and their data; items of an "
-                   "earlier run that are not run now stay")
-      ->type_name("DIR")
-      ->capture_default_str();
+      .option("--out", flags.out,
+              "Folder for index.html, results.json, pictures and their data; items of an "
+              "earlier run that are not run now stay")
+      .value_name("DIR")
+      .show_default();
   command
-      ->add_option("--json", flags.json,
-                   "Write the results as JSON; '-': standard output, with nothing else")
-      ->type_name("FILE");
-  command->add_flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
-  command->footer(
+      .option("--json", flags.json,
+              "Write the results as JSON; '-': standard output, with nothing else")
+      .value_name("FILE");
+  command.flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  command.footer(
       "Ends with 1 when a check does not hold or an item failed.\n"
       "Examples:\n"
       "  bipot paper --out out/paper\n"

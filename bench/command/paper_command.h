@@ -1,8 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 #include <vector>
+
+#include "bench/command/command_line.h"
 
 namespace bipot {
 
@@ -14,7 +15,7 @@ struct PaperFlags {
 };
 
 /// Declares `bipot paper`.
-CLI::App* add_paper_command(CLI::App& app, PaperFlags& flags);
+CommandDeclaration add_paper_command(CommandLine& line, PaperFlags& flags);
 
 /// Makes the paper's figures and tables again: index page, results.json, pictures and their data.
 /// Items of an earlier run into the same folder that are not run now stay. Returns an ExitCode.

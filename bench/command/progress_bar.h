@@ -1,7 +1,8 @@
 #pragma once
 
-#include <chrono>
 #include <string>
+
+#include "core/stopwatch.h"
 
 namespace bipot {
 
@@ -20,7 +21,8 @@ class ProgressBar {
  private:
   long total_;
   bool active_;
-  std::chrono::steady_clock::time_point start_, last_;
+  Stopwatch watch_;
+  double drawn_ = -1;  // when, in seconds
 };
 
 }  // namespace bipot

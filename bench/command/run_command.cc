@@ -153,45 +153,45 @@ RunOutcome outcome_of(const SceneRun& run) {
 
 }  // namespace
 
-CLI::App* add_run_command(CLI::App& app, RunFlags& flags) {
-  CLI::App* command =
-      app.add_subcommand("run", "Run a scene: time steps, files, pictures, summary");
-  command->add_option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
-      ->required();
+CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
+  CommandDeclaration command =
+      line.add_command("run", "Run a scene: time steps, files, pictures, summary");
+  command.option("scene", flags.scene, "Scene file (TOML) or the name of a shipped scene")
+      .required();
   command
-      ->add_option("--steps", flags.steps,
-                   "Number of steps instead of the scene's; with --restart: more steps")
-      ->type_name("N")
-      ->check(CLI::NonNegativeNumber);
-  command->add_option("--step-size", flags.step_size, "Time step, instead of the scene's")
-      ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber);
+      .option("--steps", flags.steps,
+              "Number of steps instead of the scene's; with --restart: more steps")
+      .value_name("N")
+      .not_negative();
+  command.option("--step-size", flags.step_size, "Time step, instead of the scene's")
+      .value_name("SECONDS")
+      .positive();
   command
-      ->add_option("--restart", flags.restart,
-                   "Go on from the last frame of that run (folder or run.h5)")
-      ->type_name("RUN");
+      .option("--restart", flags.restart,
+              "Go on from the last frame of that run (folder or run.h5)")
+      .value_name("RUN");
   command
-      ->add_option("--model", flags.model,
-                   "nscd: rigid, one contact problem a step; dem: springs and dashpots")
-      ->check(CLI::IsMember({"nscd", "dem"}));
+      .option("--model", flags.model,
+              "nscd: rigid, one contact problem a step; dem: springs and dashpots")
+      .one_of({"nscd", "dem"});
   const auto dem = [&](const char* name, std::optional<double>& value, const char* unit,
                        const char* help) {
-    command->add_option(name, value, help)->type_name(unit)->group("Model dem");
+    command.option(name, value, help).value_name(unit).group("Model dem");
   };
   dem("--stiffness", flags.stiffness, "N/m", "Normal stiffness (default: by --overlap)");
   dem("--overlap", flags.overlap, "FRACTION",
       "Overlap aimed at, of the smallest radius: decides the stiffness");
   dem("--tangential-ratio", flags.tangential_ratio, "FRACTION", "Tangential over normal stiffness");
   dem("--substep", flags.substep, "SECONDS", "Largest substep (default: from the stability limit)");
-  add_common_flags(*command, flags.common);
+  add_common_flags(command, flags.common);
   command
-      ->add_option("--dump-problems", flags.dump_problems,
-                   "Write the steps' contact problems as FCLIB files into DIR/problems")
-      ->check(CLI::IsMember({"all", "failed"}))
-      ->group("Results");
-  add_solver_flags(*command, flags.solver);
-  add_warm_start_flags(*command, flags.solver);
-  command->footer(
+      .option("--dump-problems", flags.dump_problems,
+              "Write the steps' contact problems as FCLIB files into DIR/problems")
+      .one_of({"all", "failed"})
+      .group("Results");
+  add_solver_flags(command, flags.solver);
+  add_warm_start_flags(command, flags.solver);
+  command.footer(
       "Examples:\n"
       "  bipot run compaction --out out/compaction\n"
       "  bipot run square_lattice --solver uzawa --rho paper --tol 1e-6 --json -\n"

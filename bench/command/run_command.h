@@ -1,7 +1,6 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
-
+#include "bench/command/command_line.h"
 #include "bench/command/command_options.h"
 
 namespace bipot {
@@ -20,7 +19,7 @@ struct RunFlags {
 };
 
 /// Declares `bipot run`.
-CLI::App* add_run_command(CLI::App& app, RunFlags& flags);
+CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags);
 
 /// Runs a scene: time steps, files, summary. Returns an ExitCode.
 int run_command(const RunFlags& flags);

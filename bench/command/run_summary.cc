@@ -23,19 +23,19 @@ std::string message_of(const RunSummary& s) {
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const RunSummary& s) {
+Json to_json(const RunSummary& s) {
   const Scene& scene = s.scene;
   const State& state = s.state;
   const SceneTotals& t = s.run.totals;
   const SpringDashpotSetup* dem = springs_of(s);
   const double steps = std::max(t.steps, 1);
-  nlohmann::ordered_json j{{"command", "run"},
-                           {"version", program_version()},
-                           {"scene", scene.source},
-                           {"title", scene.title},
-                           {"status", s.status},
-                           {"exit_code", s.exit_code},
-                           {"model", dem != nullptr ? "dem" : "nscd"}};
+  Json j{{"command", "run"},
+         {"version", program_version()},
+         {"scene", scene.source},
+         {"title", scene.title},
+         {"status", s.status},
+         {"exit_code", s.exit_code},
+         {"model", dem != nullptr ? "dem" : "nscd"}};
   if (dem != nullptr) {
     j["dem"] = {{"stiffness", dem->stiffness},
                 {"tangential_stiffness", dem->tangential_stiffness},
@@ -48,18 +48,18 @@ nlohmann::ordered_json to_json(const RunSummary& s) {
     j["tol"] = scene.solver.tol;
     j["stop"] = scene.solver.stop;
   }
-  j.update(nlohmann::ordered_json{{"disks", state.disks.size()},
-                                  {"steps", t.steps},
-                                  {"steps_planned", s.run.planned},
-                                  {"steps_converged", t.converged},
-                                  {"message", message_of(s)},
-                                  {"first_unconverged_step", t.first_unconverged},
-                                  {"last_step", state.step},
-                                  {"time", state.time},
-                                  {"contacts_mean", t.contacts / steps},
-                                  {"contacts_max", t.max_contacts},
-                                  {"iterations_mean", t.iterations / steps},
-                                  {"iterations_max", t.max_iterations}});
+  j.update(Json{{"disks", state.disks.size()},
+                {"steps", t.steps},
+                {"steps_planned", s.run.planned},
+                {"steps_converged", t.converged},
+                {"message", message_of(s)},
+                {"first_unconverged_step", t.first_unconverged},
+                {"last_step", state.step},
+                {"time", state.time},
+                {"contacts_mean", t.contacts / steps},
+                {"contacts_max", t.max_contacts},
+                {"iterations_mean", t.iterations / steps},
+                {"iterations_max", t.max_iterations}});
   add_error(j, t.worst);
   j["worst_step"] = t.worst_step;
   j["penetration"] = t.penetration;

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/report/json.h"
 #include "bench/scenes/scene_run.h"
 
 namespace bipot {
@@ -19,7 +19,7 @@ struct RunSummary {
 };
 
 /// summary.json; data/formats.md describes the keys.
-nlohmann::ordered_json to_json(const RunSummary& summary);
+Json to_json(const RunSummary& summary);
 
 /// The same in short, for the terminal.
 std::string to_text(const RunSummary& summary);

@@ -113,16 +113,16 @@ int several_command(const SolveFlags& flags, const ProblemFile& file) {
   const int code = exit_code_of(found);
   if (!out.empty()) write_answers(out, flags.problem, file, found);
   if (!json.empty()) {
-    nlohmann::ordered_json j{{"command", "solve"},
-                             {"version", program_version()},
-                             {"problem", flags.problem},
-                             {"exit_code", code},
-                             {"contacts", file.problem.num_contacts()},
-                             {"dim", file.problem.dim},
-                             {"several", *flags.several},
-                             {"seed", options.seed},
-                             {"warm", flags.warm},
-                             {"tol", options.tol}};
+    Json j{{"command", "solve"},
+           {"version", program_version()},
+           {"problem", flags.problem},
+           {"exit_code", code},
+           {"contacts", file.problem.num_contacts()},
+           {"dim", file.problem.dim},
+           {"several", *flags.several},
+           {"seed", options.seed},
+           {"warm", flags.warm},
+           {"tol", options.tol}};
     j.update(to_json(found));
     write_json(j, json);
   }

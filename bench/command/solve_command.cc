@@ -45,27 +45,26 @@ int exit_code_of(SolveStatus status) {
 
 using Certificate = std::optional<ExistenceCertificate>;
 
-nlohmann::ordered_json to_json(const ExistenceCertificate& c) {
+Json to_json(const ExistenceCertificate& c) {
   return {{"verdict", to_string(c.verdict)},
-          {"margin", std::isfinite(c.margin) ? nlohmann::ordered_json(c.margin) : nullptr},
+          {"margin", std::isfinite(c.margin) ? Json(c.margin) : nullptr},
           {"statement", to_text(c)},
           {"seconds", c.seconds}};
 }
 
-nlohmann::ordered_json summary(const SolveFlags& flags, const std::string& solver,
-                               const ContactProblem& problem, const SolveResult& r,
-                               const Certificate& certificate) {
-  nlohmann::ordered_json j{{"command", "solve"},
-                           {"version", program_version()},
-                           {"problem", flags.problem},
-                           {"status", to_string(r.status)},
-                           {"message", r.message},
-                           {"exit_code", exit_code_of(r.status)},
-                           {"solver", solver},
-                           {"warm", flags.warm},
-                           {"iterations", r.iterations},
-                           {"setup_seconds", r.setup_seconds},
-                           {"solve_seconds", r.solve_seconds}};
+Json summary(const SolveFlags& flags, const std::string& solver, const ContactProblem& problem,
+             const SolveResult& r, const Certificate& certificate) {
+  Json j{{"command", "solve"},
+         {"version", program_version()},
+         {"problem", flags.problem},
+         {"status", to_string(r.status)},
+         {"message", r.message},
+         {"exit_code", exit_code_of(r.status)},
+         {"solver", solver},
+         {"warm", flags.warm},
+         {"iterations", r.iterations},
+         {"setup_seconds", r.setup_seconds},
+         {"solve_seconds", r.solve_seconds}};
   add_error(j, r.error);
   const ContactCount count =
       r.s.size() == problem.num_rows() ? count_contacts(problem, r.s) : ContactCount{};
@@ -93,35 +92,34 @@ void print_summary(const SolveFlags& flags, const std::string& solver, const Con
 
 }  // namespace
 
-CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags) {
-  CLI::App* command =
-      app.add_subcommand("solve", "Solve one problem file (FCLIB HDF5, Siconos text)");
-  command->add_option("problem", flags.problem, "Problem file")->required();
-  command->add_flag("--warm", flags.warm,
-                    "Start from the file's first guess (FCLIB /guesses), not from s = 0");
+CommandDeclaration add_solve_command(CommandLine& line, SolveFlags& flags) {
+  CommandDeclaration command =
+      line.add_command("solve", "Solve one problem file (FCLIB HDF5, Siconos text)");
+  command.option("problem", flags.problem, "Problem file").required();
+  command.flag("--warm", flags.warm,
+               "Start from the file's first guess (FCLIB /guesses), not from s = 0");
   command
-      ->add_option("--several", flags.several,
-                   "Look for several exact answers from N starts; --seed S draws others")
-      ->check(CLI::Range(1, 10000))
-      ->type_name("N");
-  command->add_flag("--explain", flags.explain,
-                    "With --solver auto: print which stages are planned, and why");
-  command->add_flag("--certify", flags.certify,
-                    "Say whether a solution exists at all, by a proof that is checked in extended "
-                    "precision");
-  add_common_flags(*command, flags.common);
+      .option("--several", flags.several,
+              "Look for several exact answers from N starts; --seed S draws others")
+      .between(1, 10000)
+      .value_name("N");
+  command.flag("--explain", flags.explain,
+               "With --solver auto: print which stages are planned, and why");
+  command.flag("--certify", flags.certify,
+               "Say whether a solution exists at all, by a proof that is checked in extended "
+               "precision");
+  add_common_flags(command, flags.common);
   command
-      ->add_option(
-          "--solution", flags.solution,
-          "Write r, u (and v) into the /solution group of this FCLIB file; a file that does "
-          "not exist is created with the problem")
-      ->type_name("FILE")
-      ->group("Results");
-  command->add_option("--history", flags.history, "Write the judged iterations as CSV")
-      ->type_name("FILE")
-      ->group("Results");
-  add_solver_flags(*command, flags.solver);
-  command->footer(
+      .option("--solution", flags.solution,
+              "Write r, u (and v) into the /solution group of this FCLIB file; a file that does "
+              "not exist is created with the problem")
+      .value_name("FILE")
+      .group("Results");
+  command.option("--history", flags.history, "Write the judged iterations as CSV")
+      .value_name("FILE")
+      .group("Results");
+  add_solver_flags(command, flags.solver);
+  command.footer(
       "Examples:\n"
       "  bipot solve problem.hdf5\n"
       "  bipot solve problem.hdf5 --out out/problem\n"

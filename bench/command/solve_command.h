@@ -1,9 +1,9 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 
+#include "bench/command/command_line.h"
 #include "bench/command/command_options.h"
 
 namespace bipot {
@@ -21,7 +21,7 @@ struct SolveFlags {
 };
 
 /// Declares `bipot solve`.
-CLI::App* add_solve_command(CLI::App& app, SolveFlags& flags);
+CommandDeclaration add_solve_command(CommandLine& line, SolveFlags& flags);
 
 /// Solves one problem file; --out DIR puts summary.json, history.csv and solution.hdf5 there.
 /// Returns an ExitCode.

@@ -13,60 +13,59 @@
 
 namespace bipot {
 
-CLI::App* add_trade_command(CLI::App& app, TradeFlags& flags) {
-  CLI::App* command = app.add_subcommand(
+CommandDeclaration add_trade_command(CommandLine& line, TradeFlags& flags) {
+  CommandDeclaration command = line.add_command(
       "trade", "Whole simulations: what a tolerance, a time step and springs cost and buy");
-  command->add_option("scenes", flags.request.scenes,
-                      "Scene files or names of shipped scenes, each with :steps=N behind it for "
-                      "another length (default: a set of them)");
+  command.option("scenes", flags.request.scenes,
+                 "Scene files or names of shipped scenes, each with :steps=N behind it for "
+                 "another length (default: a set of them)");
   const auto list = [&](const char* name, auto& values, const char* type, const char* help) {
-    return command->add_option(name, values, help)->delimiter(',')->type_name(type);
+    return command.option(name, values, help).value_name(type);
   };
   list("--solvers", flags.request.solvers, "NAMES",
        "Solvers; the first one runs the time steps too")
-      ->capture_default_str();
+      .show_default();
   list("--tols", flags.request.tols, "NUMBERS",
        "Tolerances (1e-1,1e-2,1e-3,1e-4,1e-6; quick 1e-1,1e-3)")
-      ->check(CLI::PositiveNumber);
+      .positive();
   list("--step-sizes", flags.request.step_sizes, "FACTORS",
        "Time steps over the scene's (2,1,0.5,0.25; quick 2,1,0.5)")
-      ->check(CLI::PositiveNumber);
+      .positive();
   list("--overlaps", flags.request.overlaps, "FRACTIONS",
        "Springs by the overlap aimed at, of the smallest radius (1e-2,1e-3,1e-4; quick 1e-2,1e-3)")
-      ->check(CLI::PositiveNumber);
+      .positive();
   list("--stiffness", flags.request.stiffness, "N/m",
        "Springs by their stiffness, instead of --overlaps")
-      ->check(CLI::PositiveNumber);
+      .positive();
+  command.option("--time-limit", flags.request.time_limit, "CPU seconds of one run (20; quick 5)")
+      .value_name("SECONDS")
+      .positive();
   command
-      ->add_option("--time-limit", flags.request.time_limit, "CPU seconds of one run (20; quick 5)")
-      ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber);
+      .option("--accuracy", flags.request.accuracy,
+              "Relative error of an outcome that is good enough in any case (1e-4)")
+      .not_negative();
   command
-      ->add_option("--accuracy", flags.request.accuracy,
-                   "Relative error of an outcome that is good enough in any case (1e-4)")
-      ->check(CLI::NonNegativeNumber);
+      .option("--replicas", flags.request.replicas,
+              "Nearby runs of each setting where disks fly freely (3; quick 2)")
+      .between(1, 1000);
   command
-      ->add_option("--replicas", flags.request.replicas,
-                   "Nearby runs of each setting where disks fly freely (3; quick 2)")
-      ->check(CLI::Range(1, 1000));
-  command
-      ->add_option_function<std::string>(
+      .option(
           "--witness",
           [&flags](const std::string& name) {
             flags.request.witness = name == "none" ? std::string() : name;
           },
           "Solver that runs the tightest tolerance too, to see what several exact answers do "
           "(apgd; none)")
-      ->type_name("NAME");
-  command->add_flag("--quick", flags.request.quick, "Fewer scenes and settings for a first look");
-  command->add_option("--out", flags.out, "Folder for trade.csv, trade.json and trade.html")
-      ->type_name("DIR");
+      .value_name("NAME");
+  command.flag("--quick", flags.request.quick, "Fewer scenes and settings for a first look");
+  command.option("--out", flags.out, "Folder for trade.csv, trade.json and trade.html")
+      .value_name("DIR");
   command
-      ->add_option("--json", flags.json,
-                   "Write all of it as JSON; '-': standard output, with nothing else")
-      ->type_name("FILE");
-  command->add_flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
-  command->footer(
+      .option("--json", flags.json,
+              "Write all of it as JSON; '-': standard output, with nothing else")
+      .value_name("FILE");
+  command.flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  command.footer(
       "Ends with 0 when everything was run: runs that fail or take too long are rows of it.\n"
       "Examples:\n"
       "  bipot trade --out out/trade\n"

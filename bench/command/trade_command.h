@@ -1,8 +1,8 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <string>
 
+#include "bench/command/command_line.h"
 #include "bench/trade/trade_request.h"
 
 namespace bipot {
@@ -14,7 +14,7 @@ struct TradeFlags {
 };
 
 /// Declares `bipot trade`.
-CLI::App* add_trade_command(CLI::App& app, TradeFlags& flags);
+CommandDeclaration add_trade_command(CommandLine& line, TradeFlags& flags);
 
 /// Runs whole simulations and writes what they say. Returns an ExitCode: 0 when all were run,
 /// whatever came of them.

@@ -16,9 +16,7 @@
 namespace bipot {
 namespace {
 
-nlohmann::ordered_json number(double x) {
-  return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
-}
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 double tightest(const Comparison& comparison) {
   double tol = std::numeric_limits<double>::infinity();
@@ -46,14 +44,14 @@ std::string cell(const ComparisonRow& row) {
   return fmt::format("{} {} {:.0e}", letter(row.status), row.iterations, row.guarded);
 }
 
-nlohmann::ordered_json regret_json(const Regret& regret) {
-  nlohmann::ordered_json j{{"cases", regret.entries.size()},
-                           {"failed", regret.failed},
-                           {"alone", regret.alone},
-                           {"median", number(regret.median)},
-                           {"ninth_decile", number(regret.ninth_decile)},
-                           {"worst", number(regret.worst)}};
-  j["entries"] = nlohmann::ordered_json::array();
+Json regret_json(const Regret& regret) {
+  Json j{{"cases", regret.entries.size()},
+         {"failed", regret.failed},
+         {"alone", regret.alone},
+         {"median", number(regret.median)},
+         {"ninth_decile", number(regret.ninth_decile)},
+         {"worst", number(regret.worst)}};
+  j["entries"] = Json::array();
   for (const Regret::Entry& e : regret.entries) {
     j["entries"].push_back({{"problem", e.problem},
                             {"tol", e.tol},
@@ -78,12 +76,12 @@ std::string regret_line(const Regret& regret) {
       worst.problem, tolerance_label(worst.tol), worst.best);
 }
 
-nlohmann::ordered_json problems_json(const Comparison& comparison) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+Json problems_json(const Comparison& comparison) {
+  Json all = Json::array();
   for (const ProblemSummary& p : comparison.problems) {
-    nlohmann::ordered_json row{{"name", p.name},     {"target", p.target},     {"origin", p.origin},
-                               {"defect", p.defect}, {"contacts", p.contacts}, {"dim", p.dim},
-                               {"dofs", p.dofs}};
+    Json row{{"name", p.name},     {"target", p.target},     {"origin", p.origin},
+             {"defect", p.defect}, {"contacts", p.contacts}, {"dim", p.dim},
+             {"dofs", p.dofs}};
     row["reference"] = {{"solver", p.reference_solver},
                         {"guarded", number(p.reference_guarded)},
                         {"natural_map", number(p.reference_natural_map)},
@@ -94,7 +92,7 @@ nlohmann::ordered_json problems_json(const Comparison& comparison) {
                           {"force", number(p.spread.force)},
                           {"energy", number(p.spread.energy)}}},
                         {"several_velocity_solutions", p.several_velocities()}};
-    row["reference"]["attempts"] = nlohmann::ordered_json::array();
+    row["reference"]["attempts"] = Json::array();
     for (const ReferenceAttempt& a : p.attempts) {
       row["reference"]["attempts"].push_back({{"solver", a.solver},
                                               {"status", to_string(a.status)},
@@ -107,8 +105,8 @@ nlohmann::ordered_json problems_json(const Comparison& comparison) {
   return all;
 }
 
-nlohmann::ordered_json row_json(const ComparisonRow& r) {
-  nlohmann::ordered_json row;
+Json row_json(const ComparisonRow& r) {
+  Json row;
   for (const Column& column : comparison_columns()) {
     const std::string name(column.name), text = column.write(r);
     if (column.text) {
@@ -122,15 +120,15 @@ nlohmann::ordered_json row_json(const ComparisonRow& r) {
   return row;
 }
 
-nlohmann::ordered_json rows_json(const Comparison& comparison) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+Json rows_json(const Comparison& comparison) {
+  Json all = Json::array();
   for (const ComparisonRow& row : comparison.rows) all.push_back(row_json(row));
   for (const ComparisonRow& row : comparison.warm_rows) all.push_back(row_json(row));
   return all;
 }
 
-nlohmann::ordered_json warm_json(const Comparison& comparison) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+Json warm_json(const Comparison& comparison) {
+  Json all = Json::array();
   for (const WarmGain& gain : warm_gains(comparison)) {
     all.push_back({{"solver", gain.solver},
                    {"tol", gain.tol},
@@ -143,8 +141,8 @@ nlohmann::ordered_json warm_json(const Comparison& comparison) {
   return all;
 }
 
-nlohmann::ordered_json solved_json(const Comparison& comparison) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+Json solved_json(const Comparison& comparison) {
+  Json all = Json::array();
   for (const SolvedCount& c : count_solved(comparison, tightest(comparison))) {
     all.push_back({{"solver", c.solver},
                    {"tol", c.tol},
@@ -156,8 +154,8 @@ nlohmann::ordered_json solved_json(const Comparison& comparison) {
   return all;
 }
 
-nlohmann::ordered_json success_json(const Comparison& comparison) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+Json success_json(const Comparison& comparison) {
+  Json all = Json::array();
   for (const SuccessCurve& curve : success_curves(comparison)) {
     for (const SuccessCurve::Point& point : curve.points) {
       all.push_back({{"size", curve.size},
@@ -171,8 +169,8 @@ nlohmann::ordered_json success_json(const Comparison& comparison) {
   return all;
 }
 
-nlohmann::ordered_json several_json(const Comparison& comparison) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+Json several_json(const Comparison& comparison) {
+  Json all = Json::array();
   for (const SeveralShare& s : several_shares(comparison)) {
     all.push_back({{"size", s.size},
                    {"problems", s.problems},
@@ -187,8 +185,8 @@ nlohmann::ordered_json several_json(const Comparison& comparison) {
   return all;
 }
 
-nlohmann::ordered_json profiles_json(const Comparison& comparison) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+Json profiles_json(const Comparison& comparison) {
+  Json all = Json::array();
   const auto profile = [&](const char* name, const CostOf& cost, double at) {
     for (const Profile& p : performance_profiles(comparison, cost)) {
       all.push_back({{"of", name},
@@ -208,8 +206,8 @@ nlohmann::ordered_json profiles_json(const Comparison& comparison) {
   return all;
 }
 
-nlohmann::ordered_json errors_within_json(const Comparison& comparison) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+Json errors_within_json(const Comparison& comparison) {
+  Json all = Json::array();
   for (double budget : kBudgets) {
     for (const BudgetErrors& b : errors_within(comparison, budget)) {
       all.push_back({{"seconds", budget}, {"solver", b.solver}, {"errors", b.errors}});
@@ -218,8 +216,8 @@ nlohmann::ordered_json errors_within_json(const Comparison& comparison) {
   return all;
 }
 
-nlohmann::ordered_json meaning_json(const Comparison& comparison) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+Json meaning_json(const Comparison& comparison) {
+  Json all = Json::array();
   for (const ToleranceMeaning& m : tolerance_meaning(comparison)) {
     all.push_back({{"tol", m.tol},
                    {"rows", m.rows},
@@ -232,14 +230,14 @@ nlohmann::ordered_json meaning_json(const Comparison& comparison) {
   return all;
 }
 
-nlohmann::ordered_json growth_json(const Comparison& comparison) {
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+Json growth_json(const Comparison& comparison) {
+  Json all = Json::array();
   for (const Growth& g : growth(comparison)) {
     const auto law = [](const PowerLaw& fit) {
-      return nlohmann::ordered_json{{"exponent", number(fit.exponent)},
-                                    {"confidence_95", number(fit.confidence)},
-                                    {"prefactor", number(fit.prefactor)},
-                                    {"points", fit.points}};
+      return Json{{"exponent", number(fit.exponent)},
+                  {"confidence_95", number(fit.confidence)},
+                  {"prefactor", number(fit.prefactor)},
+                  {"points", fit.points}};
     };
     all.push_back({{"series", g.series},
                    {"solver", g.solver},
@@ -252,23 +250,23 @@ nlohmann::ordered_json growth_json(const Comparison& comparison) {
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext& context) {
-  nlohmann::ordered_json j{{"command", "compare"},
-                           {"command_line", context.command},
-                           {"version", context.build.version},
-                           {"commit", context.build.commit},
-                           {"compiler", context.build.compiler},
-                           {"flags", context.build.flags},
-                           {"build_type", context.build.build_type},
-                           {"cpu", context.build.cpu},
-                           {"cores", context.build.cores},
-                           {"threads", 1},
-                           {"date", context.date},
-                           {"time_limit", context.options.time_limit},
-                           {"reference_time_limit", context.options.reference_time_limit},
-                           {"repeat", context.options.repeat},
-                           {"complete", comparison.complete},
-                           {"rows_kept", comparison.rows_kept}};
+Json to_json(const Comparison& comparison, const ReportContext& context) {
+  Json j{{"command", "compare"},
+         {"command_line", context.command},
+         {"version", context.build.version},
+         {"commit", context.build.commit},
+         {"compiler", context.build.compiler},
+         {"flags", context.build.flags},
+         {"build_type", context.build.build_type},
+         {"cpu", context.build.cpu},
+         {"cores", context.build.cores},
+         {"threads", 1},
+         {"date", context.date},
+         {"time_limit", context.options.time_limit},
+         {"reference_time_limit", context.options.reference_time_limit},
+         {"repeat", context.options.repeat},
+         {"complete", comparison.complete},
+         {"rows_kept", comparison.rows_kept}};
   j["problems"] = problems_json(comparison);
   j["rows"] = rows_json(comparison);
   j["solved"] = solved_json(comparison);

@@ -1,11 +1,11 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "bench/compare/comparison.h"
 #include "bench/compare/comparison_measures.h"
 #include "bench/report/build_info.h"
+#include "bench/report/json.h"
 #include "bench/report/labels.h"
 
 namespace bipot {
@@ -25,7 +25,7 @@ inline constexpr double kProfileAccuracies[] = {1e-1, 1e-2, 1e-4, 1e-6};
 inline constexpr double kBudgets[] = {0.01, 0.1, 1};
 
 /// The whole table with its context.
-nlohmann::ordered_json to_json(const Comparison& comparison, const ReportContext& context);
+Json to_json(const Comparison& comparison, const ReportContext& context);
 /// CSV of the rows, in the order of the table.
 std::string to_csv(const Comparison& comparison);
 /// For a terminal of 100 columns: problem x solver at the tightest tolerance, and the counts.

@@ -97,15 +97,15 @@ void report_fits(const BenchFlags& flags, const std::vector<GrowthRow>& rows, st
   }
   if (flags.fit_out.empty()) return;
   const BuildInfo build = build_info();
-  nlohmann::ordered_json json{{"program", {{"version", build.version}, {"commit", build.commit}}},
-                              {"machine", {{"cpu", build.cpu}, {"cores", build.cores}}},
-                              {"mu", flags.scene.mu},
-                              {"tilt_degrees", flags.scene.tilt_degrees},
-                              {"mass_ratio", flags.scene.mass_ratio},
-                              {"seed", flags.scene.seed},
-                              {"time_limit", flags.limits.time_limit}};
-  json["fits"] = nlohmann::ordered_json::array();
-  json["rows"] = nlohmann::ordered_json::array();
+  Json json{{"program", {{"version", build.version}, {"commit", build.commit}}},
+            {"machine", {{"cpu", build.cpu}, {"cores", build.cores}}},
+            {"mu", flags.scene.mu},
+            {"tilt_degrees", flags.scene.tilt_degrees},
+            {"mass_ratio", flags.scene.mass_ratio},
+            {"seed", flags.scene.seed},
+            {"time_limit", flags.limits.time_limit}};
+  json["fits"] = Json::array();
+  json["rows"] = Json::array();
   for (const GrowthFit& fit : fits) json["fits"].push_back(to_json(fit));
   for (const GrowthRow& row : rows) json["rows"].push_back(to_json(row));
   write_json(json, flags.fit_out);

@@ -58,10 +58,8 @@ void fill(GrowthRow& row, const SolveResult& result) {
   row.solve_seconds = result.solve_seconds;
 }
 
-nlohmann::ordered_json to_json(const PowerLaw& law) {
-  const auto number = [](double x) {
-    return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
-  };
+Json to_json(const PowerLaw& law) {
+  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
   return {{"exponent", number(law.exponent)},
           {"confidence_95", number(law.confidence)},
           {"prefactor", number(law.prefactor)},
@@ -196,7 +194,7 @@ std::string to_text(const PowerLaw& law) {
   return fmt::format("{:.2f} ± {:.2f} ({})", law.exponent, law.confidence, points);
 }
 
-nlohmann::ordered_json to_json(const GrowthFit& fit) {
+Json to_json(const GrowthFit& fit) {
   return {{"family", fit.family},
           {"method", fit.method},
           {"tol", fit.tol},
@@ -206,17 +204,17 @@ nlohmann::ordered_json to_json(const GrowthFit& fit) {
           {"seconds", to_json(fit.seconds)}};
 }
 
-nlohmann::ordered_json to_json(const GrowthRow& row) {
-  nlohmann::ordered_json json{{"family", row.family},
-                              {"method", row.method},
-                              {"tol", row.tol},
-                              {"side", row.side},
-                              {"disks", row.disks},
-                              {"contacts", row.contacts},
-                              {"status", to_string(row.status)},
-                              {"iterations", row.iterations},
-                              {"setup_seconds", row.setup_seconds},
-                              {"solve_seconds", row.solve_seconds}};
+Json to_json(const GrowthRow& row) {
+  Json json{{"family", row.family},
+            {"method", row.method},
+            {"tol", row.tol},
+            {"side", row.side},
+            {"disks", row.disks},
+            {"contacts", row.contacts},
+            {"status", to_string(row.status)},
+            {"iterations", row.iterations},
+            {"setup_seconds", row.setup_seconds},
+            {"solve_seconds", row.solve_seconds}};
   add_error(json, row.error);
   return json;
 }

@@ -3,12 +3,12 @@
 #include <cstdint>
 #include <limits>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "bench/measure/statistics.h"
+#include "bench/report/json.h"
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -86,7 +86,7 @@ std::vector<GrowthFit> fit_growth(std::span<const GrowthRow> rows, double least_
 
 /// "1.04 ± 0.03 (5 points)", "– (1 point)".
 std::string to_text(const PowerLaw& law);
-nlohmann::ordered_json to_json(const GrowthFit& fit);
-nlohmann::ordered_json to_json(const GrowthRow& row);
+Json to_json(const GrowthFit& fit);
+Json to_json(const GrowthRow& row);
 
 }  // namespace bipot

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <nlohmann/json.hpp>
 
 #include "bench/measure/cpu_limit.h"
+#include "bench/report/json.h"
 #include "bench/report/json_output.h"
 #include "core/file_error.h"
 #include "core/files/atomic_file.h"
@@ -134,18 +134,15 @@ bool learn_answer(const ContactProblem& problem, const Vector& s, double time_li
 
 void write_reference(const std::filesystem::path& path, const std::string& problem,
                      const ReferenceSolution& reference) {
-  const auto number = [](double x) {
-    return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
-  };
-  nlohmann::ordered_json j{
-      {"problem", problem},   {"origin", reference.origin}, {"contacts", reference.contacts},
-      {"dim", reference.dim}, {"dofs", reference.dofs},     {"solver", reference.solver}};
+  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
+  Json j{{"problem", problem},   {"origin", reference.origin}, {"contacts", reference.contacts},
+         {"dim", reference.dim}, {"dofs", reference.dofs},     {"solver", reference.solver}};
   add_error(j, reference.error);
   j["velocity_spread"] = number(reference.velocity_spread);
   j["spread"] = {{"velocity", number(reference.spread.velocity)},
                  {"force", number(reference.spread.force)},
                  {"energy", number(reference.spread.energy)}};
-  j["attempts"] = nlohmann::ordered_json::array();
+  j["attempts"] = Json::array();
   for (const ReferenceAttempt& a : reference.attempts) {
     j["attempts"].push_back({{"solver", a.solver},
                              {"status", to_string(a.status)},
@@ -153,7 +150,7 @@ void write_reference(const std::filesystem::path& path, const std::string& probl
                              {"seconds", a.seconds}});
   }
   j["s"] = std::vector<double>(reference.s.begin(), reference.s.end());
-  j["others"] = nlohmann::ordered_json::array();
+  j["others"] = Json::array();
   for (const Vector& other : reference.others) {
     j["others"].push_back(std::vector<double>(other.begin(), other.end()));
   }
@@ -169,16 +166,14 @@ ReferenceSolution read_reference(const std::filesystem::path& path) {
   std::ifstream in(path);
   if (!in) throw FileError(path, "", "cannot be opened");
   try {
-    const auto j = nlohmann::json::parse(in);
-    const auto number = [](const nlohmann::json& x) {
-      return x.is_null() ? kNaN : x.get<double>();
-    };
+    const Json j = Json::parse(in);
+    const auto number = [](const Json& x) { return x.is_null() ? kNaN : x.get<double>(); };
     ReferenceSolution reference;
-    reference.origin = j.at("origin");
-    reference.contacts = j.at("contacts");
-    reference.dim = j.at("dim");
-    reference.dofs = j.at("dofs");
-    reference.solver = j.at("solver");
+    reference.origin = j.at("origin").get<std::string>();
+    reference.contacts = j.at("contacts").get<int>();
+    reference.dim = j.at("dim").get<int>();
+    reference.dofs = j.at("dofs").get<int>();
+    reference.solver = j.at("solver").get<std::string>();
     reference.error.epsilon = number(j.at("epsilon"));
     reference.error.eta = number(j.at("eta"));
     reference.error.raw42 = number(j.at("epsilon_raw"));
@@ -187,18 +182,19 @@ ReferenceSolution read_reference(const std::filesystem::path& path) {
     reference.spread.velocity = number(j.at("spread").at("velocity"));
     reference.spread.force = number(j.at("spread").at("force"));
     reference.spread.energy = number(j.at("spread").at("energy"));
-    for (const auto& a : j.at("attempts")) {
-      reference.attempts.push_back(
-          {a.at("solver"), parse_status(a.at("status")), number(a.at("guarded")), a.at("seconds")});
+    for (const Json& a : j.at("attempts")) {
+      reference.attempts.push_back({a.at("solver").get<std::string>(),
+                                    parse_status(a.at("status").get<std::string>()),
+                                    number(a.at("guarded")), a.at("seconds").get<double>()});
     }
-    const auto vector = [](const nlohmann::json& numbers) {
-      const std::vector<double> x = numbers;
+    const auto vector = [](const Json& numbers) {
+      const auto x = numbers.get<std::vector<double>>();
       return Vector(Eigen::Map<const Vector>(x.data(), static_cast<Eigen::Index>(x.size())));
     };
     reference.s = vector(j.at("s"));
-    for (const auto& other : j.at("others")) reference.others.push_back(vector(other));
+    for (const Json& other : j.at("others")) reference.others.push_back(vector(other));
     return reference;
-  } catch (const nlohmann::json::exception& e) {
+  } catch (const Json::Error& e) {
     throw FileError(path, "", e.what());
   }
 }

@@ -14,8 +14,6 @@
 namespace bipot {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 double number_or_nan(const Json& json) { return json.is_number() ? json.get<double>() : kNaN; }
 
@@ -40,7 +38,7 @@ Json to_json(const ChartAxis& axis) {
 
 ChartAxis axis_from(const Json& json) {
   ChartAxis axis;
-  axis.label = json.at("label");
+  axis.label = json.at("label").get<std::string>();
   for (const auto kind :
        {ChartAxis::Kind::kLinear, ChartAxis::Kind::kLog, ChartAxis::Kind::kLogSeconds}) {
     if (json.at("scale") == name_of(kind)) axis.kind = kind;
@@ -84,7 +82,8 @@ Json to_json(const std::vector<ChartLine>& lines) {
 
 std::vector<ChartLine> lines_from(const Json& json) {
   std::vector<ChartLine> lines;
-  for (const Json& line : json) lines.push_back({line.at("at"), line.at("label")});
+  for (const Json& line : json)
+    lines.push_back({line.at("at").get<double>(), line.at("label").get<std::string>()});
   return lines;
 }
 
@@ -130,29 +129,29 @@ Json to_json(const Chart& chart) {
 
 Chart chart_from(const Json& json) {
   Chart chart;
-  chart.title = json.at("title");
+  chart.title = json.at("title").get<std::string>();
   chart.x = axis_from(json.at("x"));
   chart.y = axis_from(json.at("y"));
   if (json.contains("y_line")) {
     chart.y_line = json["y_line"].at("value").get<double>();
-    chart.y_line_label = json["y_line"].at("label");
+    chart.y_line_label = json["y_line"].at("label").get<std::string>();
   }
   chart.x_lines = lines_from(json.value("x_lines", Json::array()));
   chart.y_lines = lines_from(json.value("y_lines", Json::array()));
   for (const auto key : {Chart::Key::kBelow, Chart::Key::kRight, Chart::Key::kNone}) {
     if (json.at("key") == name_of(key)) chart.key = key;
   }
-  chart.width = json.at("width");
-  chart.height = json.at("height");
+  chart.width = json.at("width").get<double>();
+  chart.height = json.at("height").get<double>();
   for (const Json& row : json.at("series")) {
-    ChartSeries series{row.at("name"), row.at("style"), {}};
+    ChartSeries series{row.at("name").get<std::string>(), row.at("style").get<int>(), {}};
     for (const auto kind : {ChartSeries::Kind::kLinePoints, ChartSeries::Kind::kLine,
                             ChartSeries::Kind::kPoints, ChartSeries::Kind::kSteps}) {
       if (row.at("kind") == name_of(kind)) series.kind = kind;
     }
     for (std::size_t i = 0; i < row.at("x").size(); ++i) {
       ChartPoint point{number_or_nan(row["x"].at(i)), number_or_nan(row.at("y").at(i))};
-      if (row.contains("notes")) point.note = row["notes"].at(i);
+      if (row.contains("notes")) point.note = row["notes"].at(i).get<std::string>();
       if (row.contains("y_low")) {
         point.y_low = number_or_nan(row["y_low"].at(i));
         point.y_high = number_or_nan(row.at("y_high").at(i));
@@ -224,52 +223,54 @@ Json to_json(const PaperEntry& entry) {
 
 PaperEntry entry_from(const Json& json) {
   PaperEntry entry;
-  entry.name = json.at("name");
-  entry.title = json.at("title");
+  entry.name = json.at("name").get<std::string>();
+  entry.title = json.at("title").get<std::string>();
   for (const auto status :
        {PaperEntry::Status::kDone, PaperEntry::Status::kFailed, PaperEntry::Status::kInterrupted}) {
     if (json.at("status") == to_string(status)) entry.status = status;
   }
-  entry.message = json.at("message");
-  entry.command = json.at("command");
-  entry.quick = json.at("quick");
-  entry.wall_seconds = json.at("wall_seconds");
-  entry.cpu_seconds = json.at("cpu_seconds");
-  entry.date = json.at("date");
+  entry.message = json.at("message").get<std::string>();
+  entry.command = json.at("command").get<std::string>();
+  entry.quick = json.at("quick").get<bool>();
+  entry.wall_seconds = json.at("wall_seconds").get<double>();
+  entry.cpu_seconds = json.at("cpu_seconds").get<double>();
+  entry.date = json.at("date").get<std::string>();
   const Json& program = json.at("program");
-  entry.build.version = program.at("version");
-  entry.build.commit = program.at("commit");
-  entry.build.compiler = program.at("compiler");
-  entry.build.flags = program.at("flags");
-  entry.build.build_type = program.at("build_type");
-  entry.build.cpu = json.at("machine").at("cpu");
-  entry.build.cores = json.at("machine").at("cores");
-  entry.result.paper = json.at("paper");
+  entry.build.version = program.at("version").get<std::string>();
+  entry.build.commit = program.at("commit").get<std::string>();
+  entry.build.compiler = program.at("compiler").get<std::string>();
+  entry.build.flags = program.at("flags").get<std::string>();
+  entry.build.build_type = program.at("build_type").get<std::string>();
+  entry.build.cpu = json.at("machine").at("cpu").get<std::string>();
+  entry.build.cores = json.at("machine").at("cores").get<int>();
+  entry.result.paper = json.at("paper").get<std::string>();
   entry.result.ours = json.at("ours").get<std::vector<std::string>>();
   for (const Json& n : json.at("numbers")) {
-    PaperNumber number{n.at("name"),     number_or_nan(n.at("value")),
-                       n.at("unit"),     n.at("meaning"),
-                       n.at("expected"), {},
-                       n.at("command")};
+    PaperNumber number{n.at("name").get<std::string>(),     number_or_nan(n.at("value")),
+                       n.at("unit").get<std::string>(),     n.at("meaning").get<std::string>(),
+                       n.at("expected").get<std::string>(), {},
+                       n.at("command").get<std::string>()};
     if (!n.at("holds").is_null()) number.holds = n["holds"].get<bool>();
-    number.digits = n.at("digits");
+    number.digits = n.at("digits").get<int>();
     entry.result.numbers.push_back(std::move(number));
   }
   for (const Json& f : json.at("figures")) {
-    PaperFigure figure{f.at("name"), f.at("caption"), f.at("command")};
-    figure.wide = f.at("wide");
+    PaperFigure figure{f.at("name").get<std::string>(), f.at("caption").get<std::string>(),
+                       f.at("command").get<std::string>()};
+    figure.wide = f.at("wide").get<bool>();
     if (f.contains("after")) figure.after = f["after"].get<int>();
     if (f.contains("chart")) {
       figure.chart = chart_from(f["chart"]);
     } else {
-      figure.file = f.at("file");
+      figure.file = f.at("file").get<std::string>();
     }
     entry.result.figures.push_back(std::move(figure));
   }
   for (const Json& t : json.at("tables")) {
-    entry.result.tables.push_back({t.at("name"), t.at("caption"), t.at("command"),
-                                   t.at("columns").get<std::vector<std::string>>(),
-                                   t.at("rows").get<std::vector<std::vector<std::string>>>()});
+    entry.result.tables.push_back(
+        {t.at("name").get<std::string>(), t.at("caption").get<std::string>(),
+         t.at("command").get<std::string>(), t.at("columns").get<std::vector<std::string>>(),
+         t.at("rows").get<std::vector<std::vector<std::string>>>()});
   }
   return entry;
 }
@@ -383,7 +384,7 @@ std::string to_text(double value, const std::string& unit, int digits) {
   return unit.empty() ? text : text + "\u00a0" + unit;
 }
 
-nlohmann::ordered_json to_json(const PaperReport& report) {
+Json to_json(const PaperReport& report) {
   Json json{{"command", report.command}};
   int checks = 0, held = 0;
   bool all_done = true;
@@ -407,7 +408,7 @@ std::vector<PaperEntry> read_entries(const std::filesystem::path& file) {
     std::ifstream in(file);
     const Json whole = Json::parse(in);
     for (const Json& json : whole.at("items")) entries.push_back(entry_from(json));
-  } catch (const nlohmann::json::exception& e) {
+  } catch (const Json::Error& e) {
     throw FileError(
         file, "",
         std::string(

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <filesystem>
-#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
 #include "bench/paper/paper_item.h"
 #include "bench/report/build_info.h"
+#include "bench/report/json.h"
 
 namespace bipot {
 
@@ -47,7 +47,7 @@ void complete(PaperResult& result, const std::string& command);
 std::string to_text(double value, const std::string& unit, int digits);
 
 /// Everything, charts' points included. NaN is null.
-nlohmann::ordered_json to_json(const PaperReport& report);
+Json to_json(const PaperReport& report);
 /// The entries of a results.json of an earlier run; empty when there is none. Throws FileError for
 /// a file that is something else.
 std::vector<PaperEntry> read_entries(const std::filesystem::path& file);

@@ -1,10 +1,8 @@
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
 #include <cstdlib>
-#include <ctime>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -156,7 +154,7 @@ PythonComparison run_comparison(const py::list& targets, std::vector<std::string
   options.on_row = nullptr;
   options.interrupted = options.cancelled = nullptr;
   made.context.build = build_info();
-  made.context.date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)));
+  made.context.date = date_and_time();
   made.context.command = command;
   made.context.command_of_target = "bipot.compare([\"{}\"], ...)";
   return made;

@@ -1,5 +1,6 @@
 #include "bench/report/build_info.h"
 
+#include <ctime>
 #include <fstream>
 #include <thread>
 
@@ -25,6 +26,15 @@ BuildInfo build_info() {
     }
   }
   return info;
+}
+
+std::string date_and_time() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  const std::size_t length = std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
+  return {text, length};
 }
 
 std::string program_version() { return BIPOT_VERSION; }

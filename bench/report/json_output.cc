@@ -10,20 +10,17 @@
 namespace bipot {
 namespace {
 
-nlohmann::ordered_json finite_or_null(double x) {
-  return std::isfinite(x) ? nlohmann::ordered_json(x) : nlohmann::ordered_json(nullptr);
-}
+Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 }  // namespace
 
-void add_error(nlohmann::ordered_json& json, const ContactError& error) {
+void add_error(Json& json, const ContactError& error) {
   json["epsilon"] = finite_or_null(error.epsilon);
   json["eta"] = finite_or_null(error.eta);
   json["epsilon_raw"] = finite_or_null(error.raw42);
   json["natural_map"] = finite_or_null(error.natural_map);
   const int worst = error.eta > error.epsilon ? error.worst_eta : error.worst_epsilon;
-  json["worst_contact"] =
-      worst >= 0 ? nlohmann::ordered_json(worst) : nlohmann::ordered_json(nullptr);
+  json["worst_contact"] = worst >= 0 ? Json(worst) : Json(nullptr);
 }
 
 void require_writable(const std::string& destination) {
@@ -38,7 +35,7 @@ void require_writable(const std::string& destination) {
   if (!writable) throw FileError(destination, "", "cannot be written");
 }
 
-void write_json(const nlohmann::ordered_json& json, const std::string& destination) {
+void write_json(const Json& json, const std::string& destination) {
   if (destination == "-") {
     std::cout << json.dump(2) << std::endl;
     return;

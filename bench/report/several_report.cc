@@ -14,8 +14,6 @@
 namespace bipot {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 std::string_view word(ContactStatus status) {
@@ -151,7 +149,7 @@ std::string to_text(const SeveralAnswers& found) {
   return text + conclusion(found);
 }
 
-nlohmann::ordered_json to_json(const SeveralAnswers& found) {
+Json to_json(const SeveralAnswers& found) {
   Json j{{"status", to_string(found.status)},
          {"message", found.message},
          {"seconds", found.seconds},

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 
+#include "bench/report/json.h"
 #include "solvers/several_answers.h"
 
 namespace bipot {
@@ -10,6 +10,6 @@ namespace bipot {
 /// What was found, as tables of at most 100 columns and sentences.
 std::string to_text(const SeveralAnswers& found);
 /// The same with every number; undefined ones are null.
-nlohmann::ordered_json to_json(const SeveralAnswers& found);
+Json to_json(const SeveralAnswers& found);
 
 }  // namespace bipot

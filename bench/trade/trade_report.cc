@@ -11,8 +11,6 @@
 namespace bipot {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 std::string three_digits(double x) { return std::isfinite(x) ? fmt::format("{:.3g}", x) : "–"; }
@@ -144,7 +142,7 @@ Json rows_json(const Trade& trade) {
 
 }  // namespace
 
-nlohmann::ordered_json to_json(const AnalysedTrade& analysed, const TradeContext& context) {
+Json to_json(const AnalysedTrade& analysed, const TradeContext& context) {
   Json scenes = Json::array();
   for (const SceneTrade& s : analysed.scenes) scenes.push_back(scene_json(s));
   return {{"command", "trade"},

@@ -1,9 +1,9 @@
 #pragma once
 
-#include <nlohmann/json.hpp>
 #include <string>
 
 #include "bench/report/build_info.h"
+#include "bench/report/json.h"
 #include "bench/trade/trade_analysis.h"
 
 namespace bipot {
@@ -17,7 +17,7 @@ struct TradeContext {
   std::string date;
 };
 
-nlohmann::ordered_json to_json(const AnalysedTrade& analysed, const TradeContext& context);
+Json to_json(const AnalysedTrade& analysed, const TradeContext& context);
 /// One line for each scene, run and outcome: tidy, for a spreadsheet or a data frame.
 std::string to_csv(const Trade& trade);
 /// For a terminal of 100 columns.

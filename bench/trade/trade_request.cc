@@ -1,14 +1,13 @@
 #include "bench/trade/trade_request.h"
 
-#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <ctime>
 #include <stdexcept>
 #include <utility>
 
+#include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "bench/report/labels.h"
 #include "bench/trade/trade_page.h"
@@ -96,7 +95,7 @@ FinishedTrade run_trade(const TradeRequest& request, const TradeWatch& watch) {
            .command_of_scene = command_line("{}", request),
            .time_limit = options.time_limit,
            .build = build_info(),
-           .date = fmt::format("{:%Y-%m-%d %H:%M} UTC", fmt::gmtime(std::time(nullptr)))}};
+           .date = date_and_time()}};
 }
 
 void write_trade(const std::filesystem::path& folder, const FinishedTrade& finished) {

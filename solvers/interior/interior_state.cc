@@ -126,7 +126,7 @@ bool InteriorSystem<D>::linearise(const State& z, double delta) {
     Eigen::Map<Block> R(&R_[static_cast<std::size_t>(c) * D * D]);
     C.setZero();
     R.setZero();
-    const int rows = f ? D : 1;
+    const int rows = f ? D : 1;  // NOLINT(bugprone-branch-clone): equal where D = 1
     for (int k = 0; k < rows; ++k) {
       Local<D> unit = Local<D>::Zero();
       unit[k] = 1;

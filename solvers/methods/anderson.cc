@@ -3,6 +3,7 @@
 #include <Eigen/Jacobi>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "core/problem/coulomb_cone.h"
@@ -83,10 +84,9 @@ class Memory {
   int size_ = 0, first_ = 0;
 };
 
-/// G: evaluates s -> G(s) in the problem's variables.
-template <class Map>
+/// map: s -> G(s), in the problem's variables.
 void iterate(const ContactScaling& scaling, const Vector& s0, int columns,
-             IterationMonitor& monitor, Map&& map) {
+             IterationMonitor& monitor, const std::function<void(Vector&)>& map) {
   Memory memory(s0.size(), columns);
   Vector x = scaling.impulse.cwiseProduct(s0), s = s0, g(x.size()), f(x.size());
   Vector f_before, g_before;

@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <exception>
 #include <vector>
 
 #include "core/problem/contact_error.h"
+#include "core/stopwatch.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -59,10 +59,6 @@ double spread_of_masses(const ContactProblem& p, const DelassusOperator& delassu
 
 bool is_warm(const SolverOptions& options) {
   return options.s0.size() != 0 && options.s0.squaredNorm() > 0;
-}
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
 /// What few contacts begin with, whatever they are.
@@ -295,7 +291,7 @@ class Race {
   }
 
   bool out_of_budget() {
-    if (seconds_since(start_) >= options_.time_limit) {
+    if (watch_.seconds() >= options_.time_limit) {
       last_ = SolveStatus::kTimeLimit;
     } else if (iterations_ >= options_.max_iterations) {
       last_ = SolveStatus::kIterationLimit;
@@ -314,11 +310,11 @@ class Race {
     } else {
       inner_.s0 = own != own_.end() ? own->second : options_.s0;
     }
-    inner_.time_limit = std::max(options_.time_limit - seconds_since(start_), 1e-9);
+    inner_.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);
     inner_.max_iterations = std::min(stage.max_iterations, options_.max_iterations - iterations_);
     inner_.parameters = stage.parameters;
     Promise promise(stage, inner_.tol, options_.stop);
-    const double stage_start = seconds_since(start_);
+    const double stage_start = watch_.seconds();
     inner_.on_iteration = [&](const IterationRecord& r) {
       promise.record(r);
       if (!options_.on_iteration || (iterations_ > 0 && r.iteration == 0)) return;
@@ -352,7 +348,7 @@ class Race {
     const bool stopped = last_ == SolveStatus::kInterrupted || last_ == SolveStatus::kTimeLimit;
     const bool by_caller = stopped && options_.cancelled && options_.cancelled();
     const bool given_up =
-        stopped && !by_caller && promise.broken() && seconds_since(start_) < options_.time_limit;
+        stopped && !by_caller && promise.broken() && watch_.seconds() < options_.time_limit;
     if (by_caller) last_ = SolveStatus::kInterrupted;
     trail_ += fmt::format("{}{} {}: {} ({:.1e})", trail_.empty() ? "" : "; ", stage.solver,
                           result.iterations, given_up ? "given up" : to_string(last_), error);
@@ -369,10 +365,10 @@ class Race {
   const ContactProblem& with_delassus() {
     if (p_.has_delassus()) return p_;
     if (!with_delassus_.has_delassus()) {
-      const auto begin = std::chrono::steady_clock::now();
+      const Stopwatch setup;
       with_delassus_ = p_;
       with_delassus_.W = assemble_delassus(p_.A, p_.H, p_.dim);
-      best_.setup_seconds += seconds_since(begin);
+      best_.setup_seconds += setup.seconds();
     }
     return with_delassus_;
   }
@@ -410,11 +406,11 @@ class Race {
     best_.status = last_;
     best_.message = fmt::format("stages: {}", trail_.empty() ? "none was run" : trail_);
     best_.iterations = iterations_;
-    best_.solve_seconds = seconds_since(start_) - best_.setup_seconds;
+    best_.solve_seconds = watch_.seconds() - best_.setup_seconds;
     return std::move(best_);
   }
 
-  const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  const Stopwatch watch_;
   const ContactProblem& p_;
   const SolverOptions& options_;
   ContactProblem with_delassus_;

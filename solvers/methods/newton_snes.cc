@@ -344,16 +344,16 @@ SolveResult refuse(const ContactProblem& p, const std::string& message) {
   return refused;
 }
 
-/// On a problem that has W where the contact form needs it. `begin`: of the set-up.
+/// On a problem that has W where the contact form needs it. `watch`: of the set-up.
 SolveResult run_newton(const ContactProblem& p, const SolverOptions& options,
                        const Settings& settings, PetscOptions petsc_options,
-                       IterationMonitor::Clock::time_point begin) {
+                       const Stopwatch& watch) {
   // Workspace of MUMPS, per cent; its 200 run out.
   petsc_options.add_default("mat_mumps_icntl_14", "1000");
   if (settings.linear != "mumps") petsc_options.add_default("mat_umfpack_ordering", "METIS");
   const PetscSession session(std::move(petsc_options));
 
-  IterationMonitor monitor(p, options, begin);
+  IterationMonitor monitor(p, options, watch);
   const Vector start = start_of(p, options);
   NewtonSystem system(p, monitor.evaluator().delassus().diagonal(), settings.residual,
                       settings.mixed);
@@ -378,7 +378,7 @@ SolveResult run_newton(const ContactProblem& p, const SolverOptions& options,
 }  // namespace
 
 SolveResult solve_newton_snes(const ContactProblem& p, const SolverOptions& options) {
-  const auto begin = IterationMonitor::Clock::now();
+  const Stopwatch watch;
   const Parameters parameters(options.parameters, kNewtonParameters);
   Settings settings;
   std::optional<PetscOptions> petsc_options;
@@ -389,11 +389,11 @@ SolveResult solve_newton_snes(const ContactProblem& p, const SolverOptions& opti
     return refuse(p, e.what());
   }
   if (settings.mixed || p.has_delassus()) {
-    return run_newton(p, options, settings, std::move(*petsc_options), begin);
+    return run_newton(p, options, settings, std::move(*petsc_options), watch);
   }
   ContactProblem with_delassus = p;
   with_delassus.W = assemble_delassus(p.A, p.H, p.dim);
-  return run_newton(with_delassus, options, settings, std::move(*petsc_options), begin);
+  return run_newton(with_delassus, options, settings, std::move(*petsc_options), watch);
 }
 
 }  // namespace bipot

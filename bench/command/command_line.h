@@ -1,0 +1,95 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
+
+namespace bipot {
+
+/// An option that was just declared; each call says one thing more about it.
+class DeclaredOption {
+ public:
+  explicit DeclaredOption(CLI::Option* option) : option_(option) {}
+
+  DeclaredOption& required();
+  /// What the help calls its value: SECONDS, FILE.
+  DeclaredOption& value_name(const std::string& name);
+  /// The heading of the help under which it stands.
+  DeclaredOption& group(const std::string& heading);
+  /// Works, but does not show in the help.
+  DeclaredOption& hidden();
+  /// Shows the value that the variable has now as the default.
+  DeclaredOption& show_default();
+  /// Refused, NaN too, unless every value lies there.
+  DeclaredOption& positive();
+  DeclaredOption& not_negative();
+  DeclaredOption& between(int lowest, int highest);
+  DeclaredOption& one_of(const std::vector<std::string>& values);
+
+ private:
+  CLI::Option* option_;
+};
+
+/// One of the program's commands. Values are written when the arguments are parsed: the variables
+/// must live until then. A name without dashes is an argument, read by its place.
+class CommandDeclaration {
+ public:
+  explicit CommandDeclaration(CLI::App* app) : app_(app) {}
+
+  using Text = const std::string&;
+  DeclaredOption option(Text name, std::string& value, Text help);
+  DeclaredOption option(Text name, std::optional<std::string>& value, Text help);
+  DeclaredOption option(Text name, int& value, Text help);
+  DeclaredOption option(Text name, std::optional<int>& value, Text help);
+  DeclaredOption option(Text name, std::uint64_t& value, Text help);
+  DeclaredOption option(Text name, double& value, Text help);
+  DeclaredOption option(Text name, std::optional<double>& value, Text help);
+  /// Lists: options take their values separated by commas, arguments as words.
+  DeclaredOption option(Text name, std::vector<std::string>& values, Text help);
+  DeclaredOption option(Text name, std::vector<double>& values, Text help);
+  /// Called with the value as it stands among the arguments.
+  DeclaredOption option(Text name, const std::function<void(const std::string&)>& call, Text help);
+  DeclaredOption flag(Text name, bool& value, Text help);
+  /// Called where the flag stands among the arguments.
+  DeclaredOption flag(Text name, const std::function<void()>& call, Text help);
+  /// Stands below the help.
+  void footer(Text text);
+
+  std::string name() const;
+  /// True when the arguments that were parsed name this command.
+  bool given() const;
+
+ private:
+  CLI::App* app_;
+};
+
+/// The program's arguments. CLI11 is large: it is read in command_line.cc alone.
+class CommandLine {
+ public:
+  CommandLine(const std::string& program, const std::string& description,
+              const std::string& version, const std::string& footer);
+  ~CommandLine();
+
+  CommandDeclaration add_command(const std::string& name, const std::string& description);
+
+  struct Parsed {
+    enum class Outcome { kCommand, kAnswered, kRefused };
+    Outcome outcome = Outcome::kCommand;  ///< kAnswered: help or version, on standard output
+    std::string refusal;                  ///< already on standard error
+  };
+  /// Exactly one command must be named.
+  Parsed parse(int argc, const char* const* argv);
+
+ private:
+  std::unique_ptr<CLI::App> app_;
+};
+
+}  // namespace bipot
