@@ -105,121 +105,162 @@ class Promise {
   bool broken_ = false;
 };
 
+/// Writes the plan down, stage by stage; `plan_auto` says what it is.
+class Planner {
+  using Start = AutoStage::Start;
+
+ public:
+  Planner(const ContactProblem& p, const DelassusOperator& delassus, bool warm)
+      : contacts_(p.num_contacts()),
+        exact_(p.dim <= 2),
+        local_(!p.has_velocities()),
+        warm_(warm),
+        unequal_(spread_of_masses(p, delassus) > kUnequal) {
+    const double root = std::sqrt(static_cast<double>(contacts_));
+    crossing_ = 50 + static_cast<int>((local_ ? 20 : 70) * root);
+    stages_.reserve(20);
+  }
+
+  std::vector<AutoStage> operator()() {
+    regular_packings();
+    first_order();
+    second_order();
+    again();
+    without_end();
+    return std::move(stages_);
+  }
+
+ private:
+  void add(const char* solver, int least, int most, Start start, const char* reason,
+           std::map<std::string, std::string> parameters = {}) {
+    if (!with_newton_ && solver == std::string_view("newton")) return;
+    stages_.push_back({solver, least, most, start, std::move(parameters), reason});
+  }
+  void follow(int most, std::map<std::string, std::string> parameters, const char* reason) {
+    if (exact_) add("homotopy", most, most, Start::kBest, reason, std::move(parameters));
+  }
+  void first_paths(int pivots) {
+    follow(pivots, {{"start_tol", "1"}}, "moving packings: an exact path from the best impulse");
+    if (exact_) stages_.back().largest_error = kUsefulStart;
+  }
+  void newton_on_delassus() {
+    add("newton", 12, 40, Start::kOwn, "W given: a few factorisations cost little");
+  }
+  void sweeps() {
+    if (contacts_ > kLarge) return;
+    add("pgs", local_ || contacts_ <= kSmall ? 200 : 64, local_ ? 1000 : 500, Start::kOwn,
+        "sweeps find solutions of sliding pyramids that others miss");
+  }
+  bool sweeps_first() const { return !local_ && contacts_ <= kSmall; }
+
+  void regular_packings() {
+    if (contacts_ <= kFew) stages_.push_back(first_of_few());
+    if (unequal_) {
+      add("ipm", 40, 60, Start::kOwn, "very unequal masses: factorisations do not feel them");
+    }
+    if (contacts_ > kFew && contacts_ <= kLarge) {
+      add("anderson", 16, 100, Start::kOwn,
+          "the quickest by far on regular packings, and soon seen not to be elsewhere");
+    }
+    if (local_ && contacts_ > kFew && contacts_ <= kCheapFactors) newton_on_delassus();
+    if (sweeps_first()) sweeps();
+  }
+
+  void first_order() {
+    if (exact_ && !local_ && contacts_ > kFew && contacts_ <= kShortPaths) {
+      follow(kFirstPivots, {{"start_tol", "1e-1"}, {"delta", "1e-5"}},
+             "small moving packings: an exact path from a rough start");
+      stages_.back().largest_tol = kRough;
+    }
+    if (exact_ && contacts_ > kLarge) {
+      // Where momentum takes long, the factors of W are worth their price for two digits.
+      add("apgd", 3000, 3000, Start::kOwn, "packings at rest, roughly");
+      stages_.back().least_tol = kRough;
+      add("admm", 600, 2000, Start::kBest, "moving packings, roughly");
+      stages_.back().least_tol = kRough;
+    }
+    if (exact_ && !local_ && contacts_ <= kLarge) {
+      // Where it does not go on to the end, it has made a start for paths by then.
+      const int enough = std::min(crossing_, kStartSteps);
+      add("apgd", enough, enough + enough / 2, Start::kOwn,
+          "momentum: O(sqrt N) iterations, and a start");
+    } else {
+      // Longer still from a warm start; given that time, it halves the cost of a compaction at
+      // rest.
+      add("apgd", warm_ ? 2 * crossing_ : crossing_,
+          std::max(warm_ ? 40000 : (local_ ? 4000 : 8000), crossing_ + crossing_ / 2), Start::kOwn,
+          "momentum: O(sqrt N) iterations, whatever the packing");
+    }
+    if (local_ && contacts_ > kCheapFactors) newton_on_delassus();
+  }
+
+  void second_order() {
+    if (contacts_ <= kLarge) first_paths(std::max(kPivots, 3 * contacts_));
+    if (!sweeps_first()) sweeps();
+    if (exact_ && contacts_ > kLarge) {
+      add("admm", 1000, 3000, Start::kCaller, "large packings at rest, by factors of W");
+    }
+    // An interior point shows its progress late. On large problems too much would be thrown away;
+    // and what resists first order from a warm start is a packing at rest, where it arrives in 25
+    // to 50.
+    const bool patient = warm_ || contacts_ > kLarge;
+    add("ipm", patient ? 40 : 12, patient ? 80 : 40, Start::kOwn,
+        "accuracy on piles, a few dozen factorisations");
+    // There a path costs more than all factorisations that a packing at rest needs.
+    if (contacts_ > kLarge) first_paths(kManyPivots);
+    if (contacts_ <= kLarge) {
+      add("newton", local_ ? 500 : 12, local_ ? 1000 : 40, Start::kOwn,
+          "quadratic where W is regular");
+    }
+  }
+
+  void again() {
+    const bool sweeps_again = !local_ && contacts_ <= kCheapFactors;
+    if (sweeps_again) add("pgs", 16000, 20000, Start::kOwn, "again, with patience: still cheap");
+    follow(kManyPivots, {}, "again, with patience, from a better start");
+    if (local_) {
+      add("ipm", 60, 150, Start::kOwn, "again, with patience");
+      add("apgd", 3000, 12000, Start::kOwn, "again, with patience");
+      add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
+      return;
+    }
+    // Momentum is lost where it was given up: from the start once more, to a later end.
+    add("apgd", 6000, std::max(12000, 8 * crossing_), Start::kCaller, "again, with patience");
+    if (!sweeps_again && contacts_ <= kLarge) {
+      add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
+    }
+    add("ipm", 150, 300, Start::kCaller, "again, through the folds of sliding pyramids");
+    if (contacts_ <= kLarge) add("newton", 100, 500, Start::kOwn, "again, with patience");
+  }
+
+  void without_end() {
+    add("apgd", kUnlimited, 100000, Start::kBest, "long runs of first order from the best impulse");
+    if (contacts_ <= kLarge) {
+      add("newton", kUnlimited, 3000, Start::kBest, "proximal Newton from the best impulse",
+          {{"start_sweeps", "5000"}});
+      add("admm", kUnlimited, 4000, Start::kBest, "splitting, where pivots go wrong");
+    }
+    follow(kUnlimited, {}, "paths from better and better starts");
+    add("ipm", kUnlimited, 2000, Start::kBest, "central paths through their folds, in turns");
+    add("pgs", kUnlimited, kUnlimited, Start::kBest,
+        "last resort: sweeps, which approach where nothing converges");
+  }
+
+  const int contacts_;
+  const bool exact_;  // in space the law is not piecewise linear
+  const bool local_, warm_, unequal_;
+  const bool with_newton_ = find_solver("newton") != nullptr;  // needs PETSc
+  // Information crosses a packing of N contacts in O(sqrt N) iterations of apgd; its error stands
+  // for some crossings before it falls.
+  int crossing_ = 0;
+  std::vector<AutoStage> stages_;
+};
+
 }  // namespace
 
 std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator& delassus,
                                  bool warm) {
-  using Start = AutoStage::Start;
-  const int contacts = p.num_contacts();
-  const bool with_newton = find_solver("newton") != nullptr;  // needs PETSc
-  std::vector<AutoStage> stages;
-  stages.reserve(16);
-  const auto add = [&](const char* solver, int least, int most, Start start, const char* reason,
-                       std::map<std::string, std::string> parameters = {}) {
-    if (!with_newton && solver == std::string_view("newton")) return;
-    stages.push_back({solver, least, most, start, std::move(parameters), reason});
-  };
-  // In space the law is not piecewise linear.
-  const bool exact = p.dim <= 2;
-  const auto follow = [&](int most, std::map<std::string, std::string> parameters,
-                          const char* reason) {
-    if (exact) add("homotopy", most, most, Start::kBest, reason, std::move(parameters));
-  };
-
-  const bool local = !p.has_velocities();
-  // Information crosses a packing of N contacts in O(sqrt N) iterations of apgd; its error stands
-  // for some crossings before it falls.
-  const double root = std::sqrt(static_cast<double>(contacts));
-  const int crossing = 50 + static_cast<int>((local ? 20 : 70) * root);
-  if (contacts <= kFew) stages.push_back(first_of_few());
-  if (spread_of_masses(p, delassus) > kUnequal) {
-    add("ipm", 40, 60, Start::kOwn, "very unequal masses: factorisations do not feel them");
-  }
-  if (contacts > kFew && contacts <= kLarge) {
-    add("anderson", 16, 100, Start::kOwn,
-        "the quickest by far on regular packings, and soon seen not to be elsewhere");
-  }
-  const auto newton_on_delassus = [&] {
-    add("newton", 12, 40, Start::kOwn, "W given: a few factorisations cost little");
-  };
-  if (local && contacts > kFew && contacts <= kCheapFactors) newton_on_delassus();
-  const auto sweeps = [&] {
-    if (contacts > kLarge) return;
-    add("pgs", local || contacts <= kSmall ? 200 : 64, local ? 1000 : 500, Start::kOwn,
-        "sweeps find solutions of sliding pyramids that others miss");
-  };
-  const bool sweeps_first = !local && contacts <= kSmall;
-  if (sweeps_first) sweeps();
-  if (exact && !local && contacts > kFew && contacts <= kShortPaths) {
-    follow(kFirstPivots, {{"start_tol", "1e-1"}, {"delta", "1e-5"}},
-           "small moving packings: an exact path from a rough start");
-    stages.back().largest_tol = kRough;
-  }
-  if (exact && contacts > kLarge) {
-    // Where momentum takes long, the factors of W are worth their price for two digits.
-    add("apgd", 3000, 3000, Start::kOwn, "packings at rest, roughly");
-    stages.back().least_tol = kRough;
-    add("admm", 600, 2000, Start::kBest, "moving packings, roughly");
-    stages.back().least_tol = kRough;
-  }
-  if (exact && !local && contacts <= kLarge) {
-    // Where it does not go on to the end, it has made a start for paths by then.
-    const int enough = std::min(crossing, kStartSteps);
-    add("apgd", enough, enough + enough / 2, Start::kOwn,
-        "momentum: O(sqrt N) iterations, and a start");
-  } else {
-    // Longer still from a warm start; given that time, it halves the cost of a compaction at rest.
-    add("apgd", warm ? 2 * crossing : crossing,
-        std::max(warm ? 40000 : (local ? 4000 : 8000), crossing + crossing / 2), Start::kOwn,
-        "momentum: O(sqrt N) iterations, whatever the packing");
-  }
-  if (local && contacts > kCheapFactors) newton_on_delassus();
-  const auto first_paths = [&](int pivots) {
-    follow(pivots, {{"start_tol", "1"}}, "moving packings: an exact path from the best impulse");
-    if (exact) stages.back().largest_error = kUsefulStart;
-  };
-  if (contacts <= kLarge) first_paths(std::max(kPivots, 3 * contacts));
-  if (!sweeps_first) sweeps();
-  if (exact && contacts > kLarge) {
-    add("admm", 1000, 3000, Start::kCaller, "large packings at rest, by factors of W");
-  }
-  // An interior point shows its progress late. On large problems too much would be thrown away; and
-  // what resists first order from a warm start is a packing at rest, where it arrives in 25 to 50.
-  const bool patient = warm || contacts > kLarge;
-  add("ipm", patient ? 40 : 12, patient ? 80 : 40, Start::kOwn,
-      "accuracy on piles, a few dozen factorisations");
-  // There a path costs more than all factorisations that a packing at rest needs.
-  if (contacts > kLarge) first_paths(kManyPivots);
-  if (contacts <= kLarge) {
-    add("newton", local ? 500 : 12, local ? 1000 : 40, Start::kOwn, "quadratic where W is regular");
-  }
-  const bool sweeps_again = !local && contacts <= kCheapFactors;
-  if (sweeps_again) add("pgs", 16000, 20000, Start::kOwn, "again, with patience: still cheap");
-  follow(kManyPivots, {}, "again, with patience, from a better start");
-  if (local) {
-    add("ipm", 60, 150, Start::kOwn, "again, with patience");
-    add("apgd", 3000, 12000, Start::kOwn, "again, with patience");
-    add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
-  } else {
-    // Momentum is lost where it was given up: from the start once more, to a later end.
-    add("apgd", 6000, std::max(12000, 8 * crossing), Start::kCaller, "again, with patience");
-    if (!sweeps_again && contacts <= kLarge) {
-      add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
-    }
-    add("ipm", 150, 300, Start::kCaller, "again, through the folds of sliding pyramids");
-    if (contacts <= kLarge) add("newton", 100, 500, Start::kOwn, "again, with patience");
-  }
-  add("apgd", kUnlimited, 100000, Start::kBest, "long runs of first order from the best impulse");
-  if (contacts <= kLarge) {
-    add("newton", kUnlimited, 3000, Start::kBest, "proximal Newton from the best impulse",
-        {{"start_sweeps", "5000"}});
-    add("admm", kUnlimited, 4000, Start::kBest, "splitting, where pivots go wrong");
-  }
-  follow(kUnlimited, {}, "paths from better and better starts");
-  add("ipm", kUnlimited, 2000, Start::kBest, "central paths through their folds, in turns");
-  add("pgs", kUnlimited, kUnlimited, Start::kBest,
-      "last resort: sweeps, which approach where nothing converges");
-  return stages;
+  return Planner(p, delassus, warm)();
 }
 
 std::string explain_auto(const ContactProblem& p, const SolverOptions& options) {
