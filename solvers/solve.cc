@@ -7,6 +7,7 @@
 #include <exception>
 
 #include "core/problem/delassus.h"
+#include "core/problem/extended_error.h"
 #include "core/stopwatch.h"
 #include "solvers/parameters.h"
 #include "solvers/registry.h"
@@ -54,6 +55,25 @@ std::string validate_options(const SolverEntry& entry, const ContactProblem& p,
                        entry.max_contacts, p.num_contacts());
   }
   return {};
+}
+
+/// From this friction on, rounding of the criterion in double precision may pass for convergence.
+constexpr double kLargeFriction = 1e4;
+/// What the extended figure may exceed the tolerance by: the solver could not see it.
+constexpr double kExtendedGrace = 1.25;
+
+/// Withdraws a claim that only the rounding of the criterion supports.
+void judge_in_extended_precision(const ContactProblem& problem, const SolverOptions& options,
+                                 SolveResult& result) {
+  if (result.status != SolveStatus::kConverged || options.stop != StopTest::kGuarded) return;
+  if (problem.num_contacts() == 0 || !(problem.mu.maxCoeff() >= kLargeFriction)) return;
+  const double exact = extended_guarded_error(problem, result.s);
+  if (!(exact > kExtendedGrace * options.tol)) return;
+  result.status = SolveStatus::kStalled;
+  result.message = fmt::format(
+      "stalled at the rounding of large friction: guarded error {:.3e} in double, {:.3e} in extended "
+      "precision (it said: {})",
+      result.error.guarded(), exact, result.message);
 }
 
 /// Judges result.s on the original problem, writes s, u and error, withdraws false claims.
@@ -186,6 +206,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       result.setup_seconds += before;
     }
     judge(problem, options, evaluate, result);
+    judge_in_extended_precision(*given, options, result);
     return result;
   } catch (const std::exception& e) {  // out of memory, an indefinite general mass matrix
     SolveResult result;

@@ -13,6 +13,7 @@
 #include "bench/extremes/random_problem.h"
 #include "bench/extremes/random_sets.h"
 #include "bench/measure/second_opinion.h"
+#include "core/problem/extended_error.h"
 #include "solvers/registry.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
@@ -34,6 +35,20 @@ TEST(SecondOpinion, AgreesWithTheNaiveImplementation) {
       EXPECT_NEAR(opinion.epsilon, naive.epsilon, 1e-10 * naive.epsilon) << "d = " << dim;
       EXPECT_NEAR(opinion.eta, naive.eta, 1e-10 * naive.eta) << "d = " << dim;
       EXPECT_GT(opinion.guarded, 1e-3);
+    }
+  }
+}
+
+TEST(SecondOpinion, TheExtendedErrorThatJudgesLargeFrictionAgrees) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    for (const double mu : {0.4, 1e6}) {
+      const Manufactured m = manufactured_problem(dim, 6, 9, 7, mu);
+      Vector s = m.s;
+      for (Eigen::Index i = 0; i < s.size(); ++i) s[i] *= 1 + 1e-5 * std::sin(3.0 * double(i));
+      const SecondOpinion global = second_opinion(m.problem, s);
+      const double extended = extended_guarded_error(m.problem, global.s);
+      EXPECT_NEAR(extended, second_opinion(m.problem, global.s).guarded, 1e-9 * extended)
+          << "d = " << dim << ", mu = " << mu;
     }
   }
 }
