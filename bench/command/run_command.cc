@@ -10,6 +10,7 @@
 #include <system_error>
 
 #include "bench/command/exit_code.h"
+#include "bench/command/failure_text.h"
 #include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
 #include "bench/command/run_summary.h"
@@ -35,14 +36,15 @@ namespace fs = std::filesystem;
 void refuse_flags_of_the_other_model(const RunFlags& flags, Model model) {
   const SolverFlags& solver = flags.solver;
   if (model == Model::kSpringDashpot) {
-    const char* flag = solver.name                    ? "--solver"
-                       : solver.stop                  ? "--stop"
-                       : solver.tol                   ? "--tol"
-                       : solver.max_iterations        ? "--max-iterations"
-                       : solver.warm_start            ? "--warm-start"
-                       : !solver.parameters.empty()   ? "a solver parameter"
-                       : !flags.dump_problems.empty() ? "--dump-problems"
-                                                      : nullptr;
+    const char* flag = solver.name                                 ? "--solver"
+                       : solver.stop                               ? "--stop"
+                       : solver.tol                                ? "--tol"
+                       : solver.max_iterations                     ? "--max-iterations"
+                       : solver.warm_start                         ? "--warm-start"
+                       : !solver.parameters.empty()                ? "a solver parameter"
+                       : !flags.dump_problems.empty()              ? "--dump-problems"
+                       : flags.on_failure != RunFlags{}.on_failure ? "--on-failure"
+                                                                   : nullptr;
     if (flag != nullptr) {
       throw std::invalid_argument(fmt::format(
           "{} has no meaning under --model dem, which solves no contact problem", flag));
@@ -143,6 +145,8 @@ RunOutcome outcome_of(const SceneRun& run) {
   if (run.end == SceneRun::End::kFailed) {
     return run.failure->kind == StepFailure::Kind::kInvalidInput
                ? RunOutcome{"invalid input", kExitBadInput}
+           : run.failure->kind == StepFailure::Kind::kNotConverged
+               ? RunOutcome{"not converged", kExitNotConverged}
                : RunOutcome{"failed", kExitNumericalFailure};
   }
   if (InterruptGuard::requested()) return {"interrupted", kExitInterrupted};
@@ -189,6 +193,13 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
               "Write the steps' contact problems as FCLIB files into DIR/problems")
       .one_of({"all", "failed"})
       .group("Results");
+  command
+      .option(
+          "--on-failure", flags.on_failure,
+          "A step that is not solved to the tolerance: take it with the best impulse and go on, "
+          "end before it, or take it in up to 64 smaller parts")
+      .one_of({"continue", "stop", "smaller-step"})
+      .show_default();
   add_solver_flags(command, flags.solver);
   add_warm_start_flags(command, flags.solver);
   command.footer(
@@ -245,11 +256,21 @@ int run_command(const RunFlags& flags) {
   }
   run_options.explicit_delassus = entry.needs_delassus;
   run_options.threads = flags.common.threads;
+  run_options.on_failure = flags.on_failure == "stop"           ? OnFailure::kStop
+                           : flags.on_failure == "smaller-step" ? OnFailure::kSmallerStep
+                                                                : OnFailure::kContinue;
   run_options.cancelled = [&] { return InterruptGuard::requested() || watch.seconds() > limit; };
   SceneRun run;
+  std::string advice;  // on the first step that was not solved
+  EnergyGrowth growth(state);
   {
     ProgressBar progress(*run_options.steps, quiet);
-    run_options.on_step = [&progress, first = state.step](const SceneStep& step) {
+    run_options.on_step = [&, first = state.step](const SceneStep& step) {
+      growth.add(scene, step);
+      if (!step.report.converged && advice.empty() && !quiet) {
+        advice = failure_text(scene, step.state, step.state.contacts, step.problem,
+                              step.report.error, step.report.step);
+      }
       progress.update(
           step.report.step - first,
           fmt::format("{} contacts, {} iterations", step.report.contacts, step.report.iterations));
@@ -259,7 +280,15 @@ int run_command(const RunFlags& flags) {
                                 : run_scene_into(scene, state, run_options, folder);
   }
   const auto [status, exit_code] = outcome_of(run);
-  if (run.failure) fmt::print(stderr, "bipot: {}\n", run.failure->what());
+  if (run.failure) {
+    fmt::print(stderr, "bipot: {}\n", run.failure->what());
+    if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged))
+      advice = failure_text(scene, state, run);
+  }
+  if (!advice.empty() && !quiet) fmt::print(stderr, "{}", advice);
+  if (const std::string warning = growth.warning(scene); !warning.empty() && !flags.common.quiet) {
+    fmt::print(stderr, "{}", warning);
+  }
   const RunSummary summary{scene, state, run, status, exit_code, watch.seconds(), flags.common.out};
   const auto json = to_json(summary);
   if (!flags.common.out.empty()) write_json(json, (folder.folder / "summary.json").string());

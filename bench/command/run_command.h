@@ -11,8 +11,9 @@ struct RunFlags {
   std::string scene;
   std::optional<int> steps;
   std::optional<double> step_size;
-  std::string restart;        ///< folder or run.h5 of an earlier run
-  std::string dump_problems;  ///< "", "all" or "failed"
+  std::string restart;                  ///< folder or run.h5 of an earlier run
+  std::string dump_problems;            ///< "", "all" or "failed"
+  std::string on_failure = "continue";  ///< or "stop", "smaller-step"
   std::optional<std::string> model;
   /// Of the spring-dashpot model; unset entries leave the scene's choice.
   std::optional<double> stiffness, overlap, tangential_ratio, substep;

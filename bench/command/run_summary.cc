@@ -52,6 +52,7 @@ Json to_json(const RunSummary& s) {
                 {"steps", t.steps},
                 {"steps_planned", s.run.planned},
                 {"steps_converged", t.converged},
+                {"steps_split", t.split},
                 {"message", message_of(s)},
                 {"first_unconverged_step", t.first_unconverged},
                 {"last_step", state.step},
@@ -103,6 +104,7 @@ std::string to_text(const RunSummary& s) {
   if (const std::string why = message_of(s); !why.empty()) {
     fmt::format_to(add, "  reason       {}\n", why);
   }
+  if (t.split > 0) fmt::format_to(add, "  split        {} steps taken in smaller parts\n", t.split);
   if (dem != nullptr) {
     fmt::format_to(add,
                    "  model        springs and dashpots, k_n = {:.4g} N/m, k_t = {:.4g} N/m\n"

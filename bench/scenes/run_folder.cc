@@ -51,7 +51,11 @@ void RunFolder::step(const SceneStep& step) {
 }
 
 void RunFolder::finish(const State& state, const SceneRun& run) {
-  if (run.failure && options_.problems != RunFolderOptions::Problems::kNone) {
+  // A step that could not be taken always leaves its problem.
+  using Kind = StepFailure::Kind;
+  const bool unsolved = run.failure && (run.failure->kind == Kind::kNumerical ||
+                                        run.failure->kind == Kind::kNotConverged);
+  if (unsolved || (run.failure && options_.problems != RunFolderOptions::Problems::kNone)) {
     StepReport failed;
     failed.step = state.step + 1;
     failed.time = state.time + scene_.step;

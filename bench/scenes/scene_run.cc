@@ -31,7 +31,7 @@ SceneRun run_scene(const Scene& scene, State& state, const SceneRunOptions& opti
   SceneRun run;
   run.planned = options.steps.value_or(scene.num_steps);
   SceneStepper stepper(scene, options.solver, options.explicit_delassus, options.cancelled,
-                       options.threads);
+                       options.threads, options.on_failure);
   run.springs = stepper.springs();
   while (run.totals.steps < run.planned) {
     if (options.cancelled && options.cancelled()) {
@@ -51,6 +51,7 @@ SceneRun run_scene(const Scene& scene, State& state, const SceneRunOptions& opti
       return run;
     }
     run.totals.add(report);
+    if (stepper.parts() > 1) ++run.totals.split;
     if (options.on_step && !options.on_step({state, report, stepper.problem(), stepper.start()})) {
       run.end = SceneRun::End::kStopped;
       return run;

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 
+#include "bench/scenes/split_step.h"
 #include "core/motion/spring_dashpot.h"
 #include "core/motion/time_stepping.h"
 
@@ -22,6 +23,7 @@ struct SceneTotals {
   int steps = 0, converged = 0;
   long contacts = 0, iterations = 0;
   int max_contacts = 0, max_iterations = 0;
+  int split = 0;               ///< steps that were taken in parts
   int first_unconverged = -1;  ///< step; -1: all converged
   std::string message;         ///< of that step
   int worst_step = -1;         ///< step with the largest guarded error, or the last undefined one
@@ -38,8 +40,9 @@ struct SceneRunOptions {
   /// Solves the steps' problems, with rigid contacts whatever the scene's model is; empty: the model
   /// and the solver are the scene's own choice, which `cancelled` interrupts.
   StepSolver solver;
-  bool explicit_delassus = false;   ///< `solver` needs W
-  int threads = 1;                  ///< of detection, assembly and the scene's own solver
+  bool explicit_delassus = false;  ///< `solver` needs W
+  int threads = 1;                 ///< of detection, assembly and the scene's own solver
+  OnFailure on_failure = OnFailure::kContinue;  ///< rigid contacts only
   std::function<bool()> cancelled;  ///< polled before each step (and by springs inside); true ends
   /// Before each step: may look, and change the impulses that the step starts from.
   std::function<void(State&)> before_step;

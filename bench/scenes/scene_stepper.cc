@@ -1,5 +1,6 @@
 #include "bench/scenes/scene_stepper.h"
 
+#include <string>
 #include <utility>
 
 #include "solvers/registry.h"
@@ -8,7 +9,8 @@
 namespace bipot {
 
 SceneStepper::SceneStepper(const Scene& scene, StepSolver solver, bool explicit_delassus,
-                           std::function<bool()> cancelled, int threads) {
+                           std::function<bool()> cancelled, int threads, OnFailure on_failure)
+    : scene_(scene), threads_(threads), on_failure_(on_failure) {
   if (!solver && scene.model == Model::kSpringDashpot) {
     springs_.emplace(scene, std::move(cancelled));
     return;
@@ -21,17 +23,41 @@ SceneStepper::SceneStepper(const Scene& scene, StepSolver solver, bool explicit_
     solver = make_step_solver(entry, std::move(choice));
     explicit_delassus = entry.needs_delassus;
   }
+  solver_ = std::move(solver);
+  explicit_delassus_ = explicit_delassus;
   rigid_.emplace(
       scene,
-      [this, solver = std::move(solver)](const ContactProblem& problem, const Vector& start) {
+      [this](const ContactProblem& problem, const Vector& start) {
         start_ = start;
-        return solver(problem, start);
+        return solver_(problem, start);
       },
       explicit_delassus, threads);
 }
 
 StepReport SceneStepper::advance(State& state) {
-  return springs_ ? springs_->advance(state) : rigid_->advance(state);
+  parts_ = 1;
+  if (springs_) return springs_->advance(state);
+  if (on_failure_ == OnFailure::kContinue) return rigid_->advance(state);
+  State next = state;
+  std::string why;
+  try {
+    StepReport report = rigid_->advance(next);
+    if (report.converged) {
+      state = std::move(next);
+      return report;
+    }
+    why = report.message;
+  } catch (const StepFailure& failure) {
+    const bool numerical = failure.kind == StepFailure::Kind::kNumerical;
+    if (!numerical || on_failure_ == OnFailure::kStop) throw;
+    why = failure.what();
+  }
+  if (on_failure_ == OnFailure::kStop) {
+    throw StepFailure(StepFailure::Kind::kNotConverged, state, why);
+  }
+  SplitStep split = advance_in_parts(scene_, solver_, explicit_delassus_, state, threads_);
+  parts_ = split.parts;
+  return std::move(split.report);
 }
 
 std::optional<SpringDashpotSetup> SceneStepper::springs() const {

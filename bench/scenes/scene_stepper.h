@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 
+#include "bench/scenes/split_step.h"
 #include "core/motion/spring_dashpot.h"
 #include "core/motion/time_stepping.h"
 
@@ -17,23 +18,33 @@ class SceneStepper {
   /// solver. The scene must outlive the stepper. Throws
   /// std::invalid_argument when the scene's solver or springs are refused.
   explicit SceneStepper(const Scene& scene, StepSolver solver = {}, bool explicit_delassus = false,
-                        std::function<bool()> cancelled = {}, int threads = 1);
+                        std::function<bool()> cancelled = {}, int threads = 1,
+                        OnFailure on_failure = OnFailure::kContinue);
   SceneStepper(const SceneStepper&) = delete;  // the solver knows where start_ is
   SceneStepper& operator=(const SceneStepper&) = delete;
 
-  /// Takes one step, see TimeStepper::advance() and SpringDashpotStepper::advance().
+  /// Takes one step, see TimeStepper::advance() and SpringDashpotStepper::advance(); what happens
+  /// where it is not solved, with rigid contacts, is on_failure's choice.
   StepReport advance(State& state);
 
   /// Of the last step; without contacts under the model dem.
   const ContactProblem& problem() const { return rigid_ ? rigid_->problem() : none_; }
   /// Impulse that the solver of the last step started from; empty: none was given.
   const Vector& start() const { return start_; }
+  /// Of the last step: more than 1 where it was split.
+  int parts() const { return parts_; }
   /// Model dem only.
   std::optional<SpringDashpotSetup> springs() const;
 
  private:
   std::optional<SpringDashpotStepper> springs_;
   std::optional<TimeStepper> rigid_;
+  const Scene& scene_;
+  StepSolver solver_;
+  bool explicit_delassus_ = false;
+  int threads_ = 1;
+  OnFailure on_failure_ = OnFailure::kContinue;
+  int parts_ = 1;
   Vector start_;
   ContactProblem none_;
 };

@@ -64,7 +64,7 @@ ContactProblem step_problem(const Scene& scene, const State& state, bool explici
 
 /// A step that was not taken; the message says why.
 struct StepFailure : std::runtime_error {
-  enum class Kind { kNumerical, kInvalidInput, kCutShort };
+  enum class Kind { kNumerical, kInvalidInput, kCutShort, kNotConverged };
   StepFailure(Kind k, const std::string& message) : std::runtime_error(message), kind(k) {}
   /// Names the step that comes after the state `before`.
   StepFailure(Kind k, const State& before, const std::string& why);

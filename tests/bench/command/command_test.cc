@@ -584,6 +584,22 @@ TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
   EXPECT_EQ(json::parse(refused.out)["exit_code"], 2);
 }
 
+TEST_F(Command, AStepThatIsNotSolvedLeavesItsProblemAndSaysWhatToTry) {
+  // Ten sweeps are too few for the first disks that land on others, in step 28.
+  const std::string run = std::string("run ") + BIPOT_SOURCE_DIR +
+                          "/data/scenes/compaction_100.toml --solver pgs --tol 1e-3 "
+                          "--max-iterations 10 --steps 40 --on-failure stop --out " +
+                          path("out");
+  const Outcome stopped = run_command_line(std::string(BIPOT_COMMAND), run + " 2>&1 >/dev/null #");
+  EXPECT_EQ(stopped.exit_code, 1);
+  for (const char* part :
+       {"worst contact", "disk 7 and disk 15", "a solution exists (proved", "1. ", "3. ", "try "}) {
+    EXPECT_NE(stopped.out.find(part), std::string::npos) << part << " in " << stopped.out;
+  }
+  EXPECT_TRUE(fs::exists(folder_ / "out" / "problems" / "step_000028.hdf5"));
+  EXPECT_EQ(bipot("solve " + path("out/problems/step_000028.hdf5") + " -q").exit_code, 0);
+}
+
 TEST_F(Command, CertifiesWhetherASolutionExists) {
   const Outcome dumped = bipot("extremes --only wall_into_row --dump-problem " + path("none.hdf5"));
   ASSERT_EQ(dumped.exit_code, 0);

@@ -10,6 +10,7 @@
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
+#include "tests/support/scene_parts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -45,6 +46,78 @@ TEST(SceneRun, TakesTheScenesStepsWithItsOwnSolver) {
   EXPECT_GT(run.totals.max_contacts, 0);
   EXPECT_LE(run.totals.worst.guarded(), 1e-6);
   EXPECT_EQ(state.step, 40);
+}
+
+/// Two disks of 2 kg that reach a floor at 1 m/s in one step of 10 ms, 3 ms apart.
+Scene two_landings() {
+  Scene scene = one_law({});
+  scene.step = 0.01;
+  scene.num_steps = 1;
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.disks = {cylinder(Vec2(0, 0.501), 0.5, Vec2(0, -1)),
+                 cylinder(Vec2(3, 0.504), 0.5, Vec2(0, -1))};
+  return scene;
+}
+
+/// Solves problems in which no more than `most` contacts close, and gives up on others.
+StepSolver gives_up_beyond(int most) {
+  return [most, solver = make_step_solver(require_solver("pgs"), {})](const ContactProblem& p,
+                                                                      const Vector& s0) mutable {
+    StepSolution solution = solver(p, s0);
+    if ((p.u_free.array() < -1e-9).count() > most) {
+      solution.converged = false;
+      solution.message = "too many at once";
+    }
+    return solution;
+  };
+}
+
+TEST(SceneRun, AStepThatIsNotSolvedIsTakenInPartsThatAddUp) {
+  const Scene scene = two_landings();
+  State state = initial_state(scene);
+  SceneRunOptions options;
+  options.solver = gives_up_beyond(1);
+  options.on_failure = OnFailure::kSmallerStep;
+  const SceneRun run = run_scene(scene, state, options);
+  ASSERT_EQ(run.end, SceneRun::End::kCompleted);
+  EXPECT_EQ(run.totals.split, 1);
+  EXPECT_EQ(run.totals.converged, 1);
+  EXPECT_EQ(state.step, 1);
+  EXPECT_EQ(state.time, 0.01);
+  // Both stop: each contact's impulses of all parts are m v = 2 N s, and 2 J of shocks are lost.
+  ASSERT_EQ(state.contacts.size(), 2u);
+  for (const ContactOutcome& c : state.contacts) EXPECT_NEAR(c.s_n, 2, 1e-9);
+  EXPECT_NEAR(state.shock_loss, 2, 1e-9);
+  EXPECT_NEAR(run.totals.last.energy.imbalance, 0, 1e-12);
+  EXPECT_NEAR(run.totals.last.momentum_imbalance.norm(), 0, 1e-12);
+  // The first part stops disk 0 alone; disk 1 has gone half of the step further by then.
+  EXPECT_LT(state.disks[1].x[1] - 0.5, state.disks[0].x[1] - 0.5 + 0.003);
+}
+
+TEST(SceneRun, AStepThatIsNotSolvedEndsTheRunOnRequest) {
+  const Scene scene = two_landings();
+  for (const OnFailure what : {OnFailure::kStop, OnFailure::kSmallerStep}) {
+    State state = initial_state(scene);
+    SceneRunOptions options;
+    options.solver = gives_up_beyond(what == OnFailure::kStop ? 1 : 0);
+    options.on_failure = what;
+    const SceneRun run = run_scene(scene, state, options);
+    EXPECT_EQ(run.end, SceneRun::End::kFailed);
+    ASSERT_TRUE(run.failure.has_value());
+    EXPECT_EQ(run.failure->kind, StepFailure::Kind::kNotConverged);
+    EXPECT_NE(std::string(run.failure->what()).find("too many at once"), std::string::npos);
+    EXPECT_EQ(run.failed_problem.num_contacts(), 2);
+    EXPECT_EQ(state.step, 0);
+    EXPECT_EQ(state.disks[0].x, scene.disks[0].x);
+  }
+  // Without the request it is taken, and said.
+  State state = initial_state(scene);
+  SceneRunOptions options;
+  options.solver = gives_up_beyond(1);
+  const SceneRun run = run_scene(scene, state, options);
+  EXPECT_EQ(run.end, SceneRun::End::kCompleted);
+  EXPECT_EQ(run.totals.converged, 0);
+  EXPECT_EQ(run.totals.split, 0);
 }
 
 TEST(SceneRun, InTwoPartsIsTheSameBitForBit) {

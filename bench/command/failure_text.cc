@@ -1,0 +1,166 @@
+#include "bench/command/failure_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "bench/scenes/force_energy.h"
+#include "core/motion/midpoint.h"
+#include "core/motion/step_outcome.h"
+#include "solvers/certificate/existence.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kCertificateSeconds = 10;
+
+std::string body_name(const Scene& scene, int body) {
+  if (to_size(body) < scene.disks.size()) return fmt::format("disk {}", body);
+  return fmt::format("wall '{}'", scene.walls[to_size(body) - scene.disks.size()].name);
+}
+
+/// A cause and its remedy, if the step shows it.
+struct Cause {
+  bool seen;
+  std::string text;
+};
+
+double mass_ratio(const Scene& scene) {
+  double least = kInfinity, most = 0;
+  for (const Disk& d : scene.disks) {
+    least = std::min(least, d.mass);
+    most = std::max(most, d.mass);
+  }
+  return most / least;
+}
+
+/// The largest way of a disk in a step, over the smallest radius.
+double way(const Scene& scene, const State& state) {
+  double speed = 0;
+  for (const Disk& d : state.disks) speed = std::max(speed, d.v.norm());
+  return speed * scene.step / smallest_radius(scene);
+}
+
+bool coefficients_differ(const Scene& scene) {
+  return std::any_of(scene.laws.begin(), scene.laws.end(), [&](const ContactLaw& law) {
+    return law.e_n != scene.laws[0].e_n || (law.mu > 0 && law.e_t != scene.laws[0].e_n);
+  });
+}
+
+std::vector<Cause> causes(const Scene& scene, const State& state, const ExistenceCertificate& c) {
+  const bool walls_move = std::any_of(scene.walls.begin(), scene.walls.end(), [](const Wall& w) {
+    return w.motion == Wall::Motion::kMoving;
+  });
+  double mu = 0;
+  for (const ContactLaw& law : scene.laws) mu = std::max(mu, law.mu);
+  const double ratio = mass_ratio(scene), path = way(scene, state);
+  const bool differ = coefficients_differ(scene);
+  const bool exists = c.verdict == Existence::kExists || c.verdict == Existence::kExistsNearby;
+  std::vector<Cause> list = {
+      {c.verdict == Existence::kNone,
+       walls_move
+           ? "no solution: a wall is driven into what is jammed; let it move by a force, or slower"
+           : "no solution: contacts are driven together; give all materials one e = e_n = e_t"},
+      {c.verdict == Existence::kUndecided && differ,
+       "perhaps no solution: coefficients of restitution differ in a jammed place; try e_n = e_t"},
+      {c.verdict == Existence::kUndecided && walls_move,
+       "perhaps no solution: friction jams bodies between moving walls; try less friction or slower "
+       "walls"},
+      {path > 0.1,
+       fmt::format("the step is long: disks move {:.2g} of the smallest radius in it; try "
+                   "--step-size {:.2g} or --on-failure smaller-step",
+                   path, scene.step * std::max(0.1 / path, 0.01))},
+      {mu > 2,
+       fmt::format("friction is large (mu = {:g}): many solutions or none, and paths between "
+                   "them; try --solver homotopy or ipm",
+                   mu)},
+      {ratio > 1e5,
+       fmt::format("masses differ by {:.0e}: rounding may hide the light ones; try --solver "
+                   "ipm or a looser --tol",
+                   ratio)},
+      {exists && scene.solver.name != "auto",
+       fmt::format("the solver: {} did not get there, though a solution exists; try --solver auto",
+                   scene.solver.name)},
+      {exists && scene.solver.name == "auto",
+       "the solver: none got there, though a solution exists; try --solver ipm or homotopy with a "
+       "--time-limit of minutes"},
+      {scene.solver.tol < 1e-6,
+       fmt::format("the tolerance {:.0e} is tight: `bipot advise` says what "
+                   "your question needs",
+                   scene.solver.tol)},
+      {true, "the step: try --on-failure smaller-step"},
+      {true,
+       "several solutions: a solver that wanders between them may settle with --no-warm-start"},
+      {true, "the solver: try another one (bipot list solvers)"}};
+  std::erase_if(list, [](const Cause& cause) { return !cause.seen; });
+  list.resize(3);
+  return list;
+}
+
+}  // namespace
+
+std::string failure_text(const Scene& scene, const State& state,
+                         std::span<const ContactOutcome> contacts, const ContactProblem& problem,
+                         const ContactError& error, int step) {
+  std::string text;
+  const int worst = error.eta > error.epsilon ? error.worst_eta : error.worst_epsilon;
+  if (worst >= 0 && to_size(worst) < contacts.size()) {
+    const Contact& c = contacts[to_size(worst)].contact;
+    text +=
+        fmt::format("  step {}: worst contact {}: {} and {}, gap {:.3g} m, error {:.1e}\n", step,
+                    worst, body_name(scene, c.i), body_name(scene, c.j), c.gap, error.guarded());
+  } else {
+    text += fmt::format("  step {}: no contact stands out\n", step);
+  }
+  const ExistenceCertificate certificate = certify_existence(problem, kCertificateSeconds);
+  text += fmt::format("  {}\n", to_text(certificate));
+  int k = 0;
+  for (const Cause& cause : causes(scene, state, certificate))
+    text += fmt::format("  {}. {}\n", ++k, cause.text);
+  return text;
+}
+
+std::string failure_text(const Scene& scene, const State& state, const SceneRun& run) {
+  if (run.failed_problem.num_contacts() == 0) return {};
+  std::vector<ContactOutcome> contacts;
+  for (const Contact& c : make_midpoint(scene, state).contacts) contacts.push_back({.contact = c});
+  // What the solver started from is all that is known of impulses when none was taken.
+  const ContactProblem& p = run.failed_problem;
+  const Vector s = run.failed_start.size() == p.num_rows() ? run.failed_start
+                                                           : Vector(Vector::Zero(p.num_rows()));
+  return failure_text(scene, state, contacts, p, contact_error(p, s), state.step + 1);
+}
+
+void EnergyGrowth::add(const Scene& scene, const SceneStep& step) {
+  const EnergyLedger& e = step.report.energy;
+  const double loss = e.friction_loss + e.shock_loss;
+  // A step that is solved to the tolerance may be off by about this part of the energy at hand.
+  const double scale = std::max({std::abs(loss), e.kinetic, std::abs(e.wall_work)});
+  const double grace = std::max(1e-9, 10 * scene.solver.tol) * scale;
+  const double created = loss_ - loss - force_energy(scene, step.state);
+  if (created > grace) {
+    ++steps_;
+    if (created > largest_) {
+      largest_ = created;
+      energy_ = e.kinetic;
+      step_ = step.report.step;
+    }
+  }
+  loss_ = loss;
+}
+
+std::string EnergyGrowth::warning(const Scene& scene) const {
+  if (steps_ == 0) return {};
+  return fmt::format(
+      "bipot: warning: contacts created energy in {} step{}, most in step {}: {:.3g} J (kinetic then "
+      "{:.3g} J). {}\n",
+      steps_, steps_ == 1 ? "" : "s", step_, largest_, energy_,
+      coefficients_differ(scene)
+          ? "Newton's impact law may do so where e_n, e_t or those of materials differ: data/method.md "
+            "§3"
+          : "No coefficients differ: it is the error of steps that were not solved");
+}
+
+}  // namespace bipot

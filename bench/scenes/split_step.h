@@ -1,0 +1,33 @@
+#pragma once
+
+#include "core/motion/time_stepping.h"
+
+namespace bipot {
+
+/// What a run does about a step whose problem was not solved to the tolerance.
+enum class OnFailure {
+  kContinue,    ///< takes it with the best impulse, and says so
+  kStop,        ///< does not take it, and ends
+  kSmallerStep  ///< takes it in parts (split_step.h); ends where that fails as well
+};
+
+/// Steps are halved no more often than this: 64 parts.
+inline constexpr int kMostHalvings = 6;
+
+/// A step that was taken in parts.
+struct SplitStep {
+  StepReport report;
+  int parts = 0;
+};
+
+/// Takes the scene's next step in two halves, each of them halved again where its problem is not solved or
+/// cannot be taken, so that `state` arrives at the end of the whole step. What the parts did is added
+/// up: losses, work, imbalances and iterations, and the impulses of each pair of bodies (core/motion/state.h),
+/// so that forces are those of the whole step. The error is that of the worst part. Number and time of the step
+/// are those that it has unsplit, without drift. The same state gives the same parts: restarts stay exact.
+///
+/// A part of the smallest size that is not solved ends the attempt: StepFailure, and the state is as it was.
+SplitStep advance_in_parts(const Scene& scene, const StepSolver& solver, bool explicit_delassus,
+                           State& state, int threads = 1);
+
+}  // namespace bipot
