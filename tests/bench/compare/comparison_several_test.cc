@@ -67,8 +67,8 @@ TEST(SeveralAnswersInACompare, AreProvedByTwoVerifiedRows) {
   EXPECT_NE(several_csv(c).find("two\",2,"), std::string::npos);
   EXPECT_NE(to_text(c).find("1 of 1 problems with a reference have several"), std::string::npos);
   const auto json = to_json(c, {});
-  const Json& several = json["several"];
-  EXPECT_EQ(several[several.size() - 1]["share"], 1.0);
+  const Json& table = json["several"];
+  EXPECT_EQ(table[table.size() - 1]["share"], 1.0);
   EXPECT_EQ(json["problems"][0]["reference"]["answers"], p.answers);
 }
 
