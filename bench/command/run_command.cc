@@ -194,20 +194,16 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
       .one_of({"all", "failed"})
       .group("Results");
   command
-      .option(
-          "--on-failure", flags.on_failure,
-          "A step that is not solved to the tolerance: take it with the best impulse and go on, "
-          "end before it, or take it in up to 64 smaller parts")
+      .option("--on-failure", flags.on_failure,
+              "Unsolved step: continue (take it), stop, or smaller-step (in parts)")
       .one_of({"continue", "stop", "smaller-step"})
-      .show_default();
+      .value_name("WORD");
   add_solver_flags(command, flags.solver);
   add_warm_start_flags(command, flags.solver);
   command.footer(
       "Examples:\n"
       "  bipot run compaction --out out/compaction\n"
-      "  bipot run square_lattice --solver uzawa --rho paper --tol 1e-6 --json -\n"
-      "  bipot run compaction --out out/b --restart out/a --steps 100\n"
-      "  bipot run compaction --out out/d --model dem --overlap 1e-4");
+      "  bipot run compaction --out out/b --restart out/a --steps 100");
   return command;
 }
 
