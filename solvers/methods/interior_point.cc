@@ -77,7 +77,7 @@ class Driver {
         polish_(parameters.choice("polish") == "on"),
         rounds_(parameters.integer("rounds")),
         scale_(parameters.number("start_scale")),
-        energy_(spring_energy(system_)) {
+        energy_(monitor.out_of_time() ? 0 : spring_energy(system_)) {
     path_options_.order = parameters.integer("order");
     path_options_.tolerance = parameters.number("series_tolerance");
     monitor.end_setup();
