@@ -1,0 +1,22 @@
+# Writes a CTest file with one test for each suite of a GoogleTest program: a process a test would spend
+# three quarters of the time on loading PETSc's libraries.
+# cmake -DPROGRAM=bipot_tests -DOUTPUT=suites.cmake -P suites.cmake
+cmake_minimum_required(VERSION 3.25)
+
+execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE list
+  COMMAND_ERROR_IS_FATAL ANY)
+string(REGEX REPLACE "[;#][^\n]*" "" list "${list}")
+string(REPLACE "\n" ";" lines "${list}")
+set(text "")
+foreach(line IN LISTS lines)
+  # A suite begins its line and ends in a dot; its tests are indented.
+  if(line MATCHES "^([A-Za-z_][A-Za-z0-9_/]*)\\. *$" AND NOT line MATCHES "^ShippedProblems\\.")
+    set(suite "${CMAKE_MATCH_1}")
+    string(APPEND text
+      "add_test([==[${suite}]==] [==[${PROGRAM}]==] [==[--gtest_filter=${suite}.*]==])\n")
+  endif()
+endforeach()
+if(text STREQUAL "")
+  message(FATAL_ERROR "${PROGRAM} lists no suite")
+endif()
+file(WRITE ${OUTPUT} "${text}")
