@@ -31,9 +31,6 @@ constexpr double kClose = 10;
 // What apgd does before paths are tried, and pivots of these: moving packings of N <= 4000
 // contacts need 0 to 1300, one in fifty up to 3 N.
 constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000;
-// Up to it, a path from a rough start at a small proximal term costs less than a better start:
-// 600 poured steps of 300 disks to 1e-4 take 0.7 of the time.
-constexpr int kShortPaths = 600, kFirstPivots = 1000;
 // Paths from a worse start are long: free pyramids.
 constexpr double kUsefulStart = 0.5;
 // Tolerances from here on are loose.
@@ -167,11 +164,6 @@ class Planner {
   }
 
   void first_order() {
-    if (exact_ && !local_ && contacts_ > kFew && contacts_ <= kShortPaths) {
-      follow(kFirstPivots, {{"start_tol", "1e-1"}, {"delta", "1e-5"}},
-             "small moving packings: an exact path from a rough start");
-      stages_.back().largest_tol = kRough;
-    }
     if (exact_ && contacts_ > kLarge) {
       // Where momentum takes long, the factors of W are worth their price for two digits.
       add("apgd", 3000, 3000, Start::kOwn, "packings at rest, roughly");
@@ -279,9 +271,6 @@ std::string explain_auto(const ContactProblem& p, const SolverOptions& options) 
                           stage.max_iterations);
     std::string condition;
     if (stage.least_tol > 0) condition = fmt::format("; tolerance >= {:.0e}", stage.least_tol);
-    if (std::isfinite(stage.largest_tol)) {
-      condition += fmt::format("; tolerance <= {:.0e}", stage.largest_tol);
-    }
     if (std::isfinite(stage.largest_error)) {
       condition += fmt::format("; best error <= {:.0e}", stage.largest_error);
     }
@@ -319,10 +308,7 @@ class Race {
   /// Runs the stage; true when nothing is to follow.
   bool finished(const AutoStage& stage) {
     if (out_of_budget()) return true;
-    if (options_.tol < stage.least_tol || options_.tol > stage.largest_tol ||
-        best_error_ > stage.largest_error) {
-      return false;
-    }
+    if (options_.tol < stage.least_tol || best_error_ > stage.largest_error) return false;
     run_stage(stage);
     if (!ended_ && is_success(last_) && options_.stop == StopTest::kGuarded &&
         best_natural_map_ > options_.tol) {
