@@ -11,6 +11,7 @@
 
 #include "bench/compare/comparison_store.h"
 #include "bench/measure/cpu_limit.h"
+#include "bench/measure/statistics.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/measure/true_error.h"
 #include "bench/measure/warm_up.h"
@@ -22,12 +23,6 @@
 
 namespace bipot {
 namespace {
-
-double median(std::vector<double> x) {
-  std::sort(x.begin(), x.end());
-  const std::size_t half = x.size() / 2;
-  return x.size() % 2 == 1 ? x[half] : 0.5 * (x[half - 1] + x[half]);
-}
 
 /// Adds a judged iteration to a history, unless it comes too soon after the one before. The newest
 /// always stands at the end.

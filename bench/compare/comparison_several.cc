@@ -6,18 +6,12 @@
 #include <cmath>
 
 #include "bench/compare/comparison_success.h"
+#include "bench/measure/statistics.h"
 #include "bench/report/csv_text.h"
 #include "bench/report/labels.h"
 
 namespace bipot {
 namespace {
-
-double median(std::vector<double> x) {
-  std::erase_if(x, [](double value) { return !std::isfinite(value); });
-  if (x.empty()) return kNaN;
-  std::sort(x.begin(), x.end());
-  return x[(x.size() - 1) / 2];
-}
 
 double largest(const std::vector<double>& x) {
   double most = kNaN;

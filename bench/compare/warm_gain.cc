@@ -5,18 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bench/measure/statistics.h"
 #include "bench/report/labels.h"
 
 namespace bipot {
 namespace {
-
-double median(std::vector<double> x) {
-  if (x.empty()) return kNaN;
-  const auto half = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
-  std::nth_element(x.begin(), half, x.end());
-  if (x.size() % 2 == 1) return *half;
-  return 0.5 * (*half + *std::max_element(x.begin(), half));
-}
 
 const ComparisonRow* cold_row(const Comparison& comparison, const ComparisonRow& warm) {
   for (const ComparisonRow& row : comparison.rows) {

@@ -9,7 +9,7 @@
 namespace bipot {
 namespace {
 
-constexpr const char* kGroup = "contradictory data";
+constexpr const char* kContradictory = "contradictory data";
 using Expect = ExtremeCase::Expect;
 
 Scene row_between_walls() {
@@ -37,7 +37,7 @@ void add_contradictory_cases(std::vector<ExtremeCase>& cases) {
     wall.mass = 2;
   }
   cases.push_back({.name = "walls_forced_together",
-                   .group = kGroup,
+                   .group = kContradictory,
                    .what = "a row of 5 disks between two walls that press with 300 N each",
                    .known = "equal and opposite: rest, and each of the 6 contacts carries h F",
                    .problem = [forced] { return first_step(forced); },
@@ -53,7 +53,7 @@ void add_contradictory_cases(std::vector<ExtremeCase>& cases) {
   move_in(moved.walls[1], 0.1);
   cases.push_back(
       {.name = "wall_into_row",
-       .group = kGroup,
+       .group = kContradictory,
        .what = "a row of 5 disks between a fixed wall and one that moves in at 0.1 m/s",
        .known = "equal normal impulses are a self-stress that works against the wall: none",
        .expect = Expect::kNone,
@@ -62,7 +62,7 @@ void add_contradictory_cases(std::vector<ExtremeCase>& cases) {
   move_in(lattice.walls[2], 1e-6);
   cases.push_back(
       {.name = "wall_into_lattice",
-       .group = kGroup,
+       .group = kContradictory,
        .what = "a square lattice of 36 disks in a box, one wall moves in at 1e-6 m/s, gravity acts",
        .known = "each row is such a self-stress: none, however slow the wall",
        .expect = Expect::kNone,
@@ -70,7 +70,7 @@ void add_contradictory_cases(std::vector<ExtremeCase>& cases) {
   Scene out = make_family_scene("square", 6);
   move_in(out.walls[2], -1);
   cases.push_back({.name = "wall_out_of_lattice",
-                   .group = kGroup,
+                   .group = kContradictory,
                    .what = "the same wall moves out at 1 m/s",
                    .known = "the motion that follows the wall leaves every contact: one exists",
                    .problem = [out] { return first_step(out); }});
@@ -84,14 +84,14 @@ void add_contradictory_cases(std::vector<ExtremeCase>& cases) {
   }
   cases.push_back(
       {.name = "wedge_closes",
-       .group = kGroup,
+       .group = kContradictory,
        .what = "a disk in a wedge of 23 degrees with mu = 0.3 whose walls close at 0.1 m/s",
        .known = "friction alone can jam it (mu > tan 11.5°), but normals cannot: undecided; the "
                 "disk may slide out, u_n = 0 with |u_t| = 0.1 / tan(0.2)",
        .expect = Expect::kOpen,
        .problem = [wedge] { return first_step(wedge); }});
   cases.push_back({.name = "data_of_no_motion",
-                   .group = kGroup,
+                   .group = kContradictory,
                    .what = "W alone of one mass between two walls, w = (-1, -2)",
                    .known = "u_1 + u_2 = -3 whatever s: none",
                    .expect = Expect::kNone,

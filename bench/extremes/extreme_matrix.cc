@@ -8,21 +8,19 @@
 #include <stdexcept>
 
 #include "bench/extremes/isolated_jobs.h"
-#include "bench/measure/cpu_limit.h"
+#include "bench/measure/limited_solve.h"
 #include "bench/measure/second_opinion.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/scenes/force_energy.h"
 #include "bench/scenes/scene_run.h"
 #include "core/nearest_name.h"
 #include "solvers/registry.h"
-#include "solvers/solve.h"
 
 namespace bipot {
 namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kGrace = 1.5;         // tolerances that the second opinion may find
 constexpr double kEnergyGrace = 1e-6;  // of the energy moved: what the tolerance leaves
 
 /// NaN and infinity, which JSON cannot say, as text.
@@ -57,19 +55,6 @@ void from_json(const std::string& text, ExtremeCell& c) {
   c.cpu_seconds = j["cpu_seconds"];
   c.steps_solved = j["steps_solved"];
   c.steps = j["steps"];
-}
-
-SolveResult solve_within(const std::string& solver, const ContactProblem& problem, double tol,
-                         double seconds, const Vector& s0 = {}) {
-  CpuLimit limit(seconds);
-  SolverOptions o;
-  o.tol = tol;
-  o.s0 = s0;
-  o.time_limit = CpuLimit::kWallFactor * seconds;
-  o.cancelled = [&limit] { return limit(); };
-  SolveResult r = solve(solver, problem, o);
-  if (r.status == SolveStatus::kInterrupted && limit.reached()) r.status = SolveStatus::kTimeLimit;
-  return r;
 }
 
 /// Work of the impulses on the mean velocities, which the law makes a loss, where it is a gain;

@@ -11,7 +11,7 @@
 namespace bipot {
 namespace {
 
-constexpr const char* kGroup = "more forces than equations";
+constexpr const char* kHyperstatic = "more forces than equations";
 
 void drive(Wall& wall, double force) {
   wall.motion = Wall::Motion::kDriven;
@@ -25,7 +25,7 @@ void add_pressed(std::vector<ExtremeCase>& cases, const std::string& name, const
                  const Scene& scene) {
   cases.push_back(
       {.name = name,
-       .group = kGroup,
+       .group = kHyperstatic,
        .what = what,
        .known =
            "rest obeys the law, and on each driven wall at rest the normal impulses add up to h F",
@@ -45,7 +45,7 @@ void add_pressed(std::vector<ExtremeCase>& cases, const std::string& name, const
 void add_at_rest(std::vector<ExtremeCase>& cases, const std::string& name, const std::string& what,
                  const std::string& known, const Scene& scene) {
   cases.push_back({.name = name,
-                   .group = kGroup,
+                   .group = kHyperstatic,
                    .what = what,
                    .known = known + "; the error is the motion left, |u| / (h g)",
                    .problem = [scene] { return first_step(scene); },
@@ -127,13 +127,13 @@ void add_hyperstatic_cases(std::vector<ExtremeCase>& cases) {
   drive(row.walls[1], 50);
   cases.push_back(
       {.name = "pushed_row",
-       .group = kGroup,
+       .group = kHyperstatic,
        .what = "ten touching disks on a plane, the first pushed with 50 N",
        .known = "floor and wall bear no self-stress (the far end is free): a solution exists. "
                 "All friction of the floor is at most mu 10 m g = 29.4 N",
        .problem = [row] { return first_step(row); }});
   ExtremeCase tall{.name = "column_1000",
-                   .group = kGroup,
+                   .group = kHyperstatic,
                    .what = "a column of 1000 equal disks",
                    .known = "contact k carries k weights, without friction; W is regular",
                    .large = true};

@@ -2,21 +2,10 @@
 
 #include <cmath>
 
+#include "bench/extremes/case_parts.h"
 #include "bench/extremes/random_draw.h"
 
 namespace bipot {
-namespace {
-
-Wall plane(const char* name, const Vec2& point, const Vec2& normal) {
-  Wall wall;
-  wall.name = name;
-  wall.a = point;
-  wall.normal = normal;
-  return wall;
-}
-
-}  // namespace
-
 Scene random_scene(std::uint64_t seed, int index) {
   RandomDraw draw(seed ^ 0x5ce4e5ull, static_cast<std::uint64_t>(index));
   const double kilogram = draw.decades(-6, 6), metre = draw.decades(-6, 6),

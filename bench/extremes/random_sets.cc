@@ -9,22 +9,19 @@
 #include "bench/extremes/isolated_jobs.h"
 #include "bench/extremes/random_problem.h"
 #include "bench/extremes/random_scene.h"
-#include "bench/measure/cpu_limit.h"
+#include "bench/measure/limited_solve.h"
 #include "bench/measure/second_opinion.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/scenes/force_energy.h"
 #include "bench/scenes/scene_run.h"
 #include "solvers/certificate/existence.h"
 #include "solvers/registry.h"
-#include "solvers/solve.h"
 
 namespace bipot {
 namespace {
 
 using Json = nlohmann::json;
 
-/// A claim is false where extended precision finds more than this many tolerances.
-constexpr double kGrace = 1.5;
 /// Every so many problems are certified even when they were solved.
 constexpr int kCertifyEvery = 10;
 
@@ -53,16 +50,6 @@ Json to_json(const std::string& solver, const Verdict& v, double seconds) {
           {"seconds", seconds}};
 }
 
-SolveResult solve_within(const std::string& solver, const ContactProblem& problem,
-                         const RandomSetOptions& options) {
-  CpuLimit limit(options.time_limit);
-  SolverOptions o;
-  o.tol = options.tol;
-  o.time_limit = CpuLimit::kWallFactor * options.time_limit;
-  o.cancelled = [&limit] { return limit(); };
-  return solve(solver, problem, o);
-}
-
 /// The solvers that see problem `index`.
 std::vector<std::string> solvers_of(const RandomSetOptions& options, int index) {
   std::vector<std::string> names = {options.solvers.front()};
@@ -81,7 +68,7 @@ std::string problem_job(const RandomSetOptions& options, int index) {
   bool any_solved = false, first_solved = false;
   for (const std::string& solver : solvers_of(options, index)) {
     const double begin = cpu_seconds();
-    const SolveResult result = solve_within(solver, p, options);
+    const SolveResult result = solve_within(solver, p, options.tol, options.time_limit);
     const Verdict v = judge(p, result, options.tol);
     record["solves"].push_back(to_json(solver, v, cpu_seconds() - begin));
     any_solved = any_solved || v.solved;
@@ -218,13 +205,7 @@ std::string scene_job(const RandomSetOptions& options, int index) {
   run.steps = kStepsOfAScene;
   run.solver = [&](const ContactProblem& p, const Vector& s0) {
     const double begin = cpu_seconds();
-    CpuLimit limit(options.time_limit);
-    SolverOptions o;
-    o.tol = options.tol;
-    o.s0 = s0;
-    o.time_limit = CpuLimit::kWallFactor * options.time_limit;
-    o.cancelled = [&limit] { return limit(); };
-    const SolveResult r = solve(name, p, o);
+    const SolveResult r = solve_within(name, p, options.tol, options.time_limit, s0);
     StepSolution step;
     step.converged = is_success(r.status);
     step.refused = r.status == SolveStatus::kInvalidInput;

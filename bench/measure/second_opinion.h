@@ -15,6 +15,9 @@ struct SecondOpinion {
   Vector s;  ///< m, the impulse that is judged: each contact's nearest in the cone
   Vector u;  ///< m, its velocities, rounded to double
 };
+/// A claim holds where the second opinion finds at most this many tolerances.
+inline constexpr double kGrace = 1.5;
+
 SecondOpinion second_opinion(const ContactProblem& problem, const Vector& s);
 
 }  // namespace bipot

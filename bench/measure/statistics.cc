@@ -53,6 +53,15 @@ PowerLaw fit_power_law(const std::vector<double>& x, const std::vector<double>& 
   return law;
 }
 
+double median(std::vector<double> x) {
+  std::erase_if(x, [](double value) { return !std::isfinite(value); });
+  if (x.empty()) return kNaN;
+  const auto half = x.begin() + static_cast<std::ptrdiff_t>(x.size() / 2);
+  std::nth_element(x.begin(), half, x.end());
+  if (x.size() % 2 == 1) return *half;
+  return 0.5 * (*half + *std::max_element(x.begin(), half));
+}
+
 MeanValue mean_value(std::span<const double> x) {
   MeanValue value;
   if (x.empty()) return value;

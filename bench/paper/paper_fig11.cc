@@ -18,10 +18,10 @@
 namespace bipot {
 namespace {
 
-constexpr double kRest = 1e-9;    // kinetic energy at rest, relative to what the fall released
-constexpr int kQuietSteps = 100;  // at rest for as long
-constexpr double kLatest = 0.5;   // a packing that is not at rest by then is not waited for     [s]
-constexpr double kSample = 0.2;   // duration of the packings that only give forces            [s]
+constexpr double kRestEnergy = 1e-9;  // kinetic energy at rest, relative to what the fall released
+constexpr int kQuietSteps = 100;      // at rest for as long
+constexpr double kLatest = 0.5;  // a packing that is not at rest by then is not waited for     [s]
+constexpr double kSample = 0.2;  // duration of the packings that only give forces            [s]
 constexpr double kTailFrom = 1.5;       // the tail of P begins at this multiple of the mean force
 constexpr double kDiameter = 1.525e-3;  // mean of the three sizes                               [m]
 
@@ -83,7 +83,7 @@ Scene fig11_scene(const Variant& v) {
   return scene;
 }
 
-/// Goes on until the mean energy of the last kQuietSteps steps is below kRest of what the fall
+/// Goes on until the mean energy of the last kQuietSteps steps is below kRestEnergy of what the fall
 /// released, that of the displacing velocities or the kinetic one.
 void settle(Settling& s, const PaperContext& context, bool by_displacement) {
   const double total = weight(s.scene);
@@ -116,7 +116,8 @@ void settle(Settling& s, const PaperContext& context, bool by_displacement) {
         if (last.size() < kQuietSteps || r.contacts < static_cast<int>(after.disks.size())) {
           return true;
         }
-        s.at_rest = mean(by_displacement ? &Row::displacement : &Row::kinetic) < kRest * released;
+        s.at_rest =
+            mean(by_displacement ? &Row::displacement : &Row::kinetic) < kRestEnergy * released;
         return !s.at_rest;
       });
   s.final = s.initial - released;
@@ -551,7 +552,7 @@ class Fig11 {
                          .digits = 2};
     if (!context_.quick) {
       smallest.expected = "below 1e-9";
-      smallest.holds = going_on.last < kRest * released;
+      smallest.holds = going_on.last < kRestEnergy * released;
     }
     number(smallest);
   }
@@ -587,7 +588,7 @@ class Fig11 {
     decay.y = {"kinetic energy / energy released", ChartAxis::Kind::kLog, 1e-12, 1.0};
     decay.series = {{"e_t = 1", 0, elastic}, {"e_t = 0", 1, inelastic}};
     for (ChartSeries& series : decay.series) series.kind = ChartSeries::Kind::kLine;
-    decay.y_line = kRest;
+    decay.y_line = kRestEnergy;
     decay.y_line_label = "1e-9";
     result_.figures.push_back({.name = "fig11_rest",
                                .caption = "Kinetic energy over the energy that the fall has "
@@ -602,7 +603,7 @@ class Fig11 {
     level.x = {"time step h (s)", ChartAxis::Kind::kLog, {}, {}};
     level.y = {"kinetic energy / energy released", ChartAxis::Kind::kLog, {}, {}};
     level.series = {going_on.levels, going_on.bounds};
-    level.y_line = kRest;
+    level.y_line = kRestEnergy;
     level.y_line_label = "1e-9";
     result_.figures.push_back({.name = "fig11_level",
                                .caption =

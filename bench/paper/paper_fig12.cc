@@ -65,7 +65,7 @@ std::vector<std::string> row(const Variation& v) {
           fmt::format("{}", c.run.iterations)};
 }
 
-constexpr double kTol = 1e-2;
+constexpr double kCompressionTol = 1e-2;
 constexpr int kCap = 3000;  // iterations
 
 struct WantedVariation {
@@ -109,7 +109,7 @@ class Fig12 {
         "fast. Density, walls' mass and the start are not given, the average is not shown.";
     const int count = context_.quick ? 617 : 2470;
     context_.report(fmt::format("{} disks", count));
-    const Compression main = compressed({.count = count}, 1, kTol, kCap, context_);
+    const Compression main = compressed({.count = count}, 1, kCompressionTol, kCap, context_);
     if (context_.stopped()) return std::move(result_);
     pictures(main);
     falling_numbers(main);
@@ -379,17 +379,19 @@ class Fig12 {
       change(options);
       return options;
     };
-    return {{"7800 kg/m³, 20 kg, 7e-5 s, 1e-2", base, 1, kTol, true},
-            {"walls' mass / 4", with([](auto& o) { o.wall_mass /= 4; }), 1, kTol, true},
-            {"walls' mass × 4", with([](auto& o) { o.wall_mass *= 4; }), 1, kTol, true},
-            {"density / 4, step / 2", with([](auto& o) { o.density /= 4; }), 0.5, kTol, true},
-            {"density / 4", with([](auto& o) { o.density /= 4; }), 1, kTol, false},
-            {"density × 4", with([](auto& o) { o.density *= 4; }), 1, kTol, false},
-            {"another start", with([](auto& o) { o.seed = 2; }), 1, kTol, false},
-            {"tolerance 1e-1", base, 1, 1e-1, false},
-            {"tolerance 1e-3", base, 1, 1e-3, false},
-            {"e_t = 0", with([](auto& o) { o.e_t = 0; }), 1, kTol, false},
-            {"smooth walls", with([](auto& o) { o.smooth_walls = true; }), 1, kTol, false}};
+    return {
+        {"7800 kg/m³, 20 kg, 7e-5 s, 1e-2", base, 1, kCompressionTol, true},
+        {"walls' mass / 4", with([](auto& o) { o.wall_mass /= 4; }), 1, kCompressionTol, true},
+        {"walls' mass × 4", with([](auto& o) { o.wall_mass *= 4; }), 1, kCompressionTol, true},
+        {"density / 4, step / 2", with([](auto& o) { o.density /= 4; }), 0.5, kCompressionTol,
+         true},
+        {"density / 4", with([](auto& o) { o.density /= 4; }), 1, kCompressionTol, false},
+        {"density × 4", with([](auto& o) { o.density *= 4; }), 1, kCompressionTol, false},
+        {"another start", with([](auto& o) { o.seed = 2; }), 1, kCompressionTol, false},
+        {"tolerance 1e-1", base, 1, 1e-1, false},
+        {"tolerance 1e-3", base, 1, 1e-3, false},
+        {"e_t = 0", with([](auto& o) { o.e_t = 0; }), 1, kCompressionTol, false},
+        {"smooth walls", with([](auto& o) { o.smooth_walls = true; }), 1, kCompressionTol, false}};
   }
 
   /// Density, walls' mass, tolerance and restitution at a quarter of the size.

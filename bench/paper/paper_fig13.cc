@@ -18,15 +18,15 @@
 namespace bipot {
 namespace {
 
-struct Method {
+struct ErrorMethod {
   const char* id;    ///< in the names of numbers
   const char* name;  ///< in the key
   const char* solver;
   std::map<std::string, std::string> parameters;
   int style;
 };
-const std::vector<Method>& methods() {
-  static const std::vector<Method> all = {
+const std::vector<ErrorMethod>& methods() {
+  static const std::vector<ErrorMethod> all = {
       {"uzawa_paper", "uzawa, paper's ρ", "uzawa", {{"rho", "paper"}}, 0},
       {"uzawa_stable", "uzawa, stable ρ", "uzawa", {{"rho", "stable"}}, 1},
       {"classical", "classical", "classical", {}, 2},
@@ -35,9 +35,9 @@ const std::vector<Method>& methods() {
       {"ipm", "ipm", "ipm", {}, 5}};
   return all;
 }
-const Method& method_of(std::string_view id) {
+const ErrorMethod& method_of(std::string_view id) {
   return *std::find_if(methods().begin(), methods().end(),
-                       [&](const Method& m) { return m.id == id; });
+                       [&](const ErrorMethod& m) { return m.id == id; });
 }
 
 struct History {
@@ -46,10 +46,10 @@ struct History {
   int side = 0;
 };
 
-constexpr double kTol = 1e-10;
+constexpr double kExactTol = 1e-10;
 constexpr double kMu = 0.3;  // where there is friction
 
-History history(const Method& method, int side, double mu, double tilt, int max_iterations,
+History history(const ErrorMethod& method, int side, double mu, double tilt, int max_iterations,
                 const PaperContext& context) {
   const Scene scene = make_family_scene("square", side, {.mu = mu, .tilt_degrees = tilt});
   const SolverEntry& entry = require_solver(method.solver);
@@ -57,7 +57,7 @@ History history(const Method& method, int side, double mu, double tilt, int max_
   History h;
   h.side = side;
   SolverOptions options;
-  options.tol = kTol;
+  options.tol = kExactTol;
   options.max_iterations = max_iterations;
   options.parameters = method.parameters;
   options.cancelled = context.interrupted;
@@ -232,7 +232,7 @@ class Fig13 {
           fmt::format("Error against the iteration, square lattice {0} × {0}", side), kLawError);
       // So many contact updates that the largest lattice ends in seconds.
       const int cap = static_cast<int>(std::min(2e5, 3e8 / (2.0 * side * side + side)));
-      for (const Method& method : methods()) {
+      for (const ErrorMethod& method : methods()) {
         if (context_.stopped()) return;
         context_.report(fmt::format("{0}, {1} × {1}", method.name, side));
         const History h = history(method, side, kMu, 0, cap, context_);
@@ -264,7 +264,7 @@ class Fig13 {
         "{its_uzawa_stable_10} with the stable ρ and {its_uzawa_paper_10} with the paper's).");
   }
 
-  void iterations_number(const Method& method, int side, const SolveResult& solved) {
+  void iterations_number(const ErrorMethod& method, int side, const SolveResult& solved) {
     const std::string outcome =
         is_success(solved.status)
             ? " to 1e-10"
@@ -283,7 +283,7 @@ class Fig13 {
         error_chart("Raw and guarded error against the iteration, leaning square lattice", "error");
     for (const char* id : {"uzawa_stable", "pgs", "ipm"}) {
       if (context_.stopped()) return;
-      const Method& method = method_of(id);
+      const ErrorMethod& method = method_of(id);
       context_.report(fmt::format("{}, leaning", method.name));
       const History h = history(method, side, kMu, 10, 200000, context_);
       chart.series.push_back(curve(fmt::format("ε, {}", method.name), method.style, h, guarded));

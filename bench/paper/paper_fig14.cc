@@ -26,7 +26,7 @@ std::string exponent(const PowerLaw& law) {
 
 std::string tol_text(double tol) { return fmt::format("1e{:.0f}", std::log10(tol)); }
 
-struct Method {
+struct CurveMethod {
   GrowthMethod method;
   std::string id;
   int style;
@@ -115,7 +115,7 @@ class Fig14 {
       const GrowthProblem problem = make_growth_problem(c.scene, side_of(c.scene.family, size));
       const double disks = static_cast<double>(problem.disks);
       for (std::size_t m = 0; m < methods_.size(); ++m) {
-        const Method& method = methods_[m];
+        const CurveMethod& method = methods_[m];
         if (method.method.solver == "ipm" && size > 1.01 * c.largest_ipm) continue;
         const double cap = method.work / problem.problem.num_contacts();
         // Growth no faster than N is foreseen; the limit of iterations holds in any case.
@@ -151,7 +151,7 @@ class Fig14 {
     return nullptr;
   }
 
-  std::string command(const Case& c, const Method& m, const std::string& tols) const {
+  std::string command(const Case& c, const CurveMethod& m, const std::string& tols) const {
     std::string line = fmt::format("solver_bench --family={} --solver={} --tol={}", c.scene.family,
                                    m.method.solver, tols);
     for (const auto& [name, value] : m.method.parameters) {
@@ -170,7 +170,7 @@ class Fig14 {
 
   void numbers() {
     const Case& square = cases_[0];
-    for (const Method& m : methods_) {
+    for (const CurveMethod& m : methods_) {
       for (const double tol : kTols) {
         const GrowthFit* fit = fit_of("square", m.method.name, tol);
         PowerLaw law;
@@ -269,7 +269,7 @@ class Fig14 {
       for (const double tol : {1e-4, 1e-8}) {
         if (tol == 1e-8 && c.scene.family != "square" && c.scene.family != "pile") continue;
         std::vector<ChartSeries> methods;
-        for (const Method& m : methods_) {
+        for (const CurveMethod& m : methods_) {
           methods.push_back(
               series(m.method.name, m.style, c.scene.family, m.method.name, tol, false));
         }
@@ -280,7 +280,7 @@ class Fig14 {
       }
     }
     std::vector<ChartSeries> times;
-    for (const Method& m : methods_) {
+    for (const CurveMethod& m : methods_) {
       times.push_back(series(m.method.name, m.style, "square", m.method.name, 1e-8, true));
     }
     figure("fig14_time", "Time against the number of disks, square lattice",
@@ -298,7 +298,7 @@ class Fig14 {
       table.columns = {"method"};
       for (const double tol : kTols) table.columns.push_back(tol_text(tol));
       table.columns.push_back("time to 1e-4");
-      for (const Method& m : methods_) {
+      for (const CurveMethod& m : methods_) {
         std::vector<std::string> cells = {m.method.name};
         for (const double tol : kTols) {
           const GrowthFit* fit = fit_of(c.scene.family, m.method.name, tol);
@@ -342,7 +342,7 @@ class Fig14 {
   }
 
   const PaperContext& context_;
-  std::vector<Method> methods_;
+  std::vector<CurveMethod> methods_;
   std::vector<Case> cases_;
   std::vector<GrowthRow> rows_;
   std::vector<GrowthFit> fits_;

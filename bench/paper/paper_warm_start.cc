@@ -16,7 +16,7 @@
 namespace bipot {
 namespace {
 
-constexpr double kTol = 1e-3;
+constexpr double kRunTol = 1e-3;
 constexpr int kMaxIterations = 30000;
 
 struct Phase {
@@ -141,7 +141,7 @@ class WarmStartItem {
                         {"apgd", "apgd", {}},
                         {"ipm", "ipm", {}},
                         {"auto", "auto", {}}};
-    options_.tol = options_.run_tol = kTol;
+    options_.tol = options_.run_tol = kRunTol;
     options_.max_iterations = kMaxIterations;
     options_.every = context.quick ? 50 : 25;
     options_.interrupted = context.interrupted;
@@ -156,7 +156,7 @@ class WarmStartItem {
         "The paper starts every step from zero forces and leaves the start from those of the step "
         "before to future work.";
     number("disks", static_cast<double>(disks_), "disks of the compaction");
-    number("tol", kTol, "tolerance of the compared solves, guarded ε");
+    number("tol", kRunTol, "tolerance of the compared solves, guarded ε");
     number("every", options_.every, "steps from one compared step to the next");
     gain_numbers();
     moving_numbers();

@@ -13,10 +13,10 @@ namespace {
 
 namespace py = pybind11;
 
-using Holder = std::shared_ptr<ImpulseVerdict>;
-using Contact = std::shared_ptr<JudgedContact>;
+using HeldVerdict = std::shared_ptr<ImpulseVerdict>;
+using HeldContact = std::shared_ptr<JudgedContact>;
 
-Holder judge_impulse(const PythonProblem& problem, const py::object& s, int worst) {
+HeldVerdict judge_impulse(const PythonProblem& problem, const py::object& s, int worst) {
   const Vector x = to_vector(s, "s");
   const py::gil_scoped_release release;
   return std::make_shared<ImpulseVerdict>(judge(*problem.problem, x, worst));
@@ -40,15 +40,16 @@ py::list faults_of(const JudgedContact& contact) {
 }
 
 void bind_contact(py::module_& module) {
-  py::class_<JudgedContact, Contact>(module, "JudgedContact",
-                                     "A contact that breaks the law; str() says how.")
+  py::class_<JudgedContact, HeldContact>(module, "JudgedContact",
+                                         "A contact that breaks the law; str() says how.")
       .def_readonly("contact", &JudgedContact::contact, "Its number.")
       .def_readonly("mu", &JudgedContact::mu, "Physical friction coefficient.")
       .def_property_readonly(
-          "s", [](const Contact& c) { return view_of(c->s, py::cast(c)); },
+          "s", [](const HeldContact& c) { return view_of(c->s, py::cast(c)); },
           "(d,) as given, physical [N s].")
       .def_property_readonly(
-          "u", [](const Contact& c) { return view_of(c->u, py::cast(c)); }, "(d,) physical [m/s].")
+          "u", [](const HeldContact& c) { return view_of(c->u, py::cast(c)); },
+          "(d,) physical [m/s].")
       .def_readonly("share", &JudgedContact::share, "Of all contacts' violation, 0 to 1.")
       .def_property_readonly(
           "faults", &faults_of,
@@ -66,8 +67,8 @@ void bind_judge(py::module_& module) {
   const auto of_error = [](auto ContactError::*field) {
     return [field](const ImpulseVerdict& v) { return v.error.*field; };
   };
-  py::class_<ImpulseVerdict, Holder>(module, "Verdict",
-                                     "What can be said of an impulse, see `judge`.")
+  py::class_<ImpulseVerdict, HeldVerdict>(module, "Verdict",
+                                          "What can be said of an impulse, see `judge`.")
       .def_property_readonly("epsilon", of_error(&ContactError::epsilon),
                              "Guarded form of the paper's (42).")
       .def_property_readonly("eta", of_error(&ContactError::eta), "Natural map in energy.")
@@ -116,10 +117,10 @@ void bind_judge(py::module_& module) {
           },
           "The first of worst; None without one.")
       .def_property_readonly(
-          "s", [](const Holder& v) { return view_of(v->s, py::cast(v)); },
+          "s", [](const HeldVerdict& v) { return view_of(v->s, py::cast(v)); },
           "(m,) projected on the cone [N s]; a read-only view.")
       .def_property_readonly(
-          "u", [](const Holder& v) { return view_of(v->u, py::cast(v)); },
+          "u", [](const HeldVerdict& v) { return view_of(v->u, py::cast(v)); },
           "(m,) W s + u_free of it [m/s]; a read-only view.")
       .def(
           "within", [](const ImpulseVerdict& v, double tol) { return v.guarded() <= tol; },

@@ -21,7 +21,7 @@ namespace bipot {
 namespace {
 
 namespace py = pybind11;
-using Holder = std::shared_ptr<PythonProblem>;
+using HeldProblem = std::shared_ptr<PythonProblem>;
 
 /// d from the sizes where it is not given; with it, mu may be one number for all contacts.
 int infer_dim(const py::object& given, Eigen::Index rows, Vector& mu, bool one_mu) {
@@ -84,7 +84,7 @@ void refuse_unknown(const py::kwargs& options) {
   }
 }
 
-Holder make_problem(const py::kwargs& options) {
+HeldProblem make_problem(const py::kwargs& options) {
   refuse_unknown(options);
   const py::object A = option(options, "A"), H = option(options, "H"), W = option(options, "W");
   const py::object v_free = option(options, "v_free"), u_free = option(options, "u_free");
@@ -123,7 +123,7 @@ Holder make_problem(const py::kwargs& options) {
                                          name.is_none() ? "" : py::str(name).cast<std::string>());
 }
 
-Holder read(const std::filesystem::path& path) {
+HeldProblem read(const std::filesystem::path& path) {
   if (!std::filesystem::exists(path)) {
     PyErr_SetString(PyExc_FileNotFoundError, (path.string() + ": no such file").c_str());
     throw py::error_already_set();
@@ -161,7 +161,7 @@ void write(const PythonProblem& given, const std::filesystem::path& path, const 
 }
 
 /// W as scipy's csr_matrix: a view where the problem has it, else assembled now.
-py::object delassus(const Holder& self) {
+py::object delassus(const HeldProblem& self) {
   const ContactProblem& p = *self->problem;
   const py::object owner = py::cast(self);
   if (p.has_delassus() || p.num_rows() == 0) return scipy_view(p.W, owner);
@@ -202,7 +202,7 @@ py::object bodies(const PythonProblem& self, const py::object& s) {
 
 /// A view of one of the vectors; None where it is empty and `optional`.
 auto vector_property(Vector ContactProblem::*field, bool optional) {
-  return [field, optional](const Holder& self) -> py::object {
+  return [field, optional](const HeldProblem& self) -> py::object {
     const Vector& x = (*self->problem).*field;
     if (optional && x.size() == 0) return py::none();
     return view_of(x, py::cast(self));
@@ -212,7 +212,7 @@ auto vector_property(Vector ContactProblem::*field, bool optional) {
 }  // namespace
 
 void bind_problem(py::module_& module) {
-  py::class_<PythonProblem, Holder> problem(
+  py::class_<PythonProblem, HeldProblem> problem(
       module, "Problem", R"(One frictional contact problem, checked and immutable.
 
 Either bodies, A (n, n) symmetric positive definite [kg, kg m²], H (n, m) and v_free (n,)
@@ -228,7 +228,7 @@ no array of real numbers or an option that does not exist.
 All arrays and matrices that it returns are read-only views into the problem, without copies,
 but for `delassus()` where W must be assembled, `velocity` and `body_velocity`.)");
   problem.def(py::init(&make_problem));
-  const auto matrix = [](const auto& m, bool there, const Holder& self) -> py::object {
+  const auto matrix = [](const auto& m, bool there, const HeldProblem& self) -> py::object {
     if (!there) return py::none();
     return scipy_view(m, py::cast(self));
   };
@@ -249,19 +249,19 @@ but for `delassus()` where W must be assembled, `velocity` and `body_velocity`.)
                     "For readers; the stem of the file that it was read from.")
       .def_property_readonly(
           "A",
-          [matrix](const Holder& self) {
+          [matrix](const HeldProblem& self) {
             return matrix(self->problem->A, self->problem->has_velocities(), self);
           },
           "(n, n) mass matrix, csc_matrix of read-only views [kg, kg m²]; None without bodies.")
       .def_property_readonly(
           "H",
-          [matrix](const Holder& self) {
+          [matrix](const HeldProblem& self) {
             return matrix(self->problem->H, self->problem->has_velocities(), self);
           },
           "(n, m) wrench map, csc_matrix of read-only views [-, m]; None without bodies.")
       .def_property_readonly(
           "W",
-          [matrix](const Holder& self) {
+          [matrix](const HeldProblem& self) {
             return matrix(self->problem->W, self->problem->has_delassus(), self);
           },
           "As it was given; None where the problem has bodies alone, see `delassus`.")
@@ -277,14 +277,14 @@ but for `delassus()` where W must be assembled, `velocity` and `body_velocity`.)
           "(m,) sqrt(1 + e) of each row [-], read-only view; None without restitution.")
       .def_property_readonly(
           "solution",
-          [](const Holder& self) -> py::object {
+          [](const HeldProblem& self) -> py::object {
             if (self->solution.size() == 0) return py::none();
             return view_of(self->solution, py::cast(self));
           },
           "(m,) reference impulse of the file that it was read from [N s].")
       .def_property_readonly(
           "guesses",
-          [](const Holder& self) {
+          [](const HeldProblem& self) {
             py::list list;
             for (const Vector& x : self->guesses) {
               list.append(view_of(x, py::cast(self)));

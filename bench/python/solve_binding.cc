@@ -53,7 +53,7 @@ struct PythonResult {
   ContactCount count;
   std::vector<HistoryRow> history;
 };
-using Holder = std::shared_ptr<PythonResult>;
+using HeldResult = std::shared_ptr<PythonResult>;
 
 /// Hands the judged iterations to Python.
 class IterationCallback {
@@ -76,10 +76,10 @@ class IterationCallback {
   PythonWatch& watch_;
 };
 
-Holder run_solver(const PythonProblem& given, const py::object& solver, double tol,
-                  const py::object& s0, double time_limit, const std::string& stop,
-                  int max_iterations, std::map<std::string, std::string> parameters,
-                  const py::object& callback) {
+HeldResult run_solver(const PythonProblem& given, const py::object& solver, double tol,
+                      const py::object& s0, double time_limit, const std::string& stop,
+                      int max_iterations, std::map<std::string, std::string> parameters,
+                      const py::object& callback) {
   PythonWatch watch;
   const ChosenSolver chosen = choose_solver(solver, watch);
   auto result = std::make_shared<PythonResult>();
@@ -154,20 +154,20 @@ void bind_result(py::module_& module) {
   const auto of_error = [](auto ContactError::*field) {
     return [field](const PythonResult& r) { return r.solve.error.*field; };
   };
-  py::class_<PythonResult, Holder>(
+  py::class_<PythonResult, HeldResult>(
       module, "Result",
       R"(How a solve ended. Arrays are read-only views; errors are those of s, judged once more on the
 original problem.)")
       .def_readonly("solver", &PythonResult::solver, "Its name.")
       .def_property_readonly(
-          "s", [](const Holder& r) { return view_of(r->solve.s, py::cast(r)); },
+          "s", [](const HeldResult& r) { return view_of(r->solve.s, py::cast(r)); },
           "(m,) impulse in the friction cone [N s].")
       .def_property_readonly(
-          "u", [](const Holder& r) { return view_of(r->solve.u, py::cast(r)); },
+          "u", [](const HeldResult& r) { return view_of(r->solve.u, py::cast(r)); },
           "(m,) W s + u_free [m/s].")
       .def_property_readonly(
           "v",
-          [](const Holder& r) -> py::object {
+          [](const HeldResult& r) -> py::object {
             if (!r->problem->has_velocities()) return py::none();
             return copy_of(body_velocities(*r->problem, r->solve.s));
           },
@@ -209,7 +209,7 @@ original problem.)")
           "slip", [](const PythonResult& r) { return r.count.slip; }, "Contacts on its edge.")
       .def_property_readonly(
           "history",
-          [](const Holder& r) {
+          [](const HeldResult& r) {
             py::array history(history_type(), {static_cast<py::ssize_t>(r->history.size())},
                               {static_cast<py::ssize_t>(sizeof(HistoryRow))}, r->history.data(),
                               py::cast(r));

@@ -36,7 +36,7 @@ std::string read_optional_string(const Hdf5File& file, const std::string& name) 
 }
 
 /// A stored matrix, storage resolved.
-struct Matrix {
+struct SparseGroup {
   int rows = 0, columns = 0;
   Triplets entries;
 
@@ -48,12 +48,12 @@ struct Matrix {
   }
 };
 
-Matrix read_matrix(const Hdf5File& file, const std::string& group) {
+SparseGroup read_matrix(const Hdf5File& file, const std::string& group) {
   const auto refuse = [&](const std::string& reason) {
     throw FileError(file.path(), group, reason);
   };
   if (!file.exists(group)) refuse("missing");
-  Matrix matrix;
+  SparseGroup matrix;
   matrix.rows = file.read_int(group + "/m");
   matrix.columns = file.read_int(group + "/n");
   const int nz = file.read_int(group + "/nz");
@@ -124,7 +124,7 @@ void refuse_constraints(const Hdf5File& file, const std::string& root,
 }
 
 /// Before the matrix is built: a wrong size could ask for more memory than there is.
-void require_shape(const Hdf5File& file, const std::string& group, const Matrix& matrix,
+void require_shape(const Hdf5File& file, const std::string& group, const SparseGroup& matrix,
                    Eigen::Index rows, Eigen::Index columns) {
   if (matrix.rows == rows && matrix.columns == columns) return;
   throw FileError(file.path(), group,
@@ -268,14 +268,14 @@ Stored read_form(const Hdf5File& file, const std::string& root, int dim, Problem
   try {
     if (!out.global) {
       refuse_constraints(file, root, {"V", "R"}, "s");
-      const Matrix W = read_matrix(file, root + "/W");
+      const SparseGroup W = read_matrix(file, root + "/W");
       require_shape(file, root + "/W", W, rows, rows);
       out.problem = from_local_form(dim, W.build<SparseRows>(),
                                     read_vector(file, root + "/vectors/q"), std::move(mu));
     } else {
       refuse_constraints(file, root, {"G"}, "b");
-      const Matrix M = read_matrix(file, root + "/M");
-      const Matrix H = read_matrix(file, root + "/H");
+      const SparseGroup M = read_matrix(file, root + "/M");
+      const SparseGroup H = read_matrix(file, root + "/H");
       const Vector f = read_vector(file, root + "/vectors/f");
       require_shape(file, root + "/M", M, f.size(), f.size());
       require_shape(file, root + "/H", H, f.size(), rows);

@@ -20,7 +20,7 @@ namespace bipot {
 namespace {
 
 /// Numbers with the rows and columns in which they stand; columns 1: no rows to speak of.
-struct Table {
+struct TextTable {
   std::vector<double> values;  // row by row
   std::size_t columns = 1;
 
@@ -58,7 +58,7 @@ std::string_view without_brackets(const std::filesystem::path& path, std::string
   return text.substr(open + 1, close - open - 1);
 }
 
-Table read_text(const std::filesystem::path& path) {
+TextTable read_text(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   if (!in) throw FileError(path, "", "cannot open");
   const std::string content((std::istreambuf_iterator<char>(in)), {});
@@ -66,7 +66,7 @@ Table read_text(const std::filesystem::path& path) {
     throw FileError(path, "", "neither a text file nor .npy nor HDF5");
   }
   const std::string_view text = without_brackets(path, content);
-  Table table;
+  TextTable table;
   bool even = true;
   std::size_t columns = 0, number = 0;
   for (std::string_view rest = text; !rest.empty();) {
@@ -91,7 +91,7 @@ Table read_text(const std::filesystem::path& path) {
   return table;
 }
 
-Table read_table(const std::filesystem::path& path) {
+TextTable read_table(const std::filesystem::path& path) {
   if (is_npy(path)) {
     NpyArray array = read_npy(path);
     if (array.shape.size() > 2) {
@@ -111,7 +111,7 @@ Table read_table(const std::filesystem::path& path) {
 }
 
 /// Whether the first column counts from 0 or 1.
-bool counts(const Table& table) {
+bool counts(const TextTable& table) {
   const double first = table.values.empty() ? -1 : table.values[0];
   if (first != 0 && first != 1) return false;
   for (std::size_t row = 0; row < table.rows(); ++row) {
@@ -121,11 +121,11 @@ bool counts(const Table& table) {
 }
 
 /// Takes away what is no impulse: a column of contact numbers, a leading size.
-void strip(Table& table, std::size_t contacts, std::size_t dim) {
+void strip(TextTable& table, std::size_t contacts, std::size_t dim) {
   std::vector<double>& x = table.values;
   const std::size_t size = contacts * dim;
   if (table.columns == dim + 1 && table.rows() == contacts && counts(table)) {
-    Table impulses{{}, dim};
+    TextTable impulses{{}, dim};
     for (std::size_t k = 0; k < x.size(); ++k) {
       if (k % table.columns != 0) impulses.values.push_back(x[k]);
     }
@@ -155,7 +155,7 @@ std::vector<std::size_t> component_places(const ImpulseLayout& layout, std::size
   return places;
 }
 
-Vector arrange(const Table& table, std::size_t contacts, std::size_t dim,
+Vector arrange(const TextTable& table, std::size_t contacts, std::size_t dim,
                const ImpulseLayout& layout) {
   const std::vector<std::size_t> place = component_places(layout, dim);
   bool by_contact = layout.order == ImpulseLayout::Order::kContact;
@@ -180,7 +180,7 @@ Vector read_impulses(const std::filesystem::path& path, const ContactProblem& pr
                      const ImpulseLayout& layout) {
   if (!std::filesystem::exists(path)) throw FileError(path, "", "no such file");
   if (std::filesystem::is_directory(path)) throw FileError(path, "", "is a folder");
-  Table table = read_table(path);
+  TextTable table = read_table(path);
   const std::size_t contacts = to_size(problem.num_contacts()), dim = to_size(problem.dim);
   const bool with_tangents = dim == 1 && table.values.size() >= 2 * contacts && contacts > 0;
   const std::size_t file_dim = with_tangents ? 2 : dim;

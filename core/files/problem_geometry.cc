@@ -15,7 +15,8 @@ constexpr const char* kGroup = "/bipot/geometry";
 std::string name(const char* entry) { return fmt::format("{}/{}", kGroup, entry); }
 
 template <class Items, class Value>
-void write_vectors(Hdf5File& file, const char* entry, const Items& items, const Value& value) {
+void write_geometry_vectors(Hdf5File& file, const char* entry, const Items& items,
+                            const Value& value) {
   std::vector<double> numbers;
   for (const auto& item : items) {
     const Vec2 x = value(item);
@@ -25,7 +26,8 @@ void write_vectors(Hdf5File& file, const char* entry, const Items& items, const 
 }
 
 template <class Items, class Value>
-void write_ints(Hdf5File& file, const char* entry, const Items& items, const Value& value) {
+void write_geometry_ints(Hdf5File& file, const char* entry, const Items& items,
+                         const Value& value) {
   std::vector<int> numbers;
   for (const auto& item : items) numbers.push_back(value(item));
   file.write(name(entry), std::span<const int>(numbers));
@@ -70,19 +72,19 @@ void write_geometry(const std::filesystem::path& path, const Scene& scene, const
   if (file.exists(kGroup)) file.remove(kGroup);
   std::vector<double> radii;
   for (const Disk& d : state.disks) radii.push_back(d.radius);
-  write_vectors(file, "disks/x", state.disks, [](const Disk& d) { return d.x; });
+  write_geometry_vectors(file, "disks/x", state.disks, [](const Disk& d) { return d.x; });
   file.write(name("disks/radius"), std::span<const double>(radii));
-  write_ints(file, "walls/shape", state.walls,
-             [](const Wall& w) { return static_cast<int>(w.shape); });
-  write_vectors(file, "walls/a", state.walls, [](const Wall& w) { return w.a; });
-  write_vectors(file, "walls/b", state.walls, [](const Wall& w) { return w.b; });
-  write_vectors(file, "walls/normal", state.walls, [](const Wall& w) { return w.normal; });
-  write_ints(file, "contacts/i", state.contacts,
-             [](const ContactOutcome& o) { return o.contact.i; });
-  write_ints(file, "contacts/j", state.contacts,
-             [](const ContactOutcome& o) { return o.contact.j; });
-  write_vectors(file, "contacts/n", state.contacts,
-                [](const ContactOutcome& o) { return o.contact.n; });
+  write_geometry_ints(file, "walls/shape", state.walls,
+                      [](const Wall& w) { return static_cast<int>(w.shape); });
+  write_geometry_vectors(file, "walls/a", state.walls, [](const Wall& w) { return w.a; });
+  write_geometry_vectors(file, "walls/b", state.walls, [](const Wall& w) { return w.b; });
+  write_geometry_vectors(file, "walls/normal", state.walls, [](const Wall& w) { return w.normal; });
+  write_geometry_ints(file, "contacts/i", state.contacts,
+                      [](const ContactOutcome& o) { return o.contact.i; });
+  write_geometry_ints(file, "contacts/j", state.contacts,
+                      [](const ContactOutcome& o) { return o.contact.j; });
+  write_geometry_vectors(file, "contacts/n", state.contacts,
+                         [](const ContactOutcome& o) { return o.contact.n; });
   file.write(name("friction"), scene.has_friction() ? 1 : 0);
   file.write(name("step"), scene.step);
   file.write(name("number"), state.step);

@@ -119,7 +119,7 @@ class Words {
   std::ptrdiff_t begin_of_word_ = 0;
 };
 
-struct Matrix {
+struct TextMatrix {
   int rows = 0, columns = 0;
   Triplets entries;
 
@@ -131,7 +131,7 @@ struct Matrix {
   }
 };
 
-void read_dense(Words& words, Matrix& matrix) {
+void read_dense(Words& words, TextMatrix& matrix) {
   const int rows = words.integer("number of rows");
   const int columns = words.integer("number of columns");
   if (rows != matrix.rows || columns != matrix.columns) {
@@ -156,7 +156,7 @@ std::vector<int> read_extents(Words& words, int count, int total) {
   return extents;
 }
 
-void read_blocks(Words& words, Matrix& matrix) {
+void read_blocks(Words& words, TextMatrix& matrix) {
   const int blocks = words.integer("number of blocks");
   if (blocks == 0) return;
   const int block_rows = words.integer("number of block rows");
@@ -197,7 +197,7 @@ void read_blocks(Words& words, Matrix& matrix) {
   }
 }
 
-void add_checked(Words& words, Matrix& matrix, int row, int column, double value) {
+void add_checked(Words& words, TextMatrix& matrix, int row, int column, double value) {
   if (row >= matrix.rows || column >= matrix.columns) {
     words.fail(fmt::format("entry ({}, {}) of a {} x {} matrix", row, column, matrix.rows,
                            matrix.columns));
@@ -219,7 +219,7 @@ int header_count(Words& words, std::string_view header, std::string_view name) {
   return value;
 }
 
-void read_sparse(Words& words, Matrix& matrix) {
+void read_sparse(Words& words, TextMatrix& matrix) {
   enum Origin { kTriplet = 1, kColumns = 2, kRows = 3, kHalfTriplet = 4 };
   const int origin = words.integer("origin of the sparse matrix");
   if (origin == kHalfTriplet) words.fail("half-stored symmetric matrices are not supported");
@@ -271,10 +271,10 @@ void read_sparse(Words& words, Matrix& matrix) {
   }
 }
 
-Matrix read_matrix(Words& words) {
+TextMatrix read_matrix(Words& words) {
   enum Storage { kDense = 0, kSparseBlocks = 1, kSparse = 2 };
   const int storage = words.integer("storage of a matrix");
-  Matrix matrix;
+  TextMatrix matrix;
   matrix.rows = words.integer("number of rows");
   matrix.columns = words.integer("number of columns");
   switch (storage) {
@@ -315,7 +315,7 @@ ProblemFile read_siconos_text(const std::filesystem::path& path) {
   }
   words.require_plausible(contacts, "contacts");
   const Eigen::Index rows = static_cast<Eigen::Index>(dim) * contacts;
-  const Matrix first = read_matrix(words);
+  const TextMatrix first = read_matrix(words);
 
   ProblemFile file;
   file.info.title = path.filename().string();
@@ -333,7 +333,7 @@ ProblemFile read_siconos_text(const std::filesystem::path& path) {
     } else {
       file.global = true;
       file.info.description = "Siconos Numerics, GlobalFrictionContactProblem (text)";
-      const Matrix second = read_matrix(words);
+      const TextMatrix second = read_matrix(words);
       const Vector f = read_vector(words, first.rows, "f");
       const Vector w = read_vector(words, second.columns, "w");
       Vector mu = read_vector(words, contacts, "mu");

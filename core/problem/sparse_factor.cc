@@ -12,8 +12,6 @@
 #include "core/types.h"
 
 namespace bipot {
-namespace {
-
 /// Compressed columns with 64-bit indices and the last pattern seen: SuiteSparse's own layout.
 struct LongColumns {
   std::vector<SuiteSparse_long> start, row;
@@ -41,6 +39,8 @@ struct LongColumns {
     return same;
   }
 };
+
+namespace {
 
 int sign_of_determinant(void* numeric) {
   double mantissa = 0, exponent = 0;

@@ -12,7 +12,7 @@ namespace {
 constexpr int kInnerCap = 8;
 constexpr int kQuick = 6;  // inner iterations after which delta may fall
 constexpr double kInnerAccuracy = 1e-8, kStagnation = 1e-4;
-constexpr double kSmallestDelta = 1e-6, kLargestDelta = 1e2;
+constexpr double kSmallestDelta = 1e-6, kDeltaToGiveUp = 1e2;
 
 /// Projection of Alart and Curnier at z and a generalised Jacobian of it.
 template <int D>
@@ -87,7 +87,7 @@ StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delass
       } else {
         s = anchor;
         delta *= 10;
-        if (delta > kLargestDelta) return StageEnd::kStuck;
+        if (delta > kDeltaToGiveUp) return StageEnd::kStuck;
       }
       inner = 0;
       --k;  // no factorisation

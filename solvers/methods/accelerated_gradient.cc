@@ -146,7 +146,7 @@ class MapRota {
 };
 
 /// Iterations that may be done without a look at the clock.
-constexpr int kUnwatched = 64;
+constexpr int kUnwatchedSteps = 64;
 
 template <class Kernel>
 void iterate(Kernel kernel, MapRota rota, const Vector& s0, double lambda, double step,
@@ -163,7 +163,7 @@ void iterate(Kernel kernel, MapRota rota, const Vector& s0, double lambda, doubl
     }
     control.cone = rota.map() == Map::kCone;
     control.momentum = rota.momentum();
-    const int count = monitor.undue(iteration, kUnwatched);
+    const int count = monitor.undue(iteration, kUnwatchedSteps);
     kernel.advance(count, control);
     iteration += count;
   }

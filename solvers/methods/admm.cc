@@ -22,7 +22,7 @@ constexpr double kBalanceInterval = 0.25;  // of the iterations so far, before t
 constexpr double kImbalance = 5;           // factor of rho below which it is left alone
 constexpr double kLargestChange = 100;     // of rho at once
 constexpr double kSmallestRho = 1e-3;      // of balancing; smaller ones cost digits in the solve
-constexpr double kRoundOff = 4e-15;        // relative change of a multiplier at rest
+constexpr double kAtRest = 4e-15;          // relative change of a multiplier at rest
 constexpr int kCorrections = 2;            // for the skew part of W
 constexpr int kRaises = 20;                // of rho by 10, for an indefinite W
 
@@ -135,7 +135,7 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
     if (monitor.due(iteration)) {
       s = z.cwiseProduct(scaling.velocity);
       // A multiplier that still moves will move s later.
-      const bool moving = (y - y_judged).norm() > kRoundOff * y.norm();
+      const bool moving = (y - y_judged).norm() > kAtRest * y.norm();
       if (monitor.stop(iteration, s, rho, moving)) return;
       y_judged = y;
     }

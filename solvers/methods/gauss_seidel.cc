@@ -55,7 +55,7 @@ class SweepOrder {
 };
 
 /// Iterations that may be done without a look at the clock.
-constexpr int kUnwatched = 64;
+constexpr int kUnwatchedSweeps = 64;
 
 template <int D>
 void run_tiled(const ContactProblem& p, const DelassusOperator& delassus, const Vector& s0,
@@ -66,7 +66,7 @@ void run_tiled(const ContactProblem& p, const DelassusOperator& delassus, const 
   monitor.end_setup();
   int iteration = 0;
   while (!(monitor.due(iteration) && monitor.stop(iteration, sweep.impulse(), omega))) {
-    const int count = monitor.undue(iteration, kUnwatched);
+    const int count = monitor.undue(iteration, kUnwatchedSweeps);
     sweep.advance(count);
     iteration += count;
   }

@@ -46,7 +46,7 @@ constexpr double kResidualFloor = 1e-15;
 constexpr std::size_t kLongestCycle = 6;
 // PETSc's LU (nested dissection, no pivoting) takes a third to a half of UMFPACK's time on packings
 // of 700 to 1400 contacts and twice as long at 7300.
-constexpr int kSmall = 4000;
+constexpr int kDenseRows = 4000;
 // Two iterates that differ by less, relative, are the same.
 constexpr double kSame = 1e-13;
 // A repeated iterate whose residual is this small against the first one, or against the impulses,
@@ -270,7 +270,7 @@ Settings settings_for(const ContactProblem& p, const Parameters& parameters) {
                : s.residual_name == "fischer-burmeister" ? Residual::kFischerBurmeister
                                                          : Residual::kInequality;
   s.linear = parameters.choice("linear");
-  if (s.linear == "auto") s.linear = p.num_rows() <= kSmall ? "petsc" : "umfpack";
+  if (s.linear == "auto") s.linear = p.num_rows() <= kDenseRows ? "petsc" : "umfpack";
   s.line_search = parameters.choice("line_search");
   s.start_sweeps = parameters.integer("start_sweeps");
   s.inner_iterations = parameters.integer("inner_iterations");

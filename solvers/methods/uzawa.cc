@@ -31,7 +31,7 @@ struct BipotentialCorrector {
 
 // The constants that He and Liao recommend.
 constexpr double kLargestRatio = 0.9, kSmallestRatio = 0.4;
-constexpr double kShrink = 2.0 / 3, kGrow = 1.5, kRelaxation = 1.9;
+constexpr double kStepShrink = 2.0 / 3, kStepGrow = 1.5, kRelaxation = 1.9;
 constexpr int kTrials = 30;  // rho has shrunk by at least 1e-5 then: the ratio is rounding
 
 /// The extragradient method of He and Liao on x = impulse ∘ s.
@@ -60,7 +60,7 @@ class Extragradient {
         const double moved = difference.norm();
         ratio = moved > 0 ? rho * d.norm() / moved : 0;
         if (!(ratio > kLargestRatio)) break;
-        rho *= kShrink * std::min(1.0, 1 / ratio);
+        rho *= kStepShrink * std::min(1.0, 1 / ratio);
       }
       d = difference - rho * d;
       const double length = d.squaredNorm();
@@ -68,7 +68,7 @@ class Extragradient {
       project(x, kRelaxation * alpha * rho, f_predicted, predicted);
       x.swap(predicted);
       map(x, f);
-      if (ratio < kSmallestRatio) rho *= kGrow;
+      if (ratio < kSmallestRatio) rho *= kStepGrow;
     }
   }
 
@@ -124,9 +124,9 @@ void adaptive_sweeps(const ContactProblem& p, PredictorSteps steps, const Vector
           const double change = (de_saxce(c, sweep.velocity(c)) - f).norm();
           ratio = length > 0 ? steps.rho[c] * change / length : 0;
           if (!(ratio > kLargestRatio)) break;
-          steps.rho[c] *= kShrink * std::min(1.0, 1 / ratio);
+          steps.rho[c] *= kStepShrink * std::min(1.0, 1 / ratio);
         }
-        if (ratio > 0 && ratio < kSmallestRatio) steps.rho[c] *= kGrow;
+        if (ratio > 0 && ratio < kSmallestRatio) steps.rho[c] *= kStepGrow;
       }
       ++iteration;
     }

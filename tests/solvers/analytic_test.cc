@@ -9,6 +9,7 @@
 
 #include "core/files/scene_file.h"
 #include "tests/support/scene_run.h"
+#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
@@ -16,7 +17,7 @@ namespace {
 constexpr double kG = 9.81;
 
 Scene shipped(const std::string& name) {
-  return read_scene(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/" + name + ".toml");
+  return read_scene(source_folder().string() + "/data/scenes/" + name + ".toml");
 }
 
 /// Bounces of a dropped ball, measured as on a film: each flight is the parabola through the state

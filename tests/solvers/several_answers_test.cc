@@ -10,6 +10,7 @@
 #include "solvers/registry.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
@@ -83,7 +84,7 @@ TEST(SeveralAnswers, FindsOneWhereThereIsOne) {
 
 TEST(SeveralAnswers, ThreeIsolatedOnesOfATiltedPacking) {
   const ContactProblem p =
-      read_fclib(std::string(BIPOT_SOURCE_DIR) + "/data/problems/2d_tilt1000hi_182.hdf5").problem;
+      read_fclib(source_folder().string() + "/data/problems/2d_tilt1000hi_182.hdf5").problem;
   const SeveralAnswers found = find_several_answers(p, {.starts = 8});
   EXPECT_EQ(found.status, SolveStatus::kConverged) << found.message;
   EXPECT_GE(found.answers.size(), 3u);

@@ -18,6 +18,7 @@
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/naive_error.h"
+#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
@@ -26,7 +27,7 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> shipped_problems() {
   std::vector<std::string> names;
-  for (const auto& entry : fs::directory_iterator(BIPOT_SOURCE_DIR "/data/problems")) {
+  for (const auto& entry : fs::directory_iterator(source_folder() / "data/problems")) {
     if (entry.path().extension() == ".hdf5") names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
@@ -57,7 +58,7 @@ class ShippedProblems : public testing::TestWithParam<std::string> {};
 TEST_P(ShippedProblems, SolversAgreeOrSayThatTheyFailed) {
   const std::string name = GetParam();
   const ContactProblem p =
-      read_problem(BIPOT_SOURCE_DIR "/data/problems/" + name + ".hdf5").problem;
+      read_problem(source_folder() / "data/problems" / (name + ".hdf5")).problem;
   SolverOptions reference_options;
   reference_options.tol = 1e-11;
   reference_options.time_limit = 60 * BIPOT_TEST_SLOWNESS;
@@ -102,7 +103,7 @@ TEST_P(ShippedProblems, SolversAgreeOrSayThatTheyFailed) {
   EXPECT_GE(converged, kHard.contains(name) ? kHard.at(name) : 3);
 }
 
-std::string test_name(const testing::TestParamInfo<std::string>& parameters) {
+std::string name_of_problem(const testing::TestParamInfo<std::string>& parameters) {
   std::string name = parameters.param;
   for (char& c : name) {
     if (std::isalnum(static_cast<unsigned char>(c)) == 0) c = '_';
@@ -110,14 +111,14 @@ std::string test_name(const testing::TestParamInfo<std::string>& parameters) {
   return name;
 }
 
-INSTANTIATE_TEST_SUITE_P(, ShippedProblems, testing::ValuesIn(shipped_problems()), test_name);
+INSTANTIATE_TEST_SUITE_P(, ShippedProblems, testing::ValuesIn(shipped_problems()), name_of_problem);
 
 TEST(ShippedProblemsEvidence, SolversFindDifferentVelocities) {
   // Two impulses that obey the law to 1e-10, by both implementations, with velocities that differ
   // by far more than that.
   for (const std::string& name : kSeveralVelocities) {
     const ContactProblem p =
-        read_problem(BIPOT_SOURCE_DIR "/data/problems/" + name + ".hdf5").problem;
+        read_problem(source_folder() / "data/problems" / (name + ".hdf5")).problem;
     const Eigen::MatrixXd W = naive_delassus(p);
     const DelassusOperator delassus(p);
     std::vector<Vector> solutions;

@@ -15,6 +15,7 @@
 #include "core/files/run_reader.h"
 #include "core/problem/contact_error.h"
 #include "tests/support/command_line.h"
+#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
@@ -64,8 +65,7 @@ TEST_F(Command, RunsAShippedSceneAndLeavesItsFiles) {
 }
 
 TEST_F(Command, TheStressPictureIsDrawnWhereTheSceneAsksForIt) {
-  const std::string scene =
-      content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/square_lattice.toml");
+  const std::string scene = content(source_folder().string() + "/data/scenes/square_lattice.toml");
   const std::string text = scene +
                            (scene.find("[output]") == std::string::npos ? "\n[output]" : "") +
                            "\nstress_picture = true\n";
@@ -100,7 +100,7 @@ TEST_F(Command, EachFailureHasItsExitCode) {
   EXPECT_EQ(bipot("solve " + write("text.dat", "not a problem")).exit_code, 2);
   EXPECT_EQ(bipot("run square_lattice --steps 1 --out /proc/nowhere").exit_code, 4);
   const std::string nan_scene =
-      content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/square_lattice.toml");
+      content(source_folder().string() + "/data/scenes/square_lattice.toml");
   EXPECT_EQ(bipot("run " + write("bad.toml", nan_scene + "\n[outptu]\nevery = 1\n")).exit_code, 2);
 }
 
@@ -126,8 +126,7 @@ TEST_F(Command, RestartContinuesBitForBit) {
 
 /// Disks that fall apart: the triangular lattice, smaller, without its right wall.
 std::string collapsing_scene(int steps) {
-  std::string text =
-      content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/triangular_lattice.toml");
+  std::string text = content(source_folder().string() + "/data/scenes/triangular_lattice.toml");
   text.erase(text.find("[[walls]]\nname = \"right\""),
              text.find("[time]") - text.find("[[walls]]\nname = \"right\""));
   for (const auto& [from, to] : {std::pair<std::string, std::string>{"columns = 10", "columns = 5"},
@@ -261,8 +260,7 @@ TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {
 }
 
 TEST_F(Command, SolveLooksForSeveralAnswers) {
-  const std::string problem =
-      std::string(BIPOT_SOURCE_DIR) + "/data/problems/2d_tilt1000hi_182.hdf5";
+  const std::string problem = source_folder().string() + "/data/problems/2d_tilt1000hi_182.hdf5";
   const Outcome text = bipot("solve " + problem + " --several 5");
   EXPECT_EQ(text.exit_code, 0);
   EXPECT_NE(text.out.find("Several answers, each exact"), std::string::npos) << text.out;
@@ -306,7 +304,7 @@ TEST_F(Command, DumpedStepsAreDrawnWithTheirAnswers) {
 
 TEST_F(Command, DestinationsAreLookedAtBeforeTheWork) {
   const std::string problem =
-      std::string(BIPOT_SOURCE_DIR) + "/data/problems/2d_triangular_lattice.hdf5";
+      source_folder().string() + "/data/problems/2d_triangular_lattice.hdf5";
   const std::string solve = "solve " + problem + " --solver pgs --tol 1e-4";
   EXPECT_EQ(bipot(solve + " --history " + path("h.csv") + " --json /proc/nowhere/a.json").exit_code,
             4);
@@ -321,8 +319,7 @@ TEST_F(Command, DestinationsAreLookedAtBeforeTheWork) {
 
 TEST_F(Command, SolutionsDoNotGoIntoOtherProblems) {
   // Two lattices that differ in friction alone: the same sizes.
-  std::string text =
-      content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/triangular_lattice.toml");
+  std::string text = content(source_folder().string() + "/data/scenes/triangular_lattice.toml");
   const std::string run = "run " + write("a.toml", text) + " --steps 1 --quiet --dump-problems all";
   ASSERT_EQ(bipot(run + " --out " + path("a")).exit_code, 0);
   const std::string mu = "mu = 0.3";
@@ -385,8 +382,8 @@ TEST_F(Command, ComparisonLeavesATableAndAPage) {
 }
 
 TEST_F(Command, AdviceIsWrittenIntoACopyOfTheScene) {
-  const std::string scene = write("scene.toml", content(std::string(BIPOT_SOURCE_DIR) +
-                                                        "/data/scenes/triangular_lattice.toml"));
+  const std::string scene = write(
+      "scene.toml", content(source_folder().string() + "/data/scenes/triangular_lattice.toml"));
   const std::string arguments = "advise " + scene +
                                 " --force-error 1e-2 --solvers apgd,ipm --time-limit 20 --json - "
                                 "--write " +
@@ -450,7 +447,7 @@ TEST_F(Command, InterruptedPaperKeepsWhatIsDone) {
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
   const std::string out = path("out");
   const Outcome solve =
-      bipot(std::string("solve ") + BIPOT_SOURCE_DIR +
+      bipot("solve " + source_folder().string() +
             "/data/problems/2d_compaction_rest.hdf5 --solver pgs --tol 1e-13 --out " + out +
             " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
   EXPECT_EQ(solve.exit_code, 5);
@@ -494,7 +491,7 @@ TEST_F(Command, TimeLimitLeavesTheLastWholeStep) {
 
 TEST_F(Command, RestartRefusesAnotherScene) {
   ASSERT_EQ(bipot("run sliding_cylinder --steps 5 --quiet --out " + path("a")).exit_code, 0);
-  std::string text = content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/sliding_cylinder.toml");
+  std::string text = content(source_folder().string() + "/data/scenes/sliding_cylinder.toml");
   const std::string radius = "radius = 0.01";
   text.replace(text.find(radius), radius.size(), "radius = 0.02");
   const Outcome run =
@@ -510,7 +507,7 @@ TEST_F(Command, ForeignOutputDoesNotMixWithJson) {
       std::string::npos) {
     GTEST_SKIP() << "built without PETSc: there is no foreign output";
   }
-  const Outcome solve = bipot(std::string("solve ") + BIPOT_SOURCE_DIR +
+  const Outcome solve = bipot("solve " + source_folder().string() +
                               "/data/problems/2d_triangular_lattice.hdf5 --solver newton "
                               "--petsc \"-snes_monitor -ksp_view\" --json -");
   EXPECT_EQ(solve.exit_code, 0);
@@ -552,7 +549,7 @@ TEST_F(Command, SpringDashpotModelRunsTheSameScene) {
 }
 
 TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
-  std::string text = content(std::string(BIPOT_SOURCE_DIR) + "/data/scenes/square_lattice.toml");
+  std::string text = content(source_folder().string() + "/data/scenes/square_lattice.toml");
   for (const auto& [from, to] : {std::pair<std::string, std::string>{"columns = 10", "columns = 3"},
                                  {"rows = 10", "rows = 3"},
                                  {"point = [0.2, 0.0]", "point = [0.06, 0.0]"}}) {
@@ -586,7 +583,7 @@ TEST_F(Command, TradeRunsWholeSimulationsAndLeavesAPage) {
 
 TEST_F(Command, AStepThatIsNotSolvedLeavesItsProblemAndSaysWhatToTry) {
   // Ten sweeps are too few for the first disks that land on others, in step 28.
-  const std::string run = std::string("run ") + BIPOT_SOURCE_DIR +
+  const std::string run = "run " + source_folder().string() +
                           "/data/scenes/compaction_100.toml --solver pgs --tol 1e-3 "
                           "--max-iterations 10 --steps 40 --on-failure stop --out " +
                           path("out");
@@ -608,7 +605,7 @@ TEST_F(Command, CertifiesWhetherASolutionExists) {
   const json proof = json::parse(none.out)["existence"];
   EXPECT_EQ(proof["verdict"], "none");
   EXPECT_NE(proof["statement"].get<std::string>().find("proved"), std::string::npos);
-  const std::string pile = std::string(BIPOT_SOURCE_DIR) + "/data/problems/2d_pyramid_10.hdf5";
+  const std::string pile = source_folder().string() + "/data/problems/2d_pyramid_10.hdf5";
   const json exists = json::parse(bipot("solve " + pile + " --certify --json -").out)["existence"];
   EXPECT_EQ(exists["verdict"], "exists");
   EXPECT_GT(exists["margin"].get<double>(), 0);

@@ -9,6 +9,7 @@
 #include "core/files/problem_file.h"
 #include "solvers/solve.h"
 #include "tests/support/command_line.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -16,8 +17,7 @@ namespace {
 
 using nlohmann::json;
 
-const std::string kProblem =
-    std::string(BIPOT_SOURCE_DIR) + "/data/problems/2d_triangular_lattice.hdf5";
+const std::string kProblem = source_folder().string() + "/data/problems/2d_triangular_lattice.hdf5";
 
 Vector solution_of(const ContactProblem& p) {
   SolverOptions options;

@@ -13,6 +13,7 @@
 #include "solvers/solve.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -28,7 +29,7 @@ ComparisonOptions options_for(std::vector<std::string> solvers, std::vector<doub
   return options;
 }
 
-ProblemSource source_of(const std::string& name, const ContactProblem& problem) {
+ProblemSource source_without_scales(const std::string& name, const ContactProblem& problem) {
   return {name, name, [problem] {
             TestProblem made;
             made.origin = "test";
@@ -40,7 +41,7 @@ ProblemSource source_of(const std::string& name, const ContactProblem& problem) 
 TEST(SeveralAnswersInACompare, AreProvedByTwoVerifiedRows) {
   // Sweeps give the first contact all of the load, gradients divide it: v_x differs by 0.2.
   const SeveralProblem several = two_frictions_problem();
-  const Comparison c = compare({source_of("two", several.problem)},
+  const Comparison c = compare({source_without_scales("two", several.problem)},
                                options_for({"pgs", "apgd", "uzawa"}, {1e-2, 1e-11}));
   ASSERT_EQ(c.problems.size(), 1u);
   const ProblemSummary& p = c.problems[0];
@@ -90,7 +91,7 @@ TEST(SeveralAnswersInACompare, AreKeptWithTheReference) {
   const SeveralProblem several = two_frictions_problem();
   ComparisonOptions options = options_for({"pgs", "apgd"}, {1e-11});
   options.out = folder / "table";
-  const auto source = source_of("two", several.problem);
+  const auto source = source_without_scales("two", several.problem);
   const Comparison first = compare({source}, options);
   const Comparison again = compare({source}, options);
   EXPECT_EQ(again.rows_kept, 2);
@@ -104,9 +105,9 @@ TEST(SeveralAnswersInACompare, AreKeptWithTheReference) {
 
 TEST(SeveralAnswersInACompare, OfATiltedPackingAreThree) {
   // pgs and newton, apgd, and ipm end 5e-2 to 1.5e-1 apart.
-  const Comparison c = compare(
-      expand_targets({std::string(BIPOT_SOURCE_DIR) + "/data/problems/2d_tilt1000hi_182.hdf5"}),
-      options_for({"pgs", "apgd", "ipm"}, {1e-10}));
+  const Comparison c =
+      compare(expand_targets({source_folder().string() + "/data/problems/2d_tilt1000hi_182.hdf5"}),
+              options_for({"pgs", "apgd", "ipm"}, {1e-10}));
   ASSERT_EQ(c.problems.size(), 1u);
   EXPECT_GE(c.problems[0].answers, 3);
   EXPECT_GT(c.problems[0].spread.velocity, 5e-2);

@@ -7,15 +7,11 @@
 #include <string>
 
 #include "core/file_error.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
 namespace {
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream in(path);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 TEST(AtomicFile, TheOldFileStaysUntilTheNewOneIsCommitted) {
   const TemporaryFolder folder;
@@ -23,10 +19,10 @@ TEST(AtomicFile, TheOldFileStaysUntilTheNewOneIsCommitted) {
   {
     AtomicFile file(folder / "a");
     std::ofstream(file.draft()) << "new";
-    EXPECT_EQ(text_of(folder / "a"), "old");
+    EXPECT_EQ(file_text(folder / "a"), "old");
     file.commit();
   }
-  EXPECT_EQ(text_of(folder / "a"), "new");
+  EXPECT_EQ(file_text(folder / "a"), "new");
 }
 
 TEST(AtomicFile, WithoutCommitNothingIsLeft) {

@@ -14,6 +14,8 @@
 #include "core/problem/contact_error.h"
 #include "core/problem/delassus.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/small_problems.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 #ifdef BIPOT_TESTS_WITH_FCLIB
@@ -29,13 +31,6 @@ using Mode = Hdf5File::Mode;
 using Eigen::MatrixXd;
 
 const ProblemInfo kInfo = {"box of disks", "step 12 of a test", "W is singular"};
-
-ContactProblem local_form(ContactProblem p) {
-  p.A = SparseMatrix();
-  p.H = SparseMatrix();
-  p.v_free = Vector();
-  return p;
-}
 
 MatrixXd dense_delassus(const ContactProblem& p) {
   const int m = p.num_rows();
@@ -122,8 +117,7 @@ INSTANTIATE_TEST_SUITE_P(Dimensions, RoundTrip, testing::Values(1, 2, 3));
 
 TEST(FclibFile, ADatasetThatClaimsMoreThanTheFileHoldsIsRefusedBeforeAllocation) {
   // Found by tests/fuzz/hdf5_fuzz.cc: a header whose extent is 8e14 values in a file of 16 kB.
-  const std::filesystem::path path =
-      std::filesystem::path(BIPOT_SOURCE_DIR) / "data/fuzz/hdf5/claims_many_values.hdf5";
+  const std::filesystem::path path = source_folder() / "data/fuzz/hdf5/claims_many_values.hdf5";
   try {
     read_fclib(path);
     FAIL() << "it was read";
@@ -443,7 +437,7 @@ TEST(FclibFile, LibfclibReadsWhatIsWritten) {
 /// The collection of problems by others is not part of the repository.
 std::filesystem::path collection() {
   if (const char* named = std::getenv("BIPOT_PROBLEMS"); named != nullptr) return named;
-  return std::filesystem::path(BIPOT_SOURCE_DIR).parent_path() / "shared" / "problems";
+  return source_folder().parent_path() / "shared" / "problems";
 }
 
 TEST(FclibFile, TheCollectionOfProblemsByOthersIsReadAndItsReferencesHold) {

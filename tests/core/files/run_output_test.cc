@@ -21,6 +21,7 @@
 #include "core/motion/stress_tensor.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
+#include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -142,11 +143,6 @@ std::string bits(const State& state) {
     for (double x : {c.contact.gap, c.s_n, c.s_t, c.u_n, c.u_t}) add(x);
   }
   return out;
-}
-
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 std::vector<std::vector<std::string>> csv(const std::filesystem::path& path) {
@@ -302,7 +298,7 @@ TEST(RunOutput, TheXdmfIndexIsWellFormedAndLeadsToItsDataAfterEveryFrame) {
     State state = awkward_state(scene, step);
     if (step == 0) state.contacts.clear();
     writer.frame(state);
-    const std::string xml = text_of(folder / "out/run.xdmf");
+    const std::string xml = file_text(folder / "out/run.xdmf");
     expect_well_formed(xml);
     // Disks: points, x, radius, mass, material, v, spin, angle, stress, pressure. Contacts: points,
     // segment and ten fields, with or without contacts. Walls: points, segment, material.
@@ -324,7 +320,7 @@ TEST(RunOutput, ALongRunIsIndexedCompletely) {
   State state = initial_state(scene);
   for (state.step = 0; state.step < 150; ++state.step) writer.frame(state);
   writer.close();
-  EXPECT_EQ(expect_data(folder / "out", text_of(folder / "out/run.xdmf")), 150 * 22);
+  EXPECT_EQ(expect_data(folder / "out", file_text(folder / "out/run.xdmf")), 150 * 22);
   const Hdf5File file(folder / "out/run.h5", Hdf5File::Mode::kRead);
   EXPECT_EQ(file.list("/frames").size(), 150u);
 }
@@ -435,7 +431,7 @@ TEST(RunOutput, ARunOfAVersionWithoutStressesIsContinued) {
     writer.frame(second);
     writer.close();
   }
-  EXPECT_EQ(expect_data(folder / "out", text_of(folder / "out/run.xdmf")), 23 + 25);
+  EXPECT_EQ(expect_data(folder / "out", file_text(folder / "out/run.xdmf")), 23 + 25);
   const auto rows = csv(ledger);
   ASSERT_EQ(rows.size(), 3u);
   for (const auto& row : rows) EXPECT_EQ(row.size(), 26u);
@@ -461,7 +457,7 @@ TEST(RunOutput, AnEarlierRunIsRemovedOrContinued) {
   EXPECT_EQ(frame_steps(folder / "out"), (std::vector<int>{2, 4, 6}));
   EXPECT_EQ(csv(folder / "out/ledger.csv").size(), 1u + 3u);
   EXPECT_EQ(csv(folder / "out/trajectory.csv").size(), 1u + 2 * 6u);
-  EXPECT_EQ(expect_data(folder / "out", text_of(folder / "out/run.xdmf")), 3 * 25);
+  EXPECT_EQ(expect_data(folder / "out", file_text(folder / "out/run.xdmf")), 3 * 25);
   run(1, 2, -1);
   EXPECT_EQ(frame_steps(folder / "out"), (std::vector<int>{2}));
   EXPECT_EQ(csv(folder / "out/ledger.csv").size(), 1u + 1u);
@@ -497,7 +493,7 @@ TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
     for (int step : steps) {
       ASSERT_EQ(bits(read_state(folder / "out", step)), bits(awkward_state(scene, step)));
     }
-    const std::string xml = text_of(folder / "out/run.xdmf");
+    const std::string xml = file_text(folder / "out/run.xdmf");
     expect_well_formed(xml);
     EXPECT_GT(expect_data(folder / "out", xml), 0);
   }

@@ -10,6 +10,8 @@
 #include <set>
 #include <sstream>
 
+#include "tests/support/source_folder.h"
+
 namespace bipot {
 namespace {
 
@@ -354,7 +356,7 @@ TEST(SceneFile, AMissingFileIsNamed) {
   }
 }
 
-const std::filesystem::path kScenes = std::filesystem::path(BIPOT_SOURCE_DIR) / "data" / "scenes";
+const std::filesystem::path kScenes = source_folder() / "data" / "scenes";
 
 TEST(SceneFile, EveryShippedSceneIsSound) {
   int count = 0;
@@ -370,18 +372,9 @@ TEST(SceneFile, EveryShippedSceneIsSound) {
   EXPECT_GE(count, 7);
 }
 
-std::string text_of(const std::filesystem::path& path) {
-  std::ifstream file(path);
-  EXPECT_TRUE(file.good()) << path;
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 /// Every key that the reader asks a table for.
 std::set<std::string> keys_in_the_source() {
-  const std::string source =
-      text_of(std::filesystem::path(BIPOT_SOURCE_DIR) / "core" / "files" / "scene_file.cc");
+  const std::string source = file_text(source_folder() / "core" / "files" / "scene_file.cc");
   const std::regex access(
       R"((?:has|maybe_number|number|positive|integer|natural|boolean|word|one_of|maybe_vec2|vec2|numbers|words|table|tables)\(\"([a-z_]+)\")");
   std::set<std::string> keys;
@@ -396,7 +389,7 @@ std::set<std::string> keys_in_the_source() {
 }
 
 TEST(SceneFile, EveryKeyIsDocumentedAndNoOther) {
-  const std::string readme = text_of(kScenes / "README.md");
+  const std::string readme = file_text(kScenes / "README.md");
   // A documented key is the first cell of a table row: | `key` | ...
   const std::regex row(R"(\n\| `([a-z_]+)` \|)");
   std::set<std::string> documented;

@@ -16,7 +16,7 @@
 namespace bipot {
 namespace {
 
-Scene one_material(double mu, double e_n, double e_t) {
+Scene unit_step_scene(double mu, double e_n, double e_t) {
   Scene scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.step = 1;
   return scene;
@@ -108,7 +108,7 @@ Vector random_vector(Eigen::Index size, unsigned seed) {
 }
 
 TEST(Assembly, NormalRowIsTheRateOfTheGap) {
-  const Scene scene = one_material(0.3, 0, 0);
+  const Scene scene = unit_step_scene(0.3, 0, 0);
   Bodies b = crowd(1);
   const AssembledStep step = b.assemble(scene);
   const int contacts = step.problem.num_contacts();
@@ -135,7 +135,7 @@ TEST(Assembly, NormalRowIsTheRateOfTheGap) {
 
 TEST(Assembly, TangentialRowIsTheRateOfTheContactPointsShift) {
   // Material points fixed to the two bodies at the contact, turned and shifted with them.
-  const Scene scene = one_material(0.3, 0, 0);
+  const Scene scene = unit_step_scene(0.3, 0, 0);
   Bodies b = crowd(1);
   const AssembledStep step = b.assemble(scene);
   const Vector v = random_vector(step.problem.num_dofs(), 2);
@@ -163,7 +163,7 @@ TEST(Assembly, TangentialRowIsTheRateOfTheContactPointsShift) {
 
 TEST(Assembly, PowerOfImpulsesIsPowerOfWrenches) {
   // u·s = v·(H s), Hᵀ v formed contact by contact from the bodies' velocities.
-  const Scene scene = one_material(0.3, 0.5, 0.2);
+  const Scene scene = unit_step_scene(0.3, 0.5, 0.2);
   Bodies b = crowd(3);
   b.v_free.clear();
   b.wall_free = {0, 0.3, -0.1};  // the velocities before the step: u_free = (1 + e)/r u⁻ = r u⁻
@@ -176,7 +176,7 @@ TEST(Assembly, PowerOfImpulsesIsPowerOfWrenches) {
 }
 
 TEST(Assembly, OperatorIsThatOfTheBodies) {
-  const Scene scene = one_material(0.3, 0.5, 0.2);
+  const Scene scene = unit_step_scene(0.3, 0.5, 0.2);
   Bodies b = crowd(3);
   const ContactProblem p = b.assemble(scene).problem;
   EXPECT_EQ(validate(p), "");
@@ -188,7 +188,7 @@ TEST(Assembly, OperatorIsThatOfTheBodies) {
 
 TEST(Assembly, OneDiskOnAFloorHasItsKnownOperator) {
   // m = 2, a = 0.5, I = m a²/2: W = diag(1/m, 1/m + a²/I) = diag(1, 3)/m.
-  const Scene scene = one_material(0.3, 0, 0);
+  const Scene scene = unit_step_scene(0.3, 0, 0);
   Bodies b;
   b.disks = {disk_at(0, 0.5, 0.5, Vec2(3, -1), 4)};
   b.disks[0].mass = 2;
@@ -208,7 +208,7 @@ TEST(Assembly, OneDiskOnAFloorHasItsKnownOperator) {
 TEST(Assembly, RestitutionReversesOneContact) {
   // u_n⁺ = -e_n u_n⁻ for a head-on shock of two disks, whatever the masses.
   for (const double e_n : {0.0, 0.3, 1.0}) {
-    const Scene scene = one_material(0, e_n, 0);
+    const Scene scene = unit_step_scene(0, e_n, 0);
     Bodies b;
     b.disks = {disk_at(0, 0, 0.5, Vec2(2, 0)), disk_at(1.2, 0, 0.7, Vec2(-1, 0))};
     const AssembledStep step = b.assemble(scene);
@@ -225,7 +225,7 @@ TEST(Assembly, UnequalRestitutionsSolveThePhysicalLaw) {
   // Solve the symmetric form, go back, and check Moreau's law on (36) in physical variables.
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const double e_n = 0.2, e_t = 0.9, mu = 0.4;
-    const Scene scene = one_material(mu, e_n, e_t);
+    const Scene scene = unit_step_scene(mu, e_n, e_t);
     Bodies b;
     Draw draw(seed);
     for (int k = 0; k < 5; ++k) {  // a chain on a floor
@@ -267,7 +267,7 @@ TEST(Assembly, UnequalRestitutionsSolveThePhysicalLaw) {
 }
 
 TEST(Assembly, MovingWallsStandInTheRightHandSide) {
-  const Scene scene = one_material(0.5, 0.25, 0);
+  const Scene scene = unit_step_scene(0.5, 0.25, 0);
   Bodies b;
   b.disks = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
   b.v_free = {Vec2(1, -3)};
@@ -287,7 +287,7 @@ TEST(Assembly, MovingWallsStandInTheRightHandSide) {
 }
 
 TEST(Assembly, DrivenWallsHaveOneDegreeOfFreedom) {
-  const Scene scene = one_material(0.5, 0, 0);
+  const Scene scene = unit_step_scene(0.5, 0, 0);
   Bodies b;
   b.disks = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
   b.walls = {half_plane(Vec2(0, 0), Vec2(0, 1))};
@@ -310,7 +310,7 @@ TEST(Assembly, DrivenWallsHaveOneDegreeOfFreedom) {
 }
 
 TEST(Assembly, WithoutFrictionThereAreNoTangentsAndNoSpins) {
-  const Scene scene = one_material(0, 0.5, 0.7);
+  const Scene scene = unit_step_scene(0, 0.5, 0.7);
   Bodies b = crowd(1);
   const AssembledStep step = b.assemble(scene);
   EXPECT_EQ(step.problem.dim, 1);
@@ -319,7 +319,7 @@ TEST(Assembly, WithoutFrictionThereAreNoTangentsAndNoSpins) {
   EXPECT_EQ(step.problem.num_dofs(), 2 * 25 + 2);
   EXPECT_EQ(validate(step.problem), "");
   // The normal rows are those of the problem with friction.
-  const AssembledStep rough = crowd(1).assemble(one_material(0.3, 0.5, 0.7));
+  const AssembledStep rough = crowd(1).assemble(unit_step_scene(0.3, 0.5, 0.7));
   EXPECT_EQ(rough.problem.dim, 2);
   for (int c = 0; c < step.problem.num_contacts(); ++c) {
     EXPECT_EQ(step.problem.u_free[c], rough.problem.u_free[2 * c]);
@@ -327,7 +327,7 @@ TEST(Assembly, WithoutFrictionThereAreNoTangentsAndNoSpins) {
 }
 
 TEST(Assembly, BodiesWithoutContactsDoNotEnter) {
-  const Scene scene = one_material(0.3, 0, 0);
+  const Scene scene = unit_step_scene(0.3, 0, 0);
   Bodies b;
   b.disks = {disk_at(50, 50, 0.5), disk_at(0, 0, 0.5), disk_at(-50, 7, 0.5), disk_at(1, 0, 0.5)};
   b.walls = {half_plane(Vec2(0, -80), Vec2(0, 1)), half_plane(Vec2(0, -90), Vec2(0, 1))};
@@ -347,7 +347,7 @@ TEST(Assembly, BodiesWithoutContactsDoNotEnter) {
 }
 
 TEST(Assembly, EveryPairOfMaterialsHasItsLaw) {
-  Scene scene = one_material(0.3, 0, 0);
+  Scene scene = unit_step_scene(0.3, 0, 0);
   scene.materials = {"steel", "wood"};
   const ContactLaw steel{.mu = 0.1, .e_n = 1}, mixed{.mu = 0.2, .e_n = 0.5},
       wood{.mu = 0.4, .e_n = 0};

@@ -16,13 +16,13 @@
 namespace bipot {
 namespace {
 
-constexpr double kG = 9.81;
+constexpr double kGravity = 9.81;
 constexpr double kPi = std::numbers::pi;
 
-Scene one_material(double mu, double e_n, double e_t = 0) {
+Scene spring_scene(double mu, double e_n, double e_t = 0) {
   Scene scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.model = Model::kSpringDashpot;
-  scene.gravity = Vec2(0, -kG);
+  scene.gravity = Vec2(0, -kGravity);
   scene.step = 1e-3;
   return scene;
 }
@@ -42,7 +42,7 @@ State run(const Scene& scene,
 
 /// Two disks of 1 and 3 kg meet head-on at 2 m/s; ends after they have parted.
 Scene head_on(double e_n, double stiffness) {
-  Scene scene = one_material(0.3, e_n);
+  Scene scene = spring_scene(0.3, e_n);
   scene.gravity = Vec2::Zero();
   scene.dem.stiffness = stiffness;
   scene.disks = {cylinder(Vec2(0, 0), 0.1, Vec2(1.5, 0), 1),
@@ -117,28 +117,28 @@ TEST(SpringDashpot, ConvergesWithTheSubstep) {
 }
 
 TEST(SpringDashpot, DiskAtRestOverlapsByItsWeightOverTheStiffness) {
-  Scene scene = one_material(0.4, 0.3);
+  Scene scene = spring_scene(0.4, 0.3);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
   scene.disks = {cylinder(Vec2(0, 0.1), 0.1)};
   scene.num_steps = 3000;
   const SpringDashpotSetup setup = spring_dashpot_setup(scene);
   // The default stiffness: weight over 1e-3 of the radius.
-  EXPECT_NEAR(setup.stiffness, 2 * kG / 1e-4, 1e-6 * setup.stiffness);
+  EXPECT_NEAR(setup.stiffness, 2 * kGravity / 1e-4, 1e-6 * setup.stiffness);
   const State end = run(scene);
   EXPECT_NEAR(end.contacts.at(0).contact.gap, -1e-4, 1e-12);
-  EXPECT_NEAR(end.contacts.at(0).s_n / scene.step, 2 * kG, 1e-9);
+  EXPECT_NEAR(end.contacts.at(0).s_n / scene.step, 2 * kGravity, 1e-9);
   EXPECT_EQ(end.contacts.at(0).s_t, 0);
   EXPECT_EQ(end.disks[0].x[0], 0);
   EXPECT_NEAR(end.disks[0].v[1], 0, 1e-13);
   // It came down by d = mg/k and lost half of mg d, the other half is in the spring.
-  EXPECT_NEAR(end.shock_loss / (2 * kG * 1e-4), 0.5, 1e-3);
+  EXPECT_NEAR(end.shock_loss / (2 * kGravity * 1e-4), 0.5, 1e-3);
 }
 
 TEST(SpringDashpot, BouncingBallReachesTheHeightsOfTable1) {
   // h_p = h0 e^2p, flights 2 e^p √(2 h0/g). Where in a substep the dashpot sets in moves e = 0.9 by
   // up to 0.006, which is 1.3 % of a height.
   for (const double e : {1.0, 0.9}) {
-    Scene scene = one_material(0, e);
+    Scene scene = spring_scene(0, e);
     scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
     scene.disks = {cylinder(Vec2(0, 0.11), 0.01, Vec2::Zero(), 1)};
     scene.step = 1e-4;
@@ -154,7 +154,7 @@ TEST(SpringDashpot, BouncingBallReachesTheHeightsOfTable1) {
       height = std::max(height, state.disks[0].x[1] - 0.01);
     });
     ASSERT_GE(heights.size(), 2u);
-    const double fall = std::sqrt(2 * 0.1 / kG);
+    const double fall = std::sqrt(2 * 0.1 / kGravity);
     EXPECT_NEAR(impacts[0], fall, 1.1e-4);
     for (int p = 1; p <= 2; ++p) {
       EXPECT_NEAR(heights[p - 1] / (0.1 * std::pow(e, 2 * p)), 1, 0.02) << "e " << e;
@@ -165,7 +165,7 @@ TEST(SpringDashpot, BouncingBallReachesTheHeightsOfTable1) {
 }
 
 TEST(SpringDashpot, SlidingCylinderRollsAtTwoThirdsOfItsSpeed) {
-  Scene scene = one_material(0.5, 0);
+  Scene scene = spring_scene(0.5, 0);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
   scene.disks = {cylinder(Vec2(0, 0.01), 0.01, Vec2(1, 0), 1)};
   scene.step = 1e-4;
@@ -179,14 +179,14 @@ TEST(SpringDashpot, SlidingCylinderRollsAtTwoThirdsOfItsSpeed) {
   });
   EXPECT_NEAR(end.disks[0].v[0], 2.0 / 3, 1e-4);
   EXPECT_NEAR(end.disks[0].spin * 0.01, -2.0 / 3, 1e-4);
-  EXPECT_NEAR(rolls_from, 1 / (3 * 0.5 * kG), 2e-3);
+  EXPECT_NEAR(rolls_from, 1 / (3 * 0.5 * kGravity), 2e-3);
   // From m v0²/2 to 3/4 m (2/3 v0)²: m v0²/6.
   EXPECT_NEAR(end.friction_loss, 1.0 / 6, 1e-4);
 }
 
 /// A cylinder on a plane at the given angle, gravity vertical; the plane falls to the right.
-Scene incline(double angle, double mu) {
-  Scene scene = one_material(mu, 0.2);
+Scene spring_incline(double angle, double mu) {
+  Scene scene = spring_scene(mu, 0.2);
   const Vec2 n(std::sin(angle), std::cos(angle));
   scene.walls = {half_plane(Vec2::Zero(), n)};
   scene.disks = {cylinder(0.1 * n, 0.1)};
@@ -199,29 +199,30 @@ TEST(SpringDashpot, RollsWithoutSlipUpToTheThreshold) {
   const double angle = 0.5;
   const Vec2 down(std::cos(angle), -std::sin(angle));
   const double time = 0.4;
-  const State rolls = run(incline(angle, std::tan(angle) / 3 * 1.05));
+  const State rolls = run(spring_incline(angle, std::tan(angle) / 3 * 1.05));
   EXPECT_EQ(rolls.contacts.at(0).status, ContactStatus::kStick);
-  EXPECT_NEAR(rolls.disks[0].v.dot(down) / (2.0 / 3 * kG * std::sin(angle) * time), 1, 2e-3);
-  EXPECT_NEAR(rolls.contacts[0].s_t / (2 * kG * 1e-3 * std::sin(angle) / 3), 1, 1e-3);
+  EXPECT_NEAR(rolls.disks[0].v.dot(down) / (2.0 / 3 * kGravity * std::sin(angle) * time), 1, 2e-3);
+  EXPECT_NEAR(rolls.contacts[0].s_t / (2 * kGravity * 1e-3 * std::sin(angle) / 3), 1, 1e-3);
   const double mu = std::tan(angle) / 3 * 0.95;
-  const State slips = run(incline(angle, mu));
+  const State slips = run(spring_incline(angle, mu));
   EXPECT_EQ(slips.contacts.at(0).status, ContactStatus::kSlip);
-  EXPECT_NEAR(slips.disks[0].v.dot(down) / (kG * (std::sin(angle) - mu * std::cos(angle)) * time),
-              1, 2e-3);
+  EXPECT_NEAR(
+      slips.disks[0].v.dot(down) / (kGravity * (std::sin(angle) - mu * std::cos(angle)) * time), 1,
+      2e-3);
 }
 
 TEST(SpringDashpot, AStickingContactHoldsItsPlaceAndPullsBack) {
   // A disk that cannot turn (huge inertia) is pulled aside by 0.3 of its weight on mu = 0.5: the
   // tangential spring carries it, x = F/k_t, and it stays there.
-  Scene scene = one_material(0.5, 0.2);
+  Scene scene = spring_scene(0.5, 0.2);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
   scene.disks = {cylinder(Vec2(0, 0.1), 0.1)};
   scene.disks[0].inertia = 1e9;
-  scene.gravity = Vec2(0.3 * kG, -kG);
+  scene.gravity = Vec2(0.3 * kGravity, -kGravity);
   scene.num_steps = 2000;
   const State end = run(scene);
   const SpringDashpotSetup setup = spring_dashpot_setup(scene);
-  const double pull = 2 * 0.3 * kG;
+  const double pull = 2 * 0.3 * kGravity;
   EXPECT_EQ(end.contacts.at(0).status, ContactStatus::kStick);
   EXPECT_NEAR(end.contacts.at(0).s_t / scene.step / pull, 1, 1e-9);
   EXPECT_NEAR(end.contacts.at(0).spring / (-pull / setup.tangential_stiffness), 1, 1e-9);
@@ -232,7 +233,7 @@ TEST(SpringDashpot, AStickingContactHoldsItsPlaceAndPullsBack) {
 }
 
 Scene lattice(int columns, int rows, double mu) {
-  Scene scene = one_material(mu, 0.1);
+  Scene scene = spring_scene(mu, 0.1);
   for (const Disk& d : rectangular_lattice(columns, rows, 0.01, Vec2::Zero())) {
     scene.disks.push_back(cylinder(d.x, d.radius, Vec2::Zero(), 0.6));
   }
@@ -252,7 +253,7 @@ TEST(SpringDashpot, SquareLatticeCarriesTheWeightAboveEachDisk) {
     const double top =
         std::max(end.disks[c.contact.i].x[1], c.contact.j < 24 ? end.disks[c.contact.j].x[1] : 0.0);
     const double above = 8 - std::floor(top / 0.02);
-    EXPECT_NEAR(c.s_n / scene.step / (above * 0.6 * kG), 1, 1e-6);
+    EXPECT_NEAR(c.s_n / scene.step / (above * 0.6 * kGravity), 1, 1e-6);
     EXPECT_LT(-c.contact.gap, 1.2e-3 * 0.01);  // the overlap aimed at is that of the floor
     ++columns;
   }
@@ -262,7 +263,7 @@ TEST(SpringDashpot, SquareLatticeCarriesTheWeightAboveEachDisk) {
 TEST(SpringDashpot, TheCriticalStepIsStable) {
   // One undamped disk on a plane: 2/w = 2 √(m/k). Pressed lattices with friction at 0.99 of the
   // critical step come to rest with the right weight: the bound holds for six contacts at once.
-  Scene one = one_material(0, 1);
+  Scene one = spring_scene(0, 1);
   one.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
   one.disks = {cylinder(Vec2(0, 0.1), 0.1)};
   one.dem.stiffness = 1e5;
@@ -292,14 +293,15 @@ TEST(SpringDashpot, TheCriticalStepIsStable) {
         walls += c.s_t * c.contact.n[0] / scene.step;
       }
     }
-    EXPECT_NEAR((floor + walls) / (0.6 * kG * static_cast<double>(scene.disks.size())), 1, 1e-6);
+    EXPECT_NEAR((floor + walls) / (0.6 * kGravity * static_cast<double>(scene.disks.size())), 1,
+                1e-6);
   }
 }
 
 /// 60 disks fall into a box; lengths, masses and times in other units.
-Scene falling_box(double length, double mass, double time) {
-  Scene scene = one_material(0.3, 0.3, 0.5);
-  scene.gravity = Vec2(0, -kG * length / (time * time));
+Scene springs_in_a_falling_box(double length, double mass, double time) {
+  Scene scene = spring_scene(0.3, 0.3, 0.5);
+  scene.gravity = Vec2(0, -kGravity * length / (time * time));
   scene.step = 5e-4 * time;
   for (const Disk& d : random_filling(60, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 5, Vec2::Zero())) {
     scene.disks.push_back(
@@ -312,7 +314,7 @@ Scene falling_box(double length, double mass, double time) {
 }
 
 TEST(SpringDashpot, TheLedgerCloses) {
-  const Scene scene = falling_box(1, 1, 1);
+  const Scene scene = springs_in_a_falling_box(1, 1, 1);
   const State start = initial_state(scene);
   const double initial = kinetic_energy(start) + potential_energy(start, scene.gravity);
   double shock = 0, friction = 0;
@@ -341,7 +343,7 @@ TEST(SpringDashpot, TheLedgerCloses) {
 TEST(SpringDashpot, ElasticDisksKeepTheirEnergy) {
   // No friction, e = 1: after 300 steps of 0.5 ms and hundreds of impacts, what the integration
   // itself lost stands in shock_loss.
-  Scene scene = falling_box(1, 1, 1);
+  Scene scene = springs_in_a_falling_box(1, 1, 1);
   scene.laws = {{.mu = 0, .e_n = 1, .e_t = 0}};
   const State start = initial_state(scene);
   const double kinetic = kinetic_energy(start);
@@ -353,7 +355,8 @@ TEST(SpringDashpot, ElasticDisksKeepTheirEnergy) {
 TEST(SpringDashpot, UnitsDoNotChangeTheBits) {
   // Powers of two keep the mantissas (of time and length both even, for the square roots).
   const double length = 1024, mass = 0x1p-10, time = 128;
-  const State a = run(falling_box(1, 1, 1)), b = run(falling_box(length, mass, time));
+  const State a = run(springs_in_a_falling_box(1, 1, 1)),
+              b = run(springs_in_a_falling_box(length, mass, time));
   ASSERT_EQ(a.contacts.size(), b.contacts.size());
   EXPECT_GT(a.contacts.size(), 40u);
   for (std::size_t k = 0; k < a.disks.size(); ++k) {
@@ -389,7 +392,7 @@ void expect_same(const State& a, const State& b) {
 
 TEST(SpringDashpot, RestartGoesOnWithTheSameBits) {
   const TemporaryFolder folder;
-  Scene scene = falling_box(1, 1, 1);
+  Scene scene = springs_in_a_falling_box(1, 1, 1);
   scene.num_steps = 250;
   const State whole = run(scene);
   scene.num_steps = 200;
@@ -409,7 +412,7 @@ TEST(SpringDashpot, RestartGoesOnWithTheSameBits) {
 TEST(SpringDashpot, MovingAndDrivenWallsDoTheirWork) {
   // A floor that moves up at 0.5 m/s lifts 2 kg by 0.5 m; 6 N on a wall of 1 kg and a disk of
   // 2 kg: a = 2 m/s², 4 N between them, and the wall's force does 6 N x 0.25 m in 0.5 s.
-  Scene lift = one_material(0, 0.1);
+  Scene lift = spring_scene(0, 0.1);
   lift.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
   lift.walls[0].motion = Wall::Motion::kMoving;
   lift.walls[0].v = Vec2(0, 0.5);
@@ -417,9 +420,9 @@ TEST(SpringDashpot, MovingAndDrivenWallsDoTheirWork) {
   lift.num_steps = 1000;
   const State lifted = run(lift);
   EXPECT_NEAR(lifted.walls[0].a[1], 0.5, 1e-12);
-  EXPECT_NEAR(lifted.wall_work / (2 * kG * 0.5), 1, 1e-3);
+  EXPECT_NEAR(lifted.wall_work / (2 * kGravity * 0.5), 1, 1e-3);
 
-  Scene push = one_material(0, 0.1);
+  Scene push = spring_scene(0, 0.1);
   push.gravity = Vec2::Zero();
   push.walls = {half_plane(Vec2::Zero(), Vec2(1, 0))};
   push.walls[0].motion = Wall::Motion::kDriven;
@@ -439,7 +442,7 @@ TEST(SpringDashpot, MovingAndDrivenWallsDoTheirWork) {
 }
 
 TEST(SpringDashpot, SegmentsArePushedOffOnBothSides) {
-  Scene scene = one_material(0, 0.5);
+  Scene scene = spring_scene(0, 0.5);
   scene.gravity = Vec2::Zero();
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
   scene.walls[0].shape = Wall::Shape::kSegment;

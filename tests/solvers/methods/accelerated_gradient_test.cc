@@ -15,8 +15,8 @@
 namespace bipot {
 namespace {
 
-SolveResult run(const ContactProblem& p, const std::string& map, double tol = 1e-8,
-                int max_iterations = 100000) {
+SolveResult run_apgd(const ContactProblem& p, const std::string& map, double tol = 1e-8,
+                     int max_iterations = 100000) {
   SolverOptions o;
   o.tol = tol;
   o.max_iterations = max_iterations;
@@ -40,8 +40,8 @@ TEST(AcceleratedGradient, DiskKernelAndOperatorDoTheSameSteps) {
     if (o.dim == 1) o.e_t = 0;
     const ContactProblem p = triangular_lattice(8, o);
     for (const std::string map : {"split", "cone"}) {
-      const SolveResult disks = run(p, map, 1e-14, 40);
-      const SolveResult whole = run(without_bodies(p), map, 1e-14, 40);
+      const SolveResult disks = run_apgd(p, map, 1e-14, 40);
+      const SolveResult whole = run_apgd(without_bodies(p), map, 1e-14, 40);
       EXPECT_LT((disks.s - whole.s).norm(), 1e-9 * whole.s.norm()) << o.dim << map;
     }
     o.e_t = 1;
@@ -49,7 +49,8 @@ TEST(AcceleratedGradient, DiskKernelAndOperatorDoTheSameSteps) {
 }
 
 TEST(AcceleratedGradient, IterationsGrowWithTheSideOfALatticeNotWithItsArea) {
-  const SolveResult small = run(square_lattice(8), "auto"), large = run(square_lattice(24), "auto");
+  const SolveResult small = run_apgd(square_lattice(8), "auto"),
+                    large = run_apgd(square_lattice(24), "auto");
   ASSERT_EQ(small.status, SolveStatus::kConverged) << small.message;
   ASSERT_EQ(large.status, SolveStatus::kConverged) << large.message;
   EXPECT_LT(large.iterations, 5 * small.iterations);  // three times the side, nine times the area
@@ -58,9 +59,9 @@ TEST(AcceleratedGradient, IterationsGrowWithTheSideOfALatticeNotWithItsArea) {
 // The split map cycles on the free pyramid, the cone map does not, and auto finds that out.
 TEST(AcceleratedGradient, AutoSolvesThePyramidThatSplitDoesNot) {
   const ContactProblem p = pyramid(10);
-  EXPECT_EQ(run(p, "split", 1e-8, 20000).status, SolveStatus::kIterationLimit);
-  EXPECT_EQ(run(p, "cone", 1e-8, 20000).status, SolveStatus::kConverged);
-  EXPECT_EQ(run(p, "auto", 1e-8, 20000).status, SolveStatus::kConverged);
+  EXPECT_EQ(run_apgd(p, "split", 1e-8, 20000).status, SolveStatus::kIterationLimit);
+  EXPECT_EQ(run_apgd(p, "cone", 1e-8, 20000).status, SolveStatus::kConverged);
+  EXPECT_EQ(run_apgd(p, "auto", 1e-8, 20000).status, SolveStatus::kConverged);
 }
 
 TEST(AcceleratedGradient, SolvesAnUnsymmetricOperator) {
@@ -74,7 +75,7 @@ TEST(AcceleratedGradient, SolvesAnUnsymmetricOperator) {
     }
   }
   p.u_free = m.u - Vector(p.W * m.s);
-  const SolveResult r = run(p, "auto");
+  const SolveResult r = run_apgd(p, "auto");
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
 }
 

@@ -14,8 +14,8 @@
 namespace bipot {
 namespace {
 
-SolveResult run(const ContactProblem& p, std::map<std::string, std::string> parameters = {},
-                double tol = 1e-8, int max_iterations = 20000) {
+SolveResult run_admm(const ContactProblem& p, std::map<std::string, std::string> parameters = {},
+                     double tol = 1e-8, int max_iterations = 20000) {
   SolverOptions o;
   o.tol = tol;
   o.max_iterations = max_iterations;
@@ -27,8 +27,8 @@ TEST(Admm, VelocityAndContactFormDoTheSameSteps) {
   const ContactProblem p = triangular_lattice(6);
   ContactProblem local = local_form(p);
   if (!local.has_delassus()) local.W = assemble_delassus(p.A, p.H, p.dim);
-  const SolveResult a = run(p, {{"penalty", "fixed"}, {"rho", "0.1"}}, 1e-14, 30);
-  const SolveResult b = run(local, {{"penalty", "fixed"}, {"rho", "0.1"}}, 1e-14, 30);
+  const SolveResult a = run_admm(p, {{"penalty", "fixed"}, {"rho", "0.1"}}, 1e-14, 30);
+  const SolveResult b = run_admm(local, {{"penalty", "fixed"}, {"rho", "0.1"}}, 1e-14, 30);
   EXPECT_LT((a.s - b.s).norm(), 1e-8 * a.s.norm());
 }
 
@@ -36,7 +36,7 @@ TEST(Admm, AFewDozenIterationsSolveALattice) {
   LatticeOptions o;
   o.tilt = 0.17;
   for (const ContactProblem& p : {triangular_lattice(20, o), square_lattice(20)}) {
-    const SolveResult r = run(p);
+    const SolveResult r = run_admm(p);
     EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
     EXPECT_LT(r.iterations, 200);
   }
@@ -53,7 +53,7 @@ TEST(Admm, SolvesAnUnsymmetricOperator) {
     }
   }
   p.u_free = m.u - Vector(p.W * m.s);
-  const SolveResult r = run(p);
+  const SolveResult r = run_admm(p);
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
 }
 
@@ -72,12 +72,12 @@ TEST(Admm, RaisesThePenaltyOfAnIndefiniteOperator) {
   p.mu = Vector::Constant(2, 0.3);
   p.u_free = Vector(4);
   p.u_free << -1, 0, -0.5, 0;  // the first contact alone: s_n = 1, u_n = 0.51 at the second
-  const SolveResult r = run(p);
+  const SolveResult r = run_admm(p);
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
 }
 
 TEST(Admm, SolvesTheFreePyramid) {
-  const SolveResult r = run(pyramid(10));
+  const SolveResult r = run_admm(pyramid(10));
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
 }
 

@@ -9,8 +9,8 @@
 namespace bipot {
 namespace {
 
-SolveResult run(const std::string& solver, const ContactProblem& p,
-                std::map<std::string, std::string> parameters = {}) {
+SolveResult run_accelerated(const std::string& solver, const ContactProblem& p,
+                            std::map<std::string, std::string> parameters = {}) {
   SolverOptions o;
   o.parameters = std::move(parameters);
   o.max_iterations = 100000;
@@ -19,7 +19,8 @@ SolveResult run(const std::string& solver, const ContactProblem& p,
 
 TEST(Anderson, BeatsTheSweepsItAccelerates) {
   for (const ContactProblem& p : {square_lattice(16), cubic_lattice(5)}) {
-    const SolveResult plain = run("pgs", p, {{"order", "symmetric"}}), fast = run("anderson", p);
+    const SolveResult plain = run_accelerated("pgs", p, {{"order", "symmetric"}}),
+                      fast = run_accelerated("anderson", p);
     ASSERT_EQ(plain.status, SolveStatus::kConverged) << plain.message;
     ASSERT_EQ(fast.status, SolveStatus::kConverged) << fast.message;
     // An iteration of anderson is a forward and a backward sweep.
@@ -29,14 +30,15 @@ TEST(Anderson, BeatsTheSweepsItAccelerates) {
 
 TEST(Anderson, MoreMemoryThanIterationsIsNoHarm) {
   const ContactProblem p = manufactured_problem(2, 6, 6, 3).problem;
-  const SolveResult r = run("anderson", p, {{"memory", "100"}});
+  const SolveResult r = run_accelerated("anderson", p, {{"memory", "100"}});
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
 }
 
 // One column of memory is the secant method: it converges, and not faster than eight columns.
 TEST(Anderson, MemoryHelps) {
   const ContactProblem p = square_lattice(16);
-  const SolveResult one = run("anderson", p, {{"memory", "1"}}), eight = run("anderson", p);
+  const SolveResult one = run_accelerated("anderson", p, {{"memory", "1"}}),
+                    eight = run_accelerated("anderson", p);
   ASSERT_EQ(one.status, SolveStatus::kConverged) << one.message;
   ASSERT_EQ(eight.status, SolveStatus::kConverged) << eight.message;
   EXPECT_LT(eight.iterations, one.iterations);

@@ -10,12 +10,13 @@
 
 #include "core/files/problem_file.h"
 #include "solvers/solve.h"
+#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
 
-ContactProblem shipped(const char* name) {
-  return read_problem(std::filesystem::path(BIPOT_SOURCE_DIR) / "data/problems" / name).problem;
+ContactProblem shipped_file(const char* name) {
+  return read_problem(source_folder() / "data/problems" / name).problem;
 }
 
 std::vector<AutoStage> plan(const ContactProblem& p, bool warm = false) {
@@ -23,7 +24,7 @@ std::vector<AutoStage> plan(const ContactProblem& p, bool warm = false) {
 }
 
 TEST(AutoSolver, ExplainsEveryStageInALine) {
-  const ContactProblem p = shipped("2d_pyramid_10.hdf5");
+  const ContactProblem p = shipped_file("2d_pyramid_10.hdf5");
   const std::string text = explain_auto(p, {});
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
             static_cast<std::ptrdiff_t>(plan(p).size()) + 1);
@@ -31,13 +32,13 @@ TEST(AutoSolver, ExplainsEveryStageInALine) {
 }
 
 TEST(AutoSolver, UnequalMassesBeginWithFactorisations) {
-  EXPECT_EQ(plan(shipped("2d_triangular_12_mass1e6.hdf5")).front().solver, "ipm");
-  EXPECT_NE(plan(shipped("2d_triangular_lattice.hdf5")).front().solver, "ipm");
+  EXPECT_EQ(plan(shipped_file("2d_triangular_12_mass1e6.hdf5")).front().solver, "ipm");
+  EXPECT_NE(plan(shipped_file("2d_triangular_lattice.hdf5")).front().solver, "ipm");
 }
 
 TEST(AutoSolver, GivesUpWhatDoesNotPromiseAndSolvesAllTheSame) {
   // Anderson and apgd do not get this pyramid to 1e-8 within 30 000 and 170 000 iterations.
-  const SolveResult result = solve("auto", shipped("2d_pyramid_10.hdf5"), {.tol = 1e-8});
+  const SolveResult result = solve("auto", shipped_file("2d_pyramid_10.hdf5"), {.tol = 1e-8});
   EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
   EXPECT_LE(result.error.guarded(), 1e-8);
   EXPECT_NE(result.message.find("anderson 16: given up"), std::string::npos) << result.message;
@@ -56,7 +57,7 @@ TEST(AutoSolver, MovingPackingsAreSolvedByPathFollowing) {
        {"2d_pour300_273.hdf5", "2d_pour300_392.hdf5", "2d_tilt1000hi_182.hdf5"}) {
     SolverOptions options{.tol = 1e-10};
     options.time_limit = 2 * BIPOT_TEST_SLOWNESS;
-    const SolveResult result = solve("auto", shipped(name), options);
+    const SolveResult result = solve("auto", shipped_file(name), options);
     EXPECT_EQ(result.status, SolveStatus::kConverged) << name << ": " << result.message;
     EXPECT_LE(result.error.guarded(), 1e-10) << name;
     // First order was given up, and nothing was needed after the first paths.
@@ -69,19 +70,19 @@ TEST(AutoSolver, MovingPackingsAreSolvedByPathFollowing) {
 }
 
 TEST(AutoSolver, NothingExactForALooseTolerance) {
-  const SolveResult result = solve("auto", shipped("2d_tilt1000hi_182.hdf5"), {.tol = 1e-2});
+  const SolveResult result = solve("auto", shipped_file("2d_tilt1000hi_182.hdf5"), {.tol = 1e-2});
   EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
   EXPECT_EQ(result.message.find("homotopy"), std::string::npos) << result.message;
 }
 
 TEST(AutoSolver, NoPathsInSpace) {
-  EXPECT_EQ(stages_of(shipped("3d_sphere_pyramid_4.hdf5"), "homotopy"), 0);
-  EXPECT_GT(stages_of(shipped("2d_pyramid_10.hdf5"), "homotopy"), 0);
-  EXPECT_GT(stages_of(shipped("1d_square_20.hdf5"), "homotopy"), 0);
+  EXPECT_EQ(stages_of(shipped_file("3d_sphere_pyramid_4.hdf5"), "homotopy"), 0);
+  EXPECT_GT(stages_of(shipped_file("2d_pyramid_10.hdf5"), "homotopy"), 0);
+  EXPECT_GT(stages_of(shipped_file("1d_square_20.hdf5"), "homotopy"), 0);
 }
 
 TEST(AutoSolver, AWarmStartSavesIterations) {
-  const ContactProblem p = shipped("2d_pour300_392.hdf5");
+  const ContactProblem p = shipped_file("2d_pour300_392.hdf5");
   const SolveResult rough = solve("auto", p, {.tol = 1e-4});
   ASSERT_EQ(rough.status, SolveStatus::kConverged) << rough.message;
   const SolveResult cold = solve("auto", p, {.tol = 1e-10});
@@ -99,7 +100,7 @@ TEST(AutoSolver, PathsSeeTheCallersCancel) {
     on_path = r.iteration > 2900;
   };
   options.cancelled = [&on_path] { return on_path; };
-  const SolveResult result = solve("auto", shipped("2d_pyramid_20_mu05.hdf5"), options);
+  const SolveResult result = solve("auto", shipped_file("2d_pyramid_20_mu05.hdf5"), options);
   EXPECT_EQ(result.status, SolveStatus::kInterrupted) << result.message;
   const std::size_t path = result.message.rfind("homotopy");
   ASSERT_NE(path, std::string::npos) << result.message;
@@ -110,14 +111,14 @@ TEST(AutoSolver, TheCallersCancelIsNoGivingUp) {
   int asked = 0;
   SolverOptions options{.tol = 1e-8};
   options.cancelled = [&asked] { return ++asked > 5; };
-  const SolveResult result = solve("auto", shipped("2d_pyramid_10.hdf5"), options);
+  const SolveResult result = solve("auto", shipped_file("2d_pyramid_10.hdf5"), options);
   EXPECT_EQ(result.status, SolveStatus::kInterrupted);
   EXPECT_LT(asked, 20);  // no further stage was begun
 }
 
 TEST(AutoSolver, TheIterationLimitHoldsForAllStagesTogether) {
   const SolveResult result =
-      solve("auto", shipped("2d_pyramid_10.hdf5"), {.tol = 1e-8, .max_iterations = 30});
+      solve("auto", shipped_file("2d_pyramid_10.hdf5"), {.tol = 1e-8, .max_iterations = 30});
   EXPECT_EQ(result.status, SolveStatus::kIterationLimit) << result.message;
   EXPECT_LE(result.iterations, 30);
 }
@@ -126,7 +127,7 @@ TEST(AutoSolver, HistoryCountsOnOverTheStages) {
   std::vector<int> iterations;
   SolverOptions options{.tol = 1e-8};
   options.on_iteration = [&](const IterationRecord& r) { iterations.push_back(r.iteration); };
-  const SolveResult result = solve("auto", shipped("2d_pyramid_10.hdf5"), options);
+  const SolveResult result = solve("auto", shipped_file("2d_pyramid_10.hdf5"), options);
   ASSERT_FALSE(iterations.empty());
   EXPECT_TRUE(std::is_sorted(iterations.begin(), iterations.end()));
   EXPECT_EQ(iterations.back(), result.iterations);

@@ -11,8 +11,8 @@
 namespace bipot {
 namespace {
 
-SolveResult run(const ContactProblem& p, std::map<std::string, std::string> parameters,
-                int max_iterations, double tol = 1e-8) {
+SolveResult run_pgs(const ContactProblem& p, std::map<std::string, std::string> parameters,
+                    int max_iterations, double tol = 1e-8) {
   SolverOptions o;
   o.tol = tol;
   o.max_iterations = max_iterations;
@@ -23,19 +23,19 @@ SolveResult run(const ContactProblem& p, std::map<std::string, std::string> para
 TEST(GaussSeidel, DisksAndExplicitOperatorDoTheSameSweeps) {
   const ContactProblem p = triangular_lattice(8);
   for (const std::string order : {"forward", "symmetric", "shuffled"}) {
-    const SolveResult disks = run(p, {{"order", order}}, 50, 1e-14);
-    const SolveResult whole = run(p, {{"order", order}, {"operator", "explicit"}}, 50, 1e-14);
+    const SolveResult disks = run_pgs(p, {{"order", order}}, 50, 1e-14);
+    const SolveResult whole = run_pgs(p, {{"order", order}, {"operator", "explicit"}}, 50, 1e-14);
     EXPECT_LT((disks.s - whole.s).norm(), 1e-11 * whole.s.norm()) << order;
   }
 }
 
 TEST(GaussSeidel, OrdersAreDifferentAndSeedsMatter) {
   const ContactProblem p = triangular_lattice(8);
-  const Vector forward = run(p, {}, 5).s;
-  const Vector symmetric = run(p, {{"order", "symmetric"}}, 5).s;
-  const Vector first = run(p, {{"order", "shuffled"}, {"seed", "1"}}, 5).s;
-  const Vector again = run(p, {{"order", "shuffled"}, {"seed", "1"}}, 5).s;
-  const Vector second = run(p, {{"order", "shuffled"}, {"seed", "2"}}, 5).s;
+  const Vector forward = run_pgs(p, {}, 5).s;
+  const Vector symmetric = run_pgs(p, {{"order", "symmetric"}}, 5).s;
+  const Vector first = run_pgs(p, {{"order", "shuffled"}, {"seed", "1"}}, 5).s;
+  const Vector again = run_pgs(p, {{"order", "shuffled"}, {"seed", "1"}}, 5).s;
+  const Vector second = run_pgs(p, {{"order", "shuffled"}, {"seed", "2"}}, 5).s;
   EXPECT_GT((forward - symmetric).norm(), 1e-3 * forward.norm());
   EXPECT_GT((forward - first).norm(), 1e-3 * forward.norm());
   EXPECT_GT((first - second).norm(), 1e-3 * forward.norm());
@@ -44,7 +44,8 @@ TEST(GaussSeidel, OrdersAreDifferentAndSeedsMatter) {
 
 TEST(GaussSeidel, OverRelaxationPaysOnALattice) {
   const ContactProblem p = square_lattice(12);
-  const SolveResult plain = run(p, {}, 100000), relaxed = run(p, {{"omega", "1.7"}}, 100000);
+  const SolveResult plain = run_pgs(p, {}, 100000),
+                    relaxed = run_pgs(p, {{"omega", "1.7"}}, 100000);
   ASSERT_EQ(plain.status, SolveStatus::kConverged) << plain.message;
   ASSERT_EQ(relaxed.status, SolveStatus::kConverged) << relaxed.message;
   EXPECT_LT(3 * relaxed.iterations, plain.iterations);
@@ -53,8 +54,8 @@ TEST(GaussSeidel, OverRelaxationPaysOnALattice) {
 // Disks: the local block is diagonal and both local solvers are the same.
 TEST(GaussSeidel, ProjectionIsExactForDisks) {
   const ContactProblem p = triangular_lattice(6);
-  const Vector projected = run(p, {}, 30).s;
-  const Vector exact = run(p, {{"local", "exact"}, {"operator", "explicit"}}, 30).s;
+  const Vector projected = run_pgs(p, {}, 30).s;
+  const Vector exact = run_pgs(p, {{"local", "exact"}, {"operator", "explicit"}}, 30).s;
   EXPECT_LT((projected - exact).norm(), 1e-10 * exact.norm());
 }
 
@@ -62,7 +63,7 @@ TEST(GaussSeidel, OneContactTakesOneExactSweep) {
   for (int dim = 2; dim <= 3; ++dim) {
     for (unsigned seed = 1; seed <= 20; ++seed) {
       const ContactProblem p = manufactured_problem(dim, 1, 1, seed).problem;
-      const SolveResult r = run(p, {{"local", "exact"}}, 2, 1e-10);
+      const SolveResult r = run_pgs(p, {{"local", "exact"}}, 2, 1e-10);
       EXPECT_TRUE(is_success(r.status)) << dim << " " << seed << r.message;
       EXPECT_LE(r.iterations, 1);
     }
@@ -73,7 +74,7 @@ TEST(GaussSeidel, RefusesParametersOutOfRange) {
   const ContactProblem p = square_lattice(2);
   for (const auto& [name, value] : std::map<std::string, std::string>{
            {"omega", "2"}, {"order", "backward"}, {"local_iterations", "0"}, {"seed", "1.5"}}) {
-    const SolveResult r = run(p, {{name, value}}, 10);
+    const SolveResult r = run_pgs(p, {{name, value}}, 10);
     EXPECT_EQ(r.status, SolveStatus::kInvalidInput) << name;
     EXPECT_NE(r.message.find(name), std::string::npos) << r.message;
   }

@@ -14,6 +14,7 @@
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/small_problems.h"
+#include "tests/support/source_folder.h"
 
 namespace bipot {
 namespace {
@@ -30,7 +31,7 @@ SolveResult homotopy(const ContactProblem& p, double tol = 1e-11,
 const std::map<std::string, std::string> kFromZero = {{"start_tol", "1"}};
 
 ContactProblem shipped(const std::string& name) {
-  return read_problem(BIPOT_SOURCE_DIR "/data/problems/" + name + ".hdf5").problem;
+  return read_problem(source_folder() / "data/problems" / (name + ".hdf5")).problem;
 }
 
 bool contains(const std::string& text, const std::string& part) {

@@ -81,15 +81,6 @@ ContactProblem free_pyramid(int rows, double mu) {
   return first_problem(scene_of(pyramid(rows, kRadius, Vec2::Zero()), mu, 0));
 }
 
-/// W alone, no bodies.
-ContactProblem local_form(ContactProblem p) {
-  if (!p.has_delassus()) p.W = assemble_delassus(p.A, p.H, p.dim);
-  p.A.resize(0, 0);
-  p.H.resize(0, 0);
-  p.v_free.resize(0);
-  return p;
-}
-
 Vector random_vector(int size, unsigned seed) {
   std::mt19937_64 random(seed);
   Vector x(size);

@@ -12,8 +12,8 @@
 namespace bipot {
 namespace {
 
-SolveResult run(const std::string& solver, const ContactProblem& p,
-                std::map<std::string, std::string> parameters, SolverOptions o = {}) {
+SolveResult run_uzawa(const std::string& solver, const ContactProblem& p,
+                      std::map<std::string, std::string> parameters, SolverOptions o = {}) {
   o.parameters = std::move(parameters);
   return solve(solver, p, o);
 }
@@ -32,7 +32,7 @@ TEST(Uzawa, PaperStepIsFormula41) {
   o.on_iteration = [&](const IterationRecord& r) {
     if (r.iteration == 1) epsilon = r.error.epsilon;
   };
-  run("uzawa", p, {{"rho", "paper"}}, o);
+  run_uzawa("uzawa", p, {{"rho", "paper"}}, o);
   Vector s(2);
   s << 1.6, -0.8;
   EXPECT_NEAR(epsilon, contact_error(p, s).epsilon, 1e-12);
@@ -50,7 +50,7 @@ TEST(Classical, TakesTheNormalPartFirst) {
   o.on_iteration = [&](const IterationRecord& r) {
     if (r.iteration == 1) epsilon = r.error.epsilon;
   };
-  run("classical", p, {{"rho", "paper"}}, o);
+  run_uzawa("classical", p, {{"rho", "paper"}}, o);
   Vector s(2);
   s << 2, -1;
   EXPECT_NEAR(epsilon, contact_error(p, s).epsilon, 1e-12);
@@ -66,10 +66,10 @@ TEST(Uzawa, ThePapersStepFailsWhereDisksStick) {
   o.max_iterations = 20000;
   for (const std::string solver : {"uzawa", "classical"}) {
     for (const std::string refresh : {"jacobi", "gauss-seidel"}) {
-      const SolveResult r = run(solver, p, {{"rho", "paper"}, {"refresh", refresh}}, o);
+      const SolveResult r = run_uzawa(solver, p, {{"rho", "paper"}, {"refresh", refresh}}, o);
       EXPECT_FALSE(is_success(r.status)) << solver << refresh << r.message;
       EXPECT_TRUE(r.s.allFinite());
-      EXPECT_EQ(run(solver, p, {{"refresh", refresh}}, o).status, SolveStatus::kConverged);
+      EXPECT_EQ(run_uzawa(solver, p, {{"refresh", refresh}}, o).status, SolveStatus::kConverged);
     }
   }
 }
@@ -78,7 +78,8 @@ TEST(Uzawa, TheAdaptiveStepNeedsFewerIterations) {
   LatticeOptions lattice;
   lattice.tilt = 0.17;
   const ContactProblem p = triangular_lattice(8, lattice);
-  const SolveResult fixed = run("uzawa", p, {}), adaptive = run("uzawa", p, {{"rho", "adaptive"}});
+  const SolveResult fixed = run_uzawa("uzawa", p, {}),
+                    adaptive = run_uzawa("uzawa", p, {{"rho", "adaptive"}});
   ASSERT_EQ(fixed.status, SolveStatus::kConverged) << fixed.message;
   ASSERT_EQ(adaptive.status, SolveStatus::kConverged) << adaptive.message;
   EXPECT_LT(adaptive.iterations, fixed.iterations);
@@ -90,11 +91,11 @@ TEST(Classical, ItsOwnStopTestIsMetEarly) {
   SolverOptions o;
   o.tol = 1e-2;
   o.stop = StopTest::kImpulse;
-  const SolveResult impulse = run("classical", p, {}, o);
+  const SolveResult impulse = run_uzawa("classical", p, {}, o);
   ASSERT_EQ(impulse.status, SolveStatus::kConverged) << impulse.message;
   EXPECT_GT(impulse.error.guarded(), 10 * o.tol);
   o.stop = StopTest::kGuarded;
-  const SolveResult guarded = run("classical", p, {}, o);
+  const SolveResult guarded = run_uzawa("classical", p, {}, o);
   ASSERT_EQ(guarded.status, SolveStatus::kConverged) << guarded.message;
   EXPECT_GT(guarded.iterations, impulse.iterations);
 }
