@@ -31,8 +31,9 @@ class FirstFailure {
 
 void run_phases(int threads, int phases, const int* first, const int* last, TaskRef task) {
   int widest = 0;
-  for (int phase = 0; phase < phases; ++phase)
+  for (int phase = 0; phase < phases; ++phase) {
     widest = std::max(widest, last[phase] - first[phase]);
+  }
   threads = std::min(threads, widest);
   if (threads <= 1) {
     for (int phase = 0; phase < phases; ++phase) {

@@ -165,7 +165,7 @@ class Search {
   /// Random multiples of an answer's impulses: by 10 % and by 50 %.
   Vector start_away(int k, std::string& from) {
     const auto& answers = distinct_.answers();
-    if (answers.empty()) return Vector();
+    if (answers.empty()) return {};
     const double amount = k % 2 == 0 ? 0.5 : 0.1;
     const std::size_t of = to_size(k) % answers.size();
     from = fmt::format("multiples of answer {}, {:g} %", of + 1, 100 * amount);

@@ -125,8 +125,9 @@ int velocity_exponent(const ContactProblem& p) {
     if (p.has_delassus()) {
       w = p.W.coeff(row, row);
     } else {
-      for (SparseMatrix::InnerIterator it(p.H, row); it; ++it)
+      for (SparseMatrix::InnerIterator it(p.H, row); it; ++it) {
         w += it.value() * it.value() / p.A.coeff(it.row(), it.row());
+      }
     }
     const int energy = 2 * std::ilogb(u) - std::ilogb(w);
     highest = any ? std::max(highest, energy) : energy;

@@ -117,8 +117,9 @@ std::string failure_text(const Scene& scene, const State& state,
   const ExistenceCertificate certificate = certify_existence(problem, kCertificateSeconds);
   text += fmt::format("  {}\n", to_text(certificate));
   int k = 0;
-  for (const Cause& cause : causes(scene, state, certificate))
+  for (const Cause& cause : causes(scene, state, certificate)) {
     text += fmt::format("  {}. {}\n", ++k, cause.text);
+  }
   return text;
 }
 

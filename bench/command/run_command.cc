@@ -278,8 +278,9 @@ int run_command(const RunFlags& flags) {
   const auto [status, exit_code] = outcome_of(run);
   if (run.failure) {
     fmt::print(stderr, "bipot: {}\n", run.failure->what());
-    if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged))
+    if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
       advice = failure_text(scene, state, run);
+    }
   }
   if (!advice.empty() && !quiet) fmt::print(stderr, "{}", advice);
   if (const std::string warning = growth.warning(scene); !warning.empty() && !flags.common.quiet) {

@@ -111,8 +111,9 @@ std::string to_text(const RunSummary& s) {
                    "  substeps     {} a step of {:.4g} s; stable up to {:.4g} s\n",
                    dem->stiffness, dem->tangential_stiffness, dem->substeps, dem->substep,
                    dem->critical_step);
-    for (const std::string& line : dem->departures)
+    for (const std::string& line : dem->departures) {
       fmt::format_to(add, "  note         {}\n", line);
+    }
   } else {
     fmt::format_to(add, "  solver       {} to {} {:.0e}\n", scene.solver.name, scene.solver.stop,
                    scene.solver.tol);

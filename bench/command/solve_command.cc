@@ -168,8 +168,9 @@ void check_solution_file(const std::string& path, const ContactProblem& problem)
   const auto product = [](const ContactProblem& p) {
     const DelassusOperator delassus(p);
     Vector probe(p.num_rows()), result(p.num_rows());
-    for (Eigen::Index i = 0; i < probe.size(); ++i)
+    for (Eigen::Index i = 0; i < probe.size(); ++i) {
       probe[i] = std::cos(1.0 + static_cast<double>(i));
+    }
     delassus.apply(probe, result);
     return result;
   };

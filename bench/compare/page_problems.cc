@@ -41,8 +41,9 @@ void add_pareto_sentence(PageDraft& page, const PageContent& of, const ProblemSu
                         tolerance_label(row->tol), seconds_label(row->time()),
                         error_label(rank.of(*row)));
   }
-  if (!list.empty())
+  if (!list.empty()) {
     page.add(fmt::format("<p>Beaten by none in both time and {}: {}.</p>\n", rank.name(), list));
+  }
 }
 
 void add_problem(PageDraft& page, const PageContent& of, const ProblemSummary& p) {

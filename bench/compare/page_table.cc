@@ -63,8 +63,9 @@ void add_filter(PageDraft& page, int column, const char* label,
                 const std::vector<std::string>& values) {
   page.add(fmt::format("<label>{}<select data-column=\"{}\"><option value=\"\">all</option>", label,
                        column));
-  for (const std::string& v : values)
+  for (const std::string& v : values) {
     page.add(fmt::format("<option>{}</option>", escape_markup(v)));
+  }
   page.add("</select></label>");
 }
 

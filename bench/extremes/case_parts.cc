@@ -85,8 +85,9 @@ double push_on_wall(const Scene& scene, std::size_t wall, const Vector& s) {
   const int dim = scene.has_friction() ? 2 : 1;
   double sum = 0;
   for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
-    if (to_size(mid.contacts[c].j) == scene.disks.size() + wall)
+    if (to_size(mid.contacts[c].j) == scene.disks.size() + wall) {
       sum += s[static_cast<Eigen::Index>(c) * dim];
+    }
   }
   return sum;
 }

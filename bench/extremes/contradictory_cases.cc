@@ -44,9 +44,10 @@ void add_contradictory_cases(std::vector<ExtremeCase>& cases) {
                    .true_error =
                        [forced](const ContactProblem& p, const Vector& s, const Vector&) {
                          double worst = 0;
-                         for (int c = 0; c < p.num_contacts(); ++c)
+                         for (int c = 0; c < p.num_contacts(); ++c) {
                            worst =
                                std::max(worst, std::abs(s[c * p.dim] / (300 * forced.step) - 1));
+                         }
                          return worst;
                        }});
   Scene moved = row_between_walls();

@@ -248,8 +248,9 @@ std::string_view to_string(CellEnd end) {
 }
 
 const ExtremeCell* ExtremeMatrix::find(const std::string& name, const std::string& solver) const {
-  for (const ExtremeCell& c : cells)
+  for (const ExtremeCell& c : cells) {
     if (c.name == name && c.solver == solver) return &c;
+  }
   return nullptr;
 }
 

@@ -33,8 +33,9 @@ std::string_view sign_of(CellEnd end) {
 
 std::vector<std::string> groups_of(const ExtremeMatrix& m) {
   std::vector<std::string> groups;
-  for (const ExtremeCase& c : m.cases)
+  for (const ExtremeCase& c : m.cases) {
     if (groups.empty() || groups.back() != c.group) groups.push_back(c.group);
+  }
   return groups;
 }
 

@@ -15,8 +15,9 @@ ContactProblem contact_in_space(double mu, double coupling, const Vector& b) {
   p.dim = 3;
   p.W.resize(3, 3);
   const double w[3][3] = {{1, coupling, 0}, {coupling, 3, 0}, {0, 0, 3}};
-  for (int i = 0; i < 3; ++i)
+  for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) p.W.insert(i, j) = w[i][j];
+  }
   p.W.makeCompressed();
   p.mu = Vector::Constant(1, mu);
   p.u_free = b;

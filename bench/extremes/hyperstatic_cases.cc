@@ -60,8 +60,9 @@ Scene hexagon() {
   const double a = 0.5, rise = std::sqrt(3.0) * a;
   for (int row = -3; row <= 3; ++row) {
     const int count = 7 - std::abs(row);
-    for (int k = 0; k < count; ++k)
+    for (int k = 0; k < count; ++k) {
       scene.disks.push_back(disk(Vec2(2 * a * k - a * (count - 1), rise * row), a, 1));
+    }
   }
   // Centres of a side lie on a line at the distance 3 rise from the middle.
   const char* names[] = {"w0", "w1", "w2", "w3", "w4", "w5"};

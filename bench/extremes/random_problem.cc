@@ -85,16 +85,19 @@ void add_bodies(RandomDraw& draw, ContactProblem& p, int bodies,
     const double mass = mass_unit * draw.decades(0, spread);
     for (int k = 0; k < translations; ++k) a.emplace_back(b * per_body + k, b * per_body + k, mass);
     const double inertia = mass * length_unit * length_unit * draw.decades(-1, 1);
-    for (int k = translations; k < per_body; ++k)
+    for (int k = translations; k < per_body; ++k) {
       a.emplace_back(b * per_body + k, b * per_body + k, inertia);
+    }
   }
   const auto add = [&](int body, int column, const Vec3& direction, const Vec3& arm, double sign) {
-    for (int k = 0; k < translations; ++k)
+    for (int k = 0; k < translations; ++k) {
       h.emplace_back(body * per_body + k, column, sign * direction[k]);
+    }
     const Vec3 moment = length_unit * arm.cross(direction);
-    for (int k = 0; k < rotations; ++k)
+    for (int k = 0; k < rotations; ++k) {
       h.emplace_back(body * per_body + translations + k, column,
                      sign * moment[rotations == 1 ? 2 : k]);
+    }
   };
   for (std::size_t c = 0; c < contacts.size(); ++c) {
     const Geometry& g = contacts[c];
@@ -117,8 +120,9 @@ void add_restitution(RandomDraw& draw, ContactProblem& p) {
   const double e = draw.uniform();
   for (int c = 0; c < p.num_contacts(); ++c) {
     const double e_n = one ? e : draw.uniform(), e_t = one ? e : draw.uniform();
-    for (int k = 0; k < p.dim; ++k)
+    for (int k = 0; k < p.dim; ++k) {
       p.row_scale[c * p.dim + k] = std::sqrt(1 + (k == 0 ? e_n : e_t));
+    }
     if (p.dim > 1) p.mu[c] *= p.row_scale[c * p.dim + 1] / p.row_scale[c * p.dim];
   }
   for (int j = 0; j < p.H.outerSize(); ++j) {
@@ -157,8 +161,9 @@ Vector plant(RandomDraw& draw, ContactProblem& p, double velocity_unit) {
   }
   for (int i = 0; i < p.num_rows(); ++i) {
     long double sum = u[i];
-    for (SparseRows::InnerIterator it(p.W, i); it; ++it)
+    for (SparseRows::InnerIterator it(p.W, i); it; ++it) {
       sum -= static_cast<long double>(it.value()) * static_cast<long double>(s[it.col()]);
+    }
     p.u_free[i] = static_cast<double>(sum);
   }
   return s;
@@ -208,8 +213,9 @@ RandomProblem random_problem(std::uint64_t seed, int index) {
     p.u_free = p.H.transpose() * p.v_free;
   } else {
     data = "any";
-    for (Eigen::Index i = 0; i < p.u_free.size(); ++i)
+    for (Eigen::Index i = 0; i < p.u_free.size(); ++i) {
       p.u_free[i] = velocity_unit * draw.between(-1, 1);
+    }
   }
   if (local) {
     p.A.resize(0, 0);

@@ -59,8 +59,9 @@ Scene random_scene(std::uint64_t seed, int index) {
 }
 
 bool contacts_must_dissipate(const Scene& scene) {
-  for (const Wall& wall : scene.walls)
+  for (const Wall& wall : scene.walls) {
     if (wall.motion != Wall::Motion::kFixed) return false;
+  }
   for (const ContactLaw& law : scene.laws) {
     if (law.e_n != scene.laws[0].e_n || (law.mu > 0 && law.e_t != scene.laws[0].e_n)) return false;
   }

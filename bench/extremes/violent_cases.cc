@@ -23,8 +23,9 @@ ContactProblem rounded_problem(int digits, bool asymmetric) {
   ContactProblem p = first_step(make_family_scene("triangular", 6, {.mass_ratio = 100}));
   p.W = assemble_delassus(p.A, p.H, p.dim);
   for (int i = 0; i < p.W.outerSize(); ++i) {
-    for (SparseRows::InnerIterator it(p.W, i); it; ++it)
+    for (SparseRows::InnerIterator it(p.W, i); it; ++it) {
       it.valueRef() = rounded(it.value(), asymmetric && it.col() < i ? digits - 1 : digits);
+    }
   }
   p.A.resize(0, 0);
   p.H.resize(0, 0);

@@ -41,7 +41,7 @@ Scene dense_packing(int count) {
 void detection(benchmark::State& state) {
   const Scene scene = dense_packing(static_cast<int>(state.range(0)));
   std::size_t contacts = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     contacts = detect_contacts(scene.disks, scene.walls, scene.contact_distance).size();
   }
   state.counters["disks"] = static_cast<double>(scene.disks.size());
@@ -55,7 +55,7 @@ void assembly(benchmark::State& state) {
   const std::vector<Vec2> v_free(scene.disks.size(), scene.step * scene.gravity);
   const std::vector<double> wall_v_free(scene.walls.size(), 0.0);
   double nonzeros = 0, bytes = 0;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     const AssembledStep step =
         assemble_step(scene, scene.disks, scene.walls, contacts, v_free, wall_v_free, true);
     const ContactProblem& p = step.problem;

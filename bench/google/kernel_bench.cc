@@ -46,8 +46,9 @@ struct Packing {
         delassus(problem),
         scaling(equilibrated_scaling(problem, delassus.diagonal())),
         lambda(kSpectralMargin * spectral_estimate(problem, delassus, scaling.velocity)) {
-    if (!delassus.disks() || problem.dim != 2)
+    if (!delassus.disks() || problem.dim != 2) {
       throw std::invalid_argument("not disks with friction");
+    }
   }
   Vector start() const { return Vector::Zero(problem.num_rows()); }
   double bodies_per_contact() const {
@@ -98,7 +99,7 @@ void sweep_given_order(benchmark::State& state, const Packing& p) {
     const Local<2> w = diagonal.segment<2>(2 * c);
     sweep.set_steps(c, w.cwiseInverse(), p.problem.mu[c]);
   }
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     for (int k = 0; k < kTogether; ++k) {
       for (int c = 0; c < p.problem.num_contacts(); ++c) sweep.relax(c);
     }
@@ -113,7 +114,7 @@ void sweep_explicit(benchmark::State& state, const Packing& p) {
   const DelassusOperator delassus(with);
   LocalUpdates<2> update(with, delassus, {});
   ExplicitSweep<2> sweep(with);
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     for (int c = 0; c < with.num_contacts(); ++c) update(c, sweep);
   }
   const double row = static_cast<double>(with.W.nonZeros()) / with.num_contacts();
@@ -123,7 +124,7 @@ void sweep_explicit(benchmark::State& state, const Packing& p) {
 void sweep_tiled(benchmark::State& state, const Packing& p, const Execution& execution) {
   TiledSweep<2> sweep(p.problem, *p.delassus.disks(), p.scaling, 1, execution);
   sweep.reset(p.start());
-  for (auto _ : state) sweep.advance(kTogether);
+  for ([[maybe_unused]] auto _ : state) sweep.advance(kTogether);
   report(state, p.problem.num_contacts(), kTogether, {48.5 + 32 + 96 * p.bodies_per_contact(), 39});
 }
 
@@ -132,7 +133,7 @@ void gradient_tiled(benchmark::State& state, const Packing& p, const Execution& 
   gradient.reset(p.start());
   GradientControl control;
   control.lambda = p.lambda;
-  for (auto _ : state) gradient.advance(kTogether, control);
+  for ([[maybe_unused]] auto _ : state) gradient.advance(kTogether, control);
   const double bodies = p.bodies_per_contact();
   report(state, p.problem.num_contacts(), kTogether, {48.5 + 48 + 160 * bodies, 51 + 21 * bodies});
 }
@@ -140,12 +141,12 @@ void gradient_tiled(benchmark::State& state, const Packing& p, const Execution& 
 void criterion(benchmark::State& state, const Packing& p, int threads) {
   ContactErrorEvaluator evaluate(p.problem, threads);
   const Vector s = p.start();
-  for (auto _ : state) benchmark::DoNotOptimize(evaluate(s));
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(evaluate(s));
   report(state, p.problem.num_contacts(), 1, {});
 }
 
 void tiling(benchmark::State& state, const Packing& p) {
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     DiskTiles<2> tiles(p.problem, *p.delassus.disks(), p.scaling);
     benchmark::DoNotOptimize(tiles);
   }
@@ -153,13 +154,15 @@ void tiling(benchmark::State& state, const Packing& p) {
 }
 
 void detection(benchmark::State& state, const Packing& p, int threads) {
-  for (auto _ : state) benchmark::DoNotOptimize(make_midpoint(p.scene, p.state, threads));
+  for ([[maybe_unused]] auto _ : state)
+    benchmark::DoNotOptimize(make_midpoint(p.scene, p.state, threads));
   report(state, p.problem.num_contacts(), 1, {});
 }
 
 void assembly(benchmark::State& state, const Packing& p, int threads) {
   const Midpoint mid = make_midpoint(p.scene, p.state);
-  for (auto _ : state) benchmark::DoNotOptimize(assemble_step(p.scene, mid, false, threads));
+  for ([[maybe_unused]] auto _ : state)
+    benchmark::DoNotOptimize(assemble_step(p.scene, mid, false, threads));
   report(state, p.problem.num_contacts(), 1, {});
 }
 
@@ -168,7 +171,7 @@ void triad(benchmark::State& state, int threads, double bytes) {
   const int n = static_cast<int>(bytes / 24);
   std::vector<double> a(to_size(n), 0.0), b(to_size(n), 1.0), c(to_size(n), 2.0);
   constexpr int kItems = 1 << 14;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     run_tasks(threads, (n + kItems - 1) / kItems, [&](int piece) {
       const int first = piece * kItems, last = std::min(n, first + kItems);
       for (int k = first; k < last; ++k) a[to_size(k)] = b[to_size(k)] + 3 * c[to_size(k)];

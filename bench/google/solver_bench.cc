@@ -54,7 +54,7 @@ void solve_row(benchmark::State& state, const BenchFlags& flags, const GrowthSce
                const GrowthMethod& method, double tol, int side, std::vector<GrowthRow>& rows) {
   const auto problem = problem_of(scene, side);
   GrowthRow row;
-  for (auto _ : state) {
+  for ([[maybe_unused]] auto _ : state) {
     row = growth_row(scene, *problem, method, tol, flags.limits);
     if (!is_success(row.status)) break;
   }

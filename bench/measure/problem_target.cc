@@ -14,6 +14,7 @@
 #include <set>
 #include <stdexcept>
 #include <tuple>
+#include <utility>
 
 #include "bench/measure/moving_problems.h"
 #include "bench/scenes/moving_scene.h"
@@ -257,7 +258,8 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
 /// Contact problems along one run. The run is made once, when the first of them is asked for.
 class ProblemRun {
  public:
-  ProblemRun(Scene scene, std::vector<int> steps) : scene_(std::move(scene)), steps_(steps) {}
+  ProblemRun(Scene scene, std::vector<int> steps)
+      : scene_(std::move(scene)), steps_(std::move(steps)) {}
 
   TestProblem at(int step) {
     if (problems_.empty()) run();

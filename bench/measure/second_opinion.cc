@@ -39,20 +39,23 @@ Values product(const ContactProblem& p, const Values& s) {
   Values result(s.size(), 0);
   if (!p.has_velocities()) {
     for (int i = 0; i < p.num_rows(); ++i) {
-      for (SparseRows::InnerIterator it(p.W, i); it; ++it)
+      for (SparseRows::InnerIterator it(p.W, i); it; ++it) {
         result[to_size(i)] += static_cast<Extended>(it.value()) * s[to_size(it.col())];
+      }
     }
     return result;
   }
   Values v(to_size(p.num_dofs()), 0);
   for (int j = 0; j < p.num_rows(); ++j) {
-    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it)
+    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it) {
       v[to_size(it.row())] += static_cast<Extended>(it.value()) * s[to_size(j)];
+    }
   }
   for (int i = 0; i < p.num_dofs(); ++i) v[to_size(i)] /= static_cast<Extended>(p.A.coeff(i, i));
   for (int j = 0; j < p.num_rows(); ++j) {
-    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it)
+    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it) {
       result[to_size(j)] += static_cast<Extended>(it.value()) * v[to_size(it.row())];
+    }
   }
   return result;
 }
@@ -108,8 +111,9 @@ SecondOpinion second_opinion(const ContactProblem& p, const Vector& given) {
     if (u[n] < 0) approach += rho * u[n] * u[n] / 2;
     if (b[n] < 0) free_energy += rho * b[n] * b[n] / 2;
     Extended foot[3] = {0, 0, 0};
-    for (int k = 0; k < d; ++k)
+    for (int k = 0; k < d; ++k) {
       foot[k] = s[n + to_size(k)] - rho * (u[n + to_size(k)] + (k == 0 ? m * slip : 0));
+    }
     to_cone(foot, d, m);
     for (int k = 0; k < d; ++k) {
       const Extended miss = s[n + to_size(k)] - foot[k];

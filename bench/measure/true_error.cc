@@ -76,9 +76,10 @@ TrueError TrueErrorEvaluator::difference(const Vector& s, const Vector& exact) c
   const Vector difference = s - exact;
   error.velocity = relative_error(distance(s, exact), reference_norm_);
   if (body_rows_) error.force = relative_error(largest_resultant(difference), reference_force_);
-  if (unique_)
+  if (unique_) {
     error.contact_force =
         relative_error(largest_impulse(given_.problem.dim, difference), reference_impulse_);
+  }
   error.dissipated = dissipated(s);
   error.energy = relative_error(std::abs(error.dissipated - dissipated(exact)),
                                 std::abs(reference_dissipated_));

@@ -121,7 +121,7 @@ WindowStatistics window_statistics(const std::vector<double>& pressures) {
   double sum = 0, squares = 0, right = 0, upper = 0;
   for (int i = 0; i < kWindows; ++i) {
     for (int j = 0; j < kWindows; ++j) {
-      const double p = pressures[static_cast<std::size_t>(i * kWindows + j)];
+      const double p = pressures[to_size(i * kWindows + j)];
       sum += p;
       squares += p * p;
       right += i < kWindows / 2 ? -p : p;

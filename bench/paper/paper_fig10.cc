@@ -182,7 +182,7 @@ class Fig10 {
                   fmt::format("rectangular 10 × 10, μ = 0, `{}`: largest horizontal force", solver),
               .digits = 3});
     }
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Rectangular, μ = 0. The vertical forces are k m g to {rectangular10_columns}. Only they "
         "are compared: a row between two walls can be pre-stressed by any force, so the horizontal "
         "forces are not unique. `auto` returns at most {side_auto}, `ipm`, which stays inside the "
@@ -255,7 +255,7 @@ class Fig10 {
               .meaning = fmt::format(
                   "triangular 10 × 10, μ = 0.3: share of the weight on the floor, `{}`", solver)});
     }
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Triangular. Every disk is in equilibrium and floor and walls carry the weight. The single "
         "forces are not unique: the 10 × 10 array has {self_stresses} independent self-stresses, "
         "and two solvers that both meet 1e-10 differ by {force_difference} of the largest force; "
@@ -307,7 +307,7 @@ class Fig10 {
           [](double mu) { return pyramid_problem(2, 10, mu); });
     check("mu_3", "everywhere", tan15, "2 − √3, the larger of the two",
           [](double mu) { return pyramid_problem(2, mu, mu); });
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Cannon-ball, three disks, by hand. The top disk hands each lower one half its weight. Of "
         "the forces on a lower disk, its weight and the floor's reaction pass through the floor "
         "contact; so must the third, the push from the top disk, when the lower disks touch "
@@ -316,7 +316,7 @@ class Fig10 {
         "√3 among each other. The floor carries three halves of a weight and is pushed sideways by "
         "half a weight times tan 15°: it needs (2 − √3)/3. Found by bisection: {mu_disks} and "
         "{mu_floor}.");
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Whether a pyramid can stand is decided by existence: are there forces within the friction "
         "cones that hold every disk? In the plane that is a linear question (limit analysis). "
         "Either such forces are found, or a motion that opens every contact at least as fast as "
@@ -467,7 +467,7 @@ class Fig10 {
                                   rows, kStandingMu),
            .digits = 3});
     }
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Existence is one thing, what a time step does another. Below the curve no forces hold the "
         "pyramid, and it falls whatever the solver. Above it rest solves the contact law, but "
         "motions may solve it too: the law does not decide between them, and which one comes out "
@@ -554,7 +554,7 @@ class Fig10 {
          .after = static_cast<int>(result_.ours.size())});
     picture("fig10_fallen", fallen_.first, fallen_.second, result_.ours.size(),
             fmt::format("The pyramid of 10 rows at μ = 0.5 after {:.1f} s.", fallen_.second.time));
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Over many steps: at μ = 0.5 the top disk of 10 rows drops by {drop_05_pgs}. At μ = 0.6, "
         "above the least coefficient {mu_10rows}, it drops by {drop_06_pgs} with `pgs` from a cold "
         "start, by {drop_06_ipm} with `ipm`, and by {drop_06_held_pgs} with `pgs` when the first "

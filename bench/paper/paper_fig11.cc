@@ -312,7 +312,7 @@ class Fig11 {
             .expected = "1 within 1 %",
             .holds = smooth.at_rest && std::abs(smooth.floor - 1) <= 0.01,
             .digits = 6});
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Base load. Floor and side walls carry {vertical_load} of the weight together. Friction on "
         "the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory the "
         "walls take load off the floor once the grains slide down along them; here they could take "
@@ -380,7 +380,7 @@ class Fig11 {
             .unit = "°",
             .meaning = "half width of its 95 % confidence interval",
             .digits = 2});
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Flat top. Over {packings} packings the surface deviates by {roughness} (rms) from its "
         "mean height; its slope is {slope} ± {slope_confidence}, its fall from the middle to the "
         "sides {heap} ± {heap_confidence}. The start may leave a slope to the right, where its "
@@ -417,7 +417,7 @@ class Fig11 {
             .value = layer_rate.confidence,
             .meaning = "half width of its 95 % confidence interval",
             .digits = 1});
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Forces. The normal forces above 1.5 times their mean fall off exponentially, β = "
         "{tail_rate} ± {tail_confidence}. Part of that spread is depth: relative to the mean of "
         "their layer, β is {tail_rate_layers} ± {tail_layers_confidence}, and weak forces are "
@@ -452,7 +452,7 @@ class Fig11 {
     const GoingOn going_on = go_on(main);
     level_numbers(going_on, released);
     solve_numbers(main, inelastic);
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Rest. With e_t = 0 the kinetic energy falls to {kinetic_inelastic} of what the fall "
         "released. With e_t = 1 it stays at {kinetic}: e_t = 1 turns the tangential velocity of "
         "every sticking contact round at each step, which loses no energy, and friction can do so "
@@ -461,7 +461,7 @@ class Fig11 {
         "by it: the mean of the velocities before and after a step, which displaces them, has "
         "{moving}. Going on with smaller steps lowers the level, to {kinetic_smallest} for h = "
         "{smallest_step}.");
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Cost. Steps at rest with e_t = 1 are hard to solve: {met} of all steps met 1e-4 within "
         "1000 iterations of `apgd` (with e_t = 0: {met_inelastic}); the others were taken with "
         "what was reached, ε = {error} in the mean. Balance of momentum holds in any case. The "
@@ -523,8 +523,9 @@ class Fig11 {
       int done = 0;
       run_packing(main.scene, main.state, context_.interrupted,
                   [&](const State&, const State&, const StepReport& r) {
-                    if (++done > main.scene.num_steps / 2)
+                    if (++done > main.scene.num_steps / 2) {
                       kinetic = std::max(kinetic, r.energy.kinetic);
+                    }
                     return true;
                   });
       going_on.add(main, kinetic, released);

@@ -244,14 +244,14 @@ class Fig12 {
   }
 
   void homogeneity_text() {
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "There are two regimes. While the walls fall inwards ({flow_steps} steps) the forces of "
         "one step have little to do with those of the next (correlation {flow_lag1}); the "
         "windows' pressures vary by {flow_variation} of their mean in a single step, by "
         "{flow_variation_mean} in the average; one half of the sample carries {flow_side} more "
         "than the other (relative to both, rms), in the average {flow_side_mean}. That is what the "
         "paper describes.");
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Once the sample is jammed (solid fraction {solid_fraction}, coordination {coordination}), "
         "the chains still change from one step to the next, correlation {jam_lag1}, but two steps "
         "on they are back, {jam_lag2}: e_t = 1 turns the tangential velocity of sticking contacts "
@@ -315,7 +315,7 @@ class Fig12 {
             .expected = "within 5 % = μ/2, what friction along the walls can add",
             .holds = std::abs(ratio - 1) <= 0.05,
             .digits = 5});
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Wall pressure. Applied force, contact force and inertia of the walls balance to "
         "{wall_balance}. At the end the walls carry {wall_pressure} of the applied force, and the "
         "mean stress (item stress) equals what the walls do to the sample to "
@@ -341,7 +341,7 @@ class Fig12 {
             .value = mean_overlap(main),
             .meaning = "mean overlap of the loaded contacts over the smallest radius",
             .digits = 2});
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Cost. Jammed steps with e_t = 1 are hard: {jam_met} of the last 100 met 1e-2 within 3000 "
         "iterations of `apgd`, the others reached ε = {jam_error} (mean of all). A solve begins "
         "with the impulses of two steps before where the last forces are more like those than like "
@@ -417,7 +417,7 @@ class Fig12 {
     }
     variation_numbers(found, main, count);
     result_.tables.push_back(std::move(table));
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Choices. Steel-like 7800 kg/m³ and walls of 20 kg. With the walls' mass by factors 1/4 "
         "and 4 the solid fraction changes by {fraction_spread}, the coordination by "
         "{coordination_spread}, the mean stress is isotropic to {anisotropy_most}, and the "

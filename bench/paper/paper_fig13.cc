@@ -190,7 +190,7 @@ class Fig13 {
             .meaning = "time constant of five rows by theory",
             .expected = "about 20 in the paper's figure",
             .digits = 3});
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "The start has two parts. First the floor's push travels up: one row of contacts an "
         "iteration, so that n rows carry force only after n iterations. Then the forces diffuse to "
         "their values: each iteration averages a contact with its neighbours, and the slowest mode "
@@ -258,7 +258,7 @@ class Fig13 {
          .unit = "%",
          .meaning = "upright lattices, μ = 0.3: judged iterations in which raw (42) is 0/0 or x/0",
          .digits = 3});
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Momentum (`apgd`) turns the n² into n, and an interior-point step couples all rows at "
         "once (`ipm`: {its_ipm_10} iterations for 10 × 10 where `uzawa` needs "
         "{its_uzawa_stable_10} with the stable ρ and {its_uzawa_paper_10} with the paper's).");
@@ -303,7 +303,7 @@ class Fig13 {
                          side),
          .chart = chart,
          .after = 2});
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "The ordinate here is the guarded ε. Raw (42) divides by the dissipation of friction, and "
         "in a packing at rest nothing slides: it is undefined in {raw_undefined} of the judged "
         "iterations of the upright lattices, and in a lattice that leans by 10° it ends at "

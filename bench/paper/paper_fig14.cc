@@ -89,7 +89,7 @@ class Fig14 {
         "many; what would take more, judged by the size before, was not begun, and what did not "
         "meet its tolerance is in no fit. `solver_bench` takes any sizes and limits."};
     if (context_.quick) {
-      result_.ours.push_back("Quick: small sizes and limits; the exponents are rough.");
+      result_.ours.emplace_back("Quick: small sizes and limits; the exponents are rough.");
     }
     return std::move(result_);
   }
@@ -297,7 +297,7 @@ class Fig14 {
           c.what);
       table.columns = {"method"};
       for (const double tol : kTols) table.columns.push_back(tol_text(tol));
-      table.columns.push_back("time to 1e-4");
+      table.columns.emplace_back("time to 1e-4");
       for (const CurveMethod& m : methods_) {
         std::vector<std::string> cells = {m.method.name};
         for (const double tol : kTols) {
@@ -315,7 +315,7 @@ class Fig14 {
     rows.caption = "Every problem: iterations to each tolerance, and what the tightest achieved.";
     rows.columns = {"scene", "method", "disks", "contacts"};
     for (const double tol : kTols) rows.columns.push_back(tol_text(tol));
-    for (const char* name : {"ε", "natural map", "time"}) rows.columns.push_back(name);
+    for (const char* name : {"ε", "natural map", "time"}) rows.columns.emplace_back(name);
     for (std::size_t i = 0; i < rows_.size();) {
       const GrowthRow& first = rows_[i];
       std::vector<std::string> cells = {first.family, first.method, std::to_string(first.disks),

@@ -160,9 +160,10 @@ class Page {
     add(fmt::format("<figure{}><a href=\"{}\"><img src=\"{}\" alt=\"{}\"></a><figcaption>{}",
                     f.wide ? " class=\"wide\"" : "", escape_markup(file), escape_markup(file),
                     escape_markup(text), prose(f.caption)));
-    if (f.chart)
+    if (f.chart) {
       add(fmt::format(" <a href=\"{0}.csv\">Data</a>, <a href=\"{0}.gp\">script</a>.",
                       escape_markup(f.name)));
+    }
     add(fmt::format("<br><span class=\"small\"><code>{}</code></span></figcaption></figure>\n",
                     escape_markup(f.command)));
   }

@@ -82,8 +82,9 @@ Json to_json(const std::vector<ChartLine>& lines) {
 
 std::vector<ChartLine> lines_from(const Json& json) {
   std::vector<ChartLine> lines;
-  for (const Json& line : json)
+  for (const Json& line : json) {
     lines.push_back({line.at("at").get<double>(), line.at("label").get<std::string>()});
+  }
   return lines;
 }
 

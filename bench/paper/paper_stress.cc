@@ -26,7 +26,7 @@ class StressItem {
     result_.paper =
         "The conclusion names a consistent mean stress tensor of the granular system as future "
         "work; there are no values.";
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Definition. σ = 1/V [ Σ f ⊗ l + Σ m v′ ⊗ v′ + Σ ½ (dL/dt) e ], pressure positive: contact "
         "forces f = s/h times the branch l between the centres (to the wall's surface for a wall; "
         "Love, Weber), velocity fluctuations, and the spins' inertia with e = (0 −1; 1 0), which "
@@ -62,7 +62,7 @@ class StressItem {
     wall_pressures(rough, smooth);
     parts(rough);
     kinetic_part(rough);
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Isotropic compression, {disks} disks. The tensor is symmetric to {asymmetry} at every "
         "step; its contact part alone is off by up to {contact_asymmetry} while disks are spun up. "
         "Once jammed between smooth walls its pressure equals the contact pressure on the walls to "
@@ -269,7 +269,7 @@ class StressItem {
                                           "one row, at their middle.",
                                .chart = chart,
                                .after = 2});
-    result_.ours.push_back(
+    result_.ours.emplace_back(
         "Disks and windows add up to the sample: {disks_error} and {windows_error}. Under gravity "
         "the rows of a square lattice carry the weight above them, to {gravity_error}.");
   }

@@ -12,6 +12,7 @@ namespace py = pybind11;
 
 PYBIND11_MODULE(_bipot, module) {
   module.doc() = "Native part of the package bipot.";
+  // pybind11 hands it over by value: NOLINTNEXTLINE(performance-unnecessary-value-param)
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);

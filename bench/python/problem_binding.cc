@@ -44,8 +44,9 @@ int infer_dim(const py::object& given, Eigen::Index rows, Vector& mu, bool one_m
         "dim cannot be inferred from a single mu: give one for each contact, or dim");
   }
   const Eigen::Index contacts = mu.size();
-  if (contacts == 0)
+  if (contacts == 0) {
     throw std::invalid_argument("dim cannot be inferred without contacts: give dim");
+  }
   if (rows % contacts != 0 || rows / contacts < 1 || rows / contacts > 3) {
     throw std::invalid_argument(
         fmt::format("u_free has size {}, expected {}, {} or {}: 1, 2 or 3 rows for each of the {} "

@@ -154,7 +154,7 @@ class Script {
       line("set label 'no finite values' at graph 0.5,0.5 center textcolor rgb '#555555'");
       if (plots_.empty()) add_plot("NaN notitle", "");
     }
-    for (std::size_t i = 0; i < chart_.series.size(); ++i) key_entry(chart_.series[i]);
+    for (const auto& serie : chart_.series) key_entry(serie);
     std::string plot = "plot ";
     for (std::size_t i = 0; i < plots_.size(); ++i) {
       plot += (i == 0 ? "" : ", \\\n  ") + plots_[i];

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <istream>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace bipot {
 
@@ -17,7 +18,7 @@ Json::Json(double number) : kind_(std::isfinite(number) ? Kind::kNumber : Kind::
 }
 Json::Json(const char* text) : kind_(Kind::kText), text_(text) {}
 Json::Json(std::string_view text) : kind_(Kind::kText), text_(text) {}
-Json::Json(const std::string& text) : kind_(Kind::kText), text_(text) {}
+Json::Json(std::string text) : kind_(Kind::kText), text_(std::move(text)) {}
 Json::Json(const std::vector<std::string>& texts)
     : kind_(Kind::kArray), values_(texts.begin(), texts.end()) {}
 Json::Json(const std::vector<std::vector<std::string>>& rows)
@@ -130,8 +131,8 @@ const Json& Json::at(std::size_t index) const {
   if (index >= size()) throw Error("the array has no entry " + std::to_string(index));
   return values_[index];
 }
-Json Json::value(std::string_view key, Json otherwise) const {
-  return contains(key) ? at(key) : std::move(otherwise);
+Json Json::value(std::string_view key, const Json& otherwise) const {
+  return contains(key) ? at(key) : otherwise;
 }
 Json& Json::operator[](std::string_view key) {
   if (kind_ == Kind::kNull) kind_ = Kind::kObject;

@@ -31,7 +31,7 @@ class Json {
   Json(double number);  ///< null where it is not finite: JSON has no NaN
   Json(const char* text);
   Json(std::string_view text);
-  Json(const std::string& text);
+  Json(std::string text);
   Json(const std::vector<std::string>& texts);
   Json(const std::vector<std::vector<std::string>>& rows);
   Json(const std::vector<double>& numbers);
@@ -64,7 +64,7 @@ class Json {
   const Json& operator[](std::string_view key) const { return at(key); }
   const Json& operator[](std::size_t index) const { return at(index); }
   /// The member, or `otherwise` where the object has none.
-  Json value(std::string_view key, Json otherwise) const;
+  Json value(std::string_view key, const Json& otherwise) const;
 
   /// The member, made null where there is none; null becomes an object.
   Json& operator[](std::string_view key);

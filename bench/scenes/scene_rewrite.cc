@@ -8,6 +8,7 @@
 #include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "core/files/scene_file.h"
@@ -71,7 +72,8 @@ struct Edit {
 
 class Editor {
  public:
-  Editor(const std::string& text, const std::string& comment) : lines_(text), comment_(comment) {}
+  Editor(const std::string& text, std::string comment)
+      : lines_(text), comment_(std::move(comment)) {}
 
   void apply(const Edit& edit) {
     // Parsed anew each time: positions move.

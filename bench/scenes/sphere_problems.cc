@@ -93,7 +93,7 @@ ContactProblem sphere_pyramid(int layers, double mu, double tilt_degrees) {
     for (int i = 0; i < layers - k; ++i) {
       for (int j = 0; j < layers - k; ++j) {
         // Centres of a layer lie sqrt(2) a above those of the layer below.
-        x.push_back(kRadius * Vec3(2 * i + k, 2 * j + k, 1 + std::numbers::sqrt2 * k));
+        x.emplace_back(kRadius * Vec3(2 * i + k, 2 * j + k, 1 + std::numbers::sqrt2 * k));
       }
     }
   }
@@ -104,7 +104,8 @@ ContactProblem sphere_box(int side, double mu, double tilt_degrees) {
   std::vector<Vec3> x;
   for (int k = 0; k < side; ++k) {
     for (int j = 0; j < side; ++j) {
-      for (int i = 0; i < side; ++i) x.push_back(kRadius * Vec3(2 * i + 1, 2 * j + 1, 2 * k + 1));
+      for (int i = 0; i < side; ++i)
+        x.emplace_back(kRadius * Vec3(2 * i + 1, 2 * j + 1, 2 * k + 1));
     }
   }
   const double width = 2 * kRadius * side;

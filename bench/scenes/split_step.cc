@@ -32,13 +32,13 @@ std::vector<ContactOutcome> added(const std::vector<ContactOutcome>& first,
 /// The parts of one step so far.
 class Parts {
  public:
-  Parts(const Scene& scene, const StepSolver& solver, bool explicit_delassus, const State& start,
+  Parts(const Scene& scene, const StepSolver& solver, bool explicit_delassus, State start,
         int threads)
       : scene_(scene),
         solver_(solver),
         explicit_delassus_(explicit_delassus),
         threads_(threads),
-        state_(start) {}
+        state_(std::move(start)) {}
 
   void take(double h, int halvings) {
     Scene part = scene_;

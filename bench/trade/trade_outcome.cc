@@ -177,8 +177,9 @@ void OutcomeRecorder::find_columns() {
           last ? floor
                : up_.dot(scene_.disks[column[k + 1]].x) + scene_.disks[column[k + 1]].radius;
       if (std::abs(up_.dot(d.x) - d.radius - below) > close) return;
-      if (!last && std::abs(side.dot(d.x - scene_.disks[column[k + 1]].x)) > 1e-9 * smallest)
+      if (!last && std::abs(side.dot(d.x - scene_.disks[column[k + 1]].x)) > 1e-9 * smallest) {
         return;
+      }
     }
     base_load_ = std::max(base_load_, load);
   }

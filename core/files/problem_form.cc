@@ -39,7 +39,7 @@ ContactProblem checked(ContactProblem problem) {
 
 }  // namespace
 
-ContactProblem from_local_form(int dim, SparseRows W, Vector q, Vector mu) {
+ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu) {
   require_dim(dim);
   const Eigen::Index rows = dim * mu.size();
   require_size("number of rows of W", W.rows(), rows);
@@ -47,15 +47,15 @@ ContactProblem from_local_form(int dim, SparseRows W, Vector q, Vector mu) {
   require_size("size of q", q.size(), rows);
   ContactProblem p;
   p.dim = dim;
-  p.W = std::move(W);
+  p.W = W;
   p.u_free = std::move(q);
   p.mu = std::move(mu);
   drop_zeros(p.W);
   return checked(std::move(p));
 }
 
-ContactProblem from_global_form(int dim, SparseMatrix M, SparseMatrix H, const Vector& f,
-                                const Vector& w, Vector mu) {
+ContactProblem from_global_form(int dim, const SparseMatrix& M, const SparseMatrix& H,
+                                const Vector& f, const Vector& w, Vector mu) {
   require_dim(dim);
   require_size("number of columns of M", M.cols(), M.rows());
   require_size("number of rows of H", H.rows(), M.rows());
@@ -64,8 +64,8 @@ ContactProblem from_global_form(int dim, SparseMatrix M, SparseMatrix H, const V
   require_size("size of w", w.size(), H.cols());
   ContactProblem p;
   p.dim = dim;
-  p.A = std::move(M);
-  p.H = std::move(H);
+  p.A = M;
+  p.H = H;
   p.mu = std::move(mu);
   drop_zeros(p.A);
   drop_zeros(p.H);

@@ -27,12 +27,12 @@ struct ProblemFile {
 
 /// The local form W r + q of other codes. Explicit zeros are dropped; W is taken as it is, also
 /// where rounding has made it unsymmetric. Throws std::invalid_argument for an unsound problem.
-ContactProblem from_local_form(int dim, SparseRows W, Vector q, Vector mu);
+ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu);
 
 /// The global form M v = H r + f, u = Hᵀ v + w. Hence A = M, v_free = M⁻¹ f, u_free = Hᵀ v_free +
 /// w. W stays empty for a diagonal M (two passes through H are cheaper) and is assembled for any
 /// other. Throws std::invalid_argument for an unsound problem.
-ContactProblem from_global_form(int dim, SparseMatrix M, SparseMatrix H, const Vector& f,
-                                const Vector& w, Vector mu);
+ContactProblem from_global_form(int dim, const SparseMatrix& M, const SparseMatrix& H,
+                                const Vector& f, const Vector& w, Vector mu);
 
 }  // namespace bipot

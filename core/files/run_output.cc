@@ -115,8 +115,9 @@ RunWriter::RunWriter(fs::path folder, const Scene& scene, std::string scene_text
   for (int step : steps_in_folder(folder_)) {
     if (step > resume_after) {
       fs::remove(frame_path(folder_, step), error);
-      if (error)
+      if (error) {
         throw FileError(frame_path(folder_, step), "", "cannot remove: " + error.message());
+      }
       continue;
     }
     const Hdf5File file(frame_path(folder_, step), Hdf5File::Mode::kRead);

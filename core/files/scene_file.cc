@@ -330,8 +330,9 @@ Wall read_wall(const Table& table, const Scene& scene, std::size_t index) {
   const auto mass = table.maybe_number("mass");
   if (force || direction || mass) {
     if (!force || !mass) table.fail("force", "a driven wall needs force [N] and mass [kg]");
-    if (velocity)
+    if (velocity) {
       table.fail("velocity", "a wall is moved by a velocity or driven by a force, not both");
+    }
     wall.motion = Wall::Motion::kDriven;
     wall.force = *force;
     wall.mass = *mass;

@@ -116,7 +116,7 @@ std::vector<Vec2> clip(const std::vector<Vec2>& polygon, const Vec2& point, cons
     const double at_p = (p - point).dot(normal), at_q = (q - point).dot(normal);
     if (at_p >= 0) kept.push_back(p);
     if ((at_p > 0 && at_q < 0) || (at_p < 0 && at_q > 0)) {
-      kept.push_back(p + at_p / (at_p - at_q) * (q - p));
+      kept.emplace_back(p + at_p / (at_p - at_q) * (q - p));
     }
   }
   return kept;
@@ -278,7 +278,7 @@ double sample_area(const State& state, double step) {
   std::vector<Vec2> rim;
   for (const std::size_t k : outer) {
     for (const Vec2& direction : directions) {
-      rim.push_back(middle(state.disks[k], step) + state.disks[k].radius * direction);
+      rim.emplace_back(middle(state.disks[k], step) + state.disks[k].radius * direction);
     }
   }
   return hull_area(std::move(rim));

@@ -59,8 +59,9 @@ std::vector<double> drawn_radii(int count, const std::vector<RadiusClass>& class
   std::stable_sort(order.begin(), order.end(),
                    [&](int a, int b) { return remainders[to_size(a)] > remainders[to_size(b)]; });
   int missing = count - std::accumulate(sizes.begin(), sizes.end(), 0);
-  for (std::size_t k = 0; missing > 0; k = (k + 1) % order.size(), --missing)
+  for (std::size_t k = 0; missing > 0; k = (k + 1) % order.size(), --missing) {
     ++sizes[to_size(order[k])];
+  }
   std::vector<double> radii;
   for (std::size_t k = 0; k < classes.size(); ++k) {
     radii.insert(radii.end(), to_size(sizes[k]), classes[k].radius);
@@ -112,8 +113,9 @@ std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& clas
                                  double spacing, std::uint64_t seed, const Vec2& corner) {
   if (count < 0) throw std::invalid_argument(fmt::format("count = {} is negative", count));
   if (classes.empty()) throw std::invalid_argument("no radius classes");
-  if (!(spacing >= 0))
+  if (!(spacing >= 0)) {
     throw std::invalid_argument(fmt::format("spacing = {} is not >= 0", spacing));
+  }
   PortableRandom random(seed);
   const std::vector<double> radii = drawn_radii(count, classes, random);
   double largest = 0;

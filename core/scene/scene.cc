@@ -48,8 +48,9 @@ std::string check_wall(const Wall& w, std::size_t i, int materials) {
   if (w.motion == Wall::Motion::kDriven) {
     if (auto e = check_positive("wall", i, "mass", w.mass); !e.empty()) return e;
     if (auto e = check_unit("direction", i, w.direction); !e.empty()) return e;
-    if (!std::isfinite(w.force))
+    if (!std::isfinite(w.force)) {
       return fmt::format("wall {}: force = {} is not finite", i, w.force);
+    }
   }
   if (w.material < 0 || w.material >= materials) {
     return fmt::format("wall {}: material index {} is not in [0, {})", i, w.material, materials);

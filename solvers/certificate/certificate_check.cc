@@ -46,12 +46,14 @@ Extended leftover(const ContactProblem& p, const Vector& stress) {
   for (Eigen::Index c = 0; c < stress.size(); ++c) {
     if (stress[c] == 0) continue;
     if (p.has_velocities()) {
-      for (SparseMatrix::InnerIterator it(p.H, c * p.dim); it; ++it)
+      for (SparseMatrix::InnerIterator it(p.H, c * p.dim); it; ++it) {
         sums[to_size(it.row())].add(stress[c], it.value());
+      }
     } else {
       // W is symmetric here: its row is its column.
-      for (SparseRows::InnerIterator it(p.W, c * p.dim); it; ++it)
+      for (SparseRows::InnerIterator it(p.W, c * p.dim); it; ++it) {
         sums[to_size(it.col())].add(stress[c], it.value());
+      }
     }
   }
   const Vector diagonal = p.has_velocities() ? Vector(p.A.diagonal()) : Vector(p.W.diagonal());
@@ -104,9 +106,10 @@ Obstruction obstruction(const ContactProblem& p, const Vector& stress) {
     if (stress[c] > 0) work.add(stress[c], p.u_free[row]);
     Extended w_nn = 0;
     if (p.has_velocities()) {
-      for (SparseMatrix::InnerIterator it(p.H, row); it; ++it)
+      for (SparseMatrix::InnerIterator it(p.H, row); it; ++it) {
         w_nn += static_cast<Extended>(it.value()) * static_cast<Extended>(it.value()) /
                 static_cast<Extended>(p.A.coeff(it.row(), it.row()));
+      }
     } else {
       w_nn = static_cast<Extended>(p.W.coeff(row, row));
     }

@@ -42,8 +42,9 @@ class Search {
     wrench_ = p_.has_velocities() ? p_.H : SparseMatrix(p_.W);
     const Vector diagonal = p_.has_velocities() ? Vector(p_.A.diagonal()) : Vector(p_.W.diagonal());
     row_scale_ = Vector::Ones(diagonal.size());
-    for (Eigen::Index i = 0; i < diagonal.size(); ++i)
+    for (Eigen::Index i = 0; i < diagonal.size(); ++i) {
       if (diagonal[i] > 0) row_scale_[i] = 1 / std::sqrt(diagonal[i]);
+    }
   }
 
   ExistenceCertificate run() {
@@ -81,8 +82,9 @@ class Search {
     }
     SparseMatrix shifted = 0.5 * (W + SparseMatrix(W.transpose()));
     const double most = diagonal.maxCoeff();
-    for (Eigen::Index i = 0; i < diagonal.size(); ++i)
+    for (Eigen::Index i = 0; i < diagonal.size(); ++i) {
       shifted.coeffRef(i, i) += kRounding * (diagonal[i] > 0 ? diagonal[i] : most);
+    }
     shifted.makeCompressed();
     SparseCholesky factor;
     return factor.factor(shifted) ? "" : "W is not positive semidefinite";
@@ -139,8 +141,9 @@ class Search {
     const Eigen::Index n = stress.cols(), k = stress.rows();
     std::vector<Eigen::Triplet<double>> entries;
     for (int c = 0; c < stress.outerSize(); ++c) {
-      for (SparseMatrix::InnerIterator it(stress, c); it; ++it)
+      for (SparseMatrix::InnerIterator it(stress, c); it; ++it) {
         entries.emplace_back(it.row(), it.col(), it.value());
+      }
       if (work[c] != 0) entries.emplace_back(static_cast<int>(k), c, work[c]);
     }
     entries.emplace_back(static_cast<int>(k), static_cast<int>(n), 1.0);  // slack: r·w <= 0

@@ -11,7 +11,7 @@ InteriorSystem<D>::InteriorSystem(const ContactProblem& problem, const DelassusO
                                   ShiftedDelassus::Form form)
     : problem_(problem),
       delassus_(delassus),
-      shifted_(problem, delassus, form),
+      shifted_(problem, form),
       friction_(to_size(problem.num_contacts())),
       mobility_(mean_diagonal(problem, delassus.diagonal())) {
   for (int c = 0; c < num_contacts(); ++c) {

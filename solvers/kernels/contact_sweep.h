@@ -90,8 +90,9 @@ class TwoPassSweep {
   }
   const Vector& impulse() const {
     gathered_.resize(p_.num_rows());
-    for (int c = 0; c < p_.num_contacts(); ++c)
+    for (int c = 0; c < p_.num_contacts(); ++c) {
       gathered_.segment<D>(c * D) = contacts_[to_size(c)].s;
+    }
     return gathered_;
   }
   Local<D> impulse(int c) const { return contacts_[to_size(c)].s; }

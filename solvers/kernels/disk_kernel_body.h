@@ -12,10 +12,12 @@ namespace {
 constexpr int kWidth = BIPOT_WIDTH;
 constexpr int kParts = kLanes / kWidth;  // of a batch
 
+// g++ takes these attributes in a typedef only: NOLINTBEGIN(modernize-use-using)
 typedef double Lanes __attribute__((vector_size(8 * kWidth), may_alias));
 typedef long long Bits __attribute__((vector_size(8 * kWidth)));
 typedef double Row __attribute__((vector_size(32), may_alias));
 typedef double Pair __attribute__((vector_size(16), may_alias));
+// NOLINTEND(modernize-use-using)
 
 inline Lanes load(const double* from, int part) {
   return reinterpret_cast<const Lanes*>(from)[part];

@@ -28,9 +28,8 @@ std::vector<int> touched(const ContactProblem& p, int c) {
 
 }  // namespace
 
-ShiftedDelassus::ShiftedDelassus(const ContactProblem& problem, const DelassusOperator& delassus,
-                                 Form form)
-    : problem_(problem), delassus_(delassus), lu_(SparseLU::Strategy::kAuto) {
+ShiftedDelassus::ShiftedDelassus(const ContactProblem& problem, Form form)
+    : problem_(problem), lu_(SparseLU::Strategy::kAuto) {
   const bool can_body = problem.has_velocities() && is_diagonal(problem.A);
   if (form == Form::kBody && !can_body) {
     throw std::invalid_argument("the body form needs H and a diagonal A");

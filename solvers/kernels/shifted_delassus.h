@@ -22,9 +22,8 @@ class ShiftedDelassus {
  public:
   enum class Form { kAuto, kBody, kContact };
 
-  /// Keeps references to both arguments. Throws std::invalid_argument for an impossible form.
-  ShiftedDelassus(const ContactProblem& problem, const DelassusOperator& delassus,
-                  Form form = Form::kAuto);
+  /// Keeps a reference to the problem. Throws std::invalid_argument for an impossible form.
+  explicit ShiftedDelassus(const ContactProblem& problem, Form form = Form::kAuto);
   ~ShiftedDelassus();
 
   /// R: row-major d x d blocks, contact after contact, [kg]. False: singular to working precision.
@@ -41,7 +40,6 @@ class ShiftedDelassus {
   void build_contact_pattern();
 
   const ContactProblem& problem_;
-  const DelassusOperator& delassus_;
   bool body_form_ = false;
   SparseMatrix matrix_;  // K or I + R W, fixed pattern
   SparseLU lu_;

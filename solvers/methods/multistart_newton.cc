@@ -31,8 +31,9 @@ class AlartCurnierStep {
         mu_(D == 1 ? Vector::Zero(p.num_contacts()) : scaling.mu),
         column_(Vector::Ones(p.num_rows())) {
     for (int i = 0; i < p.num_rows(); ++i) {
-      for (SparseRows::InnerIterator it(p.W, i); it; ++it)
+      for (SparseRows::InnerIterator it(p.W, i); it; ++it) {
         W_(i, it.col()) = it.value() * scaling.velocity[i] / scaling.impulse[it.col()];
+      }
     }
     for (int c = 0; c < contacts_; ++c) column_[c * D] = 1 / std::max(1.0, mu_[c]);
   }

@@ -57,8 +57,9 @@ TEST(Threads, JudgeAndMultiplyTheSameBits) {
   const ContactProblem p =
       assemble_step(scene, make_midpoint(scene, initial_state(scene)), false).problem;
   Vector s(p.num_rows());
-  for (Eigen::Index k = 0; k < s.size(); ++k)
+  for (Eigen::Index k = 0; k < s.size(); ++k) {
     s[k] = 0.01 * (1 + std::sin(3.0 * static_cast<double>(k)));
+  }
   Vector u, v;
   DelassusOperator(p).velocity(s, u);
   ContactErrorEvaluator one(p);

@@ -29,8 +29,9 @@ ContactProblem sticking_column(int disks) {
   p.dim = 2;
   std::vector<Eigen::Triplet<double>> a, h;
   for (int k = 0; k < disks; ++k) {
-    for (int dof = 0; dof < 3; ++dof)
+    for (int dof = 0; dof < 3; ++dof) {
       a.emplace_back(3 * k + dof, 3 * k + dof, dof == 2 ? 0.5 : 1.0);
+    }
     // Disk k of radius 1 stands on disk k - 1 or on the floor.
     h.emplace_back(3 * k + 1, 2 * k, 1);
     h.emplace_back(3 * k, 2 * k + 1, -1);
@@ -345,7 +346,7 @@ SolveResult claim(Vector s) {
 }
 
 void expect_caught(const SolverEntry& entry, const std::string& part,
-                   std::vector<StopTest> stops = {StopTest::kGuarded, StopTest::kRaw42}) {
+                   const std::vector<StopTest>& stops = {StopTest::kGuarded, StopTest::kRaw42}) {
   for (int dim = 1; dim <= 3; ++dim) {
     const ContactProblem p = some_problem(dim);
     for (const StopTest stop : stops) {

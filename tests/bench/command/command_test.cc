@@ -614,8 +614,9 @@ TEST_F(Command, CertifiesWhetherASolutionExists) {
 TEST_F(Command, ExtremesLeaveAPageAndAnExitCode) {
   const Outcome matrix = bipot("extremes --only s --solver auto,pgs --quick --out " + path("out"));
   EXPECT_EQ(matrix.exit_code, 0) << matrix.out;
-  for (const char* name : {"extremes.csv", "extremes.html", "extremes.md"})
+  for (const char* name : {"extremes.csv", "extremes.html", "extremes.md"}) {
     EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
+  }
   EXPECT_EQ(bipot("extremes --only no_such_case").exit_code, 2);
   const Outcome sets =
       bipot("extremes --random-problems 6 --random-scenes 2 --solver auto --out " + path("out"));

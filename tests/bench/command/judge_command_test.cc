@@ -38,8 +38,9 @@ class JudgeCommand : public testing::Test {
     std::ofstream out(path("foreign.csv"));
     out.precision(17);
     out << "t,n\n";
-    for (int c = 0; c < p.num_contacts(); ++c)
+    for (int c = 0; c < p.num_contacts(); ++c) {
       out << 2 * s[2 * c + 1] << ',' << -2 * s[2 * c] << '\n';
+    }
     return path("foreign.csv");
   }
 

@@ -123,8 +123,9 @@ RandomSetOptions short_set(int count) {
 TEST(RandomSets, NothingIsWrongInAShortOne) {
   const RandomSetResult result = run_random_problems(short_set(66));
   for (const RandomFinding& f : result.findings) {
-    if (f.kind.find("not solved") == std::string::npos)
+    if (f.kind.find("not solved") == std::string::npos) {
       ADD_FAILURE() << f.kind << ' ' << f.index << ' ' << f.solver << ": " << f.message;
+    }
   }
   EXPECT_TRUE(result.sound());
   EXPECT_EQ(result.done, 66);
@@ -136,8 +137,9 @@ TEST(RandomSets, NothingIsWrongInAShortOne) {
 TEST(RandomSets, NothingIsWrongInAFewScenes) {
   const RandomSetResult result = run_random_scenes(short_set(12));
   for (const RandomFinding& f : result.findings) {
-    if (f.kind.find("not solved") == std::string::npos && f.kind != "run ended early")
+    if (f.kind.find("not solved") == std::string::npos && f.kind != "run ended early") {
       ADD_FAILURE() << f.kind << ' ' << f.index << ": " << f.message;
+    }
   }
   EXPECT_TRUE(result.sound());
   EXPECT_EQ(result.energy_grew, 0);

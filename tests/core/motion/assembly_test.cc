@@ -65,7 +65,7 @@ Bodies crowd(unsigned seed) {
     b.disks.push_back(disk_at(draw.uniform(), draw.uniform(), draw.between(0.08, 0.16),
                               Vec2(draw.symmetric(), draw.symmetric()), draw.symmetric()));
     b.disks.back().mass = draw.between(0.5, 2);
-    b.v_free.push_back(b.disks.back().v + Vec2(0, -0.2));
+    b.v_free.emplace_back(b.disks.back().v + Vec2(0, -0.2));
   }
   b.walls.push_back(half_plane(Vec2(0, 0.1), Vec2(0, 1)));
   b.walls.push_back(half_plane(Vec2(0.1, 0), Vec2(0.8, 0.6)));

@@ -244,8 +244,9 @@ TEST(TimeStepping, WarmStartIsCarriedByPair) {
   int carried = 0, fresh = 0, lost = 0;
   for (int step = 0; step < 150; ++step) {
     std::map<std::pair<int, int>, Vec2> before;
-    for (const ContactOutcome& c : state.contacts)
+    for (const ContactOutcome& c : state.contacts) {
       before[{c.contact.i, c.contact.j}] = Vec2(c.s_n, c.s_t);
+    }
     stepper.advance(state);
     ASSERT_EQ(start.size(), 2 * static_cast<Eigen::Index>(state.contacts.size()));
     int found = 0;

@@ -131,8 +131,9 @@ TEST_F(ForcePicture, DisksAreFilledByTheirNumberAndNoForceIsDrawnIfNoneIsWanted)
   for (const double at : {0.0, 0.5, 1.0}) {
     const Colour c = sequential_colour(at);
     std::string fill = "fill:rgb\\(";
-    for (double x : {c.red, c.green, c.blue})
+    for (double x : {c.red, c.green, c.blue}) {
       fill += fmt::format("{}[0-9.]*%,", static_cast<int>(100 * x));
+    }
     fill.back() = ';';
     fill.insert(fill.size() - 1, "\\)");
     EXPECT_TRUE(std::regex_search(picture, std::regex(fill))) << fill;

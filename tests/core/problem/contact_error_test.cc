@@ -192,7 +192,7 @@ TEST(ContactError, DoesNotDependOnTheOrientationOfTheScene) {
     for (Disk& x : d) {
       x.x = turn * x.x;
       x.v = turn * x.v;
-      v_free.push_back(x.v + turn * Vec2(0, -0.1));
+      v_free.emplace_back(x.v + turn * Vec2(0, -0.1));
     }
     for (Wall& x : w) {
       x.a = turn * x.a;

@@ -111,7 +111,7 @@ TEST(ShiftedDelassus, BothFormsSolveTheDenseSystemAndAgreeOnTheSign) {
       const int sign = dense.determinant() > 0 ? 1 : -1;
       seen[sign + 1] = true;
       for (const auto form : {ShiftedDelassus::Form::kBody, ShiftedDelassus::Form::kContact}) {
-        ShiftedDelassus system(p, delassus, form);
+        ShiftedDelassus system(p, form);
         EXPECT_EQ(system.body_form(), form == ShiftedDelassus::Form::kBody);
         ASSERT_TRUE(system.factor(R));
         Vector x;
@@ -127,7 +127,7 @@ TEST(ShiftedDelassus, BothFormsSolveTheDenseSystemAndAgreeOnTheSign) {
 TEST(ShiftedDelassus, RefusesTheBodyFormWithoutBodies) {
   const ContactProblem p = local_form(manufactured_problem(2, 6, 9, 3).problem);
   const DelassusOperator delassus(p);
-  EXPECT_THROW(ShiftedDelassus(p, delassus, ShiftedDelassus::Form::kBody), std::invalid_argument);
+  EXPECT_THROW(ShiftedDelassus(p, ShiftedDelassus::Form::kBody), std::invalid_argument);
 }
 
 template <int D>

@@ -218,8 +218,9 @@ std::vector<std::string> children_of(pid_t parent) {
     std::istringstream rest(line.substr(close + 1));
     char state = 0;
     pid_t of = 0;
-    if (rest >> state >> of && of == parent)
+    if (rest >> state >> of && of == parent) {
       names.push_back(line.substr(open + 1, close - open - 1));
+    }
   }
   return names;
 }
