@@ -18,6 +18,8 @@ namespace {
 constexpr int kFew = 100;
 // Up to it, a dense Newton step costs less than 5 ms.
 constexpr int kDense = 50;
+// From it on, first order needs too many iterations.
+constexpr double kLargeFriction = 10;
 // Up to it, sweeps get more patience: they cost less than other solvers' set-up.
 constexpr int kSmall = 400;
 // Above it, proximal Newton (a factorisation of d contacts unknowns a step) and Anderson (whose
@@ -114,7 +116,8 @@ class Planner {
         exact_(p.dim <= 2),
         local_(!p.has_velocities()),
         warm_(warm),
-        unequal_(spread_of_masses(p, delassus) > kUnequal) {
+        unequal_(spread_of_masses(p, delassus) > kUnequal),
+        largest_friction_(p.mu.size() > 0 ? p.mu.maxCoeff() : 0) {
     const double root = std::sqrt(static_cast<double>(contacts_));
     crossing_ = 50 + static_cast<int>((local_ ? 20 : 70) * root);
     stages_.reserve(20);
@@ -203,6 +206,9 @@ class Planner {
     if (contacts_ <= kDense) {
       add("multistart", 60, 60, Start::kBest, "few contacts, large friction: dense Newton steps");
     }
+    if (exact_ && contacts_ <= kFew && largest_friction_ > kLargeFriction) {
+      add("lemke", 5000, 5000, Start::kOwn, "few contacts, large friction: pivots");
+    }
     // There a path costs more than all factorisations that a packing at rest needs.
     if (contacts_ > kLarge) first_paths(kManyPivots);
     if (contacts_ <= kLarge) {
@@ -252,6 +258,7 @@ class Planner {
   const int contacts_;
   const bool exact_;  // in space the law is not piecewise linear
   const bool local_, warm_, unequal_;
+  const double largest_friction_;
   const bool with_newton_ = find_solver("newton") != nullptr;  // needs PETSc
   // Information crosses a packing of N contacts in O(sqrt N) iterations of apgd; its error stands
   // for some crossings before it falls.

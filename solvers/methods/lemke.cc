@@ -34,15 +34,18 @@ constexpr double kNearlyExact = 1e-6;  // guarded error of a basis that only rou
 struct Complementarity {
   Dense M;
   Vector q;
+  Vector normal;  ///< c, x_n = normal ∘ z_n
 };
 
 /// The law in equilibrated impulses x = impulse ∘ s, over the largest free velocity. Blocks of z:
-/// normal, b+, b-, l, each with one entry per contact.
+/// normal, b+, b-, l, each with one entry per contact. Where friction is large, normal impulses are
+/// small beside the tangential ones: z_n is max(1, mu) x_n.
 Complementarity stewart_trinkle(const ContactProblem& p, const ContactScaling& scaling,
                                 double unit) {
   const int c = p.num_contacts(), d = p.dim;
   const int blocks = d == 1 ? 1 : 4;
-  Complementarity out{Dense::Zero(blocks * c, blocks * c), Vector::Zero(blocks * c)};
+  Complementarity out{Dense::Zero(blocks * c, blocks * c), Vector::Zero(blocks * c),
+                      Vector::Ones(c)};
   for (int i = 0; i < p.num_rows(); ++i) {
     const int contact = i / d;
     const bool tangential = i % d == 1;
@@ -76,7 +79,9 @@ Complementarity stewart_trinkle(const ContactProblem& p, const ContactScaling& s
     out.M(speed, contact) = scaling.mu[contact];
     out.M(speed, c + contact) = -1;
     out.M(speed, 2 * c + contact) = -1;
+    out.normal[contact] = 1 / std::max(1.0, scaling.mu[contact]);
   }
+  for (int contact = 0; contact < c; ++contact) out.M.col(contact) *= out.normal[contact];
   return out;
 }
 
@@ -255,7 +260,7 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
         const int c = p.num_contacts(), d = p.dim;
         Vector s(p.num_rows());
         for (int i = 0; i < c; ++i) {
-          s[i * d] = z[i];
+          s[i * d] = lcp.normal[i] * z[i];
           if (d > 1) s[i * d + 1] = z[c + i] - z[2 * c + i];
         }
         s = unit * s.cwiseQuotient(scaling.impulse);

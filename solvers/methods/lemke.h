@@ -25,7 +25,8 @@ inline constexpr int kLemkeMaxContacts = 300;
 /// the data at intervals, and the final basis is solved afresh with refinement. The start s0 is not
 /// used: pivoting begins at s = 0. An iteration is one pivot.
 ///
-/// Deviations: variables are equilibrated. The covering vector is drawn (fixed seed): with a vector
+/// Deviations: variables are equilibrated, and a normal impulse counts max(1, mu) times, as the
+/// tangential ones are that large. The covering vector is drawn (fixed seed): with a vector
 /// of ones, symmetric scenes have ties at most vertices, and free pyramids of 8 rows cycled through
 /// rounding. Where pivoting ends on a ray (in exact arithmetic only for problems without the
 /// copositivity property, e.g. without a solution; in floating point also by rounding) up to four
