@@ -16,8 +16,6 @@ namespace {
 
 // Up to it, a stage of Anderson costs nothing and is given more patience.
 constexpr int kFew = 100;
-// Up to it, a dense Newton step costs less than 5 ms.
-constexpr int kDense = 50;
 // From it on, first order needs too many iterations.
 constexpr double kLargeFriction = 10;
 // Up to it, sweeps get more patience: they cost less than other solvers' set-up.
@@ -203,9 +201,6 @@ class Planner {
     const bool patient = warm_ || contacts_ > kLarge;
     add("ipm", patient ? 40 : 12, patient ? 80 : 40, Start::kOwn,
         "accuracy on piles, a few dozen factorisations");
-    if (contacts_ <= kDense) {
-      add("multistart", 60, 60, Start::kBest, "few contacts, large friction: dense Newton steps");
-    }
     if (exact_ && contacts_ <= kFew && largest_friction_ > kLargeFriction) {
       add("lemke", 5000, 5000, Start::kOwn, "few contacts, large friction: pivots");
     }
@@ -221,9 +216,6 @@ class Planner {
     const bool sweeps_again = !local_ && contacts_ <= kCheapFactors;
     if (sweeps_again) add("pgs", 16000, 20000, Start::kOwn, "again, with patience: still cheap");
     follow(kManyPivots, {}, "again, with patience, from a better start");
-    if (contacts_ <= kFew) {
-      add("multistart", 1500, 1500, Start::kBest, "again, from many starts");
-    }
     if (local_) {
       add("ipm", 60, 150, Start::kOwn, "again, with patience");
       add("apgd", 3000, 12000, Start::kOwn, "again, with patience");
@@ -245,9 +237,6 @@ class Planner {
       add("newton", kUnlimited, 3000, Start::kBest, "proximal Newton from the best impulse",
           {{"start_sweeps", "5000"}});
       add("admm", kUnlimited, 4000, Start::kBest, "splitting, where pivots go wrong");
-    }
-    if (contacts_ <= kFew) {
-      add("multistart", kUnlimited, 30000, Start::kBest, "many more starts", {{"seed", "2"}});
     }
     follow(kUnlimited, {}, "paths from better and better starts");
     add("ipm", kUnlimited, 2000, Start::kBest, "central paths through their folds, in turns");
