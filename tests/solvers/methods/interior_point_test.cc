@@ -14,6 +14,7 @@
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/small_problems.h"
 
 namespace bipot {
 namespace {
