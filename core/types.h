@@ -4,11 +4,22 @@
 #include <Eigen/SparseCore>
 #include <cstddef>
 #include <limits>
+#include <type_traits>
 
 namespace bipot {
 
 using Vector = Eigen::VectorXd;
 using Vec2 = Eigen::Vector2d;
+using Vec3 = Eigen::Vector3d;
+/// A point or a direction in D dimensions, 2 or 3.
+template <int D>
+using VecIn = Eigen::Matrix<double, D, 1>;
+/// What turns (spins, moments): a number in the plane, counter-clockwise; a vector in space.
+template <int D>
+using SpinIn = std::conditional_t<D == 2, double, Vec3>;
+/// Components of a SpinIn<D>.
+template <int D>
+inline constexpr int kSpins = D == 2 ? 1 : 3;
 /// Column-major: a column of H is one contact direction.
 using SparseMatrix = Eigen::SparseMatrix<double>;
 /// Row-major: a row of W is one equation of a sweep.

@@ -8,18 +8,19 @@
 namespace bipot {
 namespace {
 
-DofMap number_dofs(bool friction, std::size_t num_disks, std::span<const Wall> walls,
-                   std::span<const Contact> contacts) {
+template <int D>
+DofMap number_dofs(bool friction, std::size_t num_disks, std::span<const WallIn<D>> walls,
+                   std::span<const ContactIn<D>> contacts) {
   DofMap dofs;
-  dofs.per_disk = friction ? 3 : 2;
+  dofs.per_disk = friction ? D + kSpins<D> : D;
   dofs.disk.assign(num_disks, -1);
   dofs.wall.assign(walls.size(), -1);
-  for (const Contact& c : contacts) {
+  for (const ContactIn<D>& c : contacts) {
     dofs.disk[to_size(c.i)] = 0;
     const std::size_t j = to_size(c.j);
     if (j < num_disks) {
       dofs.disk[j] = 0;
-    } else if (walls[j - num_disks].motion == Wall::Motion::kDriven) {
+    } else if (walls[j - num_disks].motion == WallIn<D>::Motion::kDriven) {
       dofs.wall[j - num_disks] = 0;
     }
   }
@@ -62,68 +63,87 @@ SparseMatrix diagonal_matrix(const Vector& diagonal) {
 }
 
 /// What the rows of a contact are made from.
+template <int D>
 struct StepInput {
-  const Scene& scene;
-  std::span<const Disk> disks;
-  std::span<const Wall> walls;
-  std::span<const Vec2> disk_v_free;
+  const SceneIn<D>& scene;
+  std::span<const BodyIn<D>> disks;
+  std::span<const WallIn<D>> walls;
+  std::span<const VecIn<D>> disk_v_free;
   std::span<const double> wall_v_free;
   int dim;
 };
 
+/// The velocity along `axis`, a tangent, of the point at the arm n of a body that turns: spin·(n x
+/// axis).
+double spin_along(double spin, const Vec2& /*n*/, const Vec2& /*axis*/) { return spin; }
+double spin_along(const Vec3& spin, const Vec3& n, const Vec3& axis) {
+  return n.cross(axis).dot(spin);
+}
+
+/// The entries of H of a unit spin row: arm n x axis, from `row` on.
+void add_spin(ColumnWriter& columns, int row, double arm, const Vec2& /*n*/, const Vec2& /*axis*/) {
+  columns.add(row, arm);
+}
+void add_spin(ColumnWriter& columns, int row, double arm, const Vec3& n, const Vec3& axis) {
+  const Vec3 turn = n.cross(axis);
+  for (int k = 0; k < 3; ++k) columns.add(row + k, arm * turn[k]);
+}
+
 /// Entries of H in the columns of a contact.
-int entries_of(const Contact& contact, std::size_t num_disks, const DofMap& dofs, int d) {
-  const int of_disk = d == 1 ? 2 : 2 + 3;
+template <int D>
+int entries_of(const ContactIn<D>& contact, std::size_t num_disks, const DofMap& dofs, int d) {
+  const int of_disk = D + (d - 1) * (D + kSpins<D>);
   const std::size_t j = to_size(contact.j);
   if (j < num_disks) return 2 * of_disk;
   return of_disk + (dofs.wall[j - num_disks] >= 0 ? d : 0);
 }
 
 /// The columns and rows of contact c.
-void write_contact(const StepInput& in, const Contact& contact, int c, ColumnWriter& columns,
-                   AssembledStep& step) {
+template <int D>
+void write_contact(const StepInput<D>& in, const ContactIn<D>& contact, int c,
+                   ColumnWriter& columns, AssembledStep& step) {
   const DofMap& dofs = step.dofs;
   ContactProblem& p = step.problem;
   const int d = in.dim;
   const std::size_t i = to_size(contact.i), j = to_size(contact.j);
   const bool with_disk = j < in.disks.size();
   const std::size_t w = with_disk ? 0 : j - in.disks.size();
-  const Disk& a = in.disks[i];
-  const Disk* b = with_disk ? &in.disks[j] : nullptr;
-  const Wall* wall = with_disk ? nullptr : &in.walls[w];
+  const BodyIn<D>& a = in.disks[i];
+  const BodyIn<D>* b = with_disk ? &in.disks[j] : nullptr;
+  const WallIn<D>* wall = with_disk ? nullptr : &in.walls[w];
   const ContactLaw& law = in.scene.law(a.material, with_disk ? b->material : wall->material);
   const double r_n = std::sqrt(1 + law.e_n), r_t = std::sqrt(1 + law.e_t);
   p.mu[c] = d > 1 ? law.mu * r_t / r_n : 0.0;
 
-  const Vec2 other_before = with_disk ? b->v : wall->v;
-  Vec2 other_free = other_before;
+  const VecIn<D> other_before = with_disk ? b->v : wall->v;
+  VecIn<D> other_free = other_before;
   if (with_disk) {
     other_free = in.disk_v_free[j];
-  } else if (wall->motion == Wall::Motion::kDriven) {
+  } else if (wall->motion == WallIn<D>::Motion::kDriven) {
     other_free = in.wall_v_free[w] * wall->direction;
   }
   const int k = dofs.disk[i];
   const int l = with_disk ? dofs.disk[j] : dofs.wall[w];
+  const auto frame = contact_frame<D>(contact.n);
   for (int row = 0; row < d; ++row) {
-    const Vec2 axis = row == 0 ? contact.n : Vec2(-contact.n[1], contact.n[0]);
+    const VecIn<D>& axis = frame[to_size(row)];
     const double e = row == 0 ? law.e_n : law.e_t;
     const double r = row == 0 ? r_n : r_t;
     const double arm_a = row == 0 ? 0 : -a.radius;
     const double arm_b = row == 0 || !with_disk ? 0 : -b->radius;
-    const double spin_part = arm_a * a.spin + (with_disk ? arm_b * b->spin : 0.0);
+    const double spin_part = arm_a * spin_along(a.spin, contact.n, axis) +
+                             (with_disk ? arm_b * spin_along(b->spin, contact.n, axis) : 0.0);
     const double before = axis.dot(a.v - other_before) + spin_part;
     const double free = axis.dot(in.disk_v_free[i] - other_free) + spin_part;
     step.u_before[c * d + row] = before;
     p.u_free[c * d + row] = (free + e * before) / r;
     if (p.row_scale.size() > 0) p.row_scale[c * d + row] = r;
 
-    columns.add(k, axis[0] / r);
-    columns.add(k + 1, axis[1] / r);
-    if (row == 1) columns.add(k + 2, arm_a / r);
+    for (int x = 0; x < D; ++x) columns.add(k + x, axis[x] / r);
+    if (row > 0) add_spin(columns, k + D, arm_a / r, contact.n, axis);
     if (with_disk) {
-      columns.add(l, -axis[0] / r);
-      columns.add(l + 1, -axis[1] / r);
-      if (row == 1) columns.add(l + 2, arm_b / r);
+      for (int x = 0; x < D; ++x) columns.add(l + x, -axis[x] / r);
+      if (row > 0) add_spin(columns, l + D, arm_b / r, contact.n, axis);
     } else if (l >= 0) {
       columns.add(l, -axis.dot(wall->direction) / r);
     }
@@ -133,16 +153,20 @@ void write_contact(const StepInput& in, const Contact& contact, int c, ColumnWri
 
 }  // namespace
 
-AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
-                            std::span<const Wall> walls, std::span<const Contact> contacts,
-                            std::span<const Vec2> disk_v_free, std::span<const double> wall_v_free,
-                            bool explicit_delassus, int threads) {
+template <int D>
+AssembledStep assemble_step(const SceneIn<D>& scene,
+                            std::span<const std::type_identity_t<BodyIn<D>>> disks,
+                            std::span<const std::type_identity_t<WallIn<D>>> walls,
+                            std::span<const std::type_identity_t<ContactIn<D>>> contacts,
+                            std::span<const std::type_identity_t<VecIn<D>>> disk_v_free,
+                            std::span<const double> wall_v_free, bool explicit_delassus,
+                            int threads) {
   const bool friction = scene.has_friction();
-  const int d = friction ? 2 : 1;
+  const int d = friction ? D : 1;
   const int num_contacts = static_cast<int>(contacts.size());
 
   AssembledStep step;
-  step.dofs = number_dofs(friction, disks.size(), walls, contacts);
+  step.dofs = number_dofs<D>(friction, disks.size(), walls, contacts);
   const DofMap& dofs = step.dofs;
   ContactProblem& p = step.problem;
   p.dim = d;
@@ -152,11 +176,16 @@ AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
   for (std::size_t i = 0; i < disks.size(); ++i) {
     const int k = dofs.disk[i];
     if (k < 0) continue;
-    mass[k] = mass[k + 1] = disks[i].mass;
-    p.v_free.segment<2>(k) = disk_v_free[i];
+    mass.template segment<D>(k).setConstant(disks[i].mass);
+    p.v_free.template segment<D>(k) = disk_v_free[i];
     if (friction) {
-      mass[k + 2] = disks[i].inertia;
-      p.v_free[k + 2] = disks[i].spin;  // no torque but that of the contacts
+      mass.template segment<kSpins<D>>(k + D).setConstant(disks[i].inertia);
+      // No torque but that of the contacts.
+      if constexpr (D == 2) {
+        p.v_free[k + D] = disks[i].spin;
+      } else {
+        p.v_free.template segment<3>(k + D) = disks[i].spin;
+      }
     }
   }
   for (std::size_t w = 0; w < walls.size(); ++w) {
@@ -177,12 +206,12 @@ AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
   std::vector<int> start(to_size(num_contacts) + 1, 0);
   for (int c = 0; c < num_contacts; ++c) {
     start[to_size(c) + 1] =
-        start[to_size(c)] + entries_of(contacts[to_size(c)], disks.size(), dofs, d);
+        start[to_size(c)] + entries_of<D>(contacts[to_size(c)], disks.size(), dofs, d);
   }
   p.H.resize(dofs.size, d * num_contacts);
   p.H.resizeNonZeros(start.back());
   p.H.outerIndexPtr()[0] = 0;
-  const StepInput input{scene, disks, walls, disk_v_free, wall_v_free, d};
+  const StepInput<D> input{scene, disks, walls, disk_v_free, wall_v_free, d};
   run_pieces(threads, num_contacts, [&](int begin, int end) {
     ColumnWriter columns(p.H, d * begin, start[to_size(begin)]);
     for (int c = begin; c < end; ++c) write_contact(input, contacts[to_size(c)], c, columns, step);
@@ -190,5 +219,12 @@ AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
   if (explicit_delassus) p.W = assemble_delassus(p.A, p.H, d);
   return step;
 }
+
+template AssembledStep assemble_step<2>(const Scene&, std::span<const Disk>, std::span<const Wall>,
+                                        std::span<const Contact>, std::span<const Vec2>,
+                                        std::span<const double>, bool, int);
+template AssembledStep assemble_step<3>(const SceneIn<3>&, std::span<const Sphere>,
+                                        std::span<const WallIn<3>>, std::span<const ContactIn<3>>,
+                                        std::span<const Vec3>, std::span<const double>, bool, int);
 
 }  // namespace bipot

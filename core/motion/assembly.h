@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "core/problem/contact_problem.h"
@@ -11,7 +12,7 @@ namespace bipot {
 
 /// Where each body's degrees of freedom stand in the problem's v; -1 for bodies that take no part.
 struct DofMap {
-  int per_disk = 3;       ///< 3 (x, y, spin), or 2 (x, y) without friction
+  int per_disk = 3;       ///< position, then spin: 3, in space 6; without friction 2 or 3, no spin
   std::vector<int> disk;  ///< first dof of each disk
   std::vector<int> wall;  ///< the dof of each driven wall
   int size = 0;
@@ -28,15 +29,20 @@ struct AssembledStep {
 /// before the step, their velocities without contact impulses, and the contacts:
 ///
 ///   contact of disk i with j:  u_n = n·(v_i - v_j),  u_t = t·(v_i - v_j) - a_i w_i - a_j w_j,
+///   in space for both tangents  u_t = t·(v_i - v_j) - (n x t)·(a_i w_i + a_j w_j),
 ///   D = diag 1/(1+e),  u = D (Hᵀ v⁺ + E Hᵀ v⁻)  (36),  symmetric form of data/method.md §3.
 ///
 /// The contact dimension is 1 (no tangential rows, no rotations) where no pair of the scene's
 /// materials has friction. Only bodies in contact enter; of the walls only driven ones have a
 /// degree of freedom, moving ones stand in the right-hand side. Restitution applies to every
 /// candidate alike. [ours, data/method.md §3]
-AssembledStep assemble_step(const Scene& scene, std::span<const Disk> disks,
-                            std::span<const Wall> walls, std::span<const Contact> contacts,
-                            std::span<const Vec2> disk_v_free, std::span<const double> wall_v_free,
-                            bool explicit_delassus, int threads = 1);
+template <int D>
+AssembledStep assemble_step(const SceneIn<D>& scene,
+                            std::span<const std::type_identity_t<BodyIn<D>>> disks,
+                            std::span<const std::type_identity_t<WallIn<D>>> walls,
+                            std::span<const std::type_identity_t<ContactIn<D>>> contacts,
+                            std::span<const std::type_identity_t<VecIn<D>>> disk_v_free,
+                            std::span<const double> wall_v_free, bool explicit_delassus,
+                            int threads = 1);
 
 }  // namespace bipot

@@ -5,27 +5,29 @@
 
 namespace bipot {
 
-ForceBalance force_balance(const Scene& scene, const State& state) {
+template <int D>
+ForceBalanceIn<D> force_balance(const SceneIn<D>& scene, const StateIn<D>& state) {
   const std::size_t disks = state.disks.size();
-  std::vector<Vec2> force(disks);
-  std::vector<double> moment(disks, 0.0);
-  ForceBalance balance;
-  balance.wall.assign(state.walls.size(), Vec2::Zero());
+  std::vector<VecIn<D>> force(disks);
+  std::vector<SpinIn<D>> moment(disks, no_turn<D>());
+  ForceBalanceIn<D> balance;
+  balance.wall.assign(state.walls.size(), VecIn<D>::Zero());
   for (std::size_t i = 0; i < disks; ++i) {
     force[i] = state.disks[i].mass * scene.gravity;
     balance.weight += force[i].norm();
   }
-  for (const ContactOutcome& c : state.contacts) {
-    const Vec2 t(-c.contact.n[1], c.contact.n[0]);
-    const Vec2 f = (c.s_n * c.contact.n + c.s_t * t) / scene.step;
+  for (const ContactOutcomeIn<D>& c : state.contacts) {
+    const VecIn<D>& n = c.contact.n;
+    const VecIn<D> f = (c.s_n * n + tangent_vector(n, c.s_t)) / scene.step;
+    const SpinIn<D> turned = turning(n, c.s_t);
     const std::size_t i = static_cast<std::size_t>(c.contact.i);
     const std::size_t j = static_cast<std::size_t>(c.contact.j);
     // The lever from the centre of i to the contact is -a n, from that of j +a n.
     force[i] += f;
-    moment[i] -= state.disks[i].radius * c.s_t / scene.step;
+    moment[i] -= state.disks[i].radius * turned / scene.step;
     if (j < disks) {
       force[j] -= f;
-      moment[j] -= state.disks[j].radius * c.s_t / scene.step;
+      moment[j] -= state.disks[j].radius * turned / scene.step;
     } else {
       balance.wall[j - disks] += f;
       balance.walls += f;
@@ -35,9 +37,12 @@ ForceBalance force_balance(const Scene& scene, const State& state) {
     const double weight = state.disks[i].mass * scene.gravity.norm();
     balance.force = std::max(balance.force, force[i].norm() / weight);
     balance.moment =
-        std::max(balance.moment, std::abs(moment[i]) / (weight * state.disks[i].radius));
+        std::max(balance.moment, magnitude(moment[i]) / (weight * state.disks[i].radius));
   }
   return balance;
 }
+
+template ForceBalance force_balance(const Scene&, const State&);
+template ForceBalanceIn<3> force_balance(const SceneIn<3>&, const StateIn<3>&);
 
 }  // namespace bipot

@@ -10,18 +10,22 @@
 namespace bipot {
 
 /// A step before its contact problem: everything at the mid-point q_m = q + h/2 v (38).
-struct Midpoint {
-  std::vector<Disk> disks;          ///< positions at the mid-point, velocities before the step
-  std::vector<Wall> walls;          ///< likewise
-  std::vector<Contact> contacts;    ///< candidates at the mid-point, sorted by (i, j)
-  std::vector<Vec2> disk_v_free;    ///< v + h g, without contact impulses                 [m/s]
-  std::vector<double> wall_v_free;  ///< of driven walls: along their direction, else 0    [m/s]
+template <int D>
+struct MidpointIn {
+  std::vector<BodyIn<D>> disks;        ///< positions at the mid-point, velocities before the step
+  std::vector<WallIn<D>> walls;        ///< likewise
+  std::vector<ContactIn<D>> contacts;  ///< candidates at the mid-point, sorted by (i, j)
+  std::vector<VecIn<D>> disk_v_free;   ///< v + h g, without contact impulses                 [m/s]
+  std::vector<double> wall_v_free;     ///< of driven walls: along their direction, else 0    [m/s]
 };
+using Midpoint = MidpointIn<2>;
 
-Midpoint make_midpoint(const Scene& scene, const State& state, int threads = 1);
+template <int D>
+MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads = 1);
 
 /// The step's contact problem, see core/motion/assembly.h.
-AssembledStep assemble_step(const Scene& scene, const Midpoint& mid, bool explicit_delassus,
-                            int threads = 1);
+template <int D>
+AssembledStep assemble_step(const SceneIn<D>& scene, const MidpointIn<D>& mid,
+                            bool explicit_delassus, int threads = 1);
 
 }  // namespace bipot

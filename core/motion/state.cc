@@ -5,54 +5,78 @@
 #include <cmath>
 
 namespace bipot {
+namespace {
 
-State initial_state(const Scene& scene) {
-  State state;
+double turning_energy(const Disk& d) { return 0.5 * d.inertia * d.spin * d.spin; }
+double turning_energy(const Sphere& s) { return 0.5 * s.inertia * s.spin.squaredNorm(); }
+
+double arm_times(const Vec2& x, const Vec2& p) { return x[0] * p[1] - x[1] * p[0]; }
+Vec3 arm_times(const Vec3& x, const Vec3& p) { return x.cross(p); }
+
+}  // namespace
+
+template <int D>
+StateIn<D> initial_state(const SceneIn<D>& scene) {
+  StateIn<D> state;
   state.disks = scene.disks;
   state.walls = scene.walls;
   return state;
 }
 
-double time_after_step(const State& state, double h) {
+template <int D>
+double time_after_step(const StateIn<D>& state, double h) {
   const bool multiple = std::abs(state.time - state.step * h) <= 1e-6 * h;
   return multiple ? (state.step + 1) * h : state.time + h;
 }
 
-double kinetic_energy(const State& state) {
+template <int D>
+double kinetic_energy(const StateIn<D>& state) {
   double sum = 0;
-  for (const Disk& d : state.disks) {
-    sum += 0.5 * d.mass * d.v.squaredNorm() + 0.5 * d.inertia * d.spin * d.spin;
+  for (const BodyIn<D>& d : state.disks) {
+    sum += 0.5 * d.mass * d.v.squaredNorm() + turning_energy(d);
   }
-  for (const Wall& w : state.walls) {
-    if (w.motion == Wall::Motion::kDriven) sum += 0.5 * w.mass * w.v.squaredNorm();
+  for (const WallIn<D>& w : state.walls) {
+    if (w.motion == WallIn<D>::Motion::kDriven) sum += 0.5 * w.mass * w.v.squaredNorm();
   }
   return sum;
 }
 
-double potential_energy(const State& state, const Vec2& gravity) {
+template <int D>
+double potential_energy(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity) {
   double sum = 0;
-  for (const Disk& d : state.disks) sum -= d.mass * gravity.dot(d.x);
+  for (const BodyIn<D>& d : state.disks) sum -= d.mass * gravity.dot(d.x);
   return sum;
 }
 
-Vec2 momentum(const State& state) {
-  Vec2 sum = Vec2::Zero();
-  for (const Disk& d : state.disks) sum += d.mass * d.v;
-  for (const Wall& w : state.walls) {
-    if (w.motion == Wall::Motion::kDriven) sum += w.mass * w.v;
+template <int D>
+VecIn<D> momentum(const StateIn<D>& state) {
+  VecIn<D> sum = VecIn<D>::Zero();
+  for (const BodyIn<D>& d : state.disks) sum += d.mass * d.v;
+  for (const WallIn<D>& w : state.walls) {
+    if (w.motion == WallIn<D>::Motion::kDriven) sum += w.mass * w.v;
   }
   return sum;
 }
 
-std::string restart_mismatch(const Scene& scene, const State& state) {
+template <int D>
+SpinIn<D> angular_momentum(const StateIn<D>& state) {
+  SpinIn<D> sum = no_turn<D>();
+  for (const BodyIn<D>& d : state.disks) {
+    sum += arm_times(d.x, VecIn<D>(d.mass * d.v)) + d.inertia * d.spin;
+  }
+  return sum;
+}
+
+template <int D>
+std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state) {
   if (state.disks.size() != scene.disks.size() || state.walls.size() != scene.walls.size()) {
-    return fmt::format("it has {} disks and {} walls, the scene has {} and {}", state.disks.size(),
-                       state.walls.size(), scene.disks.size(), scene.walls.size());
+    return fmt::format("it has {} {}s and {} walls, the scene has {} and {}", state.disks.size(),
+                       kBodyName<D>, state.walls.size(), scene.disks.size(), scene.walls.size());
   }
   for (std::size_t i = 0; i < scene.disks.size(); ++i) {
-    const Disk &a = state.disks[i], &b = scene.disks[i];
+    const BodyIn<D>&a = state.disks[i], &b = scene.disks[i];
     const auto differs = [&](const char* field, double x, double y) {
-      return fmt::format("disk {}: {} is {}, in the scene {}", i, field, x, y);
+      return fmt::format("{} {}: {} is {}, in the scene {}", kBodyName<D>, i, field, x, y);
     };
     if (a.radius != b.radius) return differs("radius", a.radius, b.radius);
     if (a.mass != b.mass) return differs("mass", a.mass, b.mass);
@@ -60,20 +84,35 @@ std::string restart_mismatch(const Scene& scene, const State& state) {
     if (a.material != b.material) return differs("material", a.material, b.material);
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
-    const Wall &a = state.walls[i], &b = scene.walls[i];
-    const char* field = a.shape != b.shape                                           ? "shape"
-                        : a.motion != b.motion                                       ? "motion"
-                        : a.material != b.material                                   ? "material"
-                        : a.mass != b.mass                                           ? "mass"
-                        : a.force != b.force                                         ? "force"
-                        : a.direction != b.direction                                 ? "direction"
-                        : a.shape == Wall::Shape::kHalfPlane && a.normal != b.normal ? "normal"
-                                                                                     : nullptr;
+    const WallIn<D>&a = state.walls[i], &b = scene.walls[i];
+    const char* field = a.shape != b.shape           ? "shape"
+                        : a.motion != b.motion       ? "motion"
+                        : a.material != b.material   ? "material"
+                        : a.mass != b.mass           ? "mass"
+                        : a.force != b.force         ? "force"
+                        : a.direction != b.direction ? "direction"
+                        : a.shape == WallIn<D>::Shape::kHalfPlane && a.normal != b.normal ? "normal"
+                                                                                          : nullptr;
     if (field != nullptr) {
       return fmt::format("wall {}: {} is not that of wall '{}' of the scene", i, field, b.name);
     }
   }
   return {};
 }
+
+template State initial_state(const Scene&);
+template double time_after_step(const State&, double);
+template double kinetic_energy(const State&);
+template double potential_energy<2>(const State&, const Vec2&);
+template Vec2 momentum(const State&);
+template double angular_momentum(const State&);
+template std::string restart_mismatch(const Scene&, const State&);
+template StateIn<3> initial_state(const SceneIn<3>&);
+template double time_after_step(const StateIn<3>&, double);
+template double kinetic_energy(const StateIn<3>&);
+template double potential_energy<3>(const StateIn<3>&, const Vec3&);
+template Vec3 momentum(const StateIn<3>&);
+template Vec3 angular_momentum(const StateIn<3>&);
+template std::string restart_mismatch(const SceneIn<3>&, const StateIn<3>&);
 
 }  // namespace bipot

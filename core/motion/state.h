@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "core/scene/contact.h"
@@ -9,28 +10,41 @@
 namespace bipot {
 
 /// The moving part of a scene: all that a restart needs.
-struct State {
-  double time = 0;  ///< [s]
-  int step = 0;     ///< steps done
-  std::vector<Disk> disks;
-  std::vector<Wall> walls;
-  std::vector<ContactOutcome> contacts;  ///< of the last step, sorted by (i, j); warm start
+template <int D>
+struct StateIn {
+  double time = 0;               ///< [s]
+  int step = 0;                  ///< steps done
+  std::vector<BodyIn<D>> disks;  ///< in space: spheres
+  std::vector<WallIn<D>> walls;
+  std::vector<ContactOutcomeIn<D>> contacts;  ///< of the last step, sorted by (i, j); warm start
   /// Accumulated since step 0, for the ledger                                  [J]
   double wall_work = 0, friction_loss = 0, shock_loss = 0;
 };
-State initial_state(const Scene& scene);
+using State = StateIn<2>;
+
+template <int D>
+StateIn<D> initial_state(const SceneIn<D>& scene);
 
 /// The time after one more step of size h: a multiple of h, which has no drift, unless the step
 /// size was another one before a restart.
-double time_after_step(const State& state, double h);
+template <int D>
+double time_after_step(const StateIn<D>& state, double h);
 
-double kinetic_energy(const State& state);                         ///< disks and driven walls [J]
-double potential_energy(const State& state, const Vec2& gravity);  ///< zero at the origin     [J]
-Vec2 momentum(const State& state);  ///< disks and driven walls [kg m/s]
+template <int D>
+double kinetic_energy(const StateIn<D>& state);  ///< disks and driven walls [J]
+/// Zero at the origin.                                                       [J]
+template <int D>
+double potential_energy(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity);
+template <int D>
+VecIn<D> momentum(const StateIn<D>& state);  ///< disks and driven walls [kg m/s]
+/// Of the disks about the origin, their spins included.                      [N m s]
+template <int D>
+SpinIn<D> angular_momentum(const StateIn<D>& state);
 
 /// Empty when a state can go on under a scene: same disks (radius, mass, inertia, material) and
 /// walls (shape, motion, force, mass, direction, material); else one sentence that names the
 /// difference.
-std::string restart_mismatch(const Scene& scene, const State& state);
+template <int D>
+std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state);
 
 }  // namespace bipot

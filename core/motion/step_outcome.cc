@@ -1,5 +1,6 @@
 #include "core/motion/step_outcome.h"
 
+#include <array>
 #include <cmath>
 
 #include "core/problem/coulomb_cone.h"
@@ -8,18 +9,22 @@ namespace bipot {
 namespace {
 
 /// Normal and tangential values of one contact; the tangential ones are 0 without friction.
+template <int D>
 struct ContactValues {
-  double s[2] = {0, 0};        // physical impulse
-  double u_after[2] = {0, 0};  // relative velocity after the step
-  double mean[2] = {0, 0};     // mean of the relative velocities before and after the step
+  std::array<double, to_size(D)> s{};        // physical impulse
+  std::array<double, to_size(D)> u_after{};  // relative velocity after the step
+  std::array<double, to_size(D)>
+      mean{};  // mean of the relative velocities before and after the step
 };
 
 /// u: Moreau's mean velocities in the problem's variables. Physical u⁺ = (1 + e) u - e u⁻ (36).
-ContactValues contact_values(const ContactProblem& p, const AssembledStep& assembled,
-                             const ContactLaw& law, int contact, const Vector& s, const Vector& u) {
-  ContactValues values;
-  for (int k = 0; k < p.dim; ++k) {
-    const Eigen::Index row = contact * p.dim + k;
+template <int D>
+ContactValues<D> contact_values(const ContactProblem& p, const AssembledStep& assembled,
+                                const ContactLaw& law, int contact, const Vector& s,
+                                const Vector& u) {
+  ContactValues<D> values;
+  for (std::size_t k = 0; k < to_size(p.dim); ++k) {
+    const Eigen::Index row = contact * p.dim + static_cast<Eigen::Index>(k);
     const double e = k == 0 ? law.e_n : law.e_t;
     const double r = p.row_scale.size() == 0 ? 1.0 : p.row_scale[row];
     const double before = assembled.u_before[row];
@@ -30,9 +35,21 @@ ContactValues contact_values(const ContactProblem& p, const AssembledStep& assem
   return values;
 }
 
+/// The tangential part of a contact's values.
+template <int D>
+TangentIn<D> tangential(const std::array<double, to_size(D)>& values,
+                        const std::array<VecIn<D>, to_size(D)>& frame) {
+  if constexpr (D == 2) {
+    return values[1];
+  } else {
+    return values[1] * frame[1] + values[2] * frame[2];
+  }
+}
+
 /// What a wall's impulse on a disk means for the world outside.
-void add_wall_impulse(const Wall& wall, const Vec2& impulse, StepOutcome& outcome) {
-  if (wall.motion == Wall::Motion::kDriven) {
+template <int D>
+void add_wall_impulse(const WallIn<D>& wall, const VecIn<D>& impulse, StepOutcomeIn<D>& outcome) {
+  if (wall.motion == WallIn<D>::Motion::kDriven) {
     // What acts across the direction is taken by the wall's guide.
     outcome.external += impulse - impulse.dot(wall.direction) * wall.direction;
   } else {
@@ -48,44 +65,53 @@ ContactStatus contact_status(double s_n, double s_t, double mu) {
   return std::abs(s_t) < kConeEdge * mu * s_n ? ContactStatus::kStick : ContactStatus::kSlip;
 }
 
-StepOutcome step_outcome(const Scene& scene, const Midpoint& mid, const AssembledStep& assembled,
-                         const Vector& s, const Vector& v, std::span<const Wall> walls_after) {
+template <int D>
+StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
+                              const AssembledStep& assembled, const Vector& s, const Vector& v,
+                              std::span<const std::type_identity_t<WallIn<D>>> walls_after) {
   const double h = scene.step;
   const ContactProblem& p = assembled.problem;
   const std::size_t num_disks = mid.disks.size();
-  StepOutcome outcome;
+  StepOutcomeIn<D> outcome;
   outcome.contacts.resize(mid.contacts.size());
   Vector u = p.num_rows() > 0 ? Vector(p.H.transpose() * (v - p.v_free)) : Vector();
   u += p.u_free;
   for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
-    const Contact& contact = mid.contacts[c];
+    const ContactIn<D>& contact = mid.contacts[c];
     const std::size_t i = to_size(contact.i), j = to_size(contact.j);
-    const Wall* wall = j < num_disks ? nullptr : &mid.walls[j - num_disks];
+    const WallIn<D>* wall = j < num_disks ? nullptr : &mid.walls[j - num_disks];
     const ContactLaw& law =
         scene.law(mid.disks[i].material, wall == nullptr ? mid.disks[j].material : wall->material);
-    const ContactValues values = contact_values(p, assembled, law, static_cast<int>(c), s, u);
+    const ContactValues<D> values = contact_values<D>(p, assembled, law, static_cast<int>(c), s, u);
+    const auto frame = contact_frame<D>(contact.n);
+    const TangentIn<D> s_t = tangential<D>(values.s, frame);
     outcome.contacts[c] = {.contact = contact,
                            .s_n = values.s[0],
-                           .s_t = values.s[1],
+                           .s_t = s_t,
                            .u_n = values.u_after[0],
-                           .u_t = values.u_after[1],
-                           .status = contact_status(values.s[0], values.s[1], law.mu)};
+                           .u_t = tangential<D>(values.u_after, frame),
+                           .status = contact_status(values.s[0], magnitude(s_t), law.mu)};
     if (values.s[0] > 0) ++outcome.active;
     outcome.shock_loss -= values.s[0] * values.mean[0];
-    outcome.friction_loss -= values.s[1] * values.mean[1];
+    for (std::size_t k = 1; k < D; ++k) outcome.friction_loss -= values.s[k] * values.mean[k];
     if (wall == nullptr) continue;
-    const Vec2 tangent(-contact.n[1], contact.n[0]);
-    add_wall_impulse(*wall, values.s[0] * contact.n + values.s[1] * tangent, outcome);
+    add_wall_impulse<D>(*wall, values.s[0] * contact.n + tangent_vector(contact.n, s_t), outcome);
   }
-  for (const Disk& d : mid.disks) outcome.external += h * d.mass * scene.gravity;
+  for (const BodyIn<D>& d : mid.disks) outcome.external += h * d.mass * scene.gravity;
   for (std::size_t w = 0; w < mid.walls.size(); ++w) {
-    const Wall& wall = mid.walls[w];
-    if (wall.motion != Wall::Motion::kDriven) continue;
-    const Vec2 push = h * wall.force * wall.direction;
+    const WallIn<D>& wall = mid.walls[w];
+    if (wall.motion != WallIn<D>::Motion::kDriven) continue;
+    const VecIn<D> push = h * wall.force * wall.direction;
     outcome.external += push;
     outcome.wall_work += push.dot(0.5 * (wall.v + walls_after[w].v));
   }
   return outcome;
 }
+
+template StepOutcome step_outcome<2>(const Scene&, const Midpoint&, const AssembledStep&,
+                                     const Vector&, const Vector&, std::span<const Wall>);
+template StepOutcomeIn<3> step_outcome<3>(const SceneIn<3>&, const MidpointIn<3>&,
+                                          const AssembledStep&, const Vector&, const Vector&,
+                                          std::span<const WallIn<3>>);
 
 }  // namespace bipot

@@ -14,22 +14,25 @@
 namespace bipot {
 namespace {
 
+void set_spin(Disk& d, const Vector& v, int row) { d.spin = v[row]; }
+void set_spin(Sphere& s, const Vector& v, int row) { s.spin = v.segment<3>(row); }
+
 /// Velocities after the step, then positions: q <- q_m + h/2 v⁺ (43).
-State update_bodies(const Midpoint& mid, const DofMap& dofs, const Vector& v, double h) {
-  State next;
+template <int D>
+StateIn<D> update_bodies(const MidpointIn<D>& mid, const DofMap& dofs, const Vector& v, double h) {
+  StateIn<D> next;
   next.disks = mid.disks;
   next.walls = mid.walls;
   for (std::size_t i = 0; i < next.disks.size(); ++i) {
-    Disk& d = next.disks[i];
+    BodyIn<D>& d = next.disks[i];
     const int k = dofs.disk[i];
-    d.v = k < 0 ? mid.disk_v_free[i] : Vec2(v.segment<2>(k));
-    if (k >= 0 && dofs.per_disk == 3) d.spin = v[k + 2];
-    d.x += 0.5 * h * d.v;
-    d.angle += 0.5 * h * d.spin;
+    d.v = k < 0 ? mid.disk_v_free[i] : VecIn<D>(v.segment<D>(k));
+    if (k >= 0 && dofs.per_disk > D) set_spin(d, v, k + D);
+    drift(d, 0.5 * h);
   }
   for (std::size_t w = 0; w < next.walls.size(); ++w) {
-    Wall& wall = next.walls[w];
-    if (wall.motion == Wall::Motion::kDriven) {
+    WallIn<D>& wall = next.walls[w];
+    if (wall.motion == WallIn<D>::Motion::kDriven) {
       const double speed = dofs.wall[w] < 0 ? mid.wall_v_free[w] : v[dofs.wall[w]];
       wall.v = speed * wall.direction;
     }
@@ -40,8 +43,9 @@ State update_bodies(const Midpoint& mid, const DofMap& dofs, const Vector& v, do
 }
 
 /// Accumulated work of the state after the step, and the balances of energy and momentum.
-void close_ledger(const State& before, const StepOutcome& outcome, const Vec2& gravity, State& next,
-                  StepReport& report) {
+template <int D>
+void close_ledger(const StateIn<D>& before, const StepOutcomeIn<D>& outcome,
+                  const VecIn<D>& gravity, StateIn<D>& next, StepReportIn<D>& report) {
   next.wall_work = before.wall_work + outcome.wall_work;
   next.friction_loss = before.friction_loss + outcome.friction_loss;
   next.shock_loss = before.shock_loss + outcome.shock_loss;
@@ -62,25 +66,32 @@ void close_ledger(const State& before, const StepOutcome& outcome, const Vec2& g
 
 }  // namespace
 
-TimeStepper::TimeStepper(const Scene& scene, StepSolver solver, bool explicit_delassus, int threads)
+template <int D>
+TimeStepperIn<D>::TimeStepperIn(const SceneIn<D>& scene, StepSolver solver, bool explicit_delassus,
+                                int threads)
     : scene_(scene),
       solver_(std::move(solver)),
       explicit_delassus_(explicit_delassus),
       threads_(threads) {}
 
-StepFailure::StepFailure(Kind k, const State& before, const std::string& why)
+StepFailure::StepFailure(Kind k, int steps_before, double time_before, const std::string& why)
     : StepFailure(k,
-                  fmt::format("step {} at t = {:.9g} s: {}", before.step + 1, before.time, why)) {}
+                  fmt::format("step {} at t = {:.9g} s: {}", steps_before + 1, time_before, why)) {}
 
-ContactProblem step_problem(const Scene& scene, const State& state, bool explicit_delassus) {
+template <int D>
+ContactProblem step_problem(const SceneIn<D>& scene, const StateIn<D>& state,
+                            bool explicit_delassus) {
   return assemble_step(scene, make_midpoint(scene, state), explicit_delassus).problem;
 }
 
 /// The impulses of the step, in the problem's variables.
-Vector TimeStepper::solve_contacts(const State& state, std::span<const Contact> contacts,
-                                   StepReport& report) {
+template <int D>
+Vector TimeStepperIn<D>::solve_contacts(const StateIn<D>& state,
+                                        std::span<const ContactIn<D>> contacts,
+                                        StepReportIn<D>& report) {
   const ContactProblem& p = assembled_.problem;
-  const Vector s0 = scene_.solver.warm_start ? warm_start(state.contacts, contacts, p) : Vector();
+  const Vector s0 =
+      scene_.solver.warm_start ? warm_start<D>(state.contacts, contacts, p) : Vector();
   StepSolution solution = solver_(p, s0);
   using Kind = StepFailure::Kind;
   if (solution.refused) throw StepFailure(Kind::kInvalidInput, state, solution.message);
@@ -97,10 +108,11 @@ Vector TimeStepper::solve_contacts(const State& state, std::span<const Contact> 
   return std::move(solution.s);
 }
 
-StepReport TimeStepper::advance(State& state) {
-  StepReport report;
+template <int D>
+StepReportIn<D> TimeStepperIn<D>::advance(StateIn<D>& state) {
+  StepReportIn<D> report;
   Stopwatch watch;
-  const Midpoint mid = make_midpoint(scene_, state, threads_);
+  const MidpointIn<D> mid = make_midpoint(scene_, state, threads_);
   report.detection_seconds = watch.lap();
   assembled_ = assemble_step(scene_, mid, explicit_delassus_, threads_);
   report.assembly_seconds = watch.lap();
@@ -109,10 +121,10 @@ StepReport TimeStepper::advance(State& state) {
 
   const ContactProblem& p = assembled_.problem;
   const Vector v = p.num_dofs() > 0 ? body_velocities(p, s) : Vector();
-  State next = update_bodies(mid, assembled_.dofs, v, scene_.step);
+  StateIn<D> next = update_bodies(mid, assembled_.dofs, v, scene_.step);
   next.step = state.step + 1;
   next.time = time_after_step(state, scene_.step);
-  StepOutcome outcome = step_outcome(scene_, mid, assembled_, s, v, next.walls);
+  StepOutcomeIn<D> outcome = step_outcome<D>(scene_, mid, assembled_, s, v, next.walls);
   close_ledger(state, outcome, scene_.gravity, next, report);
   next.contacts = std::move(outcome.contacts);
 
@@ -120,9 +132,15 @@ StepReport TimeStepper::advance(State& state) {
   report.time = next.time;
   report.contacts = static_cast<int>(mid.contacts.size());
   report.active = outcome.active;
-  for (const Contact& c : mid.contacts) report.penetration = std::max(report.penetration, -c.gap);
+  for (const ContactIn<D>& c : mid.contacts)
+    report.penetration = std::max(report.penetration, -c.gap);
   state = std::move(next);
   return report;
 }
+
+template class TimeStepperIn<2>;
+template class TimeStepperIn<3>;
+template ContactProblem step_problem(const Scene&, const State&, bool);
+template ContactProblem step_problem(const SceneIn<3>&, const StateIn<3>&, bool);
 
 }  // namespace bipot

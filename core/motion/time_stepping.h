@@ -44,7 +44,8 @@ struct StepSolution {
 /// Solves the problem from the start s0 (size 0: no start).
 using StepSolver = std::function<StepSolution(const ContactProblem&, const Vector& s0)>;
 
-struct StepReport {
+template <int D>
+struct StepReportIn {
   int step = 0;
   double time = 0;
   int contacts = 0, active = 0;  ///< candidates; with s_n > 0
@@ -53,47 +54,59 @@ struct StepReport {
   int iterations = 0;
   ContactError error;
   EnergyLedger energy;
-  Vec2 momentum = Vec2::Zero();            ///< of disks and driven walls             [kg m/s]
-  Vec2 momentum_imbalance = Vec2::Zero();  ///< change - gravity - wall impulses       [kg m/s]
-  double penetration = 0;                  ///< largest overlap at mid-step            [m]
+  VecIn<D> momentum = VecIn<D>::Zero();            ///< of disks and driven walls        [kg m/s]
+  VecIn<D> momentum_imbalance = VecIn<D>::Zero();  ///< change - gravity - wall impulses [kg m/s]
+  double penetration = 0;                          ///< largest overlap at mid-step      [m]
   double detection_seconds = 0, assembly_seconds = 0, solve_seconds = 0;
 };
+using StepReport = StepReportIn<2>;
 
 /// The contact problem of the step that would come next.
-ContactProblem step_problem(const Scene& scene, const State& state, bool explicit_delassus);
+template <int D>
+ContactProblem step_problem(const SceneIn<D>& scene, const StateIn<D>& state,
+                            bool explicit_delassus);
 
 /// A step that was not taken; the message says why.
 struct StepFailure : std::runtime_error {
   enum class Kind { kNumerical, kInvalidInput, kCutShort, kNotConverged };
   StepFailure(Kind k, const std::string& message) : std::runtime_error(message), kind(k) {}
   /// Names the step that comes after the state `before`.
-  StepFailure(Kind k, const State& before, const std::string& why);
+  template <int D>
+  StepFailure(Kind k, const StateIn<D>& before, const std::string& why)
+      : StepFailure(k, before.step, before.time, why) {}
   Kind kind;
+
+ private:
+  StepFailure(Kind k, int steps_before, double time_before, const std::string& why);
 };
 
 /// Advances a state by the mid-point scheme (38)-(43):
 ///   q_m = q + h/2 v, contacts at q_m, one contact problem, q <- q_m + h/2 v⁺.
-class TimeStepper {
+template <int D>
+class TimeStepperIn {
  public:
   /// The scene must outlive the stepper. `explicit_delassus`: assemble W for every step. `threads`:
   /// of detection and assembly; they change no bit.
-  TimeStepper(const Scene& scene, StepSolver solver, bool explicit_delassus, int threads = 1);
+  TimeStepperIn(const SceneIn<D>& scene, StepSolver solver, bool explicit_delassus,
+                int threads = 1);
 
   /// Takes one step. Throws StepFailure, leaving the state at the end of the step before, when the
   /// solver failed, refused or was cut short, or when anything comes out not finite.
-  StepReport advance(State& state);
+  StepReportIn<D> advance(StateIn<D>& state);
 
   /// The contact problem of the last step.
   const ContactProblem& problem() const { return assembled_.problem; }
 
  private:
-  Vector solve_contacts(const State& state, std::span<const Contact> contacts, StepReport& report);
+  Vector solve_contacts(const StateIn<D>& state, std::span<const ContactIn<D>> contacts,
+                        StepReportIn<D>& report);
 
-  const Scene& scene_;
+  const SceneIn<D>& scene_;
   StepSolver solver_;
   bool explicit_delassus_;
   int threads_;
   AssembledStep assembled_;
 };
+using TimeStepper = TimeStepperIn<2>;
 
 }  // namespace bipot

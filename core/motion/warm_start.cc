@@ -2,12 +2,14 @@
 
 namespace bipot {
 
-Vector warm_start(const std::vector<ContactOutcome>& before, std::span<const Contact> contacts,
+template <int D>
+Vector warm_start(const std::vector<ContactOutcomeIn<D>>& before,
+                  std::span<const std::type_identity_t<ContactIn<D>>> contacts,
                   const ContactProblem& p) {
   Vector s0 = Vector::Zero(p.num_rows());
   auto old = before.begin();
   for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const auto less = [&](const ContactOutcome& o) {
+    const auto less = [&](const ContactOutcomeIn<D>& o) {
       return o.contact.i < contacts[c].i ||
              (o.contact.i == contacts[c].i && o.contact.j < contacts[c].j);
     };
@@ -17,9 +19,22 @@ Vector warm_start(const std::vector<ContactOutcome>& before, std::span<const Con
     const int row = static_cast<int>(c) * p.dim;
     const bool scaled = p.row_scale.size() != 0;
     s0[row] = old->s_n * (scaled ? p.row_scale[row] : 1.0);
-    if (p.dim == 2) s0[row + 1] = old->s_t * (scaled ? p.row_scale[row + 1] : 1.0);
+    if (p.dim == 1) continue;
+    if constexpr (D == 2) {
+      s0[row + 1] = old->s_t * (scaled ? p.row_scale[row + 1] : 1.0);
+    } else {
+      const auto frame = contact_frame<D>(contacts[c].n);
+      for (int k = 1; k < D; ++k) {
+        s0[row + k] = frame[to_size(k)].dot(old->s_t) * (scaled ? p.row_scale[row + k] : 1.0);
+      }
+    }
   }
   return s0;
 }
+
+template Vector warm_start<2>(const std::vector<ContactOutcome>&, std::span<const Contact>,
+                              const ContactProblem&);
+template Vector warm_start<3>(const std::vector<ContactOutcomeIn<3>>&,
+                              std::span<const ContactIn<3>>, const ContactProblem&);
 
 }  // namespace bipot

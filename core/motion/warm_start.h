@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "core/problem/contact_problem.h"
@@ -11,7 +12,9 @@ namespace bipot {
 /// The impulses of the step before at the contacts of the same pairs, 0 at new ones, in the
 /// problem's variables (row_scale). `contacts` are those of `problem`; both lists are sorted by
 /// (i, j), as detection leaves them.
-Vector warm_start(const std::vector<ContactOutcome>& before, std::span<const Contact> contacts,
+template <int D>
+Vector warm_start(const std::vector<ContactOutcomeIn<D>>& before,
+                  std::span<const std::type_identity_t<ContactIn<D>>> contacts,
                   const ContactProblem& problem);
 
 }  // namespace bipot

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
@@ -13,8 +14,37 @@
 namespace bipot {
 namespace {
 
-// Cells beyond this index share the outermost one: correct, only slower.
-constexpr double kMaxCell = 1 << 30;
+/// Cells of a grid, numbered by keys: along x by one, from row to row by kRow, from layer to layer
+/// (in space) by kLayer.
+template <int D>
+struct Grid {
+  static constexpr int kBits = D == 2 ? 32 : 21;  // of each coordinate in a key
+  static constexpr std::int64_t kOffset = std::int64_t{1} << (kBits - 1);
+  static constexpr std::uint64_t kRow = std::uint64_t{1} << kBits;
+  static constexpr std::uint64_t kLayer = D == 2 ? 0 : kRow << (kBits % 64);
+  // Cells beyond this index share the outermost one: correct, only slower.
+  static constexpr double kMaxCell = D == 2 ? 1 << 30 : (1 << 20) - 2;
+
+  using Cell = std::array<std::int64_t, to_size(D)>;
+  static std::uint64_t key(const Cell& cell) {
+    std::uint64_t key = 0;
+    for (std::size_t k = cell.size(); k-- > 0;) {
+      key =
+          (k + 1 < cell.size() ? key << kBits : 0) | static_cast<std::uint64_t>(cell[k] + kOffset);
+    }
+    return key;
+  }
+
+  /// From a cell to the middle ones of the rows beside it that are met later: those above, and in
+  /// the layer after it.
+  static constexpr auto rows_after() {
+    if constexpr (D == 2) {
+      return std::array{kRow};
+    } else {
+      return std::array{kRow, kLayer - kRow, kLayer, kLayer + kRow};
+    }
+  }
+};
 
 struct CellEntry {
   std::uint64_t key;
@@ -22,25 +52,28 @@ struct CellEntry {
 };
 
 /// The disks of one size class, sorted by grid cell (row by row).
+template <int D>
 struct Level {
   double cell = 0;
   std::vector<CellEntry> entries;
 
-  std::int64_t index(double x) const {
-    return static_cast<std::int64_t>(std::clamp(std::floor(x / cell), -kMaxCell, kMaxCell));
-  }
-  static std::uint64_t key(std::int64_t column, std::int64_t row) {
-    constexpr std::int64_t kOffset = std::int64_t{1} << 31;
-    return (static_cast<std::uint64_t>(row + kOffset) << 32) |
-           static_cast<std::uint64_t>(column + kOffset);
+  typename Grid<D>::Cell cell_of(const VecIn<D>& x) const {
+    constexpr double kMost = Grid<D>::kMaxCell;
+    typename Grid<D>::Cell index;
+    for (int k = 0; k < D; ++k) {
+      index[to_size(k)] =
+          static_cast<std::int64_t>(std::clamp(std::floor(x[k] / cell), -kMost, kMost));
+    }
+    return index;
   }
 };
 
-std::vector<Level> build_levels(std::span<const Disk> disks, double eta) {
-  std::vector<Level> levels;
+template <int D>
+std::vector<Level<D>> build_levels(std::span<const BodyIn<D>> disks, double eta) {
+  std::vector<Level<D>> levels;
   if (disks.empty()) return levels;
   double smallest = disks[0].radius;
-  for (const Disk& d : disks) smallest = std::min(smallest, d.radius);
+  for (const BodyIn<D>& d : disks) smallest = std::min(smallest, d.radius);
   std::vector<std::vector<int>> members;
   for (int i = 0; i < static_cast<int>(disks.size()); ++i) {
     int exponent = 0;
@@ -51,13 +84,12 @@ std::vector<Level> build_levels(std::span<const Disk> disks, double eta) {
   }
   for (std::size_t l = 0; l < members.size(); ++l) {
     if (members[l].empty()) continue;
-    Level level;
+    Level<D> level;
     // Two disks of this class or smaller that touch lie in the same or in adjacent cells.
     level.cell = 2 * std::ldexp(smallest, static_cast<int>(l)) * (1 + 1e-12) + std::max(eta, 0.0);
     level.entries.reserve(members[l].size());
     for (int i : members[l]) {
-      const Vec2& x = disks[to_size(i)].x;
-      level.entries.push_back({Level::key(level.index(x[0]), level.index(x[1])), i});
+      level.entries.push_back({Grid<D>::key(level.cell_of(disks[to_size(i)].x)), i});
     }
     std::sort(level.entries.begin(), level.entries.end(),
               [](const CellEntry& a, const CellEntry& b) {
@@ -68,36 +100,40 @@ std::vector<Level> build_levels(std::span<const Disk> disks, double eta) {
   return levels;
 }
 
-void test_pair(std::span<const Disk> disks, int i, int j, double eta, std::vector<Contact>& out) {
+template <int D>
+void test_pair(std::span<const BodyIn<D>> disks, int i, int j, double eta,
+               std::vector<ContactIn<D>>& out) {
   if (i > j) std::swap(i, j);
-  const Disk &a = disks[to_size(i)], &b = disks[to_size(j)];
-  const Vec2 d = a.x - b.x;
+  const BodyIn<D>&a = disks[to_size(i)], &b = disks[to_size(j)];
+  const VecIn<D> d = a.x - b.x;
   const double reach = a.radius + b.radius + eta;
   const double distance2 = d.squaredNorm();
   if (distance2 > reach * reach) return;
   const double distance = std::sqrt(distance2);
   if (distance == 0) {
-    throw std::invalid_argument(
-        fmt::format("disks {} and {} have the same centre: their contact has no normal", i, j));
+    throw std::invalid_argument(fmt::format(
+        "{}s {} and {} have the same centre: their contact has no normal", kBodyName<D>, i, j));
   }
   out.push_back({i, j, d / distance, distance - (a.radius + b.radius)});
 }
 
-void test_wall(const Disk& disk, int i, const Wall& wall, int j, double eta,
-               std::vector<Contact>& out) {
-  if (wall.shape == Wall::Shape::kHalfPlane) {
+template <int D>
+void test_wall(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int j, double eta,
+               std::vector<ContactIn<D>>& out) {
+  if (wall.shape == WallIn<D>::Shape::kHalfPlane) {
     const double gap = wall.normal.dot(disk.x - wall.a) - disk.radius;
     if (gap <= eta) out.push_back({i, j, wall.normal, gap});
     return;
   }
-  const Vec2 along = wall.b - wall.a;
+  const VecIn<D> along = wall.b - wall.a;
   const double t = std::clamp((disk.x - wall.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  const Vec2 d = disk.x - (wall.a + t * along);
+  const VecIn<D> d = disk.x - (wall.a + t * along);
   const double distance = d.norm();
   if (distance - disk.radius > eta) return;
   if (distance == 0) {
-    throw std::invalid_argument(fmt::format(
-        "the centre of disk {} lies on wall '{}': their contact has no normal", i, wall.name));
+    throw std::invalid_argument(
+        fmt::format("the centre of {} {} lies on wall '{}': their contact has no normal",
+                    kBodyName<D>, i, wall.name));
   }
   out.push_back({i, j, d / distance, distance - disk.radius});
 }
@@ -110,38 +146,60 @@ Entries::const_iterator first_from(const Entries& entries, std::uint64_t key) {
 }
 
 /// Contacts within a level of the entries [begin, end) with later ones: the rest of their cell, the
-/// cell to the right and the three above. Each pair is met once. Both places that are looked at move
-/// on as the entries do.
-void find_within(std::span<const Disk> disks, const Level& level, int begin, int end, double eta,
-                 std::vector<Contact>& out) {
+/// cell to the right and the three of each row beside it that comes later. Each pair is met once.
+/// All places that are looked at move on as the entries do.
+template <int D>
+void find_within(std::span<const BodyIn<D>> disks, const Level<D>& level, int begin, int end,
+                 double eta, std::vector<ContactIn<D>>& out) {
   const Entries& entries = level.entries;
-  constexpr std::uint64_t kNextRow = std::uint64_t{1} << 32;
-  auto above = first_from(entries, entries[to_size(begin)].key + kNextRow - 1);
+  constexpr auto kRowsAfter = Grid<D>::rows_after();
+  std::array<Entries::const_iterator, kRowsAfter.size()> after;
+  for (std::size_t r = 0; r < after.size(); ++r) {
+    after[r] = first_from(entries, entries[to_size(begin)].key + kRowsAfter[r] - 1);
+  }
   for (int k = begin; k < end; ++k) {
     const CellEntry& entry = entries[to_size(k)];
     for (auto it = entries.begin() + k + 1; it != entries.end() && it->key <= entry.key + 1; ++it) {
-      test_pair(disks, entry.disk, it->disk, eta, out);
+      test_pair<D>(disks, entry.disk, it->disk, eta, out);
     }
-    const std::uint64_t first = entry.key + kNextRow - 1;
-    while (above != entries.end() && above->key < first) ++above;
-    for (auto it = above; it != entries.end() && it->key <= first + 2; ++it) {
-      test_pair(disks, entry.disk, it->disk, eta, out);
+    for (std::size_t r = 0; r < after.size(); ++r) {
+      auto& row = after[r];
+      const std::uint64_t first = entry.key + kRowsAfter[r] - 1;
+      while (row != entries.end() && row->key < first) ++row;
+      for (auto it = row; it != entries.end() && it->key <= first + 2; ++it) {
+        test_pair<D>(disks, entry.disk, it->disk, eta, out);
+      }
     }
   }
 }
 
+/// Contacts of a disk with the entries of three cells side by side, in the middle `cell`.
+template <int D>
+void find_in_row(std::span<const BodyIn<D>> disks, int disk, const Level<D>& coarse,
+                 typename Grid<D>::Cell cell, double eta, std::vector<ContactIn<D>>& out) {
+  const std::uint64_t middle = Grid<D>::key(cell);
+  auto it = first_from(coarse.entries, middle - 1);
+  for (; it != coarse.entries.end() && it->key <= middle + 1; ++it) {
+    test_pair<D>(disks, disk, it->disk, eta, out);
+  }
+}
+
 /// Contacts of the entries [begin, end) of a level with the larger disks of another.
-void find_between(std::span<const Disk> disks, const Level& fine, const Level& coarse, int begin,
-                  int end, double eta, std::vector<Contact>& out) {
+template <int D>
+void find_between(std::span<const BodyIn<D>> disks, const Level<D>& fine, const Level<D>& coarse,
+                  int begin, int end, double eta, std::vector<ContactIn<D>>& out) {
   for (int k = begin; k < end; ++k) {
     const int disk = fine.entries[to_size(k)].disk;
-    const Vec2& x = disks[to_size(disk)].x;
-    const std::int64_t column = coarse.index(x[0]), row = coarse.index(x[1]);
-    for (std::int64_t r = row - 1; r <= row + 1; ++r) {
-      const std::uint64_t last = Level::key(column + 1, r);
-      auto it = first_from(coarse.entries, Level::key(column - 1, r));
-      for (; it != coarse.entries.end() && it->key <= last; ++it) {
-        test_pair(disks, disk, it->disk, eta, out);
+    const auto cell = coarse.cell_of(disks[to_size(disk)].x);
+    for (std::int64_t row = cell[1] - 1; row <= cell[1] + 1; ++row) {
+      auto beside = cell;
+      beside[1] = row;
+      if constexpr (D == 2) {
+        find_in_row<D>(disks, disk, coarse, beside, eta, out);
+      } else {
+        for (beside[2] = cell[2] - 1; beside[2] <= cell[2] + 1; ++beside[2]) {
+          find_in_row<D>(disks, disk, coarse, beside, eta, out);
+        }
       }
     }
   }
@@ -149,48 +207,49 @@ void find_between(std::span<const Disk> disks, const Level& fine, const Level& c
 
 /// Calls find(begin, end, found) for pieces of the items, on threads, and appends what the pieces
 /// found in their order.
-template <class Find>
-void collect(int threads, int items, std::vector<Contact>& out, const Find& find) {
-  std::vector<std::vector<Contact>> found(to_size((items + kPieceItems - 1) / kPieceItems));
+template <int D, class Find>
+void collect(int threads, int items, std::vector<ContactIn<D>>& out, const Find& find) {
+  std::vector<std::vector<ContactIn<D>>> found(to_size((items + kPieceItems - 1) / kPieceItems));
   run_pieces(threads, items, [&](int begin, int end) {
-    std::vector<Contact>& piece = found[to_size(begin / kPieceItems)];
-    piece.reserve(3 * to_size(end - begin));
+    std::vector<ContactIn<D>>& piece = found[to_size(begin / kPieceItems)];
+    piece.reserve((D == 2 ? 3 : 6) * to_size(end - begin));
     find(begin, end, piece);
   });
   std::size_t total = out.size();
-  for (const std::vector<Contact>& piece : found) total += piece.size();
+  for (const std::vector<ContactIn<D>>& piece : found) total += piece.size();
   out.reserve(total);
-  for (const std::vector<Contact>& piece : found) out.insert(out.end(), piece.begin(), piece.end());
+  for (const std::vector<ContactIn<D>>& piece : found)
+    out.insert(out.end(), piece.begin(), piece.end());
 }
 
 /// By i, then by j: counted into the lists of each i, which are short.
-std::vector<Contact> sorted(const std::vector<Contact>& contacts, int num_disks) {
+template <int D>
+std::vector<ContactIn<D>> sorted(const std::vector<ContactIn<D>>& contacts, int num_disks) {
   std::vector<int> start(to_size(num_disks) + 1, 0);
-  for (const Contact& c : contacts) ++start[to_size(c.i) + 1];
+  for (const ContactIn<D>& c : contacts) ++start[to_size(c.i) + 1];
   std::partial_sum(start.begin(), start.end(), start.begin());
   std::vector<int> next(start.begin(), start.end() - 1);
-  std::vector<Contact> out(contacts.size());
-  for (const Contact& c : contacts) out[to_size(next[to_size(c.i)]++)] = c;
+  std::vector<ContactIn<D>> out(contacts.size());
+  for (const ContactIn<D>& c : contacts) out[to_size(next[to_size(c.i)]++)] = c;
   for (int i = 0; i < num_disks; ++i) {
     std::sort(out.begin() + start[to_size(i)], out.begin() + start[to_size(i) + 1],
-              [](const Contact& a, const Contact& b) { return a.j < b.j; });
+              [](const ContactIn<D>& a, const ContactIn<D>& b) { return a.j < b.j; });
   }
   return out;
 }
 
-}  // namespace
-
-std::vector<Contact> detect_contacts(std::span<const Disk> disks, std::span<const Wall> walls,
-                                     double eta, int threads) {
-  std::vector<Contact> contacts;
-  const std::vector<Level> levels = build_levels(disks, eta);
+template <int D>
+std::vector<ContactIn<D>> all_contacts(std::span<const BodyIn<D>> disks,
+                                       std::span<const WallIn<D>> walls, double eta, int threads) {
+  std::vector<ContactIn<D>> contacts;
+  const std::vector<Level<D>> levels = build_levels(disks, eta);
   for (std::size_t fine = 0; fine < levels.size(); ++fine) {
     const int entries = static_cast<int>(levels[fine].entries.size());
-    collect(threads, entries, contacts, [&](int begin, int end, std::vector<Contact>& found) {
+    collect(threads, entries, contacts, [&](int begin, int end, auto& found) {
       find_within(disks, levels[fine], begin, end, eta, found);
     });
     for (std::size_t coarse = fine + 1; coarse < levels.size(); ++coarse) {
-      collect(threads, entries, contacts, [&](int begin, int end, std::vector<Contact>& found) {
+      collect(threads, entries, contacts, [&](int begin, int end, auto& found) {
         find_between(disks, levels[fine], levels[coarse], begin, end, eta, found);
       });
     }
@@ -203,5 +262,19 @@ std::vector<Contact> detect_contacts(std::span<const Disk> disks, std::span<cons
   }
   return sorted(contacts, num_disks);
 }
+
+}  // namespace
+
+template <int D>
+std::vector<ContactIn<D>> detect_contacts(std::span<const BodyIn<D>> disks,
+                                          std::span<const WallIn<D>> walls, double eta,
+                                          int threads) {
+  return all_contacts(disks, walls, eta, threads);
+}
+
+template std::vector<Contact> detect_contacts<2>(std::span<const Disk>, std::span<const Wall>,
+                                                 double, int);
+template std::vector<ContactIn<3>> detect_contacts<3>(std::span<const Sphere>,
+                                                      std::span<const WallIn<3>>, double, int);
 
 }  // namespace bipot

@@ -9,11 +9,18 @@
 namespace bipot {
 
 /// All pairs (disk, disk) and (disk, wall) with gap <= eta, sorted by (i, j); j is a disk index or
-/// disks.size() + wall index. A hierarchical grid with one level per power of two of the radius:
+/// disks.size() + wall index. In space the disks are spheres. A hierarchical grid with one level per power of two of the radius:
 /// O(N log N) in the number N of disks for any ratio of radii, plus N times the number of walls.
 /// Deterministic, with the same bits for any number of threads. Throws std::invalid_argument for
 /// disks with coincident centres (no normal).
-std::vector<Contact> detect_contacts(std::span<const Disk> disks, std::span<const Wall> walls,
-                                     double eta, int threads = 1);
+template <int D>
+std::vector<ContactIn<D>> detect_contacts(std::span<const BodyIn<D>> disks,
+                                          std::span<const WallIn<D>> walls, double eta,
+                                          int threads = 1);
+inline std::vector<Contact> detect_contacts(std::span<const Disk> disks,
+                                            std::span<const Wall> walls, double eta,
+                                            int threads = 1) {
+  return detect_contacts<2>(disks, walls, eta, threads);
+}
 
 }  // namespace bipot

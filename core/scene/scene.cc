@@ -1,6 +1,7 @@
 #include "core/scene/scene.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,39 +14,61 @@ std::string check_positive(const char* what, std::size_t index, const char* fiel
   return fmt::format("{} {}: {} = {} is not a positive finite number", what, index, field, value);
 }
 
-std::string check_finite(const char* what, std::size_t index, const char* field, const Vec2& x) {
-  if (x.allFinite()) return {};
-  return fmt::format("{} {}: {} = ({}, {}) is not finite", what, index, field, x[0], x[1]);
+/// "(1, 2)".
+template <class Vec>
+std::string in_brackets(const Vec& x) {
+  return fmt::format("({})", fmt::join(x.data(), x.data() + x.size(), ", "));
 }
 
-std::string check_disk(const Disk& d, std::size_t i, int materials) {
-  if (auto e = check_finite("disk", i, "position", d.x); !e.empty()) return e;
-  if (auto e = check_finite("disk", i, "velocity", d.v); !e.empty()) return e;
-  if (auto e = check_finite("disk", i, "angle, spin", Vec2(d.angle, d.spin)); !e.empty()) return e;
-  if (auto e = check_positive("disk", i, "radius", d.radius); !e.empty()) return e;
-  if (auto e = check_positive("disk", i, "mass", d.mass); !e.empty()) return e;
-  if (auto e = check_positive("disk", i, "inertia", d.inertia); !e.empty()) return e;
+template <class Vec>
+std::string check_finite(const char* what, std::size_t index, const char* field, const Vec& x) {
+  if (x.allFinite()) return {};
+  return fmt::format("{} {}: {} = {} is not finite", what, index, field, in_brackets(x));
+}
+
+std::string check_turn(const Disk& d, std::size_t i) {
+  return check_finite("disk", i, "angle, spin", Vec2(d.angle, d.spin));
+}
+
+std::string check_turn(const Sphere& s, std::size_t i) {
+  if (auto e = check_finite("sphere", i, "orientation", s.orientation.coeffs()); !e.empty())
+    return e;
+  return check_finite("sphere", i, "spin", s.spin);
+}
+
+template <int D>
+std::string check_body(const BodyIn<D>& d, std::size_t i, int materials) {
+  const char* what = kBodyName<D>;
+  if (auto e = check_finite(what, i, "position", d.x); !e.empty()) return e;
+  if (auto e = check_finite(what, i, "velocity", d.v); !e.empty()) return e;
+  if (auto e = check_turn(d, i); !e.empty()) return e;
+  if (auto e = check_positive(what, i, "radius", d.radius); !e.empty()) return e;
+  if (auto e = check_positive(what, i, "mass", d.mass); !e.empty()) return e;
+  if (auto e = check_positive(what, i, "inertia", d.inertia); !e.empty()) return e;
   if (d.material < 0 || d.material >= materials) {
-    return fmt::format("disk {}: material index {} is not in [0, {})", i, d.material, materials);
+    return fmt::format("{} {}: material index {} is not in [0, {})", what, i, d.material,
+                       materials);
   }
   return {};
 }
 
-std::string check_unit(const char* field, std::size_t i, const Vec2& x) {
+template <class Vec>
+std::string check_unit(const char* field, std::size_t i, const Vec& x) {
   if (std::abs(x.norm() - 1) < 1e-12) return {};
-  return fmt::format("wall {}: {} = ({}, {}) is not a unit vector", i, field, x[0], x[1]);
+  return fmt::format("wall {}: {} = {} is not a unit vector", i, field, in_brackets(x));
 }
 
-std::string check_wall(const Wall& w, std::size_t i, int materials) {
+template <int D>
+std::string check_wall(const WallIn<D>& w, std::size_t i, int materials) {
   if (auto e = check_finite("wall", i, "point", w.a); !e.empty()) return e;
   if (auto e = check_finite("wall", i, "velocity", w.v); !e.empty()) return e;
-  if (w.shape == Wall::Shape::kSegment) {
+  if (w.shape == WallIn<D>::Shape::kSegment) {
     if (auto e = check_finite("wall", i, "end point", w.b); !e.empty()) return e;
     if (w.a == w.b) return fmt::format("wall {}: the segment's two ends coincide", i);
   } else if (auto e = check_unit("normal", i, w.normal); !e.empty()) {
     return e;
   }
-  if (w.motion == Wall::Motion::kDriven) {
+  if (w.motion == WallIn<D>::Motion::kDriven) {
     if (auto e = check_positive("wall", i, "mass", w.mass); !e.empty()) return e;
     if (auto e = check_unit("direction", i, w.direction); !e.empty()) return e;
     if (!std::isfinite(w.force)) {
@@ -60,20 +83,31 @@ std::string check_wall(const Wall& w, std::size_t i, int materials) {
 
 }  // namespace
 
-bool Scene::has_friction() const {
+void drift(Sphere& sphere, double h) {
+  sphere.x += h * sphere.v;
+  const double speed = sphere.spin.norm();
+  if (speed == 0) return;
+  const Eigen::Quaterniond turn(Eigen::AngleAxisd(speed * h, sphere.spin / speed));
+  sphere.orientation = (turn * sphere.orientation).normalized();
+}
+
+template <int D>
+bool SceneIn<D>::has_friction() const {
   for (const ContactLaw& law : laws) {
     if (law.mu > 0) return true;
   }
   return false;
 }
 
-double smallest_radius(const Scene& scene) {
+template <int D>
+double smallest_radius(const SceneIn<D>& scene) {
   double smallest = kInfinity;
-  for (const Disk& d : scene.disks) smallest = std::min(smallest, d.radius);
+  for (const BodyIn<D>& d : scene.disks) smallest = std::min(smallest, d.radius);
   return smallest;
 }
 
-std::string validate(const Scene& scene) {
+template <int D>
+std::string validate(const SceneIn<D>& scene) {
   const int materials = static_cast<int>(scene.materials.size());
   if (!scene.gravity.allFinite()) return "gravity is not finite";
   if (!(scene.step > 0) || !std::isfinite(scene.step)) {
@@ -96,7 +130,7 @@ std::string validate(const Scene& scene) {
     }
   }
   for (std::size_t i = 0; i < scene.disks.size(); ++i) {
-    if (auto e = check_disk(scene.disks[i], i, materials); !e.empty()) return e;
+    if (auto e = check_body(scene.disks[i], i, materials); !e.empty()) return e;
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     if (auto e = check_wall(scene.walls[i], i, materials); !e.empty()) return e;
@@ -113,10 +147,17 @@ std::string validate(const Scene& scene) {
   }
   for (int i : scene.output.track) {
     if (i < 0 || i >= static_cast<int>(scene.disks.size())) {
-      return fmt::format("output.track: there is no disk {}", i);
+      return fmt::format("output.track: there is no {} {}", kBodyName<D>, i);
     }
   }
   return {};
 }
+
+template struct SceneIn<2>;
+template struct SceneIn<3>;
+template double smallest_radius(const SceneIn<2>&);
+template double smallest_radius(const SceneIn<3>&);
+template std::string validate(const SceneIn<2>&);
+template std::string validate(const SceneIn<3>&);
 
 }  // namespace bipot

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <map>
 #include <string>
 #include <vector>
@@ -15,8 +16,13 @@ struct ContactLaw {
   double e_t = 0;  ///< tangential restitution in [0, 1]              [-]
 };
 
+/// A round body: a disk in the plane, a sphere in space.
+template <int D>
+struct BodyIn;
+
 /// A rigid disk (a cylinder of unit length where a density gave the mass).
-struct Disk {
+template <>
+struct BodyIn<2> {
   Vec2 x = Vec2::Zero();  ///< centre                                 [m]
   double angle = 0;       ///< rotation since the start               [rad]
   Vec2 v = Vec2::Zero();  ///< velocity of the centre                 [m/s]
@@ -26,11 +32,39 @@ struct Disk {
   double inertia = 0;     ///< > 0; m a²/2 for a homogeneous cylinder [kg m²]
   int material = 0;       ///< index into Scene::materials
 };
+using Disk = BodyIn<2>;
+
+/// A rigid sphere. Nothing in the mechanics needs its orientation: it is for output and pictures.
+template <>
+struct BodyIn<3> {
+  Vec3 x = Vec3::Zero();  ///< centre                                 [m]
+  /// Unit; turns the sphere from how it stood at the start.
+  Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
+  Vec3 v = Vec3::Zero();     ///< velocity of the centre                 [m/s]
+  Vec3 spin = Vec3::Zero();  ///< angular velocity                       [rad/s]
+  double radius = 0;         ///< > 0                                    [m]
+  double mass = 0;           ///< > 0                                    [kg]
+  double inertia = 0;        ///< > 0; 2/5 m a² for a homogeneous sphere [kg m²]
+  int material = 0;          ///< index into SceneIn::materials
+};
+using Sphere = BodyIn<3>;
+
+/// What messages call a body.
+template <int D>
+inline constexpr const char* kBodyName = D == 2 ? "disk" : "sphere";
+
+/// Goes on with the present velocities for a time h.
+inline void drift(Disk& d, double h) {
+  d.x += h * d.v;
+  d.angle += h * d.spin;
+}
+void drift(Sphere& sphere, double h);
 
 /// A wall: a half-plane (everything behind the line through a with outward normal `normal` is
-/// solid) or a segment from a to b, solid from both sides, ends included. Walls translate, never
-/// rotate.
-struct Wall {
+/// solid) or a segment from a to b, solid from both sides, ends included. In space a half-plane is
+/// a half-space. Walls translate, never rotate.
+template <int D>
+struct WallIn {
   enum class Shape { kHalfPlane, kSegment };
   enum class Motion {
     kFixed,
@@ -40,14 +74,16 @@ struct Wall {
   std::string name;
   Shape shape = Shape::kHalfPlane;
   Motion motion = Motion::kFixed;
-  Vec2 a = Vec2::Zero(), b = Vec2::Zero();  ///< b: segments only     [m]
-  Vec2 normal = Vec2(0, 1);                 ///< unit; half-planes only
-  Vec2 v = Vec2::Zero();                    ///< current velocity     [m/s]
-  Vec2 direction = Vec2::Zero();            ///< unit; driven walls only
-  double force = 0;                         ///< along direction      [N]
-  double mass = 0;                          ///< driven walls only    [kg]
+  using Vec = VecIn<D>;
+  Vec a = Vec::Zero(), b = Vec::Zero();  ///< b: segments only     [m]
+  Vec normal = Vec::Unit(D - 1);         ///< unit; half-planes only
+  Vec v = Vec::Zero();                   ///< current velocity     [m/s]
+  Vec direction = Vec::Zero();           ///< unit; driven walls only
+  double force = 0;                      ///< along direction      [N]
+  double mass = 0;                       ///< driven walls only    [kg]
   int material = 0;
 };
+using Wall = WallIn<2>;
 
 /// Which solver a scene asks for; the command line may override each entry.
 struct SolverChoice {
@@ -83,13 +119,14 @@ struct OutputChoice {
   std::vector<int> track;       ///< disks whose trajectory goes to trajectory.csv at every step
 };
 
-/// Everything that a scene file says, ready to run. SI units.
-struct Scene {
+/// Everything that a scene file says, ready to run, in D dimensions. SI units.
+template <int D>
+struct SceneIn {
   std::string title;
   std::string source;  ///< file name, or "generated"
-  Vec2 gravity = Vec2::Zero();
-  std::vector<Disk> disks;
-  std::vector<Wall> walls;
+  VecIn<D> gravity = VecIn<D>::Zero();
+  std::vector<BodyIn<D>> disks;  ///< in space: spheres
+  std::vector<WallIn<D>> walls;
   std::vector<std::string> materials;  ///< names
   std::vector<ContactLaw> laws;        ///< materials² entries, symmetric, row-major
   double step = 0;                     ///< h > 0                    [s]
@@ -103,14 +140,17 @@ struct Scene {
   const ContactLaw& law(int material_a, int material_b) const {
     return laws[to_size(material_a) * materials.size() + to_size(material_b)];
   }
-  /// True when some pair of materials has friction: the contact dimension is then 2, else 1.
+  /// True when some pair of materials has friction: the contact dimension is then D, else 1.
   bool has_friction() const;
 };
+using Scene = SceneIn<2>;
 
 /// Radius of the smallest disk [m]; infinite in a scene without disks.
-double smallest_radius(const Scene& scene);
+template <int D>
+double smallest_radius(const SceneIn<D>& scene);
 
 /// Empty for a sound scene, else one sentence that names the entry, its index and its value.
-std::string validate(const Scene& scene);
+template <int D>
+std::string validate(const SceneIn<D>& scene);
 
 }  // namespace bipot

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "core/types.h"
+
+namespace bipot {
+
+/// What acts along a contact's tangents (an impulse, a velocity): its component along t = e3 x n in
+/// the plane; the whole vector, across n, in space, where no one tangent is special.
+template <int D>
+using TangentIn = std::conditional_t<D == 2, double, Vec3>;
+
+/// The local frame of a contact with unit normal n, right-handed: (n, t), t = e3 x n, in the plane;
+/// (n, t1, t2), t2 = n x t1, in space. There t1 is that of Duff et al., "Building an Orthonormal
+/// Basis, Revisited", Journal of Computer Graphics Techniques 6 (2017), p. 1: no branch, orthonormal
+/// to rounding everywhere; it jumps where n_z changes its sign, so that nothing may be carried from
+/// step to step in components along t1 and t2.
+template <int D>
+std::array<VecIn<D>, to_size(D)> contact_frame(const VecIn<D>& n) {
+  if constexpr (D == 2) {
+    return {n, Vec2(-n[1], n[0])};
+  } else {
+    const double sign = std::copysign(1.0, n[2]);
+    const double a = -1 / (sign + n[2]);
+    const double b = n[0] * n[1] * a;
+    return {n, Vec3(1 + sign * n[0] * n[0] * a, sign * b, -sign * n[0]),
+            Vec3(b, sign + n[1] * n[1] * a, -n[1])};
+  }
+}
+
+/// A tangential impulse or velocity as a vector.
+inline Vec2 tangent_vector(const Vec2& n, double along) { return along * Vec2(-n[1], n[0]); }
+inline Vec3 tangent_vector(const Vec3& /*n*/, const Vec3& vector) { return vector; }
+
+inline double magnitude(double x) { return std::abs(x); }
+inline double magnitude(const Vec3& x) { return x.norm(); }
+
+/// n x t of a tangential vector: what a force at the arm n turns.
+inline double turning(const Vec2& /*n*/, double along) { return along; }
+inline Vec3 turning(const Vec3& n, const Vec3& vector) { return n.cross(vector); }
+
+/// Zero of a SpinIn or TangentIn.
+template <int D>
+SpinIn<D> no_turn() {
+  if constexpr (D == 2) {
+    return 0.0;
+  } else {
+    return Vec3::Zero();
+  }
+}
+
+}  // namespace bipot
