@@ -4,6 +4,12 @@
 #include <limits>
 
 namespace bipot {
+namespace {
+
+// Kinds of columns that a contact has.
+constexpr int kColumns = 4;
+
+}  // namespace
 
 CellBasis::CellBasis(const LawProblem& problem)
     : problem_(problem), lu_(fill_reducing_order(problem.W, problem.dim)) {
@@ -47,7 +53,8 @@ void CellBasis::for_column(int contact, Column column, Add&& add) const {
 
 bool CellBasis::factor(const LawPoint& point, double delta) {
   delta_ = delta;
-  slots_.clear();
+  factored_ = point.column;
+  exchanged_.clear(problem_.num_rows(), kColumns * problem_.num_contacts());
   SparseColumns& matrix = lu_.matrix();
   matrix.clear();
   for (int slot = 0; slot < problem_.num_rows(); ++slot) {
@@ -60,29 +67,33 @@ bool CellBasis::factor(const LawPoint& point, double delta) {
 
 void CellBasis::solve(const Vector& g, Vector& x) {
   lu_.solve(g, x);
-  for (std::size_t k = 0; k < slots_.size(); ++k) {
-    const Eigen::Index slot = slots_[k];
-    if (x[slot] == 0) continue;
-    const auto y = columns_.col(static_cast<Eigen::Index>(k));
-    const double share = x[slot] / y[slot];
-    x.noalias() -= share * y;
-    x[slot] = share;
-  }
+  exchanged_.apply(x);
 }
 
-void CellBasis::solve_column(int contact, Column column, Vector& y) {
-  for_column(contact, column, [&](int row, double value) { rhs_[row] = value; });
-  solve(rhs_, y);
-  for_column(contact, column, [&](int row, double) { rhs_[row] = 0; });
-}
-
-void CellBasis::exchange(int slot, const Vector& y) {
-  const auto count = static_cast<Eigen::Index>(slots_.size());
-  if (columns_.cols() <= count) {
-    columns_.conservativeResize(y.size(), std::max<Eigen::Index>(8, 2 * count));
+CellBasis::Entering CellBasis::entering(int contact, Column column, int slot) {
+  Entering result{slot, -1, 0, 1};
+  const int d = problem_.dim;
+  if (factored_[to_size(slot)] == column) {
+    result.pivot = exchanged_.own_entry(slot);
+    return result;
   }
-  columns_.col(count) = y;
-  slots_.push_back(slot);
+  const int key = kColumns * contact + static_cast<int>(column);
+  result.number = exchanged_.find(key);
+  if (result.number < 0) {
+    const int other = d == 1 ? slot : slot ^ 1;
+    if (factored_[to_size(other)] == column) {
+      y_.setZero(problem_.num_rows());
+      y_[other] = 1;
+    } else {
+      for_column(contact, column, [&](int row, double value) { rhs_[row] = value; });
+      lu_.solve(rhs_, y_);
+      for_column(contact, column, [&](int row, double) { rhs_[row] = 0; });
+    }
+    result.number = exchanged_.keep(key, y_);
+  }
+  result.pivot = exchanged_.entry(result.number, slot);
+  result.size = exchanged_.size(result.number);
+  return result;
 }
 
 int CellBasis::orientation(const LawPoint& point) const {

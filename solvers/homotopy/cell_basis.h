@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/problem/sparse_factor.h"
+#include "solvers/homotopy/exchanged_columns.h"
 #include "solvers/homotopy/law_point.h"
 
 namespace bipot {
@@ -12,28 +13,36 @@ namespace bipot {
 ///     opening e_n,   sliding e_t,   plus -(W + delta)(1, -mu),   minus -(W + delta)(1, +mu),
 ///
 /// so that U(p) - (W + delta) S(p) = B p. UMFPACK factors B in an order chosen once for W; between
-/// factorisations the exchange of a column is a product-form update (Dantzig and Orchard-Hays 1954).
-/// [ours] A Schur complement of the exchanged columns would need a second sparse solve a pivot:
-/// with 5300 contacts solves take half of all time, the updates a sixth.
+/// factorisations columns are exchanged in the manner of exchanged_columns.h.
 class CellBasis {
  public:
   explicit CellBasis(const LawProblem& problem);
 
   /// Factors B of the point, whose columns must be sorted. False: singular.
   [[nodiscard]] bool factor(const LawPoint& point, double delta);
-  /// Number of exchanges since.
-  int updates() const { return static_cast<int>(slots_.size()); }
   double delta() const { return delta_; }
+  /// B should be factored afresh before another exchange.
+  bool full() const { return exchanged_.full(); }
 
   /// x = B⁻¹ g. No allocation.
   void solve(const Vector& g, Vector& x);
-  /// y = B⁻¹ times a column that does not stand in B.
-  void solve_column(int contact, Column column, Vector& y);
-  /// Exchanges the column of `slot` for the one whose y is given. Requires y[slot] != 0.
-  void exchange(int slot, const Vector& y);
+  /// x, which was B⁻¹ g right after factor(), for the B of now.
+  void update(Vector& x) const { exchanged_.apply(x); }
+
+  /// A column that is to enter in place of the one in `slot`, and entry `slot` of B⁻¹ times it.
+  struct Entering {
+    int slot = -1, number = -1;  ///< number: of exchanged_, -1 where the factor has it there
+    double pivot = 0;
+    double size = 0;  ///< largest entry of that column in terms of the factor's
+  };
+  Entering entering(int contact, Column column, int slot);
+  /// Requires a pivot that is not 0. False: singular to working precision.
+  [[nodiscard]] bool exchange(const Entering& entering) {
+    return exchanged_.exchange(entering.slot, entering.number);
+  }
 
   /// +1 or -1: sign of det B times (-1)^(number of impulse columns), which is +1 where dt is along
-  /// the component of the path that joins t = -infinity to the solution. Requires updates() == 0.
+  /// the component of the path that joins t = -infinity to the solution. Of the factor's B.
   int orientation(const LawPoint& point) const;
 
   /// x with B x = g + weight h, improved `refinements` times by residuals in 80 bits: without them
@@ -50,9 +59,9 @@ class CellBasis {
   const LawProblem& problem_;
   double delta_ = -1;
   OrderedLU lu_;
-  std::vector<int> slots_;       // exchanged, in order
-  Eigen::MatrixXd columns_;      // y of each exchange, as many columns as were ever needed
-  Vector rhs_, change_, error_;  // scratch
+  std::vector<Column> factored_;  // the columns of the factor
+  ExchangedColumns exchanged_;
+  Vector rhs_, change_, error_, y_;  // scratch
   std::vector<long double> sum_;
 };
 

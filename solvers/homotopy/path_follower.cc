@@ -7,10 +7,12 @@
 namespace bipot {
 namespace {
 
-// Exchanges between two factorisations: 60 to 150 cost the same within 20 %.
-constexpr int kRefresh = 120;
+// Pivots between two factorisations, whose data are exact again.
+constexpr int kRefresh = 400;
 // A pivot smaller than this, relative to its column, is rounding: B is factored afresh.
 constexpr double kSmallPivot = 1e-11;
+// Relative difference of two computed speeds that is rounding at its worst.
+constexpr double kDrift = 1e-6;
 // Below this t the path is taken for a ray to -infinity.
 constexpr double kFarBack = -1e3;
 // Faces met after this t are met at t = 1: contacts that end on one, up to rounding.
@@ -67,7 +69,7 @@ PathEnd PathFollower::approach(LawPoint& point) {
     factored_ = basis_.factor(point, delta_);
     if (!factored_) return PathEnd::kSingular;
     ahead = point;
-    basis_.solve_refined(point, target_, 0, r_, 3, y_);
+    basis_.solve_refined(point, target_, 0, r_, refinements(), y_);
     if (!y_.allFinite()) return PathEnd::kSingular;
     const double violation = -point.bound.cwiseProduct(y_).minCoeff();
     if (violation <= kRounding * y_.lpNorm<Eigen::Infinity>()) {
@@ -116,7 +118,7 @@ PathEnd PathFollower::pursue(LawPoint& point, int longest) {
     }
     if (direction_ > 0 && end >= kArrived) {
       t_ = 1;
-      basis_.solve_refined(point, target_, 0, r_, 3, point.value);
+      basis_.solve_refined(point, target_, 0, r_, refinements(), point.value);
       return point.value.allFinite() ? PathEnd::kSolved : PathEnd::kSingular;
     }
     if (next.slot < 0 || end < kFarBack) return PathEnd::kRay;
@@ -128,13 +130,17 @@ PathEnd PathFollower::pursue(LawPoint& point, int longest) {
     last = next.slot;
     const int before = direction_;
     if (!pivot(point, next.slot)) return PathEnd::kSingular;
-    if (basis_.updates() == 0) last = -1;  // factored afresh, columns sorted
+    if (since_refresh_ == 0) last = -1;  // factored afresh, columns sorted
     if (direction_ != before) {
       ++counts_.turns;
       if (direction_ < 0) note_turn(point);
     }
   }
 }
+
+/// The error of a solve is 1e-16 / delta of the solution, and each refinement takes that factor once
+/// more: to rounding.
+int PathFollower::refinements() const { return delta_ < 1e-9 ? 3 : delta_ < 1e-7 ? 2 : 1; }
 
 /// Factors B and computes the parameters and x from the data.
 bool PathFollower::refresh(LawPoint& point) {
@@ -143,10 +149,11 @@ bool PathFollower::refresh(LawPoint& point) {
     if (!basis_.factor(point, delta_)) return false;
   }
   factored_ = false;
-  const int refinements = delta_ < 1e-7 ? 2 : 1;
-  basis_.solve_refined(point, target_, 1 - static_cast<long double>(t_), r_, refinements,
+  since_refresh_ = 0;
+  basis_.solve_refined(point, target_, 1 - static_cast<long double>(t_), r_, refinements(),
                        point.value);
-  basis_.solve_refined(point, r_, 0, r_, refinements, x_);
+  basis_.solve_refined(point, r_, 0, r_, refinements(), x_);
+  x_factored_ = x_;
   return x_.allFinite() && point.value.allFinite();
 }
 
@@ -173,11 +180,9 @@ bool PathFollower::pivot(LawPoint& point, int slot) {
   Cell& cell = point.cell[static_cast<std::size_t>(contact)];
   const Crossing crossing =
       cross(cell, point.column[at], point.value[other], problem_.friction(contact));
-  basis_.solve_column(contact, crossing.enters, y_);
-  if (y_[slot] == 0) return false;
-  const double speed = x_[slot] / y_[slot];
-  x_.noalias() -= speed * y_;
-  x_[slot] = speed;
+  const CellBasis::Entering entering = basis_.entering(contact, crossing.enters, slot);
+  if (entering.pivot == 0) return false;
+  const double speed = x_[slot] / entering.pivot;
   cell = crossing.cell;
   point.column[at] = crossing.enters;
   for (const int k : {slot, other}) {
@@ -185,9 +190,13 @@ bool PathFollower::pivot(LawPoint& point, int slot) {
   }
   direction_ = crossing.growth * speed < 0 ? 1 : -1;
   ++counts_.pivots;
-  const bool small = std::abs(y_[slot]) < kSmallPivot * y_.lpNorm<Eigen::Infinity>();
-  if (small || basis_.updates() + 1 >= kRefresh) return refresh(point);
-  basis_.exchange(slot, y_);
+  const bool small = std::abs(entering.pivot) < kSmallPivot * entering.size;
+  if (small || ++since_refresh_ >= kRefresh || basis_.full()) return refresh(point);
+  if (!basis_.exchange(entering)) return refresh(point);
+  x_ = x_factored_;
+  basis_.update(x_);
+  // Two ways to one figure: where they differ, rounding has grown.
+  if (!(std::abs(x_[slot] - speed) <= kDrift * std::abs(speed))) return refresh(point);
   return true;
 }
 

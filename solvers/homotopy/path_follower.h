@@ -53,6 +53,7 @@ class PathFollower {
   double residual(const LawPoint& point, Vector& f);
   PathEnd approach(LawPoint& point);
   PathEnd pursue(LawPoint& point, int longest);
+  int refinements() const;
   bool refresh(LawPoint& point);
   Blocking blocking(const LawPoint& point, int last) const;
   bool pivot(LawPoint& point, int slot);
@@ -64,6 +65,8 @@ class PathFollower {
   double delta_ = 0;
   Vector target_;  // b - delta anchor
   Vector r_, x_, y_, s_, u_;
+  Vector x_factored_;      // x of the columns that were factored
+  int since_refresh_ = 0;  // pivots
   bool factored_ = false;  // the basis is that of the point
   double t_ = 0;
   int direction_ = 1;  // of t

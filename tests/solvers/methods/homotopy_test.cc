@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -249,7 +250,7 @@ TEST_F(PathOfOneContact, EndsWhereTheCallerStopsOrTheCountIsUsed) {
   EXPECT_EQ(stopping.follow(point, Vector::Zero(2), 1e-3, 10), PathEnd::kStopped);
 }
 
-TEST(CellBasis, UpdatedSolvesAreThoseOfAFreshFactor) {
+TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
   const Manufactured m = manufactured_problem(2, 30, 40, 11);
   const ContactProblem local = local_form(m.problem);
   const LawProblem problem(local, Vector(local.W.diagonal()));
@@ -258,27 +259,38 @@ TEST(CellBasis, UpdatedSolvesAreThoseOfAFreshFactor) {
   const double delta = 1e-2;
   CellBasis updated(problem), fresh(problem);
   ASSERT_TRUE(updated.factor(point, delta));
-  Vector y, x, z;
+  const Vector g = Vector::LinSpaced(problem.num_rows(), -1, 2);
+  Vector before, after, x, z;
+  updated.solve(g, x);
+  const Vector of_the_factor = x;
+  // Few contacts, many exchanges: columns leave, come back, into their own slot or the other one.
+  std::mt19937_64 random(7);
   int exchanged = 0;
-  for (int contact = 0; contact < problem.num_contacts(); contact += 3) {
-    const int slot = 2 * contact;
+  for (int k = 0; k < 200; ++k) {
+    const int contact = static_cast<int>(random() % 8),
+              slot = 2 * contact + static_cast<int>(random() % 2);
+    const double slip = random() % 2 == 0 ? 1 : -1;
     const Crossing crossing =
-        cross(point.cell[static_cast<std::size_t>(contact)],
-              point.column[static_cast<std::size_t>(slot)], point.value[slot + 1], true);
-    updated.solve_column(contact, crossing.enters, y);
-    if (std::abs(y[slot]) < 1e-6) continue;
-    updated.exchange(slot, y);
-    point.cell[static_cast<std::size_t>(contact)] = crossing.cell;
-    point.column[static_cast<std::size_t>(slot)] = crossing.enters;
+        cross(point.cell[to_size(contact)], point.column[to_size(slot)], slip, true);
+    const CellBasis::Entering entering = updated.entering(contact, crossing.enters, slot);
+    if (std::abs(entering.pivot) < 1e-3 * entering.size) continue;
+    updated.solve(g, before);
+    ASSERT_TRUE(updated.exchange(entering));
+    updated.solve(g, after);
+    // The rule of the exchange: x_slot becomes x_slot / pivot.
+    EXPECT_NEAR(after[slot], before[slot] / entering.pivot, 1e-7 * (1 + std::abs(after[slot])));
+    point.cell[to_size(contact)] = crossing.cell;
+    point.column[to_size(slot)] = crossing.enters;
+    ASSERT_TRUE(fresh.factor(point, delta));
+    fresh.solve(g, z);
+    EXPECT_LT((after - z).norm(), 1e-9 * z.norm());
+    x = of_the_factor;
+    updated.update(x);
+    EXPECT_EQ(x, after);
     ++exchanged;
   }
-  EXPECT_GE(exchanged, 10);
-  EXPECT_EQ(updated.updates(), exchanged);
-  ASSERT_TRUE(fresh.factor(point, delta));
-  const Vector g = Vector::LinSpaced(problem.num_rows(), -1, 2);
-  updated.solve(g, x);
-  fresh.solve(g, z);
-  EXPECT_LT((x - z).norm(), 1e-9 * z.norm());
+  EXPECT_GE(exchanged, 100);
+  EXPECT_FALSE(updated.full());  // eight contacts have sixteen columns that the factor has not
 }
 
 }  // namespace

@@ -1,0 +1,166 @@
+#include "solvers/homotopy/exchanged_columns.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "solvers/kernels/subtract_columns.h"
+
+namespace bipot {
+namespace {
+
+// Columns that differ at most: beyond it products with them cost more than a factorisation saves.
+constexpr int kMostExchanged = 64;
+// Columns kept at most: memory, rows x 8 bytes each.
+constexpr int kMostKept = 256;
+constexpr std::size_t kStride = kMostExchanged;
+
+}  // namespace
+
+void ExchangedColumns::clear(int rows, int keys) {
+  if (rows_ != rows || to_size(keys) != number_.size()) {
+    rows_ = rows;
+    number_.assign(to_size(keys), -1);
+    position_.assign(to_size(rows), -1);
+    kept_.resize(rows, 0);
+    small_.resize(kStride * kStride);
+    lu_.resize(kStride * kStride);
+    w_.resize(kStride);
+    used_.resize(kStride);
+    swap_.resize(kStride);
+  }
+  for (const int key : keys_) number_[to_size(key)] = -1;
+  for (const int slot : slots_) position_[to_size(slot)] = -1;
+  keys_.clear();
+  size_.clear();
+  slots_.clear();
+  at_.clear();
+}
+
+bool ExchangedColumns::full() const {
+  return exchanged() >= kMostExchanged || static_cast<int>(keys_.size()) >= kMostKept;
+}
+
+int ExchangedColumns::keep(int key, const Vector& z) {
+  const auto number = static_cast<int>(keys_.size());
+  if (kept_.cols() <= number) {
+    kept_.conservativeResize(Eigen::NoChange, std::max<Eigen::Index>(16, 2 * kept_.cols()));
+  }
+  kept_.col(number) = z;
+  keys_.push_back(key);
+  size_.push_back(z.lpNorm<Eigen::Infinity>());
+  number_[to_size(key)] = number;
+  return number;
+}
+
+double ExchangedColumns::entry(int number, int slot) const {
+  const double* const z = column(number);
+  const std::size_t count = slots_.size();
+  for (std::size_t i = 0; i < count; ++i) w_[i] = z[slots_[i]];
+  solve_small(w_.data());
+  if (const int at = position_[to_size(slot)]; at >= 0) return w_[to_size(at)];
+  double value = z[slot];
+  for (std::size_t j = 0; j < count; ++j) value -= w_[j] * column(at_[j])[slot];
+  return value;
+}
+
+double ExchangedColumns::own_entry(int slot) const {
+  const std::size_t here = to_size(position_[to_size(slot)]);
+  std::fill_n(w_.begin(), slots_.size(), 0.0);
+  w_[here] = 1;  // B0⁻¹ of that column is e_slot
+  solve_small(w_.data());
+  return w_[here];
+}
+
+bool ExchangedColumns::exchange(int slot, int number) {
+  int& position = position_[to_size(slot)];
+  if (number < 0) {
+    if (position < 0) return true;
+    // The last one of J takes its place.
+    const std::size_t last = slots_.size() - 1, here = to_size(position);
+    if (here != last) {
+      slots_[here] = slots_[last];
+      at_[here] = at_[last];
+      position_[to_size(slots_[here])] = position;
+      for (std::size_t i = 0; i <= last; ++i) {
+        small_[here * kStride + i] = small_[last * kStride + i];
+      }
+      for (std::size_t j = 0; j < last; ++j)
+        small_[j * kStride + here] = small_[j * kStride + last];
+    }
+    slots_.pop_back();
+    at_.pop_back();
+    position = -1;
+    return factor();
+  }
+  if (position < 0) {
+    position = exchanged();
+    slots_.push_back(slot);
+    at_.push_back(number);
+    for (std::size_t j = 0; j + 1 < slots_.size(); ++j) {
+      small_[j * kStride + to_size(position)] = column(at_[j])[slot];
+    }
+  } else {
+    at_[to_size(position)] = number;
+  }
+  const double* const z = column(number);
+  double* const mine = &small_[to_size(position) * kStride];
+  for (std::size_t i = 0; i < slots_.size(); ++i) mine[i] = z[slots_[i]];
+  return factor();
+}
+
+/// Z_J = P L U by columns, rows exchanged for the largest pivot.
+bool ExchangedColumns::factor() {
+  const std::size_t n = slots_.size();
+  for (std::size_t j = 0; j < n; ++j) {
+    std::copy_n(&small_[j * kStride], n, &lu_[j * kStride]);
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    double* const pivots = &lu_[k * kStride];
+    std::size_t row = k;
+    for (std::size_t i = k + 1; i < n; ++i) {
+      if (std::abs(pivots[i]) > std::abs(pivots[row])) row = i;
+    }
+    swap_[k] = static_cast<int>(row);
+    if (!(std::abs(pivots[row]) > 0)) return false;
+    if (row != k) {
+      for (std::size_t j = 0; j < n; ++j) std::swap(lu_[j * kStride + k], lu_[j * kStride + row]);
+    }
+    const double inverse = 1 / pivots[k];
+    for (std::size_t i = k + 1; i < n; ++i) pivots[i] *= inverse;
+    for (std::size_t j = k + 1; j < n; ++j) {
+      double* const other = &lu_[j * kStride];
+      const double factor = other[k];
+      if (factor == 0) continue;
+      for (std::size_t i = k + 1; i < n; ++i) other[i] -= factor * pivots[i];
+    }
+  }
+  return true;
+}
+
+void ExchangedColumns::solve_small(double* w) const {
+  const std::size_t n = slots_.size();
+  for (std::size_t k = 0; k < n; ++k) std::swap(w[k], w[swap_[k]]);
+  for (std::size_t k = 0; k < n; ++k) {
+    const double* const l = &lu_[k * kStride];
+    for (std::size_t i = k + 1; i < n; ++i) w[i] -= l[i] * w[k];
+  }
+  for (std::size_t k = n; k-- > 0;) {
+    const double* const u = &lu_[k * kStride];
+    w[k] /= u[k];
+    for (std::size_t i = 0; i < k; ++i) w[i] -= u[i] * w[k];
+  }
+}
+
+void ExchangedColumns::apply(Vector& z) const {
+  const std::size_t count = slots_.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    w_[i] = z[slots_[i]];
+    used_[i] = column(at_[i]);
+  }
+  solve_small(w_.data());
+  subtract_columns(z.data(), used_.data(), w_.data(), static_cast<int>(count), rows_);
+  for (std::size_t i = 0; i < count; ++i) z[slots_[i]] = w_[i];
+}
+
+}  // namespace bipot
