@@ -172,7 +172,18 @@ class Editor {
 std::string difference(const Scene& a, const Scene& b) {
   if (a.title != b.title) return "title";
   if (a.model != b.model) return "model";
-  if (a.gravity != b.gravity) return "gravity";
+  if (a.gravity != b.gravity || a.tilt.rate != b.tilt.rate || a.tilt.starts != b.tilt.starts ||
+      a.tilt.stops != b.tilt.stops) {
+    return "gravity";
+  }
+  for (int k = 0; k < 3; ++k) {
+    const CellSide &x = a.cell.side(k), &y = b.cell.side(k);
+    if (x.motion != y.motion || x.length != y.length || x.speed != y.speed ||
+        x.stress != y.stress || x.mass != y.mass) {
+      return "cell";
+    }
+  }
+  if (a.cell.in_x != b.cell.in_x || a.cell.in_y != b.cell.in_y) return "cell";
   if (a.contact_distance != b.contact_distance) return "contact distance";
   if (a.materials != b.materials || a.laws.size() != b.laws.size()) return "materials";
   for (std::size_t i = 0; i < a.laws.size(); ++i) {
@@ -194,7 +205,9 @@ std::string difference(const Scene& a, const Scene& b) {
     const Wall &x = a.walls[i], &y = b.walls[i];
     if (x.name != y.name || x.shape != y.shape || x.motion != y.motion || x.a != y.a ||
         x.b != y.b || x.normal != y.normal || x.v != y.v || x.direction != y.direction ||
-        x.force != y.force || x.mass != y.mass || x.material != y.material) {
+        x.force != y.force || x.mass != y.mass || x.material != y.material ||
+        x.radius != y.radius || x.spin != y.spin || x.across != y.across || x.starts != y.starts ||
+        x.stops != y.stops || x.removed != y.removed) {
       return "walls";
     }
   }

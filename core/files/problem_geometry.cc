@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -79,6 +80,14 @@ void write_geometry(const std::filesystem::path& path, const Scene& scene, const
   write_geometry_vectors(file, "walls/a", state.walls, [](const Wall& w) { return w.a; });
   write_geometry_vectors(file, "walls/b", state.walls, [](const Wall& w) { return w.b; });
   write_geometry_vectors(file, "walls/normal", state.walls, [](const Wall& w) { return w.normal; });
+  const auto circle_or_gone = [](const Wall& w) { return w.is_circle() || !w.present; };
+  if (std::any_of(state.walls.begin(), state.walls.end(), circle_or_gone)) {
+    std::vector<double> wall_radii;
+    for (const Wall& w : state.walls) wall_radii.push_back(w.radius);
+    file.write(name("walls/radius"), std::span<const double>(wall_radii));
+    write_geometry_ints(file, "walls/present", state.walls,
+                        [](const Wall& w) { return w.present ? 1 : 0; });
+  }
   write_geometry_ints(file, "contacts/i", state.contacts,
                       [](const ContactOutcome& o) { return o.contact.i; });
   write_geometry_ints(file, "contacts/j", state.contacts,
@@ -107,12 +116,19 @@ std::optional<ProblemGeometry> read_geometry(const std::filesystem::path& path, 
     if (!(radii[k] > 0)) throw FileError(path, name("disks/radius"), "not positive");
   }
   const std::size_t walls = file.size(name("walls/shape"));
-  const std::vector<int> shapes = read_indices(file, "walls/shape", walls, 2);
+  const std::vector<int> shapes = read_indices(file, "walls/shape", walls, 4);
   const std::vector<double> a = read_numbers(file, "walls/a", 2 * walls);
   const std::vector<double> b = read_numbers(file, "walls/b", 2 * walls);
   const std::vector<double> normal = read_numbers(file, "walls/normal", 2 * walls);
+  const bool circles = file.exists(name("walls/radius"));
+  const std::vector<double> wall_radii =
+      circles ? read_numbers(file, "walls/radius", walls) : std::vector<double>(walls, 0.0);
+  const std::vector<int> present =
+      circles ? read_indices(file, "walls/present", walls, 2) : std::vector<int>(walls, 1);
   for (std::size_t k = 0; k < walls; ++k) {
     Wall wall;
+    wall.radius = wall_radii[k];
+    wall.present = present[k] != 0;
     wall.shape = static_cast<Wall::Shape>(shapes[k]);
     wall.a = vector_at(a, k);
     wall.b = vector_at(b, k);

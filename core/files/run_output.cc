@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <span>
 #include <stdexcept>
 #include <system_error>
@@ -11,9 +13,11 @@
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
 #include "core/files/run_layout.h"
+#include "core/motion/periodic_state.h"
 #include "core/motion/spring_dashpot_setup.h"
 #include "core/motion/stress_tensor.h"
 #include "core/scene/scene_box.h"
+#include "core/scene/wall_motion.h"
 
 namespace bipot {
 namespace {
@@ -97,13 +101,97 @@ void write_point_numbers(Hdf5File& file, const std::string& name, std::size_t po
   file.write(name, numbers);
 }
 
+/// What does not change of the walls. Circles and walls moved across a force add datasets of their own.
+void write_wall_definitions(Hdf5File& file, const std::vector<Wall>& walls) {
+  const auto any = [&](const auto& is) { return std::any_of(walls.begin(), walls.end(), is); };
+  std::vector<std::string> names;
+  for (const Wall& w : walls) names.push_back(w.name);
+  file.write("/walls/name", names);
+  write_ints(file, "/walls/shape", walls, [](const Wall& w) { return static_cast<int>(w.shape); });
+  write_ints(file, "/walls/motion", walls,
+             [](const Wall& w) { return static_cast<int>(w.motion); });
+  write_ints(file, "/walls/material", walls, [](const Wall& w) { return w.material; });
+  write_vectors(file, "/walls/normal", "1", walls, [](const Wall& w) { return w.normal; });
+  write_vectors(file, "/walls/direction", "1", walls, [](const Wall& w) { return w.direction; });
+  write_doubles(file, "/walls/force", "N", walls, [](const Wall& w) { return w.force; });
+  write_doubles(file, "/walls/mass", "kg", walls, [](const Wall& w) { return w.mass; });
+  if (any([](const Wall& w) { return w.is_circle(); })) {
+    write_doubles(file, "/walls/radius", "m", walls, [](const Wall& w) { return w.radius; });
+    write_doubles(file, "/walls/spin", "rad/s", walls, [](const Wall& w) { return w.spin; });
+  }
+  if (any([](const Wall& w) { return w.across != Vec2::Zero(); })) {
+    write_vectors(file, "/walls/across", "m/s", walls, [](const Wall& w) { return w.across; });
+  }
+}
+
+/// Width, height and offset of a periodic cell: how each moves, the stress on it, its mass.
+void write_cell_definition(Hdf5File& file, const Cell& cell) {
+  std::vector<int> motion;
+  std::vector<double> stress, mass;
+  for (int k = 0; k < 3; ++k) {
+    motion.push_back(static_cast<int>(cell.side(k).motion));
+    stress.push_back(cell.side(k).stress);
+    mass.push_back(cell.side(k).mass);
+  }
+  file.write("/cell/periodic", std::vector<int>{cell.in_x ? 1 : 0, cell.in_y ? 1 : 0});
+  file.write("/cell/motion", motion);
+  file.write("/cell/stress", stress);
+  file.write_attribute("/cell/stress", "unit", "Pa");
+  file.write("/cell/mass", mass);
+  file.write_attribute("/cell/mass", "unit", "kg");
+}
+
+/// The cell of a state, its outline as lines, and the disks where they lie in it.
+void write_cell(Hdf5File& file, const State& state) {
+  const Cell& cell = state.cell;
+  std::vector<double> lengths, speeds;
+  for (int k = 0; k < 3; ++k) {
+    lengths.push_back(cell.side(k).length);
+    speeds.push_back(cell.side(k).speed);
+  }
+  file.write("/cell/lengths", lengths);
+  file.write_attribute("/cell/lengths", "unit", "m");
+  file.write("/cell/speeds", speeds);
+  file.write_attribute("/cell/speeds", "unit", "m/s");
+  Column lines(16);
+  for (const auto& [a, b] : cell_outline(cell, view_box(state.disks, state.walls))) {
+    lines.add(a);
+    lines.add(b);
+  }
+  write_point_numbers(file, "/cell/points", lines.values().size() / 2);
+  file.write_rows("/cell/segment", lines.values(), 2);
+  write_vectors(file, "/disks/x_in_cell", "m", state.disks, [](const Disk& d) { return d.x; });
+}
+
+/// Circles as polygons, closed: kRimPoints points each.
+void write_rims(Hdf5File& file, const std::vector<Wall>& walls) {
+  Column rim(0);
+  for (const Wall& w : walls) {
+    if (!w.is_circle()) continue;
+    for (int k = 0; k < kRimPoints; ++k) {
+      const double angle = 2 * std::numbers::pi * k / (kRimPoints - 1);
+      const double radius = w.present ? w.radius : 0;
+      rim.add(Vec2(w.a + radius * Vec2(std::cos(angle), std::sin(angle))));
+    }
+  }
+  if (rim.values().empty()) return;
+  file.write_rows("/walls/rim", rim.values(), 2);
+  file.write_attribute("/walls/rim", "unit", "m");
+  write_point_numbers(file, "/walls/rim_points", rim.values().size() / 2);
+}
+
 }  // namespace
 
 RunWriter::RunWriter(fs::path folder, const Scene& scene, std::string scene_text, int resume_after)
     : folder_(std::move(folder)),
       scene_(scene),
       scene_text_(std::move(scene_text)),
-      xdmf_(scene.disks.size(), scene.walls.size()) {
+      xdmf_(scene.disks.size(), scene.walls.size(),
+            to_size(std::count_if(scene.walls.begin(), scene.walls.end(),
+                                  [](const Wall& w) { return w.is_circle(); })),
+            scene.cell.in_y   ? 4
+            : scene.cell.in_x ? 2
+                              : 0) {
   for (int disk : scene_.output.track) {
     if (disk < 0 || disk >= static_cast<int>(scene_.disks.size())) {
       throw std::invalid_argument(fmt::format("there is no disk {} to track", disk));
@@ -208,18 +296,8 @@ void RunWriter::write_run_file() const {
   write_doubles(file, "/disks/inertia", "kg m2", disks, [](const Disk& d) { return d.inertia; });
   write_ints(file, "/disks/material", disks, [](const Disk& d) { return d.material; });
   write_point_numbers(file, "/disks/points", disks.size());
-  const auto& walls = scene_.walls;
-  std::vector<std::string> names;
-  for (const Wall& w : walls) names.push_back(w.name);
-  file.write("/walls/name", names);
-  write_ints(file, "/walls/shape", walls, [](const Wall& w) { return static_cast<int>(w.shape); });
-  write_ints(file, "/walls/motion", walls,
-             [](const Wall& w) { return static_cast<int>(w.motion); });
-  write_ints(file, "/walls/material", walls, [](const Wall& w) { return w.material; });
-  write_vectors(file, "/walls/normal", "1", walls, [](const Wall& w) { return w.normal; });
-  write_vectors(file, "/walls/direction", "1", walls, [](const Wall& w) { return w.direction; });
-  write_doubles(file, "/walls/force", "N", walls, [](const Wall& w) { return w.force; });
-  write_doubles(file, "/walls/mass", "kg", walls, [](const Wall& w) { return w.mass; });
+  write_wall_definitions(file, scene_.walls);
+  if (scene_.cell.periodic()) write_cell_definition(file, scene_.cell);
   if (!disks.empty()) {
     const Vec2& x = disks.front().x;
     file.write_rows("/no_contact/segment", std::vector<double>{x[0], x[1], x[0], x[1]}, 2);
@@ -264,17 +342,30 @@ void RunWriter::write_frame_file(const State& state) const {
   file.write_attribute("/disks/v", "unit", "m/s");
   write_doubles(file, "/disks/spin", "rad/s", disks, [](const Disk& d) { return d.spin; });
 
+  State inside;
+  if (state.cell.periodic()) {
+    inside = wrapped_state(state);
+    write_cell(file, inside);
+  }
   const auto& walls = state.walls;
   write_vectors(file, "/walls/a", "m", walls, [](const Wall& w) { return w.a; });
   write_vectors(file, "/walls/b", "m", walls, [](const Wall& w) { return w.b; });
   write_vectors(file, "/walls/v", "m/s", walls, [](const Wall& w) { return w.v; });
   Column lines(4 * walls.size());
-  for (const auto& [first, last] : wall_lines(walls, view_box(disks, walls))) {
+  for (const auto& [first, last] : wall_lines(
+           walls, state.cell.periodic() ? view_box(inside.disks, walls) : view_box(disks, walls))) {
     lines.add(first);
     lines.add(last);
   }
   file.write_rows("/walls/segment", lines.values(), 2);
   write_point_numbers(file, "/walls/points", 2 * walls.size());
+
+  if (std::any_of(scene_.walls.begin(), scene_.walls.end(), has_schedule<2>)) {
+    write_ints(file, "/walls/motion", walls,
+               [](const Wall& w) { return static_cast<int>(w.motion); });
+    write_ints(file, "/walls/present", walls, [](const Wall& w) { return w.present ? 1 : 0; });
+  }
+  write_rims(file, walls);
 
   const auto& contacts = state.contacts;
   using Outcome = ContactOutcome;
@@ -289,6 +380,12 @@ void RunWriter::write_frame_file(const State& state) const {
   write_doubles(file, "/contacts/s_t", "N s", contacts, [](const Outcome& c) { return c.s_t; });
   write_doubles(file, "/contacts/u_n", "m/s", contacts, [](const Outcome& c) { return c.u_n; });
   write_doubles(file, "/contacts/u_t", "m/s", contacts, [](const Outcome& c) { return c.u_t; });
+  if (state.cell.periodic()) {
+    write_ints(file, "/contacts/image_x", contacts,
+               [](const Outcome& c) { return c.contact.image_x; });
+    write_ints(file, "/contacts/image_y", contacts,
+               [](const Outcome& c) { return c.contact.image_y; });
+  }
   if (scene_.model == Model::kSpringDashpot) {
     write_doubles(file, "/contacts/spring", "m", contacts,
                   [](const Outcome& c) { return c.spring; });
@@ -299,11 +396,11 @@ void RunWriter::write_frame_file(const State& state) const {
   write_doubles(file, "/contacts/force_t", "N", contacts,
                 [&](const Outcome& c) { return c.s_t / h; });
   Column branch(4 * contacts.size());
+  const State& drawn = state.cell.periodic() ? inside : state;
   for (const Outcome& c : contacts) {
-    const Disk& i = disks[static_cast<std::size_t>(c.contact.i)];
-    const auto j = static_cast<std::size_t>(c.contact.j);
-    branch.add(i.x);
-    branch.add(j < disks.size() ? disks[j].x : Vec2(i.x - i.radius * c.contact.n));
+    const auto [a, b] = drawn_branch(drawn, c.contact);
+    branch.add(a);
+    branch.add(b);
   }
   file.write_rows("/contacts/segment", branch.values(), 2);
   write_point_numbers(file, "/contacts/points", 2 * contacts.size());

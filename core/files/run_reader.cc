@@ -78,12 +78,23 @@ std::vector<Wall> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
   const auto a = read_sized(frame, "/walls/a", 2 * count);
   const auto b = read_sized(frame, "/walls/b", 2 * count);
   const auto wall_v = read_sized(frame, "/walls/v", 2 * count);
+  // Written where a scene has circles, walls moved across a force, walls that start or go.
+  const auto optional = [&](const Hdf5File& file, const char* name, std::size_t size) {
+    return file.exists(name) ? read_sized(file, name, size) : std::vector<double>(size, 0.0);
+  };
+  const auto radius = optional(fixed, "/walls/radius", count);
+  const auto spin = optional(fixed, "/walls/spin", count);
+  const auto across = optional(fixed, "/walls/across", 2 * count);
+  const bool changes = frame.exists("/walls/present");
+  const auto present =
+      changes ? read_sized_ints(frame, "/walls/present", count) : std::vector<int>(count, 1);
+  const auto motion_now = changes ? read_sized_ints(frame, "/walls/motion", count) : motion;
   std::vector<Wall> walls(count);
   for (std::size_t k = 0; k < count; ++k) {
     const auto pair = [&](const std::vector<double>& y) { return Vec2(y[2 * k], y[2 * k + 1]); };
     walls[k] = {.name = names[k],
-                .shape = checked_enum<Wall::Shape>(fixed, "/walls/shape", shape[k], 1),
-                .motion = checked_enum<Wall::Motion>(fixed, "/walls/motion", motion[k], 2),
+                .shape = checked_enum<Wall::Shape>(fixed, "/walls/shape", shape[k], 3),
+                .motion = checked_enum<Wall::Motion>(fixed, "/walls/motion", motion_now[k], 2),
                 .a = pair(a),
                 .b = pair(b),
                 .normal = pair(normal),
@@ -91,9 +102,36 @@ std::vector<Wall> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
                 .direction = pair(direction),
                 .force = force[k],
                 .mass = wall_mass[k],
-                .material = wall_material[k]};
+                .material = wall_material[k],
+                .radius = radius[k],
+                .spin = spin[k],
+                .across = pair(across),
+                .present = present[k] != 0};
   }
   return walls;
+}
+
+/// The cell of a periodic scene; none where there is none.
+Cell read_state_cell(const Hdf5File& fixed, const Hdf5File& frame) {
+  Cell cell;
+  if (!fixed.exists("/cell/periodic")) return cell;
+  const auto periodic = read_sized_ints(fixed, "/cell/periodic", 2);
+  cell.in_x = periodic[0] != 0;
+  cell.in_y = periodic[1] != 0;
+  const auto motion = read_sized_ints(fixed, "/cell/motion", 3);
+  const auto stress = read_sized(fixed, "/cell/stress", 3);
+  const auto mass = read_sized(fixed, "/cell/mass", 3);
+  const auto lengths = read_sized(frame, "/cell/lengths", 3);
+  const auto speeds = read_sized(frame, "/cell/speeds", 3);
+  for (int k = 0; k < 3; ++k) {
+    const std::size_t at = to_size(k);
+    cell.side(k) = {.motion = checked_enum<CellSide::Motion>(fixed, "/cell/motion", motion[at], 2),
+                    .length = lengths[at],
+                    .speed = speeds[at],
+                    .stress = stress[at],
+                    .mass = mass[at]};
+  }
+  return cell;
 }
 
 /// Throws FileError where a contact joins bodies that the run does not have.
@@ -112,6 +150,10 @@ std::vector<ContactOutcome> read_contacts(const Hdf5File& file, std::size_t disk
   // Only the spring-dashpot model writes springs.
   const auto spring = file.exists("/contacts/spring") ? read_sized(file, "/contacts/spring", c)
                                                       : std::vector<double>(c, 0.0);
+  // Only periodic scenes write images.
+  const bool images = file.exists("/contacts/image_x");
+  const auto image_x = images ? read_sized_ints(file, "/contacts/image_x", c) : std::vector<int>(c);
+  const auto image_y = images ? read_sized_ints(file, "/contacts/image_y", c) : std::vector<int>(c);
   std::vector<ContactOutcome> contacts(c);
   for (std::size_t k = 0; k < c; ++k) {
     if (i[k] < 0 || i[k] >= static_cast<int>(disks) || j[k] < 0 ||
@@ -122,7 +164,9 @@ std::vector<ContactOutcome> read_contacts(const Hdf5File& file, std::size_t disk
     contacts[k] = {.contact = {.i = i[k],
                                .j = j[k],
                                .n = Vec2(contact_n[2 * k], contact_n[2 * k + 1]),
-                               .gap = gap[k]},
+                               .gap = gap[k],
+                               .image_x = image_x[k],
+                               .image_y = image_y[k]},
                    .s_n = s_n[k],
                    .s_t = s_t[k],
                    .u_n = u_n[k],
@@ -168,6 +212,7 @@ State read_state(const fs::path& run, int step) {
   state.shock_loss = file.read_double("/shock_loss");
   state.disks = read_disks(fixed, file);
   state.walls = read_walls(fixed, file);
+  state.cell = read_state_cell(fixed, file);
   state.contacts = read_contacts(file, state.disks.size(), state.walls.size());
   return state;
 }

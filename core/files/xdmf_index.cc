@@ -8,6 +8,7 @@
 
 #include "core/files/atomic_file.h"
 #include "core/files/run_layout.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -59,7 +60,7 @@ void XdmfIndex::add(const FrameEntry& frame) {
         grid(fmt::format("      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
                          "NodesPerElement=\"1\">{}</Topology>\n",
                          num_disks_, data_item("run.h5:/disks/points", num_disks_, 1, true)) +
-             geometry(file + "/disks/x", num_disks_) +
+             geometry(file + (num_cell_lines_ > 0 ? "/disks/x_in_cell" : "/disks/x"), num_disks_) +
              attribute("radius", "run.h5:/disks/radius", num_disks_, "Node") +
              attribute("mass", "run.h5:/disks/mass", num_disks_, "Node") +
              attribute("material", "run.h5:/disks/material", num_disks_, "Node", 1, true) +
@@ -93,14 +94,27 @@ void XdmfIndex::add(const FrameEntry& frame) {
     walls_ += grid(segments(file + "/walls", num_walls_) +
                    attribute("material", "run.h5:/walls/material", num_walls_, "Cell", 1, true));
   }
+  if (num_cell_lines_ > 0) cell_ += grid(segments(file + "/cell", num_cell_lines_));
+  if (num_circles_ > 0) {
+    const std::size_t points = num_circles_ * to_size(kRimPoints);
+    circles_ +=
+        grid(fmt::format("      <Topology TopologyType=\"Polyline\" NumberOfElements=\"{}\" "
+                         "NodesPerElement=\"{}\">{}</Topology>\n",
+                         num_circles_, kRimPoints,
+                         data_item(file + "/walls/rim_points", num_circles_, kRimPoints, true)) +
+             geometry(file + "/walls/rim", points));
+  }
 }
 
 void XdmfIndex::write(const std::filesystem::path& path) const {
   AtomicFile target(path);
   std::ofstream out(target.draft(), std::ios::binary);
   out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n";
-  for (const auto& [name, grids] :
-       {std::pair{"disks", &disks_}, {"contacts", &contacts_}, {"walls", &walls_}}) {
+  for (const auto& [name, grids] : {std::pair{"disks", &disks_},
+                                    {"contacts", &contacts_},
+                                    {"walls", &walls_},
+                                    {"circular walls", &circles_},
+                                    {"cell", &cell_}}) {
     if (grids->empty()) continue;
     out << fmt::format("  <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n",
                        name)

@@ -16,19 +16,27 @@ struct FrameEntry {
   bool stress = true;  ///< false: of a version that did not write stresses
 };
 
+/// A circular wall is drawn as a closed polygon of so many points.
+inline constexpr int kRimPoints = 97;
+
 /// run.xdmf: the frames of a run for ParaView. Three collections of one grid a frame: disks as
-/// points, contacts as lines between the centres, walls as lines.
+/// points, contacts as lines between the centres, walls as lines; circular walls and the cell of
+/// periodic scenes in two more.
 class XdmfIndex {
  public:
-  XdmfIndex(std::size_t disks, std::size_t walls) : num_disks_(disks), num_walls_(walls) {}
+  /// `circles`: how many of the walls are circles; `cell_lines`: of the outline of a periodic cell,
+  /// whose disks are shown where they lie in it.
+  XdmfIndex(std::size_t disks, std::size_t walls, std::size_t circles = 0,
+            std::size_t cell_lines = 0)
+      : num_disks_(disks), num_walls_(walls), num_circles_(circles), num_cell_lines_(cell_lines) {}
 
   void add(const FrameEntry& frame);
   /// Whole or not at all (AtomicFile). Throws FileError.
   void write(const std::filesystem::path& path) const;
 
  private:
-  std::size_t num_disks_ = 0, num_walls_ = 0;
-  std::string disks_, contacts_, walls_;  // grids of all frames
+  std::size_t num_disks_ = 0, num_walls_ = 0, num_circles_ = 0, num_cell_lines_ = 0;
+  std::string disks_, contacts_, walls_, circles_, cell_;  // grids of all frames
 };
 
 }  // namespace bipot

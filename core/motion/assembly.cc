@@ -1,16 +1,18 @@
 #include "core/motion/assembly.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "core/parallel.h"
 #include "core/problem/delassus.h"
+#include "core/scene/wall_motion.h"
 
 namespace bipot {
 namespace {
 
 template <int D>
 DofMap number_dofs(bool friction, std::size_t num_disks, std::span<const WallIn<D>> walls,
-                   std::span<const ContactIn<D>> contacts) {
+                   std::span<const ContactIn<D>> contacts, const Cell* cell) {
   DofMap dofs;
   dofs.per_disk = friction ? D + kSpins<D> : D;
   dofs.disk.assign(num_disks, -1);
@@ -31,6 +33,14 @@ DofMap number_dofs(bool friction, std::size_t num_disks, std::span<const WallIn<
   }
   for (int& dof : dofs.wall) {
     if (dof == 0) dof = dofs.size++;
+  }
+  if (cell == nullptr) return dofs;
+  for (int k = 0; k < 3; ++k) {
+    if (cell->side(k).motion != CellSide::Motion::kDriven) continue;
+    const bool used = std::any_of(contacts.begin(), contacts.end(), [&](const auto& c) {
+      return (k == 0 ? c.image_x : c.image_y) != 0;
+    });
+    if (used) dofs.side[k] = dofs.size++;
   }
   return dofs;
 }
@@ -70,8 +80,30 @@ struct StepInput {
   std::span<const WallIn<D>> walls;
   std::span<const VecIn<D>> disk_v_free;
   std::span<const double> wall_v_free;
+  CellInput cell;  // of cells that deform only
   int dim;
 };
+
+/// Degrees of freedom of the cell that a contact has entries at.
+template <int D>
+int sides_of(const ContactIn<D>& contact, const DofMap& dofs) {
+  int count = 0;
+  for (int k = 0; k < 3; ++k) {
+    if (dofs.side[k] >= 0 && (k == 0 ? contact.image_x : contact.image_y) != 0) ++count;
+  }
+  return count;
+}
+
+/// Velocity of the image of j against j: before the step, and without contacts.
+template <int D>
+void add_image_velocity(const CellInput& input, const ContactIn<D>& contact, VecIn<D>& before,
+                        VecIn<D>& free) {
+  if (input.cell == nullptr || !contact.with_image()) return;
+  Cell cell = *input.cell;
+  before += in_dimensions<D>(cell.shift_velocity(contact.image_x, contact.image_y));
+  for (int k = 0; k < 3; ++k) cell.side(k).speed = input.v_free[k];
+  free += in_dimensions<D>(cell.shift_velocity(contact.image_x, contact.image_y));
+}
 
 /// The velocity along `axis`, a tangent, of the point at the arm n of a body that turns: spin·(n x
 /// axis).
@@ -94,8 +126,9 @@ template <int D>
 int entries_of(const ContactIn<D>& contact, std::size_t num_disks, const DofMap& dofs, int d) {
   const int of_disk = D + (d - 1) * (D + kSpins<D>);
   const std::size_t j = to_size(contact.j);
-  if (j < num_disks) return 2 * of_disk;
-  return of_disk + (dofs.wall[j - num_disks] >= 0 ? d : 0);
+  const int of_cell = d * sides_of(contact, dofs);
+  if (j < num_disks) return 2 * of_disk + of_cell;
+  return of_disk + of_cell + (dofs.wall[j - num_disks] >= 0 ? d : 0);
 }
 
 /// The columns and rows of contact c.
@@ -115,13 +148,17 @@ void write_contact(const StepInput<D>& in, const ContactIn<D>& contact, int c,
   const double r_n = std::sqrt(1 + law.e_n), r_t = std::sqrt(1 + law.e_t);
   p.mu[c] = d > 1 ? law.mu * r_t / r_n : 0.0;
 
-  const VecIn<D> other_before = with_disk ? b->v : wall->v;
-  VecIn<D> other_free = other_before;
+  VecIn<D> other_before, other_free;
   if (with_disk) {
+    other_before = b->v;
     other_free = in.disk_v_free[j];
-  } else if (wall->motion == WallIn<D>::Motion::kDriven) {
-    other_free = in.wall_v_free[w] * wall->direction;
+  } else {
+    const bool driven = wall->motion == WallIn<D>::Motion::kDriven;
+    const VecIn<D> free = driven ? driven_velocity(*wall, in.wall_v_free[w]) : wall->v;
+    other_before = surface_velocity(*wall, wall->v, contact.n);
+    other_free = surface_velocity(*wall, free, contact.n);
   }
+  add_image_velocity<D>(in.cell, contact, other_before, other_free);
   const int k = dofs.disk[i];
   const int l = with_disk ? dofs.disk[j] : dofs.wall[w];
   const auto frame = contact_frame<D>(contact.n);
@@ -147,6 +184,12 @@ void write_contact(const StepInput<D>& in, const ContactIn<D>& contact, int c,
     } else if (l >= 0) {
       columns.add(l, -axis.dot(wall->direction) / r);
     }
+    for (int side = 0; side < 3; ++side) {
+      if (dofs.side[side] < 0 || (side == 0 ? contact.image_x : contact.image_y) == 0) continue;
+      const double share =
+          side_share(side, contact.image_x, contact.image_y, axis.template head<2>());
+      columns.add(dofs.side[side], -share / r);
+    }
     columns.close();
   }
 }
@@ -160,13 +203,14 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
                             std::span<const std::type_identity_t<ContactIn<D>>> contacts,
                             std::span<const std::type_identity_t<VecIn<D>>> disk_v_free,
                             std::span<const double> wall_v_free, bool explicit_delassus,
-                            int threads) {
+                            int threads, CellInput cell) {
+  if (cell.cell != nullptr && !cell.cell->deforms()) cell = {};  // its images stand still
   const bool friction = scene.has_friction();
   const int d = friction ? D : 1;
   const int num_contacts = static_cast<int>(contacts.size());
 
   AssembledStep step;
-  step.dofs = number_dofs<D>(friction, disks.size(), walls, contacts);
+  step.dofs = number_dofs<D>(friction, disks.size(), walls, contacts, cell.cell);
   const DofMap& dofs = step.dofs;
   ContactProblem& p = step.problem;
   p.dim = d;
@@ -193,6 +237,11 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
     mass[dofs.wall[w]] = walls[w].mass;
     p.v_free[dofs.wall[w]] = wall_v_free[w];
   }
+  for (int k = 0; k < 3; ++k) {
+    if (dofs.side[k] < 0) continue;
+    mass[dofs.side[k]] = cell.cell->side(k).mass;
+    p.v_free[dofs.side[k]] = cell.v_free[k];
+  }
   p.A = diagonal_matrix(mass);
 
   bool any_restitution = false;
@@ -211,7 +260,7 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
   p.H.resize(dofs.size, d * num_contacts);
   p.H.resizeNonZeros(start.back());
   p.H.outerIndexPtr()[0] = 0;
-  const StepInput<D> input{scene, disks, walls, disk_v_free, wall_v_free, d};
+  const StepInput<D> input{scene, disks, walls, disk_v_free, wall_v_free, cell, d};
   run_pieces(threads, num_contacts, [&](int begin, int end) {
     ColumnWriter columns(p.H, d * begin, start[to_size(begin)]);
     for (int c = begin; c < end; ++c) write_contact(input, contacts[to_size(c)], c, columns, step);
@@ -222,9 +271,10 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
 
 template AssembledStep assemble_step<2>(const Scene&, std::span<const Disk>, std::span<const Wall>,
                                         std::span<const Contact>, std::span<const Vec2>,
-                                        std::span<const double>, bool, int);
+                                        std::span<const double>, bool, int, CellInput);
 template AssembledStep assemble_step<3>(const SceneIn<3>&, std::span<const Sphere>,
                                         std::span<const WallIn<3>>, std::span<const ContactIn<3>>,
-                                        std::span<const Vec3>, std::span<const double>, bool, int);
+                                        std::span<const Vec3>, std::span<const double>, bool, int,
+                                        CellInput);
 
 }  // namespace bipot

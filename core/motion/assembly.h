@@ -15,7 +15,15 @@ struct DofMap {
   int per_disk = 3;       ///< position, then spin: 3, in space 6; without friction 2 or 3, no spin
   std::vector<int> disk;  ///< first dof of each disk
   std::vector<int> wall;  ///< the dof of each driven wall
+  int side[3] = {-1, -1, -1};  ///< the dof of each driven side of a periodic cell
   int size = 0;
+};
+
+/// A periodic cell at mid-step, with the speeds of its sides without contact impulses. None in a
+/// scene that is not periodic.
+struct CellInput {
+  const Cell* cell = nullptr;
+  const double* v_free = nullptr;  ///< 3, in the order of Cell::side                      [m/s]
 };
 
 /// A step's problem and the way back to the bodies.
@@ -32,6 +40,9 @@ struct AssembledStep {
 ///   in space for both tangents  u_t = t·(v_i - v_j) - (n x t)·(a_i w_i + a_j w_j),
 ///   D = diag 1/(1+e),  u = D (Hᵀ v⁺ + E Hᵀ v⁻)  (36),  symmetric form of data/method.md §3.
 ///
+/// In a periodic cell v_j is that of the image. A driven side of the cell is a degree of freedom as
+/// a driven wall's, and stands after these.
+///
 /// The contact dimension is 1 (no tangential rows, no rotations) where no pair of the scene's
 /// materials has friction. Only bodies in contact enter; of the walls only driven ones have a
 /// degree of freedom, moving ones stand in the right-hand side. Restitution applies to every
@@ -43,6 +54,6 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
                             std::span<const std::type_identity_t<ContactIn<D>>> contacts,
                             std::span<const std::type_identity_t<VecIn<D>>> disk_v_free,
                             std::span<const double> wall_v_free, bool explicit_delassus,
-                            int threads = 1);
+                            int threads = 1, CellInput cell = {});
 
 }  // namespace bipot

@@ -1,6 +1,8 @@
 #include "core/motion/midpoint.h"
 
 #include "core/scene/contact_detection.h"
+#include "core/scene/periodic_detection.h"
+#include "core/scene/wall_motion.h"
 
 namespace bipot {
 
@@ -9,23 +11,39 @@ MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, in
   const double h = scene.step;
   MidpointIn<D> mid;
   mid.disks = state.disks;
-  mid.walls = state.walls;
+  const double middle = state.time + 0.5 * h;
+  mid.walls = walls_at(scene.walls, state.walls, middle);
+  mid.gravity = gravity_at(scene, middle);
   for (BodyIn<D>& d : mid.disks) drift(d, 0.5 * h);
   for (WallIn<D>& w : mid.walls) {
     w.a += 0.5 * h * w.v;
     w.b += 0.5 * h * w.v;
   }
-  mid.contacts = detect_contacts<D>(mid.disks, mid.walls, scene.contact_distance, threads);
+  if (state.cell.periodic()) {
+    mid.cell = state.cell;
+    move_cell(mid.cell, 0.5 * h);
+    for (int k = 0; k < 3; ++k) {
+      const CellSide& side = mid.cell.side(k);
+      mid.side_v_free[k] = side.speed;
+      if (side.motion == CellSide::Motion::kDriven) {
+        mid.side_v_free[k] += h * stress_force(mid.cell, k) / side.mass;
+      }
+    }
+    mid.contacts =
+        detect_periodic_contacts(mid.disks, mid.walls, mid.cell, scene.contact_distance, threads);
+  } else {
+    mid.contacts = detect_contacts<D>(mid.disks, mid.walls, scene.contact_distance, threads);
+  }
 
   mid.disk_v_free.resize(mid.disks.size());
   for (std::size_t i = 0; i < mid.disks.size(); ++i) {
-    mid.disk_v_free[i] = mid.disks[i].v + h * scene.gravity;
+    mid.disk_v_free[i] = mid.disks[i].v + h * mid.gravity;
   }
   mid.wall_v_free.assign(mid.walls.size(), 0.0);
   for (std::size_t w = 0; w < mid.walls.size(); ++w) {
     const WallIn<D>& wall = mid.walls[w];
     if (wall.motion != WallIn<D>::Motion::kDriven) continue;
-    mid.wall_v_free[w] = wall.v.dot(wall.direction) + h * wall.force / wall.mass;
+    mid.wall_v_free[w] = driven_speed(wall) + h * wall.force / wall.mass;
   }
   return mid;
 }
@@ -34,7 +52,7 @@ template <int D>
 AssembledStep assemble_step(const SceneIn<D>& scene, const MidpointIn<D>& mid,
                             bool explicit_delassus, int threads) {
   return assemble_step(scene, mid.disks, mid.walls, mid.contacts, mid.disk_v_free, mid.wall_v_free,
-                       explicit_delassus, threads);
+                       explicit_delassus, threads, {&mid.cell, mid.side_v_free});
 }
 
 template Midpoint make_midpoint(const Scene&, const State&, int);

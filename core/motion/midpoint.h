@@ -12,11 +12,14 @@ namespace bipot {
 /// A step before its contact problem: everything at the mid-point q_m = q + h/2 v (38).
 template <int D>
 struct MidpointIn {
-  std::vector<BodyIn<D>> disks;        ///< positions at the mid-point, velocities before the step
-  std::vector<WallIn<D>> walls;        ///< likewise
-  std::vector<ContactIn<D>> contacts;  ///< candidates at the mid-point, sorted by (i, j)
-  std::vector<VecIn<D>> disk_v_free;   ///< v + h g, without contact impulses                 [m/s]
-  std::vector<double> wall_v_free;     ///< of driven walls: along their direction, else 0    [m/s]
+  std::vector<BodyIn<D>> disks;         ///< positions at the mid-point, velocities before the step
+  std::vector<WallIn<D>> walls;         ///< likewise, as they are at that time (wall_motion.h)
+  Cell cell;                            ///< likewise
+  double side_v_free[3] = {0, 0, 0};    ///< of a cell's driven sides, without contacts        [m/s]
+  std::vector<ContactIn<D>> contacts;   ///< candidates at the mid-point, sorted by (i, j)
+  std::vector<VecIn<D>> disk_v_free;    ///< v + h g, without contact impulses                 [m/s]
+  std::vector<double> wall_v_free;      ///< of driven walls: along their direction, else 0    [m/s]
+  VecIn<D> gravity = VecIn<D>::Zero();  ///< of the step: that of its middle                  [m/s²]
 };
 using Midpoint = MidpointIn<2>;
 

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <utility>
 
+#include "core/motion/outside_changes.h"
 #include "core/scene/contact_detection.h"
+#include "core/scene/wall_motion.h"
 #include "core/stopwatch.h"
 #include "core/types.h"
 
@@ -47,7 +49,10 @@ void SpringDashpotStepper::load(const State& state) {
                   .inv_inertia = 1 / d.inertia,
                   .radius = d.radius};
   }
-  walls_ = state.walls;
+  const double middle = state.time + 0.5 * scene_.step;
+  walls_ = walls_at(scene_.walls, state.walls, middle);
+  gravity_ = gravity_at(scene_, middle);
+  walls_before_ = walls_;
   wall_push_.assign(walls_.size(), 0.0);
   // The springs of the state; find_pairs() takes them over.
   pairs_.clear();
@@ -135,6 +140,12 @@ SpringDashpotStepper::Geometry SpringDashpotStepper::geometry(const Pair& pair) 
       const double height = w.normal[0] * (a.x - w.a[0]) + w.normal[1] * (a.y - w.a[1]);
       return {w.normal, height - reach};
     }
+    if (w.is_circle()) {
+      const bool hollow = w.shape == Wall::Shape::kHollowCircle;
+      const Vec2 d = hollow ? Vec2(w.a - Vec2(a.x, a.y)) : Vec2(Vec2(a.x, a.y) - w.a);
+      const double length = d.norm();
+      return {d / length, (hollow ? w.radius - length : length - w.radius) - reach};
+    }
     const Vec2 along = w.b - w.a, from = Vec2(a.x, a.y) - w.a;
     const double t = std::clamp(from.dot(along) / along.squaredNorm(), 0.0, 1.0);
     dx = from[0] - t * along[0];
@@ -156,8 +167,9 @@ Vec2 SpringDashpotStepper::relative_velocity(const Pair& pair, const Vec2& n) co
     rim += b.radius * b.spin;
   } else {
     const Wall& w = walls_[j - bodies_.size()];
-    vx -= w.v[0];
-    vy -= w.v[1];
+    const Vec2 v = surface_velocity(w, w.v, n);
+    vx -= v[0];
+    vy -= v[1];
   }
   return {n[0] * vx + n[1] * vy, n[0] * vy - n[1] * vx - rim};
 }
@@ -244,13 +256,14 @@ void SpringDashpotStepper::apply_contacts(double dt) {
       external_ += dt * (Vec2(fx, fy) - along * w.direction);
     } else {
       external_ += dt * Vec2(fx, fy);
-      wall_work_ += dt * (fx * w.v[0] + fy * w.v[1]);
     }
+    const Vec2 v = prescribed_velocity(w, at.n);
+    wall_work_ += dt * (fx * v[0] + fy * v[1]);
   }
 }
 
 void SpringDashpotStepper::kick(double dt) {
-  const double gx = scene_.gravity[0], gy = scene_.gravity[1];
+  const double gx = gravity_[0], gy = gravity_[1];
   for (Body& b : bodies_) {
     b.vx += dt * (b.fx * b.inv_mass + gx);
     b.vy += dt * (b.fy * b.inv_mass + gy);
@@ -364,17 +377,22 @@ void SpringDashpotStepper::close_ledger(const State& state, const Elastic& elast
   const Elastic elastic_after = elastic_energy();
   const double friction_loss = -work_t_ - (elastic_after.tangential - elastic_before.tangential);
   const double shock_loss = -work_n_ - (elastic_after.normal - elastic_before.normal);
+  const OutsideChanges<2> changes =
+      outside_changes(scene_, state, walls_before_, gravity_, next.disks, next.time);
+  wall_work_ += changes.work;
+  external_ += changes.impulse;
   next.wall_work = state.wall_work + wall_work_;
   next.friction_loss = state.friction_loss + friction_loss;
   next.shock_loss = state.shock_loss + shock_loss;
   report.energy = {.kinetic = kinetic_energy(next),
-                   .potential = potential_energy(next, scene_.gravity),
+                   .potential = potential_energy(next, gravity_at(scene_, next.time)),
                    .wall_work = next.wall_work,
                    .friction_loss = next.friction_loss,
                    .shock_loss = next.shock_loss,
                    .elastic = elastic_after.sum()};
   const double kinetic_before = kinetic_energy(state);
-  const double fallen = potential_energy(state, scene_.gravity) - report.energy.potential;
+  const double fallen =
+      potential_energy(state, gravity_at(scene_, state.time)) - report.energy.potential;
   report.energy.imbalance = report.energy.kinetic - kinetic_before - fallen + elastic_after.sum() -
                             elastic_before.sum() - wall_work_ + friction_loss + shock_loss;
   if (!std::isfinite(report.energy.kinetic + report.energy.potential + report.energy.elastic)) {
@@ -393,7 +411,7 @@ void SpringDashpotStepper::close_ledger(const State& state, const Elastic& elast
   }
   double mass = 0;
   for (const Disk& d : next.disks) mass += d.mass;
-  external_ += scene_.step * mass * scene_.gravity;
+  external_ += scene_.step * mass * gravity_;
   for (const Wall& w : next.walls) {
     if (w.motion == Wall::Motion::kDriven) external_ += scene_.step * w.force * w.direction;
   }

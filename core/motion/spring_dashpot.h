@@ -99,7 +99,8 @@ class SpringDashpotStepper {
   SpringDashpotLimits limits_;
 
   std::vector<Body> bodies_;
-  std::vector<Wall> walls_;
+  std::vector<Wall> walls_, walls_before_;  // now; as they begin the step
+  Vec2 gravity_ = Vec2::Zero();             // of the step
   std::vector<double> wall_push_;    // force on driven walls along their direction, this substep
   std::vector<Pair> pairs_, fresh_;  // sorted by (i, j)
   double skin_ = 0, path_ = 0;       // of the neighbour list: its reach, and what is used of it

@@ -208,6 +208,16 @@ double damping_of_restitution(double e_n) {
 }
 
 SpringDashpotSetup spring_dashpot_setup(const Scene& scene) {
+  if (scene.cell.periodic()) {
+    throw std::invalid_argument("dem: periodic scenes are for rigid contacts only");
+  }
+  for (const Wall& w : scene.walls) {
+    if (w.removed == kInfinity) continue;
+    throw std::invalid_argument(fmt::format(
+        "dem: wall '{}' is removed at {:g} s; what springs at it hold then is not accounted for, so "
+        "this is for rigid contacts only",
+        w.name, w.removed));
+  }
   const SpringDashpotChoice& choice = scene.dem;
   SpringDashpotSetup setup;
   double smallest = kInfinity, heaviest = 0;

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "core/scene/wall_motion.h"
+
 namespace bipot {
 namespace {
 
@@ -19,7 +21,8 @@ template <int D>
 StateIn<D> initial_state(const SceneIn<D>& scene) {
   StateIn<D> state;
   state.disks = scene.disks;
-  state.walls = scene.walls;
+  state.walls = walls_at(scene.walls, scene.walls, 0.5 * scene.step);
+  state.cell = scene.cell;
   return state;
 }
 
@@ -36,8 +39,9 @@ double kinetic_energy(const StateIn<D>& state) {
     sum += 0.5 * d.mass * d.v.squaredNorm() + turning_energy(d);
   }
   for (const WallIn<D>& w : state.walls) {
-    if (w.motion == WallIn<D>::Motion::kDriven) sum += 0.5 * w.mass * w.v.squaredNorm();
+    sum += wall_kinetic_energy(w);
   }
+  if (state.cell.periodic()) sum += cell_kinetic_energy(state.cell);
   return sum;
 }
 
@@ -53,7 +57,7 @@ VecIn<D> momentum(const StateIn<D>& state) {
   VecIn<D> sum = VecIn<D>::Zero();
   for (const BodyIn<D>& d : state.disks) sum += d.mass * d.v;
   for (const WallIn<D>& w : state.walls) {
-    if (w.motion == WallIn<D>::Motion::kDriven) sum += w.mass * w.v;
+    sum += wall_momentum(w);
   }
   return sum;
 }
@@ -85,17 +89,28 @@ std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state) {
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     const WallIn<D>&a = state.walls[i], &b = scene.walls[i];
-    const char* field = a.shape != b.shape           ? "shape"
-                        : a.motion != b.motion       ? "motion"
-                        : a.material != b.material   ? "material"
-                        : a.mass != b.mass           ? "mass"
-                        : a.force != b.force         ? "force"
-                        : a.direction != b.direction ? "direction"
+    const char* field = a.shape != b.shape                         ? "shape"
+                        : a.motion != b.motion && !has_schedule(b) ? "motion"
+                        : a.radius != b.radius                     ? "radius"
+                        : a.across != b.across                     ? "velocity"
+                        : a.material != b.material                 ? "material"
+                        : a.mass != b.mass                         ? "mass"
+                        : a.force != b.force                       ? "force"
+                        : a.direction != b.direction               ? "direction"
                         : a.shape == WallIn<D>::Shape::kHalfPlane && a.normal != b.normal ? "normal"
                                                                                           : nullptr;
     if (field != nullptr) {
       return fmt::format("wall {}: {} is not that of wall '{}' of the scene", i, field, b.name);
     }
+  }
+  for (int k = 0; k < 3; ++k) {
+    const CellSide &a = state.cell.side(k), &b = scene.cell.side(k);
+    if (a.motion != b.motion || a.stress != b.stress || a.mass != b.mass) {
+      return "the cell is not that of the scene";
+    }
+  }
+  if (state.cell.in_x != scene.cell.in_x || state.cell.in_y != scene.cell.in_y) {
+    return "the cell is not periodic as that of the scene";
   }
   return {};
 }

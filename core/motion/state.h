@@ -16,6 +16,7 @@ struct StateIn {
   int step = 0;                  ///< steps done
   std::vector<BodyIn<D>> disks;  ///< in space: spheres
   std::vector<WallIn<D>> walls;
+  Cell cell;                                  ///< of periodic scenes
   std::vector<ContactOutcomeIn<D>> contacts;  ///< of the last step, sorted by (i, j); warm start
   /// Accumulated since step 0, for the ledger                                  [J]
   double wall_work = 0, friction_loss = 0, shock_loss = 0;
@@ -31,7 +32,7 @@ template <int D>
 double time_after_step(const StateIn<D>& state, double h);
 
 template <int D>
-double kinetic_energy(const StateIn<D>& state);  ///< disks and driven walls [J]
+double kinetic_energy(const StateIn<D>& state);  ///< disks, driven walls and sides of a cell [J]
 /// Zero at the origin.                                                       [J]
 template <int D>
 double potential_energy(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity);

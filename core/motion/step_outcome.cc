@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/problem/coulomb_cone.h"
+#include "core/scene/wall_motion.h"
 
 namespace bipot {
 namespace {
@@ -48,14 +49,26 @@ TangentIn<D> tangential(const std::array<double, to_size(D)>& values,
 
 /// What a wall's impulse on a disk means for the world outside.
 template <int D>
-void add_wall_impulse(const WallIn<D>& wall, const VecIn<D>& impulse, StepOutcomeIn<D>& outcome) {
+void add_wall_impulse(const WallIn<D>& wall, const VecIn<D>& n, const VecIn<D>& impulse,
+                      StepOutcomeIn<D>& outcome) {
   if (wall.motion == WallIn<D>::Motion::kDriven) {
     // What acts across the direction is taken by the wall's guide.
     outcome.external += impulse - impulse.dot(wall.direction) * wall.direction;
   } else {
     outcome.external += impulse;
-    outcome.wall_work += impulse.dot(wall.v);
   }
+  outcome.wall_work += impulse.dot(prescribed_velocity(wall, n));
+}
+
+/// Velocity of an image by the sides of the cell that no force moves.
+template <int D>
+Vec2 prescribed_shift_velocity(const Cell& cell, const ContactIn<D>& contact) {
+  Cell prescribed = cell;
+  for (int k = 0; k < 3; ++k) {
+    CellSide& side = prescribed.side(k);
+    if (side.motion == CellSide::Motion::kDriven) side.speed = 0;
+  }
+  return prescribed.shift_velocity(contact.image_x, contact.image_y);
 }
 
 }  // namespace
@@ -68,7 +81,8 @@ ContactStatus contact_status(double s_n, double s_t, double mu) {
 template <int D>
 StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
                               const AssembledStep& assembled, const Vector& s, const Vector& v,
-                              std::span<const std::type_identity_t<WallIn<D>>> walls_after) {
+                              std::span<const std::type_identity_t<WallIn<D>>> walls_after,
+                              const Cell& cell_after) {
   const double h = scene.step;
   const ContactProblem& p = assembled.problem;
   const std::size_t num_disks = mid.disks.size();
@@ -94,10 +108,16 @@ StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
     if (values.s[0] > 0) ++outcome.active;
     outcome.shock_loss -= values.s[0] * values.mean[0];
     for (std::size_t k = 1; k < D; ++k) outcome.friction_loss -= values.s[k] * values.mean[k];
+    if (contact.with_image() && mid.cell.deforms()) {
+      const VecIn<D> impulse = values.s[0] * contact.n + tangent_vector(contact.n, s_t);
+      outcome.wall_work +=
+          impulse.dot(in_dimensions<D>(prescribed_shift_velocity<D>(mid.cell, contact)));
+    }
     if (wall == nullptr) continue;
-    add_wall_impulse<D>(*wall, values.s[0] * contact.n + tangent_vector(contact.n, s_t), outcome);
+    add_wall_impulse<D>(*wall, contact.n, values.s[0] * contact.n + tangent_vector(contact.n, s_t),
+                        outcome);
   }
-  for (const BodyIn<D>& d : mid.disks) outcome.external += h * d.mass * scene.gravity;
+  for (const BodyIn<D>& d : mid.disks) outcome.external += h * d.mass * mid.gravity;
   for (std::size_t w = 0; w < mid.walls.size(); ++w) {
     const WallIn<D>& wall = mid.walls[w];
     if (wall.motion != WallIn<D>::Motion::kDriven) continue;
@@ -105,13 +125,20 @@ StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
     outcome.external += push;
     outcome.wall_work += push.dot(0.5 * (wall.v + walls_after[w].v));
   }
+  for (int k = 0; k < 3; ++k) {
+    const double force = stress_force(mid.cell, k);
+    if (force != 0) {
+      outcome.wall_work += h * force * 0.5 * (mid.cell.side(k).speed + cell_after.side(k).speed);
+    }
+  }
   return outcome;
 }
 
 template StepOutcome step_outcome<2>(const Scene&, const Midpoint&, const AssembledStep&,
-                                     const Vector&, const Vector&, std::span<const Wall>);
+                                     const Vector&, const Vector&, std::span<const Wall>,
+                                     const Cell&);
 template StepOutcomeIn<3> step_outcome<3>(const SceneIn<3>&, const MidpointIn<3>&,
                                           const AssembledStep&, const Vector&, const Vector&,
-                                          std::span<const WallIn<3>>);
+                                          std::span<const WallIn<3>>, const Cell&);
 
 }  // namespace bipot

@@ -20,7 +20,7 @@ template <int D>
 struct StepOutcomeIn {
   std::vector<ContactOutcomeIn<D>> contacts;  ///< one for each candidate, in their order
   int active = 0;                             ///< contacts with s_n > 0
-  double wall_work = 0;                       ///< by moving and driven walls                [J]
+  double wall_work = 0;                       ///< by walls and sides of a periodic cell     [J]
   double friction_loss = 0;                   ///< dissipated by tangential impulses         [J]
   double shock_loss = 0;                      ///< dissipated by normal impulses             [J]
   VecIn<D> external = VecIn<D>::Zero();  ///< impulse on disks and driven walls from all else [N s]
@@ -28,10 +28,11 @@ struct StepOutcomeIn {
 using StepOutcome = StepOutcomeIn<2>;
 
 /// s: impulses in the problem's variables; v: velocities after the step in the problem's degrees of
-/// freedom; `walls_after`: the walls with their velocities after the step.
+/// freedom; `walls_after`, `cell_after`: the walls and the cell with their velocities after the step.
 template <int D>
 StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
                               const AssembledStep& assembled, const Vector& s, const Vector& v,
-                              std::span<const std::type_identity_t<WallIn<D>>> walls_after);
+                              std::span<const std::type_identity_t<WallIn<D>>> walls_after,
+                              const Cell& cell_after);
 
 }  // namespace bipot

@@ -73,6 +73,14 @@ Mat2 kinetic_part(const Disk& d, const Vec2& mean) {
   return d.mass * v * v.transpose();
 }
 
+/// The disks with the velocities that they have beyond the deformation of their periodic cell.
+const std::vector<Disk>& without_deformation(const State& state, std::vector<Disk>& disks) {
+  if (!state.cell.deforms()) return state.disks;
+  disks = state.disks;
+  for (Disk& d : disks) d.v -= homogeneous_velocity(state.cell, d.x);
+  return disks;
+}
+
 Mat2 spin_part(double moment, double step) { return 0.5 * moment / step * quarter_turn(); }
 
 void divide(MeanStress& stress, double area) {
@@ -122,6 +130,50 @@ std::vector<Vec2> clip(const std::vector<Vec2>& polygon, const Vec2& point, cons
   return kept;
 }
 
+/// Of a periodic cell at mid-step; where it is not periodic in y, as high as the half-planes leave
+/// room, or the disks reach.
+double cell_area(const State& state, double step, const Box& disks) {
+  Cell cell = state.cell;
+  move_cell(cell, -0.5 * step);
+  if (cell.in_y) return cell.width.length * cell.height.length;
+  double low = -kInfinity, high = kInfinity;
+  for (const Wall& w : state.walls) {
+    if (w.shape != Wall::Shape::kHalfPlane || !w.present) continue;
+    const double at = w.a[1] - 0.5 * step * w.v[1];
+    if (w.normal[1] > 0) low = std::max(low, at);
+    if (w.normal[1] < 0) high = std::min(high, at);
+  }
+  if (!std::isfinite(low)) low = disks.lower[1];
+  if (!std::isfinite(high)) high = disks.upper[1];
+  return cell.width.length * (high - low);
+}
+
+/// Area of the smallest hollow circle that holds all disks, less what solid circles take of it; NaN
+/// without one. Half-planes have no part in it.
+double drum_area(const State& state, double step) {
+  double smallest = kInfinity;
+  Vec2 centre = Vec2::Zero();
+  for (const Wall& w : state.walls) {
+    if (w.shape != Wall::Shape::kHollowCircle || !w.present || !(w.radius < smallest)) continue;
+    const Vec2 at = w.a - 0.5 * step * w.v;
+    const bool holds = std::all_of(state.disks.begin(), state.disks.end(), [&](const Disk& d) {
+      return (middle(d, step) - at).norm() < w.radius;
+    });
+    if (!holds) continue;
+    smallest = w.radius;
+    centre = at;
+  }
+  double area = std::numbers::pi * smallest * smallest;
+  for (const Wall& w : state.walls) {
+    const bool half_plane = w.shape == Wall::Shape::kHalfPlane && w.present;
+    if (half_plane) return kNaN;
+    if (w.shape != Wall::Shape::kSolidCircle || !w.present) continue;
+    const double reach = (w.a - 0.5 * step * w.v - centre).norm() + w.radius;
+    if (reach <= smallest) area -= std::numbers::pi * w.radius * w.radius;
+  }
+  return area;
+}
+
 /// Area that the half-planes enclose; NaN where they leave the sample open, or leave disks out.
 double enclosed_area(const State& state, double step, const Box& disks) {
   constexpr double kFar = 1e3;  // an enclosure this many times as wide as the disks counts as none
@@ -130,7 +182,7 @@ double enclosed_area(const State& state, double step, const Box& disks) {
   std::vector<Vec2> polygon = {far.lower, Vec2(far.upper[0], far.lower[1]), far.upper,
                                Vec2(far.lower[0], far.upper[1])};
   for (const Wall& w : state.walls) {
-    if (w.shape != Wall::Shape::kHalfPlane) continue;
+    if (w.shape != Wall::Shape::kHalfPlane || !w.present) continue;
     const Vec2 point = w.a - 0.5 * step * w.v;
     for (const Disk& d : state.disks) {
       if ((middle(d, step) - point).dot(w.normal) < 0) return kNaN;
@@ -193,9 +245,11 @@ MeanStress sample_stress(const State& state, double step, double area,
                          std::span<const double> moments) {
   MeanStress stress;
   for (const Link& link : collect_links(state, step)) stress.contact += link.tensor();
-  const Vec2 mean = mean_velocity(state.disks);
-  for (std::size_t k = 0; k < state.disks.size(); ++k) {
-    stress.kinetic += kinetic_part(state.disks[k], mean);
+  std::vector<Disk> relative;
+  const std::vector<Disk>& disks = without_deformation(state, relative);
+  const Vec2 mean = mean_velocity(disks);
+  for (std::size_t k = 0; k < disks.size(); ++k) {
+    stress.kinetic += kinetic_part(disks[k], mean);
     stress.spin += spin_part(moments[k], step);
   }
   divide(stress, area);
@@ -234,9 +288,11 @@ std::vector<MeanStress> disk_stresses(const State& state, double step,
       stresses[static_cast<std::size_t>(link.j)].contact += (1 - link.share_i) * tensor;
     }
   }
-  const Vec2 mean = mean_velocity(state.disks);
+  std::vector<Disk> relative;
+  const std::vector<Disk>& disks = without_deformation(state, relative);
+  const Vec2 mean = mean_velocity(disks);
   for (std::size_t k = 0; k < stresses.size(); ++k) {
-    const Disk& d = state.disks[k];
+    const Disk& d = disks[k];
     stresses[k].kinetic = kinetic_part(d, mean);
     stresses[k].spin = spin_part(moments[k], step);
     divide(stresses[k], std::numbers::pi * d.radius * d.radius);
@@ -251,9 +307,11 @@ double sample_area(const State& state, double step) {
     box.include(middle(d, step) - Vec2::Constant(d.radius));
     box.include(middle(d, step) + Vec2::Constant(d.radius));
   }
+  if (state.cell.periodic()) return cell_area(state, step, box);
   if (const double enclosed = enclosed_area(state, step, box); std::isfinite(enclosed)) {
     return enclosed;
   }
+  if (const double drum = drum_area(state, step); std::isfinite(drum)) return drum;
   // Only disks that reach farthest in some direction have points on the hull.
   std::array<Vec2, kRimPoints> directions;
   for (int k = 0; k < kRimPoints; ++k) {

@@ -19,6 +19,9 @@ using Mat2 = Eigen::Matrix2d;
 ///   kinetic = 1/V Σ_i m v' ⊗ v'                        fluctuations v' about the mean velocity
 ///   spin    = 1/V Σ_i (dL/dt) / 2 · [0 -1; 1 0]        Fortin, Millet and de Saxcé 2003
 ///
+/// In a periodic cell l is the branch to the image of the second disk, and v' does not count the
+/// homogeneous deformation of the cell.
+///
 /// f is the force s/h on the first body of a contact, l the branch from the second centre to the
 /// first (from the wall's surface for a wall), at mid-step, where the impulses act (38).
 ///
@@ -69,8 +72,9 @@ MeanStress window_stress(const State& state, double step, const Box& window,
 std::vector<MeanStress> disk_stresses(const State& state, double step,
                                       std::span<const double> moments);
 
-/// What half-planes enclose, where they do and the disks lie in it; else the convex hull of the
-/// disks (their rims as polygons of 256 points). At mid-step. 0 without disks.             [m²]
+/// What half-planes enclose, where they do and the disks lie in it; else a hollow circle that holds
+/// them, less the solid circles in it; of a periodic scene its cell, as high as half-planes leave room
+/// where y is not periodic; else the convex hull of the disks (their rims as polygons of 256 points). At mid-step. 0 without disks.             [m²]
 double sample_area(const State& state, double step);
 
 /// Mean of n ⊗ n over the contacts that carry force; trace 1, zero without any.

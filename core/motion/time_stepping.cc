@@ -7,8 +7,10 @@
 #include <utility>
 
 #include "core/motion/midpoint.h"
+#include "core/motion/outside_changes.h"
 #include "core/motion/warm_start.h"
 #include "core/problem/delassus.h"
+#include "core/scene/wall_motion.h"
 #include "core/stopwatch.h"
 
 namespace bipot {
@@ -34,18 +36,26 @@ StateIn<D> update_bodies(const MidpointIn<D>& mid, const DofMap& dofs, const Vec
     WallIn<D>& wall = next.walls[w];
     if (wall.motion == WallIn<D>::Motion::kDriven) {
       const double speed = dofs.wall[w] < 0 ? mid.wall_v_free[w] : v[dofs.wall[w]];
-      wall.v = speed * wall.direction;
+      wall.v = driven_velocity(wall, speed);
     }
     wall.a += 0.5 * h * wall.v;
     wall.b += 0.5 * h * wall.v;
   }
+  if (!mid.cell.periodic()) return next;
+  next.cell = mid.cell;
+  for (int k = 0; k < 3; ++k) {
+    if (mid.cell.side(k).motion != CellSide::Motion::kDriven) continue;
+    next.cell.side(k).speed = dofs.side[k] < 0 ? mid.side_v_free[k] : v[dofs.side[k]];
+  }
+  move_cell(next.cell, 0.5 * h);
   return next;
 }
 
 /// Accumulated work of the state after the step, and the balances of energy and momentum.
 template <int D>
-void close_ledger(const StateIn<D>& before, const StepOutcomeIn<D>& outcome,
-                  const VecIn<D>& gravity, StateIn<D>& next, StepReportIn<D>& report) {
+void close_ledger(const SceneIn<D>& scene, const StateIn<D>& before,
+                  const StepOutcomeIn<D>& outcome, StateIn<D>& next, StepReportIn<D>& report) {
+  const VecIn<D> gravity = gravity_at(scene, next.time);
   next.wall_work = before.wall_work + outcome.wall_work;
   next.friction_loss = before.friction_loss + outcome.friction_loss;
   next.shock_loss = before.shock_loss + outcome.shock_loss;
@@ -55,7 +65,8 @@ void close_ledger(const StateIn<D>& before, const StepOutcomeIn<D>& outcome,
                    .friction_loss = next.friction_loss,
                    .shock_loss = next.shock_loss};
   report.energy.imbalance = report.energy.kinetic + report.energy.potential -
-                            kinetic_energy(before) - potential_energy(before, gravity) -
+                            kinetic_energy(before) -
+                            potential_energy(before, gravity_at(scene, before.time)) -
                             outcome.wall_work + outcome.friction_loss + outcome.shock_loss;
   if (!std::isfinite(report.energy.kinetic + report.energy.potential)) {
     throw StepFailure(StepFailure::Kind::kNumerical, before, "the energy is not finite");
@@ -124,8 +135,12 @@ StepReportIn<D> TimeStepperIn<D>::advance(StateIn<D>& state) {
   StateIn<D> next = update_bodies(mid, assembled_.dofs, v, scene_.step);
   next.step = state.step + 1;
   next.time = time_after_step(state, scene_.step);
-  StepOutcomeIn<D> outcome = step_outcome<D>(scene_, mid, assembled_, s, v, next.walls);
-  close_ledger(state, outcome, scene_.gravity, next, report);
+  StepOutcomeIn<D> outcome = step_outcome<D>(scene_, mid, assembled_, s, v, next.walls, next.cell);
+  const OutsideChanges<D> changes =
+      outside_changes(scene_, state, mid.walls, mid.gravity, next.disks, next.time);
+  outcome.wall_work += changes.work;
+  outcome.external += changes.impulse;
+  close_ledger(scene_, state, outcome, next, report);
   next.contacts = std::move(outcome.contacts);
 
   report.step = next.step;

@@ -18,6 +18,7 @@
 
 #include "core/file_error.h"
 #include "core/files/atomic_file.h"
+#include "core/motion/periodic_state.h"
 #include "core/pictures/colour_map.h"
 #include "core/scene/scene_box.h"
 
@@ -159,6 +160,23 @@ void draw_hatching(cairo_t* c, const Vec2& first, const Vec2& last, const Vec2& 
   }
 }
 
+/// A circular wall; short strokes at 45 degrees on its solid side.
+void draw_circle(cairo_t* c, const Vec2& centre, double radius, bool hollow) {
+  cairo_new_path(c);
+  cairo_arc(c, centre[0], centre[1], radius, 0, 2 * std::numbers::pi);
+  set(c, kWall);
+  cairo_set_line_width(c, 2);
+  cairo_stroke(c);
+  const int strokes = std::max(8, static_cast<int>(2 * std::numbers::pi * radius / kHatch));
+  for (int k = 0; k < strokes; ++k) {
+    const double angle = 2 * std::numbers::pi * k / strokes;
+    const Vec2 out(std::cos(angle), std::sin(angle));
+    const Vec2 begin = centre + radius * out;
+    const double depth = hollow ? kHatch : -std::min(kHatch, 0.5 * radius);
+    stroke_line(c, begin, begin + depth * (out + Vec2(-out[1], out[0])), 0.9, kWall);
+  }
+}
+
 /// An entry below the scene: a drawing of some width and a text.
 struct LegendItem {
   double width;
@@ -183,6 +201,10 @@ class Picture {
           const ForcePictureOptions& options)
       : scene_(scene), state_(state), options_(options), friction_(scene.has_friction()) {
     box_ = view_box(state.disks, state.walls);
+    for (const auto& [a, b] : cell_outline(state.cell, box_)) {
+      box_.include(a);
+      box_.include(b);
+    }
     double largest = 0;
     for (const Disk& d : state.disks) largest = std::max(largest, d.radius);
     const double width = std::max(largest * (options.width - 2 * kMargin) / kLargestDisk,
@@ -222,6 +244,7 @@ class Picture {
     cairo_clip(c);
     draw_disks(c);
     draw_walls(c);
+    draw_cell(c);
     for (const Segment& s : segments_) draw_segment(c, s, width_of(s.force));
     for (const int k : options_.marked) draw_mark(c, touching_point(k));
     cairo_restore(c);
@@ -229,23 +252,33 @@ class Picture {
   }
 
  private:
+  bool near(const Vec2& x, double radius) const {
+    return (x - box_.lower).minCoeff() > -radius && (box_.upper - x).minCoeff() > -radius;
+  }
   double width_of(double force) const { return widest_ * force / full_force_; }
 
   void collect_segments() {
     const auto& disks = state_.disks;
     for (const ContactOutcome& o : state_.contacts) {
       Segment s;
-      const Disk& i = disks[static_cast<std::size_t>(o.contact.i)];
       const auto j = static_cast<std::size_t>(o.contact.j);
-      s.a = map_(i.x);
+      const auto [from, to] = drawn_branch(state_, o.contact);
+      s.a = map_(from);
       s.at_wall = j >= disks.size();
-      s.b = map_(j < disks.size() ? disks[j].x : Vec2(i.x - i.radius * o.contact.n));
+      s.b = map_(to);
       s.force = std::max(0.0, o.s_n / scene_.step);
       if (s.force > 0) {
         s.kind = friction_ && o.status == ContactStatus::kSlip ? Kind::kSliding : Kind::kHeld;
       }
       ++count_[static_cast<std::size_t>(s.kind)];
-      if (s.kind != Kind::kNone || options_.take_off) segments_.push_back(s);
+      if (s.kind == Kind::kNone && !options_.take_off) continue;
+      segments_.push_back(s);
+      if (!o.contact.with_image() || s.at_wall) continue;
+      // Across the edge of the cell: the other disk's half as well.
+      const Vec2 back = disks[j].x - to;
+      s.a = map_(from + back);
+      s.b = map_(disks[j].x);
+      segments_.push_back(s);
     }
     // The strongest on top.
     std::stable_sort(segments_.begin(), segments_.end(),
@@ -274,11 +307,27 @@ class Picture {
     if (!(full_force_ > 0)) full_force_ = 1;  // nothing is drawn with it
   }
 
+  /// The edges of a periodic cell.
+  void draw_cell(cairo_t* c) const {
+    const double dashes[] = {7.0, 4.0};
+    cairo_set_dash(c, dashes, 2, 0);
+    for (const auto& [a, b] : cell_outline(state_.cell, box_)) {
+      stroke_line(c, map_(a), map_(b), 1.2, kText);
+    }
+    cairo_set_dash(c, nullptr, 0, 0);
+  }
+
   void draw_disks(cairo_t* c) const {
+    for (const Vec2& shift : image_shifts(state_.cell)) draw_image(c, shift);
+  }
+
+  /// The disks, or an image of them as far as it is in the picture.
+  void draw_image(cairo_t* c, const Vec2& shift) const {
     const std::vector<double>& fill = options_.fill.values;
     for (std::size_t k = 0; k < state_.disks.size(); ++k) {
       const Disk& d = state_.disks[k];
-      const Vec2 x = map_(d.x);
+      if (shift != Vec2::Zero() && !near(d.x + shift, d.radius)) continue;
+      const Vec2 x = map_(d.x + shift);
       const double radius = map_.scale * d.radius;
       const double rim = std::clamp(0.06 * radius, 0.15, 1.2);
       cairo_new_path(c);
@@ -295,6 +344,11 @@ class Picture {
     const auto lines = wall_lines(state_.walls, box_);
     for (std::size_t k = 0; k < lines.size(); ++k) {
       const Wall& w = state_.walls[k];
+      if (!w.present) continue;
+      if (w.is_circle()) {
+        draw_circle(c, map_(w.a), map_.scale * w.radius, w.shape == Wall::Shape::kHollowCircle);
+        continue;
+      }
       const Vec2 a = map_(lines[k].first), b = map_(lines[k].second);
       if (w.shape == Wall::Shape::kHalfPlane) {
         draw_hatching(c, a, b, Vec2(w.normal[0], -w.normal[1]));
@@ -485,7 +539,8 @@ void draw_force_picture(const std::filesystem::path& path, const Scene& scene, c
   if (format != ".svg" && format != ".png") {
     throw FileError(path, "", "the name of a picture ends in .svg or .png");
   }
-  const Picture picture(scene, state, caption, options);
+  const State inside = state.cell.periodic() ? wrapped_state(state) : State();
+  const Picture picture(scene, state.cell.periodic() ? inside : state, caption, options);
   AtomicFile target(path);
   const double width = options.width, height = picture.height();
   const double zoom = format == ".png" ? options.resolution : 1.0;

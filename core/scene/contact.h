@@ -8,12 +8,15 @@
 namespace bipot {
 
 /// A candidate contact of disk (in space: sphere) i with the body j: a disk (j > i) or the wall
-/// j - num_disks.
+/// j - num_disks. In a periodic cell with an image of j (core/scene/cell.h).
 template <int D>
 struct ContactIn {
   int i = -1, j = -1;
   VecIn<D> n = VecIn<D>::Zero();  ///< unit normal, from j to i
   double gap = 0;                 ///< |X_i - X_j| - (a_i + a_j), negative: overlap (11)   [m]
+  int image_x = 0, image_y = 0;   ///< numbers of the image of j
+
+  bool with_image() const { return image_x != 0 || image_y != 0; }
 };
 using Contact = ContactIn<2>;
 

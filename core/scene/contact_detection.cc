@@ -117,27 +117,6 @@ void test_pair(std::span<const BodyIn<D>> disks, int i, int j, double eta,
   out.push_back({i, j, d / distance, distance - (a.radius + b.radius)});
 }
 
-template <int D>
-void test_wall(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int j, double eta,
-               std::vector<ContactIn<D>>& out) {
-  if (wall.shape == WallIn<D>::Shape::kHalfPlane) {
-    const double gap = wall.normal.dot(disk.x - wall.a) - disk.radius;
-    if (gap <= eta) out.push_back({i, j, wall.normal, gap});
-    return;
-  }
-  const VecIn<D> along = wall.b - wall.a;
-  const double t = std::clamp((disk.x - wall.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  const VecIn<D> d = disk.x - (wall.a + t * along);
-  const double distance = d.norm();
-  if (distance - disk.radius > eta) return;
-  if (distance == 0) {
-    throw std::invalid_argument(
-        fmt::format("the centre of {} {} lies on wall '{}': their contact has no normal",
-                    kBodyName<D>, i, wall.name));
-  }
-  out.push_back({i, j, d / distance, distance - disk.radius});
-}
-
 using Entries = std::vector<CellEntry>;
 
 Entries::const_iterator first_from(const Entries& entries, std::uint64_t key) {
@@ -256,8 +235,9 @@ std::vector<ContactIn<D>> all_contacts(std::span<const BodyIn<D>> disks,
   }
   const int num_disks = static_cast<int>(disks.size());
   for (int w = 0; w < static_cast<int>(walls.size()); ++w) {
+    if (!walls[to_size(w)].present) continue;
     for (int i = 0; i < num_disks; ++i) {
-      test_wall(disks[to_size(i)], i, walls[to_size(w)], num_disks + w, eta, contacts);
+      find_wall_contact<D>(disks[to_size(i)], i, walls[to_size(w)], num_disks + w, eta, contacts);
     }
   }
   return sorted(contacts, num_disks);
@@ -266,12 +246,51 @@ std::vector<ContactIn<D>> all_contacts(std::span<const BodyIn<D>> disks,
 }  // namespace
 
 template <int D>
+void find_wall_contact(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int j, double eta,
+                       std::vector<ContactIn<D>>& out) {
+  if (wall.shape == WallIn<D>::Shape::kHalfPlane) {
+    const double gap = wall.normal.dot(disk.x - wall.a) - disk.radius;
+    if (gap <= eta) out.push_back({i, j, wall.normal, gap});
+    return;
+  }
+  if (wall.is_circle()) {
+    const bool hollow = wall.shape == WallIn<D>::Shape::kHollowCircle;
+    const VecIn<D> d = hollow ? VecIn<D>(wall.a - disk.x) : VecIn<D>(disk.x - wall.a);
+    const double distance = d.norm();
+    const double gap = (hollow ? wall.radius - distance : distance - wall.radius) - disk.radius;
+    if (gap > eta) return;
+    if (distance == 0) {
+      throw std::invalid_argument(
+          fmt::format("{} {} lies at the centre of wall '{}' and touches it: their contact has no "
+                      "normal",
+                      kBodyName<D>, i, wall.name));
+    }
+    out.push_back({i, j, d / distance, gap});
+    return;
+  }
+  const VecIn<D> along = wall.b - wall.a;
+  const double t = std::clamp((disk.x - wall.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+  const VecIn<D> d = disk.x - (wall.a + t * along);
+  const double distance = d.norm();
+  if (distance - disk.radius > eta) return;
+  if (distance == 0) {
+    throw std::invalid_argument(
+        fmt::format("the centre of {} {} lies on wall '{}': their contact has no normal",
+                    kBodyName<D>, i, wall.name));
+  }
+  out.push_back({i, j, d / distance, distance - disk.radius});
+}
+
+template <int D>
 std::vector<ContactIn<D>> detect_contacts(std::span<const BodyIn<D>> disks,
                                           std::span<const WallIn<D>> walls, double eta,
                                           int threads) {
   return all_contacts(disks, walls, eta, threads);
 }
 
+template void find_wall_contact(const Disk&, int, const Wall&, int, double, std::vector<Contact>&);
+template void find_wall_contact(const Sphere&, int, const WallIn<3>&, int, double,
+                                std::vector<ContactIn<3>>&);
 template std::vector<Contact> detect_contacts<2>(std::span<const Disk>, std::span<const Wall>,
                                                  double, int);
 template std::vector<ContactIn<3>> detect_contacts<3>(std::span<const Sphere>,

@@ -23,4 +23,13 @@ inline std::vector<Contact> detect_contacts(std::span<const Disk> disks,
   return detect_contacts<2>(disks, walls, eta, threads);
 }
 
+/// Appends the contact of disk i with the wall of body number j where its gap is at most eta.
+template <int D>
+void find_wall_contact(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int j, double eta,
+                       std::vector<ContactIn<D>>& out);
+
+/// Appends the contact of disk i with the wall of body number j where its gap is at most eta.
+void find_wall_contact(const Disk& disk, int i, const Wall& wall, int j, double eta,
+                       std::vector<Contact>& out);
+
 }  // namespace bipot

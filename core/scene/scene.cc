@@ -65,6 +65,10 @@ std::string check_wall(const WallIn<D>& w, std::size_t i, int materials) {
   if (w.shape == WallIn<D>::Shape::kSegment) {
     if (auto e = check_finite("wall", i, "end point", w.b); !e.empty()) return e;
     if (w.a == w.b) return fmt::format("wall {}: the segment's two ends coincide", i);
+  } else if (w.is_circle()) {
+    if (auto e = check_positive("wall", i, "radius", w.radius); !e.empty()) return e;
+    if (!std::isfinite(w.spin)) return fmt::format("wall {}: spin = {} is not finite", i, w.spin);
+    if (D == 3 && w.spin != 0) return fmt::format("wall {}: in space it cannot turn", i);
   } else if (auto e = check_unit("normal", i, w.normal); !e.empty()) {
     return e;
   }
@@ -74,9 +78,58 @@ std::string check_wall(const WallIn<D>& w, std::size_t i, int materials) {
     if (!std::isfinite(w.force)) {
       return fmt::format("wall {}: force = {} is not finite", i, w.force);
     }
+    if (!(std::abs(w.across.dot(w.direction)) <= 1e-12 * w.across.norm())) {
+      return fmt::format("wall {}: it is moved by {} m/s, not across its direction", i,
+                         in_brackets(w.across));
+    }
+  }
+  if (!(w.starts >= 0) || !(w.stops >= w.starts) || !(w.removed >= 0)) {
+    return fmt::format("wall {}: starts = {} s (>= 0), stops = {} s (>= starts), removed = {} s", i,
+                       w.starts, w.stops, w.removed);
   }
   if (w.material < 0 || w.material >= materials) {
     return fmt::format("wall {}: material index {} is not in [0, {})", i, w.material, materials);
+  }
+  return {};
+}
+
+/// What a periodic scene may have besides its bodies.
+template <int D>
+std::string check_periodic(const SceneIn<D>& scene) {
+  const Cell& cell = scene.cell;
+  if (!cell.periodic()) return {};
+  if (auto e = check_cell(cell); !e.empty()) return e;
+  if (D == 3 && cell.deforms()) return "cell: in space it cannot deform";
+  double largest = 0;
+  for (const BodyIn<D>& d : scene.disks) largest = std::max(largest, d.radius);
+  if (!(shortest_period(cell) > 4 * largest + 2 * scene.contact_distance)) {
+    return fmt::format(
+        "the cell repeats itself after {} m: it must be longer than two of the largest diameters, "
+        "{} m",
+        shortest_period(cell), 4 * largest);
+  }
+  if (D == 2 && cell.in_y && !scene.gravity.isZero(0)) {
+    return "gravity has no place in a cell that is periodic in x and y: gravity = [0, 0]";
+  }
+  for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+    const WallIn<D>& wall = scene.walls[w];
+    const bool plane = wall.shape == WallIn<D>::Shape::kHalfPlane;
+    const bool across = wall.normal[0] != 0 || (cell.in_y && wall.normal[1] != 0);
+    if (plane && across) {
+      return fmt::format(
+          "wall {}: a half-plane in a periodic scene lies along x, and there is no "
+          "place for it where the cell is periodic in y as well",
+          w);
+    }
+    const double reach = plane             ? 0
+                         : wall.radius > 0 ? 2 * wall.radius
+                                           : std::abs(wall.b[0] - wall.a[0]) * (1 - 1e-12);
+    if (reach > cell.width.length) {
+      return fmt::format("wall {}: it is {} m wide, the cell {} m", w, reach, cell.width.length);
+    }
+    if (!plane && cell.deforms()) {
+      return fmt::format("wall {}: a cell that deforms has no place for segments and circles", w);
+    }
   }
   return {};
 }
@@ -100,6 +153,19 @@ bool SceneIn<D>::has_friction() const {
 }
 
 template <int D>
+VecIn<D> gravity_at(const SceneIn<D>& scene, double time) {
+  const Tilt& tilt = scene.tilt;
+  if (tilt.rate == 0) return scene.gravity;
+  const double turned = std::clamp(time, tilt.starts, tilt.stops) - tilt.starts;
+  const Vec2 plane =
+      Eigen::Rotation2D<double>(tilt.rate * turned) * Vec2(scene.gravity[0], scene.gravity[D - 1]);
+  VecIn<D> gravity = scene.gravity;
+  gravity[0] = plane[0];
+  gravity[D - 1] = plane[1];
+  return gravity;
+}
+
+template <int D>
 double smallest_radius(const SceneIn<D>& scene) {
   double smallest = kInfinity;
   for (const BodyIn<D>& d : scene.disks) smallest = std::min(smallest, d.radius);
@@ -110,6 +176,11 @@ template <int D>
 std::string validate(const SceneIn<D>& scene) {
   const int materials = static_cast<int>(scene.materials.size());
   if (!scene.gravity.allFinite()) return "gravity is not finite";
+  if (!std::isfinite(scene.tilt.rate) || !(scene.tilt.starts >= 0) ||
+      !(scene.tilt.stops >= scene.tilt.starts)) {
+    return fmt::format("tilt: rate = {} rad/s, starts = {} s (>= 0), stops = {} s (>= starts)",
+                       scene.tilt.rate, scene.tilt.starts, scene.tilt.stops);
+  }
   if (!(scene.step > 0) || !std::isfinite(scene.step)) {
     return fmt::format("time step = {} s is not a positive finite number", scene.step);
   }
@@ -135,6 +206,7 @@ std::string validate(const SceneIn<D>& scene) {
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     if (auto e = check_wall(scene.walls[i], i, materials); !e.empty()) return e;
   }
+  if (auto e = check_periodic(scene); !e.empty()) return e;
   const SpringDashpotChoice& dem = scene.dem;
   const auto at_least_zero = [](double x) { return x >= 0 && std::isfinite(x); };
   if (!at_least_zero(dem.stiffness) || !at_least_zero(dem.substep) || !(dem.overlap > 0) ||
@@ -155,6 +227,8 @@ std::string validate(const SceneIn<D>& scene) {
 
 template struct SceneIn<2>;
 template struct SceneIn<3>;
+template Vec2 gravity_at(const SceneIn<2>&, double);
+template Vec3 gravity_at(const SceneIn<3>&, double);
 template double smallest_radius(const SceneIn<2>&);
 template double smallest_radius(const SceneIn<3>&);
 template std::string validate(const SceneIn<2>&);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/scene/cell.h"
 #include "core/types.h"
 
 namespace bipot {
@@ -61,11 +62,13 @@ inline void drift(Disk& d, double h) {
 void drift(Sphere& sphere, double h);
 
 /// A wall: a half-plane (everything behind the line through a with outward normal `normal` is
-/// solid) or a segment from a to b, solid from both sides, ends included. In space a half-plane is
-/// a half-space. Walls translate, never rotate.
+/// solid), a segment from a to b, solid from both sides, ends included, or a circle about a, solid
+/// outside (hollow: a drum) or inside. In space a half-plane is a half-space, a circle a sphere.
+/// Walls translate; only circles in the plane turn, about their centre. What a wall is at a time:
+/// core/scene/wall_motion.h.
 template <int D>
 struct WallIn {
-  enum class Shape { kHalfPlane, kSegment };
+  enum class Shape { kHalfPlane, kSegment, kHollowCircle, kSolidCircle };
   enum class Motion {
     kFixed,
     kMoving,  ///< prescribed velocity
@@ -82,8 +85,25 @@ struct WallIn {
   double force = 0;                      ///< along direction      [N]
   double mass = 0;                       ///< driven walls only    [kg]
   int material = 0;
+  double radius = 0;         ///< circles only, > 0                                      [m]
+  double spin = 0;           ///< circles only: angular velocity, counter-clockwise      [rad/s]
+  Vec across = Vec::Zero();  ///< driven walls only: prescribed velocity, normal to direction [m/s]
+  double starts = 0;         ///< before that it stands still                            [s]
+  double stops = kInfinity;  ///< from then on it stands still                           [s]
+  double removed = kInfinity;  ///< from then on it is not there                           [s]
+  bool present = true;         ///< in a state: false once it has been removed
+
+  bool is_circle() const { return shape == Shape::kHollowCircle || shape == Shape::kSolidCircle; }
 };
 using Wall = WallIn<2>;
+
+/// Gravity that turns, in the plane of the first and the last axis, from the first to the last: counter-clockwise
+/// in the plane.
+struct Tilt {
+  double rate = 0;           ///< 0: it does not turn                 [rad/s]
+  double starts = 0;         ///< [s]
+  double stops = kInfinity;  ///< [s]
+};
 
 /// Which solver a scene asks for; the command line may override each entry.
 struct SolverChoice {
@@ -123,8 +143,10 @@ struct OutputChoice {
 template <int D>
 struct SceneIn {
   std::string title;
-  std::string source;  ///< file name, or "generated"
-  VecIn<D> gravity = VecIn<D>::Zero();
+  std::string source;                   ///< file name, or "generated"
+  VecIn<D> gravity = VecIn<D>::Zero();  ///< before it turns        [m/s²]
+  Tilt tilt;
+  Cell cell;                     ///< periodic scenes
   std::vector<BodyIn<D>> disks;  ///< in space: spheres
   std::vector<WallIn<D>> walls;
   std::vector<std::string> materials;  ///< names
@@ -144,6 +166,10 @@ struct SceneIn {
   bool has_friction() const;
 };
 using Scene = SceneIn<2>;
+
+/// Gravity at a time; that of a step counts at its middle.         [m/s²]
+template <int D>
+VecIn<D> gravity_at(const SceneIn<D>& scene, double time);
 
 /// Radius of the smallest disk [m]; infinite in a scene without disks.
 template <int D>

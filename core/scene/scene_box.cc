@@ -12,10 +12,21 @@ Vec2 nearest_point(const Wall& wall, const Vec2& x) {
   if (wall.shape == Wall::Shape::kHalfPlane) {
     return x - (x - wall.a).dot(wall.normal) * wall.normal;
   }
+  if (wall.is_circle()) {
+    const Vec2 d = x - wall.a;
+    const double distance = d.norm();
+    return wall.a + wall.radius * (distance > 0 ? Vec2(d / distance) : Vec2(1, 0));
+  }
   const Vec2 along = wall.b - wall.a;
   const double length2 = along.squaredNorm();
   const double t = length2 > 0 ? (x - wall.a).dot(along) / length2 : 0.0;
   return wall.a + std::clamp(t, 0.0, 1.0) * along;
+}
+
+void include_circle(const Wall& wall, Box& box) {
+  if (!wall.is_circle()) return;
+  box.include(wall.a - Vec2::Constant(wall.radius));
+  box.include(wall.a + Vec2::Constant(wall.radius));
 }
 
 }  // namespace
@@ -31,6 +42,7 @@ Box view_box(std::span<const Disk> disks, std::span<const Wall> walls) {
   if (box.empty()) {
     for (const Wall& w : walls) {
       box.include(w.a);
+      include_circle(w, box);
       if (w.shape == Wall::Shape::kSegment) box.include(w.b);
     }
     if (box.empty()) box.include(Vec2::Zero());
@@ -41,6 +53,12 @@ Box view_box(std::span<const Disk> disks, std::span<const Wall> walls) {
   const Box of_disks = box;
   const double reach = std::max(of_disks.size().maxCoeff(), 12 * largest);
   for (const Wall& w : walls) {
+    if (!w.present) continue;
+    // A circle that holds the disks, or lies among them, is shown whole.
+    if (w.is_circle() &&
+        (nearest_point(w, of_disks.centre()) - of_disks.centre()).norm() <= reach) {
+      include_circle(w, box);
+    }
     for (const Vec2& x :
          {of_disks.centre(), of_disks.lower, of_disks.upper,
           Vec2(of_disks.lower[0], of_disks.upper[1]), Vec2(of_disks.upper[0], of_disks.lower[1])}) {
@@ -56,6 +74,10 @@ Box view_box(std::span<const Disk> disks, std::span<const Wall> walls) {
 std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall> walls, const Box& box) {
   std::vector<std::pair<Vec2, Vec2>> lines;
   for (const Wall& wall : walls) {
+    if (wall.is_circle() || !wall.present) {
+      lines.emplace_back(wall.a, wall.a);
+      continue;
+    }
     if (wall.shape == Wall::Shape::kSegment) {
       lines.emplace_back(wall.a, wall.b);
       continue;
@@ -69,7 +91,7 @@ std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall> walls, const
     }
     double seen_first = first, seen_last = last;
     for (const Wall& other : walls) {
-      if (&other == &wall || other.shape == Wall::Shape::kSegment) continue;
+      if (&other == &wall || other.shape != Wall::Shape::kHalfPlane || !other.present) continue;
       // Height above the other one at the parameter x: height + slope x.
       const double height = (wall.a - other.a).dot(other.normal);
       const double slope = t.dot(other.normal);

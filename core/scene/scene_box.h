@@ -30,7 +30,8 @@ struct Box {
 Box view_box(std::span<const Disk> disks, std::span<const Wall> walls);
 
 /// The two ends of each wall as it is drawn: of a segment its own, of a half-plane's line as far as
-/// the box reaches in its direction and no other half-plane covers it.
+/// the box reaches in its direction and no other half-plane covers it. Circles and walls that are
+/// not present have no line: both ends are one point.
 std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall> walls, const Box& box);
 
 }  // namespace bipot

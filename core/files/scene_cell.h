@@ -1,0 +1,11 @@
+#pragma once
+
+#include "core/files/scene_table.h"
+#include "core/scene/cell.h"
+
+namespace bipot {
+
+/// The table [cell]; no cell where it is missing. Throws SceneFileError.
+Cell read_cell(const SceneTable& root);
+
+}  // namespace bipot

@@ -1,0 +1,55 @@
+#include "core/motion/periodic_state.h"
+
+namespace bipot {
+
+State wrapped_state(const State& state) {
+  State inside = state;
+  const Cell& cell = state.cell;
+  if (!cell.periodic()) return inside;
+  std::vector<CellNumber> numbers;
+  for (Disk& d : inside.disks) {
+    numbers.push_back(cell_number(cell, d.x));
+    d.x -= cell.shift(numbers.back().kx, numbers.back().ky);
+  }
+  for (ContactOutcome& o : inside.contacts) {
+    const CellNumber a = numbers[to_size(o.contact.i)];
+    const std::size_t j = to_size(o.contact.j);
+    const CellNumber b = j < numbers.size() ? numbers[j] : CellNumber{};
+    o.contact.image_x += b.kx - a.kx;
+    o.contact.image_y += b.ky - a.ky;
+  }
+  return inside;
+}
+
+std::pair<Vec2, Vec2> drawn_branch(const State& state, const Contact& contact) {
+  const Disk& i = state.disks[to_size(contact.i)];
+  const std::size_t j = to_size(contact.j);
+  if (j >= state.disks.size()) return {i.x, i.x - i.radius * contact.n};
+  Vec2 other = state.disks[j].x;
+  if (contact.with_image()) other += state.cell.shift(contact.image_x, contact.image_y);
+  return {i.x, other};
+}
+
+std::vector<std::pair<Vec2, Vec2>> cell_outline(const Cell& cell, const Box& box) {
+  if (!cell.periodic()) return {};
+  const Vec2 p_x = cell.shift(1, 0);
+  if (!cell.in_y) {
+    const Vec2 low(0, box.lower[1]), high(0, box.upper[1]);
+    return {{low, high}, {low + p_x, high + p_x}};
+  }
+  const Vec2 p_y = cell.shift(0, 1), zero = Vec2::Zero();
+  return {{zero, p_x}, {p_x, p_x + p_y}, {p_x + p_y, p_y}, {p_y, zero}};
+}
+
+std::vector<Vec2> image_shifts(const Cell& cell) {
+  std::vector<Vec2> shifts = {Vec2::Zero()};
+  if (!cell.periodic()) return shifts;
+  for (int ky = cell.in_y ? -1 : 0; ky <= (cell.in_y ? 1 : 0); ++ky) {
+    for (int kx = -1; kx <= 1; ++kx) {
+      if (kx != 0 || ky != 0) shifts.push_back(cell.shift(kx, ky));
+    }
+  }
+  return shifts;
+}
+
+}  // namespace bipot

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <utility>
+#include <vector>
+
+#include "core/motion/state.h"
+#include "core/scene/scene_box.h"
+
+namespace bipot {
+
+/// The same state with each disk in the cell (0, 0), for what looks at places: pictures, windows,
+/// profiles. Images of contacts are those between the bodies in their new places. A state that is
+/// not periodic comes back as it is.
+State wrapped_state(const State& state);
+
+/// The line of a contact in a drawing: from the centre of disk i to that of j, or of the image of j
+/// that it touches, or to the point where it touches a wall.                               [m]
+std::pair<Vec2, Vec2> drawn_branch(const State& state, const Contact& contact);
+
+/// The edges of the cell (0, 0); of one that is periodic in x alone, two lines as high as the box.
+std::vector<std::pair<Vec2, Vec2>> cell_outline(const Cell& cell, const Box& box);
+
+/// The shifts of the images of the cell that may reach into it: none but zero in a scene that is
+/// not periodic.                                                                            [m]
+std::vector<Vec2> image_shifts(const Cell& cell);
+
+}  // namespace bipot

@@ -1,0 +1,98 @@
+#include "core/scene/cell.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bipot {
+
+bool Cell::deforms() const {
+  for (int k = 0; k < 3; ++k) {
+    if (side(k).motion != CellSide::Motion::kFixed) return true;
+  }
+  return false;
+}
+
+double stress_force(const Cell& cell, int side) {
+  const CellSide& s = cell.side(side);
+  if (s.motion != CellSide::Motion::kDriven) return 0;
+  return side == 0   ? -s.stress * cell.height.length
+         : side == 1 ? -s.stress * cell.width.length
+                     : s.stress * cell.width.length;
+}
+
+double side_share(int side, int kx, int ky, const Vec2& axis) {
+  return side == 0 ? kx * axis[0] : side == 1 ? ky * axis[1] : ky * axis[0];
+}
+
+void move_cell(Cell& cell, double dt) {
+  for (int k = 0; k < 3; ++k) cell.side(k).length += dt * cell.side(k).speed;
+}
+
+double cell_kinetic_energy(const Cell& cell) {
+  double sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const CellSide& s = cell.side(k);
+    if (s.motion == CellSide::Motion::kDriven) sum += 0.5 * s.mass * s.speed * s.speed;
+  }
+  return sum;
+}
+
+CellNumber cell_number(const Cell& cell, const Vec2& x) {
+  CellNumber number;
+  if (cell.in_y) number.ky = static_cast<int>(std::floor(x[1] / cell.height.length));
+  if (cell.in_x) {
+    number.kx =
+        static_cast<int>(std::floor((x[0] - number.ky * cell.offset.length) / cell.width.length));
+  }
+  return number;
+}
+
+Vec2 wrapped(const Cell& cell, const Vec2& x) {
+  const CellNumber number = cell_number(cell, x);
+  return x - cell.shift(number.kx, number.ky);
+}
+
+double shortest_period(const Cell& cell) {
+  double shortest = cell.in_x ? cell.width.length : kInfinity;
+  if (!cell.in_y) return shortest;
+  const double folded =
+      cell.offset.length - std::round(cell.offset.length / cell.width.length) * cell.width.length;
+  return std::min(shortest, std::hypot(folded, cell.height.length));
+}
+
+Vec2 homogeneous_velocity(const Cell& cell, const Vec2& x) {
+  // x = P f with P = [p_x p_y], so that v = dP/dt f.
+  if (!cell.in_x || !cell.deforms()) return Vec2::Zero();
+  const double f_y = cell.in_y ? x[1] / cell.height.length : 0;
+  const double f_x = (x[0] - f_y * cell.offset.length) / cell.width.length;
+  return Vec2(f_x * cell.width.speed + f_y * cell.offset.speed, f_y * cell.height.speed);
+}
+
+std::string check_cell(const Cell& cell) {
+  if (!cell.periodic()) return {};
+  if (!cell.in_x) return "the cell is periodic in y, but not in x";
+  const auto positive = [](double x) { return x > 0 && std::isfinite(x); };
+  if (!positive(cell.width.length) || (cell.in_y && !positive(cell.height.length)) ||
+      !std::isfinite(cell.offset.length)) {
+    return fmt::format("cell: width = {} m, height = {} m (> 0), offset = {} m", cell.width.length,
+                       cell.height.length, cell.offset.length);
+  }
+  static constexpr const char* kNames[] = {"width", "height", "offset"};
+  for (int k = 0; k < 3; ++k) {
+    const CellSide& s = cell.side(k);
+    const bool driven = s.motion == CellSide::Motion::kDriven;
+    if (!std::isfinite(s.speed) || !std::isfinite(s.stress) || (driven && !positive(s.mass))) {
+      return fmt::format("cell: {}: speed = {} m/s, stress = {} Pa, mass = {} kg (> 0)", kNames[k],
+                         s.speed, s.stress, s.mass);
+    }
+    if (driven && !cell.in_y) return "cell: a stress needs a cell that is periodic in x and y";
+    if (k > 0 && !cell.in_y && (s.motion != CellSide::Motion::kFixed || s.length != 0)) {
+      return fmt::format("cell: {} belongs to a cell that is periodic in y", kNames[k]);
+    }
+  }
+  return {};
+}
+
+}  // namespace bipot

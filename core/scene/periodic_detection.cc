@@ -1,0 +1,151 @@
+#include "core/scene/periodic_detection.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <tuple>
+
+#include "core/scene/contact_detection.h"
+
+namespace bipot {
+namespace {
+
+/// The disks in the cell (0, 0), followed by those images of them that can touch one.
+template <int D>
+struct CellCopy {
+  std::vector<BodyIn<D>> disks;
+  std::vector<int> original;      // of each disk in the list
+  std::vector<CellNumber> image;  // of each disk in the list: it was moved by shift(image)
+};
+
+/// Images by half of the lattice, (kx, 0) with kx > 0 and (any, 1): of two disks that touch across
+/// the cell's edge one has the other's image beside it, and only one.
+template <int D>
+CellCopy<D> copy_with_images(const std::vector<BodyIn<D>>& disks, const Cell& cell, double eta) {
+  CellCopy<D> copy;
+  double largest = 0;
+  for (const BodyIn<D>& d : disks) largest = std::max(largest, d.radius);
+  for (std::size_t k = 0; k < disks.size(); ++k) {
+    const CellNumber number = cell_number(cell, disks[k].x.template head<2>());
+    copy.disks.push_back(disks[k]);
+    copy.disks.back().x -= in_dimensions<D>(cell.shift(number.kx, number.ky));
+    copy.original.push_back(static_cast<int>(k));
+    copy.image.push_back({-number.kx, -number.ky});
+  }
+  // p_y, less whole widths, has an x in [0, width): images in the row above start at -1 or -2.
+  const int whole =
+      cell.in_y ? static_cast<int>(std::floor(cell.offset.length / cell.width.length)) : 0;
+  const std::size_t count = disks.size();
+  for (int ky = 0; ky <= (cell.in_y ? 1 : 0); ++ky) {
+    for (int kx = (ky == 0 ? 1 : -whole - 2); kx <= (ky == 0 ? 1 : -whole + 1); ++kx) {
+      const VecIn<D> shift = in_dimensions<D>(cell.shift(kx, ky));
+      for (std::size_t k = 0; k < count; ++k) {
+        BodyIn<D> image = copy.disks[k];
+        image.x += shift;
+        const double reach = image.radius + largest + eta;
+        const Vec2 beyond(image.x[0] - cell.width.length,
+                          cell.in_y ? image.x[1] - cell.height.length : 0.0);
+        if (beyond[0] > reach || image.x[0] < -reach || beyond[1] > reach) continue;
+        copy.disks.push_back(image);
+        copy.original.push_back(copy.original[k]);
+        copy.image.push_back({copy.image[k].kx + kx, copy.image[k].ky + ky});
+      }
+    }
+  }
+  return copy;
+}
+
+/// The pair by original numbers, the smaller one first; the image is that of j as seen from i.
+template <int D>
+ContactIn<D> between_originals(const ContactIn<D>& found, const CellCopy<D>& copy) {
+  const std::size_t a = to_size(found.i), b = to_size(found.j);
+  ContactIn<D> contact = found;
+  contact.i = copy.original[a];
+  contact.j = copy.original[b];
+  contact.image_x = copy.image[b].kx - copy.image[a].kx;
+  contact.image_y = copy.image[b].ky - copy.image[a].ky;
+  if (contact.i < contact.j) return contact;
+  std::swap(contact.i, contact.j);
+  contact.n = -contact.n;
+  contact.image_x = -contact.image_x;
+  contact.image_y = -contact.image_y;
+  return contact;
+}
+
+template <int D>
+VecIn<D> middle_of(const WallIn<D>& wall) {
+  return wall.shape == WallIn<D>::Shape::kSegment ? VecIn<D>(0.5 * (wall.a + wall.b)) : wall.a;
+}
+
+/// Contacts of the disks with one wall, the image with the smallest gap of each.
+template <int D>
+void find_at_wall(const std::vector<BodyIn<D>>& disks, const WallIn<D>& wall, int j,
+                  const Cell& cell, double eta, std::vector<ContactIn<D>>& out) {
+  if (!wall.present) return;
+  std::vector<ContactIn<D>> found;
+  for (std::size_t i = 0; i < disks.size(); ++i) {
+    found.clear();
+    if (wall.shape == WallIn<D>::Shape::kHalfPlane) {
+      find_wall_contact<D>(disks[i], static_cast<int>(i), wall, j, eta, found);
+    } else {
+      const VecIn<D> from = disks[i].x - middle_of(wall);
+      const int ky = cell.in_y ? static_cast<int>(std::lround(from[1] / cell.height.length)) : 0;
+      const int kx =
+          static_cast<int>(std::lround((from[0] - ky * cell.offset.length) / cell.width.length));
+      for (int dy = cell.in_y ? -1 : 0; dy <= (cell.in_y ? 1 : 0); ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          BodyIn<D> seen = disks[i];
+          seen.x -= in_dimensions<D>(cell.shift(kx + dx, ky + dy));
+          const std::size_t before = found.size();
+          find_wall_contact<D>(seen, static_cast<int>(i), wall, j, eta, found);
+          if (found.size() == before) continue;
+          found.back().image_x = kx + dx;
+          found.back().image_y = ky + dy;
+        }
+      }
+    }
+    if (found.empty()) continue;
+    out.push_back(*std::min_element(found.begin(), found.end(),
+                                    [](const auto& a, const auto& b) { return a.gap < b.gap; }));
+  }
+}
+
+}  // namespace
+
+template <int D>
+std::vector<ContactIn<D>> detect_periodic_contacts(const std::vector<BodyIn<D>>& disks,
+                                                   const std::vector<WallIn<D>>& walls,
+                                                   const Cell& cell, double eta, int threads) {
+  double largest = 0;
+  for (const BodyIn<D>& d : disks) largest = std::max(largest, d.radius);
+  if (!(shortest_period(cell) > 4 * largest + 2 * eta)) {
+    throw std::invalid_argument(fmt::format(
+        "the cell repeats itself after {:.6g} m: it must be longer than two of the largest "
+        "diameters, {:.6g} m, so that two disks touch once",
+        shortest_period(cell), 4 * largest));
+  }
+  const CellCopy<D> copy = copy_with_images<D>(disks, cell, eta);
+  std::vector<ContactIn<D>> contacts;
+  const int count = static_cast<int>(disks.size());
+  for (const ContactIn<D>& found : detect_contacts<D>(copy.disks, {}, eta, threads)) {
+    if (found.i >= count) continue;  // both are images: their originals are met as well
+    contacts.push_back(between_originals<D>(found, copy));
+  }
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    find_at_wall<D>(disks, walls[w], count + static_cast<int>(w), cell, eta, contacts);
+  }
+  std::sort(contacts.begin(), contacts.end(),
+            [](const auto& a, const auto& b) { return std::tie(a.i, a.j) < std::tie(b.i, b.j); });
+  return contacts;
+}
+
+template std::vector<Contact> detect_periodic_contacts(const std::vector<Disk>&,
+                                                       const std::vector<Wall>&, const Cell&,
+                                                       double, int);
+template std::vector<ContactIn<3>> detect_periodic_contacts(const std::vector<Sphere>&,
+                                                            const std::vector<WallIn<3>>&,
+                                                            const Cell&, double, int);
+
+}  // namespace bipot

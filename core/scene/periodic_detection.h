@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "core/scene/cell.h"
+#include "core/scene/contact.h"
+#include "core/scene/scene.h"
+
+namespace bipot {
+
+/// detect_contacts() in a periodic cell: a contact's image says which image of its body j disk i
+/// touches. At most one image of each body is a candidate, so pairs (i, j) stay unique: throws
+/// std::invalid_argument where the cell is too small for that, shorter somewhere than two of the
+/// largest diameters and twice eta. In space the cell is periodic in x and y alone. Half-planes are
+/// expected to lie along it; of segments and
+/// circles the image with the smallest gap counts. O(N log N), deterministic for any number of
+/// threads.
+template <int D>
+std::vector<ContactIn<D>> detect_periodic_contacts(const std::vector<BodyIn<D>>& disks,
+                                                   const std::vector<WallIn<D>>& walls,
+                                                   const Cell& cell, double eta, int threads = 1);
+
+}  // namespace bipot

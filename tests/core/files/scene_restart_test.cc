@@ -1,0 +1,151 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/files/run_output.h"
+#include "core/files/run_reader.h"
+#include "core/files/scene_file.h"
+#include "solvers/registry.h"
+#include "solvers/step_solver.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+struct NamedScene {
+  const char *name, *text;
+};
+
+/// Scenes of 40 steps in which everything that a state carries is in use at step 17.
+const NamedScene kScenes[] = {
+    {"plate, drum, dam and tilt", R"(
+[contact]
+mu = 0.3
+[tilt]
+degrees_per_second = 200
+starts = 0.005
+[[disks]]
+arrangement = "rectangular"
+columns = 3
+rows = 3
+radius = 0.1
+mass = 1
+corner = [-0.3, -0.5]
+[[walls]]
+center = [0, 0]
+radius = 0.7
+hollow = true
+spin = 2
+starts = 0.012
+[[walls]]
+center = [0, -0.6]
+radius = 0.05
+removed = 0.03
+[[walls]]
+point = [0, 0.12]
+normal = [0, -1]
+force = 20
+mass = 2
+velocity = [0.2, 0]
+stops = 0.025
+[time]
+step = 1e-3
+steps = 40
+)"},
+    {"periodic cell under shear and pressure", R"(
+gravity = [0, 0]
+[contact]
+mu = 0.4
+[cell]
+width = 1
+height = 1.1
+offset = 0.1
+width_speed = -0.5
+pressure_y = 100
+mass = 2
+shear_stress = 20
+[[disks]]
+arrangement = "random"
+count = 30
+radii = [0.08, 0.1]
+width = 1
+spacing = 0
+density = 100
+velocity = [3, 1]
+[time]
+step = 1e-3
+steps = 40
+)"},
+};
+
+State run_on(const Scene& scene, State state, int until, RunWriter* writer) {
+  const SolverEntry* entry = find_solver("pgs");
+  SolverOptions options;
+  options.tol = 1e-9;
+  TimeStepper stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
+  while (state.step < until) {
+    const StepReport report = stepper.advance(state);
+    EXPECT_TRUE(report.converged) << report.message;
+    EXPECT_LT(std::abs(report.energy.imbalance), 1e-11) << report.step;
+    EXPECT_LT(report.momentum_imbalance.norm(), 1e-11) << report.step;
+    if (writer != nullptr) writer->frame(state);
+  }
+  return state;
+}
+
+void expect_same(const State& a, const State& b) {
+  EXPECT_EQ(a.step, b.step);
+  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a.wall_work, b.wall_work);
+  EXPECT_EQ(a.friction_loss, b.friction_loss);
+  ASSERT_EQ(a.disks.size(), b.disks.size());
+  for (std::size_t i = 0; i < a.disks.size(); ++i) {
+    EXPECT_EQ(a.disks[i].x, b.disks[i].x) << i;
+    EXPECT_EQ(a.disks[i].v, b.disks[i].v) << i;
+    EXPECT_EQ(a.disks[i].angle, b.disks[i].angle) << i;
+    EXPECT_EQ(a.disks[i].spin, b.disks[i].spin) << i;
+  }
+  ASSERT_EQ(a.walls.size(), b.walls.size());
+  for (std::size_t w = 0; w < a.walls.size(); ++w) {
+    EXPECT_EQ(a.walls[w].a, b.walls[w].a) << w;
+    EXPECT_EQ(a.walls[w].v, b.walls[w].v) << w;
+    EXPECT_EQ(a.walls[w].motion, b.walls[w].motion) << w;
+    EXPECT_EQ(a.walls[w].present, b.walls[w].present) << w;
+  }
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(a.cell.side(k).length, b.cell.side(k).length) << k;
+    EXPECT_EQ(a.cell.side(k).speed, b.cell.side(k).speed) << k;
+  }
+  ASSERT_EQ(a.contacts.size(), b.contacts.size());
+  EXPECT_GT(a.contacts.size(), 3u);
+  for (std::size_t c = 0; c < a.contacts.size(); ++c) {
+    EXPECT_EQ(a.contacts[c].contact.i, b.contacts[c].contact.i) << c;
+    EXPECT_EQ(a.contacts[c].contact.j, b.contacts[c].contact.j) << c;
+    EXPECT_EQ(a.contacts[c].contact.image_x, b.contacts[c].contact.image_x) << c;
+    EXPECT_EQ(a.contacts[c].contact.image_y, b.contacts[c].contact.image_y) << c;
+    EXPECT_EQ(a.contacts[c].s_n, b.contacts[c].s_n) << c;
+    EXPECT_EQ(a.contacts[c].s_t, b.contacts[c].s_t) << c;
+  }
+}
+
+TEST(SceneRestart, GoesOnBitForBit) {
+  for (const NamedScene& named : kScenes) {
+    SCOPED_TRACE(named.name);
+    const TemporaryFolder folder;
+    const Scene scene = parse_scene(named.text, "test.toml");
+    State end;
+    {
+      RunWriter writer(folder / "out", scene, named.text);
+      end = run_on(scene, initial_state(scene), 40, &writer);
+      writer.close();
+    }
+    for (const int step : {4, 17, 29}) {
+      const State read = read_state(folder / "out", step);
+      EXPECT_EQ(restart_mismatch(scene, read), "");
+      expect_same(run_on(scene, read, 40, nullptr), end);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace bipot

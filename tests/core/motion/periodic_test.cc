@@ -1,0 +1,250 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+
+#include "core/motion/periodic_state.h"
+#include "core/motion/stress_tensor.h"
+#include "core/motion/time_stepping.h"
+#include "core/scene/periodic_detection.h"
+#include "tests/support/draw.h"
+#include "tests/support/scene_parts.h"
+#include "tests/support/scene_run.h"
+
+namespace bipot {
+namespace {
+
+Cell cell_of(double width, double height, double offset) {
+  Cell cell;
+  cell.in_x = true;
+  cell.in_y = height > 0;
+  cell.width.length = width;
+  cell.height.length = height;
+  cell.offset.length = offset;
+  return cell;
+}
+
+Scene periodic_scene(const Cell& cell, const ContactLaw& law) {
+  Scene scene = one_law(law);
+  scene.cell = cell;
+  scene.step = 1e-3;
+  scene.solver.name = "pgs";
+  scene.solver.tol = 1e-11;
+  scene.contact_distance = 1e-6;
+  return scene;
+}
+
+TEST(Periodic, ImagesAreThoseOfEveryPairAndEveryImage) {
+  // Against every pair and every image in reach, with disks far outside of the cell as well.
+  Draw draw(5);
+  for (const double offset : {0.0, 0.4, -2.3}) {
+    const Cell cell = cell_of(1, 0.9, offset);
+    std::vector<Disk> disks;
+    for (int k = 0; k < 60; ++k) {
+      const Vec2 x(draw.symmetric(), draw.symmetric());
+      const CellNumber far{static_cast<int>(20 * draw.symmetric()),
+                           static_cast<int>(20 * draw.symmetric())};
+      disks.push_back(cylinder(x + cell.shift(far.kx, far.ky), 0.05 + 0.03 * draw.uniform()));
+    }
+    std::set<std::tuple<int, int, int, int>> expected, found;
+    for (int i = 0; i < 60; ++i) {
+      for (int j = i + 1; j < 60; ++j) {
+        const CellNumber a = cell_number(cell, disks[to_size(i)].x);
+        const CellNumber b = cell_number(cell, disks[to_size(j)].x);
+        for (int ky = -2; ky <= 2; ++ky) {
+          for (int kx = -6; kx <= 6; ++kx) {
+            const int image_x = a.kx - b.kx + kx, image_y = a.ky - b.ky + ky;
+            const Vec2 d = disks[to_size(i)].x - disks[to_size(j)].x - cell.shift(image_x, image_y);
+            if (d.norm() <= disks[to_size(i)].radius + disks[to_size(j)].radius + 0.01) {
+              expected.insert({i, j, image_x, image_y});
+            }
+          }
+        }
+      }
+    }
+    for (const Contact& c : detect_periodic_contacts(disks, {}, cell, 0.01)) {
+      found.insert({c.i, c.j, c.image_x, c.image_y});
+      const Vec2 d =
+          disks[to_size(c.i)].x - disks[to_size(c.j)].x - cell.shift(c.image_x, c.image_y);
+      EXPECT_NEAR(d.norm() - disks[to_size(c.i)].radius - disks[to_size(c.j)].radius, c.gap, 1e-13);
+      EXPECT_NEAR((d.normalized() - c.n).norm(), 0, 1e-12);
+    }
+    EXPECT_GT(expected.size(), 60u);
+    EXPECT_EQ(found, expected) << "offset " << offset;
+  }
+}
+
+TEST(Periodic, ATooSmallCellIsRefused) {
+  const std::vector<Disk> disks = {cylinder(Vec2(0.1, 0.1), 0.1)};
+  EXPECT_THROW(detect_periodic_contacts(disks, {}, cell_of(0.4, 0, 0), 0), std::invalid_argument);
+  EXPECT_NO_THROW(detect_periodic_contacts(disks, {}, cell_of(0.41, 0, 0), 0));
+  // The image above lies 0.3 m up and 0.2 m aside: 0.36 m away.
+  EXPECT_THROW(detect_periodic_contacts(disks, {}, cell_of(1, 0.3, 2.2), 0), std::invalid_argument);
+}
+
+TEST(Periodic, WallsAreSeenFromTheNearestImage) {
+  const Cell cell = cell_of(2, 0, 0);
+  Wall step;
+  step.shape = Wall::Shape::kSegment;
+  step.a = Vec2(1.9, 0);
+  step.b = Vec2(2.2, 0);  // across the edge
+  const std::vector<Wall> walls = {half_plane(Vec2(0, -1), Vec2(0, 1)), step};
+  // 3 widths to the right of the segment's end at x = 0.2, touching it from above.
+  const std::vector<Disk> disks = {cylinder(Vec2(6.15, 0.1), 0.1), cylinder(Vec2(-9, -0.9), 0.1)};
+  const auto contacts = detect_periodic_contacts(disks, walls, cell, 1e-9);
+  ASSERT_EQ(contacts.size(), 2u);
+  EXPECT_EQ(contacts[0].j, 3);
+  EXPECT_EQ(contacts[0].image_x, 2);  // the segment's own piece from 1.9 to 2.2, moved by 2 x 2 m
+  EXPECT_NEAR(contacts[0].gap, 0, 1e-12);
+  EXPECT_EQ(contacts[1].j, 2);
+  EXPECT_EQ(contacts[1].n, Vec2(0, 1));
+}
+
+TEST(Periodic, AShockAcrossTheEdge) {
+  // Two disks fly apart, through the edges of the cell, and meet on the other side: e = 1, so they
+  // exchange velocities. They meet when 2 - 0.4 - 2 (0.1) - ... : gap 2 - 0.4 - 0.2 = 1.4 m closes
+  // at 1 m/s; then each has gone 0.7 m.
+  Scene scene = periodic_scene(cell_of(2, 0, 0), {.e_n = 1});
+  scene.contact_distance = 0;
+  scene.disks = {cylinder(Vec2(0.8, 0), 0.1, Vec2(-0.5, 0)),
+                 cylinder(Vec2(1.2, 0), 0.1, Vec2(0.5, 0))};
+  scene.num_steps = 1500;
+  const State end = run_scene(scene);
+  EXPECT_NEAR(end.disks[0].v[0], 0.5, 1e-12);
+  EXPECT_NEAR(end.disks[1].v[0], -0.5, 1e-12);
+  EXPECT_NEAR(end.disks[0].x[0], 0.8 - 0.7 + 0.05, 1e-3);
+  EXPECT_NEAR(end.disks[1].x[0], 1.2 + 0.7 - 0.05, 1e-3);
+}
+
+TEST(Periodic, ARingOfDisksSharesItsMomentum) {
+  // 10 disks touch around the cell. No contact can open without another closing, so all normal
+  // velocities vanish and everybody gets a tenth of the first one's velocity.
+  Scene scene = periodic_scene(cell_of(2, 0, 0), {});
+  for (int k = 0; k < 10; ++k) scene.disks.push_back(cylinder(Vec2(0.1 + 0.2 * k, 0.3), 0.1));
+  scene.disks[3].v = Vec2(1, 0);
+  scene.contact_distance = 1e-3;  // behind the first one a gap opens by half a step of its velocity
+  scene.num_steps = 1;
+  const State end = run_scene(scene, [](const State&, const StepReport& r) {
+    EXPECT_EQ(r.contacts, 10);
+    EXPECT_LT(r.momentum_imbalance.norm(), 1e-14);
+  });
+  for (const Disk& d : end.disks) EXPECT_NEAR(d.v[0], 0.1, 1e-9);
+  State far = end;
+  far.disks[9].x[0] += 6;
+  const State inside = wrapped_state(far);
+  for (const Disk& d : inside.disks) EXPECT_TRUE(d.x[0] >= 0 && d.x[0] < 2);
+}
+
+TEST(Periodic, PressureOnARow) {
+  // A row of 10 disks around a cell of height 0.5 m under pressure_x = 30 Pa: each contact carries
+  // 30 x 0.5 N, the sample's stress is 30 Pa along x and nothing else.
+  Cell cell = cell_of(2, 0.5, 0);
+  cell.width = {.motion = CellSide::Motion::kDriven, .length = 2, .stress = 30, .mass = 3};
+  Scene scene = periodic_scene(cell, {.mu = 0.3});
+  for (int k = 0; k < 10; ++k) scene.disks.push_back(cylinder(Vec2(0.1 + 0.2 * k, 0.1), 0.1));
+  scene.num_steps = 5;
+  const State end = run_scene(scene, [](const State&, const StepReport& r) {
+    EXPECT_LT(std::abs(r.energy.imbalance), 1e-13);
+  });
+  ASSERT_EQ(end.contacts.size(), 10u);
+  for (const ContactOutcome& c : end.contacts) EXPECT_NEAR(c.s_n / scene.step, 15, 1e-8);
+  EXPECT_NEAR(end.cell.width.length, 2, 1e-12);
+  const double area = sample_area(end, scene.step);
+  EXPECT_NEAR(area, 1, 1e-12);
+  const Mat2 stress = sample_stress(end, scene.step, area, contact_moments(end)).total();
+  EXPECT_NEAR(stress(0, 0), 30, 1e-7);
+  EXPECT_NEAR(std::abs(stress(1, 1)) + std::abs(stress(0, 1)), 0, 1e-12);
+}
+
+TEST(Periodic, AnEmptyCellFollowsItsStress) {
+  // Nothing resists: width speed = -p_x height t / mass; the work is its kinetic energy.
+  Cell cell = cell_of(2, 0.5, 0);
+  cell.width = {.motion = CellSide::Motion::kDriven, .length = 2, .stress = 30, .mass = 3};
+  Scene scene = periodic_scene(cell, {.mu = 0.3});
+  scene.disks = {cylinder(Vec2(0.3, 0.2), 0.1)};
+  scene.num_steps = 10;
+  const State end = run_scene(scene);
+  EXPECT_NEAR(end.cell.width.speed, -30 * 0.5 * 0.01 / 3, 1e-14);
+  EXPECT_NEAR(end.cell.width.length, 2 - 0.5 * 5 * 1e-4, 1e-12);
+  EXPECT_NEAR(end.wall_work, 0.5 * 3 * 0.05 * 0.05, 1e-14);
+}
+
+TEST(Periodic, ThreeDisksUnderShearRollAsTheLawSays) {
+  // Three disks above each other, jammed between their images by pressure_y, sheared with s = 0.01
+  // m/s; friction holds all contacts. f is the impulse along x on the upper disk of a contact, at A
+  // (0, 1), B (1, 2) and C (2, image of 0 above). With v + a w of the upper disk and v - a w of the
+  // lower one, u = W f + (0, 0, s) must vanish; a = rim, 1/m + a²/I = 3/m a disk, and a disk
+  // between two contacts couples them by (2 - 1)/m: W = (5 I + 1 1')/m, so
+  // f = -m s/5 (e_C - 1/8 (1, 1, 1)) = m s/40 (1, 1, -7).
+  const double shear = 0.01, mass = 2, rim = 0.1, pressure = 20;
+  Cell cell = cell_of(0.5, 0.6, 0);
+  cell.height = {.motion = CellSide::Motion::kDriven, .length = 0.6, .stress = pressure, .mass = 3};
+  cell.offset = {.motion = CellSide::Motion::kMoving, .speed = shear};
+  Scene scene = periodic_scene(cell, {.mu = 0.9});
+  for (int k = 0; k < 3; ++k) scene.disks.push_back(cylinder(Vec2(0.2, 0.1 + 0.2 * k), rim));
+  scene.num_steps = 1;
+  const State end = run_scene(scene, [](const State&, const StepReport& r) {
+    EXPECT_LT(std::abs(r.energy.imbalance), 1e-15);
+    EXPECT_LT(r.momentum_imbalance.norm(), 1e-15);
+  });
+  // The contact across the cell has turned by 1/2 h s / 2a = 2.5e-5 rad: four digits are exact.
+  EXPECT_NEAR(end.disks[0].v[0] / shear, -0.2, 1e-4);
+  EXPECT_NEAR(end.disks[1].v[0] / shear, 0, 1e-4);
+  EXPECT_NEAR(end.disks[2].v[0] / shear, 0.2, 1e-4);
+  EXPECT_NEAR(end.disks[0].spin * rim / shear, -0.3, 1e-4);
+  EXPECT_NEAR(end.disks[1].spin * rim / shear, 0.1, 1e-4);
+  EXPECT_NEAR(end.disks[2].spin * rim / shear, -0.3, 1e-4);
+  // Shear works with f_C against s: 7/40 m s², half of which the shock takes.
+  EXPECT_NEAR(end.wall_work / (mass * shear * shear), 7.0 / 40, 1e-4);
+  // Each contact carries pressure x width; the sums of f_x and f_y over branches of 2a.
+  const double area = sample_area(end, scene.step);
+  const MeanStress stress = sample_stress(end, scene.step, area, contact_moments(end));
+  EXPECT_NEAR(stress.contact(1, 1) / pressure, 1, 1e-4);
+  EXPECT_NEAR(stress.contact(0, 1), -5.0 / 40 * mass * shear / scene.step * 2 * rim / 0.3, 2e-3);
+}
+
+TEST(Periodic, MovingASceneByPeriodsChangesNothing) {
+  // Random disks in a deforming cell; then the same with each disk moved by some lattice vector and
+  // the velocity that its image has. Contacts, impulses and relative velocities stay.
+  Cell cell = cell_of(1, 1, 0.2);
+  cell.width = {.motion = CellSide::Motion::kMoving, .length = 1, .speed = 0.3};
+  cell.offset = {.motion = CellSide::Motion::kMoving, .length = 0.2, .speed = 0.5};
+  Scene scene = periodic_scene(cell, {.mu = 0.5});
+  Draw draw(8);
+  for (int k = 0; k < 16; ++k) {
+    const Vec2 x(0.125 + 0.25 * (k % 4), 0.125 + 0.25 * (k / 4));
+    scene.disks.push_back(cylinder(x + 0.01 * Vec2(draw.symmetric(), draw.symmetric()), 0.12,
+                                   Vec2(draw.symmetric(), draw.symmetric()), 2, draw.symmetric()));
+  }
+  scene.contact_distance = 0.01;
+  scene.num_steps = 3;
+  const State one = run_scene(scene);
+  for (Disk& d : scene.disks) {
+    const int kx = static_cast<int>(5 * draw.symmetric()),
+              ky = static_cast<int>(5 * draw.symmetric());
+    d.x += cell.shift(kx, ky);
+    d.v += cell.shift_velocity(kx, ky);
+  }
+  const State other = run_scene(scene);
+  ASSERT_EQ(one.contacts.size(), other.contacts.size());
+  EXPECT_GT(one.contacts.size(), 8u);
+  const State inside_one = wrapped_state(one), inside = wrapped_state(other);
+  for (std::size_t c = 0; c < one.contacts.size(); ++c) {
+    EXPECT_EQ(inside.contacts[c].contact.image_x, inside_one.contacts[c].contact.image_x);
+    EXPECT_EQ(inside.contacts[c].contact.image_y, inside_one.contacts[c].contact.image_y);
+    EXPECT_NEAR(other.contacts[c].contact.gap, one.contacts[c].contact.gap, 1e-13);
+    EXPECT_NEAR(other.contacts[c].u_t, one.contacts[c].u_t, 1e-6);
+    EXPECT_NEAR(other.contacts[c].u_n, one.contacts[c].u_n, 1e-6);
+  }
+  for (std::size_t i = 0; i < scene.disks.size(); ++i) {
+    EXPECT_NEAR((inside.disks[i].x - inside_one.disks[i].x).norm(), 0, 1e-7);
+    const Vec2 a = one.disks[i].v - homogeneous_velocity(one.cell, one.disks[i].x);
+    const Vec2 b = other.disks[i].v - homogeneous_velocity(other.cell, other.disks[i].x);
+    EXPECT_NEAR((a - b).norm(), 0, 1e-5);
+  }
+}
+
+}  // namespace
+}  // namespace bipot
