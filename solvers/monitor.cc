@@ -20,7 +20,7 @@ IterationMonitor::IterationMonitor(const ContactProblem& problem, const SolverOp
                                    const Stopwatch& watch)
     : problem_(problem),
       options_(options),
-      evaluator_(problem, options.execution.threads),
+      evaluator_(problem, options.execution.threads, options.share),
       watch_(watch),
       best_s_(Vector::Zero(problem.num_rows())) {
   free_energy_ = evaluator_(best_s_).energy;

@@ -9,6 +9,7 @@
 #include "core/problem/delassus.h"
 #include "core/problem/extended_error.h"
 #include "core/stopwatch.h"
+#include "solvers/islands.h"
 #include "solvers/parameters.h"
 #include "solvers/registry.h"
 
@@ -151,6 +152,21 @@ SolveResult solve_in_other_units(const SolverEntry& entry, ContactProblem proble
   return result;
 }
 
+/// Takes the common parameter out of the solver's own.
+SolveResult solve_with_islands_as_named(const SolverEntry& entry, const ContactProblem& problem,
+                                        SolverOptions options) {
+  const std::string name(kIslandsParameter.name);
+  const std::map<std::string, std::string> named{{name, options.parameters[name]}};
+  options.parameters.erase(name);
+  try {
+    const std::span<const ParameterSpec> spec(&kIslandsParameter, 1);
+    options.islands = Parameters(named, spec).choice(name) == "on";
+  } catch (const std::invalid_argument& e) {
+    return refuse(fmt::format("solver {}: {}", entry.name, e.what()));
+  }
+  return solve(entry, problem, options);
+}
+
 }  // namespace
 
 SolveResult solve(std::string_view solver, const ContactProblem& problem,
@@ -162,6 +178,9 @@ SolveResult solve(std::string_view solver, const ContactProblem& problem,
 
 SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
                   const SolverOptions& options) {
+  if (options.parameters.count(std::string(kIslandsParameter.name)) > 0) {
+    return solve_with_islands_as_named(entry, problem, options);
+  }
   if (auto defect = validate(problem); !defect.empty()) return refuse(std::move(defect));
   if (auto defect = validate_options(entry, problem, options); !defect.empty()) {
     return refuse(std::move(defect));
@@ -194,7 +213,8 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
     } else {
       const double before = watch.seconds();
       try {
-        result = entry.run(*given, options);
+        const bool by_islands = options.islands.value_or(entry.by_islands);
+        result = by_islands ? solve_islands(entry, *given, options) : entry.run(*given, options);
       } catch (const std::exception& e) {
         result.status = SolveStatus::kNumericalFailure;
         result.message = fmt::format("{} failed: {}", entry.name, e.what());

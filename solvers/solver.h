@@ -3,6 +3,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -51,6 +52,11 @@ struct SolverOptions {
   int max_iterations = 1000000;                                 ///< >= 0
   double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds, > 0
   Vector s0;                                                    ///< start; empty: s = 0
+  /// Whether parts of the problem that do not couple are solved one by one (solvers/islands.h);
+  /// nothing: as the solver's entry says. Only with the guarded test. Also a parameter: "islands".
+  std::optional<bool> islands;
+  /// How much of the tolerance this problem may use up as a part of a larger one.
+  ErrorShare share;
   Execution execution;  ///< threads and instructions: the result's bits do not depend on them
   std::map<std::string, std::string> parameters;  ///< e.g. {"omega", "1.6"}; see SolverEntry
   std::function<bool()> cancelled;  ///< polled at every iteration; true ends the solve: Ctrl-C
@@ -88,6 +94,14 @@ struct ParameterSpec {
   std::string_view unit = {};  ///< numbers and integers; empty: a pure number
 };
 
+/// A parameter that every solver takes, through solve(): text for SolverOptions::islands.
+inline constexpr ParameterSpec kIslandsParameter{
+    .name = "islands",
+    .kind = ParameterSpec::Kind::kChoice,
+    .default_value = "on for auto, else off",
+    .choices = "on|off",
+    .help = "solve parts that are not coupled one by one (any solver; guarded stop test)"};
+
 /// A row of the registry, or a solver that a caller brings along.
 struct SolverEntry {
   std::string_view name;
@@ -100,6 +114,7 @@ struct SolverEntry {
   /// The iterates do not depend on `tol`, which decides only where they end: a solve to a loose
   /// tolerance is the beginning of the one to a tight tolerance, whatever the stop test.
   bool path_ignores_tolerance = false;
+  bool by_islands = false;  ///< what SolverOptions::islands is where it is left open
 };
 
 }  // namespace bipot

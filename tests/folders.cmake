@@ -15,6 +15,7 @@ set(folders
   "solvers = core/motion"
   "solvers/certificate = solvers"
   "solvers/kernels = solvers"
+  "solvers/islands = solvers/kernels"
   "solvers/interior = solvers/kernels"
   "solvers/homotopy = solvers/kernels"
   "solvers/petsc = solvers/kernels"
@@ -30,7 +31,7 @@ set(folders
   "bench/command = bench/advise bench/compare bench/extremes bench/paper bench/trade core/pictures solvers/certificate solvers/methods"
   "bench/google = bench/measure solvers/kernels"
   "bench/python = bench/advise bench/compare"
-  "tests = bench/command bench/google bench/python")
+  "tests = bench/command bench/google bench/python solvers/islands")
 
 set(known "")
 foreach(row IN LISTS folders)

@@ -51,7 +51,7 @@ void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
       .not_negative()
       .group(kSolverGroup);
   // One flag a name, whichever solvers have it; `bipot list solvers NAME` says what it means.
-  std::set<std::string_view> names;
+  std::set<std::string_view> names{kIslandsParameter.name};
   for (const SolverEntry& entry : solver_table()) {
     for (const ParameterSpec& spec : entry.parameters) names.insert(spec.name);
   }

@@ -36,10 +36,17 @@ std::string domain_of(const ParameterSpec& spec) {
   return fmt::format("{} in [{:g}, {:g}]", kind_of(spec), spec.minimum, spec.maximum);
 }
 
+/// The solver's own parameters, then the one that all solvers take.
+std::vector<ParameterSpec> all_parameters(const SolverEntry& entry) {
+  std::vector<ParameterSpec> all(entry.parameters.begin(), entry.parameters.end());
+  all.push_back(kIslandsParameter);
+  return all;
+}
+
 Json to_json(const SolverEntry& entry) {
   Json row{{"name", entry.name}, {"summary", entry.summary}, {"max_dim", entry.max_dim}};
   row["parameters"] = Json::array();
-  for (const ParameterSpec& spec : entry.parameters) {
+  for (const ParameterSpec& spec : all_parameters(entry)) {
     row["parameters"].push_back({{"name", spec.name},
                                  {"flag", parameter_flag(spec.name)},
                                  {"default", spec.default_value},
@@ -64,12 +71,8 @@ void print_solver(const SolverEntry& entry) {
     fmt::print(", at most {} of them", entry.max_contacts);
   }
   fmt::print("\n");
-  if (entry.parameters.empty()) {
-    fmt::print("no parameters of its own\n");
-    return;
-  }
   constexpr std::size_t kColumn = 24;
-  for (const ParameterSpec& spec : entry.parameters) {
+  for (const ParameterSpec& spec : all_parameters(entry)) {
     fmt::print("\n{:<{}}{}\n", parameter_flag(spec.name), kColumn,
                wrapped(std::string(spec.help), kColumn));
     fmt::print("{:{}}default {}; {}{}\n", "", kColumn,
@@ -86,6 +89,8 @@ void print_solvers() {
                  spec.help);
     }
   }
+  fmt::print("{:<14}   {} = {}  ({})  {}\n", "all of them", kIslandsParameter.name,
+             kIslandsParameter.default_value, domain_of(kIslandsParameter), kIslandsParameter.help);
 }
 
 Json scenes_json() {

@@ -18,6 +18,7 @@
 #include "core/files/problem_file.h"
 #include "core/problem/delassus.h"
 #include "solvers/certificate/existence.h"
+#include "solvers/islands.h"
 #include "solvers/methods/auto_solver.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -228,7 +229,9 @@ int solve_command(const SolveFlags& given) {
     if (choice.name != "auto") {
       throw std::invalid_argument("--explain explains the choice of --solver auto");
     }
-    if (flags.common.json != "-") fmt::print("{}", explain_auto(problem, options));
+    if (flags.common.json != "-") {
+      fmt::print("{}{}", explain_islands(problem), explain_auto(problem, options));
+    }
   }
   const SolveResult result = solve(*entry, problem, options);
   Certificate certificate;

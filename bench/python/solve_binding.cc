@@ -261,6 +261,7 @@ py::list list_solvers() {
     row["max_contacts"] = entry.max_contacts;
     py::list parameters;
     for (const ParameterSpec& spec : entry.parameters) parameters.append(to_dict(spec));
+    parameters.append(to_dict(kIslandsParameter));
     row["parameters"] = parameters;
     rows.append(row);
   }
@@ -269,7 +270,7 @@ py::list list_solvers() {
 
 /// Of the solver; of all of them for an empty name. Throws std::invalid_argument.
 std::vector<std::string> parameter_names(const std::string& solver) {
-  std::set<std::string> names;
+  std::set<std::string> names{std::string(kIslandsParameter.name)};
   for (const SolverEntry& entry : solver_table()) {
     if (!solver.empty() && entry.name != solver) continue;
     for (const ParameterSpec& spec : entry.parameters) names.emplace(spec.name);

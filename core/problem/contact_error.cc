@@ -32,18 +32,46 @@ double ratio(double numerator, double denominator) {
 
 }  // namespace
 
-ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem, int threads)
+ErrorSums& ErrorSums::operator+=(const ErrorSums& more) {
+  friction += more.friction;
+  gap += more.gap;
+  gap_clipped += more.gap_clipped;
+  penetration += more.penetration;
+  natural += more.natural;
+  moved += more.moved;
+  natural_rel += more.natural_rel;
+  impulse2 += more.impulse2;
+  free_energy += more.free_energy;
+  free_impulse2 += more.free_impulse2;
+  return *this;
+}
+
+ContactError error_of(const ErrorSums& total) {
+  ContactError e;
+  e.friction_power = total.friction;
+  e.energy = std::max(0.5 * total.moved, total.free_energy);
+  const double denominator = std::max(total.friction, kTheta * e.energy);
+  e.epsilon = ratio(total.gap + total.penetration, denominator);
+  e.eta = std::sqrt(ratio(total.natural, denominator));
+  e.raw42 = total.friction > 0 ? total.gap_clipped / total.friction : kNaN;
+  e.natural_map = ratio(std::sqrt(total.natural_rel),
+                        std::max(std::sqrt(total.impulse2), std::sqrt(total.free_impulse2)));
+  return e;
+}
+
+ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem, int threads,
+                                             const ErrorShare& share)
     : problem_(problem),
       threads_(threads),
       delassus_(problem, DelassusOperator::Form::kAuto, threads),
       w_nn_(problem.num_contacts()),
       rho_nn_(problem.num_contacts()),
       rho_nat_(problem.num_contacts()),
+      share_(share),
       s_(Vector::Zero(problem.num_rows())),
       u_(Vector::Zero(problem.num_rows())) {
   const Vector diagonal = delassus_.diagonal();
   const int d = problem.dim;
-  double free_norm2 = 0;
   for (int c = 0; c < problem.num_contacts(); ++c) {
     double trace = 0;
     for (int k = 0; k < d; ++k) {
@@ -58,10 +86,9 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem, int 
     if (opening < 0) free_energy_ += 0.5 * opening * opening / w_nn_[c];
     for (int k = 0; k < d; ++k) {
       const double b = rho_nat_[c] * problem.u_free[c * d + k] / scale(problem, c * d + k);
-      free_norm2 += b * b;
+      free_impulse2_ += b * b;
     }
   }
-  free_norm_ = std::sqrt(free_norm2);
 }
 
 ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s) {
@@ -90,22 +117,13 @@ void ContactErrorEvaluator::project(int begin, int end) {
   }
 }
 
-/// What the contacts of one piece add to the criterion.
-struct ContactErrorEvaluator::Sums {
-  double friction = 0, gap = 0, gap_clipped = 0, penetration = 0, natural = 0, moved = 0;
-  double natural_rel = 0, impulse2 = 0;
+/// What the contacts of one piece add to the criterion, and the worst of them.
+struct ContactErrorEvaluator::Sums : ErrorSums {
   double worst_gap = -1, worst_natural = -1;
   int worst_epsilon = -1, worst_eta = -1;
 
   void add(const Sums& later) {
-    friction += later.friction;
-    gap += later.gap;
-    gap_clipped += later.gap_clipped;
-    penetration += later.penetration;
-    natural += later.natural;
-    moved += later.moved;
-    natural_rel += later.natural_rel;
-    impulse2 += later.impulse2;
+    *this += later;
     if (later.worst_gap > worst_gap) {
       worst_gap = later.worst_gap;
       worst_epsilon = later.worst_epsilon;
@@ -179,18 +197,38 @@ ContactError ContactErrorEvaluator::evaluate() {
   Sums total;
   for (const Sums& piece : pieces) total.add(piece);
 
-  ContactError e;
+  total.free_energy = free_energy_;
+  total.free_impulse2 = free_impulse2_;
+
+  sums_ = total;
+  ErrorSums whole = total;
+  whole += share_.others;
+  ContactError e = error_of(whole);
   e.worst_epsilon = total.worst_epsilon;
   e.worst_eta = total.worst_eta;
-  e.friction_power = total.friction;
-  e.energy = std::max(0.5 * total.moved, free_energy_);
-  const double denominator = std::max(total.friction, kTheta * e.energy);
-  e.epsilon = ratio(total.gap + total.penetration, denominator);
-  e.eta = std::sqrt(ratio(total.natural, denominator));
-  e.raw42 = total.friction > 0 ? total.gap_clipped / total.friction : kNaN;
-  e.natural_map =
-      ratio(std::sqrt(total.natural_rel), std::max(std::sqrt(total.impulse2), free_norm_));
+  e.epsilon /= share_.share;
+  e.eta /= share_.share;
+  if (share_.alone > 0) {
+    const ContactError own = error_of(total);
+    // Written so that NaN stays NaN.
+    if (!(e.epsilon <= share_.alone * own.epsilon)) e.epsilon = share_.alone * own.epsilon;
+    if (!(e.eta <= share_.alone * own.eta)) e.eta = share_.alone * own.eta;
+  }
   return e;
+}
+
+ErrorSums ContactErrorEvaluator::part(int contact) const {
+  const bool scaled = problem_.row_scale.size() != 0;
+  ErrorSums part = dispatch_dim(problem_.dim, [&](auto d) -> ErrorSums {
+    return scaled ? sums<d(), true>(contact, contact + 1) : sums<d(), false>(contact, contact + 1);
+  });
+  const int first = contact * problem_.dim;
+  for (int k = 0; k < problem_.dim; ++k) {
+    const double b = problem_.u_free[first + k] / scale(problem_, first + k);
+    part.free_impulse2 += rho_nat_[contact] * rho_nat_[contact] * b * b;
+    if (k == 0 && b < 0) part.free_energy = 0.5 * rho_nn_[contact] * b * b;
+  }
+  return part;
 }
 
 ContactError contact_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s) {

@@ -36,6 +36,36 @@ struct ContactError {
 /// θ: weight of E against D in the denominator (data/criterion.md, "Why the denominator").
 inline constexpr double kTheta = 0.1;
 
+/// What contacts add to the sums of the criterion. Contacts that do not couple (W has no block
+/// between them) add up: the sums of a whole are those of its parts.
+struct ErrorSums {
+  double friction = 0;     ///< D                                                            [J]
+  double gap = 0;          ///< G                                                            [J]
+  double gap_clipped = 0;  ///< G with penetrating u_n set to 0, as (42) has it              [J]
+  double penetration = 0;  ///< V                                                            [J]
+  double natural = 0;      ///< Σ ½ W_nn |s - P_K(s - û / W_nn)|²                            [J]
+  double moved = 0;        ///< sᵀ W s                                                       [J]
+  double natural_rel = 0;  ///< Σ |s - P_K(s - rho û)|²                                 [N² s²]
+  double impulse2 = 0;     ///< Σ |s|²                                                  [N² s²]
+  double free_energy = 0;  ///< Σ ½ (b_n⁻)² / W_nn                                           [J]
+  double free_impulse2 = 0;  ///< Σ |rho b|²                                             [N² s²]
+
+  ErrorSums& operator+=(const ErrorSums& more);
+};
+
+/// The criterion of these sums; the worst contacts are left open (-1).
+ContactError error_of(const ErrorSums& sums);
+
+/// How the contacts of a problem that is a part of a larger one are to be judged: together with the
+/// sums of the other parts that are settled. Epsilon and eta are divided by `share`, the part of the
+/// tolerance that may be used up by then; and where `alone` > 0, the part's own error times `alone`
+/// counts instead where that is smaller. The default judges the problem as it stands.
+struct ErrorShare {
+  ErrorSums others;
+  double share = 1;  ///< in (0, 1]
+  double alone = 0;
+};
+
 /// Evaluates the criterion many times on one problem without allocation. s is projected on K_mu
 /// first (the paper asks for it), velocities are recomputed from the projected s. Where the problem
 /// carries a row_scale, everything is measured in physical variables. Copies and threads: as for
@@ -43,8 +73,10 @@ inline constexpr double kTheta = 0.1;
 /// of threads.
 class ContactErrorEvaluator {
  public:
-  explicit ContactErrorEvaluator(const ContactProblem& problem, int threads = 1);
-  explicit ContactErrorEvaluator(ContactProblem&&, int = 1) = delete;  // would dangle
+  explicit ContactErrorEvaluator(const ContactProblem& problem, int threads = 1,
+                                 const ErrorShare& share = {});
+  explicit ContactErrorEvaluator(ContactProblem&&, int = 1,
+                                 const ErrorShare& = {}) = delete;  // would dangle
 
   ContactError operator()(const Eigen::Ref<const Vector>& s);
 
@@ -52,6 +84,11 @@ class ContactErrorEvaluator {
   const Vector& impulse() const { return s_; }
   const Vector& velocity() const { return u_; }
   const DelassusOperator& delassus() const { return delassus_; }
+
+  /// What the problem, without the others of its share, and what one contact of it added up to at
+  /// the last evaluation.
+  const ErrorSums& sums() const { return sums_; }
+  ErrorSums part(int contact) const;
 
  private:
   struct Sums;
@@ -65,11 +102,13 @@ class ContactErrorEvaluator {
   const ContactProblem& problem_;
   int threads_;
   DelassusOperator delassus_;
-  Vector w_nn_;             // c, physical W_nn
-  Vector rho_nn_;           // c, 1/W_nn
-  Vector rho_nat_;          // c, d / trace of the physical diagonal block
-  double free_energy_ = 0;  // ½ Σ rho_c (b_n⁻)², physical
-  double free_norm_ = 0;    // ‖rho u_free‖, physical
+  Vector w_nn_;               // c, physical W_nn
+  Vector rho_nn_;             // c, 1/W_nn
+  Vector rho_nat_;            // c, d / trace of the physical diagonal block
+  double free_energy_ = 0;    // ½ Σ rho_c (b_n⁻)², physical
+  double free_impulse2_ = 0;  // ‖rho u_free‖², physical
+  ErrorShare share_;
+  ErrorSums sums_;
   Vector s_, u_;
 };
 

@@ -34,8 +34,11 @@ inline BodyRow& at(BodyRow* rows, unsigned offset) {
 }
 
 inline Lanes all(double x) { return Lanes{} + x; }
-/// max(x, 0); NaN stays NaN.
-inline Lanes positive(Lanes x) { return x < 0.0 ? Lanes{} : x; }
+/// max(x, 0); NaN stays NaN. Written as the instruction is, which compilers do not see otherwise.
+inline Lanes positive(Lanes x) {
+  const Lanes zero{};
+  return zero > x ? zero : x;
+}
 inline Lanes magnitude(Lanes x) {
   return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(x) & 0x7fffffffffffffffLL);
 }
@@ -51,53 +54,59 @@ struct Motion {
 };
 
 #if BIPOT_WIDTH == 2
+typedef long long PairBits __attribute__((vector_size(16)));
+
+/// The halves of a row: (x, spin) and (y, unused).
 inline const Pair* half(const BodyRow& r) { return reinterpret_cast<const Pair*>(&r); }
 inline Pair* half(BodyRow& r) { return reinterpret_cast<Pair*>(&r); }
+/// (-x, spin).
+inline Pair opposite(Pair x_spin) {
+  const PairBits sign{static_cast<long long>(1ULL << 63), 0};
+  return reinterpret_cast<Pair>(reinterpret_cast<PairBits>(x_spin) ^ sign);
+}
 
 inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
-  const Pair a = half(at(v, i[0]))[0] - half(at(v, j[0]))[0],
-             b = half(at(v, i[1]))[0] - half(at(v, j[1]))[0];
-  return {__builtin_shufflevector(a, b, 0, 2), __builtin_shufflevector(a, b, 1, 3),
-          Lanes{at(v, i[0]).value[2] + at(v, j[0]).value[2],
-                at(v, i[1]).value[2] + at(v, j[1]).value[2]}};
+  const Pair a = half(at(v, i[0]))[0] + opposite(half(at(v, j[0]))[0]),
+             b = half(at(v, i[1]))[0] + opposite(half(at(v, j[1]))[0]);
+  return {__builtin_shufflevector(a, b, 0, 2),
+          Lanes{at(v, i[0]).value[kRowY] - at(v, j[0]).value[kRowY],
+                at(v, i[1]).value[kRowY] - at(v, j[1]).value[kRowY]},
+          __builtin_shufflevector(a, b, 1, 3)};
 }
 /// Adds the wrench, times `inverse` where there is one, to body i and its opposite to body j.
 template <bool kInverse>
 inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const BodyRow* inverse,
                     BodyRow* to) {
-  const Pair linear[2] = {__builtin_shufflevector(p.x, p.y, 0, 2),
-                          __builtin_shufflevector(p.x, p.y, 1, 3)};
+  const Pair x_spin[2] = {__builtin_shufflevector(p.x, p.spin, 0, 2),
+                          __builtin_shufflevector(p.x, p.spin, 1, 3)};
   for (int k = 0; k < 2; ++k) {
     BodyRow &a = at(to, i[k]), &b = at(to, j[k]);
     if constexpr (kInverse) {
-      half(a)[0] += half(at(inverse, i[k]))[0] * linear[k];
-      a.value[2] += at(inverse, i[k]).value[2] * p.spin[k];
-      half(b)[0] -= half(at(inverse, j[k]))[0] * linear[k];
-      b.value[2] += at(inverse, j[k]).value[2] * p.spin[k];
+      half(a)[0] += half(at(inverse, i[k]))[0] * x_spin[k];
+      a.value[kRowY] += at(inverse, i[k]).value[kRowY] * p.y[k];
+      half(b)[0] += half(at(inverse, j[k]))[0] * opposite(x_spin[k]);
+      b.value[kRowY] -= at(inverse, j[k]).value[kRowY] * p.y[k];
     } else {
-      half(a)[0] += linear[k];
-      a.value[2] += p.spin[k];
-      half(b)[0] -= linear[k];
-      b.value[2] += p.spin[k];
+      half(a)[0] += x_spin[k];
+      a.value[kRowY] += p.y[k];
+      half(b)[0] += opposite(x_spin[k]);
+      b.value[kRowY] -= p.y[k];
     }
   }
 }
 #else
-typedef long long RowBits __attribute__((vector_size(32)));
-constexpr long long kSign = static_cast<long long>(1ULL << 63);
+/// x - x', spin + spin', y - y': one instruction, and the reason for the order in a row.
+inline Row opposed(Row a, Row b) { return __builtin_ia32_addsubpd256(a, b); }
 
-/// (-x, -y, spin, ...).
-inline Row opposite(Row r) {
-  return reinterpret_cast<Row>(reinterpret_cast<RowBits>(r) ^ RowBits{kSign, kSign, 0, 0});
-}
+/// Adds the wrench, times `inverse` where there is one, to body i and its opposite to body j.
 template <bool kInverse>
 inline void add(Row wrench, unsigned i, unsigned j, const BodyRow* inverse, BodyRow* to) {
   if constexpr (kInverse) {
     row(at(to, i)) += row(at(inverse, i)) * wrench;
-    row(at(to, j)) += row(at(inverse, j)) * opposite(wrench);
+    row(at(to, j)) = opposed(row(at(to, j)), row(at(inverse, j)) * wrench);
   } else {
     row(at(to, i)) += wrench;
-    row(at(to, j)) += opposite(wrench);
+    row(at(to, j)) = opposed(row(at(to, j)), wrench);
   }
 }
 #endif
@@ -105,61 +114,59 @@ inline void add(Row wrench, unsigned i, unsigned j, const BodyRow* inverse, Body
 #if BIPOT_WIDTH == 4
 inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
   Row r[4];
-  for (int k = 0; k < 4; ++k) r[k] = row(at(v, i[k])) + opposite(row(at(v, j[k])));
+  for (int k = 0; k < 4; ++k) r[k] = opposed(row(at(v, i[k])), row(at(v, j[k])));
   const Row even01 = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6);
   const Row even23 = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6);
   const Row odd01 = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
   const Row odd23 = __builtin_shufflevector(r[2], r[3], 1, 5, 3, 7);
   return {__builtin_shufflevector(even01, even23, 0, 1, 4, 5),
-          __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5),
-          __builtin_shufflevector(even01, even23, 2, 3, 6, 7)};
+          __builtin_shufflevector(even01, even23, 2, 3, 6, 7),
+          __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5)};
 }
 template <bool kInverse>
 inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const BodyRow* inverse,
                     BodyRow* to) {
   const Row zero{};
-  const Row even = __builtin_shufflevector(p.x, p.y, 0, 4, 2, 6);
-  const Row odd = __builtin_shufflevector(p.x, p.y, 1, 5, 3, 7);
-  const Row spin_even = __builtin_shufflevector(p.spin, zero, 0, 4, 2, 6);
-  const Row spin_odd = __builtin_shufflevector(p.spin, zero, 1, 5, 3, 7);
-  add<kInverse>(__builtin_shufflevector(even, spin_even, 0, 1, 4, 5), i[0], j[0], inverse, to);
-  add<kInverse>(__builtin_shufflevector(odd, spin_odd, 0, 1, 4, 5), i[1], j[1], inverse, to);
-  add<kInverse>(__builtin_shufflevector(even, spin_even, 2, 3, 6, 7), i[2], j[2], inverse, to);
-  add<kInverse>(__builtin_shufflevector(odd, spin_odd, 2, 3, 6, 7), i[3], j[3], inverse, to);
+  const Row even = __builtin_shufflevector(p.x, p.spin, 0, 4, 2, 6);
+  const Row odd = __builtin_shufflevector(p.x, p.spin, 1, 5, 3, 7);
+  const Row y_even = __builtin_shufflevector(p.y, zero, 0, 4, 2, 6);
+  const Row y_odd = __builtin_shufflevector(p.y, zero, 1, 5, 3, 7);
+  add<kInverse>(__builtin_shufflevector(even, y_even, 0, 1, 4, 5), i[0], j[0], inverse, to);
+  add<kInverse>(__builtin_shufflevector(odd, y_odd, 0, 1, 4, 5), i[1], j[1], inverse, to);
+  add<kInverse>(__builtin_shufflevector(even, y_even, 2, 3, 6, 7), i[2], j[2], inverse, to);
+  add<kInverse>(__builtin_shufflevector(odd, y_odd, 2, 3, 6, 7), i[3], j[3], inverse, to);
 }
 #elif BIPOT_WIDTH == 8
 /// Two rows in one register.
 inline Lanes both(Row a, Row b) { return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7); }
 
 inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
-  const Bits sign{kSign, kSign, 0, 0, kSign, kSign, 0, 0};
   Lanes r[4];
   for (int k = 0; k < 4; ++k) {
-    const Lanes to = both(row(at(v, j[2 * k])), row(at(v, j[2 * k + 1])));
-    r[k] = both(row(at(v, i[2 * k])), row(at(v, i[2 * k + 1]))) +
-           reinterpret_cast<Lanes>(reinterpret_cast<Bits>(to) ^ sign);
+    r[k] = both(opposed(row(at(v, i[2 * k])), row(at(v, j[2 * k]))),
+                opposed(row(at(v, i[2 * k + 1])), row(at(v, j[2 * k + 1]))));
   }
   const Lanes even0 = __builtin_shufflevector(r[0], r[1], 0, 4, 8, 12, 2, 6, 10, 14);
   const Lanes even1 = __builtin_shufflevector(r[2], r[3], 0, 4, 8, 12, 2, 6, 10, 14);
   const Lanes odd0 = __builtin_shufflevector(r[0], r[1], 1, 5, 9, 13, 3, 7, 11, 15);
   const Lanes odd1 = __builtin_shufflevector(r[2], r[3], 1, 5, 9, 13, 3, 7, 11, 15);
   return {__builtin_shufflevector(even0, even1, 0, 1, 2, 3, 8, 9, 10, 11),
-          __builtin_shufflevector(odd0, odd1, 0, 1, 2, 3, 8, 9, 10, 11),
-          __builtin_shufflevector(even0, even1, 4, 5, 6, 7, 12, 13, 14, 15)};
+          __builtin_shufflevector(even0, even1, 4, 5, 6, 7, 12, 13, 14, 15),
+          __builtin_shufflevector(odd0, odd1, 0, 1, 2, 3, 8, 9, 10, 11)};
 }
 template <bool kInverse>
 inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const BodyRow* inverse,
                     BodyRow* to) {
-  // Pairs (x, y) of the lanes 0, 4 | 1, 5 | 2, 6 | 3, 7 in the places of two rows.
+  // Pairs (x, spin) of the lanes 0, 4 | 1, 5 | 2, 6 | 3, 7 in the places of two rows.
   const Lanes zero{};
-  const Lanes even = __builtin_shufflevector(p.x, p.y, 0, 8, 2, 10, 4, 12, 6, 14);
-  const Lanes odd = __builtin_shufflevector(p.x, p.y, 1, 9, 3, 11, 5, 13, 7, 15);
-  const Lanes spin_even = __builtin_shufflevector(p.spin, zero, 0, 8, 2, 10, 4, 12, 6, 14);
-  const Lanes spin_odd = __builtin_shufflevector(p.spin, zero, 1, 9, 3, 11, 5, 13, 7, 15);
-  const auto row_of = [&](Lanes linear, Lanes spin, auto upper) {
+  const Lanes even = __builtin_shufflevector(p.x, p.spin, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes odd = __builtin_shufflevector(p.x, p.spin, 1, 9, 3, 11, 5, 13, 7, 15);
+  const Lanes y_even = __builtin_shufflevector(p.y, zero, 0, 8, 2, 10, 4, 12, 6, 14);
+  const Lanes y_odd = __builtin_shufflevector(p.y, zero, 1, 9, 3, 11, 5, 13, 7, 15);
+  const auto row_of = [&](Lanes x_spin, Lanes y, auto upper) {
     // clang-format off
-    if constexpr (upper) return __builtin_shufflevector(linear, spin, 2, 3, 10, 11, 6, 7, 14, 15);
-    else return __builtin_shufflevector(linear, spin, 0, 1, 8, 9, 4, 5, 12, 13);
+    if constexpr (upper) return __builtin_shufflevector(x_spin, y, 2, 3, 10, 11, 6, 7, 14, 15);
+    else return __builtin_shufflevector(x_spin, y, 0, 1, 8, 9, 4, 5, 12, 13);
     // clang-format on
   };
   struct No {
@@ -168,8 +175,8 @@ inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const
   struct Yes {
     constexpr operator bool() const { return true; }
   };
-  const Lanes rows[4] = {row_of(even, spin_even, No{}), row_of(odd, spin_odd, No{}),
-                         row_of(even, spin_even, Yes{}), row_of(odd, spin_odd, Yes{})};
+  const Lanes rows[4] = {row_of(even, y_even, No{}), row_of(odd, y_odd, No{}),
+                         row_of(even, y_even, Yes{}), row_of(odd, y_odd, Yes{})};
   for (int k = 0; k < 8; ++k) {
     const Row wrench = k < 4 ? __builtin_shufflevector(rows[k % 4], zero, 0, 1, 2, 3)
                              : __builtin_shufflevector(rows[k % 4], zero, 4, 5, 6, 7);

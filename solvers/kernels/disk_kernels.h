@@ -4,10 +4,12 @@
 
 namespace bipot {
 
-/// Values of one body: (x, y, a ω, unused).
+/// Values of one body: x, a ω, y and one that is not used. In this order a single instruction
+/// (addsub) subtracts x and y and adds a ω.
 struct alignas(32) BodyRow {
   double value[4] = {0, 0, 0, 0};
 };
+inline constexpr int kRowX = 0, kRowSpin = 1, kRowY = 2;
 
 /// Where a row stands, in bytes behind the first one.
 inline unsigned row_offset(int row) {
@@ -50,7 +52,7 @@ struct SweepTask {
   const LawBatch* laws = nullptr;
   ImpulseBatch<D>* impulse = nullptr;
   BodyRow* velocity = nullptr;       ///< all rows
-  const BodyRow* inverse = nullptr;  ///< all rows: 1/m, 1/m, a²/I, 0
+  const BodyRow* inverse = nullptr;  ///< all rows: 1/m, a²/I, 1/m, 0
 };
 
 /// One step of an accelerated projected gradient over a tile: velocities of its bodies at the

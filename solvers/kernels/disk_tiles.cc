@@ -1,5 +1,7 @@
 #include "solvers/kernels/disk_tiles.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -9,9 +11,22 @@ namespace bipot {
 namespace {
 
 constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
-/// What a pipeline may keep in the cache of one core.
-constexpr std::size_t kCacheBytes = 600'000;
-constexpr int kDeepest = 16;
+/// Iterations in flight at most. Threads meet after every wave of tiles: more of them in flight are
+/// more work between two meetings.
+constexpr int kDeepest = 32;
+
+/// What a pipeline may keep in the cache of one core: two thirds of the second level, of 1 MiB where
+/// the system does not say. It decides what runs when, and changes no bit.
+std::size_t cache_bytes() {
+  static const std::size_t bytes = [] {
+    long level2 = 0;
+#ifdef _SC_LEVEL2_CACHE_SIZE
+    level2 = sysconf(_SC_LEVEL2_CACHE_SIZE);
+#endif
+    return static_cast<std::size_t>(level2 > 0 ? level2 : 1L << 20) * 2 / 3;
+  }();
+  return bytes;
+}
 
 /// Gives numbers that are equal to rounding the same bits: those of the first of them.
 class Snap {
@@ -42,8 +57,9 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
       inverse_(to_size(tiles_.num_rows)) {
   for (int body = 0; body < disks.surroundings(); ++body) {
     const DiskStructure::Body& from = disks.bodies[to_size(body)];
-    inverse_[to_size(tiles_.row[to_size(body)])] = {
-        {from.inverse_mass, from.inverse_mass, from.inverse_inertia, 0}};
+    BodyRow& inverse = inverse_[to_size(tiles_.row[to_size(body)])];
+    inverse.value[kRowX] = inverse.value[kRowY] = from.inverse_mass;
+    inverse.value[kRowSpin] = from.inverse_inertia;
   }
   Snap snap_ratio, snap_mu;
   for (const Tile& tile : tiles_.tiles) {
@@ -120,12 +136,12 @@ void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x,
       }
       double* const i = momentum[contact.i[lane] / sizeof(BodyRow)].value;
       double* const j = momentum[contact.j[lane] / sizeof(BodyRow)].value;
-      i[0] += px;
-      i[1] += py;
-      i[2] -= spin;
-      j[0] -= px;
-      j[1] -= py;
-      j[2] -= spin;
+      i[kRowX] += px;
+      i[kRowY] += py;
+      i[kRowSpin] -= spin;
+      j[kRowX] -= px;
+      j[kRowY] -= py;
+      j[kRowSpin] -= spin;
     }
   }
 }
@@ -149,9 +165,9 @@ int DiskTiles<D>::pipeline_depth(int threads, std::size_t bytes_per_batch,
                                  std::size_t bytes_per_row) const {
   const std::size_t all =
       to_size(num_batches()) * bytes_per_batch + to_size(num_rows()) * bytes_per_row;
-  if (threads == 1 && all <= kCacheBytes) return 1;
+  if (threads == 1 && all <= cache_bytes()) return 1;
   const std::size_t tile = all / to_size(std::max(num_tiles(), 1));
-  const int fitting = static_cast<int>(std::min<std::size_t>(kDeepest, kCacheBytes / (2 * tile)));
+  const int fitting = static_cast<int>(std::min<std::size_t>(kDeepest, cache_bytes() / (2 * tile)));
   return std::min(std::max(fitting, 2) * threads, kDeepest);
 }
 

@@ -112,7 +112,7 @@ typename TiledGradient<D>::Totals TiledGradient<D>::totals(int iteration) const 
     total.turn += sum.turn[lane];
     total.change2 += sum.change2[lane];
   }
-  for (int k = 0; k < 3; ++k) total.energy += sum.energy[k];
+  for (const int k : {kRowX, kRowY, kRowSpin}) total.energy += sum.energy[k];
   return total;
 }
 

@@ -293,7 +293,7 @@ namespace {
 class Race {
  public:
   Race(const ContactProblem& p, const SolverOptions& options)
-      : p_(p), options_(options), evaluate_(p), inner_(options) {
+      : p_(p), options_(options), evaluate_(p, 1, options.share), inner_(options) {
     best_.s = start_of(p, options);
     best_error_ = evaluate_(best_.s).guarded();
     if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();

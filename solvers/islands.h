@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+
+#include "solvers/solver.h"
+
+namespace bipot {
+
+/// Runs `entry` on each part of the problem that is not coupled with the others, with what the part
+/// needs: nothing where s = 0 obeys the law or the start does well enough already (checked, not
+/// assumed), the closed form for one contact, exact block sweeps over a dense W for up to
+/// kFewContacts, and `entry` for the others; those without friction as problems of d = 1. A problem
+/// of one part, and one with another stop test than the guarded one, goes to `entry` as it is. For
+/// solve(), which judges the result on the whole.
+///
+/// **The tolerance of the parts.** With the sums of data/criterion.md the whole meets tol when
+///
+///     Σ (G + V) <= tol M  and  Σ N² <= tol² M,   M = max(Σ D, θ Σ ½ sᵀ W s, θ Σ F),
+///
+/// F = ½ (b_n⁻)² / W_nn. The numerators add up over the parts. The denominators do not: a sum of
+/// maxima may be three times the maximum of the sums. Parts are settled in the order of their size,
+/// and each is judged together with those that are settled (ErrorShare), with the F of all parts in
+/// M, which then only grows as more are settled. A part is done when
+///
+///  * what is settled so far, itself included, has an error <= tol c / 2, with c the part of all
+///    contacts up to here: for a part with little energy beside the others; or
+///  * its own error is <= tol / 12.
+///
+/// So before the last part, the largest, the numerators are at most tol M / 2 by the first rule and
+/// tol Σ M_i / 12 <= tol M / 4 by the second, of the squares less; the last one has what is left, and
+/// its stop test is that of the whole.
+///
+/// `iterations` is the number of iterations over the whole that the work amounts to: that of each
+/// part times its part of the contacts, rounded up. `options.max_iterations` holds for each part.
+/// on_iteration sees the start and the iterations of the last part. Where a part fails the others
+/// are solved all the same, each by the rules for a part before the last and without history; the
+/// status is that of the first that failed, the message names it.
+SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& problem,
+                          const SolverOptions& options);
+
+/// Up to so many contacts a part is solved without `entry`.
+inline constexpr int kFewContacts = 8;
+
+/// How many parts there are of which size, in a line.
+std::string explain_islands(const ContactProblem& problem);
+
+}  // namespace bipot

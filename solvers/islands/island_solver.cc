@@ -1,0 +1,303 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <vector>
+
+#include "core/stopwatch.h"
+#include "solvers/islands.h"
+#include "solvers/islands/contact_islands.h"
+#include "solvers/islands/few_contacts.h"
+#include "solvers/islands/island_problem.h"
+
+namespace bipot {
+namespace {
+
+// What the parts before the last may use up of the tolerance together with all that is settled, and
+// by themselves: solvers/islands.h.
+constexpr double kShareBeforeLast = 0.5, kAloneFactor = 12;
+
+/// Whether s = 0 obeys the law at all of these contacts: nothing approaches.
+bool is_open(const ContactProblem& p, std::span<const int> contacts) {
+  return std::all_of(contacts.begin(), contacts.end(),
+                     [&](int c) { return p.u_free[static_cast<Eigen::Index>(c) * p.dim] >= 0; });
+}
+
+/// One solve, part by part.
+class IslandRun {
+ public:
+  IslandRun(const SolverEntry& entry, const ContactProblem& p, const SolverOptions& options,
+            const ContactIslands& islands)
+      : entry_(entry),
+        p_(p),
+        options_(options),
+        islands_(islands),
+        evaluate_(p, options.execution.threads, options.share) {}
+
+  SolveResult run() {
+    const ContactError error = evaluate_(start_of(p_, options_));
+    s_ = evaluate_.impulse();
+    total_ = evaluate_.sums();
+    settled_ = options_.share.others;
+    if (options_.on_iteration) {
+      options_.on_iteration({.iteration = 0,
+                             .seconds = watch_.seconds(),
+                             .error = error,
+                             .count = count_contacts(p_, s_)});
+    }
+    settle_starts_and_few();
+    result_.setup_seconds = watch_.seconds();
+    for (std::size_t k = 0; k < left_.size(); ++k) {
+      // After a failure nothing makes the whole meet the tolerance: the last is a part like others.
+      if (!solve_island(left_[k], k + 1 == left_.size() && failed_ == 0)) break;
+    }
+    return finish();
+  }
+
+ private:
+  /// How the island with these sums is judged. The free terms of M are those of the whole.
+  ErrorShare share_of(int island, const ErrorSums& own, bool last) const {
+    ErrorShare share;
+    share.others = settled_;
+    const auto rest = [](double all, double part) { return std::max(all - part, 0.0); };
+    share.others.free_energy =
+        options_.share.others.free_energy + rest(total_.free_energy, own.free_energy);
+    share.others.free_impulse2 =
+        options_.share.others.free_impulse2 + rest(total_.free_impulse2, own.free_impulse2);
+    share.share = options_.share.share;
+    if (last) return share;
+    share.share *= kShareBeforeLast * islands_.start[to_size(island) + 1] / p_.num_contacts();
+    share.alone = kAloneFactor;
+    return share;
+  }
+
+  ErrorSums sums_of(int island) const {
+    ErrorSums sums;
+    for (const int c : islands_.of(island)) sums += evaluate_.part(c);
+    return sums;
+  }
+
+  /// Takes the island as settled where its impulses of the last evaluation are good enough.
+  bool settled(int island) {
+    const ErrorSums own = sums_of(island);
+    const ErrorShare share = share_of(island, own, false);
+    ErrorSums whole = own;
+    whole += share.others;
+    const ContactError together = error_of(whole), alone = error_of(own);
+    const auto within = [&](double with_others, double by_itself) {
+      return with_others <= share.share * options_.tol || share.alone * by_itself <= options_.tol;
+    };
+    if (!within(together.epsilon, alone.epsilon) || !within(together.eta, alone.eta)) return false;
+    settled_ += own;
+    return true;
+  }
+
+  /// Puts s = 0 where that obeys the law, keeps starts that are good enough and solves what has few
+  /// contacts; the others are left.
+  void settle_starts_and_few() {
+    std::vector<int> solved;
+    FewContacts few(p_, evaluate_.delassus());
+    for (int k = 0; k < islands_.count(); ++k) {
+      const std::span<const int> contacts = islands_.of(k);
+      if (is_open(p_, contacts)) {
+        ++open_;
+        for (const int c : contacts) s_.segment(c * p_.dim, p_.dim).setZero();
+        continue;
+      }
+      if (settled(k)) {
+        ++kept_;
+        continue;
+      }
+      const int size = static_cast<int>(contacts.size());
+      const int sweeps = size <= kFewContacts ? few(contacts, s_) : 0;
+      if (sweeps > 0) {
+        solved.push_back(k);
+        add_work(sweeps, size);
+      } else {
+        left_.push_back(k);
+      }
+    }
+    if (solved.empty()) return;
+    evaluate_(s_);
+    s_ = evaluate_.impulse();
+    for (const int k : solved) {
+      if (settled(k)) {
+        ++few_;
+      } else {
+        left_.push_back(k);
+      }
+    }
+    std::sort(left_.begin(), left_.end());
+  }
+
+  /// False where nothing is to follow.
+  bool solve_island(int island, bool last) {
+    const std::span<const int> contacts = islands_.of(island);
+    const int size = static_cast<int>(contacts.size());
+    const IslandProblem part = cut_(contacts);
+    ErrorSums own_free;
+    for (const int c : contacts) {
+      const ErrorSums sums = evaluate_.part(c);
+      own_free.free_energy += sums.free_energy;
+      own_free.free_impulse2 += sums.free_impulse2;
+    }
+    SolverOptions inner = options_;
+    inner.s0 = part.gather(s_);
+    inner.share = share_of(island, own_free, last);
+    inner.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);
+    inner.on_iteration = nullptr;
+    if (last && options_.on_iteration) inner.on_iteration = history_of(part, size);
+    const double before = watch_.seconds();
+    SolveResult result;
+    try {
+      result = entry_.run(part.problem, inner);
+    } catch (const std::exception& e) {
+      result.status = SolveStatus::kNumericalFailure;
+      result.message = e.what();
+    }
+    ++by_solver_;
+    add_work(result.iterations, size);
+    result_.setup_seconds += watch_.seconds() - before - result.solve_seconds;
+    if (result.s.size() == part.problem.num_rows() && result.s.allFinite()) {
+      part.scatter(result.s, p_.dim, s_);
+    }
+    const std::string said = fmt::format("{} contacts: {}", size, result.message);
+    const double visits = static_cast<double>(result.iterations) * size;
+    if (visits >= most_visits_) {
+      most_visits_ = visits;
+      costliest_ = said;
+    }
+    if (!is_success(result.status)) {
+      ++failed_;
+      if (first_failure_.empty()) {
+        result_.status = result.status;
+        first_failure_ = said;
+      }
+      return result.status != SolveStatus::kTimeLimit && result.status != SolveStatus::kInterrupted;
+    }
+    if (!last) {
+      ContactErrorEvaluator evaluate(part.problem);
+      evaluate(part.gather(s_));
+      settled_ += evaluate.sums();
+    }
+    return true;
+  }
+
+  /// Hands the records of the last island on: errors are those of the whole, contacts are added.
+  std::function<void(const IterationRecord&)> history_of(const IslandProblem& part, int size) {
+    const ContactCount all = count_contacts(p_, s_);
+    const ContactCount own = count_contacts(part.problem, part.gather(s_));
+    return [this, size, all, own, start = watch_.seconds()](const IterationRecord& r) {
+      if (r.iteration == 0) return;
+      IterationRecord record = r;
+      record.iteration = iterations(r.iteration, size);
+      record.seconds += start;
+      record.count.take_off += all.take_off - own.take_off;
+      record.count.stick += all.stick - own.stick;
+      record.count.slip += all.slip - own.slip;
+      options_.on_iteration(record);
+    };
+  }
+
+  void add_work(int iterations, int contacts) {
+    work_ += static_cast<double>(iterations) * contacts;
+  }
+  /// Iterations over the whole that the work so far amounts to, with more on some contacts.
+  int iterations(int more, int contacts) const {
+    const double visits = work_ + static_cast<double>(more) * contacts;
+    return static_cast<int>(std::ceil(visits / p_.num_contacts()));
+  }
+
+  SolveResult finish() {
+    const ContactError error = evaluate_(s_);
+    s_ = evaluate_.impulse();
+    result_.message = fmt::format("{} islands: {} open, {} kept, {} of few contacts, {} by {}",
+                                  islands_.count(), open_, kept_, few_, by_solver_, entry_.name);
+    if (by_solver_ == 1) result_.message += ", " + costliest_;
+    if (by_solver_ > 1) result_.message += ", the costliest with " + costliest_;
+    if (meets(options_, error)) {
+      result_.status = SolveStatus::kConverged;
+    } else if (failed_ > 0) {
+      result_.message =
+          fmt::format("{} of the {}; first {}", failed_, result_.message, first_failure_);
+    } else {
+      return on_the_whole();
+    }
+    result_.s = s_;
+    result_.iterations = iterations(0, 0);
+    result_.solve_seconds = watch_.seconds() - result_.setup_seconds;
+    return std::move(result_);
+  }
+
+  /// Rounding may keep the whole from what all of its parts had: on from there without cutting.
+  SolveResult on_the_whole() {
+    SolverOptions inner = options_;
+    inner.s0 = s_;
+    inner.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);
+    const int before = iterations(0, 0);
+    if (options_.on_iteration) {
+      inner.on_iteration = [&, start = watch_.seconds()](const IterationRecord& r) {
+        IterationRecord record = r;
+        record.iteration += before;
+        record.seconds += start;
+        options_.on_iteration(record);
+      };
+    }
+    SolveResult result = entry_.run(p_, inner);
+    result.message = result_.message + "; then the whole: " + result.message;
+    result.iterations += before;
+    result.setup_seconds += result_.setup_seconds;
+    result.solve_seconds = watch_.seconds() - result.setup_seconds;
+    return result;
+  }
+
+  const Stopwatch watch_;
+  const SolverEntry& entry_;
+  const ContactProblem& p_;
+  const SolverOptions& options_;
+  const ContactIslands& islands_;
+  ContactErrorEvaluator evaluate_;
+  IslandCutter cut_{p_};
+  ErrorSums total_;    // of the whole at its start; its free terms do not change
+  ErrorSums settled_;  // what is settled; its free terms are not used
+  Vector s_;
+  std::vector<int> left_;  // islands for the solver, the smaller ones first
+  double work_ = 0;        // contacts visited
+  int open_ = 0, kept_ = 0, few_ = 0, by_solver_ = 0, failed_ = 0;
+  double most_visits_ = 0;  // of a single island
+  std::string costliest_, first_failure_;
+  SolveResult result_;
+};
+
+}  // namespace
+
+SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& p,
+                          const SolverOptions& options) {
+  if (options.stop != StopTest::kGuarded || options.max_iterations == 0) {
+    return entry.run(p, options);
+  }
+  const ContactIslands islands = contact_islands(p);
+  if (islands.count() <= 1) return entry.run(p, options);
+  return IslandRun(entry, p, options, islands).run();
+}
+
+std::string explain_islands(const ContactProblem& p) {
+  const ContactIslands islands = contact_islands(p);
+  int open = 0, few = 0;
+  for (int k = 0; k < islands.count(); ++k) {
+    if (is_open(p, islands.of(k))) {
+      ++open;
+    } else if (islands.of(k).size() <= to_size(kFewContacts)) {
+      ++few;
+    }
+  }
+  const std::size_t largest = islands.count() > 0 ? islands.of(islands.count() - 1).size() : 0;
+  if (islands.count() <= 1) return fmt::format("islands: {}\n", islands.count());
+  return fmt::format(
+      "islands: {}; nothing approaches in {}, {} others have up to {} contacts, the largest has {}; "
+      "the plan below is that of one as large as the whole\n",
+      islands.count(), open, few, kFewContacts, largest);
+}
+
+}  // namespace bipot

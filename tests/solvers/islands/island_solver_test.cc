@@ -1,0 +1,383 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/files/problem_file.h"
+#include "solvers/islands.h"
+#include "solvers/islands/contact_islands.h"
+#include "solvers/registry.h"
+#include "solvers/solve.h"
+#include "tests/support/lattice_problem.h"
+#include "tests/support/manufactured.h"
+#include "tests/support/naive_error.h"
+#include "tests/support/side_by_side.h"
+#include "tests/support/small_problems.h"
+#include "tests/support/source_folder.h"
+
+namespace bipot {
+namespace {
+
+bool has(const SolveResult& result, const std::string& text) {
+  return result.message.find(text) != std::string::npos;
+}
+
+/// Parts of 1, 3, 5, 9, 14 and 40 contacts, each with a solution, velocities 10^k times as large.
+ContactProblem archipelago(int dim, unsigned seed, bool given_by_delassus) {
+  std::vector<ContactProblem> parts;
+  double scale = 1e-3;
+  for (const int contacts : {14, 1, 40, 3, 9, 5}) {
+    ContactProblem part =
+        manufactured_problem(dim, std::max(1, contacts - 1), contacts, seed + 7).problem;
+    part.u_free *= scale;
+    scale *= 10;
+    if (!given_by_delassus) part.W = SparseRows();
+    parts.push_back(given_by_delassus ? local_form(part) : part);
+  }
+  return side_by_side(parts).problem;
+}
+
+TEST(Islands, TheWholeMeetsTheTolerance) {
+  for (const int dim : {1, 2, 3}) {
+    for (const unsigned seed : {1u, 2u, 3u}) {
+      for (const bool local : {false, true}) {
+        const ContactProblem p = archipelago(dim, seed, local);
+        for (const double tol : {1e-2, 1e-5, 1e-9}) {
+          const SolveResult result = solve("auto", p, {.tol = tol});
+          EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+          EXPECT_TRUE(has(result, "6 islands")) << result.message;
+          EXPECT_LE(naive_error(p, result.s).guarded(), tol * (1 + 1e-6))
+              << dim << ' ' << seed << ' ' << local;
+        }
+      }
+    }
+  }
+}
+
+/// A solver that stops as early as the stop test lets it: on the line from an exact impulse to 0.
+SolverEntry lazy_solver(std::vector<double>* errors) {
+  return {.name = "lazy",
+          .summary = "",
+          .run =
+              [errors](const ContactProblem& p, const SolverOptions& options) {
+                SolveResult exact = find_solver("auto")->run(p, {.tol = 1e-13});
+                ContactErrorEvaluator evaluate(p, 1, options.share);
+                double low = 0, high = 1;
+                for (int k = 0; k < 60; ++k) {
+                  const double middle = 0.5 * (low + high);
+                  (meets(options, evaluate(middle * exact.s)) ? high : low) = middle;
+                }
+                SolveResult result;
+                result.s = high * exact.s;
+                errors->push_back(contact_error(p, result.s).guarded());
+                result.status = SolveStatus::kConverged;
+                result.iterations = 1;
+                return result;
+              },
+          .parameters = {}};
+}
+
+/// 20 contacts that approach at 1 and slide at 10, W = 1 but for tangents that are neighbours: 0.2.
+ContactProblem sliding_part() {
+  constexpr int kContacts = 20;
+  ContactProblem p;
+  p.dim = 2;
+  p.W.resize(2 * kContacts, 2 * kContacts);
+  p.W.setIdentity();
+  p.u_free = Vector::Zero(2 * kContacts);
+  p.mu = Vector::Constant(kContacts, 0.5);
+  for (int c = 0; c < kContacts; ++c) {
+    if (c > 0) p.W.coeffRef(2 * c + 1, 2 * c - 1) = p.W.coeffRef(2 * c - 1, 2 * c + 1) = 0.2;
+    p.u_free[2 * c] = -1;
+    p.u_free[2 * c + 1] = 10;
+  }
+  p.W.makeCompressed();
+  return p;
+}
+
+TEST(Islands, PartsThatJustMeetTheirSharesMeetTheWhole) {
+  // The errors that the lazy solver leaves are as large as it may leave them.
+  for (const double tol : {1e-1, 1e-2, 1e-4}) {
+    std::vector<double> errors;
+    const SolverEntry lazy = lazy_solver(&errors);
+    std::vector<ContactProblem> parts;
+    for (const unsigned seed : {3u, 4u, 5u, 6u, 7u, 8u}) {
+      parts.push_back(manufactured_problem(2, 15, 20, seed).problem);
+      parts.back().u_free *= std::pow(3.0, seed);
+    }
+    const ContactProblem p = side_by_side(parts).problem;
+    const SolveResult result = solve(lazy, p, {.tol = tol, .islands = true});
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    EXPECT_FALSE(has(result, "then the whole")) << result.message;
+    EXPECT_LE(result.error.guarded(), tol);
+    EXPECT_GE(result.error.guarded(), 0.5 * tol);  // what was left to the last part is used
+    ASSERT_EQ(errors.size(), 6u);
+  }
+}
+
+TEST(Islands, MaximaOfDifferentTermsDoNotUseUpTheTolerance) {
+  // On one part D is the largest term of the denominator, on the other θK: both with the error tol
+  // by themselves would be more than tol on the whole, as the maxima of the sums are less than the
+  // sum of the maxima.
+  //   sliding: s_n = 1, |s_t| = mu, D = 20 mu |u_t| > 90 and θK < 2;
+  //   resting: D = 0.
+  // With the same maximum in both the sum of them is nearly twice the maximum of the sums.
+  const ContactProblem sliding = sliding_part();
+  const ContactProblem resting = lattice_step(Lattice::kTriangular, 6, 0.3, 0);
+  const SolveResult one = solve("auto", sliding, {.tol = 1e-12});
+  const SolveResult two = solve("auto", resting, {.tol = 1e-12});
+  ASSERT_GT(one.error.friction_power, kTheta * one.error.energy);
+  ASSERT_LT(two.error.friction_power, kTheta * two.error.energy);
+  ContactProblem scaled = local_form(resting);
+  // The same energy in both maxima.
+  scaled.u_free *= std::sqrt(one.error.friction_power / (kTheta * two.error.energy));
+  const ContactProblem p = side_by_side({sliding, scaled}).problem;
+  const double sum_of_maxima = 2 * one.error.friction_power;
+  const SolveResult exact = solve("auto", p, {.tol = 1e-12});
+  const double maximum_of_sums = std::max(exact.error.friction_power, kTheta * exact.error.energy);
+  EXPECT_GT(sum_of_maxima, 1.5 * maximum_of_sums);
+  std::vector<double> errors;
+  const SolverEntry lazy = lazy_solver(&errors);
+  const SolveResult result = solve(lazy, p, {.tol = 1e-3, .islands = true});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_FALSE(has(result, "then the whole")) << result.message;
+  EXPECT_LE(naive_error(p, result.s).guarded(), 1e-3 * (1 + 1e-9));
+}
+
+TEST(Islands, APartIsJudgedAsAPieceOfTheWhole) {
+  // With the sums of the rest as `others` the error of a part is that of the whole.
+  for (const int dim : {1, 2, 3}) {
+    const ContactProblem p = archipelago(dim, 4, false);
+    Vector s = solve("auto", p, {.tol = 1e-3}).s;
+    s *= 0.9;
+    ContactErrorEvaluator evaluate(p);
+    const ContactError whole = evaluate(s);
+    ErrorSums sums;
+    for (int c = 0; c < p.num_contacts(); ++c) sums += evaluate.part(c);
+    const ContactError added = error_of(sums);
+    EXPECT_NEAR(added.epsilon, whole.epsilon, 1e-12 * whole.epsilon);
+    EXPECT_NEAR(added.eta, whole.eta, 1e-12 * whole.eta);
+    EXPECT_NEAR(added.natural_map, whole.natural_map, 1e-12 * whole.natural_map);
+    EXPECT_NEAR(added.energy, whole.energy, 1e-12 * whole.energy);
+    const SideBySide two = side_by_side({p, p});
+    Vector both(2 * s.size());
+    ErrorShare share;
+    for (int c = 0; c < p.num_contacts(); ++c) {
+      both.segment(two.place[0][to_size(c)] * dim, dim) = s.segment(c * dim, dim);
+      both.segment(two.place[1][to_size(c)] * dim, dim) = 0.5 * s.segment(c * dim, dim);
+    }
+    ContactErrorEvaluator other(p);
+    other(0.5 * s);
+    share.others = other.sums();
+    ContactErrorEvaluator part(p, 1, share);
+    const ContactError as_piece = part(s);
+    const ContactError expected = contact_error(two.problem, both);
+    EXPECT_NEAR(as_piece.epsilon, expected.epsilon, 1e-12 * expected.epsilon);
+    EXPECT_NEAR(as_piece.eta, expected.eta, 1e-12 * expected.eta);
+    EXPECT_NEAR(as_piece.natural_map, expected.natural_map, 1e-12 * expected.natural_map);
+    // Half the tolerance: twice the figure. By itself it is better here and counts threefold.
+    share.share = 0.5;
+    EXPECT_NEAR(ContactErrorEvaluator(p, 1, share)(s).epsilon, 2 * expected.epsilon,
+                1e-12 * expected.epsilon);
+    share.alone = 3;
+    EXPECT_NEAR(ContactErrorEvaluator(p, 1, share)(s).epsilon,
+                std::min(2 * expected.epsilon, 3 * whole.epsilon), 1e-12 * expected.epsilon);
+  }
+}
+
+TEST(Islands, SingleContactsAreSolvedInClosedForm) {
+  // Take-off; stick: s_n = 1/2, s_t = -0.1, inside the cone; slip: s_n = 1/2, |s_t| = mu s_n = 0.15.
+  for (const int dim : {2, 3}) {
+    std::vector<ContactProblem> parts;
+    Vector b_t = Vector::Zero(2);
+    for (const auto& [b_n, slide] : {std::pair{1.0, 0.3}, {-1.0, 0.3}, {-1.0, 3.0}}) {
+      b_t[0] = slide;
+      parts.push_back(one_contact_problem(dim, 2, 3, 0.3, b_n, b_t));
+    }
+    const ContactProblem p = side_by_side(parts).problem;
+    const SolveResult result = solve("auto", p, {.tol = 1e-14});
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    EXPECT_TRUE(has(result, "3 islands: 1 open, 0 kept, 2 of few contacts, 0 by auto"))
+        << result.message;
+    Vector expected = Vector::Zero(3 * dim);
+    expected[dim] = expected[2 * dim] = 0.5;
+    expected[dim + 1] = -0.1;
+    expected[2 * dim + 1] = -0.15;
+    EXPECT_LE((result.s - expected).norm(), 1e-15);
+    EXPECT_EQ(result.iterations, 1);
+  }
+}
+
+TEST(Islands, WhatRestsKeepsItsImpulsesAndIsCheckedAllTheSame) {
+  std::vector<ContactProblem> parts;
+  for (const int contacts : {1, 6, 20, 40}) {
+    parts.push_back(manufactured_problem(2, std::max(1, contacts - 1), contacts, 9).problem);
+  }
+  const SideBySide before = side_by_side(parts);
+  const SolveResult first = solve("auto", before.problem, {.tol = 1e-8});
+  ASSERT_EQ(first.status, SolveStatus::kConverged) << first.message;
+  for (std::size_t moved = 0; moved < parts.size(); ++moved) {
+    std::vector<ContactProblem> changed = parts;
+    changed[moved].u_free *= 1.5;  // its impulses are 1.5 times the ones before
+    const ContactProblem p = side_by_side(changed).problem;
+    const SolveResult result = solve("auto", p, {.tol = 1e-7, .s0 = first.s});
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    EXPECT_TRUE(has(result, "3 kept")) << result.message;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      for (const int c : before.place[k]) {
+        if (k != moved) {
+          EXPECT_EQ(result.s.segment(2 * c, 2), first.s.segment(2 * c, 2));
+        } else {
+          EXPECT_LE((result.s - 1.5 * first.s).segment(2 * c, 2).norm(), 1e-3);
+        }
+      }
+    }
+  }
+}
+
+TEST(Islands, OtherSolversCutOnlyWhereAsked) {
+  const ContactProblem p = archipelago(2, 1, false);
+  const SolveResult whole = solve("pgs", p, {.tol = 1e-6});
+  EXPECT_FALSE(has(whole, "islands")) << whole.message;
+  const SolveResult cut = solve("pgs", p, {.tol = 1e-6, .islands = true});
+  EXPECT_EQ(cut.status, SolveStatus::kConverged) << cut.message;
+  EXPECT_TRUE(has(cut, "6 islands")) << cut.message;
+  EXPECT_LE(cut.iterations, whole.iterations);
+  const SolveResult off = solve("auto", p, {.tol = 1e-6, .islands = false});
+  EXPECT_EQ(off.status, SolveStatus::kConverged) << off.message;
+  EXPECT_FALSE(has(off, "islands")) << off.message;
+}
+
+TEST(Islands, TheyAreAParameterOfEverySolver) {
+  const ContactProblem p = archipelago(2, 1, false);
+  const SolveResult on = solve("pgs", p, {.tol = 1e-6, .parameters = {{"islands", "on"}}});
+  EXPECT_EQ(on.s, solve("pgs", p, {.tol = 1e-6, .islands = true}).s);
+  const SolveResult off = solve("auto", p, {.tol = 1e-6, .parameters = {{"islands", "off"}}});
+  EXPECT_EQ(off.s, solve("auto", p, {.tol = 1e-6, .islands = false}).s);
+  const SolveResult other = solve("pgs", p, {.parameters = {{"islands", "some"}}});
+  EXPECT_EQ(other.status, SolveStatus::kInvalidInput);
+  EXPECT_TRUE(has(other, "on|off")) << other.message;
+  // A solver's own parameters are read all the same.
+  const SolveResult own =
+      solve("pgs", p, {.tol = 1e-6, .parameters = {{"islands", "on"}, {"omega", "1.3"}}});
+  EXPECT_EQ(own.status, SolveStatus::kConverged) << own.message;
+  EXPECT_NE(own.s, on.s);
+}
+
+TEST(Islands, ExplainSaysHowManyThereAre) {
+  const std::string text = explain_islands(archipelago(2, 1, false));
+  EXPECT_NE(text.find("islands: 6;"), std::string::npos) << text;
+  EXPECT_NE(text.find("the largest has 40"), std::string::npos) << text;
+  EXPECT_EQ(explain_islands(ContactProblem{}), "islands: 0\n");
+}
+
+TEST(Islands, OnePartIsSolvedAsItIs) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 8, 0.3, 5);
+  const SolveResult on = solve("auto", p, {.tol = 1e-8, .islands = true});
+  const SolveResult off = solve("auto", p, {.tol = 1e-8, .islands = false});
+  EXPECT_EQ(on.s, off.s);
+  EXPECT_EQ(on.message, off.message);
+  EXPECT_EQ(on.iterations, off.iterations);
+}
+
+TEST(Islands, SameBitsForAnyNumberOfThreads) {
+  const ContactProblem p = archipelago(2, 2, false);
+  const SolveResult one = solve("auto", p, {.tol = 1e-8});
+  for (const int threads : {2, 3, 4}) {
+    SolverOptions options{.tol = 1e-8};
+    options.execution.threads = threads;
+    const SolveResult more = solve("auto", p, options);
+    EXPECT_EQ(more.s, one.s) << threads;
+    EXPECT_EQ(more.iterations, one.iterations);
+  }
+}
+
+TEST(Islands, HistoryEndsWithTheErrorOfTheWhole) {
+  const ContactProblem p = archipelago(2, 3, false);
+  std::vector<IterationRecord> records;
+  SolverOptions options{.tol = 1e-8};
+  options.on_iteration = [&](const IterationRecord& r) { records.push_back(r); };
+  const SolveResult result = solve("auto", p, options);
+  ASSERT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  ASSERT_GT(records.size(), 1u);
+  EXPECT_EQ(records.front().iteration, 0);
+  EXPECT_TRUE(std::is_sorted(records.begin(), records.end(), [](const auto& a, const auto& b) {
+    return a.iteration < b.iteration;
+  }));
+  EXPECT_EQ(records.back().iteration, result.iterations);
+  EXPECT_NEAR(records.back().error.guarded(), result.error.guarded(),
+              1e-9 * result.error.guarded());
+  for (const IterationRecord& r : records) {
+    EXPECT_EQ(r.count.take_off + r.count.stick + r.count.slip, p.num_contacts());
+  }
+}
+
+TEST(Islands, APartThatFailsIsNamedAndTheOthersAreSolved) {
+  const SolverEntry failing{.name = "failing",
+                            .summary = "",
+                            .run =
+                                [](const ContactProblem& p, const SolverOptions& options) {
+                                  if (p.num_contacts() != 14)
+                                    return find_solver("auto")->run(p, options);
+                                  SolveResult result;
+                                  result.status = SolveStatus::kStalled;
+                                  result.message = "not today";
+                                  result.s = Vector::Zero(p.num_rows());
+                                  return result;
+                                },
+                            .parameters = {}};
+  const ContactProblem p = archipelago(2, 1, false);
+  const SolveResult result = solve(failing, p, {.tol = 1e-12, .islands = true});
+  EXPECT_EQ(result.status, SolveStatus::kStalled) << result.message;
+  EXPECT_TRUE(has(result, "14 contacts: not today")) << result.message;
+  // What it left undone is all that is wrong.
+  ContactErrorEvaluator evaluate(p);
+  const ContactError whole = evaluate(result.s);
+  const double energy = std::max(whole.friction_power, kTheta * whole.energy);
+  const ContactIslands islands = contact_islands(p);
+  for (int k = 0; k < islands.count(); ++k) {
+    ErrorSums sums;
+    for (const int c : islands.of(k)) sums += evaluate.part(c);
+    if (islands.of(k).size() == 14) {
+      EXPECT_GT(error_of(sums).guarded(), 0.1);
+    } else {
+      EXPECT_LE(sums.gap + sums.penetration, 1e-11 * energy);
+    }
+  }
+}
+
+TEST(Islands, TheTimeLimitHoldsForAllPartsTogether) {
+  const SolverEntry slow{.name = "slow",
+                         .summary = "",
+                         .run =
+                             [](const ContactProblem& p, const SolverOptions& options) {
+                               EXPECT_LE(options.time_limit, 3600);
+                               SolveResult result;
+                               result.status = SolveStatus::kTimeLimit;
+                               result.message = "out of time";
+                               result.s = Vector::Zero(p.num_rows());
+                               return result;
+                             },
+                         .parameters = {}};
+  const SolveResult result =
+      solve(slow, archipelago(2, 1, false), {.tol = 1e-8, .time_limit = 3600, .islands = true});
+  EXPECT_EQ(result.status, SolveStatus::kTimeLimit) << result.message;
+  EXPECT_TRUE(has(result, "1 by slow")) << result.message;  // nothing was begun after that
+}
+
+TEST(Islands, ShippedMovingProblemsAreSolvedBothWays) {
+  for (const char* name : {"2d_pour300_392.hdf5", "2d_tilt1000hi_182.hdf5"}) {
+    const ContactProblem p = read_problem(source_folder() / "data/problems" / name).problem;
+    EXPECT_GT(contact_islands(p).count(), 1) << name;
+    for (const double tol : {1e-3, 1e-8}) {
+      const SolveResult result = solve("auto", p, {.tol = tol});
+      EXPECT_EQ(result.status, SolveStatus::kConverged) << name << ' ' << result.message;
+      EXPECT_LE(result.error.guarded(), tol);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace bipot
