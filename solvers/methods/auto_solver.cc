@@ -16,6 +16,8 @@ namespace {
 
 // Up to it, a stage of Anderson costs nothing and is given more patience.
 constexpr int kFew = 100;
+// Up to it, a dense Newton step costs less than a millisecond.
+constexpr int kDense = 50;
 // From it on, first order needs too many iterations.
 constexpr double kLargeFriction = 10;
 // Up to it, sweeps get more patience: they cost less than other solvers' set-up.
@@ -151,6 +153,11 @@ class Planner {
     add("pgs", local_ || contacts_ <= kSmall ? 200 : 64, local_ ? 1000 : 500, Start::kOwn,
         "sweeps find solutions of sliding pyramids that others miss");
   }
+  void many_starts(int steps, const char* seed) {
+    if (contacts_ > kDense) return;
+    add("multistart", steps, steps, Start::kBest, "few contacts: dense Newton steps, many starts",
+        {{"starts", "1000000"}, {"seed", seed}});
+  }
   bool sweeps_first() const { return !local_ && contacts_ <= kSmall; }
 
   void regular_packings() {
@@ -213,6 +220,7 @@ class Planner {
   }
 
   void again() {
+    many_starts(5000, "1");
     const bool sweeps_again = !local_ && contacts_ <= kCheapFactors;
     if (sweeps_again) add("pgs", 16000, 20000, Start::kOwn, "again, with patience: still cheap");
     follow(kManyPivots, {}, "again, with patience, from a better start");
@@ -232,6 +240,7 @@ class Planner {
   }
 
   void without_end() {
+    many_starts(20000, "2");
     add("apgd", kUnlimited, 100000, Start::kBest, "long runs of first order from the best impulse");
     if (contacts_ <= kLarge) {
       add("newton", kUnlimited, 3000, Start::kBest, "proximal Newton from the best impulse",
@@ -240,6 +249,7 @@ class Planner {
     }
     follow(kUnlimited, {}, "paths from better and better starts");
     add("ipm", kUnlimited, 2000, Start::kBest, "central paths through their folds, in turns");
+    many_starts(1000000, "3");
     add("pgs", kUnlimited, kUnlimited, Start::kBest,
         "last resort: sweeps, which approach where nothing converges");
   }
