@@ -16,7 +16,7 @@ namespace {
 
 // Up to it, a stage of Anderson costs nothing and is given more patience.
 constexpr int kFew = 100;
-// Up to it, a dense Newton step costs less than a millisecond.
+// Up to it, a dense Newton step costs less than a millisecond; beyond, up to four.
 constexpr int kDense = 50;
 // From it on, first order needs too many iterations.
 constexpr double kLargeFriction = 10;
@@ -154,7 +154,8 @@ class Planner {
         "sweeps find solutions of sliding pyramids that others miss");
   }
   void many_starts(int steps, const char* seed) {
-    if (contacts_ > kDense) return;
+    if (contacts_ > kFew) return;
+    if (contacts_ > kDense) steps /= 10;
     add("multistart", steps, steps, Start::kBest, "few contacts: dense Newton steps, many starts",
         {{"starts", "1000000"}, {"seed", seed}});
   }
@@ -208,9 +209,6 @@ class Planner {
     const bool patient = warm_ || contacts_ > kLarge;
     add("ipm", patient ? 40 : 12, patient ? 80 : 40, Start::kOwn,
         "accuracy on piles, a few dozen factorisations");
-    if (exact_ && contacts_ <= kFew && largest_friction_ > kLargeFriction) {
-      add("lemke", 5000, 5000, Start::kOwn, "few contacts, large friction: pivots");
-    }
     // There a path costs more than all factorisations that a packing at rest needs.
     if (contacts_ > kLarge) first_paths(kManyPivots);
     if (contacts_ <= kLarge) {
@@ -221,6 +219,9 @@ class Planner {
 
   void again() {
     many_starts(5000, "1");
+    if (exact_ && contacts_ <= kFew && largest_friction_ > kLargeFriction) {
+      add("lemke", 5000, 5000, Start::kOwn, "few contacts, large friction: pivots");
+    }
     const bool sweeps_again = !local_ && contacts_ <= kCheapFactors;
     if (sweeps_again) add("pgs", 16000, 20000, Start::kOwn, "again, with patience: still cheap");
     follow(kManyPivots, {}, "again, with patience, from a better start");

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "solvers/kernels/contact_scaling.h"
+#include "solvers/large_friction.h"
 #include "solvers/methods/gauss_seidel.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
@@ -30,6 +31,10 @@ constexpr double kShare = 0.3;
 // Every other start is the best impulse so far with this share of the contacts drawn anew.
 constexpr double kRedrawn = 0.15;
 constexpr int kPolish = 4;
+// At large friction, iterates with an error of so many tolerances may be answers but for rounding:
+// so many of them are treated for it.
+constexpr double kNearlyThere = 10;
+constexpr int kCancellations = 20;
 // An impulse of that many times the energy of the free violation comes from a singular step.
 constexpr double kWild = 1e16;
 // Singular values below this, relative to the largest, are zeros: W of a hyperstatic packing.
@@ -198,7 +203,7 @@ SolveResult solve_with(const ContactProblem& p, const SolverOptions& options) {
     }
   };
 
-  int iteration = 0, start = 0;
+  int iteration = 0, start = 0, cancellations = 0;
   bool done = monitor.stop(0, s0);
   const bool warm = s0.squaredNorm() > 0;
   Vector arrived;  // at the end of sweeps; Newton is to have it more exactly
@@ -230,6 +235,15 @@ SolveResult solve_with(const ContactProblem& p, const SolverOptions& options) {
       const ContactError error = evaluate(newton.impulse(y));
       if (!(error.energy <= kWild * free_energy)) break;
       polish(y, error.guarded());
+      if (cancellations < kCancellations && error.guarded() <= kNearlyThere * options.tol) {
+        ++cancellations;
+        Vector s = newton.impulse(y);
+        cancel_rounding(p, options, evaluate, s);
+        if (monitor.meets(s)) {
+          done = monitor.stop(++iteration, s, kNaN, true);
+          break;
+        }
+      }
       // Another start changes what one step left alone: an equal impulse is no stall.
       done = monitor.stop(++iteration, newton.impulse(y), kNaN, true);
     }
