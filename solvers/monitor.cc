@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/large_friction.h"
+
 namespace bipot {
 namespace {
 
@@ -43,8 +45,9 @@ bool IterationMonitor::judge(const Eigen::Ref<const Vector>& s, double impulse_c
     best_error_ = error;
     best_s_ = evaluator_.impulse();
   }
-  return options_.stop == StopTest::kImpulse ? impulse_change <= options_.tol
-                                             : bipot::meets(options_, last_);
+  if (options_.stop == StopTest::kImpulse) return impulse_change <= options_.tol;
+  return bipot::meets(options_, last_) &&
+         claim_in_extended_precision(problem_, options_, evaluator_.impulse()).holds;
 }
 
 bool IterationMonitor::meets(const Eigen::Ref<const Vector>& s) {

@@ -7,9 +7,9 @@
 #include <exception>
 
 #include "core/problem/delassus.h"
-#include "core/problem/extended_error.h"
 #include "core/stopwatch.h"
 #include "solvers/islands.h"
+#include "solvers/large_friction.h"
 #include "solvers/parameters.h"
 #include "solvers/registry.h"
 
@@ -58,23 +58,17 @@ std::string validate_options(const SolverEntry& entry, const ContactProblem& p,
   return {};
 }
 
-/// From this friction on, rounding of the criterion in double precision may pass for convergence.
-constexpr double kLargeFriction = 1e4;
-/// What the extended figure may exceed the tolerance by: the solver could not see it.
-constexpr double kExtendedGrace = 1.25;
-
 /// Withdraws a claim that only the rounding of the criterion supports.
 void judge_in_extended_precision(const ContactProblem& problem, const SolverOptions& options,
                                  SolveResult& result) {
-  if (result.status != SolveStatus::kConverged || options.stop != StopTest::kGuarded) return;
-  if (problem.num_contacts() == 0 || !(problem.mu.maxCoeff() >= kLargeFriction)) return;
-  const double exact = extended_guarded_error(problem, result.s);
-  if (!(exact > kExtendedGrace * options.tol)) return;
+  if (result.status != SolveStatus::kConverged) return;
+  const ExtendedClaim claim = claim_in_extended_precision(problem, options, result.s);
+  if (claim.holds) return;
   result.status = SolveStatus::kStalled;
   result.message = fmt::format(
       "stalled at the rounding of large friction: guarded error {:.3e} in double, {:.3e} in extended "
       "precision (it said: {})",
-      result.error.guarded(), exact, result.message);
+      result.error.guarded(), claim.error, result.message);
 }
 
 /// Judges result.s on the original problem, writes s, u and error, withdraws false claims.

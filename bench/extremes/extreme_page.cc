@@ -12,11 +12,12 @@ namespace bipot {
 namespace {
 
 constexpr std::string_view kRules = R"(
-td.c{text-align:center;white-space:nowrap;padding:.25em .35em;border-left:1px solid #eee}
+td.c,th.c{text-align:center;white-space:nowrap;padding:.25em .2em;border-left:1px solid #eee;
+ font-size:.8rem}
 td.c a{color:inherit;text-decoration:none}
 .solved{background:#cfe8cf}.unsolved{background:#f6e3b4}.beyond{background:#e3dcf0}
 .none{background:#d5e4f3}.refused{background:#e4e4e4}.wrong{background:#d33;color:#fff}
-.key span{padding:.1em .5em;margin-right:.6em}
+.key span{display:inline-block;padding:.1em .5em;margin:0 .6em .3em 0}
 tr.group td{background:#f3f3f3;font-weight:600}
 )";
 
@@ -41,7 +42,9 @@ std::string_view class_of(CellEnd end) {
 
 std::string matrix_table(const ExtremeMatrix& m) {
   std::string html = "<div class=\"scroll\"><table><thead><tr><th>case</th>";
-  for (const std::string& solver : m.solvers) html += "<th>" + escape_markup(solver) + "</th>";
+  for (const std::string& solver : m.solvers) {
+    html += "<th class=\"c\">" + escape_markup(solver) + "</th>";
+  }
   html += "</tr></thead><tbody>\n";
   std::string group;
   for (const ExtremeCase& c : m.cases) {
@@ -124,7 +127,8 @@ std::string to_html(const ExtremeMatrix& m) {
       "<p class=\"small\">The figure in a cell is the guarded error of the returned impulse in extended "
       "precision, by code that shares nothing with the solvers. Its status and message show when the "
       "pointer rests on it. <i>Beyond double precision</i>: the exact answer, known beforehand, "
-      "misses the tolerance by the rounding of its own digits.</p>\n";
+      "misses the tolerance by the rounding of its own digits. Without a figure: data that are refused "
+      "(grey), problems that are too large or of too many dimensions for a solver (white).</p>\n";
   html += matrix_table(m);
   html += "<h2>Cases</h2>\n";
   for (std::size_t k = 0; k < m.cases.size(); ++k) html += case_section(m, k);

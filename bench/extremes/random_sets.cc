@@ -107,7 +107,13 @@ class Ledger {
         find("false certificate", index, "", "no solution was said to exist, but one does");
       }
     }
-    for (const Json& solve : record["solves"]) add_solve(index, solve, plant_holds, verdict);
+    const bool first_solved = record["solves"].front()["solved"];
+    for (const Json& solve : record["solves"]) {
+      add_solve(index, solve, plant_holds, verdict);
+      if (first_solved || !solve["solved"]) continue;
+      ++tally(solve["solver"]).missed_by_first;
+      find("missed by the first", index, solve["solver"], solve["message"]);
+    }
   }
 
   void add_scene(int index, const JobEnd& end) {
@@ -293,18 +299,20 @@ RandomSetResult run_random_scenes(const RandomSetOptions& options) {
 
 std::string to_text(const RandomSetResult& r, const std::string& what) {
   std::string text = fmt::format("{} {}\n", r.done, what);
-  text +=
-      fmt::format("  {:<10} {:>7} {:>17} {:>17} {:>8} {:>9} {:>9} {:>7} {:>5} {:>7} {:>5} {:>9}\n",
-                  "solver", "tried", "planted: solved", "others: solved", "none", "exists,",
-                  "undecided", "false", "NaN", "crashed", "hung", "CPU s");
-  text += fmt::format("  {:<10} {:>7} {:>17} {:>17} {:>8} {:>9} {:>9} {:>7}\n", "", "", "", "",
-                      "exists", "unsolved", "unsolved", "claims");
+  text += fmt::format(
+      "  {:<10} {:>7} {:>17} {:>17} {:>8} {:>9} {:>9} {:>7} {:>5} {:>7} {:>5} {:>9} {:>9}\n",
+      "solver", "tried", "planted: solved", "others: solved", "none", "exists,", "undecided",
+      "false", "NaN", "crashed", "hung", "missed by", "CPU s");
+  text += fmt::format(
+      "  {:<10} {:>7} {:>17} {:>17} {:>8} {:>9} {:>9} {:>7} {:>5} {:>7} {:>5} {:>9}\n", "", "", "",
+      "", "exists", "unsolved", "unsolved", "claims", "", "", "", "the first");
   for (const RandomTally& t : r.tallies) {
     text += fmt::format(
-        "  {:<10} {:>7} {:>17} {:>17} {:>8} {:>9} {:>9} {:>7} {:>5} {:>7} {:>5} {:>9.1f}\n",
+        "  {:<10} {:>7} {:>17} {:>17} {:>8} {:>9} {:>9} {:>7} {:>5} {:>7} {:>5} {:>9} {:>9.1f}\n",
         t.solver, t.tried - t.refused, fmt::format("{} of {}", t.planted_solved, t.planted),
         fmt::format("{} of {}", t.other_solved, t.other), t.none_proved, t.exists_unsolved,
-        t.undecided, t.false_claims, t.not_finite, t.crashed, t.hung, t.cpu_seconds);
+        t.undecided, t.false_claims, t.not_finite, t.crashed, t.hung, t.missed_by_first,
+        t.cpu_seconds);
   }
   text +=
       fmt::format("  {} certificates looked at, {} false", r.certificates, r.false_certificates);

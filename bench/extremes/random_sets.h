@@ -16,6 +16,7 @@ struct RandomTally {
   int none_proved = 0;              ///< of these: certified to have no solution
   int exists_unsolved = 0;          ///< of these: certified to have one, not solved
   int undecided = 0;                ///< of these: not solved, and undecided
+  int missed_by_first = 0;          ///< solved by this solver, but not by the first one
   int false_claims = 0;             ///< claimed convergence that the second opinion denies
   int not_finite = 0;               ///< returned an entry that is not finite
   int crashed = 0, hung = 0;

@@ -24,7 +24,8 @@ struct SplitStep {
 /// cannot be taken, so that `state` arrives at the end of the whole step. What the parts did is added
 /// up: losses, work, imbalances and iterations, and the impulses of each pair of bodies (core/motion/state.h),
 /// so that forces are those of the whole step. The error is that of the worst part. Number and time of the step
-/// are those that it has unsplit, without drift. The same state gives the same parts; a restart after split steps is not tested.
+/// are those that it has unsplit, without drift. The same state gives the same parts, so that a restart before
+/// or after them goes on bit for bit.
 ///
 /// A part of the smallest size that is not solved ends the attempt: StepFailure, and the state is as it was.
 SplitStep advance_in_parts(const Scene& scene, const StepSolver& solver, bool explicit_delassus,

@@ -25,8 +25,9 @@ Frame onto_cone(const Frame& x, Real mu) {
 }  // namespace
 
 double extended_guarded_error(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
-  const bool given = p.has_delassus();
-  if (!given && !is_diagonal(p.A)) return kNaN;
+  // An assembled W is rounded, which friction multiplies as well: bodies come first.
+  const bool given = !p.has_velocities() || !is_diagonal(p.A);
+  if (given && !p.has_delassus()) return kNaN;
   const Reals x = s.cast<Real>();
   Reals moved;
   if (given) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <stdexcept>
@@ -121,11 +122,17 @@ std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& clas
   double largest = 0;
   for (const RadiusClass& c : classes) largest = std::max(largest, c.radius);
   const double pitch = 2 * largest * (1 + spacing);
-  const int columns = static_cast<int>(std::floor(width / pitch * (1 + 1e-12)));
-  if (columns < 1) {
+  const double room = std::floor(width / pitch * (1 + 1e-12));
+  if (!(room >= 1)) {
     throw std::invalid_argument(
         fmt::format("width = {} m does not hold a disk of radius {} m", width, largest));
   }
+  if (!(room <= std::numeric_limits<int>::max())) {
+    throw std::invalid_argument(fmt::format(
+        "width = {} m holds {:.1e} disks of radius {} m in a row, at most {} are possible", width,
+        room, largest, std::numeric_limits<int>::max()));
+  }
+  const int columns = static_cast<int>(room);
   const double cell_width = width / columns;
   std::vector<Disk> disks;
   disks.reserve(radii.size());

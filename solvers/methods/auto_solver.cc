@@ -16,6 +16,8 @@ namespace {
 
 // Up to it, a stage of Anderson costs nothing and is given more patience.
 constexpr int kFew = 100;
+// Up to it, a dense Newton step costs less than a millisecond; beyond, up to four.
+constexpr int kDense = 50;
 // From it on, first order needs too many iterations.
 constexpr double kLargeFriction = 10;
 // Up to it, sweeps get more patience: they cost less than other solvers' set-up.
@@ -151,6 +153,12 @@ class Planner {
     add("pgs", local_ || contacts_ <= kSmall ? 200 : 64, local_ ? 1000 : 500, Start::kOwn,
         "sweeps find solutions of sliding pyramids that others miss");
   }
+  void many_starts(int steps, const char* seed) {
+    if (contacts_ > kFew) return;
+    if (contacts_ > kDense) steps /= 10;
+    add("multistart", steps, steps, Start::kBest, "few contacts: dense Newton steps, many starts",
+        {{"starts", "1000000"}, {"seed", seed}});
+  }
   bool sweeps_first() const { return !local_ && contacts_ <= kSmall; }
 
   void regular_packings() {
@@ -201,9 +209,6 @@ class Planner {
     const bool patient = warm_ || contacts_ > kLarge;
     add("ipm", patient ? 40 : 12, patient ? 80 : 40, Start::kOwn,
         "accuracy on piles, a few dozen factorisations");
-    if (exact_ && contacts_ <= kFew && largest_friction_ > kLargeFriction) {
-      add("lemke", 5000, 5000, Start::kOwn, "few contacts, large friction: pivots");
-    }
     // There a path costs more than all factorisations that a packing at rest needs.
     if (contacts_ > kLarge) first_paths(kManyPivots);
     if (contacts_ <= kLarge) {
@@ -213,6 +218,10 @@ class Planner {
   }
 
   void again() {
+    many_starts(5000, "1");
+    if (exact_ && contacts_ <= kFew && largest_friction_ > kLargeFriction) {
+      add("lemke", 5000, 5000, Start::kOwn, "few contacts, large friction: pivots");
+    }
     const bool sweeps_again = !local_ && contacts_ <= kCheapFactors;
     if (sweeps_again) add("pgs", 16000, 20000, Start::kOwn, "again, with patience: still cheap");
     follow(kManyPivots, {}, "again, with patience, from a better start");
@@ -232,6 +241,7 @@ class Planner {
   }
 
   void without_end() {
+    many_starts(20000, "2");
     add("apgd", kUnlimited, 100000, Start::kBest, "long runs of first order from the best impulse");
     if (contacts_ <= kLarge) {
       add("newton", kUnlimited, 3000, Start::kBest, "proximal Newton from the best impulse",
@@ -240,6 +250,7 @@ class Planner {
     }
     follow(kUnlimited, {}, "paths from better and better starts");
     add("ipm", kUnlimited, 2000, Start::kBest, "central paths through their folds, in turns");
+    many_starts(1000000, "3");
     add("pgs", kUnlimited, kUnlimited, Start::kBest,
         "last resort: sweeps, which approach where nothing converges");
   }

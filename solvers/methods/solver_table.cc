@@ -7,6 +7,7 @@
 #include "solvers/methods/homotopy.h"
 #include "solvers/methods/interior_point.h"
 #include "solvers/methods/lemke.h"
+#include "solvers/methods/multistart_newton.h"
 #include "solvers/registry.h"
 #ifdef BIPOT_WITH_PETSC
 #include "solvers/methods/newton_snes.h"
@@ -76,6 +77,12 @@ const SolverEntry kSolvers[] = {
      .max_dim = 2,
      .max_contacts = kLemkeMaxContacts,
      .path_ignores_tolerance = true},
+    {.name = "multistart",
+     .summary = "semismooth Newton from many starts, for small problems (Alart and Curnier 1991)",
+     .run = &solve_multistart_newton,
+     .parameters = kMultistartNewtonParameters,
+     .needs_delassus = true,
+     .max_contacts = kMultistartMaxContacts},
     {.name = "homotopy",
      .summary = "exact piecewise linear path through stick, slip and take-off (Eaves 1976)",
      .run = &solve_homotopy,

@@ -597,6 +597,36 @@ TEST_F(Command, AStepThatIsNotSolvedLeavesItsProblemAndSaysWhatToTry) {
   EXPECT_EQ(bipot("solve " + path("out/problems/step_000028.hdf5") + " -q").exit_code, 0);
 }
 
+// A long step of disks that land on each other: with these limits three of the first 26 steps are taken in
+// parts, two of them before step 18 and one after it. A restart goes on as the run did.
+TEST_F(Command, ARestartGoesOnAcrossSplitStepsBitForBit) {
+  std::string text = content(source_folder().string() + "/data/scenes/compaction_100.toml");
+  text.replace(text.find("every ="), text.find('\n', text.find("every =")) - text.find("every ="),
+               "every = 1");
+  const std::string run = "run " + write("fall.toml", text) +
+                          " --solver anderson --tol 1e-2 --step-size 3e-3 --max-iterations 500 "
+                          "--on-failure smaller-step --out ";
+  const auto split = [](const Outcome& o) { return json::parse(o.out)["steps_split"].get<int>(); };
+  const Outcome whole = bipot(run + path("whole") + " --steps 26 --json -");
+  ASSERT_EQ(whole.exit_code, 0) << whole.out;
+  EXPECT_EQ(split(whole), 3);
+  const Outcome first = bipot(run + path("part") + " --steps 18 --json -");
+  EXPECT_EQ(split(first), 2);
+  const Outcome rest =
+      bipot(run + path("part") + " --restart " + path("part") + " --steps 8 --json -");
+  ASSERT_EQ(rest.exit_code, 0) << rest.out;
+  EXPECT_EQ(split(rest), 1);
+  EXPECT_EQ(content(path("whole/ledger.csv")), content(path("part/ledger.csv")));
+  int frames = 0;
+  for (const auto& frame : fs::directory_iterator(folder_ / "whole" / "frames")) {
+    ++frames;
+    EXPECT_EQ(content(frame.path().string()),
+              content((folder_ / "part" / "frames" / frame.path().filename()).string()))
+        << frame.path();
+  }
+  EXPECT_EQ(frames, 27);
+}
+
 TEST_F(Command, CertifiesWhetherASolutionExists) {
   const Outcome dumped = bipot("extremes --only wall_into_row --dump-problem " + path("none.hdf5"));
   ASSERT_EQ(dumped.exit_code, 0);

@@ -131,6 +131,8 @@ TEST(Generators, RefuseWhatCannotBeFilled) {
   EXPECT_THROW(fill(5, {{1, 0}}, 10, 0), std::invalid_argument);
   EXPECT_THROW(fill(5, {{1, 1}}, 1.9, 0), std::invalid_argument);
   EXPECT_THROW(fill(5, {{1, 1}}, 10, -0.1), std::invalid_argument);
+  // 5e223 columns are no int: found by tests/fuzz/scene_fuzz.cc.
+  EXPECT_THROW(fill(5, {{1e-225, 1}}, 0.1, 0), std::invalid_argument);
 }
 
 }  // namespace

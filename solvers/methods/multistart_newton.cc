@@ -1,0 +1,276 @@
+#include "solvers/methods/multistart_newton.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <vector>
+
+#include "solvers/kernels/contact_scaling.h"
+#include "solvers/large_friction.h"
+#include "solvers/methods/gauss_seidel.h"
+#include "solvers/monitor.h"
+#include "solvers/parameters.h"
+
+namespace bipot {
+namespace {
+
+// Sweeps of Gauss and Seidel before the first start: packings at rest, whose many statuses on the
+// edge no Newton step finds.
+constexpr int kSweeps = 1000;
+// Steps after which a start is left that has not come to fewer contradictions.
+constexpr int kPatience = 10;
+// First steps of a start: all statuses follow.
+constexpr int kWholeSteps = 6;
+// Later a status that contradicts its contact is changed with this probability: pure steps end in
+// cycles. Shares of 0.2 to 0.5 serve alike (46 to 54 of 59 hard problems), 1 worse (45).
+constexpr double kShare = 0.3;
+// Every other start is the best impulse so far with this share of the contacts drawn anew.
+constexpr double kRedrawn = 0.15;
+constexpr int kPolish = 4;
+// At large friction, iterates with an error of so many tolerances may be answers but for rounding:
+// so many of them are treated for it.
+constexpr double kNearlyThere = 10;
+constexpr int kCancellations = 20;
+// An impulse of that many times the energy of the free violation comes from a singular step.
+constexpr double kWild = 1e16;
+// Singular values below this, relative to the largest, are zeros: W of a hyperstatic packing.
+constexpr double kRankTolerance = 1e-14;
+
+using Engine = std::mt19937_64;
+
+/// In [0, 1).
+double draw(Engine& engine) { return static_cast<double>(engine() >> 11) * 0x1.0p-53; }
+
+/// The equations of the class comment in the unknowns y_t = x_t and y_n = max(1, mu) x_n.
+template <int D>
+class StatusNewton {
+ public:
+  StatusNewton(const ContactProblem& p, const ContactScaling& scaling, double unit)
+      : statuses_(to_size(p.num_contacts()), Status::kStick),
+        W_(Eigen::MatrixXd::Zero(p.num_rows(), p.num_rows())),
+        b_(p.u_free.cwiseProduct(scaling.velocity) / unit),
+        radius_(D == 1 ? Vector::Zero(p.num_contacts()) : scaling.mu),
+        impulse_(unit * scaling.impulse.cwiseInverse()) {
+    for (int c = 0; c < p.num_contacts(); ++c) {
+      const double count = std::max(1.0, radius_[c]);
+      radius_[c] /= count;
+      impulse_[c * D] /= count;
+    }
+    for (int i = 0; i < p.num_rows(); ++i) {
+      for (SparseRows::InnerIterator it(p.W, i); it; ++it) {
+        W_(i, it.col()) = it.value() * scaling.velocity[i] * impulse_[it.col()] / unit;
+      }
+    }
+  }
+
+  Vector impulse(const Vector& y) const { return impulse_.cwiseProduct(y); }
+  Vector unknowns(const Vector& s) const { return s.cwiseQuotient(impulse_); }
+
+  /// Takes over the statuses that y asks for, each change with probability `share`. The number of
+  /// contacts that asked for another.
+  int update(const Vector& y, double share, Engine& engine) {
+    w_.noalias() = W_ * y + b_;
+    int contradictions = 0;
+    for (std::size_t c = 0; c < statuses_.size(); ++c) {
+      const Status wanted = status_at(static_cast<int>(c), y);
+      if (wanted == statuses_[c]) continue;
+      ++contradictions;
+      if (share >= 1 || draw(engine) < share) statuses_[c] = wanted;
+    }
+    return contradictions;
+  }
+
+  /// y after one step with the statuses as they are; false where it is not finite.
+  bool step(Vector& y) {
+    closed_.clear();
+    for (std::size_t c = 0; c < statuses_.size(); ++c) {
+      for (int row = static_cast<int>(c) * D, k = 0; k < D; ++k, ++row) {
+        if (statuses_[c] == Status::kOpen) {
+          y[row] = 0;
+        } else {
+          closed_.push_back(row);
+        }
+      }
+    }
+    if (closed_.empty()) return true;
+    w_.noalias() = W_ * y + b_;
+    residual_ = w_(closed_);
+    jacobian_ = W_(closed_, closed_);
+    if constexpr (D > 1) {
+      for (int at = 0; at < static_cast<int>(closed_.size()); at += D) {
+        const int contact = closed_[to_size(at)] / D;
+        if (statuses_[to_size(contact)] == Status::kSlip) slip(contact, at, y);
+      }
+    }
+    for (Eigen::Index i = 0; i < residual_.size(); ++i) {
+      const double largest = jacobian_.row(i).cwiseAbs().maxCoeff();
+      if (!(largest > 0)) continue;
+      jacobian_.row(i) /= largest;
+      residual_[i] /= largest;
+    }
+    if (!jacobian_.allFinite() || !residual_.allFinite()) return false;
+    least_squares_.setThreshold(kRankTolerance);
+    least_squares_.compute(jacobian_);
+    const Vector change = least_squares_.solve(residual_);
+    y(closed_) -= change;
+    return y.allFinite();
+  }
+
+ private:
+  enum class Status : char { kOpen, kStick, kSlip };
+
+  Status status_at(int contact, const Vector& y) const {
+    const int n = contact * D;
+    if (y[n] - w_[n] <= 0) return Status::kOpen;
+    if constexpr (D > 1) {
+      const double norm = (y.segment<D - 1>(n + 1) - w_.template segment<D - 1>(n + 1)).norm();
+      if (!(norm <= radius_[contact] * y[n])) return Status::kSlip;
+    }
+    return Status::kStick;
+  }
+
+  /// y_t - r y_n e(y_t - w_t), whose direction turns by (I - e eᵀ)/norm; its rows begin behind `at`.
+  void slip(int contact, int at, const Vector& y) {
+    using Tangent = Eigen::Matrix<double, D - 1, 1>;
+    using Block = Eigen::Matrix<double, D - 1, D - 1>;
+    const int n = contact * D;
+    Tangent e = y.segment<D - 1>(n + 1) - w_.template segment<D - 1>(n + 1);
+    double norm = e.norm();
+    if (norm > 0) {
+      e /= norm;
+    } else {
+      e = Tangent::Unit(0);
+      norm = 1;
+    }
+    const double length = radius_[contact] * y[n];
+    const Block turn = (length / norm) * (Block::Identity() - e * e.transpose());
+    residual_.template segment<D - 1>(at + 1) = y.segment<D - 1>(n + 1) - length * e;
+    auto rows = jacobian_.template middleRows<D - 1>(at + 1);
+    rows = (turn * rows).eval();
+    rows.template middleCols<D - 1>(at + 1) += Block::Identity() - turn;
+    rows.col(at) -= radius_[contact] * e;
+  }
+
+  std::vector<Status> statuses_;
+  Eigen::MatrixXd W_;
+  Vector b_, radius_, impulse_;
+  Vector w_, residual_;
+  std::vector<int> closed_;  // rows of closed contacts
+  Eigen::MatrixXd jacobian_;
+  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> least_squares_;
+};
+
+/// y with each contact's entries drawn anew with probability `share`: in (-1, 1), normals positive.
+Vector redrawn(Vector y, double share, Engine& engine, int dim) {
+  for (Eigen::Index n = 0; n < y.size(); n += dim) {
+    if (share < 1 && draw(engine) >= share) continue;
+    y[n] = draw(engine);
+    for (Eigen::Index k = n + 1; k < n + dim; ++k) y[k] = 2 * draw(engine) - 1;
+  }
+  return y;
+}
+
+template <int D>
+SolveResult solve_with(const ContactProblem& p, const SolverOptions& options) {
+  const Parameters parameters(options.parameters, kMultistartNewtonParameters);
+  const int starts = parameters.integer("starts"), steps = parameters.integer("steps_each");
+  IterationMonitor monitor(p, options);
+  monitor.judge_every_iteration();
+  const ContactScaling scaling = equilibrated_scaling(p, monitor.evaluator().delassus().diagonal());
+  const double largest = p.u_free.cwiseProduct(scaling.velocity).cwiseAbs().maxCoeff();
+  StatusNewton<D> newton(p, scaling, largest > 0 ? largest : 1);
+  ContactErrorEvaluator evaluate(p);
+  const double free_energy = evaluate(Vector::Zero(p.num_rows())).energy;
+  Engine engine(static_cast<std::uint64_t>(parameters.integer("seed")));
+  const Vector s0 = start_of(p, options);
+  monitor.end_setup();
+
+  // An answer costs a step or two more to have it to rounding, which large friction may need: what
+  // meets the tolerance in double need not in extended precision (solvers/large_friction.h).
+  const auto polish = [&](Vector& y, double error) {
+    for (int k = 0; k < kPolish && error <= options.tol; ++k) {
+      Vector next = y;
+      newton.update(next, 1, engine);
+      if (!newton.step(next)) return;
+      const double better = evaluate(newton.impulse(next)).guarded();
+      if (!(better < error)) return;
+      y = next;
+      error = better;
+    }
+  };
+
+  int iteration = 0, start = 0, cancellations = 0;
+  bool done = monitor.stop(0, s0);
+  const bool warm = s0.squaredNorm() > 0;
+  Vector arrived;  // at the end of sweeps; Newton is to have it more exactly
+  const auto begin = [&](int number) -> Vector {
+    if (warm && number == 0) return newton.unknowns(s0);
+    if (number > (warm ? 1 : 0)) {
+      const bool near = number % 2 == 0;
+      return redrawn(newton.unknowns(monitor.best_impulse()), near ? kRedrawn : 1, engine, D);
+    }
+    SolverOptions sweeps = options;
+    sweeps.parameters.clear();
+    sweeps.on_iteration = nullptr;
+    sweeps.max_iterations = std::min(kSweeps, options.max_iterations - iteration);
+    sweeps.time_limit = std::max(monitor.remaining_seconds(), 1e-9);
+    const SolveResult swept = solve_gauss_seidel(p, sweeps);
+    iteration += swept.iterations;
+    if (is_success(swept.status)) arrived = swept.s;
+    if (iteration >= options.max_iterations) done = monitor.stop(iteration, swept.s, kNaN, true);
+    return newton.unknowns(swept.s);
+  };
+  for (; start < starts && !done; ++start) {
+    Vector y = begin(start);
+    int fewest = std::numeric_limits<int>::max(), since = 0;
+    for (int k = 0; k < steps && since < kPatience && !done; ++k) {
+      const int contradictions = newton.update(y, k < kWholeSteps ? 1 : kShare, engine);
+      since = contradictions < fewest ? 0 : since + 1;
+      fewest = std::min(fewest, contradictions);
+      if (!newton.step(y)) break;
+      const ContactError error = evaluate(newton.impulse(y));
+      if (!(error.energy <= kWild * free_energy)) break;
+      polish(y, error.guarded());
+      if (cancellations < kCancellations && error.guarded() <= kNearlyThere * options.tol) {
+        ++cancellations;
+        Vector s = newton.impulse(y);
+        cancel_rounding(p, options, evaluate, s);
+        if (monitor.meets(s)) {
+          done = monitor.stop(++iteration, s, kNaN, true);
+          break;
+        }
+      }
+      // Another start changes what one step left alone: an equal impulse is no stall.
+      done = monitor.stop(++iteration, newton.impulse(y), kNaN, true);
+    }
+    if (!done && arrived.size() != 0) done = monitor.stop(iteration, arrived, kNaN, true);
+    done = done || monitor.end_if_out_of_time(iteration);
+  }
+  if (!done) {
+    monitor.end(SolveStatus::kStalled,
+                fmt::format("none of {} starts arrived in {} Newton steps, best error {:.2e}",
+                            starts, iteration, monitor.best_error()));
+  }
+  SolveResult result = monitor.finish();
+  result.message += fmt::format("; {} start{}", start, start == 1 ? "" : "s");
+  return result;
+}
+
+}  // namespace
+
+SolveResult solve_multistart_newton(const ContactProblem& p, const SolverOptions& options) {
+  switch (p.dim) {
+    case 1:
+      return solve_with<1>(p, options);
+    case 2:
+      return solve_with<2>(p, options);
+    default:
+      return solve_with<3>(p, options);
+  }
+}
+
+}  // namespace bipot
