@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "bench/report/chart.h"
+#include "bench/scenes/observable_charts.h"
 #include "core/files/fclib_file.h"
 #include "core/files/problem_geometry.h"
 #include "core/motion/stress_tensor.h"
@@ -33,6 +35,7 @@ RunFolder::RunFolder(const Scene& scene, const State& state, const RunFolderOpti
     : scene_(scene),
       options_(options),
       writer_(options.folder, scene, options.scene_text, options.resume ? state.step : -1) {
+  if (scene.observables) require_plotting_tool();
   writer_.frame(state);
 }
 
@@ -65,6 +68,7 @@ void RunFolder::finish(const State& state, const SceneRun& run) {
   if (!framed_) writer_.frame(state);
   writer_.close();
   draw(state, run.totals);
+  if (scene_.observables) draw_observables(options_.folder);
 }
 
 fs::path RunFolder::problem_path(int step) const {

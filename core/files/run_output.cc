@@ -226,6 +226,7 @@ RunWriter::RunWriter(fs::path folder, const Scene& scene, std::string scene_text
             (dem ? ",elastic [J]" : ""),
         resume_after);
   }
+  if (scene_.observables) observables_.emplace(folder_, scene_, resume_after);
   if (!scene_.output.track.empty()) {
     trajectory_.emplace(folder_ / "trajectory.csv",
                         "step,time [s],disk,x [m],y [m],angle [rad],vx [m/s],vy [m/s],"
@@ -405,6 +406,7 @@ void RunWriter::write_frame_file(const State& state) const {
   file.write_rows("/contacts/segment", branch.values(), 2);
   write_point_numbers(file, "/contacts/points", 2 * contacts.size());
   write_stresses(file, state, h);
+  if (scene_.observables) write_observables(file, scene_, state);
   file.close();
   target.commit();
 }
@@ -433,6 +435,7 @@ void RunWriter::step(const State& state, const StepReport& r) {
       pending_row_ = std::move(line);
     }
   }
+  if (observables_) observables_->step(state);
   for (int disk : scene_.output.track) {
     const Disk& d = state.disks.at(static_cast<std::size_t>(disk));
     trajectory_->row(fmt::format("{},{:.17g},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}",
@@ -459,6 +462,7 @@ void RunWriter::close() {
   if (closed_) return;
   closed_ = true;
   if (ledger_ && !pending_row_.empty()) ledger_->row(pending_row_);
+  if (observables_) observables_->close();
   write_index();
 }
 

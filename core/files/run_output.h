@@ -7,6 +7,7 @@
 
 #include "core/file_error.h"
 #include "core/files/csv_file.h"
+#include "core/files/observable_output.h"
 #include "core/files/xdmf_index.h"
 #include "core/motion/time_stepping.h"
 
@@ -21,6 +22,7 @@ namespace bipot {
 ///   run.xdmf             index of the frames for ParaView: disks as points, contacts as lines
 ///                        between the centres, walls as lines
 ///   ledger.csv           one row for each scene.output.ledger_every steps, and the last
+///   observables.csv ...  what the scene asks to be measured (core/files/observable_output.h)
 ///   trajectory.csv       one row for each step and tracked disk, if scene.output.track names any
 /// data/formats.md describes each entry.
 ///
@@ -58,6 +60,7 @@ class RunWriter {
   std::string scene_text_;
   std::vector<FrameEntry> frames_;
   std::optional<CsvFile> ledger_, trajectory_;
+  std::optional<ObservableWriter> observables_;
   std::string pending_row_;  // last ledger row, if its step was not due
   XdmfIndex xdmf_;
   std::size_t indexed_ = 0;  // frames that run.h5 and run.xdmf know

@@ -16,6 +16,7 @@
 #include <sstream>
 
 #include "core/files/scene_cell.h"
+#include "core/files/scene_observables.h"
 #include "core/files/scene_table.h"
 #include "core/files/scene_walls.h"
 #include "core/nearest_name.h"
@@ -270,6 +271,7 @@ Scene parse_scene(const std::string& text, const std::string& source) {
   read_model(root, scene);
   read_solver(root, scene);
   read_output(root, scene);
+  scene.observables = read_observables(root);
   root.finish();
   if (scene.contact_distance < 0) {
     scene.contact_distance = default_contact_distance(scene);

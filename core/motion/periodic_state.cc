@@ -10,6 +10,7 @@ State wrapped_state(const State& state) {
   for (Disk& d : inside.disks) {
     numbers.push_back(cell_number(cell, d.x));
     d.x -= cell.shift(numbers.back().kx, numbers.back().ky);
+    if (cell.deforms()) d.v -= cell.shift_velocity(numbers.back().kx, numbers.back().ky);
   }
   for (ContactOutcome& o : inside.contacts) {
     const CellNumber a = numbers[to_size(o.contact.i)];

@@ -9,7 +9,7 @@
 namespace bipot {
 
 /// The same state with each disk in the cell (0, 0), for what looks at places: pictures, windows,
-/// profiles. Images of contacts are those between the bodies in their new places. A state that is
+/// profiles, and with the velocity that the image there has. Images of contacts are those between the bodies in their new places. A state that is
 /// not periodic comes back as it is.
 State wrapped_state(const State& state);
 

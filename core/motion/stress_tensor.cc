@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/motion/periodic_state.h"
 #include "core/types.h"
 
 namespace bipot {
@@ -259,9 +260,12 @@ MeanStress sample_stress(const State& state, double step, double area,
 MeanStress window_stress(const State& state, double step, const Box& window,
                          std::span<const double> moments) {
   MeanStress stress;
+  const std::vector<Vec2> shifts = image_shifts(state.cell);
   for (const Link& link : collect_links(state, step)) {
-    const double share = share_inside(link.from, link.to, window);
-    if (share > 0) stress.contact += share * link.tensor();
+    for (const Vec2& shift : shifts) {
+      const double share = share_inside(link.from + shift, link.to + shift, window);
+      if (share > 0) stress.contact += share * link.tensor();
+    }
   }
   std::vector<Disk> inside;
   for (std::size_t k = 0; k < state.disks.size(); ++k) {

@@ -61,7 +61,8 @@ MeanStress sample_stress(const State& state, double step, double area,
 /// Over a rectangle: each contact counts by the share of its branch that lies in the window
 /// (indicator function in Goldhirsch's coarse graining, Granular Matter 12, 2010), disks by their
 /// centres at mid-step; v' is about the mean velocity of the disks in the window. Lower and left
-/// edges belong to the window, upper and right ones do not: the contact parts of windows that tile
+/// edges belong to the window, upper and right ones do not; of a periodic scene the state must be
+/// wrapped (core/motion/periodic_state.h), and branches that cross the cell's edge count on both sides: the contact parts of windows that tile
 /// the sample add up to the sample's. Branches that a window cuts leave an antisymmetric part.
 MeanStress window_stress(const State& state, double step, const Box& window,
                          std::span<const double> moments);

@@ -2,10 +2,12 @@
 
 #include <Eigen/Geometry>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "core/scene/cell.h"
+#include "core/scene/observable_choice.h"
 #include "core/types.h"
 
 namespace bipot {
@@ -158,6 +160,7 @@ struct SceneIn {
   SolverChoice solver;      ///< nonsmooth model only
   SpringDashpotChoice dem;  ///< spring-dashpot model only
   OutputChoice output;
+  std::optional<ObservableChoice> observables;  ///< in the plane
 
   const ContactLaw& law(int material_a, int material_b) const {
     return laws[to_size(material_a) * materials.size() + to_size(material_b)];

@@ -481,7 +481,8 @@ std::set<std::string> keys_in_the_source() {
   for (std::sregex_iterator it(source.begin(), source.end(), access), end; it != end; ++it) {
     keys.insert((*it)[1]);
   }
-  const std::regex material(R"(material_index\([a-z]+, [a-z]+, \"([a-z_]+)\")");
+  const std::regex material(
+      R"((?:material_index\([a-z]+, |at_least_one\()[*a-z]+, \"([a-z_]+)\")");
   for (std::sregex_iterator it(source.begin(), source.end(), material), end; it != end; ++it) {
     keys.insert((*it)[1]);
   }

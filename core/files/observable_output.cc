@@ -1,0 +1,269 @@
+#include "core/files/observable_output.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+
+#include "core/files/atomic_file.h"
+#include "core/observables/observables.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Quantity {
+  const char *name, *unit;
+  double value;
+};
+
+/// One measurement, in the order of the columns.
+std::vector<Quantity> quantities(const Observables& o) {
+  const Mat2 stress = o.stress.total();
+  return {{"disks", "", static_cast<double>(o.disks)},
+          {"rattlers", "", static_cast<double>(o.rattlers)},
+          {"contacts", "", static_cast<double>(o.contacts)},
+          {"sliding_share", "", o.sliding_share()},
+          {"coordination", "", o.coordination},
+          {"coordination_without_rattlers", "", o.coordination_without},
+          {"solid_fraction", "", o.solid_fraction},
+          {"fabric_xx", "", o.fabric(0, 0)},
+          {"fabric_yy", "", o.fabric(1, 1)},
+          {"fabric_xy", "", o.fabric(0, 1)},
+          {"stress_xx", "Pa", stress(0, 0)},
+          {"stress_yy", "Pa", stress(1, 1)},
+          {"stress_xy", "Pa", 0.5 * (stress(0, 1) + stress(1, 0))},
+          {"pressure", "Pa", o.stress.pressure()},
+          {"shear_rate", "1/s", o.shear_rate()},
+          {"inertial_number", "", o.inertial_number()},
+          {"friction", "", o.friction()}};
+}
+
+std::string with_unit(const Quantity& q) {
+  return *q.unit == 0 ? std::string(q.name) : fmt::format("{} [{}]", q.name, q.unit);
+}
+
+std::string header_of(const Scene& scene) {
+  std::string header = "step,time [s]";
+  for (const Quantity& q : quantities({})) header += fmt::format(",{}", with_unit(q));
+  for (const FluxLine& line : scene.observables->lines)
+    header += fmt::format(",flux_{} [kg/s]", line.name);
+  return header;
+}
+
+constexpr const char* kProfileHeader =
+    "step,time [s],bin,position [m],solid_fraction,vx [m/s],vy [m/s],spin [rad/s],"
+    "temperature [m2/s2]";
+constexpr const char* kForcesHeader = "step,time [s],bin,low,high,count,mean_force [N]";
+
+/// Mean and standard deviation of what is defined.
+struct Sum {
+  int count = 0;
+  double sum = 0, squares = 0;
+  void add(double x) {
+    if (!std::isfinite(x)) return;
+    ++count;
+    sum += x;
+    squares += x * x;
+  }
+  double mean() const { return count > 0 ? sum / count : kNaN; }
+  double deviation() const {
+    return count > 0 ? std::sqrt(std::max(0.0, squares / count - mean() * mean())) : kNaN;
+  }
+};
+
+std::vector<std::vector<double>> rows_from(const NumberTable& table, double starts) {
+  std::vector<std::vector<double>> rows;
+  const std::size_t time = table.column("time");
+  for (const std::vector<double>& row : table.rows) {
+    if (row[time] >= starts) rows.push_back(row);
+  }
+  return rows;
+}
+
+void write_text(const fs::path& path, const std::string& text) {
+  AtomicFile target(path);
+  std::ofstream out(target.draft(), std::ios::binary);
+  out << text;
+  out.close();
+  if (!out) throw FileError(target.draft(), "", "cannot write");
+  target.commit();
+}
+
+/// Ratios of means, which a mean of ratios is not: tau/P and the inertial number are those of the
+/// mean stress and the mean shear rate.
+void write_means(const fs::path& folder, double starts) {
+  const NumberTable table = read_number_table(folder / "observables.csv");
+  const auto rows = rows_from(table, starts);
+  std::string text = "quantity,mean,deviation,measurements\n";
+  std::map<std::string, double> means;
+  for (std::size_t k = 2; k < table.names.size(); ++k) {
+    Sum sum;
+    for (const auto& row : rows) sum.add(row[k]);
+    means[table.names[k]] = sum.mean();
+    text += fmt::format("{},{:.17g},{:.17g},{}\n", table.names[k], sum.mean(), sum.deviation(),
+                        sum.count);
+  }
+  const Mat2 stress =
+      (Mat2() << means["stress_xx"], means["stress_xy"], means["stress_xy"], means["stress_yy"])
+          .finished();
+  text += fmt::format("friction_of_mean_stress,{:.17g},nan,{}\n", anisotropy(stress), rows.size());
+  write_text(folder / "observables_mean.csv", text);
+}
+
+void write_profile_means(const fs::path& folder, double starts) {
+  const NumberTable table = read_number_table(folder / "profile.csv");
+  std::map<int, std::vector<Sum>> bins;
+  const std::size_t bin = table.column("bin"), first = table.column("position");
+  for (const auto& row : rows_from(table, starts)) {
+    std::vector<Sum>& sums = bins[static_cast<int>(row[bin])];
+    sums.resize(row.size() - first);
+    for (std::size_t k = first; k < row.size(); ++k) sums[k - first].add(row[k]);
+  }
+  std::string text =
+      "bin,position [m],solid_fraction,vx [m/s],vy [m/s],spin [rad/s],"
+      "temperature [m2/s2]\n";
+  for (const auto& [number, sums] : bins) {
+    text += fmt::format("{}", number);
+    for (const Sum& sum : sums) text += fmt::format(",{:.17g}", sum.mean());
+    text += "\n";
+  }
+  write_text(folder / "profile_mean.csv", text);
+}
+
+void write_force_means(const fs::path& folder, double starts) {
+  const NumberTable table = read_number_table(folder / "forces.csv");
+  const std::size_t bin = table.column("bin"), low = table.column("low"),
+                    high = table.column("high"), count = table.column("count");
+  struct Bin {
+    double low = 0, high = 0, count = 0;
+  };
+  std::map<int, Bin> bins;
+  double total = 0;
+  for (const auto& row : rows_from(table, starts)) {
+    Bin& b = bins[static_cast<int>(row[bin])];
+    b.low = row[low];
+    b.high = row[high];
+    b.count += row[count];
+    total += row[count];
+  }
+  std::string text = "bin,low,high,count,density\n";
+  for (const auto& [number, b] : bins) {
+    text += fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g}\n", number, b.low, b.high, b.count,
+                        total > 0 ? b.count / total / (b.high - b.low) : kNaN);
+  }
+  write_text(folder / "forces_mean.csv", text);
+}
+
+}  // namespace
+
+std::size_t NumberTable::column(const std::string& name) const {
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    if (names[k] == name) return k;
+  }
+  throw std::out_of_range("there is no column " + name);
+}
+
+NumberTable read_number_table(const fs::path& path) {
+  std::ifstream in(path);
+  if (!in) throw FileError(path, "", "cannot be opened");
+  NumberTable table;
+  std::string line, cell;
+  std::getline(in, line);
+  std::stringstream names(line);
+  while (std::getline(names, cell, ',')) table.names.push_back(cell.substr(0, cell.find(" [")));
+  while (std::getline(in, line)) {
+    std::stringstream cells(line);
+    std::vector<double> row;
+    while (std::getline(cells, cell, ',')) row.push_back(std::strtod(cell.c_str(), nullptr));
+    if (row.size() != table.names.size()) {
+      throw FileError(path, "",
+                      fmt::format("row {} has {} numbers for {} columns", table.rows.size() + 1,
+                                  row.size(), table.names.size()));
+    }
+    table.rows.push_back(std::move(row));
+  }
+  return table;
+}
+
+ObservableWriter::ObservableWriter(fs::path folder, const Scene& scene, int keep_up_to)
+    : folder_(std::move(folder)),
+      scene_(scene),
+      rows_(folder_ / "observables.csv", header_of(scene), keep_up_to),
+      forces_(folder_ / "forces.csv", kForcesHeader, keep_up_to) {
+  if (scene.observables->profile) {
+    profile_.emplace(folder_ / "profile.csv", kProfileHeader, keep_up_to);
+  }
+}
+
+void ObservableWriter::step(const State& state) {
+  const ObservableChoice& choice = *scene_.observables;
+  if (state.step % choice.every != 0) return;
+  std::string row = fmt::format("{},{:.17g}", state.step, state.time);
+  for (const Quantity& q : quantities(observe(scene_, state, choice))) {
+    row += fmt::format(",{:.17g}", q.value);
+  }
+  for (const FluxLine& line : choice.lines) row += fmt::format(",{:.17g}", line_flux(state, line));
+  rows_.row(row);
+  if (profile_) {
+    const Profile p = observe_profile(state, scene_.step, choice);
+    for (std::size_t b = 0; b < p.position.size(); ++b) {
+      profile_->row(fmt::format("{},{:.17g},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}",
+                                state.step, state.time, b, p.position[b], p.solid_fraction[b],
+                                p.vx[b], p.vy[b], p.spin[b], p.temperature[b]));
+    }
+  }
+  const ForceDistribution forces = observe_forces(state, scene_.step, choice);
+  const double width = choice.force_limit / choice.force_bins;
+  for (std::size_t b = 0; b < forces.counts.size(); ++b) {
+    const double low = static_cast<double>(b) * width;
+    forces_.row(fmt::format("{},{:.17g},{},{:.17g},{:.17g},{},{:.17g}", state.step, state.time, b,
+                            low, low + width, forces.counts[b], forces.mean));
+  }
+}
+
+void ObservableWriter::close() const {
+  const double starts = scene_.observables->starts;
+  write_means(folder_, starts);
+  if (profile_) write_profile_means(folder_, starts);
+  write_force_means(folder_, starts);
+}
+
+void write_observables(Hdf5File& file, const Scene& scene, const State& state) {
+  const ObservableChoice& choice = *scene.observables;
+  for (const Quantity& q : quantities(observe(scene, state, choice))) {
+    const std::string name = std::string("/observables/") + q.name;
+    file.write(name, q.value);
+    if (*q.unit != 0) file.write_attribute(name, "unit", q.unit);
+  }
+  for (const FluxLine& line : choice.lines) {
+    file.write("/observables/flux/" + line.name, line_flux(state, line));
+    file.write_attribute("/observables/flux/" + line.name, "unit", "kg/s");
+  }
+  const ForceDistribution forces = observe_forces(state, scene.step, choice);
+  file.write("/observables/forces/counts", forces.counts);
+  file.write("/observables/forces/mean", forces.mean);
+  file.write_attribute("/observables/forces/mean", "unit", "N");
+  file.write("/observables/forces/limit", choice.force_limit);
+  if (!choice.profile) return;
+  const Profile p = observe_profile(state, scene.step, choice);
+  for (const auto& [name, unit, values] : {std::tuple{"position", "m", &p.position},
+                                           {"solid_fraction", "1", &p.solid_fraction},
+                                           {"vx", "m/s", &p.vx},
+                                           {"vy", "m/s", &p.vy},
+                                           {"spin", "rad/s", &p.spin},
+                                           {"temperature", "m2/s2", &p.temperature}}) {
+    const std::string path = std::string("/observables/profile/") + name;
+    file.write(path, std::span<const double>(*values));
+    file.write_attribute(path, "unit", unit);
+  }
+}
+
+}  // namespace bipot

@@ -1,0 +1,265 @@
+#include "core/observables/observables.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/files/observable_output.h"
+#include "core/files/run_output.h"
+#include "core/files/scene_file.h"
+#include "tests/support/draw.h"
+#include "tests/support/scene_parts.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+ContactOutcome touching(int i, int j, const Vec2& n, double s_n,
+                        ContactStatus status = ContactStatus::kStick) {
+  return {.contact = {.i = i, .j = j, .n = n}, .s_n = s_n, .status = status};
+}
+
+TEST(Observables, AreaInARectangleAgainstCountedPoints) {
+  // Against counting 400 x 400 points of the rectangle: good to 1 % of the disk.
+  Draw draw(2);
+  for (int trial = 0; trial < 200; ++trial) {
+    const Vec2 x(draw.symmetric(), draw.symmetric());
+    const double radius = draw.between(0.2, 1.5);
+    const Vec2 low(draw.between(-1.5, 0.5), draw.between(-1.5, 0.5));
+    const Vec2 high = low + Vec2(draw.between(0.1, 1.5), draw.between(0.1, 1.5));
+    int inside = 0;
+    constexpr int kPoints = 200;
+    for (int a = 0; a < kPoints; ++a) {
+      for (int b = 0; b < kPoints; ++b) {
+        const Vec2 at =
+            low + (high - low).cwiseProduct(Vec2((a + 0.5) / kPoints, (b + 0.5) / kPoints));
+        inside += (at - x).norm() < radius ? 1 : 0;
+      }
+    }
+    const double expected = (high - low).prod() * inside / (kPoints * kPoints);
+    EXPECT_NEAR(area_in_rectangle(x, radius, low, high), expected, 0.01 * (high - low).prod());
+  }
+}
+
+TEST(Observables, AreaInARectangleByHand) {
+  const double disk = std::numbers::pi * 4;
+  const Vec2 far(10, 10);
+  EXPECT_NEAR(area_in_rectangle(Vec2::Zero(), 2, -far, far), disk, 1e-14);
+  EXPECT_NEAR(area_in_rectangle(Vec2::Zero(), 2, Vec2::Zero(), far), disk / 4, 1e-14);
+  EXPECT_NEAR(area_in_rectangle(Vec2::Zero(), 2, Vec2(-10, 1), far),
+              4 * (std::numbers::pi / 3 - std::sqrt(3.0) / 4),
+              1e-13);  // r² (θ - sin θ cos θ), θ = 60 degrees
+  EXPECT_NEAR(area_in_rectangle(Vec2::Zero(), 2, Vec2(-0.1, -0.2), Vec2(0.3, 0.1)), 0.4 * 0.3,
+              1e-14);
+  EXPECT_EQ(area_in_rectangle(Vec2(5, 0), 2, -Vec2::Ones(), Vec2::Ones()), 0);
+}
+
+/// Three disks on a floor in a row, the middle one on top of nothing: 0 touches the floor and 1, 1
+/// touches the floor, 0 and 2; 2 touches 1 alone; 3 touches nothing.
+Scene row_scene(State& state) {
+  Scene scene = one_law({.mu = 0.3});
+  scene.step = 0.5;
+  for (int k = 0; k < 4; ++k) scene.disks.push_back(cylinder(Vec2(0.2 * k, 0.1), 0.1));
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  state = initial_state(scene);
+  const Vec2 left(-1, 0), up(0, 1);
+  state.contacts = {touching(0, 1, left, 3), touching(0, 4, up, 1, ContactStatus::kSlip),
+                    touching(1, 2, left, 2), touching(1, 4, up, 2), touching(2, 3, left, 0)};
+  return scene;
+}
+
+TEST(Observables, CoordinationWithAndWithoutRattlers) {
+  // Loaded ends: disk 0 has 2, disk 1 has 3, disk 2 has 1, disk 3 none: mean 6/4. With friction two
+  // contacts hold a disk: 2 and 3 rattle; without them 0 has 2 and 1 has 2: mean 2.
+  State state;
+  const Scene scene = row_scene(state);
+  const Observables seen = observe(scene, state, {});
+  EXPECT_EQ(seen.disks, 4);
+  EXPECT_EQ(seen.rattlers, 2);
+  EXPECT_EQ(seen.coordination, 1.5);
+  EXPECT_EQ(seen.coordination_without, 2);
+  EXPECT_EQ(seen.contacts, 4);
+  EXPECT_EQ(seen.sliding_share(), 0.25);
+  // Two normals along x, two along y.
+  EXPECT_EQ(seen.fabric, Mat2(0.5 * Mat2::Identity()));
+}
+
+TEST(Observables, RattlersFallOneAfterTheOther) {
+  // A free chain without friction or gravity: three contacts are needed, so the ends go, then all.
+  Scene scene = one_law({});
+  for (int k = 0; k < 5; ++k) scene.disks.push_back(cylinder(Vec2(0.2 * k, 0), 0.1));
+  State state = initial_state(scene);
+  for (int k = 0; k < 4; ++k) state.contacts.push_back(touching(k, k + 1, Vec2(-1, 0), 1));
+  for (const bool rattles : find_rattlers(scene, state)) EXPECT_TRUE(rattles);
+  // With gravity two are enough in the middle, but not at the ends: they still fall one by one.
+  scene.gravity = Vec2(0, -1);
+  for (const bool rattles : find_rattlers(scene, state)) EXPECT_TRUE(rattles);
+  state.contacts.push_back(touching(0, 5, Vec2(1, 0), 1));
+  state.contacts.push_back(touching(4, 6, Vec2(-1, 0), 1));
+  for (const bool rattles : find_rattlers(scene, state)) EXPECT_FALSE(rattles);
+}
+
+TEST(Observables, SolidFractionOfAWindow) {
+  // A square lattice: pi/4 in any window of whole cells, wherever it begins.
+  Scene scene = one_law({});
+  for (int a = 0; a < 6; ++a) {
+    for (int b = 0; b < 6; ++b) scene.disks.push_back(cylinder(Vec2(a, b), 0.5));
+  }
+  scene.step = 1;
+  ObservableChoice choice;
+  choice.window = {Vec2(0.7, 1.3), Vec2(3.7, 4.3)};
+  EXPECT_NEAR(observe(scene, initial_state(scene), choice).solid_fraction, std::numbers::pi / 4,
+              1e-13);
+  EXPECT_EQ(observe(scene, initial_state(scene), choice).disks, 9);
+}
+
+TEST(Observables, ShearRateInertialNumberAndFriction) {
+  // v = 3 y e_x + a translation: simple shear of rate 3. Stress by hand: sigma_1 = 5, sigma_2 = 3,
+  // pressure 4, mass 2: I = 3 sqrt(2/4), tau/P = 2/8.
+  Scene scene = one_law({});
+  scene.step = 1;
+  for (int k = 0; k < 9; ++k) {
+    const Vec2 x(k % 3, k / 3 + 0.1 * k);
+    scene.disks.push_back(cylinder(x, 0.1, Vec2(7 + 3 * x[1], -2)));
+  }
+  Observables seen = observe(scene, initial_state(scene), {});
+  EXPECT_NEAR(seen.shear_rate(), 3, 1e-12);
+  EXPECT_NEAR((seen.velocity_gradient - (Mat2() << 0, 3, 0, 0).finished()).norm(), 0, 1e-12);
+  seen.stress.contact << 5, 0, 0, 3;
+  seen.stress.kinetic.setZero();
+  seen.stress.spin.setZero();
+  EXPECT_NEAR(seen.inertial_number(), 3 * std::sqrt(0.5), 1e-12);
+  EXPECT_NEAR(seen.friction(), 0.25, 1e-15);
+}
+
+TEST(Observables, ProfileOfShear) {
+  // Disks of radius 0.1 in two rows, in bins 0.2 high between the walls x = 0 and x = 1: each bin holds five
+  // whole disks, solid fraction 5 pi 0.01/0.2; the third bin is empty.
+  Scene scene = one_law({});
+  scene.step = 1;
+  for (int k = 0; k < 10; ++k) {
+    const Vec2 x(0.1 + 0.2 * (k % 5), 0.1 + 0.2 * (k / 5));
+    scene.disks.push_back(cylinder(x, 0.1, Vec2(k / 5, k % 2 == 0 ? 1 : -1), 2, 4));
+  }
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(1, 0)), half_plane(Vec2(1, 0), Vec2(-1, 0))};
+  ObservableChoice choice;
+  choice.profile = ProfileChoice{.axis = 1, .bins = 3, .low = 0, .high = 0.6};
+  const Profile p = observe_profile(initial_state(scene), 1, choice);
+  for (std::size_t b = 0; b < 2; ++b) {
+    EXPECT_NEAR(p.position[b], 0.1 + 0.2 * static_cast<double>(b), 1e-15);
+    EXPECT_NEAR(p.solid_fraction[b], 5 * std::numbers::pi * 0.01 / 0.2, 1e-12);
+    EXPECT_NEAR(p.vx[b], static_cast<double>(b), 1e-12);
+    EXPECT_NEAR(p.spin[b], 4, 1e-12);
+    // vy: +1, -1, +1, -1, +1 (mean 1/5) and the other way round: half of 1 - 1/25.
+    EXPECT_NEAR(p.temperature[b], 0.5 * (1 - 0.04), 1e-12);
+  }
+  EXPECT_EQ(p.solid_fraction[2], 0);
+  EXPECT_TRUE(std::isnan(p.vx[2]));
+}
+
+TEST(Observables, FluxThroughALineIsTheMassThatCrosses) {
+  // A disk of 2 kg flies upwards through a line and beside its end: the flux's integral (midpoint
+  // rule) is the mass that has crossed, half of it where the line ends at the disk's centre. Seen
+  // from a to b, left is up.
+  for (const double end : {1.0, 0.0}) {
+    const FluxLine line{.name = "l", .a = Vec2(-1, 0), .b = Vec2(end, 0)};
+    State state;
+    state.disks = {cylinder(Vec2::Zero(), 0.1, Vec2(0, 2))};
+    double crossed = 0;
+    constexpr int kSteps = 10000;
+    for (int k = 0; k < kSteps; ++k) {
+      state.disks[0].x[1] = -0.2 + 0.4 * (k + 0.5) / kSteps;
+      crossed += line_flux(state, line) * 0.2 / kSteps;  // 0.4 m at 2 m/s
+    }
+    EXPECT_NEAR(crossed, end > 0 ? 2 : 1, 1e-5);
+  }
+}
+
+TEST(Observables, ForcesOverTheirMean) {
+  State state;
+  const Scene scene = row_scene(state);
+  // 3, 1, 2, 2 N s in 0.5 s: mean 4 N. Over the mean 1.5, 0.5, 1, 1; bins of 0.5 up to 1.5: the
+  // last holds what lies at its end and beyond.
+  const ForceDistribution forces =
+      observe_forces(state, scene.step, {.force_bins = 3, .force_limit = 1.5});
+  EXPECT_EQ(forces.mean, 4);
+  EXPECT_EQ(forces.counts, (std::vector<int>{0, 1, 3}));
+}
+
+TEST(Observables, OfAPeriodicRowAreThoseOfEveryCell) {
+  // A row of touching disks around a cell: everybody has two neighbours; and a window at the edge
+  // sees the contact across it.
+  Scene scene = one_law({.mu = 0.3});
+  scene.step = 1;
+  scene.cell.in_x = true;
+  scene.cell.width.length = 1;
+  for (int k = 0; k < 5; ++k)
+    scene.disks.push_back(cylinder(Vec2(0.1 + 0.2 * k + (k == 2 ? 3 : 0), 0.1), 0.1));
+  State state = initial_state(scene);
+  for (int k = 0; k < 4; ++k) {
+    state.contacts.push_back(touching(k, k + 1, Vec2(-1, 0), 1));
+    state.contacts.back().contact.image_x = k == 1 ? -3 : k == 2 ? 3 : 0;
+  }
+  state.contacts.insert(state.contacts.begin() + 1, touching(0, 4, Vec2(1, 0), 1));
+  state.contacts[1].contact.image_x = -1;
+  ObservableChoice whole, edge;
+  whole.window = {Vec2(0, 0), Vec2(1, 0.2)};
+  edge.window = {Vec2(0, 0), Vec2(0.05, 0.2)};
+  const Observables all = observe(scene, state, whole), part = observe(scene, state, edge);
+  EXPECT_EQ(all.coordination, 2);
+  EXPECT_NEAR(all.solid_fraction, 5 * std::numbers::pi * 0.01 / 0.2, 1e-12);
+  // 1 N s in 1 s along x at each of 5 contacts, branches of 0.2 m: 5 (1)(0.2)/(1 x 0.2) Pa, the
+  // same in every slice.
+  EXPECT_NEAR(all.stress.contact(0, 0), 5, 1e-12);
+  EXPECT_NEAR(part.stress.contact(0, 0), 5, 1e-12);
+}
+
+TEST(Observables, FilesAndTheirMeans) {
+  const TemporaryFolder folder;
+  const std::string text =
+      "[[disks]]\nposition = [0, 0.1]\nradius = 0.1\nmass = 2\nvelocity = [1, 0]\n"
+      "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n"
+      "[time]\nstep = 0.5\nsteps = 8\n"
+      "[observables]\nevery = 2\nstarts = 2\nprofile = 'y'\nprofile_range = [0, 0.2]\n"
+      "profile_bins = 2\nforce_bins = 2\nforce_limit = 2\n"
+      "[[observables.lines]]\nname = 'gate'\nfrom = [0, -1]\nto = [0, 1]\n";
+  const Scene scene = parse_scene(text, "test.toml");
+  State state = initial_state(scene);
+  {
+    RunWriter writer(folder / "out", scene, text);
+    for (state.step = 1; state.step <= 8; ++state.step) {
+      state.time = 0.5 * state.step;
+      state.contacts = {touching(0, 1, Vec2(0, 1), state.step)};
+      state.disks[0].v[0] = state.step;
+      writer.step(state, {});
+    }
+    state.step = 8;
+    writer.frame(state);
+    writer.close();
+  }
+  // Measured at steps 2, 4, 6, 8; the means begin at 2 s = step 4.
+  const NumberTable rows = read_number_table(folder / "out/observables.csv");
+  ASSERT_EQ(rows.rows.size(), 4u);
+  EXPECT_EQ(rows.rows[3][rows.column("contacts")], 1);
+  // The line points up, its left is -x: the whole disk's width 0.2 crosses with velocity 8.
+  EXPECT_NEAR(rows.rows[3][rows.column("flux_gate")], -2 / (std::numbers::pi * 0.01) * 0.2 * 8,
+              1e-9);
+  std::ifstream means(folder / "out/observables_mean.csv");
+  std::stringstream all;
+  all << means.rdbuf();
+  EXPECT_NE(all.str().find("\ncontacts,1,0,3\n"), std::string::npos) << all.str();
+  const NumberTable profile = read_number_table(folder / "out/profile_mean.csv");
+  ASSERT_EQ(profile.rows.size(), 2u);
+  EXPECT_NEAR(profile.rows[0][profile.column("vx")], 6, 1e-12);  // of 4, 6, 8
+  const NumberTable forces = read_number_table(folder / "out/forces_mean.csv");
+  EXPECT_EQ(forces.rows[1][forces.column("count")], 3);
+  EXPECT_EQ(forces.rows[1][forces.column("density")], 1);
+  const Hdf5File frame(folder / "out/frames/00000008.h5", Hdf5File::Mode::kRead);
+  EXPECT_EQ(frame.read_double("/observables/coordination"), 1);
+  EXPECT_EQ(frame.read_doubles("/observables/profile/vx").size(), 2u);
+  EXPECT_EQ(frame.read_ints("/observables/forces/counts"), (std::vector<int>{0, 1}));
+}
+
+}  // namespace
+}  // namespace bipot
