@@ -290,6 +290,43 @@ TEST(SceneFile, PeriodicCells) {
                  {"wall 0", "m wide, the cell 5 m"});
 }
 
+TEST(SceneFile, ObservablesAreMeasuredWhereTheyAreAskedFor) {
+  EXPECT_FALSE(parse(kTime).observables.has_value());
+  const std::string table = "[observables]\n";
+  const Scene least = parse(kTime + table);
+  ASSERT_TRUE(least.observables.has_value());
+  EXPECT_EQ(least.observables->every, 10);
+  EXPECT_FALSE(least.observables->window.has_value());
+  EXPECT_FALSE(least.observables->profile.has_value());
+  const Scene s =
+      parse(kTime + table +
+            "every = 3\nstarts = 4\nwindow = [1, 2, 3, 5]\nprofile = 'x'\n"
+            "profile_bins = 7\nprofile_range = [-1, 1]\nforce_bins = 8\nforce_limit = 9\n"
+            "[[observables.lines]]\nfrom = [0, 1]\nto = [2, 3]\n");
+  EXPECT_EQ(s.observables->every, 3);
+  EXPECT_EQ(s.observables->starts, 4);
+  EXPECT_EQ(s.observables->window->second, Vec2(3, 5));
+  EXPECT_EQ(s.observables->profile->axis, 0);
+  EXPECT_EQ(s.observables->profile->bins, 7);
+  EXPECT_EQ(s.observables->profile->low, -1);
+  EXPECT_EQ(s.observables->force_bins, 8);
+  EXPECT_EQ(s.observables->force_limit, 9);
+  ASSERT_EQ(s.observables->lines.size(), 1u);
+  EXPECT_EQ(s.observables->lines[0].name, "line0");
+  EXPECT_EQ(s.observables->lines[0].b, Vec2(2, 3));
+
+  expect_refused(kTime + table + "every = 0\n", {"test.toml:5", "'every'", "positive"});
+  expect_refused(kTime + table + "window = [0, 0, 0, 1]\n", {"test.toml:5", "'window'", "right"});
+  expect_refused(kTime + table + "profile = 'y'\n", {"'profile_range'", "two numbers"});
+  expect_refused(kTime + table + "profile_bins = 3\n", {"'profile_bins'", "belongs to a profile"});
+  expect_refused(kTime + table + "profile = 'z'\n", {"test.toml:5", "'profile'"});
+  const std::string line = "[[observables.lines]]\nname = 'a'\nfrom = [0, 0]\nto = [1, 0]\n";
+  expect_refused(kTime + table + line + line, {"test.toml:10", "'name'", "must differ"});
+  expect_refused(kTime + table + "[[observables.lines]]\nname = 'a,b'\n", {"letters"});
+  expect_refused(kTime + table + "[[observables.lines]]\nfrom = [1, 1]\nto = [1, 1]\n",
+                 {"two different points"});
+}
+
 TEST(SceneFile, RotationTurnsTheBodiesAndNotGravity) {
   const Scene s =
       parse("rotate_degrees = 90\n" + kDisk + "velocity = [4, 5]\n" +
@@ -481,8 +518,7 @@ std::set<std::string> keys_in_the_source() {
   for (std::sregex_iterator it(source.begin(), source.end(), access), end; it != end; ++it) {
     keys.insert((*it)[1]);
   }
-  const std::regex material(
-      R"((?:material_index\([a-z]+, |at_least_one\()[*a-z]+, \"([a-z_]+)\")");
+  const std::regex material(R"((?:material_index\([a-z]+, |at_least_one\()[*a-z]+, \"([a-z_]+)\")");
   for (std::sregex_iterator it(source.begin(), source.end(), material), end; it != end; ++it) {
     keys.insert((*it)[1]);
   }
