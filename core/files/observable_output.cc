@@ -42,6 +42,7 @@ std::vector<Quantity> quantities(const Observables& o) {
           {"stress_xy", "Pa", 0.5 * (stress(0, 1) + stress(1, 0))},
           {"pressure", "Pa", o.stress.pressure()},
           {"shear_rate", "1/s", o.shear_rate()},
+          {"mean_mass", "kg", o.mean_mass},
           {"inertial_number", "", o.inertial_number()},
           {"friction", "", o.friction()}};
 }
@@ -115,6 +116,8 @@ void write_means(const fs::path& folder, double starts) {
       (Mat2() << means["stress_xx"], means["stress_xy"], means["stress_xy"], means["stress_yy"])
           .finished();
   text += fmt::format("friction_of_mean_stress,{:.17g},nan,{}\n", anisotropy(stress), rows.size());
+  const double inertial = means["shear_rate"] * std::sqrt(means["mean_mass"] / means["pressure"]);
+  text += fmt::format("inertial_number_of_means,{:.17g},nan,{}\n", inertial, rows.size());
   write_text(folder / "observables_mean.csv", text);
 }
 

@@ -1,5 +1,7 @@
 #include "core/motion/periodic_state.h"
 
+#include <cmath>
+
 namespace bipot {
 
 State wrapped_state(const State& state) {
@@ -38,15 +40,17 @@ std::vector<std::pair<Vec2, Vec2>> cell_outline(const Cell& cell, const Box& box
     const Vec2 low(0, box.lower[1]), high(0, box.upper[1]);
     return {{low, high}, {low + p_x, high + p_x}};
   }
-  const Vec2 p_y = cell.shift(0, 1), zero = Vec2::Zero();
-  return {{zero, p_x}, {p_x, p_x + p_y}, {p_x + p_y, p_y}, {p_y, zero}};
+  const Vec2 up(0, cell.height.length), zero = Vec2::Zero();
+  return {{zero, p_x}, {p_x, p_x + up}, {p_x + up, up}, {up, zero}};
 }
 
 std::vector<Vec2> image_shifts(const Cell& cell) {
   std::vector<Vec2> shifts = {Vec2::Zero()};
   if (!cell.periodic()) return shifts;
   for (int ky = cell.in_y ? -1 : 0; ky <= (cell.in_y ? 1 : 0); ++ky) {
-    for (int kx = -1; kx <= 1; ++kx) {
+    // The rows above and below are shifted by the offset, less whole widths.
+    const int whole = static_cast<int>(std::lround(ky * cell.offset.length / cell.width.length));
+    for (int kx = -whole - 1; kx <= -whole + 1; ++kx) {
       if (kx != 0 || ky != 0) shifts.push_back(cell.shift(kx, ky));
     }
   }

@@ -17,7 +17,7 @@ State wrapped_state(const State& state);
 /// that it touches, or to the point where it touches a wall.                               [m]
 std::pair<Vec2, Vec2> drawn_branch(const State& state, const Contact& contact);
 
-/// The edges of the cell (0, 0); of one that is periodic in x alone, two lines as high as the box.
+/// The edges of the rectangle in which wrapped_state() leaves the disks, [0, width) x [0, height); of one that is periodic in x alone, two lines as high as the box.
 std::vector<std::pair<Vec2, Vec2>> cell_outline(const Cell& cell, const Box& box);
 
 /// The shifts of the images of the cell that may reach into it: none but zero in a scene that is

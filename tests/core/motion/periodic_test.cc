@@ -76,6 +76,24 @@ TEST(Periodic, ImagesAreThoseOfEveryPairAndEveryImage) {
   }
 }
 
+TEST(Periodic, ImagesAroundTheCellLieBesideItWhateverTheOffset) {
+  // Every point within half a width and half a height of the cell lies in it or in one of the
+  // images of it that image_shifts() names.
+  Draw draw(4);
+  for (const double offset : {0.0, 0.7, -3.4, 12.1}) {
+    const Cell cell = cell_of(1, 0.9, offset);
+    const std::vector<Vec2> shifts = image_shifts(cell);
+    EXPECT_EQ(shifts.size(), 9u);
+    for (int trial = 0; trial < 100; ++trial) {
+      const Vec2 x(draw.between(-0.5, 1.5), draw.between(-0.45, 1.35));
+      const Vec2 home = x - wrapped(cell, x);
+      EXPECT_TRUE(std::any_of(shifts.begin(), shifts.end(),
+                              [&](const Vec2& shift) { return (shift - home).norm() < 1e-12; }))
+          << "offset " << offset << ", x " << x.transpose();
+    }
+  }
+}
+
 TEST(Periodic, ATooSmallCellIsRefused) {
   const std::vector<Disk> disks = {cylinder(Vec2(0.1, 0.1), 0.1)};
   EXPECT_THROW(detect_periodic_contacts(disks, {}, cell_of(0.4, 0, 0), 0), std::invalid_argument);
