@@ -1,5 +1,9 @@
 #include "core/parallel.h"
 
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
 #include <algorithm>
 #include <exception>
 #include <mutex>
@@ -57,6 +61,21 @@ void run_phases(int threads, int phases, const int* first, const int* last, Task
     if (failure.any()) break;
   }
   failure.rethrow();
+}
+
+void run_team(int threads, TaskRef member) {
+  if (threads <= 1) {
+    member(0, 1);
+    return;
+  }
+#pragma omp parallel num_threads(threads)
+  {
+#ifdef _OPENMP
+    member(omp_get_thread_num(), omp_get_num_threads());
+#else
+    member(0, 1);
+#endif
+  }
 }
 
 }  // namespace bipot

@@ -32,6 +32,11 @@ void run_tasks(int threads, int tasks, F&& f) {
   run_phases(threads, 1, &first, &tasks, call);
 }
 
+/// Calls member(rank, size) at the same time on each of a team of at most `threads` threads, whose
+/// size may be less where the system gives fewer. Members may wait for each other. They must not
+/// throw.
+void run_team(int threads, TaskRef member);
+
 /// Sums and other reductions work on pieces of this many items, whatever the number of threads.
 inline constexpr int kPieceItems = 2048;
 

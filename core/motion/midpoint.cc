@@ -1,13 +1,13 @@
 #include "core/motion/midpoint.h"
 
-#include "core/scene/contact_detection.h"
 #include "core/scene/periodic_detection.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
 
 template <int D>
-MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads) {
+MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads,
+                            KeptContactsIn<D>* kept) {
   const double h = scene.step;
   MidpointIn<D> mid;
   mid.disks = state.disks;
@@ -31,6 +31,8 @@ MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, in
     }
     mid.contacts =
         detect_periodic_contacts(mid.disks, mid.walls, mid.cell, scene.contact_distance, threads);
+  } else if (kept != nullptr) {
+    mid.contacts = (*kept)(mid.disks, mid.walls, scene.contact_distance, threads);
   } else {
     mid.contacts = detect_contacts<D>(mid.disks, mid.walls, scene.contact_distance, threads);
   }
@@ -55,8 +57,8 @@ AssembledStep assemble_step(const SceneIn<D>& scene, const MidpointIn<D>& mid,
                        explicit_delassus, threads, {&mid.cell, mid.side_v_free});
 }
 
-template Midpoint make_midpoint(const Scene&, const State&, int);
-template MidpointIn<3> make_midpoint(const SceneIn<3>&, const StateIn<3>&, int);
+template Midpoint make_midpoint(const Scene&, const State&, int, KeptContacts*);
+template MidpointIn<3> make_midpoint(const SceneIn<3>&, const StateIn<3>&, int, KeptContactsIn<3>*);
 template AssembledStep assemble_step(const Scene&, const Midpoint&, bool, int);
 template AssembledStep assemble_step(const SceneIn<3>&, const MidpointIn<3>&, bool, int);
 

@@ -5,6 +5,7 @@
 #include "core/motion/assembly.h"
 #include "core/motion/state.h"
 #include "core/scene/contact.h"
+#include "core/scene/contact_detection.h"
 #include "core/scene/scene.h"
 
 namespace bipot {
@@ -23,8 +24,10 @@ struct MidpointIn {
 };
 using Midpoint = MidpointIn<2>;
 
+/// `kept`: lists of the steps before, which change no bit.
 template <int D>
-MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads = 1);
+MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads = 1,
+                            KeptContactsIn<D>* kept = nullptr);
 
 /// The step's contact problem, see core/motion/assembly.h.
 template <int D>

@@ -123,7 +123,7 @@ template <int D>
 StepReportIn<D> TimeStepperIn<D>::advance(StateIn<D>& state) {
   StepReportIn<D> report;
   Stopwatch watch;
-  const MidpointIn<D> mid = make_midpoint(scene_, state, threads_);
+  const MidpointIn<D> mid = make_midpoint(scene_, state, threads_, &kept_);
   report.detection_seconds = watch.lap();
   assembled_ = assemble_step(scene_, mid, explicit_delassus_, threads_);
   report.assembly_seconds = watch.lap();

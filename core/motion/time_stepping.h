@@ -11,6 +11,7 @@
 #include "core/motion/step_outcome.h"
 #include "core/problem/contact_error.h"
 #include "core/problem/contact_problem.h"
+#include "core/scene/contact_detection.h"
 #include "core/scene/scene.h"
 
 namespace bipot {
@@ -105,6 +106,7 @@ class TimeStepperIn {
   StepSolver solver_;
   bool explicit_delassus_;
   int threads_;
+  KeptContactsIn<D> kept_;
   AssembledStep assembled_;
 };
 using TimeStepper = TimeStepperIn<2>;

@@ -291,6 +291,98 @@ std::vector<ContactIn<D>> detect_contacts(std::span<const BodyIn<D>> disks,
 template void find_wall_contact(const Disk&, int, const Wall&, int, double, std::vector<Contact>&);
 template void find_wall_contact(const Sphere&, int, const WallIn<3>&, int, double,
                                 std::vector<ContactIn<3>>&);
+
+namespace {
+
+/// The skin, of the smallest radius: wider ones hold longer and have more pairs.
+constexpr double kSkin = 0.2;
+/// Lists that serve fewer calls than this cost more than they save; after one, none is made for a
+/// while.
+constexpr int kWorthwhile = 3, kPause = 16;
+
+}  // namespace
+
+template <int D>
+bool KeptContactsIn<D>::hold(std::span<const BodyIn<D>> disks, std::span<const WallIn<D>> walls,
+                             double eta) const {
+  if (disks_.empty() || disks.size() != disks_.size() || walls.size() != walls_.size() ||
+      eta != eta_) {
+    return false;
+  }
+  const double most2 = 0.25 * skin_ * skin_;
+  for (std::size_t k = 0; k < disks.size(); ++k) {
+    if (disks[k].radius != disks_[k].radius) return false;
+    if (!((disks[k].x - disks_[k].x).squaredNorm() < most2)) return false;
+  }
+  for (std::size_t k = 0; k < walls.size(); ++k) {
+    const WallIn<D>&now = walls[k], &then = walls_[k];
+    if (now.shape != then.shape || now.normal != then.normal || now.radius != then.radius ||
+        now.present != then.present) {
+      return false;
+    }
+    if (!((now.a - then.a).squaredNorm() < most2)) return false;
+    if (!((now.b - then.b).squaredNorm() < most2)) return false;
+  }
+  return true;
+}
+
+template <int D>
+void KeptContactsIn<D>::keep(std::span<const BodyIn<D>> disks, std::span<const WallIn<D>> walls,
+                             double eta, int threads) {
+  disks_.clear();  // no list, should the search throw
+  double smallest = kInfinity;
+  for (const BodyIn<D>& d : disks) smallest = std::min(smallest, d.radius);
+  skin_ = kSkin * smallest;
+  pairs_.clear();
+  for (const ContactIn<D>& c : all_contacts(disks, walls, eta + skin_, threads)) {
+    pairs_.push_back({c.i, c.j});
+  }
+  disks_.assign(disks.begin(), disks.end());
+  walls_.assign(walls.begin(), walls.end());
+  eta_ = eta;
+  lasted_ = 0;
+}
+
+template <int D>
+std::vector<ContactIn<D>> KeptContactsIn<D>::operator()(std::span<const BodyIn<D>> disks,
+                                                        std::span<const WallIn<D>> walls,
+                                                        double eta, int threads) {
+  if (!hold(disks, walls, eta)) {
+    if (!disks_.empty() && lasted_ < kWorthwhile) pause_ = kPause;
+    disks_.clear();
+    ++searches_;
+    if (pause_ > 0 || disks.empty()) {
+      if (pause_ > 0) --pause_;
+      return all_contacts(disks, walls, eta, threads);
+    }
+    try {
+      keep(disks, walls, eta, threads);
+    } catch (const std::invalid_argument&) {
+      // A contact without a normal, perhaps one that is in the skin alone.
+      return all_contacts(disks, walls, eta, threads);
+    }
+  }
+  ++lasted_;
+  std::vector<ContactIn<D>> contacts;
+  const int num_disks = static_cast<int>(disks.size());
+  collect(threads, static_cast<int>(pairs_.size()), contacts,
+          [&](int begin, int end, std::vector<ContactIn<D>>& found) {
+            for (int k = begin; k < end; ++k) {
+              const Pair& pair = pairs_[to_size(k)];
+              if (pair.j < num_disks) {
+                test_pair(disks, pair.i, pair.j, eta, found);
+              } else {
+                find_wall_contact<D>(disks[to_size(pair.i)], pair.i,
+                                     walls[to_size(pair.j - num_disks)], pair.j, eta, found);
+              }
+            }
+          });
+  return contacts;
+}
+
+template class KeptContactsIn<2>;
+template class KeptContactsIn<3>;
+
 template std::vector<Contact> detect_contacts<2>(std::span<const Disk>, std::span<const Wall>,
                                                  double, int);
 template std::vector<ContactIn<3>> detect_contacts<3>(std::span<const Sphere>,

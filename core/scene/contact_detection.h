@@ -32,4 +32,34 @@ void find_wall_contact(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int 
 void find_wall_contact(const Disk& disk, int i, const Wall& wall, int j, double eta,
                        std::vector<Contact>& out);
 
+/// The contacts of the same bodies step after step, bit for bit those of detect_contacts(), without
+/// a search at each: pairs up to a skin farther apart than eta are kept, and only their gaps are
+/// computed anew, for as long as nothing has moved by more than half the skin since the search
+/// (Verlet 1967). Where bodies move so fast that lists do not last, it searches at each step.
+template <int D>
+class KeptContactsIn {
+ public:
+  std::vector<ContactIn<D>> operator()(std::span<const BodyIn<D>> disks,
+                                       std::span<const WallIn<D>> walls, double eta,
+                                       int threads = 1);
+  int searches() const { return searches_; }
+
+ private:
+  bool hold(std::span<const BodyIn<D>> disks, std::span<const WallIn<D>> walls, double eta) const;
+  void keep(std::span<const BodyIn<D>> disks, std::span<const WallIn<D>> walls, double eta,
+            int threads);
+
+  struct Pair {
+    int i, j;
+  };
+  std::vector<Pair> pairs_;       // sorted by (i, j)
+  std::vector<BodyIn<D>> disks_;  // at the search; none: there is no list
+  std::vector<WallIn<D>> walls_;
+  double eta_ = 0, skin_ = 0;
+  int lasted_ = 0;  // calls that the list has served
+  int pause_ = 0;   // calls to come that make no list
+  int searches_ = 0;
+};
+using KeptContacts = KeptContactsIn<2>;
+
 }  // namespace bipot

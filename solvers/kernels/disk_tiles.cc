@@ -11,19 +11,17 @@ namespace bipot {
 namespace {
 
 constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
-/// Iterations in flight at most. Threads meet after every wave of tiles: more of them in flight are
-/// more work between two meetings.
-constexpr int kDeepest = 32;
+constexpr int kDeepest = 16;
 
-/// What a pipeline may keep in the cache of one core: two thirds of the second level, of 1 MiB where
-/// the system does not say. It decides what runs when, and changes no bit.
+/// What a pipeline may keep in the cache of one core: the second level, 1 MiB where the system does
+/// not say. It decides what runs when, and changes no bit.
 std::size_t cache_bytes() {
   static const std::size_t bytes = [] {
     long level2 = 0;
 #ifdef _SC_LEVEL2_CACHE_SIZE
     level2 = sysconf(_SC_LEVEL2_CACHE_SIZE);
 #endif
-    return static_cast<std::size_t>(level2 > 0 ? level2 : 1L << 20) * 2 / 3;
+    return static_cast<std::size_t>(level2 > 0 ? level2 : 1L << 20);
   }();
   return bytes;
 }
@@ -165,10 +163,10 @@ int DiskTiles<D>::pipeline_depth(int threads, std::size_t bytes_per_batch,
                                  std::size_t bytes_per_row) const {
   const std::size_t all =
       to_size(num_batches()) * bytes_per_batch + to_size(num_rows()) * bytes_per_row;
-  if (threads == 1 && all <= cache_bytes()) return 1;
+  if (all <= cache_bytes() * to_size(threads)) return 1;
   const std::size_t tile = all / to_size(std::max(num_tiles(), 1));
   const int fitting = static_cast<int>(std::min<std::size_t>(kDeepest, cache_bytes() / (2 * tile)));
-  return std::min(std::max(fitting, 2) * threads, kDeepest);
+  return std::max(fitting, 2);
 }
 
 template class DiskTiles<1>;

@@ -11,6 +11,8 @@ namespace {
 
 /// Iterations in flight for each iteration between restarts: few are thrown away.
 constexpr int kCaution = 6;
+/// Threads begin and end together: at most so many iterations are done in between.
+constexpr int kTogether = 16;
 
 }  // namespace
 
@@ -24,8 +26,9 @@ TiledGradient<D>::TiledGradient(const ContactProblem& problem, const DiskStructu
       threads_(options.threads),
       depth_(disks_.pipeline_depth(threads_, sizeof(ContactBatch<D>) + 4 * sizeof(ImpulseBatch<D>),
                                    6 * sizeof(BodyRow))),
+      group_(threads_ > 1 ? std::max(depth_, kTogether) : depth_),
       velocity_(to_size(disks_.num_rows())),
-      sums_(to_size(depth_) * to_size(disks_.num_tiles())) {
+      sums_(to_size(group_) * to_size(disks_.num_tiles())) {
   for (auto& x : impulse_) x.resize(to_size(disks_.num_batches()));
   for (auto& p : momentum_) p.resize(to_size(disks_.num_rows()));
 }
@@ -67,7 +70,7 @@ void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
                            const GradientControl& control) {
   std::vector<Roles> roles;
   for (int k = 0; k <= iterations; ++k) roles.push_back(after(k));
-  run_wavefront(threads_, disks_.num_tiles(), iterations, [&](int k, int t) {
+  run_wavefront(threads_, disks_.num_tiles(), iterations, depth_, [&](int k, int t) {
     const ContactTiles::Tile& tile = disks_.tile(t);
     const std::size_t batch = to_size(tile.first_batch), row = to_size(tile.first_row);
     const std::size_t now = to_size(roles[to_size(k)].now),
@@ -121,8 +124,8 @@ void TiledGradient<D>::advance(int iterations, GradientControl& control) {
   std::vector<double> beta, t;
   while (iterations > 0) {
     const int cautious =
-        control.momentum ? 1 + std::max(interval_, since_restart_) / kCaution : depth_;
-    const int group = std::min({iterations, depth_, cautious});
+        control.momentum ? 1 + std::max(interval_, since_restart_) / kCaution : group_;
+    const int group = std::min({iterations, group_, cautious});
     beta.assign(1, beta_);
     t.assign(1, control.t);
     for (int k = 1; k < group; ++k) {

@@ -50,7 +50,7 @@ class TiledGradient {
 
   DiskTiles<D> disks_;
   const DiskKernels<D>& kernels_;
-  int threads_, depth_;
+  int threads_, depth_, group_;  // depth: of the wavefront; group: between two looks at the sums
   std::vector<ImpulseBatch<D>> impulse_[4];
   std::vector<BodyRow> momentum_[4], velocity_;
   std::vector<GradientSums> sums_;  // of every iteration in flight and tile

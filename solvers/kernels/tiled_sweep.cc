@@ -1,7 +1,5 @@
 #include "solvers/kernels/tiled_sweep.h"
 
-#include <algorithm>
-
 #include "solvers/kernels/wavefront.h"
 
 namespace bipot {
@@ -36,23 +34,19 @@ const Vector& TiledSweep<D>::impulse() {
 
 template <int D>
 void TiledSweep<D>::advance(int sweeps) {
-  while (sweeps > 0) {
-    const int group = std::min(sweeps, depth_);
-    run_wavefront(threads_, disks_.num_tiles(), group, [&](int, int t) {
-      const ContactTiles::Tile& tile = disks_.tile(t);
-      SweepTask<D> task;
-      task.batches = tile.last_batch - tile.first_batch;
-      task.omega = omega_;
-      task.contact = disks_.contacts(tile);
-      task.law = disks_.law_numbers(tile);
-      task.laws = disks_.laws();
-      task.impulse = &impulse_[to_size(tile.first_batch)];
-      task.velocity = velocity_.data();
-      task.inverse = disks_.inverse();
-      kernels_.sweep(task);
-    });
-    sweeps -= group;
-  }
+  run_wavefront(threads_, disks_.num_tiles(), sweeps, depth_, [&](int, int t) {
+    const ContactTiles::Tile& tile = disks_.tile(t);
+    SweepTask<D> task;
+    task.batches = tile.last_batch - tile.first_batch;
+    task.omega = omega_;
+    task.contact = disks_.contacts(tile);
+    task.law = disks_.law_numbers(tile);
+    task.laws = disks_.laws();
+    task.impulse = &impulse_[to_size(tile.first_batch)];
+    task.velocity = velocity_.data();
+    task.inverse = disks_.inverse();
+    kernels_.sweep(task);
+  });
 }
 
 template class TiledSweep<1>;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <string>
@@ -89,14 +90,15 @@ void run(const ContactProblem& p, const DelassusOperator& delassus, const Vector
   });
 }
 
-/// Changes below this part of tol, relative to the root mean square of the impulses, are none.
-constexpr double kFrozenChange = 0.1;
+/// Changes below this, relative to the root mean square of the impulses, are rounding. A looser
+/// bound freezes what still creeps: at a tenth of the tolerance the sweeps grew fivefold.
+constexpr double kFrozenChange = 16 * std::numeric_limits<double>::epsilon();
 
 /// Sweeps that leave settled contacts out.
 template <int D>
 void run_freezing(const ContactProblem& p, const DelassusOperator& delassus, const Vector& s0,
                   bool explicit_delassus, SweepOrder& order, const LocalSettings& settings,
-                  int freeze, double tol, IterationMonitor& monitor) {
+                  int freeze, IterationMonitor& monitor) {
   FrozenContacts frozen(p.num_contacts(), freeze);
   with_local_updates<D>(p, delassus, settings, explicit_delassus, [&](auto& sweep, auto visit) {
     sweep.reset(s0);
@@ -109,7 +111,7 @@ void run_freezing(const ContactProblem& p, const DelassusOperator& delassus, con
         const Vector& s = sweep.impulse();
         // An iterate that stands still while contacts are left out is no stall.
         if (monitor.stop(iteration, s, settings.omega, !whole)) return;
-        settled_below = kFrozenChange * tol * s.norm() / std::sqrt(static_cast<double>(s.size()));
+        settled_below = kFrozenChange * s.norm() / std::sqrt(static_cast<double>(s.size()));
       }
       int visited = 0;
       order.sweep(iteration, [&](int c) {
@@ -137,8 +139,7 @@ SolveResult solve_gauss_seidel(const ContactProblem& p, const SolverOptions& opt
   const int freeze = parameters.integer("freeze");
   dispatch_dim(p.dim, [&](auto d) {
     if (freeze > 0) {
-      run_freezing<d()>(p, delassus, s0, explicit_delassus, order, settings, freeze, options.tol,
-                        monitor);
+      run_freezing<d()>(p, delassus, s0, explicit_delassus, order, settings, freeze, monitor);
       return;
     }
     if constexpr (d() < 3) {

@@ -62,10 +62,9 @@ inline constexpr ParameterSpec kGaussSeidelParameters[] = {
 /// order = tiled: a sweep over disks in vectors and on threads (solvers/kernels/tiled_sweep.h), with
 /// the same bits for any number of them; other problems take their contacts as they stand.
 ///
-/// freeze = N: contacts whose impulse changed by no more than a tenth of the tolerance, relative to
-/// the root mean square of all impulses, are left out of N sweeps (frozen_contacts.h). Iterates are
-/// others than without; the stop test is that of all contacts either way. Contacts are left out one
-/// by one: order = tiled then takes them as they stand.
+/// freeze = N: contacts whose impulse changes by no more than rounding are left out of N sweeps
+/// (frozen_contacts.h). Iterates differ from those without; the stop test is that of all contacts
+/// either way. Contacts are left out one by one: order = tiled then takes them as they stand.
 ///
 /// For mu = 0 and 0 < omega < 2 each update decreases a convex quadratic and the sweep converges
 /// (Luo and Tseng 1992); with friction there is no proof, exact local solutions can cycle where
