@@ -182,6 +182,20 @@ std::size_t Hdf5File::plausible_size(const std::string& name) const {
   return size(name);
 }
 
+namespace {
+
+// Bytes of a number: HDF5's buffers are as large as a broken file says.
+constexpr std::size_t kWidest = 16;
+constexpr double kMostText = 1e8;  // bytes
+
+void require_usual_width(const std::filesystem::path& path, const std::string& name, hid_t type) {
+  if (const std::size_t width = H5Tget_size(type); width > kWidest) {
+    throw FileError(path, name, fmt::format("numbers of {} bytes", width));
+  }
+}
+
+}  // namespace
+
 std::vector<double> Hdf5File::read_doubles(const std::string& name) const {
   std::vector<double> values(plausible_size(name));
   const Silence silence;
@@ -189,6 +203,7 @@ std::vector<double> Hdf5File::read_doubles(const std::string& name) const {
   const Handle type(H5Dget_type(dataset), H5Tclose);
   const H5T_class_t kind = H5Tget_class(type);
   if (kind != H5T_FLOAT && kind != H5T_INTEGER) throw FileError(path_, name, "not numbers");
+  require_usual_width(path_, name, type);
   if (values.empty()) return values;
   if (H5Dread(dataset, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()) < 0) {
     throw FileError(path_, name, "cannot read: " + hdf5_reason());
@@ -202,6 +217,7 @@ std::vector<int> Hdf5File::read_ints(const std::string& name) const {
   const Handle dataset(open_dataset(name), H5Dclose);
   const Handle type(H5Dget_type(dataset), H5Tclose);
   if (H5Tget_class(type) != H5T_INTEGER) throw FileError(path_, name, "not integers");
+  require_usual_width(path_, name, type);
   if (wide.empty()) return {};
   if (H5Dread(dataset, H5T_NATIVE_INT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, wide.data()) < 0) {
     throw FileError(path_, name, "cannot read: " + hdf5_reason());
@@ -252,6 +268,9 @@ std::vector<std::string> Hdf5File::read_strings(const std::string& name) const {
     return result;
   }
   const std::size_t width = H5Tget_size(type);
+  if (static_cast<double>(count) * static_cast<double>(width) > kMostText) {
+    throw FileError(path_, name, fmt::format("{} texts of {} bytes: too long", count, width));
+  }
   std::vector<char> bytes(count * width);
   if (H5Dread(dataset, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.data()) < 0) {
     throw FileError(path_, name, "cannot read: " + hdf5_reason());

@@ -277,6 +277,9 @@ TextMatrix read_matrix(Words& words) {
   TextMatrix matrix;
   matrix.rows = words.integer("number of rows");
   matrix.columns = words.integer("number of columns");
+  // Vectors of these lengths follow.
+  words.require_plausible(matrix.rows, "rows of a matrix");
+  words.require_plausible(matrix.columns, "columns of a matrix");
   switch (storage) {
     case kDense:
       read_dense(words, matrix);

@@ -136,6 +136,7 @@ TEST_F(SiconosText, DefectsAreRefusedWithLineAndReason) {
   expect_refusal("2\n1\n0\n2\n2\n2\t2\n1 0\n0 1\n1 1e999\n0.5\n", "u_free[1] = inf");
   expect_refusal("2\n1\n0\n3\n3\n3\t3\n1 0 0\n0 1 0\n 0 0 1\n1 1\n0.5\n", "rows of W is 3");
   expect_refusal("2\n900000000\n0\n2\n2\n2\t2\n1 0\n0 1\n", "more than the file can hold");
+  expect_refusal("2\n1\n1\n2\n900000000\n0\n1 1\n0.5\n", "columns of a matrix: more than the file");
   expect_refusal("2\n1\n1\n2\n2\n1\n1\n1\n2\n2\n2\n1\n0\t1\n1\n0 1 0 0 1\n1 1\n0.5\n",
                  "block 0 is in column 1 of 1");
   expect_refusal("2\n1\n1\n2\n2\n1\n1\n1\n3\n2\n2\n1\n0\t1\n0\n0 1 0 0 1\n1 1\n0.5\n",
