@@ -216,6 +216,13 @@ class IslandRun {
                                   islands_.count(), open_, kept_, few_, by_solver_, entry_.name);
     if (by_solver_ == 1) result_.message += ", " + costliest_;
     if (by_solver_ > 1) result_.message += ", the costliest with " + costliest_;
+    // Where no solver ran on a last part, nothing has told the end.
+    if (options_.on_iteration && left_.empty()) {
+      options_.on_iteration({.iteration = iterations(0, 0),
+                             .seconds = watch_.seconds(),
+                             .error = error,
+                             .count = count_contacts(p_, s_)});
+    }
     if (meets(options_, error)) {
       result_.status = SolveStatus::kConverged;
     } else if (failed_ > 0) {
