@@ -17,6 +17,8 @@ using VecIn = Eigen::Matrix<double, D, 1>;
 /// What turns (spins, moments): a number in the plane, counter-clockwise; a vector in space.
 template <int D>
 using SpinIn = std::conditional_t<D == 2, double, Vec3>;
+template <int D>
+using MatIn = Eigen::Matrix<double, D, D>;
 /// Components of a SpinIn<D>.
 template <int D>
 inline constexpr int kSpins = D == 2 ? 1 : 3;

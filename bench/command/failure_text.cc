@@ -16,8 +16,9 @@ namespace {
 
 constexpr double kCertificateSeconds = 10;
 
-std::string body_name(const Scene& scene, int body) {
-  if (to_size(body) < scene.disks.size()) return fmt::format("disk {}", body);
+template <int D>
+std::string body_name(const SceneIn<D>& scene, int body) {
+  if (to_size(body) < scene.disks.size()) return fmt::format("{} {}", kBodyName<D>, body);
   return fmt::format("wall '{}'", scene.walls[to_size(body) - scene.disks.size()].name);
 }
 
@@ -27,9 +28,10 @@ struct Cause {
   std::string text;
 };
 
-double mass_ratio(const Scene& scene) {
+template <int D>
+double mass_ratio(const SceneIn<D>& scene) {
   double least = kInfinity, most = 0;
-  for (const Disk& d : scene.disks) {
+  for (const BodyIn<D>& d : scene.disks) {
     least = std::min(least, d.mass);
     most = std::max(most, d.mass);
   }
@@ -37,22 +39,26 @@ double mass_ratio(const Scene& scene) {
 }
 
 /// The largest way of a disk in a step, over the smallest radius.
-double way(const Scene& scene, const State& state) {
+template <int D>
+double way(const SceneIn<D>& scene, const StateIn<D>& state) {
   double speed = 0;
-  for (const Disk& d : state.disks) speed = std::max(speed, d.v.norm());
+  for (const BodyIn<D>& d : state.disks) speed = std::max(speed, d.v.norm());
   return speed * scene.step / smallest_radius(scene);
 }
 
-bool coefficients_differ(const Scene& scene) {
+template <int D>
+bool coefficients_differ(const SceneIn<D>& scene) {
   return std::any_of(scene.laws.begin(), scene.laws.end(), [&](const ContactLaw& law) {
     return law.e_n != scene.laws[0].e_n || (law.mu > 0 && law.e_t != scene.laws[0].e_n);
   });
 }
 
-std::vector<Cause> causes(const Scene& scene, const State& state, const ExistenceCertificate& c) {
-  const bool walls_move = std::any_of(scene.walls.begin(), scene.walls.end(), [](const Wall& w) {
-    return w.motion == Wall::Motion::kMoving;
-  });
+template <int D>
+std::vector<Cause> causes(const SceneIn<D>& scene, const StateIn<D>& state,
+                          const ExistenceCertificate& c) {
+  const bool walls_move =
+      std::any_of(scene.walls.begin(), scene.walls.end(),
+                  [](const WallIn<D>& w) { return w.motion == WallIn<D>::Motion::kMoving; });
   double mu = 0;
   for (const ContactLaw& law : scene.laws) mu = std::max(mu, law.mu);
   const double ratio = mass_ratio(scene), path = way(scene, state);
@@ -69,9 +75,9 @@ std::vector<Cause> causes(const Scene& scene, const State& state, const Existenc
        "perhaps no solution: friction jams bodies between moving walls; try less friction or slower "
        "walls"},
       {path > 0.1,
-       fmt::format("the step is long: disks move {:.2g} of the smallest radius in it; try "
+       fmt::format("the step is long: {}s move {:.2g} of the smallest radius in it; try "
                    "--step-size {:.2g} or --on-failure smaller-step",
-                   path, scene.step * std::max(0.1 / path, 0.01))},
+                   kBodyName<D>, path, scene.step * std::max(0.1 / path, 0.01))},
       {mu > 2,
        fmt::format("friction is large (mu = {:g}): many solutions or none, and paths between "
                    "them; try --solver homotopy or ipm",
@@ -101,13 +107,14 @@ std::vector<Cause> causes(const Scene& scene, const State& state, const Existenc
 
 }  // namespace
 
-std::string failure_text(const Scene& scene, const State& state,
-                         std::span<const ContactOutcome> contacts, const ContactProblem& problem,
-                         const ContactError& error, int step) {
+template <int D>
+std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
+                         std::span<const std::type_identity_t<ContactOutcomeIn<D>>> contacts,
+                         const ContactProblem& problem, const ContactError& error, int step) {
   std::string text;
   const int worst = error.eta > error.epsilon ? error.worst_eta : error.worst_epsilon;
   if (worst >= 0 && to_size(worst) < contacts.size()) {
-    const Contact& c = contacts[to_size(worst)].contact;
+    const ContactIn<D>& c = contacts[to_size(worst)].contact;
     text +=
         fmt::format("  step {}: worst contact {}: {} and {}, gap {:.3g} m, error {:.1e}\n", step,
                     worst, body_name(scene, c.i), body_name(scene, c.j), c.gap, error.guarded());
@@ -123,18 +130,22 @@ std::string failure_text(const Scene& scene, const State& state,
   return text;
 }
 
-std::string failure_text(const Scene& scene, const State& state, const SceneRun& run) {
+template <int D>
+std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
+                         const SceneRunIn<D>& run) {
   if (run.failed_problem.num_contacts() == 0) return {};
-  std::vector<ContactOutcome> contacts;
-  for (const Contact& c : make_midpoint(scene, state).contacts) contacts.push_back({.contact = c});
+  std::vector<ContactOutcomeIn<D>> contacts;
+  for (const ContactIn<D>& c : make_midpoint(scene, state).contacts)
+    contacts.push_back({.contact = c});
   // What the solver started from is all that is known of impulses when none was taken.
   const ContactProblem& p = run.failed_problem;
   const Vector s = run.failed_start.size() == p.num_rows() ? run.failed_start
                                                            : Vector(Vector::Zero(p.num_rows()));
-  return failure_text(scene, state, contacts, p, contact_error(p, s), state.step + 1);
+  return failure_text<D>(scene, state, contacts, p, contact_error(p, s), state.step + 1);
 }
 
-void EnergyGrowth::add(const Scene& scene, const SceneStep& step) {
+template <int D>
+void EnergyGrowth::add(const SceneIn<D>& scene, const SceneStepIn<D>& step) {
   const EnergyLedger& e = step.report.energy;
   const double loss = e.friction_loss + e.shock_loss;
   // A step that is solved to the tolerance may be off by about this part of the energy at hand.
@@ -152,7 +163,8 @@ void EnergyGrowth::add(const Scene& scene, const SceneStep& step) {
   loss_ = loss;
 }
 
-std::string EnergyGrowth::warning(const Scene& scene) const {
+template <int D>
+std::string EnergyGrowth::warning(const SceneIn<D>& scene) const {
   if (steps_ == 0) return {};
   return fmt::format(
       "bipot: warning: contacts created energy in {} step{}, most in step {}: {:.3g} J (kinetic then "
@@ -163,5 +175,17 @@ std::string EnergyGrowth::warning(const Scene& scene) const {
             "§3"
           : "No coefficients differ: it is the error of steps that were not solved");
 }
+
+template std::string failure_text<2>(const Scene&, const State&, std::span<const ContactOutcome>,
+                                     const ContactProblem&, const ContactError&, int);
+template std::string failure_text(const Scene&, const State&, const SceneRun&);
+template void EnergyGrowth::add(const Scene&, const SceneStep&);
+template std::string EnergyGrowth::warning(const Scene&) const;
+template std::string failure_text<3>(const SceneIn<3>&, const StateIn<3>&,
+                                     std::span<const ContactOutcomeIn<3>>, const ContactProblem&,
+                                     const ContactError&, int);
+template std::string failure_text(const SceneIn<3>&, const StateIn<3>&, const SceneRunIn<3>&);
+template void EnergyGrowth::add(const SceneIn<3>&, const SceneStepIn<3>&);
+template std::string EnergyGrowth::warning(const SceneIn<3>&) const;
 
 }  // namespace bipot

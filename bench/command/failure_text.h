@@ -2,6 +2,7 @@
 
 #include <span>
 #include <string>
+#include <type_traits>
 
 #include "bench/scenes/scene_run.h"
 
@@ -10,20 +11,26 @@ namespace bipot {
 /// What to say of a step whose problem was not solved: its worst contact, whether a solution exists at all
 /// (solvers/certificate), the three likeliest causes and what to try, most telling first. Lines, each
 /// with its end.
-std::string failure_text(const Scene& scene, const State& state,
-                         std::span<const ContactOutcome> contacts, const ContactProblem& problem,
-                         const ContactError& error, int step);
+template <int D>
+std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
+                         std::span<const std::type_identity_t<ContactOutcomeIn<D>>> contacts,
+                         const ContactProblem& problem, const ContactError& error, int step);
 /// The same for a step that was not taken; `state` is that before it.
-std::string failure_text(const Scene& scene, const State& state, const SceneRun& run);
+template <int D>
+std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
+                         const SceneRunIn<D>& run);
 
 /// Watches whether contacts create energy, which Newton's impact law may do where coefficients of restitution
 /// differ (data/method.md §3).
 class EnergyGrowth {
  public:
-  explicit EnergyGrowth(const State& start) : loss_(start.friction_loss + start.shock_loss) {}
-  void add(const Scene& scene, const SceneStep& step);
+  template <int D>
+  explicit EnergyGrowth(const StateIn<D>& start) : loss_(start.friction_loss + start.shock_loss) {}
+  template <int D>
+  void add(const SceneIn<D>& scene, const SceneStepIn<D>& step);
   /// One line; empty when nothing grew beyond what tolerance and rounding leave.
-  std::string warning(const Scene& scene) const;
+  template <int D>
+  std::string warning(const SceneIn<D>& scene) const;
 
  private:
   double loss_;  // of the steps before, since step 0                                 [J]

@@ -4,6 +4,8 @@
 
 #include <limits>
 #include <stdexcept>
+#include <type_traits>
+#include <variant>
 
 #include "bench/command/command_options.h"
 #include "bench/command/exit_code.h"
@@ -96,12 +98,16 @@ void print_solvers() {
 Json scenes_json() {
   auto rows = Json::array();
   for (const auto& path : shipped_scenes()) {
-    const Scene scene = read_scene(path);
-    rows.push_back({{"name", path.stem().string()},
-                    {"title", scene.title},
-                    {"disks", scene.disks.size()},
-                    {"walls", scene.walls.size()},
-                    {"steps", scene.num_steps}});
+    rows.push_back(std::visit(
+        [&](const auto& scene) {
+          const bool flat = std::is_same_v<std::decay_t<decltype(scene)>, Scene>;
+          return Json{{"name", path.stem().string()},
+                      {"title", scene.title},
+                      {flat ? "disks" : "spheres", scene.disks.size()},
+                      {"walls", scene.walls.size()},
+                      {"steps", scene.num_steps}};
+        },
+        read_any_scene(path)));
   }
   return rows;
 }

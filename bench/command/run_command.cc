@@ -8,6 +8,8 @@
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
+#include <utility>
+#include <variant>
 
 #include "bench/command/exit_code.h"
 #include "bench/command/failure_text.h"
@@ -65,19 +67,17 @@ void refuse_flags_of_the_other_model(const RunFlags& flags, Model model) {
   }
 }
 
-/// The scene with the command line's changes, checked before anything is written.
-Scene load_scene(const RunFlags& flags, std::string& text) {
-  const fs::path path = find_scene(flags.scene);
-  std::ifstream file(path);
-  std::ostringstream content;
-  content << file.rdbuf();
-  text = content.str();
-  Scene scene = parse_scene(text, path.string());
+/// Makes the command line's changes, and checks the outcome before anything is written.
+template <int D>
+void apply_flags(const RunFlags& flags, SceneIn<D>& scene) {
   if (flags.steps) scene.num_steps = *flags.steps;  // with --restart: from there
   if (flags.step_size) scene.step = *flags.step_size;
   scene.solver = merged(scene.solver, flags.solver);
   if (flags.model) {
     scene.model = *flags.model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
+  }
+  if (D == 3 && scene.model == Model::kSpringDashpot) {
+    throw std::invalid_argument("the model dem simulates disks, not spheres");
   }
   refuse_flags_of_the_other_model(flags, scene.model);
   if (flags.stiffness) scene.dem.stiffness = *flags.stiffness;
@@ -88,7 +88,6 @@ Scene load_scene(const RunFlags& flags, std::string& text) {
   if (flags.tangential_ratio) scene.dem.tangential_ratio = *flags.tangential_ratio;
   if (flags.substep) scene.dem.substep = *flags.substep;
   if (auto defect = validate(scene); !defect.empty()) throw std::invalid_argument(defect);
-  return scene;
 }
 
 /// What the flags ask to be written; no folder without --out.
@@ -114,7 +113,9 @@ void make_folder(const fs::path& folder) {
 }
 
 /// A run that was at its end already. Its files stay as they are.
-int nothing_to_do(const RunFlags& flags, const Scene& scene, const State& state, bool quiet) {
+template <int D>
+int nothing_to_do(const RunFlags& flags, const SceneIn<D>& scene, const StateIn<D>& state,
+                  bool quiet) {
   const std::string message = fmt::format(
       "{} is at step {}, the scene ends at step {}: nothing to do (--steps N takes N "
       "more)",
@@ -141,8 +142,10 @@ struct RunOutcome {
   ExitCode exit_code;
 };
 
-RunOutcome outcome_of(const SceneRun& run) {
-  if (run.end == SceneRun::End::kFailed) {
+template <int D>
+RunOutcome outcome_of(const SceneRunIn<D>& run) {
+  using End = typename SceneRunIn<D>::End;
+  if (run.end == End::kFailed) {
     return run.failure->kind == StepFailure::Kind::kInvalidInput
                ? RunOutcome{"invalid input", kExitBadInput}
            : run.failure->kind == StepFailure::Kind::kNotConverged
@@ -150,9 +153,100 @@ RunOutcome outcome_of(const SceneRun& run) {
                : RunOutcome{"failed", kExitNumericalFailure};
   }
   if (InterruptGuard::requested()) return {"interrupted", kExitInterrupted};
-  if (run.end == SceneRun::End::kCancelled) return {"time limit", kExitNotConverged};
+  if (run.end == End::kCancelled) return {"time limit", kExitNotConverged};
   if (run.totals.converged < run.totals.steps) return {"not converged", kExitNotConverged};
   return {"completed", kExitConverged};
+}
+
+/// `text`: of the scene's file.
+template <int D>
+int run_in(const RunFlags& flags, SceneIn<D> scene, const std::string& text) {
+  apply_flags(flags, scene);
+  const bool dem = scene.model == Model::kSpringDashpot;
+  const SolverEntry& entry = require_solver(dem ? SolverChoice{}.name : scene.solver.name);
+  SolverOptions options = to_options(dem ? SolverChoice{} : scene.solver);
+  options.execution.threads = flags.common.threads;
+  // A first look at the options on a problem without contacts: wrong ones are refused here.
+  if (const SolveResult probe = solve(entry, ContactProblem{}, options);
+      probe.status == SolveStatus::kInvalidInput) {
+    throw std::invalid_argument(probe.message);
+  }
+  if (flags.common.out.empty() && !flags.dump_problems.empty()) {
+    throw std::invalid_argument("--dump-problems needs --out DIR");
+  }
+  if constexpr (D == 2) {
+    if (dem) spring_dashpot_setup(scene);  // refuses before anything is written
+  }
+
+  const Stopwatch watch;
+  StateIn<D> state = flags.restart.empty() ? initial_state(scene) : read_state<D>(flags.restart);
+  if (const std::string mismatch = restart_mismatch(scene, state); !mismatch.empty()) {
+    throw std::invalid_argument(flags.restart + " does not fit the scene: " + mismatch);
+  }
+  if (flags.steps) scene.num_steps = state.step + *flags.steps;
+  const bool json_on_stdout = flags.common.json == "-";
+  const bool quiet = flags.common.quiet || json_on_stdout;
+  if (!flags.restart.empty() && state.step >= scene.num_steps) {
+    return nothing_to_do(flags, scene, state, quiet);
+  }
+  RunFolderOptions folder = folder_options(flags, text);
+  if (!folder.folder.empty()) make_folder(folder.folder);
+  require_writable(flags.common.json);  // may lie in the folder that was just made
+
+  const InterruptGuard interrupt;
+  const double limit = flags.common.time_limit;
+  SceneRunOptionsIn<D> run_options;
+  run_options.steps = scene.num_steps - state.step;
+  if (!dem) {
+    run_options.solver = [&](const ContactProblem& problem, const Vector& s0) {
+      options.time_limit = std::max(limit - watch.seconds(), 1e-3);
+      options.cancelled = &InterruptGuard::requested;
+      return make_step_solver(entry, options)(problem, s0);
+    };
+  }
+  run_options.explicit_delassus = entry.needs_delassus;
+  run_options.threads = flags.common.threads;
+  run_options.on_failure = flags.on_failure == "stop"           ? OnFailure::kStop
+                           : flags.on_failure == "smaller-step" ? OnFailure::kSmallerStep
+                                                                : OnFailure::kContinue;
+  run_options.cancelled = [&] { return InterruptGuard::requested() || watch.seconds() > limit; };
+  SceneRunIn<D> run;
+  std::string advice;  // on the first step that was not solved
+  EnergyGrowth growth(state);
+  {
+    ProgressBar progress(*run_options.steps, quiet);
+    run_options.on_step = [&, first = state.step](const SceneStepIn<D>& step) {
+      growth.add(scene, step);
+      if (!step.report.converged && advice.empty() && !quiet) {
+        advice = failure_text<D>(scene, step.state, step.state.contacts, step.problem,
+                                 step.report.error, step.report.step);
+      }
+      progress.update(
+          step.report.step - first,
+          fmt::format("{} contacts, {} iterations", step.report.contacts, step.report.iterations));
+      return true;
+    };
+    run = folder.folder.empty() ? run_scene(scene, state, run_options)
+                                : run_scene_into(scene, state, run_options, folder);
+  }
+  const auto [status, exit_code] = outcome_of(run);
+  if (run.failure) {
+    fmt::print(stderr, "bipot: {}\n", run.failure->what());
+    if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
+      advice = failure_text(scene, state, run);
+    }
+  }
+  if (!advice.empty() && !quiet) fmt::print(stderr, "{}", advice);
+  if (const std::string warning = growth.warning(scene); !warning.empty() && !flags.common.quiet) {
+    fmt::print(stderr, "{}", warning);
+  }
+  const RunSummary<D> summary{scene,           state,           run, status, exit_code,
+                              watch.seconds(), flags.common.out};
+  const auto json = to_json(summary);
+  if (!flags.common.out.empty()) write_json(json, (folder.folder / "summary.json").string());
+  if (!flags.common.json.empty()) write_json(json, flags.common.json);
+  if (!quiet) fmt::print("{}", to_text(summary));
+  return exit_code;
 }
 
 }  // namespace
@@ -208,90 +302,13 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
 }
 
 int run_command(const RunFlags& flags) {
-  std::string text;
-  Scene scene = load_scene(flags, text);
-  const bool dem = scene.model == Model::kSpringDashpot;
-  const SolverEntry& entry = require_solver(dem ? SolverChoice{}.name : scene.solver.name);
-  SolverOptions options = to_options(dem ? SolverChoice{} : scene.solver);
-  options.execution.threads = flags.common.threads;
-  // A first look at the options on a problem without contacts: wrong ones are refused here.
-  if (const SolveResult probe = solve(entry, ContactProblem{}, options);
-      probe.status == SolveStatus::kInvalidInput) {
-    throw std::invalid_argument(probe.message);
-  }
-  if (flags.common.out.empty() && !flags.dump_problems.empty()) {
-    throw std::invalid_argument("--dump-problems needs --out DIR");
-  }
-  if (dem) spring_dashpot_setup(scene);  // refuses before anything is written
-
-  const Stopwatch watch;
-  State state = flags.restart.empty() ? initial_state(scene) : read_state(flags.restart);
-  if (const std::string mismatch = restart_mismatch(scene, state); !mismatch.empty()) {
-    throw std::invalid_argument(flags.restart + " does not fit the scene: " + mismatch);
-  }
-  if (flags.steps) scene.num_steps = state.step + *flags.steps;
-  const bool json_on_stdout = flags.common.json == "-";
-  const bool quiet = flags.common.quiet || json_on_stdout;
-  if (!flags.restart.empty() && state.step >= scene.num_steps) {
-    return nothing_to_do(flags, scene, state, quiet);
-  }
-  RunFolderOptions folder = folder_options(flags, text);
-  if (!folder.folder.empty()) make_folder(folder.folder);
-  require_writable(flags.common.json);  // may lie in the folder that was just made
-
-  const InterruptGuard interrupt;
-  const double limit = flags.common.time_limit;
-  SceneRunOptions run_options;
-  run_options.steps = scene.num_steps - state.step;
-  if (!dem) {
-    run_options.solver = [&](const ContactProblem& problem, const Vector& s0) {
-      options.time_limit = std::max(limit - watch.seconds(), 1e-3);
-      options.cancelled = &InterruptGuard::requested;
-      return make_step_solver(entry, options)(problem, s0);
-    };
-  }
-  run_options.explicit_delassus = entry.needs_delassus;
-  run_options.threads = flags.common.threads;
-  run_options.on_failure = flags.on_failure == "stop"           ? OnFailure::kStop
-                           : flags.on_failure == "smaller-step" ? OnFailure::kSmallerStep
-                                                                : OnFailure::kContinue;
-  run_options.cancelled = [&] { return InterruptGuard::requested() || watch.seconds() > limit; };
-  SceneRun run;
-  std::string advice;  // on the first step that was not solved
-  EnergyGrowth growth(state);
-  {
-    ProgressBar progress(*run_options.steps, quiet);
-    run_options.on_step = [&, first = state.step](const SceneStep& step) {
-      growth.add(scene, step);
-      if (!step.report.converged && advice.empty() && !quiet) {
-        advice = failure_text(scene, step.state, step.state.contacts, step.problem,
-                              step.report.error, step.report.step);
-      }
-      progress.update(
-          step.report.step - first,
-          fmt::format("{} contacts, {} iterations", step.report.contacts, step.report.iterations));
-      return true;
-    };
-    run = folder.folder.empty() ? run_scene(scene, state, run_options)
-                                : run_scene_into(scene, state, run_options, folder);
-  }
-  const auto [status, exit_code] = outcome_of(run);
-  if (run.failure) {
-    fmt::print(stderr, "bipot: {}\n", run.failure->what());
-    if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
-      advice = failure_text(scene, state, run);
-    }
-  }
-  if (!advice.empty() && !quiet) fmt::print(stderr, "{}", advice);
-  if (const std::string warning = growth.warning(scene); !warning.empty() && !flags.common.quiet) {
-    fmt::print(stderr, "{}", warning);
-  }
-  const RunSummary summary{scene, state, run, status, exit_code, watch.seconds(), flags.common.out};
-  const auto json = to_json(summary);
-  if (!flags.common.out.empty()) write_json(json, (folder.folder / "summary.json").string());
-  if (!flags.common.json.empty()) write_json(json, flags.common.json);
-  if (!quiet) fmt::print("{}", to_text(summary));
-  return exit_code;
+  const fs::path path = find_scene(flags.scene);
+  std::ifstream file(path);
+  std::ostringstream content;
+  content << file.rdbuf();
+  const std::string text = content.str();
+  return std::visit([&](auto&& scene) { return run_in(flags, std::move(scene), text); },
+                    parse_any_scene(text, path.string()));
 }
 
 }  // namespace bipot

@@ -4,29 +4,34 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
+#include "core/motion/sample_volume.h"
 #include "core/motion/stress_tensor.h"
 
 namespace bipot {
 namespace {
 
-const SpringDashpotSetup* springs_of(const RunSummary& s) {
+template <int D>
+const SpringDashpotSetup* springs_of(const RunSummary<D>& s) {
   return s.run.springs ? &*s.run.springs : nullptr;
 }
 
 /// Why a step was not taken, else why the first one that did not converge did not.
-std::string message_of(const RunSummary& s) {
+template <int D>
+std::string message_of(const RunSummary<D>& s) {
   return s.run.failure ? s.run.failure->what() : s.run.totals.message;
 }
 
 }  // namespace
 
-Json to_json(const RunSummary& s) {
-  const Scene& scene = s.scene;
-  const State& state = s.state;
-  const SceneTotals& t = s.run.totals;
+template <int D>
+Json to_json(const RunSummary<D>& s) {
+  const SceneIn<D>& scene = s.scene;
+  const StateIn<D>& state = s.state;
+  const SceneTotalsIn<D>& t = s.run.totals;
   const SpringDashpotSetup* dem = springs_of(s);
   const double steps = std::max(t.steps, 1);
   Json j{{"command", "run"},
@@ -48,7 +53,7 @@ Json to_json(const RunSummary& s) {
     j["tol"] = scene.solver.tol;
     j["stop"] = scene.solver.stop;
   }
-  j.update(Json{{"disks", state.disks.size()},
+  j.update(Json{{D == 2 ? "disks" : "spheres", state.disks.size()},
                 {"steps", t.steps},
                 {"steps_planned", s.run.planned},
                 {"steps_converged", t.converged},
@@ -72,14 +77,20 @@ Json to_json(const RunSummary& s) {
   if (dem != nullptr) j["energy"]["elastic"] = t.last.energy.elastic;
   const double area = sample_area(state, scene.step);
   if (area > 0) {
-    const MeanStress stress = sample_stress(state, scene.step, area, contact_moments(state));
-    const Mat2 total = stress.total();
-    j["stress"] = {{"xx", total(0, 0)},
-                   {"yy", total(1, 1)},
-                   {"xy", 0.5 * (total(0, 1) + total(1, 0))},
-                   {"pressure", stress.pressure()},
-                   {"kinetic_pressure", 0.5 * stress.kinetic.trace()},
-                   {"area", area}};
+    const MeanStressIn<D> stress =
+        sample_stress<D>(state, scene.step, area, contact_moments(state));
+    const MatIn<D> total = stress.total();
+    Json entries{{"xx", total(0, 0)}, {"yy", total(1, 1)}};
+    if constexpr (D == 3) entries["zz"] = total(2, 2);
+    entries["xy"] = 0.5 * (total(0, 1) + total(1, 0));
+    if constexpr (D == 3) {
+      entries["xz"] = 0.5 * (total(0, 2) + total(2, 0));
+      entries["yz"] = 0.5 * (total(1, 2) + total(2, 1));
+    }
+    entries["pressure"] = stress.pressure();
+    entries["kinetic_pressure"] = stress.kinetic.trace() / D;
+    entries[D == 2 ? "area" : "volume"] = area;
+    j["stress"] = std::move(entries);
   } else {
     j["stress"] = nullptr;
   }
@@ -91,9 +102,10 @@ Json to_json(const RunSummary& s) {
   return j;
 }
 
-std::string to_text(const RunSummary& s) {
-  const Scene& scene = s.scene;
-  const SceneTotals& t = s.run.totals;
+template <int D>
+std::string to_text(const RunSummary<D>& s) {
+  const SceneIn<D>& scene = s.scene;
+  const SceneTotalsIn<D>& t = s.run.totals;
   const SpringDashpotSetup* dem = springs_of(s);
   const double steps = std::max(t.steps, 1);
   std::string text;
@@ -139,5 +151,10 @@ std::string to_text(const RunSummary& s) {
   if (!s.out.empty()) fmt::format_to(add, "  results in   {}\n", s.out);
   return text;
 }
+
+template Json to_json(const RunSummary<2>&);
+template Json to_json(const RunSummary<3>&);
+template std::string to_text(const RunSummary<2>&);
+template std::string to_text(const RunSummary<3>&);
 
 }  // namespace bipot

@@ -8,10 +8,11 @@
 namespace bipot {
 
 /// What `bipot run` says of a run when it is over.
+template <int D>
 struct RunSummary {
-  const Scene& scene;
-  const State& state;  ///< at the end
-  const SceneRun& run;
+  const SceneIn<D>& scene;
+  const StateIn<D>& state;  ///< at the end
+  const SceneRunIn<D>& run;
   std::string status;
   int exit_code = 0;
   double wall_seconds = 0;  ///< of the whole command
@@ -19,9 +20,11 @@ struct RunSummary {
 };
 
 /// summary.json; data/formats.md describes the keys.
-Json to_json(const RunSummary& summary);
+template <int D>
+Json to_json(const RunSummary<D>& summary);
 
 /// The same in short, for the terminal.
-std::string to_text(const RunSummary& summary);
+template <int D>
+std::string to_text(const RunSummary<D>& summary);
 
 }  // namespace bipot

@@ -72,6 +72,50 @@ void assembly(benchmark::State& state) {
   state.SetComplexityN(static_cast<long>(scene.disks.size()));
 }
 
+/// About `count` spheres in a face-centred packing (six contacts a sphere) on a floor, with friction.
+SceneIn<3> dense_spheres(int count) {
+  const int side = static_cast<int>(std::lround(std::cbrt(count)));
+  SceneIn<3> scene;
+  scene.gravity = Vec3(0, 0, -9.81);
+  // Square layers, each sphere in the hollow of four below.
+  const double radius = 0.01;
+  for (int k = 0; k < side; ++k) {
+    for (int j = 0; j < side; ++j) {
+      for (int i = 0; i < side; ++i) {
+        Sphere s;
+        s.x = radius * Vec3(2 * i + k % 2, 2 * j + k % 2, 1 + k * std::sqrt(2.0));
+        s.radius = radius;
+        s.mass = 1;
+        s.inertia = 0.4 * s.mass * s.radius * s.radius;
+        scene.disks.push_back(s);
+      }
+    }
+  }
+  scene.walls.resize(1);
+  scene.materials = {"default"};
+  scene.laws = {{.mu = 0.3, .e_n = 0.1, .e_t = 1.0}};
+  scene.step = 1e-3;
+  scene.contact_distance = 1e-8;
+  return scene;
+}
+
+/// Detection and assembly (A, H) of a step, on one thread.
+void sphere_step(benchmark::State& state) {
+  const SceneIn<3> scene = dense_spheres(static_cast<int>(state.range(0)));
+  const std::vector<Vec3> v_free(scene.disks.size(), scene.step * scene.gravity);
+  const std::vector<double> wall_v_free(scene.walls.size(), 0.0);
+  std::size_t contacts = 0;
+  for ([[maybe_unused]] auto _ : state) {
+    const auto found = detect_contacts<3>(scene.disks, scene.walls, scene.contact_distance);
+    contacts = found.size();
+    benchmark::DoNotOptimize(assemble_step(scene, scene.disks, scene.walls, found, v_free,
+                                           wall_v_free, state.range(1) != 0));
+  }
+  state.counters["spheres"] = static_cast<double>(scene.disks.size());
+  state.counters["contacts"] = static_cast<double>(contacts);
+}
+
+BENCHMARK(sphere_step)->Args({100000, 0})->Args({100000, 1})->Unit(benchmark::kMillisecond);
 BENCHMARK(detection)
     ->Arg(1000)
     ->Arg(10000)

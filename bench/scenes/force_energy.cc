@@ -4,12 +4,16 @@
 
 namespace bipot {
 
-double force_energy(const Scene& scene, const State& after) {
+template <int D>
+double force_energy(const SceneIn<D>& scene, const StateIn<D>& after) {
   double pushed = 0;
-  for (const ContactOutcome& c : after.contacts) {
-    if (to_size(c.contact.j) >= scene.disks.size()) pushed += std::hypot(c.s_n, c.s_t);
+  for (const ContactOutcomeIn<D>& c : after.contacts) {
+    if (to_size(c.contact.j) >= scene.disks.size()) pushed += std::hypot(c.s_n, magnitude(c.s_t));
   }
   return 0.5 * scene.step * scene.gravity.norm() * pushed;
 }
+
+template double force_energy(const Scene&, const State&);
+template double force_energy(const SceneIn<3>&, const StateIn<3>&);
 
 }  // namespace bipot

@@ -8,6 +8,7 @@ namespace bipot {
 /// data/method.md §3 with κ <= 1: f = h g at walls that stand, and 0 between disks, which fall
 /// alike. `after`: the state after the step.
 /// [J]
-double force_energy(const Scene& scene, const State& after);
+template <int D>
+double force_energy(const SceneIn<D>& scene, const StateIn<D>& after);
 
 }  // namespace bipot

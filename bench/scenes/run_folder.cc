@@ -9,6 +9,7 @@
 #include "core/files/fclib_file.h"
 #include "core/files/problem_geometry.h"
 #include "core/motion/stress_tensor.h"
+#include "core/pictures/flat_view.h"
 #include "core/pictures/force_picture.h"
 #include "core/pictures/stress_picture.h"
 #include "core/stopwatch.h"
@@ -18,7 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string caption(const Scene& scene, const SceneTotals& totals, const State& state) {
+template <int D>
+std::string caption(const SceneIn<D>& scene, const SceneTotalsIn<D>& totals,
+                    const StateIn<D>& state) {
   const std::string& title = scene.title.empty() ? scene.source : scene.title;
   if (scene.model == Model::kSpringDashpot) {
     return fmt::format("{}: step {}, t = {:.4g} s, springs and dashpots, {} substeps a step", title,
@@ -31,7 +34,9 @@ std::string caption(const Scene& scene, const SceneTotals& totals, const State& 
 
 }  // namespace
 
-RunFolder::RunFolder(const Scene& scene, const State& state, const RunFolderOptions& options)
+template <int D>
+RunFolderIn<D>::RunFolderIn(const SceneIn<D>& scene, const StateIn<D>& state,
+                            const RunFolderOptions& options)
     : scene_(scene),
       options_(options),
       writer_(options.folder, scene, options.scene_text, options.resume ? state.step : -1) {
@@ -39,13 +44,16 @@ RunFolder::RunFolder(const Scene& scene, const State& state, const RunFolderOpti
   writer_.frame(state);
 }
 
-void RunFolder::step(const SceneStep& step) {
+template <int D>
+void RunFolderIn<D>::step(const SceneStepIn<D>& step) {
   using Problems = RunFolderOptions::Problems;
   if (options_.problems == Problems::kAll ||
       (options_.problems == Problems::kFailed && !step.report.converged)) {
     write_problem(step.problem, step.start, step.report);
-    if (step.problem.num_contacts() > 0) {
-      write_geometry(problem_path(step.report.step), scene_, step.state);
+    if constexpr (D == 2) {
+      if (step.problem.num_contacts() > 0) {
+        write_geometry(problem_path(step.report.step), scene_, step.state);
+      }
     }
   }
   writer_.step(step.state, step.report);
@@ -53,13 +61,14 @@ void RunFolder::step(const SceneStep& step) {
   if (framed_) writer_.frame(step.state);
 }
 
-void RunFolder::finish(const State& state, const SceneRun& run) {
+template <int D>
+void RunFolderIn<D>::finish(const StateIn<D>& state, const SceneRunIn<D>& run) {
   // A step that could not be taken always leaves its problem.
   using Kind = StepFailure::Kind;
   const bool unsolved = run.failure && (run.failure->kind == Kind::kNumerical ||
                                         run.failure->kind == Kind::kNotConverged);
   if (unsolved || (run.failure && options_.problems != RunFolderOptions::Problems::kNone)) {
-    StepReport failed;
+    StepReportIn<D> failed;
     failed.step = state.step + 1;
     failed.time = state.time + scene_.step;
     failed.message = run.failure->what();
@@ -71,12 +80,14 @@ void RunFolder::finish(const State& state, const SceneRun& run) {
   if (scene_.observables) draw_observables(options_.folder);
 }
 
-fs::path RunFolder::problem_path(int step) const {
+template <int D>
+fs::path RunFolderIn<D>::problem_path(int step) const {
   return options_.folder / "problems" / fmt::format("step_{:06d}.hdf5", step);
 }
 
-void RunFolder::write_problem(const ContactProblem& problem, const Vector& start,
-                              const StepReport& report) {
+template <int D>
+void RunFolderIn<D>::write_problem(const ContactProblem& problem, const Vector& start,
+                                   const StepReportIn<D>& report) {
   if (problem.num_contacts() == 0) return;  // FCLIB has no empty problem
   const fs::path path = problem_path(report.step);
   fs::create_directories(path.parent_path());
@@ -89,37 +100,79 @@ void RunFolder::write_problem(const ContactProblem& problem, const Vector& start
               start.size() > 0 ? std::vector<Vector>{start} : std::vector<Vector>{});
 }
 
-void RunFolder::draw(const State& state, const SceneTotals& totals) const {
-  const std::string text_below = caption(scene_, totals, state);
-  if (scene_.output.picture) {
-    draw_force_picture(options_.folder / "forces.svg", scene_, state, text_below);
-    draw_force_picture(options_.folder / "forces.png", scene_, state, text_below);
-  }
-  if (scene_.output.stress_picture) {
-    const std::vector<double> pressures = disk_pressures(state, scene_.step);
-    draw_stress_picture(options_.folder / "stress.svg", scene_, state, pressures, text_below);
-    draw_stress_picture(options_.folder / "stress.png", scene_, state, pressures, text_below);
+/// NAME.svg and NAME.png.
+void draw_forces(const fs::path& folder, const std::string& name, const Scene& scene,
+                 const State& state, const std::string& text_below) {
+  for (const char* format : {".svg", ".png"}) {
+    draw_force_picture(folder / (name + format), scene, state, text_below);
   }
 }
 
-SceneRun run_scene_into(const Scene& scene, State& state, const SceneRunOptions& run,
-                        const RunFolderOptions& folder) {
+void draw_stresses(const fs::path& folder, const Scene& scene, const State& state,
+                   const std::vector<double>& pressures, const std::string& text_below) {
+  for (const char* format : {"stress.svg", "stress.png"}) {
+    draw_stress_picture(folder / format, scene, state, pressures, text_below);
+  }
+}
+
+template <>
+void RunFolderIn<2>::draw(const State& state, const SceneTotals& totals) const {
+  const std::string text_below = caption(scene_, totals, state);
+  if (scene_.output.picture) {
+    draw_forces(options_.folder, "forces", scene_, state, text_below);
+  }
+  if (scene_.output.stress_picture) {
+    draw_stresses(options_.folder, scene_, state, disk_pressures(state, scene_.step), text_below);
+  }
+}
+
+template <>
+void RunFolderIn<3>::draw(const StateIn<3>& state, const SceneTotalsIn<3>& totals) const {
+  const std::string text_below = caption(scene_, totals, state);
+  if (scene_.output.picture) {
+    const FlatView all = project(scene_, state), cut = slice(scene_, state);
+    draw_forces(options_.folder, "forces", all.scene, all.state,
+                text_below + "; seen from the side");
+    draw_forces(options_.folder, "slice", cut.scene, cut.state,
+                text_below + "; cut through the middle");
+  }
+  if (scene_.output.stress_picture) {
+    const FlatView cut = slice(scene_, state);
+    const std::vector<double> of_all = disk_pressures(state, scene_.step);
+    std::vector<double> pressures;
+    for (const int k : cut.bodies) pressures.push_back(of_all[to_size(k)]);
+    draw_stresses(options_.folder, cut.scene, cut.state, pressures,
+                  text_below + "; cut through the middle");
+  }
+}
+
+template <int D>
+SceneRunIn<D> run_scene_into(const SceneIn<D>& scene, StateIn<D>& state,
+                             const std::type_identity_t<SceneRunOptionsIn<D>>& run,
+                             const RunFolderOptions& folder) {
   double seconds = 0;
   const auto timed = [&seconds](const auto& write) {
     const Stopwatch watch;
     write();
     seconds += watch.seconds();
   };
-  RunFolder files(scene, state, folder);
-  SceneRunOptions written = run;
-  written.on_step = [&](const SceneStep& step) {
+  RunFolderIn<D> files(scene, state, folder);
+  SceneRunOptionsIn<D> written = run;
+  written.on_step = [&](const SceneStepIn<D>& step) {
     timed([&] { files.step(step); });
     return !run.on_step || run.on_step(step);
   };
-  SceneRun result = run_scene(scene, state, written);
+  SceneRunIn<D> result = run_scene(scene, state, written);
   timed([&] { files.finish(state, result); });
   result.output_seconds = seconds;
   return result;
 }
+
+template class RunFolderIn<2>;
+template class RunFolderIn<3>;
+template SceneRun run_scene_into(const Scene&, State&, const SceneRunOptions&,
+                                 const RunFolderOptions&);
+template SceneRunIn<3> run_scene_into(const SceneIn<3>&, StateIn<3>&, const SceneRunOptionsIn<3>&,
+                                      const RunFolderOptions&);
 
 }  // namespace bipot

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <type_traits>
 
 #include "bench/scenes/scene_run.h"
 #include "core/files/run_output.h"
@@ -20,29 +21,34 @@ struct RunFolderOptions {
 /// The folder that a run leaves: what RunWriter writes, the steps' contact problems on request (each
 /// with the impulse that its solver started from, as a guess, and with its geometry), and the
 /// pictures that the scene asks for. data/formats.md describes the files. Throws FileError.
-class RunFolder {
+template <int D>
+class RunFolderIn {
  public:
   /// Writes the frame of the state that the run begins with. The scene must outlive the folder.
-  RunFolder(const Scene& scene, const State& state, const RunFolderOptions& options);
+  RunFolderIn(const SceneIn<D>& scene, const StateIn<D>& state, const RunFolderOptions& options);
 
-  void step(const SceneStep& step);
+  void step(const SceneStepIn<D>& step);
   /// The last frame, the indices, the problem of a step that was not taken, and the pictures.
-  void finish(const State& state, const SceneRun& run);
+  void finish(const StateIn<D>& state, const SceneRunIn<D>& run);
 
  private:
   std::filesystem::path problem_path(int step) const;
-  void write_problem(const ContactProblem& problem, const Vector& start, const StepReport& report);
-  void draw(const State& state, const SceneTotals& totals) const;
+  void write_problem(const ContactProblem& problem, const Vector& start,
+                     const StepReportIn<D>& report);
+  void draw(const StateIn<D>& state, const SceneTotalsIn<D>& totals) const;
 
-  const Scene& scene_;
+  const SceneIn<D>& scene_;
   RunFolderOptions options_;
-  RunWriter writer_;
+  RunWriterIn<D> writer_;
   bool framed_ = true;  // the last step has its frame
 };
+using RunFolder = RunFolderIn<2>;
 
 /// Runs the scene into the folder: run_scene() with every step written. What the caller's on_step
 /// sees is on disk.
-SceneRun run_scene_into(const Scene& scene, State& state, const SceneRunOptions& run,
-                        const RunFolderOptions& folder);
+template <int D>
+SceneRunIn<D> run_scene_into(const SceneIn<D>& scene, StateIn<D>& state,
+                             const std::type_identity_t<SceneRunOptionsIn<D>>& run,
+                             const RunFolderOptions& folder);
 
 }  // namespace bipot

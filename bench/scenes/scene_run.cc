@@ -5,7 +5,9 @@
 #include "bench/scenes/scene_stepper.h"
 
 namespace bipot {
-void SceneTotals::add(const StepReport& r) {
+
+template <int D>
+void SceneTotalsIn<D>::add(const StepReportIn<D>& r) {
   ++steps;
   converged += r.converged ? 1 : 0;
   if (!r.converged && first_unconverged < 0) {
@@ -27,24 +29,26 @@ void SceneTotals::add(const StepReport& r) {
   last = r;
 }
 
-SceneRun run_scene(const Scene& scene, State& state, const SceneRunOptions& options) {
-  SceneRun run;
+template <int D>
+SceneRunIn<D> run_scene(const SceneIn<D>& scene, StateIn<D>& state,
+                        const std::type_identity_t<SceneRunOptionsIn<D>>& options) {
+  using End = typename SceneRunIn<D>::End;
+  SceneRunIn<D> run;
   run.planned = options.steps.value_or(scene.num_steps);
-  SceneStepper stepper(scene, options.solver, options.explicit_delassus, options.cancelled,
-                       options.threads, options.on_failure);
+  SceneStepperIn<D> stepper(scene, options.solver, options.explicit_delassus, options.cancelled,
+                            options.threads, options.on_failure);
   run.springs = stepper.springs();
   while (run.totals.steps < run.planned) {
     if (options.cancelled && options.cancelled()) {
-      run.end = SceneRun::End::kCancelled;
+      run.end = End::kCancelled;
       return run;
     }
     if (options.before_step) options.before_step(state);
-    StepReport report;
+    StepReportIn<D> report;
     try {
       report = stepper.advance(state);
     } catch (const StepFailure& failure) {
-      run.end = failure.kind == StepFailure::Kind::kCutShort ? SceneRun::End::kCancelled
-                                                             : SceneRun::End::kFailed;
+      run.end = failure.kind == StepFailure::Kind::kCutShort ? End::kCancelled : End::kFailed;
       run.failure = failure;
       run.failed_problem = stepper.problem();
       run.failed_start = stepper.start();
@@ -53,11 +57,16 @@ SceneRun run_scene(const Scene& scene, State& state, const SceneRunOptions& opti
     run.totals.add(report);
     if (stepper.parts() > 1) ++run.totals.split;
     if (options.on_step && !options.on_step({state, report, stepper.problem(), stepper.start()})) {
-      run.end = SceneRun::End::kStopped;
+      run.end = End::kStopped;
       return run;
     }
   }
   return run;
 }
+
+template struct SceneTotalsIn<2>;
+template struct SceneTotalsIn<3>;
+template SceneRun run_scene(const Scene&, State&, const SceneRunOptions&);
+template SceneRunIn<3> run_scene(const SceneIn<3>&, StateIn<3>&, const SceneRunOptionsIn<3>&);
 
 }  // namespace bipot

@@ -3,6 +3,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <type_traits>
 
 #include "bench/scenes/split_step.h"
 #include "core/motion/spring_dashpot.h"
@@ -11,15 +12,18 @@
 namespace bipot {
 
 /// A step that was just taken, as those who look on see it.
-struct SceneStep {
-  const State& state;  ///< after the step
-  const StepReport& report;
+template <int D>
+struct SceneStepIn {
+  const StateIn<D>& state;  ///< after the step
+  const StepReportIn<D>& report;
   const ContactProblem& problem;  ///< of the step; without contacts under the model dem
   const Vector& start;            ///< impulse that the solver started from; empty: none was given
 };
+using SceneStep = SceneStepIn<2>;
 
 /// What the steps of a run add up to.
-struct SceneTotals {
+template <int D>
+struct SceneTotalsIn {
   int steps = 0, converged = 0;
   long contacts = 0, iterations = 0;
   int max_contacts = 0, max_iterations = 0;
@@ -30,12 +34,14 @@ struct SceneTotals {
   ContactError worst;          ///< there
   double penetration = 0;      ///< largest of the steps                                  [m]
   double detection_seconds = 0, assembly_seconds = 0, solve_seconds = 0;
-  StepReport last;
+  StepReportIn<D> last;
 
-  void add(const StepReport& report);
+  void add(const StepReportIn<D>& report);
 };
+using SceneTotals = SceneTotalsIn<2>;
 
-struct SceneRunOptions {
+template <int D>
+struct SceneRunOptionsIn {
   std::optional<int> steps;  ///< to take; the scene's number where it is not given
   /// Solves the steps' problems, with rigid contacts whatever the scene's model is; empty: the model
   /// and the solver are the scene's own choice, which `cancelled` interrupts.
@@ -45,11 +51,13 @@ struct SceneRunOptions {
   OnFailure on_failure = OnFailure::kContinue;  ///< rigid contacts only
   std::function<bool()> cancelled;  ///< polled before each step (and by springs inside); true ends
   /// Before each step: may look, and change the impulses that the step starts from.
-  std::function<void(State&)> before_step;
-  std::function<bool(const SceneStep&)> on_step;  ///< false ends the run after this step
+  std::function<void(StateIn<D>&)> before_step;
+  std::function<bool(const SceneStepIn<D>&)> on_step;  ///< false ends the run after this step
 };
+using SceneRunOptions = SceneRunOptionsIn<2>;
 
-struct SceneRun {
+template <int D>
+struct SceneRunIn {
   enum class End {
     kCompleted,  ///< all steps were taken
     kStopped,    ///< on_step said so
@@ -57,7 +65,7 @@ struct SceneRun {
     kFailed      ///< a step could not be taken
   };
   End end = End::kCompleted;
-  SceneTotals totals;
+  SceneTotalsIn<D> totals;
   int planned = 0;                     ///< steps
   std::optional<StepFailure> failure;  ///< of the step that was not taken, if one was tried
   ContactProblem failed_problem;       ///< its problem and start; empty under the model dem
@@ -65,10 +73,13 @@ struct SceneRun {
   std::optional<SpringDashpotSetup> springs;  ///< model dem only
   double output_seconds = 0;                  ///< wall time of the files, run_scene_into() only
 };
+using SceneRun = SceneRunIn<2>;
 
 /// Takes the steps of a scene: `state` goes from what is given to the end of the last whole step.
 /// Throws std::invalid_argument when the scene's solver or springs are refused before the first
 /// step; what happens later is in the result.
-SceneRun run_scene(const Scene& scene, State& state, const SceneRunOptions& options = {});
+template <int D>
+SceneRunIn<D> run_scene(const SceneIn<D>& scene, StateIn<D>& state,
+                        const std::type_identity_t<SceneRunOptionsIn<D>>& options = {});
 
 }  // namespace bipot

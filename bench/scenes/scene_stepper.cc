@@ -1,5 +1,6 @@
 #include "bench/scenes/scene_stepper.h"
 
+#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -8,12 +9,18 @@
 
 namespace bipot {
 
-SceneStepper::SceneStepper(const Scene& scene, StepSolver solver, bool explicit_delassus,
-                           std::function<bool()> cancelled, int threads, OnFailure on_failure)
+template <int D>
+SceneStepperIn<D>::SceneStepperIn(const SceneIn<D>& scene, StepSolver solver,
+                                  bool explicit_delassus, std::function<bool()> cancelled,
+                                  int threads, OnFailure on_failure)
     : scene_(scene), threads_(threads), on_failure_(on_failure) {
   if (!solver && scene.model == Model::kSpringDashpot) {
-    springs_.emplace(scene, std::move(cancelled));
-    return;
+    if constexpr (D == 2) {
+      springs_.emplace(scene, std::move(cancelled));
+      return;
+    } else {
+      throw std::invalid_argument("the model dem simulates disks, not spheres");
+    }
   }
   if (!solver) {
     const SolverEntry& entry = require_solver(scene.solver.name);
@@ -34,14 +41,17 @@ SceneStepper::SceneStepper(const Scene& scene, StepSolver solver, bool explicit_
       explicit_delassus, threads);
 }
 
-StepReport SceneStepper::advance(State& state) {
+template <int D>
+StepReportIn<D> SceneStepperIn<D>::advance(StateIn<D>& state) {
   parts_ = 1;
-  if (springs_) return springs_->advance(state);
+  if constexpr (D == 2) {
+    if (springs_) return springs_->advance(state);
+  }
   if (on_failure_ == OnFailure::kContinue) return rigid_->advance(state);
-  State next = state;
+  StateIn<D> next = state;
   std::string why;
   try {
-    StepReport report = rigid_->advance(next);
+    StepReportIn<D> report = rigid_->advance(next);
     if (report.converged) {
       state = std::move(next);
       return report;
@@ -55,14 +65,18 @@ StepReport SceneStepper::advance(State& state) {
   if (on_failure_ == OnFailure::kStop) {
     throw StepFailure(StepFailure::Kind::kNotConverged, state, why);
   }
-  SplitStep split = advance_in_parts(scene_, solver_, explicit_delassus_, state, threads_);
+  SplitStepIn<D> split = advance_in_parts(scene_, solver_, explicit_delassus_, state, threads_);
   parts_ = split.parts;
   return std::move(split.report);
 }
 
-std::optional<SpringDashpotSetup> SceneStepper::springs() const {
+template <int D>
+std::optional<SpringDashpotSetup> SceneStepperIn<D>::springs() const {
   if (!springs_) return std::nullopt;
   return springs_->setup();
 }
+
+template class SceneStepperIn<2>;
+template class SceneStepperIn<3>;
 
 }  // namespace bipot

@@ -9,23 +9,24 @@
 
 namespace bipot {
 
-/// A scene's steps, one at a time, under either model.
-class SceneStepper {
+/// A scene's steps, one at a time, under either model; spheres have rigid contacts only.
+template <int D>
+class SceneStepperIn {
  public:
   /// `solver` solves the steps' problems, with rigid contacts whatever the scene's model is; empty:
   /// the model and the solver are the scene's own choice, which `cancelled` interrupts.
   /// `explicit_delassus`: `solver` needs W. `threads`: of detection, assembly and the scene's own
   /// solver. The scene must outlive the stepper. Throws
   /// std::invalid_argument when the scene's solver or springs are refused.
-  explicit SceneStepper(const Scene& scene, StepSolver solver = {}, bool explicit_delassus = false,
-                        std::function<bool()> cancelled = {}, int threads = 1,
-                        OnFailure on_failure = OnFailure::kContinue);
-  SceneStepper(const SceneStepper&) = delete;  // the solver knows where start_ is
-  SceneStepper& operator=(const SceneStepper&) = delete;
+  explicit SceneStepperIn(const SceneIn<D>& scene, StepSolver solver = {},
+                          bool explicit_delassus = false, std::function<bool()> cancelled = {},
+                          int threads = 1, OnFailure on_failure = OnFailure::kContinue);
+  SceneStepperIn(const SceneStepperIn&) = delete;  // the solver knows where start_ is
+  SceneStepperIn& operator=(const SceneStepperIn&) = delete;
 
   /// Takes one step, see TimeStepper::advance() and SpringDashpotStepper::advance(); what happens
   /// where it is not solved, with rigid contacts, is on_failure's choice.
-  StepReport advance(State& state);
+  StepReportIn<D> advance(StateIn<D>& state);
 
   /// Of the last step; without contacts under the model dem.
   const ContactProblem& problem() const { return rigid_ ? rigid_->problem() : none_; }
@@ -37,9 +38,9 @@ class SceneStepper {
   std::optional<SpringDashpotSetup> springs() const;
 
  private:
-  std::optional<SpringDashpotStepper> springs_;
-  std::optional<TimeStepper> rigid_;
-  const Scene& scene_;
+  std::optional<SpringDashpotStepper> springs_;  // in the plane only
+  std::optional<TimeStepperIn<D>> rigid_;
+  const SceneIn<D>& scene_;
   StepSolver solver_;
   bool explicit_delassus_ = false;
   int threads_ = 1;
@@ -48,5 +49,6 @@ class SceneStepper {
   Vector start_;
   ContactProblem none_;
 };
+using SceneStepper = SceneStepperIn<2>;
 
 }  // namespace bipot

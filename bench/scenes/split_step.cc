@@ -10,14 +10,15 @@ namespace bipot {
 namespace {
 
 /// Both lists are sorted by (i, j). Frames, velocities and statuses are those of the later part.
-std::vector<ContactOutcome> added(const std::vector<ContactOutcome>& first,
-                                  const std::vector<ContactOutcome>& second) {
-  const auto key = [](const ContactOutcome& c) { return std::pair(c.contact.i, c.contact.j); };
-  std::vector<ContactOutcome> sum;
+template <int D>
+std::vector<ContactOutcomeIn<D>> added(const std::vector<ContactOutcomeIn<D>>& first,
+                                       const std::vector<ContactOutcomeIn<D>>& second) {
+  const auto key = [](const ContactOutcomeIn<D>& c) { return std::pair(c.contact.i, c.contact.j); };
+  std::vector<ContactOutcomeIn<D>> sum;
   auto a = first.begin();
-  for (const ContactOutcome& b : second) {
+  for (const ContactOutcomeIn<D>& b : second) {
     for (; a != first.end() && key(*a) < key(b); ++a) sum.push_back(*a);
-    ContactOutcome both = b;
+    ContactOutcomeIn<D> both = b;
     if (a != first.end() && key(*a) == key(b)) {
       both.s_n += a->s_n;
       both.s_t += a->s_t;
@@ -30,9 +31,10 @@ std::vector<ContactOutcome> added(const std::vector<ContactOutcome>& first,
 }
 
 /// The parts of one step so far.
+template <int D>
 class Parts {
  public:
-  Parts(const Scene& scene, const StepSolver& solver, bool explicit_delassus, State start,
+  Parts(const SceneIn<D>& scene, const StepSolver& solver, bool explicit_delassus, StateIn<D> start,
         int threads)
       : scene_(scene),
         solver_(solver),
@@ -41,13 +43,13 @@ class Parts {
         state_(std::move(start)) {}
 
   void take(double h, int halvings) {
-    Scene part = scene_;
+    SceneIn<D> part = scene_;
     part.step = h;
-    TimeStepper stepper(part, solver_, explicit_delassus_, threads_);
-    State next = state_;
+    TimeStepperIn<D> stepper(part, solver_, explicit_delassus_, threads_);
+    StateIn<D> next = state_;
     std::string why;
     try {
-      const StepReport report = stepper.advance(next);
+      const StepReportIn<D> report = stepper.advance(next);
       if (report.converged) {
         add(report, std::move(next));
         return;
@@ -65,7 +67,7 @@ class Parts {
     take(0.5 * h, halvings - 1);
   }
 
-  SplitStep finish(State& state) {
+  SplitStepIn<D> finish(StateIn<D>& state) {
     const int step = state.step + 1;
     const double time = time_after_step(state, scene_.step);
     state = std::move(state_);
@@ -76,8 +78,8 @@ class Parts {
   }
 
  private:
-  void add(const StepReport& part, State next) {
-    const StepReport before = std::exchange(total_, part);
+  void add(const StepReportIn<D>& part, StateIn<D> next) {
+    const StepReportIn<D> before = std::exchange(total_, part);
     if (parts_++ > 0) {
       total_.iterations += before.iterations;
       total_.energy.imbalance += before.energy.imbalance;
@@ -94,24 +96,29 @@ class Parts {
     state_ = std::move(next);
   }
 
-  const Scene& scene_;
+  const SceneIn<D>& scene_;
   const StepSolver& solver_;
   bool explicit_delassus_;
   int threads_;
-  State state_;
-  StepReport total_;
-  std::vector<ContactOutcome> contacts_;
+  StateIn<D> state_;
+  StepReportIn<D> total_;
+  std::vector<ContactOutcomeIn<D>> contacts_;
   int parts_ = 0;
 };
 
 }  // namespace
 
-SplitStep advance_in_parts(const Scene& scene, const StepSolver& solver, bool explicit_delassus,
-                           State& state, int threads) {
-  Parts parts(scene, solver, explicit_delassus, state, threads);
+template <int D>
+SplitStepIn<D> advance_in_parts(const SceneIn<D>& scene, const StepSolver& solver,
+                                bool explicit_delassus, StateIn<D>& state, int threads) {
+  Parts<D> parts(scene, solver, explicit_delassus, state, threads);
   parts.take(0.5 * scene.step, kMostHalvings - 1);
   parts.take(0.5 * scene.step, kMostHalvings - 1);
   return parts.finish(state);
 }
+
+template SplitStep advance_in_parts(const Scene&, const StepSolver&, bool, State&, int);
+template SplitStepIn<3> advance_in_parts(const SceneIn<3>&, const StepSolver&, bool, StateIn<3>&,
+                                         int);
 
 }  // namespace bipot

@@ -15,10 +15,12 @@ enum class OnFailure {
 inline constexpr int kMostHalvings = 6;
 
 /// A step that was taken in parts.
-struct SplitStep {
-  StepReport report;
+template <int D>
+struct SplitStepIn {
+  StepReportIn<D> report;
   int parts = 0;
 };
+using SplitStep = SplitStepIn<2>;
 
 /// Takes the scene's next step in two halves, each of them halved again where its problem is not solved or
 /// cannot be taken, so that `state` arrives at the end of the whole step. What the parts did is added
@@ -28,7 +30,8 @@ struct SplitStep {
 /// or after them goes on bit for bit.
 ///
 /// A part of the smallest size that is not solved ends the attempt: StepFailure, and the state is as it was.
-SplitStep advance_in_parts(const Scene& scene, const StepSolver& solver, bool explicit_delassus,
-                           State& state, int threads = 1);
+template <int D>
+SplitStepIn<D> advance_in_parts(const SceneIn<D>& scene, const StepSolver& solver,
+                                bool explicit_delassus, StateIn<D>& state, int threads = 1);
 
 }  // namespace bipot

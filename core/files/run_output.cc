@@ -3,21 +3,26 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <span>
 #include <stdexcept>
 #include <system_error>
+#include <type_traits>
 #include <utility>
 
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
 #include "core/files/run_layout.h"
 #include "core/motion/periodic_state.h"
+#include "core/motion/sample_volume.h"
 #include "core/motion/spring_dashpot_setup.h"
 #include "core/motion/stress_tensor.h"
 #include "core/scene/scene_box.h"
 #include "core/scene/wall_motion.h"
+#include "core/scene/wall_pieces.h"
 
 namespace bipot {
 namespace {
@@ -31,9 +36,9 @@ class Column {
  public:
   explicit Column(std::size_t reserve) { values_.reserve(reserve); }
   void add(double x) { values_.push_back(x); }
-  void add(const Vec2& x) {
-    values_.push_back(x[0]);
-    values_.push_back(x[1]);
+  template <int D>
+  void add(const Eigen::Matrix<double, D, 1>& x) {
+    values_.insert(values_.end(), x.begin(), x.end());
   }
   std::span<const double> values() const { return values_; }
 
@@ -53,10 +58,45 @@ void write_doubles(Hdf5File& file, const std::string& name, const char* unit, co
 template <class Range, class Get>
 void write_vectors(Hdf5File& file, const std::string& name, const char* unit, const Range& range,
                    Get&& get) {
-  Column column(2 * range.size());
-  for (const auto& item : range) column.add(Vec2(get(item)));
-  file.write_rows(name, column.values(), 2);
+  using Vec = std::remove_cvref_t<decltype(get(*range.begin()))>;
+  constexpr std::size_t kWidth = Vec::RowsAtCompileTime;
+  Column column(kWidth * range.size());
+  for (const auto& item : range) column.add(Vec(get(item)));
+  file.write_rows(name, column.values(), kWidth);
   file.write_attribute(name, "unit", unit);
+}
+
+/// Numbers in the plane, vectors in space.
+template <class Range, class Get>
+void write_turns(Hdf5File& file, const std::string& name, const char* unit, const Range& range,
+                 Get&& get) {
+  if constexpr (std::is_convertible_v<decltype(get(*range.begin())), double>) {
+    write_doubles(file, name, unit, range, get);
+  } else {
+    write_vectors(file, name, unit, range, get);
+  }
+}
+
+/// How the bodies have turned: angles in the plane, unit quaternions (w, x, y, z) in space.
+void write_orientations(Hdf5File& file, const std::vector<Disk>& disks) {
+  write_doubles(file, "/disks/angle", "rad", disks, [](const Disk& d) { return d.angle; });
+}
+void write_orientations(Hdf5File& file, const std::vector<Sphere>& spheres) {
+  write_vectors(file, "/disks/orientation", "1", spheres, [](const Sphere& s) {
+    const auto& q = s.orientation;
+    return Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+  });
+}
+
+/// ParaView's symmetric tensors: xx, xy, xz, yy, yz, zz.
+template <int D>
+std::array<double, 6> six_components(const MatIn<D>& s) {
+  const double xy = 0.5 * (s(0, 1) + s(1, 0));
+  if constexpr (D == 2) {
+    return {s(0, 0), xy, 0.0, s(1, 1), 0.0, 0.0};
+  } else {
+    return {s(0, 0), xy, 0.5 * (s(0, 2) + s(2, 0)), s(1, 1), 0.5 * (s(1, 2) + s(2, 1)), s(2, 2)};
+  }
 }
 
 template <class Range, class Get>
@@ -68,28 +108,29 @@ void write_ints(Hdf5File& file, const std::string& name, const Range& range, Get
 }
 
 /// Stress of each disk and of the sample, spins from the contacts' moments (stress_tensor.h).
-void write_stresses(Hdf5File& file, const State& state, double step) {
-  const std::vector<double> moments = contact_moments(state);
-  const std::vector<MeanStress> disks = disk_stresses(state, step, moments);
+template <int D>
+void write_stresses(Hdf5File& file, const StateIn<D>& state, double step) {
+  const std::vector<SpinIn<D>> moments = contact_moments(state);
+  const std::vector<MeanStressIn<D>> disks = disk_stresses<D>(state, step, moments);
   Column tensors(6 * disks.size());
-  for (const MeanStress& stress : disks) {
-    const Mat2 s = stress.total();
-    for (double x : {s(0, 0), 0.5 * (s(0, 1) + s(1, 0)), 0.0, s(1, 1), 0.0, 0.0}) tensors.add(x);
+  for (const MeanStressIn<D>& stress : disks) {
+    for (const double x : six_components<D>(stress.total())) tensors.add(x);
   }
   file.write_rows("/disks/stress", tensors.values(), 6);
   file.write_attribute("/disks/stress", "unit", "Pa");
   write_doubles(file, "/disks/pressure", "Pa", disks,
-                [](const MeanStress& s) { return s.pressure(); });
+                [](const MeanStressIn<D>& s) { return s.pressure(); });
   const double area = sample_area(state, step);
-  file.write("/sample/area", area);
-  file.write_attribute("/sample/area", "unit", "m2");
+  const char* size = D == 2 ? "/sample/area" : "/sample/volume";
+  file.write(size, area);
+  file.write_attribute(size, "unit", D == 2 ? "m2" : "m3");
   if (!(area > 0)) return;
-  const MeanStress sample = sample_stress(state, step, area, moments);
+  const MeanStressIn<D> sample = sample_stress<D>(state, step, area, moments);
   for (const auto& [name, part] : {std::pair{"/sample/contact_stress", &sample.contact},
                                    {"/sample/kinetic_stress", &sample.kinetic},
                                    {"/sample/spin_stress", &sample.spin}}) {
-    const Mat2& s = *part;
-    file.write_rows(name, std::vector<double>{s(0, 0), s(0, 1), s(1, 0), s(1, 1)}, 2);
+    const Eigen::Matrix<double, D, D, Eigen::RowMajor> rows = *part;
+    file.write_rows(name, std::vector<double>(rows.data(), rows.data() + D * D), D);
     file.write_attribute(name, "unit", "Pa");
   }
 }
@@ -102,25 +143,28 @@ void write_point_numbers(Hdf5File& file, const std::string& name, std::size_t po
 }
 
 /// What does not change of the walls. Circles and walls moved across a force add datasets of their own.
-void write_wall_definitions(Hdf5File& file, const std::vector<Wall>& walls) {
+template <int D>
+void write_wall_definitions(Hdf5File& file, const std::vector<WallIn<D>>& walls) {
   const auto any = [&](const auto& is) { return std::any_of(walls.begin(), walls.end(), is); };
   std::vector<std::string> names;
-  for (const Wall& w : walls) names.push_back(w.name);
+  for (const WallIn<D>& w : walls) names.push_back(w.name);
   file.write("/walls/name", names);
-  write_ints(file, "/walls/shape", walls, [](const Wall& w) { return static_cast<int>(w.shape); });
+  write_ints(file, "/walls/shape", walls,
+             [](const WallIn<D>& w) { return static_cast<int>(w.shape); });
   write_ints(file, "/walls/motion", walls,
-             [](const Wall& w) { return static_cast<int>(w.motion); });
-  write_ints(file, "/walls/material", walls, [](const Wall& w) { return w.material; });
-  write_vectors(file, "/walls/normal", "1", walls, [](const Wall& w) { return w.normal; });
-  write_vectors(file, "/walls/direction", "1", walls, [](const Wall& w) { return w.direction; });
-  write_doubles(file, "/walls/force", "N", walls, [](const Wall& w) { return w.force; });
-  write_doubles(file, "/walls/mass", "kg", walls, [](const Wall& w) { return w.mass; });
-  if (any([](const Wall& w) { return w.is_circle(); })) {
-    write_doubles(file, "/walls/radius", "m", walls, [](const Wall& w) { return w.radius; });
-    write_doubles(file, "/walls/spin", "rad/s", walls, [](const Wall& w) { return w.spin; });
+             [](const WallIn<D>& w) { return static_cast<int>(w.motion); });
+  write_ints(file, "/walls/material", walls, [](const WallIn<D>& w) { return w.material; });
+  write_vectors(file, "/walls/normal", "1", walls, [](const WallIn<D>& w) { return w.normal; });
+  write_vectors(file, "/walls/direction", "1", walls,
+                [](const WallIn<D>& w) { return w.direction; });
+  write_doubles(file, "/walls/force", "N", walls, [](const WallIn<D>& w) { return w.force; });
+  write_doubles(file, "/walls/mass", "kg", walls, [](const WallIn<D>& w) { return w.mass; });
+  if (any([](const WallIn<D>& w) { return w.is_circle(); })) {
+    write_doubles(file, "/walls/radius", "m", walls, [](const WallIn<D>& w) { return w.radius; });
+    write_doubles(file, "/walls/spin", "rad/s", walls, [](const WallIn<D>& w) { return w.spin; });
   }
-  if (any([](const Wall& w) { return w.across != Vec2::Zero(); })) {
-    write_vectors(file, "/walls/across", "m/s", walls, [](const Wall& w) { return w.across; });
+  if (any([](const WallIn<D>& w) { return !w.across.isZero(0); })) {
+    write_vectors(file, "/walls/across", "m/s", walls, [](const WallIn<D>& w) { return w.across; });
   }
 }
 
@@ -163,6 +207,38 @@ void write_cell(Hdf5File& file, const State& state) {
   write_vectors(file, "/disks/x_in_cell", "m", state.disks, [](const Disk& d) { return d.x; });
 }
 
+/// Walls as what is drawn: lines, circles by their rims; in space four-cornered pieces.
+void write_wall_shapes(Hdf5File& file, const std::vector<Wall>& walls, const Box& view) {
+  Column lines(4 * walls.size());
+  for (const auto& [first, last] : wall_lines(walls, view)) {
+    lines.add(first);
+    lines.add(last);
+  }
+  file.write_rows("/walls/segment", lines.values(), 2);
+  write_point_numbers(file, "/walls/points", 2 * walls.size());
+}
+void write_wall_shapes(Hdf5File& file, const std::vector<WallIn<3>>& walls, const BoxIn<3>& view) {
+  Column corners(12 * walls.size());
+  for (const WallPiece& piece : wall_pieces(walls, view)) {
+    for (const Vec3& corner : piece.corners) corners.add(corner);
+  }
+  file.write_rows("/walls/piece", corners.values(), 3);
+  write_point_numbers(file, "/walls/points", corners.values().size() / 3);
+}
+
+/// What the spring-dashpot model made of the scene.
+void write_springs(Hdf5File& file, const Scene& scene) {
+  const SpringDashpotSetup setup = spring_dashpot_setup(scene);
+  file.write("/dem/stiffness", setup.stiffness);
+  file.write_attribute("/dem/stiffness", "unit", "N/m");
+  file.write("/dem/tangential_stiffness", setup.tangential_stiffness);
+  file.write_attribute("/dem/tangential_stiffness", "unit", "N/m");
+  file.write("/dem/substep", setup.substep);
+  file.write_attribute("/dem/substep", "unit", "s");
+  file.write("/dem/critical_step", setup.critical_step);
+  file.write_attribute("/dem/critical_step", "unit", "s");
+}
+
 /// Circles as polygons, closed: kRimPoints points each.
 void write_rims(Hdf5File& file, const std::vector<Wall>& walls) {
   Column rim(0);
@@ -180,21 +256,134 @@ void write_rims(Hdf5File& file, const std::vector<Wall>& walls) {
   write_point_numbers(file, "/walls/rim_points", rim.values().size() / 2);
 }
 
+XdmfIndex make_index(const Scene& scene) {
+  return XdmfIndex(scene.disks.size(), scene.walls.size(),
+                   to_size(std::count_if(scene.walls.begin(), scene.walls.end(),
+                                         [](const Wall& w) { return w.is_circle(); })),
+                   scene.cell.in_y   ? 4
+                   : scene.cell.in_x ? 2
+                                     : 0);
+}
+XdmfIndex make_index(const SceneIn<3>& scene) {
+  return XdmfIndex::in_space(scene.disks.size(), num_wall_pieces(scene.walls));
+}
+
+/// Names and units of the columns of the ledger.
+template <int D>
+std::string ledger_header(bool dem) {
+  if constexpr (D == 3) {
+    return "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
+           "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
+           "shock_loss [J],imbalance [J],momentum_x [kg m/s],momentum_y [kg m/s],"
+           "momentum_z [kg m/s],momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],"
+           "momentum_imbalance_z [kg m/s],penetration [m],volume [m3],stress_xx [Pa],"
+           "stress_yy [Pa],stress_zz [Pa],stress_xy [Pa],stress_xz [Pa],stress_yz [Pa],"
+           "kinetic_pressure [Pa]";
+  }
+  return std::string(
+             "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
+             "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
+             "shock_loss [J],imbalance [J],momentum_x [kg m/s],momentum_y [kg m/s],"
+             "momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],penetration [m],"
+             "area [m2],stress_xx [Pa],stress_yy [Pa],stress_xy [Pa],"
+             "kinetic_pressure [Pa]") +
+         (dem ? ",elastic [J]" : "");
+}
+
+template <class... Values>
+void add_numbers(std::string& line, const Values&... values) {
+  (fmt::format_to(std::back_inserter(line), ",{:.17g}", values), ...);
+}
+
+/// A row of the ledger; `stress` is the sample's mean over its `area`.
+template <int D>
+std::string ledger_row(const StepReportIn<D>& r, double area, const MeanStressIn<D>& stress,
+                       bool dem) {
+  const EnergyLedger& e = r.energy;
+  std::string line = fmt::format("{}", r.step);
+  add_numbers(line, r.time);
+  fmt::format_to(std::back_inserter(line), ",{},{},{},{}", r.contacts, r.active, r.iterations,
+                 r.converged ? 1 : 0);
+  add_numbers(line, r.error.epsilon, r.error.eta, r.error.raw42, r.error.natural_map, e.kinetic,
+              e.potential, e.wall_work, e.friction_loss, e.shock_loss, e.imbalance);
+  for (int k = 0; k < D; ++k) add_numbers(line, r.momentum[k]);
+  for (int k = 0; k < D; ++k) add_numbers(line, r.momentum_imbalance[k]);
+  add_numbers(line, r.penetration, area);
+  const MatIn<D> total = stress.total();
+  for (int k = 0; k < D; ++k) add_numbers(line, total(k, k));
+  for (int k = 0; k < D; ++k) {
+    for (int l = k + 1; l < D; ++l) add_numbers(line, 0.5 * (total(k, l) + total(l, k)));
+  }
+  add_numbers(line, stress.kinetic.trace() / D);
+  if (dem) add_numbers(line, e.elastic);
+  return line;
+}
+
+template <int D>
+const char* trajectory_header() {
+  return D == 2 ? "step,time [s],disk,x [m],y [m],angle [rad],vx [m/s],vy [m/s],spin [rad/s]"
+                : "step,time [s],sphere,x [m],y [m],z [m],vx [m/s],vy [m/s],vz [m/s],"
+                  "spin_x [rad/s],spin_y [rad/s],spin_z [rad/s]";
+}
+
+void add_motion(std::string& line, const Disk& d) {
+  add_numbers(line, d.x[0], d.x[1], d.angle, d.v[0], d.v[1], d.spin);
+}
+void add_motion(std::string& line, const Sphere& s) {
+  for (const Vec3* part : {&s.x, &s.v, &s.spin}) {
+    add_numbers(line, (*part)[0], (*part)[1], (*part)[2]);
+  }
+}
+
+/// What a contact holds where there is none: zeros.
+void write_no_contact(Hdf5File& file, const Vec2& x) {
+  file.write_rows("/no_contact/segment", std::vector<double>{x[0], x[1], x[0], x[1]}, 2);
+  for (const char* name : {"gap", "s_n", "s_t", "u_n", "u_t", "force_n", "force_t"}) {
+    file.write(std::string("/no_contact/") + name, 0.0);
+  }
+}
+void write_no_contact(Hdf5File& file, const Vec3& x) {
+  file.write_rows("/no_contact/segment", std::vector<double>{x[0], x[1], x[2], x[0], x[1], x[2]},
+                  3);
+  for (const char* name : {"gap", "s_n", "u_n", "force_n"}) {
+    file.write(std::string("/no_contact/") + name, 0.0);
+  }
+  for (const char* name : {"s_t", "u_t", "force_t"}) {
+    file.write_rows(std::string("/no_contact/") + name, std::vector<double>(3, 0.0), 3);
+  }
+}
+
+/// Velocities with three components, as ParaView's vectors have them.
+template <int D>
+void write_velocities(Hdf5File& file, const std::vector<BodyIn<D>>& bodies) {
+  Column velocity(3 * bodies.size());
+  for (const BodyIn<D>& b : bodies) {
+    velocity.add(b.v);
+    if constexpr (D == 2) velocity.add(0.0);
+  }
+  file.write_rows("/disks/v", velocity.values(), 3);
+  file.write_attribute("/disks/v", "unit", "m/s");
+}
+
+/// The line of a contact in a drawing.
+std::pair<Vec3, Vec3> drawn_branch(const StateIn<3>& state, const ContactIn<3>& contact) {
+  const Sphere& i = state.disks[to_size(contact.i)];
+  const std::size_t j = to_size(contact.j);
+  return {i.x, j < state.disks.size() ? state.disks[j].x : Vec3(i.x - i.radius * contact.n)};
+}
+
 }  // namespace
 
-RunWriter::RunWriter(fs::path folder, const Scene& scene, std::string scene_text, int resume_after)
+template <int D>
+RunWriterIn<D>::RunWriterIn(fs::path folder, const SceneIn<D>& scene, std::string scene_text,
+                            int resume_after)
     : folder_(std::move(folder)),
       scene_(scene),
       scene_text_(std::move(scene_text)),
-      xdmf_(scene.disks.size(), scene.walls.size(),
-            to_size(std::count_if(scene.walls.begin(), scene.walls.end(),
-                                  [](const Wall& w) { return w.is_circle(); })),
-            scene.cell.in_y   ? 4
-            : scene.cell.in_x ? 2
-                              : 0) {
+      xdmf_(make_index(scene)) {
   for (int disk : scene_.output.track) {
     if (disk < 0 || disk >= static_cast<int>(scene_.disks.size())) {
-      throw std::invalid_argument(fmt::format("there is no disk {} to track", disk));
+      throw std::invalid_argument(fmt::format("there is no {} {} to track", kBodyName<D>, disk));
     }
   }
   std::error_code error;
@@ -215,27 +404,18 @@ RunWriter::RunWriter(fs::path folder, const Scene& scene, std::string scene_text
   write_index();
   if (scene_.output.ledger_every > 0) {
     const bool dem = scene_.model == Model::kSpringDashpot;
-    ledger_.emplace(
-        folder_ / "ledger.csv",
-        std::string("step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
-                    "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
-                    "shock_loss [J],imbalance [J],momentum_x [kg m/s],momentum_y [kg m/s],"
-                    "momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],penetration [m],"
-                    "area [m2],stress_xx [Pa],stress_yy [Pa],stress_xy [Pa],"
-                    "kinetic_pressure [Pa]") +
-            (dem ? ",elastic [J]" : ""),
-        resume_after);
+    ledger_.emplace(folder_ / "ledger.csv", ledger_header<D>(dem), resume_after);
   }
-  if (scene_.observables) observables_.emplace(folder_, scene_, resume_after);
+  if constexpr (D == 2) {
+    if (scene_.observables) observables_.emplace(folder_, scene_, resume_after);
+  }
   if (!scene_.output.track.empty()) {
-    trajectory_.emplace(folder_ / "trajectory.csv",
-                        "step,time [s],disk,x [m],y [m],angle [rad],vx [m/s],vy [m/s],"
-                        "spin [rad/s]",
-                        resume_after);
+    trajectory_.emplace(folder_ / "trajectory.csv", trajectory_header<D>(), resume_after);
   }
 }
 
-RunWriter::~RunWriter() {
+template <int D>
+RunWriterIn<D>::~RunWriterIn() {
   try {
     close();
   } catch (const std::exception&) {
@@ -243,7 +423,8 @@ RunWriter::~RunWriter() {
   }
 }
 
-void RunWriter::write_run_file() const {
+template <int D>
+void RunWriterIn<D>::write_run_file() const {
   AtomicFile target(folder_ / "run.h5");
   Hdf5File file(target.draft(), Hdf5File::Mode::kCreate);
   file.write("/format", kRunFormat);
@@ -252,7 +433,8 @@ void RunWriter::write_run_file() const {
   file.write("/title", scene_.title);
   file.write("/source", scene_.source);
   file.write("/scene", scene_text_);
-  file.write("/gravity", std::vector<double>{scene_.gravity[0], scene_.gravity[1]});
+  if (D == 3) file.write("/dimensions", D);
+  file.write("/gravity", std::vector<double>(scene_.gravity.begin(), scene_.gravity.end()));
   file.write_attribute("/gravity", "unit", "m/s2");
   file.write("/time_step", scene_.step);
   file.write_attribute("/time_step", "unit", "s");
@@ -261,16 +443,8 @@ void RunWriter::write_run_file() const {
   file.write_attribute("/contact_distance", "unit", "m");
   const bool dem = scene_.model == Model::kSpringDashpot;
   file.write("/model", dem ? "dem" : "nscd");
-  if (dem) {
-    const SpringDashpotSetup setup = spring_dashpot_setup(scene_);
-    file.write("/dem/stiffness", setup.stiffness);
-    file.write_attribute("/dem/stiffness", "unit", "N/m");
-    file.write("/dem/tangential_stiffness", setup.tangential_stiffness);
-    file.write_attribute("/dem/tangential_stiffness", "unit", "N/m");
-    file.write("/dem/substep", setup.substep);
-    file.write_attribute("/dem/substep", "unit", "s");
-    file.write("/dem/critical_step", setup.critical_step);
-    file.write_attribute("/dem/critical_step", "unit", "s");
+  if constexpr (D == 2) {
+    if (dem) write_springs(file, scene_);
   }
   file.write("/solver/name", scene_.solver.name);
   file.write("/solver/tol", scene_.solver.tol);
@@ -292,22 +466,19 @@ void RunWriter::write_run_file() const {
   write_law("e_t", &ContactLaw::e_t);
 
   const auto& disks = scene_.disks;
-  write_doubles(file, "/disks/radius", "m", disks, [](const Disk& d) { return d.radius; });
-  write_doubles(file, "/disks/mass", "kg", disks, [](const Disk& d) { return d.mass; });
-  write_doubles(file, "/disks/inertia", "kg m2", disks, [](const Disk& d) { return d.inertia; });
-  write_ints(file, "/disks/material", disks, [](const Disk& d) { return d.material; });
+  write_doubles(file, "/disks/radius", "m", disks, [](const BodyIn<D>& d) { return d.radius; });
+  write_doubles(file, "/disks/mass", "kg", disks, [](const BodyIn<D>& d) { return d.mass; });
+  write_doubles(file, "/disks/inertia", "kg m2", disks,
+                [](const BodyIn<D>& d) { return d.inertia; });
+  write_ints(file, "/disks/material", disks, [](const BodyIn<D>& d) { return d.material; });
   write_point_numbers(file, "/disks/points", disks.size());
   write_wall_definitions(file, scene_.walls);
   if (scene_.cell.periodic()) write_cell_definition(file, scene_.cell);
   if (!disks.empty()) {
-    const Vec2& x = disks.front().x;
-    file.write_rows("/no_contact/segment", std::vector<double>{x[0], x[1], x[0], x[1]}, 2);
+    write_no_contact(file, disks.front().x);
     write_point_numbers(file, "/no_contact/points", 2);
     for (const char* name : {"i", "j"}) file.write(std::string("/no_contact/") + name, -1);
     file.write("/no_contact/status", static_cast<int>(ContactStatus::kTakeOff));
-    for (const char* name : {"gap", "s_n", "s_t", "u_n", "u_t", "force_n", "force_t"}) {
-      file.write(std::string("/no_contact/") + name, 0.0);
-    }
   }
   file.create_group("/frames");
   for (const FrameEntry& frame : frames_) {
@@ -318,7 +489,8 @@ void RunWriter::write_run_file() const {
   target.commit();
 }
 
-void RunWriter::write_frame_file(const State& state) const {
+template <int D>
+void RunWriterIn<D>::write_frame_file(const StateIn<D>& state) const {
   AtomicFile target(frame_path(folder_, state.step));
   Hdf5File file(target.draft(), Hdf5File::Mode::kCreate);
   file.write("/step", state.step);
@@ -332,44 +504,33 @@ void RunWriter::write_frame_file(const State& state) const {
   }
 
   const auto& disks = state.disks;
-  write_vectors(file, "/disks/x", "m", disks, [](const Disk& d) { return d.x; });
-  write_doubles(file, "/disks/angle", "rad", disks, [](const Disk& d) { return d.angle; });
-  Column velocity(3 * disks.size());
-  for (const Disk& d : disks) {
-    velocity.add(d.v);
-    velocity.add(0.0);  // ParaView's vectors have three components
-  }
-  file.write_rows("/disks/v", velocity.values(), 3);
-  file.write_attribute("/disks/v", "unit", "m/s");
-  write_doubles(file, "/disks/spin", "rad/s", disks, [](const Disk& d) { return d.spin; });
+  write_vectors(file, "/disks/x", "m", disks, [](const BodyIn<D>& d) { return d.x; });
+  write_orientations(file, disks);
+  write_velocities<D>(file, disks);
+  write_turns(file, "/disks/spin", "rad/s", disks, [](const BodyIn<D>& d) { return d.spin; });
 
-  State inside;
-  if (state.cell.periodic()) {
-    inside = wrapped_state(state);
-    write_cell(file, inside);
+  StateIn<D> inside;
+  if constexpr (D == 2) {
+    if (state.cell.periodic()) {
+      inside = wrapped_state(state);
+      write_cell(file, inside);
+    }
   }
+  const StateIn<D>& drawn = state.cell.periodic() ? inside : state;
   const auto& walls = state.walls;
-  write_vectors(file, "/walls/a", "m", walls, [](const Wall& w) { return w.a; });
-  write_vectors(file, "/walls/b", "m", walls, [](const Wall& w) { return w.b; });
-  write_vectors(file, "/walls/v", "m/s", walls, [](const Wall& w) { return w.v; });
-  Column lines(4 * walls.size());
-  for (const auto& [first, last] : wall_lines(
-           walls, state.cell.periodic() ? view_box(inside.disks, walls) : view_box(disks, walls))) {
-    lines.add(first);
-    lines.add(last);
-  }
-  file.write_rows("/walls/segment", lines.values(), 2);
-  write_point_numbers(file, "/walls/points", 2 * walls.size());
-
-  if (std::any_of(scene_.walls.begin(), scene_.walls.end(), has_schedule<2>)) {
+  write_vectors(file, "/walls/a", "m", walls, [](const WallIn<D>& w) { return w.a; });
+  write_vectors(file, "/walls/b", "m", walls, [](const WallIn<D>& w) { return w.b; });
+  write_vectors(file, "/walls/v", "m/s", walls, [](const WallIn<D>& w) { return w.v; });
+  write_wall_shapes(file, walls, view_box(drawn.disks, walls));
+  if (std::any_of(scene_.walls.begin(), scene_.walls.end(), has_schedule<D>)) {
     write_ints(file, "/walls/motion", walls,
-               [](const Wall& w) { return static_cast<int>(w.motion); });
-    write_ints(file, "/walls/present", walls, [](const Wall& w) { return w.present ? 1 : 0; });
+               [](const WallIn<D>& w) { return static_cast<int>(w.motion); });
+    write_ints(file, "/walls/present", walls, [](const WallIn<D>& w) { return w.present ? 1 : 0; });
   }
-  write_rims(file, walls);
+  if constexpr (D == 2) write_rims(file, walls);
 
   const auto& contacts = state.contacts;
-  using Outcome = ContactOutcome;
+  using Outcome = ContactOutcomeIn<D>;
   write_ints(file, "/contacts/i", contacts, [](const Outcome& c) { return c.contact.i; });
   write_ints(file, "/contacts/j", contacts, [](const Outcome& c) { return c.contact.j; });
   write_ints(file, "/contacts/status", contacts,
@@ -378,9 +539,9 @@ void RunWriter::write_frame_file(const State& state) const {
   write_doubles(file, "/contacts/gap", "m", contacts,
                 [](const Outcome& c) { return c.contact.gap; });
   write_doubles(file, "/contacts/s_n", "N s", contacts, [](const Outcome& c) { return c.s_n; });
-  write_doubles(file, "/contacts/s_t", "N s", contacts, [](const Outcome& c) { return c.s_t; });
+  write_turns(file, "/contacts/s_t", "N s", contacts, [](const Outcome& c) { return c.s_t; });
   write_doubles(file, "/contacts/u_n", "m/s", contacts, [](const Outcome& c) { return c.u_n; });
-  write_doubles(file, "/contacts/u_t", "m/s", contacts, [](const Outcome& c) { return c.u_t; });
+  write_turns(file, "/contacts/u_t", "m/s", contacts, [](const Outcome& c) { return c.u_t; });
   if (state.cell.periodic()) {
     write_ints(file, "/contacts/image_x", contacts,
                [](const Outcome& c) { return c.contact.image_x; });
@@ -394,40 +555,32 @@ void RunWriter::write_frame_file(const State& state) const {
   const double h = scene_.step;
   write_doubles(file, "/contacts/force_n", "N", contacts,
                 [&](const Outcome& c) { return c.s_n / h; });
-  write_doubles(file, "/contacts/force_t", "N", contacts,
-                [&](const Outcome& c) { return c.s_t / h; });
-  Column branch(4 * contacts.size());
-  const State& drawn = state.cell.periodic() ? inside : state;
+  write_turns(file, "/contacts/force_t", "N", contacts,
+              [&](const Outcome& c) { return TangentIn<D>(c.s_t / h); });
+  Column branch(2 * D * contacts.size());
   for (const Outcome& c : contacts) {
     const auto [a, b] = drawn_branch(drawn, c.contact);
     branch.add(a);
     branch.add(b);
   }
-  file.write_rows("/contacts/segment", branch.values(), 2);
+  file.write_rows("/contacts/segment", branch.values(), D);
   write_point_numbers(file, "/contacts/points", 2 * contacts.size());
   write_stresses(file, state, h);
-  if (scene_.observables) write_observables(file, scene_, state);
+  if constexpr (D == 2) {
+    if (scene_.observables) write_observables(file, scene_, state);
+  }
   file.close();
   target.commit();
 }
 
-void RunWriter::step(const State& state, const StepReport& r) {
+template <int D>
+void RunWriterIn<D>::step(const StateIn<D>& state, const StepReportIn<D>& r) {
   if (ledger_) {
-    const EnergyLedger& e = r.energy;
     const double area = sample_area(state, scene_.step);
     // Without disks there is no sample: not a number.
-    const MeanStress stress = sample_stress(state, scene_.step, area, contact_moments(state));
-    const Mat2 total = stress.total();
-    std::string line = fmt::format(
-        "{},{:.17g},{},{},{},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},"
-        "{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},"
-        "{:.17g}",
-        r.step, r.time, r.contacts, r.active, r.iterations, r.converged ? 1 : 0, r.error.epsilon,
-        r.error.eta, r.error.raw42, r.error.natural_map, e.kinetic, e.potential, e.wall_work,
-        e.friction_loss, e.shock_loss, e.imbalance, r.momentum[0], r.momentum[1],
-        r.momentum_imbalance[0], r.momentum_imbalance[1], r.penetration, area, total(0, 0),
-        total(1, 1), 0.5 * (total(0, 1) + total(1, 0)), 0.5 * stress.kinetic.trace());
-    if (scene_.model == Model::kSpringDashpot) line += fmt::format(",{:.17g}", e.elastic);
+    const MeanStressIn<D> stress =
+        sample_stress<D>(state, scene_.step, area, contact_moments(state));
+    std::string line = ledger_row(r, area, stress, scene_.model == Model::kSpringDashpot);
     if (r.step % scene_.output.ledger_every == 0) {
       ledger_->row(line);
       pending_row_.clear();
@@ -435,16 +588,18 @@ void RunWriter::step(const State& state, const StepReport& r) {
       pending_row_ = std::move(line);
     }
   }
-  if (observables_) observables_->step(state);
+  if constexpr (D == 2) {
+    if (observables_) observables_->step(state);
+  }
   for (int disk : scene_.output.track) {
-    const Disk& d = state.disks.at(static_cast<std::size_t>(disk));
-    trajectory_->row(fmt::format("{},{:.17g},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}",
-                                 state.step, state.time, disk, d.x[0], d.x[1], d.angle, d.v[0],
-                                 d.v[1], d.spin));
+    std::string line = fmt::format("{},{:.17g},{}", state.step, state.time, disk);
+    add_motion(line, state.disks.at(to_size(disk)));
+    trajectory_->row(line);
   }
 }
 
-void RunWriter::frame(const State& state) {
+template <int D>
+void RunWriterIn<D>::frame(const StateIn<D>& state) {
   if (state.disks.size() != scene_.disks.size() || state.walls.size() != scene_.walls.size()) {
     throw std::invalid_argument("the state is not one of this scene");
   }
@@ -458,7 +613,8 @@ void RunWriter::frame(const State& state) {
   if (frames_.size() - indexed_ >= 1 + frames_.size() / kIndexShare) write_index();
 }
 
-void RunWriter::close() {
+template <int D>
+void RunWriterIn<D>::close() {
   if (closed_) return;
   closed_ = true;
   if (ledger_ && !pending_row_.empty()) ledger_->row(pending_row_);
@@ -466,15 +622,20 @@ void RunWriter::close() {
   write_index();
 }
 
-void RunWriter::add_frame(const FrameEntry& frame) {
+template <int D>
+void RunWriterIn<D>::add_frame(const FrameEntry& frame) {
   frames_.push_back(frame);
   xdmf_.add(frame);
 }
 
-void RunWriter::write_index() {
+template <int D>
+void RunWriterIn<D>::write_index() {
   write_run_file();
   xdmf_.write(folder_ / "run.xdmf");
   indexed_ = frames_.size();
 }
+
+template class RunWriterIn<2>;
+template class RunWriterIn<3>;
 
 }  // namespace bipot

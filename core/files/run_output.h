@@ -19,7 +19,7 @@ namespace bipot {
 ///                        the files below
 ///   frames/<step>.h5     one state: all that a restart needs, the contacts with impulses,
 ///                        forces, velocities and status, and the stresses that follow from them
-///   run.xdmf             index of the frames for ParaView: disks as points, contacts as lines
+///   run.xdmf             index of the frames for ParaView: disks (in space: spheres) as points, contacts as lines
 ///                        between the centres, walls as lines
 ///   ledger.csv           one row for each scene.output.ledger_every steps, and the last
 ///   observables.csv ...  what the scene asks to be measured (core/files/observable_output.h)
@@ -31,32 +31,33 @@ namespace bipot {
 /// are rewritten after every frame up to the 32nd; later after every 1/32 of the frames so far,
 /// which bounds the cost, and by close(). read_state() finds the frames without them.
 /// Throws FileError.
-class RunWriter {
+template <int D>
+class RunWriterIn {
  public:
   /// Creates the folder. Output of an earlier run in it is removed; with `resume_after` >= 0, what
   /// belongs to later steps is removed and the rest is continued.
-  RunWriter(std::filesystem::path folder, const Scene& scene, std::string scene_text,
-            int resume_after = -1);
+  RunWriterIn(std::filesystem::path folder, const SceneIn<D>& scene, std::string scene_text,
+              int resume_after = -1);
   /// Closes, but cannot report a failure: call close().
-  ~RunWriter();
-  RunWriter(const RunWriter&) = delete;
-  RunWriter& operator=(const RunWriter&) = delete;
+  ~RunWriterIn();
+  RunWriterIn(const RunWriterIn&) = delete;
+  RunWriterIn& operator=(const RunWriterIn&) = delete;
 
   /// Ledger and trajectories of a step.
-  void step(const State& state, const StepReport& report);
+  void step(const StateIn<D>& state, const StepReportIn<D>& report);
   /// A frame; writing the one of the same step again is not an error and does nothing.
-  void frame(const State& state);
+  void frame(const StateIn<D>& state);
   /// Writes what is due at the end. Without effect the second time.
   void close();
 
  private:
-  void write_frame_file(const State& state) const;
+  void write_frame_file(const StateIn<D>& state) const;
   void add_frame(const FrameEntry& frame);
   void write_index();
   void write_run_file() const;
 
   std::filesystem::path folder_;
-  Scene scene_;
+  SceneIn<D> scene_;
   std::string scene_text_;
   std::vector<FrameEntry> frames_;
   std::optional<CsvFile> ledger_, trajectory_;
@@ -66,5 +67,6 @@ class RunWriter {
   std::size_t indexed_ = 0;  // frames that run.h5 and run.xdmf know
   bool closed_ = false;
 };
+using RunWriter = RunWriterIn<2>;
 
 }  // namespace bipot

@@ -40,73 +40,91 @@ Enum checked_enum(const Hdf5File& file, const std::string& name, int value, int 
   return static_cast<Enum>(value);
 }
 
+/// Row k of a dataset with D columns.
+template <int D>
+VecIn<D> row_of(const std::vector<double>& values, std::size_t k) {
+  return Eigen::Map<const VecIn<D>>(values.data() + D * k);
+}
+
 /// `fixed`: run.h5; `frame`: the frame's file.
-std::vector<Disk> read_disks(const Hdf5File& fixed, const Hdf5File& frame) {
+template <int D>
+std::vector<BodyIn<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame) {
   const std::vector<double> radius = fixed.read_doubles("/disks/radius");
   const std::size_t n = radius.size();
   const auto mass = read_sized(fixed, "/disks/mass", n);
   const auto inertia = read_sized(fixed, "/disks/inertia", n);
   const auto material = read_sized_ints(fixed, "/disks/material", n);
-  const auto x = read_sized(frame, "/disks/x", 2 * n);
-  const auto angle = read_sized(frame, "/disks/angle", n);
+  const auto x = read_sized(frame, "/disks/x", D * n);
+  const auto turned = D == 2 ? read_sized(frame, "/disks/angle", n)
+                             : read_sized(frame, "/disks/orientation", 4 * n);
   const auto v = read_sized(frame, "/disks/v", 3 * n);
-  const auto spin = read_sized(frame, "/disks/spin", n);
-  std::vector<Disk> disks(n);
+  const auto spin = read_sized(frame, "/disks/spin", to_size(kSpins<D>) * n);
+  std::vector<BodyIn<D>> disks(n);
   for (std::size_t k = 0; k < n; ++k) {
-    disks[k] = {.x = Vec2(x[2 * k], x[2 * k + 1]),
-                .angle = angle[k],
-                .v = Vec2(v[3 * k], v[3 * k + 1]),
-                .spin = spin[k],
-                .radius = radius[k],
-                .mass = mass[k],
-                .inertia = inertia[k],
-                .material = material[k]};
+    BodyIn<D>& d = disks[k];
+    d.x = row_of<D>(x, k);
+    d.v = row_of<3>(v, k).template head<D>();
+    if constexpr (D == 2) {
+      d.angle = turned[k];
+      d.spin = spin[k];
+    } else {
+      d.orientation = Eigen::Quaterniond(turned[4 * k], turned[4 * k + 1], turned[4 * k + 2],
+                                         turned[4 * k + 3]);
+      d.spin = row_of<3>(spin, k);
+    }
+    d.radius = radius[k];
+    d.mass = mass[k];
+    d.inertia = inertia[k];
+    d.material = material[k];
   }
   return disks;
 }
 
-std::vector<Wall> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
+template <int D>
+std::vector<WallIn<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
   const std::vector<std::string> names = fixed.read_strings("/walls/name");
   const std::size_t count = names.size();
   const auto shape = read_sized_ints(fixed, "/walls/shape", count);
   const auto motion = read_sized_ints(fixed, "/walls/motion", count);
   const auto wall_material = read_sized_ints(fixed, "/walls/material", count);
-  const auto normal = read_sized(fixed, "/walls/normal", 2 * count);
-  const auto direction = read_sized(fixed, "/walls/direction", 2 * count);
+  const auto normal = read_sized(fixed, "/walls/normal", D * count);
+  const auto direction = read_sized(fixed, "/walls/direction", D * count);
   const auto force = read_sized(fixed, "/walls/force", count);
   const auto wall_mass = read_sized(fixed, "/walls/mass", count);
-  const auto a = read_sized(frame, "/walls/a", 2 * count);
-  const auto b = read_sized(frame, "/walls/b", 2 * count);
-  const auto wall_v = read_sized(frame, "/walls/v", 2 * count);
+  const auto a = read_sized(frame, "/walls/a", D * count);
+  const auto b = read_sized(frame, "/walls/b", D * count);
+  const auto wall_v = read_sized(frame, "/walls/v", D * count);
   // Written where a scene has circles, walls moved across a force, walls that start or go.
   const auto optional = [&](const Hdf5File& file, const char* name, std::size_t size) {
     return file.exists(name) ? read_sized(file, name, size) : std::vector<double>(size, 0.0);
   };
   const auto radius = optional(fixed, "/walls/radius", count);
   const auto spin = optional(fixed, "/walls/spin", count);
-  const auto across = optional(fixed, "/walls/across", 2 * count);
+  const auto across = optional(fixed, "/walls/across", D * count);
   const bool changes = frame.exists("/walls/present");
   const auto present =
       changes ? read_sized_ints(frame, "/walls/present", count) : std::vector<int>(count, 1);
   const auto motion_now = changes ? read_sized_ints(frame, "/walls/motion", count) : motion;
-  std::vector<Wall> walls(count);
+  std::vector<WallIn<D>> walls(count);
   for (std::size_t k = 0; k < count; ++k) {
-    const auto pair = [&](const std::vector<double>& y) { return Vec2(y[2 * k], y[2 * k + 1]); };
-    walls[k] = {.name = names[k],
-                .shape = checked_enum<Wall::Shape>(fixed, "/walls/shape", shape[k], 3),
-                .motion = checked_enum<Wall::Motion>(fixed, "/walls/motion", motion_now[k], 2),
-                .a = pair(a),
-                .b = pair(b),
-                .normal = pair(normal),
-                .v = pair(wall_v),
-                .direction = pair(direction),
-                .force = force[k],
-                .mass = wall_mass[k],
-                .material = wall_material[k],
-                .radius = radius[k],
-                .spin = spin[k],
-                .across = pair(across),
-                .present = present[k] != 0};
+    const auto at = [&](const std::vector<double>& y) { return row_of<D>(y, k); };
+    walls[k] = {
+        .name = names[k],
+        .shape = checked_enum<typename WallIn<D>::Shape>(fixed, "/walls/shape", shape[k], 3),
+        .motion =
+            checked_enum<typename WallIn<D>::Motion>(fixed, "/walls/motion", motion_now[k], 2),
+        .a = at(a),
+        .b = at(b),
+        .normal = at(normal),
+        .v = at(wall_v),
+        .direction = at(direction),
+        .force = force[k],
+        .mass = wall_mass[k],
+        .material = wall_material[k],
+        .radius = radius[k],
+        .spin = spin[k],
+        .across = at(across),
+        .present = present[k] != 0};
   }
   return walls;
 }
@@ -135,18 +153,19 @@ Cell read_state_cell(const Hdf5File& fixed, const Hdf5File& frame) {
 }
 
 /// Throws FileError where a contact joins bodies that the run does not have.
-std::vector<ContactOutcome> read_contacts(const Hdf5File& file, std::size_t disks,
-                                          std::size_t walls) {
+template <int D>
+std::vector<ContactOutcomeIn<D>> read_contacts(const Hdf5File& file, std::size_t disks,
+                                               std::size_t walls) {
   const std::vector<int> i = file.read_ints("/contacts/i");
   const std::size_t c = i.size();
   const auto j = read_sized_ints(file, "/contacts/j", c);
   const auto status = read_sized_ints(file, "/contacts/status", c);
-  const auto contact_n = read_sized(file, "/contacts/n", 2 * c);
+  const auto contact_n = read_sized(file, "/contacts/n", D * c);
   const auto gap = read_sized(file, "/contacts/gap", c);
   const auto s_n = read_sized(file, "/contacts/s_n", c);
-  const auto s_t = read_sized(file, "/contacts/s_t", c);
+  const auto s_t = read_sized(file, "/contacts/s_t", to_size(kSpins<D>) * c);
   const auto u_n = read_sized(file, "/contacts/u_n", c);
-  const auto u_t = read_sized(file, "/contacts/u_t", c);
+  const auto u_t = read_sized(file, "/contacts/u_t", to_size(kSpins<D>) * c);
   // Only the spring-dashpot model writes springs.
   const auto spring = file.exists("/contacts/spring") ? read_sized(file, "/contacts/spring", c)
                                                       : std::vector<double>(c, 0.0);
@@ -154,7 +173,14 @@ std::vector<ContactOutcome> read_contacts(const Hdf5File& file, std::size_t disk
   const bool images = file.exists("/contacts/image_x");
   const auto image_x = images ? read_sized_ints(file, "/contacts/image_x", c) : std::vector<int>(c);
   const auto image_y = images ? read_sized_ints(file, "/contacts/image_y", c) : std::vector<int>(c);
-  std::vector<ContactOutcome> contacts(c);
+  const auto tangential = [](const std::vector<double>& values, std::size_t k) -> TangentIn<D> {
+    if constexpr (D == 2) {
+      return values[k];
+    } else {
+      return row_of<3>(values, k);
+    }
+  };
+  std::vector<ContactOutcomeIn<D>> contacts(c);
   for (std::size_t k = 0; k < c; ++k) {
     if (i[k] < 0 || i[k] >= static_cast<int>(disks) || j[k] < 0 ||
         j[k] >= static_cast<int>(disks + walls)) {
@@ -163,14 +189,14 @@ std::vector<ContactOutcome> read_contacts(const Hdf5File& file, std::size_t disk
     }
     contacts[k] = {.contact = {.i = i[k],
                                .j = j[k],
-                               .n = Vec2(contact_n[2 * k], contact_n[2 * k + 1]),
+                               .n = row_of<D>(contact_n, k),
                                .gap = gap[k],
                                .image_x = image_x[k],
                                .image_y = image_y[k]},
                    .s_n = s_n[k],
-                   .s_t = s_t[k],
+                   .s_t = tangential(s_t, k),
                    .u_n = u_n[k],
-                   .u_t = u_t[k],
+                   .u_t = tangential(u_t, k),
                    .status = checked_enum<ContactStatus>(file, "/contacts/status", status[k], 2),
                    .spring = spring[k]};
   }
@@ -183,7 +209,8 @@ std::string read_scene_text(const fs::path& run) {
   return Hdf5File(run_folder(run) / "run.h5", Hdf5File::Mode::kRead).read_string("/scene");
 }
 
-State read_state(const fs::path& run, int step) {
+template <int D>
+StateIn<D> read_state(const fs::path& run, int step) {
   const fs::path folder = run_folder(run);
   const Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
   if (!fixed.exists("/format") || fixed.read_string("/format") != kRunFormat) {
@@ -193,6 +220,10 @@ State read_state(const fs::path& run, int step) {
     throw FileError(fixed.path(), "/format_version",
                     fmt::format("{} is not known, this program writes and reads {}", version,
                                 kRunFormatVersion));
+  }
+  if (const int in = fixed.exists("/dimensions") ? fixed.read_int("/dimensions") : 2; in != D) {
+    throw FileError(fixed.path(), "/dimensions",
+                    fmt::format("a run in {} dimensions, expected one in {}", in, D));
   }
   const std::vector<int> steps = steps_in_folder(folder);
   if (steps.empty()) throw FileError(folder, "frames", "no frame has been written");
@@ -204,17 +235,20 @@ State read_state(const fs::path& run, int step) {
                                 step, steps.front(), steps.back()));
   }
   const Hdf5File file(frame_path(folder, step), Hdf5File::Mode::kRead);
-  State state;
+  StateIn<D> state;
   state.step = file.read_int("/step");
   state.time = file.read_double("/time");
   state.wall_work = file.read_double("/wall_work");
   state.friction_loss = file.read_double("/friction_loss");
   state.shock_loss = file.read_double("/shock_loss");
-  state.disks = read_disks(fixed, file);
-  state.walls = read_walls(fixed, file);
+  state.disks = read_disks<D>(fixed, file);
+  state.walls = read_walls<D>(fixed, file);
   state.cell = read_state_cell(fixed, file);
-  state.contacts = read_contacts(file, state.disks.size(), state.walls.size());
+  state.contacts = read_contacts<D>(file, state.disks.size(), state.walls.size());
   return state;
 }
+
+template State read_state<2>(const fs::path&, int);
+template StateIn<3> read_state<3>(const fs::path&, int);
 
 }  // namespace bipot

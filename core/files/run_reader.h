@@ -10,7 +10,11 @@ namespace bipot {
 
 /// The state of the frame after `step` (-1: the last frame), bit for bit. `run`: its folder or its
 /// run.h5. Throws FileError.
-State read_state(const std::filesystem::path& run, int step = -1);
+template <int D>
+StateIn<D> read_state(const std::filesystem::path& run, int step = -1);
+inline State read_state(const std::filesystem::path& run, int step = -1) {
+  return read_state<2>(run, step);
+}
 
 /// Scene text that the run was started with. Throws FileError.
 std::string read_scene_text(const std::filesystem::path& run);

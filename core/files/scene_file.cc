@@ -14,9 +14,11 @@
 #include <optional>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include "core/files/scene_cell.h"
 #include "core/files/scene_observables.h"
+#include "core/files/scene_spheres.h"
 #include "core/files/scene_table.h"
 #include "core/files/scene_walls.h"
 #include "core/nearest_name.h"
@@ -31,7 +33,8 @@ ContactLaw read_law(const SceneTable& table) {
       .mu = table.number("mu", 0), .e_n = table.number("e_n", 0), .e_t = table.number("e_t", 0)};
 }
 
-void read_materials(const SceneTable& root, Scene& scene) {
+template <int D>
+void read_materials(const SceneTable& root, SceneIn<D>& scene) {
   ContactLaw base;
   if (const auto table = root.table("contact")) {
     base = read_law(*table);
@@ -137,7 +140,8 @@ std::vector<Disk> read_group(const SceneTable& table) {
                                       : triangular_lattice(columns, rows, radius, corner);
 }
 
-void read_time(const SceneTable& root, Scene& scene) {
+template <int D>
+void read_time(const SceneTable& root, SceneIn<D>& scene) {
   const auto table = root.table("time");
   if (!table) root.fail("time", "the table [time] is missing");
   scene.step = table->positive("step");
@@ -153,7 +157,8 @@ void read_time(const SceneTable& root, Scene& scene) {
   table->finish();
 }
 
-void read_solver(const SceneTable& root, Scene& scene) {
+template <int D>
+void read_solver(const SceneTable& root, SceneIn<D>& scene) {
   const auto table = root.table("solver");
   if (!table) return;
   SolverChoice& s = scene.solver;
@@ -168,7 +173,8 @@ void read_solver(const SceneTable& root, Scene& scene) {
   table->finish();
 }
 
-void read_model(const SceneTable& root, Scene& scene) {
+template <int D>
+void read_model(const SceneTable& root, SceneIn<D>& scene) {
   const std::string model = root.one_of("model", "nscd", {"nscd", "dem"});
   scene.model = model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
   const auto table = root.table("dem");
@@ -182,7 +188,8 @@ void read_model(const SceneTable& root, Scene& scene) {
   table->finish();
 }
 
-void read_output(const SceneTable& root, Scene& scene) {
+template <int D>
+void read_output(const SceneTable& root, SceneIn<D>& scene) {
   const auto table = root.table("output");
   if (!table) return;
   OutputChoice& o = scene.output;
@@ -194,13 +201,15 @@ void read_output(const SceneTable& root, Scene& scene) {
   o.stress_picture = table->boolean("stress_picture", o.stress_picture);
   for (double x : table->numbers("track")) {
     const bool is_index = x >= 0 && x <= std::numeric_limits<int>::max() && x == std::floor(x);
-    if (!is_index) table->fail("track", "expected disk numbers");
+    if (!is_index)
+      table->fail("track", D == 2 ? "expected disk numbers" : "expected sphere numbers");
     o.track.push_back(static_cast<int>(x));
   }
   table->finish();
 }
 
-void read_tilt(const SceneTable& root, Scene& scene) {
+template <int D>
+void read_tilt(const SceneTable& root, SceneIn<D>& scene) {
   const auto table = root.table("tilt");
   if (!table) return;
   Tilt& tilt = scene.tilt;
@@ -231,47 +240,60 @@ void rotate(Scene& scene, double degrees) {
 
 /// Touching lattices have gaps of rounding size: the default distance covers them, and is far below
 /// anything that matters.
-double default_contact_distance(const Scene& scene) {
+template <int D>
+double default_contact_distance(const SceneIn<D>& scene) {
   return scene.disks.empty() ? 0 : 1e-6 * smallest_radius(scene);
 }
 
-}  // namespace
-
-Scene parse_scene(const std::string& text, const std::string& source) {
-  toml::table parsed;
-  try {
-    parsed = toml::parse(text, source);
-  } catch (const toml::parse_error& e) {
-    throw SceneFileError(fmt::format("{}:{}: {}", source, e.source().begin.line, e.description()));
-  }
-  const SceneTable root(parsed, "", source);
-  Scene scene;
-  scene.source = source;
-  scene.title = root.word("title", "");
-  scene.gravity = root.vec2("gravity", Vec2(0, -9.81));
-  scene.contact_distance = -1;
-  read_materials(root, scene);
+/// [[disks]], the cell, and what turns them.
+void read_bodies(const SceneTable& root, Scene& scene) {
   for (const SceneTable& table : root.tables("disks")) {
     std::vector<Disk> disks = read_group(table);
     read_common(table, scene, disks);
     table.finish();
     scene.disks.insert(scene.disks.end(), disks.begin(), disks.end());
   }
-  for (const SceneTable& table : root.tables("walls")) {
-    scene.walls.push_back(read_wall(table, scene, scene.walls.size()));
+}
+
+void read_bodies(const SceneTable& root, SceneIn<3>& scene) {
+  for (const SceneTable& table : root.tables("spheres")) {
+    const std::vector<Sphere> spheres = read_spheres(table, scene);
     table.finish();
+    scene.disks.insert(scene.disks.end(), spheres.begin(), spheres.end());
   }
+}
+
+void read_cell_and_turn(const SceneTable& root, Scene& scene) {
   scene.cell = read_cell(root);
   if (const auto degrees = root.maybe_number("rotate_degrees")) {
     if (scene.cell.periodic()) root.fail("rotate_degrees", "a periodic cell does not turn");
     rotate(scene, *degrees);
   }
+}
+
+template <int D>
+SceneIn<D> parse_in(const SceneTable& root, const std::string& source) {
+  SceneIn<D> scene;
+  scene.source = source;
+  scene.title = root.word("title", "");
+  scene.gravity = root.maybe_vec<D>("gravity").value_or(-9.81 * VecIn<D>::Unit(D - 1));
+  scene.contact_distance = -1;
+  read_materials(root, scene);
+  read_bodies(root, scene);
+  for (const SceneTable& table : root.tables("walls")) {
+    scene.walls.push_back(read_wall(table, scene, scene.walls.size()));
+    table.finish();
+  }
+  if constexpr (D == 2) read_cell_and_turn(root, scene);
   read_tilt(root, scene);
   read_time(root, scene);
   read_model(root, scene);
+  if (D == 3 && scene.model == Model::kSpringDashpot) {
+    root.fail("model", "'dem' simulates disks, not spheres");
+  }
   read_solver(root, scene);
   read_output(root, scene);
-  scene.observables = read_observables(root);
+  if constexpr (D == 2) scene.observables = read_observables(root);
   root.finish();
   if (scene.contact_distance < 0) {
     scene.contact_distance = default_contact_distance(scene);
@@ -282,12 +304,45 @@ Scene parse_scene(const std::string& text, const std::string& source) {
   return scene;
 }
 
-Scene read_scene(const std::filesystem::path& path) {
+std::string text_of(const std::filesystem::path& path) {
   std::ifstream file(path);
   if (!file) throw SceneFileError(fmt::format("{}: cannot be opened", path.string()));
   std::ostringstream text;
   text << file.rdbuf();
-  return parse_scene(text.str(), path.string());
+  return text.str();
+}
+
+}  // namespace
+
+AnyScene parse_any_scene(const std::string& text, const std::string& source) {
+  toml::table parsed;
+  try {
+    parsed = toml::parse(text, source);
+  } catch (const toml::parse_error& e) {
+    throw SceneFileError(fmt::format("{}:{}: {}", source, e.source().begin.line, e.description()));
+  }
+  const SceneTable root(parsed, "", source);
+  const bool spheres = parsed.contains("spheres");
+  const int dim = root.integer("dim", spheres ? 3 : 2);
+  if (dim != 2 && dim != 3) root.fail("dim", fmt::format("expected 2 or 3, got {}", dim));
+  if (dim == 2 && spheres) root.fail("spheres", "are in space: dim = 3");
+  if (dim == 3) return parse_in<3>(root, source);
+  return parse_in<2>(root, source);
+}
+
+Scene parse_scene(const std::string& text, const std::string& source) {
+  AnyScene scene = parse_any_scene(text, source);
+  if (auto* flat = std::get_if<Scene>(&scene)) return std::move(*flat);
+  throw SceneFileError(
+      fmt::format("{}: a scene in space (dim = 3); only 'bipot run' takes those", source));
+}
+
+Scene read_scene(const std::filesystem::path& path) {
+  return parse_scene(text_of(path), path.string());
+}
+
+AnyScene read_any_scene(const std::filesystem::path& path) {
+  return parse_any_scene(text_of(path), path.string());
 }
 
 }  // namespace bipot

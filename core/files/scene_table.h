@@ -100,12 +100,14 @@ class SceneTable {
     }
     return value;
   }
-  std::optional<Vec2> maybe_vec2(std::string_view key) const {
+  template <int D>
+  std::optional<VecIn<D>> maybe_vec(std::string_view key) const {
     if (!has(key)) return std::nullopt;
     const std::vector<double> values = numbers(key);
-    if (values.size() != 2) fail(key, fmt::format("expected 2 numbers, got {}", values.size()));
-    return Vec2(values[0], values[1]);
+    if (values.size() != D) fail(key, fmt::format("expected {} numbers, got {}", D, values.size()));
+    return VecIn<D>(values.data());
   }
+  std::optional<Vec2> maybe_vec2(std::string_view key) const { return maybe_vec<2>(key); }
   Vec2 vec2(std::string_view key, const Vec2& fallback) const {
     return maybe_vec2(key).value_or(fallback);
   }

@@ -30,22 +30,48 @@ void read_shape(const SceneTable& table, Wall& wall) {
   }
 }
 
+/// Half-space or cylinder.
+void read_shape(const SceneTable& table, WallIn<3>& wall) {
+  const auto point = table.maybe_vec<3>("point"), normal = table.maybe_vec<3>("normal");
+  const auto center = table.maybe_vec<3>("center");
+  if (point && normal && !center) {
+    wall.a = *point;
+    if (!(normal->norm() > 0)) table.fail("normal", "must not be zero");
+    wall.normal = normal->normalized();
+  } else if (center && !point && !normal) {
+    const bool hollow = table.boolean("hollow", false);
+    wall.shape = hollow ? WallIn<3>::Shape::kHollowCircle : WallIn<3>::Shape::kSolidCircle;
+    wall.a = *center;
+    const auto axis = table.maybe_vec<3>("axis");
+    if (!axis) table.fail("axis", "is missing for a cylinder");
+    if (!(axis->norm() > 0)) table.fail("axis", "must not be zero");
+    wall.normal = axis->normalized();
+    wall.radius = table.positive("radius");
+    wall.spin = table.number("spin", 0);
+  } else {
+    table.fail("point",
+               "give point and normal (a half-space), or center, axis and radius (a cylinder)");
+  }
+}
+
 /// Driven by a force, and moved across its direction where there is a velocity too.
-void read_drive(const SceneTable& table, Wall& wall) {
+template <int D>
+void read_drive(const SceneTable& table, WallIn<D>& wall) {
   const auto force = table.maybe_number("force"), mass = table.maybe_number("mass");
-  const auto direction = table.maybe_vec2("direction");
+  const auto direction = table.maybe_vec<D>("direction");
   if (!force || !mass) table.fail("force", "a driven wall needs force [N] and mass [kg]");
-  wall.motion = Wall::Motion::kDriven;
+  wall.motion = WallIn<D>::Motion::kDriven;
   wall.force = *force;
   wall.mass = *mass;
-  if (!direction && wall.shape != Wall::Shape::kHalfPlane) {
-    table.fail("direction", "is missing for a driven segment or circle");
+  if (!direction && wall.shape != WallIn<D>::Shape::kHalfPlane) {
+    table.fail("direction", D == 2 ? "is missing for a driven segment or circle"
+                                   : "is missing for a driven cylinder");
   }
-  const Vec2 axis = direction ? *direction : wall.normal;
+  const VecIn<D> axis = direction ? *direction : wall.normal;
   if (!(axis.norm() > 0)) table.fail("direction", "must not be zero");
   wall.direction = axis.normalized();
   wall.v = table.number("speed", 0) * wall.direction;
-  if (const auto velocity = table.maybe_vec2("velocity")) {
+  if (const auto velocity = table.maybe_vec<D>("velocity")) {
     const double along = velocity->dot(wall.direction);
     if (!(std::abs(along) <= 1e-9 * velocity->norm())) {
       table.fail("velocity",
@@ -58,8 +84,9 @@ void read_drive(const SceneTable& table, Wall& wall) {
 }
 
 /// When it moves, and when it goes.
-void read_times(const SceneTable& table, Wall& wall) {
-  const bool moves = wall.motion != Wall::Motion::kFixed || wall.spin != 0;
+template <int D>
+void read_times(const SceneTable& table, WallIn<D>& wall) {
+  const bool moves = wall.motion != WallIn<D>::Motion::kFixed || wall.spin != 0;
   for (const char* key : {"starts", "stops"}) {
     if (table.has(key) && !moves)
       table.fail(key, "belongs to a wall that moves, is driven or turns");
@@ -74,7 +101,8 @@ void read_times(const SceneTable& table, Wall& wall) {
 
 }  // namespace
 
-int material_index(const Scene& scene, const SceneTable& table, std::string_view key) {
+template <int D>
+int material_index(const SceneIn<D>& scene, const SceneTable& table, std::string_view key) {
   const std::string name = table.word(key, scene.materials.front());
   const auto it = std::find(scene.materials.begin(), scene.materials.end(), name);
   if (it == scene.materials.end()) {
@@ -83,19 +111,25 @@ int material_index(const Scene& scene, const SceneTable& table, std::string_view
   return static_cast<int>(it - scene.materials.begin());
 }
 
-Wall read_wall(const SceneTable& table, const Scene& scene, std::size_t index) {
-  Wall wall;
+template <int D>
+WallIn<D> read_wall(const SceneTable& table, const SceneIn<D>& scene, std::size_t index) {
+  WallIn<D> wall;
   wall.name = table.word("name", fmt::format("wall{}", index));
   read_shape(table, wall);
   wall.material = material_index(scene, table, "material");
   if (table.has("force") || table.has("direction") || table.has("mass")) {
     read_drive(table, wall);
-  } else if (const auto velocity = table.maybe_vec2("velocity")) {
-    wall.motion = Wall::Motion::kMoving;
+  } else if (const auto velocity = table.maybe_vec<D>("velocity")) {
+    wall.motion = WallIn<D>::Motion::kMoving;
     wall.v = *velocity;
   }
   read_times(table, wall);
   return wall;
 }
+
+template int material_index(const Scene&, const SceneTable&, std::string_view);
+template int material_index(const SceneIn<3>&, const SceneTable&, std::string_view);
+template Wall read_wall(const SceneTable&, const Scene&, std::size_t);
+template WallIn<3> read_wall(const SceneTable&, const SceneIn<3>&, std::size_t);
 
 }  // namespace bipot

@@ -8,9 +8,11 @@
 namespace bipot {
 
 /// Index of the material that the key names; of the first one where it is missing.
-int material_index(const Scene& scene, const SceneTable& table, std::string_view key);
+template <int D>
+int material_index(const SceneIn<D>& scene, const SceneTable& table, std::string_view key);
 
 /// One table of [[walls]], the one with this index. Throws SceneFileError.
-Wall read_wall(const SceneTable& table, const Scene& scene, std::size_t index);
+template <int D>
+WallIn<D> read_wall(const SceneTable& table, const SceneIn<D>& scene, std::size_t index);
 
 }  // namespace bipot

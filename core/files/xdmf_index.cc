@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <string_view>
 #include <utility>
 
 #include "core/files/atomic_file.h"
@@ -32,18 +33,27 @@ std::string attribute(const char* name, const std::string& where, std::size_t ro
       centre, data_item(where, rows, columns, integer));
 }
 
-std::string geometry(const std::string& where, std::size_t points) {
-  return fmt::format("      <Geometry GeometryType=\"XY\">{}</Geometry>\n",
-                     data_item(where, points, 2, false));
+std::string geometry(const std::string& where, std::size_t points, int dimensions = 2) {
+  return fmt::format("      <Geometry GeometryType=\"{}\">{}</Geometry>\n",
+                     dimensions == 2 ? "XY" : "XYZ", data_item(where, points, dimensions, false));
 }
 
 /// Line segments of two points each.
-std::string segments(const std::string& where, std::size_t count) {
+std::string segments(const std::string& where, std::size_t count, int dimensions = 2) {
   return fmt::format(
              "      <Topology TopologyType=\"Polyline\" NumberOfElements=\"{}\" "
              "NodesPerElement=\"2\">{}</Topology>\n",
              count, data_item(where + "/points", count, 2, true)) +
-         geometry(where + "/segment", 2 * count);
+         geometry(where + "/segment", 2 * count, dimensions);
+}
+
+/// Pieces of walls with four corners each.
+std::string pieces(const std::string& where, std::size_t count) {
+  return fmt::format(
+             "      <Topology TopologyType=\"Quadrilateral\" "
+             "NumberOfElements=\"{}\">{}</Topology>\n",
+             count, data_item(where + "/points", count, 4, true)) +
+         geometry(where + "/piece", 4 * count, 3);
 }
 
 }  // namespace
@@ -55,18 +65,21 @@ void XdmfIndex::add(const FrameEntry& frame) {
         "    <Grid GridType=\"Uniform\">\n      <Time Value=\"{:.17g}\"/>\n{}    </Grid>\n",
         frame.time, content);
   };
+  const int turns = dimensions_ == 2 ? 1 : 3;  // components of spins and tangential parts
   if (num_disks_ > 0) {
     disks_ +=
         grid(fmt::format("      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
                          "NodesPerElement=\"1\">{}</Topology>\n",
                          num_disks_, data_item("run.h5:/disks/points", num_disks_, 1, true)) +
-             geometry(file + (num_cell_lines_ > 0 ? "/disks/x_in_cell" : "/disks/x"), num_disks_) +
+             geometry(file + (num_cell_lines_ > 0 ? "/disks/x_in_cell" : "/disks/x"), num_disks_,
+                      dimensions_) +
              attribute("radius", "run.h5:/disks/radius", num_disks_, "Node") +
              attribute("mass", "run.h5:/disks/mass", num_disks_, "Node") +
              attribute("material", "run.h5:/disks/material", num_disks_, "Node", 1, true) +
              attribute("velocity", file + "/disks/v", num_disks_, "Node", 3) +
-             attribute("spin", file + "/disks/spin", num_disks_, "Node") +
-             attribute("angle", file + "/disks/angle", num_disks_, "Node") +
+             attribute("spin", file + "/disks/spin", num_disks_, "Node", turns) +
+             (dimensions_ == 2 ? attribute("angle", file + "/disks/angle", num_disks_, "Node")
+                               : std::string()) +
              (frame.stress ? attribute("stress", file + "/disks/stress", num_disks_, "Node", 6) +
                                  attribute("pressure", file + "/disks/pressure", num_disks_, "Node")
                            : std::string()));
@@ -75,7 +88,7 @@ void XdmfIndex::add(const FrameEntry& frame) {
   // contacts shows run.h5:/no_contact, a segment of no length and no force.
   const std::size_t contacts = std::max<std::size_t>(1, frame.contacts);
   const std::string group = frame.contacts > 0 ? file + "/contacts" : "run.h5:/no_contact";
-  std::string content = segments(group, contacts);
+  std::string content = segments(group, contacts, dimensions_);
   for (const auto& [name, dataset] : {std::pair{"normal force", "force_n"},
                                       {"tangential force", "force_t"},
                                       {"normal impulse", "s_n"},
@@ -83,14 +96,16 @@ void XdmfIndex::add(const FrameEntry& frame) {
                                       {"normal velocity", "u_n"},
                                       {"tangential velocity", "u_t"},
                                       {"gap", "gap"}}) {
-    content += attribute(name, group + "/" + dataset, contacts, "Cell");
+    const bool tangential = std::string_view(dataset).ends_with("_t");
+    content += attribute(name, group + "/" + dataset, contacts, "Cell", tangential ? turns : 1);
   }
   for (const auto& [name, dataset] :
        {std::pair{"status", "status"}, {"body i", "i"}, {"body j", "j"}}) {
     content += attribute(name, group + "/" + dataset, contacts, "Cell", 1, true);
   }
   if (num_disks_ > 0) contacts_ += grid(content);
-  if (num_walls_ > 0) {
+  if (num_walls_ > 0 && dimensions_ == 3) walls_ += grid(pieces(file + "/walls", num_walls_));
+  if (num_walls_ > 0 && dimensions_ == 2) {
     walls_ += grid(segments(file + "/walls", num_walls_) +
                    attribute("material", "run.h5:/walls/material", num_walls_, "Cell", 1, true));
   }

@@ -30,11 +30,19 @@ class XdmfIndex {
             std::size_t cell_lines = 0)
       : num_disks_(disks), num_walls_(walls), num_circles_(circles), num_cell_lines_(cell_lines) {}
 
+  /// Spheres as points, contacts as lines, walls as so many four-cornered pieces.
+  static XdmfIndex in_space(std::size_t spheres, std::size_t wall_pieces) {
+    XdmfIndex index(spheres, wall_pieces);
+    index.dimensions_ = 3;
+    return index;
+  }
+
   void add(const FrameEntry& frame);
   /// Whole or not at all (AtomicFile). Throws FileError.
   void write(const std::filesystem::path& path) const;
 
  private:
+  int dimensions_ = 2;
   std::size_t num_disks_ = 0, num_walls_ = 0, num_circles_ = 0, num_cell_lines_ = 0;
   std::string disks_, contacts_, walls_, circles_, cell_;  // grids of all frames
 };

@@ -13,78 +13,105 @@ namespace {
 
 constexpr int kRimPoints = 256;
 
-/// Quarter turn counter-clockwise, e3 × .
-Mat2 quarter_turn() { return (Mat2() << 0, -1, 1, 0).finished(); }
+/// The matrix of w × (in the plane w e3 ×, a quarter turn counter-clockwise).
+Mat2 cross_matrix(double w) { return (Mat2() << 0, -w, w, 0).finished(); }
+MatIn<3> cross_matrix(const Vec3& w) {
+  return (MatIn<3>() << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0).finished();
+}
 
-Vec2 middle(const Disk& d, double step) { return d.x - 0.5 * step * d.v; }
+template <int D>
+VecIn<D> middle(const BodyIn<D>& d, double step) {
+  return d.x - 0.5 * step * d.v;
+}
+
+double extent(const Disk& d) { return std::numbers::pi * d.radius * d.radius; }
+double extent(const Sphere& s) { return 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius; }
 
 /// A contact's force and geometry. The tensor of a contact is f ⊗ l but for its antisymmetric part,
 /// which is taken with the lever arms of the step (MeanStress).
+template <int D>
 struct Link {
   int i = 0, j = -1;   // j < 0: a wall
-  Vec2 from, to;       // ends of the branch: centre of i; centre of j or point of the wall
+  VecIn<D> from, to;   // ends of the branch: centre of i; centre of j or point of the wall
   double share_i = 1;  // of disk i in the branch
-  Mat2 symmetric = Mat2::Zero();  // [N m]
-  double arms = 0;                // s_t (a_i + a_j) / h                          [N m]
-  Mat2 tensor() const { return symmetric + 0.5 * arms * quarter_turn(); }
+  MatIn<D> symmetric = MatIn<D>::Zero();  // [N m]
+  SpinIn<D> arms = no_turn<D>();          // (a_i + a_j) n × s_t / h             [N m]
+  MatIn<D> tensor() const { return symmetric + cross_matrix(0.5 * arms); }
 };
 
-std::vector<Link> collect_links(const State& state, double step) {
-  std::vector<Link> links;
+template <int D>
+std::vector<Link<D>> collect_links(const StateIn<D>& state, double step) {
+  std::vector<Link<D>> links;
   links.reserve(state.contacts.size());
   const int num_disks = static_cast<int>(state.disks.size());
-  for (const ContactOutcome& o : state.contacts) {
-    if (o.s_n == 0 && o.s_t == 0) continue;
-    const Disk& a = state.disks[static_cast<std::size_t>(o.contact.i)];
-    Link link;
+  for (const ContactOutcomeIn<D>& o : state.contacts) {
+    if (o.s_n == 0 && o.s_t == no_turn<D>()) continue;
+    const BodyIn<D>& a = state.disks[static_cast<std::size_t>(o.contact.i)];
+    Link<D> link;
     link.i = o.contact.i;
     link.from = middle(a, step);
     double arms = a.radius;
     if (o.contact.j < num_disks) {
-      const Disk& b = state.disks[static_cast<std::size_t>(o.contact.j)];
+      const BodyIn<D>& b = state.disks[static_cast<std::size_t>(o.contact.j)];
       link.j = o.contact.j;
       arms += b.radius;
       link.share_i = a.radius / arms;
     }
-    const Vec2& n = o.contact.n;
-    const Vec2 t(-n[1], n[0]);
+    const VecIn<D>& n = o.contact.n;
     const double length = arms + o.contact.gap;
     link.to = link.from - length * n;
-    link.symmetric =
-        length / step *
-        (o.s_n * n * n.transpose() + 0.5 * o.s_t * (t * n.transpose() + n * t.transpose()));
-    link.arms = arms * o.s_t / step;
+    if constexpr (D == 2) {
+      const Vec2 t(-n[1], n[0]);
+      link.symmetric =
+          length / step *
+          (o.s_n * n * n.transpose() + 0.5 * o.s_t * (t * n.transpose() + n * t.transpose()));
+    } else {
+      link.symmetric =
+          length / step *
+          (o.s_n * n * n.transpose() + 0.5 * (o.s_t * n.transpose() + n * o.s_t.transpose()));
+    }
+    link.arms = arms * turning(n, o.s_t) / step;
     links.push_back(link);
   }
   return links;
 }
 
-Vec2 mean_velocity(std::span<const Disk> disks) {
-  Vec2 momentum = Vec2::Zero();
+template <int D>
+VecIn<D> mean_velocity(std::span<const BodyIn<D>> disks) {
+  VecIn<D> momentum = VecIn<D>::Zero();
   double mass = 0;
-  for (const Disk& d : disks) {
+  for (const BodyIn<D>& d : disks) {
     momentum += d.mass * d.v;
     mass += d.mass;
   }
-  return mass > 0 ? Vec2(momentum / mass) : Vec2(Vec2::Zero());
+  return mass > 0 ? VecIn<D>(momentum / mass) : VecIn<D>(VecIn<D>::Zero());
 }
 
-Mat2 kinetic_part(const Disk& d, const Vec2& mean) {
-  const Vec2 v = d.v - mean;
+template <int D>
+MatIn<D> kinetic_part(const BodyIn<D>& d, const VecIn<D>& mean) {
+  const VecIn<D> v = d.v - mean;
   return d.mass * v * v.transpose();
 }
 
 /// The disks with the velocities that they have beyond the deformation of their periodic cell.
-const std::vector<Disk>& without_deformation(const State& state, std::vector<Disk>& disks) {
+template <int D>
+const std::vector<BodyIn<D>>& without_deformation(const StateIn<D>& state,
+                                                  std::vector<BodyIn<D>>& disks) {
   if (!state.cell.deforms()) return state.disks;
   disks = state.disks;
-  for (Disk& d : disks) d.v -= homogeneous_velocity(state.cell, d.x);
+  for (BodyIn<D>& d : disks) {
+    d.v -= in_dimensions<D>(homogeneous_velocity(state.cell, d.x.template head<2>()));
+  }
   return disks;
 }
 
-Mat2 spin_part(double moment, double step) { return 0.5 * moment / step * quarter_turn(); }
+template <class Spin>
+auto spin_part(const Spin& moment, double step) {
+  return cross_matrix(0.5 * moment / step);
+}
 
-void divide(MeanStress& stress, double area) {
+template <int D>
+void divide(MeanStressIn<D>& stress, double area) {
   stress.area = area;
   stress.contact /= area;
   stress.kinetic /= area;
@@ -221,34 +248,38 @@ double hull_area(std::vector<Vec2> points) {
 
 }  // namespace
 
-std::vector<double> contact_moments(const State& state) {
-  std::vector<double> moments(state.disks.size(), 0.0);
+template <int D>
+std::vector<SpinIn<D>> contact_moments(const StateIn<D>& state) {
+  std::vector<SpinIn<D>> moments(state.disks.size(), no_turn<D>());
   const int num_disks = static_cast<int>(state.disks.size());
-  for (const ContactOutcome& o : state.contacts) {
+  for (const ContactOutcomeIn<D>& o : state.contacts) {
+    const SpinIn<D> turned = turning(o.contact.n, o.s_t);
     for (const int body : {o.contact.i, o.contact.j}) {
       if (body >= num_disks) continue;
       const auto k = static_cast<std::size_t>(body);
-      moments[k] -= state.disks[k].radius * o.s_t;
+      moments[k] -= state.disks[k].radius * turned;
     }
   }
   return moments;
 }
 
-std::vector<double> spin_changes(const State& before, const State& after) {
-  std::vector<double> changes(after.disks.size());
+template <int D>
+std::vector<SpinIn<D>> spin_changes(const StateIn<D>& before, const StateIn<D>& after) {
+  std::vector<SpinIn<D>> changes(after.disks.size());
   for (std::size_t k = 0; k < changes.size(); ++k) {
     changes[k] = after.disks[k].inertia * (after.disks[k].spin - before.disks[k].spin);
   }
   return changes;
 }
 
-MeanStress sample_stress(const State& state, double step, double area,
-                         std::span<const double> moments) {
-  MeanStress stress;
-  for (const Link& link : collect_links(state, step)) stress.contact += link.tensor();
-  std::vector<Disk> relative;
-  const std::vector<Disk>& disks = without_deformation(state, relative);
-  const Vec2 mean = mean_velocity(disks);
+template <int D>
+MeanStressIn<D> sample_stress(const StateIn<D>& state, double step, double area,
+                              std::span<const std::type_identity_t<SpinIn<D>>> moments) {
+  MeanStressIn<D> stress;
+  for (const Link<D>& link : collect_links(state, step)) stress.contact += link.tensor();
+  std::vector<BodyIn<D>> relative;
+  const std::vector<BodyIn<D>>& disks = without_deformation(state, relative);
+  const VecIn<D> mean = mean_velocity<D>(disks);
   for (std::size_t k = 0; k < disks.size(); ++k) {
     stress.kinetic += kinetic_part(disks[k], mean);
     stress.spin += spin_part(moments[k], step);
@@ -261,7 +292,7 @@ MeanStress window_stress(const State& state, double step, const Box& window,
                          std::span<const double> moments) {
   MeanStress stress;
   const std::vector<Vec2> shifts = image_shifts(state.cell);
-  for (const Link& link : collect_links(state, step)) {
+  for (const Link<2>& link : collect_links(state, step)) {
     for (const Vec2& shift : shifts) {
       const double share = share_inside(link.from + shift, link.to + shift, window);
       if (share > 0) stress.contact += share * link.tensor();
@@ -276,30 +307,32 @@ MeanStress window_stress(const State& state, double step, const Box& window,
     inside.push_back(state.disks[k]);
     stress.spin += spin_part(moments[k], step);
   }
-  const Vec2 mean = mean_velocity(inside);
+  const Vec2 mean = mean_velocity<2>(inside);
   for (const Disk& d : inside) stress.kinetic += kinetic_part(d, mean);
   divide(stress, window.size().prod());
   return stress;
 }
 
-std::vector<MeanStress> disk_stresses(const State& state, double step,
-                                      std::span<const double> moments) {
-  std::vector<MeanStress> stresses(state.disks.size());
-  for (const Link& link : collect_links(state, step)) {
-    const Mat2 tensor = link.tensor();
+template <int D>
+std::vector<MeanStressIn<D>> disk_stresses(
+    const StateIn<D>& state, double step,
+    std::span<const std::type_identity_t<SpinIn<D>>> moments) {
+  std::vector<MeanStressIn<D>> stresses(state.disks.size());
+  for (const Link<D>& link : collect_links(state, step)) {
+    const MatIn<D> tensor = link.tensor();
     stresses[static_cast<std::size_t>(link.i)].contact += link.share_i * tensor;
     if (link.j >= 0) {
       stresses[static_cast<std::size_t>(link.j)].contact += (1 - link.share_i) * tensor;
     }
   }
-  std::vector<Disk> relative;
-  const std::vector<Disk>& disks = without_deformation(state, relative);
-  const Vec2 mean = mean_velocity(disks);
+  std::vector<BodyIn<D>> relative;
+  const std::vector<BodyIn<D>>& disks = without_deformation(state, relative);
+  const VecIn<D> mean = mean_velocity<D>(disks);
   for (std::size_t k = 0; k < stresses.size(); ++k) {
-    const Disk& d = disks[k];
+    const BodyIn<D>& d = disks[k];
     stresses[k].kinetic = kinetic_part(d, mean);
     stresses[k].spin = spin_part(moments[k], step);
-    divide(stresses[k], std::numbers::pi * d.radius * d.radius);
+    divide(stresses[k], extent(d));
   }
   return stresses;
 }
@@ -346,15 +379,16 @@ double sample_area(const State& state, double step) {
   return hull_area(std::move(rim));
 }
 
-Mat2 fabric_tensor(const State& state) {
-  Mat2 sum = Mat2::Zero();
+template <int D>
+MatIn<D> fabric_tensor(const StateIn<D>& state) {
+  MatIn<D> sum = MatIn<D>::Zero();
   int loaded = 0;
-  for (const ContactOutcome& o : state.contacts) {
+  for (const ContactOutcomeIn<D>& o : state.contacts) {
     if (!(o.s_n > 0)) continue;
     sum += o.contact.n * o.contact.n.transpose();
     ++loaded;
   }
-  return loaded > 0 ? Mat2(sum / loaded) : sum;
+  return loaded > 0 ? MatIn<D>(sum / loaded) : sum;
 }
 
 double anisotropy(const Mat2& tensor) {
@@ -368,5 +402,17 @@ double asymmetry(const Mat2& tensor) {
   const double trace = tensor.trace();
   return trace == 0 ? kNaN : std::abs(tensor(0, 1) - tensor(1, 0)) / std::abs(trace);
 }
+
+template std::vector<double> contact_moments(const State&);
+template std::vector<double> spin_changes(const State&, const State&);
+template MeanStress sample_stress<2>(const State&, double, double, std::span<const double>);
+template std::vector<MeanStress> disk_stresses<2>(const State&, double, std::span<const double>);
+template Mat2 fabric_tensor(const State&);
+template std::vector<Vec3> contact_moments(const StateIn<3>&);
+template std::vector<Vec3> spin_changes(const StateIn<3>&, const StateIn<3>&);
+template MeanStressIn<3> sample_stress<3>(const StateIn<3>&, double, double, std::span<const Vec3>);
+template std::vector<MeanStressIn<3>> disk_stresses<3>(const StateIn<3>&, double,
+                                                       std::span<const Vec3>);
+template MatIn<3> fabric_tensor(const StateIn<3>&);
 
 }  // namespace bipot

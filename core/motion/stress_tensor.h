@@ -1,6 +1,7 @@
 #pragma once
 
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "core/motion/time_stepping.h"
@@ -10,7 +11,8 @@ namespace bipot {
 
 using Mat2 = Eigen::Matrix2d;
 
-/// Mean stress of a set of disks over an area, at a step of the simulation. Pressure is positive
+/// Mean stress of a set of disks over an area, in space of spheres over a volume, at a step of the
+/// simulation. Pressure is positive
 /// (the granular sign: minus the mean Cauchy stress), first index the direction of the force,
 /// second that of the normal. Disks are cylinders of unit length, so newtons per metre are pascals.
 ///
@@ -18,6 +20,7 @@ using Mat2 = Eigen::Matrix2d;
 ///   contact = 1/V Σ_c f ⊗ l                            Love 1927, Weber 1966: virial of contacts
 ///   kinetic = 1/V Σ_i m v' ⊗ v'                        fluctuations v' about the mean velocity
 ///   spin    = 1/V Σ_i (dL/dt) / 2 · [0 -1; 1 0]        Fortin, Millet and de Saxcé 2003
+///             (in space half the matrix of dL/dt ×)
 ///
 /// In a periodic cell l is the branch to the image of the second disk, and v' does not count the
 /// homogeneous deformation of the cell.
@@ -36,27 +39,33 @@ using Mat2 = Eigen::Matrix2d;
 /// antisymmetric part is taken with the arms, the symmetric one with d; they are the same where
 /// nothing overlaps. Hence two identities hold to round-off at every step, for any impulses: the
 /// symmetry of `total`, and the virial theorem (d/dt Σ m v ⊗ x against the forces of the walls).
-struct MeanStress {
-  double area = 0;              ///< V, > 0                                               [m²]
-  Mat2 contact = Mat2::Zero();  ///<                                                      [Pa]
-  Mat2 kinetic = Mat2::Zero();
-  Mat2 spin = Mat2::Zero();
-  Mat2 total() const { return contact + kinetic + spin; }
-  /// Half the trace of the total: the mean of the two principal stresses.
-  double pressure() const { return 0.5 * total().trace(); }
+template <int D>
+struct MeanStressIn {
+  using Mat = MatIn<D>;
+  double area = 0;            ///< V, > 0: an area, in space a volume              [m² | m³]
+  Mat contact = Mat::Zero();  ///<                                                      [Pa]
+  Mat kinetic = Mat::Zero();
+  Mat spin = Mat::Zero();
+  Mat total() const { return contact + kinetic + spin; }
+  /// The mean of the principal stresses of the total.
+  double pressure() const { return total().trace() / D; }
 };
+using MeanStress = MeanStressIn<2>;
 
 /// dL of each disk over the step of a state, as the contacts' moments give it           [N m s]
-std::vector<double> contact_moments(const State& state);
+template <int D>
+std::vector<SpinIn<D>> contact_moments(const StateIn<D>& state);
 /// The same as the spins have changed, I (ω⁺ - ω⁻). Equal to the contacts' moments to round-off
 /// when `after` was made from `before` by one step.
-std::vector<double> spin_changes(const State& before, const State& after);
+template <int D>
+std::vector<SpinIn<D>> spin_changes(const StateIn<D>& before, const StateIn<D>& after);
 
 /// Of the whole sample. `step`: h > 0; `area`: see sample_area(); `moments`: dL of each disk.
 /// Velocities are those at the end of the step; the mean of kinetic parts at its two ends is what
 /// the virial theorem asks for, and what an average over steps gives.
-MeanStress sample_stress(const State& state, double step, double area,
-                         std::span<const double> moments);
+template <int D>
+MeanStressIn<D> sample_stress(const StateIn<D>& state, double step, double area,
+                              std::span<const std::type_identity_t<SpinIn<D>>> moments);
 
 /// Over a rectangle: each contact counts by the share of its branch that lies in the window
 /// (indicator function in Goldhirsch's coarse graining, Granular Matter 12, 2010), disks by their
@@ -67,11 +76,12 @@ MeanStress sample_stress(const State& state, double step, double area,
 MeanStress window_stress(const State& state, double step, const Box& window,
                          std::span<const double> moments);
 
-/// Of each disk over its own area π a²: the mean stress of its material, with the kinetic part of
+/// Of each disk over its own area π a² (in space: volume): the mean stress of its material, with the kinetic part of
 /// its motion about the sample's mean velocity. A contact goes to its two disks in proportion to
 /// their radii. Σ π a² σ_i = V σ of the sample, part by part.
-std::vector<MeanStress> disk_stresses(const State& state, double step,
-                                      std::span<const double> moments);
+template <int D>
+std::vector<MeanStressIn<D>> disk_stresses(
+    const StateIn<D>& state, double step, std::span<const std::type_identity_t<SpinIn<D>>> moments);
 
 /// What half-planes enclose, where they do and the disks lie in it; else a hollow circle that holds
 /// them, less the solid circles in it; of a periodic scene its cell, as high as half-planes leave room
@@ -79,7 +89,8 @@ std::vector<MeanStress> disk_stresses(const State& state, double step,
 double sample_area(const State& state, double step);
 
 /// Mean of n ⊗ n over the contacts that carry force; trace 1, zero without any.
-Mat2 fabric_tensor(const State& state);
+template <int D>
+MatIn<D> fabric_tensor(const StateIn<D>& state);
 
 /// (σ₁ - σ₂)/(σ₁ + σ₂) of the symmetric part: 0 isotropic, 1 uniaxial. NaN where the trace is 0.
 double anisotropy(const Mat2& tensor);

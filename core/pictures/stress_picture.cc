@@ -40,12 +40,16 @@ double colour_bar_end(std::vector<double> values) {
   return end > 0 ? round_above(end) : 0;
 }
 
-std::vector<double> disk_pressures(const State& state, double step) {
+template <int D>
+std::vector<double> disk_pressures(const StateIn<D>& state, double step) {
   std::vector<double> pressures;
-  for (const MeanStress& stress : disk_stresses(state, step, contact_moments(state))) {
+  for (const auto& stress : disk_stresses<D>(state, step, contact_moments(state))) {
     pressures.push_back(stress.pressure());
   }
   return pressures;
 }
+
+template std::vector<double> disk_pressures(const State&, double);
+template std::vector<double> disk_pressures(const StateIn<3>&, double);
 
 }  // namespace bipot

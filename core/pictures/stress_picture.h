@@ -23,6 +23,7 @@ void draw_stress_picture(const std::filesystem::path& path, const Scene& scene, 
 double colour_bar_end(std::vector<double> values);
 
 /// Pressure of each disk over its own area, spins from the contacts' moments (stress_tensor.h).
-std::vector<double> disk_pressures(const State& state, double step);
+template <int D>
+std::vector<double> disk_pressures(const StateIn<D>& state, double step);
 
 }  // namespace bipot

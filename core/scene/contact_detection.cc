@@ -255,7 +255,8 @@ void find_wall_contact(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int 
   }
   if (wall.is_circle()) {
     const bool hollow = wall.shape == WallIn<D>::Shape::kHollowCircle;
-    const VecIn<D> d = hollow ? VecIn<D>(wall.a - disk.x) : VecIn<D>(disk.x - wall.a);
+    VecIn<D> d = hollow ? VecIn<D>(wall.a - disk.x) : VecIn<D>(disk.x - wall.a);
+    if constexpr (D == 3) d -= d.dot(wall.normal) * wall.normal;
     const double distance = d.norm();
     const double gap = (hollow ? wall.radius - distance : distance - wall.radius) - disk.radius;
     if (gap > eta) return;

@@ -68,7 +68,9 @@ std::string check_wall(const WallIn<D>& w, std::size_t i, int materials) {
   } else if (w.is_circle()) {
     if (auto e = check_positive("wall", i, "radius", w.radius); !e.empty()) return e;
     if (!std::isfinite(w.spin)) return fmt::format("wall {}: spin = {} is not finite", i, w.spin);
-    if (D == 3 && w.spin != 0) return fmt::format("wall {}: in space it cannot turn", i);
+    if constexpr (D == 3) {
+      if (auto e = check_unit("axis", i, w.normal); !e.empty()) return e;
+    }
   } else if (auto e = check_unit("normal", i, w.normal); !e.empty()) {
     return e;
   }

@@ -65,9 +65,9 @@ void drift(Sphere& sphere, double h);
 
 /// A wall: a half-plane (everything behind the line through a with outward normal `normal` is
 /// solid), a segment from a to b, solid from both sides, ends included, or a circle about a, solid
-/// outside (hollow: a drum) or inside. In space a half-plane is a half-space, a circle a sphere.
-/// Walls translate; only circles in the plane turn, about their centre. What a wall is at a time:
-/// core/scene/wall_motion.h.
+/// outside (hollow: a drum) or inside. In space there are half-spaces, and cylinders without end about
+/// the line through a along `normal` for circles. Walls translate; only circles turn, about their
+/// centre or axis. What a wall is at a time: core/scene/wall_motion.h.
 template <int D>
 struct WallIn {
   enum class Shape { kHalfPlane, kSegment, kHollowCircle, kSolidCircle };
@@ -81,14 +81,14 @@ struct WallIn {
   Motion motion = Motion::kFixed;
   using Vec = VecIn<D>;
   Vec a = Vec::Zero(), b = Vec::Zero();  ///< b: segments only     [m]
-  Vec normal = Vec::Unit(D - 1);         ///< unit; half-planes only
+  Vec normal = Vec::Unit(D - 1);         ///< unit; half-planes, in space also cylinders: axis
   Vec v = Vec::Zero();                   ///< current velocity     [m/s]
   Vec direction = Vec::Zero();           ///< unit; driven walls only
   double force = 0;                      ///< along direction      [N]
   double mass = 0;                       ///< driven walls only    [kg]
   int material = 0;
   double radius = 0;         ///< circles only, > 0                                      [m]
-  double spin = 0;           ///< circles only: angular velocity, counter-clockwise      [rad/s]
+  double spin = 0;           ///< circles only: counter-clockwise, in space about `normal` [rad/s]
   Vec across = Vec::Zero();  ///< driven walls only: prescribed velocity, normal to direction [m/s]
   double starts = 0;         ///< before that it stands still                            [s]
   double stops = kInfinity;  ///< from then on it stands still                           [s]

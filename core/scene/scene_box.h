@@ -9,11 +9,13 @@
 namespace bipot {
 
 /// Axes-parallel box; empty (lower > upper) until something is put in.                       [m]
-struct Box {
-  Vec2 lower = Vec2::Constant(1e300), upper = Vec2::Constant(-1e300);
+template <int D>
+struct BoxIn {
+  using Vec = VecIn<D>;
+  Vec lower = Vec::Constant(1e300), upper = Vec::Constant(-1e300);
 
   bool empty() const { return !(lower.array() <= upper.array()).all(); }
-  void include(const Vec2& x) {
+  void include(const Vec& x) {
     lower = lower.cwiseMin(x);
     upper = upper.cwiseMax(x);
   }
@@ -21,9 +23,10 @@ struct Box {
     lower.array() -= by;
     upper.array() += by;
   }
-  Vec2 size() const { return upper - lower; }
-  Vec2 centre() const { return 0.5 * (lower + upper); }
+  Vec size() const { return upper - lower; }
+  Vec centre() const { return 0.5 * (lower + upper); }
 };
+using Box = BoxIn<2>;
 
 /// What a picture of disks and walls should show: the disks, the parts of walls beside them, and
 /// walls that are about as near as the disks are wide. Never empty.

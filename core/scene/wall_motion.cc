@@ -3,8 +3,10 @@
 namespace bipot {
 namespace {
 
-bool turns(const Wall& wall) { return wall.is_circle() && wall.spin != 0; }
-bool turns(const WallIn<3>& /*wall*/) { return false; }
+template <int D>
+bool turns(const WallIn<D>& wall) {
+  return wall.is_circle() && wall.spin != 0;
+}
 
 /// A circle's surface against its centre: spin e3 x r, r from the centre to the contact, which lies
 /// along n on a solid circle and against it in a hollow one.
@@ -13,7 +15,11 @@ Vec2 turning(const Wall& wall, const Vec2& n) {
   const double rim = wall.spin * (solid ? wall.radius : -wall.radius);
   return Vec2(-rim * n[1], rim * n[0]);
 }
-Vec3 turning(const WallIn<3>& /*wall*/, const Vec3& /*n*/) { return Vec3::Zero(); }
+/// The same of a cylinder about its axis.
+Vec3 turning(const WallIn<3>& wall, const Vec3& n) {
+  const bool solid = wall.shape == WallIn<3>::Shape::kSolidCircle;
+  return wall.spin * (solid ? wall.radius : -wall.radius) * wall.normal.cross(n);
+}
 
 }  // namespace
 

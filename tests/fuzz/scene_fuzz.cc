@@ -9,7 +9,7 @@
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {
     const bipot::Scene scene =
-        bipot::parse_scene(std::string(reinterpret_cast<const char*>(data), size), "fuzzed");
+        bipot::parse_any_scene(std::string(reinterpret_cast<const char*>(data), size), "fuzzed");
     if (!bipot::validate(scene).empty()) std::abort();
   } catch (const bipot::SceneFileError&) {
   } catch (const std::invalid_argument&) {

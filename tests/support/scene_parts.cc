@@ -20,6 +20,31 @@ Disk cylinder(const Vec2& x, double radius, const Vec2& v, double mass, double s
   return d;
 }
 
+WallIn<3> half_space(const Vec3& point, const Vec3& normal) {
+  WallIn<3> wall;
+  wall.a = point;
+  wall.normal = normal;
+  return wall;
+}
+
+Sphere ball(const Vec3& x, double radius, const Vec3& v, double mass, const Vec3& spin) {
+  Sphere s;
+  s.x = x;
+  s.v = v;
+  s.spin = spin;
+  s.radius = radius;
+  s.mass = mass;
+  s.inertia = 0.4 * mass * radius * radius;
+  return s;
+}
+
+SceneIn<3> one_law_in_space(const ContactLaw& law) {
+  SceneIn<3> scene;
+  scene.materials = {"m"};
+  scene.laws = {law};
+  return scene;
+}
+
 Scene one_law(const ContactLaw& law) {
   Scene scene;
   scene.materials = {"m"};

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <string>
+#include <type_traits>
 
 #include "core/motion/time_stepping.h"
 #include "solvers/solver.h"
@@ -10,8 +11,11 @@ namespace bipot {
 
 /// Runs a scene with its own solver choice (or `solver` if not empty) and hands every step to
 /// `on_step`. Returns the final state. A step that does not converge fails the test that called.
-State run_scene(const Scene& scene,
-                const std::function<void(const State&, const StepReport&)>& on_step = {},
-                const std::string& solver = "");
+template <int D>
+StateIn<D> run_scene(
+    const SceneIn<D>& scene,
+    const std::type_identity_t<std::function<void(const StateIn<D>&, const StepReportIn<D>&)>>&
+        on_step = {},
+    const std::string& solver = "");
 
 }  // namespace bipot

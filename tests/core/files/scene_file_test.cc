@@ -462,6 +462,70 @@ TEST(SceneFile, ValuesOutOfRangeAreRefused) {
                  {"2 entries for 1"});
 }
 
+const std::string kSphere = "[[spheres]]\nposition = [0, 0, 1]\nradius = 0.5\nmass = 2\n";
+
+SceneIn<3> in_space(const std::string& text) {
+  return std::get<SceneIn<3>>(parse_any_scene(text, "test.toml"));
+}
+
+// 4/3 π 0.5³ of 1000 kg/m³, and 2/5 m a² of it.
+TEST(SceneFile, SpheresMakeASceneInSpace) {
+  const SceneIn<3> scene = in_space(
+      "[[spheres]]\nposition = [1, 2, 3]\nradius = 0.5\ndensity = 1000\nspin = [0, 1, 2]\n"
+      "velocity = [3, 0, -1]\n[[walls]]\npoint = [0, 0, 0]\nnormal = [0, 0, 2]\nforce = 3\n"
+      "mass = 4\n[[walls]]\ncenter = [1, 1, 0]\naxis = [0, 3, 0]\nradius = 5\nhollow = true\n"
+      "spin = 0.5\n" +
+      kTime);
+  ASSERT_EQ(scene.disks.size(), 1u);
+  const Sphere& s = scene.disks[0];
+  EXPECT_EQ(s.x, Vec3(1, 2, 3));
+  EXPECT_EQ(s.v, Vec3(3, 0, -1));
+  EXPECT_EQ(s.spin, Vec3(0, 1, 2));
+  EXPECT_NEAR(s.mass, 523.598775598, 1e-8);
+  EXPECT_NEAR(s.inertia, 0.1 * s.mass, 1e-12);
+  EXPECT_EQ(scene.gravity, Vec3(0, 0, -9.81));
+  ASSERT_EQ(scene.walls.size(), 2u);
+  EXPECT_EQ(scene.walls[0].direction, Vec3::UnitZ());
+  EXPECT_EQ(scene.walls[1].shape, WallIn<3>::Shape::kHollowCircle);
+  EXPECT_EQ(scene.walls[1].normal, Vec3::UnitY());
+  EXPECT_EQ(scene.walls[1].spin, 0.5);
+  EXPECT_TRUE(in_space("dim = 3\n" + kTime).disks.empty());
+}
+
+TEST(SceneFile, ArrangementsOfSpheresHaveTheirNumbers) {
+  const auto count = [](const std::string& keys) {
+    return in_space("[[spheres]]\nmass = 1\n" + keys + "\n" + kTime).disks.size();
+  };
+  EXPECT_EQ(count("arrangement = 'cubic'\ncolumns = 2\nrows = 3\nlayers = 4\nradius = 1"), 24u);
+  EXPECT_EQ(count("arrangement = 'pyramid'\nrows = 4\nradius = 1"), 30u);  // 16 + 9 + 4 + 1
+  EXPECT_EQ(count("arrangement = 'random'\ncount = 37\nradii = [1, 2]\nwidth = 20\ndepth = 9"),
+            37u);
+}
+
+TEST(SceneFile, WhatDoesNotBelongInSpaceIsRefused) {
+  const auto refused = [](const std::string& text, const std::string& because) {
+    try {
+      parse_any_scene(text, "test.toml");
+      ADD_FAILURE() << "read: " << text;
+    } catch (const SceneFileError& e) {
+      EXPECT_NE(std::string(e.what()).find(because), std::string::npos) << e.what();
+    }
+  };
+  expect_refused(kSphere + kTime, {"only 'bipot run'"});  // who reads disks only
+  refused("dim = 4\n" + kTime, "expected 2 or 3, got 4");
+  refused("dim = 2\n" + kSphere + kTime, "dim = 3");
+  refused("dim = 3\n" + kDisk + kTime, "'disks'");
+  refused("rotate_degrees = 3\n" + kSphere + kTime, "'rotate_degrees'");
+  refused("model = 'dem'\n" + kSphere + kTime, "not spheres");
+  refused(kSphere + "[[walls]]\npoint = [0, 0]\nnormal = [0, 1]\n" + kTime,
+          "expected 3 numbers, got 2");
+  refused(kSphere + "[[walls]]\ncenter = [0, 0, 0]\nradius = 1\n" + kTime, "cylinder");
+  refused(kSphere + "[[walls]]\nfrom = [0, 0, 0]\nto = [0, 0, 1]\n" + kTime, "half-space");
+  refused(
+      "[[spheres]]\narrangement = 'random'\nmass = 1\ncount = 3\nradii = [1]\nwidth = 1\n" + kTime,
+      "width");
+}
+
 TEST(SceneFile, UnknownWordsNameTheNearest) {
   expect_refused(kDisk + "material = 'steal'\n" + kTime, {"'material'", "'default'"});
   expect_refused("materials = ['steel', 'wood']\n" + kDisk + "material = 'steal'\n" + kTime,
@@ -493,11 +557,14 @@ TEST(SceneFile, EveryShippedSceneIsSound) {
   for (const auto& entry : std::filesystem::directory_iterator(kScenes)) {
     if (entry.path().extension() != ".toml") continue;
     ++count;
-    const Scene scene = read_scene(entry.path());
-    EXPECT_EQ(validate(scene), "") << entry.path();
-    EXPECT_FALSE(scene.title.empty()) << entry.path();
-    EXPECT_FALSE(scene.disks.empty()) << entry.path();
-    EXPECT_GT(scene.num_steps, 0) << entry.path();
+    std::visit(
+        [&](const auto& scene) {
+          EXPECT_EQ(validate(scene), "") << entry.path();
+          EXPECT_FALSE(scene.title.empty()) << entry.path();
+          EXPECT_FALSE(scene.disks.empty()) << entry.path();
+          EXPECT_GT(scene.num_steps, 0) << entry.path();
+        },
+        read_any_scene(entry.path()));
   }
   EXPECT_GE(count, 7);
 }
@@ -513,7 +580,7 @@ std::set<std::string> keys_in_the_source() {
     }
   }
   const std::regex access(
-      R"((?:has|maybe_number|number|positive|integer|natural|boolean|word|one_of|maybe_vec2|vec2|numbers|words|table|tables)\(\"([a-z_]+)\")");
+      R"((?:has|maybe_number|number|positive|integer|natural|boolean|word|one_of|maybe_vec2|vec2|maybe_vec<[3D]>|numbers|words|table|tables)\(\"([a-z_]+)\")");
   std::set<std::string> keys;
   for (std::sregex_iterator it(source.begin(), source.end(), access), end; it != end; ++it) {
     keys.insert((*it)[1]);

@@ -1,0 +1,180 @@
+#include "core/motion/sample_volume.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "core/scene/scene_box.h"
+
+namespace bipot {
+namespace {
+
+constexpr int kPrism = 64;   // sides that stand for a cylinder
+constexpr int kSides = 256;  // from which the sample is touched
+
+Vec3 centre_at_middle(const Sphere& s, double step) { return s.x - 0.5 * step * s.v; }
+
+/// Corners of a convex polygon with normal n, put in order around their mean.
+void put_in_order(std::vector<Vec3>& corners, const Vec3& n) {
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& c : corners) mean += c / static_cast<double>(corners.size());
+  const auto frame = contact_frame<3>(n);
+  std::vector<std::pair<double, Vec3>> by_angle;
+  for (const Vec3& c : corners) {
+    by_angle.emplace_back(std::atan2(frame[2].dot(c - mean), frame[1].dot(c - mean)), c);
+  }
+  std::sort(by_angle.begin(), by_angle.end(),
+            [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::size_t k = 0; k < corners.size(); ++k) corners[k] = by_angle[k].second;
+}
+
+/// Directions that cover the sphere evenly: a spiral with the golden angle.
+Vec3 side(int k) {
+  const double height = 1 - (2 * k + 1.0) / kSides;
+  const double angle = k * std::numbers::pi * (3 - std::sqrt(5.0));
+  const double width = std::sqrt(1 - height * height);
+  return Vec3(width * std::cos(angle), width * std::sin(angle), height);
+}
+
+/// Leaves what lies in a prism with the cylinder's axis and cross-section: exact where planes close it
+/// across the axis.
+void clip_by_cylinder(ConvexBody& body, const Vec3& point, const WallIn<3>& wall) {
+  const auto frame = contact_frame<3>(wall.normal);
+  // A polygon of n sides whose sides lie at a distance d has the area n d² tan(pi/n).
+  const double turn = 2 * std::numbers::pi / kPrism;
+  const double distance =
+      wall.radius * std::sqrt(std::numbers::pi / (kPrism * std::tan(0.5 * turn)));
+  for (int k = 0; k < kPrism; ++k) {
+    const Vec3 out = std::cos(k * turn) * frame[1] + std::sin(k * turn) * frame[2];
+    body.clip(point + distance * out, -out);
+  }
+}
+
+/// Volume that the walls enclose; NaN where they leave the sample open, or leave spheres out.
+double enclosed_volume(const StateIn<3>& state, double step, const BoxIn<3>& spheres) {
+  constexpr double kFar =
+      1e3;  // an enclosure this many times as wide as the spheres counts as none
+  const double width = spheres.size().maxCoeff();
+  BoxIn<3> far = spheres;
+  far.widen(kFar * width);
+  ConvexBody body(far.lower, far.upper);
+  for (const WallIn<3>& w : state.walls) {
+    if (!w.present) continue;
+    const Vec3 point = w.a - 0.5 * step * w.v;
+    if (w.shape == WallIn<3>::Shape::kHollowCircle) {
+      for (const Sphere& s : state.disks) {
+        const Vec3 d = centre_at_middle(s, step) - point;
+        if (!(d.cross(w.normal).norm() < w.radius)) return kNaN;
+      }
+      clip_by_cylinder(body, point, w);
+    }
+    if (w.shape != WallIn<3>::Shape::kHalfPlane) continue;
+    for (const Sphere& s : state.disks) {
+      if ((centre_at_middle(s, step) - point).dot(w.normal) < 0) return kNaN;
+    }
+    body.clip(point, w.normal);
+  }
+  for (const auto& face : body.faces()) {
+    for (const Vec3& corner : face) {
+      const Vec3 room = (corner - far.lower).cwiseMin(far.upper - corner);
+      if (room.minCoeff() <= width) return kNaN;
+    }
+  }
+  return body.faces().empty() ? kNaN : body.volume();
+}
+
+}  // namespace
+
+ConvexBody::ConvexBody(const Vec3& lower, const Vec3& upper) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+    for (const Vec3& at : {lower, upper}) {
+      std::vector<Vec3> face(4, at);
+      face[0][b] = face[3][b] = lower[b];
+      face[1][b] = face[2][b] = upper[b];
+      face[0][c] = face[1][c] = lower[c];
+      face[2][c] = face[3][c] = upper[c];
+      faces_.push_back(std::move(face));
+    }
+  }
+}
+
+void ConvexBody::clip(const Vec3& point, const Vec3& normal) {
+  std::vector<std::vector<Vec3>> kept;
+  std::vector<Vec3> cut;  // corners in the plane
+  bool removed = false;
+  for (std::vector<Vec3>& face : faces_) {
+    const bool in_front = std::all_of(face.begin(), face.end(),
+                                      [&](const Vec3& p) { return (p - point).dot(normal) > 0; });
+    if (in_front) {
+      kept.push_back(std::move(face));
+      continue;
+    }
+    std::vector<Vec3> rest;
+    for (std::size_t k = 0; k < face.size(); ++k) {
+      const Vec3 &p = face[k], &q = face[(k + 1) % face.size()];
+      const double at_p = (p - point).dot(normal), at_q = (q - point).dot(normal);
+      if (at_p >= 0) rest.push_back(p);
+      if (at_p == 0) cut.push_back(p);
+      removed = removed || at_p < 0;
+      if ((at_p > 0 && at_q < 0) || (at_p < 0 && at_q > 0)) {
+        rest.emplace_back(p + at_p / (at_p - at_q) * (q - p));
+        cut.push_back(rest.back());
+      }
+    }
+    if (rest.size() >= 3) kept.push_back(std::move(rest));
+  }
+  if (removed && cut.size() >= 3) {
+    put_in_order(cut, normal);
+    kept.push_back(std::move(cut));
+  }
+  faces_ = std::move(kept);
+}
+
+double ConvexBody::volume() const {
+  if (faces_.empty()) return 0;
+  const Vec3 inside = [&] {
+    Vec3 sum = Vec3::Zero();
+    double corners = 0;
+    for (const auto& face : faces_) {
+      for (const Vec3& c : face) sum += c;
+      corners += static_cast<double>(face.size());
+    }
+    return Vec3(sum / corners);
+  }();
+  // Pyramids from a point inside to the faces.
+  double sum = 0;
+  for (const auto& face : faces_) {
+    Vec3 twice = Vec3::Zero();
+    for (std::size_t k = 1; k + 1 < face.size(); ++k) {
+      twice += (face[k] - face[0]).cross(face[k + 1] - face[0]);
+    }
+    sum += std::abs(twice.dot(face[0] - inside)) / 6;
+  }
+  return sum;
+}
+
+double sample_area(const StateIn<3>& state, double step) {
+  if (state.disks.empty()) return 0;
+  BoxIn<3> box;
+  for (const Sphere& s : state.disks) {
+    box.include(centre_at_middle(s, step) - Vec3::Constant(s.radius));
+    box.include(centre_at_middle(s, step) + Vec3::Constant(s.radius));
+  }
+  if (const double enclosed = enclosed_volume(state, step, box); std::isfinite(enclosed)) {
+    return enclosed;
+  }
+  ConvexBody body(box.lower, box.upper);
+  for (int k = 0; k < kSides; ++k) {
+    const Vec3 out = side(k);
+    double reach = -kInfinity;
+    for (const Sphere& s : state.disks) {
+      reach = std::max(reach, centre_at_middle(s, step).dot(out) + s.radius);
+    }
+    body.clip(reach * out, -out);
+  }
+  return body.volume();
+}
+
+}  // namespace bipot

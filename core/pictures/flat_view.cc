@@ -1,0 +1,149 @@
+#include "core/pictures/flat_view.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "core/scene/scene_box.h"
+
+namespace bipot {
+namespace {
+
+/// The plane of the picture; `away` points from the eye into it.
+struct View {
+  Vec3 right, up, away;
+  Vec2 operator()(const Vec3& x) const { return Vec2(right.dot(x), up.dot(x)); }
+};
+
+View view_of(const Vec3& gravity) {
+  View view;
+  view.up = gravity.norm() > 0 ? Vec3(-gravity.normalized()) : Vec3(Vec3::UnitZ());
+  // The axis that is nearest to the horizontal, the first one of several.
+  int axis = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (std::abs(view.up[k]) < std::abs(view.up[axis]) - 1e-9) axis = k;
+  }
+  const Vec3 side = Vec3::Unit(axis);
+  view.right = (side - side.dot(view.up) * view.up).normalized();
+  view.away = view.up.cross(view.right);
+  return view;
+}
+
+/// Walls that a plane picture can show: half-spaces that are seen edge-on, and of cylinders the circle
+/// that one looks along, or the two sides between which a hollow one that is seen from the side
+/// holds what is `off` from its axis.
+void add_wall(const WallIn<3>& w, const View& view, double off, FlatView& flat) {
+  Wall wall;
+  wall.name = w.name;
+  wall.a = view(w.a);
+  if (!w.present) return;
+  const double away = std::abs(w.normal.dot(view.away));
+  if (w.shape == WallIn<3>::Shape::kHalfPlane) {
+    if (away > 1e-9) return;
+    wall.normal = view(w.normal).normalized();
+    flat.state.walls.push_back(wall);
+  } else if (away > 1 - 1e-9) {
+    wall.shape = w.shape == WallIn<3>::Shape::kHollowCircle ? Wall::Shape::kHollowCircle
+                                                            : Wall::Shape::kSolidCircle;
+    wall.radius = w.radius;
+    flat.state.walls.push_back(wall);
+  } else if (away < 1e-9 && w.shape == WallIn<3>::Shape::kHollowCircle &&
+             std::abs(off) < w.radius) {
+    const Vec2 axis = view(w.normal);
+    const double half = std::sqrt(w.radius * w.radius - off * off);
+    for (const double to : {-half, half}) {
+      wall.normal = Vec2(-axis[1], axis[0]) * (to > 0 ? -1 : 1);
+      wall.a = view(w.a) - std::abs(to) * wall.normal;
+      flat.state.walls.push_back(wall);
+    }
+  }
+}
+
+/// What both views share: everything but the disks and the contacts. `depth`: of the cut; of the view of
+/// all, nothing: walls are shown by their outlines.
+FlatView frame_of(const SceneIn<3>& scene, const StateIn<3>& state, const View& view,
+                  std::optional<double> depth) {
+  FlatView flat;
+  flat.scene.title = scene.title;
+  flat.scene.source = scene.source;
+  flat.scene.gravity = view(scene.gravity);
+  flat.scene.step = scene.step;
+  flat.scene.materials = scene.materials;
+  flat.scene.laws = scene.laws;
+  flat.state.step = state.step;
+  flat.state.time = state.time;
+  for (const WallIn<3>& w : state.walls) {
+    add_wall(w, view, depth ? *depth - view.away.dot(w.a) : 0, flat);
+  }
+  flat.scene.walls = flat.state.walls;
+  return flat;
+}
+
+/// Contacts of the spheres that have a disk.
+void add_contacts(const StateIn<3>& state, const View& view, FlatView& flat) {
+  const int spheres = static_cast<int>(state.disks.size());
+  const int disks = static_cast<int>(flat.bodies.size());
+  std::vector<int> disk_of(state.disks.size(), -1);
+  for (int k = 0; k < disks; ++k) disk_of[to_size(flat.bodies[to_size(k)])] = k;
+  for (const ContactOutcomeIn<3>& o : state.contacts) {
+    const int i = disk_of[to_size(o.contact.i)];
+    // All walls stand behind the disks: the picture only asks whether it is one.
+    const int j = o.contact.j < spheres ? disk_of[to_size(o.contact.j)] : disks;
+    if (i < 0 || j < 0) continue;
+    ContactOutcome shown;
+    shown.contact = {i, j, view(o.contact.n), o.contact.gap};
+    shown.s_n = o.s_n;
+    shown.s_t = o.s_t.norm();
+    shown.status = o.status;
+    flat.state.contacts.push_back(shown);
+  }
+}
+
+}  // namespace
+
+FlatView project(const SceneIn<3>& scene, const StateIn<3>& state) {
+  const View view = view_of(scene.gravity);
+  FlatView flat = frame_of(scene, state, view, std::nullopt);
+  flat.bodies.resize(state.disks.size());
+  std::iota(flat.bodies.begin(), flat.bodies.end(), 0);
+  const auto depth = [&](int k) { return view.away.dot(state.disks[to_size(k)].x); };
+  std::stable_sort(flat.bodies.begin(), flat.bodies.end(),
+                   [&](int a, int b) { return depth(a) > depth(b); });
+  for (const int k : flat.bodies) {
+    const Sphere& s = state.disks[to_size(k)];
+    Disk disk;
+    disk.x = view(s.x);
+    disk.radius = s.radius;
+    flat.state.disks.push_back(disk);
+  }
+  flat.scene.disks = flat.state.disks;
+  add_contacts(state, view, flat);
+  return flat;
+}
+
+FlatView slice(const SceneIn<3>& scene, const StateIn<3>& state) {
+  const View view = view_of(scene.gravity);
+  double near = kInfinity, far = -kInfinity;
+  for (const Sphere& s : state.disks) {
+    near = std::min(near, view.away.dot(s.x) - s.radius);
+    far = std::max(far, view.away.dot(s.x) + s.radius);
+  }
+  const double middle = state.disks.empty() ? 0 : 0.5 * (near + far);
+  FlatView flat = frame_of(scene, state, view, middle);
+  for (std::size_t k = 0; k < state.disks.size(); ++k) {
+    const Sphere& s = state.disks[k];
+    const double off = view.away.dot(s.x) - middle;
+    if (!(std::abs(off) < s.radius)) continue;
+    Disk disk;
+    disk.x = view(s.x);
+    disk.radius = std::sqrt(s.radius * s.radius - off * off);
+    flat.state.disks.push_back(disk);
+    flat.bodies.push_back(static_cast<int>(k));
+  }
+  flat.scene.disks = flat.state.disks;
+  add_contacts(state, view, flat);
+  return flat;
+}
+
+}  // namespace bipot

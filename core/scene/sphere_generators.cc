@@ -1,0 +1,86 @@
+#include "core/scene/sphere_generators.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/scene/random_radii.h"
+
+namespace bipot {
+namespace {
+
+Sphere sphere_at(const Vec3& x, double radius) {
+  Sphere sphere;
+  sphere.x = x;
+  sphere.radius = radius;
+  return sphere;
+}
+
+}  // namespace
+
+std::vector<Sphere> cubic_lattice(int columns, int rows, int layers, double radius,
+                                  const Vec3& corner) {
+  std::vector<Sphere> spheres;
+  spheres.reserve(to_size(columns) * to_size(rows) * to_size(layers));
+  for (int k = 0; k < layers; ++k) {
+    for (int j = 0; j < rows; ++j) {
+      for (int i = 0; i < columns; ++i) {
+        spheres.push_back(
+            sphere_at(corner + radius * Vec3(2 * i + 1, 2 * j + 1, 2 * k + 1), radius));
+      }
+    }
+  }
+  return spheres;
+}
+
+std::vector<Sphere> sphere_pyramid(int rows, double radius, const Vec3& corner) {
+  const double rise = std::sqrt(2.0);  // of a layer, in radii
+  std::vector<Sphere> spheres;
+  for (int k = 0; k < rows; ++k) {
+    for (int j = 0; j < rows - k; ++j) {
+      for (int i = 0; i < rows - k; ++i) {
+        spheres.push_back(
+            sphere_at(corner + radius * Vec3(2 * i + 1 + k, 2 * j + 1 + k, 1 + k * rise), radius));
+      }
+    }
+  }
+  return spheres;
+}
+
+std::vector<Sphere> random_spheres(int count, const std::vector<RadiusClass>& classes,
+                                   const Vec2& base, double spacing, std::uint64_t seed,
+                                   const Vec3& corner) {
+  check_filling(count, classes, spacing);
+  PortableRandom random(seed);
+  const std::vector<double> radii = drawn_radii(count, classes, random);
+  double largest = 0;
+  for (const RadiusClass& c : classes) largest = std::max(largest, c.radius);
+  const double pitch = 2 * largest * (1 + spacing);
+  const auto cells = [&](double length, const char* what) {
+    const double number = std::floor(length / pitch * (1 + 1e-12));
+    if (!(number >= 1 && number <= 1e4)) {
+      throw std::invalid_argument(
+          fmt::format("{} = {} m holds {} spheres of radius {} m side by side, not 1 to 10000",
+                      what, length, number, largest));
+    }
+    return static_cast<int>(number);
+  };
+  const int columns = cells(base[0], "width"), rows = cells(base[1], "depth");
+  const Vec3 cell(base[0] / columns, base[1] / rows, pitch);
+  std::vector<Sphere> spheres;
+  spheres.reserve(radii.size());
+  for (int k = 0; k < count; ++k) {
+    const double radius = radii[to_size(k)];
+    const Vec3 number(k % columns, k / columns % rows, k / (columns * rows));
+    Vec3 x = corner + number.cwiseProduct(cell);
+    for (int axis = 0; axis < 3; ++axis) {
+      x[axis] += radius + random.uniform() * std::max(cell[axis] - 2 * radius, 0.0);
+    }
+    spheres.push_back(sphere_at(x, radius));
+  }
+  return spheres;
+}
+
+}  // namespace bipot

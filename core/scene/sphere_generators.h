@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/scene/generators.h"
+#include "core/scene/scene.h"
+
+namespace bipot {
+
+/// Lattices of equal, touching spheres. `corner` is the corner of the bounding box with the least
+/// coordinates; radius in m. Only position and radius are set. Order: along x, then y, then z.
+
+/// columns x rows x layers along x, y and z.
+std::vector<Sphere> cubic_lattice(int columns, int rows, int layers, double radius,
+                                  const Vec3& corner);
+/// Cannon balls: square layers of rows², (rows - 1)², ..., 1, each sphere in the hollow of four.
+std::vector<Sphere> sphere_pyramid(int rows, double radius, const Vec3& corner);
+
+/// A loose, overlap-free random filling: random_filling() of generators.h with cells over the
+/// rectangle `base` (along x and y), filled upwards along z. Throws std::invalid_argument.
+std::vector<Sphere> random_spheres(int count, const std::vector<RadiusClass>& classes,
+                                   const Vec2& base, double spacing, std::uint64_t seed,
+                                   const Vec3& corner);
+
+}  // namespace bipot

@@ -1,0 +1,95 @@
+#include "core/scene/wall_pieces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "core/scene/contact_frame.h"
+
+namespace bipot {
+namespace {
+
+/// How far the corners of a box reach along a direction, from a point.
+struct Reach {
+  double first = kInfinity, last = -kInfinity;
+};
+
+Reach reach_along(const BoxIn<3>& box, const Vec3& point, const Vec3& direction) {
+  Reach reach;
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 x = box.lower;
+    for (int k = 0; k < 3; ++k) {
+      if ((corner >> k & 1) != 0) x[k] = box.upper[k];
+    }
+    const double at = (x - point).dot(direction);
+    reach.first = std::min(reach.first, at);
+    reach.last = std::max(reach.last, at);
+  }
+  return reach;
+}
+
+std::array<Vec3, 4> plane_corners(const WallIn<3>& wall, const BoxIn<3>& box) {
+  // Along the axes of space where the plane is: its piece of a box is then a face of it.
+  int least = 0;
+  for (int k = 1; k < 3; ++k) {
+    if (std::abs(wall.normal[k]) < std::abs(wall.normal[least]) - 1e-12) least = k;
+  }
+  const Vec3 axis = Vec3::Unit(least);
+  const Vec3 t = (axis - axis.dot(wall.normal) * wall.normal).normalized();
+  const Vec3 s = wall.normal.cross(t);
+  const Reach along = reach_along(box, wall.a, t), across = reach_along(box, wall.a, s);
+  return {wall.a + along.first * t + across.first * s, wall.a + along.last * t + across.first * s,
+          wall.a + along.last * t + across.last * s, wall.a + along.first * t + across.last * s};
+}
+
+}  // namespace
+
+std::size_t num_wall_pieces(std::span<const WallIn<3>> walls) {
+  std::size_t pieces = 0;
+  for (const WallIn<3>& w : walls) pieces += w.is_circle() ? to_size(kPrismSides) : 1;
+  return pieces;
+}
+
+std::vector<WallPiece> wall_pieces(std::span<const WallIn<3>> walls, const BoxIn<3>& box) {
+  std::vector<WallPiece> pieces;
+  for (std::size_t k = 0; k < walls.size(); ++k) {
+    const WallIn<3>& wall = walls[k];
+    const int index = static_cast<int>(k);
+    if (!wall.is_circle()) {
+      pieces.push_back({index, wall.present ? plane_corners(wall, box)
+                                            : std::array{wall.a, wall.a, wall.a, wall.a}});
+      continue;
+    }
+    const auto frame = contact_frame<3>(wall.normal);
+    const Reach length = reach_along(box, wall.a, wall.normal);
+    const double radius = wall.present ? wall.radius : 0;
+    const auto edge = [&](int side, double at) {
+      const double angle = 2 * std::numbers::pi * side / kPrismSides;
+      return Vec3(wall.a + at * wall.normal +
+                  radius * (std::cos(angle) * frame[1] + std::sin(angle) * frame[2]));
+    };
+    for (int side = 0; side < kPrismSides; ++side) {
+      pieces.push_back({index,
+                        {edge(side, length.first), edge(side + 1, length.first),
+                         edge(side + 1, length.last), edge(side, length.last)}});
+    }
+  }
+  return pieces;
+}
+
+BoxIn<3> view_box(std::span<const Sphere> spheres, std::span<const WallIn<3>> walls) {
+  BoxIn<3> box;
+  for (const Sphere& s : spheres) {
+    box.include(s.x + Vec3::Constant(s.radius));
+    box.include(s.x - Vec3::Constant(s.radius));
+  }
+  if (!box.empty()) return box;
+  for (const WallIn<3>& w : walls) box.include(w.a);
+  if (box.empty()) box.include(Vec3::Zero());
+  const double width = box.size().maxCoeff();
+  box.widen(width > 0 ? 0.1 * width : 1.0);
+  return box;
+}
+
+}  // namespace bipot

@@ -1,0 +1,82 @@
+#include "core/motion/sample_volume.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "tests/support/scene_parts.h"
+
+namespace bipot {
+namespace {
+
+TEST(ConvexBody, IsCutByPlanes) {
+  ConvexBody body(Vec3::Zero(), Vec3(2, 3, 4));
+  EXPECT_NEAR(body.volume(), 24, 1e-12);
+  body.clip(Vec3(0, 0, 5), -Vec3::UnitZ());  // above it
+  EXPECT_NEAR(body.volume(), 24, 1e-12);
+  body.clip(Vec3(0, 0, 4), -Vec3::UnitZ());  // touches it
+  EXPECT_NEAR(body.volume(), 24, 1e-12);
+  body.clip(Vec3(0, 0, 1), -Vec3::UnitZ());
+  EXPECT_NEAR(body.volume(), 6, 1e-12);
+  // Along a diagonal, through four corners: half is left.
+  body.clip(Vec3::Zero(), Vec3(3, -2, 0).normalized());
+  EXPECT_NEAR(body.volume(), 3, 1e-12);
+  body.clip(Vec3(9, 9, 9), Vec3::UnitX());
+  EXPECT_NEAR(body.volume(), 0, 1e-12);
+}
+
+// The corner of a cube of edge 1 that a plane through three of its corners cuts off is a sixth.
+TEST(ConvexBody, LosesACorner) {
+  ConvexBody body(Vec3::Zero(), Vec3::Ones());
+  body.clip(Vec3::UnitX(), Vec3(1, 1, 1).normalized());
+  EXPECT_NEAR(body.volume(), 5.0 / 6, 1e-12);
+}
+
+TEST(SampleVolume, IsWhatWallsEnclose) {
+  StateIn<3> state;
+  state.disks = {ball(Vec3(1, 1, 1), 1, Vec3(0, 0, 3)), ball(Vec3(1, 3, 1), 1, Vec3(0, 0, 3))};
+  state.walls = {
+      half_space(Vec3::Zero(), Vec3::UnitX()),   half_space(Vec3::Zero(), Vec3::UnitY()),
+      half_space(Vec3::Zero(), Vec3::UnitZ()),   half_space(Vec3(2, 0, 0), -Vec3::UnitX()),
+      half_space(Vec3(0, 5, 0), -Vec3::UnitY()), half_space(Vec3(0, 0, 4), -Vec3::UnitZ())};
+  EXPECT_NEAR(sample_area(state, 0), 2 * 5 * 4, 1e-10);
+  // A lid that moves counts where it was at mid-step, half of 0.1 s x 2 m/s before.
+  state.walls[5].v = Vec3(0, 0, 2);
+  EXPECT_NEAR(sample_area(state, 0.1), 2 * 5 * (4 - 0.1), 1e-10);
+  EXPECT_EQ(sample_area(StateIn<3>{}, 0), 0);
+}
+
+// A pipe of radius 3 m that a floor and a lid close: π r² h. Without the lid nothing is enclosed.
+TEST(SampleVolume, IsWhatAPipeEncloses) {
+  StateIn<3> state;
+  state.disks = {ball(Vec3(6, 5, 1), 0.5)};
+  WallIn<3> pipe = half_space(Vec3(5, 5, 9), Vec3::UnitZ());
+  pipe.shape = WallIn<3>::Shape::kHollowCircle;
+  pipe.radius = 3;
+  state.walls = {pipe, half_space(Vec3::Zero(), Vec3::UnitZ()),
+                 half_space(Vec3(0, 0, 4), -Vec3::UnitZ())};
+  EXPECT_NEAR(sample_area(state, 0), std::numbers::pi * 9 * 4, 1e-9);
+  state.walls[2].present = false;
+  EXPECT_LT(sample_area(state, 0), 1);
+}
+
+// Touched from 256 sides, 4π/256 of the sphere each, about as wide as a cone of half angle d = 0.125:
+// the planes lie outside, so the volume is larger, by about 3/4 d² = 1.2 %. A row is its length times
+// the round cross-section and the two caps; fewer sides touch that along lines.
+TEST(SampleVolume, IsNearlyTheHullWithoutWalls) {
+  const double round = 4 * std::numbers::pi / 3 * 8;
+  StateIn<3> state;
+  state.disks = {ball(Vec3(5, 6, 7), 2)};
+  EXPECT_GT(sample_area(state, 0), round);
+  EXPECT_LT(sample_area(state, 0), 1.015 * round);
+  state.walls = {half_space(Vec3(0, 0, 5), Vec3::UnitZ())};  // a floor encloses nothing
+  EXPECT_LT(sample_area(state, 0), 1.015 * round);
+  state.disks.push_back(ball(Vec3(9, 6, 7), 2));
+  const double row = round + 4 * std::numbers::pi * 4;
+  EXPECT_GT(sample_area(state, 0), row);
+  EXPECT_LT(sample_area(state, 0), 1.04 * row);
+}
+
+}  // namespace
+}  // namespace bipot
