@@ -104,9 +104,21 @@ TEST(KeptContacts, ChangesOfTheBodiesEndTheList) {
   walls[0].normal = Vec2(0.6, 0.8);
   for (int k = 0; k < 5; ++k) expect_right(0.5);
   EXPECT_EQ(kept.searches(), 5);
-  disks[3].x += Vec2(9, 9);  // a single one that jumps
+  walls.push_back({});
+  walls.back().shape = Wall::Shape::kHollowCircle;
+  walls.back().a = Vec2(10, 10);
+  walls.back().radius = 11;
   for (int k = 0; k < 5; ++k) expect_right(0.5);
   EXPECT_EQ(kept.searches(), 6);
+  walls.back().radius = 8;
+  for (int k = 0; k < 5; ++k) expect_right(0.5);
+  EXPECT_EQ(kept.searches(), 7);
+  walls.back().present = false;
+  for (int k = 0; k < 5; ++k) expect_right(0.5);
+  EXPECT_EQ(kept.searches(), 8);
+  disks[3].x += Vec2(9, 9);  // a single one that jumps
+  for (int k = 0; k < 5; ++k) expect_right(0.5);
+  EXPECT_EQ(kept.searches(), 9);
   disks.clear();
   expect_right(0.5);
 }
