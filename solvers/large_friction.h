@@ -5,20 +5,22 @@
 
 namespace bipot {
 
-/// Friction multiplies the rounding of the sliding velocity in û = u + mu |u_t| n: from mu = 1e4 on
-/// the guarded error in double precision may be met by rounding alone. There a claim of convergence
+/// Two things let the guarded error in double precision be met by rounding alone: friction multiplies
+/// the rounding of the sliding velocity in û = u + mu |u_t| n (from mu = 1e4 on), and impulses of a
+/// hyperstatic packing may be large beside the energy that they move. There a claim of convergence
 /// must hold in extended precision as well (core/problem/extended_error.h).
 struct ExtendedClaim {
   bool holds = true;
   double error = kNaN;  ///< guarded error in extended precision; NaN where it was not asked for
 };
 
-/// Judges the impulse s, which meets options.tol in double precision. It holds where friction is
-/// below 1e4, where another stop test is asked for, and up to 1.25 tolerances: what double
-/// precision cannot see. s is taken as it is, on the cone.
+/// Judges the impulse s, whose figures `error` meet options.tol in double precision. It holds where
+/// neither is the case, where another stop test is asked for, and up to 1.25 tolerances: what
+/// double precision cannot see. s is taken as it is, on the cone.
 ExtendedClaim claim_in_extended_precision(const ContactProblem& problem,
                                           const SolverOptions& options,
-                                          const Eigen::Ref<const Vector>& s);
+                                          const Eigen::Ref<const Vector>& s,
+                                          const ContactError& error);
 
 /// Replaces s, entry by entry, by neighbouring doubles while that lowers the guarded error (the
 /// larger one of both precisions), in at most ten rounds. Of an exact answer rounded to double only

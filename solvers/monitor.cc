@@ -47,7 +47,7 @@ bool IterationMonitor::judge(const Eigen::Ref<const Vector>& s, double impulse_c
   }
   if (options_.stop == StopTest::kImpulse) return impulse_change <= options_.tol;
   return bipot::meets(options_, last_) &&
-         claim_in_extended_precision(problem_, options_, evaluator_.impulse()).holds;
+         claim_in_extended_precision(problem_, options_, evaluator_.impulse(), last_).holds;
 }
 
 bool IterationMonitor::meets(const Eigen::Ref<const Vector>& s) {

@@ -62,11 +62,11 @@ std::string validate_options(const SolverEntry& entry, const ContactProblem& p,
 void judge_in_extended_precision(const ContactProblem& problem, const SolverOptions& options,
                                  SolveResult& result) {
   if (result.status != SolveStatus::kConverged) return;
-  const ExtendedClaim claim = claim_in_extended_precision(problem, options, result.s);
+  const ExtendedClaim claim = claim_in_extended_precision(problem, options, result.s, result.error);
   if (claim.holds) return;
   result.status = SolveStatus::kStalled;
   result.message = fmt::format(
-      "stalled at the rounding of large friction: guarded error {:.3e} in double, {:.3e} in extended "
+      "stalled at rounding: guarded error {:.3e} in double, {:.3e} in extended "
       "precision (it said: {})",
       result.error.guarded(), claim.error, result.message);
 }

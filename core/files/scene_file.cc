@@ -42,6 +42,7 @@ void read_materials(const SceneTable& root, SceneIn<D>& scene) {
       if (*distance < 0) table->fail("distance", "expected a number >= 0");
       scene.contact_distance = *distance;
     }
+    scene.project_overlaps = table->one_of("overlaps", "keep", {"keep", "project"}) == "project";
     table->finish();
   }
   scene.materials = root.words("materials");
@@ -106,6 +107,14 @@ std::vector<RadiusClass> read_classes(const SceneTable& table) {
   return classes;
 }
 
+/// A slip of the keyboard is refused before it takes all memory.
+void require_possible(const SceneTable& table, std::string_view key, double count) {
+  constexpr double kMostDisks = 1e7;
+  if (count > kMostDisks) {
+    table.fail(key, fmt::format("{:.3g} disks, at most {:g} are possible", count, kMostDisks));
+  }
+}
+
 std::vector<Disk> read_group(const SceneTable& table) {
   static const std::vector<std::string> kArrangements = {"single", "rectangular", "triangular",
                                                          "pyramid", "random"};
@@ -123,6 +132,7 @@ std::vector<Disk> read_group(const SceneTable& table) {
     const int seed = table.integer("seed", 1);
     if (seed < 0) table.fail("seed", "expected a non-negative integer");
     const int count = table.natural("count");
+    require_possible(table, "count", count);
     const double width = table.positive("width");
     const double spacing = table.number("spacing", 0.1);
     try {
@@ -134,8 +144,12 @@ std::vector<Disk> read_group(const SceneTable& table) {
   }
   const double radius = table.positive("radius");
   const int rows = table.natural("rows");
-  if (arrangement == "pyramid") return pyramid(rows, radius, corner);
+  if (arrangement == "pyramid") {
+    require_possible(table, "rows", 0.5 * rows * (rows + 1.0));
+    return pyramid(rows, radius, corner);
+  }
   const int columns = table.natural("columns");
+  require_possible(table, "rows", static_cast<double>(rows) * columns);
   return arrangement == "rectangular" ? rectangular_lattice(columns, rows, radius, corner)
                                       : triangular_lattice(columns, rows, radius, corner);
 }

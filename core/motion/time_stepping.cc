@@ -8,6 +8,7 @@
 
 #include "core/motion/midpoint.h"
 #include "core/motion/outside_changes.h"
+#include "core/motion/projection.h"
 #include "core/motion/warm_start.h"
 #include "core/problem/delassus.h"
 #include "core/scene/wall_motion.h"
@@ -119,6 +120,22 @@ Vector TimeStepperIn<D>::solve_contacts(const StateIn<D>& state,
   return std::move(solution.s);
 }
 
+/// What lifts the bodies out of each other is what their shocks took too much: it is booked there.
+template <int D>
+void TimeStepperIn<D>::take_out_overlaps(StateIn<D>& next, StepOutcomeIn<D>& outcome,
+                                         StepReportIn<D>& report) {
+  const VecIn<D> gravity = gravity_at(scene_, next.time);
+  const double before = potential_energy(next, gravity);
+  const Projection done = project_overlaps(scene_, solver_, explicit_delassus_, threads_, next);
+  report.iterations += done.iterations;
+  if (!done.solved) {
+    report.converged = false;
+    report.message = done.message;
+  }
+  outcome.wall_work += done.wall_work;
+  outcome.shock_loss -= potential_energy(next, gravity) - before - done.wall_work;
+}
+
 template <int D>
 StepReportIn<D> TimeStepperIn<D>::advance(StateIn<D>& state) {
   StepReportIn<D> report;
@@ -140,6 +157,7 @@ StepReportIn<D> TimeStepperIn<D>::advance(StateIn<D>& state) {
       outside_changes(scene_, state, mid.walls, mid.gravity, next.disks, next.time);
   outcome.wall_work += changes.work;
   outcome.external += changes.impulse;
+  if (scene_.project_overlaps) take_out_overlaps(next, outcome, report);
   close_ledger(scene_, state, outcome, next, report);
   next.contacts = std::move(outcome.contacts);
 

@@ -102,6 +102,8 @@ class TimeStepperIn {
   Vector solve_contacts(const StateIn<D>& state, std::span<const ContactIn<D>> contacts,
                         StepReportIn<D>& report);
 
+  void take_out_overlaps(StateIn<D>& next, StepOutcomeIn<D>& outcome, StepReportIn<D>& report);
+
   const SceneIn<D>& scene_;
   StepSolver solver_;
   bool explicit_delassus_;

@@ -190,6 +190,9 @@ std::string validate(const SceneIn<D>& scene) {
   if (!(scene.contact_distance >= 0) || !std::isfinite(scene.contact_distance)) {
     return fmt::format("contact distance = {} m is not >= 0", scene.contact_distance);
   }
+  if (scene.project_overlaps && (scene.cell.periodic() || scene.model == Model::kSpringDashpot)) {
+    return "overlaps = \"project\" has no meaning in a periodic cell, nor with the model \"dem\"";
+  }
   if (scene.laws.size() != scene.materials.size() * scene.materials.size()) {
     return fmt::format("{} contact laws for {} materials", scene.laws.size(), materials);
   }

@@ -155,7 +155,8 @@ struct SceneIn {
   std::vector<ContactLaw> laws;        ///< materials² entries, symmetric, row-major
   double step = 0;                     ///< h > 0                    [s]
   int num_steps = 0;
-  double contact_distance = 0;  ///< eta of data/method.md §4 [m]
+  double contact_distance = 0;    ///< eta of data/method.md §4 [m]
+  bool project_overlaps = false;  ///< after every step: core/motion/projection.h
   Model model = Model::kNonsmooth;
   SolverChoice solver;      ///< nonsmooth model only
   SpringDashpotChoice dem;  ///< spring-dashpot model only

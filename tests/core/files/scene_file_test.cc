@@ -605,5 +605,25 @@ TEST(SceneFile, EveryKeyIsDocumentedAndNoOther) {
   EXPECT_EQ(documented, known);
 }
 
+// Of 20 000 rows, 2e8 disks: found by tests/fuzz/scene_fuzz.cc.
+TEST(SceneFile, MoreDisksThanMemoryHoldsAreRefused) {
+  const std::string rows = "[[disks]]\nradius = 0.1\nrows = 20000\n";
+  expect_refused(rows + "arrangement = \"pyramid\"\n" + kTime,
+                 {"test.toml:3", "'rows'", "2e+08", "at most 1e+07"});
+  expect_refused(rows + "arrangement = \"triangular\"\ncolumns = 20000\n" + kTime, {"4e+08"});
+  expect_refused(
+      "[[disks]]\narrangement = \"random\"\ncount = 20000000\nradii = [1]\nwidth = 9\n" + kTime,
+      {"'count'", "2e+07"});
+}
+
+TEST(SceneFile, OverlapsAreKeptOrProjected) {
+  EXPECT_FALSE(parse_scene("[contact]\nmu = 0\n" + kTime, "test.toml").project_overlaps);
+  EXPECT_TRUE(
+      parse_scene("[contact]\noverlaps = \"project\"\n" + kTime, "test.toml").project_overlaps);
+  expect_refused("[contact]\noverlaps = \"ignore\"\n" + kTime, {"'overlaps'", "project"});
+  expect_refused("model = \"dem\"\n[contact]\noverlaps = \"project\"\n" + kTime,
+                 {"overlaps", "dem"});
+}
+
 }  // namespace
 }  // namespace bipot

@@ -1,0 +1,85 @@
+#include "core/motion/projection.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include "core/motion/assembly.h"
+#include "core/problem/delassus.h"
+#include "core/scene/contact_detection.h"
+
+namespace bipot {
+namespace {
+
+// A pair that moves out of its overlap within so many steps is left alone.
+constexpr double kLeaving = 10;
+
+/// The scene's materials without friction and restitution: a row a contact, no rotations.
+template <int D>
+SceneIn<D> frictionless(const SceneIn<D>& scene) {
+  SceneIn<D> flat;
+  flat.materials = scene.materials;
+  flat.laws.assign(scene.laws.size(), ContactLaw{});
+  flat.step = scene.step;
+  return flat;
+}
+
+template <int D>
+void displace(const AssembledStep& assembled, const Vector& way, StateIn<D>& state,
+              double& wall_work) {
+  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    const int k = assembled.dofs.disk[i];
+    if (k >= 0) state.disks[i].x += way.segment<D>(k);
+  }
+  for (std::size_t w = 0; w < state.walls.size(); ++w) {
+    const int k = assembled.dofs.wall[w];
+    if (k < 0) continue;
+    WallIn<D>& wall = state.walls[w];
+    wall.a += way[k] * wall.direction;
+    wall.b += way[k] * wall.direction;
+    wall_work += way[k] * wall.force;
+  }
+}
+
+}  // namespace
+
+template <int D>
+Projection project_overlaps(const SceneIn<D>& scene, const StepSolver& solver,
+                            bool explicit_delassus, int threads, StateIn<D>& state) {
+  Projection result;
+  const std::vector<ContactIn<D>> contacts =
+      detect_contacts<D>(state.disks, state.walls, scene.contact_distance, threads);
+  const bool overlap = std::any_of(contacts.begin(), contacts.end(), [&](const ContactIn<D>& c) {
+    return c.gap < -scene.contact_distance;
+  });
+  if (!overlap) return result;
+
+  const SceneIn<D> flat = frictionless(scene);
+  const std::vector<VecIn<D>> still(state.disks.size(), VecIn<D>::Zero());
+  const std::vector<double> still_walls(state.walls.size(), 0.0);
+  // With the state's velocities, so that u_before says which pairs move apart.
+  AssembledStep assembled = assemble_step<D>(flat, state.disks, state.walls, contacts, still,
+                                             still_walls, explicit_delassus, threads);
+  ContactProblem& p = assembled.problem;
+  p.v_free.setZero();
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    const Eigen::Index row = static_cast<Eigen::Index>(c);
+    const double gap = contacts[c].gap;
+    const bool leaves = kLeaving * scene.step * assembled.u_before[row] > -gap;
+    p.u_free[row] = leaves ? std::max(gap, 0.0) : gap;
+  }
+  const StepSolution solution = solver(p, Vector());
+  result.iterations = solution.iterations;
+  result.solved = solution.converged && solution.s.size() == p.num_rows();
+  if (!result.solved) {
+    result.message = "overlaps were not taken out: " + solution.message;
+    return result;
+  }
+  displace(assembled, body_velocities(p, solution.s), state, result.wall_work);
+  return result;
+}
+
+template Projection project_overlaps(const Scene&, const StepSolver&, bool, int, State&);
+template Projection project_overlaps(const SceneIn<3>&, const StepSolver&, bool, int, StateIn<3>&);
+
+}  // namespace bipot
