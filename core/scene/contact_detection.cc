@@ -100,6 +100,18 @@ std::vector<Level<D>> build_levels(std::span<const BodyIn<D>> disks, double eta)
   return levels;
 }
 
+/// Of the contact just found, of a with b: what is glued to a wall comes second, and two of that kind
+/// do not see each other.
+template <int D>
+void sort_glued(const BodyIn<D>& a, const BodyIn<D>& b, std::vector<ContactIn<D>>& out) {
+  if (a.wall >= 0 && b.wall >= 0) {
+    out.pop_back();
+  } else if (a.wall >= 0) {
+    std::swap(out.back().i, out.back().j);
+    out.back().n = -out.back().n;
+  }
+}
+
 template <int D>
 void test_pair(std::span<const BodyIn<D>> disks, int i, int j, double eta,
                std::vector<ContactIn<D>>& out) {
@@ -115,6 +127,7 @@ void test_pair(std::span<const BodyIn<D>> disks, int i, int j, double eta,
         "{}s {} and {} have the same centre: their contact has no normal", kBodyName<D>, i, j));
   }
   out.push_back({i, j, d / distance, distance - (a.radius + b.radius)});
+  if (a.wall >= 0 || b.wall >= 0) sort_glued<D>(a, b, out);
 }
 
 using Entries = std::vector<CellEntry>;
@@ -237,6 +250,7 @@ std::vector<ContactIn<D>> all_contacts(std::span<const BodyIn<D>> disks,
   for (int w = 0; w < static_cast<int>(walls.size()); ++w) {
     if (!walls[to_size(w)].present) continue;
     for (int i = 0; i < num_disks; ++i) {
+      if (disks[to_size(i)].wall >= 0) continue;
       find_wall_contact<D>(disks[to_size(i)], i, walls[to_size(w)], num_disks + w, eta, contacts);
     }
   }
