@@ -17,7 +17,7 @@ struct NamedScene {
 };
 
 /// Scenes of 40 steps in which everything that a state carries is in use at step 17.
-const NamedScene kScenes[] = {
+const NamedScene kRestartScenes[] = {
     {"plate, drum, dam and tilt", R"(
 [contact]
 mu = 0.3
@@ -161,7 +161,7 @@ void expect_same(const State& a, const State& b) {
 }
 
 TEST(SceneRestart, GoesOnBitForBit) {
-  for (const NamedScene& named : kScenes) {
+  for (const NamedScene& named : kRestartScenes) {
     SCOPED_TRACE(named.name);
     const TemporaryFolder folder;
     const Scene scene = parse_scene(named.text, "test.toml");
