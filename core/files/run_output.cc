@@ -296,6 +296,9 @@ void RunWriter::write_run_file() const {
   write_doubles(file, "/disks/mass", "kg", disks, [](const Disk& d) { return d.mass; });
   write_doubles(file, "/disks/inertia", "kg m2", disks, [](const Disk& d) { return d.inertia; });
   write_ints(file, "/disks/material", disks, [](const Disk& d) { return d.material; });
+  if (std::any_of(disks.begin(), disks.end(), [](const Disk& d) { return d.wall >= 0; })) {
+    write_ints(file, "/disks/wall", disks, [](const Disk& d) { return d.wall; });
+  }
   write_point_numbers(file, "/disks/points", disks.size());
   write_wall_definitions(file, scene_.walls);
   if (scene_.cell.periodic()) write_cell_definition(file, scene_.cell);

@@ -51,6 +51,9 @@ std::vector<Disk> read_disks(const Hdf5File& fixed, const Hdf5File& frame) {
   const auto angle = read_sized(frame, "/disks/angle", n);
   const auto v = read_sized(frame, "/disks/v", 3 * n);
   const auto spin = read_sized(frame, "/disks/spin", n);
+  // Only rough walls write which disks are theirs.
+  const auto wall = fixed.exists("/disks/wall") ? read_sized_ints(fixed, "/disks/wall", n)
+                                                : std::vector<int>(n, -1);
   std::vector<Disk> disks(n);
   for (std::size_t k = 0; k < n; ++k) {
     disks[k] = {.x = Vec2(x[2 * k], x[2 * k + 1]),
@@ -60,7 +63,8 @@ std::vector<Disk> read_disks(const Hdf5File& fixed, const Hdf5File& frame) {
                 .radius = radius[k],
                 .mass = mass[k],
                 .inertia = inertia[k],
-                .material = material[k]};
+                .material = material[k],
+                .wall = wall[k]};
   }
   return disks;
 }

@@ -68,8 +68,31 @@ void read_materials(const SceneTable& root, Scene& scene) {
   }
 }
 
+/// The wall that a group of disks is glued to.
+int wall_index(const Scene& scene, const SceneTable& table) {
+  const std::string name = table.word("wall", "");
+  std::vector<std::string> names;
+  for (const Wall& w : scene.walls) names.push_back(w.name);
+  const auto it = std::find(names.begin(), names.end(), name);
+  if (it == names.end()) table.fail("wall", unknown_name_message("wall", name, names));
+  return static_cast<int>(it - names.begin());
+}
+
 /// Mass, inertia, initial motion and material of a group's disks.
 void read_common(const SceneTable& table, const Scene& scene, std::vector<Disk>& disks) {
+  const int material = material_index(scene, table, "material");
+  if (table.has("wall")) {
+    for (const char* key : {"mass", "density", "inertia", "velocity", "spin"}) {
+      if (table.has(key)) table.fail(key, "belongs to disks that are not glued to a wall");
+    }
+    const int wall = wall_index(scene, table);
+    for (Disk& d : disks) {
+      d.material = material;
+      d.wall = wall;
+      d.v = scene.walls[to_size(wall)].v;
+    }
+    return;
+  }
   const std::optional<double> density = table.maybe_number("density");
   const std::optional<double> mass = table.maybe_number("mass");
   if (density.has_value() == mass.has_value()) {
@@ -80,7 +103,6 @@ void read_common(const SceneTable& table, const Scene& scene, std::vector<Disk>&
   const std::optional<double> inertia = table.maybe_number("inertia");
   const Vec2 v = table.vec2("velocity", Vec2::Zero());
   const double spin = table.number("spin", 0);
-  const int material = material_index(scene, table, "material");
   for (Disk& d : disks) {
     d.mass = mass ? *mass : *density * std::numbers::pi * d.radius * d.radius;
     d.inertia = inertia ? *inertia : 0.5 * d.mass * d.radius * d.radius;
@@ -251,15 +273,16 @@ Scene parse_scene(const std::string& text, const std::string& source) {
   scene.gravity = root.vec2("gravity", Vec2(0, -9.81));
   scene.contact_distance = -1;
   read_materials(root, scene);
+  // Disks may name walls.
+  for (const SceneTable& table : root.tables("walls")) {
+    scene.walls.push_back(read_wall(table, scene, scene.walls.size()));
+    table.finish();
+  }
   for (const SceneTable& table : root.tables("disks")) {
     std::vector<Disk> disks = read_group(table);
     read_common(table, scene, disks);
     table.finish();
     scene.disks.insert(scene.disks.end(), disks.begin(), disks.end());
-  }
-  for (const SceneTable& table : root.tables("walls")) {
-    scene.walls.push_back(read_wall(table, scene, scene.walls.size()));
-    table.finish();
   }
   scene.cell = read_cell(root);
   if (const auto degrees = root.maybe_number("rotate_degrees")) {
