@@ -197,7 +197,7 @@ std::string difference(const Scene& a, const Scene& b) {
   for (std::size_t i = 0; i < a.disks.size(); ++i) {
     const Disk &x = a.disks[i], &y = b.disks[i];
     if (x.x != y.x || x.v != y.v || x.spin != y.spin || x.radius != y.radius || x.mass != y.mass ||
-        x.inertia != y.inertia || x.material != y.material) {
+        x.inertia != y.inertia || x.material != y.material || x.wall != y.wall) {
       return "disks";
     }
   }

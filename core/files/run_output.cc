@@ -471,6 +471,9 @@ void RunWriterIn<D>::write_run_file() const {
   write_doubles(file, "/disks/inertia", "kg m2", disks,
                 [](const BodyIn<D>& d) { return d.inertia; });
   write_ints(file, "/disks/material", disks, [](const BodyIn<D>& d) { return d.material; });
+  if (std::any_of(disks.begin(), disks.end(), [](const BodyIn<D>& d) { return d.wall >= 0; })) {
+    write_ints(file, "/disks/wall", disks, [](const BodyIn<D>& d) { return d.wall; });
+  }
   write_point_numbers(file, "/disks/points", disks.size());
   write_wall_definitions(file, scene_.walls);
   if (scene_.cell.periodic()) write_cell_definition(file, scene_.cell);

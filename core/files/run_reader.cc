@@ -59,6 +59,9 @@ std::vector<BodyIn<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame) 
                              : read_sized(frame, "/disks/orientation", 4 * n);
   const auto v = read_sized(frame, "/disks/v", 3 * n);
   const auto spin = read_sized(frame, "/disks/spin", to_size(kSpins<D>) * n);
+  // Only rough walls write which disks are theirs.
+  const auto wall = fixed.exists("/disks/wall") ? read_sized_ints(fixed, "/disks/wall", n)
+                                                : std::vector<int>(n, -1);
   std::vector<BodyIn<D>> disks(n);
   for (std::size_t k = 0; k < n; ++k) {
     BodyIn<D>& d = disks[k];
@@ -76,6 +79,7 @@ std::vector<BodyIn<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame) 
     d.mass = mass[k];
     d.inertia = inertia[k];
     d.material = material[k];
+    d.wall = wall[k];
   }
   return disks;
 }

@@ -72,8 +72,31 @@ void read_materials(const SceneTable& root, SceneIn<D>& scene) {
   }
 }
 
+/// The wall that a group of disks is glued to.
+int wall_index(const Scene& scene, const SceneTable& table) {
+  const std::string name = table.word("wall", "");
+  std::vector<std::string> names;
+  for (const Wall& w : scene.walls) names.push_back(w.name);
+  const auto it = std::find(names.begin(), names.end(), name);
+  if (it == names.end()) table.fail("wall", unknown_name_message("wall", name, names));
+  return static_cast<int>(it - names.begin());
+}
+
 /// Mass, inertia, initial motion and material of a group's disks.
 void read_common(const SceneTable& table, const Scene& scene, std::vector<Disk>& disks) {
+  const int material = material_index(scene, table, "material");
+  if (table.has("wall")) {
+    for (const char* key : {"mass", "density", "inertia", "velocity", "spin"}) {
+      if (table.has(key)) table.fail(key, "belongs to disks that are not glued to a wall");
+    }
+    const int wall = wall_index(scene, table);
+    for (Disk& d : disks) {
+      d.material = material;
+      d.wall = wall;
+      d.v = scene.walls[to_size(wall)].v;
+    }
+    return;
+  }
   const std::optional<double> density = table.maybe_number("density");
   const std::optional<double> mass = table.maybe_number("mass");
   if (density.has_value() == mass.has_value()) {
@@ -84,7 +107,6 @@ void read_common(const SceneTable& table, const Scene& scene, std::vector<Disk>&
   const std::optional<double> inertia = table.maybe_number("inertia");
   const Vec2 v = table.vec2("velocity", Vec2::Zero());
   const double spin = table.number("spin", 0);
-  const int material = material_index(scene, table, "material");
   for (Disk& d : disks) {
     d.mass = mass ? *mass : *density * std::numbers::pi * d.radius * d.radius;
     d.inertia = inertia ? *inertia : 0.5 * d.mass * d.radius * d.radius;
@@ -293,11 +315,12 @@ SceneIn<D> parse_in(const SceneTable& root, const std::string& source) {
   scene.gravity = root.maybe_vec<D>("gravity").value_or(-9.81 * VecIn<D>::Unit(D - 1));
   scene.contact_distance = -1;
   read_materials(root, scene);
-  read_bodies(root, scene);
+  // Disks may name walls.
   for (const SceneTable& table : root.tables("walls")) {
     scene.walls.push_back(read_wall(table, scene, scene.walls.size()));
     table.finish();
   }
+  read_bodies(root, scene);
   if constexpr (D == 2) read_cell_and_turn(root, scene);
   read_tilt(root, scene);
   read_time(root, scene);

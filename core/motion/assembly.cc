@@ -10,20 +10,28 @@
 namespace bipot {
 namespace {
 
+/// The wall that a contact acts on: that of a disk which is glued to it, too; -1 for a free disk.
 template <int D>
-DofMap number_dofs(bool friction, std::size_t num_disks, std::span<const WallIn<D>> walls,
-                   std::span<const ContactIn<D>> contacts, const Cell* cell) {
+int wall_of(const ContactIn<D>& contact, std::span<const BodyIn<D>> disks) {
+  const std::size_t j = to_size(contact.j);
+  return j < disks.size() ? disks[j].wall : static_cast<int>(j - disks.size());
+}
+
+template <int D>
+DofMap number_dofs(bool friction, std::span<const BodyIn<D>> disks,
+                   std::span<const WallIn<D>> walls, std::span<const ContactIn<D>> contacts,
+                   const Cell* cell) {
   DofMap dofs;
   dofs.per_disk = friction ? D + kSpins<D> : D;
-  dofs.disk.assign(num_disks, -1);
+  dofs.disk.assign(disks.size(), -1);
   dofs.wall.assign(walls.size(), -1);
   for (const ContactIn<D>& c : contacts) {
     dofs.disk[to_size(c.i)] = 0;
-    const std::size_t j = to_size(c.j);
-    if (j < num_disks) {
-      dofs.disk[j] = 0;
-    } else if (walls[j - num_disks].motion == WallIn<D>::Motion::kDriven) {
-      dofs.wall[j - num_disks] = 0;
+    const int w = wall_of<D>(c, disks);
+    if (w < 0) {
+      dofs.disk[to_size(c.j)] = 0;
+    } else if (walls[to_size(w)].motion == WallIn<D>::Motion::kDriven) {
+      dofs.wall[to_size(w)] = 0;
     }
   }
   for (int& first : dofs.disk) {
@@ -123,12 +131,13 @@ void add_spin(ColumnWriter& columns, int row, double arm, const Vec3& n, const V
 
 /// Entries of H in the columns of a contact.
 template <int D>
-int entries_of(const ContactIn<D>& contact, std::size_t num_disks, const DofMap& dofs, int d) {
+int entries_of(const ContactIn<D>& contact, std::span<const BodyIn<D>> disks, const DofMap& dofs,
+               int d) {
   const int of_disk = D + (d - 1) * (D + kSpins<D>);
-  const std::size_t j = to_size(contact.j);
+  const int w = wall_of<D>(contact, disks);
   const int of_cell = d * sides_of(contact, dofs);
-  if (j < num_disks) return 2 * of_disk + of_cell;
-  return of_disk + of_cell + (dofs.wall[j - num_disks] >= 0 ? d : 0);
+  if (w < 0) return 2 * of_disk + of_cell;
+  return of_disk + of_cell + (dofs.wall[to_size(w)] >= 0 ? d : 0);
 }
 
 /// The columns and rows of contact c.
@@ -139,12 +148,14 @@ void write_contact(const StepInput<D>& in, const ContactIn<D>& contact, int c,
   ContactProblem& p = step.problem;
   const int d = in.dim;
   const std::size_t i = to_size(contact.i), j = to_size(contact.j);
-  const bool with_disk = j < in.disks.size();
-  const std::size_t w = with_disk ? 0 : j - in.disks.size();
+  const int at_wall = wall_of<D>(contact, in.disks);
+  const bool with_disk = at_wall < 0;
+  const std::size_t w = with_disk ? 0 : to_size(at_wall);
   const BodyIn<D>& a = in.disks[i];
   const BodyIn<D>* b = with_disk ? &in.disks[j] : nullptr;
   const WallIn<D>* wall = with_disk ? nullptr : &in.walls[w];
-  const ContactLaw& law = in.scene.law(a.material, with_disk ? b->material : wall->material);
+  const ContactLaw& law =
+      in.scene.law(a.material, j < in.disks.size() ? in.disks[j].material : wall->material);
   const double r_n = std::sqrt(1 + law.e_n), r_t = std::sqrt(1 + law.e_t);
   p.mu[c] = d > 1 ? law.mu * r_t / r_n : 0.0;
 
@@ -210,7 +221,7 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
   const int num_contacts = static_cast<int>(contacts.size());
 
   AssembledStep step;
-  step.dofs = number_dofs<D>(friction, disks.size(), walls, contacts, cell.cell);
+  step.dofs = number_dofs<D>(friction, disks, walls, contacts, cell.cell);
   const DofMap& dofs = step.dofs;
   ContactProblem& p = step.problem;
   p.dim = d;
@@ -254,8 +265,7 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
   // Where the columns of each contact begin: they are written on several threads.
   std::vector<int> start(to_size(num_contacts) + 1, 0);
   for (int c = 0; c < num_contacts; ++c) {
-    start[to_size(c) + 1] =
-        start[to_size(c)] + entries_of<D>(contacts[to_size(c)], disks.size(), dofs, d);
+    start[to_size(c) + 1] = start[to_size(c)] + entries_of<D>(contacts[to_size(c)], disks, dofs, d);
   }
   p.H.resize(dofs.size, d * num_contacts);
   p.H.resizeNonZeros(start.back());

@@ -34,6 +34,7 @@ ForceBalanceIn<D> force_balance(const SceneIn<D>& scene, const StateIn<D>& state
     }
   }
   for (std::size_t i = 0; i < disks; ++i) {
+    if (state.disks[i].wall >= 0) continue;  // held by its wall
     const double weight = state.disks[i].mass * scene.gravity.norm();
     balance.force = std::max(balance.force, force[i].norm() / weight);
     balance.moment =

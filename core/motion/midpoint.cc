@@ -14,7 +14,10 @@ MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, in
   const double middle = state.time + 0.5 * h;
   mid.walls = walls_at(scene.walls, state.walls, middle);
   mid.gravity = gravity_at(scene, middle);
-  for (BodyIn<D>& d : mid.disks) drift(d, 0.5 * h);
+  for (BodyIn<D>& d : mid.disks) {
+    if (d.wall >= 0) d.v = mid.walls[to_size(d.wall)].v;  // which may have started or stopped
+    drift(d, 0.5 * h);
+  }
   for (WallIn<D>& w : mid.walls) {
     w.a += 0.5 * h * w.v;
     w.b += 0.5 * h * w.v;
@@ -46,6 +49,13 @@ MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, in
     const WallIn<D>& wall = mid.walls[w];
     if (wall.motion != WallIn<D>::Motion::kDriven) continue;
     mid.wall_v_free[w] = driven_speed(wall) + h * wall.force / wall.mass;
+  }
+  for (std::size_t i = 0; i < mid.disks.size(); ++i) {
+    if (mid.disks[i].wall < 0) continue;
+    const std::size_t w = to_size(mid.disks[i].wall);
+    const bool driven = mid.walls[w].motion == WallIn<D>::Motion::kDriven;
+    mid.disk_v_free[i] =
+        driven ? driven_velocity(mid.walls[w], mid.wall_v_free[w]) : mid.walls[w].v;
   }
   return mid;
 }

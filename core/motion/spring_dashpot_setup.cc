@@ -211,6 +211,9 @@ SpringDashpotSetup spring_dashpot_setup(const Scene& scene) {
   if (scene.cell.periodic()) {
     throw std::invalid_argument("dem: periodic scenes are for rigid contacts only");
   }
+  for (const Disk& d : scene.disks) {
+    if (d.wall >= 0) throw std::invalid_argument("dem: rough walls are for rigid contacts only");
+  }
   for (const Wall& w : scene.walls) {
     if (w.removed == kInfinity) continue;
     throw std::invalid_argument(fmt::format(

@@ -86,6 +86,7 @@ std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state) {
     if (a.mass != b.mass) return differs("mass", a.mass, b.mass);
     if (a.inertia != b.inertia) return differs("inertia", a.inertia, b.inertia);
     if (a.material != b.material) return differs("material", a.material, b.material);
+    if (a.wall != b.wall) return differs("wall", a.wall, b.wall);
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     const WallIn<D>&a = state.walls[i], &b = scene.walls[i];

@@ -93,9 +93,11 @@ StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
   for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
     const ContactIn<D>& contact = mid.contacts[c];
     const std::size_t i = to_size(contact.i), j = to_size(contact.j);
-    const WallIn<D>* wall = j < num_disks ? nullptr : &mid.walls[j - num_disks];
+    const bool with_disk = j < num_disks;
+    const int w = with_disk ? mid.disks[j].wall : static_cast<int>(j - num_disks);
+    const WallIn<D>* wall = w < 0 ? nullptr : &mid.walls[to_size(w)];
     const ContactLaw& law =
-        scene.law(mid.disks[i].material, wall == nullptr ? mid.disks[j].material : wall->material);
+        scene.law(mid.disks[i].material, with_disk ? mid.disks[j].material : wall->material);
     const ContactValues<D> values = contact_values<D>(p, assembled, law, static_cast<int>(c), s, u);
     const auto frame = contact_frame<D>(contact.n);
     const TangentIn<D> s_t = tangential<D>(values.s, frame);

@@ -28,6 +28,7 @@ StateIn<D> update_bodies(const MidpointIn<D>& mid, const DofMap& dofs, const Vec
   next.walls = mid.walls;
   for (std::size_t i = 0; i < next.disks.size(); ++i) {
     BodyIn<D>& d = next.disks[i];
+    if (d.wall >= 0) continue;
     const int k = dofs.disk[i];
     d.v = k < 0 ? mid.disk_v_free[i] : VecIn<D>(v.segment<D>(k));
     if (k >= 0 && dofs.per_disk > D) set_spin(d, v, k + D);
@@ -41,6 +42,11 @@ StateIn<D> update_bodies(const MidpointIn<D>& mid, const DofMap& dofs, const Vec
     }
     wall.a += 0.5 * h * wall.v;
     wall.b += 0.5 * h * wall.v;
+  }
+  for (BodyIn<D>& d : next.disks) {
+    if (d.wall < 0) continue;
+    d.v = next.walls[to_size(d.wall)].v;
+    drift(d, 0.5 * h);
   }
   if (!mid.cell.periodic()) return next;
   next.cell = mid.cell;

@@ -67,6 +67,7 @@ Mat2 fitted_gradient(const std::vector<const Disk*>& disks) {
 double disks_area(const State& placed, const ObservableChoice& choice) {
   double sum = 0;
   for (const Disk& d : placed.disks) {
+    if (d.wall >= 0) continue;
     if (!choice.window) {
       sum += std::numbers::pi * d.radius * d.radius;
       continue;
@@ -83,7 +84,7 @@ void observe_contacts(const State& placed, const ObservableChoice& choice,
                       const std::vector<bool>& rattles, Observables& seen) {
   std::vector<bool> counted(placed.disks.size());
   for (std::size_t i = 0; i < placed.disks.size(); ++i) {
-    counted[i] = in_window(choice, placed.disks[i].x);
+    counted[i] = placed.disks[i].wall < 0 && in_window(choice, placed.disks[i].x);
     if (!counted[i]) continue;
     ++seen.disks;
     seen.rattlers += rattles[i] ? 1 : 0;
@@ -159,7 +160,7 @@ std::vector<bool> find_rattlers(const Scene& scene, const State& state) {
   std::vector<bool> rattles(disks, false);
   std::vector<std::size_t> loose;
   const auto let_go = [&](std::size_t i) {
-    if (rattles[i] || held[i] >= needed) return;
+    if (rattles[i] || held[i] >= needed || state.disks[i].wall >= 0) return;
     rattles[i] = true;
     loose.push_back(i);
   };
@@ -193,6 +194,7 @@ Observables observe(const Scene& scene, const State& state, const ObservableChoi
   seen.solid_fraction = disks_area(placed, choice) / area;
   std::vector<const Disk*> measured;
   for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    if (placed.disks[i].wall >= 0) continue;
     if (in_window(choice, placed.disks[i].x)) measured.push_back(&placed.disks[i]);
   }
   seen.velocity_gradient = fitted_gradient(measured);
@@ -237,6 +239,7 @@ Profile observe_profile(const State& state, double step, const ObservableChoice&
   profile.spin.assign(bins, 0.0);
   const auto a = static_cast<Eigen::Index>(axis);
   for (const Disk& d : placed.disks) {
+    if (d.wall >= 0) continue;
     for (const Vec2& shift : image_shifts(placed.cell)) {
       const Vec2 x = d.x + shift;
       const int first =

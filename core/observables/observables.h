@@ -9,7 +9,7 @@
 namespace bipot {
 
 /// What a state says of its sample, or of a window of it. A disk counts where its centre is, a contact where
-/// it touches; loaded contacts have s_n > 0. Undefined values are NaN.
+/// it touches; loaded contacts have s_n > 0. Disks that are glued to a wall are part of the wall. Undefined values are NaN.
 struct Observables {
   int disks = 0;                    ///< in the window
   int rattlers = 0;                 ///< of them: disks that nothing holds, see find_rattlers()

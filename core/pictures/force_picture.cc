@@ -32,6 +32,7 @@ constexpr Colour kSlip = {0.95, 0.62, 0.04};
 constexpr Colour kSlipRim = {0.42, 0.24, 0.0};
 constexpr Colour kTakeOff = {0.55, 0.55, 0.55};
 constexpr Colour kDisk = {0.965, 0.965, 0.955};
+constexpr Colour kGlued = {0.7, 0.7, 0.7};
 constexpr Colour kDiskRim = {0.74, 0.74, 0.72};
 constexpr Colour kWall = {0.2, 0.2, 0.2};
 constexpr Colour kText = {0.13, 0.13, 0.13};
@@ -332,7 +333,8 @@ class Picture {
       const double rim = std::clamp(0.06 * radius, 0.15, 1.2);
       cairo_new_path(c);
       cairo_arc(c, x[0], x[1], std::max(radius - 0.5 * rim, 0.1), 0, 2 * std::numbers::pi);
-      set(c, fill.empty() ? kDisk : sequential_colour(full_fill_ > 0 ? fill[k] / full_fill_ : 0));
+      set(c, fill.empty() ? (d.wall >= 0 ? kGlued : kDisk)
+                          : sequential_colour(full_fill_ > 0 ? fill[k] / full_fill_ : 0));
       cairo_fill_preserve(c);
       set(c, fill.empty() ? kDiskRim : kFilledRim);
       cairo_set_line_width(c, rim);

@@ -7,7 +7,7 @@
 
 namespace bipot {
 
-/// A candidate contact of disk (in space: sphere) i with the body j: a disk (j > i) or the wall
+/// A candidate contact of disk (in space: sphere) i with the body j: a disk (j > i, or glued to a wall) or the wall
 /// j - num_disks. In a periodic cell with an image of j (core/scene/cell.h).
 template <int D>
 struct ContactIn {

@@ -100,6 +100,18 @@ std::vector<Level<D>> build_levels(std::span<const BodyIn<D>> disks, double eta)
   return levels;
 }
 
+/// Of the contact just found, of a with b: what is glued to a wall comes second, and two of that kind
+/// do not see each other.
+template <int D>
+void sort_glued(const BodyIn<D>& a, const BodyIn<D>& b, std::vector<ContactIn<D>>& out) {
+  if (a.wall >= 0 && b.wall >= 0) {
+    out.pop_back();
+  } else if (a.wall >= 0) {
+    std::swap(out.back().i, out.back().j);
+    out.back().n = -out.back().n;
+  }
+}
+
 template <int D>
 void test_pair(std::span<const BodyIn<D>> disks, int i, int j, double eta,
                std::vector<ContactIn<D>>& out) {
@@ -115,6 +127,14 @@ void test_pair(std::span<const BodyIn<D>> disks, int i, int j, double eta,
         "{}s {} and {} have the same centre: their contact has no normal", kBodyName<D>, i, j));
   }
   out.push_back({i, j, d / distance, distance - (a.radius + b.radius)});
+  if (a.wall >= 0 || b.wall >= 0) sort_glued<D>(a, b, out);
+}
+
+template <int D>
+void test_half_plane(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int j, double eta,
+                     std::vector<ContactIn<D>>& out) {
+  const double gap = wall.normal.dot(disk.x - wall.a) - disk.radius;
+  if (gap <= eta && disk.wall < 0) out.push_back({i, j, wall.normal, gap});
 }
 
 using Entries = std::vector<CellEntry>;
@@ -235,9 +255,15 @@ std::vector<ContactIn<D>> all_contacts(std::span<const BodyIn<D>> disks,
   }
   const int num_disks = static_cast<int>(disks.size());
   for (int w = 0; w < static_cast<int>(walls.size()); ++w) {
-    if (!walls[to_size(w)].present) continue;
+    const WallIn<D>& wall = walls[to_size(w)];
+    if (!wall.present) continue;
     for (int i = 0; i < num_disks; ++i) {
-      find_wall_contact<D>(disks[to_size(i)], i, walls[to_size(w)], num_disks + w, eta, contacts);
+      const BodyIn<D>& disk = disks[to_size(i)];
+      if (wall.shape == WallIn<D>::Shape::kHalfPlane) {
+        test_half_plane<D>(disk, i, wall, num_disks + w, eta, contacts);
+      } else {
+        find_wall_contact<D>(disk, i, wall, num_disks + w, eta, contacts);
+      }
     }
   }
   return sorted(contacts, num_disks);
@@ -248,9 +274,9 @@ std::vector<ContactIn<D>> all_contacts(std::span<const BodyIn<D>> disks,
 template <int D>
 void find_wall_contact(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int j, double eta,
                        std::vector<ContactIn<D>>& out) {
+  if (disk.wall >= 0) return;
   if (wall.shape == WallIn<D>::Shape::kHalfPlane) {
-    const double gap = wall.normal.dot(disk.x - wall.a) - disk.radius;
-    if (gap <= eta) out.push_back({i, j, wall.normal, gap});
+    test_half_plane<D>(disk, i, wall, j, eta, out);
     return;
   }
   if (wall.is_circle()) {

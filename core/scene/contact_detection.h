@@ -9,7 +9,8 @@
 namespace bipot {
 
 /// All pairs (disk, disk) and (disk, wall) with gap <= eta, sorted by (i, j); j is a disk index or
-/// disks.size() + wall index. In space the disks are spheres. A hierarchical grid with one level per power of two of the radius:
+/// disks.size() + wall index. Disks that are glued to a wall come second, and see neither each other
+/// nor walls. In space the disks are spheres. A hierarchical grid with one level per power of two of the radius:
 /// O(N log N) in the number N of disks for any ratio of radii, plus N times the number of walls.
 /// Deterministic, with the same bits for any number of threads. Throws std::invalid_argument for
 /// disks with coincident centres (no normal).

@@ -66,7 +66,7 @@ ContactIn<D> between_originals(const ContactIn<D>& found, const CellCopy<D>& cop
   contact.j = copy.original[b];
   contact.image_x = copy.image[b].kx - copy.image[a].kx;
   contact.image_y = copy.image[b].ky - copy.image[a].ky;
-  if (contact.i < contact.j) return contact;
+  if (contact.i < contact.j || copy.disks[b].wall >= 0) return contact;
   std::swap(contact.i, contact.j);
   contact.n = -contact.n;
   contact.image_x = -contact.image_x;
@@ -86,6 +86,7 @@ void find_at_wall(const std::vector<BodyIn<D>>& disks, const WallIn<D>& wall, in
   if (!wall.present) return;
   std::vector<ContactIn<D>> found;
   for (std::size_t i = 0; i < disks.size(); ++i) {
+    if (disks[i].wall >= 0) continue;
     found.clear();
     if (wall.shape == WallIn<D>::Shape::kHalfPlane) {
       find_wall_contact<D>(disks[i], static_cast<int>(i), wall, j, eta, found);
@@ -130,7 +131,8 @@ std::vector<ContactIn<D>> detect_periodic_contacts(const std::vector<BodyIn<D>>&
   std::vector<ContactIn<D>> contacts;
   const int count = static_cast<int>(disks.size());
   for (const ContactIn<D>& found : detect_contacts<D>(copy.disks, {}, eta, threads)) {
-    if (found.i >= count) continue;  // both are images: their originals are met as well
+    if (found.i >= count && found.j >= count)
+      continue;  // both are images: their originals are met as well
     contacts.push_back(between_originals<D>(found, copy));
   }
   for (std::size_t w = 0; w < walls.size(); ++w) {

@@ -43,8 +43,12 @@ std::string check_body(const BodyIn<D>& d, std::size_t i, int materials) {
   if (auto e = check_finite(what, i, "velocity", d.v); !e.empty()) return e;
   if (auto e = check_turn(d, i); !e.empty()) return e;
   if (auto e = check_positive(what, i, "radius", d.radius); !e.empty()) return e;
-  if (auto e = check_positive(what, i, "mass", d.mass); !e.empty()) return e;
-  if (auto e = check_positive(what, i, "inertia", d.inertia); !e.empty()) return e;
+  if (d.wall < 0) {
+    if (auto e = check_positive(what, i, "mass", d.mass); !e.empty()) return e;
+    if (auto e = check_positive(what, i, "inertia", d.inertia); !e.empty()) return e;
+  } else if (d.mass != 0 || d.inertia != 0) {
+    return fmt::format("{} {} is glued to a wall, and has a mass of {} kg", what, i, d.mass);
+  }
   if (d.material < 0 || d.material >= materials) {
     return fmt::format("{} {}: material index {} is not in [0, {})", what, i, d.material,
                        materials);
@@ -93,6 +97,20 @@ std::string check_wall(const WallIn<D>& w, std::size_t i, int materials) {
     return fmt::format("wall {}: material index {} is not in [0, {})", i, w.material, materials);
   }
   return {};
+}
+
+/// A wall that turns would carry its disks around, one that goes leaves them behind: neither is there.
+template <int D>
+std::string check_glued(const SceneIn<D>& scene, std::size_t i) {
+  const int w = scene.disks[i].wall;
+  if (w < 0) return {};
+  if (w >= static_cast<int>(scene.walls.size())) {
+    return fmt::format("{} {}: there is no wall {}", kBodyName<D>, i, w);
+  }
+  const WallIn<D>& wall = scene.walls[to_size(w)];
+  if (wall.spin == 0 && wall.removed == kInfinity) return {};
+  return fmt::format("{} {} is glued to wall '{}', which turns or is removed", kBodyName<D>, i,
+                     wall.name);
 }
 
 /// What a periodic scene may have besides its bodies.
@@ -207,6 +225,7 @@ std::string validate(const SceneIn<D>& scene) {
   }
   for (std::size_t i = 0; i < scene.disks.size(); ++i) {
     if (auto e = check_body(scene.disks[i], i, materials); !e.empty()) return e;
+    if (auto e = check_glued(scene, i); !e.empty()) return e;
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     if (auto e = check_wall(scene.walls[i], i, materials); !e.empty()) return e;

@@ -34,6 +34,9 @@ struct BodyIn<2> {
   double mass = 0;        ///< > 0                                    [kg]
   double inertia = 0;     ///< > 0; m a²/2 for a homogeneous cylinder [kg m²]
   int material = 0;       ///< index into Scene::materials
+  int wall =
+      -1;  ///< glued to this wall: it moves as the wall does, has no mass, and what touches it
+           ///< acts on the wall; -1: free
 };
 using Disk = BodyIn<2>;
 
@@ -49,6 +52,7 @@ struct BodyIn<3> {
   double mass = 0;           ///< > 0                                    [kg]
   double inertia = 0;        ///< > 0; 2/5 m a² for a homogeneous sphere [kg m²]
   int material = 0;          ///< index into SceneIn::materials
+  int wall = -1;             ///< as of a disk
 };
 using Sphere = BodyIn<3>;
 

@@ -327,6 +327,19 @@ TEST(SceneFile, ObservablesAreMeasuredWhereTheyAreAskedFor) {
                  {"two different points"});
 }
 
+TEST(SceneFile, DisksGluedToAWall) {
+  const std::string glued = "[[disks]]\nposition = [0, 0]\nradius = 1\nwall = 'lid'\n";
+  const std::string lid = "[[walls]]\nname = 'lid'\npoint = [0, 0]\nnormal = [0, -1]\n";
+  const Scene s = parse(kDisk + glued + kFloor + lid + "velocity = [3, 0]\n" + kTime);
+  EXPECT_EQ(s.disks[0].wall, -1);
+  EXPECT_EQ(s.disks[1].wall, 1);
+  EXPECT_EQ(s.disks[1].mass, 0);
+  EXPECT_EQ(s.disks[1].v, Vec2(3, 0));
+  expect_refused(glued + kFloor + kTime, {"test.toml:4", "'wall'", "'lid'"});
+  expect_refused(glued + "mass = 1\n" + lid + kTime, {"test.toml:5", "'mass'", "not glued"});
+  expect_refused(glued + lid + "removed = 1\n" + kTime, {"disk 0", "'lid'", "removed"});
+}
+
 TEST(SceneFile, RotationTurnsTheBodiesAndNotGravity) {
   const Scene s =
       parse("rotate_degrees = 90\n" + kDisk + "velocity = [4, 5]\n" +

@@ -101,6 +101,83 @@ TEST(WallMotion, ThePlatesOwnMotionAcrossIsNotItsEnergy) {
   EXPECT_EQ(wall_momentum(falling), Vec2(0, -8));
 }
 
+TEST(WallMotion, ARoughPlateLiesOnWhatItsDisksTouch) {
+  // A plate of 4 kg, pressed down with 50 N, carries a glued disk of radius 0.1, which stands on
+  // a free disk of the same size straight above the floor: both contacts carry 50 N (no gravity),
+  // and the plate stays. Momentum and energy close.
+  Scene scene = rough_scene(0.4);
+  scene.disks = {cylinder(Vec2(0, 0.1), 0.1), cylinder(Vec2(0, 0.3), 0.1)};
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.35, 50, 0)};
+  scene.disks[1].mass = scene.disks[1].inertia = 0;
+  scene.disks[1].wall = 1;
+  ASSERT_EQ(validate(scene), "");
+  scene.num_steps = 20;
+  Books books;
+  const State end = run_scene(scene, [&](const State&, const StepReport& r) { books.add(r); });
+  ASSERT_EQ(end.contacts.size(), 2u);
+  for (const ContactOutcome& c : end.contacts) {
+    EXPECT_EQ(c.contact.i, 0);
+    EXPECT_NEAR(c.s_n / scene.step, 50, 1e-7);
+  }
+  EXPECT_NEAR(end.disks[1].x[1], 0.3, 1e-8);
+  EXPECT_LT(books.energy, 1e-13);
+  EXPECT_LT(books.momentum, 1e-13);
+}
+
+TEST(WallMotion, ARoughPlateFallsWithItsDisks) {
+  // Nothing below: plate and glued disk fall with 50/4 m/s² together, and no contact is seen
+  // between the two glued disks, which overlap, nor between them and their wall.
+  Scene scene = rough_scene(0.4);
+  scene.disks = {cylinder(Vec2(0, 1), 0.1), cylinder(Vec2(0.1, 1), 0.1)};
+  scene.walls = {pressed_plate(1, 50, 0.3)};
+  for (Disk& d : scene.disks) {
+    d.mass = d.inertia = 0;
+    d.wall = 0;
+  }
+  scene.num_steps = 10;
+  const State end = run_scene(scene, [](const State&, const StepReport& r) {
+    EXPECT_EQ(r.contacts, 0);
+    EXPECT_LT(std::abs(r.energy.imbalance), 1e-14);
+  });
+  EXPECT_NEAR(end.walls[0].v[1], -12.5 * 0.01, 1e-14);
+  for (const Disk& d : end.disks) {
+    EXPECT_NEAR(d.x[1] - end.walls[0].a[1], 0, 1e-15);
+    EXPECT_NEAR(d.v[0], 0.3, 1e-15);
+  }
+  EXPECT_NEAR(end.disks[0].x[0], 0.003, 1e-15);
+}
+
+TEST(WallMotion, ARoughWallHoldsADiskThatASmoothOneLetsSlide) {
+  // A disk in the hollow of two glued disks on a slope of 20 degrees, without friction: it stands as long as
+  // the slope is less than the hollow's 30 degrees (three equal disks in touch), here against
+  // contacts with s_n = m g h cos(30 -+ 20)/sin(60), by the triangle of forces. The walls carry
+  // the weight.
+  const double angle = std::numbers::pi / 9, third = std::numbers::pi / 3;
+  Scene scene = rough_scene(0);
+  scene.gravity = kPull * Vec2(std::sin(angle), -std::cos(angle));
+  const double rise = 0.1 * std::sqrt(3.0);
+  scene.disks = {cylinder(Vec2(-0.1, 0), 0.1), cylinder(Vec2(0.1, 0), 0.1),
+                 cylinder(Vec2(0, rise), 0.1)};
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  for (std::size_t k = 0; k < 2; ++k) {
+    scene.disks[k].mass = scene.disks[k].inertia = 0;
+    scene.disks[k].wall = 0;
+  }
+  scene.num_steps = 50;
+  const State end = run_scene(scene, [](const State&, const StepReport& r) {
+    EXPECT_LT(r.momentum_imbalance.norm(), 1e-14);
+  });
+  EXPECT_NEAR((end.disks[2].x - Vec2(0, rise)).norm(), 0, 1e-7);
+  ASSERT_EQ(end.contacts.size(), 2u);
+  // Normals at +-30 degrees from the upright; f_0 (sin 30, cos 30) + f_1 (-sin 30, cos 30) = -m g.
+  for (const ContactOutcome& c : end.contacts) {
+    EXPECT_EQ(c.contact.i, 2);
+    const double side = c.contact.j == 0 ? -1 : 1;  // of the disk that is uphill: less
+    const double lean = std::sin(third / 2 + side * angle) / std::sin(third);
+    EXPECT_NEAR(c.s_n / scene.step, 2 * kPull * lean, 1e-5);
+  }
+}
+
 TEST(WallMotion, SurfacesOfCirclesTurnCounterClockwise) {
   Wall drum;
   drum.shape = Wall::Shape::kHollowCircle;
