@@ -169,7 +169,7 @@ void write_wall_definitions(Hdf5File& file, const std::vector<WallIn<D>>& walls)
 }
 
 /// Width, height and offset of a periodic cell: how each moves, the stress on it, its mass.
-void write_cell_definition(Hdf5File& file, const Cell& cell) {
+void write_cell_definition(Hdf5File& file, const PeriodicCell& cell) {
   std::vector<int> motion;
   std::vector<double> stress, mass;
   for (int k = 0; k < 3; ++k) {
@@ -187,7 +187,7 @@ void write_cell_definition(Hdf5File& file, const Cell& cell) {
 
 /// The cell of a state, its outline as lines, and the disks where they lie in it.
 void write_cell(Hdf5File& file, const State& state) {
-  const Cell& cell = state.cell;
+  const PeriodicCell& cell = state.cell;
   std::vector<double> lengths, speeds;
   for (int k = 0; k < 3; ++k) {
     lengths.push_back(cell.side(k).length);

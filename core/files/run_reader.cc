@@ -134,8 +134,8 @@ std::vector<WallIn<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) 
 }
 
 /// The cell of a periodic scene; none where there is none.
-Cell read_state_cell(const Hdf5File& fixed, const Hdf5File& frame) {
-  Cell cell;
+PeriodicCell read_state_cell(const Hdf5File& fixed, const Hdf5File& frame) {
+  PeriodicCell cell;
   if (!fixed.exists("/cell/periodic")) return cell;
   const auto periodic = read_sized_ints(fixed, "/cell/periodic", 2);
   cell.in_x = periodic[0] != 0;

@@ -2,8 +2,8 @@
 
 namespace bipot {
 
-Cell read_cell(const SceneTable& root) {
-  Cell cell;
+PeriodicCell read_cell(const SceneTable& root) {
+  PeriodicCell cell;
   const auto table = root.table("cell");
   if (!table) return cell;
   cell.in_x = true;

@@ -6,6 +6,6 @@
 namespace bipot {
 
 /// The table [cell]; no cell where it is missing. Throws SceneFileError.
-Cell read_cell(const SceneTable& root);
+PeriodicCell read_cell(const SceneTable& root);
 
 }  // namespace bipot

@@ -20,7 +20,7 @@ int wall_of(const ContactIn<D>& contact, std::span<const BodyIn<D>> disks) {
 template <int D>
 DofMap number_dofs(bool friction, std::span<const BodyIn<D>> disks,
                    std::span<const WallIn<D>> walls, std::span<const ContactIn<D>> contacts,
-                   const Cell* cell) {
+                   const PeriodicCell* cell) {
   DofMap dofs;
   dofs.per_disk = friction ? D + kSpins<D> : D;
   dofs.disk.assign(disks.size(), -1);
@@ -107,7 +107,7 @@ template <int D>
 void add_image_velocity(const CellInput& input, const ContactIn<D>& contact, VecIn<D>& before,
                         VecIn<D>& free) {
   if (input.cell == nullptr || !contact.with_image()) return;
-  Cell cell = *input.cell;
+  PeriodicCell cell = *input.cell;
   before += in_dimensions<D>(cell.shift_velocity(contact.image_x, contact.image_y));
   for (int k = 0; k < 3; ++k) cell.side(k).speed = input.v_free[k];
   free += in_dimensions<D>(cell.shift_velocity(contact.image_x, contact.image_y));

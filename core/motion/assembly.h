@@ -22,8 +22,9 @@ struct DofMap {
 /// A periodic cell at mid-step, with the speeds of its sides without contact impulses. None in a
 /// scene that is not periodic.
 struct CellInput {
-  const Cell* cell = nullptr;
-  const double* v_free = nullptr;  ///< 3, in the order of Cell::side                      [m/s]
+  const PeriodicCell* cell = nullptr;
+  const double* v_free =
+      nullptr;  ///< 3, in the order of PeriodicCell::side                      [m/s]
 };
 
 /// A step's problem and the way back to the bodies.

@@ -15,7 +15,7 @@ template <int D>
 struct MidpointIn {
   std::vector<BodyIn<D>> disks;         ///< positions at the mid-point, velocities before the step
   std::vector<WallIn<D>> walls;         ///< likewise, as they are at that time (wall_motion.h)
-  Cell cell;                            ///< likewise
+  PeriodicCell cell;                    ///< likewise
   double side_v_free[3] = {0, 0, 0};    ///< of a cell's driven sides, without contacts        [m/s]
   std::vector<ContactIn<D>> contacts;   ///< candidates at the mid-point, sorted by (i, j)
   std::vector<VecIn<D>> disk_v_free;    ///< v + h g, without contact impulses                 [m/s]

@@ -6,7 +6,7 @@ namespace bipot {
 
 State wrapped_state(const State& state) {
   State inside = state;
-  const Cell& cell = state.cell;
+  const PeriodicCell& cell = state.cell;
   if (!cell.periodic()) return inside;
   std::vector<CellNumber> numbers;
   for (Disk& d : inside.disks) {
@@ -33,7 +33,7 @@ std::pair<Vec2, Vec2> drawn_branch(const State& state, const Contact& contact) {
   return {i.x, other};
 }
 
-std::vector<std::pair<Vec2, Vec2>> cell_outline(const Cell& cell, const Box& box) {
+std::vector<std::pair<Vec2, Vec2>> cell_outline(const PeriodicCell& cell, const Box& box) {
   if (!cell.periodic()) return {};
   const Vec2 p_x = cell.shift(1, 0);
   if (!cell.in_y) {
@@ -44,7 +44,7 @@ std::vector<std::pair<Vec2, Vec2>> cell_outline(const Cell& cell, const Box& box
   return {{zero, p_x}, {p_x, p_x + up}, {p_x + up, up}, {up, zero}};
 }
 
-std::vector<Vec2> image_shifts(const Cell& cell) {
+std::vector<Vec2> image_shifts(const PeriodicCell& cell) {
   std::vector<Vec2> shifts = {Vec2::Zero()};
   if (!cell.periodic()) return shifts;
   for (int ky = cell.in_y ? -1 : 0; ky <= (cell.in_y ? 1 : 0); ++ky) {

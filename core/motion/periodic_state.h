@@ -18,10 +18,10 @@ State wrapped_state(const State& state);
 std::pair<Vec2, Vec2> drawn_branch(const State& state, const Contact& contact);
 
 /// The edges of the rectangle in which wrapped_state() leaves the disks, [0, width) x [0, height); of one that is periodic in x alone, two lines as high as the box.
-std::vector<std::pair<Vec2, Vec2>> cell_outline(const Cell& cell, const Box& box);
+std::vector<std::pair<Vec2, Vec2>> cell_outline(const PeriodicCell& cell, const Box& box);
 
 /// The shifts of the images of the cell that may reach into it: none but zero in a scene that is
 /// not periodic.                                                                            [m]
-std::vector<Vec2> image_shifts(const Cell& cell);
+std::vector<Vec2> image_shifts(const PeriodicCell& cell);
 
 }  // namespace bipot

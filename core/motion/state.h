@@ -16,7 +16,7 @@ struct StateIn {
   int step = 0;                  ///< steps done
   std::vector<BodyIn<D>> disks;  ///< in space: spheres
   std::vector<WallIn<D>> walls;
-  Cell cell;                                  ///< of periodic scenes
+  PeriodicCell cell;                          ///< of periodic scenes
   std::vector<ContactOutcomeIn<D>> contacts;  ///< of the last step, sorted by (i, j); warm start
   /// Accumulated since step 0, for the ledger                                  [J]
   double wall_work = 0, friction_loss = 0, shock_loss = 0;

@@ -62,8 +62,8 @@ void add_wall_impulse(const WallIn<D>& wall, const VecIn<D>& n, const VecIn<D>& 
 
 /// Velocity of an image by the sides of the cell that no force moves.
 template <int D>
-Vec2 prescribed_shift_velocity(const Cell& cell, const ContactIn<D>& contact) {
-  Cell prescribed = cell;
+Vec2 prescribed_shift_velocity(const PeriodicCell& cell, const ContactIn<D>& contact) {
+  PeriodicCell prescribed = cell;
   for (int k = 0; k < 3; ++k) {
     CellSide& side = prescribed.side(k);
     if (side.motion == CellSide::Motion::kDriven) side.speed = 0;
@@ -82,7 +82,7 @@ template <int D>
 StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
                               const AssembledStep& assembled, const Vector& s, const Vector& v,
                               std::span<const std::type_identity_t<WallIn<D>>> walls_after,
-                              const Cell& cell_after) {
+                              const PeriodicCell& cell_after) {
   const double h = scene.step;
   const ContactProblem& p = assembled.problem;
   const std::size_t num_disks = mid.disks.size();
@@ -138,9 +138,9 @@ StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
 
 template StepOutcome step_outcome<2>(const Scene&, const Midpoint&, const AssembledStep&,
                                      const Vector&, const Vector&, std::span<const Wall>,
-                                     const Cell&);
+                                     const PeriodicCell&);
 template StepOutcomeIn<3> step_outcome<3>(const SceneIn<3>&, const MidpointIn<3>&,
                                           const AssembledStep&, const Vector&, const Vector&,
-                                          std::span<const WallIn<3>>, const Cell&);
+                                          std::span<const WallIn<3>>, const PeriodicCell&);
 
 }  // namespace bipot

@@ -33,6 +33,6 @@ template <int D>
 StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
                               const AssembledStep& assembled, const Vector& s, const Vector& v,
                               std::span<const std::type_identity_t<WallIn<D>>> walls_after,
-                              const Cell& cell_after);
+                              const PeriodicCell& cell_after);
 
 }  // namespace bipot

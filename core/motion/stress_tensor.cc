@@ -161,7 +161,7 @@ std::vector<Vec2> clip(const std::vector<Vec2>& polygon, const Vec2& point, cons
 /// Of a periodic cell at mid-step; where it is not periodic in y, as high as the half-planes leave
 /// room, or the disks reach.
 double cell_area(const State& state, double step, const Box& disks) {
-  Cell cell = state.cell;
+  PeriodicCell cell = state.cell;
   move_cell(cell, -0.5 * step);
   if (cell.in_y) return cell.width.length * cell.height.length;
   double low = -kInfinity, high = kInfinity;

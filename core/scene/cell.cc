@@ -7,14 +7,14 @@
 
 namespace bipot {
 
-bool Cell::deforms() const {
+bool PeriodicCell::deforms() const {
   for (int k = 0; k < 3; ++k) {
     if (side(k).motion != CellSide::Motion::kFixed) return true;
   }
   return false;
 }
 
-double stress_force(const Cell& cell, int side) {
+double stress_force(const PeriodicCell& cell, int side) {
   const CellSide& s = cell.side(side);
   if (s.motion != CellSide::Motion::kDriven) return 0;
   return side == 0   ? -s.stress * cell.height.length
@@ -26,11 +26,11 @@ double side_share(int side, int kx, int ky, const Vec2& axis) {
   return side == 0 ? kx * axis[0] : side == 1 ? ky * axis[1] : ky * axis[0];
 }
 
-void move_cell(Cell& cell, double dt) {
+void move_cell(PeriodicCell& cell, double dt) {
   for (int k = 0; k < 3; ++k) cell.side(k).length += dt * cell.side(k).speed;
 }
 
-double cell_kinetic_energy(const Cell& cell) {
+double cell_kinetic_energy(const PeriodicCell& cell) {
   double sum = 0;
   for (int k = 0; k < 3; ++k) {
     const CellSide& s = cell.side(k);
@@ -39,7 +39,7 @@ double cell_kinetic_energy(const Cell& cell) {
   return sum;
 }
 
-CellNumber cell_number(const Cell& cell, const Vec2& x) {
+CellNumber cell_number(const PeriodicCell& cell, const Vec2& x) {
   CellNumber number;
   if (cell.in_y) number.ky = static_cast<int>(std::floor(x[1] / cell.height.length));
   if (cell.in_x) {
@@ -49,12 +49,12 @@ CellNumber cell_number(const Cell& cell, const Vec2& x) {
   return number;
 }
 
-Vec2 wrapped(const Cell& cell, const Vec2& x) {
+Vec2 wrapped(const PeriodicCell& cell, const Vec2& x) {
   const CellNumber number = cell_number(cell, x);
   return x - cell.shift(number.kx, number.ky);
 }
 
-double shortest_period(const Cell& cell) {
+double shortest_period(const PeriodicCell& cell) {
   double shortest = cell.in_x ? cell.width.length : kInfinity;
   if (!cell.in_y) return shortest;
   const double folded =
@@ -62,7 +62,7 @@ double shortest_period(const Cell& cell) {
   return std::min(shortest, std::hypot(folded, cell.height.length));
 }
 
-Vec2 homogeneous_velocity(const Cell& cell, const Vec2& x) {
+Vec2 homogeneous_velocity(const PeriodicCell& cell, const Vec2& x) {
   // x = P f with P = [p_x p_y], so that v = dP/dt f.
   if (!cell.in_x || !cell.deforms()) return Vec2::Zero();
   const double f_y = cell.in_y ? x[1] / cell.height.length : 0;
@@ -70,7 +70,7 @@ Vec2 homogeneous_velocity(const Cell& cell, const Vec2& x) {
   return Vec2(f_x * cell.width.speed + f_y * cell.offset.speed, f_y * cell.height.speed);
 }
 
-std::string check_cell(const Cell& cell) {
+std::string check_cell(const PeriodicCell& cell) {
   if (!cell.periodic()) return {};
   if (!cell.in_x) return "the cell is periodic in y, but not in x";
   const auto positive = [](double x) { return x > 0 && std::isfinite(x); };

@@ -21,7 +21,7 @@ struct CellSide {
 /// coordinates that they have come to: their cell is found where it is needed, and nothing jumps
 /// when one leaves it. Image (kx, ky) of a body lies at x + kx p_x + ky p_y and moves with
 /// v + kx dp_x/dt + ky dp_y/dt: the velocity jump across the cell.
-struct Cell {
+struct PeriodicCell {
   bool in_x = false, in_y = false;  ///< in_y only together with in_x
   CellSide width, height, offset;
 
@@ -47,33 +47,33 @@ VecIn<D> in_dimensions(const Vec2& x) {
 }
 
 /// Generalised force of the stress on the three sides: -p_x height, -p_y width, shear width [N].
-double stress_force(const Cell& cell, int side);
+double stress_force(const PeriodicCell& cell, int side);
 
 /// How much the velocity of image (kx, ky) along the axis changes with the speed of a side.
 double side_share(int side, int kx, int ky, const Vec2& axis);
 
 /// Every length by dt with its speed.
-void move_cell(Cell& cell, double dt);
+void move_cell(PeriodicCell& cell, double dt);
 
 /// 1/2 Σ mass speed² of driven sides.                                                      [J]
-double cell_kinetic_energy(const Cell& cell);
+double cell_kinetic_energy(const PeriodicCell& cell);
 
 /// Numbers of the cell that x lies in: x - shift(kx, ky) is in [0, width) x [0, height). 0 in
 /// directions that are not periodic.
 struct CellNumber {
   int kx = 0, ky = 0;
 };
-CellNumber cell_number(const Cell& cell, const Vec2& x);
+CellNumber cell_number(const PeriodicCell& cell, const Vec2& x);
 /// x in the cell (0, 0).
-Vec2 wrapped(const Cell& cell, const Vec2& x);
+Vec2 wrapped(const PeriodicCell& cell, const Vec2& x);
 
 /// Length of the shortest way from a body to an image of itself.                           [m]
-double shortest_period(const Cell& cell);
+double shortest_period(const PeriodicCell& cell);
 
 /// Velocity of the homogeneous deformation at x; zero where the cell does not move.        [m/s]
-Vec2 homogeneous_velocity(const Cell& cell, const Vec2& x);
+Vec2 homogeneous_velocity(const PeriodicCell& cell, const Vec2& x);
 
 /// Empty for a sound cell, else what is wrong, with the values.
-std::string check_cell(const Cell& cell);
+std::string check_cell(const PeriodicCell& cell);
 
 }  // namespace bipot

@@ -23,7 +23,8 @@ struct CellCopy {
 /// Images by half of the lattice, (kx, 0) with kx > 0 and (any, 1): of two disks that touch across
 /// the cell's edge one has the other's image beside it, and only one.
 template <int D>
-CellCopy<D> copy_with_images(const std::vector<BodyIn<D>>& disks, const Cell& cell, double eta) {
+CellCopy<D> copy_with_images(const std::vector<BodyIn<D>>& disks, const PeriodicCell& cell,
+                             double eta) {
   CellCopy<D> copy;
   double largest = 0;
   for (const BodyIn<D>& d : disks) largest = std::max(largest, d.radius);
@@ -82,7 +83,7 @@ VecIn<D> middle_of(const WallIn<D>& wall) {
 /// Contacts of the disks with one wall, the image with the smallest gap of each.
 template <int D>
 void find_at_wall(const std::vector<BodyIn<D>>& disks, const WallIn<D>& wall, int j,
-                  const Cell& cell, double eta, std::vector<ContactIn<D>>& out) {
+                  const PeriodicCell& cell, double eta, std::vector<ContactIn<D>>& out) {
   if (!wall.present) return;
   std::vector<ContactIn<D>> found;
   for (std::size_t i = 0; i < disks.size(); ++i) {
@@ -118,7 +119,8 @@ void find_at_wall(const std::vector<BodyIn<D>>& disks, const WallIn<D>& wall, in
 template <int D>
 std::vector<ContactIn<D>> detect_periodic_contacts(const std::vector<BodyIn<D>>& disks,
                                                    const std::vector<WallIn<D>>& walls,
-                                                   const Cell& cell, double eta, int threads) {
+                                                   const PeriodicCell& cell, double eta,
+                                                   int threads) {
   double largest = 0;
   for (const BodyIn<D>& d : disks) largest = std::max(largest, d.radius);
   if (!(shortest_period(cell) > 4 * largest + 2 * eta)) {
@@ -144,10 +146,10 @@ std::vector<ContactIn<D>> detect_periodic_contacts(const std::vector<BodyIn<D>>&
 }
 
 template std::vector<Contact> detect_periodic_contacts(const std::vector<Disk>&,
-                                                       const std::vector<Wall>&, const Cell&,
-                                                       double, int);
+                                                       const std::vector<Wall>&,
+                                                       const PeriodicCell&, double, int);
 template std::vector<ContactIn<3>> detect_periodic_contacts(const std::vector<Sphere>&,
                                                             const std::vector<WallIn<3>>&,
-                                                            const Cell&, double, int);
+                                                            const PeriodicCell&, double, int);
 
 }  // namespace bipot

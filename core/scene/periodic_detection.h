@@ -18,6 +18,7 @@ namespace bipot {
 template <int D>
 std::vector<ContactIn<D>> detect_periodic_contacts(const std::vector<BodyIn<D>>& disks,
                                                    const std::vector<WallIn<D>>& walls,
-                                                   const Cell& cell, double eta, int threads = 1);
+                                                   const PeriodicCell& cell, double eta,
+                                                   int threads = 1);
 
 }  // namespace bipot

@@ -116,7 +116,7 @@ std::string check_glued(const SceneIn<D>& scene, std::size_t i) {
 /// What a periodic scene may have besides its bodies.
 template <int D>
 std::string check_periodic(const SceneIn<D>& scene) {
-  const Cell& cell = scene.cell;
+  const PeriodicCell& cell = scene.cell;
   if (!cell.periodic()) return {};
   if (auto e = check_cell(cell); !e.empty()) return e;
   if (D == 3 && cell.deforms()) return "cell: in space it cannot deform";

@@ -152,7 +152,7 @@ struct SceneIn {
   std::string source;                   ///< file name, or "generated"
   VecIn<D> gravity = VecIn<D>::Zero();  ///< before it turns        [m/s²]
   Tilt tilt;
-  Cell cell;                     ///< periodic scenes
+  PeriodicCell cell;             ///< periodic scenes
   std::vector<BodyIn<D>> disks;  ///< in space: spheres
   std::vector<WallIn<D>> walls;
   std::vector<std::string> materials;  ///< names

@@ -4,6 +4,9 @@
 
 namespace bipot {
 
+/// Of the tests' scenes [m/s²].
+inline constexpr double kGravity = 9.81;
+
 /// The solid side lies behind the line through `point`; `normal` is a unit vector.
 Wall half_plane(const Vec2& point, const Vec2& normal);
 

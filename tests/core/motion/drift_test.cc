@@ -24,7 +24,6 @@ constexpr double kDrumSeconds = 1000;
 constexpr int kSteps = 20000;
 constexpr double kDrumSeconds = 20;
 #endif
-constexpr double kG = 9.81;
 
 struct Drift {
   State end;
@@ -86,9 +85,9 @@ TEST(Drift, APileAtRestDoesNotCreep) {
 }
 
 /// A ball of 1 kg and radius 0.5 m that falls 1 m onto a floor.
-Scene ball(double e_n, double step) {
+Scene elastic_ball(double e_n, double step) {
   Scene scene = one_law({.mu = 0, .e_n = e_n});
-  scene.gravity = Vec2(0, -kG);
+  scene.gravity = Vec2(0, -kGravity);
   scene.step = step;
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
   scene.disks = {cylinder(Vec2(0, 1.5), 0.5, Vec2::Zero(), 1)};
@@ -99,15 +98,16 @@ Scene ball(double e_n, double step) {
 // step in which it lands, by the way of half a step at most, v h / 2 with v = sqrt(2 g · 1 m) = 4.43 m/s.
 TEST(Drift, AnElasticBallKeepsItsEnergy) {
   for (const bool project : {false, true}) {
-    Scene scene = ball(1, 1e-2);
+    Scene scene = elastic_ball(1, 1e-2);
     scene.project_overlaps = project;
     const Drift drift = run(scene, 1000000, 1000);
     EXPECT_EQ(drift.shocks, 1000);
-    const double energy = 1.5 * kG;
+    const double energy = 1.5 * kGravity;
     EXPECT_GT(drift.lowest, 0.99 * energy) << project;
     EXPECT_LT(drift.highest, 1.01 * energy) << project;
-    EXPECT_LE(drift.penetration, 0.5 * scene.step * std::sqrt(2 * kG) * (1 + 1e-9)) << project;
-    EXPECT_GT(drift.penetration, 0.1 * scene.step * std::sqrt(2 * kG)) << project;
+    EXPECT_LE(drift.penetration, 0.5 * scene.step * std::sqrt(2 * kGravity) * (1 + 1e-9))
+        << project;
+    EXPECT_GT(drift.penetration, 0.1 * scene.step * std::sqrt(2 * kGravity)) << project;
   }
 }
 
@@ -161,7 +161,7 @@ TEST(Drift, ProjectionKeepsADiskInItsDrum) {
 TEST(Drift, ADiskRollsInADrumThatTurns) {
   for (const bool project : {false, true}) {
     Scene scene = drum(0.5, 1, 0, 1e-2);
-    scene.gravity = Vec2(0, -kG);
+    scene.gravity = Vec2(0, -kGravity);
     scene.project_overlaps = project;
     const Drift drift = run(scene, static_cast<int>(kDrumSeconds / scene.step));
     const double depth = drift.end.disks[0].x.norm() - 1.5;
@@ -179,7 +179,7 @@ TEST(Drift, ADiskRollsInADrumThatTurns) {
 TEST(Drift, ProjectionTakesOutWhatAFallLeaves) {
   double left[2];
   for (const bool project : {false, true}) {
-    Scene scene = ball(0, 1.1e-2);
+    Scene scene = elastic_ball(0, 1.1e-2);
     scene.disks.push_back(cylinder(Vec2(0, 2.6), 0.5, Vec2::Zero(), 1));
     scene.project_overlaps = project;
     State state = initial_state(scene);

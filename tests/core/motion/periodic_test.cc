@@ -16,8 +16,8 @@
 namespace bipot {
 namespace {
 
-Cell cell_of(double width, double height, double offset) {
-  Cell cell;
+PeriodicCell cell_of(double width, double height, double offset) {
+  PeriodicCell cell;
   cell.in_x = true;
   cell.in_y = height > 0;
   cell.width.length = width;
@@ -26,7 +26,7 @@ Cell cell_of(double width, double height, double offset) {
   return cell;
 }
 
-Scene periodic_scene(const Cell& cell, const ContactLaw& law) {
+Scene periodic_scene(const PeriodicCell& cell, const ContactLaw& law) {
   Scene scene = one_law(law);
   scene.cell = cell;
   scene.step = 1e-3;
@@ -40,7 +40,7 @@ TEST(Periodic, ImagesAreThoseOfEveryPairAndEveryImage) {
   // Against every pair and every image in reach, with disks far outside of the cell as well.
   Draw draw(5);
   for (const double offset : {0.0, 0.4, -2.3}) {
-    const Cell cell = cell_of(1, 0.9, offset);
+    const PeriodicCell cell = cell_of(1, 0.9, offset);
     std::vector<Disk> disks;
     for (int k = 0; k < 60; ++k) {
       const Vec2 x(draw.symmetric(), draw.symmetric());
@@ -81,7 +81,7 @@ TEST(Periodic, ImagesAroundTheCellLieBesideItWhateverTheOffset) {
   // images of it that image_shifts() names.
   Draw draw(4);
   for (const double offset : {0.0, 0.7, -3.4, 12.1}) {
-    const Cell cell = cell_of(1, 0.9, offset);
+    const PeriodicCell cell = cell_of(1, 0.9, offset);
     const std::vector<Vec2> shifts = image_shifts(cell);
     EXPECT_EQ(shifts.size(), 9u);
     for (int trial = 0; trial < 100; ++trial) {
@@ -103,7 +103,7 @@ TEST(Periodic, ATooSmallCellIsRefused) {
 }
 
 TEST(Periodic, WallsAreSeenFromTheNearestImage) {
-  const Cell cell = cell_of(2, 0, 0);
+  const PeriodicCell cell = cell_of(2, 0, 0);
   Wall step;
   step.shape = Wall::Shape::kSegment;
   step.a = Vec2(1.9, 0);
@@ -158,7 +158,7 @@ TEST(Periodic, ARingOfDisksSharesItsMomentum) {
 TEST(Periodic, PressureOnARow) {
   // A row of 10 disks around a cell of height 0.5 m under pressure_x = 30 Pa: each contact carries
   // 30 x 0.5 N, the sample's stress is 30 Pa along x and nothing else.
-  Cell cell = cell_of(2, 0.5, 0);
+  PeriodicCell cell = cell_of(2, 0.5, 0);
   cell.width = {.motion = CellSide::Motion::kDriven, .length = 2, .stress = 30, .mass = 3};
   Scene scene = periodic_scene(cell, {.mu = 0.3});
   for (int k = 0; k < 10; ++k) scene.disks.push_back(cylinder(Vec2(0.1 + 0.2 * k, 0.1), 0.1));
@@ -178,7 +178,7 @@ TEST(Periodic, PressureOnARow) {
 
 TEST(Periodic, AnEmptyCellFollowsItsStress) {
   // Nothing resists: width speed = -p_x height t / mass; the work is its kinetic energy.
-  Cell cell = cell_of(2, 0.5, 0);
+  PeriodicCell cell = cell_of(2, 0.5, 0);
   cell.width = {.motion = CellSide::Motion::kDriven, .length = 2, .stress = 30, .mass = 3};
   Scene scene = periodic_scene(cell, {.mu = 0.3});
   scene.disks = {cylinder(Vec2(0.3, 0.2), 0.1)};
@@ -197,7 +197,7 @@ TEST(Periodic, ThreeDisksUnderShearRollAsTheLawSays) {
   // between two contacts couples them by (2 - 1)/m: W = (5 I + 1 1')/m, so
   // f = -m s/5 (e_C - 1/8 (1, 1, 1)) = m s/40 (1, 1, -7).
   const double shear = 0.01, mass = 2, rim = 0.1, pressure = 20;
-  Cell cell = cell_of(0.5, 0.6, 0);
+  PeriodicCell cell = cell_of(0.5, 0.6, 0);
   cell.height = {.motion = CellSide::Motion::kDriven, .length = 0.6, .stress = pressure, .mass = 3};
   cell.offset = {.motion = CellSide::Motion::kMoving, .speed = shear};
   Scene scene = periodic_scene(cell, {.mu = 0.9});
@@ -226,7 +226,7 @@ TEST(Periodic, ThreeDisksUnderShearRollAsTheLawSays) {
 TEST(Periodic, MovingASceneByPeriodsChangesNothing) {
   // Random disks in a deforming cell; then the same with each disk moved by some lattice vector and
   // the velocity that its image has. Contacts, impulses and relative velocities stay.
-  Cell cell = cell_of(1, 1, 0.2);
+  PeriodicCell cell = cell_of(1, 1, 0.2);
   cell.width = {.motion = CellSide::Motion::kMoving, .length = 1, .speed = 0.3};
   cell.offset = {.motion = CellSide::Motion::kMoving, .length = 0.2, .speed = 0.5};
   Scene scene = periodic_scene(cell, {.mu = 0.5});

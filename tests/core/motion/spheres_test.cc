@@ -22,8 +22,6 @@
 namespace bipot {
 namespace {
 
-constexpr double kGravity = 9.81;
-
 /// A sphere of radius 0.5 m that touches the plane z = 0.
 SceneIn<3> sphere_on_floor(double mu) {
   SceneIn<3> scene = one_law_in_space({.mu = mu});

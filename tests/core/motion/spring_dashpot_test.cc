@@ -16,7 +16,6 @@
 namespace bipot {
 namespace {
 
-constexpr double kGravity = 9.81;
 constexpr double kPi = std::numbers::pi;
 
 Scene spring_scene(double mu, double e_n, double e_t = 0) {

@@ -18,11 +18,9 @@
 namespace bipot {
 namespace {
 
-constexpr double kG = 9.81;
-
 Scene one_material(double mu, double e_n = 0, double e_t = 0) {
   Scene scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
-  scene.gravity = Vec2(0, -kG);
+  scene.gravity = Vec2(0, -kGravity);
   scene.step = 1e-3;
   scene.solver.name = "pgs";
   scene.solver.tol = 1e-10;
@@ -48,8 +46,8 @@ TEST(TimeStepping, FreeFlightIsExact) {
   const State end = run_scene(scene);
   EXPECT_DOUBLE_EQ(end.time, 1);
   EXPECT_NEAR(end.disks[0].x[0], 1 + 3, 1e-12);
-  EXPECT_NEAR(end.disks[0].x[1], 2 + 4 - kG / 2, 1e-12);
-  EXPECT_NEAR(end.disks[0].v[1], 4 - kG, 1e-12);
+  EXPECT_NEAR(end.disks[0].x[1], 2 + 4 - kGravity / 2, 1e-12);
+  EXPECT_NEAR(end.disks[0].v[1], 4 - kGravity, 1e-12);
   EXPECT_NEAR(end.disks[0].angle, 5, 1e-12);
   EXPECT_EQ(end.disks[0].spin, 5);
 }
@@ -66,7 +64,7 @@ TEST(TimeStepping, DiskLeavesThePlane) {
     EXPECT_EQ(r.iterations, 0);
   });
   EXPECT_EQ(end.contacts[0].status, ContactStatus::kTakeOff);
-  EXPECT_DOUBLE_EQ(end.disks[0].v[1], 1 - kG * 1e-3);
+  EXPECT_DOUBLE_EQ(end.disks[0].v[1], 1 - kGravity * 1e-3);
   EXPECT_EQ(end.disks[0].spin, 3);
 }
 
@@ -77,12 +75,12 @@ TEST(TimeStepping, CylinderRollsDownAShallowIncline) {
     EXPECT_EQ(state.contacts.at(0).status, ContactStatus::kStick);
   });
   const Vec2 down(std::cos(angle), -std::sin(angle));
-  const double speed = 2.0 / 3.0 * kG * std::sin(angle) * 0.2;
+  const double speed = 2.0 / 3.0 * kGravity * std::sin(angle) * 0.2;
   EXPECT_NEAR(end.disks[0].v.dot(down) / speed, 1, 1e-8);
   EXPECT_NEAR(end.disks[0].spin * 0.1, -speed, 1e-8);  // clockwise, without slip
   // Force per step: s_n = m g h cos, s_t = m g h sin / 3 up the slope (t = e3 x n is up).
-  EXPECT_NEAR(end.contacts[0].s_n / (2 * kG * 1e-3 * std::cos(angle)), 1, 1e-8);
-  EXPECT_NEAR(end.contacts[0].s_t / (2 * kG * 1e-3 * std::sin(angle) / 3), 1, 1e-8);
+  EXPECT_NEAR(end.contacts[0].s_n / (2 * kGravity * 1e-3 * std::cos(angle)), 1, 1e-8);
+  EXPECT_NEAR(end.contacts[0].s_t / (2 * kGravity * 1e-3 * std::sin(angle) / 3), 1, 1e-8);
 }
 
 TEST(TimeStepping, CylinderSlipsDownASteepIncline) {
@@ -92,9 +90,10 @@ TEST(TimeStepping, CylinderSlipsDownASteepIncline) {
     EXPECT_EQ(state.contacts.at(0).status, ContactStatus::kSlip);
   });
   const Vec2 down(std::cos(angle), -std::sin(angle));
-  EXPECT_NEAR(end.disks[0].v.dot(down) / (kG * (std::sin(angle) - mu * std::cos(angle)) * 0.2), 1,
-              1e-8);
-  EXPECT_NEAR(end.disks[0].spin / (-2 * mu * kG * std::cos(angle) / 0.1 * 0.2), 1, 1e-8);
+  EXPECT_NEAR(
+      end.disks[0].v.dot(down) / (kGravity * (std::sin(angle) - mu * std::cos(angle)) * 0.2), 1,
+      1e-8);
+  EXPECT_NEAR(end.disks[0].spin / (-2 * mu * kGravity * std::cos(angle) / 0.1 * 0.2), 1, 1e-8);
 }
 
 TEST(TimeStepping, SpinningDiskSetOnAPlaneSpinsDownAndRollsOff) {
@@ -110,10 +109,10 @@ TEST(TimeStepping, SpinningDiskSetOnAPlaneSpinsDownAndRollsOff) {
     const bool slips = state.contacts.at(0).status == ContactStatus::kSlip;
     if (!slips && rolls_from < 0) rolls_from = state.time;
     if (slips) {
-      EXPECT_NEAR(state.disks[0].v[0], 0.2 * kG * state.time, 1e-8);
+      EXPECT_NEAR(state.disks[0].v[0], 0.2 * kGravity * state.time, 1e-8);
     }
   });
-  EXPECT_NEAR(rolls_from, 20 * 0.1 / (3 * 0.2 * kG), 2e-3);
+  EXPECT_NEAR(rolls_from, 20 * 0.1 / (3 * 0.2 * kGravity), 2e-3);
   EXPECT_NEAR(end.disks[0].v[0], 2.0 / 3, 1e-8);
   EXPECT_NEAR(end.disks[0].spin, -20.0 / 3, 1e-7);
 }
@@ -183,7 +182,7 @@ TEST(TimeStepping, MovingWallCarriesADisk) {
   const State end = run_scene(scene);
   EXPECT_NEAR(end.disks[0].x[1], 0.1 + 0.05, 1e-12);
   EXPECT_NEAR(end.walls[0].a[1], 0.05, 1e-14);
-  EXPECT_NEAR(end.wall_work, 2 * kG * 0.05, 1e-8);  // lifts m g
+  EXPECT_NEAR(end.wall_work, 2 * kGravity * 0.05, 1e-8);  // lifts m g
 }
 
 TEST(TimeStepping, DrivenWallAcceleratesWithWhatItPushes) {
@@ -364,7 +363,7 @@ std::uint64_t hash_of(const State& state) {
 /// 80 disks fall into a box; lengths, masses and times in other units.
 Scene falling_box(double length, double mass, double time) {
   Scene scene = one_material(0.3, 0.2, 0.5);
-  scene.gravity = Vec2(0, -kG * length / (time * time));
+  scene.gravity = Vec2(0, -kGravity * length / (time * time));
   scene.step = 5e-4 * time;
   for (const Disk& d : random_filling(80, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 5, Vec2::Zero())) {
     Disk disk = cylinder(d.x * length, d.radius * length, Vec2(0, -0.5 * length / time));
