@@ -148,8 +148,9 @@ int list_command(const ListFlags& flags) {
     print_solvers();
   } else {
     for (const auto& row : scenes_json()) {
-      fmt::print("{:<24} {:>6} disks {:>3} walls {:>7} steps  {}\n", row["name"].get<std::string>(),
-                 row["disks"].get<int>(), row["walls"].get<int>(), row["steps"].get<int>(),
+      const char* const bodies = row.contains("disks") ? "disks" : "spheres";
+      fmt::print("{:<24} {:>6} {:<7} {:>3} walls {:>7} steps  {}\n", row["name"].get<std::string>(),
+                 row[bodies].get<int>(), bodies, row["walls"].get<int>(), row["steps"].get<int>(),
                  row["title"].get<std::string>());
     }
   }

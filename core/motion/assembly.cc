@@ -8,6 +8,19 @@
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
+
+/// What the rows of a contact are made from.
+template <int D>
+struct StepInput {
+  const SceneIn<D>& scene;
+  std::span<const BodyIn<D>> disks;
+  std::span<const WallIn<D>> walls;
+  std::span<const VecIn<D>> disk_v_free;
+  std::span<const double> wall_v_free;
+  CellInput cell;  // of cells that deform only
+  int dim;
+};
+
 namespace {
 
 /// The wall that a contact acts on: that of a disk which is glued to it, too; -1 for a free disk.
@@ -79,18 +92,6 @@ SparseMatrix diagonal_matrix(const Vector& diagonal) {
   A.outerIndexPtr()[n] = n;
   return A;
 }
-
-/// What the rows of a contact are made from.
-template <int D>
-struct StepInput {
-  const SceneIn<D>& scene;
-  std::span<const BodyIn<D>> disks;
-  std::span<const WallIn<D>> walls;
-  std::span<const VecIn<D>> disk_v_free;
-  std::span<const double> wall_v_free;
-  CellInput cell;  // of cells that deform only
-  int dim;
-};
 
 /// Degrees of freedom of the cell that a contact has entries at.
 template <int D>
