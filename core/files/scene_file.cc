@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "core/files/scene_cell.h"
+#include "core/files/scene_groups.h"
 #include "core/files/scene_observables.h"
 #include "core/files/scene_spheres.h"
 #include "core/files/scene_table.h"
@@ -97,43 +98,15 @@ void read_common(const SceneTable& table, const Scene& scene, std::vector<Disk>&
     }
     return;
   }
-  const std::optional<double> density = table.maybe_number("density");
-  const std::optional<double> mass = table.maybe_number("mass");
-  if (density.has_value() == mass.has_value()) {
-    table.fail("mass", "give either mass [kg] or density [kg/m³]");
-  }
-  if (density && !(*density > 0)) table.fail("density", "expected a positive number");
-  if (mass && !(*mass > 0)) table.fail("mass", "expected a positive number");
-  const std::optional<double> inertia = table.maybe_number("inertia");
+  const GroupMass group = read_group_mass(table);
   const Vec2 v = table.vec2("velocity", Vec2::Zero());
   const double spin = table.number("spin", 0);
   for (Disk& d : disks) {
-    d.mass = mass ? *mass : *density * std::numbers::pi * d.radius * d.radius;
-    d.inertia = inertia ? *inertia : 0.5 * d.mass * d.radius * d.radius;
+    d.mass = group.mass ? *group.mass : *group.density * std::numbers::pi * d.radius * d.radius;
+    d.inertia = group.inertia.value_or(0.5 * d.mass * d.radius * d.radius);
     d.v = v;
     d.spin = spin;
     d.material = material;
-  }
-}
-
-std::vector<RadiusClass> read_classes(const SceneTable& table) {
-  const std::vector<double> radii = table.numbers("radii");
-  std::vector<double> fractions = table.numbers("fractions");
-  if (radii.empty()) table.fail("radii", "is missing");
-  if (fractions.empty()) fractions.assign(radii.size(), 1.0);
-  if (fractions.size() != radii.size()) {
-    table.fail("fractions", fmt::format("{} entries for {} radii", fractions.size(), radii.size()));
-  }
-  std::vector<RadiusClass> classes;
-  for (std::size_t k = 0; k < radii.size(); ++k) classes.push_back({radii[k], fractions[k]});
-  return classes;
-}
-
-/// A slip of the keyboard is refused before it takes all memory.
-void require_possible(const SceneTable& table, std::string_view key, double count) {
-  constexpr double kMostDisks = 1e7;
-  if (count > kMostDisks) {
-    table.fail(key, fmt::format("{:.3g} disks, at most {:g} are possible", count, kMostDisks));
   }
 }
 
@@ -154,11 +127,11 @@ std::vector<Disk> read_group(const SceneTable& table) {
     const int seed = table.integer("seed", 1);
     if (seed < 0) table.fail("seed", "expected a non-negative integer");
     const int count = table.natural("count");
-    require_possible(table, "count", count);
+    require_possible(table, "count", count, "disks");
     const double width = table.positive("width");
     const double spacing = table.number("spacing", 0.1);
     try {
-      return random_filling(count, read_classes(table), width, spacing,
+      return random_filling(count, read_radius_classes(table), width, spacing,
                             static_cast<std::uint64_t>(seed), corner);
     } catch (const std::invalid_argument& e) {
       table.fail("arrangement", e.what());
@@ -167,11 +140,11 @@ std::vector<Disk> read_group(const SceneTable& table) {
   const double radius = table.positive("radius");
   const int rows = table.natural("rows");
   if (arrangement == "pyramid") {
-    require_possible(table, "rows", 0.5 * rows * (rows + 1.0));
+    require_possible(table, "rows", 0.5 * rows * (rows + 1.0), "disks");
     return pyramid(rows, radius, corner);
   }
   const int columns = table.natural("columns");
-  require_possible(table, "rows", static_cast<double>(rows) * columns);
+  require_possible(table, "rows", static_cast<double>(rows) * columns, "disks");
   return arrangement == "rectangular" ? rectangular_lattice(columns, rows, radius, corner)
                                       : triangular_lattice(columns, rows, radius, corner);
 }

@@ -618,6 +618,26 @@ TEST(SceneFile, EveryKeyIsDocumentedAndNoOther) {
   EXPECT_EQ(documented, known);
 }
 
+// Of 2000 rows, 2000 · 2001 · 4001 / 6 = 2.7e9 spheres, 4e7 in ten layers of a lattice of 2000 x 2000.
+TEST(SceneFile, MoreSpheresThanMemoryHoldsAreRefused) {
+  const auto refused = [](const std::string& text, const std::string& count) {
+    try {
+      parse_any_scene(text, "test.toml");
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const SceneFileError& e) {
+      const std::string said = e.what();
+      EXPECT_NE(said.find(count + " spheres, at most 1e+07"), std::string::npos) << said;
+    }
+  };
+  const std::string rows = "[[spheres]]\nmass = 1\nradius = 0.1\nrows = 2000\n";
+  refused(rows + "arrangement = 'pyramid'\n" + kTime, "2.67e+09");
+  refused(rows + "arrangement = 'cubic'\ncolumns = 2000\nlayers = 10\n" + kTime, "4e+07");
+  refused(
+      "[[spheres]]\nmass = 1\narrangement = 'random'\ncount = 20000000\nradii = [1]\nwidth = 9\n" +
+          kTime,
+      "2e+07");
+}
+
 // Of 20 000 rows, 2e8 disks: found by tests/fuzz/scene_fuzz.cc.
 TEST(SceneFile, MoreDisksThanMemoryHoldsAreRefused) {
   const std::string rows = "[[disks]]\nradius = 0.1\nrows = 20000\n";

@@ -1,0 +1,168 @@
+// `bipot solve` and the problems that runs dump for it, as a user runs them.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "core/files/problem_file.h"
+#include "core/problem/contact_error.h"
+#include "tests/bench/command/command_fixture.h"
+#include "tests/support/source_folder.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+TEST_F(Command, DumpedProblemIsSolvedAndItsSolutionReadBack) {
+  ASSERT_EQ(
+      bipot("run triangular_lattice --steps 1 --dump-problems all --out " + path("out")).exit_code,
+      0);
+  const std::string problem = path("out/problems/step_000001.hdf5");
+  const Outcome solved =
+      bipot("solve " + problem + " --solver pgs --tol 1e-9 --json - --solution " + problem +
+            " --history " + path("history.csv"));
+  ASSERT_EQ(solved.exit_code, 0);
+  const json j = json::parse(solved.out);
+  EXPECT_EQ(j["status"], "converged");
+  EXPECT_EQ(j["dim"], 2);
+  const ProblemFile file = read_problem(problem);
+  ASSERT_TRUE(file.r.has_value());
+  EXPECT_EQ(j["contacts"], file.problem.num_contacts());
+  const ContactError error = contact_error(file.problem, *file.r);
+  EXPECT_LE(error.guarded(), 1e-9);
+  EXPECT_NEAR(j["epsilon"].get<double>(), error.epsilon, 1e-14);
+  EXPECT_EQ(content(path("history.csv")).substr(0, 26), "iteration,seconds,epsilon,");
+}
+
+TEST_F(Command, AWarmSolveStartsFromTheDumpedStart) {
+  // Disks at rest: the impulses of a step solve the next one.
+  ASSERT_EQ(
+      bipot("run square_lattice --steps 3 --tol 1e-12 --warm-start --dump-problems all --out " +
+            path("out"))
+          .exit_code,
+      0);
+  const std::string problem = path("out/problems/step_000003.hdf5");
+  EXPECT_EQ(read_problem(problem).guesses.size(), 1u);
+  const std::string solve = "solve " + problem + " --solver pgs --tol 1e-6 --json -";
+  const json cold = json::parse(bipot(solve).out), warm = json::parse(bipot(solve + " --warm").out);
+  EXPECT_EQ(cold["warm"], false);
+  EXPECT_EQ(warm["warm"], true);
+  EXPECT_EQ(warm["status"], "converged");
+  EXPECT_GT(cold["iterations"], 0);
+  EXPECT_EQ(warm["iterations"], 0);
+
+  const Outcome compared =
+      bipot("compare " + problem + " --solvers pgs --tols 1e-6 --warm --json -");
+  ASSERT_EQ(compared.exit_code, 0);
+  const json table = json::parse(compared.out);
+  ASSERT_EQ(table["rows"].size(), 2u);
+  EXPECT_EQ(table["rows"][0]["warm"], 0);
+  EXPECT_EQ(table["rows"][0]["iterations"], cold["iterations"]);
+  EXPECT_EQ(table["rows"][1]["warm"], 1);
+  EXPECT_EQ(table["rows"][1]["iterations"], 0);
+  EXPECT_EQ(table["warm_starts"][0]["solved_warm"], 1);
+
+  ASSERT_EQ(bipot("run square_lattice --steps 1 --no-warm-start --dump-problems all --out " +
+                  path("cold"))
+                .exit_code,
+            0);
+  const Outcome refused = bipot("solve " + path("cold/problems/step_000001.hdf5") + " --warm");
+  EXPECT_EQ(refused.exit_code, 2);
+}
+
+TEST_F(Command, SolveLooksForSeveralAnswers) {
+  const std::string problem = source_folder().string() + "/data/problems/2d_tilt1000hi_182.hdf5";
+  const Outcome text = bipot("solve " + problem + " --several 5");
+  EXPECT_EQ(text.exit_code, 0);
+  EXPECT_NE(text.out.find("Several answers, each exact"), std::string::npos) << text.out;
+  const Outcome run = bipot("solve " + problem + " --several 5 --json -");
+  EXPECT_EQ(run.exit_code, 0);
+  json j = json::parse(run.out);
+  EXPECT_EQ(j["starts"].size(), 5u);
+  ASSERT_GE(j["answers"].size(), 3u);
+  EXPECT_GT(j["spread"]["velocity"], 5e-2);
+  EXPECT_EQ(j["spread"]["contacts"].get<std::size_t>() > 0, !j["differing_contacts"].empty());
+  for (const json& answer : j["answers"]) {
+    EXPECT_LE(std::max(answer["epsilon"].get<double>(), answer["eta"].get<double>()), 1e-9);
+  }
+  // The same seed, the same numbers, seconds aside.
+  json again = json::parse(bipot("solve " + problem + " --several 5 --json -").out);
+  for (json* one : {&j, &again}) {
+    one->erase("seconds");
+    for (json& start : (*one)["starts"]) start.erase("seconds");
+  }
+  EXPECT_EQ(j, again);
+  EXPECT_EQ(bipot("solve " + problem + " --several 500 --time-limit 0.3").exit_code, 1);
+  EXPECT_EQ(bipot("solve " + problem + " --several 0").exit_code, 2);
+  EXPECT_EQ(bipot("solve " + problem + " --several 3 --explain").exit_code, 2);
+  EXPECT_EQ(bipot("solve " + problem + " --several 3 --warm").exit_code, 2);  // has no guess
+  EXPECT_EQ(bipot("solve " + problem +
+                  " --several 5000 >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?")
+                .exit_code,
+            5);
+}
+
+TEST_F(Command, DumpedStepsAreDrawnWithTheirAnswers) {
+  ASSERT_EQ(bipot("run pyramid --steps 2 --dump-problems all --out " + path("run")).exit_code, 0);
+  const std::string step = path("run/problems/step_000002.hdf5");
+  ASSERT_TRUE(fs::exists(step));
+  EXPECT_EQ(bipot("solve " + step + " --several 4 --warm --out " + path("answers")).exit_code, 0);
+  const json j = json::parse(content(path("answers/summary.json")));
+  EXPECT_EQ(read_problem(path("answers/answers.hdf5")).guesses.size(), j["answers"].size());
+  EXPECT_NE(content(path("answers/answers.svg")).find("<svg"), std::string::npos);
+  EXPECT_GT(fs::file_size(path("answers/answers.png")), 1000u);
+}
+
+TEST_F(Command, SolutionsDoNotGoIntoOtherProblems) {
+  // Two lattices that differ in friction alone: the same sizes.
+  std::string text = content(source_folder().string() + "/data/scenes/triangular_lattice.toml");
+  const std::string run = "run " + write("a.toml", text) + " --steps 1 --quiet --dump-problems all";
+  ASSERT_EQ(bipot(run + " --out " + path("a")).exit_code, 0);
+  const std::string mu = "mu = 0.3";
+  text.replace(text.find(mu), mu.size(), "mu = 0.4");
+  write("a.toml", text);
+  ASSERT_EQ(bipot(run + " --out " + path("b")).exit_code, 0);
+  const std::string a = path("a/problems/step_000001.hdf5"),
+                    b = path("b/problems/step_000001.hdf5");
+  EXPECT_EQ(bipot("solve " + a + " --solution " + b).exit_code, 2);
+  EXPECT_FALSE(read_problem(b).r.has_value());
+  EXPECT_EQ(bipot("solve " + a + " --solution " + a).exit_code, 0);
+  EXPECT_TRUE(read_problem(a).r.has_value());
+  EXPECT_EQ(bipot("solve " + a + " --solution " + write("no.hdf5", "not HDF5")).exit_code, 2);
+}
+
+TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
+  const std::string out = path("out");
+  const Outcome solve =
+      bipot("solve " + source_folder().string() +
+            "/data/problems/2d_compaction_rest.hdf5 --solver pgs --tol 1e-13 --out " + out +
+            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+  EXPECT_EQ(solve.exit_code, 5);
+  const json j = json::parse(content(out + "/summary.json"));
+  EXPECT_EQ(j["status"], "interrupted");
+  EXPECT_GT(j["iterations"], 0);
+  EXPECT_TRUE(read_problem(out + "/solution.hdf5").r.has_value());
+}
+
+TEST_F(Command, CertifiesWhetherASolutionExists) {
+  const Outcome dumped = bipot("extremes --only wall_into_row --dump-problem " + path("none.hdf5"));
+  ASSERT_EQ(dumped.exit_code, 0);
+  const Outcome none = bipot("solve " + path("none.hdf5") + " --certify --time-limit 1 --json -");
+  EXPECT_NE(none.exit_code, 0);
+  const json proof = json::parse(none.out)["existence"];
+  EXPECT_EQ(proof["verdict"], "none");
+  EXPECT_NE(proof["statement"].get<std::string>().find("proved"), std::string::npos);
+  const std::string pile = source_folder().string() + "/data/problems/2d_pyramid_10.hdf5";
+  const json exists = json::parse(bipot("solve " + pile + " --certify --json -").out)["existence"];
+  EXPECT_EQ(exists["verdict"], "exists");
+  EXPECT_GT(exists["margin"].get<double>(), 0);
+}
+
+}  // namespace
+}  // namespace bipot
