@@ -21,10 +21,10 @@
 #include "bench/command/run_command.h"
 #include "bench/command/solve_command.h"
 #include "bench/command/trade_command.h"
-#include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "core/file_error.h"
 #include "core/files/scene_file.h"
+#include "core/version.h"
 
 namespace bipot {
 namespace {

@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "bench/command/exit_code.h"
-#include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "core/file_error.h"
 #include "core/files/impulse_file.h"
 #include "core/files/problem_file.h"
 #include "core/problem/impulse_verdict.h"
+#include "core/version.h"
 
 namespace bipot {
 namespace {

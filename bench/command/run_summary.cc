@@ -6,10 +6,10 @@
 #include <iterator>
 #include <utility>
 
-#include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "core/motion/sample_volume.h"
 #include "core/motion/stress_tensor.h"
+#include "core/version.h"
 
 namespace bipot {
 namespace {

@@ -11,12 +11,12 @@
 
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
-#include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "bench/report/several_report.h"
 #include "bench/scenes/several_picture.h"
 #include "core/file_error.h"
 #include "core/files/fclib_file.h"
+#include "core/version.h"
 #include "solvers/several_answers.h"
 
 namespace bipot {

@@ -3,10 +3,10 @@
 #include <pybind11/stl.h>
 
 #include "bench/python/bindings.h"
-#include "bench/report/build_info.h"
 #include "core/file_error.h"
 #include "core/files/scene_file.h"
 #include "core/nearest_name.h"
+#include "core/version.h"
 
 namespace py = pybind11;
 

@@ -5,12 +5,13 @@
 #include <thread>
 
 #include "build_commit.h"
+#include "core/version.h"
 
 namespace bipot {
 
 BuildInfo build_info() {
   BuildInfo info;
-  info.version = BIPOT_VERSION;
+  info.version = program_version();
   info.commit = BIPOT_COMMIT;
   info.compiler = BIPOT_COMPILER;
   info.flags = BIPOT_FLAGS;
@@ -36,7 +37,5 @@ std::string date_and_time() {
   const std::size_t length = std::strftime(text, sizeof text, "%Y-%m-%d %H:%M UTC", &utc);
   return {text, length};
 }
-
-std::string program_version() { return BIPOT_VERSION; }
 
 }  // namespace bipot

@@ -15,7 +15,4 @@ BuildInfo build_info();
 /// When, as results say it: "2026-11-20 16:50 UTC".
 std::string date_and_time();
 
-/// Version of the program.
-std::string program_version();
-
 }  // namespace bipot

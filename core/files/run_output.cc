@@ -23,6 +23,7 @@
 #include "core/scene/scene_box.h"
 #include "core/scene/wall_motion.h"
 #include "core/scene/wall_pieces.h"
+#include "core/version.h"
 
 namespace bipot {
 namespace {
@@ -429,7 +430,7 @@ void RunWriterIn<D>::write_run_file() const {
   Hdf5File file(target.draft(), Hdf5File::Mode::kCreate);
   file.write("/format", kRunFormat);
   file.write("/format_version", kRunFormatVersion);
-  file.write("/version", BIPOT_VERSION);
+  file.write("/version", program_version());
   file.write("/title", scene_.title);
   file.write("/source", scene_.source);
   file.write("/scene", scene_text_);

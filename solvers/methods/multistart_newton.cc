@@ -45,20 +45,21 @@ using Engine = std::mt19937_64;
 /// In [0, 1).
 double draw(Engine& engine) { return static_cast<double>(engine() >> 11) * 0x1.0p-53; }
 
-/// The equations of the class comment in the unknowns y_t = x_t and y_n = max(1, mu) x_n.
-template <int D>
+/// The equations of the class comment in the unknowns y_t = x_t and y_n = max(1, mu) x_n. At most a
+/// hundred contacts: the contact dimension stays a variable, and one text serves all three.
 class StatusNewton {
  public:
   StatusNewton(const ContactProblem& p, const ContactScaling& scaling, double unit)
-      : statuses_(to_size(p.num_contacts()), Status::kStick),
+      : dim_(p.dim),
+        statuses_(to_size(p.num_contacts()), Status::kStick),
         W_(Eigen::MatrixXd::Zero(p.num_rows(), p.num_rows())),
         b_(p.u_free.cwiseProduct(scaling.velocity) / unit),
-        radius_(D == 1 ? Vector::Zero(p.num_contacts()) : scaling.mu),
+        radius_(p.dim == 1 ? Vector::Zero(p.num_contacts()) : scaling.mu),
         impulse_(unit * scaling.impulse.cwiseInverse()) {
     for (int c = 0; c < p.num_contacts(); ++c) {
       const double count = std::max(1.0, radius_[c]);
       radius_[c] /= count;
-      impulse_[c * D] /= count;
+      impulse_[c * dim_] /= count;
     }
     for (int i = 0; i < p.num_rows(); ++i) {
       for (SparseRows::InnerIterator it(p.W, i); it; ++it) {
@@ -88,7 +89,7 @@ class StatusNewton {
   bool step(Vector& y) {
     closed_.clear();
     for (std::size_t c = 0; c < statuses_.size(); ++c) {
-      for (int row = static_cast<int>(c) * D, k = 0; k < D; ++k, ++row) {
+      for (int row = static_cast<int>(c) * dim_, k = 0; k < dim_; ++k, ++row) {
         if (statuses_[c] == Status::kOpen) {
           y[row] = 0;
         } else {
@@ -100,9 +101,9 @@ class StatusNewton {
     w_.noalias() = W_ * y + b_;
     residual_ = w_(closed_);
     jacobian_ = W_(closed_, closed_);
-    if constexpr (D > 1) {
-      for (int at = 0; at < static_cast<int>(closed_.size()); at += D) {
-        const int contact = closed_[to_size(at)] / D;
+    if (dim_ > 1) {
+      for (int at = 0; at < static_cast<int>(closed_.size()); at += dim_) {
+        const int contact = closed_[to_size(at)] / dim_;
         if (statuses_[to_size(contact)] == Status::kSlip) slip(contact, at, y);
       }
     }
@@ -123,38 +124,44 @@ class StatusNewton {
  private:
   enum class Status : char { kOpen, kStick, kSlip };
 
+  Vector tangential(int n, const Vector& y) const {
+    return y.segment(n + 1, dim_ - 1) - w_.segment(n + 1, dim_ - 1);
+  }
+
   Status status_at(int contact, const Vector& y) const {
-    const int n = contact * D;
+    const int n = contact * dim_;
     if (y[n] - w_[n] <= 0) return Status::kOpen;
-    if constexpr (D > 1) {
-      const double norm = (y.segment<D - 1>(n + 1) - w_.template segment<D - 1>(n + 1)).norm();
-      if (!(norm <= radius_[contact] * y[n])) return Status::kSlip;
-    }
+    if (dim_ > 1 && !(tangential(n, y).norm() <= radius_[contact] * y[n])) return Status::kSlip;
     return Status::kStick;
   }
 
   /// y_t - r y_n e(y_t - w_t), whose direction turns by (I - e eᵀ)/norm; its rows begin behind `at`.
   void slip(int contact, int at, const Vector& y) {
-    using Tangent = Eigen::Matrix<double, D - 1, 1>;
-    using Block = Eigen::Matrix<double, D - 1, D - 1>;
-    const int n = contact * D;
-    Tangent e = y.segment<D - 1>(n + 1) - w_.template segment<D - 1>(n + 1);
+    const int n = contact * dim_, tangents = dim_ - 1;
+    Vector e = tangential(n, y);
     double norm = e.norm();
     if (norm > 0) {
       e /= norm;
     } else {
-      e = Tangent::Unit(0);
+      e = Vector::Unit(tangents, 0);
       norm = 1;
     }
     const double length = radius_[contact] * y[n];
-    const Block turn = (length / norm) * (Block::Identity() - e * e.transpose());
-    residual_.template segment<D - 1>(at + 1) = y.segment<D - 1>(n + 1) - length * e;
-    auto rows = jacobian_.template middleRows<D - 1>(at + 1);
-    rows = (turn * rows).eval();
-    rows.template middleCols<D - 1>(at + 1) += Block::Identity() - turn;
-    rows.col(at) -= radius_[contact] * e;
+    const Eigen::MatrixXd rows = jacobian_.middleRows(at + 1, tangents);
+    for (int i = 0; i < tangents; ++i) {
+      residual_[at + 1 + i] = y[n + 1 + i] - length * e[i];
+      auto row = jacobian_.row(at + 1 + i);
+      row.setZero();
+      for (int j = 0; j < tangents; ++j) {
+        const double identity = i == j ? 1 : 0, turn = (length / norm) * (identity - e[i] * e[j]);
+        row += turn * rows.row(j);
+        row[at + 1 + j] += identity - turn;
+      }
+      row[at] -= radius_[contact] * e[i];
+    }
   }
 
+  int dim_;
   std::vector<Status> statuses_;
   Eigen::MatrixXd W_;
   Vector b_, radius_, impulse_;
@@ -174,15 +181,16 @@ Vector redrawn(Vector y, double share, Engine& engine, int dim) {
   return y;
 }
 
-template <int D>
-SolveResult solve_with(const ContactProblem& p, const SolverOptions& options) {
+}  // namespace
+
+SolveResult solve_multistart_newton(const ContactProblem& p, const SolverOptions& options) {
   const Parameters parameters(options.parameters, kMultistartNewtonParameters);
   const int starts = parameters.integer("starts"), steps = parameters.integer("steps_each");
   IterationMonitor monitor(p, options);
   monitor.judge_every_iteration();
   const ContactScaling scaling = equilibrated_scaling(p, monitor.evaluator().delassus().diagonal());
   const double largest = p.u_free.cwiseProduct(scaling.velocity).cwiseAbs().maxCoeff();
-  StatusNewton<D> newton(p, scaling, largest > 0 ? largest : 1);
+  StatusNewton newton(p, scaling, largest > 0 ? largest : 1);
   ContactErrorEvaluator evaluate(p);
   const double free_energy = evaluate(Vector::Zero(p.num_rows())).energy;
   Engine engine(static_cast<std::uint64_t>(parameters.integer("seed")));
@@ -211,7 +219,7 @@ SolveResult solve_with(const ContactProblem& p, const SolverOptions& options) {
     if (warm && number == 0) return newton.unknowns(s0);
     if (number > (warm ? 1 : 0)) {
       const bool near = number % 2 == 0;
-      return redrawn(newton.unknowns(monitor.best_impulse()), near ? kRedrawn : 1, engine, D);
+      return redrawn(newton.unknowns(monitor.best_impulse()), near ? kRedrawn : 1, engine, p.dim);
     }
     SolverOptions sweeps = options;
     sweeps.parameters.clear();
@@ -258,19 +266,6 @@ SolveResult solve_with(const ContactProblem& p, const SolverOptions& options) {
   SolveResult result = monitor.finish();
   result.message += fmt::format("; {} start{}", start, start == 1 ? "" : "s");
   return result;
-}
-
-}  // namespace
-
-SolveResult solve_multistart_newton(const ContactProblem& p, const SolverOptions& options) {
-  switch (p.dim) {
-    case 1:
-      return solve_with<1>(p, options);
-    case 2:
-      return solve_with<2>(p, options);
-    default:
-      return solve_with<3>(p, options);
-  }
 }
 
 }  // namespace bipot
