@@ -36,6 +36,10 @@ void check_request(const Scene& scene, const AdviseOptions& options) {
         "the scene asks for springs and dashpots (model dem), which solve no contact problem: "
         "there is no solver to advise");
   }
+  if (scene.has_gates()) {
+    throw std::invalid_argument(
+        "bodies come or go by inlets and outlets: forces are compared body by body");
+  }
   if (options.samples < 1 || options.fresh < 0) {
     throw std::invalid_argument("at least one step must be sampled");
   }

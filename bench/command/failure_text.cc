@@ -8,6 +8,7 @@
 
 #include "bench/scenes/force_energy.h"
 #include "core/motion/midpoint.h"
+#include "core/motion/population.h"
 #include "core/motion/step_outcome.h"
 #include "solvers/certificate/existence.h"
 
@@ -17,9 +18,11 @@ namespace {
 constexpr double kCertificateSeconds = 10;
 
 template <int D>
-std::string body_name(const SceneIn<D>& scene, int body) {
-  if (to_size(body) < scene.disks.size()) return fmt::format("{} {}", kBodyName<D>, body);
-  return fmt::format("wall '{}'", scene.walls[to_size(body) - scene.disks.size()].name);
+std::string body_name(const SceneIn<D>& scene, const StateIn<D>& state, int body) {
+  if (to_size(body) < state.disks.size()) {
+    return fmt::format("{} {}", kBodyName<D>, body_number(state, body));
+  }
+  return fmt::format("wall '{}'", scene.walls[to_size(body) - state.disks.size()].name);
 }
 
 /// A cause and its remedy, if the step shows it.
@@ -115,9 +118,9 @@ std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
   const int worst = error.eta > error.epsilon ? error.worst_eta : error.worst_epsilon;
   if (worst >= 0 && to_size(worst) < contacts.size()) {
     const ContactIn<D>& c = contacts[to_size(worst)].contact;
-    text +=
-        fmt::format("  step {}: worst contact {}: {} and {}, gap {:.3g} m, error {:.1e}\n", step,
-                    worst, body_name(scene, c.i), body_name(scene, c.j), c.gap, error.guarded());
+    text += fmt::format("  step {}: worst contact {}: {} and {}, gap {:.3g} m, error {:.1e}\n",
+                        step, worst, body_name(scene, state, c.i), body_name(scene, state, c.j),
+                        c.gap, error.guarded());
   } else {
     text += fmt::format("  step {}: no contact stands out\n", step);
   }
@@ -135,13 +138,14 @@ std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
                          const SceneRunIn<D>& run) {
   if (run.failed_problem.num_contacts() == 0) return {};
   std::vector<ContactOutcomeIn<D>> contacts;
-  for (const ContactIn<D>& c : make_midpoint(scene, state).contacts)
+  const StateIn<D> start = with_changed_population(scene, state);
+  for (const ContactIn<D>& c : make_midpoint(scene, start).contacts)
     contacts.push_back({.contact = c});
   // What the solver started from is all that is known of impulses when none was taken.
   const ContactProblem& p = run.failed_problem;
   const Vector s = run.failed_start.size() == p.num_rows() ? run.failed_start
                                                            : Vector(Vector::Zero(p.num_rows()));
-  return failure_text<D>(scene, state, contacts, p, contact_error(p, s), state.step + 1);
+  return failure_text<D>(scene, start, contacts, p, contact_error(p, s), state.step + 1);
 }
 
 template <int D>

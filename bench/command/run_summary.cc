@@ -25,6 +25,49 @@ std::string message_of(const RunSummary<D>& s) {
   return s.run.failure ? s.run.failure->what() : s.run.totals.message;
 }
 
+/// What has gone through each outlet and inlet.
+template <int D>
+Json gates_json(const SceneIn<D>& scene, const StateIn<D>& state) {
+  Json gates = Json::array();
+  const auto entry = [](const std::string& name, const char* kind, const GateFlowIn<D>& flow) {
+    return Json{{"name", name},
+                {"kind", kind},
+                {"count", flow.count},
+                {"mass", flow.mass},
+                {"energy", flow.energy}};
+  };
+  for (std::size_t k = 0; k < scene.outlets.size(); ++k) {
+    gates.push_back(entry(scene.outlets[k].name, "outlet", state.population.outlets[k]));
+  }
+  for (std::size_t k = 0; k < scene.inlets.size(); ++k) {
+    Json inlet = entry(scene.inlets[k].name, "inlet", state.population.inlets[k]);
+    inlet["waiting"] = state.population.inlets[k].waiting;
+    gates.push_back(std::move(inlet));
+  }
+  return gates;
+}
+
+/// The same in words; how many are left, and whether an inlet had to wait.
+template <int D>
+std::string gates_text(const SceneIn<D>& scene, const StateIn<D>& state) {
+  std::string text = fmt::format("  inside       {} {}s\n", state.disks.size(), kBodyName<D>);
+  for (std::size_t k = 0; k < scene.outlets.size(); ++k) {
+    const GateFlowIn<D>& flow = state.population.outlets[k];
+    text += fmt::format("  outlet       '{}': {} have left, {:.4g} kg\n", scene.outlets[k].name,
+                        flow.count, flow.mass);
+  }
+  for (std::size_t k = 0; k < scene.inlets.size(); ++k) {
+    const GateFlowIn<D>& flow = state.population.inlets[k];
+    text += fmt::format("  inlet        '{}': {} have come in, {:.4g} kg", scene.inlets[k].name,
+                        flow.count, flow.mass);
+    if (flow.waiting > 0) {
+      text += fmt::format("; no room in {} steps, what was due waited", flow.waiting);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
 }  // namespace
 
 template <int D>
@@ -74,6 +117,10 @@ Json to_json(const RunSummary<D>& s) {
                  {"wall_work", t.last.energy.wall_work},
                  {"friction_loss", t.last.energy.friction_loss},
                  {"shock_loss", t.last.energy.shock_loss}};
+  if (scene.has_gates()) {
+    j["energy"]["passed"] = t.last.energy.passed;
+    j["gates"] = gates_json(scene, state);
+  }
   if (dem != nullptr) j["energy"]["elastic"] = t.last.energy.elastic;
   const double area = sample_area(state, scene.step);
   if (area > 0) {
@@ -138,11 +185,15 @@ std::string to_text(const RunSummary<D>& s) {
                    t.worst.guarded(), t.worst_step, t.worst.epsilon, t.worst.eta, t.worst.raw42);
   }
   fmt::format_to(add, "  penetration  max {:.3e} m\n", t.penetration);
+  if (scene.has_gates()) text += gates_text(scene, s.state);
   fmt::format_to(add,
                  "  energy       kinetic {:.4e} J, potential {:.4e} J, wall work {:.4e} J,\n"
                  "               lost to friction {:.4e} J, to shocks {:.4e} J\n",
                  t.last.energy.kinetic, t.last.energy.potential, t.last.energy.wall_work,
                  t.last.energy.friction_loss, t.last.energy.shock_loss);
+  if (scene.has_gates()) {
+    fmt::format_to(add, "               came in less what left {:.4e} J\n", t.last.energy.passed);
+  }
   fmt::format_to(add,
                  "  wall time    {:.2f} s: detection {:.2f}, assembly {:.2f}, solve {:.2f}, output "
                  "{:.2f}\n",

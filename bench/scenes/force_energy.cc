@@ -8,7 +8,7 @@ template <int D>
 double force_energy(const SceneIn<D>& scene, const StateIn<D>& after) {
   double pushed = 0;
   for (const ContactOutcomeIn<D>& c : after.contacts) {
-    if (to_size(c.contact.j) >= scene.disks.size()) pushed += std::hypot(c.s_n, magnitude(c.s_t));
+    if (to_size(c.contact.j) >= after.disks.size()) pushed += std::hypot(c.s_n, magnitude(c.s_t));
   }
   return 0.5 * scene.step * scene.gravity.norm() * pushed;
 }

@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/motion/population.h"
+
 namespace bipot {
 namespace {
 
@@ -45,6 +47,8 @@ class Parts {
   void take(double h, int halvings) {
     SceneIn<D> part = scene_;
     part.step = h;
+    part.outlets.clear();  // bodies come and go between whole steps
+    part.inlets.clear();
     TimeStepperIn<D> stepper(part, solver_, explicit_delassus_, threads_);
     StateIn<D> next = state_;
     std::string why;
@@ -111,7 +115,7 @@ class Parts {
 template <int D>
 SplitStepIn<D> advance_in_parts(const SceneIn<D>& scene, const StepSolver& solver,
                                 bool explicit_delassus, StateIn<D>& state, int threads) {
-  Parts<D> parts(scene, solver, explicit_delassus, state, threads);
+  Parts<D> parts(scene, solver, explicit_delassus, with_changed_population(scene, state), threads);
   parts.take(0.5 * scene.step, kMostHalvings - 1);
   parts.take(0.5 * scene.step, kMostHalvings - 1);
   return parts.finish(state);

@@ -50,6 +50,10 @@ TradeScene load_target(const std::string& target, const TradeOptions& options) {
   if (made.scene.disks.empty() || made.scene.num_steps == 0) {
     throw std::invalid_argument(target + ": a run needs disks and steps");
   }
+  if (made.scene.has_gates()) {
+    throw std::invalid_argument(
+        target + ": bodies come or go by inlets and outlets; runs are compared body by body");
+  }
   made.title = made.scene.title.empty() ? made.name : made.scene.title;
   const bool free = made.scene.disks.size() > 1 &&
                     !supported_by_walls(made.scene, 1e-3 * smallest_radius(made.scene));

@@ -15,8 +15,10 @@
 
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
+#include "core/files/population_file.h"
 #include "core/files/run_layout.h"
 #include "core/motion/periodic_state.h"
+#include "core/motion/population.h"
 #include "core/motion/sample_volume.h"
 #include "core/motion/spring_dashpot_setup.h"
 #include "core/motion/stress_tensor.h"
@@ -258,20 +260,35 @@ void write_rims(Hdf5File& file, const std::vector<Wall>& walls) {
 }
 
 XdmfIndex make_index(const Scene& scene) {
-  return XdmfIndex(scene.disks.size(), scene.walls.size(),
-                   to_size(std::count_if(scene.walls.begin(), scene.walls.end(),
-                                         [](const Wall& w) { return w.is_circle(); })),
-                   scene.cell.in_y   ? 4
-                   : scene.cell.in_x ? 2
-                                     : 0);
+  XdmfIndex index(scene.disks.size(), scene.walls.size(),
+                  to_size(std::count_if(scene.walls.begin(), scene.walls.end(),
+                                        [](const Wall& w) { return w.is_circle(); })),
+                  scene.cell.in_y   ? 4
+                  : scene.cell.in_x ? 2
+                                    : 0);
+  if (scene.has_gates()) index.let_bodies_change();
+  return index;
 }
 XdmfIndex make_index(const SceneIn<3>& scene) {
-  return XdmfIndex::in_space(scene.disks.size(), num_wall_pieces(scene.walls));
+  XdmfIndex index = XdmfIndex::in_space(scene.disks.size(), num_wall_pieces(scene.walls));
+  if (scene.has_gates()) index.let_bodies_change();
+  return index;
+}
+
+/// A place for what stands in for nothing.
+template <int D>
+VecIn<D> some_place(const SceneIn<D>& scene) {
+  if (!scene.disks.empty()) return scene.disks.front().x;
+  return scene.inlets.empty() ? VecIn<D>(VecIn<D>::Zero()) : scene.inlets.front().lower;
 }
 
 /// Names and units of the columns of the ledger.
 template <int D>
-std::string ledger_header(bool dem) {
+std::string ledger_header(bool dem, bool gates) {
+  const std::string passed =
+      !gates ? ""
+             : std::string(",passed [J],momentum_passed_x [kg m/s],momentum_passed_y [kg m/s]") +
+                   (D == 3 ? ",momentum_passed_z [kg m/s]" : "");
   if constexpr (D == 3) {
     return "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
            "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
@@ -279,7 +296,8 @@ std::string ledger_header(bool dem) {
            "momentum_z [kg m/s],momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],"
            "momentum_imbalance_z [kg m/s],penetration [m],volume [m3],stress_xx [Pa],"
            "stress_yy [Pa],stress_zz [Pa],stress_xy [Pa],stress_xz [Pa],stress_yz [Pa],"
-           "kinetic_pressure [Pa]";
+           "kinetic_pressure [Pa]" +
+           passed;
   }
   return std::string(
              "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
@@ -288,7 +306,7 @@ std::string ledger_header(bool dem) {
              "momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],penetration [m],"
              "area [m2],stress_xx [Pa],stress_yy [Pa],stress_xy [Pa],"
              "kinetic_pressure [Pa]") +
-         (dem ? ",elastic [J]" : "");
+         (dem ? ",elastic [J]" : "") + passed;
 }
 
 template <class... Values>
@@ -399,13 +417,17 @@ RunWriterIn<D>::RunWriterIn(fs::path folder, const SceneIn<D>& scene, std::strin
       continue;
     }
     const Hdf5File file(frame_path(folder_, step), Hdf5File::Mode::kRead);
-    add_frame(
-        {step, file.read_double("/time"), file.size("/contacts/i"), file.exists("/disks/stress")});
+    add_frame({step, file.read_double("/time"), file.size("/contacts/i"),
+               file.exists("/disks/stress"), file.size("/disks/spin") / to_size(kSpins<D>)});
   }
   write_index();
   if (scene_.output.ledger_every > 0) {
     const bool dem = scene_.model == Model::kSpringDashpot;
-    ledger_.emplace(folder_ / "ledger.csv", ledger_header<D>(dem), resume_after);
+    ledger_.emplace(folder_ / "ledger.csv", ledger_header<D>(dem, scene_.has_gates()),
+                    resume_after);
+    if (scene_.has_gates()) {
+      gates_.emplace(folder_ / "gates.csv", gates_header(scene_), resume_after);
+    }
   }
   if constexpr (D == 2) {
     if (scene_.observables) observables_.emplace(folder_, scene_, resume_after);
@@ -478,8 +500,9 @@ void RunWriterIn<D>::write_run_file() const {
   write_point_numbers(file, "/disks/points", disks.size());
   write_wall_definitions(file, scene_.walls);
   if (scene_.cell.periodic()) write_cell_definition(file, scene_.cell);
-  if (!disks.empty()) {
-    write_no_contact(file, disks.front().x);
+  if (scene_.has_gates()) write_no_body<D>(file, some_place(scene_));
+  if (!disks.empty() || scene_.has_gates()) {
+    write_no_contact(file, some_place(scene_));
     write_point_numbers(file, "/no_contact/points", 2);
     for (const char* name : {"i", "j"}) file.write(std::string("/no_contact/") + name, -1);
     file.write("/no_contact/status", static_cast<int>(ContactStatus::kTakeOff));
@@ -512,6 +535,8 @@ void RunWriterIn<D>::write_frame_file(const StateIn<D>& state) const {
   write_orientations(file, disks);
   write_velocities<D>(file, disks);
   write_turns(file, "/disks/spin", "rad/s", disks, [](const BodyIn<D>& d) { return d.spin; });
+
+  if (scene_.has_gates()) write_population(file, state);
 
   StateIn<D> inside;
   if constexpr (D == 2) {
@@ -585,26 +610,38 @@ void RunWriterIn<D>::step(const StateIn<D>& state, const StepReportIn<D>& r) {
     const MeanStressIn<D> stress =
         sample_stress<D>(state, scene_.step, area, contact_moments(state));
     std::string line = ledger_row(r, area, stress, scene_.model == Model::kSpringDashpot);
+    std::string gates;
+    if (gates_) {
+      add_numbers(line, r.energy.passed);
+      for (const double p : momentum_passed(state)) add_numbers(line, p);
+      gates = gates_row(scene_, state);
+    }
     if (r.step % scene_.output.ledger_every == 0) {
       ledger_->row(line);
+      if (gates_) gates_->row(gates);
       pending_row_.clear();
     } else {
       pending_row_ = std::move(line);
+      pending_gates_ = std::move(gates);
     }
   }
   if constexpr (D == 2) {
     if (observables_) observables_->step(state);
   }
   for (int disk : scene_.output.track) {
+    const int index = body_index(state, disk);
+    if (index < 0) continue;  // it has left
     std::string line = fmt::format("{},{:.17g},{}", state.step, state.time, disk);
-    add_motion(line, state.disks.at(to_size(disk)));
+    add_motion(line, state.disks.at(to_size(index)));
     trajectory_->row(line);
   }
 }
 
 template <int D>
 void RunWriterIn<D>::frame(const StateIn<D>& state) {
-  if (state.disks.size() != scene_.disks.size() || state.walls.size() != scene_.walls.size()) {
+  if ((!scene_.has_gates() && state.disks.size() != scene_.disks.size()) ||
+      state.population.numbers.size() != (scene_.has_gates() ? state.disks.size() : 0) ||
+      state.walls.size() != scene_.walls.size()) {
     throw std::invalid_argument("the state is not one of this scene");
   }
   if (!frames_.empty() && frames_.back().step >= state.step) {
@@ -613,7 +650,7 @@ void RunWriterIn<D>::frame(const StateIn<D>& state) {
         fmt::format("frame of step {} after that of step {}", state.step, frames_.back().step));
   }
   write_frame_file(state);
-  add_frame({state.step, state.time, state.contacts.size(), true});
+  add_frame({state.step, state.time, state.contacts.size(), true, state.disks.size()});
   if (frames_.size() - indexed_ >= 1 + frames_.size() / kIndexShare) write_index();
 }
 
@@ -621,7 +658,10 @@ template <int D>
 void RunWriterIn<D>::close() {
   if (closed_) return;
   closed_ = true;
-  if (ledger_ && !pending_row_.empty()) ledger_->row(pending_row_);
+  if (ledger_ && !pending_row_.empty()) {
+    ledger_->row(pending_row_);
+    if (gates_) gates_->row(pending_gates_);
+  }
   if (observables_) observables_->close();
   write_index();
 }

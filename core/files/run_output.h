@@ -22,6 +22,7 @@ namespace bipot {
 ///   run.xdmf             index of the frames for ParaView: disks (in space: spheres) as points, contacts as lines
 ///                        between the centres, walls as lines
 ///   ledger.csv           one row for each scene.output.ledger_every steps, and the last
+///   gates.csv            what went through outlets and inlets, likewise, if the scene has any
 ///   observables.csv ...  what the scene asks to be measured (core/files/observable_output.h)
 ///   trajectory.csv       one row for each step and tracked disk, if scene.output.track names any
 /// data/formats.md describes each entry.
@@ -60,9 +61,9 @@ class RunWriterIn {
   SceneIn<D> scene_;
   std::string scene_text_;
   std::vector<FrameEntry> frames_;
-  std::optional<CsvFile> ledger_, trajectory_;
+  std::optional<CsvFile> ledger_, trajectory_, gates_;
   std::optional<ObservableWriter> observables_;
-  std::string pending_row_;  // last ledger row, if its step was not due
+  std::string pending_row_, pending_gates_;  // last row of ledger and gates, if not due
   XdmfIndex xdmf_;
   std::size_t indexed_ = 0;  // frames that run.h5 and run.xdmf know
   bool closed_ = false;

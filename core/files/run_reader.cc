@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/files/hdf5_file.h"
+#include "core/files/population_file.h"
 
 namespace bipot {
 namespace {
@@ -46,23 +47,40 @@ VecIn<D> row_of(const std::vector<double>& values, std::size_t k) {
   return Eigen::Map<const VecIn<D>>(values.data() + D * k);
 }
 
-/// `fixed`: run.h5; `frame`: the frame's file.
+/// What does not change of the disks of a scene.
 template <int D>
-std::vector<BodyIn<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame) {
+std::vector<BodyIn<D>> read_fixed_disks(const Hdf5File& fixed) {
   const std::vector<double> radius = fixed.read_doubles("/disks/radius");
   const std::size_t n = radius.size();
   const auto mass = read_sized(fixed, "/disks/mass", n);
   const auto inertia = read_sized(fixed, "/disks/inertia", n);
   const auto material = read_sized_ints(fixed, "/disks/material", n);
+  // Only rough walls write which disks are theirs.
+  const auto wall = fixed.exists("/disks/wall") ? read_sized_ints(fixed, "/disks/wall", n)
+                                                : std::vector<int>(n, -1);
+  std::vector<BodyIn<D>> disks(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    disks[k].radius = radius[k];
+    disks[k].mass = mass[k];
+    disks[k].inertia = inertia[k];
+    disks[k].material = material[k];
+    disks[k].wall = wall[k];
+  }
+  return disks;
+}
+
+/// `fixed`: run.h5; `frame`: the frame's file, which says all of the disks where some come or go.
+template <int D>
+std::vector<BodyIn<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame,
+                                  PopulationIn<D>& population) {
+  std::vector<BodyIn<D>> disks;
+  if (!read_population(frame, disks, population)) disks = read_fixed_disks<D>(fixed);
+  const std::size_t n = disks.size();
   const auto x = read_sized(frame, "/disks/x", D * n);
   const auto turned = D == 2 ? read_sized(frame, "/disks/angle", n)
                              : read_sized(frame, "/disks/orientation", 4 * n);
   const auto v = read_sized(frame, "/disks/v", 3 * n);
   const auto spin = read_sized(frame, "/disks/spin", to_size(kSpins<D>) * n);
-  // Only rough walls write which disks are theirs.
-  const auto wall = fixed.exists("/disks/wall") ? read_sized_ints(fixed, "/disks/wall", n)
-                                                : std::vector<int>(n, -1);
-  std::vector<BodyIn<D>> disks(n);
   for (std::size_t k = 0; k < n; ++k) {
     BodyIn<D>& d = disks[k];
     d.x = row_of<D>(x, k);
@@ -75,11 +93,6 @@ std::vector<BodyIn<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame) 
                                          turned[4 * k + 3]);
       d.spin = row_of<3>(spin, k);
     }
-    d.radius = radius[k];
-    d.mass = mass[k];
-    d.inertia = inertia[k];
-    d.material = material[k];
-    d.wall = wall[k];
   }
   return disks;
 }
@@ -245,7 +258,7 @@ StateIn<D> read_state(const fs::path& run, int step) {
   state.wall_work = file.read_double("/wall_work");
   state.friction_loss = file.read_double("/friction_loss");
   state.shock_loss = file.read_double("/shock_loss");
-  state.disks = read_disks<D>(fixed, file);
+  state.disks = read_disks<D>(fixed, file, state.population);
   state.walls = read_walls<D>(fixed, file);
   state.cell = read_state_cell(fixed, file);
   state.contacts = read_contacts<D>(file, state.disks.size(), state.walls.size());

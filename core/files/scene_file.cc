@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "core/files/scene_cell.h"
+#include "core/files/scene_gates.h"
 #include "core/files/scene_groups.h"
 #include "core/files/scene_observables.h"
 #include "core/files/scene_spheres.h"
@@ -237,6 +238,10 @@ void rotate(Scene& scene, double degrees) {
     d.x = turn * d.x;
     d.v = turn * d.v;
   }
+  for (Outlet& outlet : scene.outlets) {
+    outlet.point = turn * outlet.point;
+    outlet.normal = turn * outlet.normal;
+  }
   for (Wall& w : scene.walls) {
     w.a = turn * w.a;
     w.b = turn * w.b;
@@ -251,7 +256,8 @@ void rotate(Scene& scene, double degrees) {
 /// anything that matters.
 template <int D>
 double default_contact_distance(const SceneIn<D>& scene) {
-  return scene.disks.empty() ? 0 : 1e-6 * smallest_radius(scene);
+  const double smallest = smallest_radius(scene);
+  return std::isfinite(smallest) ? 1e-6 * smallest : 0;
 }
 
 /// [[disks]], the cell, and what turns them.
@@ -294,12 +300,16 @@ SceneIn<D> parse_in(const SceneTable& root, const std::string& source) {
     table.finish();
   }
   read_bodies(root, scene);
+  read_gates(root, D == 2 && root.has("rotate_degrees"), scene);
   if constexpr (D == 2) read_cell_and_turn(root, scene);
   read_tilt(root, scene);
   read_time(root, scene);
   read_model(root, scene);
   if (D == 3 && scene.model == Model::kSpringDashpot) {
     root.fail("model", "'dem' simulates disks, not spheres");
+  }
+  if (scene.has_gates() && scene.model == Model::kSpringDashpot) {
+    root.fail("model", "'dem' has no outlets and inlets");
   }
   read_solver(root, scene);
   read_output(root, scene);

@@ -66,22 +66,25 @@ void XdmfIndex::add(const FrameEntry& frame) {
         frame.time, content);
   };
   const int turns = dimensions_ == 2 ? 1 : 3;  // components of spins and tangential parts
-  if (num_disks_ > 0) {
+  if (num_disks_ > 0 || bodies_change_) {
+    // What does not change lies in run.h5, unless the bodies do; none at all are one of radius 0.
+    const bool none = bodies_change_ && frame.disks == 0;
+    const std::size_t n = none ? 1 : bodies_change_ ? frame.disks : num_disks_;
+    const std::string moving = none ? "run.h5:/no_body/" : file + "/disks/";
+    const std::string fixed = bodies_change_ ? moving : "run.h5:/disks/";
     disks_ +=
         grid(fmt::format("      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
                          "NodesPerElement=\"1\">{}</Topology>\n",
-                         num_disks_, data_item("run.h5:/disks/points", num_disks_, 1, true)) +
-             geometry(file + (num_cell_lines_ > 0 ? "/disks/x_in_cell" : "/disks/x"), num_disks_,
-                      dimensions_) +
-             attribute("radius", "run.h5:/disks/radius", num_disks_, "Node") +
-             attribute("mass", "run.h5:/disks/mass", num_disks_, "Node") +
-             attribute("material", "run.h5:/disks/material", num_disks_, "Node", 1, true) +
-             attribute("velocity", file + "/disks/v", num_disks_, "Node", 3) +
-             attribute("spin", file + "/disks/spin", num_disks_, "Node", turns) +
-             (dimensions_ == 2 ? attribute("angle", file + "/disks/angle", num_disks_, "Node")
-                               : std::string()) +
-             (frame.stress ? attribute("stress", file + "/disks/stress", num_disks_, "Node", 6) +
-                                 attribute("pressure", file + "/disks/pressure", num_disks_, "Node")
+                         n, data_item(fixed + "points", n, 1, true)) +
+             geometry(moving + (num_cell_lines_ > 0 ? "x_in_cell" : "x"), n, dimensions_) +
+             attribute("radius", fixed + "radius", n, "Node") +
+             attribute("mass", fixed + "mass", n, "Node") +
+             attribute("material", fixed + "material", n, "Node", 1, true) +
+             attribute("velocity", moving + "v", n, "Node", 3) +
+             attribute("spin", moving + "spin", n, "Node", turns) +
+             (dimensions_ == 2 ? attribute("angle", moving + "angle", n, "Node") : std::string()) +
+             (frame.stress ? attribute("stress", moving + "stress", n, "Node", 6) +
+                                 attribute("pressure", moving + "pressure", n, "Node")
                            : std::string()));
   }
   // ParaView's readers stumble over empty grids and over collections with gaps: a frame without
@@ -104,7 +107,7 @@ void XdmfIndex::add(const FrameEntry& frame) {
        {std::pair{"status", "status"}, {"body i", "i"}, {"body j", "j"}}) {
     content += attribute(name, group + "/" + dataset, contacts, "PeriodicCell", 1, true);
   }
-  if (num_disks_ > 0) contacts_ += grid(content);
+  if (num_disks_ > 0 || bodies_change_) contacts_ += grid(content);
   if (num_walls_ > 0 && dimensions_ == 3) walls_ += grid(pieces(file + "/walls", num_walls_));
   if (num_walls_ > 0 && dimensions_ == 2) {
     walls_ +=

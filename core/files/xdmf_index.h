@@ -13,7 +13,8 @@ struct FrameEntry {
   int step = 0;
   double time = 0;  ///< [s]
   std::size_t contacts = 0;
-  bool stress = true;  ///< false: of a version that did not write stresses
+  bool stress = true;     ///< false: of a version that did not write stresses
+  std::size_t disks = 0;  ///< where their number changes
 };
 
 /// A circular wall is drawn as a closed polygon of so many points.
@@ -37,12 +38,16 @@ class XdmfIndex {
     return index;
   }
 
+  /// Of a run whose bodies come or go: each frame says how many it has.
+  void let_bodies_change() { bodies_change_ = true; }
+
   void add(const FrameEntry& frame);
   /// Whole or not at all (AtomicFile). Throws FileError.
   void write(const std::filesystem::path& path) const;
 
  private:
   int dimensions_ = 2;
+  bool bodies_change_ = false;
   std::size_t num_disks_ = 0, num_walls_ = 0, num_circles_ = 0, num_cell_lines_ = 0;
   std::string disks_, contacts_, walls_, circles_, cell_;  // grids of all frames
 };

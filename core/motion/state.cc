@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/motion/population.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
@@ -23,6 +24,7 @@ StateIn<D> initial_state(const SceneIn<D>& scene) {
   state.disks = scene.disks;
   state.walls = walls_at(scene.walls, scene.walls, 0.5 * scene.step);
   state.cell = scene.cell;
+  state.population = initial_population(scene);
   return state;
 }
 
@@ -73,12 +75,21 @@ SpinIn<D> angular_momentum(const StateIn<D>& state) {
 
 template <int D>
 std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state) {
-  if (state.disks.size() != scene.disks.size() || state.walls.size() != scene.walls.size()) {
+  const PopulationIn<D>& there = state.population;
+  if (there.outlets.size() != scene.outlets.size() || there.inlets.size() != scene.inlets.size()) {
+    return fmt::format("it has {} outlets and {} inlets, the scene has {} and {}",
+                       there.outlets.size(), there.inlets.size(), scene.outlets.size(),
+                       scene.inlets.size());
+  }
+  if ((!scene.has_gates() && state.disks.size() != scene.disks.size()) ||
+      state.walls.size() != scene.walls.size()) {
     return fmt::format("it has {} {}s and {} walls, the scene has {} and {}", state.disks.size(),
                        kBodyName<D>, state.walls.size(), scene.disks.size(), scene.walls.size());
   }
-  for (std::size_t i = 0; i < scene.disks.size(); ++i) {
-    const BodyIn<D>&a = state.disks[i], &b = scene.disks[i];
+  for (std::size_t k = 0; k < state.disks.size(); ++k) {
+    const std::size_t i = scene.has_gates() ? to_size(there.numbers[k]) : k;
+    if (i >= scene.disks.size()) break;  // came in
+    const BodyIn<D>&a = state.disks[k], &b = scene.disks[i];
     const auto differs = [&](const char* field, double x, double y) {
       return fmt::format("{} {}: {} is {}, in the scene {}", kBodyName<D>, i, field, x, y);
     };

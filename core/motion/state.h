@@ -9,14 +9,35 @@
 
 namespace bipot {
 
+/// What has gone through an outlet or an inlet since step 0, and how much of it last.
+template <int D>
+struct GateFlowIn {
+  int count = 0;      ///< bodies
+  double mass = 0;    ///< [kg]
+  double energy = 0;  ///< kinetic, and potential at the time                  [J]
+  VecIn<D> momentum = VecIn<D>::Zero();  ///< [kg m/s]
+  int waiting = 0;                       ///< inlets: steps that found no room for what was due
+  double last_mass = 0;  ///< in the last step                                    [kg]
+};
+
+/// Who is there, in scenes with outlets or inlets; empty in all others.
+template <int D>
+struct PopulationIn {
+  /// Of each body, increasing: those of the scene keep their numbers, what comes in gets the next ones.
+  std::vector<int> numbers;
+  std::vector<GateFlowIn<D>> outlets, inlets;  ///< as many as the scene has
+};
+
 /// The moving part of a scene: all that a restart needs.
 template <int D>
 struct StateIn {
   double time = 0;               ///< [s]
   int step = 0;                  ///< steps done
   std::vector<BodyIn<D>> disks;  ///< in space: spheres
+  Clusters clusters;             ///< of disks that are joined rigidly; in the plane
   std::vector<WallIn<D>> walls;
   PeriodicCell cell;                          ///< of periodic scenes
+  PopulationIn<D> population;                 ///< of scenes with outlets or inlets
   std::vector<ContactOutcomeIn<D>> contacts;  ///< of the last step, sorted by (i, j); warm start
   /// Accumulated since step 0, for the ledger                                  [J]
   double wall_work = 0, friction_loss = 0, shock_loss = 0;
@@ -42,8 +63,8 @@ VecIn<D> momentum(const StateIn<D>& state);  ///< disks and driven walls [kg m/s
 template <int D>
 SpinIn<D> angular_momentum(const StateIn<D>& state);
 
-/// Empty when a state can go on under a scene: same disks (radius, mass, inertia, material) and
-/// walls (shape, motion, force, mass, direction, material); else one sentence that names the
+/// Empty when a state can go on under a scene: same disks (radius, mass, inertia, material), of those that
+/// have not left, outlets, inlets and walls (shape, motion, force, mass, direction, material); else one sentence that names the
 /// difference.
 template <int D>
 std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state);

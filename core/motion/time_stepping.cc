@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <utility>
 
 #include "core/motion/midpoint.h"
 #include "core/motion/outside_changes.h"
+#include "core/motion/population.h"
 #include "core/motion/projection.h"
 #include "core/motion/warm_start.h"
 #include "core/problem/delassus.h"
@@ -70,7 +72,8 @@ void close_ledger(const SceneIn<D>& scene, const StateIn<D>& before,
                    .potential = potential_energy(next, gravity),
                    .wall_work = next.wall_work,
                    .friction_loss = next.friction_loss,
-                   .shock_loss = next.shock_loss};
+                   .shock_loss = next.shock_loss,
+                   .passed = energy_passed(next)};
   report.energy.imbalance = report.energy.kinetic + report.energy.potential -
                             kinetic_energy(before) -
                             potential_energy(before, gravity_at(scene, before.time)) -
@@ -99,6 +102,10 @@ StepFailure::StepFailure(Kind k, int steps_before, double time_before, const std
 template <int D>
 ContactProblem step_problem(const SceneIn<D>& scene, const StateIn<D>& state,
                             bool explicit_delassus) {
+  if (scene.has_gates()) {
+    const StateIn<D> start = with_changed_population(scene, state);
+    return assemble_step(scene, make_midpoint(scene, start), explicit_delassus).problem;
+  }
   return assemble_step(scene, make_midpoint(scene, state), explicit_delassus).problem;
 }
 
@@ -146,25 +153,32 @@ template <int D>
 StepReportIn<D> TimeStepperIn<D>::advance(StateIn<D>& state) {
   StepReportIn<D> report;
   Stopwatch watch;
-  const MidpointIn<D> mid = make_midpoint(scene_, state, threads_, &kept_);
+  std::optional<StateIn<D>> changed;
+  if (scene_.has_gates()) {
+    changed = state;
+    if (change_population(scene_, *changed)) kept_ = {};
+  }
+  const StateIn<D>& start = changed ? *changed : state;
+  const MidpointIn<D> mid = make_midpoint(scene_, start, threads_, &kept_);
   report.detection_seconds = watch.lap();
   assembled_ = assemble_step(scene_, mid, explicit_delassus_, threads_);
   report.assembly_seconds = watch.lap();
-  const Vector s = solve_contacts(state, mid.contacts, report);
+  const Vector s = solve_contacts(start, mid.contacts, report);
   report.solve_seconds = watch.lap();
 
   const ContactProblem& p = assembled_.problem;
   const Vector v = p.num_dofs() > 0 ? body_velocities(p, s) : Vector();
   StateIn<D> next = update_bodies(mid, assembled_.dofs, v, scene_.step);
-  next.step = state.step + 1;
-  next.time = time_after_step(state, scene_.step);
+  next.step = start.step + 1;
+  next.time = time_after_step(start, scene_.step);
   StepOutcomeIn<D> outcome = step_outcome<D>(scene_, mid, assembled_, s, v, next.walls, next.cell);
   const OutsideChanges<D> changes =
-      outside_changes(scene_, state, mid.walls, mid.gravity, next.disks, next.time);
+      outside_changes(scene_, start, mid.walls, mid.gravity, next.disks, next.time);
   outcome.wall_work += changes.work;
   outcome.external += changes.impulse;
   if (scene_.project_overlaps) take_out_overlaps(next, outcome, report);
-  close_ledger(scene_, state, outcome, next, report);
+  next.population = start.population;
+  close_ledger(scene_, start, outcome, next, report);
   next.contacts = std::move(outcome.contacts);
 
   report.step = next.step;

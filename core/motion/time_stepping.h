@@ -17,7 +17,7 @@
 namespace bipot {
 
 /// Energy of a state and what the steps so far did to it. Closed:
-///   kinetic + potential + elastic = initial + wall_work - friction_loss - shock_loss
+///   kinetic + potential + elastic = initial + wall_work + passed - friction_loss - shock_loss
 /// up to round-off in the nonsmooth model, because the impulses act through the mean of the
 /// velocities before and after the step, as the displacement does (38), (43).
 struct EnergyLedger {
@@ -28,6 +28,7 @@ struct EnergyLedger {
   double shock_loss = 0;     ///< dissipated by normal impulses                  [J]
   double imbalance = 0;      ///< of the last step: what does not add up         [J]
   double elastic = 0;        ///< stored in contacts, spring-dashpot model only  [J]
+  double passed = 0;         ///< came in less what left, by inlets and outlets  [J]
 };
 
 /// One step's answer from whatever solves the contact problem.
@@ -62,7 +63,7 @@ struct StepReportIn {
 };
 using StepReport = StepReportIn<2>;
 
-/// The contact problem of the step that would come next.
+/// The contact problem of the step that would come next; bodies that are to leave or come in before have.
 template <int D>
 ContactProblem step_problem(const SceneIn<D>& scene, const StateIn<D>& state,
                             bool explicit_delassus);
@@ -81,7 +82,8 @@ struct StepFailure : std::runtime_error {
   StepFailure(Kind k, int steps_before, double time_before, const std::string& why);
 };
 
-/// Advances a state by the mid-point scheme (38)-(43):
+/// Advances a state by the mid-point scheme (38)-(43), after bodies have left and come in where the scene has
+/// outlets and inlets (core/motion/population.h):
 ///   q_m = q + h/2 v, contacts at q_m, one contact problem, q <- q_m + h/2 v⁺.
 template <int D>
 class TimeStepperIn {

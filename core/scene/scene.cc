@@ -154,6 +154,25 @@ std::string check_periodic(const SceneIn<D>& scene) {
   return {};
 }
 
+/// Outlets and inlets, and what does not go with them.
+template <int D>
+std::string check_gates(const SceneIn<D>& scene) {
+  if (!scene.has_gates()) return {};
+  if (scene.model == Model::kSpringDashpot) {
+    return "outlets and inlets do not go with the model \"dem\"";
+  }
+  if (!scene.inlets.empty() && scene.cell.periodic()) {
+    return "inlets have no place in a periodic cell";
+  }
+  for (const OutletIn<D>& outlet : scene.outlets) {
+    if (auto e = check_outlet(outlet); !e.empty()) return e;
+  }
+  for (const InletIn<D>& inlet : scene.inlets) {
+    if (auto e = check_inlet(inlet, static_cast<int>(scene.materials.size())); !e.empty()) return e;
+  }
+  return {};
+}
+
 }  // namespace
 
 void drift(Sphere& sphere, double h) {
@@ -189,6 +208,9 @@ template <int D>
 double smallest_radius(const SceneIn<D>& scene) {
   double smallest = kInfinity;
   for (const BodyIn<D>& d : scene.disks) smallest = std::min(smallest, d.radius);
+  for (const InletIn<D>& inlet : scene.inlets) {
+    for (const double radius : inlet.radii) smallest = std::min(smallest, radius);
+  }
   return smallest;
 }
 
@@ -231,6 +253,7 @@ std::string validate(const SceneIn<D>& scene) {
     if (auto e = check_wall(scene.walls[i], i, materials); !e.empty()) return e;
   }
   if (auto e = check_periodic(scene); !e.empty()) return e;
+  if (auto e = check_gates(scene); !e.empty()) return e;
   const SpringDashpotChoice& dem = scene.dem;
   const auto at_least_zero = [](double x) { return x >= 0 && std::isfinite(x); };
   if (!at_least_zero(dem.stiffness) || !at_least_zero(dem.substep) || !(dem.overlap > 0) ||

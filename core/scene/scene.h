@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "core/scene/cell.h"
+#include "core/scene/cluster.h"
+#include "core/scene/gates.h"
 #include "core/scene/observable_choice.h"
 #include "core/types.h"
 
@@ -37,6 +39,7 @@ struct BodyIn<2> {
   int wall =
       -1;  ///< glued to this wall: it moves as the wall does, has no mass, and what touches it
            ///< acts on the wall; -1: free
+  int cluster = -1;  ///< part of this one of the clusters, without mass of its own; -1: of none
 };
 using Disk = BodyIn<2>;
 
@@ -53,6 +56,7 @@ struct BodyIn<3> {
   double inertia = 0;        ///< > 0; 2/5 m a² for a homogeneous sphere [kg m²]
   int material = 0;          ///< index into SceneIn::materials
   int wall = -1;             ///< as of a disk
+  int cluster = -1;          ///< in space there are none: -1
 };
 using Sphere = BodyIn<3>;
 
@@ -154,7 +158,10 @@ struct SceneIn {
   Tilt tilt;
   PeriodicCell cell;             ///< periodic scenes
   std::vector<BodyIn<D>> disks;  ///< in space: spheres
+  Clusters clusters;             ///< of disks that are joined rigidly; in the plane
   std::vector<WallIn<D>> walls;
+  std::vector<OutletIn<D>> outlets;    ///< where bodies leave
+  std::vector<InletIn<D>> inlets;      ///< where bodies come in
   std::vector<std::string> materials;  ///< names
   std::vector<ContactLaw> laws;        ///< materials² entries, symmetric, row-major
   double step = 0;                     ///< h > 0                    [s]
@@ -170,6 +177,8 @@ struct SceneIn {
   const ContactLaw& law(int material_a, int material_b) const {
     return laws[to_size(material_a) * materials.size() + to_size(material_b)];
   }
+  /// True when bodies may come or go: their number and numbering change (core/motion/population.h).
+  bool has_gates() const { return !outlets.empty() || !inlets.empty(); }
   /// True when some pair of materials has friction: the contact dimension is then D, else 1.
   bool has_friction() const;
 };
@@ -179,7 +188,7 @@ using Scene = SceneIn<2>;
 template <int D>
 VecIn<D> gravity_at(const SceneIn<D>& scene, double time);
 
-/// Radius of the smallest disk [m]; infinite in a scene without disks.
+/// Radius of the smallest disk, of those that inlets bring too [m]; infinite in a scene without disks.
 template <int D>
 double smallest_radius(const SceneIn<D>& scene);
 

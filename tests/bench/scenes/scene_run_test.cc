@@ -230,5 +230,24 @@ TEST(RunFolder, HoldsTheRunsLastStateAndItsProblems) {
   EXPECT_EQ(last.problem.num_contacts(), run.totals.last.contacts);
 }
 
+// At the end of step 20 the disk has fallen below 0, half-way through step 20 it has not.
+TEST(SplitStep, LetsBodiesLeaveOnceAStep) {
+  Scene scene = one_law({});
+  scene.gravity = Vec2(0, -10);
+  scene.step = 0.01;
+  scene.disks = {cylinder(Vec2(0, 0.2 - 1e-6), 0.05), cylinder(Vec2(1, 9), 0.05)};
+  scene.outlets.resize(1);  // below y = 0
+  const StepSolver sweeps = make_step_solver(*find_solver("pgs"), {});
+  State state = initial_state(scene);
+  for (int k = 0; k < 21; ++k) {
+    const SplitStep split = advance_in_parts(scene, sweeps, false, state);
+    EXPECT_EQ(split.parts, 2);
+    EXPECT_EQ(state.disks.size(), state.step < 21 ? 2u : 1u) << state.step;
+  }
+  EXPECT_EQ(state.population.outlets[0].count, 1);
+  EXPECT_EQ(state.population.outlets[0].last_mass, 2);
+  EXPECT_NEAR(state.disks[0].x[1], 9 - 5 * 0.21 * 0.21, 1e-12);
+}
+
 }  // namespace
 }  // namespace bipot

@@ -1,0 +1,298 @@
+#include "core/motion/population.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <numeric>
+#include <optional>
+#include <stdexcept>
+
+#include "core/scene/contact_detection.h"
+
+namespace bipot {
+namespace {
+
+/// Places that are tried for a body before it waits for the next step.
+constexpr int kTries = 200;
+
+double spin_energy(const Disk& d) { return 0.5 * d.inertia * d.spin * d.spin; }
+double spin_energy(const Sphere& s) { return 0.5 * s.inertia * s.spin.squaredNorm(); }
+
+template <int D>
+void book(const BodyIn<D>& body, const VecIn<D>& gravity, GateFlowIn<D>& flow) {
+  ++flow.count;
+  flow.mass += body.mass;
+  flow.last_mass += body.mass;
+  flow.energy +=
+      0.5 * body.mass * body.v.squaredNorm() + spin_energy(body) - body.mass * gravity.dot(body.x);
+  flow.momentum += body.mass * body.v;
+}
+
+/// Random numbers that can be had again from what they belong to, without a memory: splitmix64
+/// (Steele, Lea and Flood 2014), started at a mixture of the keys.
+class KeyedRandom {
+ public:
+  KeyedRandom(int seed, int body, int step) {
+    for (const int key : {seed, body, step}) {
+      state_ = next() ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(key));
+    }
+    next();
+  }
+  /// In [0, 1), 53 random bits.
+  double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
+
+ private:
+  std::uint64_t next() {
+    std::uint64_t z = state_ += 0x9e3779b97f4a7c15U;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
+    return z ^ (z >> 31);
+  }
+  std::uint64_t state_ = 0;
+};
+
+/// Body number k of an inlet, but for its place.
+template <int D>
+BodyIn<D> body_due(const InletIn<D>& inlet, int k) {
+  KeyedRandom random(inlet.seed, k, -1);
+  const double drawn =
+      random.uniform() * std::accumulate(inlet.shares.begin(), inlet.shares.end(), 0.0);
+  std::size_t chosen = 0;
+  for (double upto = inlet.shares[0]; drawn >= upto && chosen + 1 < inlet.radii.size();) {
+    upto += inlet.shares[++chosen];
+  }
+  BodyIn<D> body;
+  body.radius = inlet.radii[chosen];
+  const double square = body.radius * body.radius;
+  const double size =
+      D == 2 ? std::numbers::pi * square : 4.0 / 3 * std::numbers::pi * square * body.radius;
+  body.mass = inlet.mass > 0 ? inlet.mass : inlet.density * size;
+  body.inertia = inlet.inertia > 0 ? inlet.inertia : (D == 2 ? 0.5 : 0.4) * body.mass * square;
+  body.v = inlet.v;
+  body.spin = inlet.spin;
+  body.material = inlet.material;
+  return body;
+}
+
+/// Bodies that may be in the way of what appears in an inlet.
+template <int D>
+std::vector<BodyIn<D>> bodies_near(const InletIn<D>& inlet, const std::vector<BodyIn<D>>& bodies,
+                                   double distance) {
+  std::vector<BodyIn<D>> near;
+  for (const BodyIn<D>& b : bodies) {
+    const VecIn<D> inside = b.x.cwiseMax(inlet.lower).cwiseMin(inlet.upper);
+    const double reach = b.radius + distance;
+    if ((b.x - inside).squaredNorm() <= reach * reach) near.push_back(b);
+  }
+  return near;
+}
+
+template <int D>
+bool has_room(const BodyIn<D>& body, const std::vector<BodyIn<D>>& near,
+              const std::vector<WallIn<D>>& walls, double distance) {
+  for (const BodyIn<D>& b : near) {
+    const double reach = body.radius + b.radius + distance;
+    if ((b.x - body.x).squaredNorm() <= reach * reach) return false;
+  }
+  std::vector<ContactIn<D>> touched;
+  for (const WallIn<D>& wall : walls) {
+    if (!wall.present) continue;
+    try {
+      find_wall_contact<D>(body, 0, wall, 0, distance, touched);
+    } catch (const std::invalid_argument&) {
+      return false;  // its centre lies on the wall
+    }
+    if (!touched.empty()) return false;
+  }
+  return true;
+}
+
+/// Puts a body somewhere into the inlet's box; false where nothing is free.
+template <int D>
+bool find_place(const InletIn<D>& inlet, int k, int step, const std::vector<BodyIn<D>>& near,
+                const std::vector<WallIn<D>>& walls, double distance, BodyIn<D>& body) {
+  KeyedRandom random(inlet.seed, k, step);
+  const VecIn<D> low = inlet.lower + VecIn<D>::Constant(body.radius);
+  const VecIn<D> room = inlet.upper - inlet.lower - VecIn<D>::Constant(2 * body.radius);
+  for (int tried = 0; tried < kTries; ++tried) {
+    for (int axis = 0; axis < D; ++axis) body.x[axis] = low[axis] + random.uniform() * room[axis];
+    if (has_room(body, near, walls, distance)) return true;
+  }
+  return false;
+}
+
+/// How many bodies of an inlet are due at a time.
+template <int D>
+int number_due(const InletIn<D>& inlet, double time) {
+  if (time < inlet.starts || time >= inlet.stops) return 0;
+  // A body that is due at a step's very time is not to be missed by rounding.
+  const double due = std::floor((time - inlet.starts) * inlet.rate + 1e-9) + 1;
+  const double most = inlet.count < 0 ? 1e9 : inlet.count;
+  return static_cast<int>(std::min(due, most));
+}
+
+template <int D>
+void let_out(const SceneIn<D>& scene, const VecIn<D>& gravity, StateIn<D>& state,
+             std::vector<int>& new_index) {
+  const auto outlet_of = [&](const BodyIn<D>& body) {
+    VecIn<D> x = body.x;
+    if (state.cell.periodic()) {
+      const CellNumber cell = cell_number(state.cell, Vec2(x.template head<2>()));
+      x -= in_dimensions<D>(state.cell.shift(cell.kx, cell.ky));
+    }
+    const auto found = std::find_if(scene.outlets.begin(), scene.outlets.end(),
+                                    [&](const OutletIn<D>& outlet) { return outlet.takes(x); });
+    return static_cast<std::size_t>(found - scene.outlets.begin());
+  };
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    const BodyIn<D>& body = state.disks[i];
+    const std::size_t outlet = body.wall < 0 ? outlet_of(body) : scene.outlets.size();
+    if (outlet < scene.outlets.size()) {
+      book<D>(body, gravity, state.population.outlets[outlet]);
+      continue;
+    }
+    new_index[i] = static_cast<int>(kept);
+    state.population.numbers[kept] = state.population.numbers[i];
+    state.disks[kept++] = body;
+  }
+  state.disks.resize(kept);
+  state.population.numbers.resize(kept);
+}
+
+template <int D>
+void let_in(const SceneIn<D>& scene, const VecIn<D>& gravity, StateIn<D>& state) {
+  int number = static_cast<int>(scene.disks.size());
+  for (const GateFlowIn<D>& flow : state.population.inlets) number += flow.count;
+  for (std::size_t g = 0; g < scene.inlets.size(); ++g) {
+    const InletIn<D>& inlet = scene.inlets[g];
+    GateFlowIn<D>& flow = state.population.inlets[g];
+    const int due = number_due(inlet, state.time);
+    if (flow.count >= due) continue;
+    std::vector<BodyIn<D>> near = bodies_near(inlet, state.disks, scene.contact_distance);
+    while (flow.count < due) {
+      BodyIn<D> body = body_due(inlet, flow.count);
+      if (!find_place(inlet, flow.count, state.step, near, state.walls, scene.contact_distance,
+                      body)) {
+        ++flow.waiting;
+        break;
+      }
+      book<D>(body, gravity, flow);
+      near.push_back(body);
+      state.disks.push_back(body);
+      state.population.numbers.push_back(number++);
+    }
+  }
+}
+
+/// The contacts of the last step under the new numbers; `before`: how many bodies there were.
+template <int D>
+void renumber_contacts(const std::vector<int>& new_index, StateIn<D>& state) {
+  const int before = static_cast<int>(new_index.size());
+  const int now = static_cast<int>(state.disks.size());
+  const auto renumbered = [&](int body) {
+    return body < before ? new_index[to_size(body)] : body - before + now;
+  };
+  std::size_t kept = 0;
+  for (const ContactOutcomeIn<D>& outcome : state.contacts) {
+    ContactOutcomeIn<D> moved = outcome;
+    moved.contact.i = renumbered(outcome.contact.i);
+    moved.contact.j = renumbered(outcome.contact.j);
+    if (moved.contact.i < 0 || moved.contact.j < 0) continue;
+    state.contacts[kept++] = moved;
+  }
+  state.contacts.resize(kept);
+}
+
+}  // namespace
+
+template <int D>
+PopulationIn<D> initial_population(const SceneIn<D>& scene) {
+  PopulationIn<D> population;
+  if (!scene.has_gates()) return population;
+  population.numbers.resize(scene.disks.size());
+  std::iota(population.numbers.begin(), population.numbers.end(), 0);
+  population.outlets.resize(scene.outlets.size());
+  population.inlets.resize(scene.inlets.size());
+  return population;
+}
+
+template <int D>
+bool change_population(const SceneIn<D>& scene, StateIn<D>& state) {
+  PopulationIn<D>& population = state.population;
+  if (population.numbers.size() != state.disks.size() ||
+      population.outlets.size() != scene.outlets.size() ||
+      population.inlets.size() != scene.inlets.size()) {
+    throw std::invalid_argument("the state's population is not one of the scene");
+  }
+  for (auto* flows : {&population.outlets, &population.inlets}) {
+    for (GateFlowIn<D>& flow : *flows) flow.last_mass = 0;
+  }
+  const VecIn<D> gravity = gravity_at(scene, state.time);
+  const std::size_t before = state.disks.size();
+  std::vector<int> new_index(before, -1);
+  let_out(scene, gravity, state, new_index);
+  const std::size_t left = before - state.disks.size();
+  let_in(scene, gravity, state);
+  const bool changed = left > 0 || state.disks.size() != before;
+  if (changed) renumber_contacts(new_index, state);
+  return changed;
+}
+
+template <int D>
+StateIn<D> with_changed_population(const SceneIn<D>& scene, const StateIn<D>& state) {
+  StateIn<D> changed = state;
+  if (scene.has_gates()) change_population(scene, changed);
+  return changed;
+}
+
+template <int D>
+int body_number(const StateIn<D>& state, int index) {
+  const std::vector<int>& numbers = state.population.numbers;
+  return numbers.empty() ? index : numbers.at(to_size(index));
+}
+
+template <int D>
+int body_index(const StateIn<D>& state, int number) {
+  const std::vector<int>& numbers = state.population.numbers;
+  if (state.population.outlets.empty() && state.population.inlets.empty()) {
+    return number < static_cast<int>(state.disks.size()) ? number : -1;
+  }
+  const auto found = std::lower_bound(numbers.begin(), numbers.end(), number);
+  const bool there = found != numbers.end() && *found == number;
+  return there ? static_cast<int>(found - numbers.begin()) : -1;
+}
+
+template <int D>
+double energy_passed(const StateIn<D>& state) {
+  double sum = 0;
+  for (const GateFlowIn<D>& flow : state.population.inlets) sum += flow.energy;
+  for (const GateFlowIn<D>& flow : state.population.outlets) sum -= flow.energy;
+  return sum;
+}
+
+template <int D>
+VecIn<D> momentum_passed(const StateIn<D>& state) {
+  VecIn<D> sum = VecIn<D>::Zero();
+  for (const GateFlowIn<D>& flow : state.population.inlets) sum += flow.momentum;
+  for (const GateFlowIn<D>& flow : state.population.outlets) sum -= flow.momentum;
+  return sum;
+}
+
+template PopulationIn<2> initial_population(const Scene&);
+template PopulationIn<3> initial_population(const SceneIn<3>&);
+template bool change_population(const Scene&, State&);
+template bool change_population(const SceneIn<3>&, StateIn<3>&);
+template State with_changed_population(const Scene&, const State&);
+template StateIn<3> with_changed_population(const SceneIn<3>&, const StateIn<3>&);
+template int body_number(const State&, int);
+template int body_number(const StateIn<3>&, int);
+template int body_index(const State&, int);
+template int body_index(const StateIn<3>&, int);
+template double energy_passed(const State&);
+template double energy_passed(const StateIn<3>&);
+template Vec2 momentum_passed(const State&);
+template Vec3 momentum_passed(const StateIn<3>&);
+
+}  // namespace bipot

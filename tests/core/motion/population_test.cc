@@ -1,0 +1,433 @@
+#include "core/motion/population.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <set>
+#include <sstream>
+#include <string>
+
+#include "core/files/run_output.h"
+#include "core/files/run_reader.h"
+#include "core/files/scene_file.h"
+#include "core/motion/time_stepping.h"
+#include "solvers/registry.h"
+#include "solvers/step_solver.h"
+#include "tests/support/scene_parts.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kStep = 0.01;  // s
+
+StepSolver sweeps(double tol = 1e-6) {
+  SolverOptions options;
+  options.tol = tol;
+  return make_step_solver(*find_solver("pgs"), options);
+}
+
+template <int D>
+SceneIn<D> falling_scene() {
+  SceneIn<D> scene;
+  scene.materials = {"default"};
+  scene.laws = {{}};
+  scene.gravity = -10 * VecIn<D>::Unit(D - 1);
+  scene.step = kStep;
+  return scene;
+}
+
+template <int D>
+OutletIn<D> below(double height) {
+  OutletIn<D> outlet;
+  outlet.name = "bottom";
+  outlet.point = height * VecIn<D>::Unit(D - 1);
+  return outlet;
+}
+
+/// Bodies of 1, 2, 3 kg fall freely from 0.2, 0.45 and 0.8 m into an outlet below 0: under 10 m/s² after
+/// 0.2, 0.3 and 0.4 s (the mid-point scheme is exact), that is at the end of steps 20, 30, 40, so that
+/// they are missing from the states after steps 21, 31, 41. Each takes m g y0 of energy and -m g t of momentum.
+template <int D>
+void bodies_leave_when_and_as_they_should() {
+  SceneIn<D> scene = falling_scene<D>();
+  // A hair below, so that rounding does not decide.
+  const double heights[] = {0.2 - 1e-6, 0.45 - 1e-6, 0.8 - 1e-6};
+  for (int k = 0; k < 3; ++k) {
+    const VecIn<D> x = heights[k] * VecIn<D>::Unit(D - 1) + k * VecIn<D>::Unit(0);
+    if constexpr (D == 2) {
+      scene.disks.push_back(cylinder(x, 0.05, Vec2::Zero(), k + 1));
+    } else {
+      scene.disks.push_back(ball(x, 0.05, Vec3::Zero(), k + 1));
+    }
+  }
+  scene.outlets = {below<D>(0)};
+  StateIn<D> state = initial_state(scene);
+  const double initial = potential_energy<D>(state, scene.gravity);
+  TimeStepperIn<D> stepper(scene, sweeps(), false);
+  VecIn<D> pushed = VecIn<D>::Zero();
+  while (state.step < 50) {
+    const StepReportIn<D> r = stepper.advance(state);
+    const int left = state.step > 40 ? 3 : state.step > 30 ? 2 : state.step > 20 ? 1 : 0;
+    const GateFlowIn<D>& out = state.population.outlets[0];
+    ASSERT_EQ(out.count, left) << state.step;
+    ASSERT_EQ(state.disks.size(), to_size(3 - left)) << state.step;
+    if (left < 3) {
+      EXPECT_EQ(body_number(state, 0), left);
+      EXPECT_EQ(body_index(state, left), 0);
+    }
+    if (left > 0) {
+      EXPECT_EQ(body_index(state, 0), -1);
+    }
+    EXPECT_EQ(out.last_mass, state.step == 21   ? 1.0
+                             : state.step == 31 ? 2.0
+                             : state.step == 41 ? 3.0
+                                                : 0.0);
+    for (const BodyIn<D>& b : state.disks) pushed += kStep * b.mass * scene.gravity;
+    EXPECT_LT((momentum(state) - pushed - momentum_passed(state)).norm(), 1e-12);
+    EXPECT_NEAR(r.energy.kinetic + r.energy.potential, initial + r.energy.passed, 1e-12);
+  }
+  const GateFlowIn<D>& out = state.population.outlets[0];
+  EXPECT_EQ(out.mass, 6);
+  double taken = 0;
+  for (int k = 0; k < 3; ++k) taken += (k + 1) * 10 * heights[k];
+  EXPECT_NEAR(out.energy, taken, 1e-12);
+  EXPECT_NEAR(out.momentum[D - 1], -10 * (1 * 0.2 + 2 * 0.3 + 3 * 0.4), 1e-12);
+}
+
+TEST(Population, DisksLeaveWhenAndAsTheyShould) { bodies_leave_when_and_as_they_should<2>(); }
+TEST(Population, SpheresLeaveWhenAndAsTheyShould) { bodies_leave_when_and_as_they_should<3>(); }
+
+TEST(Population, AnOutletIsAHalfPlaneOrABoxAndHoldsItsEdge) {
+  Outlet plane;
+  plane.point = Vec2(1, 0);
+  plane.normal = Vec2(1, 0);  // out of the outlet: what is left of x = 1 leaves
+  EXPECT_TRUE(plane.takes(Vec2(1, 7)));
+  EXPECT_TRUE(plane.takes(Vec2(0.9, -7)));
+  EXPECT_FALSE(plane.takes(Vec2(1.1, 0)));
+  Outlet box;
+  box.box = true;
+  box.lower = Vec2(0, 0);
+  box.upper = Vec2(2, 1);
+  EXPECT_TRUE(box.takes(Vec2(2, 0.5)));
+  EXPECT_FALSE(box.takes(Vec2(2.1, 0.5)));
+  EXPECT_FALSE(box.takes(Vec2(1, -0.1)));
+}
+
+Inlet square_inlet(double side, double rate) {
+  Inlet inlet;
+  inlet.name = "inlet";
+  inlet.upper = Vec2(side, side);
+  inlet.rate = rate;
+  inlet.radii = {0.1};
+  inlet.shares = {1};
+  inlet.density = 100;
+  return inlet;
+}
+
+TEST(Population, BodiesComeInAtTheirTimes) {
+  // Body k is due at 0.05 s + k / 20: those of t = 0.05, 0.10, ... appear in the steps that start there,
+  // so after step n there are floor((n - 1 - 5) / 5) + 1 of them, no more than 6 in all. They then fall freely:
+  // after its step of 0.01 s a body has v = v0 - 10 · 0.01.
+  Scene scene = falling_scene<2>();
+  Inlet inlet = square_inlet(9, 20);
+  inlet.starts = 0.05;
+  inlet.count = 6;
+  inlet.v = Vec2(0.5, -1);
+  inlet.spin = 3;
+  scene.inlets = {inlet};
+  ASSERT_EQ(validate(scene), "");
+  State state = initial_state(scene);
+  TimeStepper stepper(scene, sweeps(), false);
+  while (state.step < 60) {
+    stepper.advance(state);
+    const int due = state.step < 6 ? 0 : std::min(6, (state.step - 6) / 5 + 1);
+    ASSERT_EQ(state.disks.size(), to_size(due)) << state.step;
+    ASSERT_EQ(state.population.inlets[0].count, due);
+    if (state.step == 6) {
+      EXPECT_LT((state.disks[0].v - Vec2(0.5, -1.1)).norm(), 1e-15);
+      EXPECT_EQ(state.disks[0].spin, 3);
+    }
+  }
+  EXPECT_EQ(state.population.inlets[0].waiting, 0);
+  const double mass = 100 * std::numbers::pi * 0.01;
+  EXPECT_NEAR(state.population.inlets[0].mass, 6 * mass, 1e-12);
+  EXPECT_NEAR(state.disks[3].inertia, 0.5 * mass * 0.01, 1e-15);
+  EXPECT_NEAR(state.population.inlets[0].momentum[0], 6 * mass * 0.5, 1e-12);
+}
+
+TEST(Population, WhatFindsNoRoomWaits) {
+  // The box has room for one disk alone, in its middle. It moves out with 1 m/s, without gravity; the next fits
+  // when the first has gone by more than its diameter, 0.2 m (plus the contact distance): after 21
+  // steps of 0.01 s. One is due in every step, so from the second on somebody always waits.
+  Scene scene = falling_scene<2>();
+  scene.gravity.setZero();
+  scene.contact_distance = 1e-6;
+  Inlet inlet = square_inlet(0.2, 100);
+  inlet.v = Vec2(1, 0);
+  scene.inlets = {inlet};
+  State state = initial_state(scene);
+  TimeStepper stepper(scene, sweeps(), false);
+  int entered_at = 0;
+  while (state.step < 64) {
+    const int before = state.population.inlets[0].count;
+    stepper.advance(state);
+    if (state.population.inlets[0].count > before && before == 1) entered_at = state.step;
+  }
+  EXPECT_EQ(entered_at, 22);
+  EXPECT_EQ(state.population.inlets[0].count, 4);  // in steps 1, 22, 43 and 64
+  EXPECT_EQ(state.population.inlets[0].waiting, 63);
+}
+
+TEST(Population, AnInletMindsWallsAndDrawsItsClassesByTheirShares) {
+  // The floor cuts the box: no disk lies less than its radius above it. Of 400 draws with probability 1/4
+  // a share of 100 ± 4 · sqrt(400 · 3/16) = 100 ± 35 is the smaller class.
+  Scene scene = falling_scene<2>();
+  scene.gravity.setZero();
+  scene.walls = {half_plane(Vec2(0, 10), Vec2(0, 1))};
+  Inlet inlet = square_inlet(20, 40000);
+  inlet.radii = {0.1, 0.05};
+  inlet.shares = {3, 1};
+  inlet.count = 400;
+  scene.inlets = {inlet};
+  State state = initial_state(scene);
+  change_population(scene, state);  // one is due at time 0
+  EXPECT_EQ(state.disks.size(), 1u);
+  state.time = kStep;
+  change_population(scene, state);
+  ASSERT_EQ(state.disks.size(), 400u);
+  int small = 0;
+  std::set<double> places;
+  for (const Disk& d : state.disks) {
+    small += d.radius == 0.05 ? 1 : 0;
+    EXPECT_GT(d.x[1] - d.radius, 10);
+    EXPECT_LE(d.x[1] + d.radius, 20);
+    EXPECT_GE(d.x[0] - d.radius, 0);
+    places.insert(d.x[0]);
+  }
+  EXPECT_EQ(places.size(), 400u);
+  EXPECT_NEAR(small, 100, 35);
+  EXPECT_TRUE(detect_contacts(state.disks, state.walls, 0).empty());
+  // Another seed draws other places, the same seed the same.
+  State other = initial_state(scene), same = initial_state(scene);
+  change_population(scene, same);
+  EXPECT_EQ(same.disks[0].x, state.disks[0].x);
+  scene.inlets[0].seed = 2;
+  change_population(scene, other);
+  EXPECT_NE(other.disks[0].x, state.disks[0].x);
+}
+
+/// A small silo: disks in a funnel fall out of it and are gone, others come in at the top.
+constexpr const char* kSilo = R"(
+[contact]
+mu = 0.3
+[[disks]]
+arrangement = "random"
+count = 25
+radii = [0.04, 0.05]
+width = 0.6
+spacing = 0
+corner = [-0.3, 0.2]
+density = 100
+[[walls]]
+from = [-0.3, 0.3]
+to = [-0.14, 0]
+[[walls]]
+from = [0.3, 0.3]
+to = [0.14, 0]
+[[walls]]
+point = [-0.3, 0]
+normal = [1, 0]
+[[walls]]
+point = [0.3, 0]
+normal = [-1, 0]
+[[outlets]]
+name = "hole"
+point = [0, -0.1]
+normal = [0, 1]
+[[inlets]]
+name = "belt"
+lower = [-0.25, 1.2]
+upper = [0.25, 1.4]
+rate = 40
+radii = [0.04, 0.05]
+fractions = [1, 2]
+density = 100
+velocity = [0, -1]
+[time]
+step = 4e-3
+steps = 200
+[output]
+every = 20
+)";
+
+std::string text_of_file(const std::filesystem::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+TEST(Population, WhatCameInIsInsideOrHasLeftAndTheBooksClose) {
+  const Scene scene = parse_scene(kSilo, "silo.toml");
+  State state = initial_state(scene);
+  double mass0 = 0, gained = 0;
+  for (const Disk& d : state.disks) mass0 += d.mass;
+  const double initial = potential_energy(state, scene.gravity);
+  TimeStepper stepper(scene, sweeps(), false);
+  while (state.step < scene.num_steps) {
+    const StepReport r = stepper.advance(state);
+    double mass = 0;
+    for (const Disk& d : state.disks) mass += d.mass;
+    const GateFlowIn<2>&out = state.population.outlets[0], &in = state.population.inlets[0];
+    EXPECT_EQ(state.disks.size(), to_size(25 + in.count - out.count));
+    EXPECT_NEAR(mass0 + in.mass, mass + out.mass, 1e-12);
+    gained += r.energy.imbalance;
+    EXPECT_LT(std::abs(r.energy.imbalance), 1e-12);
+    EXPECT_LT(r.momentum_imbalance.norm(), 1e-12);
+    EXPECT_NEAR(r.energy.kinetic + r.energy.potential,
+                initial + r.energy.passed - r.energy.friction_loss - r.energy.shock_loss, 1e-11);
+  }
+  EXPECT_GT(state.population.outlets[0].count, 8);
+  EXPECT_GT(state.population.inlets[0].count, 20);
+}
+
+TEST(Population, KeptContactsAndWarmStartsFollowTheNumbers) {
+  // A stepper that forgets everything between steps, and one that keeps lists: the same bits. And what the
+  // solver starts from are the impulses of the same two bodies in the step before.
+  const Scene scene = parse_scene(kSilo, "silo.toml");
+  State kept = initial_state(scene), fresh = kept;
+  TimeStepper stepper(scene, sweeps(), false);
+  int changes = 0, started = 0;
+  while (kept.step < scene.num_steps) {
+    stepper.advance(kept);
+    const State before = fresh;
+    Vector start;
+    TimeStepper once(
+        scene,
+        [&](const ContactProblem& p, const Vector& s0) {
+          start = s0;
+          return sweeps()(p, s0);
+        },
+        false);
+    once.advance(fresh);
+    ASSERT_EQ(kept.disks.size(), fresh.disks.size());
+    for (std::size_t i = 0; i < kept.disks.size(); ++i)
+      ASSERT_EQ(kept.disks[i].x, fresh.disks[i].x);
+    if (fresh.population.numbers == before.population.numbers) continue;
+    ++changes;
+    const auto name = [](const State& s, int body) {
+      const int disks = static_cast<int>(s.disks.size());
+      return body < disks ? body_number(s, body) : -1 - (body - disks);
+    };
+    for (std::size_t c = 0; c < fresh.contacts.size(); ++c) {
+      const Contact& now = fresh.contacts[c].contact;
+      double expected = 0;
+      for (const ContactOutcome& old : before.contacts) {
+        if (name(before, old.contact.i) == name(fresh, now.i) &&
+            name(before, old.contact.j) == name(fresh, now.j)) {
+          expected = old.s_n;
+        }
+      }
+      EXPECT_EQ(start[2 * static_cast<Eigen::Index>(c)], expected);
+      started += expected > 0 ? 1 : 0;
+    }
+  }
+  EXPECT_GT(changes, 20);
+  EXPECT_GT(started, 100);
+}
+
+TEST(Population, ARunGoesOnBitForBitAndItsFramesSayWhoIsThere) {
+  const Scene scene = parse_scene(kSilo, "silo.toml");
+  const TemporaryFolder folder;
+  const auto run = [&](State state, int until, RunWriter& writer) {
+    TimeStepper stepper(scene, sweeps(), false);
+    writer.frame(state);
+    while (state.step < until) {
+      const StepReport r = stepper.advance(state);
+      writer.step(state, r);
+      if (state.step % 20 == 0) writer.frame(state);
+    }
+    writer.close();
+    return state;
+  };
+  RunWriter whole(folder / "whole", scene, kSilo);
+  const State end = run(initial_state(scene), 200, whole);
+  RunWriter first(folder / "parts", scene, kSilo);
+  run(initial_state(scene), 100, first);
+  const State middle = read_state(folder / "parts");
+  EXPECT_EQ(middle.step, 100);
+  EXPECT_EQ(restart_mismatch(scene, middle), "");
+  EXPECT_GT(middle.population.outlets[0].count, 0);
+  RunWriter second(folder / "parts", scene, kSilo, 100);
+  const State again = run(middle, 200, second);
+  ASSERT_EQ(end.disks.size(), again.disks.size());
+  for (std::size_t i = 0; i < end.disks.size(); ++i) {
+    EXPECT_EQ(end.disks[i].x, again.disks[i].x);
+    EXPECT_EQ(end.disks[i].mass, again.disks[i].mass);
+  }
+  EXPECT_EQ(end.population.numbers, again.population.numbers);
+  for (const char* file : {"gates.csv", "ledger.csv", "run.xdmf", "frames/00000200.h5"}) {
+    EXPECT_EQ(text_of_file(folder / "whole" / file), text_of_file(folder / "parts" / file)) << file;
+  }
+  // The index has as many points a frame as there are bodies.
+  const std::string index = text_of_file(folder / "whole" / "run.xdmf");
+  for (const int step : {0, 100, 200}) {
+    const State frame = read_state(folder / "whole", step);
+    EXPECT_NE(index.find("NumberOfElements=\"" + std::to_string(frame.disks.size()) +
+                         "\" NodesPerElement=\"1\"><DataItem Dimensions=\"" +
+                         std::to_string(frame.disks.size())),
+              std::string::npos);
+  }
+  State wrong = again;
+  wrong.population.outlets.clear();
+  EXPECT_NE(restart_mismatch(scene, wrong), "");
+}
+
+TEST(Population, ASceneFileSaysWhereAndContradictionsAreRefused) {
+  const std::string time = "[time]\nstep = 1e-3\nsteps = 1\n";
+  const auto refused = [&](const std::string& text, const std::string& reason) {
+    try {
+      parse_any_scene(text + time, "test.toml");
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const SceneFileError& e) {
+      EXPECT_NE(std::string(e.what()).find(reason), std::string::npos) << e.what();
+    }
+  };
+  const std::string inlet =
+      "[[inlets]]\nlower = [0, 0]\nupper = [1, 1]\nrate = 5\nradii = [0.1]\nmass = 2\n";
+  EXPECT_EQ(parse_scene(inlet + time, "test.toml").contact_distance, 1e-7);
+  refused(inlet + "seeds = 1\n", "seed");
+  refused(inlet + "mass_of_all = 1\n", "mass");
+  refused(inlet + "stops = 0\n", "starts");
+  refused("[[inlets]]\nlower = [0, 0]\nupper = [0.1, 1]\nrate = 5\nradii = [0.1]\nmass = 2\n",
+          "no room");
+  refused("[cell]\nwidth = 3\n" + inlet, "periodic");
+  refused("model = 'dem'\n" + inlet, "dem");
+  refused("rotate_degrees = 3\n" + inlet, "rotate_degrees");
+  refused("[[outlets]]\npoint = [0, 0]\n", "both point and normal");
+  refused("[[outlets]]\n", "test.toml: [outlets[0]]");
+  refused("[[outlets]]\nlower = [0, 0]\nupper = [1, 1]\nnormal = [0, 1]\n", "a box");
+  refused("[[outlets]]\nlower = [0, 0]\nupper = [1, 0]\n", "test.toml:3");
+  refused("[[outlets]]\nname = 'a'\npoint = [0, 0]\nnormal = [0, 1]\n" + inlet + "name = 'a'\n",
+          "must differ");
+  const Scene turned = parse_scene(
+      "rotate_degrees = 90\n[[outlets]]\npoint = [1, 0]\nnormal = [0, 2]\n" + time, "test.toml");
+  EXPECT_LT((turned.outlets[0].point - Vec2(0, 1)).norm(), 1e-15);
+  EXPECT_LT((turned.outlets[0].normal - Vec2(-1, 0)).norm(), 1e-15);
+  const auto space = std::get<SceneIn<3>>(parse_any_scene(
+      "dim = 3\n[[inlets]]\nlower = [0, 0, 0]\nupper = [1, 1, 1]\nrate = 5\nradii = [0.1]\n"
+      "density = 3\nspin = [0, 1, 0]\n" +
+          time,
+      "test.toml"));
+  StateIn<3> state = initial_state(space);
+  change_population(space, state);
+  ASSERT_EQ(state.disks.size(), 1u);
+  EXPECT_NEAR(state.disks[0].mass, 3 * 4 / 3.0 * std::numbers::pi * 1e-3, 1e-15);
+  EXPECT_NEAR(state.disks[0].inertia, 0.4 * state.disks[0].mass * 0.01, 1e-18);
+  EXPECT_EQ(state.disks[0].spin, Vec3(0, 1, 0));
+}
+
+}  // namespace
+}  // namespace bipot
