@@ -1,22 +1,12 @@
 #include "solvers/monitor.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
 #include "solvers/large_friction.h"
+#include "solvers/stop_rule.h"
 
 namespace bipot {
-namespace {
-
-constexpr int kDenseIterations = 32;
-// An energy this many times that of the free violation is divergence, not convergence.
-constexpr double kDivergenceFactor = 1e20;
-// Consecutive iterates that differ by less than this, relative, have stopped moving.
-constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
-
-}  // namespace
 
 IterationMonitor::IterationMonitor(const ContactProblem& problem, const SolverOptions& options,
                                    const Stopwatch& watch)
@@ -58,7 +48,7 @@ bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, do
                             bool moving) {
   iterations_ = iteration;
   if (!due(iteration)) return false;
-  next_ = iteration < kDenseIterations ? iteration + 1 : iteration + iteration / kDenseIterations;
+  next_ = next_judged(iteration);
 
   double change = std::numeric_limits<double>::infinity();
   if (previous_.size() == s.size() && previous_iteration_ < iteration) {
@@ -76,26 +66,21 @@ bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, do
                            .step = step,
                            .count = count_contacts(problem_, evaluator_.impulse())});
   }
-  const double error = last_.guarded();
   if (met) {
-    status_ = SolveStatus::kConverged;
-    message_ = fmt::format("{} test met after {} iterations", to_string(options_.stop), iteration);
     best_s_ = evaluator_.impulse();
-    best_error_ = error;
-  } else if (std::isnan(error) || !(last_.energy <= kDivergenceFactor * free_energy_)) {
-    status_ = SolveStatus::kDiverged;
-    message_ = fmt::format("the iterate grew without bound by iteration {}", iteration);
-  } else if (change <= kRoundOff && iteration > 0 && !moving) {
-    status_ = SolveStatus::kStalled;
-    message_ = fmt::format(
-        "stalled at round-off: the iterate no longer changes at iteration {}, best error {:.2e}",
-        iteration, best_error_);
-  } else if (iteration >= options_.max_iterations) {
-    status_ = SolveStatus::kIterationLimit;
-    message_ = fmt::format("iteration limit {} reached, best error {:.2e}", options_.max_iterations,
-                           best_error_);
-  } else {
+    best_error_ = last_.guarded();
+  }
+  StopVerdict verdict = stop_verdict(options_, {.iteration = iteration,
+                                                .error = last_,
+                                                .best_error = best_error_,
+                                                .free_energy = free_energy_,
+                                                .change = change,
+                                                .moving = moving,
+                                                .met = met});
+  if (verdict.status == SolveStatus::kNotRun) {
     end_if_out_of_time(iteration);
+  } else {
+    end(verdict.status, std::move(verdict.message));
   }
   previous_ = s;
   previous_iteration_ = iteration;
@@ -108,16 +93,10 @@ void IterationMonitor::end(SolveStatus status, std::string message) {
 }
 
 bool IterationMonitor::end_if_out_of_time(int iteration) {
-  if (cancelled()) {
-    end(SolveStatus::kInterrupted,
-        fmt::format("interrupted after {} iterations, best error {:.2e}", iteration, best_error_));
-  } else if (seconds() >= options_.time_limit) {
-    end(SolveStatus::kTimeLimit,
-        fmt::format("time limit {} s reached after {} iterations, best error {:.2e}",
-                    options_.time_limit, iteration, best_error_));
-  } else {
-    return false;
-  }
+  StopVerdict verdict = out_of_time_verdict(options_, cancelled(), seconds() >= options_.time_limit,
+                                            iteration, best_error_);
+  if (verdict.status == SolveStatus::kNotRun) return false;
+  end(verdict.status, std::move(verdict.message));
   return true;
 }
 

@@ -21,6 +21,7 @@ set(folders
   "solvers/homotopy = solvers/kernels"
   "solvers/petsc = solvers/kernels"
   "solvers/methods = solvers/homotopy solvers/interior solvers/petsc"
+  "solvers/distributed = solvers/methods"
   "bench/report = core/files solvers"
   "bench/scenes = bench/report core/pictures"
   "bench/measure = bench/report bench/scenes"
@@ -29,7 +30,7 @@ set(folders
   "bench/paper = bench/measure core/pictures"
   "bench/extremes = bench/measure solvers/certificate"
   "bench/compare = bench/measure"
-  "bench/command = bench/advise bench/compare bench/extremes bench/paper bench/trade core/pictures solvers/certificate solvers/methods"
+  "bench/command = bench/advise bench/compare bench/extremes bench/paper bench/trade core/pictures solvers/certificate solvers/distributed"
   "bench/google = bench/measure solvers/kernels"
   "bench/python = bench/advise bench/compare"
   "tests = bench/command bench/google bench/python solvers/islands")

@@ -6,22 +6,11 @@
 
 #include "core/parallel.h"
 #include "core/problem/coulomb_cone.h"
+#include "core/problem/error_terms.h"
 #include "core/types.h"
 
 namespace bipot {
 namespace {
-
-/// Physical row scale r of row i.
-double scale(const ContactProblem& p, int row) {
-  return p.row_scale.size() == 0 ? 1.0 : p.row_scale[row];
-}
-
-/// Physical friction coefficient: mu = mu_phys r_t / r_n.
-double physical_mu(const ContactProblem& p, int contact) {
-  if (p.row_scale.size() == 0 || p.dim == 1) return p.mu[contact];
-  const int row = contact * p.dim;
-  return p.mu[contact] * p.row_scale[row] / p.row_scale[row + 1];
-}
 
 /// 0/0 is 0 (nothing moves and nothing is violated), x/0 is infinite.
 double ratio(double numerator, double denominator) {
@@ -64,31 +53,17 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem, int 
     : problem_(problem),
       threads_(threads),
       delassus_(problem, DelassusOperator::Form::kAuto, threads),
-      w_nn_(problem.num_contacts()),
-      rho_nn_(problem.num_contacts()),
-      rho_nat_(problem.num_contacts()),
       share_(share),
       s_(Vector::Zero(problem.num_rows())),
       u_(Vector::Zero(problem.num_rows())) {
-  const Vector diagonal = delassus_.diagonal();
-  const int d = problem.dim;
-  for (int c = 0; c < problem.num_contacts(); ++c) {
-    double trace = 0;
-    for (int k = 0; k < d; ++k) {
-      const double r = scale(problem, c * d + k);
-      trace += r * r * diagonal[c * d + k];
-    }
-    const double r = scale(problem, c * d);
-    w_nn_[c] = r * r * diagonal[c * d];
-    rho_nn_[c] = 1 / w_nn_[c];
-    rho_nat_[c] = d / trace;
-    const double opening = problem.u_free[c * d] / r;
-    if (opening < 0) free_energy_ += 0.5 * opening * opening / w_nn_[c];
-    for (int k = 0; k < d; ++k) {
-      const double b = rho_nat_[c] * problem.u_free[c * d + k] / scale(problem, c * d + k);
-      free_impulse2_ += b * b;
-    }
-  }
+  ErrorWeights weights = error_weights(problem, delassus_.diagonal());
+  ErrorSums free;
+  for (int c = 0; c < problem.num_contacts(); ++c) add_free_terms(problem, weights, c, free);
+  free_energy_ = free.free_energy;
+  free_impulse2_ = free.free_impulse2;
+  w_nn_ = std::move(weights.w_nn);
+  rho_nn_ = std::move(weights.rho_nn);
+  rho_nat_ = std::move(weights.rho_nat);
 }
 
 ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s) {
@@ -102,19 +77,7 @@ ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s
 /// s <- its projection on the cones of the contacts [begin, end).
 template <int D, bool kScaled>
 void ContactErrorEvaluator::project(int begin, int end) {
-  const ContactProblem& p = problem_;
-  for (int c = begin; c < end; ++c) {
-    if constexpr (kScaled) {
-      // The edge of the cone is the same set in scaled and in physical variables, its projection
-      // is not: the paper's projection is taken physically.
-      const Local<D> r = p.row_scale.segment<D>(c * D);
-      const Local<D> x = s_.segment<D>(c * D).cwiseQuotient(r);
-      s_.segment<D>(c * D) = project_coulomb_cone<D>(x, physical_mu(p, c)).cwiseProduct(r);
-    } else {
-      const Local<D> x = s_.segment<D>(c * D);
-      s_.segment<D>(c * D) = project_coulomb_cone<D>(x, p.mu[c]);
-    }
-  }
+  for (int c = begin; c < end; ++c) project_physically<D, kScaled>(problem_, c, s_);
 }
 
 /// What the contacts of one piece add to the criterion, and the worst of them.
@@ -137,50 +100,18 @@ struct ContactErrorEvaluator::Sums : ErrorSums {
 
 template <int D, bool kScaled>
 ContactErrorEvaluator::Sums ContactErrorEvaluator::sums(int begin, int end) const {
-  const ContactProblem& p = problem_;
   Sums e;
   for (int c = begin; c < end; ++c) {
-    Local<D> x = s_.segment<D>(c * D);
-    Local<D> u = u_.segment<D>(c * D);
-    // sᵀ W s is the same in both variables: (r s)ᵀ (W / r r) (r s).
-    e.moved += x.dot(u - p.u_free.segment<D>(c * D));
-    if constexpr (kScaled) {
-      x = x.cwiseQuotient(p.row_scale.segment<D>(c * D));
-      u = u.cwiseQuotient(p.row_scale.segment<D>(c * D));
-    }
-    const double mu = kScaled ? physical_mu(p, c) : p.mu[c];
-    const double rho = rho_nn_[c];
-
-    const double slip = tangential_norm<D>(u);
-    const double dissipated = mu * x[0] * slip;
-    double tangential = dissipated;
-    for (int k = 1; k < D; ++k) tangential += x[k] * u[k];
-    tangential = positive_part(tangential);  // >= 0 on the cone; rounding may say otherwise
-    const double opening = positive_part(u[0]);
-    const double closing = positive_part(-u[0]);
-    const double contact_gap = tangential + x[0] * std::abs(u[0]);
-    const double contact_penetration = 0.5 * rho * closing * closing;
-    e.friction += dissipated;
-    e.gap += contact_gap;
-    e.gap_clipped += tangential + x[0] * opening;
-    e.penetration += contact_penetration;
-    if (contact_gap + contact_penetration > e.worst_gap) {
-      e.worst_gap = contact_gap + contact_penetration;
+    const ContactTerms terms =
+        add_error_terms<D, kScaled>(problem_, c, s_, u_, w_nn_[c], rho_nn_[c], rho_nat_[c], e);
+    if (terms.violation > e.worst_gap) {
+      e.worst_gap = terms.violation;
       e.worst_epsilon = c;
     }
-
-    e.impulse2 += x.squaredNorm();
-    // s = 0 with u_n >= 0 is the law exactly; the projection below would leave rounding.
-    if (x[0] == 0 && u[0] >= 0) continue;
-    const Local<D> hat = de_saxce_velocity<D>(u, mu);
-    const Local<D> n = x - project_coulomb_cone<D>(x - rho * hat, mu);
-    const double contact_natural = 0.5 * w_nn_[c] * n.squaredNorm();
-    e.natural += contact_natural;
-    if (contact_natural > e.worst_natural) {
-      e.worst_natural = contact_natural;
+    if (terms.natural > e.worst_natural) {
+      e.worst_natural = terms.natural;
       e.worst_eta = c;
     }
-    e.natural_rel += (x - project_coulomb_cone<D>(x - rho_nat_[c] * hat, mu)).squaredNorm();
   }
   return e;
 }
@@ -224,7 +155,7 @@ ErrorSums ContactErrorEvaluator::part(int contact) const {
   });
   const int first = contact * problem_.dim;
   for (int k = 0; k < problem_.dim; ++k) {
-    const double b = problem_.u_free[first + k] / scale(problem_, first + k);
+    const double b = problem_.u_free[first + k] / physical_row_scale(problem_, first + k);
     part.free_impulse2 += rho_nat_[contact] * rho_nat_[contact] * b * b;
     if (k == 0 && b < 0) part.free_energy = 0.5 * rho_nn_[contact] * b * b;
   }

@@ -108,6 +108,8 @@ class TwoPassSweep {
     }
     return u;
   }
+  /// Adds to the contact's velocity at s = 0: what contacts elsewhere do to it.
+  void shift(int c, const Local<D>& by) { contacts_[to_size(c)].b += by; }
   void set(int c, const Local<D>& s) {
     Contact& contact = contacts_[to_size(c)];
     const Local<D> ds = s - contact.s;
@@ -213,6 +215,10 @@ class DiskSweep {
     u[0] = k.gx * vx + k.gy * vy + k.b[0];
     if constexpr (D == 2) u[1] = k.ratio * (k.gx * vy - k.gy * vx) - k.spin * (i.w + j.w) + k.b[1];
     return u;
+  }
+  /// Adds to the contact's velocity at s = 0: what contacts elsewhere do to it.
+  void shift(int c, const Local<D>& by) {
+    for (int k = 0; k < D; ++k) contacts_[to_size(c)].b[k] += by[k];
   }
   void set(int c, const Local<D>& s) {
     Contact& k = contacts_[to_size(c)];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/solver.h"
@@ -28,5 +29,20 @@ PredictorSteps paper_steps(const ContactProblem& problem, const DelassusOperator
 ///     the cyclic sweep converges (Luo and Tseng 1992).
 PredictorSteps stable_steps(const ContactProblem& problem, const DelassusOperator& delassus,
                             bool jacobi);
+
+/// Predictor-corrector (41) of every contact, in scaled variables.
+template <int D>
+struct BipotentialCorrector {
+  const PredictorSteps& steps;
+
+  Local<D> operator()(int c, const Local<D>& s, const Local<D>& u) const {
+    const ContactScaling& scaling = steps.scaling;
+    const Local<D> to_x = scaling.impulse.segment<D>(c * D);
+    const Local<D> x = s.cwiseProduct(to_x);
+    const Local<D> w = u.cwiseProduct(Local<D>(scaling.velocity.segment<D>(c * D)));
+    const Local<D> tau = x - steps.rho[c] * de_saxce_velocity<D>(w, scaling.mu[c]);
+    return project_coulomb_cone<D>(tau, scaling.mu[c]).cwiseQuotient(to_x);
+  }
+};
 
 }  // namespace bipot

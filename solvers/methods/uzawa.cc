@@ -14,21 +14,6 @@
 namespace bipot {
 namespace {
 
-/// Predictor-corrector (41) of every contact, in scaled variables.
-template <int D>
-struct BipotentialCorrector {
-  const PredictorSteps& steps;
-
-  Local<D> operator()(int c, const Local<D>& s, const Local<D>& u) const {
-    const ContactScaling& scaling = steps.scaling;
-    const Local<D> to_x = scaling.impulse.segment<D>(c * D);
-    const Local<D> x = s.cwiseProduct(to_x);
-    const Local<D> w = u.cwiseProduct(Local<D>(scaling.velocity.segment<D>(c * D)));
-    const Local<D> tau = x - steps.rho[c] * de_saxce_velocity<D>(w, scaling.mu[c]);
-    return project_coulomb_cone<D>(tau, scaling.mu[c]).cwiseQuotient(to_x);
-  }
-};
-
 // The constants that He and Liao recommend.
 constexpr double kLargestRatio = 0.9, kSmallestRatio = 0.4;
 constexpr double kStepShrink = 2.0 / 3, kStepGrow = 1.5, kRelaxation = 1.9;

@@ -1,0 +1,231 @@
+#include "solvers/distributed/distributed_solve.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/stopwatch.h"
+#include "solvers/distributed/cell_tree.h"
+#include "solvers/distributed/contact_owners.h"
+#include "solvers/distributed/distributed_methods.h"
+#include "solvers/large_friction.h"
+#include "solvers/parameters.h"
+
+namespace bipot {
+namespace {
+
+/// A sentence where the solve is refused, empty where it can be done.
+std::string refuse_input(std::string_view name, const ContactProblem& p, const SolverOptions& o,
+                         const DistributedOptions& extra) {
+  const DistributedSolver* solver = find_distributed_solver(name);
+  if (solver == nullptr) {
+    std::string names;
+    for (const DistributedSolver& s : distributed_solvers()) {
+      names += (names.empty() ? "" : ", ") + std::string(s.name);
+    }
+    return fmt::format("solver {} runs on one process; on several there are {}", name, names);
+  }
+  if (auto defect = validate(p); !defect.empty()) return defect;
+  if (p.num_contacts() > 0) {
+    if (auto defect = refuse_distributed(p); !defect.empty()) return defect;
+  }
+  if (!(o.tol > 0) || !std::isfinite(o.tol)) {
+    return fmt::format("tol = {}, expected a positive finite number", o.tol);
+  }
+  if (o.max_iterations < 0) {
+    return fmt::format("max_iterations = {}, expected >= 0", o.max_iterations);
+  }
+  if (!(o.time_limit > 0)) return fmt::format("time_limit = {} s, expected > 0", o.time_limit);
+  if (o.s0.size() != 0 && o.s0.size() != p.num_rows()) {
+    return fmt::format("start s0 has size {}, expected {}", o.s0.size(), p.num_rows());
+  }
+  if (!o.s0.allFinite()) return "start s0 has a non-finite entry";
+  if (o.islands.value_or(false) || o.parameters.count(std::string(kIslandsParameter.name)) > 0) {
+    return "islands are solved one by one on one process only";
+  }
+  if (!extra.contact_places.empty() &&
+      static_cast<int>(extra.contact_places.size()) != p.num_contacts()) {
+    return fmt::format("{} places for {} contacts", extra.contact_places.size(), p.num_contacts());
+  }
+  try {
+    const Parameters parameters(o.parameters, solver->parameters);
+    return solver->refuse(parameters);
+  } catch (const std::invalid_argument& e) {
+    return fmt::format("solver {}: {}", name, e.what());
+  }
+}
+
+/// One solve on the pieces of all processes.
+class DistributedSolve {
+ public:
+  DistributedSolve(const ContactProblem& whole, const SolverOptions& options, ProcessGroup& group,
+                   const DistributedOptions& extra)
+      : whole_(whole),
+        options_(options),
+        group_(group),
+        nodes_(body_nodes(whole)),
+        owners_(contact_owners(whole, nodes_, extra.contact_places, group.size())),
+        piece_(cut_piece(whole, nodes_, owners_, group.rank())),
+        space_(piece_, group, extra.reproducible),
+        evaluate_(space_) {}
+
+  DistributedResult run(const DistributedSolver& solver) {
+    const Traffic before = group_.traffic();
+    DistributedResult out;
+    SolveResult& result = out.result;
+    const Vector zero = Vector::Zero(piece_.own.num_rows());
+    const Vector s0 = options_.s0.size() == 0 ? zero : mine(options_.s0);
+    if (evaluate_(zero).guarded() == 0) {
+      result.status = SolveStatus::kNothingToDo;
+      result.message = "s = 0 satisfies the law";
+      result.s = zero;
+    } else if (options_.s0.size() != 0 && meets(options_, evaluate_(s0))) {
+      result.status = SolveStatus::kConverged;
+      result.message = "the start meets the stop test";
+      result.s = s0;
+    } else {
+      iterate(solver, s0, result);
+    }
+    out.counts = counts(before);
+    judge(result);
+    return out;
+  }
+
+ private:
+  void iterate(const DistributedSolver& solver, const Vector& s0, SolveResult& result) {
+    const double before = watch_.seconds();
+    DistributedMonitor monitor(
+        space_, options_,
+        [this](const Vector& s, const ContactError& error) { return claim(s, error).holds; });
+    try {
+      solver.run(monitor, Parameters(options_.parameters, solver.parameters), s0);
+      result = monitor.finish();
+    } catch (const CommonFailure& e) {
+      result.status = SolveStatus::kNumericalFailure;
+      result.message = fmt::format("{} failed: {}", solver.name, e.what());
+      result.s = Vector::Zero(piece_.own.num_rows());
+    }
+    result.setup_seconds += before;
+  }
+
+  /// The last word of large_friction.h, on the whole problem.
+  ExtendedClaim claim(const Vector& s, const ContactError& error) {
+    if (options_.stop != StopTest::kGuarded) return {};
+    return claim_in_extended_precision(whole_, options_, whole_of(s), error);
+  }
+
+  void judge(SolveResult& result) {
+    if (group_.any(!result.s.allFinite())) {
+      result.message =
+          fmt::format("the solver returned a non-finite impulse (it said: {})", result.message);
+      result.status = SolveStatus::kNumericalFailure;
+      result.s.setZero();
+    }
+    result.error = evaluate_.with_worst(result.s);
+    const Vector s = evaluate_.impulse();
+    const bool raw = options_.stop == StopTest::kRaw42 && result.status == SolveStatus::kConverged;
+    const double measured = raw ? result.error.raw42 : result.error.guarded();
+    const bool verifiable =
+        options_.stop != StopTest::kImpulse || result.status == SolveStatus::kNothingToDo;
+    if (is_success(result.status) && verifiable && !(measured <= options_.tol)) {
+      result.message = fmt::format(
+          "claim of convergence withdrawn: {} error {:.3e} on the original data, tolerance {:.1e} "
+          "(it said: {})",
+          raw ? "raw42" : "guarded", measured, options_.tol, result.message);
+      result.status = SolveStatus::kNumericalFailure;
+    } else if (result.status == SolveStatus::kConverged) {
+      const ExtendedClaim last = claim(s, result.error);
+      if (!last.holds) {
+        result.status = SolveStatus::kStalled;
+        result.message = fmt::format(
+            "stalled at rounding: guarded error {:.3e} in double, {:.3e} in extended precision (it "
+            "said: {})",
+            result.error.guarded(), last.error, result.message);
+      }
+    }
+    result.s = whole_of(s);
+    result.u = whole_of(evaluate_.velocity());
+  }
+
+  /// Rows of this process.
+  Vector mine(const Vector& whole) const {
+    const int d = whole_.dim;
+    Vector part(piece_.own.num_rows());
+    for (int c = 0; c < piece_.own.num_contacts(); ++c) {
+      part.segment(c * d, d) = whole.segment(piece_.number[to_size(c)] * d, d);
+    }
+    return part;
+  }
+  /// The rows of all processes in the whole's order.
+  Vector whole_of(const Vector& part) {
+    const int d = whole_.dim;
+    const std::vector<double> all = group_.gather({part.data(), to_size(part.size())});
+    std::vector<std::size_t> next(to_size(owners_.processes), 0);
+    for (int r = 1; r < owners_.processes; ++r) {
+      next[to_size(r)] =
+          next[to_size(r) - 1] + to_size(owners_.contacts[to_size(r) - 1]) * to_size(d);
+    }
+    Vector whole(whole_.num_rows());
+    for (int c = 0; c < whole_.num_contacts(); ++c) {
+      std::size_t& from = next[to_size(owners_.owner[to_size(c)])];
+      for (int k = 0; k < d; ++k) whole[c * d + k] = all[from++];
+    }
+    return whole;
+  }
+
+  DistributedCounts counts(const Traffic& before) {
+    const Traffic& now = group_.traffic();
+    double most[5] = {static_cast<double>(now.messages - before.messages),
+                      static_cast<double>(now.bytes - before.bytes),
+                      static_cast<double>(now.reductions - before.reductions),
+                      static_cast<double>(now.reduced_bytes - before.reduced_bytes),
+                      static_cast<double>(piece_.halo.size())};
+    group_.largest(most);
+    DistributedCounts counts;
+    counts.processes = group_.size();
+    counts.imbalance = imbalance(owners_.contacts);
+    counts.most_contacts =
+        static_cast<int>(*std::max_element(owners_.contacts.begin(), owners_.contacts.end()));
+    counts.most_halo = static_cast<int>(most[4]);
+    counts.traffic.messages = static_cast<std::int64_t>(most[0]);
+    counts.traffic.bytes = static_cast<std::int64_t>(most[1]);
+    counts.traffic.reductions = static_cast<std::int64_t>(most[2]);
+    counts.traffic.reduced_bytes = static_cast<std::int64_t>(most[3]);
+    return counts;
+  }
+
+  const ContactProblem& whole_;
+  const SolverOptions& options_;
+  ProcessGroup& group_;
+  Stopwatch watch_;
+  BodyNodes nodes_;
+  ContactOwners owners_;
+  ProblemPiece piece_;
+  DistributedSpace space_;
+  DistributedError evaluate_;
+};
+
+}  // namespace
+
+DistributedResult distributed_solve(std::string_view name, const ContactProblem& problem,
+                                    const SolverOptions& options, ProcessGroup& group,
+                                    const DistributedOptions& extra) {
+  DistributedResult out;
+  out.counts.processes = group.size();
+  const std::string refusal = group.first_text(refuse_input(name, problem, options, extra));
+  if (!refusal.empty()) {
+    out.result.status = SolveStatus::kInvalidInput;
+    out.result.message = refusal;
+    return out;
+  }
+  if (problem.num_contacts() == 0) {
+    out.result.status = SolveStatus::kNothingToDo;
+    out.result.message = "no contacts";
+    out.result.error = contact_error(problem, Vector());
+    return out;
+  }
+  return DistributedSolve(problem, options, group, extra).run(*find_distributed_solver(name));
+}
+
+}  // namespace bipot

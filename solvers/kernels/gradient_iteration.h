@@ -1,0 +1,176 @@
+#pragma once
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "core/problem/coulomb_cone.h"
+#include "solvers/kernels/contact_scaling.h"
+#include "solvers/kernels/spectral_estimate.h"
+#include "solvers/kernels/tiled_gradient.h"
+
+namespace bipot {
+
+// The accelerated projected gradient of solvers/methods/accelerated_gradient.h, written once for a
+// problem on one process and for one that lies on several.
+
+enum class GradientMap { kSplit, kCone };
+
+/// x⁺ of one contact from the extrapolated impulse y and its velocity w.
+template <int D, GradientMap kMap>
+inline Local<D> corrected(const Local<D>& y, const Local<D>& w, double mu, double rho) {
+  if constexpr (kMap == GradientMap::kCone) {
+    return project_coulomb_cone<D>(y - rho * de_saxce_velocity<D>(w, mu), mu);
+  } else {
+    Local<D> x = y - rho * w;
+    x[0] = std::max(x[0], 0.0);
+    if constexpr (D == 2) {
+      const double radius = mu * x[0];
+      x[1] = std::clamp(x[1], -radius, radius);
+    } else if constexpr (D == 3) {
+      const double norm = tangential_norm<D>(x), radius = mu * x[0];
+      if (norm > radius) x.template tail<D - 1>() *= radius / norm;
+    }
+    return x;
+  }
+}
+
+/// Sums over all contacts of one step from x to x⁺ by way of y.
+struct GradientProgress {
+  double turn = 0;     ///< (y - x⁺)·(x⁺ - x): positive when momentum points uphill
+  double change2 = 0;  ///< ‖x⁺ - x‖²
+  double energy = 0;   ///< (x⁺ - x)·W(x⁺ - x)
+};
+
+/// The iteration through the Delassus operator, any problem. (Disks on one process:
+/// tiled_gradient.h.) `Space` knows the contacts that are not here: velocity(s, u) is u = W s +
+/// u_free, a Sum takes += and add_dot(a, b, sum), and total() adds the Sums up over all processes.
+template <int D, class Space>
+class GradientIteration {
+ public:
+  GradientIteration(const ContactProblem& p, Space& space, const ContactScaling& scaling)
+      : p_(p), space_(space), scaling_(scaling) {}
+
+  void reset(const Vector& s) {
+    s_ = s;
+    x_ = before_ = y_ = scaling_.impulse.cwiseProduct(s);
+    space_.velocity(s_, w_);
+    w_.array() *= scaling_.velocity.array();
+    w_before_ = w_y_ = w_;
+  }
+  const Vector& impulse() {
+    s_ = x_.cwiseProduct(scaling_.velocity);
+    return s_;
+  }
+  void advance(int iterations, GradientControl& control) {
+    for (; iterations > 0; --iterations) {
+      const double rho = control.step / control.lambda;
+      const GradientProgress progress =
+          control.cone ? project<GradientMap::kCone>(rho) : project<GradientMap::kSplit>(rho);
+      const double t = progress.turn > 0 || !control.momentum ? 1 : control.t;
+      control.t = next_momentum(t);
+      extrapolate((t - 1) / control.t);
+      if (progress.energy > control.lambda * progress.change2) {
+        // A larger eigenvalue than the estimate has shown itself.
+        control.lambda = kSpectralMargin * progress.energy / progress.change2;
+        extrapolate(0);
+        control.t = 1;
+      }
+    }
+  }
+
+ private:
+  using Sum = typename Space::Sum;
+
+  template <GradientMap kMap>
+  GradientProgress project(double rho) {
+    Sum turn{}, change2{}, energy{};
+    before_.swap(x_);
+    for (int c = 0; c < p_.num_contacts(); ++c) {
+      const Local<D> y = y_.segment<D>(c * D);
+      const Local<D> x = corrected<D, kMap>(y, w_y_.segment<D>(c * D), scaling_.mu[c], rho);
+      const Local<D> change = x - before_.segment<D>(c * D);
+      turn += (y - x).dot(change);
+      change2 += change.squaredNorm();
+      x_.segment<D>(c * D) = x;
+    }
+    w_before_.swap(w_);
+    s_ = x_.cwiseProduct(scaling_.velocity);
+    space_.velocity(s_, w_);
+    w_.array() *= scaling_.velocity.array();
+    space_.add_dot(x_ - before_, w_ - w_before_, energy);
+    return space_.total(turn, change2, energy);
+  }
+  void extrapolate(double beta) {
+    y_ = x_ + beta * (x_ - before_);
+    w_y_ = w_ + beta * (w_ - w_before_);
+  }
+
+  const ContactProblem& p_;
+  Space& space_;
+  const ContactScaling& scaling_;
+  Vector s_, x_, before_, y_, w_, w_before_, w_y_;
+};
+
+/// Which map is in use. With the choice "auto", a map that has not halved the best error for as many
+/// iterations as it took to get there (and at least kPatience) hands over to the next of: split,
+/// cone, split without momentum.
+class MapRota {
+ public:
+  /// `choice`: auto, split or cone.
+  explicit MapRota(const std::string& choice)
+      : auto_(choice == "auto"), phase_(choice == "cone" ? 1 : 0) {}
+
+  bool cone() const { return phase_ == 1; }
+  bool momentum() const { return phase_ != 2; }
+
+  /// Tells the best error so far. True when the map changes: go back to the best iterate.
+  bool advance(int iteration, double best_error) {
+    if (!auto_) return false;
+    if (best_error <= 0.5 * mark_) {
+      mark_ = best_error;
+      mark_iteration_ = iteration;
+      patience_ = std::max(kPatience, iteration);
+    } else if (iteration - mark_iteration_ > patience_) {
+      phase_ = (phase_ + 1) % 3;
+      mark_iteration_ = iteration;
+      patience_ = std::max(kPatience, iteration / 2);
+      return true;
+    }
+    return false;
+  }
+
+ private:
+  static constexpr int kPatience = 1000;
+  bool auto_;
+  int phase_ = 0;
+  double mark_ = std::numeric_limits<double>::infinity();
+  int mark_iteration_ = 0, patience_ = kPatience;
+};
+
+/// Iterations that may be done without a look at the clock.
+inline constexpr int kUnwatchedSteps = 64;
+
+/// Iterates until the monitor stops it.
+template <class Kernel, class Monitor>
+void iterate_gradient(Kernel kernel, MapRota rota, const Vector& s0, double lambda, double step,
+                      Monitor& monitor) {
+  kernel.reset(s0);
+  GradientControl control{.lambda = lambda, .step = step};
+  for (int iteration = 0;;) {
+    if (monitor.due(iteration)) {
+      if (monitor.stop(iteration, kernel.impulse(), step / control.lambda)) return;
+      if (rota.advance(iteration, monitor.best_error())) {
+        kernel.reset(monitor.best_impulse());
+        control.t = 1;
+      }
+    }
+    control.cone = rota.cone();
+    control.momentum = rota.momentum();
+    const int count = monitor.undue(iteration, kUnwatchedSteps);
+    kernel.advance(count, control);
+    iteration += count;
+  }
+}
+
+}  // namespace bipot

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <limits>
+#include <string>
+
+#include "solvers/solver.h"
+
+namespace bipot {
+
+// When iterates are judged and what a judged one says: for the monitor of one process (monitor.h)
+// and for the one of several (distributed/distributed_monitor.h).
+
+/// Iterations 0 to 32 are judged, then one whenever the count has grown by 1/32.
+inline int next_judged(int iteration) {
+  constexpr int kDenseIterations = 32;
+  return iteration < kDenseIterations ? iteration + 1 : iteration + iteration / kDenseIterations;
+}
+
+/// A judged iterate.
+struct JudgedIterate {
+  int iteration = 0;
+  ContactError error;
+  double best_error = 0;   ///< guarded, up to here
+  double free_energy = 0;  ///< energy at s = 0                                          [J]
+  double change =
+      std::numeric_limits<double>::infinity();  ///< from the one judged before, relative
+  bool moving = false;  ///< a state beside s still changes: an equal s is no stall
+  bool met = false;     ///< the stop test
+};
+
+struct StopVerdict {
+  SolveStatus status = SolveStatus::kNotRun;  ///< kNotRun: go on
+  std::string message;
+};
+
+/// All but the clock and the caller's wish to stop.
+StopVerdict stop_verdict(const SolverOptions& options, const JudgedIterate& iterate);
+
+/// Where the caller asked for the end, or the time is over.
+StopVerdict out_of_time_verdict(const SolverOptions& options, bool cancelled, bool late,
+                                int iteration, double best_error);
+
+}  // namespace bipot
