@@ -12,6 +12,7 @@
 #include "core/file_error.h"
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
+#include "core/files/rehearsed_read.h"
 #include "core/problem/delassus.h"
 
 namespace bipot {
@@ -345,9 +346,7 @@ void read_impulses(const Hdf5File& file, const Stored& stored, int dofs, Problem
   }
 }
 
-}  // namespace
-
-ProblemFile read_fclib(const std::filesystem::path& path) {
+ProblemFile read_fclib_here(const std::filesystem::path& path) {
   const Hdf5File file(path, Hdf5File::Mode::kRead);
   ProblemFile out;
   const bool local = file.exists("/fclib_local");
@@ -375,6 +374,12 @@ ProblemFile read_fclib(const std::filesystem::path& path) {
   }
   read_impulses(file, stored, dofs, out);
   return out;
+}
+
+}  // namespace
+
+ProblemFile read_fclib(const std::filesystem::path& path) {
+  return rehearsed_read(path, [&path] { return read_fclib_here(path); });
 }
 
 void write_fclib(const std::filesystem::path& path, const ContactProblem& problem,

@@ -15,6 +15,7 @@
 #include "core/file_error.h"
 #include "core/files/hdf5_file.h"
 #include "core/files/npy_file.h"
+#include "core/files/rehearsed_read.h"
 
 namespace bipot {
 namespace {
@@ -101,11 +102,13 @@ TextTable read_table(const std::filesystem::path& path) {
     return {std::move(array.values), columns};
   }
   if (Hdf5File::is_hdf5(path)) {
-    const Hdf5File file(path, Hdf5File::Mode::kRead);
-    if (!file.exists("/solution/r")) {
-      throw FileError(path, "/solution/r", "is missing: the file has no impulses");
-    }
-    return {file.read_doubles("/solution/r"), 1};
+    return rehearsed_read(path, [&path]() -> TextTable {
+      const Hdf5File file(path, Hdf5File::Mode::kRead);
+      if (!file.exists("/solution/r")) {
+        throw FileError(path, "/solution/r", "is missing: the file has no impulses");
+      }
+      return {file.read_doubles("/solution/r"), 1};
+    });
   }
   return read_text(path);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/files/hdf5_file.h"
+#include "core/files/rehearsed_read.h"
 
 namespace bipot {
 namespace {
@@ -101,8 +102,9 @@ void write_geometry(const std::filesystem::path& path, const Scene& scene, const
   file.close();
 }
 
-std::optional<ProblemGeometry> read_geometry(const std::filesystem::path& path, int contacts) {
-  if (!Hdf5File::is_hdf5(path)) return std::nullopt;
+namespace {
+
+std::optional<ProblemGeometry> read_geometry_here(const std::filesystem::path& path, int contacts) {
   const Hdf5File file(path, Hdf5File::Mode::kRead);
   if (!file.exists(kGroup)) return std::nullopt;
   ProblemGeometry made;
@@ -151,6 +153,13 @@ std::optional<ProblemGeometry> read_geometry(const std::filesystem::path& path, 
   made.scene.materials = {"default"};
   made.scene.laws = {{.mu = file.read_int(name("friction")) != 0 ? 1.0 : 0.0}};
   return made;
+}
+
+}  // namespace
+
+std::optional<ProblemGeometry> read_geometry(const std::filesystem::path& path, int contacts) {
+  if (!Hdf5File::is_hdf5(path)) return std::nullopt;
+  return rehearsed_read(path, [&] { return read_geometry_here(path, contacts); });
 }
 
 }  // namespace bipot

@@ -7,6 +7,7 @@
 
 #include "core/files/hdf5_file.h"
 #include "core/files/population_file.h"
+#include "core/files/rehearsed_read.h"
 
 namespace bipot {
 namespace {
@@ -220,14 +221,8 @@ std::vector<ContactOutcomeIn<D>> read_contacts(const Hdf5File& file, std::size_t
   return contacts;
 }
 
-}  // namespace
-
-std::string read_scene_text(const fs::path& run) {
-  return Hdf5File(run_folder(run) / "run.h5", Hdf5File::Mode::kRead).read_string("/scene");
-}
-
 template <int D>
-StateIn<D> read_state(const fs::path& run, int step) {
+StateIn<D> read_state_here(const fs::path& run, int step) {
   const fs::path folder = run_folder(run);
   const Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
   if (!fixed.exists("/format") || fixed.read_string("/format") != kRunFormat) {
@@ -263,6 +258,19 @@ StateIn<D> read_state(const fs::path& run, int step) {
   state.cell = read_state_cell(fixed, file);
   state.contacts = read_contacts<D>(file, state.disks.size(), state.walls.size());
   return state;
+}
+
+}  // namespace
+
+std::string read_scene_text(const fs::path& run) {
+  const fs::path path = run_folder(run) / "run.h5";
+  return rehearsed_read(
+      path, [&] { return Hdf5File(path, Hdf5File::Mode::kRead).read_string("/scene"); });
+}
+
+template <int D>
+StateIn<D> read_state(const fs::path& run, int step) {
+  return rehearsed_read(run, [&] { return read_state_here<D>(run, step); });
 }
 
 template State read_state<2>(const fs::path&, int);
