@@ -30,7 +30,8 @@ set(folders
   "bench/paper = bench/measure core/pictures"
   "bench/extremes = bench/measure solvers/certificate"
   "bench/compare = bench/measure"
-  "bench/command = bench/advise bench/compare bench/extremes bench/paper bench/trade core/pictures solvers/certificate solvers/distributed"
+  "bench/validate = bench/paper solvers/certificate"
+  "bench/command = bench/advise bench/compare bench/extremes bench/paper bench/trade bench/validate core/pictures solvers/certificate solvers/distributed"
   "bench/google = bench/measure solvers/kernels"
   "bench/python = bench/advise bench/compare"
   "tests = bench/command bench/google bench/python solvers/islands")

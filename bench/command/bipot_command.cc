@@ -21,6 +21,7 @@
 #include "bench/command/run_command.h"
 #include "bench/command/solve_command.h"
 #include "bench/command/trade_command.h"
+#include "bench/command/validate_command.h"
 #include "bench/report/json_output.h"
 #include "core/file_error.h"
 #include "core/files/scene_file.h"
@@ -109,6 +110,7 @@ int bipot_command(int argc, const char* const* argv) {
       "  bipot paper --out out/paper\n"
       "  bipot trade my_scene.toml --out out/trade\n"
       "  bipot extremes --quick --out out/extremes\n"
+      "  bipot validate --quick --out out/validate\n"
       "  bipot list solvers");
   const std::vector<Command> commands = {
       command(line, &add_run_command, &run_command),
@@ -119,6 +121,7 @@ int bipot_command(int argc, const char* const* argv) {
       command(line, &add_paper_command, &paper_command),
       command(line, &add_trade_command, &trade_command),
       command(line, &add_extremes_command, &extremes_command),
+      command(line, &add_validate_command, &validate_command),
       command(line, &add_list_command, &list_command),
   };
   const std::string json = json_destination(argc, argv);

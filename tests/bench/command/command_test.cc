@@ -487,6 +487,24 @@ TEST_F(Command, ExtremesLeaveAPageAndAnExitCode) {
   EXPECT_EQ(bipot("solve " + path("4.hdf5") + " -q").exit_code, 0);
 }
 
+TEST_F(Command, ValidateLeavesAPageAndAnExitCode) {
+  const Outcome out = bipot("validate --quick --only disk_,groove --out " + path("out"));
+  EXPECT_EQ(out.exit_code, 0) << out.out;
+  EXPECT_NE(out.out.find("disk_rolls"), std::string::npos) << out.out;
+  EXPECT_NE(out.out.find("groove_interval"), std::string::npos) << out.out;
+  EXPECT_EQ(out.out.find("sphere_"), std::string::npos) << out.out;
+  for (const char* name : {"index.html", "validate.csv", "verdicts.csv", "errors_1.svg"}) {
+    EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
+  }
+  EXPECT_EQ(bipot("validate --only no_such_row").exit_code, 2);
+  EXPECT_EQ(bipot("validate --solver no_such_solver").exit_code, 2);
+  // What does not hold is said, with the reason.
+  const Outcome bad = bipot("validate --quick --only three_disks --max-iterations 1");
+  EXPECT_EQ(bad.exit_code, 1);
+  EXPECT_NE(bad.out.find("does not hold"), std::string::npos) << bad.out;
+  EXPECT_NE(bad.out.find("did not reach"), std::string::npos) << bad.out;
+}
+
 TEST_F(Command, ListsWhatItHas) {
   const Outcome solvers = bipot("list solvers --json -");
   ASSERT_EQ(solvers.exit_code, 0);

@@ -1,0 +1,140 @@
+#include "bench/command/validate_command.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+#include <system_error>
+
+#include "bench/command/exit_code.h"
+#include "bench/command/interrupt.h"
+#include "bench/command/progress_bar.h"
+#include "bench/report/chart.h"
+#include "bench/validate/validation_report.h"
+#include "core/file_error.h"
+#include "core/nearest_name.h"
+#include "solvers/registry.h"
+
+namespace bipot {
+namespace {
+
+/// Whether a row was asked for: it, or how its name begins.
+bool asked_for(const ValidateFlags& flags, const ValidationRow& row) {
+  return flags.only.empty() ||
+         std::any_of(flags.only.begin(), flags.only.end(),
+                     [&](const std::string& name) { return row.name.starts_with(name); });
+}
+
+std::vector<ValidationExperiment> chosen_experiments(const ValidateFlags& flags) {
+  std::vector<ValidationExperiment> all = validation_experiments();
+  std::vector<std::string> names;
+  for (const ValidationExperiment& e : all) {
+    for (const ValidationRow& row : e.rows) names.push_back(row.name);
+  }
+  for (const std::string& wanted : flags.only) {
+    if (std::none_of(names.begin(), names.end(),
+                     [&](const std::string& name) { return name.starts_with(wanted); })) {
+      throw std::invalid_argument(unknown_name_message("row", wanted, names));
+    }
+  }
+  std::erase_if(all, [&](const ValidationExperiment& e) {
+    return std::none_of(e.rows.begin(), e.rows.end(),
+                        [&](const ValidationRow& row) { return asked_for(flags, row); });
+  });
+  return all;
+}
+
+std::string again(const ValidateFlags& flags) {
+  std::string line = "bipot validate";
+  if (!flags.only.empty()) line += fmt::format(" --only {}", fmt::join(flags.only, ","));
+  if (flags.quick) line += " --quick";
+  if (flags.solver != "apgd") line += " --solver " + flags.solver;
+  if (flags.max_iterations != 20000) {
+    line += fmt::format(" --max-iterations {}", flags.max_iterations);
+  }
+  return line;
+}
+
+}  // namespace
+
+CommandDeclaration add_validate_command(CommandLine& line, ValidateFlags& flags) {
+  CommandDeclaration command = line.add_command(
+      "validate", "Physics that is known beforehand, checked: at which tolerance does it break?");
+  command
+      .option("--only", flags.only,
+              "Rows, or how their names begin, separated by commas (default: all)")
+      .value_name("NAMES");
+  command.flag("--quick", flags.quick,
+               "Fewer bodies, seeds and tolerances: seconds instead of a quarter of an hour");
+  command.option("--solver", flags.solver, "Of every step, without islands").show_default();
+  command.option("--max-iterations", flags.max_iterations, "Of a step").positive().show_default();
+  command
+      .option("--out", flags.out,
+              "Folder for index.html, validate.csv, verdicts.csv, charts and their data")
+      .value_name("DIR");
+  command.flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
+  command.footer(
+      "Each row has its source, the expected value, what is measured at several tolerances, the\n"
+      "error bar, and the loosest tolerance from which on it is right to 1 %.\n"
+      "Ends with 0 when all rows hold at the tightest tolerance, with 1 otherwise.\n"
+      "Examples:\n"
+      "  bipot validate --quick --out out/validate\n"
+      "  bipot validate --only disk,four_spheres\n"
+      "  bipot validate --only shear --solver ipm");
+  return command;
+}
+
+int validate_command(const ValidateFlags& flags) {
+  require_solver(flags.solver);
+  const std::vector<ValidationExperiment> experiments = chosen_experiments(flags);
+  if (!flags.out.empty()) {
+    require_plotting_tool();
+    std::error_code failure;
+    std::filesystem::create_directories(flags.out, failure);
+    if (failure) throw FileError(flags.out, "", failure.message());
+  }
+  const InterruptGuard interrupt;
+  ValidationContext context;
+  context.quick = flags.quick;
+  context.solver = flags.solver;
+  context.max_iterations = flags.max_iterations;
+  context.stopped = &InterruptGuard::requested;
+  ValidationPage page;
+  page.command = again(flags);
+  page.solver = flags.solver;
+  page.quick = flags.quick;
+  {
+    long total = 0, done = 0;
+    for (const ValidationExperiment& e : experiments) {
+      total += static_cast<long>(flags.quick ? e.quick_tols.size() : e.tols.size());
+    }
+    ProgressBar progress(total, flags.quiet);
+    for (const ValidationExperiment& e : experiments) {
+      ExperimentResult result = run_experiment(
+          e, context, [&](int, int) { progress.update(done++, e.rows.front().name); });
+      // What was stopped halfway would only look as if it did not hold.
+      if (!result.complete) {
+        page.complete = false;
+        break;
+      }
+      for (ValidationVerdict& v : result.verdicts) {
+        if (asked_for(flags, v.row)) page.verdicts.push_back(std::move(v));
+      }
+      for (ValidationFigure& f : result.figures) page.figures.push_back(std::move(f));
+    }
+    progress.update(total, "");
+  }
+  if (!flags.out.empty()) write_validation(flags.out, page);
+  if (!flags.quiet) {
+    fmt::print("{}", to_text(page));
+    if (!flags.out.empty()) {
+      fmt::print("{}\n", (std::filesystem::path(flags.out) / "index.html").string());
+    }
+  }
+  if (!page.complete) return kExitInterrupted;
+  return page.held() == static_cast<int>(page.verdicts.size()) ? kExitConverged : kExitNotConverged;
+}
+
+}  // namespace bipot

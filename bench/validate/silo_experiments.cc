@@ -1,0 +1,234 @@
+// Grains in a narrow silo: the walls carry what friction lets them.
+//
+// Balance of a layer at depth z in a plane silo of width L: dQ/dz = ρ g L - 2 τ, with the wall's shear stress
+// τ = m σ_x, m <= μ (Coulomb), and σ_x = K Q/L: Q = ρ g L λ (1 - exp(-z/λ)), λ = L/(2 m K). While the floor gives way
+// slowly, grains slide down along the walls and m is near μ. Since τ >= 0 there and 2 τ <= 2 μ σ_x, the floor's
+// load lies between the weight less μ times the walls' normal force, and the weight: exact.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "bench/measure/statistics.h"
+#include "bench/paper/packing.h"
+#include "bench/validate/scene_parts.h"
+#include "bench/validate/validation_experiments.h"
+#include "core/scene/generators.h"
+
+namespace bipot {
+namespace {
+
+const std::string kSilo = "silo";
+constexpr double kSiloMu = 0.5, kSiloWidth = 8;
+
+/// Means while the floor sinks.
+struct SiloLoad {
+  double weight = 0, height = 0;
+  double floor = 0, floor_bar = 0;    ///< upward force of the floor                           [N]
+  double drag = 0;                    ///< upward friction of both walls                       [N]
+  double normal = 0;                  ///< of both walls                                       [N]
+  std::vector<double> depths, loads;  ///< Q below the depth, from the walls' forces above it
+};
+
+SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationContext& context,
+                   ExperimentOutcome& outcome) {
+  Scene scene = empty_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
+  scene.gravity = Vec2(0, -9.81);
+  scene.disks =
+      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, kSiloWidth, 0, seed, Vec2::Zero());
+  SiloLoad load;
+  double top = 0;
+  for (Disk& d : scene.disks) {
+    d.mass = d.radius * d.radius;
+    d.inertia = 0.5 * d.mass * d.radius * d.radius;
+    load.weight += 9.81 * d.mass;
+    top = std::max(top, d.x[1]);
+  }
+  scene.walls = {plane_wall("floor", Vec2(0, 0), Vec2(0, 1)),
+                 plane_wall("left", Vec2(0, 0), Vec2(1, 0)),
+                 plane_wall("right", Vec2(kSiloWidth, 0), Vec2(-1, 0))};
+  const double settle = 1 + std::sqrt(2 * top / 9.81);
+  constexpr double kSink = 0.2, kSinks = 5;  // [m/s], [s]
+  scene.walls[0].motion = Wall::Motion::kMoving;
+  scene.walls[0].v = Vec2(0, -kSink);
+  scene.walls[0].starts = settle;
+  scene.num_steps = static_cast<int>((settle + kSinks) / scene.step);
+  constexpr int kBlocks = 6, kLayers = 12;
+  std::vector<double> floor_blocks[kBlocks];
+  std::vector<double> above(kLayers, 0.0);
+  std::vector<double> weights(kLayers, 0.0);
+  long samples = 0;
+  const double begin = settle + 1;
+  const auto run = run_from_start<2>(scene, context, [&](const SceneStep& step) {
+    const State& state = step.state;
+    if (state.time < begin) return true;
+    const Vec2 floor = force_on_wall(state, scene.step, 0),
+               left = force_on_wall(state, scene.step, 1),
+               right = force_on_wall(state, scene.step, 2);
+    const auto block = to_size(std::clamp(
+        static_cast<int>(kBlocks * (state.time - begin) / (kSinks - 1)), 0, kBlocks - 1));
+    floor_blocks[block].push_back(-floor[1]);
+    load.drag -= left[1] + right[1];
+    load.normal += std::abs(left[0]) + std::abs(right[0]);
+    const double bottom = state.walls[0].a[1];
+    double surface = bottom;
+    for (const Disk& d : state.disks) surface = std::max(surface, d.x[1] + d.radius);
+    load.height += surface - bottom;
+    const auto layer_of = [&](double y) {
+      return std::clamp(static_cast<int>(kLayers * (surface - y) / (surface - bottom)), 0,
+                        kLayers - 1);
+    };
+    const int disks = static_cast<int>(state.disks.size());
+    for (const Disk& d : state.disks) weights[to_size(layer_of(d.x[1]))] += 9.81 * d.mass;
+    for (const ContactOutcome& o : state.contacts) {
+      if (o.contact.j != disks + 1 && o.contact.j != disks + 2) continue;
+      const Vec2& n = o.contact.n;
+      const double up = (o.s_n * n[1] + o.s_t * n[0]) / scene.step;
+      above[to_size(layer_of(state.disks[to_size(o.contact.i)].x[1]))] += up;
+    }
+    ++samples;
+    return true;
+  });
+  count_steps(run, outcome);
+  if (samples == 0) return load;
+  const double n = static_cast<double>(samples);
+  load.drag /= n;
+  load.normal /= n;
+  load.height /= n;
+  std::vector<double> means;
+  for (const std::vector<double>& block : floor_blocks) {
+    if (!block.empty()) means.push_back(mean_value(block).mean);
+  }
+  const MeanValue mean = mean_value(means);
+  load.floor = mean.mean;
+  load.floor_bar = mean.confidence;
+  double carried = 0;
+  for (int k = 0; k < kLayers; ++k) {
+    carried += (weights[to_size(k)] - above[to_size(k)]) / n;
+    load.depths.push_back(load.height * (k + 1) / kLayers);
+    load.loads.push_back(carried);
+  }
+  return load;
+}
+
+/// λ of Q = q λ (1 - exp(-z/λ)) by least squares in λ, with q the slope at the surface (weight over height).
+double screening_length(const SiloLoad& load, double& rms) {
+  const double slope = load.weight / load.height;
+  const auto misfit = [&](double length) {
+    double sum = 0;
+    for (std::size_t k = 0; k < load.depths.size(); ++k) {
+      const double janssen = slope * length * (1 - std::exp(-load.depths[k] / length));
+      sum += std::pow((load.loads[k] - janssen) / load.loads.back(), 2);
+    }
+    return std::sqrt(sum / static_cast<double>(load.depths.size()));
+  };
+  // Golden section in the logarithm; the misfit has one minimum there.
+  double low = std::log(0.05 * load.height), high = std::log(50 * load.height);
+  const double golden = 0.5 * (std::sqrt(5.0) - 1);
+  while (high - low > 1e-6) {
+    const double a = high - golden * (high - low), b = low + golden * (high - low);
+    (misfit(std::exp(a)) < misfit(std::exp(b)) ? high : low) =
+        misfit(std::exp(a)) < misfit(std::exp(b)) ? b : a;
+  }
+  const double length = std::exp(0.5 * (low + high));
+  rms = misfit(length);
+  return length;
+}
+
+ValidationExperiment janssen() {
+  ValidationExperiment e;
+  const auto row = [](std::string name, std::string quantity, std::string source,
+                      std::string formula, Expectation expected, double allowed, std::string why,
+                      std::string bar) {
+    return ValidationRow{.name = std::move(name),
+                         .group = kSilo,
+                         .quantity = std::move(quantity),
+                         .source = std::move(source),
+                         .formula = std::move(formula),
+                         .expected = expected,
+                         .allowed = allowed,
+                         .allowed_why = std::move(why),
+                         .bar = std::move(bar)};
+  };
+  e.rows = {
+      row("silo_balance", "floor and walls together over the weight, while the floor sinks slowly",
+          "momentum in the mean", "1", Expectation::equal(1), 1e-2, "finite time",
+          "95 % over 6 blocks of time"),
+      row("silo_coulomb", "upward friction of the walls over μ times their normal force",
+          "Coulomb at every contact (exact)", "at most 1", Expectation::at_most(1, 1), 1e-6,
+          "rounding; impulses are admissible by construction", "none: it holds at every instant"),
+      row("janssen_saturates",
+          "floor load of the tallest filling (4 to 6 widths) over that of half its height",
+          "Janssen 1895: Q saturates (from memory; with K between 0 and ∞ the ratio is between 1 and 2)",
+          "1 to 2", Expectation::between(1, 2, 1), 0, "none", "95 % over blocks of both runs"),
+      row("janssen_length",
+          "screening length fitted to the load against depth, over L/(2 m K) with the walls' own m and K "
+          "measured independently",
+          "balance of a layer, derived in silo_experiments.cc", "1", Expectation::equal(1), 0.2,
+          "m and K are not the same at all depths", "none: one fit")};
+  e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
+  e.quick_tols = {1, 1e-1};
+  e.run = [](double tol, const ValidationContext& context) {
+    ExperimentOutcome outcome;
+    const int tall = context.quick ? 160 : 360;
+    const SiloLoad half = silo_load(tall / 2, 1, tol, context, outcome);
+    if (context.interrupted()) return outcome;
+    const SiloLoad full = silo_load(tall, 1, tol, context, outcome);
+    if (context.interrupted()) return outcome;
+    const double ratio = full.floor / half.floor;
+    double rms = kNaN;
+    const double length = screening_length(full, rms);
+    // K over the whole height: mean wall pressure over the mean vertical stress.
+    double vertical = 0;
+    for (const double q : full.loads) {
+      vertical += q / kSiloWidth / static_cast<double>(full.loads.size());
+    }
+    const double wall_pressure = 0.5 * full.normal / full.height;
+    const double k = wall_pressure / vertical, m = full.drag / full.normal;
+    outcome.seen = {
+        {(full.floor + full.drag) / full.weight, full.floor_bar / full.weight,
+         fmt::format("the walls carry {:.2f} of it", full.drag / full.weight)},
+        {full.drag / (kSiloMu * full.normal)},
+        {ratio, ratio * std::hypot(full.floor_bar / full.floor, half.floor_bar / half.floor),
+         fmt::format("{:.1f} and {:.1f} widths high", full.height / kSiloWidth,
+                     half.height / kSiloWidth)},
+        {length / (kSiloWidth / (2 * m * k)), 0,
+         fmt::format("λ = {:.2f} widths, K = {:.2f}, m = {:.2f}, rms misfit {:.1f} %",
+                     length / kSiloWidth, k, m, 100 * rms)}};
+    ValidationFigure figure;
+    figure.name = "janssen";
+    figure.group = kSilo;
+    figure.caption =
+        "Vertical load against depth in a silo 8 disks wide whose floor sinks slowly: weight above less the walls' "
+        "friction above. Line: Janssen's exponential with the fitted length; dashes: the weight alone.";
+    figure.chart.title = "Load in a silo";
+    figure.chart.x = {.label = "depth over width"};
+    figure.chart.y = {.label = "vertical load over the weight"};
+    ChartSeries points, fit, weight;
+    points.name = "measured";
+    points.kind = ChartSeries::Kind::kPoints;
+    fit.name = "Janssen, fitted";
+    fit.style = 1;
+    weight.name = "weight above";
+    weight.style = 2;
+    fit.kind = weight.kind = ChartSeries::Kind::kLine;
+    for (std::size_t i = 0; i < full.depths.size(); ++i) {
+      const double z = full.depths[i];
+      points.points.push_back({z / kSiloWidth, full.loads[i] / full.weight});
+      fit.points.push_back({z / kSiloWidth, length / full.height * (1 - std::exp(-z / length))});
+      weight.points.push_back({z / kSiloWidth, z / full.height});
+    }
+    figure.chart.series = {points, fit, weight};
+    outcome.figures = {figure};
+    return outcome;
+  };
+  return e;
+}
+
+}  // namespace
+
+std::vector<ValidationExperiment> silo_experiments() { return {janssen()}; }
+
+}  // namespace bipot
