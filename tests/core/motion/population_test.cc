@@ -21,7 +21,7 @@
 namespace bipot {
 namespace {
 
-constexpr double kStep = 0.01;  // s
+constexpr double kPopulationStep = 0.01;  // s
 
 StepSolver sweeps(double tol = 1e-6) {
   SolverOptions options;
@@ -35,7 +35,7 @@ SceneIn<D> falling_scene() {
   scene.materials = {"default"};
   scene.laws = {{}};
   scene.gravity = -10 * VecIn<D>::Unit(D - 1);
-  scene.step = kStep;
+  scene.step = kPopulationStep;
   return scene;
 }
 
@@ -85,7 +85,7 @@ void bodies_leave_when_and_as_they_should() {
                              : state.step == 31 ? 2.0
                              : state.step == 41 ? 3.0
                                                 : 0.0);
-    for (const BodyIn<D>& b : state.disks) pushed += kStep * b.mass * scene.gravity;
+    for (const BodyIn<D>& b : state.disks) pushed += kPopulationStep * b.mass * scene.gravity;
     EXPECT_LT((momentum(state) - pushed - momentum_passed(state)).norm(), 1e-12);
     EXPECT_NEAR(r.energy.kinetic + r.energy.potential, initial + r.energy.passed, 1e-12);
   }
@@ -195,7 +195,7 @@ TEST(Population, AnInletMindsWallsAndDrawsItsClassesByTheirShares) {
   State state = initial_state(scene);
   change_population(scene, state);  // one is due at time 0
   EXPECT_EQ(state.disks.size(), 1u);
-  state.time = kStep;
+  state.time = kPopulationStep;
   change_population(scene, state);
   ASSERT_EQ(state.disks.size(), 400u);
   int small = 0;
