@@ -54,6 +54,9 @@ TradeScene load_target(const std::string& target, const TradeOptions& options) {
     throw std::invalid_argument(
         target + ": bodies come or go by inlets and outlets; runs are compared body by body");
   }
+  if (!made.scene.clusters.empty()) {
+    throw std::invalid_argument(target + ": clusters of disks; what is measured takes single ones");
+  }
   made.title = made.scene.title.empty() ? made.name : made.scene.title;
   const bool free = made.scene.disks.size() > 1 &&
                     !supported_by_walls(made.scene, 1e-3 * smallest_radius(made.scene));

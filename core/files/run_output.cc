@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/files/atomic_file.h"
+#include "core/files/cluster_file.h"
 #include "core/files/hdf5_file.h"
 #include "core/files/population_file.h"
 #include "core/files/run_layout.h"
@@ -537,6 +538,9 @@ void RunWriterIn<D>::write_frame_file(const StateIn<D>& state) const {
   write_turns(file, "/disks/spin", "rad/s", disks, [](const BodyIn<D>& d) { return d.spin; });
 
   if (scene_.has_gates()) write_population(file, state);
+  if constexpr (D == 2) {
+    if (!scene_.clusters.empty()) write_clusters(file, state);
+  }
 
   StateIn<D> inside;
   if constexpr (D == 2) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/files/cluster_file.h"
 #include "core/files/hdf5_file.h"
 #include "core/files/population_file.h"
 #include "core/files/rehearsed_read.h"
@@ -254,6 +255,7 @@ StateIn<D> read_state_here(const fs::path& run, int step) {
   state.friction_loss = file.read_double("/friction_loss");
   state.shock_loss = file.read_double("/shock_loss");
   state.disks = read_disks<D>(fixed, file, state.population);
+  if constexpr (D == 2) read_clusters(file, state);
   state.walls = read_walls<D>(fixed, file);
   state.cell = read_state_cell(fixed, file);
   state.contacts = read_contacts<D>(file, state.disks.size(), state.walls.size());

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "core/files/scene_cell.h"
+#include "core/files/scene_clusters.h"
 #include "core/files/scene_gates.h"
 #include "core/files/scene_groups.h"
 #include "core/files/scene_observables.h"
@@ -238,6 +239,11 @@ void rotate(Scene& scene, double degrees) {
     d.x = turn * d.x;
     d.v = turn * d.v;
   }
+  for (Cluster& cluster : scene.clusters.bodies) {
+    cluster.x = turn * cluster.x;
+    cluster.v = turn * cluster.v;
+  }
+  for (Vec2& arm : scene.clusters.arms) arm = turn * arm;
   for (Outlet& outlet : scene.outlets) {
     outlet.point = turn * outlet.point;
     outlet.normal = turn * outlet.normal;
@@ -268,6 +274,7 @@ void read_bodies(const SceneTable& root, Scene& scene) {
     table.finish();
     scene.disks.insert(scene.disks.end(), disks.begin(), disks.end());
   }
+  read_clusters(root, scene);
 }
 
 void read_bodies(const SceneTable& root, SceneIn<3>& scene) {

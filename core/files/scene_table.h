@@ -131,6 +131,21 @@ class SceneTable {
     }
     return values;
   }
+  /// An array of rows of so many numbers.
+  std::vector<std::vector<double>> rows(std::string_view key, std::size_t columns) const {
+    std::vector<std::vector<double>> result;
+    if (!has(key)) return result;
+    const std::string expected = fmt::format("expected an array of rows of {} numbers", columns);
+    const toml::array* array = table_.get(key)->as_array();
+    if (array == nullptr) fail(key, expected);
+    for (const toml::node& node : *array) {
+      const toml::array* row = node.as_array();
+      if (row == nullptr || row->size() != columns) fail(key, expected);
+      result.emplace_back();
+      for (const toml::node& number : *row) result.back().push_back(number_of(key, number));
+    }
+    return result;
+  }
   std::optional<SceneTable> table(std::string_view key) const {
     if (!has(key)) return std::nullopt;
     const toml::table* table = table_.get(key)->as_table();

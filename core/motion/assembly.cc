@@ -18,6 +18,7 @@ struct StepInput {
   std::span<const VecIn<D>> disk_v_free;
   std::span<const double> wall_v_free;
   CellInput cell;  // of cells that deform only
+  ClusterInput clusters;
   int dim;
 };
 
@@ -30,12 +31,28 @@ int wall_of(const ContactIn<D>& contact, std::span<const BodyIn<D>> disks) {
   return j < disks.size() ? disks[j].wall : static_cast<int>(j - disks.size());
 }
 
+/// First dofs of the disks that take part (marked by 0), where clusters have one set for all of theirs.
+template <int D>
+void number_clusters(std::span<const BodyIn<D>> disks, std::size_t clusters, DofMap& dofs) {
+  std::vector<int> of_cluster(clusters, -1);
+  for (std::size_t i = 0; i < disks.size(); ++i) {
+    if (dofs.disk[i] < 0) continue;
+    const int cluster = disks[i].cluster;
+    int& first = cluster < 0 ? dofs.disk[i] : of_cluster[to_size(cluster)];
+    if (cluster < 0 || first < 0) {
+      first = dofs.size;
+      dofs.size += dofs.per_disk;
+    }
+    dofs.disk[i] = first;
+  }
+}
+
 template <int D>
 DofMap number_dofs(bool friction, std::span<const BodyIn<D>> disks,
                    std::span<const WallIn<D>> walls, std::span<const ContactIn<D>> contacts,
-                   const PeriodicCell* cell) {
+                   const PeriodicCell* cell, std::size_t clusters) {
   DofMap dofs;
-  dofs.per_disk = friction ? D + kSpins<D> : D;
+  dofs.per_disk = friction || clusters > 0 ? D + kSpins<D> : D;
   dofs.disk.assign(disks.size(), -1);
   dofs.wall.assign(walls.size(), -1);
   for (const ContactIn<D>& c : contacts) {
@@ -47,10 +64,14 @@ DofMap number_dofs(bool friction, std::span<const BodyIn<D>> disks,
       dofs.wall[to_size(w)] = 0;
     }
   }
-  for (int& first : dofs.disk) {
-    if (first < 0) continue;
-    first = dofs.size;
-    dofs.size += dofs.per_disk;
+  if (clusters > 0) {
+    number_clusters<D>(disks, clusters, dofs);
+  } else {
+    for (int& first : dofs.disk) {
+      if (first < 0) continue;
+      first = dofs.size;
+      dofs.size += dofs.per_disk;
+    }
   }
   for (int& dof : dofs.wall) {
     if (dof == 0) dof = dofs.size++;
@@ -134,11 +155,27 @@ void add_spin(ColumnWriter& columns, int row, double arm, const Vec3& n, const V
 template <int D>
 int entries_of(const ContactIn<D>& contact, std::span<const BodyIn<D>> disks, const DofMap& dofs,
                int d) {
-  const int of_disk = D + (d - 1) * (D + kSpins<D>);
+  int of_disk = D + (d - 1) * (D + kSpins<D>);
   const int w = wall_of<D>(contact, disks);
   const int of_cell = d * sides_of(contact, dofs);
-  if (w < 0) return 2 * of_disk + of_cell;
+  // What belongs to a cluster turns it with the normal force too.
+  const int of_normal = kSpins<D> * ((disks[to_size(contact.i)].cluster >= 0 ? 1 : 0) +
+                                     (w < 0 && disks[to_size(contact.j)].cluster >= 0 ? 1 : 0));
+  if (w < 0) return 2 * of_disk + of_cell + of_normal;
+  of_disk += of_normal;
   return of_disk + of_cell + (dofs.wall[to_size(w)] >= 0 ? d : 0);
+}
+
+/// How fast the centre of a disk goes along the axis when its cluster turns about its centre of mass with
+/// spin 1: (e3 x c)·axis.
+template <int D>
+double lever(const ClusterInput& clusters, const BodyIn<D>& disk, const VecIn<D>& axis) {
+  if constexpr (D == 3) {
+    return 0.0;
+  } else {
+    const Vec2 c = disk.x - clusters.bodies[to_size(disk.cluster)].x;
+    return c[0] * axis[1] - c[1] * axis[0];
+  }
 }
 
 /// The columns and rows of contact c.
@@ -174,6 +211,7 @@ void write_contact(const StepInput<D>& in, const ContactIn<D>& contact, int c,
   const int k = dofs.disk[i];
   const int l = with_disk ? dofs.disk[j] : dofs.wall[w];
   const auto frame = contact_frame<D>(contact.n);
+  const bool turns_a = a.cluster >= 0, turns_b = with_disk && b->cluster >= 0;
   for (int row = 0; row < d; ++row) {
     const VecIn<D>& axis = frame[to_size(row)];
     const double e = row == 0 ? law.e_n : law.e_t;
@@ -189,10 +227,18 @@ void write_contact(const StepInput<D>& in, const ContactIn<D>& contact, int c,
     if (p.row_scale.size() > 0) p.row_scale[c * d + row] = r;
 
     for (int x = 0; x < D; ++x) columns.add(k + x, axis[x] / r);
-    if (row > 0) add_spin(columns, k + D, arm_a / r, contact.n, axis);
+    if (turns_a) {
+      columns.add(k + D, (arm_a + lever<D>(in.clusters, a, axis)) / r);
+    } else if (row > 0) {
+      add_spin(columns, k + D, arm_a / r, contact.n, axis);
+    }
     if (with_disk) {
       for (int x = 0; x < D; ++x) columns.add(l + x, -axis[x] / r);
-      if (row > 0) add_spin(columns, l + D, arm_b / r, contact.n, axis);
+      if (turns_b) {
+        columns.add(l + D, (arm_b - lever<D>(in.clusters, *b, axis)) / r);
+      } else if (row > 0) {
+        add_spin(columns, l + D, arm_b / r, contact.n, axis);
+      }
     } else if (l >= 0) {
       columns.add(l, -axis.dot(wall->direction) / r);
     }
@@ -206,6 +252,20 @@ void write_contact(const StepInput<D>& in, const ContactIn<D>& contact, int c,
   }
 }
 
+/// Masses and free velocities of the clusters that take part.
+void fill_clusters(std::span<const Disk> disks, const ClusterInput& clusters, const DofMap& dofs,
+                   Vector& mass, Vector& v_free) {
+  if (clusters.bodies.empty()) return;
+  for (std::size_t i = 0; i < disks.size(); ++i) {
+    const int k = dofs.disk[i];
+    if (k < 0 || disks[i].cluster < 0) continue;
+    const std::size_t c = to_size(disks[i].cluster);
+    const Cluster& cluster = clusters.bodies[c];
+    mass.segment<3>(k) << cluster.mass, cluster.mass, cluster.inertia;
+    v_free.segment<3>(k) << clusters.v_free[c], cluster.spin;
+  }
+}
+
 }  // namespace
 
 template <int D>
@@ -215,14 +275,14 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
                             std::span<const std::type_identity_t<ContactIn<D>>> contacts,
                             std::span<const std::type_identity_t<VecIn<D>>> disk_v_free,
                             std::span<const double> wall_v_free, bool explicit_delassus,
-                            int threads, CellInput cell) {
+                            int threads, CellInput cell, ClusterInput clusters) {
   if (cell.cell != nullptr && !cell.cell->deforms()) cell = {};  // its images stand still
   const bool friction = scene.has_friction();
   const int d = friction ? D : 1;
   const int num_contacts = static_cast<int>(contacts.size());
 
   AssembledStep step;
-  step.dofs = number_dofs<D>(friction, disks, walls, contacts, cell.cell);
+  step.dofs = number_dofs<D>(friction, disks, walls, contacts, cell.cell, clusters.bodies.size());
   const DofMap& dofs = step.dofs;
   ContactProblem& p = step.problem;
   p.dim = d;
@@ -231,10 +291,10 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
   p.v_free.resize(dofs.size);
   for (std::size_t i = 0; i < disks.size(); ++i) {
     const int k = dofs.disk[i];
-    if (k < 0) continue;
+    if (k < 0 || disks[i].cluster >= 0) continue;
     mass.template segment<D>(k).setConstant(disks[i].mass);
     p.v_free.template segment<D>(k) = disk_v_free[i];
-    if (friction) {
+    if (dofs.per_disk > D) {
       mass.template segment<kSpins<D>>(k + D).setConstant(disks[i].inertia);
       // No torque but that of the contacts.
       if constexpr (D == 2) {
@@ -244,6 +304,7 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
       }
     }
   }
+  if constexpr (D == 2) fill_clusters(disks, clusters, dofs, mass, p.v_free);
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (dofs.wall[w] < 0) continue;
     mass[dofs.wall[w]] = walls[w].mass;
@@ -271,7 +332,7 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
   p.H.resize(dofs.size, d * num_contacts);
   p.H.resizeNonZeros(start.back());
   p.H.outerIndexPtr()[0] = 0;
-  const StepInput<D> input{scene, disks, walls, disk_v_free, wall_v_free, cell, d};
+  const StepInput<D> input{scene, disks, walls, disk_v_free, wall_v_free, cell, clusters, d};
   run_pieces(threads, num_contacts, [&](int begin, int end) {
     ColumnWriter columns(p.H, d * begin, start[to_size(begin)]);
     for (int c = begin; c < end; ++c) write_contact(input, contacts[to_size(c)], c, columns, step);
@@ -282,10 +343,11 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
 
 template AssembledStep assemble_step<2>(const Scene&, std::span<const Disk>, std::span<const Wall>,
                                         std::span<const Contact>, std::span<const Vec2>,
-                                        std::span<const double>, bool, int, CellInput);
+                                        std::span<const double>, bool, int, CellInput,
+                                        ClusterInput);
 template AssembledStep assemble_step<3>(const SceneIn<3>&, std::span<const Sphere>,
                                         std::span<const WallIn<3>>, std::span<const ContactIn<3>>,
                                         std::span<const Vec3>, std::span<const double>, bool, int,
-                                        CellInput);
+                                        CellInput, ClusterInput);
 
 }  // namespace bipot

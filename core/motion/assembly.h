@@ -12,9 +12,10 @@ namespace bipot {
 
 /// Where each body's degrees of freedom stand in the problem's v; -1 for bodies that take no part.
 struct DofMap {
-  int per_disk = 3;       ///< position, then spin: 3, in space 6; without friction 2 or 3, no spin
-  std::vector<int> disk;  ///< first dof of each disk
-  std::vector<int> wall;  ///< the dof of each driven wall
+  int per_disk =
+      3;  ///< position, then spin: 3, in space 6; without friction and clusters 2 or 3, no spin
+  std::vector<int> disk;       ///< first dof of each disk; those of a cluster share its
+  std::vector<int> wall;       ///< the dof of each driven wall
   int side[3] = {-1, -1, -1};  ///< the dof of each driven side of a periodic cell
   int size = 0;
 };
@@ -25,6 +26,12 @@ struct CellInput {
   const PeriodicCell* cell = nullptr;
   const double* v_free =
       nullptr;  ///< 3, in the order of PeriodicCell::side                      [m/s]
+};
+
+/// Clusters at mid-step; none in most scenes.
+struct ClusterInput {
+  std::span<const Cluster> bodies;
+  std::span<const Vec2> v_free;  ///< of their centres of mass                             [m/s]
 };
 
 /// A step's problem and the way back to the bodies.
@@ -44,6 +51,9 @@ struct AssembledStep {
 /// In a periodic cell v_j is that of the image. A driven side of the cell is a degree of freedom as
 /// a driven wall's, and stands after these.
 ///
+/// A disk of a cluster adds to its arm the one from the centre of mass to its own: (e3 x c)·n w to u_n, (e3 x c)·t w to
+/// u_t, in the three degrees of freedom of the cluster.
+///
 /// The contact dimension is 1 (no tangential rows, no rotations) where no pair of the scene's
 /// materials has friction. Only bodies in contact enter; of the walls only driven ones have a
 /// degree of freedom, moving ones stand in the right-hand side. Restitution applies to every
@@ -55,6 +65,6 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
                             std::span<const std::type_identity_t<ContactIn<D>>> contacts,
                             std::span<const std::type_identity_t<VecIn<D>>> disk_v_free,
                             std::span<const double> wall_v_free, bool explicit_delassus,
-                            int threads = 1, CellInput cell = {});
+                            int threads = 1, CellInput cell = {}, ClusterInput clusters = {});
 
 }  // namespace bipot

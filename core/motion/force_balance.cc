@@ -2,8 +2,37 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "core/scene/cluster_motion.h"
 
 namespace bipot {
+namespace {
+
+/// Adds what the disks of each cluster carry; the lever of a disk is its arm at mid-step, its length scale the
+/// radius of a disk of the same area.
+void balance_clusters(const Scene& scene, const State& state, const std::vector<Vec2>& force,
+                      const std::vector<double>& moment, ForceBalance& balance) {
+  for (std::size_t c = 0; c < state.clusters.bodies.size(); ++c) {
+    Cluster cluster = state.clusters.bodies[c];
+    drift(cluster, -0.5 * scene.step);
+    Vec2 sum = cluster.mass * scene.gravity;
+    double turned = 0;
+    for (std::size_t i = 0; i < state.disks.size(); ++i) {
+      if (state.disks[i].cluster != static_cast<int>(c)) continue;
+      const Vec2 arm = turned_arm(cluster, state.clusters.arms[i]);
+      sum += force[i];
+      turned += moment[i] + arm[0] * force[i][1] - arm[1] * force[i][0];
+    }
+    const double weight = cluster.mass * scene.gravity.norm();
+    const double size = std::sqrt(cluster.area / std::numbers::pi);
+    balance.weight += weight;
+    balance.force = std::max(balance.force, sum.norm() / weight);
+    balance.moment = std::max(balance.moment, std::abs(turned) / (weight * size));
+  }
+}
+
+}  // namespace
 
 template <int D>
 ForceBalanceIn<D> force_balance(const SceneIn<D>& scene, const StateIn<D>& state) {
@@ -33,8 +62,11 @@ ForceBalanceIn<D> force_balance(const SceneIn<D>& scene, const StateIn<D>& state
       balance.walls += f;
     }
   }
+  if constexpr (D == 2) {
+    if (!state.clusters.empty()) balance_clusters(scene, state, force, moment, balance);
+  }
   for (std::size_t i = 0; i < disks; ++i) {
-    if (state.disks[i].wall >= 0) continue;  // held by its wall
+    if (state.disks[i].wall >= 0 || state.disks[i].cluster >= 0) continue;  // held by others
     const double weight = state.disks[i].mass * scene.gravity.norm();
     balance.force = std::max(balance.force, force[i].norm() / weight);
     balance.moment =

@@ -6,7 +6,7 @@
 
 namespace bipot {
 
-/// Newton's and Euler's equations of every disk, summed up contact by contact from the impulses of
+/// Newton's and Euler's equations of every disk, or cluster of disks, summed up contact by contact from the impulses of
 /// a state's last step, without any solver's help. Forces are s/h.
 template <int D>
 struct ForceBalanceIn {

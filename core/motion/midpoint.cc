@@ -1,9 +1,28 @@
 #include "core/motion/midpoint.h"
 
+#include "core/scene/cluster_motion.h"
 #include "core/scene/periodic_detection.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
+
+namespace {
+
+/// Velocities without contact impulses of the clusters, and of the disks in them: gravity turns nothing.
+void free_clusters(Midpoint& mid, double h) {
+  if (mid.clusters.empty()) return;
+  for (const Cluster& cluster : mid.clusters.bodies) {
+    mid.cluster_v_free.emplace_back(cluster.v + h * mid.gravity);
+  }
+  for (std::size_t i = 0; i < mid.disks.size(); ++i) {
+    const Disk& d = mid.disks[i];
+    if (d.cluster < 0) continue;
+    const Vec2 arm = d.x - mid.clusters.bodies[to_size(d.cluster)].x;
+    mid.disk_v_free[i] = mid.cluster_v_free[to_size(d.cluster)] + d.spin * Vec2(-arm[1], arm[0]);
+  }
+}
+
+}  // namespace
 
 template <int D>
 MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads,
@@ -17,6 +36,11 @@ MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, in
   for (BodyIn<D>& d : mid.disks) {
     if (d.wall >= 0) d.v = mid.walls[to_size(d.wall)].v;  // which may have started or stopped
     drift(d, 0.5 * h);
+  }
+  if (!state.clusters.empty()) {
+    mid.clusters = state.clusters;
+    for (Cluster& cluster : mid.clusters.bodies) drift(cluster, 0.5 * h);
+    place_members(mid.clusters, mid.disks);
   }
   for (WallIn<D>& w : mid.walls) {
     w.a += 0.5 * h * w.v;
@@ -57,6 +81,7 @@ MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, in
     mid.disk_v_free[i] =
         driven ? driven_velocity(mid.walls[w], mid.wall_v_free[w]) : mid.walls[w].v;
   }
+  if constexpr (D == 2) free_clusters(mid, h);
   return mid;
 }
 
@@ -64,7 +89,8 @@ template <int D>
 AssembledStep assemble_step(const SceneIn<D>& scene, const MidpointIn<D>& mid,
                             bool explicit_delassus, int threads) {
   return assemble_step(scene, mid.disks, mid.walls, mid.contacts, mid.disk_v_free, mid.wall_v_free,
-                       explicit_delassus, threads, {&mid.cell, mid.side_v_free});
+                       explicit_delassus, threads, {&mid.cell, mid.side_v_free},
+                       {mid.clusters.bodies, mid.cluster_v_free});
 }
 
 template Midpoint make_midpoint(const Scene&, const State&, int, KeptContacts*);

@@ -14,6 +14,8 @@ namespace bipot {
 template <int D>
 struct MidpointIn {
   std::vector<BodyIn<D>> disks;         ///< positions at the mid-point, velocities before the step
+  Clusters clusters;                    ///< likewise
+  std::vector<Vec2> cluster_v_free;     ///< of their centres of mass, without contacts        [m/s]
   std::vector<WallIn<D>> walls;         ///< likewise, as they are at that time (wall_motion.h)
   PeriodicCell cell;                    ///< likewise
   double side_v_free[3] = {0, 0, 0};    ///< of a cell's driven sides, without contacts        [m/s]

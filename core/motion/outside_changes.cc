@@ -8,7 +8,7 @@ template <int D>
 OutsideChanges<D> outside_changes(const SceneIn<D>& scene, const StateIn<D>& before,
                                   const std::vector<WallIn<D>>& walls,
                                   const std::type_identity_t<VecIn<D>>& gravity,
-                                  const std::vector<BodyIn<D>>& disks, double time) {
+                                  const StateIn<D>& after, double time) {
   OutsideChanges<D> changes;
   for (std::size_t w = 0; w < walls.size(); ++w) {
     if (!has_schedule(scene.walls[w])) continue;
@@ -18,16 +18,23 @@ OutsideChanges<D> outside_changes(const SceneIn<D>& scene, const StateIn<D>& bef
   if (scene.tilt.rate == 0) return changes;
   const VecIn<D> at_start = gravity - gravity_at(scene, before.time);
   const VecIn<D> at_end = gravity_at(scene, time) - gravity;
-  for (std::size_t i = 0; i < disks.size(); ++i) {
-    changes.work -= disks[i].mass * (at_start.dot(before.disks[i].x) + at_end.dot(disks[i].x));
+  for (std::size_t i = 0; i < after.disks.size(); ++i) {
+    changes.work -=
+        after.disks[i].mass * (at_start.dot(before.disks[i].x) + at_end.dot(after.disks[i].x));
+  }
+  if constexpr (D == 2) {
+    for (std::size_t c = 0; c < after.clusters.bodies.size(); ++c) {
+      const Cluster &from = before.clusters.bodies[c], &to = after.clusters.bodies[c];
+      changes.work -= to.mass * (at_start.dot(from.x) + at_end.dot(to.x));
+    }
   }
   return changes;
 }
 
 template OutsideChanges<2> outside_changes(const Scene&, const State&, const std::vector<Wall>&,
-                                           const Vec2&, const std::vector<Disk>&, double);
+                                           const Vec2&, const State&, double);
 template OutsideChanges<3> outside_changes(const SceneIn<3>&, const StateIn<3>&,
                                            const std::vector<WallIn<3>>&, const Vec3&,
-                                           const std::vector<Sphere>&, double);
+                                           const StateIn<3>&, double);
 
 }  // namespace bipot

@@ -17,7 +17,7 @@ struct OutsideChanges {
 };
 
 /// `before`: the state before the step; `walls`: as they are in the step, with their speeds before
-/// it (walls_at); `gravity`: of the step; `disks`, `time`: after it.
+/// it (walls_at); `gravity`: of the step; `after`: where the bodies are after it; `time`: then.
 ///
 /// Turning gravity from g to g' with the disks in their places is work Σ m (g - g')·x: what turning the
 /// box the other way would take. The potential energy of a state is that of gravity at its time,
@@ -26,6 +26,6 @@ template <int D>
 OutsideChanges<D> outside_changes(const SceneIn<D>& scene, const StateIn<D>& before,
                                   const std::vector<WallIn<D>>& walls,
                                   const std::type_identity_t<VecIn<D>>& gravity,
-                                  const std::vector<BodyIn<D>>& disks, double time);
+                                  const StateIn<D>& after, double time);
 
 }  // namespace bipot

@@ -132,31 +132,66 @@ int number_due(const InletIn<D>& inlet, double time) {
   return static_cast<int>(std::min(due, most));
 }
 
+/// A cluster as what is booked of a body.
+Disk as_body(const Cluster& c) {
+  return {.x = c.x, .v = c.v, .spin = c.spin, .mass = c.mass, .inertia = c.inertia};
+}
+
+/// The outlet that a place lies in; as many as there are outlets for none.
+template <int D>
+std::size_t outlet_at(const SceneIn<D>& scene, const StateIn<D>& state, VecIn<D> x) {
+  if (state.cell.periodic()) {
+    const CellNumber cell = cell_number(state.cell, Vec2(x.template head<2>()));
+    x -= in_dimensions<D>(state.cell.shift(cell.kx, cell.ky));
+  }
+  const auto found = std::find_if(scene.outlets.begin(), scene.outlets.end(),
+                                  [&](const OutletIn<D>& outlet) { return outlet.takes(x); });
+  return static_cast<std::size_t>(found - scene.outlets.begin());
+}
+
+/// Clusters leave by their centres of mass. New numbers of the clusters, -1: gone.
+std::vector<int> let_clusters_out(const Scene& scene, const Vec2& gravity, State& state) {
+  std::vector<Cluster>& clusters = state.clusters.bodies;
+  std::vector<int> new_number(clusters.size(), -1);
+  int kept = 0;
+  for (std::size_t c = 0; c < clusters.size(); ++c) {
+    const std::size_t outlet = outlet_at(scene, state, clusters[c].x);
+    if (outlet < scene.outlets.size()) {
+      book<2>(as_body(clusters[c]), gravity, state.population.outlets[outlet]);
+      continue;
+    }
+    new_number[c] = kept;
+    clusters[to_size(kept++)] = clusters[c];
+  }
+  clusters.resize(to_size(kept));
+  return new_number;
+}
+
 template <int D>
 void let_out(const SceneIn<D>& scene, const VecIn<D>& gravity, StateIn<D>& state,
              std::vector<int>& new_index) {
-  const auto outlet_of = [&](const BodyIn<D>& body) {
-    VecIn<D> x = body.x;
-    if (state.cell.periodic()) {
-      const CellNumber cell = cell_number(state.cell, Vec2(x.template head<2>()));
-      x -= in_dimensions<D>(state.cell.shift(cell.kx, cell.ky));
-    }
-    const auto found = std::find_if(scene.outlets.begin(), scene.outlets.end(),
-                                    [&](const OutletIn<D>& outlet) { return outlet.takes(x); });
-    return static_cast<std::size_t>(found - scene.outlets.begin());
-  };
+  std::vector<int> new_cluster;
+  if constexpr (D == 2) new_cluster = let_clusters_out(scene, gravity, state);
+  std::vector<Vec2>& arms = state.clusters.arms;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    const BodyIn<D>& body = state.disks[i];
-    const std::size_t outlet = body.wall < 0 ? outlet_of(body) : scene.outlets.size();
-    if (outlet < scene.outlets.size()) {
-      book<D>(body, gravity, state.population.outlets[outlet]);
-      continue;
+    BodyIn<D> body = state.disks[i];
+    if (body.cluster >= 0) {
+      body.cluster = new_cluster[to_size(body.cluster)];
+      if (body.cluster < 0) continue;
+    } else if (body.wall < 0) {
+      const std::size_t outlet = outlet_at(scene, state, body.x);
+      if (outlet < scene.outlets.size()) {
+        book<D>(body, gravity, state.population.outlets[outlet]);
+        continue;
+      }
     }
     new_index[i] = static_cast<int>(kept);
     state.population.numbers[kept] = state.population.numbers[i];
+    if (!arms.empty()) arms[kept] = arms[i];
     state.disks[kept++] = body;
   }
+  if (!arms.empty()) arms.resize(kept);
   state.disks.resize(kept);
   state.population.numbers.resize(kept);
 }
@@ -181,6 +216,7 @@ void let_in(const SceneIn<D>& scene, const VecIn<D>& gravity, StateIn<D>& state)
       book<D>(body, gravity, flow);
       near.push_back(body);
       state.disks.push_back(body);
+      if (!state.clusters.arms.empty()) state.clusters.arms.push_back(Vec2::Zero());
       state.population.numbers.push_back(number++);
     }
   }

@@ -13,7 +13,7 @@ PopulationIn<D> initial_population(const SceneIn<D>& scene);
 /// are due in inlets come in where there is room (core/scene/gates.h). The others keep their order, what comes
 /// in stands last; the contacts of the last step, which the next one may start from, are renumbered, and those
 /// of bodies that left are dropped. A state so shows the bodies that were there in its step: who leaves is gone
-/// from the next one on. Bodies that are glued to a wall stay. What they take along and bring is booked in
+/// from the next one on. Bodies that are glued to a wall stay; a cluster leaves as a whole, by its centre of mass, and counts as one body. What they take along and bring is booked in
 /// the population.
 ///
 /// Depends on nothing but the scene and the state. Returns whether bodies came or went. Throws

@@ -378,7 +378,7 @@ void SpringDashpotStepper::close_ledger(const State& state, const Elastic& elast
   const double friction_loss = -work_t_ - (elastic_after.tangential - elastic_before.tangential);
   const double shock_loss = -work_n_ - (elastic_after.normal - elastic_before.normal);
   const OutsideChanges<2> changes =
-      outside_changes(scene_, state, walls_before_, gravity_, next.disks, next.time);
+      outside_changes(scene_, state, walls_before_, gravity_, next, next.time);
   wall_work_ += changes.work;
   external_ += changes.impulse;
   next.wall_work = state.wall_work + wall_work_;

@@ -23,6 +23,7 @@ StateIn<D> initial_state(const SceneIn<D>& scene) {
   StateIn<D> state;
   state.disks = scene.disks;
   state.walls = walls_at(scene.walls, scene.walls, 0.5 * scene.step);
+  state.clusters = scene.clusters;
   state.cell = scene.cell;
   state.population = initial_population(scene);
   return state;
@@ -40,6 +41,9 @@ double kinetic_energy(const StateIn<D>& state) {
   for (const BodyIn<D>& d : state.disks) {
     sum += 0.5 * d.mass * d.v.squaredNorm() + turning_energy(d);
   }
+  for (const Cluster& c : state.clusters.bodies) {
+    sum += 0.5 * c.mass * c.v.squaredNorm() + 0.5 * c.inertia * c.spin * c.spin;
+  }
   for (const WallIn<D>& w : state.walls) {
     sum += wall_kinetic_energy(w);
   }
@@ -51,6 +55,9 @@ template <int D>
 double potential_energy(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity) {
   double sum = 0;
   for (const BodyIn<D>& d : state.disks) sum -= d.mass * gravity.dot(d.x);
+  if constexpr (D == 2) {
+    for (const Cluster& c : state.clusters.bodies) sum -= c.mass * gravity.dot(c.x);
+  }
   return sum;
 }
 
@@ -58,6 +65,9 @@ template <int D>
 VecIn<D> momentum(const StateIn<D>& state) {
   VecIn<D> sum = VecIn<D>::Zero();
   for (const BodyIn<D>& d : state.disks) sum += d.mass * d.v;
+  if constexpr (D == 2) {
+    for (const Cluster& c : state.clusters.bodies) sum += c.mass * c.v;
+  }
   for (const WallIn<D>& w : state.walls) {
     sum += wall_momentum(w);
   }
@@ -69,6 +79,11 @@ SpinIn<D> angular_momentum(const StateIn<D>& state) {
   SpinIn<D> sum = no_turn<D>();
   for (const BodyIn<D>& d : state.disks) {
     sum += arm_times(d.x, VecIn<D>(d.mass * d.v)) + d.inertia * d.spin;
+  }
+  if constexpr (D == 2) {
+    for (const Cluster& c : state.clusters.bodies) {
+      sum += arm_times(c.x, Vec2(c.mass * c.v)) + c.inertia * c.spin;
+    }
   }
   return sum;
 }
@@ -98,6 +113,16 @@ std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state) {
     if (a.inertia != b.inertia) return differs("inertia", a.inertia, b.inertia);
     if (a.material != b.material) return differs("material", a.material, b.material);
     if (a.wall != b.wall) return differs("wall", a.wall, b.wall);
+    if ((a.cluster < 0) != (b.cluster < 0)) return differs("cluster", a.cluster, b.cluster);
+  }
+  const std::vector<Cluster>&joined = state.clusters.bodies, &planned = scene.clusters.bodies;
+  if (!scene.has_gates() && joined.size() != planned.size()) {
+    return fmt::format("it has {} clusters, the scene has {}", joined.size(), planned.size());
+  }
+  for (std::size_t c = 0; c < joined.size() && !scene.has_gates(); ++c) {
+    if (joined[c].mass != planned[c].mass || joined[c].inertia != planned[c].inertia) {
+      return fmt::format("cluster {}: mass or inertia is not that of the scene", c);
+    }
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
     const WallIn<D>&a = state.walls[i], &b = scene.walls[i];

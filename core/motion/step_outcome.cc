@@ -120,6 +120,9 @@ StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
                         outcome);
   }
   for (const BodyIn<D>& d : mid.disks) outcome.external += h * d.mass * mid.gravity;
+  if constexpr (D == 2) {
+    for (const Cluster& c : mid.clusters.bodies) outcome.external += h * c.mass * mid.gravity;
+  }
   for (std::size_t w = 0; w < mid.walls.size(); ++w) {
     const WallIn<D>& wall = mid.walls[w];
     if (wall.motion != WallIn<D>::Motion::kDriven) continue;

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/motion/periodic_state.h"
+#include "core/scene/cluster_motion.h"
 #include "core/types.h"
 
 namespace bipot {
@@ -105,6 +106,48 @@ const std::vector<BodyIn<D>>& without_deformation(const StateIn<D>& state,
   return disks;
 }
 
+/// What the contacts of clusters add, for their branches end in the centre of mass, not in that of the disk: of
+/// a force f on a disk that lies c from it -f ⊗ c to the contact part, and its moment c × f to the spin part.
+/// `add(disk, contact, spin)`.                                                            [N m]
+template <class Add>
+void add_levers(const State& state, double step, const Add& add) {
+  const int num_disks = static_cast<int>(state.disks.size());
+  for (const ContactOutcome& o : state.contacts) {
+    const Vec2 f = (o.s_n * o.contact.n + tangent_vector(o.contact.n, o.s_t)) / step;
+    for (const auto& [body, force] :
+         {std::pair<int, Vec2>(o.contact.i, f), std::pair<int, Vec2>(o.contact.j, -f)}) {
+      if (body >= num_disks || state.disks[to_size(body)].cluster < 0) continue;
+      Cluster cluster = state.clusters.bodies[to_size(state.disks[to_size(body)].cluster)];
+      drift(cluster, -0.5 * step);  // to mid-step
+      const Vec2 c = turned_arm(cluster, state.clusters.arms[to_size(body)]);
+      add(to_size(body), Mat2(-force * c.transpose()),
+          cross_matrix(0.5 * (c[0] * force[1] - c[1] * force[0])));
+    }
+  }
+}
+
+/// The clusters as bodies that have nothing but mass and motion.
+std::vector<Disk> clusters_as_disks(const Clusters& clusters) {
+  std::vector<Disk> disks;
+  for (const Cluster& c : clusters.bodies) disks.push_back({.x = c.x, .v = c.v, .mass = c.mass});
+  return disks;
+}
+
+/// The disks as without_deformation() has them, and the clusters after them.
+template <int D>
+const std::vector<BodyIn<D>>& with_clusters(const StateIn<D>& state,
+                                            std::vector<BodyIn<D>>& disks) {
+  if constexpr (D == 2) {
+    if (!state.clusters.empty()) {
+      disks = state.disks;
+      const std::vector<Disk> joined = clusters_as_disks(state.clusters);
+      disks.insert(disks.end(), joined.begin(), joined.end());
+      return disks;
+    }
+  }
+  return without_deformation(state, disks);
+}
+
 template <class Spin>
 auto spin_part(const Spin& moment, double step) {
   return cross_matrix(0.5 * moment / step);
@@ -116,6 +159,33 @@ void divide(MeanStressIn<D>& stress, double area) {
   stress.contact /= area;
   stress.kinetic /= area;
   stress.spin /= area;
+}
+
+/// Gives each disk of a cluster the mean stress of the whole cluster over the area of its union.
+void gather_clusters(const State& state, double step, const Vec2& mean,
+                     std::vector<MeanStress>& stresses) {
+  add_levers(state, step, [&](std::size_t disk, const Mat2& contact, const Mat2& spin) {
+    stresses[disk].contact += contact;
+    stresses[disk].spin += spin;
+  });
+  std::vector<MeanStress> of_cluster(state.clusters.bodies.size());
+  const std::vector<Disk> bodies = clusters_as_disks(state.clusters);
+  for (std::size_t c = 0; c < bodies.size(); ++c) {
+    of_cluster[c].kinetic = kinetic_part<2>(bodies[c], mean);
+  }
+  for (std::size_t k = 0; k < stresses.size(); ++k) {
+    const int cluster = state.disks[k].cluster;
+    if (cluster < 0) continue;
+    of_cluster[to_size(cluster)].contact += stresses[k].contact;
+    of_cluster[to_size(cluster)].spin += stresses[k].spin;
+  }
+  for (std::size_t c = 0; c < bodies.size(); ++c) {
+    divide(of_cluster[c], state.clusters.bodies[c].area);
+  }
+  for (std::size_t k = 0; k < stresses.size(); ++k) {
+    const int cluster = state.disks[k].cluster;
+    if (cluster >= 0) stresses[k] = of_cluster[to_size(cluster)];
+  }
 }
 
 /// Length share of the segment from a to b with lower <= x < upper in both coordinates.
@@ -278,11 +348,17 @@ MeanStressIn<D> sample_stress(const StateIn<D>& state, double step, double area,
   MeanStressIn<D> stress;
   for (const Link<D>& link : collect_links(state, step)) stress.contact += link.tensor();
   std::vector<BodyIn<D>> relative;
-  const std::vector<BodyIn<D>>& disks = without_deformation(state, relative);
+  const std::vector<BodyIn<D>>& disks = with_clusters(state, relative);
   const VecIn<D> mean = mean_velocity<D>(disks);
-  for (std::size_t k = 0; k < disks.size(); ++k) {
-    stress.kinetic += kinetic_part(disks[k], mean);
-    stress.spin += spin_part(moments[k], step);
+  for (const BodyIn<D>& d : disks) stress.kinetic += kinetic_part(d, mean);
+  for (std::size_t k = 0; k < state.disks.size(); ++k) stress.spin += spin_part(moments[k], step);
+  if constexpr (D == 2) {
+    if (!state.clusters.empty()) {
+      add_levers(state, step, [&](std::size_t, const Mat2& contact, const Mat2& spin) {
+        stress.contact += contact;
+        stress.spin += spin;
+      });
+    }
   }
   divide(stress, area);
   return stress;
@@ -326,13 +402,18 @@ std::vector<MeanStressIn<D>> disk_stresses(
     }
   }
   std::vector<BodyIn<D>> relative;
-  const std::vector<BodyIn<D>>& disks = without_deformation(state, relative);
+  const std::vector<BodyIn<D>>& disks = with_clusters(state, relative);
   const VecIn<D> mean = mean_velocity<D>(disks);
   for (std::size_t k = 0; k < stresses.size(); ++k) {
-    const BodyIn<D>& d = disks[k];
-    stresses[k].kinetic = kinetic_part(d, mean);
+    stresses[k].kinetic = kinetic_part(disks[k], mean);
     stresses[k].spin = spin_part(moments[k], step);
-    divide(stresses[k], extent(d));
+  }
+  if constexpr (D == 2) {
+    if (!state.clusters.empty()) gather_clusters(state, step, mean, stresses);
+  }
+  for (std::size_t k = 0; k < stresses.size(); ++k) {
+    const BodyIn<D>& d = state.disks[k];
+    if (d.cluster < 0) divide(stresses[k], extent(d));
   }
   return stresses;
 }

@@ -34,6 +34,9 @@ using Mat2 = Eigen::Matrix2d;
 /// part alone has the antisymmetric part (Σ dL/dt)/2V: it is symmetric if and only if the moments
 /// balance. The sum is symmetric whenever the spins follow from the contacts' moments.
 ///
+/// A cluster is one body: its branches end in its centre of mass, m, v and L are its own. (ω² of a body that is not round
+/// leaves a part without trace, which no virial of centres of mass has, and which is left out here too.)
+///
 /// Overlaps: the centres of a contact lie d = a_i + a_j + gap apart, but the step turns disk i with
 /// the lever arm a_i. What the arms leave out is a couple that no disk feels, so [ours] the
 /// antisymmetric part is taken with the arms, the symmetric one with d; they are the same where
@@ -78,7 +81,8 @@ MeanStress window_stress(const State& state, double step, const Box& window,
 
 /// Of each disk over its own area π a² (in space: volume): the mean stress of its material, with the kinetic part of
 /// its motion about the sample's mean velocity. A contact goes to its two disks in proportion to
-/// their radii. Σ π a² σ_i = V σ of the sample, part by part.
+/// their radii. Σ π a² σ_i = V σ of the sample, part by part. The disks of a cluster all have that of the cluster over
+/// the area of its union, which counts once.
 template <int D>
 std::vector<MeanStressIn<D>> disk_stresses(
     const StateIn<D>& state, double step, std::span<const std::type_identity_t<SpinIn<D>>> moments);

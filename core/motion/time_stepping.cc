@@ -13,6 +13,7 @@
 #include "core/motion/projection.h"
 #include "core/motion/warm_start.h"
 #include "core/problem/delassus.h"
+#include "core/scene/cluster_motion.h"
 #include "core/scene/wall_motion.h"
 #include "core/stopwatch.h"
 
@@ -22,6 +23,25 @@ namespace {
 void set_spin(Disk& d, const Vector& v, int row) { d.spin = v[row]; }
 void set_spin(Sphere& s, const Vector& v, int row) { s.spin = v.segment<3>(row); }
 
+/// The same of clusters, whose disks go with them.
+void move_clusters(const Midpoint& mid, const DofMap& dofs, const Vector& v, double h,
+                   State& next) {
+  if (mid.clusters.empty()) return;
+  next.clusters = mid.clusters;
+  for (std::size_t c = 0; c < next.clusters.bodies.size(); ++c) {
+    next.clusters.bodies[c].v = mid.cluster_v_free[c];
+  }
+  for (std::size_t i = 0; i < next.disks.size(); ++i) {
+    const int k = dofs.disk[i];
+    if (k < 0 || next.disks[i].cluster < 0) continue;
+    Cluster& cluster = next.clusters.bodies[to_size(next.disks[i].cluster)];
+    cluster.v = v.segment<2>(k);
+    cluster.spin = v[k + 2];
+  }
+  for (Cluster& cluster : next.clusters.bodies) drift(cluster, 0.5 * h);
+  place_members(next.clusters, next.disks);
+}
+
 /// Velocities after the step, then positions: q <- q_m + h/2 v⁺ (43).
 template <int D>
 StateIn<D> update_bodies(const MidpointIn<D>& mid, const DofMap& dofs, const Vector& v, double h) {
@@ -30,12 +50,13 @@ StateIn<D> update_bodies(const MidpointIn<D>& mid, const DofMap& dofs, const Vec
   next.walls = mid.walls;
   for (std::size_t i = 0; i < next.disks.size(); ++i) {
     BodyIn<D>& d = next.disks[i];
-    if (d.wall >= 0) continue;
+    if (d.wall >= 0 || d.cluster >= 0) continue;
     const int k = dofs.disk[i];
     d.v = k < 0 ? mid.disk_v_free[i] : VecIn<D>(v.segment<D>(k));
     if (k >= 0 && dofs.per_disk > D) set_spin(d, v, k + D);
     drift(d, 0.5 * h);
   }
+  if constexpr (D == 2) move_clusters(mid, dofs, v, h, next);
   for (std::size_t w = 0; w < next.walls.size(); ++w) {
     WallIn<D>& wall = next.walls[w];
     if (wall.motion == WallIn<D>::Motion::kDriven) {
@@ -173,7 +194,7 @@ StepReportIn<D> TimeStepperIn<D>::advance(StateIn<D>& state) {
   next.time = time_after_step(start, scene_.step);
   StepOutcomeIn<D> outcome = step_outcome<D>(scene_, mid, assembled_, s, v, next.walls, next.cell);
   const OutsideChanges<D> changes =
-      outside_changes(scene_, start, mid.walls, mid.gravity, next.disks, next.time);
+      outside_changes(scene_, start, mid.walls, mid.gravity, next, next.time);
   outcome.wall_work += changes.work;
   outcome.external += changes.impulse;
   if (scene_.project_overlaps) take_out_overlaps(next, outcome, report);

@@ -101,10 +101,10 @@ std::vector<Level<D>> build_levels(std::span<const BodyIn<D>> disks, double eta)
 }
 
 /// Of the contact just found, of a with b: what is glued to a wall comes second, and two of that kind
-/// do not see each other.
+/// do not see each other, nor two of one cluster.
 template <int D>
 void sort_glued(const BodyIn<D>& a, const BodyIn<D>& b, std::vector<ContactIn<D>>& out) {
-  if (a.wall >= 0 && b.wall >= 0) {
+  if ((a.wall >= 0 && b.wall >= 0) || (a.cluster >= 0 && a.cluster == b.cluster)) {
     out.pop_back();
   } else if (a.wall >= 0) {
     std::swap(out.back().i, out.back().j);
@@ -127,7 +127,8 @@ void test_pair(std::span<const BodyIn<D>> disks, int i, int j, double eta,
         "{}s {} and {} have the same centre: their contact has no normal", kBodyName<D>, i, j));
   }
   out.push_back({i, j, d / distance, distance - (a.radius + b.radius)});
-  if (a.wall >= 0 || b.wall >= 0) sort_glued<D>(a, b, out);
+  // Where all are -1 nothing is glued: one test for four.
+  if ((a.wall & b.wall & a.cluster & b.cluster) != -1) sort_glued<D>(a, b, out);
 }
 
 template <int D>

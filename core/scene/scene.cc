@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/scene/cluster_motion.h"
+
 namespace bipot {
 namespace {
 
@@ -43,11 +45,12 @@ std::string check_body(const BodyIn<D>& d, std::size_t i, int materials) {
   if (auto e = check_finite(what, i, "velocity", d.v); !e.empty()) return e;
   if (auto e = check_turn(d, i); !e.empty()) return e;
   if (auto e = check_positive(what, i, "radius", d.radius); !e.empty()) return e;
-  if (d.wall < 0) {
+  if (d.wall < 0 && d.cluster < 0) {
     if (auto e = check_positive(what, i, "mass", d.mass); !e.empty()) return e;
     if (auto e = check_positive(what, i, "inertia", d.inertia); !e.empty()) return e;
   } else if (d.mass != 0 || d.inertia != 0) {
-    return fmt::format("{} {} is glued to a wall, and has a mass of {} kg", what, i, d.mass);
+    return fmt::format("{} {} is {}, and has a mass of {} kg", what, i,
+                       d.wall >= 0 ? "glued to a wall" : "part of a cluster", d.mass);
   }
   if (d.material < 0 || d.material >= materials) {
     return fmt::format("{} {}: material index {} is not in [0, {})", what, i, d.material,
@@ -254,6 +257,7 @@ std::string validate(const SceneIn<D>& scene) {
   }
   if (auto e = check_periodic(scene); !e.empty()) return e;
   if (auto e = check_gates(scene); !e.empty()) return e;
+  if (auto e = check_clusters(scene); !e.empty()) return e;
   const SpringDashpotChoice& dem = scene.dem;
   const auto at_least_zero = [](double x) { return x >= 0 && std::isfinite(x); };
   if (!at_least_zero(dem.stiffness) || !at_least_zero(dem.substep) || !(dem.overlap > 0) ||

@@ -84,6 +84,45 @@ velocity = [2, 0]
 step = 1e-3
 steps = 40
 )"},
+    {"clusters that fall through a hole, on a box that tilts, and others that come in", R"(
+[contact]
+mu = 0.3
+[tilt]
+degrees_per_second = 200
+[[clusters]]
+arrangement = "rectangular"
+parts = [[0, 0, 0.1], [0.12, 0.05, 0.08]]
+columns = 3
+rows = 3
+degrees = 20
+density = 10
+corner = [-0.6, -0.1]
+velocity = [0.3, -4]
+spin = 5
+[[disks]]
+position = [0, 1.2]
+radius = 0.1
+mass = 1
+velocity = [0, -3]
+[[walls]]
+from = [-1, -0.15]
+to = [-0.2, -0.2]
+[[walls]]
+from = [0.2, -0.2]
+to = [1, -0.15]
+[[outlets]]
+point = [0, -0.2]
+normal = [0, 1]
+[[inlets]]
+lower = [-0.5, 1.3]
+upper = [0.5, 1.6]
+rate = 100
+radii = [0.1]
+mass = 0.5
+[time]
+step = 2e-3
+steps = 40
+)"},
     {"periodic cell under shear and pressure", R"(
 gravity = [0, 0]
 [contact]
@@ -136,6 +175,13 @@ void expect_same(const State& a, const State& b) {
     EXPECT_EQ(a.disks[i].v, b.disks[i].v) << i;
     EXPECT_EQ(a.disks[i].angle, b.disks[i].angle) << i;
     EXPECT_EQ(a.disks[i].spin, b.disks[i].spin) << i;
+  }
+  EXPECT_EQ(a.population.numbers, b.population.numbers);
+  ASSERT_EQ(a.clusters.bodies.size(), b.clusters.bodies.size());
+  for (std::size_t c = 0; c < a.clusters.bodies.size(); ++c) {
+    EXPECT_EQ(a.clusters.bodies[c].x, b.clusters.bodies[c].x) << c;
+    EXPECT_EQ(a.clusters.bodies[c].angle, b.clusters.bodies[c].angle) << c;
+    EXPECT_EQ(a.clusters.bodies[c].spin, b.clusters.bodies[c].spin) << c;
   }
   ASSERT_EQ(a.walls.size(), b.walls.size());
   for (std::size_t w = 0; w < a.walls.size(); ++w) {

@@ -1,0 +1,108 @@
+#include "core/scene/cluster_motion.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "core/scene/disk_union.h"
+
+namespace bipot {
+
+Vec2 turned_arm(const Cluster& cluster, const Vec2& arm) {
+  if (cluster.angle == 0) return arm;
+  return Eigen::Rotation2D<double>(cluster.angle) * arm;
+}
+
+template <int D>
+void place_members(const Clusters& clusters, std::vector<BodyIn<D>>& disks) {
+  if constexpr (D == 2) {
+    if (clusters.empty()) return;
+    for (std::size_t i = 0; i < disks.size(); ++i) {
+      Disk& d = disks[i];
+      if (d.cluster < 0) continue;
+      const Cluster& cluster = clusters.bodies[to_size(d.cluster)];
+      const Vec2 arm = turned_arm(cluster, clusters.arms[i]);
+      d.x = cluster.x + arm;
+      d.v = cluster_velocity(cluster, arm);
+      d.angle = cluster.angle;
+      d.spin = cluster.spin;
+    }
+  }
+}
+
+void join_disks(Scene& scene, std::size_t count, const ClusterMass& given) {
+  const std::size_t first = scene.disks.size() - count;
+  std::vector<Circle> circles;
+  for (std::size_t i = first; i < scene.disks.size(); ++i) {
+    for (const Circle& other : circles) {
+      if (other.centre == scene.disks[i].x) {
+        throw std::invalid_argument("two disks of a cluster have the same centre");
+      }
+    }
+    circles.push_back({scene.disks[i].x, scene.disks[i].radius});
+  }
+  const UnionMoments moments = union_moments(circles);
+  Cluster body;
+  body.area = moments.area;
+  body.x = moments.centre;
+  body.mass = given.mass > 0 ? given.mass : given.density * moments.area;
+  body.inertia = given.inertia > 0 ? given.inertia : body.mass * moments.polar / moments.area;
+  if (count == 1) {
+    Disk& disk = scene.disks.back();
+    const double a = disk.radius;  // to the bit what [[disks]] gives
+    disk.mass = given.mass > 0 ? given.mass : given.density * std::numbers::pi * a * a;
+    disk.inertia = given.inertia > 0 ? given.inertia : 0.5 * disk.mass * a * a;
+    if (!scene.clusters.empty()) scene.clusters.arms.resize(scene.disks.size(), Vec2::Zero());
+    return;
+  }
+  scene.clusters.arms.resize(scene.disks.size(), Vec2::Zero());
+  for (std::size_t i = first; i < scene.disks.size(); ++i) {
+    scene.disks[i].mass = scene.disks[i].inertia = 0;
+    scene.disks[i].cluster = static_cast<int>(scene.clusters.bodies.size());
+    scene.clusters.arms[i] = scene.disks[i].x - body.x;
+  }
+  scene.clusters.bodies.push_back(body);
+}
+
+template <int D>
+std::string check_clusters(const SceneIn<D>& scene) {
+  const Clusters& clusters = scene.clusters;
+  const int count = static_cast<int>(clusters.bodies.size());
+  for (std::size_t i = 0; i < scene.disks.size(); ++i) {
+    const BodyIn<D>& d = scene.disks[i];
+    if (d.cluster < 0) continue;
+    if (D == 3) return fmt::format("sphere {}: there are clusters of disks alone", i);
+    if (d.cluster >= count) return fmt::format("disk {}: there is no cluster {}", i, d.cluster);
+    if (d.wall >= 0) return fmt::format("disk {} is in a cluster and glued to a wall", i);
+  }
+  if (count == 0) return {};
+  if (clusters.arms.size() != scene.disks.size()) {
+    return fmt::format("{} arms of clusters for {} disks", clusters.arms.size(),
+                       scene.disks.size());
+  }
+  for (int k = 0; k < count; ++k) {
+    const Cluster& c = clusters.bodies[to_size(k)];
+    const auto positive = [](double x) { return std::isfinite(x) && x > 0; };
+    if (!positive(c.mass) || !positive(c.inertia) || !positive(c.area)) {
+      return fmt::format("cluster {}: mass = {} kg, inertia = {} kg m², area = {} m² (all > 0)", k,
+                         c.mass, c.inertia, c.area);
+    }
+    if (!c.x.allFinite() || !c.v.allFinite() || !std::isfinite(c.angle + c.spin)) {
+      return fmt::format("cluster {}: its place or motion is not finite", k);
+    }
+  }
+  if (scene.cell.periodic()) return "clusters do not go with a periodic cell";
+  if (scene.model == Model::kSpringDashpot) return "clusters do not go with the model \"dem\"";
+  if (scene.project_overlaps) return "clusters do not go with overlaps = \"project\"";
+  if (scene.observables) return "clusters do not go with [observables], which count single disks";
+  return {};
+}
+
+template void place_members(const Clusters&, std::vector<Disk>&);
+template void place_members(const Clusters&, std::vector<Sphere>&);
+template std::string check_clusters(const Scene&);
+template std::string check_clusters(const SceneIn<3>&);
+
+}  // namespace bipot

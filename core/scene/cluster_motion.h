@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#include "core/scene/scene.h"
+
+namespace bipot {
+
+/// From the centre of mass of its cluster to the disk, as the cluster is turned.             [m]
+Vec2 turned_arm(const Cluster& cluster, const Vec2& arm);
+
+/// Of a point at an arm from the centre of mass.                                           [m/s]
+inline Vec2 cluster_velocity(const Cluster& cluster, const Vec2& arm) {
+  return cluster.v + cluster.spin * Vec2(-arm[1], arm[0]);
+}
+
+/// Goes on with the present velocities for a time h.
+inline void drift(Cluster& cluster, double h) {
+  cluster.x += h * cluster.v;
+  cluster.angle += h * cluster.spin;
+}
+
+/// Puts the disks of the clusters where these are: place, angle, velocity and spin. In space nothing.
+template <int D>
+void place_members(const Clusters& clusters, std::vector<BodyIn<D>>& disks);
+
+/// Joins the last `count` disks of a scene, whose place, radius and material are set, to a cluster at rest with the
+/// mass, or density, and inertia given; without inertia, that of their union as a homogeneous body. One disk
+/// alone stays a disk. Throws std::invalid_argument for two disks with one centre.
+struct ClusterMass {
+  double mass = 0;     ///< > 0, or 0: by density                                     [kg]
+  double density = 0;  ///< of the union, where no mass is given               [kg/m³]
+  double inertia = 0;  ///< about the centre of mass; 0: homogeneous               [kg m²]
+};
+void join_disks(Scene& scene, std::size_t count, const ClusterMass& given);
+
+/// Empty for sound clusters, else one sentence that names the entry and its value.
+template <int D>
+std::string check_clusters(const SceneIn<D>& scene);
+
+}  // namespace bipot

@@ -1,0 +1,118 @@
+#include "core/scene/disk_union.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+#include <vector>
+
+namespace bipot {
+namespace {
+
+using Interval = std::pair<double, double>;
+constexpr double kTurn = 2 * std::numbers::pi;
+
+/// The angles at which circle k is covered by circle l, as intervals in [0, 2π]; false where it is as a whole.
+bool add_covered(std::span<const Circle> circles, std::size_t k, std::size_t l,
+                 std::vector<Interval>& covered) {
+  const Circle &a = circles[k], &b = circles[l];
+  const Vec2 way = b.centre - a.centre;
+  const double d = way.norm();
+  const bool same = d == 0 && a.radius == b.radius;
+  if (same ? l < k : d + a.radius <= b.radius) return false;
+  if (same || d >= a.radius + b.radius || d + b.radius <= a.radius) return true;
+  const double cosine = (d * d + a.radius * a.radius - b.radius * b.radius) / (2 * d * a.radius);
+  const double half = std::acos(std::clamp(cosine, -1.0, 1.0));
+  double first = std::atan2(way[1], way[0]) - half;
+  if (first < 0) first += kTurn;
+  const double last = first + 2 * half;
+  covered.emplace_back(first, std::min(last, kTurn));
+  if (last > kTurn) covered.emplace_back(0.0, last - kTurn);
+  return true;
+}
+
+/// What of [0, 2π] no interval covers.
+std::vector<Interval> gaps(std::vector<Interval> covered) {
+  std::sort(covered.begin(), covered.end());
+  std::vector<Interval> open;
+  double reached = 0;
+  for (const auto& [first, last] : covered) {
+    if (first > reached) open.emplace_back(reached, first);
+    reached = std::max(reached, last);
+  }
+  if (reached < kTurn) open.emplace_back(reached, kTurn);
+  return open;
+}
+
+/// Integrals of the powers 1 to 4 of cosine and sine over an arc.
+struct ArcIntegrals {
+  double cosine[5], sine[5];
+  explicit ArcIntegrals(const Interval& arc) {
+    const auto [from, to] = arc;
+    const auto change = [&](auto&& f) { return f(to) - f(from); };
+    cosine[0] = sine[0] = to - from;
+    const double s1 = change([](double t) { return std::sin(t); });
+    const double c1 = change([](double t) { return std::cos(t); });
+    const double s2 = change([](double t) { return std::sin(2 * t); });
+    const double s4 = change([](double t) { return std::sin(4 * t); });
+    const double s_cubed = change([](double t) { return std::pow(std::sin(t), 3); });
+    const double c_cubed = change([](double t) { return std::pow(std::cos(t), 3); });
+    cosine[1] = s1;
+    sine[1] = -c1;
+    cosine[2] = (to - from) / 2 + s2 / 4;
+    sine[2] = (to - from) / 2 - s2 / 4;
+    cosine[3] = s1 - s_cubed / 3;
+    sine[3] = -c1 + c_cubed / 3;
+    cosine[4] = 3 * (to - from) / 8 + s2 / 4 + s4 / 32;
+    sine[4] = 3 * (to - from) / 8 - s2 / 4 + s4 / 32;
+  }
+};
+
+/// ∫ (x + a c)^power a c over an arc, where c is cosine or sine with the given integrals of powers.
+double along(const double* powers, double x, double a, int power) {
+  double sum = 0, binomial = 1;
+  for (int k = 0; k <= power; ++k) {
+    sum += binomial * std::pow(x, power - k) * std::pow(a, k + 1) * powers[k + 1];
+    binomial = binomial * (power - k) / (k + 1);
+  }
+  return sum;
+}
+
+}  // namespace
+
+UnionMoments union_moments(std::span<const Circle> circles) {
+  UnionMoments moments;
+  if (circles.empty()) return moments;
+  if (circles.size() == 1) {
+    const double square = circles[0].radius * circles[0].radius;
+    return {std::numbers::pi * square, circles[0].centre, std::numbers::pi / 2 * square * square};
+  }
+  Vec2 origin = Vec2::Zero();
+  for (const Circle& c : circles) origin += c.centre / static_cast<double>(circles.size());
+  Vec2 first = Vec2::Zero();
+  double second = 0;
+  for (std::size_t k = 0; k < circles.size(); ++k) {
+    std::vector<Interval> covered;
+    bool seen = true;
+    for (std::size_t l = 0; l < circles.size() && seen; ++l) {
+      if (l != k) seen = add_covered(circles, k, l, covered);
+    }
+    if (!seen) continue;
+    const Vec2 c = circles[k].centre - origin;
+    const double a = circles[k].radius;
+    for (const Interval& arc : gaps(std::move(covered))) {
+      const ArcIntegrals of(arc);
+      // dA = d(x)∧d(y): ∫ dA = ½∮(x dy - y dx), ∫ x dA = ½∮ x² dy, ∫ y dA = -½∮ y² dx,
+      // ∫ (x² + y²) dA = ⅓∮(x³ dy - y³ dx), with dy = a cos t dt, -dx = a sin t dt.
+      moments.area += (along(of.cosine, c[0], a, 1) + along(of.sine, c[1], a, 1)) / 2;
+      first += Vec2(along(of.cosine, c[0], a, 2), along(of.sine, c[1], a, 2)) / 2;
+      second += (along(of.cosine, c[0], a, 3) + along(of.sine, c[1], a, 3)) / 3;
+    }
+  }
+  const Vec2 centre = first / moments.area;
+  moments.centre = origin + centre;
+  moments.polar = second - moments.area * centre.squaredNorm();
+  return moments;
+}
+
+}  // namespace bipot

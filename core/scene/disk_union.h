@@ -1,0 +1,26 @@
+#pragma once
+
+#include <span>
+
+#include "core/types.h"
+
+namespace bipot {
+
+/// Zeroth, first and second moment of the area that disks cover, what several of them cover counted once.
+struct UnionMoments {
+  double area = 0;             ///< [m²]
+  Vec2 centre = Vec2::Zero();  ///< centre of area                                [m]
+  double polar = 0;            ///< ∫ |x - centre|² dA                             [m⁴]
+};
+
+struct Circle {
+  Vec2 centre = Vec2::Zero();  ///< [m]
+  double radius = 0;           ///< > 0                                              [m]
+};
+
+/// Exact but for rounding, for any number of disks, apart, overlapping, inside each other, with holes between them:
+/// Green's theorem turns each integral into one along the border of the union, which is made of those arcs
+/// of the circles that no other disk covers, each counter-clockwise about its own centre.
+UnionMoments union_moments(std::span<const Circle> circles);
+
+}  // namespace bipot

@@ -1,0 +1,339 @@
+// Disks that are joined rigidly: what is known by hand, and what must hold for any impulse.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+
+#include "core/files/scene_file.h"
+#include "core/motion/force_balance.h"
+#include "core/motion/midpoint.h"
+#include "core/motion/stress_tensor.h"
+#include "core/motion/time_stepping.h"
+#include "core/scene/cluster_motion.h"
+#include "core/scene/disk_union.h"
+#include "solvers/registry.h"
+#include "solvers/step_solver.h"
+#include "tests/support/scene_parts.h"
+#include "tests/support/scene_run.h"
+
+namespace bipot {
+namespace {
+
+/// Joins circles to a cluster of a scene.
+void add_cluster(Scene& scene, const std::vector<Circle>& parts, double density, const Vec2& v,
+                 double spin) {
+  for (const Circle& part : parts) {
+    Disk disk;
+    disk.x = part.centre;
+    disk.radius = part.radius;
+    scene.disks.push_back(disk);
+  }
+  join_disks(scene, parts.size(), {.density = density});
+  scene.clusters.bodies.back().v = v;
+  scene.clusters.bodies.back().spin = spin;
+  place_members(scene.clusters, scene.disks);
+}
+
+TEST(Cluster, ADumbbellFallsOnAParabolaAndTurnsEvenly) {
+  // Disks of 0.1 and 0.2 m, 0.25 m apart. Without contacts the mid-point scheme is exact: after time t the centre
+  // of mass is at x0 + v0 t - g t²/2, the dumbbell turned by w t, and each disk where a rigid body has it.
+  Scene scene = one_law({.mu = 0.5});
+  scene.gravity = Vec2(0, -kGravity);
+  scene.step = 1e-2;
+  add_cluster(scene, {{Vec2(0, 0), 0.1}, {Vec2(0.25, 0), 0.2}}, 100, Vec2(1, 3), 7);
+  ASSERT_EQ(validate(scene), "");
+  const Cluster begin = scene.clusters.bodies[0];
+  State state = initial_state(scene);
+  const double energy = kinetic_energy(state) + potential_energy(state, scene.gravity);
+  TimeStepper stepper(scene, make_step_solver(*find_solver("pgs"), {}), false);
+  while (state.step < 100) {
+    const StepReport r = stepper.advance(state);
+    EXPECT_EQ(r.contacts, 0);
+    EXPECT_NEAR(r.energy.kinetic + r.energy.potential, energy, 1e-11);
+    EXPECT_LT(r.momentum_imbalance.norm(), 1e-12);
+  }
+  const Vec2 x = begin.x + Vec2(1, 3) + 0.5 * scene.gravity;
+  EXPECT_LT((state.clusters.bodies[0].x - x).norm(), 1e-12);
+  EXPECT_NEAR(state.clusters.bodies[0].angle, 7, 1e-12);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const Vec2 arm = scene.disks[i].x - begin.x;
+    const Vec2 there = Eigen::Rotation2D<double>(7) * arm;
+    EXPECT_LT((state.disks[i].x - x - there).norm(), 1e-12);
+    const Vec2 v = Vec2(1, 3) + scene.gravity + 7 * Vec2(-there[1], there[0]);
+    EXPECT_LT((state.disks[i].v - v).norm(), 1e-11);
+  }
+}
+
+/// Clusters of three unequal disks, and single ones, with random velocities that fly at each other.
+Scene cloud_of_clusters(const ContactLaw& law) {
+  Scene scene = one_law(law);
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (int k = 0; k < 16; ++k) {
+    const Vec2 x(0.8 * (k % 4 - 1.5), 0.8 * (k / 4 - 1.5));
+    const Vec2 v(unit(random), unit(random));
+    if (k % 5 == 4) {
+      scene.disks.push_back(cylinder(x, 0.2, v - 2 * x, 3, unit(random)));
+      if (!scene.clusters.empty()) scene.clusters.arms.emplace_back(Vec2::Zero());
+      continue;
+    }
+    add_cluster(scene, {{x, 0.15}, {x + Vec2(0.15, 0.1), 0.12}, {x - Vec2(0.1, 0.15), 0.1}}, 50,
+                v - 2 * x, 4 * unit(random));
+  }
+  scene.contact_distance = 1e-9;
+  scene.step = 2e-3;
+  scene.num_steps = 150;
+  scene.solver.name = "pgs";
+  scene.solver.tol = 1e-10;
+  return scene;
+}
+
+// The velocities of the touching points, by v + w x r alone; H gives the same, with the masses of the bodies.
+TEST(Cluster, RelativeVelocityIsThatOfTheTouchingPoints) {
+  Scene scene = cloud_of_clusters({.mu = 0.4, .e_n = 0.3, .e_t = 0.1});
+  scene.contact_distance = 0.4;  // many candidates
+  ASSERT_EQ(validate(scene), "");
+  const Midpoint mid = make_midpoint(scene, initial_state(scene));
+  const AssembledStep step = assemble_step(scene, mid, true);
+  const ContactProblem& p = step.problem;
+  ASSERT_GT(mid.contacts.size(), 20u);
+  Vector v = Vector::Zero(p.num_dofs());
+  for (std::size_t i = 0; i < mid.disks.size(); ++i) {
+    const int k = step.dofs.disk[i];
+    if (k < 0) continue;
+    const int c = mid.disks[i].cluster;
+    const Cluster body = c >= 0 ? mid.clusters.bodies[to_size(c)] : Cluster{};
+    v.segment<3>(k) << (c >= 0 ? body.v : mid.disks[i].v), mid.disks[i].spin;
+    EXPECT_EQ(p.A.coeff(k, k), c >= 0 ? body.mass : mid.disks[i].mass);
+    EXPECT_EQ(p.A.coeff(k + 2, k + 2), c >= 0 ? body.inertia : mid.disks[i].inertia);
+  }
+  const Vector u = p.H.transpose() * v;
+  const Vector free = p.H.transpose() * p.v_free;
+  for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
+    const Contact& contact = mid.contacts[c];
+    const Disk &a = mid.disks[to_size(contact.i)], &b = mid.disks[to_size(contact.j)];
+    EXPECT_TRUE(a.cluster < 0 || a.cluster != b.cluster);
+    const auto point_velocity = [&](const Disk& d, const Vec2& x) -> Vec2 {
+      const bool joined = d.cluster >= 0;
+      const Vec2 centre = joined ? mid.clusters.bodies[to_size(d.cluster)].x : d.x;
+      const Vec2 of_centre = joined ? mid.clusters.bodies[to_size(d.cluster)].v : d.v;
+      const Vec2 r = x - centre;
+      return of_centre + d.spin * Vec2(-r[1], r[0]);
+    };
+    const Vec2 difference = point_velocity(a, a.x - a.radius * contact.n) -
+                            point_velocity(b, b.x + b.radius * contact.n);
+    const Vec2 t(-contact.n[1], contact.n[0]);
+    const auto row = static_cast<Eigen::Index>(2 * c);
+    EXPECT_NEAR(u[row] * std::sqrt(1.3), difference.dot(contact.n), 1e-12);
+    EXPECT_NEAR(u[row + 1] * std::sqrt(1.1), difference.dot(t), 1e-12);
+    EXPECT_NEAR(step.u_before[row], difference.dot(contact.n), 1e-12);
+    EXPECT_NEAR(step.u_before[row + 1], difference.dot(t), 1e-12);
+    // Without contacts the velocity is the free one: (free + e before) / sqrt(1 + e).
+    EXPECT_NEAR(p.u_free[row], free[row] + 0.3 * difference.dot(contact.n) / std::sqrt(1.3), 1e-12);
+  }
+}
+
+// Momentum is kept to rounding; angular momentum but for the couples that overlaps leave, gap · s_t each, because the
+// two impulses of a contact act at the points of the two disks. In steps without walls the virial of contacts is that of the
+// motion: V σ = Σ m (v⁺ - v⁻) ⊗ x / h, here the symmetric part; and the stress is symmetric.
+TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
+  for (const double mu : {0.0, 0.4}) {
+    const Scene scene = cloud_of_clusters({.mu = mu, .e_n = 0.5, .e_t = 0.2});
+    State state = initial_state(scene);
+    TimeStepper stepper(scene, make_step_solver(*find_solver("pgs"), to_options(scene.solver)),
+                        false);
+    const Vec2 whole = momentum(state);
+    const double energy = kinetic_energy(state);
+    int touched = 0;
+    while (state.step < scene.num_steps) {
+      const State before = state;
+      const StepReport r = stepper.advance(state);
+      ASSERT_TRUE(r.converged) << r.message;
+      EXPECT_LT(std::abs(r.energy.imbalance), 1e-11 * energy);
+      double couples = 0;
+      Mat2 virial = Mat2::Zero();
+      for (const ContactOutcome& o : state.contacts) {
+        couples += o.contact.gap * o.s_t;
+        touched += o.s_n > 0 ? 1 : 0;
+      }
+      EXPECT_NEAR(angular_momentum(state) - angular_momentum(before), couples, 1e-12);
+      const auto add = [&](double mass, const Vec2& x, const Vec2& v, const Vec2& v_before) {
+        const Vec2 middle = x - 0.5 * scene.step * v;
+        virial += mass / scene.step * (v - v_before) * middle.transpose();
+      };
+      for (std::size_t i = 0; i < state.disks.size(); ++i) {
+        const Disk& d = state.disks[i];
+        if (d.cluster < 0) add(d.mass, d.x, d.v, before.disks[i].v);
+      }
+      for (std::size_t c = 0; c < state.clusters.bodies.size(); ++c) {
+        const Cluster& b = state.clusters.bodies[c];
+        add(b.mass, b.x, b.v, before.clusters.bodies[c].v);
+      }
+      const auto moments = contact_moments(state);
+      const MeanStress stress = sample_stress(state, scene.step, 1.0, moments);
+      const double scale = 1 + virial.norm();
+      EXPECT_LT((0.5 * (stress.contact + stress.contact.transpose() - virial - virial.transpose()))
+                    .norm(),
+                1e-11 * scale);
+      EXPECT_LT(std::abs(stress.total()(0, 1) - stress.total()(1, 0)), 1e-11 * scale);
+      // The disks' stresses, each cluster once, add up to the sample's.
+      Mat2 sum = Mat2::Zero();
+      const std::vector<MeanStress> of_disks = disk_stresses(state, scene.step, moments);
+      std::vector<bool> seen(state.clusters.bodies.size());
+      for (std::size_t i = 0; i < state.disks.size(); ++i) {
+        const Disk& d = state.disks[i];
+        if (d.cluster >= 0 && seen[to_size(d.cluster)]) continue;
+        if (d.cluster >= 0) seen[to_size(d.cluster)] = true;
+        sum += of_disks[i].area * of_disks[i].total();
+      }
+      EXPECT_LT((sum - stress.total()).norm(), 1e-10 * (scale + energy));
+    }
+    EXPECT_GT(touched, 20);
+    EXPECT_LT((momentum(state) - whole).norm(), 1e-12 * whole.norm() + 1e-11);
+  }
+}
+
+/// Two disks of radius 0.1 side by side, b to both sides, touching the floor, and a third on top.
+Scene stool(double b, double top, double shift) {
+  Scene scene = one_law({.mu = 3});
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  add_cluster(scene, {{Vec2(-b, 0.1), 0.1}, {Vec2(b, 0.1), 0.1}, {Vec2(shift, top), 0.12}}, 100,
+              Vec2::Zero(), 0);
+  scene.contact_distance = 1e-9;
+  scene.step = 2e-3;
+  scene.num_steps = 150;
+  scene.solver.tol = 1e-11;
+  return scene;
+}
+
+TEST(Cluster, ItTopplesIffItsCentreOfMassPassesTheSupport) {
+  // On a slope of angle θ the line through the centre of mass, h above the floor, passes the lower foot, at b, iff
+  // tan θ > b / h. Friction (μ = 3) is no limit there. Just below it stands, just above it falls, to the lower side.
+  Scene scene = stool(0.1, 0.5, 0);
+  const double h = scene.clusters.bodies[0].x[1];
+  EXPECT_NEAR(scene.clusters.bodies[0].x[0], 0, 1e-15);
+  EXPECT_GT(h, 0.2);
+  for (const double side : {-1.0, 1.0}) {
+    for (const double factor : {0.98, 1.02}) {
+      const double tangent = factor * 0.1 / h;
+      scene.gravity = kGravity / std::hypot(1, tangent) * Vec2(side * tangent, -1);
+      const State end = run_scene(scene);
+      if (factor < 1) {
+        EXPECT_LT(kinetic_energy(end), 1e-12);
+        EXPECT_NEAR(end.clusters.bodies[0].angle, 0, 1e-9);
+      } else {
+        EXPECT_GT(-side * end.clusters.bodies[0].angle, 1e-3);
+        EXPECT_LT(-side * end.clusters.bodies[0].angle, 0.5);
+      }
+    }
+  }
+}
+
+TEST(Cluster, ThreeDisksStandOnTwoFeetWithTheForcesOfALever) {
+  // Feet at ±0.3, centre of mass at x: the right foot carries (x + 0.3)/0.6 of the weight.
+  Scene scene = stool(0.3, 0.35, 0.2);
+  scene.gravity = Vec2(0, -kGravity);
+  const Cluster& body = scene.clusters.bodies[0];
+  EXPECT_GT(body.x[0], 0.02);
+  const double weight = body.mass * kGravity;
+  const State end = run_scene(scene);
+  ASSERT_EQ(end.contacts.size(), 2u);
+  EXPECT_EQ(end.contacts[0].contact.i, 0);
+  EXPECT_NEAR(end.contacts[1].s_n / scene.step, weight * (body.x[0] + 0.3) / 0.6, 1e-8 * weight);
+  EXPECT_NEAR(end.contacts[0].s_n / scene.step, weight * (0.3 - body.x[0]) / 0.6, 1e-8 * weight);
+  const ForceBalance balance = force_balance(scene, end);
+  EXPECT_LT(balance.force, 1e-8);
+  EXPECT_LT(balance.moment, 1e-8);
+  EXPECT_NEAR(balance.weight, weight, 1e-12 * weight);
+}
+
+TEST(Cluster, OneDiskJoinedToNothingIsThatDisk) {
+  const std::string rest =
+      "[contact]\nmu = 0.4\ne_n = 0.3\n[[walls]]\npoint = [0, 0]\nnormal = [0.1, 1]\n"
+      "[time]\nstep = 1e-3\nsteps = 300\n[solver]\nname = 'pgs'\ntol = 1e-9\n";
+  const std::string motion = "density = 300\nvelocity = [1, -0.3]\nspin = 4\n";
+  const Scene disk =
+      parse_scene("[[disks]]\nposition = [0, 0.31]\nradius = 0.2\n" + motion + rest, "disk.toml");
+  const Scene cluster = parse_scene(
+      "[[clusters]]\nposition = [0, 0.3]\nparts = [[0, 0.01, 0.2]]\n" + motion + rest, "one.toml");
+  Scene inside = disk;  // the same as a cluster with one member, which no file asks for
+  const Disk& d = disk.disks[0];
+  inside.clusters.bodies = {{.x = d.x,
+                             .v = d.v,
+                             .spin = d.spin,
+                             .mass = d.mass,
+                             .inertia = d.inertia,
+                             .area = std::numbers::pi * 0.04}};
+  inside.clusters.arms = {Vec2::Zero()};
+  inside.disks[0].mass = inside.disks[0].inertia = 0;
+  inside.disks[0].cluster = 0;
+  ASSERT_EQ(validate(inside), "");
+  const State a = run_scene(disk), b = run_scene(cluster), c = run_scene(inside);
+  EXPECT_EQ(a.disks[0].x, b.disks[0].x);
+  EXPECT_EQ(a.disks[0].v, b.disks[0].v);
+  EXPECT_EQ(a.disks[0].angle, b.disks[0].angle);
+  EXPECT_EQ(a.friction_loss, b.friction_loss);
+  EXPECT_EQ(a.disks[0].x, c.disks[0].x);
+  EXPECT_EQ(a.disks[0].spin, c.disks[0].spin);
+  EXPECT_GT(a.friction_loss, 0);
+}
+
+TEST(Cluster, ASceneFileSaysPartsAndPlaces) {
+  const std::string time = "[time]\nstep = 1e-3\nsteps = 1\n";
+  const auto refused = [&](const std::string& text, const std::string& reason) {
+    try {
+      parse_scene(text + time, "test.toml");
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const SceneFileError& e) {
+      EXPECT_NE(std::string(e.what()).find(reason), std::string::npos) << e.what();
+    }
+  };
+  const std::string two = "[[clusters]]\nparts = [[0, 0, 0.1], [0.3, 0, 0.1]]\n";
+  // A quarter turn puts the second disk above the first.
+  const Scene turned =
+      parse_scene(two + "position = [1, 2]\ndegrees = 90\nmass = 3\ninertia = 5\n" + time, "t");
+  EXPECT_LT((turned.disks[0].x - Vec2(1, 2)).norm(), 1e-15);
+  EXPECT_LT((turned.disks[1].x - Vec2(1, 2.3)).norm(), 1e-15);
+  EXPECT_LT((turned.clusters.bodies[0].x - Vec2(1, 2.15)).norm(), 1e-15);
+  EXPECT_EQ(turned.clusters.bodies[0].mass, 3);
+  EXPECT_EQ(turned.clusters.bodies[0].inertia, 5);
+  // By density, two disks apart: 2 ρ π a²; inertia of both, ½ m a² + m (0.15)².
+  const Scene dense = parse_scene(two + "position = [0, 0]\ndensity = 100\n" + time, "t");
+  const double mass = 200 * std::numbers::pi * 0.01;
+  EXPECT_NEAR(dense.clusters.bodies[0].mass, mass, 1e-13);
+  EXPECT_NEAR(dense.clusters.bodies[0].inertia, mass * (0.005 + 0.0225), 1e-14);
+  // A group in a lattice of cells that hold a cluster however it is turned: 0.5 m; nothing touches.
+  const Scene many =
+      parse_scene(two +
+                      "arrangement = 'random'\ncount = 20\nwidth = 3\nseed = 4\n"
+                      "density = 9\n[[disks]]\nposition = [9, 9]\nradius = 1\nmass = 1\n" +
+                      time,
+                  "t");
+  EXPECT_EQ(many.disks.size(), 41u);
+  EXPECT_EQ(many.clusters.arms.size(), 41u);
+  EXPECT_EQ(many.disks[0].cluster, -1);
+  EXPECT_TRUE(detect_contacts(many.disks, many.walls, 0).empty());
+  EXPECT_NE(many.clusters.bodies[0].x, many.clusters.bodies[1].x);
+  const Scene rows = parse_scene(
+      two + "arrangement = 'rectangular'\ncolumns = 2\nrows = 3\nmass = 1\n" + time, "t");
+  EXPECT_EQ(rows.clusters.bodies.size(), 6u);
+  EXPECT_LT((rows.clusters.bodies[1].x - Vec2(0.75, 0.25)).norm(), 1e-15);
+  refused(two + "mass = 1\n", "position");
+  refused(two + "position = [0, 0]\n", "either mass");
+  refused(two + "position = [0, 0]\nmass = 1\nradius = 2\n", "radius");
+  refused("[[clusters]]\nposition = [0, 0]\nmass = 1\n", "parts");
+  refused("[[clusters]]\nposition = [0, 0]\nmass = 1\nparts = [[0, 0]]\n", "test.toml:4");
+  refused("[[clusters]]\nposition = [0, 0]\nmass = 1\nparts = [[0, 0, 1], [0, 0, 2]]\n",
+          "same centre");
+  const std::string sound = two + "position = [0, 0]\nmass = 1\n";
+  refused("model = 'dem'\n" + sound, "dem");
+  refused("[cell]\nwidth = 9\n" + sound, "periodic");
+  refused("[observables]\nevery = 1\n" + sound, "observables");
+  refused("[contact]\noverlaps = 'project'\n" + sound, "project");
+}
+
+}  // namespace
+}  // namespace bipot
