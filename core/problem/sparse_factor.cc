@@ -139,6 +139,12 @@ SparseMatrix SparseCholesky::solve(const SparseMatrix& B) const {
   return X;
 }
 
+std::size_t SparseCholesky::num_entries() const {
+  const Impl& f = *impl_;
+  if (!f.positive_definite) throw std::logic_error("SparseCholesky::num_entries without a factor");
+  return f.factor->is_super != 0 ? f.factor->xsize : f.factor->nzmax;
+}
+
 struct SparseLU::Impl {
   double control[UMFPACK_CONTROL];
   double info[UMFPACK_INFO];
@@ -210,6 +216,10 @@ int SparseLU::determinant_sign() const {
 }
 
 double SparseLU::rcond() const { return impl_->info[UMFPACK_RCOND]; }
+
+std::size_t SparseLU::num_entries() const {
+  return static_cast<std::size_t>(impl_->info[UMFPACK_LNZ] + impl_->info[UMFPACK_UNZ]);
+}
 
 std::vector<std::int64_t> fill_reducing_order(const SparseMatrix& A, int block) {
   const int nodes = static_cast<int>(A.cols()) / block;

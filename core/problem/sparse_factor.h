@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -23,6 +24,8 @@ class SparseCholesky {
   Vector solve(const Eigen::Ref<const Vector>& b) const;
   /// X = A⁻¹ B for a sparse right-hand side.
   SparseMatrix solve(const SparseMatrix& B) const;
+  /// Numbers kept of L, zeros of the supernodes among them. Requires a successful factor().
+  std::size_t num_entries() const;
 
  private:
   struct Impl;
@@ -49,6 +52,8 @@ class SparseLU {
   int determinant_sign() const;
   /// Reciprocal condition estimate of the last factorisation (UMFPACK's cheap diagonal one).
   double rcond() const;
+  /// Numbers in L and U of the last factorisation.
+  std::size_t num_entries() const;
 
  private:
   struct Impl;

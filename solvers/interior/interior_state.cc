@@ -5,6 +5,11 @@
 #include "solvers/kernels/contact_scaling.h"
 
 namespace bipot {
+namespace {
+
+constexpr double kRefined = 1e-7;  // correction of a direction after which no other is needed
+
+}  // namespace
 
 template <int D>
 InteriorSystem<D>::InteriorSystem(const ContactProblem& problem, const DelassusOperator& delassus,
@@ -144,6 +149,19 @@ bool InteriorSystem<D>::linearise(const State& z, double delta) {
   return shifted_.factor(R_);
 }
 
+/// Whether the last correction was small at every contact, against its impulse or the change of it.
+/// The next one would be small against this one.
+template <int D>
+bool InteriorSystem<D>::refined(const State& z, const Vector& ds) const {
+  for (int c = 0; c < num_contacts(); ++c) {
+    const double size = std::max(z.s[c * D], local<D>(ds, c).template lpNorm<Eigen::Infinity>());
+    if (!(local<D>(correction_, c).template lpNorm<Eigen::Infinity>() <= kRefined * size)) {
+      return false;
+    }
+  }
+  return true;
+}
+
 template <int D>
 void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector& p,
                                   PairDirection& out, int refinements) const {
@@ -170,6 +188,7 @@ void InteriorSystem<D>::direction(const State& z, const Vector& r, const Vector&
     }
     shifted_.solve(g_, correction_);
     out.ds += correction_;
+    if (refined(z, out.ds)) break;
   }
   out.dX.resize(contacts * P);
   out.dY.resize(contacts * P);

@@ -62,7 +62,8 @@ class InteriorSystem {
   /// Factors at z. False: singular or not finite.
   [[nodiscard]] bool linearise(const State& z, double delta);
   int determinant_sign() const { return shifted_.determinant_sign(); }
-  /// Direction for the right-hand sides r (P a contact) and p (m; empty: zero), refined so often.
+  /// Direction for the right-hand sides r (P a contact) and p (m; empty: zero), refined at most so
+  /// often, and no longer once a correction is below 1e-7 of every contact's impulse.
   void direction(const State& z, const Vector& r, const Vector& p, PairDirection& out,
                  int refinements = 2) const;
 
@@ -78,6 +79,7 @@ class InteriorSystem {
   Pairs pairs(const Vector& x, int c) const { return x.template segment<P>(c * P); }
 
  private:
+  bool refined(const State& z, const Vector& ds) const;
   /// Where the d x d block of contact c begins.
   static std::size_t block(int c) { return static_cast<std::size_t>(c) * D * D; }
 

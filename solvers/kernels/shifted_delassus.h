@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/problem/delassus.h"
+#include "core/problem/frontal_lu.h"
 #include "core/problem/sparse_factor.h"
 
 namespace bipot {
@@ -14,7 +15,8 @@ namespace bipot {
 /// Two forms of the same system:
 ///   - body: the contacts are eliminated, x = g - R Hᵀ K⁻¹ H g with K = A + H R Hᵀ in the degrees
 ///     of freedom that contacts touch. Needs a diagonal A. Sparse and small for packings of disks,
-///     but x is a difference of large numbers where R W is large.
+///     but x is a difference of large numbers where R W is large. K is factored by fronts
+///     (frontal_lu.h), by UMFPACK where their pivots are too small.
 ///   - contact: I + R W itself, in the rows of the contacts. Any W, symmetric or not.
 /// kAuto takes the body form unless it is not available or has more than twice as many unknowns.
 /// The determinants of the two forms have the same sign, det K = det A det(I + R W).
@@ -32,6 +34,12 @@ class ShiftedDelassus {
   void solve(const Vector& g, Vector& x) const;
   /// Sign of det(I + R W).
   int determinant_sign() const;
+  /// Whether the last factor is one by fronts.
+  bool by_fronts() const { return by_fronts_; }
+  /// The matrix that was factored last: K or I + R W.
+  const SparseMatrix& matrix() const { return matrix_; }
+  /// The blocks that it was made of.
+  const std::vector<double>& blocks() const { return R_; }
   /// Which form was taken, for those who asked for kAuto.
   bool body_form() const { return body_form_; }
 
@@ -43,6 +51,8 @@ class ShiftedDelassus {
   bool body_form_ = false;
   SparseMatrix matrix_;  // K or I + R W, fixed pattern
   SparseLU lu_;
+  FrontalLU<double> fronts_;  // body form, where accurate
+  bool by_fronts_ = false;
   std::vector<double> R_;
   mutable Vector wrench_, velocity_;
 

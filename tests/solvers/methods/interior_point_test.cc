@@ -125,6 +125,47 @@ TEST(ShiftedDelassus, BothFormsSolveTheDenseSystemAndAgreeOnTheSign) {
   }
 }
 
+/// A chain of hubs, each with two leaves, masses 1, K = I + H R Hᵀ. One leaf's contact has
+/// r = -1 + 1e-13: its diagonal 1 + r is 1e-13 beside a coupling of 1 to its hub. A hub shares its
+/// front with the last of its leaves at most (a front is a chain of the elimination tree), which is
+/// the other one at every second hub: there the leaf is a front by itself with a multiplier of 1e13,
+/// though K with its pairs [1e-13, 1; 1, k] is as regular as [0, 1; 1, k].
+TEST(ShiftedDelassus, TakesUmfpackWherePivotsOfTheFrontsAreSmall) {
+  ContactProblem p;
+  p.dim = 1;
+  const int hubs = 60, contacts = 3 * hubs - 1;
+  p.A.resize(3 * hubs, 3 * hubs);
+  p.A.setIdentity();
+  p.H.resize(3 * hubs, contacts);
+  std::vector<double> R;
+  const auto join = [&](int a, int b, double r) {
+    const int c = static_cast<int>(R.size());
+    p.H.insert(a, c) = -1;
+    p.H.insert(b, c) = 1;
+    R.push_back(r);
+  };
+  for (int k = 0; k < hubs; ++k) {
+    join(3 * k, 3 * k + 1, k % 2 == 0 ? -1 + 1e-13 : 0.5);
+    join(3 * k, 3 * k + 2, k % 2 == 1 ? -1 + 1e-13 : 0.5);
+    if (k > 0) join(3 * k, 3 * k - 3, 0.5);
+  }
+  p.H.makeCompressed();
+  p.v_free = Vector::Zero(3 * hubs);
+  p.u_free = Vector::Zero(contacts);
+  p.mu = Vector::Zero(contacts);
+  ShiftedDelassus system(p, ShiftedDelassus::Form::kBody);
+  ASSERT_TRUE(system.factor(R));
+  EXPECT_FALSE(system.by_fronts());
+  const Vector g = random_vector(contacts, 3);
+  Vector x;
+  system.solve(g, x);
+  const Vector wx = p.H.transpose() * (p.H * x);
+  const Vector back = x + Eigen::Map<const Vector>(R.data(), contacts).cwiseProduct(wx);
+  EXPECT_LT((back - g).norm(), 1e-9 * (g.norm() + x.norm()));
+  ASSERT_TRUE(system.factor(std::vector<double>(to_size(contacts), 0.5)));
+  EXPECT_TRUE(system.by_fronts()) << "a positive definite K needs no other";
+}
+
 TEST(ShiftedDelassus, RefusesTheBodyFormWithoutBodies) {
   const ContactProblem p = local_form(manufactured_problem(2, 6, 9, 3).problem);
   const DelassusOperator delassus(p);

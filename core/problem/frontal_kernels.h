@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+
+namespace bipot {
+
+/// The vector loops of the factorisation by fronts (frontal_lu.h), compiled for several instruction
+/// sets; the machine decides when the program starts. Sums have one order in all of them.
+
+/// y -= sum_j a[j] x_j, j < count; x_j are the columns of x, `stride` apart, of n numbers.
+void subtract_columns(int n, int count, const double* a, const double* x, std::ptrdiff_t stride,
+                      double* y);
+void subtract_columns(int n, int count, const float* a, const float* x, std::ptrdiff_t stride,
+                      float* y);
+
+/// out[j] -= x_j · y, j < count.
+void subtract_products(int n, int count, const double* x, std::ptrdiff_t stride, const double* y,
+                       double* out);
+void subtract_products(int n, int count, const float* x, std::ptrdiff_t stride, const float* y,
+                       float* out);
+
+/// max |x_i|; not a number where one is not.
+double largest_size(int n, const double* x);
+float largest_size(int n, const float* x);
+
+}  // namespace bipot

@@ -1,0 +1,375 @@
+#include "core/problem/frontal_lu.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <new>
+#include <stdexcept>
+#include <type_traits>
+
+#include "core/problem/frontal_kernels.h"
+
+extern "C" {
+void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
+            const double*, const int*, const double*, const int*, const double*, double*,
+            const int*);
+void sgemm_(const char*, const char*, const int*, const int*, const int*, const float*,
+            const float*, const int*, const float*, const int*, const float*, float*, const int*);
+}
+
+namespace bipot {
+namespace {
+
+// Of the largest entry that a diagonal pivot must have: below, rows are exchanged. Loose, so that
+// ties and the rounding of the scales decide nothing.
+constexpr double kDiagonalIsGood = 0.1;
+constexpr int kBlock = 16;  // columns that are eliminated by vectors before a matrix product
+
+/// C = beta C - A op(B), m x n, inner size k.
+void subtract_product(bool transposed, int m, int n, int k, const double* A, int lda,
+                      const double* B, int ldb, double beta, double* C, int ldc) {
+  const double alpha = -1;
+  dgemm_("N", transposed ? "T" : "N", &m, &n, &k, &alpha, A, &lda, B, &ldb, &beta, C, &ldc);
+}
+void subtract_product(bool transposed, int m, int n, int k, const float* A, int lda, const float* B,
+                      int ldb, float beta, float* C, int ldc) {
+  const float alpha = -1;
+  sgemm_("N", transposed ? "T" : "N", &m, &n, &k, &alpha, A, &lda, B, &ldb, &beta, C, &ldc);
+}
+
+/// A front as it stands in the factor: the panel of `rows` x `columns`, by columns, and below it
+/// the transpose of what stands right of the pivots, `rows - columns` x `columns`.
+template <class Real>
+struct Front {
+  int columns, rows;
+  Real* panel;
+  Real* upper;
+
+  int height() const { return rows - columns; }
+  Real* column(int j) const { return panel + static_cast<std::ptrdiff_t>(j) * rows; }
+  Real* right_of(int j) const { return upper + static_cast<std::ptrdiff_t>(j) * height(); }
+};
+
+/// Eliminates the columns begin .. end - 1 of a panel, of whose rows the first `columns` may be
+/// exchanged, as exchange[] tells. False: no pivot.
+template <class Real>
+bool eliminate_columns(const Front<Real>& f, int begin, int end, int* exchange) {
+  Real factors[kBlock];
+  for (int j = begin; j < end; ++j) {
+    Real* column = f.column(j);
+    for (int k = begin; k < j; ++k) {  // the rows begin .. j - 1 of U
+      factors[k - begin] = column[k];
+      subtract_columns(j - k - 1, 1, column + k, f.column(k) + k + 1, 0, column + k + 1);
+    }
+    for (int k = begin; k < j; ++k) factors[k - begin] = column[k];
+    subtract_columns(f.rows - j, j - begin, factors, f.column(begin) + j, f.rows, column + j);
+    int pivot = j;
+    for (int i = j + 1; i < f.columns; ++i) {
+      if (std::abs(column[i]) > std::abs(column[pivot])) pivot = i;
+    }
+    if (std::abs(column[j]) >= Real(kDiagonalIsGood) * std::abs(column[pivot])) pivot = j;
+    exchange[j] = pivot;
+    if (pivot != j) {
+      for (int k = 0; k < f.columns; ++k) std::swap(f.column(k)[j], f.column(k)[pivot]);
+      std::swap_ranges(f.right_of(j), f.right_of(j) + f.height(), f.right_of(pivot));
+    }
+    const Real inverse = 1 / column[j];
+    if (!(std::abs(inverse) > 0) || !std::isfinite(inverse)) return false;
+    for (int i = j + 1; i < f.rows; ++i) column[i] *= inverse;
+  }
+  return true;
+}
+
+/// Eliminates the columns of a front. Largest multiplier in the rows below the pivots'; a negative
+/// number: no pivot.
+template <class Real>
+Real eliminate(const Front<Real>& f, int* exchange) {
+  Real factors[kBlock];
+  for (int begin = 0; begin < f.columns; begin += kBlock) {
+    const int end = std::min(begin + kBlock, f.columns);
+    if (!eliminate_columns(f, begin, end, exchange)) return -1;
+    // The same for what stands right of the pivots, whose columns are rows of the front.
+    for (int k = begin + 1; f.height() > 0 && k < end; ++k) {
+      for (int j = begin; j < k; ++j) factors[j - begin] = f.column(j)[k];
+      subtract_columns(f.height(), k - begin, factors, f.right_of(begin), f.height(),
+                       f.right_of(k));
+    }
+    const int rest = f.columns - end;
+    if (rest == 0) continue;
+    for (int k = end; k < f.columns; ++k) {
+      Real* other = f.column(k);
+      for (int j = begin; j < end; ++j) {
+        subtract_columns(end - j - 1, 1, other + j, f.column(j) + j + 1, 0, other + j + 1);
+      }
+    }
+    subtract_product(false, f.rows - end, rest, end - begin, f.column(begin) + end, f.rows,
+                     f.column(end) + begin, f.rows, Real(1), f.column(end) + end, f.rows);
+    if (f.height() > 0) {
+      subtract_product(true, f.height(), rest, end - begin, f.right_of(begin), f.height(),
+                       f.column(begin) + end, f.rows, Real(1), f.right_of(end), f.height());
+    }
+  }
+  Real largest = 0;
+  for (int j = 0; j < f.columns; ++j) {
+    const Real size = largest_size(f.height(), f.column(j) + f.columns);
+    if (!(size <= largest)) largest = size;
+  }
+  return largest;
+}
+
+/// Adds the part of a child's contribution (n x n) that the pivots of the front see. Number of the
+/// child's rows that are pivots.
+template <class Real>
+int add_to_pivots(const Real* block, int n, const int* relative, const Front<Real>& f) {
+  const int pivots =
+      static_cast<int>(std::lower_bound(relative, relative + n, f.columns) - relative);
+  for (int j = 0; j < n; ++j, block += n) {
+    if (j < pivots) {
+      Real* column = f.column(relative[j]);
+      for (int i = 0; i < n; ++i) column[relative[i]] += block[i];
+    } else {
+      for (int i = 0; i < pivots; ++i) {
+        f.right_of(relative[i])[relative[j] - f.columns] += block[i];
+      }
+    }
+  }
+  return pivots;
+}
+
+/// Adds the rest to the front's own contribution.
+template <class Real>
+void add_to_contribution(const Real* block, int n, const int* relative, int pivots,
+                         const Front<Real>& f, Real* contribution) {
+  for (int j = pivots; j < n; ++j) {
+    const Real* from = block + static_cast<std::ptrdiff_t>(j) * n;
+    Real* to = contribution + static_cast<std::ptrdiff_t>(relative[j] - f.columns) * f.height() -
+               f.columns;
+    for (int i = pivots; i < n; ++i) to[relative[i]] += from[i];
+  }
+}
+
+}  // namespace
+
+template <class Real>
+struct FrontalLU<Real>::Impl {
+  std::shared_ptr<const FrontalTree> tree;
+  std::vector<Real> factor, stack;
+  std::vector<double> scale;  // by column of A
+  std::vector<int> exchange;
+  int sign = 0;  // 0: no factor
+  Real largest = 0;
+  std::vector<double> scaled;  // entries of A
+  std::vector<Real> x, below;
+
+  Front<Real> front(int s) {
+    const FrontalTree& t = *tree;
+    const std::size_t k = to_size(s);
+    const int columns = t.first[k + 1] - t.first[k];
+    const int height = t.below_start[k + 1] - t.below_start[k];
+    Real* panel = factor.data() + t.node_start[k];
+    return {columns, columns + height, panel,
+            panel + static_cast<std::ptrdiff_t>(columns) * (columns + height)};
+  }
+
+  bool prepare(const SparseMatrix& A);
+  bool run();
+  void substitute_forward();
+  void substitute_backward();
+};
+
+/// The tree, and the scales: powers of two near 1 / sqrt of the largest entry in row or column.
+template <class Real>
+bool FrontalLU<Real>::Impl::prepare(const SparseMatrix& A) {
+  if (!tree || !tree->is_of(A)) {
+    tree = FrontalTree::of(A);
+    if (!tree) return false;
+    try {
+      factor.resize(tree->factor_size);
+      stack.resize(tree->stack_size);
+    } catch (const std::bad_alloc&) {
+      tree = nullptr;
+      return false;
+    }
+    exchange.resize(to_size(tree->size()));
+    x.resize(to_size(tree->size()));
+    below.resize(to_size(tree->size()));
+  }
+  scale.assign(to_size(A.cols()), 0.0);
+  for (int j = 0; j < A.cols(); ++j) {
+    for (SparseMatrix::InnerIterator it(A, j); it; ++it) {
+      const double size = std::abs(it.value());
+      scale[to_size(j)] = std::max(scale[to_size(j)], size);
+      scale[to_size(it.row())] = std::max(scale[to_size(it.row())], size);
+    }
+  }
+  for (double& s : scale) {
+    if (!(s > 0) || !std::isfinite(s)) return false;
+    s = std::exp2(-std::round(0.5 * std::log2(s)));
+  }
+  return true;
+}
+
+/// All fronts, children before parents.
+template <class Real>
+bool FrontalLU<Real>::Impl::run() {
+  const FrontalTree& t = *tree;
+  std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
+  std::size_t top = 0;
+  int minus = 0;
+  largest = 0;
+  for (int s = 0; s < t.num_fronts(); ++s) {
+    const Front<Real> f = front(s);
+    std::fill(f.panel, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height(), Real(0));
+    for (int k = t.entry_start[to_size(s)]; k < t.entry_start[to_size(s) + 1]; ++k) {
+      f.panel[t.entry_target[to_size(k)]] =
+          static_cast<Real>(scaled[to_size(t.entry_source[to_size(k)])]);
+    }
+    const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
+    const std::size_t bottom = base < held.size() ? held[base].second : top;
+    for (std::size_t k = base; k < held.size(); ++k) {
+      const std::size_t child = to_size(held[k].first);
+      const int* relative = t.relative.data() + t.below_start[child];
+      add_to_pivots(stack.data() + held[k].second, t.below_start[child + 1] - t.below_start[child],
+                    relative, f);
+    }
+    int* own_exchange = exchange.data() + t.first[to_size(s)];
+    const Real multiplier = eliminate(f, own_exchange);
+    if (!(multiplier >= 0)) return false;
+    largest = std::max(largest, multiplier);
+    for (int j = 0; j < f.columns; ++j) {
+      minus += (f.column(j)[j] < 0) != (own_exchange[j] != j);
+    }
+    const int h = f.height();
+    if (h > 0) {
+      Real* contribution = stack.data() + top;
+      subtract_product(true, h, h, f.columns, f.panel + f.columns, f.rows, f.upper, h, Real(0),
+                       contribution, h);
+      for (std::size_t k = base; k < held.size(); ++k) {
+        const std::size_t child = to_size(held[k].first);
+        const int* relative = t.relative.data() + t.below_start[child];
+        const int n = t.below_start[child + 1] - t.below_start[child];
+        const int pivots =
+            static_cast<int>(std::lower_bound(relative, relative + n, f.columns) - relative);
+        add_to_contribution(stack.data() + held[k].second, n, relative, pivots, f, contribution);
+      }
+      if (bottom != top) {
+        std::memmove(stack.data() + bottom, contribution, sizeof(Real) * to_size(h) * to_size(h));
+      }
+    }
+    held.resize(base);
+    top = bottom + to_size(h) * to_size(h);
+    if (h > 0) held.emplace_back(s, bottom);
+  }
+  sign = minus % 2 == 0 ? 1 : -1;
+  return std::isfinite(largest);
+}
+
+template <class Real>
+FrontalLU<Real>::FrontalLU() : impl_(std::make_unique<Impl>()) {}
+template <class Real>
+FrontalLU<Real>::~FrontalLU() = default;
+template <class Real>
+FrontalLU<Real>::FrontalLU(FrontalLU&&) noexcept = default;
+template <class Real>
+FrontalLU<Real>& FrontalLU<Real>::operator=(FrontalLU&&) noexcept = default;
+
+template <class Real>
+bool FrontalLU<Real>::factor(const SparseMatrix& A) {
+  Impl& f = *impl_;
+  f.sign = 0;
+  if (!f.prepare(A)) return false;
+  f.scaled.resize(to_size(A.nonZeros()));
+  const double* value = A.valuePtr();
+  for (int j = 0; j < A.cols(); ++j) {
+    const double by = f.scale[to_size(j)];
+    for (int k = A.outerIndexPtr()[j]; k < A.outerIndexPtr()[j + 1]; ++k) {
+      f.scaled[to_size(k)] = value[k] * by * f.scale[to_size(A.innerIndexPtr()[k])];
+    }
+  }
+  if (!f.run()) f.sign = 0;
+  return f.sign != 0;
+}
+
+template <class Real>
+void FrontalLU<Real>::Impl::substitute_forward() {
+  const FrontalTree& t = *tree;
+  for (int s = 0; s < t.num_fronts(); ++s) {
+    const Front<Real> f = front(s);
+    Real* own = x.data() + t.first[to_size(s)];
+    const int* swaps = exchange.data() + t.first[to_size(s)];
+    for (int j = 0; j < f.columns; ++j) std::swap(own[j], own[swaps[j]]);
+    const int h = f.height();
+    for (int j = 0; j < f.columns; ++j) {
+      subtract_columns(f.columns - j - 1, 1, own + j, f.column(j) + j + 1, 0, own + j + 1);
+    }
+    if (h == 0) continue;
+    std::fill(below.begin(), below.begin() + h, Real(0));
+    subtract_columns(h, f.columns, own, f.panel + f.columns, f.rows, below.data());
+    const int* rows = t.below.data() + t.below_start[to_size(s)];
+    for (int i = 0; i < h; ++i) x[to_size(rows[i])] += below[to_size(i)];
+  }
+}
+
+template <class Real>
+void FrontalLU<Real>::Impl::substitute_backward() {
+  const FrontalTree& t = *tree;
+  for (int s = t.num_fronts() - 1; s >= 0; --s) {
+    const Front<Real> f = front(s);
+    Real* own = x.data() + t.first[to_size(s)];
+    const int h = f.height();
+    const int* rows = t.below.data() + t.below_start[to_size(s)];
+    for (int i = 0; i < h; ++i) below[to_size(i)] = x[to_size(rows[i])];
+    if (h > 0) subtract_products(h, f.columns, f.upper, h, below.data(), own);
+    for (int j = f.columns - 1; j >= 0; --j) {
+      own[j] /= f.column(j)[j];
+      subtract_columns(j, 1, own + j, f.column(j), 0, own);
+    }
+  }
+}
+
+template <class Real>
+void FrontalLU<Real>::solve(const Vector& b, Vector& solution) const {
+  Impl& f = *impl_;
+  if (f.sign == 0) throw std::logic_error("FrontalLU::solve without a factor");
+  const FrontalTree& t = *f.tree;
+  double largest = 0;
+  if constexpr (std::is_same_v<Real, float>) {
+    // Floats reach down to 1e-38 only.
+    for (int j = 0; j < t.size(); ++j) {
+      largest = std::max(largest, std::abs(b[j]) * f.scale[to_size(j)]);
+    }
+  }
+  const double unit = largest > 0 ? largest : 1;
+  for (int k = 0; k < t.size(); ++k) {
+    const std::size_t j = to_size(t.order[to_size(k)]);
+    f.x[to_size(k)] = static_cast<Real>(b[t.order[to_size(k)]] * f.scale[j] / unit);
+  }
+  f.substitute_forward();
+  f.substitute_backward();
+  solution.resize(t.size());
+  for (int k = 0; k < t.size(); ++k) {
+    const std::size_t j = to_size(t.order[to_size(k)]);
+    solution[t.order[to_size(k)]] = static_cast<double>(f.x[to_size(k)]) * f.scale[j] * unit;
+  }
+}
+
+template <class Real>
+int FrontalLU<Real>::determinant_sign() const {
+  if (impl_->sign == 0) throw std::logic_error("FrontalLU::determinant_sign without a factor");
+  return impl_->sign;
+}
+
+template <class Real>
+double FrontalLU<Real>::largest_multiplier() const {
+  return static_cast<double>(impl_->largest);
+}
+
+template <class Real>
+std::size_t FrontalLU<Real>::num_entries() const {
+  return impl_->tree ? impl_->tree->factor_size : 0;
+}
+
+template class FrontalLU<double>;
+template class FrontalLU<float>;
+
+}  // namespace bipot

@@ -1,0 +1,256 @@
+#include <cholmod.h>
+
+#include <algorithm>
+#include <array>
+#include <mutex>
+#include <numeric>
+
+#include "core/problem/frontal_lu.h"
+
+namespace bipot {
+namespace {
+
+constexpr std::size_t kTreesKept = 4;
+constexpr int kMetisFrom = 1200;  // groups of columns; AMD is quicker below
+
+/// CHOLMOD's workspace.
+struct CholmodSession {
+  cholmod_common common;
+  CholmodSession() {
+    cholmod_l_start(&common);
+    common.print = 0;
+    common.error_handler = nullptr;
+    common.nmethods = 1;
+    common.postorder = 1;
+  }
+  ~CholmodSession() { cholmod_l_finish(&common); }
+  CholmodSession(const CholmodSession&) = delete;
+  CholmodSession& operator=(const CholmodSession&) = delete;
+};
+
+/// The upper triangle of a symmetric pattern, as CHOLMOD reads it.
+struct UpperPattern {
+  std::vector<SuiteSparse_long> start{0}, row;
+
+  cholmod_sparse view() {
+    cholmod_sparse A{};
+    A.nrow = A.ncol = start.size() - 1;
+    A.nzmax = row.size();
+    A.p = start.data();
+    A.i = row.data();
+    A.stype = 1;
+    A.itype = CHOLMOD_LONG;
+    A.xtype = CHOLMOD_PATTERN;
+    A.dtype = CHOLMOD_DOUBLE;
+    A.sorted = A.packed = 1;
+    return A;
+  }
+};
+
+/// Groups of consecutive columns with one pattern: the first column of each, and the end.
+std::vector<int> equal_columns(const SparseMatrix& A) {
+  const int* start = A.outerIndexPtr();
+  const int* row = A.innerIndexPtr();
+  std::vector<int> groups{0};
+  for (int j = 1; j < A.cols(); ++j) {
+    if (!std::equal(row + start[j - 1], row + start[j], row + start[j], row + start[j + 1])) {
+      groups.push_back(j);
+    }
+  }
+  groups.push_back(static_cast<int>(A.cols()));
+  return groups;
+}
+
+/// A fill-reducing order of the groups, column by column, new to old. Empty: memory ran out.
+std::vector<SuiteSparse_long> fill_reducing_columns(const SparseMatrix& A) {
+  const std::vector<int> groups = equal_columns(A);
+  const int nodes = static_cast<int>(groups.size()) - 1;
+  std::vector<int> group_of(to_size(A.cols()));
+  for (int g = 0; g < nodes; ++g) {
+    for (int j = groups[to_size(g)]; j < groups[to_size(g) + 1]; ++j) group_of[to_size(j)] = g;
+  }
+  UpperPattern graph;
+  for (int g = 0; g < nodes; ++g) {
+    int last = -1;
+    for (SparseMatrix::InnerIterator it(A, groups[to_size(g)]); it; ++it) {
+      const int other = group_of[to_size(it.row())];
+      if (other > g) break;
+      if (other != last) graph.row.push_back(other);
+      last = other;
+    }
+    graph.start.push_back(static_cast<SuiteSparse_long>(graph.row.size()));
+  }
+  CholmodSession session;
+  session.common.method[0].ordering = nodes >= kMetisFrom ? CHOLMOD_METIS : CHOLMOD_AMD;
+  session.common.supernodal = CHOLMOD_SIMPLICIAL;
+  cholmod_sparse view = graph.view();
+  cholmod_factor* analysis = cholmod_l_analyze(&view, &session.common);
+  std::vector<SuiteSparse_long> order;
+  if (analysis == nullptr) return order;
+  order.reserve(to_size(A.cols()));
+  for (int k = 0; k < nodes; ++k) {
+    const auto g = to_size(static_cast<const SuiteSparse_long*>(analysis->Perm)[k]);
+    for (int j = groups[g]; j < groups[g + 1]; ++j) order.push_back(j);
+  }
+  cholmod_l_free_factor(&analysis, &session.common);
+  return order;
+}
+
+}  // namespace
+
+bool FrontalTree::is_of(const SparseMatrix& A) const {
+  return size() == A.cols() && to_size(A.nonZeros()) == pattern_row_.size() &&
+         std::equal(pattern_start_.begin(), pattern_start_.end(), A.outerIndexPtr()) &&
+         std::equal(pattern_row_.begin(), pattern_row_.end(), A.innerIndexPtr());
+}
+
+std::shared_ptr<const FrontalTree> FrontalTree::of(const SparseMatrix& A) {
+  static std::mutex mutex;
+  static std::array<std::shared_ptr<const FrontalTree>, kTreesKept> kept;  // the latest first
+  const auto fits = [&](const std::shared_ptr<const FrontalTree>& tree) {
+    return tree && tree->is_of(A);
+  };
+  const auto find = [&] {
+    const auto found = std::find_if(kept.begin(), kept.end(), fits);
+    if (found == kept.end()) return std::shared_ptr<const FrontalTree>();
+    std::rotate(kept.begin(), found, found + 1);
+    return kept.front();
+  };
+  {
+    const std::lock_guard<std::mutex> lock(mutex);
+    if (auto tree = find()) return tree;
+  }
+  auto made = analyse(A);
+  const std::lock_guard<std::mutex> lock(mutex);
+  if (made && !find()) {
+    std::rotate(kept.begin(), kept.end() - 1, kept.end());
+    kept.front() = made;
+  }
+  return made;
+}
+
+std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SparseMatrix& A) {
+  auto tree = std::make_shared<FrontalTree>();
+  tree->pattern_start_.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.cols() + 1);
+  tree->pattern_row_.assign(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros());
+  std::vector<SuiteSparse_long> order = fill_reducing_columns(A);
+  if (order.empty() && A.cols() > 0) return nullptr;
+  UpperPattern upper;
+  for (int j = 0; j < A.cols(); ++j) {
+    for (SparseMatrix::InnerIterator it(A, j); it && it.row() <= j; ++it) {
+      upper.row.push_back(it.row());
+    }
+    upper.start.push_back(static_cast<SuiteSparse_long>(upper.row.size()));
+  }
+  CholmodSession session;
+  session.common.method[0].ordering = CHOLMOD_GIVEN;
+  session.common.supernodal = CHOLMOD_SUPERNODAL;
+  cholmod_sparse view = upper.view();
+  cholmod_factor* L = cholmod_l_analyze_p(&view, order.data(), nullptr, 0, &session.common);
+  if (L == nullptr) return nullptr;
+  const auto* super = static_cast<const SuiteSparse_long*>(L->super);
+  const auto* pi = static_cast<const SuiteSparse_long*>(L->pi);
+  const auto* rows = static_cast<const SuiteSparse_long*>(L->s);
+  const auto* perm = static_cast<const SuiteSparse_long*>(L->Perm);
+  tree->order.assign(perm, perm + A.cols());
+  tree->below_start.push_back(0);
+  for (std::size_t s = 0; s < L->nsuper; ++s) {
+    tree->first.push_back(static_cast<int>(super[s]));
+    const SuiteSparse_long columns = super[s + 1] - super[s];
+    for (SuiteSparse_long k = pi[s] + columns; k < pi[s + 1]; ++k) {
+      tree->below.push_back(static_cast<int>(rows[k]));
+    }
+    tree->below_start.push_back(static_cast<int>(tree->below.size()));
+  }
+  tree->first.push_back(static_cast<int>(A.cols()));
+  cholmod_l_free_factor(&L, &session.common);
+  tree->measure();
+  tree->place_entries(A);
+  return tree;
+}
+
+/// Parents, places of a front's rows in its parent, sizes of the factor and of the stack.
+void FrontalTree::measure() {
+  const int fronts = num_fronts();
+  std::vector<int> front_of(to_size(size()));
+  for (int s = 0; s < fronts; ++s) {
+    for (int j = first[to_size(s)]; j < first[to_size(s) + 1]; ++j) front_of[to_size(j)] = s;
+  }
+  children.assign(to_size(fronts), 0);
+  relative.resize(below.size());
+  node_start.assign(1, 0);
+  std::vector<std::size_t> blocks;  // numbers in the contributions on the stack
+  std::size_t held = 0;
+  for (int s = 0; s < fronts; ++s) {
+    const std::size_t front = to_size(s);
+    const int columns = first[front + 1] - first[front];
+    const int* own = below.data() + below_start[front];
+    const int height = below_start[front + 1] - below_start[front];
+    node_start.push_back(node_start.back() +
+                         static_cast<std::int64_t>(columns) * (columns + 2 * height));
+    const std::size_t block = to_size(height) * to_size(height);
+    stack_size = std::max(stack_size, held + block);
+    for (int k = 0; k < children[front]; ++k) {
+      held -= blocks.back();
+      blocks.pop_back();
+    }
+    held += block;
+    blocks.push_back(block);
+    if (height == 0) continue;
+    const std::size_t parent = to_size(front_of[to_size(own[0])]);
+    ++children[parent];
+    const int begin = first[parent], end = first[parent + 1];
+    const int* list = below.data() + below_start[parent];
+    int at = 0;
+    for (int k = 0; k < height; ++k) {
+      if (own[k] >= end) {
+        while (list[at] != own[k]) ++at;
+      }
+      relative[to_size(below_start[front] + k)] = own[k] < end ? own[k] - begin : end - begin + at;
+    }
+  }
+  factor_size = to_size(node_start.back());
+}
+
+/// For each front the entries of A that it takes, and their places in its panel and upper part.
+void FrontalTree::place_entries(const SparseMatrix& A) {
+  const int n = size();
+  std::vector<int> place(to_size(n));  // old to new
+  for (int k = 0; k < n; ++k) place[to_size(order[to_size(k)])] = k;
+  // Where the entry (j, i) of an entry (i, j) is: the pattern is symmetric.
+  std::vector<int> transpose(to_size(A.nonZeros())),
+      next(pattern_start_.begin(), pattern_start_.end() - 1);
+  for (int j = 0; j < n; ++j) {
+    for (int k = A.outerIndexPtr()[j]; k < A.outerIndexPtr()[j + 1]; ++k) {
+      transpose[to_size(next[to_size(A.innerIndexPtr()[k])]++)] = k;
+    }
+  }
+  std::vector<int> position(to_size(n), -1);
+  entry_start.assign(1, 0);
+  for (int s = 0; s < num_fronts(); ++s) {
+    const std::size_t front = to_size(s);
+    const int begin = first[front], end = first[front + 1], columns = end - begin;
+    const int height = below_start[front + 1] - below_start[front];
+    const int panel_rows = columns + height;
+    for (int j = begin; j < end; ++j) position[to_size(j)] = j - begin;
+    for (int k = 0; k < height; ++k) {
+      position[to_size(below[to_size(below_start[front] + k)])] = columns + k;
+    }
+    for (int j = begin; j < end; ++j) {
+      const int old = order[to_size(j)];
+      for (int k = A.outerIndexPtr()[old]; k < A.outerIndexPtr()[old + 1]; ++k) {
+        const int i = place[to_size(A.innerIndexPtr()[k])];
+        if (i < begin) continue;  // a front before took it
+        entry_source.push_back(k);
+        entry_target.push_back(position[to_size(i)] + (j - begin) * panel_rows);
+        if (i < end) continue;
+        entry_source.push_back(transpose[to_size(k)]);
+        entry_target.push_back(panel_rows * columns + position[to_size(i)] - columns +
+                               (j - begin) * height);
+      }
+    }
+    entry_start.push_back(static_cast<int>(entry_source.size()));
+  }
+}
+
+}  // namespace bipot

@@ -1,0 +1,188 @@
+#include "core/problem/frontal_lu.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "tests/support/draw.h"
+
+namespace bipot {
+namespace {
+
+/// A grid of side x side nodes with `block` unknowns each, every node coupled to its eight
+/// neighbours by blocks without symmetry; `diagonal` added to the diagonal.
+SparseMatrix grid_matrix(int side, int block, unsigned seed, double diagonal) {
+  Draw draw(seed);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int a = 0; a < side * side; ++a) {
+    for (int b = 0; b < side * side; ++b) {
+      if (std::abs(a / side - b / side) > 1 || std::abs(a % side - b % side) > 1) continue;
+      for (int i = 0; i < block; ++i) {
+        for (int j = 0; j < block; ++j) {
+          const int row = a * block + i, column = b * block + j;
+          entries.emplace_back(row, column, draw.symmetric() + (row == column ? diagonal : 0.0));
+        }
+      }
+    }
+  }
+  const int n = side * side * block;
+  SparseMatrix A(n, n);
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
+
+Vector drawn(int n, unsigned seed) {
+  Draw draw(seed);
+  Vector x(n);
+  for (double& value : x) value = draw.symmetric();
+  return x;
+}
+
+/// Sizes from one front to hundreds, blocks of one to three: with AMD and with METIS orders.
+TEST(FrontalLU, SolvesWithoutSymmetryAndNegativePivots) {
+  for (const int side : {1, 2, 5, 20, 40}) {
+    for (const int block : {1, 3}) {
+      // 3: many leading minors are far from zero, but not dominant and of both signs.
+      SparseMatrix A = grid_matrix(side, block, 7, 3);
+      for (int j = 0; j < A.cols(); j += 3) A.coeffRef(j, j) -= 6;
+      FrontalLU<double> lu;
+      ASSERT_TRUE(lu.factor(A)) << side << " " << block;
+      const int n = static_cast<int>(A.cols());
+      const Vector x = drawn(n, 2);
+      Vector found;
+      lu.solve(A * x, found);
+      EXPECT_LT((A * found - A * x).norm(), 1e-15 * n * (1 + lu.largest_multiplier()) * x.norm())
+          << side << " " << block;
+      EXPECT_GE(lu.num_entries(), static_cast<std::size_t>(A.nonZeros()));
+    }
+  }
+}
+
+TEST(FrontalLU, KnowsTheSignOfTheDeterminant) {
+  int positive = 0, seen = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    const SparseMatrix A = grid_matrix(4, 2, seed, 0.5);
+    FrontalLU<double> lu;
+    if (!lu.factor(A)) continue;
+    ++seen;
+    // As a product of signs: the determinant of 32 rows is of order one here.
+    EXPECT_EQ(lu.determinant_sign(), Eigen::MatrixXd(A).determinant() > 0 ? 1 : -1) << seed;
+    positive += lu.determinant_sign() > 0;
+  }
+  EXPECT_EQ(seen, 40);
+  EXPECT_GT(positive, 8);
+  EXPECT_LT(positive, 32);
+}
+
+/// The same pattern has one tree, whoever asks; other values give other factors, the same values the
+/// same bits.
+TEST(FrontalLU, KeepsTheAnalysisOfAPattern) {
+  const SparseMatrix A = grid_matrix(12, 3, 1, 4), B = grid_matrix(12, 3, 2, 4);
+  const SparseMatrix other = grid_matrix(11, 3, 1, 4);
+  const auto tree = FrontalTree::of(A);
+  EXPECT_EQ(FrontalTree::of(B), tree);
+  EXPECT_NE(FrontalTree::of(other), tree);
+  EXPECT_TRUE(tree->is_of(B));
+  EXPECT_FALSE(tree->is_of(other));
+  const Vector b = drawn(static_cast<int>(A.cols()), 3);
+  FrontalLU<double> one, two;
+  Vector x, y, z;
+  ASSERT_TRUE(one.factor(A));
+  one.solve(b, x);
+  ASSERT_TRUE(two.factor(other));  // another pattern in between
+  ASSERT_TRUE(two.factor(B));
+  two.solve(b, y);
+  ASSERT_TRUE(two.factor(A));
+  two.solve(b, z);
+  EXPECT_NE(x, y);
+  EXPECT_EQ(x, z);
+}
+
+/// A diagonal block of zeros on the diagonal needs exchanges: [0 1; 1 0] has none without.
+TEST(FrontalLU, ExchangesRowsWithinAFront) {
+  SparseMatrix A = grid_matrix(1, 2, 1, 0);
+  A.coeffRef(0, 0) = A.coeffRef(1, 1) = 0;
+  A.coeffRef(0, 1) = 2;
+  A.coeffRef(1, 0) = 4;
+  FrontalLU<double> lu;
+  ASSERT_TRUE(lu.factor(A));
+  EXPECT_EQ(lu.determinant_sign(), -1);
+  Vector x;
+  lu.solve(Vec2(6, 8), x);  // 2 y = 6, 4 x = 8
+  EXPECT_DOUBLE_EQ(x[0], 2);
+  EXPECT_DOUBLE_EQ(x[1], 3);
+}
+
+/// Pivots that a front cannot avoid show in the multiplier: all of the diagonal is 1e-12 beside
+/// couplings of one.
+TEST(FrontalLU, TellsOfSmallPivots) {
+  SparseMatrix A = grid_matrix(20, 1, 5, 8);
+  FrontalLU<double> lu;
+  ASSERT_TRUE(lu.factor(A));
+  EXPECT_LT(lu.largest_multiplier(), 2);
+  for (int j = 0; j < A.cols(); ++j) A.coeffRef(j, j) = 1e-12;
+  ASSERT_TRUE(lu.factor(A));
+  EXPECT_GT(lu.largest_multiplier(), 10);
+}
+
+TEST(FrontalLU, RefusesSingularAndNonFiniteMatricesAndRecovers) {
+  const SparseMatrix good = grid_matrix(6, 2, 1, 5);
+  FrontalLU<double> lu;
+  Vector x;
+  EXPECT_THROW(lu.solve(drawn(72, 1), x), std::logic_error);
+  EXPECT_THROW((void)lu.determinant_sign(), std::logic_error);
+  const SparseMatrix infinite = kInfinity * good, undefined = kNaN * good;
+  EXPECT_FALSE(lu.factor(SparseMatrix(0.0 * good)));
+  EXPECT_FALSE(lu.factor(infinite));
+  EXPECT_FALSE(lu.factor(undefined));
+  EXPECT_THROW(lu.solve(drawn(72, 1), x), std::logic_error);
+  ASSERT_TRUE(lu.factor(good));
+  const Vector b = drawn(72, 1);
+  lu.solve(b, x);
+  EXPECT_LT((good * x - b).norm(), 1e-13 * b.norm());
+}
+
+/// Scaled by powers of two on both sides, down to 1e-150: the same solution to the bit, scaled.
+TEST(FrontalLU, DoesNotDependOnUnits) {
+  const SparseMatrix A = grid_matrix(9, 2, 4, 4);
+  const int n = static_cast<int>(A.cols());
+  Vector scale(n);
+  for (int j = 0; j < n; ++j) scale[j] = std::exp2(-250 + 3 * (j % 7));
+  const SparseMatrix B = scale.asDiagonal() * A * scale.asDiagonal();
+  const Vector b = drawn(n, 2);
+  FrontalLU<double> one, two;
+  ASSERT_TRUE(one.factor(A));
+  ASSERT_TRUE(two.factor(B));
+  Vector x, y;
+  one.solve(b, x);
+  two.solve(b.cwiseProduct(scale), y);
+  EXPECT_LT((y.cwiseProduct(scale) - x).norm(), 1e-13 * x.norm());
+  FrontalLU<float> single;
+  ASSERT_TRUE(single.factor(B));
+  single.solve(b.cwiseProduct(scale), y);
+  EXPECT_LT((y.cwiseProduct(scale) - x).norm(), 1e-4 * x.norm());
+}
+
+/// Half the memory, 24 bits: a first solution good to 1e-5 that residuals in double mend.
+TEST(FrontalLU, SinglePrecisionNeedsRefinement) {
+  const SparseMatrix A = grid_matrix(15, 3, 4, 6);
+  FrontalLU<float> lu;
+  ASSERT_TRUE(lu.factor(A));
+  const Vector b = drawn(static_cast<int>(A.cols()), 2);
+  Vector x, dx;
+  lu.solve(b, x);
+  const double first = (A * x - b).norm() / b.norm();
+  EXPECT_GT(first, 1e-9);
+  EXPECT_LT(first, 1e-5);
+  for (int k = 0; k < 3; ++k) {
+    lu.solve(b - A * x, dx);
+    x += dx;
+  }
+  EXPECT_LT((A * x - b).norm(), 1e-14 * b.norm());
+}
+
+}  // namespace
+}  // namespace bipot
