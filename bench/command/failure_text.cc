@@ -58,7 +58,7 @@ bool coefficients_differ(const SceneIn<D>& scene) {
 
 template <int D>
 std::vector<Cause> causes(const SceneIn<D>& scene, const StateIn<D>& state,
-                          const ExistenceCertificate& c) {
+                          const ExistenceCertificate& c, bool smaller_steps_tried) {
   const bool walls_move =
       std::any_of(scene.walls.begin(), scene.walls.end(),
                   [](const WallIn<D>& w) { return w.motion == WallIn<D>::Motion::kMoving; });
@@ -79,8 +79,9 @@ std::vector<Cause> causes(const SceneIn<D>& scene, const StateIn<D>& state,
        "walls"},
       {path > 0.1,
        fmt::format("the step is long: {}s move {:.2g} of the smallest radius in it; try "
-                   "--step-size {:.2g} or --on-failure smaller-step",
-                   kBodyName<D>, path, scene.step * std::max(0.1 / path, 0.01))},
+                   "--step-size {:.2g}{}",
+                   kBodyName<D>, path, scene.step * std::max(0.1 / path, 0.01),
+                   smaller_steps_tried ? "" : " or --on-failure smaller-step")},
       {mu > 2,
        fmt::format("friction is large (mu = {:g}): many solutions or none, and paths between "
                    "them; try --solver homotopy or ipm",
@@ -99,10 +100,12 @@ std::vector<Cause> causes(const SceneIn<D>& scene, const StateIn<D>& state,
        fmt::format("the tolerance {:.0e} is tight: `bipot advise` says what "
                    "your question needs",
                    scene.solver.tol)},
-      {true, "the step: try --on-failure smaller-step"},
+      {!smaller_steps_tried, "the step: try --on-failure smaller-step"},
       {true,
        "several solutions: a solver that wanders between them may settle with --no-warm-start"},
-      {true, "the solver: try another one (bipot list solvers)"}};
+      {true, "the solver: try another one (bipot list solvers)"},
+      {true,
+       "the start: bodies may overlap or be driven together from the first frame; look at it"}};
   std::erase_if(list, [](const Cause& cause) { return !cause.seen; });
   list.resize(3);
   return list;
@@ -113,7 +116,8 @@ std::vector<Cause> causes(const SceneIn<D>& scene, const StateIn<D>& state,
 template <int D>
 std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
                          std::span<const std::type_identity_t<ContactOutcomeIn<D>>> contacts,
-                         const ContactProblem& problem, const ContactError& error, int step) {
+                         const ContactProblem& problem, const ContactError& error, int step,
+                         bool smaller_steps_tried) {
   std::string text;
   const int worst = error.eta > error.epsilon ? error.worst_eta : error.worst_epsilon;
   if (worst >= 0 && to_size(worst) < contacts.size()) {
@@ -127,15 +131,15 @@ std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
   const ExistenceCertificate certificate = certify_existence(problem, kCertificateSeconds);
   text += fmt::format("  {}\n", to_text(certificate));
   int k = 0;
-  for (const Cause& cause : causes(scene, state, certificate)) {
+  for (const Cause& cause : causes(scene, state, certificate, smaller_steps_tried)) {
     text += fmt::format("  {}. {}\n", ++k, cause.text);
   }
   return text;
 }
 
 template <int D>
-std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
-                         const SceneRunIn<D>& run) {
+std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state, const SceneRunIn<D>& run,
+                         bool smaller_steps_tried) {
   if (run.failed_problem.num_contacts() == 0) return {};
   std::vector<ContactOutcomeIn<D>> contacts;
   const StateIn<D> start = with_changed_population(scene, state);
@@ -145,7 +149,8 @@ std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
   const ContactProblem& p = run.failed_problem;
   const Vector s = run.failed_start.size() == p.num_rows() ? run.failed_start
                                                            : Vector(Vector::Zero(p.num_rows()));
-  return failure_text<D>(scene, start, contacts, p, contact_error(p, s), state.step + 1);
+  return failure_text<D>(scene, start, contacts, p, contact_error(p, s), state.step + 1,
+                         smaller_steps_tried);
 }
 
 template <int D>
@@ -182,14 +187,14 @@ std::string EnergyGrowth::warning(const SceneIn<D>& scene) const {
 }
 
 template std::string failure_text<2>(const Scene&, const State&, std::span<const ContactOutcome>,
-                                     const ContactProblem&, const ContactError&, int);
-template std::string failure_text(const Scene&, const State&, const SceneRun&);
+                                     const ContactProblem&, const ContactError&, int, bool);
+template std::string failure_text(const Scene&, const State&, const SceneRun&, bool);
 template void EnergyGrowth::add(const Scene&, const SceneStep&);
 template std::string EnergyGrowth::warning(const Scene&) const;
 template std::string failure_text<3>(const SceneIn<3>&, const StateIn<3>&,
                                      std::span<const ContactOutcomeIn<3>>, const ContactProblem&,
-                                     const ContactError&, int);
-template std::string failure_text(const SceneIn<3>&, const StateIn<3>&, const SceneRunIn<3>&);
+                                     const ContactError&, int, bool);
+template std::string failure_text(const SceneIn<3>&, const StateIn<3>&, const SceneRunIn<3>&, bool);
 template void EnergyGrowth::add(const SceneIn<3>&, const SceneStepIn<3>&);
 template std::string EnergyGrowth::warning(const SceneIn<3>&) const;
 

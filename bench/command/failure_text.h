@@ -9,16 +9,17 @@
 namespace bipot {
 
 /// What to say of a step whose problem was not solved: its worst contact, whether a solution exists at all
-/// (solvers/certificate), the three likeliest causes and what to try, most telling first. Lines, each
-/// with its end.
+/// (solvers/certificate), the three likeliest causes and what to try, most telling first; not smaller
+/// steps where these were tried. Lines, each with its end.
 template <int D>
 std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
                          std::span<const std::type_identity_t<ContactOutcomeIn<D>>> contacts,
-                         const ContactProblem& problem, const ContactError& error, int step);
+                         const ContactProblem& problem, const ContactError& error, int step,
+                         bool smaller_steps_tried);
 /// The same for a step that was not taken; `state` is that before it.
 template <int D>
-std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
-                         const SceneRunIn<D>& run);
+std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state, const SceneRunIn<D>& run,
+                         bool smaller_steps_tried);
 
 /// Watches whether contacts create energy, which Newton's impact law may do where coefficients of restitution
 /// differ (data/method.md §3).

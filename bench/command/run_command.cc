@@ -209,6 +209,7 @@ int run_in(const RunFlags& flags, SceneIn<D> scene, const std::string& text) {
   run_options.on_failure = flags.on_failure == "stop"           ? OnFailure::kStop
                            : flags.on_failure == "smaller-step" ? OnFailure::kSmallerStep
                                                                 : OnFailure::kContinue;
+  const bool smaller_steps = run_options.on_failure == OnFailure::kSmallerStep;
   run_options.cancelled = [&] { return InterruptGuard::requested() || watch.seconds() > limit; };
   SceneRunIn<D> run;
   std::string advice;  // on the first step that was not solved
@@ -219,7 +220,7 @@ int run_in(const RunFlags& flags, SceneIn<D> scene, const std::string& text) {
       growth.add(scene, step);
       if (!step.report.converged && advice.empty() && !quiet) {
         advice = failure_text<D>(scene, step.state, step.state.contacts, step.problem,
-                                 step.report.error, step.report.step);
+                                 step.report.error, step.report.step, smaller_steps);
       }
       progress.update(
           step.report.step - first,
@@ -233,7 +234,7 @@ int run_in(const RunFlags& flags, SceneIn<D> scene, const std::string& text) {
   if (run.failure) {
     fmt::print(stderr, "bipot: {}\n", run.failure->what());
     if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
-      advice = failure_text(scene, state, run);
+      advice = failure_text(scene, state, run, smaller_steps);
     }
   }
   if (!advice.empty() && !quiet) fmt::print(stderr, "{}", advice);

@@ -15,7 +15,8 @@ namespace bipot {
 /// `min_iterations` on, the decades that the best error fell over the second half of the stage are
 /// carried forward, and the stage is given up when they would not reach the tolerance within
 /// `max_iterations`, unless the error is within a decade of it. A stage is passed over where the
-/// tolerance is below `least_tol`, or the best error so far above `largest_error`.
+/// tolerance is below `least_tol` or not below `tol_below`, or the best error so far above
+/// `largest_error`.
 struct AutoStage {
   /// Where a stage starts: at the impulse that the same solver left at its last stage (the caller's
   /// start, the first time), at the caller's start, or at the best impulse of all stages. The best
@@ -26,7 +27,7 @@ struct AutoStage {
   Start start = Start::kOwn;
   std::map<std::string, std::string> parameters;
   std::string_view reason;
-  double least_tol = 0, largest_error = kInfinity;
+  double least_tol = 0, tol_below = kInfinity, largest_error = kInfinity;
 };
 
 /// The race for this problem, from its size, form and masses:
@@ -35,7 +36,8 @@ struct AutoStage {
 ///      unequal masses: `ipm` before it; up to 400 contacts: `pgs` after it);
 ///   2. `apgd`: all that a loose tolerance needs, and a start for what follows. Above 4000 contacts
 ///      in the plane and at loose tolerances briefly, then `admm`: moving packings there meet 1e-2
-///      by 500 solves with factors of W, where momentum needs tens of thousands of steps;
+///      by 500 solves with factors of W, where momentum needs tens of thousands of steps, and 1e-3
+///      by 2000 to 5000;
 ///   3. d <= 2: `homotopy` from the best impulse. Moving packings, in which many contacts close
 ///      and slip at once, are solved exactly within a few hundred pivots. Free pyramids and many
 ///      large packings need too many, and end with their budget;

@@ -436,6 +436,16 @@ TEST_F(Command, AStepThatIsNotSolvedLeavesItsProblemAndSaysWhatToTry) {
   }
   EXPECT_TRUE(fs::exists(folder_ / "out" / "problems" / "step_000028.hdf5"));
   EXPECT_EQ(bipot("solve " + path("out/problems/step_000028.hdf5") + " -q").exit_code, 0);
+  EXPECT_NE(stopped.out.find("smaller-step"), std::string::npos) << stopped.out;
+  // What was tried is not proposed again.
+  const Outcome split = run_command_line(
+      std::string(BIPOT_COMMAND),
+      "run " + source_folder().string() +
+          "/data/scenes/compaction_100.toml --solver pgs --tol 1e-12 --max-iterations 1 --steps 40 "
+          "--on-failure smaller-step 2>&1 >/dev/null #");
+  EXPECT_EQ(split.exit_code, 1);
+  EXPECT_NE(split.out.find("3. "), std::string::npos) << split.out;
+  EXPECT_EQ(split.out.find("smaller-step"), std::string::npos) << split.out;
 }
 
 // A long step of disks that land on each other: with these limits three of the first 26 steps are taken in
