@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "core/files/atomic_file.h"
+#include "core/files/cell_file.h"
 #include "core/files/cluster_file.h"
 #include "core/files/hdf5_file.h"
 #include "core/files/population_file.h"
@@ -172,45 +173,6 @@ void write_wall_definitions(Hdf5File& file, const std::vector<WallIn<D>>& walls)
   }
 }
 
-/// Width, height and offset of a periodic cell: how each moves, the stress on it, its mass.
-void write_cell_definition(Hdf5File& file, const PeriodicCell& cell) {
-  std::vector<int> motion;
-  std::vector<double> stress, mass;
-  for (int k = 0; k < 3; ++k) {
-    motion.push_back(static_cast<int>(cell.side(k).motion));
-    stress.push_back(cell.side(k).stress);
-    mass.push_back(cell.side(k).mass);
-  }
-  file.write("/cell/periodic", std::vector<int>{cell.in_x ? 1 : 0, cell.in_y ? 1 : 0});
-  file.write("/cell/motion", motion);
-  file.write("/cell/stress", stress);
-  file.write_attribute("/cell/stress", "unit", "Pa");
-  file.write("/cell/mass", mass);
-  file.write_attribute("/cell/mass", "unit", "kg");
-}
-
-/// The cell of a state, its outline as lines, and the disks where they lie in it.
-void write_cell(Hdf5File& file, const State& state) {
-  const PeriodicCell& cell = state.cell;
-  std::vector<double> lengths, speeds;
-  for (int k = 0; k < 3; ++k) {
-    lengths.push_back(cell.side(k).length);
-    speeds.push_back(cell.side(k).speed);
-  }
-  file.write("/cell/lengths", lengths);
-  file.write_attribute("/cell/lengths", "unit", "m");
-  file.write("/cell/speeds", speeds);
-  file.write_attribute("/cell/speeds", "unit", "m/s");
-  Column lines(16);
-  for (const auto& [a, b] : cell_outline(cell, view_box(state.disks, state.walls))) {
-    lines.add(a);
-    lines.add(b);
-  }
-  write_point_numbers(file, "/cell/points", lines.values().size() / 2);
-  file.write_rows("/cell/segment", lines.values(), 2);
-  write_vectors(file, "/disks/x_in_cell", "m", state.disks, [](const Disk& d) { return d.x; });
-}
-
 /// Walls as what is drawn: lines, circles by their rims; in space four-cornered pieces.
 void write_wall_shapes(Hdf5File& file, const std::vector<Wall>& walls, const Box& view) {
   Column lines(4 * walls.size());
@@ -271,7 +233,8 @@ XdmfIndex make_index(const Scene& scene) {
   return index;
 }
 XdmfIndex make_index(const SceneIn<3>& scene) {
-  XdmfIndex index = XdmfIndex::in_space(scene.disks.size(), num_wall_pieces(scene.walls));
+  const std::size_t lines = scene.cell.in_y ? 12 : scene.cell.in_x ? 8 : 0;
+  XdmfIndex index = XdmfIndex::in_space(scene.disks.size(), num_wall_pieces(scene.walls), lines);
   if (scene.has_gates()) index.let_bodies_change();
   return index;
 }
@@ -383,13 +346,6 @@ void write_velocities(Hdf5File& file, const std::vector<BodyIn<D>>& bodies) {
   }
   file.write_rows("/disks/v", velocity.values(), 3);
   file.write_attribute("/disks/v", "unit", "m/s");
-}
-
-/// The line of a contact in a drawing.
-std::pair<Vec3, Vec3> drawn_branch(const StateIn<3>& state, const ContactIn<3>& contact) {
-  const Sphere& i = state.disks[to_size(contact.i)];
-  const std::size_t j = to_size(contact.j);
-  return {i.x, j < state.disks.size() ? state.disks[j].x : Vec3(i.x - i.radius * contact.n)};
 }
 
 }  // namespace
@@ -543,11 +499,9 @@ void RunWriterIn<D>::write_frame_file(const StateIn<D>& state) const {
   }
 
   StateIn<D> inside;
-  if constexpr (D == 2) {
-    if (state.cell.periodic()) {
-      inside = wrapped_state(state);
-      write_cell(file, inside);
-    }
+  if (state.cell.periodic()) {
+    inside = wrapped_state(state);
+    write_cell(file, inside);
   }
   const StateIn<D>& drawn = state.cell.periodic() ? inside : state;
   const auto& walls = state.walls;

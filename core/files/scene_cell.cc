@@ -58,4 +58,16 @@ PeriodicCell read_cell(const SceneTable& root) {
   return cell;
 }
 
+PeriodicCell read_cell_in_space(const SceneTable& root) {
+  PeriodicCell cell;
+  const auto table = root.table("cell");
+  if (!table) return cell;
+  cell.in_x = true;
+  cell.width.length = table->positive("width");
+  cell.in_y = table->has("depth");
+  if (cell.in_y) cell.height.length = table->positive("depth");
+  table->finish();
+  return cell;
+}
+
 }  // namespace bipot

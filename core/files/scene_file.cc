@@ -308,7 +308,11 @@ SceneIn<D> parse_in(const SceneTable& root, const std::string& source) {
   }
   read_bodies(root, scene);
   read_gates(root, D == 2 && root.has("rotate_degrees"), scene);
-  if constexpr (D == 2) read_cell_and_turn(root, scene);
+  if constexpr (D == 2) {
+    read_cell_and_turn(root, scene);
+  } else {
+    scene.cell = read_cell_in_space(root);
+  }
   read_tilt(root, scene);
   read_time(root, scene);
   read_model(root, scene);

@@ -114,7 +114,7 @@ void XdmfIndex::add(const FrameEntry& frame) {
         grid(segments(file + "/walls", num_walls_) +
              attribute("material", "run.h5:/walls/material", num_walls_, "PeriodicCell", 1, true));
   }
-  if (num_cell_lines_ > 0) cell_ += grid(segments(file + "/cell", num_cell_lines_));
+  if (num_cell_lines_ > 0) cell_ += grid(segments(file + "/cell", num_cell_lines_, dimensions_));
   if (num_circles_ > 0) {
     const std::size_t points = num_circles_ * to_size(kRimPoints);
     circles_ +=

@@ -32,8 +32,8 @@ class XdmfIndex {
       : num_disks_(disks), num_walls_(walls), num_circles_(circles), num_cell_lines_(cell_lines) {}
 
   /// Spheres as points, contacts as lines, walls as so many four-cornered pieces.
-  static XdmfIndex in_space(std::size_t spheres, std::size_t wall_pieces) {
-    XdmfIndex index(spheres, wall_pieces);
+  static XdmfIndex in_space(std::size_t spheres, std::size_t wall_pieces, std::size_t cell_lines) {
+    XdmfIndex index(spheres, wall_pieces, 0, cell_lines);
     index.dimensions_ = 3;
     return index;
   }

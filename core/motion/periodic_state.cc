@@ -4,17 +4,19 @@
 
 namespace bipot {
 
-State wrapped_state(const State& state) {
-  State inside = state;
+template <int D>
+StateIn<D> wrapped_state(const StateIn<D>& state) {
+  StateIn<D> inside = state;
   const PeriodicCell& cell = state.cell;
   if (!cell.periodic()) return inside;
   std::vector<CellNumber> numbers;
-  for (Disk& d : inside.disks) {
-    numbers.push_back(cell_number(cell, d.x));
-    d.x -= cell.shift(numbers.back().kx, numbers.back().ky);
-    if (cell.deforms()) d.v -= cell.shift_velocity(numbers.back().kx, numbers.back().ky);
+  for (BodyIn<D>& d : inside.disks) {
+    numbers.push_back(cell_number(cell, d.x.template head<2>()));
+    const auto [kx, ky] = numbers.back();
+    d.x -= in_dimensions<D>(cell.shift(kx, ky));
+    if (cell.deforms()) d.v -= in_dimensions<D>(cell.shift_velocity(kx, ky));
   }
-  for (ContactOutcome& o : inside.contacts) {
+  for (ContactOutcomeIn<D>& o : inside.contacts) {
     const CellNumber a = numbers[to_size(o.contact.i)];
     const std::size_t j = to_size(o.contact.j);
     const CellNumber b = j < numbers.size() ? numbers[j] : CellNumber{};
@@ -24,14 +26,22 @@ State wrapped_state(const State& state) {
   return inside;
 }
 
-std::pair<Vec2, Vec2> drawn_branch(const State& state, const Contact& contact) {
-  const Disk& i = state.disks[to_size(contact.i)];
+template <int D>
+std::pair<VecIn<D>, VecIn<D>> drawn_branch(const StateIn<D>& state, const ContactIn<D>& contact) {
+  const BodyIn<D>& i = state.disks[to_size(contact.i)];
   const std::size_t j = to_size(contact.j);
   if (j >= state.disks.size()) return {i.x, i.x - i.radius * contact.n};
-  Vec2 other = state.disks[j].x;
-  if (contact.with_image()) other += state.cell.shift(contact.image_x, contact.image_y);
+  VecIn<D> other = state.disks[j].x;
+  if (contact.with_image()) {
+    other += in_dimensions<D>(state.cell.shift(contact.image_x, contact.image_y));
+  }
   return {i.x, other};
 }
+
+template State wrapped_state(const State&);
+template StateIn<3> wrapped_state(const StateIn<3>&);
+template std::pair<Vec2, Vec2> drawn_branch(const State&, const Contact&);
+template std::pair<Vec3, Vec3> drawn_branch(const StateIn<3>&, const ContactIn<3>&);
 
 std::vector<std::pair<Vec2, Vec2>> cell_outline(const PeriodicCell& cell, const Box& box) {
   if (!cell.periodic()) return {};
@@ -42,6 +52,24 @@ std::vector<std::pair<Vec2, Vec2>> cell_outline(const PeriodicCell& cell, const 
   }
   const Vec2 up(0, cell.height.length), zero = Vec2::Zero();
   return {{zero, p_x}, {p_x, p_x + up}, {p_x + up, up}, {up, zero}};
+}
+
+std::vector<std::pair<Vec3, Vec3>> cell_outline(const PeriodicCell& cell, const BoxIn<3>& box) {
+  std::vector<std::pair<Vec3, Vec3>> lines;
+  if (!cell.periodic()) return lines;
+  const double from_y = cell.in_y ? 0 : box.lower[1];
+  const double to_y = cell.in_y ? cell.height.length : box.upper[1];
+  std::vector<Vec3> faces[2];  // corners around the sides at x = 0 and x = width
+  for (const int side : {0, 1}) {
+    const double x = side * cell.width.length;
+    faces[side] = {Vec3(x, from_y, box.lower[2]), Vec3(x, to_y, box.lower[2]),
+                   Vec3(x, to_y, box.upper[2]), Vec3(x, from_y, box.upper[2])};
+    for (std::size_t k = 0; k < 4; ++k)
+      lines.emplace_back(faces[side][k], faces[side][(k + 1) % 4]);
+  }
+  if (!cell.in_y) return lines;
+  for (std::size_t k = 0; k < 4; ++k) lines.emplace_back(faces[0][k], faces[1][k]);
+  return lines;
 }
 
 std::vector<Vec2> image_shifts(const PeriodicCell& cell) {

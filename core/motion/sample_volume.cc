@@ -51,6 +51,40 @@ void clip_by_cylinder(ConvexBody& body, const Vec3& point, const WallIn<3>& wall
   }
 }
 
+/// Of a periodic cell, between the walls; where these leave it open, as far as the spheres reach.
+double cell_volume(const StateIn<3>& state, double step, const BoxIn<3>& spheres) {
+  constexpr double kFar = 1e3;
+  const PeriodicCell& cell = state.cell;
+  BoxIn<3> far = spheres;
+  far.widen(kFar * spheres.size().maxCoeff());
+  far.lower[0] = 0;
+  far.upper[0] = cell.width.length;
+  if (cell.in_y) {
+    far.lower[1] = 0;
+    far.upper[1] = cell.height.length;
+  }
+  ConvexBody body(far.lower, far.upper);
+  for (const WallIn<3>& w : state.walls) {
+    if (!w.present) continue;
+    const Vec3 point = w.a - 0.5 * step * w.v;
+    if (w.shape == WallIn<3>::Shape::kHalfPlane) body.clip(point, w.normal);
+    if (w.shape == WallIn<3>::Shape::kHollowCircle) clip_by_cylinder(body, point, w);
+  }
+  for (int axis = cell.in_y ? 2 : 1; axis < 3; ++axis) {
+    for (const int sign : {-1, 1}) {
+      const double edge = sign < 0 ? far.lower[axis] : far.upper[axis];
+      double reach = -kInfinity;
+      for (const auto& face : body.faces()) {
+        for (const Vec3& corner : face) reach = std::max(reach, sign * corner[axis]);
+      }
+      if (reach < sign * edge - spheres.size().maxCoeff()) continue;  // a wall ends it
+      const Vec3 end = (sign < 0 ? spheres.lower[axis] : spheres.upper[axis]) * Vec3::Unit(axis);
+      body.clip(end, -sign * Vec3::Unit(axis));
+    }
+  }
+  return body.volume();
+}
+
 /// Volume that the walls enclose; NaN where they leave the sample open, or leave spheres out.
 double enclosed_volume(const StateIn<3>& state, double step, const BoxIn<3>& spheres) {
   constexpr double kFar =
@@ -162,6 +196,7 @@ double sample_area(const StateIn<3>& state, double step) {
     box.include(centre_at_middle(s, step) - Vec3::Constant(s.radius));
     box.include(centre_at_middle(s, step) + Vec3::Constant(s.radius));
   }
+  if (state.cell.periodic()) return cell_volume(state, step, box);
   if (const double enclosed = enclosed_volume(state, step, box); std::isfinite(enclosed)) {
     return enclosed;
   }

@@ -5,6 +5,7 @@
 #include <numeric>
 #include <optional>
 
+#include "core/motion/periodic_state.h"
 #include "core/scene/scene_box.h"
 
 namespace bipot {
@@ -77,6 +78,11 @@ FlatView frame_of(const SceneIn<3>& scene, const StateIn<3>& state, const View& 
     add_wall(w, view, depth ? *depth - view.away.dot(w.a) : 0, flat);
   }
   flat.scene.walls = flat.state.walls;
+  // Across x the picture repeats itself, where it shows x to the right; what is behind another does not.
+  if (state.cell.periodic() && (view.right - Vec3::UnitX()).norm() < 1e-12) {
+    flat.state.cell.in_x = true;
+    flat.state.cell.width.length = state.cell.width.length;
+  }
   return flat;
 }
 
@@ -91,8 +97,9 @@ void add_contacts(const StateIn<3>& state, const View& view, FlatView& flat) {
     // All walls stand behind the disks: the picture only asks whether it is one.
     const int j = o.contact.j < spheres ? disk_of[to_size(o.contact.j)] : disks;
     if (i < 0 || j < 0) continue;
+    if (o.contact.image_x != 0 && !flat.state.cell.periodic()) continue;  // it has no place to end
     ContactOutcome shown;
-    shown.contact = {i, j, view(o.contact.n), o.contact.gap};
+    shown.contact = {i, j, view(o.contact.n), o.contact.gap, o.contact.image_x};
     shown.s_n = o.s_n;
     shown.s_t = o.s_t.norm();
     shown.status = o.status;
@@ -102,7 +109,8 @@ void add_contacts(const StateIn<3>& state, const View& view, FlatView& flat) {
 
 }  // namespace
 
-FlatView project(const SceneIn<3>& scene, const StateIn<3>& state) {
+FlatView project(const SceneIn<3>& scene, const StateIn<3>& any) {
+  const StateIn<3> state = wrapped_state(any);
   const View view = view_of(scene.gravity);
   FlatView flat = frame_of(scene, state, view, std::nullopt);
   flat.bodies.resize(state.disks.size());
@@ -122,7 +130,8 @@ FlatView project(const SceneIn<3>& scene, const StateIn<3>& state) {
   return flat;
 }
 
-FlatView slice(const SceneIn<3>& scene, const StateIn<3>& state) {
+FlatView slice(const SceneIn<3>& scene, const StateIn<3>& any) {
+  const StateIn<3> state = wrapped_state(any);
   const View view = view_of(scene.gravity);
   double near = kInfinity, far = -kInfinity;
   for (const Sphere& s : state.disks) {

@@ -140,11 +140,16 @@ std::string check_periodic(const SceneIn<D>& scene) {
     const bool across = wall.normal[0] != 0 || (cell.in_y && wall.normal[1] != 0);
     if (plane && across) {
       return fmt::format(
-          "wall {}: a half-plane in a periodic scene lies along x, and there is no "
-          "place for it where the cell is periodic in y as well",
-          w);
+          "wall {}: {}", w,
+          D == 2 ? "a half-plane in a periodic scene lies along x, and there is no place for it "
+                   "where the cell is periodic in y as well"
+                 : "a plane in a periodic scene lies along the directions that repeat themselves");
     }
-    const double reach = plane             ? 0
+    if (D == 3 && wall.is_circle() && !(wall.normal.cwiseAbs().maxCoeff() > 1 - 1e-12)) {
+      return fmt::format("wall {}: a cylinder in a periodic scene lies along an axis", w);
+    }
+    const bool along = D == 3 && wall.is_circle() && std::abs(wall.normal[0]) > 0.5;
+    const double reach = plane || along    ? 0
                          : wall.radius > 0 ? 2 * wall.radius
                                            : std::abs(wall.b[0] - wall.a[0]) * (1 - 1e-12);
     if (reach > cell.width.length) {

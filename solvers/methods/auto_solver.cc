@@ -217,8 +217,14 @@ class Planner {
     // and what resists first order from a warm start is a packing at rest, where it arrives in 25
     // to 50.
     const bool patient = warm_ || contacts_ > kLarge;
-    add("ipm", patient ? 40 : 12, patient ? 80 : 40, Start::kOwn,
-        "accuracy on piles, a few dozen factorisations");
+    if (exact_) {
+      add("ipm", patient ? 40 : 12, patient ? 80 : 40, Start::kOwn,
+          "accuracy on piles, a few dozen factorisations");
+    } else {
+      // Packings of spheres under a plate: its central path folds once or twice, and the error falls after that,
+      // in 60 to 110 iterations, where all else needs 1e5 and more or stalls.
+      add("ipm", 90, 150, Start::kOwn, "packings in space, about a hundred factorisations");
+    }
     // There a path costs more than all factorisations that a packing at rest needs.
     if (contacts_ > kLarge) first_paths(kManyPivots);
     if (contacts_ <= kLarge) {
@@ -240,6 +246,12 @@ class Planner {
       add("apgd", 3000, 12000, Start::kOwn, "again, with patience");
       add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
       return;
+    }
+    if (!exact_ && contacts_ <= kLarge) {
+      // A plate pressed on spheres: of steps at which all else gives up some are met by splitting in 1e4 cheap
+      // iterations, some by a path with a dozen folds.
+      add("admm", 12000, 15000, Start::kCaller, "packings in space, by factors of W");
+      add("ipm", 350, 400, Start::kCaller, "packings in space, through the folds of the path");
     }
     // Momentum is lost where it was given up: from the start once more, to a later end.
     add("apgd", 6000, std::max(12000, 8 * crossing_), Start::kCaller, "again, with patience");

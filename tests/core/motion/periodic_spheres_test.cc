@@ -1,0 +1,228 @@
+// Spheres in a cell that repeats itself in x, or in x and y.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+#include <set>
+#include <string>
+#include <tuple>
+
+#include "core/files/run_output.h"
+#include "core/files/run_reader.h"
+#include "core/files/scene_file.h"
+#include "core/motion/periodic_state.h"
+#include "core/motion/sample_volume.h"
+#include "core/motion/stress_tensor.h"
+#include "core/motion/time_stepping.h"
+#include "core/pictures/flat_view.h"
+#include "core/scene/periodic_detection.h"
+#include "solvers/registry.h"
+#include "solvers/step_solver.h"
+#include "tests/support/scene_parts.h"
+#include "tests/support/scene_run.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+PeriodicCell block(double width, double depth) {
+  PeriodicCell cell;
+  cell.in_x = true;
+  cell.in_y = depth > 0;
+  cell.width.length = width;
+  cell.height.length = depth;
+  return cell;
+}
+
+TEST(PeriodicSpheres, EveryPairOfImagesIsMetOnce) {
+  // Against all pairs of all images. The places are up to three cells away from the origin.
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  for (const double depth : {0.0, 1.3}) {
+    const PeriodicCell cell = block(1.1, depth);
+    std::vector<Sphere> spheres;
+    for (int k = 0; k < 60; ++k) {
+      spheres.push_back(
+          ball(Vec3(3 * unit(random), (depth > 0 ? 3 : 0.6) * unit(random), 0.5 * unit(random)),
+               k % 3 == 0 ? 0.12 : 0.2));
+    }
+    const auto found = detect_periodic_contacts<3>(spheres, {}, cell, 1e-3, 1);
+    std::set<std::tuple<int, int, int, int>> expected, seen;
+    for (int i = 0; i < 60; ++i) {
+      for (int j = i + 1; j < 60; ++j) {
+        for (int kx = -8; kx <= 8; ++kx) {
+          for (int ky = (depth > 0 ? -8 : 0); ky <= (depth > 0 ? 8 : 0); ++ky) {
+            const Sphere &a = spheres[to_size(i)], &b = spheres[to_size(j)];
+            const Vec3 d = a.x - b.x - Vec3(kx * 1.1, ky * depth, 0);
+            if (d.norm() - a.radius - b.radius <= 1e-3) expected.insert({i, j, kx, ky});
+          }
+        }
+      }
+    }
+    for (const ContactIn<3>& c : found) {
+      EXPECT_TRUE(seen.insert({c.i, c.j, c.image_x, c.image_y}).second);
+      const Sphere &a = spheres[to_size(c.i)], &b = spheres[to_size(c.j)];
+      const Vec3 d = a.x - b.x - Vec3(c.image_x * 1.1, c.image_y * depth, 0);
+      EXPECT_NEAR(c.gap, d.norm() - a.radius - b.radius, 1e-12);
+      EXPECT_LT((c.n - d.normalized()).norm(), 1e-12);
+    }
+    EXPECT_EQ(seen, expected);
+    EXPECT_GT(expected.size(), 40u);
+  }
+}
+
+constexpr const char* kLayer = R"(
+[contact]
+mu = 0.3
+[cell]
+width = 0.43
+depth = 0.57
+[[spheres]]
+arrangement = "cubic"
+columns = 3
+rows = 4
+layers = 3
+radius = 0.07
+density = 1000
+velocity = [1, -2, 0]
+[[walls]]
+point = [0, 0, 0]
+normal = [0, 0, 1]
+[[walls]]
+name = "plate"
+point = [0, 0, 1]
+normal = [0, 0, -1]
+force = 100
+mass = 5
+[time]
+step = 2e-3
+steps = 60
+[solver]
+name = "pgs"
+tol = 1e-6
+)";
+
+TEST(PeriodicSpheres, WhereTheCellBeginsChangesNothing) {
+  // All spheres moved by half a cell, and by whole cells: the same impulses, other images.
+  auto scene = std::get<SceneIn<3>>(parse_any_scene(kLayer, "layer.toml"));
+  for (std::size_t i = 0; i < scene.disks.size(); ++i) {
+    const double k = static_cast<double>(i);
+    scene.disks[i].v = Vec3(std::sin(3 * k), std::cos(5 * k), 0);
+  }
+  SceneIn<3> moved = scene;
+  for (std::size_t i = 0; i < moved.disks.size(); ++i) {
+    moved.disks[i].x += Vec3(0.2 + 0.43 * (static_cast<double>(i % 3) - 1), 0.3 + 0.57 * 2, 0);
+  }
+  StateIn<3> a = initial_state(scene), b = initial_state(moved);
+  SolverOptions options;
+  options.tol = 1e-9;
+  const auto pgs = make_step_solver(*find_solver("pgs"), options);
+  TimeStepperIn<3> at(scene, pgs, false), bt(moved, pgs, false);
+  bool across_x = false, across_y = false;
+  while (a.step < 60) {
+    const StepReportIn<3> r = at.advance(a);
+    bt.advance(b);
+    EXPECT_LT(std::abs(r.energy.imbalance), 1e-10);
+    EXPECT_LT(r.momentum_imbalance.norm(), 1e-11);
+    for (const auto& c : a.contacts) {
+      across_x |= c.s_n > 0 && c.contact.image_x != 0;
+      across_y |= c.s_n > 0 && c.contact.image_y != 0;
+    }
+  }
+  EXPECT_TRUE(across_x && across_y);
+  EXPECT_LT((momentum(a) - momentum(b)).norm(), 1e-5 * momentum(a).norm());
+  EXPECT_NEAR(kinetic_energy(a), kinetic_energy(b), 1e-5 * kinetic_energy(a));
+  const double volume = sample_area(a, scene.step);
+  const double plate = a.walls[1].a[2] - 0.5 * scene.step * a.walls[1].v[2];
+  EXPECT_NEAR(volume, 0.43 * 0.57 * plate, 1e-12);
+  EXPECT_NEAR(sample_area(b, scene.step), volume, 1e-6);
+  const MatIn<3> stress = sample_stress<3>(a, scene.step, volume, contact_moments(a)).total();
+  EXPECT_LT((stress - stress.transpose()).norm(), 1e-10 * stress.norm());
+}
+
+TEST(PeriodicSpheres, VolumeIsThatOfTheCellAndOfWhatClosesIt) {
+  // Without planes as high as the spheres reach; in a cell of x alone as deep as they reach.
+  StateIn<3> state;
+  state.cell = block(2, 3);
+  state.disks = {ball(Vec3(0.5, 0.5, 1), 0.5), ball(Vec3(9, 1.5, 2), 0.25)};
+  EXPECT_NEAR(sample_area(state, 0), 2 * 3 * (2.25 - 0.5), 1e-9);
+  state.walls = {half_space(Vec3::Zero(), Vec3::UnitZ())};
+  EXPECT_NEAR(sample_area(state, 0), 2 * 3 * 2.25, 1e-9);
+  state.cell = block(2, 0);
+  EXPECT_NEAR(sample_area(state, 0), 2 * (1.75 - 0) * 2.25, 1e-9);
+}
+
+TEST(PeriodicSpheres, ASphereRollsOnThroughTheEdge) {
+  // Thrown along the floor it ends at 5/7 of its speed, wherever cells begin, and keeps its coordinates; in the
+  // wrapped state it lies in the cell.
+  SceneIn<3> scene = one_law_in_space({.mu = 0.4});
+  scene.gravity = Vec3(0, 0, -kGravity);
+  scene.cell = block(0.5, 0.7);
+  scene.walls = {half_space(Vec3::Zero(), Vec3::UnitZ())};
+  scene.disks = {ball(Vec3(0.1, 0.1, 0.1), 0.1, Vec3(2, -1, 0))};
+  scene.contact_distance = 1e-9;
+  scene.step = 1e-3;
+  scene.num_steps = 800;
+  scene.solver.tol = 1e-11;
+  ASSERT_EQ(validate(scene), "");
+  const StateIn<3> end = run_scene(scene);
+  EXPECT_LT((end.disks[0].v - 5.0 / 7 * Vec3(2, -1, 0)).norm(), 1e-7);
+  EXPECT_GT(end.disks[0].x[0], 1);
+  const StateIn<3> inside = wrapped_state(end);
+  EXPECT_GE(inside.disks[0].x[0], 0);
+  EXPECT_LT(inside.disks[0].x[0], 0.5);
+  EXPECT_GE(inside.disks[0].x[1], 0);
+  EXPECT_LT(inside.disks[0].x[1], 0.7);
+}
+
+TEST(PeriodicSpheres, ARunGoesOnBitForBitAndIsDrawn) {
+  const auto scene = std::get<SceneIn<3>>(parse_any_scene(kLayer, "layer.toml"));
+  const TemporaryFolder folder;
+  const auto pgs = make_step_solver(*find_solver("pgs"), to_options(scene.solver));
+  const auto run = [&](StateIn<3> state, RunWriterIn<3>* writer) {
+    TimeStepperIn<3> stepper(scene, pgs, false);
+    while (state.step < 60) {
+      stepper.advance(state);
+      if (writer != nullptr && state.step % 20 == 0) writer->frame(state);
+    }
+    return state;
+  };
+  RunWriterIn<3> writer(folder / "out", scene, kLayer);
+  const StateIn<3> end = run(initial_state(scene), &writer);
+  writer.close();
+  const StateIn<3> middle = read_state<3>(folder / "out", 40);
+  EXPECT_EQ(restart_mismatch(scene, middle), "");
+  const StateIn<3> again = run(middle, nullptr);
+  for (std::size_t i = 0; i < end.disks.size(); ++i) EXPECT_EQ(end.disks[i].x, again.disks[i].x);
+  // The picture repeats itself to the right, and shows contacts with the image there.
+  const FlatView all = project(scene, end);
+  EXPECT_TRUE(all.state.cell.in_x && !all.state.cell.in_y);
+  EXPECT_EQ(all.state.contacts.size(), end.contacts.size());
+  int with_image = 0;
+  for (const ContactOutcome& c : all.state.contacts) with_image += c.contact.image_x != 0 ? 1 : 0;
+  EXPECT_GT(with_image, 0);
+}
+
+TEST(PeriodicSpheres, PlanesAcrossTheCellAndObliqueCylindersAreRefused) {
+  const std::string rest = "dim = 3\n[cell]\nwidth = 2\n[time]\nstep = 1e-3\nsteps = 1\n";
+  const auto refused = [&](const std::string& text, const std::string& reason) {
+    try {
+      parse_any_scene(rest + text, "test.toml");
+      ADD_FAILURE() << "accepted: " << text;
+    } catch (const SceneFileError& e) {
+      EXPECT_NE(std::string(e.what()).find(reason), std::string::npos) << e.what();
+    }
+  };
+  parse_any_scene(rest + "[[walls]]\npoint = [0, 0, 0]\nnormal = [0, 1, 1]\n", "test.toml");
+  refused("[[walls]]\npoint = [0, 0, 0]\nnormal = [1, 0, 1]\n", "along the directions");
+  refused("[[walls]]\ncenter = [0, 0, 0]\naxis = [1, 0, 1]\nradius = 0.5\n", "along an axis");
+  refused("[[walls]]\ncenter = [0, 0, 0]\naxis = [0, 1, 0]\nradius = 1.5\n", "3 m wide");
+  parse_any_scene(rest + "[[walls]]\ncenter = [0, 0, 0]\naxis = [1, 0, 0]\nradius = 9\n", "t");
+  refused("[[spheres]]\nposition = [0, 0, 0]\nradius = 0.6\nmass = 1\n", "diameters");
+}
+
+}  // namespace
+}  // namespace bipot
