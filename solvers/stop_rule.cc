@@ -7,8 +7,6 @@
 namespace bipot {
 
 StopVerdict stop_verdict(const SolverOptions& options, const JudgedIterate& it) {
-  // An energy this many times that of the free violation is divergence, not convergence.
-  constexpr double kDivergenceFactor = 1e20;
   // Consecutive iterates that differ by less than this, relative, have stopped moving.
   constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
   if (it.met) {

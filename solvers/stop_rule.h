@@ -10,6 +10,10 @@ namespace bipot {
 // When iterates are judged and what a judged one says: for the monitor of one process (monitor.h)
 // and for the one of several (distributed/distributed_monitor.h).
 
+/// An energy this many times that of the free violation (of the start, should that have more) is divergence, not
+/// convergence.
+inline constexpr double kDivergenceFactor = 1e20;
+
 /// Iterations 0 to 32 are judged, then one whenever the count has grown by 1/32.
 inline int next_judged(int iteration) {
   constexpr int kDenseIterations = 32;

@@ -25,35 +25,49 @@ struct Quantity {
 };
 
 /// One measurement, in the order of the columns.
-std::vector<Quantity> quantities(const Observables& o) {
-  const Mat2 stress = o.stress.total();
-  return {{"disks", "", static_cast<double>(o.disks)},
-          {"rattlers", "", static_cast<double>(o.rattlers)},
-          {"contacts", "", static_cast<double>(o.contacts)},
-          {"sliding_share", "", o.sliding_share()},
-          {"coordination", "", o.coordination},
-          {"coordination_without_rattlers", "", o.coordination_without},
-          {"solid_fraction", "", o.solid_fraction},
-          {"fabric_xx", "", o.fabric(0, 0)},
-          {"fabric_yy", "", o.fabric(1, 1)},
-          {"fabric_xy", "", o.fabric(0, 1)},
-          {"stress_xx", "Pa", stress(0, 0)},
-          {"stress_yy", "Pa", stress(1, 1)},
-          {"stress_xy", "Pa", 0.5 * (stress(0, 1) + stress(1, 0))},
-          {"pressure", "Pa", o.stress.pressure()},
-          {"shear_rate", "1/s", o.shear_rate()},
-          {"mean_mass", "kg", o.mean_mass},
-          {"inertial_number", "", o.inertial_number()},
-          {"friction", "", o.friction()}};
+template <int D>
+std::vector<Quantity> quantities(const ObservablesIn<D>& o) {
+  const MatIn<D> stress = o.stress.total();
+  std::vector<Quantity> list = {{D == 2 ? "disks" : "spheres", "", static_cast<double>(o.disks)},
+                                {"rattlers", "", static_cast<double>(o.rattlers)},
+                                {"contacts", "", static_cast<double>(o.contacts)},
+                                {"sliding_share", "", o.sliding_share()},
+                                {"coordination", "", o.coordination},
+                                {"coordination_without_rattlers", "", o.coordination_without},
+                                {"solid_fraction", "", o.solid_fraction},
+                                {"fabric_xx", "", o.fabric(0, 0)},
+                                {"fabric_yy", "", o.fabric(1, 1)},
+                                {"fabric_xy", "", o.fabric(0, 1)},
+                                {"stress_xx", "Pa", stress(0, 0)},
+                                {"stress_yy", "Pa", stress(1, 1)},
+                                {"stress_xy", "Pa", 0.5 * (stress(0, 1) + stress(1, 0))},
+                                {"pressure", "Pa", o.stress.pressure()},
+                                {"shear_rate", "1/s", o.shear_rate()},
+                                {"mean_mass", "kg", o.mean_mass},
+                                {"inertial_number", "", o.inertial_number()},
+                                {"friction", "", o.friction()}};
+  if constexpr (D == 3) {
+    const auto mean = [&](int k, int l) { return 0.5 * (stress(k, l) + stress(l, k)); };
+    list.insert(list.end(), {{"fabric_zz", "", o.fabric(2, 2)},
+                             {"fabric_xz", "", o.fabric(0, 2)},
+                             {"fabric_yz", "", o.fabric(1, 2)},
+                             {"stress_zz", "Pa", stress(2, 2)},
+                             {"stress_xz", "Pa", mean(0, 2)},
+                             {"stress_yz", "Pa", mean(1, 2)},
+                             {"mean_diameter", "m", o.mean_diameter},
+                             {"density", "kg/m3", o.density}});
+  }
+  return list;
 }
 
 std::string with_unit(const Quantity& q) {
   return *q.unit == 0 ? std::string(q.name) : fmt::format("{} [{}]", q.name, q.unit);
 }
 
-std::string header_of(const Scene& scene) {
+template <int D>
+std::string header_of(const SceneIn<D>& scene) {
   std::string header = "step,time [s]";
-  for (const Quantity& q : quantities({})) header += fmt::format(",{}", with_unit(q));
+  for (const Quantity& q : quantities<D>({})) header += fmt::format(",{}", with_unit(q));
   for (const FluxLine& line : scene.observables->lines)
     header += fmt::format(",flux_{} [kg/s]", line.name);
   return header;
@@ -100,6 +114,7 @@ void write_text(const fs::path& path, const std::string& text) {
 
 /// Ratios of means, which a mean of ratios is not: tau/P and the inertial number are those of the
 /// mean stress and the mean shear rate.
+template <int D>
 void write_means(const fs::path& folder, double starts) {
   const NumberTable table = read_number_table(folder / "observables.csv");
   const auto rows = rows_from(table, starts);
@@ -112,11 +127,19 @@ void write_means(const fs::path& folder, double starts) {
     text += fmt::format("{},{:.17g},{:.17g},{}\n", table.names[k], sum.mean(), sum.deviation(),
                         sum.count);
   }
-  const Mat2 stress =
-      (Mat2() << means["stress_xx"], means["stress_xy"], means["stress_xy"], means["stress_yy"])
-          .finished();
-  text += fmt::format("friction_of_mean_stress,{:.17g},nan,{}\n", anisotropy(stress), rows.size());
-  const double inertial = means["shear_rate"] * std::sqrt(means["mean_mass"] / means["pressure"]);
+  const char axes[] = {'x', 'y', 'z'};
+  MatIn<D> stress;
+  for (int k = 0; k < D; ++k) {
+    for (int l = k; l < D; ++l) {
+      stress(k, l) = stress(l, k) = means[fmt::format("stress_{}{}", axes[k], axes[l])];
+    }
+  }
+  text +=
+      fmt::format("friction_of_mean_stress,{:.17g},nan,{}\n", stress_ratio<D>(stress), rows.size());
+  const double inertial =
+      means["shear_rate"] *
+      (D == 2 ? std::sqrt(means["mean_mass"] / means["pressure"])
+              : means["mean_diameter"] * std::sqrt(means["density"] / means["pressure"]));
   text += fmt::format("inertial_number_of_means,{:.17g},nan,{}\n", inertial, rows.size());
   write_text(folder / "observables_mean.csv", text);
 }
@@ -165,6 +188,36 @@ void write_force_means(const fs::path& folder, double starts) {
   write_text(folder / "forces_mean.csv", text);
 }
 
+void write_profile_rows(const State& state, const Scene& scene, CsvFile& file) {
+  const Profile p = observe_profile(state, scene.step, *scene.observables);
+  for (std::size_t b = 0; b < p.position.size(); ++b) {
+    file.row(fmt::format("{},{:.17g},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}",
+                         state.step, state.time, b, p.position[b], p.solid_fraction[b], p.vx[b],
+                         p.vy[b], p.spin[b], p.temperature[b]));
+  }
+}
+
+/// Of a frame: what there is in the plane alone.
+void write_flux_and_profile(Hdf5File& file, const Scene& scene, const State& state) {
+  const ObservableChoice& choice = *scene.observables;
+  for (const FluxLine& line : choice.lines) {
+    file.write("/observables/flux/" + line.name, line_flux(state, line));
+    file.write_attribute("/observables/flux/" + line.name, "unit", "kg/s");
+  }
+  if (!choice.profile) return;
+  const Profile p = observe_profile(state, scene.step, choice);
+  for (const auto& [name, unit, values] : {std::tuple{"position", "m", &p.position},
+                                           {"solid_fraction", "1", &p.solid_fraction},
+                                           {"vx", "m/s", &p.vx},
+                                           {"vy", "m/s", &p.vy},
+                                           {"spin", "rad/s", &p.spin},
+                                           {"temperature", "m2/s2", &p.temperature}}) {
+    const std::string path = std::string("/observables/profile/") + name;
+    file.write(path, std::span<const double>(*values));
+    file.write_attribute(path, "unit", unit);
+  }
+}
+
 }  // namespace
 
 std::size_t NumberTable::column(const std::string& name) const {
@@ -196,7 +249,8 @@ NumberTable read_number_table(const fs::path& path) {
   return table;
 }
 
-ObservableWriter::ObservableWriter(fs::path folder, const Scene& scene, int keep_up_to)
+template <int D>
+ObservableWriterIn<D>::ObservableWriterIn(fs::path folder, const SceneIn<D>& scene, int keep_up_to)
     : folder_(std::move(folder)),
       scene_(scene),
       rows_(folder_ / "observables.csv", header_of(scene), keep_up_to),
@@ -206,22 +260,22 @@ ObservableWriter::ObservableWriter(fs::path folder, const Scene& scene, int keep
   }
 }
 
-void ObservableWriter::step(const State& state) {
+template <int D>
+void ObservableWriterIn<D>::step(const StateIn<D>& state) {
   const ObservableChoice& choice = *scene_.observables;
   if (state.step % choice.every != 0) return;
   std::string row = fmt::format("{},{:.17g}", state.step, state.time);
   for (const Quantity& q : quantities(observe(scene_, state, choice))) {
     row += fmt::format(",{:.17g}", q.value);
   }
-  for (const FluxLine& line : choice.lines) row += fmt::format(",{:.17g}", line_flux(state, line));
-  rows_.row(row);
-  if (profile_) {
-    const Profile p = observe_profile(state, scene_.step, choice);
-    for (std::size_t b = 0; b < p.position.size(); ++b) {
-      profile_->row(fmt::format("{},{:.17g},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}",
-                                state.step, state.time, b, p.position[b], p.solid_fraction[b],
-                                p.vx[b], p.vy[b], p.spin[b], p.temperature[b]));
+  if constexpr (D == 2) {
+    for (const FluxLine& line : choice.lines) {
+      row += fmt::format(",{:.17g}", line_flux(state, line));
     }
+  }
+  rows_.row(row);
+  if constexpr (D == 2) {
+    if (profile_) write_profile_rows(state, scene_, *profile_);
   }
   const ForceDistribution forces = observe_forces(state, scene_.step, choice);
   const double width = choice.force_limit / choice.force_bins;
@@ -232,41 +286,33 @@ void ObservableWriter::step(const State& state) {
   }
 }
 
-void ObservableWriter::close() const {
+template <int D>
+void ObservableWriterIn<D>::close() const {
   const double starts = scene_.observables->starts;
-  write_means(folder_, starts);
+  write_means<D>(folder_, starts);
   if (profile_) write_profile_means(folder_, starts);
   write_force_means(folder_, starts);
 }
 
-void write_observables(Hdf5File& file, const Scene& scene, const State& state) {
+template <int D>
+void write_observables(Hdf5File& file, const SceneIn<D>& scene, const StateIn<D>& state) {
   const ObservableChoice& choice = *scene.observables;
   for (const Quantity& q : quantities(observe(scene, state, choice))) {
     const std::string name = std::string("/observables/") + q.name;
     file.write(name, q.value);
     if (*q.unit != 0) file.write_attribute(name, "unit", q.unit);
   }
-  for (const FluxLine& line : choice.lines) {
-    file.write("/observables/flux/" + line.name, line_flux(state, line));
-    file.write_attribute("/observables/flux/" + line.name, "unit", "kg/s");
-  }
   const ForceDistribution forces = observe_forces(state, scene.step, choice);
   file.write("/observables/forces/counts", forces.counts);
   file.write("/observables/forces/mean", forces.mean);
   file.write_attribute("/observables/forces/mean", "unit", "N");
   file.write("/observables/forces/limit", choice.force_limit);
-  if (!choice.profile) return;
-  const Profile p = observe_profile(state, scene.step, choice);
-  for (const auto& [name, unit, values] : {std::tuple{"position", "m", &p.position},
-                                           {"solid_fraction", "1", &p.solid_fraction},
-                                           {"vx", "m/s", &p.vx},
-                                           {"vy", "m/s", &p.vy},
-                                           {"spin", "rad/s", &p.spin},
-                                           {"temperature", "m2/s2", &p.temperature}}) {
-    const std::string path = std::string("/observables/profile/") + name;
-    file.write(path, std::span<const double>(*values));
-    file.write_attribute(path, "unit", unit);
-  }
+  if constexpr (D == 2) write_flux_and_profile(file, scene, state);
 }
+
+template class ObservableWriterIn<2>;
+template class ObservableWriterIn<3>;
+template void write_observables(Hdf5File&, const Scene&, const State&);
+template void write_observables(Hdf5File&, const SceneIn<3>&, const StateIn<3>&);
 
 }  // namespace bipot

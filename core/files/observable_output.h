@@ -18,25 +18,27 @@ namespace bipot {
 /// Means are over the measurements from the time on that the scene says, and are made from the files, so
 /// that a run that was restarted has the same. data/formats.md describes the columns. Throws
 /// FileError.
-class ObservableWriter {
+template <int D>
+class ObservableWriterIn {
  public:
   /// The scene asks for observables. Rows up to `keep_up_to` of files that are there are kept.
-  ObservableWriter(std::filesystem::path folder, const Scene& scene, int keep_up_to);
+  ObservableWriterIn(std::filesystem::path folder, const SceneIn<D>& scene, int keep_up_to);
   /// Measures where the step is due.
-  void step(const State& state);
+  void step(const StateIn<D>& state);
   /// The means. Without effect on a run without measurements.
   void close() const;
 
  private:
   std::filesystem::path folder_;
-  Scene scene_;
+  SceneIn<D> scene_;
   CsvFile rows_;
   std::optional<CsvFile> profile_;
   CsvFile forces_;
 };
 
 /// What a frame says of its state: /observables in the frame's file.
-void write_observables(Hdf5File& file, const Scene& scene, const State& state);
+template <int D>
+void write_observables(Hdf5File& file, const SceneIn<D>& scene, const StateIn<D>& state);
 
 /// A CSV file of numbers: names of the columns, and the rows. Throws FileError.
 struct NumberTable {

@@ -386,9 +386,7 @@ RunWriterIn<D>::RunWriterIn(fs::path folder, const SceneIn<D>& scene, std::strin
       gates_.emplace(folder_ / "gates.csv", gates_header(scene_), resume_after);
     }
   }
-  if constexpr (D == 2) {
-    if (scene_.observables) observables_.emplace(folder_, scene_, resume_after);
-  }
+  if (scene_.observables) observables_.emplace(folder_, scene_, resume_after);
   if (!scene_.output.track.empty()) {
     trajectory_.emplace(folder_ / "trajectory.csv", trajectory_header<D>(), resume_after);
   }
@@ -553,9 +551,7 @@ void RunWriterIn<D>::write_frame_file(const StateIn<D>& state) const {
   file.write_rows("/contacts/segment", branch.values(), D);
   write_point_numbers(file, "/contacts/points", 2 * contacts.size());
   write_stresses(file, state, h);
-  if constexpr (D == 2) {
-    if (scene_.observables) write_observables(file, scene_, state);
-  }
+  if (scene_.observables) write_observables(file, scene_, state);
   file.close();
   target.commit();
 }
@@ -583,9 +579,7 @@ void RunWriterIn<D>::step(const StateIn<D>& state, const StepReportIn<D>& r) {
       pending_gates_ = std::move(gates);
     }
   }
-  if constexpr (D == 2) {
-    if (observables_) observables_->step(state);
-  }
+  if (observables_) observables_->step(state);
   for (int disk : scene_.output.track) {
     const int index = body_index(state, disk);
     if (index < 0) continue;  // it has left

@@ -62,7 +62,7 @@ class RunWriterIn {
   std::string scene_text_;
   std::vector<FrameEntry> frames_;
   std::optional<CsvFile> ledger_, trajectory_, gates_;
-  std::optional<ObservableWriter> observables_;
+  std::optional<ObservableWriterIn<D>> observables_;
   std::string pending_row_, pending_gates_;  // last row of ledger and gates, if not due
   XdmfIndex xdmf_;
   std::size_t indexed_ = 0;  // frames that run.h5 and run.xdmf know

@@ -324,7 +324,7 @@ SceneIn<D> parse_in(const SceneTable& root, const std::string& source) {
   }
   read_solver(root, scene);
   read_output(root, scene);
-  if constexpr (D == 2) scene.observables = read_observables(root);
+  scene.observables = D == 2 ? read_observables(root) : read_observables_in_space(root);
   root.finish();
   if (scene.contact_distance < 0) {
     scene.contact_distance = default_contact_distance(scene);

@@ -50,6 +50,18 @@ void read_lines(const SceneTable& table, ObservableChoice& choice) {
 
 }  // namespace
 
+std::optional<ObservableChoice> read_observables_in_space(const SceneTable& root) {
+  const auto table = root.table("observables");
+  if (!table) return std::nullopt;
+  ObservableChoice choice;
+  choice.every = at_least_one(*table, "every", choice.every);
+  choice.starts = table->number("starts", choice.starts);
+  choice.force_bins = at_least_one(*table, "force_bins", choice.force_bins);
+  if (table->has("force_limit")) choice.force_limit = table->positive("force_limit");
+  table->finish();
+  return choice;
+}
+
 std::optional<ObservableChoice> read_observables(const SceneTable& root) {
   const auto table = root.table("observables");
   if (!table) return std::nullopt;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/motion/periodic_state.h"
+#include "core/motion/sample_volume.h"
 
 namespace bipot {
 namespace {
@@ -41,27 +42,61 @@ bool in_window(const ObservableChoice& choice, const Vec2& x) {
   return !choice.window || inside(x, choice.window->first, choice.window->second);
 }
 
+/// In space there are no windows.
+bool in_window(const ObservableChoice& /*choice*/, const Vec3& /*x*/) { return true; }
+
 /// The states's disks where they can be compared with places.
-State in_place(const State& state) { return state.cell.periodic() ? wrapped_state(state) : state; }
+template <int D>
+StateIn<D> in_place(const StateIn<D>& state) {
+  return state.cell.periodic() ? wrapped_state(state) : state;
+}
 
 /// Least squares fit v = v0 + L x.
-Mat2 fitted_gradient(const std::vector<const Disk*>& disks) {
-  Mat2 undefined = Mat2::Constant(kNaN);
-  if (disks.size() < 3) return undefined;
-  Vec2 x_mean = Vec2::Zero(), v_mean = Vec2::Zero();
+template <int D>
+MatIn<D> fitted_gradient(const std::vector<const BodyIn<D>*>& disks) {
+  const MatIn<D> undefined = MatIn<D>::Constant(kNaN);
+  if (disks.size() < D + 1) return undefined;
+  VecIn<D> x_mean = VecIn<D>::Zero(), v_mean = VecIn<D>::Zero();
   const double count = static_cast<double>(disks.size());
-  for (const Disk* d : disks) {
+  for (const BodyIn<D>* d : disks) {
     x_mean += d->x / count;
     v_mean += d->v / count;
   }
-  Mat2 xx = Mat2::Zero(), vx = Mat2::Zero();
-  for (const Disk* d : disks) {
-    const Vec2 x = d->x - x_mean;
+  MatIn<D> xx = MatIn<D>::Zero(), vx = MatIn<D>::Zero();
+  for (const BodyIn<D>* d : disks) {
+    const VecIn<D> x = d->x - x_mean;
     xx += x * x.transpose();
     vx += (d->v - v_mean) * x.transpose();
   }
-  if (!(std::abs(xx.determinant()) > 1e-12 * xx.trace() * xx.trace())) return undefined;
+  double scale = xx.trace() * xx.trace();
+  if (D == 3) scale *= xx.trace();
+  if (!(std::abs(xx.determinant()) > 1e-12 * scale)) return undefined;
   return vx * xx.inverse();
+}
+
+double volume_of(const Sphere& s) {
+  return 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius;
+}
+
+/// What the spheres take up.
+double disks_area(const StateIn<3>& placed, const ObservableChoice& /*choice*/) {
+  double sum = 0;
+  for (const Sphere& s : placed.disks) {
+    if (s.wall < 0) sum += volume_of(s);
+  }
+  return sum;
+}
+
+/// Mean diameter and density of the spheres; in the plane neither is asked for.
+void observe_grains(const State& /*placed*/, Observables& /*seen*/) {}
+void observe_grains(const StateIn<3>& placed, ObservablesIn<3>& seen) {
+  double mass = 0;
+  for (const Sphere& s : placed.disks) {
+    if (s.wall >= 0) continue;
+    seen.mean_diameter += 2 * s.radius / seen.disks;
+    mass += s.mass;
+  }
+  seen.density = mass / disks_area(placed, {});
 }
 
 double disks_area(const State& placed, const ObservableChoice& choice) {
@@ -80,8 +115,9 @@ double disks_area(const State& placed, const ObservableChoice& choice) {
 }
 
 /// Contacts: coordination, sliding, fabric.
-void observe_contacts(const State& placed, const ObservableChoice& choice,
-                      const std::vector<bool>& rattles, Observables& seen) {
+template <int D>
+void observe_contacts(const StateIn<D>& placed, const ObservableChoice& choice,
+                      const std::vector<bool>& rattles, ObservablesIn<D>& seen) {
   std::vector<bool> counted(placed.disks.size());
   for (std::size_t i = 0; i < placed.disks.size(); ++i) {
     counted[i] = placed.disks[i].wall < 0 && in_window(choice, placed.disks[i].x);
@@ -92,7 +128,7 @@ void observe_contacts(const State& placed, const ObservableChoice& choice,
   }
   seen.mean_mass /= seen.disks;
   int ends = 0, held_ends = 0;
-  for (const ContactOutcome& o : placed.contacts) {
+  for (const ContactOutcomeIn<D>& o : placed.contacts) {
     if (!(o.s_n > 0)) continue;
     const std::size_t i = to_size(o.contact.i), j = to_size(o.contact.j);
     const bool with_disk = j < placed.disks.size();
@@ -100,10 +136,12 @@ void observe_contacts(const State& placed, const ObservableChoice& choice,
     const int here = (counted[i] ? 1 : 0) + (with_disk && counted[j] ? 1 : 0);
     ends += here;
     if (!loose) held_ends += here;
-    const Disk& d = placed.disks[i];
-    Vec2 point = d.x - d.radius * o.contact.n;
-    if (placed.cell.periodic()) point = wrapped(placed.cell, point);
-    if (!in_window(choice, point)) continue;
+    if constexpr (D == 2) {
+      const Disk& d = placed.disks[i];
+      Vec2 point = d.x - d.radius * o.contact.n;
+      if (placed.cell.periodic()) point = wrapped(placed.cell, point);
+      if (!in_window(choice, point)) continue;
+    }
     ++seen.contacts;
     seen.sliding += o.status == ContactStatus::kSlip ? 1 : 0;
     seen.fabric += o.contact.n * o.contact.n.transpose();
@@ -127,28 +165,49 @@ double area_in_rectangle(const Vec2& x, double radius, const Vec2& low, const Ve
   return radius * radius * std::max(0.0, unit);
 }
 
-double Observables::sliding_share() const {
+template <int D>
+double ObservablesIn<D>::sliding_share() const {
   return contacts > 0 ? static_cast<double>(sliding) / contacts : kNaN;
 }
 
-double Observables::shear_rate() const {
-  const Mat2 rate = 0.5 * (velocity_gradient + velocity_gradient.transpose());
-  const Mat2 deviator = rate - 0.5 * rate.trace() * Mat2::Identity();
+template <int D>
+double ObservablesIn<D>::shear_rate() const {
+  const MatIn<D> rate = 0.5 * (velocity_gradient + velocity_gradient.transpose());
+  const MatIn<D> deviator = rate - rate.trace() / D * MatIn<D>::Identity();
   return std::sqrt(2 * deviator.squaredNorm());
 }
 
-double Observables::inertial_number() const {
-  return shear_rate() * std::sqrt(mean_mass / stress.pressure());
+template <int D>
+double ObservablesIn<D>::inertial_number() const {
+  if (D == 2) return shear_rate() * std::sqrt(mean_mass / stress.pressure());
+  return shear_rate() * mean_diameter * std::sqrt(density / stress.pressure());
 }
 
-double Observables::friction() const { return anisotropy(stress.total()); }
+template <int D>
+double ObservablesIn<D>::friction() const {
+  return stress_ratio<D>(stress.total());
+}
 
-std::vector<bool> find_rattlers(const Scene& scene, const State& state) {
-  const int needed = scene.has_friction() || !scene.gravity.isZero(0) ? 2 : 3;
+template <int D>
+double stress_ratio(const MatIn<D>& stress) {
+  if constexpr (D == 2) {
+    return anisotropy(stress);
+  } else {
+    const double pressure = stress.trace() / 3;
+    if (pressure == 0) return kNaN;
+    const MatIn<3> deviator = 0.5 * (stress + stress.transpose()) - pressure * MatIn<3>::Identity();
+    return std::sqrt(0.5 * deviator.squaredNorm()) / std::abs(pressure);
+  }
+}
+
+template <int D>
+std::vector<bool> find_rattlers(const SceneIn<D>& scene, const StateIn<D>& state) {
+  const bool gravity = !scene.gravity.isZero(0);
+  const int needed = scene.has_friction() ? 2 : gravity ? D : D + 1;
   const std::size_t disks = state.disks.size();
   std::vector<int> held(disks, 0);
   std::vector<std::vector<std::size_t>> neighbours(disks);
-  for (const ContactOutcome& o : state.contacts) {
+  for (const ContactOutcomeIn<D>& o : state.contacts) {
     if (!(o.s_n > 0)) continue;
     const std::size_t i = to_size(o.contact.i), j = to_size(o.contact.j);
     ++held[i];
@@ -176,28 +235,33 @@ std::vector<bool> find_rattlers(const Scene& scene, const State& state) {
   return rattles;
 }
 
-Observables observe(const Scene& scene, const State& state, const ObservableChoice& choice) {
-  Observables seen;
-  const State placed = in_place(state);
-  observe_contacts(placed, choice, find_rattlers(scene, state), seen);
-  const std::vector<double> moments = contact_moments(state);
+template <int D>
+ObservablesIn<D> observe(const SceneIn<D>& scene, const StateIn<D>& state,
+                         const ObservableChoice& choice) {
+  ObservablesIn<D> seen;
+  const StateIn<D> placed = in_place(state);
+  observe_contacts<D>(placed, choice, find_rattlers(scene, state), seen);
+  observe_grains(placed, seen);
+  const std::vector<SpinIn<D>> moments = contact_moments(state);
   double area = 0;
-  if (choice.window) {
-    const Box window{.lower = choice.window->first, .upper = choice.window->second};
-    area = window.size().prod();
-    if (!(window.size().minCoeff() > 0)) throw std::invalid_argument("the window has no area");
-    seen.stress = window_stress(placed, scene.step, window, moments);
+  if (D == 2 && choice.window) {
+    if constexpr (D == 2) {
+      const Box window{.lower = choice.window->first, .upper = choice.window->second};
+      area = window.size().prod();
+      if (!(window.size().minCoeff() > 0)) throw std::invalid_argument("the window has no area");
+      seen.stress = window_stress(placed, scene.step, window, moments);
+    }
   } else {
     area = sample_area(state, scene.step);
-    seen.stress = sample_stress(state, scene.step, area, moments);
+    seen.stress = sample_stress<D>(state, scene.step, area, moments);
   }
   seen.solid_fraction = disks_area(placed, choice) / area;
-  std::vector<const Disk*> measured;
+  std::vector<const BodyIn<D>*> measured;
   for (std::size_t i = 0; i < state.disks.size(); ++i) {
     if (placed.disks[i].wall >= 0) continue;
     if (in_window(choice, placed.disks[i].x)) measured.push_back(&placed.disks[i]);
   }
-  seen.velocity_gradient = fitted_gradient(measured);
+  seen.velocity_gradient = fitted_gradient<D>(measured);
   return seen;
 }
 
@@ -297,17 +361,21 @@ double line_flux(const State& state, const FluxLine& line) {
   return flux;
 }
 
-ForceDistribution observe_forces(const State& state, double step, const ObservableChoice& choice) {
+template <int D>
+ForceDistribution observe_forces(const StateIn<D>& state, double step,
+                                 const ObservableChoice& choice) {
   ForceDistribution forces;
   forces.counts.assign(to_size(choice.force_bins), 0);
-  const State placed = in_place(state);
+  const StateIn<D> placed = in_place(state);
   std::vector<double> loaded;
-  for (const ContactOutcome& o : placed.contacts) {
+  for (const ContactOutcomeIn<D>& o : placed.contacts) {
     if (!(o.s_n > 0)) continue;
-    const Disk& d = placed.disks[to_size(o.contact.i)];
-    Vec2 point = d.x - d.radius * o.contact.n;
-    if (placed.cell.periodic()) point = wrapped(placed.cell, point);
-    if (!in_window(choice, point)) continue;
+    if constexpr (D == 2) {
+      const Disk& d = placed.disks[to_size(o.contact.i)];
+      Vec2 point = d.x - d.radius * o.contact.n;
+      if (placed.cell.periodic()) point = wrapped(placed.cell, point);
+      if (!in_window(choice, point)) continue;
+    }
     loaded.push_back(o.s_n / step);
     forces.mean += loaded.back();
   }
@@ -319,5 +387,16 @@ ForceDistribution observe_forces(const State& state, double step, const Observab
   }
   return forces;
 }
+
+template struct ObservablesIn<2>;
+template struct ObservablesIn<3>;
+template double stress_ratio<2>(const Mat2&);
+template double stress_ratio<3>(const MatIn<3>&);
+template Observables observe(const Scene&, const State&, const ObservableChoice&);
+template ObservablesIn<3> observe(const SceneIn<3>&, const StateIn<3>&, const ObservableChoice&);
+template std::vector<bool> find_rattlers(const Scene&, const State&);
+template std::vector<bool> find_rattlers(const SceneIn<3>&, const StateIn<3>&);
+template ForceDistribution observe_forces(const State&, double, const ObservableChoice&);
+template ForceDistribution observe_forces(const StateIn<3>&, double, const ObservableChoice&);
 
 }  // namespace bipot

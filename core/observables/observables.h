@@ -10,36 +10,50 @@ namespace bipot {
 
 /// What a state says of its sample, or of a window of it. A disk counts where its centre is, a contact where
 /// it touches; loaded contacts have s_n > 0. Disks that are glued to a wall are part of the wall. Undefined values are NaN.
-struct Observables {
+template <int D>
+struct ObservablesIn {
   int disks = 0;                    ///< in the window
   int rattlers = 0;                 ///< of them: disks that nothing holds, see find_rattlers()
   int contacts = 0;                 ///< loaded
   int sliding = 0;                  ///< of them, those on the cone's edge
   double coordination = 0;          ///< loaded contacts of a disk, mean
   double coordination_without = 0;  ///< the same without rattlers and their contacts
-  double solid_fraction = 0;        ///< area of disks over area; overlaps count twice
-  Mat2 fabric = Mat2::Zero();       ///< mean of n ⊗ n over loaded contacts
-  MeanStress stress;                ///< core/motion/stress_tensor.h
-  Mat2 velocity_gradient = Mat2::Zero();  ///< dv_i/dx_j, least squares over the disks   [1/s]
-  double mean_mass = 0;                   ///< of a disk                                 [kg]
+  double solid_fraction = 0;  ///< area of disks over area (volumes in space); overlaps count twice
+  MatIn<D> fabric = MatIn<D>::Zero();  ///< mean of n ⊗ n over loaded contacts
+  MeanStressIn<D> stress;              ///< core/motion/stress_tensor.h
+  MatIn<D> velocity_gradient =
+      MatIn<D>::Zero();      ///< dv_i/dx_j, least squares over the disks   [1/s]
+  double mean_mass = 0;      ///< of a disk                                              [kg]
+  double mean_diameter = 0;  ///< in space: of a sphere                                   [m]
+  double density = 0;        ///< in space: mass over volume of the spheres           [kg/m³]
 
   double sliding_share() const;
   /// Magnitude of the deviator of the rate of strain, √(2 D':D'): the shear rate of simple shear [1/s]
   double shear_rate() const;
   /// Shear rate × √(m/P) (da Cruz, Emam, Prochnow, Roux and Chevoir, PRE 72, 021309, 2005), m the
-  /// mean mass of a disk, P the pressure: disks are cylinders of unit length.
+  /// mean mass of a disk, P the pressure: disks are cylinders of unit length. In space shear rate × d √(ρ/P) (GDR
+  /// MiDi, EPJ E 14, 341, 2004).
   double inertial_number() const;
-  /// τ/P = (σ₁ - σ₂)/(σ₁ + σ₂) of the stress.
+  /// τ/P = (σ₁ - σ₂)/(σ₁ + σ₂) of the stress; in space √(½ τ:τ)/P with its deviator τ (Jop, Forterre and
+  /// Pouliquen, Nature 441, 727, 2006), which is the same in simple shear.
   double friction() const;
 };
+using Observables = ObservablesIn<2>;
 
-/// Throws std::invalid_argument for a window without area.
-Observables observe(const Scene& scene, const State& state, const ObservableChoice& choice);
+/// τ/P of a stress, see ObservablesIn::friction().
+template <int D>
+double stress_ratio(const MatIn<D>& stress);
+
+/// Throws std::invalid_argument for a window without area. In space there is no window: the whole sample.
+template <int D>
+ObservablesIn<D> observe(const SceneIn<D>& scene, const StateIn<D>& state,
+                         const ObservableChoice& choice);
 
 /// Which disks nothing holds: those with fewer than two loaded contacts, or fewer than three in
 /// scenes that have neither friction nor gravity; contacts with rattlers do not count, so it is
-/// repeated until nothing changes.
-std::vector<bool> find_rattlers(const Scene& scene, const State& state);
+/// repeated until nothing changes. In space: fewer than two with friction, three with gravity alone, four with neither.
+template <int D>
+std::vector<bool> find_rattlers(const SceneIn<D>& scene, const StateIn<D>& state);
 
 /// Means in bins across an axis. Area counts exactly by what of a disk lies in the bin, velocities and spins
 /// are weighted with it. NaN in bins without disks.
@@ -63,7 +77,9 @@ struct ForceDistribution {
   double mean = 0;          ///< of s_n/h over loaded contacts                          [N]
   std::vector<int> counts;  ///< one for each bin
 };
-ForceDistribution observe_forces(const State& state, double step, const ObservableChoice& choice);
+template <int D>
+ForceDistribution observe_forces(const StateIn<D>& state, double step,
+                                 const ObservableChoice& choice);
 
 /// Area of the disk about x that lies in the rectangle from low to high.               [m²]
 double area_in_rectangle(const Vec2& x, double radius, const Vec2& low, const Vec2& high);

@@ -261,5 +261,143 @@ TEST(Observables, FilesAndTheirMeans) {
   EXPECT_EQ(frame.read_ints("/observables/forces/counts"), (std::vector<int>{0, 1}));
 }
 
+/// Eight unit spheres of 5 kg in a box that they fill as a cubic lattice; each of the 12 contacts between them and the
+/// 24 with the walls carries 1 N. All move with v = (2 z, 0, 0) 1/s.
+StateIn<3> filled_box() {
+  StateIn<3> state;
+  for (int k = 0; k < 8; ++k) {
+    const Vec3 x(1 + 2 * (k % 2), 1 + 2 * (k / 2 % 2), 1 + 2 * (k / 4));
+    state.disks.push_back(ball(x, 1, Vec3(2 * x[2], 0, 0), 5));
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    state.walls.push_back(half_space(Vec3::Zero(), Vec3::Unit(axis)));
+    state.walls.push_back(half_space(Vec3::Constant(4), -Vec3::Unit(axis)));
+  }
+  for (int i = 0; i < 8; ++i) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const bool upper = (i >> axis & 1) != 0;
+      const Vec3 n = Vec3::Unit(axis);
+      if (!upper) {
+        state.contacts.push_back({.contact = {.i = i, .j = i + (1 << axis), .n = -n}, .s_n = 1});
+      }
+      const int wall = 8 + 2 * axis + (upper ? 1 : 0);
+      state.contacts.push_back({.contact = {.i = i, .j = wall, .n = upper ? Vec3(-n) : n},
+                                .s_n = 1,
+                                .status = ContactStatus::kSlip});
+    }
+  }
+  return state;
+}
+
+TEST(Observables, OfSpheresInACubicLatticeAreKnown) {
+  // Six contacts each, a third of the normals along each axis, π/6 of space. Four columns of 1 N press on 16 m²: 0.25
+  // Pa; the shear adds ρ v'² : v' = ±2 m/s of 5 kg, 8 · 5 · 4 / 64 = 2.5 Pa in xx. Its rate is 2 1/s, and with d = 2 m, ρ
+  // = 5/(4π/3) the inertial number 2 · 2 √(ρ/P).
+  SceneIn<3> scene = one_law_in_space({.mu = 0.5});
+  scene.step = 1;
+  StateIn<3> state = filled_box();
+  for (Sphere& s : state.disks) s.x += 0.5 * s.v;  // so that mid-step is where they touch
+  ObservablesIn<3> seen = observe<3>(scene, state, {});
+  EXPECT_EQ(seen.disks, 8);
+  EXPECT_EQ(seen.rattlers, 0);
+  EXPECT_EQ(seen.contacts, 36);
+  EXPECT_NEAR(seen.sliding_share(), 24.0 / 36, 1e-15);
+  EXPECT_NEAR(seen.coordination, 6, 1e-15);
+  EXPECT_LT((seen.fabric - MatIn<3>::Identity() / 3).norm(), 1e-15);
+  EXPECT_NEAR(seen.solid_fraction, std::numbers::pi / 6, 1e-12);
+  MatIn<3> stress = 0.25 * MatIn<3>::Identity();
+  stress(0, 0) += 2.5;
+  EXPECT_LT((seen.stress.total() - stress).norm(), 1e-12);
+  state = filled_box();  // for the fit, places at the end of the step as the field has them
+  seen = observe<3>(scene, state, {});
+  EXPECT_NEAR(seen.velocity_gradient(0, 2), 2, 1e-12);
+  EXPECT_NEAR(seen.shear_rate(), 2, 1e-12);
+  const double density = 5 / (4 * std::numbers::pi / 3);
+  EXPECT_NEAR(seen.density, density, 1e-12);
+  EXPECT_NEAR(seen.inertial_number() * std::sqrt(seen.stress.pressure()), 4 * std::sqrt(density),
+              1e-11);
+  // A loose sphere is a rattler, and lowers the coordination of all but not that of the others.
+  state.disks.push_back(ball(Vec3(2, 2, 2), 0.1));
+  for (ContactOutcomeIn<3>& o : state.contacts) {
+    if (o.contact.j >= 8) ++o.contact.j;
+  }
+  seen = observe<3>(scene, state, {});
+  EXPECT_EQ(seen.rattlers, 1);
+  EXPECT_NEAR(seen.coordination, 48.0 / 9, 1e-14);
+  EXPECT_NEAR(seen.coordination_without, 6, 1e-15);
+  EXPECT_EQ(observe_forces<3>(state, 1, {}).mean, 1);
+}
+
+TEST(Observables, StressRatioOfSimpleShearIsShearOverPressure) {
+  MatIn<3> stress = 4 * MatIn<3>::Identity();
+  stress(0, 2) = stress(2, 0) = 1.2;
+  EXPECT_NEAR(stress_ratio<3>(stress), 0.3, 1e-15);
+  Mat2 plane = 4 * Mat2::Identity();
+  plane(0, 1) = plane(1, 0) = 1.2;
+  EXPECT_NEAR(stress_ratio<2>(plane), 0.3, 1e-15);
+}
+
+TEST(Observables, WithoutFrictionASphereNeedsThreeContactsUnderGravityAndFourWithout) {
+  SceneIn<3> scene = one_law_in_space({});
+  StateIn<3> state;
+  state.disks = {ball(Vec3::Zero(), 1)};
+  state.walls.resize(4, half_space(Vec3::Zero(), Vec3::UnitZ()));
+  for (int contacts = 1; contacts <= 4; ++contacts) {
+    state.contacts.push_back({.contact = {.i = 0, .j = contacts}, .s_n = 1});
+    scene.gravity = Vec3(0, 0, -1);
+    EXPECT_EQ(find_rattlers<3>(scene, state)[0], contacts < 3);
+    scene.gravity.setZero();
+    EXPECT_EQ(find_rattlers<3>(scene, state)[0], contacts < 4);
+    scene.laws[0].mu = 0.1;
+    EXPECT_EQ(find_rattlers<3>(scene, state)[0], contacts < 2);
+    scene.laws[0].mu = 0;
+  }
+}
+
+TEST(Observables, ARunOfSpheresWritesThem) {
+  const char* text = R"(
+[cell]
+width = 1
+depth = 1
+[[spheres]]
+arrangement = "cubic"
+columns = 2
+rows = 2
+layers = 2
+radius = 0.2
+mass = 1
+[[walls]]
+point = [0, 0, 0]
+normal = [0, 0, 1]
+[observables]
+every = 1
+force_bins = 5
+[time]
+step = 1e-3
+steps = 2
+)";
+  const auto scene = std::get<SceneIn<3>>(parse_any_scene(text, "test.toml"));
+  const TemporaryFolder folder;
+  RunWriterIn<3> writer(folder / "out", scene, text);
+  StateIn<3> state = initial_state(scene);
+  for (state.step = 1; state.step <= 2; ++state.step) {
+    state.time = 1e-3 * state.step;
+    writer.step(state, {.step = state.step, .time = state.time});
+    writer.frame(state);
+  }
+  writer.close();
+  const NumberTable rows = read_number_table(folder / "out" / "observables.csv");
+  ASSERT_EQ(rows.rows.size(), 2u);
+  EXPECT_EQ(rows.rows[0][rows.column("spheres")], 8);
+  // 8 spheres of 0.2 m in 1 m x 1 m, 0.8 m high.
+  EXPECT_NEAR(rows.rows[0][rows.column("solid_fraction")],
+              8 * 4 * std::numbers::pi / 3 * 0.008 / 0.8, 1e-9);
+  EXPECT_DOUBLE_EQ(rows.rows[0][rows.column("mean_diameter")], 0.4);
+  const Hdf5File frame(folder / "out" / "frames" / "00000002.h5", Hdf5File::Mode::kRead);
+  EXPECT_NEAR(frame.read_double("/observables/density"), 1 / (4 * std::numbers::pi / 3 * 0.008),
+              1e-9);
+  EXPECT_THROW(parse_any_scene(std::string(text) + "[observables.window]\n", "t"), SceneFileError);
+}
+
 }  // namespace
 }  // namespace bipot

@@ -100,5 +100,28 @@ TEST(GaussSeidel, RefusesParametersOutOfRange) {
   }
 }
 
+// A ring of disks that jammed in an impact and has come to rest: its free velocity is rounding, and the impulses
+// that it starts from are those of the impact, 1e25 times the energy. They say nothing, and are no divergence.
+TEST(GaussSeidel, AStartBeyondAllMeasureIsDroppedAndNotCalledDivergence) {
+  ContactProblem p = triangular_lattice(6);
+  p.v_free *= 1e-13;
+  p.u_free *= 1e-13;
+  const SolveResult cold = run_pgs(p, {}, 100000);
+  ASSERT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
+  SolverOptions options;
+  options.tol = 1e-8;
+  options.s0 = Vector::Ones(p.num_rows());
+  for (const char* solver : {"pgs", "apgd", "auto", "uzawa"}) {
+    const SolveResult warm = solve(solver, p, options);
+    EXPECT_EQ(warm.status, SolveStatus::kConverged) << solver << ": " << warm.message;
+  }
+  // A start that can be compared is kept: 1e3 times the answer is 1e6 times its energy.
+  options.s0 = 1e3 * cold.s;
+  options.max_iterations = 1;
+  const SolveResult from_there = solve("pgs", p, options);
+  options.s0 = Vector();
+  EXPECT_NE(from_there.s, solve("pgs", p, options).s);
+}
+
 }  // namespace
 }  // namespace bipot
