@@ -177,6 +177,10 @@ std::string check_gates(const SceneIn<D>& scene) {
   }
   for (const InletIn<D>& inlet : scene.inlets) {
     if (auto e = check_inlet(inlet, static_cast<int>(scene.materials.size())); !e.empty()) return e;
+    if (inlet.rate * scene.step > 1e5) {  // a slip of the keyboard that would take all memory
+      return fmt::format("inlet '{}': {:.3g} bodies a step, at most 1e5 are possible", inlet.name,
+                         inlet.rate * scene.step);
+    }
   }
   return {};
 }

@@ -101,6 +101,13 @@ TEST(Advise, RefusesGoalsWithoutMeaning) {
   AdviseOptions unknown = quick(1e-2);
   unknown.solvers = {{"pgz", "pgz", {}}};
   EXPECT_THROW(advise(lattice(), unknown), std::invalid_argument);
+  // What measures body by body needs the same single bodies throughout.
+  Scene leaking = lattice();
+  leaking.outlets.resize(1);
+  EXPECT_THROW(advise(leaking, quick(1e-2)), std::invalid_argument);
+  Scene joined = lattice();
+  joined.clusters.bodies.resize(1);
+  EXPECT_THROW(advise(joined, quick(1e-2)), std::invalid_argument);
 }
 
 TEST(Advise, EndsWhenInterrupted) {

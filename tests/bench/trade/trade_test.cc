@@ -313,6 +313,14 @@ TEST(TradeRun, FailuresAndTimeOutsStayInTheTable) {
   EXPECT_THROW(run_trade(options), std::invalid_argument);  // two scenes of one name
 }
 
+TEST(TradeRun, RefusesScenesWhoseBodiesComeAndGoOrAreJoined) {
+  for (const char* scene : {"hopper", "trefoils"}) {
+    TradeOptions options;
+    options.targets = {scene};
+    EXPECT_THROW(run_trade(options), std::invalid_argument) << scene;
+  }
+}
+
 TEST(TradeRun, BallAndSliderAreMeasuredAgainstTheory) {
   TradeOptions options;
   options.targets = {"bouncing_ball", "sliding_cylinder"};

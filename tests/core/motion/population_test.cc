@@ -399,6 +399,8 @@ TEST(Population, ASceneFileSaysWhereAndContradictionsAreRefused) {
       "[[inlets]]\nlower = [0, 0]\nupper = [1, 1]\nrate = 5\nradii = [0.1]\nmass = 2\n";
   EXPECT_EQ(parse_scene(inlet + time, "test.toml").contact_distance, 1e-7);
   refused(inlet + "seeds = 1\n", "seed");
+  refused("[[inlets]]\nlower = [0, 0]\nupper = [1, 1]\nrate = 1e9\nradii = [0.1]\nmass = 2\n",
+          "1e+06 bodies a step");
   refused(inlet + "mass_of_all = 1\n", "mass");
   refused(inlet + "stops = 0\n", "starts");
   refused("[[inlets]]\nlower = [0, 0]\nupper = [0.1, 1]\nrate = 5\nradii = [0.1]\nmass = 2\n",
