@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/motion/time_stepping.h"
+#include "core/problem/frontal_lu.h"
 #include "core/scene/contact_detection.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
@@ -162,6 +163,24 @@ void frozen_contacts(const std::string& family, int side) {
       });
 }
 
+/// A step whose contacts are those of the step before.
+void kept_analysis(const std::string& family, int side) {
+  const ContactProblem p = first_step(make_family_scene(family, side));
+  SolveResult slow, fast;
+  row(
+      fmt::format("analysis of the contact graph kept while it does not change, {} {} (`ipm`)",
+                  family, side),
+      [&] {
+        FrontalTree::forget();
+        slow = solve("ipm", p, {.tol = tol});
+      },
+      [&] { fast = solve("ipm", p, {.tol = tol}); },
+      [&] {
+        if (slow.s != fast.s) throw std::runtime_error("impulses differ");
+        return errors_of(slow, fast) + "; the same bits";
+      });
+}
+
 /// 100 steps of disks that move by a thousandth of their radius a step.
 void kept_contacts() {
   const Scene scene = make_family_scene("triangular", 100);
@@ -217,6 +236,7 @@ int main(int argc, char** argv) {
     frozen_contacts("square", 30);
     frozen_contacts("triangular", 30);
     kept_contacts();
+    kept_analysis("square", 60);
   } catch (const std::exception& e) {
     fmt::print(stderr, "savings_bench: {}\n", e.what());
     return 1;

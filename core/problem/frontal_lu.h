@@ -21,6 +21,9 @@ class FrontalTree {
   /// The same, made anew and not kept.
   static std::shared_ptr<const FrontalTree> analyse(const SparseMatrix& A);
 
+  /// Drops the trees that are kept, for measurements of what that saves.
+  static void forget();
+
   /// Front s eliminates the columns first[s] .. first[s + 1] - 1 of the new order. Its further rows
   /// and columns are below[below_start[s]] and on, and stand at `relative` in the parent's list.
   std::vector<int> order;  ///< new to old

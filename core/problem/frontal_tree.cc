@@ -13,6 +13,16 @@ namespace {
 constexpr std::size_t kTreesKept = 4;
 constexpr int kMetisFrom = 1200;  // groups of columns; AMD is quicker below
 
+/// The trees of the last patterns, the latest first.
+struct KeptTrees {
+  std::mutex mutex;
+  std::array<std::shared_ptr<const FrontalTree>, kTreesKept> tree;
+};
+KeptTrees& kept_trees() {
+  static KeptTrees kept;
+  return kept;
+}
+
 /// CHOLMOD's workspace.
 struct CholmodSession {
   cholmod_common common;
@@ -105,28 +115,31 @@ bool FrontalTree::is_of(const SparseMatrix& A) const {
 }
 
 std::shared_ptr<const FrontalTree> FrontalTree::of(const SparseMatrix& A) {
-  static std::mutex mutex;
-  static std::array<std::shared_ptr<const FrontalTree>, kTreesKept> kept;  // the latest first
-  const auto fits = [&](const std::shared_ptr<const FrontalTree>& tree) {
-    return tree && tree->is_of(A);
-  };
+  KeptTrees& kept = kept_trees();
   const auto find = [&] {
-    const auto found = std::find_if(kept.begin(), kept.end(), fits);
-    if (found == kept.end()) return std::shared_ptr<const FrontalTree>();
-    std::rotate(kept.begin(), found, found + 1);
-    return kept.front();
+    const auto found = std::find_if(kept.tree.begin(), kept.tree.end(),
+                                    [&](const auto& tree) { return tree && tree->is_of(A); });
+    if (found == kept.tree.end()) return std::shared_ptr<const FrontalTree>();
+    std::rotate(kept.tree.begin(), found, found + 1);
+    return kept.tree.front();
   };
   {
-    const std::lock_guard<std::mutex> lock(mutex);
+    const std::lock_guard<std::mutex> lock(kept.mutex);
     if (auto tree = find()) return tree;
   }
   auto made = analyse(A);
-  const std::lock_guard<std::mutex> lock(mutex);
+  const std::lock_guard<std::mutex> lock(kept.mutex);
   if (made && !find()) {
-    std::rotate(kept.begin(), kept.end() - 1, kept.end());
-    kept.front() = made;
+    std::rotate(kept.tree.begin(), kept.tree.end() - 1, kept.tree.end());
+    kept.tree.front() = made;
   }
   return made;
+}
+
+void FrontalTree::forget() {
+  KeptTrees& kept = kept_trees();
+  const std::lock_guard<std::mutex> lock(kept.mutex);
+  kept.tree.fill(nullptr);
 }
 
 std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SparseMatrix& A) {

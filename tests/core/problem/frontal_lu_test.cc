@@ -99,6 +99,12 @@ TEST(FrontalLU, KeepsTheAnalysisOfAPattern) {
   two.solve(b, z);
   EXPECT_NE(x, y);
   EXPECT_EQ(x, z);
+  FrontalTree::forget();
+  FrontalLU<double> three;
+  ASSERT_TRUE(three.factor(A));
+  three.solve(b, z);
+  EXPECT_NE(FrontalTree::of(A), tree);
+  EXPECT_EQ(x, z) << "an analysis made again is the same";
 }
 
 /// A diagonal block of zeros on the diagonal needs exchanges: [0 1; 1 0] has none without.
