@@ -321,6 +321,7 @@ void run(const Flags& flags) {
   std::vector<Row> rows;
   const auto measure = [&](const std::vector<double>& sizes, const auto& make) {
     for (const double size : sizes) {
+      if (size == 0) continue;
       rows.push_back(make(size, flags));
       const Row& row = rows.back();
       fmt::print(stderr, "{} {:.0f}: {}, {} iterations, {:.3g} s\n", row.family, row.disks,
@@ -349,9 +350,9 @@ int main(int argc, char** argv) {
   Flags flags;
   CLI::App app{"Growth of iterations, phases and memory with the number of disks"};
   const auto sizes = [&](const char* name, std::vector<double>& to, const char* help) {
-    app.add_option(name, to, help)->delimiter(',')->check(CLI::Range(4.0, 1e7))->expected(0, -1);
+    app.add_option(name, to, help)->delimiter(',')->check(CLI::Range(0.0, 1e7));
   };
-  sizes("--sizes", flags.sizes, "Numbers of disks of the lattice");
+  sizes("--sizes", flags.sizes, "Numbers of disks of the lattice, 0: none");
   sizes("--pile-sizes", flags.pile_sizes, "of settled piles, each made by a run");
   sizes("--pour-sizes", flags.pour_sizes, "of pours, each made by a run and kept in the cache");
   app.add_option("--solver", flags.solver, "Solver");
