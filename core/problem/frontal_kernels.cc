@@ -27,7 +27,7 @@ template <class Real>
   }
 }
 
-constexpr int kLanes = 8;
+constexpr int kSums = 8;
 
 template <class Real>
 [[gnu::always_inline]] inline Real sum_of(const Real* lane) {
@@ -38,14 +38,14 @@ template <class Real>
 [[gnu::always_inline]] inline void subtract_dots(int n, int count, const Real* x,
                                                  std::ptrdiff_t stride, const Real* __restrict y,
                                                  Real* __restrict out) {
-  const int whole = n - n % kLanes;
+  const int whole = n - n % kSums;
   int j = 0;
   for (; j + 2 <= count; j += 2, x += 2 * stride) {
     const Real *p = x, *q = x + stride;
-    Real a[kLanes] = {}, b[kLanes] = {};
-    for (int i = 0; i < whole; i += kLanes) {
-      for (int k = 0; k < kLanes; ++k) a[k] += p[i + k] * y[i + k];
-      for (int k = 0; k < kLanes; ++k) b[k] += q[i + k] * y[i + k];
+    Real a[kSums] = {}, b[kSums] = {};
+    for (int i = 0; i < whole; i += kSums) {
+      for (int k = 0; k < kSums; ++k) a[k] += p[i + k] * y[i + k];
+      for (int k = 0; k < kSums; ++k) b[k] += q[i + k] * y[i + k];
     }
     for (int i = whole; i < n; ++i) {
       a[i - whole] += p[i] * y[i];
@@ -55,9 +55,9 @@ template <class Real>
     out[j + 1] -= sum_of(b);
   }
   for (; j < count; ++j, x += stride) {
-    Real a[kLanes] = {};
-    for (int i = 0; i < whole; i += kLanes) {
-      for (int k = 0; k < kLanes; ++k) a[k] += x[i + k] * y[i + k];
+    Real a[kSums] = {};
+    for (int i = 0; i < whole; i += kSums) {
+      for (int k = 0; k < kSums; ++k) a[k] += x[i + k] * y[i + k];
     }
     for (int i = whole; i < n; ++i) a[i - whole] += x[i] * y[i];
     out[j] -= sum_of(a);
