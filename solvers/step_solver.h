@@ -10,6 +10,9 @@ namespace bipot {
 /// cut short: kTimeLimit, kInterrupted; converged: the successful statuses.
 StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options);
 
+/// What a time stepper is told of a solve.
+StepSolution to_step_solution(SolveResult result);
+
 /// The stop test of that name. Throws std::invalid_argument for an unknown one.
 StopTest parse_stop_test(const std::string& name);
 

@@ -19,13 +19,13 @@
 #include "bench/command/list_command.h"
 #include "bench/command/paper_command.h"
 #include "bench/command/run_command.h"
+#include "bench/command/run_processes.h"
 #include "bench/command/solve_command.h"
 #include "bench/command/trade_command.h"
 #include "bench/command/validate_command.h"
 #include "bench/report/json_output.h"
-#include "core/file_error.h"
-#include "core/files/scene_file.h"
 #include "core/version.h"
+#include "solvers/distributed/launch.h"
 
 namespace bipot {
 namespace {
@@ -79,7 +79,7 @@ std::string command_name(const std::vector<Command>& commands, int argc, const c
 /// Whoever reads the JSON learns of a refusal there as well.
 void write_refusal(const std::string& destination, const std::string& command,
                    const std::string& message, ExitCode code) {
-  if (destination.empty()) return;
+  if (destination.empty() || !is_speaker()) return;
   try {
     write_json({{"command", command},
                 {"version", program_version()},
@@ -92,9 +92,7 @@ void write_refusal(const std::string& destination, const std::string& command,
   }
 }
 
-}  // namespace
-
-int bipot_command(int argc, const char* const* argv) {
+int run_command_line(int argc, const char* const* argv) {
   CommandLine line(
       "bipot", "Frictional contact of rigid disks: one problem, many solvers, one error measure.",
       program_version(),
@@ -140,18 +138,34 @@ int bipot_command(int argc, const char* const* argv) {
   };
   try {
     for (const Command& c : commands) {
-      if (c.declaration.given()) return c.run();
+      if (!c.declaration.given()) continue;
+      const std::string name = c.declaration.name();
+      if (on_several_processes() && name != "solve" && name != "run") {
+        throw std::invalid_argument(
+            fmt::format("{} runs on one process; run and solve take several", name));
+      }
+      return c.run();
     }
     throw std::logic_error("no command was parsed");
-  } catch (const FileError& e) {
-    return say_and_refuse(e, kExitIo);
-  } catch (const std::invalid_argument& e) {
-    return say_and_refuse(e, kExitBadInput);
-  } catch (const SceneFileError& e) {
-    return say_and_refuse(e, kExitBadInput);
+  } catch (const CommonFailure& e) {
+    return say_and_refuse(e, exit_code_of(e));
   } catch (const std::exception& e) {
-    return say_and_refuse(e, kExitNumericalFailure);
+    const ExitCode code = exit_code_of(e);
+    if (!processes_have_met()) return say_and_refuse(e, code);
+    // The others do not know, and wait.
+    say_from_here(e.what());
+    if (is_speaker()) refuse(e.what(), code);
+    end_all_processes(code);
   }
+}
+
+}  // namespace
+
+int bipot_command(int argc, const char* const* argv) {
+  keep_others_quiet();
+  const int exit_code = run_command_line(argc, argv);
+  // The first process speaks for all: mpirun would kill it where another one ended with a failure.
+  return is_speaker() ? exit_code : 0;
 }
 
 }  // namespace bipot

@@ -35,6 +35,11 @@ void add_common_flags(CommandDeclaration& command, CommonFlags& flags) {
       .group("Results");
 }
 
+void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
+  command.flag("--reproducible", reproducible,
+               "The same bits for any number of processes (mpirun -n P): exact sums; apgd, uzawa");
+}
+
 void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
   command.option("--solver", flags.name, "One of `bipot list solvers`")
       .value_name("NAME")

@@ -25,6 +25,9 @@ void add_common_flags(CommandDeclaration& command, CommonFlags& flags);
 /// --threads.
 void add_threads_flag(CommandDeclaration& command, int& threads);
 
+/// --reproducible.
+void add_reproducible_flag(CommandDeclaration& command, bool& reproducible);
+
 /// What the command line says of the solver; unset entries leave the scene's or the default choice.
 struct SolverFlags {
   std::optional<std::string> name, stop;

@@ -15,6 +15,7 @@
 #include "bench/command/failure_text.h"
 #include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
+#include "bench/command/run_processes.h"
 #include "bench/command/run_summary.h"
 #include "bench/report/json_output.h"
 #include "bench/scenes/run_folder.h"
@@ -25,6 +26,8 @@
 #include "core/files/scene_file.h"
 #include "core/stopwatch.h"
 #include "core/version.h"
+#include "solvers/distributed/distributed_solve.h"
+#include "solvers/distributed/launch.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "solvers/step_solver.h"
@@ -158,64 +161,133 @@ RunOutcome outcome_of(const SceneRunIn<D>& run) {
   return {"completed", kExitConverged};
 }
 
-/// `text`: of the scene's file.
+/// Whether the steps' problems are solved by solvers/distributed.
+bool is_distributed(const RunFlags& flags) { return on_several_processes() || flags.reproducible; }
+
+/// A run before its first step.
 template <int D>
-int run_in(const RunFlags& flags, SceneIn<D> scene, const std::string& text) {
-  apply_flags(flags, scene);
-  const bool dem = scene.model == Model::kSpringDashpot;
-  const SolverEntry& entry = require_solver(dem ? SolverChoice{}.name : scene.solver.name);
-  SolverOptions options = to_options(dem ? SolverChoice{} : scene.solver);
-  options.execution.threads = flags.common.threads;
-  // A first look at the options on a problem without contacts: wrong ones are refused here.
-  if (const SolveResult probe = solve(entry, ContactProblem{}, options);
-      probe.status == SolveStatus::kInvalidInput) {
-    throw std::invalid_argument(probe.message);
+struct PreparedRun {
+  SceneIn<D> scene;
+  const SolverEntry* entry = nullptr;
+  SolverOptions options;
+  StateIn<D> state;
+  bool dem = false;
+  RunFolderOptions folder;
+};
+
+/// A first look at the options on a problem without contacts: wrong ones are refused here.
+template <int D>
+void probe_solver(const RunFlags& flags, const PreparedRun<D>& run) {
+  SolveResult probe;
+  if (is_distributed(flags)) {
+    if (run.dem) throw std::invalid_argument("the model dem runs on one process, not under mpirun");
+    const auto lone = lone_process();
+    probe = distributed_solve(run.scene.solver.name, ContactProblem{}, run.options, *lone,
+                              {.reproducible = flags.reproducible, .contact_places = {}})
+                .result;
+  } else {
+    probe = solve(*run.entry, ContactProblem{}, run.options);
   }
+  if (probe.status == SolveStatus::kInvalidInput) throw std::invalid_argument(probe.message);
+}
+
+/// Reads and checks, up to what is refused before anything is written. `text`: of the scene's file.
+template <int D>
+PreparedRun<D> prepare_run(const RunFlags& flags, SceneIn<D> scene, const std::string& text) {
+  PreparedRun<D> run;
+  refuse_on_several_processes(flags.common, "");
+  apply_flags(flags, scene);
+  run.scene = std::move(scene);
+  run.dem = run.scene.model == Model::kSpringDashpot;
+  run.entry = &require_solver(run.dem ? SolverChoice{}.name : run.scene.solver.name);
+  run.options = to_options(run.dem ? SolverChoice{} : run.scene.solver);
+  run.options.execution.threads = flags.common.threads;
+  probe_solver(flags, run);
   if (flags.common.out.empty() && !flags.dump_problems.empty()) {
     throw std::invalid_argument("--dump-problems needs --out DIR");
   }
   if constexpr (D == 2) {
-    if (dem) spring_dashpot_setup(scene);  // refuses before anything is written
+    if (run.dem) spring_dashpot_setup(run.scene);  // refuses before anything is written
   }
-
-  const Stopwatch watch;
-  StateIn<D> state = flags.restart.empty() ? initial_state(scene) : read_state<D>(flags.restart);
-  if (const std::string mismatch = restart_mismatch(scene, state); !mismatch.empty()) {
+  run.state = flags.restart.empty() ? initial_state(run.scene) : read_state<D>(flags.restart);
+  if (const std::string mismatch = restart_mismatch(run.scene, run.state); !mismatch.empty()) {
     throw std::invalid_argument(flags.restart + " does not fit the scene: " + mismatch);
   }
-  if (flags.steps) scene.num_steps = state.step + *flags.steps;
-  const bool json_on_stdout = flags.common.json == "-";
-  const bool quiet = flags.common.quiet || json_on_stdout;
-  if (!flags.restart.empty() && state.step >= scene.num_steps) {
-    return nothing_to_do(flags, scene, state, quiet);
-  }
-  RunFolderOptions folder = folder_options(flags, text);
-  if (!folder.folder.empty()) make_folder(folder.folder);
-  require_writable(flags.common.json);  // may lie in the folder that was just made
+  if (flags.steps) run.scene.num_steps = run.state.step + *flags.steps;
+  run.folder = folder_options(flags, text);
+  return run;
+}
 
-  const InterruptGuard interrupt;
+/// Of a run with rigid contacts. All processes of a distributed one take the same steps from the
+/// same impulses.
+template <int D>
+StepSolver run_solver(const RunFlags& flags, PreparedRun<D>& run, const Stopwatch& watch) {
+  SolverOptions& options = run.options;
   const double limit = flags.common.time_limit;
-  SceneRunOptionsIn<D> run_options;
-  run_options.steps = scene.num_steps - state.step;
-  if (!dem) {
-    run_options.solver = [&](const ContactProblem& problem, const Vector& s0) {
+  options.cancelled = &InterruptGuard::requested;
+  if (!is_distributed(flags)) {
+    return [&, limit](const ContactProblem& problem, const Vector& s0) {
       options.time_limit = std::max(limit - watch.seconds(), 1e-3);
-      options.cancelled = &InterruptGuard::requested;
-      return make_step_solver(entry, options)(problem, s0);
+      return make_step_solver(*run.entry, options)(problem, s0);
     };
   }
-  run_options.explicit_delassus = entry.needs_delassus;
-  run_options.threads = flags.common.threads;
-  run_options.on_failure = flags.on_failure == "stop"           ? OnFailure::kStop
-                           : flags.on_failure == "smaller-step" ? OnFailure::kSmallerStep
-                                                                : OnFailure::kContinue;
+  return [&, limit](const ContactProblem& problem, const Vector& s0) {
+    ProcessGroup& group = run_processes();
+    options.time_limit = std::max(limit - watch.seconds(), 1e-3);
+    options.s0 = s0;
+    const DistributedOptions extra{.reproducible = flags.reproducible, .contact_places = {}};
+    return to_step_solution(
+        distributed_solve(run.scene.solver.name, problem, options, group, extra).result);
+  };
+}
+
+template <int D>
+SceneRunOptionsIn<D> run_options_of(const RunFlags& flags, PreparedRun<D>& run,
+                                    const Stopwatch& watch) {
+  SceneRunOptionsIn<D> options;
+  options.steps = run.scene.num_steps - run.state.step;
+  if (!run.dem) options.solver = run_solver(flags, run, watch);
+  options.explicit_delassus = !is_distributed(flags) && run.entry->needs_delassus;
+  options.threads = flags.common.threads;
+  options.on_failure = flags.on_failure == "stop"           ? OnFailure::kStop
+                       : flags.on_failure == "smaller-step" ? OnFailure::kSmallerStep
+                                                            : OnFailure::kContinue;
+  const double limit = flags.common.time_limit;
+  options.cancelled = [&watch, limit] {
+    const bool here = InterruptGuard::requested() || watch.seconds() > limit;
+    return on_several_processes() ? run_processes().any(here) : here;
+  };
+  return options;
+}
+
+/// `text`: of the scene's file.
+template <int D>
+int run_in(const RunFlags& flags, SceneIn<D> given, const std::string& text) {
+  const Stopwatch watch;
+  PreparedRun<D> prepared;
+  const bool json_on_stdout = flags.common.json == "-";
+  const bool quiet = flags.common.quiet || json_on_stdout;
+  together([&] { prepared = prepare_run(flags, std::move(given), text); });
+  SceneIn<D>& scene = prepared.scene;
+  StateIn<D>& state = prepared.state;
+  RunFolderOptions& folder = prepared.folder;
+  if (!flags.restart.empty() && state.step >= scene.num_steps) {
+    return is_speaker() ? nothing_to_do(flags, scene, state, quiet) : int{kExitConverged};
+  }
+  together([&] {
+    if (!is_speaker()) return;
+    if (!folder.folder.empty()) make_folder(folder.folder);
+    require_writable(flags.common.json);  // may lie in the folder that was just made
+  });
+
+  const InterruptGuard interrupt;
+  SceneRunOptionsIn<D> run_options = run_options_of(flags, prepared, watch);
   const bool smaller_steps = run_options.on_failure == OnFailure::kSmallerStep;
-  run_options.cancelled = [&] { return InterruptGuard::requested() || watch.seconds() > limit; };
   SceneRunIn<D> run;
   std::string advice;  // on the first step that was not solved
   EnergyGrowth growth(state);
   {
-    ProgressBar progress(*run_options.steps, quiet);
+    ProgressBar progress(*run_options.steps, quiet || !is_speaker());
     run_options.on_step = [&, first = state.step](const SceneStepIn<D>& step) {
       growth.add(scene, step);
       if (!step.report.converged && advice.empty() && !quiet) {
@@ -227,10 +299,12 @@ int run_in(const RunFlags& flags, SceneIn<D> scene, const std::string& text) {
           fmt::format("{} contacts, {} iterations", step.report.contacts, step.report.iterations));
       return true;
     };
-    run = folder.folder.empty() ? run_scene(scene, state, run_options)
-                                : run_scene_into(scene, state, run_options, folder);
+    run = folder.folder.empty() || !is_speaker()
+              ? run_scene(scene, state, run_options)
+              : run_scene_into(scene, state, run_options, folder);
   }
   const auto [status, exit_code] = outcome_of(run);
+  if (!is_speaker()) return exit_code;
   if (run.failure) {
     fmt::print(stderr, "bipot: {}\n", run.failure->what());
     if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
@@ -243,7 +317,8 @@ int run_in(const RunFlags& flags, SceneIn<D> scene, const std::string& text) {
   }
   const RunSummary<D> summary{scene,           state,           run, status, exit_code,
                               watch.seconds(), flags.common.out};
-  const auto json = to_json(summary);
+  Json json = to_json(summary);
+  if (is_distributed(flags)) json["processes"] = launched_processes();
   if (!flags.common.out.empty()) write_json(json, (folder.folder / "summary.json").string());
   if (!flags.common.json.empty()) write_json(json, flags.common.json);
   if (!quiet) fmt::print("{}", to_text(summary));
@@ -282,6 +357,7 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
       "Overlap aimed at, of the smallest radius: decides the stiffness");
   dem("--tangential-ratio", flags.tangential_ratio, "FRACTION", "Tangential over normal stiffness");
   dem("--substep", flags.substep, "SECONDS", "Largest substep (default: from the stability limit)");
+  add_reproducible_flag(command, flags.reproducible);
   add_common_flags(command, flags.common);
   command
       .option("--dump-problems", flags.dump_problems,
@@ -303,13 +379,18 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
 }
 
 int run_command(const RunFlags& flags) {
-  const fs::path path = find_scene(flags.scene);
-  std::ifstream file(path);
-  std::ostringstream content;
-  content << file.rdbuf();
-  const std::string text = content.str();
-  return std::visit([&](auto&& scene) { return run_in(flags, std::move(scene), text); },
-                    parse_any_scene(text, path.string()));
+  std::string text;
+  AnyScene scene;
+  together([&] {
+    const fs::path path = find_scene(flags.scene);
+    std::ifstream file(path);
+    std::ostringstream content;
+    content << file.rdbuf();
+    text = content.str();
+    scene = parse_any_scene(text, path.string());
+  });
+  return std::visit([&](auto&& any) { return run_in(flags, std::move(any), text); },
+                    std::move(scene));
 }
 
 }  // namespace bipot

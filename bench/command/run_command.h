@@ -15,6 +15,7 @@ struct RunFlags {
   std::string dump_problems;            ///< "", "all" or "failed"
   std::string on_failure = "continue";  ///< or "stop", "smaller-step"
   std::optional<std::string> model;
+  bool reproducible = false;  ///< exact sums, the same bits for any number of processes
   /// Of the spring-dashpot model; unset entries leave the scene's choice.
   std::optional<double> stiffness, overlap, tangential_ratio, substep;
 };

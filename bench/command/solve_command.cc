@@ -10,14 +10,17 @@
 
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
+#include "bench/command/run_processes.h"
 #include "bench/command/several_command.h"
 #include "bench/report/json_output.h"
 #include "core/file_error.h"
 #include "core/files/fclib_file.h"
 #include "core/files/problem_file.h"
+#include "core/files/problem_geometry.h"
 #include "core/problem/delassus.h"
 #include "core/version.h"
 #include "solvers/certificate/existence.h"
+#include "solvers/distributed/distributed_solve.h"
 #include "solvers/islands.h"
 #include "solvers/methods/auto_solver.h"
 #include "solvers/registry.h"
@@ -45,6 +48,7 @@ int exit_code_of(SolveStatus status) {
 }
 
 using Certificate = std::optional<ExistenceCertificate>;
+using Counts = std::optional<DistributedCounts>;
 
 Json to_json(const ExistenceCertificate& c) {
   return {{"verdict", to_string(c.verdict)},
@@ -54,7 +58,7 @@ Json to_json(const ExistenceCertificate& c) {
 }
 
 Json summary(const SolveFlags& flags, const std::string& solver, const ContactProblem& problem,
-             const SolveResult& r, const Certificate& certificate) {
+             const SolveResult& r, const Certificate& certificate, const Counts& counts) {
   Json j{{"command", "solve"},
          {"version", program_version()},
          {"problem", flags.problem},
@@ -75,11 +79,12 @@ Json summary(const SolveFlags& flags, const std::string& solver, const ContactPr
   j["stick"] = count.stick;
   j["slip"] = count.slip;
   if (certificate) j["existence"] = to_json(*certificate);
+  if (counts) j["distributed"] = to_json(*counts);
   return j;
 }
 
 void print_summary(const SolveFlags& flags, const std::string& solver, const ContactProblem& p,
-                   const SolveResult& r, const Certificate& certificate) {
+                   const SolveResult& r, const Certificate& certificate, const Counts& counts) {
   const ContactCount count = count_contacts(p, r.s);
   fmt::print("{}: {} contacts, d = {}\n", flags.problem, p.num_contacts(), p.dim);
   fmt::print("  {}: {} ({})\n", solver, to_string(r.status), r.message);
@@ -89,6 +94,7 @@ void print_summary(const SolveFlags& flags, const std::string& solver, const Con
              r.error.eta, r.error.raw42, r.error.natural_map);
   fmt::print("  take-off {}, stick {}, slip {}\n", count.take_off, count.stick, count.slip);
   if (certificate) fmt::print("  {} [{:.2g} s]\n", to_text(*certificate), certificate->seconds);
+  if (counts) fmt::print("{}", to_text(*counts));
 }
 
 }  // namespace
@@ -109,6 +115,7 @@ CommandDeclaration add_solve_command(CommandLine& line, SolveFlags& flags) {
   command.flag("--certify", flags.certify,
                "Say whether a solution exists at all, by a proof that is checked in extended "
                "precision");
+  add_reproducible_flag(command, flags.reproducible);
   add_common_flags(command, flags.common);
   command
       .option("--solution", flags.solution,
@@ -183,57 +190,125 @@ void check_solution_file(const std::string& path, const ContactProblem& problem)
   }
 }
 
-}  // namespace
+/// What is to be solved, and how.
+struct SolveTask {
+  SolveFlags flags;
+  ProblemFile file;
+  SolverChoice choice;
+  const SolverEntry* entry = nullptr;
+  SolverOptions options;
+  DistributedOptions distributed;
+};
 
-int solve_command(const SolveFlags& given) {
-  if (!std::ifstream(given.problem)) throw FileError(given.problem, "", "cannot be opened");
-  std::optional<ProblemFile> file;
+ProblemFile read_file(const std::string& path) {
+  if (!std::ifstream(path)) throw FileError(path, "", "cannot be opened");
   try {
-    file = read_problem(given.problem);
+    return read_problem(path);
   } catch (const FileError& e) {
     throw std::invalid_argument(e.what());  // readable, but not a problem: bad input
   }
-  if (given.several) return several_command(given, *file);
-  const SolveFlags flags = with_folder(given);
-  const ContactProblem& problem = file->problem;
-  check_solution_file(flags.solution, problem);
-  require_writable(flags.common.json);
-  const SolverChoice choice = merged(SolverChoice{}, flags.solver);
-  const SolverEntry* entry = &require_solver(choice.name);
-  SolverOptions options = to_options(choice);
-  options.time_limit = flags.common.time_limit;
-  options.execution.threads = flags.common.threads;
-  if (flags.warm) {
-    if (file->guesses.empty()) {
-      throw std::invalid_argument(flags.problem +
+}
+
+/// Reads and checks; files are made by the process that writes them.
+SolveTask prepare(const SolveFlags& given) {
+  SolveTask task;
+  refuse_on_several_processes(given.common, given.explain ? "--explain" : "");
+  task.file = read_file(given.problem);
+  task.flags = is_speaker() ? with_folder(given) : given;
+  const ContactProblem& problem = task.file.problem;
+  if (is_speaker()) {
+    check_solution_file(task.flags.solution, problem);
+    require_writable(task.flags.common.json);
+  }
+  task.choice = merged(SolverChoice{}, given.solver);
+  task.entry = &require_solver(task.choice.name);
+  task.options = to_options(task.choice);
+  task.options.time_limit = given.common.time_limit;
+  task.options.execution.threads = given.common.threads;
+  if (given.warm) {
+    if (task.file.guesses.empty()) {
+      throw std::invalid_argument(given.problem +
                                   ": --warm, but the file has no guess to start from");
     }
-    options.s0 = file->guesses.front();
+    task.options.s0 = task.file.guesses.front();
   }
-  const InterruptGuard interrupt;
-  options.cancelled = &InterruptGuard::requested;
-  std::ofstream history;
-  if (!flags.history.empty()) {
-    history.open(flags.history);
-    if (!history) throw FileError(flags.history, "", "cannot be written");
-    history << "iteration,seconds,epsilon,eta,epsilon_raw,natural_map,step,take_off,stick,slip\n";
-    options.on_iteration = [&history](const IterationRecord& r) {
-      history << fmt::format("{},{:.6e},{:.9e},{:.9e},{:.9e},{:.9e},{:.9e},{},{},{}\n", r.iteration,
-                             r.seconds, r.error.epsilon, r.error.eta, r.error.raw42,
-                             r.error.natural_map, r.step, r.count.take_off, r.count.stick,
-                             r.count.slip);
-    };
+  task.distributed.reproducible = given.reproducible;
+  if (on_several_processes()) {
+    if (const auto geometry = read_geometry(given.problem, problem.num_contacts())) {
+      task.distributed.contact_places = contact_places(geometry->state);
+    }
   }
+  return task;
+}
 
-  if (flags.explain) {
-    if (choice.name != "auto") {
-      throw std::invalid_argument("--explain explains the choice of --solver auto");
-    }
-    if (flags.common.json != "-") {
-      fmt::print("{}{}", explain_islands(problem), explain_auto(problem, options));
-    }
+/// Opens the file of --history and lets the solve write into it.
+void record_history(const std::string& path, std::ofstream& history, SolverOptions& options) {
+  if (path.empty()) return;
+  if (is_speaker()) {
+    history.open(path);
+    if (!history) throw FileError(path, "", "cannot be written");
+    history << "iteration,seconds,epsilon,eta,epsilon_raw,natural_map,step,take_off,stick,slip\n";
   }
-  const SolveResult result = solve(*entry, problem, options);
+  options.on_iteration = [&history](const IterationRecord& r) {
+    if (!history.is_open()) return;  // another process writes
+    history << fmt::format("{},{:.6e},{:.9e},{:.9e},{:.9e},{:.9e},{:.9e},{},{},{}\n", r.iteration,
+                           r.seconds, r.error.epsilon, r.error.eta, r.error.raw42,
+                           r.error.natural_map, r.step, r.count.take_off, r.count.stick,
+                           r.count.slip);
+  };
+}
+
+void write_solution(const SolveTask& task, const SolveResult& result) {
+  const ContactProblem& problem = task.file.problem;
+  const std::string& path = task.flags.solution;
+  if (path.empty() || problem.num_contacts() == 0) return;  // FCLIB has no empty problem
+  if (!std::ifstream(path)) write_fclib(path, problem, task.file.info);
+  std::optional<Vector> v;
+  if (problem.has_velocities()) v = body_velocities(problem, result.s);
+  write_fclib_solution(path, result.s, result.u, v);
+}
+
+void explain(const SolveTask& task) {
+  if (task.choice.name != "auto") {
+    throw std::invalid_argument("--explain explains the choice of --solver auto");
+  }
+  if (task.flags.common.json == "-") return;
+  fmt::print("{}{}", explain_islands(task.file.problem),
+             explain_auto(task.file.problem, task.options));
+}
+
+}  // namespace
+
+int solve_command(const SolveFlags& given) {
+  if (given.several) {
+    together([&] { refuse_on_several_processes(given.common, "--several"); });
+    return several_command(given, read_file(given.problem));
+  }
+  SolveTask task;
+  std::ofstream history;
+  together([&] {
+    task = prepare(given);
+    // Whether all of them take part in recording is the flags' matter, not the folder's.
+    const bool recorded = !given.history.empty() || !given.common.out.empty();
+    record_history(recorded && !is_speaker() ? "elsewhere" : task.flags.history, history,
+                   task.options);
+  });
+  const ContactProblem& problem = task.file.problem;
+  const SolveFlags& flags = task.flags;
+  const InterruptGuard interrupt;
+  task.options.cancelled = &InterruptGuard::requested;
+  if (flags.explain) explain(task);
+  SolveResult result;
+  Counts counts;
+  if (on_several_processes() || flags.reproducible) {
+    DistributedResult distributed = distributed_solve(task.choice.name, problem, task.options,
+                                                      run_processes(), task.distributed);
+    result = std::move(distributed.result);
+    counts = distributed.counts;
+  } else {
+    result = solve(*task.entry, problem, task.options);
+  }
+  if (!is_speaker()) return exit_code_of(result.status);
   Certificate certificate;
   if (flags.certify && result.status != SolveStatus::kInvalidInput) {
     certificate = certify_existence(problem, flags.common.time_limit);
@@ -243,22 +318,16 @@ int solve_command(const SolveFlags& given) {
     if (!history) throw FileError(flags.history, "", "cannot be written");
   }
   if (!flags.common.json.empty()) {
-    write_json(summary(flags, choice.name, problem, result, certificate), flags.common.json);
+    write_json(summary(flags, task.choice.name, problem, result, certificate, counts),
+               flags.common.json);
   }
   if (result.status == SolveStatus::kInvalidInput) {
     fmt::print(stderr, "bipot: {}: {}\n", flags.problem, result.message);
     return kExitBadInput;
   }
-  if (!flags.solution.empty() && problem.num_contacts() > 0) {  // FCLIB has no empty problem
-    if (!std::ifstream(flags.solution)) {
-      write_fclib(flags.solution, problem, file->info);
-    }
-    std::optional<Vector> v;
-    if (problem.has_velocities()) v = body_velocities(problem, result.s);
-    write_fclib_solution(flags.solution, result.s, result.u, v);
-  }
+  write_solution(task, result);
   if (!flags.common.quiet && flags.common.json != "-") {
-    print_summary(flags, choice.name, problem, result, certificate);
+    print_summary(flags, task.choice.name, problem, result, certificate, counts);
   }
   return exit_code_of(result.status);
 }

@@ -207,20 +207,27 @@ std::string refuse_sweeps(const Parameters& parameters) {
   return {};
 }
 
+bool always(const Parameters&) { return true; }
+bool never(const Parameters&) { return false; }
+bool with_gradient_map(const Parameters& parameters) {
+  return parameters.choice("map") == "gradient";
+}
+
 constexpr DistributedSolver kDistributedSolvers[] = {
     {"auto",
      "rounds of apgd, anderson and pgs, each from the best impulse so far",
      &distributed_auto,
      {},
-     &nothing_to_refuse},
+     &nothing_to_refuse,
+     &never},
     {"apgd", "accelerated projected gradient: the iterates of one process", &distributed_gradient,
-     kAcceleratedGradientParameters, &nothing_to_refuse},
+     kAcceleratedGradientParameters, &nothing_to_refuse, &always},
     {"anderson", "Anderson acceleration of sweeps with split masses, or of gradient steps",
-     &distributed_anderson, kAndersonParameters, &nothing_to_refuse},
+     &distributed_anderson, kAndersonParameters, &nothing_to_refuse, &with_gradient_map},
     {"uzawa", "bi-potential Uzawa in Jacobi's order: the iterates of one process",
-     &distributed_uzawa, kUzawaParameters, &refuse_uzawa},
+     &distributed_uzawa, kUzawaParameters, &refuse_uzawa, &always},
     {"pgs", "Gauss-Seidel sweeps of all processes at once, with split masses", &distributed_sweeps,
-     kGaussSeidelParameters, &refuse_sweeps},
+     kGaussSeidelParameters, &refuse_sweeps, &never},
 };
 
 }  // namespace

@@ -17,6 +17,8 @@ struct DistributedSolver {
   std::span<const ParameterSpec> parameters;
   /// Why these parameters cannot be had on several processes; empty where they can.
   std::string (*refuse)(const Parameters& parameters);
+  /// Whether the iterates are the same for any number of processes, sums aside.
+  bool (*any_processes)(const Parameters& parameters);
 };
 
 /// auto, apgd, anderson, uzawa and pgs; data/distributed.md says which iterates are those of one

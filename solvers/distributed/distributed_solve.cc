@@ -50,10 +50,39 @@ std::string refuse_input(std::string_view name, const ContactProblem& p, const S
   }
   try {
     const Parameters parameters(o.parameters, solver->parameters);
+    if (extra.reproducible && !solver->any_processes(parameters)) {
+      return fmt::format(
+          "the iterates of {} depend on the processes; --reproducible takes apgd, uzawa, and "
+          "anderson with map = gradient",
+          name);
+    }
     return solver->refuse(parameters);
   } catch (const std::invalid_argument& e) {
     return fmt::format("solver {}: {}", name, e.what());
   }
+}
+
+/// Throws on all processes where they were given different problems.
+void require_one_problem(const ContactProblem& p, const SolverOptions& o, ProcessGroup& group) {
+  const double s0 = o.s0.size() > 0 ? o.s0.sum() : 0;
+  const double figures[] = {static_cast<double>(p.num_rows()),
+                            static_cast<double>(p.num_dofs()),
+                            p.u_free.sum(),
+                            p.v_free.sum(),
+                            p.mu.sum(),
+                            s0,
+                            o.tol};
+  std::vector<double> both;
+  for (const double x : figures) {
+    both.push_back(x);
+    both.push_back(-x);
+  }
+  group.largest(both);
+  bool same = true;
+  for (std::size_t k = 0; k < std::size(figures); ++k) {
+    same &= both[2 * k] == figures[k] && both[2 * k + 1] == -figures[k];
+  }
+  group.fail_where_any(same ? "" : "the processes were given different problems");
 }
 
 /// One solve on the pieces of all processes.
@@ -219,12 +248,13 @@ DistributedResult distributed_solve(std::string_view name, const ContactProblem&
     out.result.message = refusal;
     return out;
   }
-  if (problem.num_contacts() == 0) {
+  if (!group.any(problem.num_contacts() > 0)) {
     out.result.status = SolveStatus::kNothingToDo;
     out.result.message = "no contacts";
     out.result.error = contact_error(problem, Vector());
     return out;
   }
+  require_one_problem(problem, options, group);
   return DistributedSolve(problem, options, group, extra).run(*find_distributed_solver(name));
 }
 

@@ -32,7 +32,8 @@ struct DistributedResult {
 
 /// solve() (solvers/solve.h) on all processes of the group: the same refusals, statuses, messages and
 /// the same last judgement on the original data, evaluated by all. `problem`, `options` and `extra`
-/// must be the same on every process. Each cuts its piece (ProblemPiece) from the whole, so that
+/// must be the same on every process (sums over them are compared; CommonFailure where they differ).
+/// Each cuts its piece (ProblemPiece) from the whole, so that
 /// set-up and result take memory and time of the whole on every process; the iteration takes its
 /// piece's. Results are the same bits on all processes, and for the same number of them.
 ///

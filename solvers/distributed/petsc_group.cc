@@ -6,7 +6,6 @@
 #include <petscsf.h>
 
 #include <algorithm>
-#include <cstdlib>
 #include <stdexcept>
 #include <string>
 
@@ -214,12 +213,11 @@ std::unique_ptr<ProcessGroup> petsc_group() {
   return std::make_unique<PetscGroup>();
 }
 
-void end_all_processes(int exit_code) {
+void abort_mpi(int exit_code) {
   int alive = 0, finalised = 0;
   MPI_Initialized(&alive);
   MPI_Finalized(&finalised);
   if (alive && !finalised) MPI_Abort(MPI_COMM_WORLD, exit_code);
-  std::exit(exit_code);
 }
 
 }  // namespace bipot

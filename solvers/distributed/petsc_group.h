@@ -12,8 +12,7 @@ namespace bipot {
 /// one's originals. Throws PetscFailure or std::runtime_error.
 std::unique_ptr<ProcessGroup> petsc_group();
 
-/// Ends all processes of the run at once, this one's exit code for all: for a process that failed
-/// while others wait for it. Does not return.
-[[noreturn]] void end_all_processes(int exit_code);
+/// MPI_Abort, where MPI is alive.
+void abort_mpi(int exit_code);
 
 }  // namespace bipot

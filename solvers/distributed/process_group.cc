@@ -1,10 +1,5 @@
 #include "solvers/distributed/process_group.h"
 
-#include <algorithm>
-#include <charconv>
-#include <cstdlib>
-#include <cstring>
-
 #include "core/types.h"
 
 namespace bipot {
@@ -60,42 +55,8 @@ class LoneProcess : public ProcessGroup {
   }
 };
 
-/// A number in the environment, or -1.
-int from_environment(const char* name) {
-  const char* text = std::getenv(name);
-  int value = -1;
-  if (text == nullptr) return -1;
-  const char* end = text + std::strlen(text);
-  const auto [last, error] = std::from_chars(text, end, value);
-  return error == std::errc() && last == end ? value : -1;
-}
-
-/// Open MPI; MPICH and its relatives; Slurm, where it speaks to MPI itself.
-struct Launcher {
-  const char *size, *rank;
-};
-constexpr Launcher kLaunchers[] = {{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"},
-                                   {"PMI_SIZE", "PMI_RANK"},
-                                   {"SLURM_NTASKS", "PMIX_RANK"}};
-
 }  // namespace
 
 std::unique_ptr<ProcessGroup> lone_process() { return std::make_unique<LoneProcess>(); }
-
-int launched_processes() {
-  for (const Launcher& launcher : kLaunchers) {
-    const int size = from_environment(launcher.size);
-    if (size > 0 && from_environment(launcher.rank) >= 0) return size;
-  }
-  return 1;
-}
-
-int launched_rank() {
-  for (const Launcher& launcher : kLaunchers) {
-    const int rank = from_environment(launcher.rank);
-    if (rank >= 0 && from_environment(launcher.size) > 0) return rank;
-  }
-  return 0;
-}
 
 }  // namespace bipot

@@ -91,10 +91,4 @@ class ProcessGroup {
 /// A group of one: sums are what they were, and there is nothing to copy but one's own.
 std::unique_ptr<ProcessGroup> lone_process();
 
-/// How many processes a launcher (mpirun, mpiexec, srun) says that it started, from the environment
-/// alone: MPI is not touched. 1 where there is no launcher.
-int launched_processes();
-/// The rank that the launcher gave this process; 0 where there is no launcher.
-int launched_rank();
-
 }  // namespace bipot

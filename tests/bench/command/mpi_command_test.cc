@@ -1,0 +1,185 @@
+// `mpirun -n P bipot solve|run`, as a user runs it.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "tests/bench/command/command_fixture.h"
+#include "tests/support/source_folder.h"
+
+namespace bipot {
+namespace {
+
+using nlohmann::json;
+
+constexpr const char* kMpirun =
+    "timeout 60 mpirun --allow-run-as-root --oversubscribe --mca mpi_yield_when_idle 1 "
+    "--mca odls_base_sigkill_timeout 0";
+
+class MpiCommand : public Command {
+ protected:
+  void SetUp() override {
+    Command::SetUp();
+    if (run_command_line("mpirun", "--version").exit_code != 0) {
+      GTEST_SKIP() << "mpirun is not installed: the command on several processes is not tested";
+    }
+  }
+  static Outcome on(int processes, const std::string& arguments) {
+    return run_command_line(
+        kMpirun, "-n " + std::to_string(processes) + " " + BIPOT_COMMAND + " " + arguments);
+  }
+  /// The same with standard error in `out` as well: who speaks?
+  static Outcome both_streams(const std::string& arguments) {
+    return run_command_line(std::string("{ ") + kMpirun, arguments + " 2>&1; }");
+  }
+  static std::string problem(const std::string& name) {
+    return source_folder().string() + "/data/problems/" + name + ".hdf5";
+  }
+  static int count(const std::string& text, const std::string& what) {
+    int n = 0;
+    for (std::size_t at = 0; (at = text.find(what, at)) != std::string::npos; ++at) ++n;
+    return n;
+  }
+};
+
+TEST_F(MpiCommand, SolveSaysAndWritesWhatOneProcessDoes) {
+  const std::string solve = "solve " + problem("2d_pile_300_mu03") + " --solver apgd --tol 1e-5";
+  const json one = json::parse(bipot(solve + " --json -").out);
+  EXPECT_FALSE(one.contains("distributed"));
+  const Outcome run = on(2, solve + " --json - --out " + path("out"));
+  ASSERT_EQ(run.exit_code, 0);
+  const json two = json::parse(run.out);  // one document: one process printed
+  for (const char* key : {"status", "message", "solver", "contacts", "dim", "iterations", "stick",
+                          "slip", "take_off", "worst_contact", "exit_code"}) {
+    EXPECT_EQ(one[key], two[key]) << key;
+  }
+  EXPECT_NEAR(one["epsilon"].get<double>(), two["epsilon"].get<double>(),
+              1e-6 * one["epsilon"].get<double>());
+  EXPECT_EQ(two["distributed"]["processes"], 2);
+  EXPECT_LE(two["distributed"]["imbalance"].get<double>(), 1.2);
+  EXPECT_EQ(bipot("judge " + problem("2d_pile_300_mu03") + " --impulses " +
+                  path("out/solution.hdf5") + " --tol 1e-5")
+                .exit_code,
+            0);
+  // The history has a line for each judged iteration, from one process.
+  EXPECT_EQ(count(content(path("out/history.csv")), "\n0,"), 1);
+}
+
+TEST_F(MpiCommand, OneProcessOfMpirunIsTheOrdinaryCommand) {
+  const std::string solve = "solve " + problem("2d_pour12_170") + " --solver ipm --json -";
+  json one = json::parse(bipot(solve).out), launched = json::parse(on(1, solve).out);
+  for (json* j : {&one, &launched}) {
+    j->erase("setup_seconds");
+    j->erase("solve_seconds");
+  }
+  EXPECT_EQ(one, launched);
+}
+
+TEST_F(MpiCommand, ReproducibleSolvesHaveTheSameBits) {
+  const std::string solve =
+      "solve " + problem("2d_pour12_170") + " --solver apgd --tol 1e-6 --reproducible --out ";
+  const auto history = [&](const std::string& name) {
+    std::string text, line;
+    std::istringstream lines(content(path(name + "/history.csv")));
+    // Without the seconds, the second column.
+    while (std::getline(lines, line)) {
+      const std::size_t first = line.find(','), second = line.find(',', first + 1);
+      text += line.substr(0, first) + line.substr(second) + "\n";
+    }
+    return text;
+  };
+  ASSERT_EQ(bipot(solve + path("p1")).exit_code, 0);
+  const std::string alone = history("p1");
+  EXPECT_GT(alone.size(), 1000u);
+  for (const int processes : {2, 4}) {
+    const std::string name = "p" + std::to_string(processes);
+    ASSERT_EQ(on(processes, solve + path(name)).exit_code, 0);
+    EXPECT_EQ(history(name), alone) << processes;
+  }
+  EXPECT_EQ(bipot("solve " + problem("2d_pour12_170") + " --solver pgs --reproducible").exit_code,
+            2);
+}
+
+TEST_F(MpiCommand, ExitCodesAreThoseOfOneProcessAndOneProcessSpeaks) {
+  const std::string solve = "solve " + problem("2d_pour12_170") + " ";
+  EXPECT_EQ(on(3, solve + "--solver apgd --tol 1e-12 --max-iterations 20").exit_code, 1);
+  EXPECT_EQ(on(3, solve + "--solver lemke").exit_code, 2);
+  EXPECT_EQ(on(2, solve + "--solver apgd --threads 2").exit_code, 2);
+  EXPECT_EQ(on(2, solve + "--several 3").exit_code, 2);
+  EXPECT_EQ(on(2, "run square_lattice --model dem").exit_code, 2);
+  const Outcome compare =
+      both_streams("-n 3 " + std::string(BIPOT_COMMAND) + " compare " + problem("2d_pour12_170"));
+  EXPECT_EQ(compare.exit_code, 2);
+  EXPECT_EQ(count(compare.out, "bipot: compare runs on one process"), 1) << compare.out;
+}
+
+TEST_F(MpiCommand, AProcessThatFailsEndsTheRunWithItsMessage) {
+  const std::string good = std::string(BIPOT_COMMAND) + " solve " + problem("2d_pour12_170");
+  const auto pair = [&](const std::string& first, const std::string& second) {
+    return both_streams("-n 1 " + first + " : -n 1 " + second);
+  };
+  const auto two = [&](const std::string& arguments) {
+    return both_streams("-n 2 " + std::string(BIPOT_COMMAND) + " " + arguments);
+  };
+  // The second process cannot read its file: the first one says so for it.
+  const Outcome unread = pair(good, std::string(BIPOT_COMMAND) + " solve /nowhere");
+  EXPECT_EQ(unread.exit_code, 4);
+  EXPECT_EQ(count(unread.out, "bipot: /nowhere: cannot be opened"), 1) << unread.out;
+  const Outcome different =
+      pair(good, std::string(BIPOT_COMMAND) + " solve " + problem("2d_pour12_250"));
+  EXPECT_EQ(different.exit_code, 3);
+  EXPECT_EQ(count(different.out, "bipot: the processes were given different problems"), 1)
+      << different.out;
+  // The first one alone fails to write, once all is solved and in the middle of a run.
+  const Outcome full =
+      two("solve " + problem("2d_pour12_170") + " --solver apgd --history /dev/full");
+  EXPECT_EQ(full.exit_code, 4);
+  EXPECT_EQ(count(full.out, "bipot: process 1 of 2: /dev/full: cannot be written"), 1) << full.out;
+  std::filesystem::create_directories(path("out"));
+  write("out/problems", "a file where a folder is to be");
+  const Outcome in_a_step =
+      two("run pyramid --steps 5 --solver apgd --dump-problems all --out " + path("out"));
+  EXPECT_NE(in_a_step.exit_code, 0);
+  EXPECT_NE(in_a_step.exit_code, 124) << "a hang";
+  EXPECT_EQ(count(in_a_step.out, "bipot: process 1 of 2:"), 1) << in_a_step.out;
+}
+
+TEST_F(MpiCommand, ARunHasTheSameFilesAndGoesOnWithAnotherNumberOfProcesses) {
+  const std::string run = "run rough_shear --solver apgd --tol 1e-3 --reproducible -q --out ";
+  // 12 steps, 10 more and the last 8: on one process, and on four, two and three.
+  const auto in_parts = [&](const std::string& name, int a, int b, int c) {
+    const auto go = [&](int processes, const std::string& more) {
+      const std::string all = run + path(name) + more;
+      return processes == 1 ? bipot(all).exit_code : on(processes, all).exit_code;
+    };
+    EXPECT_EQ(go(a, " --steps 12"), 0);
+    EXPECT_EQ(go(b, " --restart " + path(name) + " --steps 10"), 0);
+    EXPECT_EQ(go(c, " --restart " + path(name) + " --steps 8"), 0);
+  };
+  in_parts("one", 1, 1, 1);
+  in_parts("several", 4, 2, 3);
+  const std::string ledger = content(path("one/ledger.csv"));
+  EXPECT_EQ(count(ledger, "\n"), 31) << ledger;
+  EXPECT_EQ(content(path("several/ledger.csv")), ledger);
+  const auto files = [&](const std::string& name) {
+    std::vector<std::string> list;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path(name))) {
+      list.push_back(std::filesystem::relative(entry.path(), path(name)).string());
+    }
+    std::sort(list.begin(), list.end());
+    return list;
+  };
+  EXPECT_EQ(files("several"), files("one"));
+  EXPECT_EQ(content(path("several/frames/00000030.h5")), content(path("one/frames/00000030.h5")));
+  const json j = json::parse(content(path("several/summary.json")));
+  EXPECT_EQ(j["processes"], 3);
+  EXPECT_EQ(j["status"], "completed");
+}
+
+}  // namespace
+}  // namespace bipot
