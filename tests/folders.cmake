@@ -32,7 +32,7 @@ set(folders
   "bench/compare = bench/measure"
   "bench/validate = bench/paper solvers/certificate"
   "bench/command = bench/advise bench/compare bench/extremes bench/paper bench/trade bench/validate core/pictures solvers/certificate solvers/distributed"
-  "bench/google = bench/measure solvers/interior solvers/petsc"
+  "bench/google = bench/measure solvers/distributed"
   "bench/python = bench/advise bench/compare"
   "tests = bench/command bench/google bench/python solvers/islands")
 

@@ -37,7 +37,7 @@ void add_common_flags(CommandDeclaration& command, CommonFlags& flags) {
 
 void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
   command.flag("--reproducible", reproducible,
-               "The same bits for any number of processes (mpirun -n P): exact sums; apgd, uzawa");
+               "Exact sums: the same bits for any number of processes");
 }
 
 void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {

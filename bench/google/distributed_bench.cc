@@ -1,0 +1,246 @@
+// What a solve on several processes costs, and what it would cost on more of them.
+//
+//   mpirun -n P distributed_bench --side=183 --iterations=200
+//       one row: a cold step of a triangular packing of about side² disks (3 contacts a disk), apgd:
+//       seconds an iteration of the slowest process, what is sent, the imbalance, iterations to the
+//       tolerances, memory. Alone, without mpirun, it also measures the solver of one process.
+//   distributed_bench --model
+//       counts halos, partners and bytes of one packing cut for many processes, and what an
+//       iteration of larger ones costs at a stated latency and bandwidth (data/distributed.md).
+
+#include <fmt/format.h>
+#include <sys/resource.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include "core/motion/midpoint.h"
+#include "core/scene/scene_family.h"
+#include "core/stopwatch.h"
+#include "solvers/distributed/cell_tree.h"
+#include "solvers/distributed/contact_owners.h"
+#include "solvers/distributed/distributed_solve.h"
+#include "solvers/distributed/launch.h"
+#include "solvers/distributed/problem_piece.h"
+#include "solvers/solve.h"
+
+namespace bipot {
+namespace {
+
+/// The first step of a packing and the places of its contacts.
+struct CutPacking {
+  ContactProblem problem;
+  std::vector<Vec3> places;
+
+  explicit CutPacking(int side) {
+    const Scene scene = make_family_scene("triangular", side);
+    const State state = initial_state(scene);
+    const Midpoint mid = make_midpoint(scene, state);
+    problem = assemble_step(scene, mid, false).problem;
+    for (const Contact& c : mid.contacts) {
+      const Disk& disk = mid.disks[to_size(c.i)];
+      const Vec2 at = disk.x - disk.radius * c.n;
+      places.push_back(Vec3(at[0], at[1], 0));
+    }
+  }
+};
+
+double peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return 1024.0 * static_cast<double>(usage.ru_maxrss);
+}
+
+struct Timed {
+  SolveResult result;
+  DistributedCounts counts;
+  double seconds = 0;
+};
+
+/// The best of `repeat` solves.
+template <class Solve>
+Timed fastest(int repeat, Solve solve) {
+  Timed best;
+  best.seconds = kInfinity;
+  for (int k = 0; k < repeat; ++k) {
+    Timed one = solve();
+    if (one.result.solve_seconds < best.seconds) {
+      best = std::move(one);
+      best.seconds = best.result.solve_seconds;
+    }
+  }
+  return best;
+}
+
+void measure(int side, int iterations, int repeat, bool reproducible,
+             const std::vector<double>& tols) {
+  const auto group = launched_group();
+  const CutPacking packing(side);
+  const int contacts = packing.problem.num_contacts();
+  SolverOptions options;
+  options.tol = 1e-300;
+  options.max_iterations = iterations;
+  const DistributedOptions extra{.reproducible = reproducible, .contact_places = packing.places};
+  Timed t = fastest(repeat, [&] {
+    DistributedResult r = distributed_solve("apgd", packing.problem, options, *group, extra);
+    // The slowest process's.
+    group->largest({&r.result.solve_seconds, 1});
+    return Timed{std::move(r.result), r.counts, 0};
+  });
+  double memory[1] = {peak_memory_bytes()};
+  group->largest(memory);
+  const bool speaks = group->rank() == 0;
+  const Traffic& traffic = t.counts.traffic;
+  const double n = iterations;
+  if (speaks) {
+    fmt::print(
+        "P {}: {} contacts, {} iterations: {:.3e} s an iteration, {:.2f} ns a contact; sent by one "
+        "{:.2f} messages and {:.0f} bytes, {:.2f} reductions with {:.0f} bytes an iteration; "
+        "imbalance {:.3f}, halo {} of {}; peak {:.2f} kB a disk{}\n",
+        group->size(), contacts, iterations, t.seconds / n, 1e9 * t.seconds / n / contacts,
+        static_cast<double>(traffic.messages) / n, static_cast<double>(traffic.bytes) / n,
+        static_cast<double>(traffic.reductions) / n, static_cast<double>(traffic.reduced_bytes) / n,
+        t.counts.imbalance, t.counts.most_halo, t.counts.most_contacts,
+        memory[0] / 1000 * 3 / contacts, reproducible ? "; exact sums" : "");
+  }
+  if (group->size() == 1) {
+    const Timed one = fastest(repeat, [&] {
+      return Timed{solve("apgd", packing.problem, options), {}, 0};
+    });
+    fmt::print("one process's own solver: {:.3e} s an iteration, {:.2f} ns a contact\n",
+               one.seconds / n, 1e9 * one.seconds / n / contacts);
+  }
+  for (const double tol : tols) {
+    options.tol = tol;
+    options.max_iterations = 1000000;
+    DistributedResult r = distributed_solve("apgd", packing.problem, options, *group, extra);
+    group->largest({&r.result.solve_seconds, 1});
+    if (!speaks) continue;
+    fmt::print("  to {:.0e}: {}, {} iterations, {:.2f} s, ε {:.2e}, η {:.2e}\n", tol,
+               to_string(r.result.status), r.result.iterations, r.result.solve_seconds,
+               r.result.error.epsilon, r.result.error.eta);
+  }
+}
+
+/// Of the process with the most of each.
+struct CutCount {
+  int contacts = 0, halo = 0, sent = 0, partners = 0;
+  double imbalance = 1;
+};
+
+/// Counts what a cut for P processes sends in one exchange, without running it.
+CutCount count_cut(const CutPacking& packing, const BodyNodes& nodes, int processes) {
+  const ContactOwners owners = contact_owners(packing.problem, nodes, packing.places, processes);
+  CutCount count;
+  count.imbalance = imbalance(owners.contacts);
+  std::vector<int> sent(to_size(processes), 0);
+  std::vector<std::set<int>> to(to_size(processes));
+  for (int rank = 0; rank < processes; ++rank) {
+    const ProblemPiece piece = cut_piece(packing.problem, nodes, owners, rank);
+    count.contacts = std::max(count.contacts, piece.own.num_contacts());
+    count.halo = std::max(count.halo, static_cast<int>(piece.halo.size()));
+    for (const RemoteItem& item : piece.copies) {
+      ++sent[to_size(item.owner)];
+      to[to_size(item.owner)].insert(rank);
+    }
+  }
+  for (int rank = 0; rank < processes; ++rank) {
+    count.sent = std::max(count.sent, sent[to_size(rank)]);
+    count.partners = std::max(count.partners, static_cast<int>(to[to_size(rank)].size()));
+  }
+  return count;
+}
+
+struct ModelMachine {
+  double latency = 2e-6;   ///< of a message, s
+  double bandwidth = 5e9;  ///< of one process, bytes/s
+  double contact = 3e-8;   ///< work on a contact in an iteration, s
+};
+
+void model(int side, const ModelMachine& machine) {
+  const CutPacking packing(side);
+  const BodyNodes nodes = body_nodes(packing.problem);
+  fmt::print(
+      "Counted on one packing of {} contacts, one exchange of apgd (2 doubles a contact):\n\n",
+      packing.problem.num_contacts());
+  fmt::print(
+      "| P | contacts of one | imbalance | halo of one | sent by one | bytes | partners | "
+      "sent / root of contacts |\n| --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  double per_root = 0;
+  int partners = 0;
+  for (const int processes : {2, 4, 8, 16, 32, 64}) {
+    const CutCount c = count_cut(packing, nodes, processes);
+    const double root = c.sent / std::sqrt(static_cast<double>(c.contacts));
+    per_root = std::max(per_root, root);
+    partners = std::max(partners, c.partners);
+    fmt::print("| {} | {} | {:.3f} | {} | {} | {} | {} | {:.2f} |\n", processes, c.contacts,
+               c.imbalance, c.halo, c.sent, 16 * c.sent, c.partners, root);
+  }
+  fmt::print(
+      "\nModel of an iteration: work {:.1f} ns a contact of one, {} messages at {:.1f} µs each and "
+      "16 · {:.1f} · root(contacts of one) bytes at {:.0f} GB/s, a reduction of 24 bytes by "
+      "recursive doubling: log2 P steps at the latency and 24 P bytes.\n\n",
+      1e9 * machine.contact, partners, 1e6 * machine.latency, per_root, 1e-9 * machine.bandwidth);
+  fmt::print(
+      "| disks | P | contacts of one | kB sent by one | work [µs] | exchange [µs] | "
+      "reduction [µs] | s an iteration | speed-up | efficiency |\n"
+      "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n");
+  for (const double disks : {1e5, 1e6, 1e7, 1e8}) {
+    for (const int processes : {1, 16, 128, 1000}) {
+      const double contacts = 3 * disks / processes;
+      if (contacts < 1000) continue;
+      const double work = machine.contact * contacts;
+      double exchange = 0, reduction = 0, bytes = 0;
+      if (processes > 1) {
+        bytes = 16 * per_root * std::sqrt(contacts);
+        exchange = partners * machine.latency + bytes / machine.bandwidth;
+        reduction = std::ceil(std::log2(processes)) * machine.latency +
+                    24.0 * processes / machine.bandwidth;
+      }
+      const double total = work + exchange + reduction;
+      const double alone = machine.contact * 3 * disks;
+      fmt::print(
+          "| {:.0e} | {} | {:.3g} | {:.1f} | {:.1f} | {:.1f} | {:.1f} | {:.2e} | {:.1f} | "
+          "{:.0f} % |\n",
+          disks, processes, contacts, bytes / 1000, 1e6 * work, 1e6 * exchange, 1e6 * reduction,
+          total, alone / total, 100 * alone / total / processes);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace bipot
+
+int main(int argc, char** argv) {
+  CLI::App app("Costs of solves on several processes");
+  int side = 183, iterations = 200, repeat = 3;
+  bool use_model = false, reproducible = false;
+  std::vector<double> tols;
+  bipot::ModelMachine machine;
+  app.add_option("--side", side, "Rows of the packing, about side² disks")
+      ->check(CLI::Range(3, 2000));
+  app.add_option("--iterations", iterations, "Measured")->check(CLI::Range(1, 1000000));
+  app.add_option("--repeat", repeat, "Solves, of which the fastest counts")
+      ->check(CLI::Range(1, 100));
+  app.add_option("--tols", tols, "Solve to these as well")->delimiter(',');
+  app.add_flag("--reproducible", reproducible, "Exact sums");
+  app.add_flag("--model", use_model, "Count and extrapolate");
+  app.add_option("--latency", machine.latency, "Of the model [s]");
+  app.add_option("--bandwidth", machine.bandwidth, "Of the model [bytes/s]");
+  app.add_option("--contact", machine.contact, "Of the model: work on a contact [s]");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    if (use_model) {
+      bipot::model(side, machine);
+    } else {
+      bipot::measure(side, iterations, repeat, reproducible, tols);
+    }
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "distributed_bench: {}\n", e.what());
+    bipot::end_all_processes(1);
+  }
+  return 0;
+}
