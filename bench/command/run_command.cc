@@ -372,7 +372,7 @@ CommandDeclaration add_run_command(CommandLine& line, RunFlags& flags) {
   add_solver_flags(command, flags.solver);
   add_warm_start_flags(command, flags.solver);
   command.footer(
-      "Example:\n"
+      "Examples:\n"
       "  bipot run compaction --out out/b --restart out/a --steps 100");
   return command;
 }
