@@ -31,7 +31,8 @@ std::string row_line(const ValidationVerdict& v) {
   const ValidationPoint* p = v.measured();
   std::string note;
   if (p != nullptr) {
-    note = fmt::format("<br><span class=\"small\">at ε = {}{}{}</span>", tolerance_label(p->tol),
+    note = fmt::format("<br><span class=\"small\">{}{}{}</span>",
+                       v.row.takes_tolerance ? "at ε = " + tolerance_label(p->tol) : "no ε",
                        p->seen.note.empty() ? "" : "; ", escape_markup(p->seen.note));
   }
   return fmt::format(
@@ -46,7 +47,10 @@ std::string row_line(const ValidationVerdict& v) {
                         "{}</span>",
                         compact_label(v.row.allowed), escape_markup(v.row.allowed_why))
           : fmt::format("<span class=\"no\">✗ does not hold</span><br>{}", escape_markup(v.reason)),
-      std::isnan(v.loosest) ? "none" : tolerance_label(v.loosest), duration_label(v.seconds),
+      !v.row.takes_tolerance  ? "no ε"
+      : std::isnan(v.loosest) ? "none"
+                              : tolerance_label(v.loosest),
+      duration_label(v.seconds),
       v.shared > 1 ? fmt::format("<br><span class=\"small\">for {} rows</span>", v.shared) : "");
 }
 

@@ -41,7 +41,8 @@ struct ValidationRow {
   /// time step, bisection.
   double allowed = 0;
   std::string allowed_why;
-  std::string bar;  ///< what the error bar is
+  std::string bar;              ///< what the error bar is
+  bool takes_tolerance = true;  ///< false: nothing in it is solved to a tolerance
 };
 
 /// One measurement of an observable.

@@ -124,15 +124,15 @@ TEST(Validate, EveryRowSaysWhatItIs) {
       EXPECT_TRUE(std::isfinite(row.expected.low) || std::isfinite(row.expected.high)) << row.name;
     }
     for (const auto* tols : {&e.tols, &e.quick_tols}) {
-      EXPECT_GE(tols->size(), 2u) << e.rows[0].name;
+      EXPECT_GE(tols->size(), e.rows[0].takes_tolerance ? 2u : 1u) << e.rows[0].name;
       EXPECT_TRUE(std::is_sorted(tols->rbegin(), tols->rend())) << e.rows[0].name;
     }
   }
   EXPECT_GE(names.size(), 20u);
 }
 
-/// Rows whose answer is known by hand hold at the tightest tolerance; with an expected value that is 5 % off (or a
-/// bound that is moved by a tenth past what was measured) each of them does not.
+/// Rows whose answer is known by hand hold at the tightest tolerance; with an expected value that is 20 % off (or a
+/// bound that is moved by a tenth of its scale past what was measured) each of them does not.
 class ExactRows : public testing::TestWithParam<std::vector<ValidationExperiment> (*)()> {};
 
 TEST_P(ExactRows, HoldAndWouldNotHoldWithAnotherValue) {
@@ -146,7 +146,7 @@ TEST_P(ExactRows, HoldAndWouldNotHoldWithAnotherValue) {
       const Observation seen = v.measured()->seen;
       const double moved = 0.1 * v.row.expected.scale + 2 * seen.bar;
       v.row.expected = v.row.expected.low == v.row.expected.high && v.row.expected.low != 0
-                           ? Expectation::equal(1.1 * v.row.expected.low + 2 * seen.bar)
+                           ? Expectation::equal(1.2 * v.row.expected.low + 2 * seen.bar)
                            : Expectation::at_least(seen.value + moved, v.row.expected.scale);
       judge(v);
       EXPECT_FALSE(v.holds) << v.row.name;
