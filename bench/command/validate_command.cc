@@ -67,7 +67,7 @@ CommandDeclaration add_validate_command(CommandLine& line, ValidateFlags& flags)
               "Rows, or how their names begin, separated by commas (default: all)")
       .value_name("NAMES");
   command.flag("--quick", flags.quick,
-               "Fewer bodies, seeds and tolerances: seconds instead of a quarter of an hour");
+               "Fewer bodies, seeds and tolerances: seconds instead of up to half an hour");
   command.option("--solver", flags.solver, "Of every step, without islands").show_default();
   command.option("--max-iterations", flags.max_iterations, "Of a step").positive().show_default();
   command
