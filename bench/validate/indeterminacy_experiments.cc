@@ -164,7 +164,7 @@ ValidationExperiment spread() {
     const std::vector<double> small = {1e-4, 1e-3, 1e-2}, large = {0.03, 0.1, 0.3, 1};
     const int seeds = context.quick ? 2 : 6;
     std::vector<double> exponents;
-    double fall = 0;
+    double fall = kNaN;  // of nothing compared
     std::string extra;
     ValidationFigure figure;
     figure.name = "spread";
@@ -190,7 +190,7 @@ ValidationExperiment spread() {
             extra = fmt::format("pile {}: no bounded equilibrium at μ = {}", seed, mu);
             continue;
           }
-          if (!spreads.empty()) fall = std::max(fall, 1 - s / spreads.back());
+          if (!spreads.empty()) fall = std::fmax(std::fmax(fall, 0), 1 - s / spreads.back());
           mus.push_back(mu);
           spreads.push_back(s);
           series.points.push_back({mu, s});

@@ -122,7 +122,8 @@ ValidationExperiment plane_packings() {
           "fraction_close", "solid fraction without friction, three radii in equal shares",
           "Meer, Galoustian, de Falco Manuel and Weeks 2024 (abstract of arXiv 2404.02316): "
           "0.840 for size distributions without skewness, whatever their width",
-          "0.840", Expectation::equal(0.840), 1.5e-2, "64 disks (--quick: 25); overlaps count twice"),
+          "0.840", Expectation::equal(0.840), 1.5e-2,
+          "64 disks (--quick: 25); overlaps count twice"),
       packing_row("fraction_bound", "the same, as a bound",
                   "Blind 1969 (read in the abstract of arXiv 1907.03652): disks of radii within "
                   "0.743 of each other pack no denser than equal ones",
@@ -240,7 +241,7 @@ ValidationExperiment space_packings() {
   e.quick_tols = {1, 1e-1, 1e-3};
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
-    const int count = context.quick ? 27 : 100, seeds = context.quick ? 2 : 3;
+    const int count = context.quick ? 27 : 100, seeds = context.quick ? 3 : 4;
     std::vector<double> smooth, rough;
     for (int seed = 1; seed <= seeds; ++seed) {
       for (const double mu : {0.0, 10.0}) {

@@ -46,7 +46,8 @@ std::string row_line(const ValidationVerdict& v) {
           ? fmt::format("<span class=\"yes\">✓ holds</span><br><span class=\"small\">{} allowed: "
                         "{}</span>",
                         compact_label(v.row.allowed), escape_markup(v.row.allowed_why))
-          : fmt::format("<span class=\"no\">✗ does not hold</span><br>{}", escape_markup(v.reason)),
+          : fmt::format("<span class=\"no\">{}</span><br>{}",
+                        v.undecided ? "undecided" : "✗ does not hold", escape_markup(v.reason)),
       !v.row.takes_tolerance  ? "no ε"
       : std::isnan(v.loosest) ? "none"
                               : tolerance_label(v.loosest),
@@ -100,17 +101,17 @@ std::string to_html(const ValidationPage& page) {
   std::string html = page_head("Bipot: physics, checked", kValidationRules);
   html += "<h1>Physics, checked: at which tolerance does it break?</h1>\n";
   html += fmt::format(
-      "<p>{} of {} rows hold.{} Each row is an observable that theory, a proof, or published work "
+      "<p>{} of {} rows hold, {} are undecided.{} Each row is an observable that theory, a proof, or published work "
       "says something of. It is measured with every step solved by <code>{}</code> (without islands) to "
       "the guarded error ε, for several ε.</p>\n",
-      page.held(), page.verdicts.size(),
+      page.held(), page.verdicts.size(), page.undecided(),
       page.complete ? "" : " The measurement was stopped before its end.",
       escape_markup(page.solver));
   html +=
       "<p><b>Verdict</b>: at the tightest ε that the steps reached (all but 1 % of them), the relative error is at most "
       "what is allowed (the reason stands there) and the error bar. <b>Right from</b>: the loosest ε "
       "from which on the error is at most 1 % (or what is allowed, if that is more) and the bar, at that "
-      "and all tighter ones. For bounds the error is the distance outside, 0 inside. In the figures, "
+      "and all tighter ones. A bar of more than half the scale decides nothing. For bounds the error is the distance outside, 0 inside. In the figures, "
       "hollow marks are runs in which more than 1 % of the steps missed ε; an error of 0 stands on the axis. "
       "Values of which only memory, no readable source, is at hand are not tested: of those, the "
       "exponent or a bound that is derived.</p>\n";

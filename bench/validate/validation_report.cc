@@ -53,9 +53,12 @@ std::string verdicts_csv(const ValidationPage& page) {
         p == nullptr ? "" : csv_number(p->seen.value), p == nullptr ? "" : csv_number(p->seen.bar),
         csv_text(v.row.bar), p == nullptr ? "" : csv_number(p->tol),
         p == nullptr ? "" : csv_number(p->error), csv_number(v.row.allowed),
-        csv_text(v.row.allowed_why), v.holds ? 1 : 0, csv_text(v.reason),
-        csv_number(v.row.takes_tolerance ? v.loosest : kNaN), p == nullptr ? 0 : p->steps,
-        csv_number(v.seconds), v.shared);
+        csv_text(v.row.allowed_why),
+        v.holds       ? "yes"
+        : v.undecided ? "undecided"
+                      : "no",
+        csv_text(v.reason), csv_number(v.row.takes_tolerance ? v.loosest : kNaN),
+        p == nullptr ? 0 : p->steps, csv_number(v.seconds), v.shared);
   }
   return csv;
 }
@@ -73,13 +76,18 @@ std::string to_text(const ValidationPage& page) {
         "  {:<23} {:>10} {:>9} {:>9}  {:<14} {:>11} {:>8}\n", v.row.name,
         p == nullptr ? "-" : value_label(p->seen.value),
         p == nullptr || p->seen.bar == 0 ? "" : compact_label(p->seen.bar),
-        p == nullptr ? "-" : compact_label(p->error), v.holds ? "holds" : "does not hold",
+        p == nullptr ? "-" : compact_label(p->error),
+        v.holds       ? "holds"
+        : v.undecided ? "undecided"
+                      : "does not hold",
         !v.row.takes_tolerance || std::isnan(v.loosest) ? "-" : tolerance_label(v.loosest),
         fmt::format("{:.1f} s", v.seconds));
     if (!v.holds) text += fmt::format("    {}: {}\n", v.row.quantity, v.reason);
   }
-  return text + fmt::format("{} of {} rows hold{}\n", page.held(), page.verdicts.size(),
-                            page.complete ? "" : " (stopped before the end)");
+  return text +
+         fmt::format("{} of {} rows hold{}{}\n", page.held(), page.verdicts.size(),
+                     page.undecided() > 0 ? fmt::format(", {} undecided", page.undecided()) : "",
+                     page.complete ? "" : " (stopped before the end)");
 }
 
 std::vector<std::string> groups_of(const ValidationPage& page) {

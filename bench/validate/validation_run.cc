@@ -14,12 +14,12 @@ namespace bipot {
 void judge(ValidationVerdict& verdict) {
   const ValidationRow& row = verdict.row;
   verdict.best = -1;
-  verdict.holds = false;
+  verdict.holds = verdict.undecided = false;
   verdict.reason.clear();
   verdict.loosest = kNaN;
   for (ValidationPoint& p : verdict.points) {
     p.error = row.expected.error(p.seen.value);
-    p.right = std::isfinite(p.error) &&
+    p.right = std::isfinite(p.error) && p.seen.bar <= kWidestBar * row.expected.scale &&
               p.error <= std::max(kRightTo, row.allowed) + p.seen.bar / row.expected.scale;
     if (p.reached()) verdict.best = static_cast<int>(&p - verdict.points.data());
   }
@@ -43,8 +43,14 @@ void judge(ValidationVerdict& verdict) {
     return;
   }
   const ValidationPoint& best = verdict.points[to_size(verdict.best)];
-  verdict.holds = best.error <= row.allowed + best.seen.bar / row.expected.scale;
-  if (!verdict.holds) {
+  verdict.undecided = !(best.seen.bar <= kWidestBar * row.expected.scale);
+  verdict.holds =
+      !verdict.undecided && best.error <= row.allowed + best.seen.bar / row.expected.scale;
+  if (verdict.undecided) {
+    verdict.reason =
+        fmt::format("the error bar at {} is {} of its scale: too few samples to say",
+                    tolerance_label(best.tol), compact_label(best.seen.bar / row.expected.scale));
+  } else if (!verdict.holds) {
     verdict.reason = fmt::format("off by {} of its scale at {}, {} are allowed",
                                  compact_label(best.error), tolerance_label(best.tol),
                                  compact_label(row.allowed + best.seen.bar / row.expected.scale));
@@ -118,6 +124,15 @@ ExperimentResult run_experiment(const ValidationExperiment& experiment,
 int ValidationPage::held() const {
   return static_cast<int>(std::count_if(verdicts.begin(), verdicts.end(),
                                         [](const ValidationVerdict& v) { return v.holds; }));
+}
+
+int ValidationPage::undecided() const {
+  return static_cast<int>(std::count_if(verdicts.begin(), verdicts.end(),
+                                        [](const ValidationVerdict& v) { return v.undecided; }));
+}
+
+int ValidationPage::failed() const {
+  return static_cast<int>(verdicts.size()) - held() - undecided();
 }
 
 }  // namespace bipot

@@ -12,6 +12,9 @@ namespace bipot {
 /// where a row asks "at which tolerance?".
 inline constexpr double kRightTo = 1e-2;
 
+/// An error bar that is wider than this share of a row's scale decides nothing.
+inline constexpr double kWidestBar = 0.5;
+
 /// Share of the steps that may miss the tolerance in a run that counts as one at that tolerance.
 inline constexpr double kMayMiss = 0.01;
 
@@ -39,6 +42,7 @@ struct ValidationVerdict {
   std::vector<ValidationPoint> points;  ///< tolerances falling
   int best = -1;                        ///< the tightest tolerance that was reached; -1: none was
   bool holds = false;                   ///< there: the error is at most row.allowed and the bar
+  bool undecided = false;               ///< there: the bar is too wide to say; does not hold either
   std::string reason;                   ///< where it does not hold
   double loosest = kNaN;  ///< right here and at all tighter tolerances that were reached
   double seconds = 0;     ///< CPU, of all tolerances, of the experiment
@@ -69,6 +73,8 @@ struct ValidationPage {
   std::vector<ValidationFigure> figures;
 
   int held() const;
+  int undecided() const;
+  int failed() const;  ///< neither
 };
 
 }  // namespace bipot

@@ -76,6 +76,12 @@ TEST(Validate, ARunThatMissesItsToleranceDoesNotCount) {
 TEST(Validate, ABarWidensWhatIsAllowed) {
   EXPECT_FALSE(verdict_of(Expectation::equal(1), 0, {point(0.1, 1.2)}).holds);
   EXPECT_TRUE(verdict_of(Expectation::equal(1), 0, {point(0.1, 1.2, 0.3)}).holds);
+  // But one that is wider than half the scale says nothing, and nothing is right for its sake.
+  const ValidationVerdict wide = verdict_of(Expectation::equal(1), 0, {point(0.1, 1.2, 0.6)});
+  EXPECT_FALSE(wide.holds);
+  EXPECT_TRUE(wide.undecided);
+  EXPECT_TRUE(std::isnan(wide.loosest));
+  EXPECT_NE(wide.reason.find("too few samples"), std::string::npos) << wide.reason;
 }
 
 TEST(Validate, WhatAnExperimentThrowsIsTheReason) {
