@@ -16,7 +16,8 @@ constexpr std::string_view kValidationRules = R"(
 .yes{color:#1d5c2e;white-space:nowrap}
 .no{color:#8a1c00;font-weight:600}
 td.q{min-width:15em;white-space:normal}
-td.src{min-width:13em;white-space:normal;font-size:.85em}
+td.why{min-width:18em;white-space:normal}
+td.src{min-width:11em;white-space:normal;font-size:.85em}
 figure img{display:block;max-width:100%;height:auto}
 figcaption{font-size:.9rem;max-width:52em}
 )";
@@ -38,7 +39,8 @@ std::string row_line(const ValidationVerdict& v) {
   return fmt::format(
       "<tr id=\"{}\"><td class=\"q\">{}<br><code>{}</code></td><td class=\"src\">{}</td>"
       "<td class=\"src\">{}</td><td class=\"n\">{}{}</td><td class=\"src\">{}</td>"
-      "<td class=\"n\">{}</td><td>{}</td><td class=\"n\">{}</td><td class=\"n\">{}{}</td></tr>\n",
+      "<td class=\"n\">{}</td><td class=\"why\">{}</td><td class=\"n\">{}</td>"
+      "<td class=\"n\">{}{}</td></tr>\n",
       v.row.name, escape_markup(v.row.quantity), v.row.name, escape_markup(v.row.source),
       escape_markup(v.row.formula), p == nullptr ? "–" : measured_text(*p), note,
       escape_markup(v.row.bar), p == nullptr ? "–" : compact_label(p->error),
