@@ -148,9 +148,9 @@ int run_command_line(int argc, const char* const* argv) {
     }
     throw std::logic_error("no command was parsed");
   } catch (const CommonFailure& e) {
-    return say_and_refuse(e, exit_code_of(e));
+    return say_and_refuse(e, exit_code_for(e));
   } catch (const std::exception& e) {
-    const ExitCode code = exit_code_of(e);
+    const ExitCode code = exit_code_for(e);
     if (!processes_have_met()) return say_and_refuse(e, code);
     // The others do not know, and wait.
     say_from_here(e.what());

@@ -38,7 +38,7 @@ void together(const std::function<void()>& prepare) {
   try {
     prepare();
   } catch (const std::exception& e) {
-    failure = fmt::format("{}{}", static_cast<int>(exit_code_of(e)), e.what());
+    failure = fmt::format("{}{}", static_cast<int>(exit_code_for(e)), e.what());
   }
   failure = group.first_text(failure);
   if (failure.empty()) return;
@@ -71,7 +71,7 @@ void refuse_on_several_processes(const CommonFlags& flags, const std::string& fl
   }
 }
 
-ExitCode exit_code_of(const std::exception& e) {
+ExitCode exit_code_for(const std::exception& e) {
   if (const auto* common = dynamic_cast<const CommonCommandFailure*>(&e)) return common->exit_code;
   if (dynamic_cast<const FileError*>(&e) != nullptr) return kExitIo;
   if (dynamic_cast<const std::invalid_argument*>(&e) != nullptr) return kExitBadInput;

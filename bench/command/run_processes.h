@@ -60,7 +60,7 @@ std::vector<Vec3> contact_places(const StateIn<D>& state) {
 }
 
 /// The exit code that an exception asks for.
-ExitCode exit_code_of(const std::exception& e);
+ExitCode exit_code_for(const std::exception& e);
 
 /// What several processes add to a summary: processes, imbalance, halo and traffic.
 Json to_json(const DistributedCounts& counts);
