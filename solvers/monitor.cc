@@ -66,11 +66,7 @@ bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, do
                            .step = step,
                            .count = count_contacts(problem_, evaluator_.impulse())});
   }
-  // A start that is so far off is the caller's, and no growth.
-  if (iteration == 0 && last_.energy > kDivergenceFactor * free_energy_ &&
-      std::isfinite(last_.energy)) {
-    free_energy_ = last_.energy;
-  }
+  free_energy_ = divergence_reference(iteration, last_, free_energy_);
   if (met) {
     best_s_ = evaluator_.impulse();
     best_error_ = last_.guarded();

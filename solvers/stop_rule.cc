@@ -6,6 +6,11 @@
 
 namespace bipot {
 
+double divergence_reference(int iteration, const ContactError& error, double free_energy) {
+  const bool far_off = error.energy > kDivergenceFactor * free_energy;
+  return iteration == 0 && far_off && std::isfinite(error.energy) ? error.energy : free_energy;
+}
+
 StopVerdict stop_verdict(const SolverOptions& options, const JudgedIterate& it) {
   // Consecutive iterates that differ by less than this, relative, have stopped moving.
   constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();

@@ -14,6 +14,10 @@ namespace bipot {
 /// convergence.
 inline constexpr double kDivergenceFactor = 1e20;
 
+/// What the energies of iterates are held against: free_energy, that of s = 0 [J]; at iteration 0 that of a
+/// start that is beyond kDivergenceFactor of it, which is the caller's and no growth.
+double divergence_reference(int iteration, const ContactError& error, double free_energy);
+
 /// Iterations 0 to 32 are judged, then one whenever the count has grown by 1/32.
 inline int next_judged(int iteration) {
   constexpr int kDenseIterations = 32;
@@ -25,7 +29,7 @@ struct JudgedIterate {
   int iteration = 0;
   ContactError error;
   double best_error = 0;   ///< guarded, up to here
-  double free_energy = 0;  ///< energy at s = 0                                          [J]
+  double free_energy = 0;  ///< divergence_reference()                                    [J]
   double change =
       std::numeric_limits<double>::infinity();  ///< from the one judged before, relative
   bool moving = false;  ///< a state beside s still changes: an equal s is no stall

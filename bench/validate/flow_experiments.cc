@@ -19,20 +19,6 @@ namespace {
 
 const std::string kFlow = "flow";
 
-ValidationRow flow_row(std::string name, std::string quantity, std::string source,
-                       std::string formula, Expectation expected, double allowed, std::string why,
-                       std::string bar) {
-  return {.name = std::move(name),
-          .group = kFlow,
-          .quantity = std::move(quantity),
-          .source = std::move(source),
-          .formula = std::move(formula),
-          .expected = expected,
-          .allowed = allowed,
-          .allowed_why = std::move(why),
-          .bar = std::move(bar)};
-}
-
 /// Means over the second half of a shear.
 struct Sheared {
   double inertial = 0, friction = 0, fraction = 0;
@@ -106,22 +92,24 @@ ValidationExperiment plane_shear() {
       "da Cruz, Emam, Prochnow, Roux and Chevoir, PRE 72, 021309 (2005): τ/P = .26 + 1.0 I, "
       "ν = .81 − .3 I are from memory, so only the trend is tested";
   e.rows = {
-      flow_row(
-          "shear_pressure",
+      validation_row(
+          kFlow, "shear_pressure",
           "mean normal stress across the layers (Love and Weber, with the kinetic part) over the "
           "pressure that is imposed; slowest shear",
           "momentum of the cell's side in a steady state", "1", Expectation::equal(1), 2e-2,
           "finite time: the side still moves", "95 % over 8 blocks of time"),
-      flow_row(
-          "shear_power",
+      validation_row(
+          kFlow, "shear_power",
           "work of the mean shear stress over what friction and shocks dissipate; slowest shear",
           "energy in a steady state: stress from branches and forces, loss from the ledger", "1",
           Expectation::equal(1), 5e-2,
           "finite time; the height's work and one sample in five steps", "none: one run"),
-      flow_row("shear_friction", "rise of τ/P with the inertial number", memory, "above 0",
-               Expectation::at_least(0, 1), 0, "none", "95 % over 8 blocks of time"),
-      flow_row("shear_fraction", "rise of the solid fraction with the inertial number", memory,
-               "below 0", Expectation::at_most(0, 1), 0, "none", "95 % over 8 blocks of time")};
+      validation_row(kFlow, "shear_friction", "rise of τ/P with the inertial number", memory,
+                     "above 0", Expectation::at_least(0, 1), 0, "none",
+                     "95 % over 8 blocks of time"),
+      validation_row(kFlow, "shear_fraction", "rise of the solid fraction with the inertial number",
+                     memory, "below 0", Expectation::at_most(0, 1), 0, "none",
+                     "95 % over 8 blocks of time")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1};
   e.run = [](double tol, const ValidationContext& context) {
@@ -228,8 +216,8 @@ double runout(double aspect, int width, std::uint64_t seed, double tol,
 
 ValidationExperiment column_collapse() {
   ValidationExperiment e;
-  e.rows = {flow_row(
-      "column_collapse",
+  e.rows = {validation_row(
+      kFlow, "column_collapse",
       "exponent of the runout of a column against its aspect ratio, above 2 (within which 97 % of "
       "the mass comes to rest)",
       "Staron and Hinch 2005 (contact dynamics: a power law; 0.7), Lube et al. and Lajeunesse et al. "
@@ -290,8 +278,8 @@ ValidationExperiment column_collapse() {
 /// in the grains' energy: two sums that share nothing but the states.
 ValidationExperiment turning_drum() {
   ValidationExperiment e;
-  e.rows = {flow_row(
-      "drum_power",
+  e.rows = {validation_row(
+      kFlow, "drum_power",
       "rotating drum (shipped scene): work of the wall by the grains' angular momentum and weight, "
       "over what contacts dissipate and the grains gain",
       "angular momentum and energy (derived)", "1", Expectation::equal(1), 5e-3,

@@ -66,37 +66,26 @@ ChartSeries density(const std::string& name, int style, const std::vector<double
 }
 
 ValidationExperiment force_tails() {
-  const auto row = [](std::string name, std::string quantity, std::string source,
-                      std::string formula, Expectation expected, double allowed, std::string why,
-                      std::string bar) {
-    return ValidationRow{.name = std::move(name),
-                         .group = kForces,
-                         .quantity = std::move(quantity),
-                         .source = std::move(source),
-                         .formula = std::move(formula),
-                         .expected = expected,
-                         .allowed = allowed,
-                         .allowed_why = std::move(why),
-                         .bar = std::move(bar)};
-  };
   ValidationExperiment e;
   e.rows = {
-      row("tail_is_exponential",
+      validation_row(
+          kForces, "tail_is_exponential",
           "Kolmogorov's distance of the tail from 1.5 means to the fitted exponential, times "
           "√points: isotropic packing, e_t = 0 (--quick: 300 disks, else 2000)",
           "exponential tails in contact dynamics (Radjai et al. 1996) and experiment (Løvoll, Måløy and Flekkøy "
           "1999, abstract); their exponents 1.4 and 1.8 are noted, not tested: other walls, 3D",
           "at most 1.36 (5 % level for independent forces)", Expectation::at_most(1.36, 1.36), 0,
           "none", "none: one packing"),
-      row("tail_of_deposit",
+      validation_row(
+          kForces, "tail_of_deposit",
           "exponent β of a deposit under gravity over that of the isotropic packing",
           "mixture of scales, derived in force_experiments.cc; Fig. 11 of the paper has the deposit",
           "1/2 to 1", Expectation::between(0.5, 1, 1), 0, "none", "95 % of both fits"),
-      row("tail_of_layers",
-          "the same with the deposit's forces over the mean of their own layer (of 8)",
-          "the mixture undone (derived)",
-          "above the ratio without layers, which is subtracted: at least 0",
-          Expectation::at_least(0, 1), 0, "none", "95 % of the fit")};
+      validation_row(kForces, "tail_of_layers",
+                     "the same with the deposit's forces over the mean of their own layer (of 8)",
+                     "the mixture undone (derived)",
+                     "above the ratio without layers, which is subtracted: at least 0",
+                     Expectation::at_least(0, 1), 0, "none", "95 % of the fit")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
   e.quick_tols = {1, 1e-1, 1e-2};
   e.run = [](double tol, const ValidationContext& context) {

@@ -83,15 +83,9 @@ Observation over_seeds(const std::vector<double>& values, std::string note = "")
 ValidationRow packing_row(std::string name, std::string quantity, std::string source,
                           std::string formula, Expectation expected, double allowed,
                           std::string why) {
-  return {.name = std::move(name),
-          .group = kPackings,
-          .quantity = std::move(quantity),
-          .source = std::move(source),
-          .formula = std::move(formula),
-          .expected = expected,
-          .allowed = allowed,
-          .allowed_why = std::move(why),
-          .bar = "95 % over packings (seeds)"};
+  return validation_row(kPackings, std::move(name), std::move(quantity), std::move(source),
+                        std::move(formula), expected, allowed, std::move(why),
+                        "95 % over packings (seeds)");
 }
 
 ValidationExperiment plane_packings() {

@@ -139,31 +139,22 @@ double screening_length(const SiloLoad& load, double& rms) {
 
 ValidationExperiment janssen() {
   ValidationExperiment e;
-  const auto row = [](std::string name, std::string quantity, std::string source,
-                      std::string formula, Expectation expected, double allowed, std::string why,
-                      std::string bar) {
-    return ValidationRow{.name = std::move(name),
-                         .group = kSilo,
-                         .quantity = std::move(quantity),
-                         .source = std::move(source),
-                         .formula = std::move(formula),
-                         .expected = expected,
-                         .allowed = allowed,
-                         .allowed_why = std::move(why),
-                         .bar = std::move(bar)};
-  };
   e.rows = {
-      row("silo_balance", "floor and walls together over the weight, while the floor sinks slowly",
-          "momentum in the mean", "1", Expectation::equal(1), 1e-2, "finite time",
-          "95 % over 6 blocks of time"),
-      row("silo_coulomb", "upward friction of the walls over μ times their normal force",
+      validation_row(kSilo, "silo_balance",
+                     "floor and walls together over the weight, while the floor sinks slowly",
+                     "momentum in the mean", "1", Expectation::equal(1), 1e-2, "finite time",
+                     "95 % over 6 blocks of time"),
+      validation_row(
+          kSilo, "silo_coulomb", "upward friction of the walls over μ times their normal force",
           "Coulomb at every contact (exact)", "at most 1", Expectation::at_most(1, 1), 1e-6,
           "rounding; impulses are admissible by construction", "none: it holds at every instant"),
-      row("janssen_saturates",
+      validation_row(
+          kSilo, "janssen_saturates",
           "floor load of the tallest filling (4 to 6 widths) over that of half its height",
           "Janssen 1895: Q saturates (from memory; with K between 0 and ∞ the ratio is between 1 and 2)",
           "1 to 2", Expectation::between(1, 2, 1), 0, "none", "95 % over blocks of both runs"),
-      row("janssen_length",
+      validation_row(
+          kSilo, "janssen_length",
           "screening length fitted to the load against depth, over L/(2 m K) with the walls' own m and K "
           "measured independently",
           "balance of a layer, derived in silo_experiments.cc", "1", Expectation::equal(1), 0.2,

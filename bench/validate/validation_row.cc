@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "bench/validate/validation_experiments.h"
 
@@ -10,6 +11,20 @@ namespace bipot {
 double Expectation::error(double value) const {
   if (std::isnan(value)) return kNaN;
   return std::max({low - value, value - high, 0.0}) / scale;
+}
+
+ValidationRow validation_row(std::string group, std::string name, std::string quantity,
+                             std::string source, std::string formula, Expectation expected,
+                             double allowed, std::string allowed_why, std::string bar) {
+  return {.name = std::move(name),
+          .group = std::move(group),
+          .quantity = std::move(quantity),
+          .source = std::move(source),
+          .formula = std::move(formula),
+          .expected = expected,
+          .allowed = allowed,
+          .allowed_why = std::move(allowed_why),
+          .bar = std::move(bar)};
 }
 
 SolverChoice ValidationContext::choice(double tol) const {

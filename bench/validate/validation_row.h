@@ -45,6 +45,11 @@ struct ValidationRow {
   bool takes_tolerance = true;  ///< false: nothing in it is solved to a tolerance
 };
 
+/// A row that takes a tolerance: the fields in their order.
+ValidationRow validation_row(std::string group, std::string name, std::string quantity,
+                             std::string source, std::string formula, Expectation expected,
+                             double allowed, std::string allowed_why, std::string bar);
+
 /// One measurement of an observable.
 struct Observation {
   double value = kNaN;

@@ -40,7 +40,4 @@ class CellTree {
 /// The largest of the weights over their mean: 1 is even. 1 where all are 0.
 double imbalance(std::span<const double> weights);
 
-/// A partition is cut again once its imbalance is larger.
-inline constexpr double kLargestImbalance = 1.2;
-
 }  // namespace bipot

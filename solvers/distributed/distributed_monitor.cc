@@ -179,6 +179,7 @@ bool DistributedMonitor::stop(int iteration, const Vector& s, double step, bool 
     best_s_ = evaluate_.impulse();
     best_error_ = error;
   }
+  free_energy_ = divergence_reference(iteration, last_, free_energy_);
   StopVerdict verdict = stop_verdict(options_, {.iteration = iteration,
                                                 .error = last_,
                                                 .best_error = best_error_,

@@ -97,6 +97,23 @@ TEST(DistributedSolve, VelocitiesAreThoseOfOneProcessWhereTheyAreUnique) {
   }
 }
 
+TEST(DistributedSolve, AStartFarBeyondTheFreeMotionIsNoGrowth) {
+  // The energy is quadratic in s: a start of 1e14 times what carries the weights has some 1e28 times
+  // the energy of the free violation, 1e20 of which is divergence.
+  const ContactProblem p = square_lattice(6, {.tilt = 0.05});
+  Vector s0 = Vector::Zero(p.num_rows());
+  for (int n = 0; n < p.num_rows(); n += p.dim) s0[n] = 1e14 * p.u_free.cwiseAbs().maxCoeff();
+  ASSERT_GT(contact_error(p, s0).energy,
+            1e20 * contact_error(p, Vector::Zero(p.num_rows())).energy);
+  for (const char* solver : {"apgd", "uzawa", "pgs"}) {
+    SolverOptions options{.tol = 1e-6, .max_iterations = 40};
+    options.s0 = s0;
+    const DistributedResult out = distributed_solve(solver, p, options, mpi_group());
+    EXPECT_NE(out.result.status, SolveStatus::kDiverged) << solver << ": " << out.result.message;
+    EXPECT_GT(out.result.iterations, 0) << solver;
+  }
+}
+
 /// The best of so many iterations, all of them judged.
 SolverOptions first_iterations(int count) {
   SolverOptions options;
