@@ -3,6 +3,8 @@
 # A folder may include itself, the folders of its row, and what those may include. Arrows go down
 # only: the table is read from top to bottom, and a row may name only folders above it. The table of
 # solvers (solvers/methods/solver_table.cc) has no header, so that nobody includes it.
+#
+# And a type has one header: two of one name would be two definitions of it for the linker.
 cmake_minimum_required(VERSION 3.25)
 
 set(folders
@@ -54,6 +56,7 @@ endforeach()
 
 set(bad 0)
 set(arrows 0)
+set(types "")
 file(GLOB_RECURSE sources RELATIVE ${ROOT} ${ROOT}/core/*.h ${ROOT}/core/*.cc ${ROOT}/solvers/*.h
   ${ROOT}/solvers/*.cc ${ROOT}/bench/*.h ${ROOT}/bench/*.cc ${ROOT}/tests/*.h ${ROOT}/tests/*.cc)
 foreach(source IN LISTS sources)
@@ -63,6 +66,18 @@ foreach(source IN LISTS sources)
     message("${source}: the folder ${folder} is not in the table")
     math(EXPR bad "${bad} + 1")
     continue()
+  endif()
+  if(source MATCHES "\\.h$")
+    file(STRINGS ${ROOT}/${source} lines REGEX "^(struct|class|enum class) [A-Za-z0-9]+ .*{")
+    foreach(line IN LISTS lines)
+      string(REGEX REPLACE "^(struct|enum class|class) ([A-Za-z0-9]+) .*" "\\2" type "${line}")
+      if(type IN_LIST types)
+        message("${source}: ${type} has a header already: ${header_of_${type}}")
+        math(EXPR bad "${bad} + 1")
+      endif()
+      list(APPEND types ${type})
+      set(header_of_${type} ${source})
+    endforeach()
   endif()
   file(STRINGS ${ROOT}/${source} lines REGEX "^#include \"(core|solvers|bench|tests)/")
   foreach(line IN LISTS lines)
@@ -76,7 +91,7 @@ foreach(source IN LISTS sources)
   endforeach()
 endforeach()
 if(bad)
-  message(FATAL_ERROR "${bad} arrows against the table of tests/folders.cmake")
+  message(FATAL_ERROR "${bad} arrows against the table of tests/folders.cmake, or types with two headers")
 endif()
 if(NOT arrows)
   message(FATAL_ERROR "no include found below ${ROOT}")

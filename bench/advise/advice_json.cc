@@ -1,6 +1,5 @@
 #include "bench/advise/advice_json.h"
 
-#include <cmath>
 #include <string_view>
 
 #include "bench/report/build_info.h"
@@ -8,12 +7,8 @@
 namespace bipot {
 namespace {
 
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
 Json to_json(const Accuracy& a) {
-  return {{"force", number(a.force)},
-          {"penetration", number(a.penetration)},
-          {"energy", number(a.energy)}};
+  return {{"force", a.force}, {"penetration", a.penetration}, {"energy", a.energy}};
 }
 
 std::string_view verdict_name(SolverTrial::Verdict verdict) {
@@ -40,7 +35,7 @@ Json to_json(const SolverTrial& t) {
           {"problems", t.problems},
           {"solved", t.solved},
           {"error", to_json(t.error)},
-          {"guarded", number(t.guarded)},
+          {"guarded", t.guarded},
           {"seconds", t.seconds},
           {"iterations", t.iterations},
           {"pareto", t.pareto},
@@ -83,7 +78,7 @@ Json to_json(const Scene& scene, const Advice& a) {
   j["step_study"] = {{"window", a.steps.window},
                      {"windows", a.steps.windows},
                      {"windows_dropped", a.steps.windows_dropped},
-                     {"finest_step", number(a.steps.finest * scene.step)},
+                     {"finest_step", a.steps.finest * scene.step},
                      {"met", a.step.met},
                      {"steps", Json::array()}};
   for (const StepTrial& t : a.steps.steps) {
@@ -101,8 +96,8 @@ Json to_json(const Scene& scene, const Advice& a) {
                    {"several_solutions", a.several_solutions},
                    {"spread", to_json(a.spread)},
                    {"without_reference", a.without_reference},
-                   {"worst_reference", number(a.worst_reference)},
-                   {"reference_spread", number(a.reference_spread)}};
+                   {"worst_reference", a.worst_reference},
+                   {"reference_spread", a.reference_spread}};
   j["seconds"] = a.seconds_spent;
   return j;
 }

@@ -82,10 +82,10 @@ Chart error_chart(const Comparison& comparison, const ProblemSummary& problem,
 
 }  // namespace
 
-Chart profile_chart(const std::vector<Profile>& profiles, const std::string& cost,
+Chart profile_chart(const std::vector<PerformanceProfile>& profiles, const std::string& cost,
                     const std::string& title) {
   double largest = 10;
-  for (const Profile& p : profiles) {
+  for (const PerformanceProfile& p : profiles) {
     if (!p.ratios.empty()) largest = std::max(largest, p.ratios.back());
   }
   Chart chart;
@@ -94,7 +94,7 @@ Chart profile_chart(const std::vector<Profile>& profiles, const std::string& cos
   chart.x = {cost + " over the least of all solvers", ChartAxis::Kind::kLog, 1.0,
              std::min(1e3, decade_above(largest))};
   chart.y = {"share of problems solved", ChartAxis::Kind::kLinear, 0.0, 1.0};
-  for (const Profile& p : profiles) {
+  for (const PerformanceProfile& p : profiles) {
     chart.series.push_back(distribution(p.solver, style_of(p.solver), p.ratios,
                                         static_cast<std::size_t>(p.problems), 1.0, *chart.x.high));
   }

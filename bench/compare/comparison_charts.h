@@ -14,7 +14,7 @@ namespace bipot {
 /// them.
 
 /// Curves of performance_profiles(); `cost` names what is compared, "time".
-Chart profile_chart(const std::vector<Profile>& profiles, const std::string& cost,
+Chart profile_chart(const std::vector<PerformanceProfile>& profiles, const std::string& cost,
                     const std::string& title);
 /// Share of the problems whose error is at most x.
 Chart budget_chart(const std::vector<BudgetErrors>& errors, const std::string& title);

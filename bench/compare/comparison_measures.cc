@@ -148,20 +148,21 @@ std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol) 
   return counts;
 }
 
-double Profile::share(double ratio) const {
+double PerformanceProfile::share(double ratio) const {
   const auto within = std::upper_bound(ratios.begin(), ratios.end(), ratio) - ratios.begin();
   return problems == 0 ? 0 : static_cast<double>(within) / problems;
 }
 
-std::vector<Profile> performance_profiles(const Comparison& comparison, const CostOf& cost) {
-  std::vector<Profile> profiles;
+std::vector<PerformanceProfile> performance_profiles(const Comparison& comparison,
+                                                     const CostOf& cost) {
+  std::vector<PerformanceProfile> profiles;
   for (const std::string& solver : solvers_of(comparison)) {
     profiles.push_back({solver, {}, static_cast<int>(comparison.problems.size())});
   }
   for (const ProblemSummary& problem : comparison.problems) {
     std::vector<double> costs;
     double best = kInfinity;
-    for (const Profile& profile : profiles) {
+    for (const PerformanceProfile& profile : profiles) {
       costs.push_back(cost(problem, profile.solver));
       if (costs.back() > 0) best = std::min(best, costs.back());
     }
@@ -169,7 +170,8 @@ std::vector<Profile> performance_profiles(const Comparison& comparison, const Co
       if (costs[i] > 0 && std::isfinite(costs[i])) profiles[i].ratios.push_back(costs[i] / best);
     }
   }
-  for (Profile& profile : profiles) std::sort(profile.ratios.begin(), profile.ratios.end());
+  for (PerformanceProfile& profile : profiles)
+    std::sort(profile.ratios.begin(), profile.ratios.end());
   return profiles;
 }
 

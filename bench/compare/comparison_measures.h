@@ -52,7 +52,7 @@ std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol);
 
 /// Performance profile of one solver (Dolan and Moré, Mathematical Programming 91, 2002): its cost
 /// on each problem over the least cost of any solver there.
-struct Profile {
+struct PerformanceProfile {
   std::string solver;
   std::vector<double> ratios;  ///< sorted, >= 1, of the problems that it solved
   int problems = 0;            ///< all of them
@@ -61,7 +61,8 @@ struct Profile {
 };
 /// `cost` is positive, or NaN where the solver has no result.
 using CostOf = std::function<double(const ProblemSummary&, const std::string& solver)>;
-std::vector<Profile> performance_profiles(const Comparison& comparison, const CostOf& cost);
+std::vector<PerformanceProfile> performance_profiles(const Comparison& comparison,
+                                                     const CostOf& cost);
 /// Of the rows that met the tolerance.
 CostOf time_at(const Comparison& comparison, double tol);
 CostOf iterations_at(const Comparison& comparison, double tol);  ///< none at all count as one

@@ -16,8 +16,6 @@
 namespace bipot {
 namespace {
 
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
 double tightest(const Comparison& comparison) {
   double tol = std::numeric_limits<double>::infinity();
   for (const ComparisonRow& row : comparison.rows) tol = std::min(tol, row.tol);
@@ -48,14 +46,14 @@ Json regret_json(const Regret& regret) {
   Json j{{"cases", regret.entries.size()},
          {"failed", regret.failed},
          {"alone", regret.alone},
-         {"median", number(regret.median)},
-         {"ninth_decile", number(regret.ninth_decile)},
-         {"worst", number(regret.worst)}};
+         {"median", regret.median},
+         {"ninth_decile", regret.ninth_decile},
+         {"worst", regret.worst}};
   j["entries"] = Json::array();
   for (const Regret::Entry& e : regret.entries) {
     j["entries"].push_back({{"problem", e.problem},
                             {"tol", e.tol},
-                            {"ratio", number(e.ratio)},
+                            {"ratio", e.ratio},
                             {"time", e.time},
                             {"best", e.best},
                             {"best_time", e.best_time}});
@@ -82,21 +80,20 @@ Json problems_json(const Comparison& comparison) {
     Json row{{"name", p.name},     {"target", p.target},     {"origin", p.origin},
              {"defect", p.defect}, {"contacts", p.contacts}, {"dim", p.dim},
              {"dofs", p.dofs}};
-    row["reference"] = {{"solver", p.reference_solver},
-                        {"guarded", number(p.reference_guarded)},
-                        {"natural_map", number(p.reference_natural_map)},
-                        {"velocity_spread", number(p.velocity_spread)},
-                        {"answers", p.answers},
-                        {"spread",
-                         {{"velocity", number(p.spread.velocity)},
-                          {"force", number(p.spread.force)},
-                          {"energy", number(p.spread.energy)}}},
-                        {"several_velocity_solutions", p.several_velocities()}};
+    row["reference"] = {
+        {"solver", p.reference_solver},
+        {"guarded", p.reference_guarded},
+        {"natural_map", p.reference_natural_map},
+        {"velocity_spread", p.velocity_spread},
+        {"answers", p.answers},
+        {"spread",
+         {{"velocity", p.spread.velocity}, {"force", p.spread.force}, {"energy", p.spread.energy}}},
+        {"several_velocity_solutions", p.several_velocities()}};
     row["reference"]["attempts"] = Json::array();
     for (const ReferenceAttempt& a : p.attempts) {
       row["reference"]["attempts"].push_back({{"solver", a.solver},
                                               {"status", to_string(a.status)},
-                                              {"guarded", number(a.guarded)},
+                                              {"guarded", a.guarded},
                                               {"seconds", a.seconds}});
     }
     row["ranked_by"] = ranking(p, comparison.rows).name();
@@ -107,14 +104,14 @@ Json problems_json(const Comparison& comparison) {
 
 Json row_json(const ComparisonRow& r) {
   Json row;
-  for (const Column& column : comparison_columns()) {
+  for (const ComparisonColumn& column : comparison_columns()) {
     const std::string name(column.name), text = column.write(r);
     if (column.text) {
       row[name] = text;
     } else if (text.find_first_not_of("-0123456789") == std::string::npos) {
       row[name] = std::stol(text);
     } else {
-      row[name] = number(std::strtod(text.c_str(), nullptr));
+      row[name] = std::strtod(text.c_str(), nullptr);
     }
   }
   return row;
@@ -135,8 +132,8 @@ Json warm_json(const Comparison& comparison) {
                    {"problems", gain.problems},
                    {"solved_cold", gain.solved_cold},
                    {"solved_warm", gain.solved_warm},
-                   {"median_time_ratio", number(gain.time_ratio)},
-                   {"median_iterations_ratio", number(gain.iterations_ratio)}});
+                   {"median_time_ratio", gain.time_ratio},
+                   {"median_iterations_ratio", gain.iterations_ratio}});
   }
   return all;
 }
@@ -149,7 +146,7 @@ Json solved_json(const Comparison& comparison) {
                    {"problems", c.problems},
                    {"guarded", c.solved},
                    {"natural_map_1e-8", c.by_natural_map},
-                   {"median_time_ratio", number(c.median_ratio)}});
+                   {"median_time_ratio", c.median_ratio}});
   }
   return all;
 }
@@ -176,11 +173,11 @@ Json several_json(const Comparison& comparison) {
                    {"problems", s.problems},
                    {"several", s.several},
                    {"share", s.share()},
-                   {"median_velocity", number(s.median_velocity)},
-                   {"largest_velocity", number(s.largest_velocity)},
-                   {"median_force", number(s.median_force)},
-                   {"largest_force", number(s.largest_force)},
-                   {"largest_energy", number(s.largest_energy)}});
+                   {"median_velocity", s.median_velocity},
+                   {"largest_velocity", s.largest_velocity},
+                   {"median_force", s.median_force},
+                   {"largest_force", s.largest_force},
+                   {"largest_energy", s.largest_energy}});
   }
   return all;
 }
@@ -188,7 +185,7 @@ Json several_json(const Comparison& comparison) {
 Json profiles_json(const Comparison& comparison) {
   Json all = Json::array();
   const auto profile = [&](const char* name, const CostOf& cost, double at) {
-    for (const Profile& p : performance_profiles(comparison, cost)) {
+    for (const PerformanceProfile& p : performance_profiles(comparison, cost)) {
       all.push_back({{"of", name},
                      {"at", at},
                      {"solver", p.solver},
@@ -221,9 +218,9 @@ Json meaning_json(const Comparison& comparison) {
   for (const ToleranceMeaning& m : tolerance_meaning(comparison)) {
     all.push_back({{"tol", m.tol},
                    {"rows", m.rows},
-                   {"median", number(m.median)},
-                   {"ninth_decile", number(m.ninth_decile)},
-                   {"worst", number(m.worst)},
+                   {"median", m.median},
+                   {"ninth_decile", m.ninth_decile},
+                   {"worst", m.worst},
                    {"worst_problem", m.worst_problem},
                    {"worst_solver", m.worst_solver}});
   }
@@ -234,9 +231,9 @@ Json growth_json(const Comparison& comparison) {
   Json all = Json::array();
   for (const Growth& g : growth(comparison)) {
     const auto law = [](const PowerLaw& fit) {
-      return Json{{"exponent", number(fit.exponent)},
-                  {"confidence_95", number(fit.confidence)},
-                  {"prefactor", number(fit.prefactor)},
+      return Json{{"exponent", fit.exponent},
+                  {"confidence_95", fit.confidence},
+                  {"prefactor", fit.prefactor},
                   {"points", fit.points}};
     };
     all.push_back({{"series", g.series},

@@ -11,14 +11,14 @@
 namespace bipot {
 namespace {
 
-Column text_column(std::string_view name, std::string ComparisonRow::*field,
-                   std::string_view explanation) {
+ComparisonColumn text_column(std::string_view name, std::string ComparisonRow::*field,
+                             std::string_view explanation) {
   return {name, explanation, [field](const ComparisonRow& r) { return r.*field; },
           [field](ComparisonRow& r, const std::string& t) { r.*field = t; }, true};
 }
 
-Column number_column(std::string_view name, double ComparisonRow::*field,
-                     std::string_view explanation) {
+ComparisonColumn number_column(std::string_view name, double ComparisonRow::*field,
+                               std::string_view explanation) {
   return {name, explanation,
           [field](const ComparisonRow& r) { return fmt::format("{}", r.*field); },
           [field](ComparisonRow& r, const std::string& t) {
@@ -27,8 +27,8 @@ Column number_column(std::string_view name, double ComparisonRow::*field,
           false};
 }
 
-Column count_column(std::string_view name, int ComparisonRow::*field,
-                    std::string_view explanation) {
+ComparisonColumn count_column(std::string_view name, int ComparisonRow::*field,
+                              std::string_view explanation) {
   return {name,
           explanation,
           [field](const ComparisonRow& r) { return std::to_string(r.*field); },
@@ -41,9 +41,9 @@ Column count_column(std::string_view name, int ComparisonRow::*field,
 
 }  // namespace
 
-const std::vector<Column>& comparison_columns() {
+const std::vector<ComparisonColumn>& comparison_columns() {
   using Row = ComparisonRow;
-  static const std::vector<Column> columns = {
+  static const std::vector<ComparisonColumn> columns = {
       text_column("problem", &Row::problem, "name of the problem"),
       text_column("solver", &Row::solver, "name of the solver, see `bipot list solvers`"),
       number_column("tol", &Row::tol, "tolerance that the solver was given"),
@@ -93,7 +93,7 @@ const std::vector<Column>& comparison_columns() {
 
 std::string csv_header() {
   std::string line;
-  for (const Column& column : comparison_columns()) {
+  for (const ComparisonColumn& column : comparison_columns()) {
     if (!line.empty()) line += ',';
     line += column.name;
   }
@@ -103,7 +103,7 @@ std::string csv_header() {
 std::string to_csv(const ComparisonRow& row) {
   std::string line;
   bool first = true;
-  for (const Column& column : comparison_columns()) {
+  for (const ComparisonColumn& column : comparison_columns()) {
     if (!first) line += ',';
     first = false;
     line += column.text ? csv_text(column.write(row)) : column.write(row);

@@ -24,7 +24,7 @@ std::string to_csv(const History& history);
 std::vector<History> read_csv_histories(const std::filesystem::path& path);
 
 /// Names and values of a row's columns, in the order of the file.
-struct Column {
+struct ComparisonColumn {
   std::string_view name;
   std::string_view explanation;
   std::function<std::string(const ComparisonRow&)> write;
@@ -32,6 +32,6 @@ struct Column {
   bool text = false;
   bool count = false;  ///< a whole number
 };
-const std::vector<Column>& comparison_columns();
+const std::vector<ComparisonColumn>& comparison_columns();
 
 }  // namespace bipot

@@ -14,15 +14,16 @@
 namespace bipot {
 namespace {
 
-constexpr SizeClass kSizes[] = {{"up to 100 contacts", 0, 100},
-                                {"101 to 1000 contacts", 100, 1000},
-                                {"more than 1000 contacts", 1000, std::numeric_limits<int>::max()}};
+constexpr SizeClass kSizeClasses[] = {
+    {"up to 100 contacts", 0, 100},
+    {"101 to 1000 contacts", 100, 1000},
+    {"more than 1000 contacts", 1000, std::numeric_limits<int>::max()}};
 
 constexpr double kTolerances[] = {1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-11, 1e-12};
 
 }  // namespace
 
-std::span<const SizeClass> size_classes() { return kSizes; }
+std::span<const SizeClass> size_classes() { return kSizeClasses; }
 
 std::vector<SuccessCurve> success_curves(const Comparison& comparison) {
   // The least guarded error that a solver reached on a problem.
@@ -34,7 +35,7 @@ std::vector<SuccessCurve> success_curves(const Comparison& comparison) {
     if (row.guarded < place->second) place->second = row.guarded;
   }
   std::vector<SuccessCurve> curves;
-  for (const SizeClass& size : kSizes) {
+  for (const SizeClass& size : kSizeClasses) {
     for (const std::string& solver : solvers_of(comparison)) {
       SuccessCurve curve;
       curve.size = size.name;

@@ -4,13 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "bench/extremes/isolated_jobs.h"
 #include "bench/measure/limited_solve.h"
 #include "bench/measure/second_opinion.h"
 #include "bench/measure/stopwatch.h"
+#include "bench/report/json.h"
 #include "bench/scenes/force_energy.h"
 #include "bench/scenes/scene_run.h"
 #include "core/nearest_name.h"
@@ -19,14 +19,12 @@
 namespace bipot {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr double kEnergyGrace = 1e-6;  // of the energy moved: what the tolerance leaves
 
 /// NaN and infinity, which JSON cannot say, as text.
 Json number(double x) { return std::isfinite(x) ? Json(x) : Json(fmt::format("{}", x)); }
 double number(const Json& j) {
-  return j.is_string() ? std::stod(j.get<std::string>()) : j.get<double>();
+  return j.is_number() ? j.get<double>() : std::stod(j.get<std::string>());
 }
 
 std::string to_json(const ExtremeCell& c) {
@@ -40,21 +38,21 @@ std::string to_json(const ExtremeCell& c) {
               {"cpu_seconds", c.cpu_seconds},
               {"steps_solved", c.steps_solved},
               {"steps", c.steps}}
-      .dump(-1, ' ', false, Json::error_handler_t::replace);
+      .dump();
 }
 
 void from_json(const std::string& text, ExtremeCell& c) {
   const Json j = Json::parse(text);
   c.end = static_cast<CellEnd>(j["end"].get<int>());
-  c.status = j["status"];
-  c.message = j["message"];
+  c.status = j["status"].get<std::string>();
+  c.message = j["message"].get<std::string>();
   c.guarded = number(j["guarded"]);
   c.true_error = number(j["true_error"]);
   c.energy_error = number(j["energy_error"]);
-  c.iterations = j["iterations"];
-  c.cpu_seconds = j["cpu_seconds"];
-  c.steps_solved = j["steps_solved"];
-  c.steps = j["steps"];
+  c.iterations = j["iterations"].get<int>();
+  c.cpu_seconds = j["cpu_seconds"].get<double>();
+  c.steps_solved = j["steps_solved"].get<int>();
+  c.steps = j["steps"].get<int>();
 }
 
 /// Work of the impulses on the mean velocities, which the law makes a loss, where it is a gain;

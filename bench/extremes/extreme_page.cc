@@ -11,7 +11,7 @@
 namespace bipot {
 namespace {
 
-constexpr std::string_view kRules = R"(
+constexpr std::string_view kMatrixRules = R"(
 td.c,th.c{text-align:center;white-space:nowrap;padding:.25em .2em;border-left:1px solid #eee;
  font-size:.8rem}
 td.c a{color:inherit;text-decoration:none}
@@ -110,7 +110,7 @@ std::string case_section(const ExtremeMatrix& m, std::size_t k) {
 
 std::string to_html(const ExtremeMatrix& m) {
   const CellCounts all = count_cells(m);
-  std::string html = page_head("Contact solvers at the extremes", kRules);
+  std::string html = page_head("Contact solvers at the extremes", kMatrixRules);
   html += "<h1>Contact solvers at the extremes</h1>\n";
   html += fmt::format(
       "<p>{} cases, {} solvers, each asked for a guarded error of 1e-8 within its time limit: {} cells "

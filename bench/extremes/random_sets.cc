@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "bench/extremes/isolated_jobs.h"
@@ -12,6 +11,7 @@
 #include "bench/measure/limited_solve.h"
 #include "bench/measure/second_opinion.h"
 #include "bench/measure/stopwatch.h"
+#include "bench/report/json.h"
 #include "bench/scenes/force_energy.h"
 #include "bench/scenes/scene_run.h"
 #include "solvers/certificate/existence.h"
@@ -19,8 +19,6 @@
 
 namespace bipot {
 namespace {
-
-using Json = nlohmann::json;
 
 /// Every so many problems are certified even when they were solved.
 constexpr int kCertifyEvery = 10;
@@ -77,8 +75,8 @@ std::string problem_job(const RandomSetOptions& options, int index) {
   if (!first_solved || !any_solved || index % kCertifyEvery < 2) {
     const ExistenceCertificate c = certify_existence(p, options.time_limit);
     record["verdict"] = static_cast<int>(c.verdict);
-    record["false_certificate"] =
-        c.verdict == Existence::kNone && (any_solved || record.value("plant_holds", false));
+    record["false_certificate"] = c.verdict == Existence::kNone &&
+                                  (any_solved || record.value("plant_holds", false).get<bool>());
   }
   return record.dump();
 }
@@ -96,23 +94,24 @@ class Ledger {
     ++result_.done;
     if (lost(index, end)) return;
     const Json record = Json::parse(end.text);
-    const bool plant_holds = record.value("plant_holds", false);
-    if (record["planted"] && !plant_holds) ++result_.poor_plants;
+    const bool plant_holds = record.value("plant_holds", false).get<bool>();
+    if (record["planted"].get<bool>() && !plant_holds) ++result_.poor_plants;
     std::optional<Existence> verdict;
     if (record.contains("verdict")) {
       verdict = static_cast<Existence>(record["verdict"].get<int>());
       ++result_.certificates;
-      if (record["false_certificate"]) {
+      if (record["false_certificate"].get<bool>()) {
         ++result_.false_certificates;
         find("false certificate", index, "", "no solution was said to exist, but one does");
       }
     }
-    const bool first_solved = record["solves"].front()["solved"];
+    const bool first_solved = record["solves"][std::size_t{0}]["solved"].get<bool>();
     for (const Json& solve : record["solves"]) {
       add_solve(index, solve, plant_holds, verdict);
-      if (first_solved || !solve["solved"]) continue;
-      ++tally(solve["solver"]).missed_by_first;
-      find("missed by the first", index, solve["solver"], solve["message"]);
+      if (first_solved || !solve["solved"].get<bool>()) continue;
+      const std::string solver = solve["solver"].get<std::string>();
+      ++tally(solver).missed_by_first;
+      find("missed by the first", index, solver, solve["message"].get<std::string>());
     }
   }
 
@@ -132,11 +131,11 @@ class Ledger {
     t.other_solved += record["without_contacts"].get<int>();
     t.other += record["without_contacts"].get<int>();
     t.tried += record["without_contacts"].get<int>();
-    if (record["grew"]) {
+    if (record["grew"].get<bool>()) {
       ++result_.energy_grew;
-      find("energy grew", index, t.solver, record["message"]);
+      find("energy grew", index, t.solver, record["message"].get<std::string>());
     } else if (!record["message"].get<std::string>().empty()) {
-      find("run ended early", index, t.solver, record["message"]);
+      find("run ended early", index, t.solver, record["message"].get<std::string>());
     }
   }
 
@@ -163,22 +162,22 @@ class Ledger {
   }
 
   void add_solve(int index, const Json& solve, bool planted, std::optional<Existence> verdict) {
-    RandomTally& t = tally(solve["solver"]);
-    const std::string message = solve["message"];
+    RandomTally& t = tally(solve["solver"].get<std::string>());
+    const std::string message = solve["message"].get<std::string>();
     ++t.tried;
     t.cpu_seconds += solve["seconds"].get<double>();
-    if (solve["refused"]) {
+    if (solve["refused"].get<bool>()) {
       ++t.refused;
       return;
     }
-    const bool solved = solve["solved"];
+    const bool solved = solve["solved"].get<bool>();
     ++(planted ? t.planted : t.other);
     if (solved) ++(planted ? t.planted_solved : t.other_solved);
-    if (solve["false"]) {
+    if (solve["false"].get<bool>()) {
       ++t.false_claims;
       find("false claim", index, t.solver, message);
     }
-    if (solve["not_finite"]) {
+    if (solve["not_finite"].get<bool>()) {
       ++t.not_finite;
       find("not finite", index, t.solver, message);
     }

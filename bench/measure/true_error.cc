@@ -1,10 +1,11 @@
 #include "bench/measure/true_error.h"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "core/problem/delassus.h"
+#include "core/problem/dense_factor.h"
 #include "core/problem/energy_norm.h"
 #include "core/problem/sparse_factor.h"
 
@@ -29,9 +30,7 @@ bool has_unique_forces(const ContactProblem& p) {
   if (p.has_velocities() && rows > p.num_dofs()) return false;
   const Eigen::MatrixXd W =
       p.has_delassus() ? Eigen::MatrixXd(p.W) : Eigen::MatrixXd(assemble_delassus(p.A, p.H, p.dim));
-  Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(W);
-  qr.setThreshold(1e-10);
-  return qr.rank() == rows;
+  return numerical_rank(W, 1e-10) == rows;
 }
 
 }  // namespace

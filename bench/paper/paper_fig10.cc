@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -16,6 +15,7 @@
 #include "core/pictures/force_picture.h"
 #include "core/problem/contact_error.h"
 #include "core/problem/delassus.h"
+#include "core/problem/dense_factor.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
@@ -64,13 +64,10 @@ double column_error(const Rest& rest, int side) {
   return worst;
 }
 
-/// Dimension of the impulses that move nothing: rows of s less the rank of H. By elimination with
-/// full pivoting: H's entries are cosines and radii, so its rank shows in the pivots, and singular
-/// values would cost this file most of its compilation.
+/// Dimension of the impulses that move nothing: rows of s less the rank of H, whose entries are
+/// cosines and radii, so that it shows in the pivots.
 int self_stresses(const ContactProblem& problem) {
-  Eigen::FullPivLU<Eigen::MatrixXd> factors{Eigen::MatrixXd(problem.H)};
-  factors.setThreshold(1e-10);
-  return problem.num_rows() - static_cast<int>(factors.rank());
+  return problem.num_rows() - numerical_rank(Eigen::MatrixXd(problem.H), 1e-10);
 }
 
 Scene pyramid_scene(int rows, double mu, double mu_floor) {

@@ -72,7 +72,7 @@ std::vector<ProblemSource> sources_of(const py::list& given, const TargetOptions
 
 py::dict to_dict(const ComparisonRow& row) {
   py::dict out;
-  for (const Column& column : comparison_columns()) {
+  for (const ComparisonColumn& column : comparison_columns()) {
     const std::string text = column.write(row);
     const py::str key{std::string(column.name)};
     if (column.text) {
@@ -89,7 +89,7 @@ py::dict to_dict(const ComparisonRow& row) {
 /// Name to list of values, the cold rows first.
 py::dict columns_of(const PythonComparison& self) {
   py::dict out;
-  for (const Column& column : comparison_columns()) {
+  for (const ComparisonColumn& column : comparison_columns()) {
     out[py::str{std::string(column.name)}] = py::list();
   }
   for (const auto* rows : {&self.comparison.rows, &self.comparison.warm_rows}) {

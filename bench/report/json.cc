@@ -4,6 +4,7 @@
 #include <cmath>
 #include <istream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <utility>
 
 namespace bipot {
@@ -213,6 +214,14 @@ Json Json::parse(std::istream& in) {
   }
 }
 
-std::string Json::dump(int indent) const { return JsonText::to_library(*this).dump(indent); }
+Json Json::parse(const std::string& text) {
+  std::istringstream in(text);
+  return parse(in);
+}
+
+std::string Json::dump(int indent) const {
+  return JsonText::to_library(*this).dump(indent, ' ', false,
+                                          nlohmann::ordered_json::error_handler_t::replace);
+}
 
 }  // namespace bipot

@@ -43,7 +43,8 @@ class Json {
 
   /// Throws Error.
   static Json parse(std::istream& in);
-  /// On one line, or indented.
+  static Json parse(const std::string& text);
+  /// On one line, or indented. What is not UTF-8 in a text is replaced.
   std::string dump(int indent = -1) const;
 
   bool is_null() const { return kind_ == Kind::kNull; }

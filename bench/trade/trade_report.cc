@@ -11,8 +11,6 @@
 namespace bipot {
 namespace {
 
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
 std::string three_digits(double x) { return std::isfinite(x) ? fmt::format("{:.3g}", x) : "–"; }
 std::string model_name(const TradeSetting& s) { return s.dem() ? "dem" : "nscd"; }
 
@@ -45,9 +43,9 @@ std::string springs_sentence(const SceneTrade& s) {
 }
 
 Json setting_json(const TradeSetting& s) {
-  return {{"model", model_name(s)},       {"solver", s.dem() ? Json(nullptr) : Json(s.solver)},
-          {"tol", number(s.tol)},         {"step_factor", s.step_factor},
-          {"overlap", number(s.overlap)}, {"stiffness_asked", number(s.stiffness)}};
+  return {{"model", model_name(s)}, {"solver", s.dem() ? Json(nullptr) : Json(s.solver)},
+          {"tol", s.tol},           {"step_factor", s.step_factor},
+          {"overlap", s.overlap},   {"stiffness_asked", s.stiffness}};
 }
 
 Json outcomes_json(const SceneTrade& s) {
@@ -57,19 +55,19 @@ Json outcomes_json(const SceneTrade& s) {
     const TradeQuantityErrors& e = s.quantities[q];
     Json solver = Json::array();
     for (std::size_t k = 0; k < e.solver_error.size(); ++k) {
-      solver.push_back({{"tol", s.tols[k]}, {"error", number(e.solver_error[k])}});
+      solver.push_back({{"tol", s.tols[k]}, {"error", e.solver_error[k]}});
     }
     outcomes.push_back(
         {{"name", quantity.name},
          {"unit", quantity.unit},
          {"meaning", quantity.meaning},
-         {"exact", number(quantity.exact)},
-         {"reference", number(e.reference)},
+         {"exact", quantity.exact},
+         {"reference", e.reference},
          {"reference_kind", e.reference_kind},
-         {"step_error", number(e.step_error)},
+         {"step_error", e.step_error},
          {"step_error_kind", e.step_error_kind},
-         {"noise", number(e.noise)},
-         {"choice", number(e.choice)},
+         {"noise", e.noise},
+         {"choice", e.choice},
          {"solver_errors", solver},
          {"sufficient_tol", e.sufficient_tol ? Json(*e.sufficient_tol) : Json(nullptr)}});
   }
@@ -84,15 +82,15 @@ Json cells_json(const SceneTrade& s) {
     c["message"] = cell.message;
     c["runs"] = cell.runs;
     c["completed"] = cell.completed;
-    c["cpu_per_simulated_second"] = number(cell.cpu_per_second);
-    c["iterations"] = number(cell.iterations);
-    c["penetration"] = number(cell.penetration);
-    c["worst_guarded"] = number(cell.worst_guarded);
-    c["stiffness"] = number(cell.stiffness);
+    c["cpu_per_simulated_second"] = cell.cpu_per_second;
+    c["iterations"] = cell.iterations;
+    c["penetration"] = cell.penetration;
+    c["worst_guarded"] = cell.worst_guarded;
+    c["stiffness"] = cell.stiffness;
     Json means = Json::object(), errors = Json::object();
     for (std::size_t q = 0; q < cell.means.size(); ++q) {
-      means[s.scene->quantities[q].name] = number(cell.means[q]);
-      errors[s.scene->quantities[q].name] = number(s.error(cell, q));
+      means[s.scene->quantities[q].name] = cell.means[q];
+      errors[s.scene->quantities[q].name] = s.error(cell, q);
     }
     c["outcomes"] = means;
     c["errors"] = errors;
@@ -110,7 +108,7 @@ Json scene_json(const SceneTrade& s) {
           {"duration", s.scene->scene.num_steps * s.scene->scene.step},
           {"answer", s.answer()},
           {"sufficient_tol", s.sufficient_tol ? Json(*s.sufficient_tol) : Json(nullptr)},
-          {"step_tol", number(s.step_tol)},
+          {"step_tol", s.step_tol},
           {"outcomes", outcomes_json(s)},
           {"settings", cells_json(s)}};
 }
@@ -127,13 +125,13 @@ Json rows_json(const Trade& trade) {
                     {"steps_planned", r.steps_planned},
                     {"steps_converged", r.steps_converged},
                     {"simulated_seconds", r.simulated},
-                    {"cpu_seconds", number(r.cpu)},
-                    {"iterations_mean", number(r.iterations)},
-                    {"worst_guarded", number(r.worst_guarded)},
-                    {"stiffness", number(r.stiffness)},
-                    {"penetration", number(r.penetration)}});
+                    {"cpu_seconds", r.cpu},
+                    {"iterations_mean", r.iterations},
+                    {"worst_guarded", r.worst_guarded},
+                    {"stiffness", r.stiffness},
+                    {"penetration", r.penetration}});
     Json values = Json::array();
-    for (const double x : r.values) values.push_back(number(x));
+    for (const double x : r.values) values.push_back(x);
     row["values"] = values;
     rows.push_back(std::move(row));
   }

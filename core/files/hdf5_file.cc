@@ -185,11 +185,11 @@ std::size_t Hdf5File::plausible_size(const std::string& name) const {
 namespace {
 
 // Bytes of a number: HDF5's buffers are as large as a broken file says.
-constexpr std::size_t kWidest = 16;
+constexpr std::size_t kWidestType = 16;
 constexpr double kMostText = 1e8;  // bytes
 
 void require_usual_width(const std::filesystem::path& path, const std::string& name, hid_t type) {
-  if (const std::size_t width = H5Tget_size(type); width > kWidest) {
+  if (const std::size_t width = H5Tget_size(type); width > kWidestType) {
     throw FileError(path, name, fmt::format("numbers of {} bytes", width));
   }
 }

@@ -1,6 +1,6 @@
 #include "core/observables/observables.h"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <type_traits>
 
@@ -17,11 +18,13 @@
 namespace bipot {
 namespace {
 
-/// What stands for a DistributedMonitor in one stage of `auto`: it ends the stage as well.
+/// A DistributedMonitor as the methods below see it: alone, or in one stage of `auto`, which ends
+/// with its budget as well.
 class StageMonitor {
  public:
+  explicit StageMonitor(DistributedMonitor& whole) : whole_(whole) {}
   StageMonitor(DistributedMonitor& whole, int first, int budget)
-      : whole_(whole), first_(first), budget_(budget) {}
+      : whole_(whole), first_(first), budget_(budget), staged_(true) {}
 
   DistributedSpace& space() { return whole_.space(); }
   bool due(int iteration) { return iteration >= budget_ || whole_.due(first_ + iteration); }
@@ -31,24 +34,26 @@ class StageMonitor {
   bool stop(int iteration, const Vector& s, double step = kNaN, bool moving = false) {
     iterations_ = iteration;
     // The first iterate of a stage is the best of the one before: it was judged.
-    if (whole_.stop(first_ + iteration, s, step, moving || iteration == 0)) ended_ = true;
+    const bool judged = staged_ && iteration == 0;
+    if (whole_.stop(first_ + iteration, s, step, moving || judged)) ended_ = true;
     return ended_ || iteration >= budget_;
   }
   double best_error() const { return whole_.best_error(); }
   const Vector& best_impulse() const { return whole_.best_impulse(); }
-  void end_setup() {}
+  void end_setup() {
+    if (!staged_) whole_.end_setup();
+  }
 
   bool ended() const { return ended_; }
   int iterations() const { return first_ + iterations_; }
 
  private:
   DistributedMonitor& whole_;
-  int first_, budget_, iterations_ = 0;
-  bool ended_ = false;
+  int first_ = 0, budget_ = std::numeric_limits<int>::max(), iterations_ = 0;
+  bool staged_ = false, ended_ = false;
 };
 
-template <class Monitor>
-void gradient(Monitor& monitor, const std::string& map, double step, const Vector& s0) {
+void gradient(StageMonitor& monitor, const std::string& map, double step, const Vector& s0) {
   DistributedSpace& space = monitor.space();
   const ContactProblem& p = space.problem();
   const ContactScaling scaling = equilibrated_scaling(p, space.diagonal());
@@ -56,8 +61,8 @@ void gradient(Monitor& monitor, const std::string& map, double step, const Vecto
   monitor.end_setup();
   dispatch_dim(p.dim, [&](auto d) {
     const auto run = [&](auto sums) {
-      iterate_gradient(GradientIteration<d(), decltype(sums)>(p, sums, scaling), MapRota(map), s0,
-                       lambda, step, monitor);
+      GradientIteration<d(), decltype(sums)> kernel(p, sums, scaling);
+      iterate_gradient(kernel, MapRota(map), s0, lambda, step, monitor);
     };
     if (space.exact()) {
       run(ExactSums{space});
@@ -122,8 +127,8 @@ void with_domain_sweep(DistributedSpace& space, const LocalSettings& settings, F
   });
 }
 
-template <class Monitor>
-void sweeps(Monitor& monitor, const LocalSettings& settings, bool symmetric, const Vector& s0) {
+void sweeps(StageMonitor& monitor, const LocalSettings& settings, bool symmetric,
+            const Vector& s0) {
   DistributedSpace& space = monitor.space();
   const int contacts = space.problem().num_contacts();
   with_domain_sweep(space, settings, [&](auto d, auto& sweep, auto visit) {
@@ -143,8 +148,7 @@ void sweeps(Monitor& monitor, const LocalSettings& settings, bool symmetric, con
   });
 }
 
-template <class Monitor>
-void anderson_sweeps(Monitor& monitor, int columns, const Vector& s0) {
+void anderson_sweeps(StageMonitor& monitor, int columns, const Vector& s0) {
   DistributedSpace& space = monitor.space();
   const int contacts = space.problem().num_contacts();
   const ContactScaling scaling = equilibrated_scaling(space.problem(), space.diagonal());
@@ -161,8 +165,7 @@ void anderson_sweeps(Monitor& monitor, int columns, const Vector& s0) {
   });
 }
 
-template <class Monitor>
-void anderson_gradient(Monitor& monitor, int columns, const Vector& s0) {
+void anderson_gradient(StageMonitor& monitor, int columns, const Vector& s0) {
   DistributedSpace& space = monitor.space();
   const ContactProblem& p = space.problem();
   const ContactScaling scaling = equilibrated_scaling(p, space.diagonal());
@@ -243,7 +246,8 @@ const DistributedSolver* find_distributed_solver(std::string_view name) {
 
 void distributed_gradient(DistributedMonitor& monitor, const Parameters& parameters,
                           const Vector& s0) {
-  gradient(monitor, parameters.choice("map"), parameters.number("step"), s0);
+  StageMonitor whole(monitor);
+  gradient(whole, parameters.choice("map"), parameters.number("step"), s0);
 }
 
 void distributed_uzawa(DistributedMonitor& monitor, const Parameters& parameters,
@@ -281,16 +285,18 @@ void distributed_sweeps(DistributedMonitor& monitor, const Parameters& parameter
   const LocalSettings settings{.exact = parameters.choice("local") == "exact",
                                .local_iterations = parameters.integer("local_iterations"),
                                .omega = parameters.number("omega")};
-  sweeps(monitor, settings, parameters.choice("order") == "symmetric", s0);
+  StageMonitor whole(monitor);
+  sweeps(whole, settings, parameters.choice("order") == "symmetric", s0);
 }
 
 void distributed_anderson(DistributedMonitor& monitor, const Parameters& parameters,
                           const Vector& s0) {
   const int columns = parameters.integer("memory");
+  StageMonitor whole(monitor);
   if (parameters.choice("map") == "sweep") {
-    anderson_sweeps(monitor, columns, s0);
+    anderson_sweeps(whole, columns, s0);
   } else {
-    anderson_gradient(monitor, columns, s0);
+    anderson_gradient(whole, columns, s0);
   }
 }
 

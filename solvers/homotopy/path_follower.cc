@@ -18,7 +18,7 @@ constexpr double kFarBack = -1e3;
 // Faces met after this t are met at t = 1: contacts that end on one, up to rounding.
 constexpr double kArrived = 1 - 1e-11;
 // Violated bounds of that size, relative to the largest parameter, are rounding.
-constexpr double kRounding = 1e-14;
+constexpr double kAtZero = 1e-14;
 // A turn is remembered when t gained that much since the one remembered.
 constexpr double kTurnGain = 0.02;
 // Newton steps before a path, the least part of one that is tried, and the part of |F| that a full
@@ -72,7 +72,7 @@ PathEnd PathFollower::approach(LawPoint& point) {
     basis_.solve_refined(point, target_, 0, r_, refinements(), y_);
     if (!y_.allFinite()) return PathEnd::kSingular;
     const double violation = -point.bound.cwiseProduct(y_).minCoeff();
-    if (violation <= kRounding * y_.lpNorm<Eigen::Infinity>()) {
+    if (violation <= kAtZero * y_.lpNorm<Eigen::Infinity>()) {
       point.value = y_;
       return PathEnd::kSolved;
     }

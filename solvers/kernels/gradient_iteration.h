@@ -6,8 +6,8 @@
 
 #include "core/problem/coulomb_cone.h"
 #include "solvers/kernels/contact_scaling.h"
+#include "solvers/kernels/gradient_kernel.h"
 #include "solvers/kernels/spectral_estimate.h"
-#include "solvers/kernels/tiled_gradient.h"
 
 namespace bipot {
 
@@ -46,23 +46,23 @@ struct GradientProgress {
 /// tiled_gradient.h.) `Space` knows the contacts that are not here: velocity(s, u) is u = W s +
 /// u_free, a Sum takes += and add_dot(a, b, sum), and total() adds the Sums up over all processes.
 template <int D, class Space>
-class GradientIteration {
+class GradientIteration final : public GradientKernel {
  public:
   GradientIteration(const ContactProblem& p, Space& space, const ContactScaling& scaling)
       : p_(p), space_(space), scaling_(scaling) {}
 
-  void reset(const Vector& s) {
+  void reset(const Vector& s) override {
     s_ = s;
     x_ = before_ = y_ = scaling_.impulse.cwiseProduct(s);
     space_.velocity(s_, w_);
     w_.array() *= scaling_.velocity.array();
     w_before_ = w_y_ = w_;
   }
-  const Vector& impulse() {
+  const Vector& impulse() override {
     s_ = x_.cwiseProduct(scaling_.velocity);
     return s_;
   }
-  void advance(int iterations, GradientControl& control) {
+  void advance(int iterations, GradientControl& control) override {
     for (; iterations > 0; --iterations) {
       const double rho = control.step / control.lambda;
       const GradientProgress progress =
@@ -152,9 +152,9 @@ class MapRota {
 inline constexpr int kUnwatchedSteps = 64;
 
 /// Iterates until the monitor stops it.
-template <class Kernel, class Monitor>
-void iterate_gradient(Kernel kernel, MapRota rota, const Vector& s0, double lambda, double step,
-                      Monitor& monitor) {
+template <class Monitor>
+void iterate_gradient(GradientKernel& kernel, MapRota rota, const Vector& s0, double lambda,
+                      double step, Monitor& monitor) {
   kernel.reset(s0);
   GradientControl control{.lambda = lambda, .step = step};
   for (int iteration = 0;;) {

@@ -3,21 +3,9 @@
 #include <vector>
 
 #include "solvers/kernels/disk_tiles.h"
+#include "solvers/kernels/gradient_kernel.h"
 
 namespace bipot {
-
-/// What the steps of an accelerated projected gradient carry along
-/// (solvers/methods/accelerated_gradient.h).
-struct GradientControl {
-  double lambda = 0;     ///< estimate of the largest eigenvalue; raised where it proves too small
-  double step = 1;       ///< rho = step / lambda
-  bool cone = false;     ///< the projection on the cone with de Saxce's term, else the split one
-  bool momentum = true;  ///< false: t = 1 throughout
-  double t = 1;          ///< Nesterov's sequence
-};
-
-/// Nesterov's (1 + sqrt(1 + 4 t²)) / 2.
-double next_momentum(double t);
 
 /// The accelerated projected gradient for disks, vectorised, in the order of DiskTiles.
 ///
@@ -26,15 +14,15 @@ double next_momentum(double t);
 /// restart; where the sums then ask for one, the iterations behind it are thrown away and those
 /// before it done again from what was kept. The results are those of one iteration after the other.
 template <int D>
-class TiledGradient {
+class TiledGradient final : public GradientKernel {
  public:
   TiledGradient(const ContactProblem& problem, const DiskStructure& disks,
                 const ContactScaling& scaling, const Execution& options);
 
   /// Starts from s without momentum.
-  void reset(const Vector& s);
-  const Vector& impulse();
-  void advance(int iterations, GradientControl& control);
+  void reset(const Vector& s) override;
+  const Vector& impulse() override;
+  void advance(int iterations, GradientControl& control) override;
 
  private:
   struct Totals {

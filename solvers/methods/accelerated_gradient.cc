@@ -46,14 +46,14 @@ SolveResult solve_accelerated_gradient(const ContactProblem& p, const SolverOpti
     constexpr int D = d();
     if constexpr (D < 3) {
       if (delassus.disks()) {
-        iterate_gradient(TiledGradient<D>(p, *delassus.disks(), scaling, options.execution), rota,
-                         s0, lambda, step, monitor);
+        TiledGradient<D> kernel(p, *delassus.disks(), scaling, options.execution);
+        iterate_gradient(kernel, rota, s0, lambda, step, monitor);
         return;
       }
     }
     LoneSums sums{delassus};
-    iterate_gradient(GradientIteration<D, LoneSums>(p, sums, scaling), rota, s0, lambda, step,
-                     monitor);
+    GradientIteration<D, LoneSums> kernel(p, sums, scaling);
+    iterate_gradient(kernel, rota, s0, lambda, step, monitor);
   });
   return monitor.finish();
 }

@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
+#include "core/problem/dense_factor.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/monitor.h"
 
@@ -123,7 +123,8 @@ class Pivoting {
   Vector solution() const {
     Dense basis(n_, n_);
     for (int i = 0; i < n_; ++i) basis.col(i) = column(basis_[i]);
-    const Eigen::PartialPivLU<Dense> lu(basis);
+    const DenseLu lu(basis);
+    if (!lu.ok()) return Vector::Constant(n_, kNaN);
     Vector x = lu.solve(lcp_.q);
     for (int step = 0; step < 3; ++step) x += lu.solve(lcp_.q - basis * x);
     Vector z = Vector::Zero(n_);
@@ -207,8 +208,8 @@ class Pivoting {
   bool refresh(const IterationMonitor& monitor) {
     Dense basis(n_, n_);
     for (int i = 0; i < n_; ++i) basis.col(i) = column(basis_[i]);
-    const Eigen::PartialPivLU<Dense> lu(basis);
-    if (!(std::abs(lu.rcond()) > 1e-15)) return false;
+    const DenseLu lu(basis);
+    if (!lu.ok() || !(lu.reciprocal_condition() > 1e-15)) return false;
     // The longest part of all; without it the inverse at hand serves the last pivot.
     if (monitor.out_of_time()) return true;
     inverse_ = lu.inverse();

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 #include <vector>
 
+#include "core/problem/dense_factor.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/large_friction.h"
 #include "solvers/methods/gauss_seidel.h"
@@ -114,10 +114,7 @@ class StatusNewton {
       residual_[i] /= largest;
     }
     if (!jacobian_.allFinite() || !residual_.allFinite()) return false;
-    least_squares_.setThreshold(kRankTolerance);
-    least_squares_.compute(jacobian_);
-    const Vector change = least_squares_.solve(residual_);
-    y(closed_) -= change;
+    y(closed_) -= least_norm_solution(jacobian_, residual_, kRankTolerance);
     return y.allFinite();
   }
 
@@ -168,7 +165,6 @@ class StatusNewton {
   Vector w_, residual_;
   std::vector<int> closed_;  // rows of closed contacts
   Eigen::MatrixXd jacobian_;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> least_squares_;
 };
 
 /// y with each contact's entries drawn anew with probability `share`: in (-1, 1), normals positive.
