@@ -152,6 +152,7 @@ struct Advice {
   int problems = 0, fresh_problems = 0;
   int several_solutions = 0;    ///< problems, chosen on and fresh, with several exact answers
   Accuracy spread;              ///< largest difference of two exact answers of one step
+  Accuracy stretch_spread;      ///< of two tight runs of the same windows; NaN: not measured
   int without_reference = 0;    ///< problems left out: no reference clearly better than the goal
   double worst_reference = 0;   ///< guarded error
   double reference_spread = 0;  ///< largest relative difference of two solvers' references

@@ -95,6 +95,7 @@ Json to_json(const Scene& scene, const Advice& a) {
                    {"fresh", a.fresh_problems},
                    {"several_solutions", a.several_solutions},
                    {"spread", to_json(a.spread)},
+                   {"stretch_spread", to_json(a.stretch_spread)},
                    {"without_reference", a.without_reference},
                    {"worst_reference", a.worst_reference},
                    {"reference_spread", a.reference_spread}};

@@ -147,6 +147,21 @@ std::string several_sentence(const Advice& advice) {
   return text;
 }
 
+/// Where two exact runs of a stretch differ by more than the goal asks for; else empty.
+std::string beyond_stretches(const Advice& advice) {
+  std::string apart;
+  for (auto m : Accuracy::kMeasures) {
+    if (!(advice.stretch_spread.*m > advice.goal.*m)) continue;
+    apart +=
+        fmt::format("{}{} {:.1e}", apart.empty() ? "" : ", ", name_of(m), advice.stretch_spread.*m);
+  }
+  if (apart.empty()) return {};
+  return fmt::format(
+      "two runs of the same stretches, both tighter than the goal, differ by {}: over a stretch "
+      "digits below half of that are not paid for",
+      apart);
+}
+
 /// Costs, status and message from what was found.
 void conclude(const Scene& scene, Advice& advice) {
   if (advice.choice < 0) {
@@ -184,7 +199,9 @@ void conclude(const Scene& scene, Advice& advice) {
         fmt::format("no solver meets what the time step leaves; the best is {} to {:.0e} with {}",
                     chosen.solver.label, chosen.tol,
                     held_against(worst_of(chosen.error, chosen.stretch), advice.goal));
-  } else if (advice.whole_windows > 0 && share_of(advice.whole_window, advice.goal) > 1) {
+  } else if (advice.whole_windows > 0 &&
+             share_of(without_lost_digits(advice.whole_window, advice.stretch_spread),
+                      advice.goal) > 1) {
     advice.message =
         fmt::format("on fresh stretches of the run the recommendation misses the goal: {}",
                     held_against(advice.whole_window, advice.goal));
@@ -193,6 +210,9 @@ void conclude(const Scene& scene, Advice& advice) {
     advice.message = "the goal is met on all sampled and fresh steps";
   }
   if (advice.several_solutions > 0) advice.message += "; " + several_sentence(advice);
+  if (const std::string beyond = beyond_stretches(advice); !beyond.empty()) {
+    advice.message += "; " + beyond;
+  }
 }
 
 /// The stages of an advice; each leaves in it what it found.
@@ -302,9 +322,12 @@ class Adviser {
     if (options_.stopped()) return;
     if (study_.runs.contains(factor)) {
       say("trying stretches of the run");
-      try_stretches({stepped, factor, advice_.steps.window, tight_tolerance(options_.goal),
-                     study_.floor, study_.starts, study_.runs.at(factor)},
-                    samples.chosen_on, options_, time_, advice_);
+      StretchReference reference{
+          stepped,      factor,        advice_.steps.window,  tight_tolerance(options_.goal),
+          study_.floor, study_.starts, study_.runs.at(factor)};
+      measure_spread(reference, options_, time_);
+      advice_.stretch_spread = reference.spread;
+      try_stretches(std::move(reference), samples.chosen_on, options_, time_, advice_);
     }
     mark_pareto(advice_.trials, options_.goal);
     say("verifying on fresh steps");

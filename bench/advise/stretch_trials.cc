@@ -11,23 +11,46 @@
 namespace bipot {
 namespace {
 
-/// Solves the windows again, more tightly. False, and no change, where a step fails.
-bool tighten(StretchReference& reference, double tol, const AdviseOptions& options,
-             const TimeBudget& time) {
+/// The windows to a tolerance; empty where a step fails.
+std::vector<WindowRun> solve_windows(const StretchReference& reference, bool warm, double tol,
+                                     const AdviseOptions& options, const TimeBudget& time) {
   SolverOptions tight;
   tight.tol = tol;
   tight.cancelled = options.interrupted;
   const StepSolver solver =
       limited_solver(require_solver("auto"), tight, [&] { return time.until(1); });
   const int steps = static_cast<int>(std::lround(reference.window / reference.scene.step));
+  Scene scene = reference.scene;
+  scene.solver.warm_start = warm;
   std::vector<WindowRun> runs;
   for (const State* start : reference.starts) {
-    runs.push_back(run_window(reference.scene, *start, reference.factor, steps, solver, 10 * tol));
-    if (!runs.back().usable) return false;
+    runs.push_back(run_window(scene, *start, reference.factor, steps, solver, 10 * tol));
+    if (!runs.back().usable) return {};
   }
+  return runs;
+}
+
+/// Solves the windows again, more tightly. False, and no change, where a step fails.
+bool tighten(StretchReference& reference, double tol, const AdviseOptions& options,
+             const TimeBudget& time) {
+  std::vector<WindowRun> runs =
+      solve_windows(reference, reference.scene.solver.warm_start, tol, options, time);
+  if (runs.empty()) return false;
   reference.runs = std::move(runs);
   reference.tol = tol;
   return true;
+}
+
+/// What runs add to the errors of a reference with the same step.
+Accuracy added_errors(const std::vector<WindowRun>& runs, const StretchReference& reference) {
+  const double radius = smallest_radius(reference.scene);
+  Accuracy error = window_errors(runs, reference.runs, radius, reference.floor);
+  error.penetration = 0;  // what the solver adds to the step's own
+  for (std::size_t w = 0; w < runs.size(); ++w) {
+    const double more = (runs[w].penetration - reference.runs[w].penetration) / radius;
+    error.penetration = std::max(error.penetration, more);
+  }
+  return error;
 }
 
 /// The trial over the windows of the study, against tight solves with the same step: errors of a
@@ -71,16 +94,17 @@ void run_stretches(SolverTrial& trial, StretchReference& reference, const Advise
   }
   trial.stretches = static_cast<int>(runs.size());
   if (solves > 0) trial.run_seconds = seconds / solves;
-  const double radius = smallest_radius(scene);
-  trial.stretch = window_errors(runs, reference.runs, radius, reference.floor);
-  trial.stretch.penetration = 0;  // what the solver adds to the step's own
-  for (std::size_t w = 0; w < runs.size(); ++w) {
-    const double more = (runs[w].penetration - reference.runs[w].penetration) / radius;
-    trial.stretch.penetration = std::max(trial.stretch.penetration, more);
-  }
+  trial.stretch = added_errors(runs, reference);
 }
 
 }  // namespace
+
+void measure_spread(StretchReference& reference, const AdviseOptions& options,
+                    const TimeBudget& time) {
+  const std::vector<WindowRun> runs =
+      solve_windows(reference, !reference.scene.solver.warm_start, reference.tol, options, time);
+  if (!runs.empty()) reference.spread = added_errors(runs, reference);
+}
 
 void try_stretches(StretchReference reference, const std::vector<SampledProblem>& problems,
                    const AdviseOptions& options, const TimeBudget& time, Advice& advice) {
@@ -108,7 +132,7 @@ void try_stretches(StretchReference reference, const std::vector<SampledProblem>
     if (next < 0 || advice.trials[next].seconds > 3 * best) return;
     SolverTrial& trial = advice.trials[next];
     run_stretches(trial, reference, options, time);
-    if (share_of(trial.stretch, advice.budget) <= 1) {
+    if (share_of(without_lost_digits(trial.stretch, reference.spread), advice.budget) <= 1) {
       trial.verdict = Verdict::kStretchMet;
       best = std::min(best, trial.run_seconds);
       continue;

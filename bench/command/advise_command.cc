@@ -149,6 +149,10 @@ void print_confidence(const Advice& a) {
         "  to the nearest answer, and nothing below half of that counts\n",
         a.several_solutions, error_text(a.spread, a.goal));
   }
+  if (share_of(a.stretch_spread, a.goal) > 0) {
+    fmt::print("  two tight runs of the same stretches, started differently: {}\n",
+               error_text(a.stretch_spread, a.goal));
+  }
   if (a.without_reference > 0) {
     fmt::print("  steps left out because no solver got far enough below the goal in time: {}\n",
                a.without_reference);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "bench/scenes/moving_scene.h"
 #include "core/scene/scene_family.h"
 
 namespace bipot {
@@ -50,6 +51,26 @@ TEST(Advise, MeetsTheGoalOnStepsThatItWasNotChosenOn) {
   // At rest a larger step changes nothing: the largest is taken, for the same simulated time.
   EXPECT_DOUBLE_EQ(advice.step_size, 4 * 0.01);
   EXPECT_EQ(advice.num_steps, 5);
+}
+
+TEST(Advise, OverStretchesNothingBelowTheSpreadOfExactRunsIsPaidFor) {
+  // The lattice at rest has one velocity and, kept by the shared criterion, forces of bodies that
+  // any solver finds: two tight runs agree far below the goal, and nothing is said of them.
+  const Advice still = advise(lattice(), quick(1e-2));
+  EXPECT_LE(still.stretch_spread.force, 1e-4);
+  EXPECT_EQ(still.message.find("same stretches"), std::string::npos) << still.message;
+  // 64 disks poured into a tilted box: steps with several exact answers, each the start of the next.
+  Scene heap = make_moving_scene("tilt", 8, {.seed = 3});
+  AdviseOptions options = quick(1e-6);
+  options.solvers = {{"auto", "auto", {}}};
+  options.keep_step = true;
+  const Advice advice = advise(heap, options);
+  ASSERT_GT(advice.stretch_spread.force, 1e-6) << advice.message;
+  EXPECT_NE(advice.message.find("same stretches"), std::string::npos) << advice.message;
+  for (const SolverTrial& t : advice.trials) {
+    if (t.verdict != SolverTrial::Verdict::kStretchMissed) continue;
+    EXPECT_GT(t.stretch.force, 0.5 * advice.stretch_spread.force);
+  }
 }
 
 TEST(Advise, AGoalOnForcesAsksForFinerStepsThroughAShock) {
