@@ -33,8 +33,7 @@ class Resolvent {
     if (p.has_velocities()) {
       mass_ = p.A;
       wrench_ = p.H * scale.asDiagonal();
-      wrench_transposed_ = wrench_.transpose();
-      product_ = wrench_ * wrench_transposed_;
+      product_ = wrench_ * SparseMatrix(wrench_.transpose());
       return;
     }
     delassus_ = scale.asDiagonal() * p.W * scale.asDiagonal();
@@ -53,10 +52,12 @@ class Resolvent {
   }
 
   /// x holds the start of the residual correction.
-  void solve(const Vector& r, Vector& x) const {
+  void solve(const Vector& r, Vector& x) {
     if (through_velocities()) {
-      const Vector velocity = factor_.solve(Vector(wrench_ * r));
-      x = (r - wrench_transposed_ * velocity) / rho_;
+      velocity_.noalias() = wrench_ * r;
+      factor_.solve(velocity_, velocity_);
+      x.noalias() = wrench_.transpose() * velocity_;
+      x = (r - x) / rho_;
     } else if (skew_.nonZeros() == 0) {
       x = factor_.solve(r);
     } else {
@@ -67,9 +68,10 @@ class Resolvent {
  private:
   bool through_velocities() const { return wrench_.cols() > 0; }
 
-  SparseMatrix mass_, wrench_, wrench_transposed_, product_;
+  SparseMatrix mass_, wrench_, product_;
   SparseMatrix delassus_, symmetric_, skew_, identity_;
   SparseCholesky factor_;
+  Vector velocity_;
   double rho_ = 0;
 };
 

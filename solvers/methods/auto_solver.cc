@@ -206,7 +206,7 @@ class Planner {
     if (contacts_ <= kLarge) first_paths(std::max(kPivots, 3 * contacts_));
     if (!sweeps_first()) sweeps();
     if (exact_ && contacts_ > kLarge) {
-      add("admm", 6000, 8000, Start::kCaller, "large moving packings, by factors of W",
+      add("admm", 6000, 14000, Start::kCaller, "large moving packings, by factors of W",
           kOverRelaxed);
       stages_.back().least_tol = kFair;
       add("admm", 1000, 3000, Start::kCaller, "large packings at rest, by factors of W",

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/types.h"
+
+namespace bipot {
+
+/// Columns of a lower triangular matrix that have their rows in common: a triangle of `columns` on
+/// top, a rectangle below.
+struct Supernode {
+  int first, columns, rows;  ///< first column; rows of triangle and rectangle
+  const std::int64_t*
+      row;               ///< their numbers, ascending; the first `columns` are first, first + 1 ...
+  const double* values;  ///< by columns, `rows` apart; the triangle's upper part is not read
+};
+
+/// x = L⁻ᵀ L⁻¹ b for a lower triangular L of supernodes, many times.
+///
+/// Of a supernode with triangle T and rectangle R it keeps M = [I; R] T⁻¹ (the partitioned inverse:
+/// Alvarado, Pothen and Schreiber 1993), so that both passes are products of a small dense matrix
+/// and a vector, without divisions and without one number waiting for the one before:
+///
+///     forward   y1 <- M1 y1,   y2 <- y2 - M2 y1        backward   x1 <- M1ᵀ y1 - M2ᵀ x2
+///
+/// M lies twice, in slices of four rows and of four columns. Rounding is that of substitution times
+/// the condition of the triangles. Sums have one order for all instruction sets.
+class SupernodalSolve {
+ public:
+  /// Of a matrix of `size` rows; forgets the one before.
+  void begin(int size);
+  /// The supernodes in the order of their columns.
+  void add(const Supernode& supernode);
+  /// x <- L⁻ᵀ L⁻¹ x. No allocation.
+  void solve(double* x);
+
+ private:
+  struct Block {
+    int first, columns, rows;
+    std::size_t row, forward, backward;  // where its numbers begin
+  };
+  std::vector<Block> blocks_;
+  std::vector<int> row_;                    // below the triangles
+  std::vector<double> forward_, backward_;  // slices of rows, of columns
+  std::vector<double> given_, result_;      // scratch of a block
+};
+
+}  // namespace bipot

@@ -1,0 +1,64 @@
+#include "core/problem/supernodal_solve.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+#include <deque>
+
+#include "tests/support/draw.h"
+
+namespace bipot {
+namespace {
+
+/// A lower triangular matrix of supernodes of these widths, each with about half of the rows below.
+struct Supernodes {
+  std::deque<std::vector<std::int64_t>> rows;
+  std::deque<std::vector<double>> values;
+  std::vector<Supernode> nodes;
+  Eigen::MatrixXd L;
+
+  Supernodes(const std::vector<int>& widths, unsigned seed) {
+    Draw draw(seed);
+    int size = 0, first = 0;
+    for (int width : widths) size += width;
+    L = Eigen::MatrixXd::Zero(size, size);
+    for (int width : widths) {
+      std::vector<std::int64_t>& row = rows.emplace_back();
+      for (int i = first; i < size; ++i) {
+        if (i < first + width || draw.below(2) == 0) row.push_back(i);
+      }
+      std::vector<double>& value = values.emplace_back();
+      for (int j = 0; j < width; ++j) {
+        for (int i = 0; i < static_cast<int>(row.size()); ++i) {
+          // What stands above the diagonal is not to be read.
+          const double x = i == j ? 2 + draw.symmetric() : draw.symmetric();
+          value.push_back(i < j ? 1e300 : x);
+          if (i >= j) L(row[to_size(i)], first + j) = x;
+        }
+      }
+      nodes.push_back({first, width, static_cast<int>(row.size()), row.data(), value.data()});
+      first += width;
+    }
+  }
+};
+
+TEST(SupernodalSolve, IsTheInverseOfLTimesItsTranspose) {
+  SupernodalSolve solve;
+  // Widths below, at and above the slices of four, alone and one after the other; the object is
+  // used again for a matrix of another size.
+  for (const std::vector<int>& widths :
+       {std::vector<int>{1}, {4}, {9}, {1, 5, 4, 7, 6}, {3, 1, 1, 2, 8, 13, 5}, {2, 2}}) {
+    const Supernodes made(widths, 7);
+    solve.begin(static_cast<int>(made.L.rows()));
+    for (const Supernode& node : made.nodes) solve.add(node);
+    Draw draw(3);
+    Vector x(made.L.rows());
+    for (double& value : x) value = draw.symmetric();
+    Vector b = made.L * (made.L.transpose() * x);
+    solve.solve(b.data());
+    EXPECT_LT((b - x).norm(), 1e-9 * x.norm()) << widths.size() << " supernodes";
+  }
+}
+
+}  // namespace
+}  // namespace bipot
