@@ -30,7 +30,7 @@ std::filesystem::path install_prefix() {
 std::filesystem::path data_folder() {
   if (const char* folder = std::getenv("BIPOT_DATA")) return folder;
   std::error_code none;
-  const std::filesystem::path installed = install_prefix() / "share/bipot";
+  std::filesystem::path installed = install_prefix() / "share/bipot";
   if (std::filesystem::is_directory(installed, none)) return installed;
   return std::filesystem::path(BIPOT_SOURCE_DIR) / "data";
 }

@@ -48,7 +48,7 @@ std::vector<Interval> gaps(std::vector<Interval> covered) {
 struct ArcIntegrals {
   double cosine[5], sine[5];
   explicit ArcIntegrals(const Interval& arc) {
-    const auto [from, to] = arc;
+    const double from = arc.first, to = arc.second;
     const auto change = [&](auto&& f) { return f(to) - f(from); };
     cosine[0] = sine[0] = to - from;
     const double s1 = change([](double t) { return std::sin(t); });

@@ -54,7 +54,7 @@ struct Motion {
 };
 
 #if BIPOT_WIDTH == 2
-typedef long long PairBits __attribute__((vector_size(16)));
+using PairBits = long long __attribute__((vector_size(16)));
 
 /// The halves of a row: (x, spin) and (y, unused).
 inline const Pair* half(const BodyRow& r) { return reinterpret_cast<const Pair*>(&r); }
@@ -164,10 +164,11 @@ inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const
   const Lanes y_even = __builtin_shufflevector(p.y, zero, 0, 8, 2, 10, 4, 12, 6, 14);
   const Lanes y_odd = __builtin_shufflevector(p.y, zero, 1, 9, 3, 11, 5, 13, 7, 15);
   const auto row_of = [&](Lanes x_spin, Lanes y, auto upper) {
-    // clang-format off
-    if constexpr (upper) return __builtin_shufflevector(x_spin, y, 2, 3, 10, 11, 6, 7, 14, 15);
-    else return __builtin_shufflevector(x_spin, y, 0, 1, 8, 9, 4, 5, 12, 13);
-    // clang-format on
+    if constexpr (upper) {
+      return __builtin_shufflevector(x_spin, y, 2, 3, 10, 11, 6, 7, 14, 15);
+    } else {
+      return __builtin_shufflevector(x_spin, y, 0, 1, 8, 9, 4, 5, 12, 13);
+    }
   };
   struct No {
     constexpr operator bool() const { return false; }
