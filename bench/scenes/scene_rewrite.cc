@@ -185,7 +185,10 @@ std::string difference(const Scene& a, const Scene& b) {
   }
   if (a.cell.in_x != b.cell.in_x || a.cell.in_y != b.cell.in_y) return "cell";
   if (a.contact_distance != b.contact_distance) return "contact distance";
-  if (a.project_overlaps != b.project_overlaps) return "overlaps";
+  if (a.travel != b.travel) return "travel";
+  if (a.project_overlaps != b.project_overlaps || a.predict_gaps != b.predict_gaps) {
+    return "overlaps";
+  }
   if (a.materials != b.materials || a.laws.size() != b.laws.size()) return "materials";
   for (std::size_t i = 0; i < a.laws.size(); ++i) {
     if (a.laws[i].mu != b.laws[i].mu || a.laws[i].e_n != b.laws[i].e_n ||

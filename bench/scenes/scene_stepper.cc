@@ -47,6 +47,12 @@ StepReportIn<D> SceneStepperIn<D>::advance(StateIn<D>& state) {
   if constexpr (D == 2) {
     if (springs_) return springs_->advance(state);
   }
+  if (const int halvings = travel_halvings(scene_, state); halvings > 0) {
+    SplitStepIn<D> split = advance_in_equal_parts(scene_, solver_, explicit_delassus_, state,
+                                                  halvings, on_failure_, threads_);
+    parts_ = split.parts;
+    return std::move(split.report);
+  }
   if (on_failure_ == OnFailure::kContinue) return rigid_->advance(state);
   StateIn<D> next = state;
   std::string why;

@@ -36,9 +36,11 @@ std::vector<ContactOutcomeIn<D>> added(const std::vector<ContactOutcomeIn<D>>& f
 template <int D>
 class Parts {
  public:
+  /// `accept`: a part that is not solved is taken with the best impulse.
   Parts(const SceneIn<D>& scene, const StepSolver& solver, bool explicit_delassus, StateIn<D> start,
-        int threads)
-      : scene_(scene),
+        int threads, bool accept = false)
+      : accept_(accept),
+        scene_(scene),
         solver_(solver),
         explicit_delassus_(explicit_delassus),
         threads_(threads),
@@ -54,13 +56,13 @@ class Parts {
     std::string why;
     try {
       const StepReportIn<D> report = stepper.advance(next);
-      if (report.converged) {
+      if (report.converged || accept_) {
         add(report, std::move(next));
         return;
       }
       why = report.message;
     } catch (const StepFailure& failure) {
-      if (failure.kind != StepFailure::Kind::kNumerical) throw;
+      if (failure.kind != StepFailure::Kind::kNumerical || accept_) throw;
       why = failure.what();
     }
     if (halvings == 0) {
@@ -86,6 +88,10 @@ class Parts {
     const StepReportIn<D> before = std::exchange(total_, part);
     if (parts_++ > 0) {
       total_.iterations += before.iterations;
+      if (!before.converged) {
+        total_.converged = false;
+        total_.message = before.message;
+      }
       total_.energy.imbalance += before.energy.imbalance;
       total_.momentum_imbalance += before.momentum_imbalance;
       total_.penetration = std::max(total_.penetration, before.penetration);
@@ -100,6 +106,7 @@ class Parts {
     state_ = std::move(next);
   }
 
+  bool accept_;
   const SceneIn<D>& scene_;
   const StepSolver& solver_;
   bool explicit_delassus_;
@@ -121,6 +128,46 @@ SplitStepIn<D> advance_in_parts(const SceneIn<D>& scene, const StepSolver& solve
   return parts.finish(state);
 }
 
+template <int D>
+int travel_halvings(const SceneIn<D>& scene, const StateIn<D>& state) {
+  if (scene.travel == 0 || state.disks.empty()) return 0;
+  const VecIn<D> gained = scene.step * gravity_at(scene, state.time + 0.5 * scene.step);
+  double speed = 0, radius = kInfinity;
+  for (const BodyIn<D>& d : state.disks) {
+    const bool free = d.wall < 0;
+    speed = std::max({speed, d.v.norm(), free ? VecIn<D>(d.v + gained).norm() : 0.0});
+    radius = std::min(radius, d.radius);
+  }
+  double way = scene.step * speed;
+  for (int halvings = 0; halvings <= kMostTravelHalvings; ++halvings, way *= 0.5) {
+    if (way <= scene.travel * radius) return halvings;
+  }
+  throw StepFailure(
+      StepFailure::Kind::kInvalidInput, state,
+      fmt::format("a body at {:.3g} m/s goes farther than travel = {:g} of the smallest radius "
+                  "even in a part of 1/{} of the step: give a smaller step",
+                  speed, scene.travel, 1 << kMostTravelHalvings));
+}
+
+template <int D>
+SplitStepIn<D> advance_in_equal_parts(const SceneIn<D>& scene, const StepSolver& solver,
+                                      bool explicit_delassus, StateIn<D>& state, int halvings,
+                                      OnFailure on_failure, int threads) {
+  Parts<D> parts(scene, solver, explicit_delassus, with_changed_population(scene, state), threads,
+                 on_failure == OnFailure::kContinue);
+  const int count = 1 << halvings;
+  for (int k = 0; k < count; ++k) {
+    parts.take(scene.step / count, on_failure == OnFailure::kSmallerStep ? kMostHalvings : 0);
+  }
+  return parts.finish(state);
+}
+
+template int travel_halvings(const Scene&, const State&);
+template int travel_halvings(const SceneIn<3>&, const StateIn<3>&);
+template SplitStep advance_in_equal_parts(const Scene&, const StepSolver&, bool, State&, int,
+                                          OnFailure, int);
+template SplitStepIn<3> advance_in_equal_parts(const SceneIn<3>&, const StepSolver&, bool,
+                                               StateIn<3>&, int, OnFailure, int);
 template SplitStep advance_in_parts(const Scene&, const StepSolver&, bool, State&, int);
 template SplitStepIn<3> advance_in_parts(const SceneIn<3>&, const StepSolver&, bool, StateIn<3>&,
                                          int);

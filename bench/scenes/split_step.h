@@ -34,4 +34,18 @@ template <int D>
 SplitStepIn<D> advance_in_parts(const SceneIn<D>& scene, const StepSolver& solver,
                                 bool explicit_delassus, StateIn<D>& state, int threads = 1);
 
+/// How often the scene's next step is halved for its `travel`: least k such that no body goes farther in
+/// h / 2^k, at its speed before the step or at that without contacts after it. Throws StepFailure where that
+/// is more than kMostTravelHalvings.
+template <int D>
+int travel_halvings(const SceneIn<D>& scene, const StateIn<D>& state);
+inline constexpr int kMostTravelHalvings = 12;  ///< 4096 parts
+
+/// Takes the scene's next step in 2^halvings equal parts, as above. A part that is not solved is taken with the
+/// best impulse (kContinue), ends the attempt (kStop) or is halved on (kSmallerStep).
+template <int D>
+SplitStepIn<D> advance_in_equal_parts(const SceneIn<D>& scene, const StepSolver& solver,
+                                      bool explicit_delassus, StateIn<D>& state, int halvings,
+                                      OnFailure on_failure, int threads = 1);
+
 }  // namespace bipot

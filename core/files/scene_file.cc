@@ -45,7 +45,9 @@ void read_materials(const SceneTable& root, SceneIn<D>& scene) {
       if (*distance < 0) table->fail("distance", "expected a number >= 0");
       scene.contact_distance = *distance;
     }
-    scene.project_overlaps = table->one_of("overlaps", "keep", {"keep", "project"}) == "project";
+    const std::string overlaps = table->one_of("overlaps", "keep", {"keep", "project", "predict"});
+    scene.project_overlaps = overlaps == "project";
+    scene.predict_gaps = overlaps == "predict";
     table->finish();
   }
   scene.materials = root.words("materials");
@@ -156,6 +158,7 @@ void read_time(const SceneTable& root, SceneIn<D>& scene) {
   const auto table = root.table("time");
   if (!table) root.fail("time", "the table [time] is missing");
   scene.step = table->positive("step");
+  scene.travel = table->number("travel", 0);
   const bool by_count = table->has("steps"), by_duration = table->has("duration");
   if (by_count == by_duration) table->fail("steps", "give either steps or duration [s]");
   if (by_count) {

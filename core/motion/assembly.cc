@@ -225,6 +225,10 @@ void write_contact(const StepInput<D>& in, const ContactIn<D>& contact, int c,
     step.u_before[c * d + row] = before;
     p.u_free[c * d + row] = (free + e * before) / r;
     if (p.row_scale.size() > 0) p.row_scale[c * d + row] = r;
+    if (row == 0 && step.gap_rate.size() > 0 && contact.gap > 0) {
+      step.gap_rate[c * d] = contact.gap / (in.scene.step * r);
+      p.u_free[c * d] += step.gap_rate[c * d];
+    }
 
     for (int x = 0; x < D; ++x) columns.add(k + x, axis[x] / r);
     if (turns_a) {
@@ -322,6 +326,7 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
   p.mu.resize(num_contacts);
   p.u_free.resize(d * num_contacts);
   step.u_before.resize(d * num_contacts);
+  if (scene.predict_gaps) step.gap_rate = Vector::Zero(d * num_contacts);
   if (any_restitution) p.row_scale.resize(d * num_contacts);
 
   // Where the columns of each contact begin: they are written on several threads.

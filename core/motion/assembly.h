@@ -39,6 +39,9 @@ struct AssembledStep {
   ContactProblem problem;
   DofMap dofs;
   Vector u_before;  ///< m, physical relative velocities u⁻ before the step    [m/s]
+  /// m, what u_free holds besides velocities: g/h of pairs that are not in touch yet, in the
+  /// problem's variables; empty where gaps are not predicted                    [m/s]
+  Vector gap_rate;
 };
 
 /// Assembles A, H, u_free, mu (and W on request) of one step of size h from the bodies' velocities
@@ -53,6 +56,10 @@ struct AssembledStep {
 ///
 /// A disk of a cluster adds to its arm the one from the centre of mass to its own: (e3 x c)·n w to u_n, (e3 x c)·t w to
 /// u_t, in the three degrees of freedom of the cluster.
+///
+/// With the scene's predict_gaps the normal row of a contact with a gap g > 0 reads u_n + g/h >= 0: at
+/// the midpoint of the next step, h further on, it is closed and not overlapped (Stewart and
+/// Trinkle, Int. J. Numer. Methods Eng. 39, 1996, for the end of the step).
 ///
 /// The contact dimension is 1 (no tangential rows, no rotations) where no pair of the scene's
 /// materials has friction. Only bodies in contact enter; of the walls only driven ones have a

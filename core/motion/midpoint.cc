@@ -1,5 +1,8 @@
 #include "core/motion/midpoint.h"
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/scene/cluster_motion.h"
 #include "core/scene/periodic_detection.h"
 #include "core/scene/wall_motion.h"
@@ -23,6 +26,37 @@ void free_clusters(Midpoint& mid, double h) {
 }
 
 }  // namespace
+
+/// Largest speed of a body or wall before the step, or without contacts after it.
+template <int D>
+double largest_speed(const MidpointIn<D>& mid, double h) {
+  double speed = 0;
+  for (const BodyIn<D>& d : mid.disks) {
+    speed = std::max({speed, d.v.norm(), (d.v + h * mid.gravity).norm()});
+  }
+  for (const WallIn<D>& w : mid.walls) {
+    const bool driven = w.motion == WallIn<D>::Motion::kDriven;
+    speed = std::max(speed, w.v.norm() + (driven ? h * std::abs(w.force) / w.mass : 0));
+  }
+  return speed;
+}
+
+/// Of pairs that are not in touch, keeps those that may meet before they are looked at again, a step
+/// from now.
+template <int D>
+void keep_those_who_may_meet(const SceneIn<D>& scene, MidpointIn<D>& mid) {
+  const auto speed = [&](std::size_t body) {
+    if (body < mid.disks.size()) {
+      return std::max(mid.disks[body].v.norm(), mid.disk_v_free[body].norm());
+    }
+    const std::size_t w = body - mid.disks.size();
+    return std::max(mid.walls[w].v.norm(), std::abs(mid.wall_v_free[w]));
+  };
+  std::erase_if(mid.contacts, [&](const ContactIn<D>& c) {
+    return c.gap > scene.contact_distance &&
+           c.gap > scene.step * (speed(to_size(c.i)) + speed(to_size(c.j)));
+  });
+}
 
 template <int D>
 MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads,
@@ -58,6 +92,9 @@ MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, in
     }
     mid.contacts =
         detect_periodic_contacts(mid.disks, mid.walls, mid.cell, scene.contact_distance, threads);
+  } else if (scene.predict_gaps) {
+    const double reach = std::max(scene.contact_distance, 2 * h * largest_speed<D>(mid, h));
+    mid.contacts = detect_contacts<D>(mid.disks, mid.walls, reach, threads);
   } else if (kept != nullptr) {
     mid.contacts = (*kept)(mid.disks, mid.walls, scene.contact_distance, threads);
   } else {
@@ -81,6 +118,7 @@ MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, in
     mid.disk_v_free[i] =
         driven ? driven_velocity(mid.walls[w], mid.wall_v_free[w]) : mid.walls[w].v;
   }
+  if (scene.predict_gaps) keep_those_who_may_meet(scene, mid);
   if constexpr (D == 2) free_clusters(mid, h);
   return mid;
 }

@@ -96,6 +96,7 @@ std::string check_clusters(const SceneIn<D>& scene) {
   if (scene.cell.periodic()) return "clusters do not go with a periodic cell";
   if (scene.model == Model::kSpringDashpot) return "clusters do not go with the model \"dem\"";
   if (scene.project_overlaps) return "clusters do not go with overlaps = \"project\"";
+  if (scene.predict_gaps) return "clusters do not go with overlaps = \"predict\"";
   if (scene.observables) return "clusters do not go with [observables], which count single disks";
   return {};
 }

@@ -238,12 +238,30 @@ std::string validate(const SceneIn<D>& scene) {
   if (!(scene.step > 0) || !std::isfinite(scene.step)) {
     return fmt::format("time step = {} s is not a positive finite number", scene.step);
   }
+  if (!(scene.travel >= 0) || !std::isfinite(scene.travel)) {
+    return fmt::format("travel = {} of the smallest radius is not >= 0", scene.travel);
+  }
+  if (scene.travel > 0 && scene.model == Model::kSpringDashpot) {
+    return "travel has no meaning with the model \"dem\", whose substeps are shorter";
+  }
   if (scene.num_steps < 0) return fmt::format("number of steps = {} is negative", scene.num_steps);
   if (!(scene.contact_distance >= 0) || !std::isfinite(scene.contact_distance)) {
     return fmt::format("contact distance = {} m is not >= 0", scene.contact_distance);
   }
   if (scene.project_overlaps && (scene.cell.periodic() || scene.model == Model::kSpringDashpot)) {
     return "overlaps = \"project\" has no meaning in a periodic cell, nor with the model \"dem\"";
+  }
+  if (scene.predict_gaps) {
+    if (scene.cell.periodic() || scene.model == Model::kSpringDashpot) {
+      return "overlaps = \"predict\" has no meaning in a periodic cell, nor with the model \"dem\"";
+    }
+    for (const ContactLaw& law : scene.laws) {
+      if (law.e_n == 0) continue;
+      return fmt::format(
+          "overlaps = \"predict\" goes with e_n = 0 alone: bodies are slowed down before they touch, "
+          "and e_n = {} would act on what is left of their speed",
+          law.e_n);
+    }
   }
   if (scene.laws.size() != scene.materials.size() * scene.materials.size()) {
     return fmt::format("{} contact laws for {} materials", scene.laws.size(), materials);

@@ -166,8 +166,12 @@ struct SceneIn {
   std::vector<ContactLaw> laws;        ///< materials² entries, symmetric, row-major
   double step = 0;                     ///< h > 0                    [s]
   int num_steps = 0;
+  /// A step is cut into 2, 4, 8 ... parts where a body would go farther in it, as a share of the smallest
+  /// radius; 0: never.
+  double travel = 0;
   double contact_distance = 0;    ///< eta of data/method.md §4 [m]
   bool project_overlaps = false;  ///< after every step: core/motion/projection.h
+  bool predict_gaps = false;      ///< pairs that may meet before the next detection take part
   Model model = Model::kNonsmooth;
   SolverChoice solver;      ///< nonsmooth model only
   SpringDashpotChoice dem;  ///< spring-dashpot model only

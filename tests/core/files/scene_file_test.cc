@@ -654,6 +654,12 @@ TEST(SceneFile, OverlapsAreKeptOrProjected) {
   EXPECT_TRUE(
       parse_scene("[contact]\noverlaps = \"project\"\n" + kTime, "test.toml").project_overlaps);
   expect_refused("[contact]\noverlaps = \"ignore\"\n" + kTime, {"'overlaps'", "project"});
+  EXPECT_TRUE(parse("[contact]\noverlaps = \"predict\"\n" + kTime).predict_gaps);
+  expect_refused("[contact]\ne_n = 0.5\noverlaps = \"predict\"\n" + kTime,
+                 {"predict", "e_n = 0.5"});
+  EXPECT_EQ(parse(kTime + "travel = 0.1\n").travel, 0.1);
+  expect_refused(kTime + "travel = -1\n", {"travel = -1"});
+  expect_refused("model = \"dem\"\n" + kTime + "travel = 0.1\n", {"travel", "dem"});
   expect_refused("model = \"dem\"\n[contact]\noverlaps = \"project\"\n" + kTime,
                  {"overlaps", "dem"});
 }
