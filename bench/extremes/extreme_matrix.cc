@@ -316,4 +316,15 @@ CellCounts count_cells(const ExtremeMatrix& matrix, const std::string& solver) {
   return counts;
 }
 
+std::vector<std::string> solved_by_others(const ExtremeMatrix& matrix, const std::string& name,
+                                          const std::string& missed) {
+  const ExtremeCell* first = matrix.find(name, missed);
+  if (first == nullptr || first->end == CellEnd::kSolved) return {};
+  std::vector<std::string> others;
+  for (const ExtremeCell& c : matrix.cells) {
+    if (c.name == name && c.end == CellEnd::kSolved) others.push_back(c.solver);
+  }
+  return others;
+}
+
 }  // namespace bipot

@@ -65,4 +65,9 @@ struct CellCounts {
 };
 CellCounts count_cells(const ExtremeMatrix& matrix, const std::string& solver = {});
 
+/// The solvers that solved a case which `missed` was tried on and did not; empty where it did, or nobody
+/// did.
+std::vector<std::string> solved_by_others(const ExtremeMatrix& matrix, const std::string& name,
+                                          const std::string& missed = "auto");
+
 }  // namespace bipot

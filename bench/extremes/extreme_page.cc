@@ -1,5 +1,7 @@
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "bench/extremes/extreme_report.h"
@@ -45,13 +47,13 @@ std::string matrix_table(const ExtremeMatrix& m) {
   for (const std::string& solver : m.solvers) {
     html += "<th class=\"c\">" + escape_markup(solver) + "</th>";
   }
-  html += "</tr></thead><tbody>\n";
+  html += "<th class=\"c\">missed by auto, solved by</th></tr></thead><tbody>\n";
   std::string group;
   for (const ExtremeCase& c : m.cases) {
     if (c.group != group) {
       group = c.group;
       html += fmt::format("<tr class=\"group\"><td colspan=\"{}\">{}</td></tr>\n",
-                          m.solvers.size() + 1, escape_markup(group));
+                          m.solvers.size() + 2, escape_markup(group));
     }
     html += fmt::format("<tr><td><a href=\"#{0}\">{0}</a></td>", escape_markup(c.name));
     for (const std::string& solver : m.solvers) {
@@ -65,7 +67,8 @@ std::string matrix_table(const ExtremeMatrix& m) {
                           escape_markup(cell->status), escape_markup(cell->message),
                           figure ? error_label(cell->guarded) : "");
     }
-    html += "</tr>\n";
+    html +=
+        fmt::format("<td class=\"c\">{}</td></tr>\n", fmt::join(solved_by_others(m, c.name), ", "));
   }
   return html + "</tbody></table></div>\n";
 }
@@ -129,6 +132,11 @@ std::string to_html(const ExtremeMatrix& m) {
       "pointer rests on it. <i>Beyond double precision</i>: the exact answer, known beforehand, "
       "misses the tolerance by the rounding of its own digits. Without a figure: data that are refused "
       "(grey), problems that are too large or of too many dimensions for a solver (white).</p>\n";
+  const auto missed = std::count_if(m.cases.begin(), m.cases.end(), [&](const ExtremeCase& c) {
+    return !solved_by_others(m, c.name).empty();
+  });
+  html += fmt::format("<p>Cases that <code>auto</code> misses and another solver solves: {}.</p>\n",
+                      missed);
   html += matrix_table(m);
   html += "<h2>Cases</h2>\n";
   for (std::size_t k = 0; k < m.cases.size(); ++k) html += case_section(m, k);

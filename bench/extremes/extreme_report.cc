@@ -1,6 +1,7 @@
 #include "bench/extremes/extreme_report.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
@@ -48,16 +49,17 @@ std::string cell_command(const ExtremeCell& cell) {
 std::string to_csv(const ExtremeMatrix& m) {
   std::string text =
       "group,case,solver,end,status,guarded,true_error,energy_error,iterations,cpu_seconds,"
-      "steps_solved,steps,existence,floor,message,command\n";
+      "steps_solved,steps,existence,floor,missed_by_auto,message,command\n";
   for (const ExtremeCell& cell : m.cells) {
     for (std::size_t k = 0; k < m.cases.size(); ++k) {
       if (m.cases[k].name != cell.name) continue;
-      text += fmt::format("{},{},{},{},{},{:.3e},{:.3e},{:.3e},{},{:.4f},{},{},{},{:.3e},{},{}\n",
-                          csv_text(m.cases[k].group), cell.name, cell.solver, to_string(cell.end),
-                          csv_text(cell.status), cell.guarded, cell.true_error, cell.energy_error,
-                          cell.iterations, cell.cpu_seconds, cell.steps_solved, cell.steps,
-                          csv_text(to_string(m.verdicts[k])), m.floors[k], csv_text(cell.message),
-                          csv_text(cell_command(cell)));
+      text += fmt::format(
+          "{},{},{},{},{},{:.3e},{:.3e},{:.3e},{},{:.4f},{},{},{},{:.3e},{},{},{}\n",
+          csv_text(m.cases[k].group), cell.name, cell.solver, to_string(cell.end),
+          csv_text(cell.status), cell.guarded, cell.true_error, cell.energy_error, cell.iterations,
+          cell.cpu_seconds, cell.steps_solved, cell.steps, csv_text(to_string(m.verdicts[k])),
+          m.floors[k], cell.end == CellEnd::kSolved && !solved_by_others(m, cell.name).empty(),
+          csv_text(cell.message), csv_text(cell_command(cell)));
     }
   }
   return text;
@@ -90,6 +92,11 @@ std::string to_text(const ExtremeMatrix& m) {
     const CellCounts k = count_cells(m, solver);
     text += fmt::format("{:<12} {:>7} {:>11} {:>14} {:>12} {:>8} {:>6}\n", solver, k.solved,
                         k.unsolved, k.beyond, k.none, k.refused, k.wrong);
+  }
+  for (const ExtremeCase& c : m.cases) {
+    const std::vector<std::string> others = solved_by_others(m, c.name);
+    if (others.empty()) continue;
+    text += fmt::format("missed by auto: {}: solved by {}\n", c.name, fmt::join(others, ", "));
   }
   for (const ExtremeCell& cell : m.cells) {
     if (cell.end != CellEnd::kWrong) continue;

@@ -202,6 +202,21 @@ TEST(ExtremeMatrix, NewtonsLawCreatesEnergyOnlyWhereTheCoefficientsDiffer) {
   EXPECT_GT(corners.find("corner_e_1_0", "auto")->energy_error, 0.01);
 }
 
+TEST(ExtremeReport, SaysWhatAutoMissesAndOthersSolve) {
+  ExtremeMatrix m = measure_extremes(of("units_usual"));
+  EXPECT_TRUE(solved_by_others(m, "units_usual").empty());
+  EXPECT_EQ(to_text(m).find("missed by auto"), std::string::npos);
+  for (ExtremeCell& c : m.cells) {
+    c.end = c.solver == "auto" ? CellEnd::kUnsolved : CellEnd::kSolved;
+  }
+  EXPECT_EQ(solved_by_others(m, "units_usual"), std::vector<std::string>{"pgs"});
+  EXPECT_NE(to_text(m).find("missed by auto: units_usual: solved by pgs"), std::string::npos);
+  EXPECT_NE(to_html(m).find("solves: 1."), std::string::npos);
+  EXPECT_NE(to_csv(m).find(",true,"), std::string::npos);
+  for (ExtremeCell& c : m.cells) c.end = CellEnd::kUnsolved;
+  EXPECT_TRUE(solved_by_others(m, "units_usual").empty());
+}
+
 TEST(ExtremeReport, EveryCellStandsInTheTableAndThePage) {
   ExtremeMatrix m = measure_extremes(of("units_usual"));
   m.cells.back().end = CellEnd::kWrong;
