@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
 #include "core/motion/population.h"
+#include "core/scene/wall_motion.h"
 
 namespace bipot {
 namespace {
@@ -138,15 +140,20 @@ int travel_halvings(const SceneIn<D>& scene, const StateIn<D>& state) {
     speed = std::max({speed, d.v.norm(), free ? VecIn<D>(d.v + gained).norm() : 0.0});
     radius = std::min(radius, d.radius);
   }
+  for (const WallIn<D>& w : walls_at(scene.walls, state.walls, state.time + 0.5 * scene.step)) {
+    const bool driven = w.motion == WallIn<D>::Motion::kDriven;
+    speed = std::max(speed, w.v.norm() + (driven ? scene.step * std::abs(w.force) / w.mass : 0));
+  }
   double way = scene.step * speed;
   for (int halvings = 0; halvings <= kMostTravelHalvings; ++halvings, way *= 0.5) {
     if (way <= scene.travel * radius) return halvings;
   }
   throw StepFailure(
       StepFailure::Kind::kInvalidInput, state,
-      fmt::format("a body at {:.3g} m/s goes farther than travel = {:g} of the smallest radius "
-                  "even in a part of 1/{} of the step: give a smaller step",
-                  speed, scene.travel, 1 << kMostTravelHalvings));
+      fmt::format(
+          "a body or wall at {:.3g} m/s goes farther than travel = {:g} of the smallest radius "
+          "even in a part of 1/{} of the step: give a smaller step",
+          speed, scene.travel, 1 << kMostTravelHalvings));
 }
 
 template <int D>

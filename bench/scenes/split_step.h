@@ -34,8 +34,9 @@ template <int D>
 SplitStepIn<D> advance_in_parts(const SceneIn<D>& scene, const StepSolver& solver,
                                 bool explicit_delassus, StateIn<D>& state, int threads = 1);
 
-/// How often the scene's next step is halved for its `travel`: least k such that no body goes farther in
-/// h / 2^k, at its speed before the step or at that without contacts after it. Throws StepFailure where that
+/// How often the scene's next step is halved for its `travel`: least k such that no body or wall goes
+/// farther in h / 2^k, at its speed before the step or at that without contacts after it; whether anything is
+/// in its way is not asked. Throws StepFailure where that
 /// is more than kMostTravelHalvings.
 template <int D>
 int travel_halvings(const SceneIn<D>& scene, const StateIn<D>& state);

@@ -25,8 +25,6 @@ void free_clusters(Midpoint& mid, double h) {
   }
 }
 
-}  // namespace
-
 /// Largest speed of a body or wall before the step, or without contacts after it.
 template <int D>
 double largest_speed(const MidpointIn<D>& mid, double h) {
@@ -57,6 +55,8 @@ void keep_those_who_may_meet(const SceneIn<D>& scene, MidpointIn<D>& mid) {
            c.gap > scene.step * (speed(to_size(c.i)) + speed(to_size(c.j)));
   });
 }
+
+}  // namespace
 
 template <int D>
 MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads,

@@ -166,7 +166,7 @@ struct SceneIn {
   std::vector<ContactLaw> laws;        ///< materials² entries, symmetric, row-major
   double step = 0;                     ///< h > 0                    [s]
   int num_steps = 0;
-  /// A step is cut into 2, 4, 8 ... parts where a body would go farther in it, as a share of the smallest
+  /// A step is cut into 2, 4, 8 ... parts where a body or wall would go farther in it, as a share of the smallest
   /// radius; 0: never.
   double travel = 0;
   double contact_distance = 0;    ///< eta of data/method.md §4 [m]

@@ -64,6 +64,33 @@ TEST(Travel, ALandingOverlapsByWhatAPartGoesAndRestTakesWholeSteps) {
   }
 }
 
+TEST(Travel, AFastWallIsCutAsAFastDisk) {
+  // The same landing in two frames, with a gap of 0.18 m; g = 0. The middles of the quarters, at 0.18 - 0.0125 -
+  // 0.025 k m, end 0.0075 m inside.
+  double overlap[2];
+  for (const bool wall_moves : {false, true}) {
+    Scene scene = fall();
+    scene.travel = 0.06;
+    scene.disks[0].x[1] = 0.68;
+    if (wall_moves) {
+      scene.disks[0].v.setZero();
+      scene.walls[0].v = Vec2(0, 10);
+      scene.walls[0].motion = Wall::Motion::kMoving;
+    }
+    ASSERT_EQ(validate(scene), "");
+    State state = initial_state(scene);
+    EXPECT_EQ(travel_halvings(scene, state), 2);
+    SceneStepper stepper(scene);
+    double penetration = 0;
+    for (int k = 0; k < 4; ++k) {
+      penetration = std::max(penetration, stepper.advance(state).penetration);
+    }
+    overlap[wall_moves ? 1 : 0] = penetration;
+  }
+  EXPECT_NEAR(overlap[0], 0.0075, 1e-12);
+  EXPECT_NEAR(overlap[1], 0.0075, 1e-12);
+}
+
 TEST(Travel, ARestartBetweenTheStepsGoesOnBitForBit) {
   Scene scene = fall();
   scene.travel = 0.06;
