@@ -296,6 +296,8 @@ void FrontalLU<Real>::Impl::substitute_forward() {
   for (int s = 0; s < t.num_fronts(); ++s) {
     const Front<Real> f = front(s);
     Real* own = x.data() + t.first[to_size(s)];
+    // A right side of few numbers stays away from most fronts.
+    if (std::all_of(own, own + f.columns, [](Real value) { return value == 0; })) continue;
     const int* swaps = exchange.data() + t.first[to_size(s)];
     for (int j = 0; j < f.columns; ++j) std::swap(own[j], own[swaps[j]]);
     const int h = f.height();

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
+#include "core/problem/frontal_lu.h"
 #include "core/problem/sparse_factor.h"
 #include "solvers/homotopy/exchanged_columns.h"
 #include "solvers/homotopy/law_point.h"
@@ -12,8 +14,10 @@ namespace bipot {
 ///
 ///     opening e_n,   sliding e_t,   plus -(W + delta)(1, -mu),   minus -(W + delta)(1, +mu),
 ///
-/// so that U(p) - (W + delta) S(p) = B p. UMFPACK factors B in an order chosen once for W; between
-/// factorisations columns are exchanged in the manner of exchanged_columns.h.
+/// so that U(p) - (W + delta) S(p) = B p. B is factored by fronts (frontal_lu.h) in the pattern of
+/// W, zeros of the first two kinds included, so that one analysis serves all cells; by UMFPACK,
+/// which may exchange any rows, where a front's pivots are too small. Between factorisations columns
+/// are exchanged in the manner of exchanged_columns.h.
 class CellBasis {
  public:
   explicit CellBasis(const LawProblem& problem);
@@ -51,6 +55,8 @@ class CellBasis {
                      int refinements, Vector& x);
 
  private:
+  bool factor_with_exchanges(const LawPoint& point);
+  void solve_factored(const Vector& g, Vector& x) const;
   template <class Add>
   void for_column(int contact, Column column, Add&& add) const;
   void residual(const LawPoint& point, const Vector& g, long double weight, const Vector& h,
@@ -58,7 +64,10 @@ class CellBasis {
 
   const LawProblem& problem_;
   double delta_ = -1;
-  OrderedLU lu_;
+  SparseMatrix matrix_;  // B, in whole blocks of W's symmetric pattern
+  FrontalLU<double> fronts_;
+  std::optional<OrderedLU> rows_exchanged_;  // made where it is needed first
+  bool by_fronts_ = false;                   // which of them holds the factor
   std::vector<Column> factored_;  // the columns of the factor
   ExchangedColumns exchanged_;
   Vector rhs_, change_, error_, y_;  // scratch
