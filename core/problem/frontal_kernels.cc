@@ -1,6 +1,7 @@
 #include "core/problem/frontal_kernels.h"
 
 #include <cmath>
+#include <cstring>
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__)
@@ -27,40 +28,87 @@ template <class Real>
   }
 }
 
-constexpr int kSums = 8;
+// Four numbers in one variable, whatever width the machine's registers have.
+template <class Real>
+struct FourOf;
+template <>
+struct FourOf<double> {
+  using Type [[gnu::vector_size(32)]] = double;
+};
+template <>
+struct FourOf<float> {
+  using Type [[gnu::vector_size(16)]] = float;
+};
+template <class Real>
+using Four = typename FourOf<Real>::Type;
 
 template <class Real>
-[[gnu::always_inline]] inline Real sum_of(const Real* lane) {
-  return ((lane[0] + lane[4]) + (lane[1] + lane[5])) + ((lane[2] + lane[6]) + (lane[3] + lane[7]));
+[[gnu::always_inline]] inline Four<Real> four_at(const Real* x) {
+  Four<Real> four;
+  std::memcpy(&four, x, sizeof four);
+  return four;
+}
+
+template <class Real>
+[[gnu::always_inline]] inline Real sum_of(const Four<Real>& lane, Real rest) {
+  return ((lane[0] + lane[2]) + (lane[1] + lane[3])) + rest;
 }
 
 template <class Real>
 [[gnu::always_inline]] inline void subtract_dots(int n, int count, const Real* x,
                                                  std::ptrdiff_t stride, const Real* __restrict y,
                                                  Real* __restrict out) {
-  const int whole = n - n % kSums;
   int j = 0;
-  for (; j + 2 <= count; j += 2, x += 2 * stride) {
-    const Real *p = x, *q = x + stride;
-    Real a[kSums] = {}, b[kSums] = {};
-    for (int i = 0; i < whole; i += kSums) {
-      for (int k = 0; k < kSums; ++k) a[k] += p[i + k] * y[i + k];
-      for (int k = 0; k < kSums; ++k) b[k] += q[i + k] * y[i + k];
+  for (; j + 4 <= count; j += 4, x += 4 * stride) {
+    const Real *p = x, *q = x + stride, *r = q + stride, *s = r + stride;
+    Four<Real> a{}, b{}, c{}, d{};
+    Real rest[4] = {};
+    int i = 0;
+    for (; i + 4 <= n; i += 4) {
+      const Four<Real> at = four_at(y + i);
+      a += four_at(p + i) * at;
+      b += four_at(q + i) * at;
+      c += four_at(r + i) * at;
+      d += four_at(s + i) * at;
     }
-    for (int i = whole; i < n; ++i) {
-      a[i - whole] += p[i] * y[i];
-      b[i - whole] += q[i] * y[i];
+    for (; i < n; ++i) {
+      rest[0] += p[i] * y[i];
+      rest[1] += q[i] * y[i];
+      rest[2] += r[i] * y[i];
+      rest[3] += s[i] * y[i];
     }
-    out[j] -= sum_of(a);
-    out[j + 1] -= sum_of(b);
+    out[j] -= sum_of<Real>(a, rest[0]);
+    out[j + 1] -= sum_of<Real>(b, rest[1]);
+    out[j + 2] -= sum_of<Real>(c, rest[2]);
+    out[j + 3] -= sum_of<Real>(d, rest[3]);
   }
   for (; j < count; ++j, x += stride) {
-    Real a[kSums] = {};
-    for (int i = 0; i < whole; i += kSums) {
-      for (int k = 0; k < kSums; ++k) a[k] += x[i + k] * y[i + k];
-    }
-    for (int i = whole; i < n; ++i) a[i - whole] += x[i] * y[i];
-    out[j] -= sum_of(a);
+    Four<Real> a{};
+    Real rest = 0;
+    int i = 0;
+    for (; i + 4 <= n; i += 4) a += four_at(x + i) * four_at(y + i);
+    for (; i < n; ++i) rest += x[i] * y[i];
+    out[j] -= sum_of<Real>(a, rest);
+  }
+}
+
+template <class Real>
+[[gnu::always_inline]] inline void solve_lower_unit(int n, const Real* x, std::ptrdiff_t stride,
+                                                    Real* y) {
+  for (int j = 0; j + 1 < n; ++j, x += stride) {
+    const Real factor = y[j];
+    for (int i = j + 1; i < n; ++i) y[i] -= factor * x[i];
+  }
+}
+
+template <class Real>
+[[gnu::always_inline]] inline void solve_upper_columns(int n, const Real* x, std::ptrdiff_t stride,
+                                                       Real* y) {
+  for (int j = n - 1; j >= 0; --j) {
+    const Real* const column = x + j * stride;
+    const Real factor = y[j] / column[j];
+    y[j] = factor;
+    for (int i = 0; i < j; ++i) y[i] -= factor * column[i];
   }
 }
 
@@ -92,6 +140,18 @@ BIPOT_CLONES void subtract_products(int n, int count, const double* x, std::ptrd
 BIPOT_CLONES void subtract_products(int n, int count, const float* x, std::ptrdiff_t stride,
                                     const float* y, float* out) {
   subtract_dots(n, count, x, stride, y, out);
+}
+BIPOT_CLONES void solve_unit_lower(int n, const double* x, std::ptrdiff_t stride, double* y) {
+  solve_lower_unit(n, x, stride, y);
+}
+BIPOT_CLONES void solve_unit_lower(int n, const float* x, std::ptrdiff_t stride, float* y) {
+  solve_lower_unit(n, x, stride, y);
+}
+BIPOT_CLONES void solve_upper(int n, const double* x, std::ptrdiff_t stride, double* y) {
+  solve_upper_columns(n, x, stride, y);
+}
+BIPOT_CLONES void solve_upper(int n, const float* x, std::ptrdiff_t stride, float* y) {
+  solve_upper_columns(n, x, stride, y);
 }
 BIPOT_CLONES double largest_size(int n, const double* x) { return largest_of(n, x); }
 BIPOT_CLONES float largest_size(int n, const float* x) { return largest_of(n, x); }

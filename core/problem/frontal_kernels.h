@@ -19,6 +19,12 @@ void subtract_products(int n, int count, const double* x, std::ptrdiff_t stride,
 void subtract_products(int n, int count, const float* x, std::ptrdiff_t stride, const float* y,
                        float* out);
 
+/// y = L⁻¹ y, y = U⁻¹ y: the unit lower and the upper triangle of the n columns of x, `stride` apart.
+void solve_unit_lower(int n, const double* x, std::ptrdiff_t stride, double* y);
+void solve_unit_lower(int n, const float* x, std::ptrdiff_t stride, float* y);
+void solve_upper(int n, const double* x, std::ptrdiff_t stride, double* y);
+void solve_upper(int n, const float* x, std::ptrdiff_t stride, float* y);
+
 /// max |x_i|; not a number where one is not.
 double largest_size(int n, const double* x);
 float largest_size(int n, const float* x);

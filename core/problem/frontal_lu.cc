@@ -301,9 +301,7 @@ void FrontalLU<Real>::Impl::substitute_forward() {
     const int* swaps = exchange.data() + t.first[to_size(s)];
     for (int j = 0; j < f.columns; ++j) std::swap(own[j], own[swaps[j]]);
     const int h = f.height();
-    for (int j = 0; j < f.columns; ++j) {
-      subtract_columns(f.columns - j - 1, 1, own + j, f.column(j) + j + 1, 0, own + j + 1);
-    }
+    solve_unit_lower(f.columns, f.panel, f.rows, own);
     if (h == 0) continue;
     std::fill(below.begin(), below.begin() + h, Real(0));
     subtract_columns(h, f.columns, own, f.panel + f.columns, f.rows, below.data());
@@ -322,10 +320,7 @@ void FrontalLU<Real>::Impl::substitute_backward() {
     const int* rows = t.below.data() + t.below_start[to_size(s)];
     for (int i = 0; i < h; ++i) below[to_size(i)] = x[to_size(rows[i])];
     if (h > 0) subtract_products(h, f.columns, f.upper, h, below.data(), own);
-    for (int j = f.columns - 1; j >= 0; --j) {
-      own[j] /= f.column(j)[j];
-      subtract_columns(j, 1, own + j, f.column(j), 0, own);
-    }
+    solve_upper(f.columns, f.panel, f.rows, own);
   }
 }
 

@@ -29,6 +29,8 @@ constexpr double kLeastStep = 0.25, kDescent = 0.3;
 constexpr int kFewFaces = 20;
 // Pivots between two questions whether to stop.
 constexpr int kPoll = 16;
+// Slots that are asked at once whether one of them blocks.
+constexpr int kGroup = 32;
 
 }  // namespace
 
@@ -163,11 +165,24 @@ PathFollower::Blocking PathFollower::blocking(const LawPoint& point, int last) c
   const double* const value = point.value.data();
   const double* const bound = point.bound.data();
   const double* const x = x_.data();
-  for (int slot = 0; slot < problem_.num_rows(); ++slot) {
-    const double speed = bound[slot] * x[slot] * direction_;  // towards zero
-    if (!(speed > 0) || slot == last) continue;
-    const double distance = std::max(bound[slot] * value[slot], 0.0);
-    if (distance < first.step * speed) first = {slot, distance / speed};
+  const double direction = direction_;
+  const int m = problem_.num_rows();
+  for (int begin = 0; begin < m; begin += kGroup) {
+    const int end = std::min(begin + kGroup, m);
+    // Few groups hold a nearer one: which do is asked without branches.
+    double nearer = 0;
+    for (int slot = begin; slot < end; ++slot) {
+      const double speed = bound[slot] * x[slot] * direction;  // towards zero
+      const double distance = std::max(bound[slot] * value[slot], 0.0);
+      nearer = std::max(nearer, std::min(speed, first.step * speed - distance));
+    }
+    if (!(nearer > 0)) continue;
+    for (int slot = begin; slot < end; ++slot) {
+      const double speed = bound[slot] * x[slot] * direction;
+      if (!(speed > 0) || slot == last) continue;
+      const double distance = std::max(bound[slot] * value[slot], 0.0);
+      if (distance < first.step * speed) first = {slot, distance / speed};
+    }
   }
   return first;
 }
