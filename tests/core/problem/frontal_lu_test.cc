@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/problem/frontal_kernels.h"
 #include "tests/support/draw.h"
 
 namespace bipot {
@@ -58,6 +59,52 @@ TEST(FrontalLU, SolvesWithoutSymmetryAndNegativePivots) {
           << side << " " << block;
       EXPECT_GE(lu.num_entries(), static_cast<std::size_t>(A.nonZeros()));
     }
+  }
+}
+
+/// Fronts that such a right side does not reach are passed over: columns of the inverse.
+TEST(FrontalLU, SolvesForRightSidesOfOneNumber) {
+  const SparseMatrix A = grid_matrix(20, 2, 7, 4);
+  FrontalLU<double> lu;
+  ASSERT_TRUE(lu.factor(A));
+  const int n = static_cast<int>(A.cols());
+  Vector found;
+  for (int k = 0; k < n; k += 37) {
+    const Vector e = Vector::Unit(n, k);
+    lu.solve(e, found);
+    EXPECT_LT((A * found - e).norm(), 1e-12 * (1 + lu.largest_multiplier()) * found.norm()) << k;
+  }
+}
+
+/// Every length and count up to some beyond the width of the registers, against plain loops.
+TEST(FrontalKernels, DoWhatPlainLoopsDo) {
+  constexpr int kMost = 21, kStride = 23;
+  const Vector x = drawn(kMost * kStride, 3), y = drawn(kMost, 4);
+  for (int n = 0; n <= kMost; ++n) {
+    for (int count = 0; count <= kMost; ++count) {
+      Vector out = drawn(kMost, 5), plain = out;
+      subtract_products(n, count, x.data(), kStride, y.data(), out.data());
+      for (int j = 0; j < count; ++j) {
+        for (int i = 0; i < n; ++i) plain[j] -= x[j * kStride + i] * y[i];
+      }
+      EXPECT_LT((out - plain).norm(), 1e-14) << n << " " << count;
+    }
+    Vector lower = y, upper = y, plain = y;
+    solve_unit_lower(n, x.data(), kStride, lower.data());
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; j < i; ++j) plain[i] -= x[j * kStride + i] * plain[j];
+    }
+    EXPECT_LT((lower - plain).norm(), 1e-13 * plain.norm()) << n;
+    solve_upper(n, x.data(), kStride, upper.data());
+    for (int i = 0; i < n; ++i) {  // U times it is what it was, the rest is not touched
+      double product = 0, size = 0;
+      for (int j = i; j < n; ++j) {
+        product += x[j * kStride + i] * upper[j];
+        size += std::abs(x[j * kStride + i] * upper[j]);
+      }
+      EXPECT_NEAR(product, y[i], 1e-14 * size) << n << " " << i;
+    }
+    for (int i = n; i < kMost; ++i) EXPECT_EQ(upper[i], y[i]);
   }
 }
 

@@ -293,5 +293,39 @@ TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
   EXPECT_FALSE(updated.full());  // eight contacts have sixteen columns that the factor has not
 }
 
+/// A chain of sliding contacts with W_nn = mu W_nt: every contact's own block of B is singular but for
+/// delta, and the first entries that an elimination by fronts meets are rounding; B is not singular,
+/// as neighbours are coupled: without the tangents it is that of a path graph with an even number of
+/// nodes.
+TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
+  constexpr int kContacts = 60;
+  constexpr double kCoupling = 0.04, kCross = 0.9, kDelta = 1e-12;
+  const Manufactured any = manufactured_problem(2, 90, kContacts, 5);
+  const ContactProblem local = local_form(any.problem);
+  LawProblem problem(local, Vector(local.W.diagonal()));
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < kContacts; ++i) {
+    for (const int k : {0, 1}) {
+      entries.emplace_back(2 * i + k, 2 * i + k, 1);
+      entries.emplace_back(2 * i + k, 2 * i + 1 - k, kCross);
+    }
+    if (i + 1 == kContacts) continue;
+    entries.emplace_back(2 * i, 2 * i + 2, kCoupling);
+    entries.emplace_back(2 * i + 2, 2 * i, kCoupling);
+  }
+  problem.W.setFromTriplets(entries.begin(), entries.end());
+  problem.mu.setConstant(1 / kCross);
+  LawPoint point = nearest_point(problem, any.s, any.s);
+  for (int i = 0; i < kContacts; ++i) point.set(problem, i, Cell::kSlipPlus);
+  CellBasis basis(problem);
+  ASSERT_TRUE(basis.factor(point, kDelta));
+  const Vector g = Vector::LinSpaced(2 * kContacts, -1, 2);
+  basis.solve(g, point.value);
+  Vector s, u;
+  point.impulse(problem, s);
+  point.velocity(problem, u);
+  EXPECT_LT((u - problem.W * s - kDelta * s - g).norm(), 1e-12 * s.norm());
+}
+
 }  // namespace
 }  // namespace bipot
