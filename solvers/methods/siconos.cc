@@ -259,4 +259,49 @@ SolveResult solve_siconos_lemke(const ContactProblem& p, const SolverOptions& op
   return run(kLemke, p, options);
 }
 
+struct SiconosNsgs::Impl {
+  SiconosProblem problem;
+  int solver, local, freezing;
+  Vector reaction;
+  int sweeps = 0;
+  double residual = kNaN;
+};
+
+SiconosNsgs::SiconosNsgs(const ContactProblem& p, Local local, int freezing) {
+  const bool planar = local == Local::kPlanar;
+  if (planar && p.dim > 2) throw std::invalid_argument("Siconos' planar NSGS: d = 3");
+  constexpr int kIds[] = {0, SICONOS_FRICTION_3D_ONECONTACT_NSN,
+                          SICONOS_FRICTION_3D_ONECONTACT_NSN_GP_HYBRID,
+                          SICONOS_FRICTION_3D_ONECONTACT_ProjectionOnConeWithLocalIteration,
+                          SICONOS_FRICTION_3D_ONECONTACT_QUARTIC};
+  impl_.reset(new Impl{.problem = SiconosProblem(p, planar ? 2 : 3, Storage::kBlocks),
+                       .solver = planar ? SICONOS_FRICTION_2D_NSGS : SICONOS_FRICTION_3D_NSGS,
+                       .local = kIds[static_cast<int>(local)],
+                       .freezing = freezing,
+                       .reaction = {}});
+}
+SiconosNsgs::~SiconosNsgs() = default;
+
+bool SiconosNsgs::run(double tol, int max_sweeps) {
+  const std::unique_ptr<::SolverOptions, DeleteOptions> theirs(
+      solver_options_create(impl_->solver));
+  if (theirs == nullptr) throw std::runtime_error("Siconos: solver_options_create failed");
+  if (impl_->local != 0) solver_options_update_internal(theirs.get(), 0, impl_->local);
+  theirs->iparam[SICONOS_FRICTION_3D_NSGS_FREEZING_CONTACT] = impl_->freezing;
+  theirs->iparam[SICONOS_IPARAM_MAX_ITER] = max_sweeps;
+  theirs->dparam[SICONOS_DPARAM_TOL] = tol;
+  numerics_set_verbose(0);
+  impl_->reaction = Vector::Zero(impl_->problem.rows());
+  Vector velocity = Vector::Zero(impl_->problem.rows());
+  const auto driver = impl_->local == 0 ? &fc2d_driver : &fc3d_driver;
+  const int info =
+      driver(impl_->problem.get(), impl_->reaction.data(), velocity.data(), theirs.get());
+  impl_->sweeps = theirs->iparam[SICONOS_IPARAM_ITER_DONE];
+  impl_->residual = theirs->dparam[SICONOS_DPARAM_RESIDU];
+  return info == 0;
+}
+Vector SiconosNsgs::impulse() const { return impl_->problem.impulse(impl_->reaction); }
+int SiconosNsgs::sweeps() const { return impl_->sweeps; }
+double SiconosNsgs::residual() const { return impl_->residual; }
+
 }  // namespace bipot

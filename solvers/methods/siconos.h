@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -23,5 +25,34 @@ SolveResult solve_siconos_nsn_ac(const ContactProblem& problem, const SolverOpti
 SolveResult solve_siconos_admm(const ContactProblem& problem, const SolverOptions& options);
 SolveResult solve_siconos_prox(const ContactProblem& problem, const SolverOptions& options);
 SolveResult solve_siconos_lemke(const ContactProblem& problem, const SolverOptions& options);
+
+/// Siconos' NSGS as its own users call it: one call, from s = 0, to its own measure. For timing it;
+/// the solvers above are for solving.
+class SiconosNsgs {
+ public:
+  /// What solves one contact of a sweep: the planar NSGS has its own, exact, and no choice; the
+  /// others belong to the NSGS in space, in which a planar problem has a tangent that does nothing.
+  enum class Local { kPlanar, kNewton, kNewtonAndProjection, kProjection, kQuartic };
+
+  /// Copies the problem (d >= 1, with W) into Siconos' blocks and units. `freezing`: sweeps that a
+  /// settled contact is left out of, 0 for none. Throws std::invalid_argument for kPlanar in space.
+  SiconosNsgs(const ContactProblem& problem, Local local, int freezing);
+  ~SiconosNsgs();
+  SiconosNsgs(const SiconosNsgs&) = delete;
+  SiconosNsgs& operator=(const SiconosNsgs&) = delete;
+
+  /// Sweeps from s = 0 until Siconos' residual is at most `tol`, at most `max_sweeps`; whether
+  /// Siconos says that it is.
+  bool run(double tol, int max_sweeps);
+
+  Vector impulse()
+      const;           ///< of the last run, as Siconos left it: m, the problem's variables [N s]
+  int sweeps() const;  ///< of the last run
+  double residual() const;  ///< of the last run, as Siconos reports it [-]
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
 
 }  // namespace bipot

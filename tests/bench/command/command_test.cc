@@ -578,6 +578,26 @@ TEST_F(Command, TheBenchmarksHelpShowsItsOwnFlagsAndGoogles) {
   EXPECT_EQ(run_command_line(BIPOT_SOLVER_BENCH, "--no-such-flag").exit_code, 2);
 }
 
+TEST_F(Command, ThePeersBenchmarkHoldsSolversAgainstSiconosOrSaysThatItIsNotThere) {
+  const Outcome out = run_command_line(
+      BIPOT_PEER_BENCH,
+      "square:4 --tols 1e-4 --repeat 1 --variants planar,newton --solvers auto --csv " +
+          path("peers.csv"));
+#ifdef BIPOT_WITH_SICONOS
+  EXPECT_EQ(out.exit_code, 0) << out.err;
+  // Four lines: two variants, `auto` by natural map and by the shared criterion; all of them met.
+  for (const char* who : {"Siconos planar", "Siconos newton", "auto (map)", "auto (ε, η)"}) {
+    EXPECT_NE(out.out.find(who), std::string::npos) << who;
+  }
+  EXPECT_EQ(out.out.find("not met"), std::string::npos) << out.out;
+  EXPECT_TRUE(std::filesystem::exists(path("peers.csv")));
+#else
+  EXPECT_EQ(out.exit_code, 2);
+  EXPECT_NE(out.err.find("built without Siconos"), std::string::npos) << out.err;
+  EXPECT_NE(out.err.find("-DBIPOT_WITH_SICONOS=ON"), std::string::npos) << out.err;
+#endif
+}
+
 TEST_F(Command, HelpNamesExamples) {
   for (const char* command : {"--help", "run --help", "solve --help", "compare --help",
                               "advise --help", "trade --help", "paper --help", "list --help"}) {

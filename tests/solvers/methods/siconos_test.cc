@@ -64,6 +64,39 @@ TEST_P(Siconos, StopsAtItsIterationLimit) {
   EXPECT_TRUE(r.status == SolveStatus::kIterationLimit || is_success(r.status)) << r.message;
 }
 
+TEST(SiconosNsgs, SolvesOnceToItsOwnResidualWithEveryLocalSolver) {
+  // w_n = 2, w_t = 3, mu = 0.4, b = (-1, 3): slides, s = (1/2, -0.2).
+  const Vector pull = Vector::Constant(1, 3);
+  ContactProblem p = one_contact_problem(2, 2, 3, 0.4, -1, pull);
+  p.W = assemble_delassus(p.A, p.H, p.dim);
+  using Local = SiconosNsgs::Local;
+  for (const Local local : {Local::kPlanar, Local::kNewton, Local::kNewtonAndProjection,
+                            Local::kProjection, Local::kQuartic}) {
+    for (const int freezing : {0, 10}) {
+      SiconosNsgs nsgs(p, local, freezing);
+      EXPECT_TRUE(nsgs.run(1e-10, 100000)) << static_cast<int>(local);
+      EXPECT_LE(nsgs.residual(), 1e-10);
+      EXPECT_GE(nsgs.sweeps(), 1);
+      EXPECT_NEAR(nsgs.impulse()[0], 0.5, 1e-8) << static_cast<int>(local);
+      EXPECT_NEAR(nsgs.impulse()[1], -0.2, 1e-8) << static_cast<int>(local);
+    }
+  }
+}
+
+TEST(SiconosNsgs, SaysThatItsSweepsDidNotSuffice) {
+  ContactProblem p = lattice_step(Lattice::kSquare, 6, 0.3, 0);
+  p.W = assemble_delassus(p.A, p.H, p.dim);
+  SiconosNsgs nsgs(p, SiconosNsgs::Local::kPlanar, 0);
+  EXPECT_FALSE(nsgs.run(1e-10, 3));
+  EXPECT_EQ(nsgs.sweeps(), 3);
+  EXPECT_GT(nsgs.residual(), 1e-10);
+  // Each run begins at s = 0.
+  EXPECT_FALSE(nsgs.run(1e-10, 3));
+  EXPECT_EQ(nsgs.sweeps(), 3);
+  const ContactProblem space = one_contact_problem(3, 2, 3, 0.4, -1, Vector::Zero(2));
+  EXPECT_THROW(SiconosNsgs(space, SiconosNsgs::Local::kPlanar, 0), std::invalid_argument);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, Siconos,
                          testing::Values("siconos:nsgs", "siconos:nsn_ac", "siconos:admm",
                                          "siconos:prox", "siconos:lemke"),
