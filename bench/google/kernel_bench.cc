@@ -12,69 +12,20 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
-#include <map>
 #include <memory>
 
+#include "bench/google/measured_kernel.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/time_stepping.h"
 #include "core/parallel.h"
 #include "core/problem/contact_error.h"
 #include "core/scene/contact_detection.h"
-#include "core/scene/scene_family.h"
-#include "solvers/kernels/contact_sweep.h"
 #include "solvers/kernels/local_updates.h"
-#include "solvers/kernels/spectral_estimate.h"
-#include "solvers/kernels/tiled_gradient.h"
-#include "solvers/kernels/tiled_sweep.h"
 
 namespace bipot {
 namespace {
 
-/// One packing and what the kernels need of it.
-struct Packing {
-  Scene scene;
-  State state;
-  ContactProblem problem;
-  DelassusOperator delassus;
-  ContactScaling scaling;
-  double lambda;
-
-  Packing(Scene given)
-      : scene(std::move(given)),
-        state(initial_state(scene)),
-        problem(step_problem(scene, state, false)),
-        delassus(problem),
-        scaling(equilibrated_scaling(problem, delassus.diagonal())),
-        lambda(kSpectralMargin * spectral_estimate(problem, delassus, scaling.velocity)) {
-    if (!delassus.disks() || problem.dim != 2) {
-      throw std::invalid_argument("not disks with friction");
-    }
-  }
-  Vector start() const { return Vector::Zero(problem.num_rows()); }
-  double bodies_per_contact() const {
-    return static_cast<double>(delassus.disks()->surroundings()) / problem.num_contacts();
-  }
-};
-
-std::shared_ptr<const Packing> packing(const std::string& family, int side) {
-  static std::map<std::pair<std::string, int>, std::weak_ptr<const Packing>> cache;
-  auto& slot = cache[{family, side}];
-  std::shared_ptr<const Packing> made = slot.lock();
-  if (!made) {
-    FamilyOptions options;
-    options.tilt_degrees = 10;
-    made = std::make_shared<const Packing>(make_family_scene(family, side, options));
-    slot = made;
-  }
-  return made;
-}
-
-/// What one iteration over all contacts moves and computes, per contact.
-struct Work {
-  double bytes = 0, flops = 0;
-};
-
-void report(benchmark::State& state, double contacts, int iterations, const Work& work) {
+void report(benchmark::State& state, double contacts, int iterations, const KernelWork& work) {
   const double visits = contacts * iterations * static_cast<double>(state.iterations());
   state.counters["contacts"] = contacts;
   // Inverted: Google Benchmark divides by the time that it measured.
@@ -88,24 +39,9 @@ void report(benchmark::State& state, double contacts, int iterations, const Work
   if (work.flops > 0) state.counters["flop"] = work.flops;
 }
 
-/// Iterations in one measurement: as solvers do between two judgements.
-constexpr int kTogether = 32;
-
-void sweep_given_order(benchmark::State& state, const Packing& p) {
-  DiskSweep<2> sweep(p.problem, *p.delassus.disks());
-  const Vector diagonal = p.delassus.diagonal();
-  sweep.reset(p.start());
-  for (int c = 0; c < p.problem.num_contacts(); ++c) {
-    const Local<2> w = diagonal.segment<2>(2 * c);
-    sweep.set_steps(c, w.cwiseInverse(), p.problem.mu[c]);
-  }
-  for ([[maybe_unused]] auto _ : state) {
-    for (int k = 0; k < kTogether; ++k) {
-      for (int c = 0; c < p.problem.num_contacts(); ++c) sweep.relax(c);
-    }
-  }
-  // A record of 96 bytes, 32 of them written; a body's 40, 24 of them written.
-  report(state, p.problem.num_contacts(), kTogether, {96 + 32 + 64 * p.bodies_per_contact(), 46});
+void run(benchmark::State& state, const MeasuredKernel& kernel) {
+  for ([[maybe_unused]] auto _ : state) kernel.call();
+  report(state, kernel.contacts, kernel.iterations, kernel.work);
 }
 
 void sweep_explicit(benchmark::State& state, const Packing& p) {
@@ -118,24 +54,7 @@ void sweep_explicit(benchmark::State& state, const Packing& p) {
     for (int c = 0; c < with.num_contacts(); ++c) update(c, sweep);
   }
   const double row = static_cast<double>(with.W.nonZeros()) / with.num_contacts();
-  report(state, with.num_contacts(), 1, {12 * row + 8 + 32 + 16 + 80, 2 * row + 12});
-}
-
-void sweep_tiled(benchmark::State& state, const Packing& p, const Execution& execution) {
-  TiledSweep<2> sweep(p.problem, *p.delassus.disks(), p.scaling, 1, execution);
-  sweep.reset(p.start());
-  for ([[maybe_unused]] auto _ : state) sweep.advance(kTogether);
-  report(state, p.problem.num_contacts(), kTogether, {48.5 + 32 + 96 * p.bodies_per_contact(), 39});
-}
-
-void gradient_tiled(benchmark::State& state, const Packing& p, const Execution& execution) {
-  TiledGradient<2> gradient(p.problem, *p.delassus.disks(), p.scaling, execution);
-  gradient.reset(p.start());
-  GradientControl control;
-  control.lambda = p.lambda;
-  for ([[maybe_unused]] auto _ : state) gradient.advance(kTogether, control);
-  const double bodies = p.bodies_per_contact();
-  report(state, p.problem.num_contacts(), kTogether, {48.5 + 48 + 160 * bodies, 51 + 21 * bodies});
+  report(state, with.num_contacts(), 1, explicit_sweep_work(row));
 }
 
 void criterion(benchmark::State& state, const Packing& p, int threads) {
@@ -197,16 +116,25 @@ void add(const std::string& name, int threads, const F& run) {
 
 void add_rows(const Flags& flags, int side, const std::vector<SimdPath>& paths) {
   const auto name = [&](const std::string& what) { return fmt::format("{}/{}", what, side); };
-  const auto get = [family = flags.family, side] { return packing(family, side); };
-  add(name("sweep_given_order/scalar/1"), 1, [=](auto& s) { sweep_given_order(s, *get()); });
+  const auto get = [family = flags.family, side] { return tilted_packing(family, side); };
+  add(name("sweep_given_order/scalar/1"), 1, [=](auto& s) {
+    const auto p = get();
+    run(s, given_order_sweep(*p));
+  });
   add(name("sweep_explicit_W/scalar/1"), 1, [=](auto& s) { sweep_explicit(s, *get()); });
   add(name("tiling/scalar/1"), 1, [=](auto& s) { tiling(s, *get()); });
   for (const int threads : flags.threads) {
     for (const SimdPath path : paths) {
       const Execution e{threads, path};
       const std::string how = fmt::format("{}/{}", to_string(path), threads);
-      add(name("sweep_tiled/" + how), threads, [=](auto& s) { sweep_tiled(s, *get(), e); });
-      add(name("gradient/" + how), threads, [=](auto& s) { gradient_tiled(s, *get(), e); });
+      add(name("sweep_tiled/" + how), threads, [=](auto& s) {
+        const auto p = get();
+        run(s, tiled_sweep(*p, e));
+      });
+      add(name("gradient/" + how), threads, [=](auto& s) {
+        const auto p = get();
+        run(s, tiled_gradient(*p, e));
+      });
     }
     const std::string how = fmt::format("scalar/{}", threads);
     add(name("criterion/" + how), threads, [=](auto& s) { criterion(s, *get(), threads); });
