@@ -211,7 +211,7 @@ Table bandwidth_table(const Measured& m) {
   Table t{{"roof", "threads", "measured"}};
   for (const Bandwidth& b : m.bandwidths) {
     t.push_back({fmt::format("triad of {:g} MB", b.megabytes), std::to_string(b.threads),
-                 fmt::format("{:.1f} GB/s", 1e-9 * b.bytes_a_second)});
+                 fmt::format("{:.3g} GB/s", 1e-9 * b.bytes_a_second)});
   }
   for (const Peak& p : m.peaks) {
     t.push_back({"additions and multiplications, " + p.path, "1",
@@ -276,7 +276,7 @@ Chart roofline_chart(const Measured& m, int threads) {
   for (const Bandwidth& b : m.bandwidths) {
     if (b.threads != threads) continue;
     ChartSeries roof{
-        .name = fmt::format("triad of {:g} MB, {:.0f} GB/s", b.megabytes, 1e-9 * b.bytes_a_second),
+        .name = fmt::format("triad of {:g} MB, {:.3g} GB/s", b.megabytes, 1e-9 * b.bytes_a_second),
         .style = style++,
         .kind = ChartSeries::Kind::kLine};
     const double ridge = std::min(top / b.bytes_a_second, kMost);
@@ -315,7 +315,7 @@ void write_page(const Measured& m, const Flags& flags) {
       "call, median of {}. Intensity counts what one iteration alone would stream from memory: "
       "several in flight share it, so that points may lie above a roof of memory. Peaks are of "
       "additions and multiplications that are not fused, as in the kernels. One thread: its CPU "
-      "time; more: wall time.</p>\n",
+      "time; more: wall time, which other work on the machine stretches.</p>\n",
       escape_markup(flags.family), kTogether, flags.repeat);
   html += "<div class=\"grid\">\n";
   for (const std::string& svg : to_svg(charts)) html += "<figure>" + svg + "</figure>\n";

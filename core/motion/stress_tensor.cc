@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <ranges>
 
 #include "core/motion/periodic_state.h"
 #include "core/scene/cluster_motion.h"
@@ -294,6 +295,57 @@ double enclosed_area(const State& state, double step, const Box& disks) {
   return polygon.size() < 3 ? kNaN : polygon_area(polygon);
 }
 
+/// The disk that reaches farthest in a direction, the first of several.
+template <class Indices>
+std::size_t farthest_disk(const State& state, double step, const Vec2& direction,
+                          const Indices& among) {
+  std::size_t farthest = 0;
+  double reach = -kInfinity;
+  for (const std::size_t k : among) {
+    const double here = middle(state.disks[k], step).dot(direction) + state.disks[k].radius;
+    if (here > reach) {
+      reach = here;
+      farthest = k;
+    }
+  }
+  return farthest;
+}
+
+/// Disks that may reach farthest in some direction, in their order: all but those that lie within a
+/// polygon of sixteen points of the hull, by more than rounding.
+std::vector<std::size_t> outer_candidates(const State& state, double step, const Box& box) {
+  constexpr int kCorners = 16;
+  constexpr double kRounding = 1e-9;
+  const auto all = std::views::iota(std::size_t{0}, state.disks.size());
+  std::array<Vec2, kCorners> corners;  // anticlockwise
+  for (int k = 0; k < kCorners; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kCorners;
+    const Vec2 direction(std::cos(angle), std::sin(angle));
+    const Disk& d = state.disks[farthest_disk(state, step, direction, all)];
+    corners[static_cast<std::size_t>(k)] = middle(d, step) + d.radius * direction;
+  }
+  struct Side {
+    Vec2 from, inward;
+  };
+  std::vector<Side> sides;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const Vec2 along = corners[(k + 1) % corners.size()] - corners[k];
+    const double length = along.norm();
+    if (length > 0) sides.push_back({corners[k], Vec2(-along[1], along[0]) / length});
+  }
+  const double margin = kRounding * box.size().maxCoeff();
+  std::vector<std::size_t> candidates;
+  for (const std::size_t k : all) {
+    const Vec2 x = middle(state.disks[k], step);
+    const double room = state.disks[k].radius + margin;
+    const bool within = sides.size() >= 3 && std::all_of(sides.begin(), sides.end(), [&](auto& s) {
+                          return (x - s.from).dot(s.inward) > room;
+                        });
+    if (!within) candidates.push_back(k);
+  }
+  return candidates;
+}
+
 /// Andrew's monotone chain.
 double hull_area(std::vector<Vec2> points) {
   const auto less = [](const Vec2& a, const Vec2& b) {
@@ -436,18 +488,10 @@ double sample_area(const State& state, double step) {
     const double angle = 2 * std::numbers::pi * k / kRimPoints;
     directions[static_cast<std::size_t>(k)] = Vec2(std::cos(angle), std::sin(angle));
   }
+  const std::vector<std::size_t> candidates = outer_candidates(state, step, box);
   std::vector<std::size_t> outer;
   for (const Vec2& direction : directions) {
-    std::size_t farthest = 0;
-    double reach = -kInfinity;
-    for (std::size_t k = 0; k < state.disks.size(); ++k) {
-      const double here = middle(state.disks[k], step).dot(direction) + state.disks[k].radius;
-      if (here > reach) {
-        reach = here;
-        farthest = k;
-      }
-    }
-    outer.push_back(farthest);
+    outer.push_back(farthest_disk(state, step, direction, candidates));
   }
   std::sort(outer.begin(), outer.end());
   outer.erase(std::unique(outer.begin(), outer.end()), outer.end());
