@@ -593,8 +593,8 @@ TEST_F(Command, ThePeersBenchmarkHoldsSolversAgainstSiconosOrSaysThatItIsNotTher
   EXPECT_TRUE(std::filesystem::exists(path("peers.csv")));
 #else
   EXPECT_EQ(out.exit_code, 2);
-  EXPECT_NE(out.out.find("built without Siconos"), std::string::npos) << out.err;
-  EXPECT_NE(out.out.find("-DBIPOT_WITH_SICONOS=ON"), std::string::npos) << out.err;
+  EXPECT_NE(out.out.find("built without Siconos"), std::string::npos) << out.out;
+  EXPECT_NE(out.out.find("-DBIPOT_WITH_SICONOS=ON"), std::string::npos) << out.out;
 #endif
 }
 
