@@ -1,7 +1,7 @@
 // Siconos' NSGS and the solvers of this project in one run, at equal achieved error: CPU seconds of
 // one thread, median of --repeat where one run takes less than two seconds, else of one.
 //   peer_bench [TARGET...] [--tols=1e-3,1e-4,1e-6] [--solvers=auto,pgs,ipm]
-//              [--variants=planar,frozen10,frozen20,frozen100,newton,projection,quartic]
+//              [--variants=planar,frozen10,frozen20,frozen100,newton,hybrid,projection]
 //              [--repeat=5] [--time-limit=60] [--csv=FILE]
 // A target is what `bipot compare` takes (families, problem files); left out, lattices and a pyramid.
 //
