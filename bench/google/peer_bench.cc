@@ -49,8 +49,8 @@ struct Flags {
                                    "pyramid:20:mu=0.5"};
   std::vector<double> tols{1e-3, 1e-4, 1e-6};
   std::vector<std::string> solvers{"auto", "pgs", "ipm"};
-  std::vector<std::string> variants{"planar", "frozen10",   "frozen20", "frozen100",
-                                    "newton", "projection", "quartic"};
+  std::vector<std::string> variants{"planar", "frozen10", "frozen20",  "frozen100",
+                                    "newton", "hybrid",   "projection"};
   int repeat = 5;
   double time_limit = 60;
   std::string csv;

@@ -1,7 +1,8 @@
 // The roofline of this machine and where the kernels lie under it: bytes and flops a contact of one
 // iteration (bench/measure/kernel_work.h), the triad's bandwidth at three sizes and the peak of
 // additions and multiplications (none of them fused, as in the kernels), all measured in the same
-// run. Writes index.html and rows.csv into --out and prints the tables in Markdown.
+// run. Writes index.html, roofline_N.svg for N threads and rows.csv into --out and prints the tables
+// in Markdown.
 //   roofline_bench [--side=10,83,400] [--threads=1,2] [--family=triangular] [--repeat=5]
 //                  [--out=out/roofline]
 // One thread: its CPU time; more: wall time, which other work on the machine disturbs.
@@ -325,6 +326,9 @@ void write_page(const Measured& m, const Flags& flags) {
   std::filesystem::create_directories(flags.out);
   const std::filesystem::path out(flags.out);
   write_text_file(out / "index.html", html);
+  for (std::size_t k = 0; k < charts.size(); ++k) {
+    write_chart_files(out, fmt::format("roofline_{}", flags.threads[k]), charts[k]);
+  }
   std::string csv = "kernel,instructions,threads,contacts,bytes,flops,ns,gflop_s,gb_s,of_roof\n";
   for (const Row& r : m.rows) {
     csv += fmt::format("\"{}\",{},{},{},{},{},{},{},{},{}\n", r.kernel, r.path, r.threads,
