@@ -1,5 +1,6 @@
 #include "bench/scenes/observable_charts.h"
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -30,13 +31,34 @@ Chart over_time(const NumberTable& rows, const std::string& title,
   return chart;
 }
 
+bool has_column(const NumberTable& table, const std::string& name) {
+  return std::find(table.names.begin(), table.names.end(), name) != table.names.end();
+}
+
 void draw_profile(const fs::path& folder) {
   const NumberTable profile = read_number_table(folder / "profile_mean.csv");
   Chart velocity{.title = "mean velocity across the bins", .x = {.label = "position [m]"}};
   velocity.y.label = "velocity [m/s]";
-  velocity.series = {column_over(profile, "position", "vx", "along x", 0),
-                     column_over(profile, "position", "vy", "along y", 1)};
+  const bool space = has_column(profile, "vz");
+  for (const char axis : std::string(space ? "xyz" : "xy")) {
+    velocity.series.push_back(column_over(profile, "position", std::string("v") + axis,
+                                          std::string("along ") + axis,
+                                          static_cast<int>(velocity.series.size())));
+  }
   write_chart_files(folder, "observables_velocity", velocity);
+  Chart stress{.title = "mean stress across the bins", .x = {.label = "position [m]"}};
+  stress.y.label = "stress [Pa]";
+  const auto add = [&](const std::string& column, const std::string& name) {
+    stress.series.push_back(
+        column_over(profile, "position", column, name, static_cast<int>(stress.series.size())));
+  };
+  add("stress_xx", "σ xx");
+  add("stress_yy", "σ yy");
+  if (space) add("stress_zz", "σ zz");
+  add("stress_xy", "σ xy");
+  if (space) add("stress_xz", "σ xz");
+  if (space) add("stress_yz", "σ yz");
+  write_chart_files(folder, "observables_stress", stress);
   Chart fraction{.title = "mean solid fraction across the bins", .x = {.label = "position [m]"}};
   fraction.y.label = "solid fraction";
   fraction.series = {column_over(profile, "position", "solid_fraction", "solid fraction", 0)};
@@ -79,7 +101,8 @@ void draw_observables(const fs::path& folder) {
     if (name.rfind("flux_", 0) == 0) fluxes.emplace_back(name, name.substr(5));
   }
   if (!fluxes.empty()) {
-    Chart chart = over_time(rows, "flux through lines", fluxes);
+    Chart chart = over_time(
+        rows, has_column(rows, "stress_zz") ? "flux through faces" : "flux through lines", fluxes);
     chart.y.label = "flux [kg/s]";
     write_chart_files(folder, "observables_flux", chart);
   }

@@ -68,14 +68,61 @@ template <int D>
 std::string header_of(const SceneIn<D>& scene) {
   std::string header = "step,time [s]";
   for (const Quantity& q : quantities<D>({})) header += fmt::format(",{}", with_unit(q));
-  for (const FluxLine& line : scene.observables->lines)
-    header += fmt::format(",flux_{} [kg/s]", line.name);
+  for (const CrossingIn<D>& crossing : scene.observables->crossings)
+    header += fmt::format(",flux_{} [kg/s]", crossing.name);
   return header;
 }
 
-constexpr const char* kProfileHeader =
-    "step,time [s],bin,position [m],solid_fraction,vx [m/s],vy [m/s],spin [rad/s],"
-    "temperature [m2/s2]";
+/// A quantity of every bin of a profile.
+struct BinQuantity {
+  std::string name, unit;
+  std::vector<double> values;
+};
+
+/// In the order of the columns.
+template <int D>
+std::vector<BinQuantity> quantities(const ProfileIn<D>& p) {
+  const auto each = [](const auto& list, const auto& of) {
+    std::vector<double> values;
+    for (const auto& entry : list) values.push_back(of(entry));
+    return values;
+  };
+  const std::string axes = "xyz";
+  std::vector<BinQuantity> list = {{"position", "m", p.position},
+                                   {"solid_fraction", "", p.solid_fraction}};
+  for (int k = 0; k < D; ++k) {
+    list.push_back({fmt::format("v{}", axes[to_size(k)]), "m/s",
+                    each(p.velocity, [k](const VecIn<D>& v) { return v[k]; })});
+  }
+  if constexpr (D == 2) {
+    list.push_back({"spin", "rad/s", p.spin});
+  } else {
+    for (int k = 0; k < D; ++k) {
+      list.push_back({fmt::format("spin_{}", axes[to_size(k)]), "rad/s",
+                      each(p.spin, [k](const Vec3& spin) { return spin[k]; })});
+    }
+  }
+  list.push_back({"temperature", "m2/s2", p.temperature});
+  for (int k = 0; k < D; ++k) {
+    for (int l = k; l < D; ++l) {
+      list.push_back({fmt::format("stress_{}{}", axes[to_size(k)], axes[to_size(l)]), "Pa",
+                      each(p.stress, [k, l](const MatIn<D>& stress) {
+                        return 0.5 * (stress(k, l) + stress(l, k));
+                      })});
+    }
+  }
+  return list;
+}
+
+template <int D>
+std::string bin_columns() {
+  std::string columns;
+  for (const BinQuantity& q : quantities<D>(ProfileIn<D>{})) {
+    columns += q.unit.empty() ? "," + q.name : fmt::format(",{} [{}]", q.name, q.unit);
+  }
+  return columns;
+}
+
 constexpr const char* kForcesHeader = "step,time [s],bin,low,high,count,mean_force [N]";
 
 /// Mean and standard deviation of what is defined.
@@ -144,6 +191,7 @@ void write_means(const fs::path& folder, double starts) {
   write_text(folder / "observables_mean.csv", text);
 }
 
+template <int D>
 void write_profile_means(const fs::path& folder, double starts) {
   const NumberTable table = read_number_table(folder / "profile.csv");
   std::map<int, std::vector<Sum>> bins;
@@ -153,9 +201,7 @@ void write_profile_means(const fs::path& folder, double starts) {
     sums.resize(row.size() - first);
     for (std::size_t k = first; k < row.size(); ++k) sums[k - first].add(row[k]);
   }
-  std::string text =
-      "bin,position [m],solid_fraction,vx [m/s],vy [m/s],spin [rad/s],"
-      "temperature [m2/s2]\n";
+  std::string text = "bin" + bin_columns<D>() + "\n";
   for (const auto& [number, sums] : bins) {
     text += fmt::format("{}", number);
     for (const Sum& sum : sums) text += fmt::format(",{:.17g}", sum.mean());
@@ -188,33 +234,30 @@ void write_force_means(const fs::path& folder, double starts) {
   write_text(folder / "forces_mean.csv", text);
 }
 
-void write_profile_rows(const State& state, const Scene& scene, CsvFile& file) {
-  const Profile p = observe_profile(state, scene.step, *scene.observables);
-  for (std::size_t b = 0; b < p.position.size(); ++b) {
-    file.row(fmt::format("{},{:.17g},{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}",
-                         state.step, state.time, b, p.position[b], p.solid_fraction[b], p.vx[b],
-                         p.vy[b], p.spin[b], p.temperature[b]));
+template <int D>
+void write_profile_rows(const StateIn<D>& state, const SceneIn<D>& scene, CsvFile& file) {
+  const std::vector<BinQuantity> list =
+      quantities<D>(observe_profile<D>(state, scene.step, *scene.observables));
+  for (std::size_t b = 0; b < list.front().values.size(); ++b) {
+    std::string row = fmt::format("{},{:.17g},{}", state.step, state.time, b);
+    for (const BinQuantity& q : list) row += fmt::format(",{:.17g}", q.values[b]);
+    file.row(row);
   }
 }
 
-/// Of a frame: what there is in the plane alone.
-void write_flux_and_profile(Hdf5File& file, const Scene& scene, const State& state) {
-  const ObservableChoice& choice = *scene.observables;
-  for (const FluxLine& line : choice.lines) {
-    file.write("/observables/flux/" + line.name, line_flux(state, line));
-    file.write_attribute("/observables/flux/" + line.name, "unit", "kg/s");
+/// Of a frame.
+template <int D>
+void write_flux_and_profile(Hdf5File& file, const SceneIn<D>& scene, const StateIn<D>& state) {
+  const ObservableChoiceIn<D>& choice = *scene.observables;
+  for (const CrossingIn<D>& crossing : choice.crossings) {
+    file.write("/observables/flux/" + crossing.name, mass_flux(state, crossing));
+    file.write_attribute("/observables/flux/" + crossing.name, "unit", "kg/s");
   }
   if (!choice.profile) return;
-  const Profile p = observe_profile(state, scene.step, choice);
-  for (const auto& [name, unit, values] : {std::tuple{"position", "m", &p.position},
-                                           {"solid_fraction", "1", &p.solid_fraction},
-                                           {"vx", "m/s", &p.vx},
-                                           {"vy", "m/s", &p.vy},
-                                           {"spin", "rad/s", &p.spin},
-                                           {"temperature", "m2/s2", &p.temperature}}) {
-    const std::string path = std::string("/observables/profile/") + name;
-    file.write(path, std::span<const double>(*values));
-    file.write_attribute(path, "unit", unit);
+  for (const BinQuantity& q : quantities<D>(observe_profile<D>(state, scene.step, choice))) {
+    const std::string path = "/observables/profile/" + q.name;
+    file.write(path, std::span<const double>(q.values));
+    file.write_attribute(path, "unit", q.unit.empty() ? "1" : q.unit.c_str());
   }
 }
 
@@ -256,27 +299,23 @@ ObservableWriterIn<D>::ObservableWriterIn(fs::path folder, const SceneIn<D>& sce
       rows_(folder_ / "observables.csv", header_of(scene), keep_up_to),
       forces_(folder_ / "forces.csv", kForcesHeader, keep_up_to) {
   if (scene.observables->profile) {
-    profile_.emplace(folder_ / "profile.csv", kProfileHeader, keep_up_to);
+    profile_.emplace(folder_ / "profile.csv", "step,time [s],bin" + bin_columns<D>(), keep_up_to);
   }
 }
 
 template <int D>
 void ObservableWriterIn<D>::step(const StateIn<D>& state) {
-  const ObservableChoice& choice = *scene_.observables;
+  const ObservableChoiceIn<D>& choice = *scene_.observables;
   if (state.step % choice.every != 0) return;
   std::string row = fmt::format("{},{:.17g}", state.step, state.time);
   for (const Quantity& q : quantities(observe(scene_, state, choice))) {
     row += fmt::format(",{:.17g}", q.value);
   }
-  if constexpr (D == 2) {
-    for (const FluxLine& line : choice.lines) {
-      row += fmt::format(",{:.17g}", line_flux(state, line));
-    }
+  for (const CrossingIn<D>& crossing : choice.crossings) {
+    row += fmt::format(",{:.17g}", mass_flux(state, crossing));
   }
   rows_.row(row);
-  if constexpr (D == 2) {
-    if (profile_) write_profile_rows(state, scene_, *profile_);
-  }
+  if (profile_) write_profile_rows<D>(state, scene_, *profile_);
   const ForceDistribution forces = observe_forces(state, scene_.step, choice);
   const double width = choice.force_limit / choice.force_bins;
   for (std::size_t b = 0; b < forces.counts.size(); ++b) {
@@ -290,13 +329,13 @@ template <int D>
 void ObservableWriterIn<D>::close() const {
   const double starts = scene_.observables->starts;
   write_means<D>(folder_, starts);
-  if (profile_) write_profile_means(folder_, starts);
+  if (profile_) write_profile_means<D>(folder_, starts);
   write_force_means(folder_, starts);
 }
 
 template <int D>
 void write_observables(Hdf5File& file, const SceneIn<D>& scene, const StateIn<D>& state) {
-  const ObservableChoice& choice = *scene.observables;
+  const ObservableChoiceIn<D>& choice = *scene.observables;
   for (const Quantity& q : quantities(observe(scene, state, choice))) {
     const std::string name = std::string("/observables/") + q.name;
     file.write(name, q.value);
@@ -307,7 +346,7 @@ void write_observables(Hdf5File& file, const SceneIn<D>& scene, const StateIn<D>
   file.write("/observables/forces/mean", forces.mean);
   file.write_attribute("/observables/forces/mean", "unit", "N");
   file.write("/observables/forces/limit", choice.force_limit);
-  if constexpr (D == 2) write_flux_and_profile(file, scene, state);
+  write_flux_and_profile<D>(file, scene, state);
 }
 
 template class ObservableWriterIn<2>;

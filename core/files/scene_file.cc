@@ -327,7 +327,11 @@ SceneIn<D> parse_in(const SceneTable& root, const std::string& source) {
   }
   read_solver(root, scene);
   read_output(root, scene);
-  scene.observables = D == 2 ? read_observables(root) : read_observables_in_space(root);
+  if constexpr (D == 2) {
+    scene.observables = read_observables(root);
+  } else {
+    scene.observables = read_observables_in_space(root, scene.cell);
+  }
   root.finish();
   if (scene.contact_distance < 0) {
     scene.contact_distance = default_contact_distance(scene);

@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "core/files/scene_table.h"
+#include "core/scene/cell.h"
 #include "core/scene/observable_choice.h"
 
 namespace bipot {
@@ -10,7 +11,8 @@ namespace bipot {
 /// The table [observables]; nothing where it is missing. Throws SceneFileError.
 std::optional<ObservableChoice> read_observables(const SceneTable& root);
 
-/// The same in space: of the whole sample, without profiles and lines.
-std::optional<ObservableChoice> read_observables_in_space(const SceneTable& root);
+/// The same in space. Windows, profiles and faces lie in the cell.
+std::optional<ObservableChoiceIn<3>> read_observables_in_space(const SceneTable& root,
+                                                               const PeriodicCell& cell);
 
 }  // namespace bipot

@@ -37,20 +37,6 @@ Vec3 side(int k) {
   return Vec3(width * std::cos(angle), width * std::sin(angle), height);
 }
 
-/// Leaves what lies in a prism with the cylinder's axis and cross-section: exact where planes close it
-/// across the axis.
-void clip_by_cylinder(ConvexBody& body, const Vec3& point, const WallIn<3>& wall) {
-  const auto frame = contact_frame<3>(wall.normal);
-  // A polygon of n sides whose sides lie at a distance d has the area n d² tan(pi/n).
-  const double turn = 2 * std::numbers::pi / kPrism;
-  const double distance =
-      wall.radius * std::sqrt(std::numbers::pi / (kPrism * std::tan(0.5 * turn)));
-  for (int k = 0; k < kPrism; ++k) {
-    const Vec3 out = std::cos(k * turn) * frame[1] + std::sin(k * turn) * frame[2];
-    body.clip(point + distance * out, -out);
-  }
-}
-
 /// Of a periodic cell, between the walls; where these leave it open, as far as the spheres reach.
 double cell_volume(const StateIn<3>& state, double step, const BoxIn<3>& spheres) {
   constexpr double kFar = 1e3;
@@ -187,6 +173,18 @@ double ConvexBody::volume() const {
     sum += std::abs(twice.dot(face[0] - inside)) / 6;
   }
   return sum;
+}
+
+void clip_by_cylinder(ConvexBody& body, const Vec3& point, const WallIn<3>& wall) {
+  const auto frame = contact_frame<3>(wall.normal);
+  // A polygon of n sides whose sides lie at a distance d has the area n d² tan(pi/n).
+  const double turn = 2 * std::numbers::pi / kPrism;
+  const double distance =
+      wall.radius * std::sqrt(std::numbers::pi / (kPrism * std::tan(0.5 * turn)));
+  for (int k = 0; k < kPrism; ++k) {
+    const Vec3 out = std::cos(k * turn) * frame[1] + std::sin(k * turn) * frame[2];
+    body.clip(point + distance * out, -out);
+  }
 }
 
 double sample_area(const StateIn<3>& state, double step) {

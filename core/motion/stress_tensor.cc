@@ -189,10 +189,11 @@ void gather_clusters(const State& state, double step, const Vec2& mean,
   }
 }
 
-/// Length share of the segment from a to b with lower <= x < upper in both coordinates.
-double share_inside(const Vec2& a, const Vec2& b, const Box& box) {
+/// Length share of the segment from a to b with lower <= x < upper in every coordinate.
+template <int D>
+double share_inside(const VecIn<D>& a, const VecIn<D>& b, const BoxIn<D>& box) {
   double first = 0, last = 1;
-  for (int k = 0; k < 2; ++k) {
+  for (int k = 0; k < D; ++k) {
     const double slope = b[k] - a[k];
     if (slope == 0) {
       if (a[k] < box.lower[k] || a[k] >= box.upper[k]) return 0;
@@ -416,27 +417,29 @@ MeanStressIn<D> sample_stress(const StateIn<D>& state, double step, double area,
   return stress;
 }
 
-MeanStress window_stress(const State& state, double step, const Box& window,
-                         std::span<const double> moments) {
-  MeanStress stress;
+template <int D>
+MeanStressIn<D> window_stress(const StateIn<D>& state, double step, const BoxIn<D>& window,
+                              std::span<const std::type_identity_t<SpinIn<D>>> moments) {
+  MeanStressIn<D> stress;
   const std::vector<Vec2> shifts = image_shifts(state.cell);
-  for (const Link<2>& link : collect_links(state, step)) {
-    for (const Vec2& shift : shifts) {
-      const double share = share_inside(link.from + shift, link.to + shift, window);
+  for (const Link<D>& link : collect_links(state, step)) {
+    for (const Vec2& image : shifts) {
+      const VecIn<D> shift = in_dimensions<D>(image);
+      const double share = share_inside<D>(link.from + shift, link.to + shift, window);
       if (share > 0) stress.contact += share * link.tensor();
     }
   }
-  std::vector<Disk> inside;
+  std::vector<BodyIn<D>> inside;
   for (std::size_t k = 0; k < state.disks.size(); ++k) {
-    const Vec2 x = middle(state.disks[k], step);
+    const VecIn<D> x = middle(state.disks[k], step);
     const bool in =
         (x.array() >= window.lower.array()).all() && (x.array() < window.upper.array()).all();
     if (!in) continue;
     inside.push_back(state.disks[k]);
     stress.spin += spin_part(moments[k], step);
   }
-  const Vec2 mean = mean_velocity<2>(inside);
-  for (const Disk& d : inside) stress.kinetic += kinetic_part(d, mean);
+  const VecIn<D> mean = mean_velocity<D>(inside);
+  for (const BodyIn<D>& d : inside) stress.kinetic += kinetic_part(d, mean);
   divide(stress, window.size().prod());
   return stress;
 }
@@ -532,6 +535,9 @@ template std::vector<double> contact_moments(const State&);
 template std::vector<double> spin_changes(const State&, const State&);
 template MeanStress sample_stress<2>(const State&, double, double, std::span<const double>);
 template std::vector<MeanStress> disk_stresses<2>(const State&, double, std::span<const double>);
+template MeanStress window_stress<2>(const State&, double, const Box&, std::span<const double>);
+template MeanStressIn<3> window_stress<3>(const StateIn<3>&, double, const BoxIn<3>&,
+                                          std::span<const Vec3>);
 template Mat2 fabric_tensor(const State&);
 template std::vector<Vec3> contact_moments(const StateIn<3>&);
 template std::vector<Vec3> spin_changes(const StateIn<3>&, const StateIn<3>&);

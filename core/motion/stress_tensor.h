@@ -70,14 +70,15 @@ template <int D>
 MeanStressIn<D> sample_stress(const StateIn<D>& state, double step, double area,
                               std::span<const std::type_identity_t<SpinIn<D>>> moments);
 
-/// Over a rectangle: each contact counts by the share of its branch that lies in the window
+/// Over a rectangle, in space a box: each contact counts by the share of its branch that lies in the window
 /// (indicator function in Goldhirsch's coarse graining, Granular Matter 12, 2010), disks by their
 /// centres at mid-step; v' is about the mean velocity of the disks in the window. Lower and left
 /// edges belong to the window, upper and right ones do not; of a periodic scene the state must be
 /// wrapped (core/motion/periodic_state.h), and branches that cross the cell's edge count on both sides: the contact parts of windows that tile
 /// the sample add up to the sample's. Branches that a window cuts leave an antisymmetric part.
-MeanStress window_stress(const State& state, double step, const Box& window,
-                         std::span<const double> moments);
+template <int D = 2>
+MeanStressIn<D> window_stress(const StateIn<D>& state, double step, const BoxIn<D>& window,
+                              std::span<const std::type_identity_t<SpinIn<D>>> moments);
 
 /// Of each disk over its own area π a² (in space: volume): the mean stress of its material, with the kinetic part of
 /// its motion about the sample's mean velocity. A contact goes to its two disks in proportion to

@@ -5,45 +5,31 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <type_traits>
 
 #include "core/motion/periodic_state.h"
 #include "core/motion/sample_volume.h"
+#include "core/observables/cut_bodies.h"
 
 namespace bipot {
 namespace {
 
-/// Area of the unit disk with X > x.
-double cap(double x) {
-  x = std::clamp(x, -1.0, 1.0);
-  return std::acos(x) - x * std::sqrt(1 - x * x);
+template <int D>
+bool in_window(const ObservableChoiceIn<D>& choice, const std::type_identity_t<VecIn<D>>& x) {
+  return !choice.window || ((x.array() >= choice.window->first.array()).all() &&
+                            (x.array() < choice.window->second.array()).all());
 }
 
-/// Area of the unit disk with X < x and Y < y.
-double corner(double x, double y) {
-  x = std::clamp(x, -1.0, 1.0);
-  y = std::clamp(y, -1.0, 1.0);
-  if (x * x + y * y >= 1) {  // the corner lies outside of the disk
-    if (x < 0 && y < 0) return 0;
-    if (x >= 0 && y >= 0) return std::numbers::pi - cap(x) - cap(y);
-    return x < 0 ? cap(-x) : cap(-y);
+/// The point where a contact touches, in the cell.
+template <int D>
+VecIn<D> touching_point(const StateIn<D>& placed, const ContactIn<D>& contact) {
+  const BodyIn<D>& d = placed.disks[to_size(contact.i)];
+  VecIn<D> point = d.x - d.radius * contact.n;
+  if (placed.cell.periodic()) {
+    point.template head<2>() = wrapped(placed.cell, point.template head<2>());
   }
-  // Between the chord at Y = y and the lower half, from the chord's left end on.
-  const double end = std::sqrt(1 - y * y);
-  const auto primitive = [](double t) { return 0.5 * (t * std::sqrt(1 - t * t) + std::asin(t)); };
-  const double between = y * (x + end) + primitive(x) - primitive(-end);
-  return y >= 0 ? cap(end) + between : between;
+  return point;
 }
-
-bool inside(const Vec2& x, const Vec2& low, const Vec2& high) {
-  return (x.array() >= low.array()).all() && (x.array() < high.array()).all();
-}
-
-bool in_window(const ObservableChoice& choice, const Vec2& x) {
-  return !choice.window || inside(x, choice.window->first, choice.window->second);
-}
-
-/// In space there are no windows.
-bool in_window(const ObservableChoice& /*choice*/, const Vec3& /*x*/) { return true; }
 
 /// The states's disks where they can be compared with places.
 template <int D>
@@ -74,41 +60,39 @@ MatIn<D> fitted_gradient(const std::vector<const BodyIn<D>*>& disks) {
   return vx * xx.inverse();
 }
 
-double volume_of(const Sphere& s) {
+double size_of(const Disk& d) { return std::numbers::pi * d.radius * d.radius; }
+double size_of(const Sphere& s) {
   return 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius;
 }
 
-/// What the spheres take up.
-double disks_area(const StateIn<3>& placed, const ObservableChoice& /*choice*/) {
-  double sum = 0;
-  for (const Sphere& s : placed.disks) {
-    if (s.wall < 0) sum += volume_of(s);
-  }
-  return sum;
-}
-
 /// Mean diameter and density of the spheres; in the plane neither is asked for.
-void observe_grains(const State& /*placed*/, Observables& /*seen*/) {}
-void observe_grains(const StateIn<3>& placed, ObservablesIn<3>& seen) {
-  double mass = 0;
+void observe_grains(const State& /*placed*/, const ObservableChoice& /*choice*/,
+                    Observables& /*seen*/) {}
+void observe_grains(const StateIn<3>& placed, const ObservableChoiceIn<3>& choice,
+                    ObservablesIn<3>& seen) {
+  double mass = 0, volume = 0;
   for (const Sphere& s : placed.disks) {
-    if (s.wall >= 0) continue;
+    if (s.wall >= 0 || !in_window<3>(choice, s.x)) continue;
     seen.mean_diameter += 2 * s.radius / seen.disks;
     mass += s.mass;
+    volume += size_of(s);
   }
-  seen.density = mass / disks_area(placed, {});
+  seen.density = mass / volume;
 }
 
-double disks_area(const State& placed, const ObservableChoice& choice) {
+/// What the disks take up of the window.
+template <int D>
+double disks_area(const StateIn<D>& placed, const ObservableChoiceIn<D>& choice) {
   double sum = 0;
-  for (const Disk& d : placed.disks) {
+  for (const BodyIn<D>& d : placed.disks) {
     if (d.wall >= 0) continue;
     if (!choice.window) {
-      sum += std::numbers::pi * d.radius * d.radius;
+      sum += size_of(d);
       continue;
     }
     for (const Vec2& shift : image_shifts(placed.cell)) {
-      sum += area_in_rectangle(d.x + shift, d.radius, choice.window->first, choice.window->second);
+      sum += part_in_box(d.x + in_dimensions<D>(shift), d.radius, choice.window->first,
+                         choice.window->second);
     }
   }
   return sum;
@@ -116,11 +100,11 @@ double disks_area(const State& placed, const ObservableChoice& choice) {
 
 /// Contacts: coordination, sliding, fabric.
 template <int D>
-void observe_contacts(const StateIn<D>& placed, const ObservableChoice& choice,
+void observe_contacts(const StateIn<D>& placed, const ObservableChoiceIn<D>& choice,
                       const std::vector<bool>& rattles, ObservablesIn<D>& seen) {
   std::vector<bool> counted(placed.disks.size());
   for (std::size_t i = 0; i < placed.disks.size(); ++i) {
-    counted[i] = placed.disks[i].wall < 0 && in_window(choice, placed.disks[i].x);
+    counted[i] = placed.disks[i].wall < 0 && in_window<D>(choice, placed.disks[i].x);
     if (!counted[i]) continue;
     ++seen.disks;
     seen.rattlers += rattles[i] ? 1 : 0;
@@ -136,12 +120,7 @@ void observe_contacts(const StateIn<D>& placed, const ObservableChoice& choice,
     const int here = (counted[i] ? 1 : 0) + (with_disk && counted[j] ? 1 : 0);
     ends += here;
     if (!loose) held_ends += here;
-    if constexpr (D == 2) {
-      const Disk& d = placed.disks[i];
-      Vec2 point = d.x - d.radius * o.contact.n;
-      if (placed.cell.periodic()) point = wrapped(placed.cell, point);
-      if (!in_window(choice, point)) continue;
-    }
+    if (!in_window<D>(choice, touching_point(placed, o.contact))) continue;
     ++seen.contacts;
     seen.sliding += o.status == ContactStatus::kSlip ? 1 : 0;
     seen.fabric += o.contact.n * o.contact.n.transpose();
@@ -156,14 +135,49 @@ void observe_contacts(const StateIn<D>& placed, const ObservableChoice& choice,
   }
 }
 
-}  // namespace
-
-double area_in_rectangle(const Vec2& x, double radius, const Vec2& low, const Vec2& high) {
-  const Vec2 a = (low - x) / radius, b = (high - x) / radius;
-  const double unit =
-      corner(b[0], b[1]) - corner(a[0], b[1]) - corner(b[0], a[1]) + corner(a[0], a[1]);
-  return radius * radius * std::max(0.0, unit);
+/// Where the bins of a profile end across its axis: as the window, the cell, what half-planes leave, or the disks.
+template <int D>
+BoxIn<D> profile_section(const StateIn<D>& placed, double step,
+                         const ObservableChoiceIn<D>& choice) {
+  if (choice.window) return {.lower = choice.window->first, .upper = choice.window->second};
+  VecIn<D> low = VecIn<D>::Constant(kInfinity), high = VecIn<D>::Constant(-kInfinity);
+  for (const BodyIn<D>& d : placed.disks) {
+    low = low.cwiseMin(d.x - VecIn<D>::Constant(d.radius));
+    high = high.cwiseMax(d.x + VecIn<D>::Constant(d.radius));
+  }
+  for (const WallIn<D>& w : placed.walls) {
+    if (w.shape != WallIn<D>::Shape::kHalfPlane || !w.present) continue;
+    for (int k = 0; k < D; ++k) {
+      if (std::abs(w.normal[k]) < 1 - 1e-12) continue;
+      const double at = w.a[k] - 0.5 * step * w.v[k];
+      if (w.normal[k] > 0) low[k] = at;
+      if (w.normal[k] < 0) high[k] = at;
+    }
+  }
+  for (int k = 0; k < 2; ++k) {
+    if (k == 0 ? !placed.cell.periodic() : !placed.cell.in_y) continue;
+    low[k] = 0;
+    high[k] = placed.cell.side(k).length;
+  }
+  return {.lower = low, .upper = high};
 }
+
+double bin_size(const State& /*placed*/, double /*step*/, const Box& bin, bool /*whole*/) {
+  return bin.size().prod();
+}
+/// Unless the whole box counts, what hollow cylinders leave of it.
+double bin_size(const StateIn<3>& placed, double step, const BoxIn<3>& bin, bool whole) {
+  if (whole) return bin.size().prod();
+  ConvexBody body(bin.lower, bin.upper);
+  for (const WallIn<3>& w : placed.walls) {
+    if (w.present && w.shape == WallIn<3>::Shape::kHollowCircle) {
+      clip_by_cylinder(body, w.a - 0.5 * step * w.v, w);
+    }
+  }
+  return body.volume();
+}
+
+}  // namespace
 
 template <int D>
 double ObservablesIn<D>::sliding_share() const {
@@ -237,111 +251,93 @@ std::vector<bool> find_rattlers(const SceneIn<D>& scene, const StateIn<D>& state
 
 template <int D>
 ObservablesIn<D> observe(const SceneIn<D>& scene, const StateIn<D>& state,
-                         const ObservableChoice& choice) {
+                         const std::type_identity_t<ObservableChoiceIn<D>>& choice) {
   ObservablesIn<D> seen;
   const StateIn<D> placed = in_place(state);
   observe_contacts<D>(placed, choice, find_rattlers(scene, state), seen);
-  observe_grains(placed, seen);
+  observe_grains(placed, choice, seen);
   const std::vector<SpinIn<D>> moments = contact_moments(state);
   double area = 0;
-  if (D == 2 && choice.window) {
-    if constexpr (D == 2) {
-      const Box window{.lower = choice.window->first, .upper = choice.window->second};
-      area = window.size().prod();
-      if (!(window.size().minCoeff() > 0)) throw std::invalid_argument("the window has no area");
-      seen.stress = window_stress(placed, scene.step, window, moments);
+  if (choice.window) {
+    const BoxIn<D> window{.lower = choice.window->first, .upper = choice.window->second};
+    area = window.size().prod();
+    if (!(window.size().minCoeff() > 0)) {
+      throw std::invalid_argument(D == 2 ? "the window has no area" : "the window has no volume");
     }
+    seen.stress = window_stress<D>(placed, scene.step, window, moments);
   } else {
     area = sample_area(state, scene.step);
     seen.stress = sample_stress<D>(state, scene.step, area, moments);
   }
-  seen.solid_fraction = disks_area(placed, choice) / area;
+  seen.solid_fraction = disks_area<D>(placed, choice) / area;
   std::vector<const BodyIn<D>*> measured;
   for (std::size_t i = 0; i < state.disks.size(); ++i) {
     if (placed.disks[i].wall >= 0) continue;
-    if (in_window(choice, placed.disks[i].x)) measured.push_back(&placed.disks[i]);
+    if (in_window<D>(choice, placed.disks[i].x)) measured.push_back(&placed.disks[i]);
   }
   seen.velocity_gradient = fitted_gradient<D>(measured);
   return seen;
 }
 
-Profile observe_profile(const State& state, double step, const ObservableChoice& choice) {
+template <int D>
+ProfileIn<D> observe_profile(const StateIn<D>& state, double step,
+                             const std::type_identity_t<ObservableChoiceIn<D>>& choice) {
   const ProfileChoice& chosen = choice.profile.value();
-  const State placed = in_place(state);
-  const std::size_t axis = to_size(chosen.axis), across = 1 - axis;
+  const StateIn<D> placed = in_place(state);
   const double width = (chosen.high - chosen.low) / chosen.bins;
-  // As wide as the window, the cell, what half-planes leave, or the disks.
-  Vec2 low = Vec2::Constant(kInfinity), high = Vec2::Constant(-kInfinity);
-  for (const Disk& d : placed.disks) {
-    low = low.cwiseMin(d.x - Vec2::Constant(d.radius));
-    high = high.cwiseMax(d.x + Vec2::Constant(d.radius));
-  }
-  for (const Wall& w : placed.walls) {
-    if (w.shape != Wall::Shape::kHalfPlane || !w.present ||
-        std::abs(w.normal[static_cast<Eigen::Index>(across)]) < 1 - 1e-12)
-      continue;
-    const auto k = static_cast<Eigen::Index>(across);
-    const double at = w.a[k] - 0.5 * step * w.v[k];
-    if (w.normal[k] > 0) low[k] = at;
-    if (w.normal[k] < 0) high[k] = at;
-  }
-  const bool periodic = placed.cell.periodic() && (across == 0 || placed.cell.in_y);
-  if (periodic) {
-    const auto k = static_cast<Eigen::Index>(across);
-    low[k] = 0;
-    high[k] = across == 0 ? placed.cell.width.length : placed.cell.height.length;
-  }
-  if (choice.window) {
-    low = choice.window->first;
-    high = choice.window->second;
-  }
-  Profile profile;
+  const BoxIn<D> section = profile_section(placed, step, choice);
+  const auto a = static_cast<Eigen::Index>(chosen.axis);
+  const auto box_of = [&](int bin) {
+    BoxIn<D> box = section;
+    box.lower[a] = chosen.low + bin * width;
+    box.upper[a] = box.lower[a] + width;
+    return box;
+  };
+  ProfileIn<D> profile;
   const std::size_t bins = to_size(chosen.bins);
   std::vector<double> area(bins, 0.0), square(bins, 0.0);
-  profile.vx.assign(bins, 0.0);
-  profile.vy.assign(bins, 0.0);
-  profile.spin.assign(bins, 0.0);
-  const auto a = static_cast<Eigen::Index>(axis);
-  for (const Disk& d : placed.disks) {
+  profile.velocity.assign(bins, VecIn<D>::Zero());
+  profile.spin.assign(bins, no_turn<D>());
+  for (const BodyIn<D>& d : placed.disks) {
     if (d.wall >= 0) continue;
     for (const Vec2& shift : image_shifts(placed.cell)) {
-      const Vec2 x = d.x + shift;
-      const int first =
-          std::max(0, static_cast<int>(std::floor((x[a] - d.radius - chosen.low) / width)));
-      const int last = std::min(
-          chosen.bins - 1, static_cast<int>(std::floor((x[a] + d.radius - chosen.low) / width)));
+      const VecIn<D> x = d.x + in_dimensions<D>(shift);
+      const auto bin_at = [&](double at) {
+        const double bin = std::floor((at - chosen.low) / width);
+        return static_cast<int>(std::clamp(bin, -1.0, static_cast<double>(chosen.bins)));
+      };
+      const int first = std::max(0, bin_at(x[a] - d.radius));
+      const int last = std::min(chosen.bins - 1, bin_at(x[a] + d.radius));
       for (int bin = first; bin <= last; ++bin) {
-        Vec2 from = low, to = high;
-        from[a] = chosen.low + bin * width;
-        to[a] = from[a] + width;
-        const double part = area_in_rectangle(x, d.radius, from, to);
+        const BoxIn<D> box = box_of(bin);
+        const double part = part_in_box(x, d.radius, box.lower, box.upper);
         const std::size_t b = to_size(bin);
         area[b] += part;
-        profile.vx[b] += part * d.v[0];
-        profile.vy[b] += part * d.v[1];
+        profile.velocity[b] += part * d.v;
         profile.spin[b] += part * d.spin;
         square[b] += part * d.v.squaredNorm();
       }
     }
   }
-  const auto k = static_cast<Eigen::Index>(across);
-  const double bin_area = width * (high[k] - low[k]);
+  const std::vector<SpinIn<D>> moments = contact_moments(state);
   for (std::size_t b = 0; b < bins; ++b) {
+    const BoxIn<D> box = box_of(static_cast<int>(b));
+    const double size = bin_size(placed, step, box, choice.window.has_value());
     profile.position.push_back(chosen.low + (static_cast<double>(b) + 0.5) * width);
-    profile.solid_fraction.push_back(area[b] / bin_area);
-    const bool empty = !(area[b] > 0);
-    for (std::vector<double>* mean : {&profile.vx, &profile.vy, &profile.spin}) {
-      (*mean)[b] = empty ? kNaN : (*mean)[b] / area[b];
-    }
-    profile.temperature.push_back(
-        empty ? kNaN
-              : std::max(0.0, 0.5 * (square[b] / area[b] - profile.vx[b] * profile.vx[b] -
-                                     profile.vy[b] * profile.vy[b])));
+    profile.solid_fraction.push_back(area[b] / size);
+    const double weight = area[b] > 0 ? area[b] : kNaN;
+    profile.velocity[b] /= weight;
+    profile.spin[b] /= weight;
+    double spread = square[b] / weight;
+    for (int k = 0; k < D; ++k) spread -= profile.velocity[b][k] * profile.velocity[b][k];
+    profile.temperature.push_back(area[b] > 0 ? std::max(0.0, spread / D) : kNaN);
+    profile.stress.push_back(window_stress<D>(placed, step, box, moments).total() *
+                             (box.size().prod() / size));
   }
   return profile;
 }
 
-double line_flux(const State& state, const FluxLine& line) {
+double mass_flux(const State& state, const FluxLine& line) {
   const State placed = in_place(state);
   const Vec2 along = (line.b - line.a).normalized();
   const Vec2 left(-along[1], along[0]);
@@ -361,21 +357,51 @@ double line_flux(const State& state, const FluxLine& line) {
   return flux;
 }
 
+double mass_flux(const StateIn<3>& state, const FluxFace& face) {
+  const StateIn<3> placed = in_place(state);
+  const Vec3 across = face.normal.cross(face.along);
+  Vec2 high = 0.5 * face.size, low = -high;
+  if (face.shape == FluxFace::Shape::kPlane) {
+    low.setConstant(-kInfinity);
+    high.setConstant(kInfinity);
+    for (int axis = 0; axis < 2; ++axis) {  // of the cell
+      if (axis == 0 ? !placed.cell.in_x : !placed.cell.in_y) continue;
+      const double length = placed.cell.side(axis).length;
+      for (const int side : {0, 1}) {
+        const double sign = (side == 0 ? face.along : across)[axis];
+        if (sign == 0) continue;  // the normal lies along this axis
+        low[side] = sign > 0 ? -face.point[axis] : face.point[axis] - length;
+        high[side] = low[side] + length;
+      }
+    }
+  }
+  double flux = 0;
+  for (const Sphere& s : placed.disks) {
+    for (const Vec2& shift : image_shifts(placed.cell)) {
+      const Vec3 x = s.x + in_dimensions<3>(shift) - face.point;
+      const double off = x.dot(face.normal);
+      if (std::abs(off) >= s.radius) continue;
+      const double section = std::sqrt(s.radius * s.radius - off * off);  // a disk
+      const Vec2 at(x.dot(face.along), x.dot(across));
+      const double area = face.shape == FluxFace::Shape::kDisk
+                              ? area_in_disk(at.norm(), section, face.radius)
+                              : area_in_rectangle(at, section, low, high);
+      flux += s.mass / size_of(s) * area * s.v.dot(face.normal);
+    }
+  }
+  return flux;
+}
+
 template <int D>
 ForceDistribution observe_forces(const StateIn<D>& state, double step,
-                                 const ObservableChoice& choice) {
+                                 const std::type_identity_t<ObservableChoiceIn<D>>& choice) {
   ForceDistribution forces;
   forces.counts.assign(to_size(choice.force_bins), 0);
   const StateIn<D> placed = in_place(state);
   std::vector<double> loaded;
   for (const ContactOutcomeIn<D>& o : placed.contacts) {
     if (!(o.s_n > 0)) continue;
-    if constexpr (D == 2) {
-      const Disk& d = placed.disks[to_size(o.contact.i)];
-      Vec2 point = d.x - d.radius * o.contact.n;
-      if (placed.cell.periodic()) point = wrapped(placed.cell, point);
-      if (!in_window(choice, point)) continue;
-    }
+    if (!in_window<D>(choice, touching_point(placed, o.contact))) continue;
     loaded.push_back(o.s_n / step);
     forces.mean += loaded.back();
   }
@@ -393,10 +419,13 @@ template struct ObservablesIn<3>;
 template double stress_ratio<2>(const Mat2&);
 template double stress_ratio<3>(const MatIn<3>&);
 template Observables observe(const Scene&, const State&, const ObservableChoice&);
-template ObservablesIn<3> observe(const SceneIn<3>&, const StateIn<3>&, const ObservableChoice&);
+template ObservablesIn<3> observe(const SceneIn<3>&, const StateIn<3>&,
+                                  const ObservableChoiceIn<3>&);
 template std::vector<bool> find_rattlers(const Scene&, const State&);
 template std::vector<bool> find_rattlers(const SceneIn<3>&, const StateIn<3>&);
+template Profile observe_profile(const State&, double, const ObservableChoice&);
+template ProfileIn<3> observe_profile(const StateIn<3>&, double, const ObservableChoiceIn<3>&);
 template ForceDistribution observe_forces(const State&, double, const ObservableChoice&);
-template ForceDistribution observe_forces(const StateIn<3>&, double, const ObservableChoice&);
+template ForceDistribution observe_forces(const StateIn<3>&, double, const ObservableChoiceIn<3>&);
 
 }  // namespace bipot

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <type_traits>
 #include <vector>
 
 #include "core/motion/state.h"
@@ -44,10 +45,10 @@ using Observables = ObservablesIn<2>;
 template <int D>
 double stress_ratio(const MatIn<D>& stress);
 
-/// Throws std::invalid_argument for a window without area. In space there is no window: the whole sample.
+/// Throws std::invalid_argument for a window without area or volume.
 template <int D>
 ObservablesIn<D> observe(const SceneIn<D>& scene, const StateIn<D>& state,
-                         const ObservableChoice& choice);
+                         const std::type_identity_t<ObservableChoiceIn<D>>& choice);
 
 /// Which disks nothing holds: those with fewer than two loaded contacts, or fewer than three in
 /// scenes that have neither friction nor gravity; contacts with rattlers do not count, so it is
@@ -55,21 +56,32 @@ ObservablesIn<D> observe(const SceneIn<D>& scene, const StateIn<D>& state,
 template <int D>
 std::vector<bool> find_rattlers(const SceneIn<D>& scene, const StateIn<D>& state);
 
-/// Means in bins across an axis. Area counts exactly by what of a disk lies in the bin, velocities and spins
-/// are weighted with it. NaN in bins without disks.
-struct Profile {
-  std::vector<double> position;        ///< middle of each bin                          [m]
-  std::vector<double> solid_fraction;  ///< of the bin, as wide as the window or the sample
-  std::vector<double> vx, vy, spin;    ///< means                                       [m/s, rad/s]
-  /// Half the mean of |v - mean of the bin|²                                            [m²/s²]
-  std::vector<double> temperature;
+/// Means in bins across an axis. Area (in space volume) counts exactly by what of a disk lies in the bin, velocities
+/// and spins are weighted with it. NaN in bins without disks, but for stress and solid fraction.
+template <int D>
+struct ProfileIn {
+  std::vector<double> position;  ///< middle of each bin                          [m]
+  /// Of the bin, which is as wide as the window, the cell, what half-planes across leave, or the sample; in space less what
+  /// hollow cylinders cut off, unless there is a window.
+  std::vector<double> solid_fraction;
+  std::vector<VecIn<D>> velocity;   ///< means                                       [m/s]
+  std::vector<SpinIn<D>> spin;      ///<                                           [rad/s]
+  std::vector<double> temperature;  ///< mean of |v - mean of the bin|², over D           [m²/s²]
+  std::vector<MatIn<D>> stress;     ///< window_stress() of the bin, all parts            [Pa]
 };
-Profile observe_profile(const State& state, double step, const ObservableChoice& choice);
+using Profile = ProfileIn<2>;
+template <int D>
+ProfileIn<D> observe_profile(const StateIn<D>& state, double step,
+                             const std::type_identity_t<ObservableChoiceIn<D>>& choice);
 
 /// Mass per time across a line: Σ m/(π a²) × (length of the line in the disk) × velocity across.
 /// Exact for any line that no disk passes at its ends: its integral in time is the mass that has
 /// crossed.                                                                            [kg/s]
-double line_flux(const State& state, const FluxLine& line);
+double mass_flux(const State& state, const FluxLine& line);
+/// Across a face: Σ m/(4/3 π a³) × (area of the face in the sphere) × velocity along the normal; its integral is the
+/// mass that has crossed there, of spheres that pass at its edge the part that did. In a periodic cell a plane without ends
+/// has a normal along an axis, and every face lies in the cell.
+double mass_flux(const StateIn<3>& state, const FluxFace& face);
 
 /// Loaded normal forces over their mean, in bins up to choice.force_limit; the last bin has all
 /// that is beyond as well.
@@ -79,9 +91,6 @@ struct ForceDistribution {
 };
 template <int D>
 ForceDistribution observe_forces(const StateIn<D>& state, double step,
-                                 const ObservableChoice& choice);
-
-/// Area of the disk about x that lies in the rectangle from low to high.               [m²]
-double area_in_rectangle(const Vec2& x, double radius, const Vec2& low, const Vec2& high);
+                                 const std::type_identity_t<ObservableChoiceIn<D>>& choice);
 
 }  // namespace bipot

@@ -9,30 +9,53 @@
 
 namespace bipot {
 
-/// A line that mass may cross. Flux is positive to its left, seen from a to b.
-struct FluxLine {
+/// What mass may cross: a line in the plane, a plane face in space.
+template <int D>
+struct CrossingIn;
+
+/// A line. Flux is positive to its left, seen from a to b.
+template <>
+struct CrossingIn<2> {
   std::string name;
   Vec2 a = Vec2::Zero(), b = Vec2::Zero();  ///< different                              [m]
 };
+using FluxLine = CrossingIn<2>;
+
+/// A face: a disk, a rectangle, or the plane without ends, in a periodic cell what of it lies in the cell. Flux is
+/// positive along the normal.
+template <>
+struct CrossingIn<3> {
+  enum class Shape { kPlane, kDisk, kRectangle };
+  std::string name;
+  Shape shape = Shape::kPlane;
+  Vec3 point = Vec3::Zero();    ///< its middle                                          [m]
+  Vec3 normal = Vec3::UnitZ();  ///< unit
+  double radius = 0;            ///< of a disk, > 0                                      [m]
+  Vec3 along = Vec3::UnitX();   ///< of the first side of a rectangle: unit, across the normal
+  Vec2 size = Vec2::Zero();     ///< of a rectangle: its sides, > 0                      [m]
+};
+using FluxFace = CrossingIn<3>;
 
 /// Bins across one axis, equal in width.
 struct ProfileChoice {
-  int axis = 1;              ///< 0: bins along x, 1: along y
+  int axis = 1;              ///< 0: bins along x, 1: along y, 2: along z
   int bins = 20;             ///< > 0
   double low = 0, high = 0;  ///< ends, low < high                                      [m]
 };
 
 /// What a run measures besides its ledger (core/observables); nothing where it is not asked for.
-struct ObservableChoice {
+template <int D>
+struct ObservableChoiceIn {
   int every = 10;     ///< steps between measurements, > 0
   double starts = 0;  ///< averages begin here                                          [s]
-  /// Rectangle that everything but flux is measured in; else the whole sample.         [m]
-  std::optional<std::pair<Vec2, Vec2>> window;
+  /// Rectangle, in space box, that everything but flux is measured in; else the whole sample. [m]
+  std::optional<std::pair<VecIn<D>, VecIn<D>>> window;
   std::optional<ProfileChoice> profile;
-  std::vector<FluxLine> lines;
+  std::vector<CrossingIn<D>> crossings;
   int force_bins = 30;  ///< of the distribution of normal forces, > 0
   double force_limit =
       6;  ///< its end, in mean forces, > 0; what is beyond is counted in the last bin
 };
+using ObservableChoice = ObservableChoiceIn<2>;
 
 }  // namespace bipot

@@ -176,7 +176,7 @@ struct SceneIn {
   SolverChoice solver;      ///< nonsmooth model only
   SpringDashpotChoice dem;  ///< spring-dashpot model only
   OutputChoice output;
-  std::optional<ObservableChoice> observables;  ///< in the plane
+  std::optional<ObservableChoiceIn<D>> observables;
 
   const ContactLaw& law(int material_a, int material_b) const {
     return laws[to_size(material_a) * materials.size() + to_size(material_b)];

@@ -7,6 +7,7 @@
 #include "bench/scenes/run_folder.h"
 #include "core/files/observable_output.h"
 #include "core/files/run_reader.h"
+#include "core/files/scene_file.h"
 #include "core/observables/observables.h"
 #include "core/scene/scene_family.h"
 #include "tests/support/temporary_folder.h"
@@ -27,7 +28,7 @@ Scene measured_scene() {
   choice.starts = 0.6;  // the middle of the run
   choice.window = {Vec2(0.2, 0), Vec2(4, 2.5)};
   choice.profile = ProfileChoice{.axis = 1, .bins = 4, .low = 0, .high = 4};
-  choice.lines = {{"middle", Vec2(4, 1), Vec2(0, 1)}};
+  choice.crossings = {{"middle", Vec2(4, 1), Vec2(0, 1)}};
   choice.force_bins = 5;
   scene.observables = choice;
   return scene;
@@ -42,13 +43,14 @@ std::string text_of(const std::filesystem::path& path) {
 }
 
 /// The run in one folder, stopped after each of `stops` steps and continued from its files.
-void run_in_parts(const Scene& scene, const std::filesystem::path& folder,
+template <int D>
+void run_in_parts(const SceneIn<D>& scene, const std::filesystem::path& folder,
                   const std::vector<int>& stops) {
   RunFolderOptions options;
   options.folder = folder;
   int done = 0;
   for (const int stop : stops) {
-    State state = done == 0 ? initial_state(scene) : read_state(folder);
+    StateIn<D> state = done == 0 ? initial_state(scene) : read_state<D>(folder);
     ASSERT_EQ(state.step, done);
     options.resume = done > 0;
     run_scene_into(scene, state, {.steps = stop - done}, options);
@@ -71,6 +73,68 @@ TEST(ObservableMeans, AreTheSameWhetherARunWasRestartedOrNot) {
     EXPECT_EQ(whole, text_of(folder.path() / "parts" / file)) << file;
     EXPECT_GT(std::count(whole.begin(), whole.end(), '\n'), 1) << file;
   }
+}
+
+TEST(ObservableMeans, InSpaceAreTheSameWhetherARunWasRestartedOrNot) {
+  const TemporaryFolder folder;
+  auto scene = std::get<SceneIn<3>>(parse_any_scene(R"(
+[contact]
+mu = 0.4
+[cell]
+width = 0.5
+[[spheres]]
+arrangement = "random"
+count = 30
+radii = [0.05, 0.07]
+width = 0.5
+depth = 0.4
+density = 1000
+[[walls]]
+point = [0, 0, 0]
+normal = [0, 0, 1]
+[[walls]]
+point = [0, 0, 0]
+normal = [0, 1, 0]
+[[walls]]
+point = [0, 0.4, 0]
+normal = [0, -1, 0]
+[time]
+step = 2e-3
+steps = 60
+[solver]
+tol = 1e-4
+[output]
+every = 25
+picture = false
+[observables]
+every = 3
+starts = 0.06
+window = [0.1, 0, 0, 0.45, 0.3, 0.5]
+profile = "z"
+profile_range = [0, 0.6]
+profile_bins = 5
+force_bins = 6
+[[observables.faces]]
+name = "level"
+point = [0, 0, 0.3]
+normal = [0, 0, -1]
+[[observables.faces]]
+name = "hole"
+point = [0.25, 0.2, 0.3]
+normal = [0.1, 0.2, -1]
+radius = 0.1
+)",
+                                                    "test.toml"));
+  run_in_parts(scene, folder.path() / "whole", {60});
+  run_in_parts(scene, folder.path() / "parts", {20, 39, 50, 60});
+  for (const char* file : kFiles) {
+    const std::string whole = text_of(folder.path() / "whole" / file);
+    EXPECT_EQ(whole, text_of(folder.path() / "parts" / file)) << file;
+    EXPECT_GT(std::count(whole.begin(), whole.end(), '\n'), 1) << file;
+  }
+  const NumberTable rows = read_number_table(folder / "whole/observables.csv");
+  EXPECT_GT(rows.rows[2][rows.column("flux_level")], 0);  // they fall through it
+  EXPECT_GT(rows.rows[2][rows.column("flux_level")], rows.rows[2][rows.column("flux_hole")]);
 }
 
 // A run that was stopped short and goes on has means of its own meanwhile: those of what it has measured.

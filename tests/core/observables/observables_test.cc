@@ -9,7 +9,6 @@
 #include "core/files/observable_output.h"
 #include "core/files/run_output.h"
 #include "core/files/scene_file.h"
-#include "tests/support/draw.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/temporary_folder.h"
 
@@ -19,41 +18,6 @@ namespace {
 ContactOutcome touching(int i, int j, const Vec2& n, double s_n,
                         ContactStatus status = ContactStatus::kStick) {
   return {.contact = {.i = i, .j = j, .n = n}, .s_n = s_n, .status = status};
-}
-
-TEST(Observables, AreaInARectangleAgainstCountedPoints) {
-  // Against counting 400 x 400 points of the rectangle: good to 1 % of the disk.
-  Draw draw(2);
-  for (int trial = 0; trial < 200; ++trial) {
-    const Vec2 x(draw.symmetric(), draw.symmetric());
-    const double radius = draw.between(0.2, 1.5);
-    const Vec2 low(draw.between(-1.5, 0.5), draw.between(-1.5, 0.5));
-    const Vec2 high = low + Vec2(draw.between(0.1, 1.5), draw.between(0.1, 1.5));
-    int inside = 0;
-    constexpr int kPoints = 200;
-    for (int a = 0; a < kPoints; ++a) {
-      for (int b = 0; b < kPoints; ++b) {
-        const Vec2 at =
-            low + (high - low).cwiseProduct(Vec2((a + 0.5) / kPoints, (b + 0.5) / kPoints));
-        inside += (at - x).norm() < radius ? 1 : 0;
-      }
-    }
-    const double expected = (high - low).prod() * inside / (kPoints * kPoints);
-    EXPECT_NEAR(area_in_rectangle(x, radius, low, high), expected, 0.01 * (high - low).prod());
-  }
-}
-
-TEST(Observables, AreaInARectangleByHand) {
-  const double disk = std::numbers::pi * 4;
-  const Vec2 far(10, 10);
-  EXPECT_NEAR(area_in_rectangle(Vec2::Zero(), 2, -far, far), disk, 1e-14);
-  EXPECT_NEAR(area_in_rectangle(Vec2::Zero(), 2, Vec2::Zero(), far), disk / 4, 1e-14);
-  EXPECT_NEAR(area_in_rectangle(Vec2::Zero(), 2, Vec2(-10, 1), far),
-              4 * (std::numbers::pi / 3 - std::sqrt(3.0) / 4),
-              1e-13);  // r² (θ - sin θ cos θ), θ = 60 degrees
-  EXPECT_NEAR(area_in_rectangle(Vec2::Zero(), 2, Vec2(-0.1, -0.2), Vec2(0.3, 0.1)), 0.4 * 0.3,
-              1e-14);
-  EXPECT_EQ(area_in_rectangle(Vec2(5, 0), 2, -Vec2::Ones(), Vec2::Ones()), 0);
 }
 
 /// Three disks on a floor in a row, the middle one on top of nothing: 0 touches the floor and 1, 1
@@ -150,13 +114,13 @@ TEST(Observables, ProfileOfShear) {
   for (std::size_t b = 0; b < 2; ++b) {
     EXPECT_NEAR(p.position[b], 0.1 + 0.2 * static_cast<double>(b), 1e-15);
     EXPECT_NEAR(p.solid_fraction[b], 5 * std::numbers::pi * 0.01 / 0.2, 1e-12);
-    EXPECT_NEAR(p.vx[b], static_cast<double>(b), 1e-12);
+    EXPECT_NEAR(p.velocity[b][0], static_cast<double>(b), 1e-12);
     EXPECT_NEAR(p.spin[b], 4, 1e-12);
     // vy: +1, -1, +1, -1, +1 (mean 1/5) and the other way round: half of 1 - 1/25.
     EXPECT_NEAR(p.temperature[b], 0.5 * (1 - 0.04), 1e-12);
   }
   EXPECT_EQ(p.solid_fraction[2], 0);
-  EXPECT_TRUE(std::isnan(p.vx[2]));
+  EXPECT_TRUE(std::isnan(p.velocity[2][0]));
 }
 
 TEST(Observables, FluxThroughALineIsTheMassThatCrosses) {
@@ -171,7 +135,7 @@ TEST(Observables, FluxThroughALineIsTheMassThatCrosses) {
     constexpr int kSteps = 10000;
     for (int k = 0; k < kSteps; ++k) {
       state.disks[0].x[1] = -0.2 + 0.4 * (k + 0.5) / kSteps;
-      crossed += line_flux(state, line) * 0.2 / kSteps;  // 0.4 m at 2 m/s
+      crossed += mass_flux(state, line) * 0.2 / kSteps;  // 0.4 m at 2 m/s
     }
     EXPECT_NEAR(crossed, end > 0 ? 2 : 1, 1e-5);
   }
@@ -329,6 +293,160 @@ TEST(Observables, OfSpheresInACubicLatticeAreKnown) {
   EXPECT_EQ(observe_forces<3>(state, 1, {}).mean, 1);
 }
 
+TEST(Observables, OfAWindowInALatticeOfSpheresAreThoseOfTheLattice) {
+  // A cubic lattice of 4 x 4 x 4 unit spheres, 1 N at each of its contacts. A window of 2 x 2 x 2 cells, wherever it
+  // begins, has π/6 of solid; one that begins in a sphere's middle less a half has 8 spheres of 6 contacts each.
+  // Every unit of area across an axis carries 1 N / 4 m².
+  SceneIn<3> scene = one_law_in_space({.mu = 0.5});
+  scene.step = 1;
+  StateIn<3> state;
+  const auto number = [](int a, int b, int c) { return a + 4 * b + 16 * c; };
+  for (int c = 0; c < 4; ++c) {
+    for (int b = 0; b < 4; ++b) {
+      for (int a = 0; a < 4; ++a) state.disks.push_back(ball(Vec3(2 * a, 2 * b, 2 * c), 1));
+    }
+  }
+  for (int i = 0; i < 64; ++i) {
+    const int at[3] = {i % 4, i / 4 % 4, i / 16};
+    for (int axis = 0; axis < 3; ++axis) {
+      if (at[axis] == 3) continue;
+      const int j = i + number(axis == 0 ? 1 : 0, axis == 1 ? 1 : 0, axis == 2 ? 1 : 0);
+      state.contacts.push_back({.contact = {.i = i, .j = j, .n = -Vec3::Unit(axis)}, .s_n = 1});
+    }
+  }
+  ObservableChoiceIn<3> choice;
+  choice.window = {Vec3(1.3, 0.6, 1.9), Vec3(5.3, 4.6, 5.9)};
+  ObservablesIn<3> seen = observe<3>(scene, state, choice);
+  EXPECT_NEAR(seen.solid_fraction, std::numbers::pi / 6, 1e-13);
+  EXPECT_LT((seen.stress.total() - 0.25 * MatIn<3>::Identity()).norm(), 1e-13);
+  choice.window = {Vec3(1, 1, 1), Vec3(5, 5, 5)};
+  seen = observe<3>(scene, state, choice);
+  EXPECT_EQ(seen.disks, 8);
+  EXPECT_EQ(seen.coordination, 6);
+  // Contacts at 1, 3 and 5 along one axis, of which 5 is outside, and at 2 and 4 along the others: 2 x 2 x 2 x 3.
+  EXPECT_EQ(seen.contacts, 24);
+  EXPECT_LT((seen.fabric - MatIn<3>::Identity() / 3).norm(), 1e-15);
+  EXPECT_EQ(observe_forces<3>(state, 1, choice).counts[5],
+            24);  // of 30 bins up to 6 times the mean
+  EXPECT_NEAR(seen.mean_diameter, 2, 1e-15);
+  choice.window = {Vec3(1, 1, 1), Vec3(1, 5, 5)};
+  EXPECT_THROW(observe<3>(scene, state, choice), std::invalid_argument);
+}
+
+TEST(Observables, ProfileOfSpheresIsCutExactly) {
+  // Unit spheres at z = 1 and z = 3 in a shaft of 2 x 2, in bins from 0 to 0.5, ... 4. The slice of a sphere between two
+  // planes: caps of height h have π h² (3 - h)/3, so that 0.5 gives 5 π/24 and 1 gives 16 π/24.
+  SceneIn<3> scene = one_law_in_space({});
+  StateIn<3> state;
+  state.disks = {ball(Vec3(0, 0, 1), 1, Vec3(1, 2, 3), 2, Vec3(4, 5, 6)),
+                 ball(Vec3(0, 0, 3), 1, Vec3(-1, 2, 3))};
+  for (int axis = 0; axis < 2; ++axis) {
+    state.walls.push_back(half_space(-Vec3::Unit(axis), Vec3::Unit(axis)));
+    state.walls.push_back(half_space(Vec3::Unit(axis), -Vec3::Unit(axis)));
+  }
+  ObservableChoiceIn<3> choice;
+  choice.profile = ProfileChoice{.axis = 2, .bins = 8, .low = 0, .high = 4};
+  ProfileIn<3> p = observe_profile<3>(state, 1e-9, choice);
+  const double pi = std::numbers::pi;
+  for (std::size_t b = 0; b < 8; ++b) {
+    const bool end = b % 4 == 0 || b % 4 == 3;
+    EXPECT_NEAR(p.solid_fraction[b], (end ? 5 : 11) * pi / 24 / (0.5 * 4), 1e-13);
+    EXPECT_LT((p.velocity[b] - Vec3(b < 4 ? 1 : -1, 2, 3)).norm(), 1e-12);
+    EXPECT_LT((p.spin[b] - (b < 4 ? Vec3(4, 5, 6) : Vec3(0, 0, 0))).norm(), 1e-12);
+    EXPECT_NEAR(p.temperature[b], 0, 1e-12);
+  }
+  // Both in one bin: half each, v_x = ±1 about 0, a third of 1.
+  choice.profile = ProfileChoice{.axis = 2, .bins = 1, .low = 0, .high = 4};
+  p = observe_profile<3>(state, 1e-9, choice);
+  EXPECT_NEAR(p.temperature[0], 1.0 / 3, 1e-12);
+  EXPECT_NEAR(p.solid_fraction[0], pi / 6, 1e-13);
+  // In a pipe of radius 1 instead: 8/3 π of 4 π.
+  WallIn<3> pipe;
+  pipe.shape = WallIn<3>::Shape::kHollowCircle;
+  pipe.normal = Vec3::UnitZ();
+  pipe.radius = 1;
+  state.walls = {pipe};
+  EXPECT_NEAR(observe_profile<3>(state, 1e-9, choice).solid_fraction[0], 2.0 / 3, 1e-3);
+  state.disks.push_back(
+      ball(Vec3(5, 0, 1), 4));  // reaches beyond the pipe: its box leaves the whole circle
+  state.disks.back().wall = 0;  // and does not count itself
+  EXPECT_NEAR(observe_profile<3>(state, 1e-9, choice).solid_fraction[0], 2.0 / 3, 1e-12);
+}
+
+TEST(Observables, StressOfABinIsTheWeightAboveIt) {
+  // Three unit spheres on top of each other in a shaft of 2 x 2, that of weight w at the top: the contacts at z = 0, 2 and
+  // 4 carry 3, 2 and 1 w. Branches from 1 to the floor, 3 to 1, 5 to 3: over bins of 1 m, σ_zz = 3, 2, 2, 1, 1, 0 w/4.
+  StateIn<3> state;
+  for (int k = 0; k < 3; ++k) state.disks.push_back(ball(Vec3(0, 0, 1 + 2 * k), 1));
+  for (int axis = 0; axis < 2; ++axis) {
+    state.walls.push_back(half_space(-Vec3::Unit(axis), Vec3::Unit(axis)));
+    state.walls.push_back(half_space(Vec3::Unit(axis), -Vec3::Unit(axis)));
+  }
+  state.walls.push_back(half_space(Vec3::Zero(), Vec3::UnitZ()));
+  const double weight = 7, step = 0.5;
+  state.contacts = {{.contact = {.i = 0, .j = 1, .n = -Vec3::UnitZ()}, .s_n = 2 * weight * step},
+                    {.contact = {.i = 0, .j = 7, .n = Vec3::UnitZ()}, .s_n = 3 * weight * step},
+                    {.contact = {.i = 1, .j = 2, .n = -Vec3::UnitZ()}, .s_n = weight * step}};
+  ObservableChoiceIn<3> choice;
+  choice.profile = ProfileChoice{.axis = 2, .bins = 6, .low = 0, .high = 6};
+  const ProfileIn<3> p = observe_profile<3>(state, step, choice);
+  const double expected[] = {3, 2, 2, 1, 1, 0};
+  for (std::size_t b = 0; b < 6; ++b) {
+    MatIn<3> stress = MatIn<3>::Zero();
+    stress(2, 2) = expected[b] * weight / 4;
+    EXPECT_LT((p.stress[b] - stress).norm(), 1e-12) << b;
+  }
+}
+
+TEST(Observables, FluxThroughAFaceIsTheMassThatCrosses) {
+  // A sphere of 2 kg flies along (1, 1, 0)/√2 through faces across that way; the flux's integral (midpoint rule) is the
+  // mass that has crossed: all of it through the plane, and through a disk and a rectangle that are wide enough; none
+  // beside them; half of it through a rectangle whose edge its centre meets, and against the normal negative.
+  const Vec3 way = Vec3(1, 1, 0).normalized(), up = Vec3::UnitZ();
+  const auto crossed = [&](const FluxFace& face) {
+    StateIn<3> state;
+    state.disks = {ball(Vec3::Zero(), 0.1, 3 * way)};
+    double mass = 0;
+    constexpr int kSteps = 10000;
+    for (int k = 0; k < kSteps; ++k) {
+      state.disks[0].x = (-0.2 + 0.4 * (k + 0.5) / kSteps) * way;
+      mass += mass_flux(state, face) * 0.4 / 3 / kSteps;  // 0.4 m at 3 m/s
+    }
+    return mass;
+  };
+  using Shape = FluxFace::Shape;
+  FluxFace face{.name = "f", .normal = way, .along = up};
+  EXPECT_NEAR(crossed(face), 2, 1e-6);
+  face.shape = Shape::kDisk;
+  face.radius = 0.1;
+  EXPECT_NEAR(crossed(face), 2, 1e-6);
+  face.normal = -way;
+  EXPECT_NEAR(crossed(face), -2, 1e-6);
+  face.point = 0.21 * up;
+  EXPECT_EQ(crossed(face), 0);
+  face = {.shape = Shape::kRectangle,
+          .point = 0.5 * up,
+          .normal = way,
+          .along = up,
+          .size = Vec2(1, 0.3)};
+  EXPECT_NEAR(crossed(face), 1, 1e-6);  // the side of 1 m begins at the sphere's centre
+  face.along = up.cross(way);           // now the side of 0.3 m is upright: 0.35 to 0.65
+  EXPECT_EQ(crossed(face), 0);
+}
+
+TEST(Observables, FluxThroughAPlaneInAPeriodicCellCountsEachSphereOnce) {
+  // A sphere in the corner of the cell, falling: its section with the plane z = 0 is a circle of radius √(1 - 0.36) = 0.8
+  // in four parts. Along x, it leaves at x = 4 and comes in at x = 0, the same place.
+  StateIn<3> state;
+  state.cell.in_x = state.cell.in_y = true;
+  state.cell.width.length = state.cell.height.length = 4;
+  state.disks = {ball(Vec3(4, 8, 0.6), 1, Vec3(3, 0, -5))};
+  const double density = 2 / (4 * std::numbers::pi / 3), pi = std::numbers::pi;
+  EXPECT_NEAR(mass_flux(state, FluxFace{}), -5 * density * 0.64 * pi, 1e-12);
+  const FluxFace across{.point = Vec3(4, 0, 0), .normal = Vec3::UnitX(), .along = Vec3::UnitY()};
+  EXPECT_NEAR(mass_flux(state, across), 3 * density * pi, 1e-12);
+}
+
 TEST(Observables, StressRatioOfSimpleShearIsShearOverPressure) {
   MatIn<3> stress = 4 * MatIn<3>::Identity();
   stress(0, 2) = stress(2, 0) = 1.2;
@@ -373,6 +491,18 @@ normal = [0, 0, 1]
 [observables]
 every = 1
 force_bins = 5
+window = [0, 0, 0, 1, 1, 0.8]
+profile = "z"
+profile_range = [0, 0.8]
+profile_bins = 2
+[[observables.faces]]
+name = "middle"
+point = [0, 0, 0.4]
+normal = [0, 0, 2]
+[[observables.faces]]
+point = [0.5, 0.5, 0.2]
+normal = [0, 0, -1]
+radius = 0.5
 [time]
 step = 1e-3
 steps = 2
@@ -397,7 +527,13 @@ steps = 2
   const Hdf5File frame(folder / "out" / "frames" / "00000002.h5", Hdf5File::Mode::kRead);
   EXPECT_NEAR(frame.read_double("/observables/density"), 1 / (4 * std::numbers::pi / 3 * 0.008),
               1e-9);
-  EXPECT_THROW(parse_any_scene(std::string(text) + "[observables.window]\n", "t"), SceneFileError);
+  EXPECT_EQ(frame.read_doubles("/observables/profile/vz").size(), 2u);
+  EXPECT_EQ(frame.read_doubles("/observables/profile/stress_yz").size(), 2u);
+  EXPECT_EQ(frame.read_double("/observables/flux/middle"), 0);
+  const NumberTable profile = read_number_table(folder / "out" / "profile_mean.csv");
+  ASSERT_EQ(profile.rows.size(), 2u);  // four spheres in each half
+  EXPECT_NEAR(profile.rows[1][profile.column("solid_fraction")],
+              4 * 4 * std::numbers::pi / 3 * 0.008 / 0.4, 1e-9);
 }
 
 }  // namespace
