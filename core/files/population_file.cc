@@ -161,6 +161,7 @@ void write_no_body(Hdf5File& file, const VecIn<D>& x) {
     file.write(std::string("/no_body/") + name, 0.0);
   }
   file.write("/no_body/material", 0);
+  file.write("/no_body/cluster", -1);
   file.write("/no_body/points", 0);
 }
 

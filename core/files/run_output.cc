@@ -230,6 +230,7 @@ XdmfIndex make_index(const Scene& scene) {
                   : scene.cell.in_x ? 2
                                     : 0);
   if (scene.has_gates()) index.let_bodies_change();
+  if (!scene.clusters.empty()) index.let_disks_be_joined();
   return index;
 }
 XdmfIndex make_index(const SceneIn<3>& scene) {

@@ -72,20 +72,21 @@ void XdmfIndex::add(const FrameEntry& frame) {
     const std::size_t n = none ? 1 : bodies_change_ ? frame.disks : num_disks_;
     const std::string moving = none ? "run.h5:/no_body/" : file + "/disks/";
     const std::string fixed = bodies_change_ ? moving : "run.h5:/disks/";
-    disks_ +=
-        grid(fmt::format("      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
-                         "NodesPerElement=\"1\">{}</Topology>\n",
-                         n, data_item(fixed + "points", n, 1, true)) +
-             geometry(moving + (num_cell_lines_ > 0 ? "x_in_cell" : "x"), n, dimensions_) +
-             attribute("radius", fixed + "radius", n, "Node") +
-             attribute("mass", fixed + "mass", n, "Node") +
-             attribute("material", fixed + "material", n, "Node", 1, true) +
-             attribute("velocity", moving + "v", n, "Node", 3) +
-             attribute("spin", moving + "spin", n, "Node", turns) +
-             (dimensions_ == 2 ? attribute("angle", moving + "angle", n, "Node") : std::string()) +
-             (frame.stress ? attribute("stress", moving + "stress", n, "Node", 6) +
-                                 attribute("pressure", moving + "pressure", n, "Node")
-                           : std::string()));
+    disks_ += grid(
+        fmt::format("      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
+                    "NodesPerElement=\"1\">{}</Topology>\n",
+                    n, data_item(fixed + "points", n, 1, true)) +
+        geometry(moving + (num_cell_lines_ > 0 ? "x_in_cell" : "x"), n, dimensions_) +
+        attribute("radius", fixed + "radius", n, "Node") +
+        attribute("mass", fixed + "mass", n, "Node") +
+        attribute("material", fixed + "material", n, "Node", 1, true) +
+        (clusters_ ? attribute("cluster", moving + "cluster", n, "Node", 1, true) : std::string()) +
+        attribute("velocity", moving + "v", n, "Node", 3) +
+        attribute("spin", moving + "spin", n, "Node", turns) +
+        (dimensions_ == 2 ? attribute("angle", moving + "angle", n, "Node") : std::string()) +
+        (frame.stress ? attribute("stress", moving + "stress", n, "Node", 6) +
+                            attribute("pressure", moving + "pressure", n, "Node")
+                      : std::string()));
   }
   // ParaView's readers stumble over empty grids and over collections with gaps: a frame without
   // contacts shows run.h5:/no_contact, a segment of no length and no force.

@@ -41,13 +41,16 @@ class XdmfIndex {
   /// Of a run whose bodies come or go: each frame says how many it has.
   void let_bodies_change() { bodies_change_ = true; }
 
+  /// Each frame says which cluster a disk is part of.
+  void let_disks_be_joined() { clusters_ = true; }
+
   void add(const FrameEntry& frame);
   /// Whole or not at all (AtomicFile). Throws FileError.
   void write(const std::filesystem::path& path) const;
 
  private:
   int dimensions_ = 2;
-  bool bodies_change_ = false;
+  bool bodies_change_ = false, clusters_ = false;
   std::size_t num_disks_ = 0, num_walls_ = 0, num_circles_ = 0, num_cell_lines_ = 0;
   std::string disks_, contacts_, walls_, circles_, cell_;  // grids of all frames
 };

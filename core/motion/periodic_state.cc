@@ -9,9 +9,17 @@ StateIn<D> wrapped_state(const StateIn<D>& state) {
   StateIn<D> inside = state;
   const PeriodicCell& cell = state.cell;
   if (!cell.periodic()) return inside;
-  std::vector<CellNumber> numbers;
+  // A cluster stays whole: its disks go where its centre of mass does.
+  std::vector<CellNumber> of_cluster, numbers;
+  for (Cluster& c : inside.clusters.bodies) {
+    of_cluster.push_back(cell_number(cell, c.x));
+    const auto [kx, ky] = of_cluster.back();
+    c.x -= cell.shift(kx, ky);
+    if (cell.deforms()) c.v -= cell.shift_velocity(kx, ky);
+  }
   for (BodyIn<D>& d : inside.disks) {
-    numbers.push_back(cell_number(cell, d.x.template head<2>()));
+    numbers.push_back(d.cluster >= 0 ? of_cluster[to_size(d.cluster)]
+                                     : cell_number(cell, d.x.template head<2>()));
     const auto [kx, ky] = numbers.back();
     d.x -= in_dimensions<D>(cell.shift(kx, ky));
     if (cell.deforms()) d.v -= in_dimensions<D>(cell.shift_velocity(kx, ky));

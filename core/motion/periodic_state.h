@@ -8,7 +8,7 @@
 
 namespace bipot {
 
-/// The same state with each disk in the cell (0, 0), for what looks at places: pictures, windows,
+/// The same state with each disk, and the centre of mass of each cluster, in the cell (0, 0), for what looks at places: pictures, windows,
 /// profiles, and with the velocity that the image there has. Images of contacts are those between the bodies in their new places. A state that is
 /// not periodic comes back as it is.
 template <int D>

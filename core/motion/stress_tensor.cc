@@ -38,6 +38,8 @@ struct Link {
   double share_i = 1;  // of disk i in the branch
   MatIn<D> symmetric = MatIn<D>::Zero();  // [N m]
   SpinIn<D> arms = no_turn<D>();          // (a_i + a_j) n × s_t / h             [N m]
+  VecIn<D> force = VecIn<D>::Zero();      // on i                                  [N]
+  MatIn<D> lever = MatIn<D>::Zero();      // beside the tensor, where it ends in clusters [N m]
   MatIn<D> tensor() const { return symmetric + cross_matrix(0.5 * arms); }
 };
 
@@ -73,6 +75,7 @@ std::vector<Link<D>> collect_links(const StateIn<D>& state, double step) {
           (o.s_n * n * n.transpose() + 0.5 * (o.s_t * n.transpose() + n * o.s_t.transpose()));
     }
     link.arms = arms * turning(n, o.s_t) / step;
+    link.force = (o.s_n * n + tangent_vector(n, o.s_t)) / step;
     links.push_back(link);
   }
   return links;
@@ -127,10 +130,13 @@ void add_levers(const State& state, double step, const Add& add) {
   }
 }
 
-/// The clusters as bodies that have nothing but mass and motion.
-std::vector<Disk> clusters_as_disks(const Clusters& clusters) {
+/// The clusters as bodies that have nothing but mass and motion, beyond the deformation of the cell.
+std::vector<Disk> clusters_as_disks(const State& state) {
   std::vector<Disk> disks;
-  for (const Cluster& c : clusters.bodies) disks.push_back({.x = c.x, .v = c.v, .mass = c.mass});
+  for (const Cluster& c : state.clusters.bodies) {
+    disks.push_back({.x = c.x, .v = c.v, .mass = c.mass});
+    if (state.cell.deforms()) disks.back().v -= homogeneous_velocity(state.cell, c.x);
+  }
   return disks;
 }
 
@@ -140,8 +146,8 @@ const std::vector<BodyIn<D>>& with_clusters(const StateIn<D>& state,
                                             std::vector<BodyIn<D>>& disks) {
   if constexpr (D == 2) {
     if (!state.clusters.empty()) {
-      disks = state.disks;
-      const std::vector<Disk> joined = clusters_as_disks(state.clusters);
+      disks = without_deformation(state, disks);
+      const std::vector<Disk> joined = clusters_as_disks(state);
       disks.insert(disks.end(), joined.begin(), joined.end());
       return disks;
     }
@@ -170,7 +176,7 @@ void gather_clusters(const State& state, double step, const Vec2& mean,
     stresses[disk].spin += spin;
   });
   std::vector<MeanStress> of_cluster(state.clusters.bodies.size());
-  const std::vector<Disk> bodies = clusters_as_disks(state.clusters);
+  const std::vector<Disk> bodies = clusters_as_disks(state);
   for (std::size_t c = 0; c < bodies.size(); ++c) {
     of_cluster[c].kinetic = kinetic_part<2>(bodies[c], mean);
   }
@@ -187,6 +193,79 @@ void gather_clusters(const State& state, double step, const Vec2& mean,
     const int cluster = state.disks[k].cluster;
     if (cluster >= 0) stresses[k] = of_cluster[to_size(cluster)];
   }
+}
+
+/// Of links that end in clusters: the branch from and to their centres of mass, and the tensor that goes with it; what the
+/// contacts turn the clusters with goes to the moments of theirs. `arms`: from the centre of mass of its cluster to each
+/// disk at mid-step.
+void end_in_clusters(const State& state, std::vector<Link<2>>& links,
+                     const std::vector<Vec2>& arms) {
+  for (Link<2>& link : links) {
+    const int joined[2] = {state.disks[to_size(link.i)].cluster,
+                           link.j < 0 ? -1 : state.disks[to_size(link.j)].cluster};
+    if (joined[0] >= 0) {
+      const Vec2& c = arms[to_size(link.i)];
+      link.from -= c;
+      link.lever -= link.force * c.transpose();
+    }
+    if (joined[1] >= 0) {
+      const Vec2& c = arms[to_size(link.j)];
+      link.to -= c;
+      link.lever += link.force * c.transpose();
+    }
+  }
+}
+
+/// The arms of end_in_clusters(), zero of disks in no cluster.
+std::vector<Vec2> arms_at_middle(const State& state, double step) {
+  std::vector<Vec2> arms(state.disks.size(), Vec2::Zero());
+  for (std::size_t k = 0; k < arms.size(); ++k) {
+    if (state.disks[k].cluster < 0) continue;
+    Cluster cluster = state.clusters.bodies[to_size(state.disks[k].cluster)];
+    drift(cluster, -0.5 * step);
+    arms[k] = turned_arm(cluster, state.clusters.arms[k]);
+  }
+  return arms;
+}
+
+/// Where what is measured of a body counts: its motion and its moment.
+template <int D>
+struct Centre {
+  BodyIn<D> body;  // x at mid-step
+  SpinIn<D> moment = no_turn<D>();
+};
+
+template <int D>
+std::vector<Centre<D>> centres(const StateIn<D>& state, double step,
+                               std::span<const std::type_identity_t<SpinIn<D>>> moments) {
+  std::vector<Centre<D>> list;
+  for (std::size_t k = 0; k < state.disks.size(); ++k) {
+    if (state.disks[k].cluster >= 0) continue;
+    list.push_back({state.disks[k], moments[k]});
+    list.back().body.x = middle(state.disks[k], step);
+  }
+  if constexpr (D == 2) {
+    if (state.clusters.empty()) return list;
+    const std::size_t first = list.size();
+    for (const Cluster& c : state.clusters.bodies) {
+      list.push_back({Disk{.x = c.x - 0.5 * step * c.v, .v = c.v, .mass = c.mass}});
+    }
+    for (std::size_t k = 0; k < state.disks.size(); ++k) {
+      const int c = state.disks[k].cluster;
+      if (c >= 0) list[first + to_size(c)].moment += moments[k];
+    }
+    const std::vector<Vec2> arms = arms_at_middle(state, step);
+    for (const Link<2>& link : collect_links(state, step)) {
+      for (const auto& [disk, sign] : {std::pair(link.i, 1.0), std::pair(link.j, -1.0)}) {
+        const int c = disk < 0 ? -1 : state.disks[to_size(disk)].cluster;
+        if (c < 0) continue;
+        const Vec2& arm = arms[to_size(disk)];
+        const Vec2 force = sign * link.force;
+        list[first + to_size(c)].moment += step * (arm[0] * force[1] - arm[1] * force[0]);
+      }
+    }
+  }
+  return list;
 }
 
 /// Length share of the segment from a to b with lower <= x < upper in every coordinate.
@@ -422,21 +501,25 @@ MeanStressIn<D> window_stress(const StateIn<D>& state, double step, const BoxIn<
                               std::span<const std::type_identity_t<SpinIn<D>>> moments) {
   MeanStressIn<D> stress;
   const std::vector<Vec2> shifts = image_shifts(state.cell);
-  for (const Link<D>& link : collect_links(state, step)) {
+  std::vector<Link<D>> links = collect_links(state, step);
+  if constexpr (D == 2) {
+    if (!state.clusters.empty()) end_in_clusters(state, links, arms_at_middle(state, step));
+  }
+  for (const Link<D>& link : links) {
     for (const Vec2& image : shifts) {
       const VecIn<D> shift = in_dimensions<D>(image);
       const double share = share_inside<D>(link.from + shift, link.to + shift, window);
-      if (share > 0) stress.contact += share * link.tensor();
+      if (share > 0) stress.contact += share * (link.tensor() + link.lever);
     }
   }
   std::vector<BodyIn<D>> inside;
-  for (std::size_t k = 0; k < state.disks.size(); ++k) {
-    const VecIn<D> x = middle(state.disks[k], step);
+  for (const Centre<D>& centre : centres(state, step, moments)) {
+    const VecIn<D>& x = centre.body.x;
     const bool in =
         (x.array() >= window.lower.array()).all() && (x.array() < window.upper.array()).all();
     if (!in) continue;
-    inside.push_back(state.disks[k]);
-    stress.spin += spin_part(moments[k], step);
+    inside.push_back(centre.body);
+    stress.spin += spin_part(centre.moment, step);
   }
   const VecIn<D> mean = mean_velocity<D>(inside);
   for (const BodyIn<D>& d : inside) stress.kinetic += kinetic_part(d, mean);

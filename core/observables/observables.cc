@@ -10,6 +10,7 @@
 #include "core/motion/periodic_state.h"
 #include "core/motion/sample_volume.h"
 #include "core/observables/cut_bodies.h"
+#include "core/observables/measured_bodies.h"
 
 namespace bipot {
 namespace {
@@ -39,17 +40,17 @@ StateIn<D> in_place(const StateIn<D>& state) {
 
 /// Least squares fit v = v0 + L x.
 template <int D>
-MatIn<D> fitted_gradient(const std::vector<const BodyIn<D>*>& disks) {
+MatIn<D> fitted_gradient(const std::vector<const MeasuredBodyIn<D>*>& disks) {
   const MatIn<D> undefined = MatIn<D>::Constant(kNaN);
   if (disks.size() < D + 1) return undefined;
   VecIn<D> x_mean = VecIn<D>::Zero(), v_mean = VecIn<D>::Zero();
   const double count = static_cast<double>(disks.size());
-  for (const BodyIn<D>* d : disks) {
+  for (const MeasuredBodyIn<D>* d : disks) {
     x_mean += d->x / count;
     v_mean += d->v / count;
   }
   MatIn<D> xx = MatIn<D>::Zero(), vx = MatIn<D>::Zero();
-  for (const BodyIn<D>* d : disks) {
+  for (const MeasuredBodyIn<D>* d : disks) {
     const VecIn<D> x = d->x - x_mean;
     xx += x * x.transpose();
     vx += (d->v - v_mean) * x.transpose();
@@ -60,39 +61,34 @@ MatIn<D> fitted_gradient(const std::vector<const BodyIn<D>*>& disks) {
   return vx * xx.inverse();
 }
 
-double size_of(const Disk& d) { return std::numbers::pi * d.radius * d.radius; }
-double size_of(const Sphere& s) {
-  return 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius;
-}
-
 /// Mean diameter and density of the spheres; in the plane neither is asked for.
 void observe_grains(const State& /*placed*/, const ObservableChoice& /*choice*/,
                     Observables& /*seen*/) {}
 void observe_grains(const StateIn<3>& placed, const ObservableChoiceIn<3>& choice,
                     ObservablesIn<3>& seen) {
   double mass = 0, volume = 0;
-  for (const Sphere& s : placed.disks) {
-    if (s.wall >= 0 || !in_window<3>(choice, s.x)) continue;
-    seen.mean_diameter += 2 * s.radius / seen.disks;
-    mass += s.mass;
-    volume += size_of(s);
+  for (const MeasuredBodyIn<3>& body : measured_bodies(placed).list) {
+    if (!in_window<3>(choice, body.x)) continue;
+    seen.mean_diameter += 2 * placed.disks[body.parts.front()].radius / seen.disks;
+    mass += body.mass;
+    volume += body.size;
   }
   seen.density = mass / volume;
 }
 
-/// What the disks take up of the window.
+/// What the bodies take up of the window.
 template <int D>
-double disks_area(const StateIn<D>& placed, const ObservableChoiceIn<D>& choice) {
+double disks_area(const StateIn<D>& placed, const MeasuredBodies<D>& bodies,
+                  const ObservableChoiceIn<D>& choice) {
   double sum = 0;
-  for (const BodyIn<D>& d : placed.disks) {
-    if (d.wall >= 0) continue;
+  for (const MeasuredBodyIn<D>& body : bodies.list) {
     if (!choice.window) {
-      sum += size_of(d);
+      sum += body.size;
       continue;
     }
     for (const Vec2& shift : image_shifts(placed.cell)) {
-      sum += part_in_box(d.x + in_dimensions<D>(shift), d.radius, choice.window->first,
-                         choice.window->second);
+      sum += part_in_box<D>(placed, body, in_dimensions<D>(shift), choice.window->first,
+                            choice.window->second);
     }
   }
   return sum;
@@ -100,15 +96,16 @@ double disks_area(const StateIn<D>& placed, const ObservableChoiceIn<D>& choice)
 
 /// Contacts: coordination, sliding, fabric.
 template <int D>
-void observe_contacts(const StateIn<D>& placed, const ObservableChoiceIn<D>& choice,
-                      const std::vector<bool>& rattles, ObservablesIn<D>& seen) {
+void observe_contacts(const StateIn<D>& placed, const MeasuredBodies<D>& bodies,
+                      const ObservableChoiceIn<D>& choice, const std::vector<bool>& rattles,
+                      ObservablesIn<D>& seen) {
   std::vector<bool> counted(placed.disks.size());
-  for (std::size_t i = 0; i < placed.disks.size(); ++i) {
-    counted[i] = placed.disks[i].wall < 0 && in_window<D>(choice, placed.disks[i].x);
-    if (!counted[i]) continue;
+  for (const MeasuredBodyIn<D>& body : bodies.list) {
+    if (!in_window<D>(choice, body.x)) continue;
+    for (const std::size_t i : body.parts) counted[i] = true;
     ++seen.disks;
-    seen.rattlers += rattles[i] ? 1 : 0;
-    seen.mean_mass += placed.disks[i].mass;
+    seen.rattlers += rattles[body.parts.front()] ? 1 : 0;
+    seen.mean_mass += body.mass;
   }
   seen.mean_mass /= seen.disks;
   int ends = 0, held_ends = 0;
@@ -218,26 +215,29 @@ template <int D>
 std::vector<bool> find_rattlers(const SceneIn<D>& scene, const StateIn<D>& state) {
   const bool gravity = !scene.gravity.isZero(0);
   const int needed = scene.has_friction() ? 2 : gravity ? D : D + 1;
-  const std::size_t disks = state.disks.size();
-  std::vector<int> held(disks, 0);
-  std::vector<std::vector<std::size_t>> neighbours(disks);
+  const MeasuredBodies<D> bodies = measured_bodies(state);
+  std::vector<int> held(bodies.list.size(), 0);
+  std::vector<std::vector<std::size_t>> neighbours(bodies.list.size());
   for (const ContactOutcomeIn<D>& o : state.contacts) {
     if (!(o.s_n > 0)) continue;
-    const std::size_t i = to_size(o.contact.i), j = to_size(o.contact.j);
-    ++held[i];
-    if (j >= disks) continue;
-    ++held[j];
-    neighbours[i].push_back(j);
-    neighbours[j].push_back(i);
+    const std::size_t j = to_size(o.contact.j);
+    const int a = bodies.of_disk[to_size(o.contact.i)];
+    const int b = j < state.disks.size() ? bodies.of_disk[j] : -1;
+    for (const auto& [one, other] : {std::pair(a, b), std::pair(b, a)}) {
+      if (one < 0) continue;
+      ++held[to_size(one)];
+      if (other >= 0) neighbours[to_size(one)].push_back(to_size(other));
+    }
   }
-  std::vector<bool> rattles(disks, false);
+  std::vector<bool> rattles(state.disks.size(), false);
   std::vector<std::size_t> loose;
-  const auto let_go = [&](std::size_t i) {
-    if (rattles[i] || held[i] >= needed || state.disks[i].wall >= 0) return;
-    rattles[i] = true;
-    loose.push_back(i);
+  const auto let_go = [&](std::size_t body) {
+    const std::vector<std::size_t>& parts = bodies.list[body].parts;
+    if (rattles[parts.front()] || held[body] >= needed) return;
+    for (const std::size_t i : parts) rattles[i] = true;
+    loose.push_back(body);
   };
-  for (std::size_t i = 0; i < disks; ++i) let_go(i);
+  for (std::size_t i = 0; i < bodies.list.size(); ++i) let_go(i);
   while (!loose.empty()) {
     const std::size_t i = loose.back();
     loose.pop_back();
@@ -254,7 +254,8 @@ ObservablesIn<D> observe(const SceneIn<D>& scene, const StateIn<D>& state,
                          const std::type_identity_t<ObservableChoiceIn<D>>& choice) {
   ObservablesIn<D> seen;
   const StateIn<D> placed = in_place(state);
-  observe_contacts<D>(placed, choice, find_rattlers(scene, state), seen);
+  const MeasuredBodies<D> bodies = measured_bodies(placed);
+  observe_contacts<D>(placed, bodies, choice, find_rattlers(scene, state), seen);
   observe_grains(placed, choice, seen);
   const std::vector<SpinIn<D>> moments = contact_moments(state);
   double area = 0;
@@ -269,11 +270,10 @@ ObservablesIn<D> observe(const SceneIn<D>& scene, const StateIn<D>& state,
     area = sample_area(state, scene.step);
     seen.stress = sample_stress<D>(state, scene.step, area, moments);
   }
-  seen.solid_fraction = disks_area<D>(placed, choice) / area;
-  std::vector<const BodyIn<D>*> measured;
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    if (placed.disks[i].wall >= 0) continue;
-    if (in_window<D>(choice, placed.disks[i].x)) measured.push_back(&placed.disks[i]);
+  seen.solid_fraction = disks_area<D>(placed, bodies, choice) / area;
+  std::vector<const MeasuredBodyIn<D>*> measured;
+  for (const MeasuredBodyIn<D>& body : bodies.list) {
+    if (in_window<D>(choice, body.x)) measured.push_back(&body);
   }
   seen.velocity_gradient = fitted_gradient<D>(measured);
   return seen;
@@ -298,24 +298,28 @@ ProfileIn<D> observe_profile(const StateIn<D>& state, double step,
   std::vector<double> area(bins, 0.0), square(bins, 0.0);
   profile.velocity.assign(bins, VecIn<D>::Zero());
   profile.spin.assign(bins, no_turn<D>());
-  for (const BodyIn<D>& d : placed.disks) {
-    if (d.wall >= 0) continue;
-    for (const Vec2& shift : image_shifts(placed.cell)) {
-      const VecIn<D> x = d.x + in_dimensions<D>(shift);
-      const auto bin_at = [&](double at) {
-        const double bin = std::floor((at - chosen.low) / width);
-        return static_cast<int>(std::clamp(bin, -1.0, static_cast<double>(chosen.bins)));
-      };
-      const int first = std::max(0, bin_at(x[a] - d.radius));
-      const int last = std::min(chosen.bins - 1, bin_at(x[a] + d.radius));
+  const auto bin_at = [&](double at) {
+    const double bin = std::floor((at - chosen.low) / width);
+    return static_cast<int>(std::clamp(bin, -1.0, static_cast<double>(chosen.bins)));
+  };
+  for (const MeasuredBodyIn<D>& body : measured_bodies(placed).list) {
+    double lowest = kInfinity, highest = -kInfinity;
+    for (const std::size_t i : body.parts) {
+      lowest = std::min(lowest, placed.disks[i].x[a] - placed.disks[i].radius);
+      highest = std::max(highest, placed.disks[i].x[a] + placed.disks[i].radius);
+    }
+    for (const Vec2& image : image_shifts(placed.cell)) {
+      const VecIn<D> shift = in_dimensions<D>(image);
+      const int first = std::max(0, bin_at(lowest + shift[a]));
+      const int last = std::min(chosen.bins - 1, bin_at(highest + shift[a]));
       for (int bin = first; bin <= last; ++bin) {
         const BoxIn<D> box = box_of(bin);
-        const double part = part_in_box(x, d.radius, box.lower, box.upper);
+        const double part = part_in_box<D>(placed, body, shift, box.lower, box.upper);
         const std::size_t b = to_size(bin);
         area[b] += part;
-        profile.velocity[b] += part * d.v;
-        profile.spin[b] += part * d.spin;
-        square[b] += part * d.v.squaredNorm();
+        profile.velocity[b] += part * body.v;
+        profile.spin[b] += part * body.spin;
+        square[b] += part * body.v.squaredNorm();
       }
     }
   }
@@ -343,15 +347,36 @@ double mass_flux(const State& state, const FluxLine& line) {
   const Vec2 left(-along[1], along[0]);
   const double length = (line.b - line.a).norm();
   double flux = 0;
-  for (const Disk& d : placed.disks) {
+  std::vector<std::pair<double, double>> chords;  // of the line in the body's disks
+  for (const MeasuredBodyIn<2>& body : measured_bodies(placed).list) {
     for (const Vec2& shift : image_shifts(placed.cell)) {
-      const Vec2 x = d.x + shift - line.a;
-      const double off = x.dot(left);
-      if (std::abs(off) >= d.radius) continue;
-      const double half = std::sqrt(d.radius * d.radius - off * off), at = x.dot(along);
-      const double chord = std::min(at + half, length) - std::max(at - half, 0.0);
-      if (!(chord > 0)) continue;
-      flux += d.mass / (std::numbers::pi * d.radius * d.radius) * chord * d.v.dot(left);
+      chords.clear();
+      for (const std::size_t i : body.parts) {
+        const Disk& d = placed.disks[i];
+        const Vec2 x = d.x + shift - line.a;
+        const double off = x.dot(left);
+        if (std::abs(off) >= d.radius) continue;
+        const double half = std::sqrt(d.radius * d.radius - off * off), at = x.dot(along);
+        const double last = std::min(at + half, length), first = std::max(at - half, 0.0);
+        if (last - first > 0) chords.emplace_back(first, last);
+      }
+      if (chords.empty()) continue;
+      const double density = body.mass / body.size;
+      if (body.parts.size() == 1) {
+        flux += density * (chords[0].second - chords[0].first) * body.v.dot(left);
+        continue;
+      }
+      // What several disks cover counts once; a point at s along the line moves across it with v + spin (s - s_centre).
+      std::sort(chords.begin(), chords.end());
+      const double centre = (body.x + shift - line.a).dot(along);
+      double reached = -kInfinity;
+      for (const auto& [begin, last] : chords) {
+        const double first = std::max(begin, reached);
+        reached = std::max(reached, last);
+        if (!(last > first)) continue;
+        flux += density * (last - first) *
+                (body.v.dot(left) + body.spin * (0.5 * (first + last) - centre));
+      }
     }
   }
   return flux;
@@ -386,7 +411,8 @@ double mass_flux(const StateIn<3>& state, const FluxFace& face) {
       const double area = face.shape == FluxFace::Shape::kDisk
                               ? area_in_disk(at.norm(), section, face.radius)
                               : area_in_rectangle(at, section, low, high);
-      flux += s.mass / size_of(s) * area * s.v.dot(face.normal);
+      flux +=
+          s.mass / (4 * std::numbers::pi / 3 * std::pow(s.radius, 3)) * area * s.v.dot(face.normal);
     }
   }
   return flux;

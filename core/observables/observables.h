@@ -10,7 +10,9 @@
 namespace bipot {
 
 /// What a state says of its sample, or of a window of it. A disk counts where its centre is, a contact where
-/// it touches; loaded contacts have s_n > 0. Disks that are glued to a wall are part of the wall. Undefined values are NaN.
+/// it touches; loaded contacts have s_n > 0. Disks that are glued to a wall are part of the wall. A cluster is one body,
+/// where its centre of mass is: it counts once where disks do, with all contacts of its disks, and the area of their union.
+/// Undefined values are NaN.
 template <int D>
 struct ObservablesIn {
   int disks = 0;                    ///< in the window
@@ -76,7 +78,7 @@ ProfileIn<D> observe_profile(const StateIn<D>& state, double step,
 
 /// Mass per time across a line: Σ m/(π a²) × (length of the line in the disk) × velocity across.
 /// Exact for any line that no disk passes at its ends: its integral in time is the mass that has
-/// crossed.                                                                            [kg/s]
+/// crossed. Of a cluster the line in the union of its disks counts, with its spin.                                                                            [kg/s]
 double mass_flux(const State& state, const FluxLine& line);
 /// Across a face: Σ m/(4/3 π a³) × (area of the face in the sphere) × velocity along the normal; its integral is the
 /// mass that has crossed there, of spheres that pass at its edge the part that did. In a periodic cell a plane without ends

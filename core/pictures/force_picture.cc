@@ -34,6 +34,7 @@ constexpr Colour kTakeOff = {0.55, 0.55, 0.55};
 constexpr Colour kDisk = {0.965, 0.965, 0.955};
 constexpr Colour kGlued = {0.7, 0.7, 0.7};
 constexpr Colour kDiskRim = {0.74, 0.74, 0.72};
+constexpr Colour kJoint = {0.62, 0.68, 0.62};
 constexpr Colour kWall = {0.2, 0.2, 0.2};
 constexpr Colour kText = {0.13, 0.13, 0.13};
 constexpr Colour kFilledRim = {0.35, 0.35, 0.35};
@@ -319,7 +320,20 @@ class Picture {
   }
 
   void draw_disks(cairo_t* c) const {
-    for (const Vec2& shift : image_shifts(state_.cell)) draw_image(c, shift);
+    for (const Vec2& shift : image_shifts(state_.cell)) {
+      draw_image(c, shift);
+      draw_joints(c, shift);
+    }
+  }
+
+  /// From the centre of mass of each cluster to its disks.
+  void draw_joints(cairo_t* c, const Vec2& shift) const {
+    for (const Disk& d : state_.disks) {
+      if (d.cluster < 0 || (shift != Vec2::Zero() && !near(d.x + shift, d.radius))) continue;
+      const Vec2& centre = state_.clusters.bodies[to_size(d.cluster)].x;
+      const double width = std::clamp(0.2 * map_.scale * d.radius, 0.6, 6.0);
+      stroke_line(c, map_(centre + shift), map_(d.x + shift), width, kJoint, CAIRO_LINE_CAP_ROUND);
+    }
   }
 
   /// The disks, or an image of them as far as it is in the picture.

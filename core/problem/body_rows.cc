@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace bipot {
 namespace {
@@ -33,15 +34,18 @@ bool has_unit_normals(const ContactProblem& p, const BodyRows& rows) {
 
 std::optional<BodyRows> find_body_rows(const ContactProblem& p) {
   if (!p.has_velocities()) return std::nullopt;
-  BodyRows rows;
-  rows.per_body = p.dim == 1 ? 2 : p.dim == 2 ? 3 : 6;
-  rows.translations = p.dim == 1 ? 2 : p.dim;
-  // A few walls' rows could stand where another body's would: their number is searched.
-  constexpr int kMaxWalls = 24;
-  for (rows.walls = p.num_dofs() % rows.per_body; rows.walls <= std::min(kMaxWalls, p.num_dofs());
-       rows.walls += rows.per_body) {
-    rows.bodies = (p.num_dofs() - rows.walls) / rows.per_body;
-    if (has_unit_normals(p, rows)) return rows;
+  // Without friction clusters turn, though single disks have no spin.
+  for (const int per_body : p.dim == 1 ? std::vector{2, 3} : std::vector{p.dim == 2 ? 3 : 6}) {
+    BodyRows rows;
+    rows.per_body = per_body;
+    rows.translations = p.dim == 1 ? 2 : p.dim;
+    // A few walls' rows could stand where another body's would: their number is searched.
+    constexpr int kMaxWalls = 24;
+    for (rows.walls = p.num_dofs() % rows.per_body; rows.walls <= std::min(kMaxWalls, p.num_dofs());
+         rows.walls += rows.per_body) {
+      rows.bodies = (p.num_dofs() - rows.walls) / rows.per_body;
+      if (has_unit_normals(p, rows)) return rows;
+    }
   }
   return std::nullopt;
 }

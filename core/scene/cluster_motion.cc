@@ -67,6 +67,28 @@ void join_disks(Scene& scene, std::size_t count, const ClusterMass& given) {
 }
 
 template <int D>
+std::string check_cluster_lengths(const std::vector<BodyIn<D>>& disks, const PeriodicCell& cell,
+                                  double eta) {
+  const double period = shortest_period(cell);
+  std::vector<std::vector<std::size_t>> members;
+  for (std::size_t i = 0; i < disks.size(); ++i) {
+    if (disks[i].cluster < 0) continue;
+    const std::size_t c = to_size(disks[i].cluster);
+    if (c >= members.size()) members.resize(c + 1);
+    for (const std::size_t j : members[c]) {
+      const double length = (disks[i].x - disks[j].x).norm() + disks[i].radius + disks[j].radius;
+      if (period > length + eta) continue;
+      return fmt::format(
+          "the cell repeats itself after {:.6g} m: it must be longer than the clusters, of which "
+          "number {} is {:.6g} m long, so that none touches itself",
+          period, c, length);
+    }
+    members[c].push_back(i);
+  }
+  return {};
+}
+
+template <int D>
 std::string check_clusters(const SceneIn<D>& scene) {
   const Clusters& clusters = scene.clusters;
   const int count = static_cast<int>(clusters.bodies.size());
@@ -93,16 +115,24 @@ std::string check_clusters(const SceneIn<D>& scene) {
       return fmt::format("cluster {}: its place or motion is not finite", k);
     }
   }
-  if (scene.cell.periodic()) return "clusters do not go with a periodic cell";
+  if (scene.cell.periodic()) {
+    if (auto e = check_cluster_lengths<D>(scene.disks, scene.cell, scene.contact_distance);
+        !e.empty()) {
+      return e;
+    }
+  }
   if (scene.model == Model::kSpringDashpot) return "clusters do not go with the model \"dem\"";
   if (scene.project_overlaps) return "clusters do not go with overlaps = \"project\"";
   if (scene.predict_gaps) return "clusters do not go with overlaps = \"predict\"";
-  if (scene.observables) return "clusters do not go with [observables], which count single disks";
   return {};
 }
 
 template void place_members(const Clusters&, std::vector<Disk>&);
 template void place_members(const Clusters&, std::vector<Sphere>&);
+template std::string check_cluster_lengths<2>(const std::vector<Disk>&, const PeriodicCell&,
+                                              double);
+template std::string check_cluster_lengths<3>(const std::vector<Sphere>&, const PeriodicCell&,
+                                              double);
 template std::string check_clusters(const Scene&);
 template std::string check_clusters(const SceneIn<3>&);
 

@@ -36,6 +36,11 @@ struct ClusterMass {
 };
 void join_disks(Scene& scene, std::size_t count, const ClusterMass& given);
 
+/// Empty where no cluster is so long that it may touch an image of itself, else what is wrong.
+template <int D>
+std::string check_cluster_lengths(const std::vector<BodyIn<D>>& disks, const PeriodicCell& cell,
+                                  double eta);
+
 /// Empty for sound clusters, else one sentence that names the entry and its value.
 template <int D>
 std::string check_clusters(const SceneIn<D>& scene);

@@ -12,6 +12,14 @@ namespace {
 using Interval = std::pair<double, double>;
 constexpr double kTurn = 2 * std::numbers::pi;
 
+/// The angles from `first` on, over less than a turn, as intervals in [0, 2π].
+void add_turned(double first, double width, std::vector<Interval>& covered) {
+  if (first < 0) first += kTurn;
+  const double last = first + width;
+  covered.emplace_back(first, std::min(last, kTurn));
+  if (last > kTurn) covered.emplace_back(0.0, last - kTurn);
+}
+
 /// The angles at which circle k is covered by circle l, as intervals in [0, 2π]; false where it is as a whole.
 bool add_covered(std::span<const Circle> circles, std::size_t k, std::size_t l,
                  std::vector<Interval>& covered) {
@@ -23,12 +31,43 @@ bool add_covered(std::span<const Circle> circles, std::size_t k, std::size_t l,
   if (same || d >= a.radius + b.radius || d + b.radius <= a.radius) return true;
   const double cosine = (d * d + a.radius * a.radius - b.radius * b.radius) / (2 * d * a.radius);
   const double half = std::acos(std::clamp(cosine, -1.0, 1.0));
-  double first = std::atan2(way[1], way[0]) - half;
-  if (first < 0) first += kTurn;
-  const double last = first + 2 * half;
-  covered.emplace_back(first, std::min(last, kTurn));
-  if (last > kTurn) covered.emplace_back(0.0, last - kTurn);
+  const double first = std::atan2(way[1], way[0]) - half;
+  add_turned(first, 2 * half, covered);
   return true;
+}
+
+/// The angles at which a circle lies beyond a line `distance` from its centre, which it looks at in the direction
+/// `angle`; false where it does as a whole.
+bool add_beyond(double distance, double radius, double angle, std::vector<Interval>& covered) {
+  if (distance >= radius) return true;
+  if (distance <= -radius) return false;
+  const double half = std::acos(distance / radius);
+  add_turned(angle - half, 2 * half, covered);
+  return true;
+}
+
+/// ½ ∮ (x dy - y dx) along the segment from a to b where it lies in the union.
+double side_part(std::span<const Circle> circles, const Vec2& a, const Vec2& b) {
+  const double length = (b - a).norm();
+  if (!(length > 0)) return 0;
+  const Vec2 along = (b - a) / length;
+  std::vector<Interval> inside;
+  for (const Circle& c : circles) {
+    const Vec2 from = a - c.centre;
+    const double off = along[0] * from[1] - along[1] * from[0];
+    if (std::abs(off) >= c.radius) continue;
+    // As add_beyond() has it, to rounding: near the rim a root of differences is another number.
+    const double half = c.radius * std::sin(std::acos(off / c.radius)), middle = -from.dot(along);
+    const double first = std::max(0.0, middle - half), last = std::min(length, middle + half);
+    if (first < last) inside.emplace_back(first, last);
+  }
+  std::sort(inside.begin(), inside.end());
+  double covered = 0, reached = 0;
+  for (const auto& [first, last] : inside) {
+    covered += std::max(0.0, last - std::max(first, reached));
+    reached = std::max(reached, last);
+  }
+  return 0.5 * (a[0] * along[1] - a[1] * along[0]) * covered;
 }
 
 /// What of [0, 2π] no interval covers.
@@ -113,6 +152,46 @@ UnionMoments union_moments(std::span<const Circle> circles) {
   moments.centre = origin + centre;
   moments.polar = second - moments.area * centre.squaredNorm();
   return moments;
+}
+
+double union_area_in(std::span<const Circle> circles, const Vec2& low, const Vec2& high) {
+  if (circles.empty()) return 0;
+  Vec2 from = circles[0].centre, to = from;
+  for (const Circle& c : circles) {
+    from = from.cwiseMin(c.centre - Vec2::Constant(c.radius));
+    to = to.cwiseMax(c.centre + Vec2::Constant(c.radius));
+  }
+  const Vec2 origin = 0.5 * (from + to);
+  from = from.cwiseMax(low);
+  to = to.cwiseMin(high);
+  if (!(from.array() < to.array()).all()) return 0;
+  std::vector<Circle> moved(circles.begin(), circles.end());
+  for (Circle& c : moved) c.centre -= origin;
+  const Vec2 a = from - origin, b = to - origin;
+  double area = 0;
+  for (std::size_t k = 0; k < moved.size(); ++k) {
+    const Circle& c = moved[k];
+    std::vector<Interval> covered;
+    constexpr double kQuarter = kTurn / 4;
+    bool seen = add_beyond(b[0] - c.centre[0], c.radius, 0, covered) &&
+                add_beyond(b[1] - c.centre[1], c.radius, kQuarter, covered) &&
+                add_beyond(c.centre[0] - a[0], c.radius, 2 * kQuarter, covered) &&
+                add_beyond(c.centre[1] - a[1], c.radius, 3 * kQuarter, covered);
+    for (std::size_t l = 0; l < moved.size() && seen; ++l) {
+      if (l != k) seen = add_covered(moved, k, l, covered);
+    }
+    if (!seen) continue;
+    for (const Interval& arc : gaps(std::move(covered))) {
+      const ArcIntegrals of(arc);
+      area +=
+          (along(of.cosine, c.centre[0], c.radius, 1) + along(of.sine, c.centre[1], c.radius, 1)) /
+          2;
+    }
+  }
+  const Vec2 c(b[0], a[1]), d(a[0], b[1]);
+  area += side_part(moved, a, c) + side_part(moved, c, b) + side_part(moved, b, d) +
+          side_part(moved, d, a);
+  return std::max(0.0, area);
 }
 
 }  // namespace bipot

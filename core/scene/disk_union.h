@@ -23,4 +23,8 @@ struct Circle {
 /// of the circles that no other disk covers, each counter-clockwise about its own centre.
 UnionMoments union_moments(std::span<const Circle> circles);
 
+/// What of the union lies in the rectangle from low to high, whose ends may be infinite: the border is made of those arcs that
+/// lie in the rectangle, and of what of its sides lies in the union.                  [m²]
+double union_area_in(std::span<const Circle> circles, const Vec2& low, const Vec2& high);
+
 }  // namespace bipot

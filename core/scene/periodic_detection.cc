@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <tuple>
 
+#include "core/scene/cluster_motion.h"
 #include "core/scene/contact_detection.h"
 
 namespace bipot {
@@ -128,6 +129,9 @@ std::vector<ContactIn<D>> detect_periodic_contacts(const std::vector<BodyIn<D>>&
         "the cell repeats itself after {:.6g} m: it must be longer than two of the largest "
         "diameters, {:.6g} m, so that two disks touch once",
         shortest_period(cell), 4 * largest));
+  }
+  if (auto e = check_cluster_lengths<D>(disks, cell, eta); !e.empty()) {
+    throw std::invalid_argument(e);
   }
   const CellCopy<D> copy = copy_with_images<D>(disks, cell, eta);
   std::vector<ContactIn<D>> contacts;

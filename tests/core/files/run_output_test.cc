@@ -312,6 +312,33 @@ TEST(RunOutput, TheXdmfIndexIsWellFormedAndLeadsToItsDataAfterEveryFrame) {
   }
 }
 
+TEST(RunOutput, TheIndexSaysWhichClusterADiskIsPartOf) {
+  const TemporaryFolder folder;
+  const std::string text =
+      "[[clusters]]\nparts = [[0, 0, 0.1], [0.15, 0, 0.1]]\nposition = [0, 1]\nmass = 1\n"
+      "[[disks]]\nposition = [2, 1]\nradius = 0.1\nmass = 1\n"
+      "[[outlets]]\npoint = [0, 0]\nnormal = [0, 1]\n[time]\nstep = 0.1\nsteps = 2\n";
+  const Scene scene = parse_scene(text, "test.toml");
+  RunWriter writer(folder / "out", scene, text);
+  State state = initial_state(scene);
+  writer.frame(state);
+  EXPECT_EQ(Hdf5File(folder / "out/frames/00000000.h5", Hdf5File::Mode::kRead)
+                .read_ints("/disks/cluster"),
+            (std::vector<int>{-1, 0, 0}));
+  // All have left: what stands in for them is part of none.
+  state.step = 1;
+  state.disks.clear();
+  state.clusters = {};
+  state.population.numbers.clear();
+  writer.frame(state);
+  writer.close();
+  const std::string xml = file_text(folder / "out/run.xdmf");
+  expect_well_formed(xml);
+  // Disks: points, x, radius, mass, material, cluster, v, spin, angle, stress, pressure; contacts: twelve.
+  EXPECT_EQ(expect_data(folder / "out", xml), 2 * (11 + 12));
+  EXPECT_NE(xml.find("Attribute Name=\"cluster\""), std::string::npos);
+}
+
 TEST(RunOutput, ALongRunIsIndexedCompletely) {
   const TemporaryFolder folder;
   Scene scene = awkward_scene();

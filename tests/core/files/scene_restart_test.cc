@@ -123,6 +123,32 @@ mass = 0.5
 step = 2e-3
 steps = 40
 )"},
+    {"clusters in a periodic cell under shear and pressure", R"(
+gravity = [0, 0]
+[contact]
+mu = 0.4
+[cell]
+width = 1
+height = 0.8
+offset_speed = 3
+pressure_y = 1000
+mass = 1
+[[clusters]]
+arrangement = "random"
+parts = [[0, 0, 0.08], [0.1, 0, 0.07], [0.05, 0.08, 0.07]]
+count = 9
+width = 1
+spacing = 0
+corner = [0.3, 0]
+density = 100
+spin = 3
+[time]
+step = 1e-3
+steps = 40
+[observables]
+every = 1
+window = [0, 0, 0.5, 0.5]
+)"},
     {"periodic cell under shear and pressure", R"(
 gravity = [0, 0]
 [contact]

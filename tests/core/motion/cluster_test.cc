@@ -330,9 +330,112 @@ TEST(Cluster, ASceneFileSaysPartsAndPlaces) {
           "same centre");
   const std::string sound = two + "position = [0, 0]\nmass = 1\n";
   refused("model = 'dem'\n" + sound, "dem");
-  refused("[cell]\nwidth = 9\n" + sound, "periodic");
-  refused("[observables]\nevery = 1\n" + sound, "observables");
+  refused("[cell]\nwidth = 0.44\n" + sound, "longer than the clusters");  // which is 0.45 m long
   refused("[contact]\noverlaps = 'project'\n" + sound, "project");
+}
+
+// Each contact counts by the share of the branch between the centres of mass, each body by its centre: what windows that tile
+// the sample have adds up to what the sample has.
+TEST(Cluster, WindowsThatTileTheSampleAddUpToItsStress) {
+  const Scene scene = cloud_of_clusters({.mu = 0.4, .e_n = 0.5, .e_t = 0.2});
+  State state = initial_state(scene);
+  TimeStepper stepper(scene, make_step_solver(*find_solver("pgs"), to_options(scene.solver)),
+                      false);
+  int loaded = 0;
+  while (state.step < scene.num_steps) {
+    ASSERT_TRUE(stepper.advance(state).converged);
+    const auto moments = contact_moments(state);
+    const MeanStress whole = sample_stress(state, scene.step, 1.0, moments);
+    if (whole.contact.norm() == 0) continue;
+    for (const ContactOutcome& o : state.contacts) loaded += o.s_n > 0 ? 1 : 0;
+    Mat2 contact = Mat2::Zero(), spin = Mat2::Zero();
+    const double edge[] = {-9, -0.4, 0.1, 0.7, 9};
+    for (int a = 0; a < 4; ++a) {
+      for (int b = 0; b < 4; ++b) {
+        const Box window{.lower = Vec2(edge[a], edge[b]), .upper = Vec2(edge[a + 1], edge[b + 1])};
+        const MeanStress part = window_stress(state, scene.step, window, moments);
+        contact += part.area * part.contact;
+        spin += part.area * part.spin;
+      }
+    }
+    EXPECT_LT((contact - whole.contact).norm(), 1e-11 * whole.contact.norm());
+    EXPECT_LT((spin - whole.spin).norm(), 1e-11 * (whole.contact.norm() + whole.spin.norm()));
+  }
+  EXPECT_GT(loaded, 20);
+}
+
+/// Clusters of three disks in a cell that is periodic in both directions, squeezed and sheared, so many times side by side.
+Scene sheared_clusters(int copies, bool far_away) {
+  Scene scene = one_law({});
+  constexpr double kWidth = 1.35;
+  scene.cell.in_x = scene.cell.in_y = true;
+  scene.cell.width = {.motion = CellSide::Motion::kFixed, .length = copies * kWidth};
+  scene.cell.height = {.motion = CellSide::Motion::kMoving, .length = 1.25, .speed = -0.4};
+  scene.cell.offset = {.motion = CellSide::Motion::kMoving, .length = 0.1, .speed = 0.8};
+  for (int copy = 0; copy < copies; ++copy) {
+    for (int k = 0; k < 9; ++k) {
+      Vec2 x(0.2 + 0.45 * (k % 3) + copy * kWidth, 0.2 + 0.4 * (k / 3));
+      Vec2 v(0.3 * std::sin(5 * k), 0.3 * std::cos(3 * k));
+      if (far_away && k % 2 == 0) {  // images of theirs, which move as these do
+        x += scene.cell.shift(k - 3, 2);
+        v += scene.cell.shift_velocity(k - 3, 2);
+      }
+      add_cluster(scene, {{x, 0.15}, {x + Vec2(0.1, 0.05), 0.12}, {x - Vec2(0.05, 0.1), 0.1}}, 50,
+                  v, k - 4);
+    }
+  }
+  scene.contact_distance = 1e-9;
+  scene.step = 2e-3;
+  scene.num_steps = 200;
+  return scene;
+}
+
+/// The velocity beyond that of the cell.
+Vec2 homogeneous_free(const State& state, const Cluster& c) {
+  return c.v - homogeneous_velocity(state.cell, c.x);
+}
+
+State run_to_end(const Scene& scene, int& loaded) {
+  State state = initial_state(scene);
+  TimeStepper stepper(scene, make_step_solver(*find_solver("pgs"), {.tol = 1e-13}), false);
+  while (state.step < scene.num_steps) {
+    const StepReport r = stepper.advance(state);
+    EXPECT_TRUE(r.converged) << r.message;
+    for (const ContactOutcome& o : state.contacts) loaded += o.s_n > 0 && o.contact.with_image();
+  }
+  return state;
+}
+
+// Velocities without friction are unique. A run in two cells side by side is that of one, and so is a run whose
+// clusters are given by images of theirs.
+TEST(Cluster, InAPeriodicCellImagesAreAsGoodAsTheirs) {
+  const Scene one = sheared_clusters(1, false);
+  ASSERT_EQ(validate(one), "");
+  int loaded = 0, ignored = 0;
+  const State end = run_to_end(one, loaded);
+  EXPECT_GT(loaded, 30);
+  const State twice = run_to_end(sheared_clusters(2, false), ignored);
+  const State far = run_to_end(sheared_clusters(1, true), ignored);
+  const auto expect_same = [&](const Cluster& a, const Cluster& b, const State& other) {
+    EXPECT_LT((homogeneous_free(end, a) - homogeneous_free(other, b)).norm(), 1e-7);
+    EXPECT_NEAR(a.spin, b.spin, 1e-6);
+    EXPECT_NEAR(a.angle, b.angle, 1e-7);
+  };
+  for (std::size_t c = 0; c < 9; ++c) {
+    expect_same(end.clusters.bodies[c], twice.clusters.bodies[c], twice);
+    expect_same(end.clusters.bodies[c], twice.clusters.bodies[c + 9], twice);
+    expect_same(end.clusters.bodies[c], far.clusters.bodies[c], far);
+  }
+  // The stress is the same in one cell and in two.
+  const auto stress = [&](const State& state, const Scene& scene) {
+    return sample_stress(state, scene.step, sample_area(state, scene.step), contact_moments(state))
+        .total();
+  };
+  const Mat2 of_one = stress(end, one);
+  EXPECT_GT(of_one.norm(), 1e-3);
+  EXPECT_LT((of_one - stress(twice, sheared_clusters(2, false))).norm(), 1e-5 * of_one.norm());
+  EXPECT_LT((of_one - stress(far, sheared_clusters(1, true))).norm(), 1e-5 * of_one.norm());
+  EXPECT_LT(std::abs(of_one(0, 1) - of_one(1, 0)), 1e-10 * of_one.norm());
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include "core/files/observable_output.h"
 #include "core/files/run_output.h"
 #include "core/files/scene_file.h"
+#include "core/scene/cluster_motion.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/temporary_folder.h"
 
@@ -445,6 +446,117 @@ TEST(Observables, FluxThroughAPlaneInAPeriodicCellCountsEachSphereOnce) {
   EXPECT_NEAR(mass_flux(state, FluxFace{}), -5 * density * 0.64 * pi, 1e-12);
   const FluxFace across{.point = Vec3(4, 0, 0), .normal = Vec3::UnitX(), .along = Vec3::UnitY()};
   EXPECT_NEAR(mass_flux(state, across), 3 * density * pi, 1e-12);
+}
+
+/// A dumbbell of two touching disks of radius 1 and 6 kg on a floor, and a disk of 2 kg that lies on both.
+Scene dumbbell_scene(State& state) {
+  Scene scene = one_law({.mu = 0.3});
+  scene.step = 0.5;
+  scene.disks = {cylinder(Vec2(1, 1), 1), cylinder(Vec2(3, 1), 1)};
+  join_disks(scene, 2, {.mass = 6});
+  scene.disks.push_back(cylinder(Vec2(2, 1 + std::sqrt(3.0)), 1));
+  scene.clusters.arms.emplace_back(Vec2::Zero());
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  state = initial_state(scene);
+  const Vec2 up(0, 1), left(-0.5, -std::sqrt(0.75));
+  state.contacts = {touching(0, 2, left, 1), touching(0, 3, up, 2),
+                    touching(1, 2, Vec2(0.5, left[1]), 1), touching(1, 3, up, 2)};
+  return scene;
+}
+
+TEST(Observables, AClusterIsOneBody) {
+  // Two bodies, four contacts; the dumbbell has all four, the disk two: mean 3. Mean mass (6 + 2)/2. Both are held: the
+  // disk by two contacts, though each of the dumbbell's disks alone has two as well.
+  State state;
+  const Scene scene = dumbbell_scene(state);
+  ASSERT_EQ(validate(scene), "");
+  Observables seen = observe(scene, state, {});
+  EXPECT_EQ(seen.disks, 2);
+  EXPECT_EQ(seen.rattlers, 0);
+  EXPECT_EQ(seen.contacts, 4);
+  EXPECT_EQ(seen.coordination, 3);
+  EXPECT_EQ(seen.mean_mass, 4);
+  // Over the right half there are the right disk, π, and half of the upper one; a window that begins just left of the
+  // middle has both centres, one just right of it none.
+  ObservableChoice choice;
+  choice.window = {Vec2(2, 0), Vec2(4, 4)};
+  EXPECT_NEAR(observe(scene, state, choice).solid_fraction, 1.5 * std::numbers::pi / 8, 1e-13);
+  choice.window->first[0] = 1.99;
+  EXPECT_EQ(observe(scene, state, choice).disks, 2);
+  choice.window->first[0] = 2.01;
+  EXPECT_EQ(observe(scene, state, choice).disks, 0);
+  // With one contact left the dumbbell rattles, and then the disk does.
+  state.contacts.resize(1);
+  seen = observe(scene, state, {});
+  EXPECT_EQ(seen.rattlers, 2);
+  EXPECT_TRUE(find_rattlers(scene, state)[1]);
+}
+
+TEST(Observables, WhatTwoDisksOfAClusterCoverCountsOnce) {
+  // Two unit disks, one through the centre of the other: 2 π - (2 π/3 - √3/2), over bins that hold all of it, and
+  // half of it on either side of x = 0.5.
+  Scene scene = one_law({});
+  scene.step = 1;
+  scene.disks = {cylinder(Vec2(0, 0), 1), cylinder(Vec2(1, 0), 1)};
+  join_disks(scene, 2, {.mass = 1});
+  scene.clusters.bodies[0].v = Vec2(3, 4);
+  scene.clusters.bodies[0].spin = 5;
+  place_members(scene.clusters, scene.disks);
+  const State state = initial_state(scene);
+  const double area = 4 * std::numbers::pi / 3 + std::sqrt(0.75);
+  ObservableChoice choice;
+  choice.window = {Vec2(-1, -1), Vec2(2, 1)};
+  EXPECT_NEAR(observe(scene, state, choice).solid_fraction, area / 6, 1e-14);
+  EXPECT_NEAR(observe(scene, state, {}).mean_mass, 1, 0);
+  choice.profile = ProfileChoice{.axis = 0, .bins = 3, .low = -2.5, .high = 6.5};
+  const Profile p = observe_profile(state, 1, choice);
+  for (const std::size_t b : {0u, 1u}) {
+    EXPECT_NEAR(p.solid_fraction[b], area / 2 / 6, 1e-14);
+    EXPECT_LT((p.velocity[b] - Vec2(3, 4)).norm(), 1e-13);  // of the centre of mass
+    EXPECT_NEAR(p.spin[b], 5, 1e-13);
+  }
+  EXPECT_TRUE(std::isnan(p.velocity[2][0]));
+}
+
+TEST(Observables, FluxOfATurningClusterIsItsMass) {
+  // Three disks that overlap, of 3 kg, fall and turn through a line; the flux's integral (midpoint rule) is the mass, which
+  // it would not be without the spin, nor if what two disks cover counted twice.
+  Scene scene = one_law({});
+  scene.step = 1;
+  scene.disks = {cylinder(Vec2(0, 0), 0.3), cylinder(Vec2(0.4, 0), 0.2),
+                 cylinder(Vec2(0.2, 0.3), 0.2)};
+  join_disks(scene, 3, {.mass = 3});
+  scene.clusters.bodies[0].v = Vec2(0.3, -2);
+  scene.clusters.bodies[0].spin = 4;
+  place_members(scene.clusters, scene.disks);
+  State state = initial_state(scene);
+  const FluxLine line{.name = "l", .a = Vec2(5, -1), .b = Vec2(-5, -1)};  // its left is down
+  double crossed = 0;
+  constexpr int kSteps = 20000;
+  for (int k = 0; k < kSteps; ++k) {
+    drift(state.clusters.bodies[0], 0.5 / kSteps);
+    place_members(state.clusters, state.disks);
+    crossed += mass_flux(state, line) / kSteps;
+    drift(state.clusters.bodies[0], 0.5 / kSteps);
+  }
+  EXPECT_NEAR(crossed, 3, 1e-5);
+}
+
+TEST(Observables, AClusterAcrossTheEdgeOfACellIsSeenWhole) {
+  // A dumbbell along x whose centre of mass lies on the edge of the cell, two periods away.
+  Scene scene = one_law({});
+  scene.step = 1;
+  scene.cell.in_x = true;
+  scene.cell.width.length = 5;
+  scene.disks = {cylinder(Vec2(9, 1), 1), cylinder(Vec2(11, 1), 1)};
+  join_disks(scene, 2, {.mass = 1});
+  ASSERT_EQ(validate(scene), "");
+  const State state = initial_state(scene);
+  ObservableChoice choice;
+  choice.window = {Vec2(0, 0), Vec2(5, 2)};
+  EXPECT_NEAR(observe(scene, state, choice).solid_fraction, 2 * std::numbers::pi / 10, 1e-13);
+  choice.window = {Vec2(4, 0), Vec2(5, 2)};  // half of the disk at x = 4
+  EXPECT_NEAR(observe(scene, state, choice).solid_fraction, 0.5 * std::numbers::pi / 2, 1e-13);
 }
 
 TEST(Observables, StressRatioOfSimpleShearIsShearOverPressure) {

@@ -12,6 +12,7 @@
 
 #include "core/file_error.h"
 #include "core/pictures/colour_map.h"
+#include "core/scene/cluster_motion.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -225,6 +226,16 @@ TEST(Scales, AreRoundAndNotTooLong) {
   EXPECT_EQ(with_prefix(5e-6, "m"), "5 µm");
   EXPECT_EQ(with_prefix(2e15, "N"), "2e+03 TN");
   EXPECT_EQ(with_prefix(0, "N"), "0 N");
+}
+
+TEST_F(ForcePicture, JointsLeadFromTheCentreOfMassToEachDisk) {
+  Scene scene = column(2, 0.5);
+  join_disks(scene, 2, {.mass = 1});
+  const std::string picture = svg(scene, initial_state(scene));
+  EXPECT_EQ(widths(picture, "stroke:rgb\\(62%,68%,62%\\)").size(), 2u);
+  EXPECT_TRUE(
+      widths(svg(column(2, 0.5), initial_state(column(2, 0.5))), "stroke:rgb\\(62%,68%,62%\\)")
+          .empty());
 }
 
 }  // namespace

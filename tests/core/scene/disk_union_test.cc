@@ -7,6 +7,8 @@
 #include <numbers>
 #include <vector>
 
+#include "tests/support/draw.h"
+
 namespace bipot {
 namespace {
 
@@ -108,6 +110,54 @@ TEST(DiskUnion, ManyWithHolesAsByStrips) {
   const double full = union_moments(ring).area;
   EXPECT_LT(full, 8 * kPi * 0.45 * 0.45);
   EXPECT_GT(full, kPi * (1.3 * 1.3 - 0.7 * 0.7) * 0.9);
+}
+
+TEST(DiskUnion, PartsInRectanglesThatTileAddUp) {
+  // Of random unions, the parts in rectangles between two random lines along each axis; the whole is union_moments().
+  Draw draw(3);
+  for (int trial = 0; trial < 200; ++trial) {
+    std::vector<Circle> circles;
+    const int count = 1 + trial % 6;
+    for (int k = 0; k < count; ++k) {
+      circles.push_back({Vec2(draw.symmetric(), draw.symmetric()), draw.between(0.1, 1)});
+    }
+    const Vec2 cut(draw.symmetric(), draw.symmetric());
+    const Vec2 second = cut + Vec2(draw.between(0.1, 1), draw.between(0.1, 1));
+    const double x[] = {-kInfinity, cut[0], second[0], kInfinity};
+    const double y[] = {-kInfinity, cut[1], second[1], kInfinity};
+    double sum = 0, inner = 0;
+    for (int a = 0; a < 3; ++a) {
+      for (int b = 0; b < 3; ++b) {
+        const double part = union_area_in(circles, Vec2(x[a], y[b]), Vec2(x[a + 1], y[b + 1]));
+        sum += part;
+        if (a == 1 && b == 1) inner = part;
+      }
+    }
+    EXPECT_NEAR(sum, union_moments(circles).area, 1e-12) << trial;
+    // Counted points in the inner rectangle: good to 2 % of it.
+    int inside = 0;
+    constexpr int kPoints = 100;
+    for (int a = 0; a < kPoints; ++a) {
+      for (int b = 0; b < kPoints; ++b) {
+        const Vec2 at =
+            cut + (second - cut).cwiseProduct(Vec2((a + 0.5) / kPoints, (b + 0.5) / kPoints));
+        inside += std::any_of(circles.begin(), circles.end(),
+                              [&](const Circle& c) { return (c.centre - at).norm() < c.radius; });
+      }
+    }
+    EXPECT_NEAR(inner, (second - cut).prod() * inside / (kPoints * kPoints),
+                0.02 * (second - cut).prod());
+  }
+}
+
+TEST(DiskUnion, PartInARectangleByHand) {
+  const std::vector<Circle> two = {{Vec2(-1, 0), 1}, {Vec2(1, 0), 1}};  // they touch at the origin
+  const double pi = std::numbers::pi;
+  EXPECT_NEAR(union_area_in(two, Vec2(-5, 0), Vec2(5, 5)), pi, 1e-14);
+  EXPECT_NEAR(union_area_in(two, Vec2(-1, -5), Vec2(1, 5)), pi, 1e-14);
+  EXPECT_NEAR(union_area_in(two, Vec2(-1.1, -0.1), Vec2(-0.9, 0.1)), 0.04, 1e-15);
+  EXPECT_EQ(union_area_in(two, Vec2(-0.1, 0.9), Vec2(0.1, 1)), 0);
+  EXPECT_EQ(union_area_in(two, Vec2(3, 3), Vec2(4, 4)), 0);
 }
 
 }  // namespace

@@ -1,0 +1,63 @@
+#include "core/observables/measured_bodies.h"
+
+#include <numbers>
+#include <stdexcept>
+
+#include "core/observables/cut_bodies.h"
+
+namespace bipot {
+namespace {
+
+double whole(const Disk& d) { return std::numbers::pi * d.radius * d.radius; }
+double whole(const Sphere& s) { return 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius; }
+
+}  // namespace
+
+template <int D>
+MeasuredBodies<D> measured_bodies(const StateIn<D>& state) {
+  MeasuredBodies<D> bodies;
+  bodies.of_disk.assign(state.disks.size(), -1);
+  std::vector<int> of_cluster(state.clusters.bodies.size(), -1);
+  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+    const BodyIn<D>& d = state.disks[i];
+    if (d.wall >= 0) continue;
+    int& body = d.cluster < 0 ? bodies.of_disk[i] : of_cluster[to_size(d.cluster)];
+    if (body < 0) {
+      body = static_cast<int>(bodies.list.size());
+      if (d.cluster < 0) {
+        bodies.list.push_back({d.x, d.v, d.spin, d.mass, whole(d), {}});
+      } else if constexpr (D == 2) {
+        const Cluster& c = state.clusters.bodies[to_size(d.cluster)];
+        bodies.list.push_back({c.x, c.v, c.spin, c.mass, c.area, {}});
+      }
+    }
+    bodies.of_disk[i] = body;
+    bodies.list[to_size(body)].parts.push_back(i);
+  }
+  return bodies;
+}
+
+template <int D>
+double part_in_box(const StateIn<D>& state, const MeasuredBodyIn<D>& body, const VecIn<D>& shift,
+                   const VecIn<D>& low, const VecIn<D>& high) {
+  const BodyIn<D>& first = state.disks[body.parts.front()];
+  if (body.parts.size() == 1) return part_in_box(first.x + shift, first.radius, low, high);
+  if constexpr (D == 2) {
+    std::vector<Circle> circles;
+    for (const std::size_t i : body.parts) {
+      circles.push_back({state.disks[i].x + shift, state.disks[i].radius});
+    }
+    return union_area_in(circles, low, high);
+  } else {
+    throw std::logic_error("there are clusters of disks alone");
+  }
+}
+
+template MeasuredBodies<2> measured_bodies(const State&);
+template MeasuredBodies<3> measured_bodies(const StateIn<3>&);
+template double part_in_box<2>(const State&, const MeasuredBodyIn<2>&, const Vec2&, const Vec2&,
+                               const Vec2&);
+template double part_in_box<3>(const StateIn<3>&, const MeasuredBodyIn<3>&, const Vec3&,
+                               const Vec3&, const Vec3&);
+
+}  // namespace bipot
