@@ -40,9 +40,6 @@ void check_request(const Scene& scene, const AdviseOptions& options) {
     throw std::invalid_argument(
         "bodies come or go by inlets and outlets: forces are compared body by body");
   }
-  if (!scene.clusters.empty()) {
-    throw std::invalid_argument("clusters of disks: forces are compared on single disks");
-  }
   if (options.samples < 1 || options.fresh < 0) {
     throw std::invalid_argument("at least one step must be sampled");
   }

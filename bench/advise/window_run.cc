@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "bench/scenes/scene_run.h"
+#include "core/observables/measured_bodies.h"
 #include "core/scene/contact_detection.h"
 #include "solvers/step_solver.h"
 
@@ -57,14 +58,15 @@ WindowRun run_window(const Scene& scene, State state, double factor, int steps,
     if (!report.converged && !(report.error.guarded() <= accepted)) return false;
     const double weight = 1 - std::abs((2.0 * k + 1) / steps - 1);
     weights += weight * h;
-    for (std::size_t i = 0; i < state.disks.size(); ++i) {
-      const Disk& d = state.disks[i];
-      run.force[i] += weight * d.mass * (d.v - last.disks[i].v - h * scene.gravity);
+    const auto bodies = measured_bodies(state).list, bodies_before = measured_bodies(last).list;
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+      const MeasuredBodyIn<2>& body = bodies[i];
+      run.force[i] += weight * body.mass * (body.v - bodies_before[i].v - h * scene.gravity);
     }
     for (std::size_t w = 0; w < state.walls.size(); ++w) {
       const Wall& wall = state.walls[w];
       if (wall.motion != Wall::Motion::kDriven) continue;
-      run.force[state.disks.size() + w] +=
+      run.force[bodies.size() + w] +=
           weight * (wall.mass * (wall.v - last.walls[w].v) - h * wall.force * wall.direction);
     }
     Overlaps now = overlaps_of(state);
@@ -86,7 +88,7 @@ WindowRun run_window(const Scene& scene, State state, double factor, int steps,
 
 double energy_floor(const Scene& scene, const State& state) {
   double weight = 0;
-  for (const Disk& d : state.disks) weight += d.mass * scene.gravity.norm();
+  for (const auto& body : measured_bodies(state).list) weight += body.mass * scene.gravity.norm();
   return 1e-3 * std::max(kinetic_energy(state), weight * smallest_radius(scene));
 }
 

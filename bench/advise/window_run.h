@@ -20,9 +20,10 @@ WindowLength window_length(const Scene& scene, double asked);
 /// What a stretch of a run comes to.
 struct WindowRun {
   bool usable = false;
-  std::vector<Vec2> force;  ///< mean contact force on each body, disks then driven walls   [N]
-  double dissipated = 0;    ///< [J]
-  double penetration = 0;   ///< largest overlap added by one step                          [m]
+  std::vector<Vec2>
+      force;  ///< mean contact force on each body (core/observables/measured_bodies.h), then driven walls [N]
+  double dissipated = 0;   ///< [J]
+  double penetration = 0;  ///< largest overlap added by one step                          [m]
 };
 
 /// Impulses of lasting contacts, the warm start, scale with the step.

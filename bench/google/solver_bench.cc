@@ -2,7 +2,7 @@
 // tolerance, size), as Google Benchmarks, and the power laws fitted to them (Fig. 14 of the paper).
 // Own flags beside --benchmark_*:
 //   --solver=a,b  --family=square,triangular,diluted,pyramid,random,pile,pour,collapse,tilt,
-//   strike  --tol=1e-2,1e-4
+//   strike,cannonballs,cubic (the last two of spheres)  --tol=1e-2,1e-4
 //   --side=10,20,50 or --sizes=100,1000,10000 (numbers of disks; the nearest side is taken)
 //   --mu=0.3  --tilt=10  --mass-ratio=1e6  --time-limit=10  --seed=1  --set=name:value (solver
 //   parameter, repeatable)  --fit-from=300 (smaller problems stay out of the fits)
@@ -23,6 +23,7 @@
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "bench/scenes/moving_scene.h"
+#include "bench/scenes/sphere_problems.h"
 #include "core/nearest_name.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
@@ -121,8 +122,10 @@ int main(int argc, char** argv) {
   app.allow_extras();  // Google Benchmark's own
   app.set_help_flag("--help,-h", "Print these flags and Google Benchmark's");
   app.add_option("--solver", flags.solvers, "Solvers")->delimiter(',');
-  app.add_option("--family", flags.families,
-                 "square, triangular, diluted, pyramid, random, pile, pour, collapse, tilt, strike")
+  app.add_option(
+         "--family", flags.families,
+         "square, triangular, diluted, pyramid, random, pile, pour, collapse, tilt, strike, "
+         "and of spheres cannonballs, cubic")
       ->delimiter(',');
   app.add_option("--tol", flags.tolerances, "Tolerances of the guarded error")->delimiter(',');
   CLI::Option* side = app.add_option("--side", flags.sides, "Disks along a side; rows of a pyramid")
@@ -161,6 +164,7 @@ int main(int argc, char** argv) {
   std::vector<std::string> families = family_names();
   families.emplace_back("pile");
   for (const std::string& name : moving_family_names()) families.push_back(name);
+  for (const std::string& name : sphere_family_names()) families.push_back(name);
   const auto known = [](const char* kind, const auto& names,
                         const std::vector<std::string>& valid) {
     for (const std::string& name : names) {

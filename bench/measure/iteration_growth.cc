@@ -6,11 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 
 #include "bench/measure/moving_problems.h"
 #include "bench/report/json_output.h"
 #include "bench/scenes/moving_scene.h"
 #include "bench/scenes/settled_pile.h"
+#include "bench/scenes/sphere_problems.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
@@ -19,9 +21,15 @@
 namespace bipot {
 namespace {
 
+bool is_sphere_family(const std::string& family) {
+  const std::vector<std::string> names = sphere_family_names();
+  return std::find(names.begin(), names.end(), family) != names.end();
+}
+
 double disks_of(const std::string& family, int side) {
   const double n = side;
   if (family == "pyramid") return n * (n + 1) / 2;
+  if (is_sphere_family(family)) return spheres_in(family, side);
   const double triangular = n * n - std::floor(n / 2);  // every second row has one disk less
   if (family == "triangular") return triangular;
   if (family == "diluted") return 0.9 * triangular;
@@ -80,6 +88,14 @@ GrowthProblem make_growth_problem(const GrowthScene& scene, int side) {
             .front()
             .problem;
     made.disks = to_size(side) * to_size(side);
+    return made;
+  }
+  if (is_sphere_family(scene.family)) {
+    if (scene.mass_ratio != 1) {
+      throw std::invalid_argument(scene.family + ": the spheres have one mass");
+    }
+    made.problem = sphere_family(scene.family, side, scene.mu, scene.tilt_degrees);
+    made.disks = to_size(std::lround(spheres_in(scene.family, side)));
     return made;
   }
   Scene disks;

@@ -15,12 +15,14 @@
 #include <stdexcept>
 #include <tuple>
 #include <utility>
+#include <variant>
 
 #include "bench/measure/moving_problems.h"
 #include "bench/scenes/moving_scene.h"
 #include "bench/scenes/scene_catalogue.h"
 #include "bench/scenes/scene_run.h"
 #include "bench/scenes/settled_pile.h"
+#include "bench/scenes/sphere_problems.h"
 #include "core/files/problem_file.h"
 #include "core/files/scene_file.h"
 #include "core/motion/time_stepping.h"
@@ -107,8 +109,9 @@ double parse_number(const std::string& target, const std::string& text) {
   return value;
 }
 
-/// NaN (not known) for a scene without disks.
-double smallest_radius_of(const Scene& scene) {
+/// NaN (not known) for a scene without bodies.
+template <int D>
+double smallest_radius_of(const SceneIn<D>& scene) {
   return scene.disks.empty() ? kNaN : smallest_radius(scene);
 }
 
@@ -141,10 +144,13 @@ std::vector<std::string> families() {
   names.emplace_back("pile");
   names.emplace_back("impact");
   for (const std::string& name : moving_family_names()) names.push_back(name);
+  for (const std::string& name : sphere_family_names()) names.push_back(name);
   return names;
 }
 
 bool is_moving(const Family& family) { return contains(moving_family_names(), family.name); }
+
+bool is_of_spheres(const Family& family) { return contains(sphere_family_names(), family.name); }
 
 bool is_pile(const Family& family) { return family.name == "pile" || family.name == "impact"; }
 
@@ -189,6 +195,16 @@ Family parse_family(const std::string& target) {
     throw std::invalid_argument(
         fmt::format("target {}: a moving scene takes mu, tilt, e and seed alone", target));
   }
+  const FamilyOptions& o = family.options;
+  if (is_of_spheres(family) &&
+      (o.mass_ratio != 1 || o.e_n != 0 || o.seed != FamilyOptions().seed)) {
+    throw std::invalid_argument(
+        fmt::format("target {}: a lattice of spheres takes mu and tilt alone", target));
+  }
+  if (is_of_spheres(family) && family.side > 50) {
+    throw std::invalid_argument(
+        fmt::format("target {}: a lattice of spheres has a side of at most 50", target));
+  }
   return family;
 }
 
@@ -223,6 +239,15 @@ void throw_disk(Scene& scene, State& state) {
 TestProblem make_family_problem(const Family& family, Piles& piles) {
   const FamilyOptions& o = family.options;
   TestProblem made;
+  if (is_of_spheres(family)) {
+    made.origin =
+        fmt::format("family {}, {} spheres, first step, mu = {:g}, tilt {:g} degrees", family.name,
+                    spheres_in(family.name, family.side), o.mu, o.tilt_degrees);
+    made.problem = sphere_family(family.name, family.side, o.mu, o.tilt_degrees);
+    made.step = 0.01;  // sphere_problems.h
+    made.smallest_radius = 0.5;
+    return made;
+  }
   Scene scene;
   State state;
   if (is_pile(family)) {
@@ -256,9 +281,10 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
 }
 
 /// Contact problems along one run. The run is made once, when the first of them is asked for.
+template <int D>
 class ProblemRun {
  public:
-  ProblemRun(Scene scene, std::vector<int> steps)
+  ProblemRun(SceneIn<D> scene, std::vector<int> steps)
       : scene_(std::move(scene)), steps_(std::move(steps)) {}
 
   TestProblem at(int step) {
@@ -270,11 +296,11 @@ class ProblemRun {
   void run() {
     SolverOptions options;
     options.tol = scene_.solver.tol;
-    State state = initial_state(scene_);
-    SceneRunOptions to_last;
+    StateIn<D> state = initial_state(scene_);
+    SceneRunOptionsIn<D> to_last;
     to_last.steps = steps_.back();
     to_last.solver = make_step_solver(require_solver("auto"), options);
-    to_last.on_step = [this](const SceneStep& step) {
+    to_last.on_step = [this](const SceneStepIn<D>& step) {
       const int k = step.report.step;
       if (!std::binary_search(steps_.begin(), steps_.end(), k)) return true;
       TestProblem& made = problems_[k];
@@ -287,11 +313,11 @@ class ProblemRun {
       made.smallest_radius = smallest_radius_of(scene_);
       return true;
     };
-    const SceneRun run = run_scene(scene_, state, to_last);
+    const SceneRunIn<D> run = run_scene(scene_, state, to_last);
     if (run.failure) throw *run.failure;
   }
 
-  Scene scene_;
+  SceneIn<D> scene_;
   std::vector<int> steps_;
   std::map<int, TestProblem> problems_;
 };
@@ -346,22 +372,28 @@ void add_folder(const std::string& target, std::vector<ProblemSource>& sources) 
   for (const fs::path& file : files) sources.push_back(file_source(file));
 }
 
-void add_scene(const std::string& target, const TargetOptions& options,
-               std::vector<ProblemSource>& sources) {
-  const fs::path path = find_scene(target);
-  Scene scene = read_scene(path);
+template <int D>
+void add_steps(const std::string& target, const fs::path& path, SceneIn<D>&& scene,
+               const TargetOptions& options, std::vector<ProblemSource>& sources) {
   const int last = std::min(scene.num_steps, options.scene_steps);
   std::set<int> steps;
   for (int i = 1; i <= options.scene_problems; ++i) {
     steps.insert(std::max(
         1, static_cast<int>(std::lround(static_cast<double>(last) * i / options.scene_problems))));
   }
-  const auto run =
-      std::make_shared<ProblemRun>(std::move(scene), std::vector<int>(steps.begin(), steps.end()));
+  const auto run = std::make_shared<ProblemRun<D>>(std::move(scene),
+                                                   std::vector<int>(steps.begin(), steps.end()));
   for (int step : steps) {
     sources.push_back({fmt::format("{}@{}", path.stem().string(), step), target,
                        [run, step] { return run->at(step); }});
   }
+}
+
+void add_scene(const std::string& target, const TargetOptions& options,
+               std::vector<ProblemSource>& sources) {
+  const fs::path path = find_scene(target);
+  std::visit([&](auto&& scene) { add_steps(target, path, std::move(scene), options, sources); },
+             read_any_scene(path));
 }
 
 void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& piles,

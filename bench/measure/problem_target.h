@@ -34,6 +34,7 @@ struct TargetOptions {
 ///     step), "pile:32" (settled_pile.h, 32² disks at rest) or "impact:32" (such a pile as one more
 ///     disk hits it at 20 m/s), with options behind it: "square:30:mu=0.5:tilt=10:ratio=1e4:seed=2:
 ///     e=0.5" (friction, degrees, mass ratio, restitution);
+///   - a family of spheres "cannonballs:6" or "cubic:6" (scenes/sphere_problems.h), with :mu and :tilt;
 ///   - a moving family "pour:32", "collapse:32", "tilt:32:angle=30" or "strike:32"
 ///     (scenes/moving_scene.h): steps along one run, each with its start, kept in a cache folder
 ///     (moving_problems.h), with :mu, :tilt, :e and :seed behind it;

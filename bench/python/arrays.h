@@ -19,10 +19,10 @@ pybind11::array view_of(const Number* data, Eigen::Index size, pybind11::handle 
   return array;
 }
 
-/// n x 2 read-only view of pairs of doubles in a row of structures.
-inline pybind11::array view_of_pairs(const double* data, Eigen::Index size, Eigen::Index stride,
-                                     pybind11::handle owner) {
-  pybind11::array array(pybind11::dtype::of<double>(), {size, Eigen::Index{2}},
+/// n x columns read-only view of vectors of doubles in a row of structures.
+inline pybind11::array view_of_rows(const double* data, Eigen::Index size, Eigen::Index columns,
+                                    Eigen::Index stride, pybind11::handle owner) {
+  pybind11::array array(pybind11::dtype::of<double>(), {size, columns},
                         {stride, Eigen::Index{sizeof(double)}}, data, owner);
   array.attr("setflags")(pybind11::arg("write") = false);
   return array;

@@ -8,6 +8,9 @@
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "bench/python/arrays.h"
@@ -33,52 +36,102 @@ struct ContactRow {
   double n_x, n_y, gap, s_n, s_t, u_n, u_t;
   std::int64_t status;
 };
+struct SphereContactRow {
+  std::int64_t i, j;
+  double n_x, n_y, n_z, gap, s_n, s_tx, s_ty, s_tz, u_n, u_tx, u_ty, u_tz;
+  std::int64_t status;
+};
+
+ContactRow row_of(const ContactOutcome& c) {
+  return {c.contact.i,     c.contact.j,
+          c.contact.n.x(), c.contact.n.y(),
+          c.contact.gap,   c.s_n,
+          c.s_t,           c.u_n,
+          c.u_t,           static_cast<std::int64_t>(c.status)};
+}
+SphereContactRow row_of(const ContactOutcomeIn<3>& c) {
+  const Vec3& n = c.contact.n;
+  return {c.contact.i,   c.contact.j, n.x(),     n.y(),     n.z(),
+          c.contact.gap, c.s_n,       c.s_t.x(), c.s_t.y(), c.s_t.z(),
+          c.u_n,         c.u_t.x(),   c.u_t.y(), c.u_t.z(), static_cast<std::int64_t>(c.status)};
+}
 
 /// As history_type() in solve_binding.cc.
+template <class Row>
 py::dtype contact_type() {
   static const bool told = [] {
-    PYBIND11_NUMPY_DTYPE(ContactRow, i, j, n_x, n_y, gap, s_n, s_t, u_n, u_t, status);
+    if constexpr (std::is_same_v<Row, ContactRow>) {
+      PYBIND11_NUMPY_DTYPE(ContactRow, i, j, n_x, n_y, gap, s_n, s_t, u_n, u_t, status);
+    } else {
+      PYBIND11_NUMPY_DTYPE(SphereContactRow, i, j, n_x, n_y, n_z, gap, s_n, s_tx, s_ty, s_tz, u_n,
+                           u_tx, u_ty, u_tz, status);
+    }
     return true;
   }();
   static_cast<void>(told);
-  return py::dtype::of<ContactRow>();
+  return py::dtype::of<Row>();
 }
 
-py::array contacts_of(const State& state) {
-  std::vector<ContactRow> rows;
+template <int D>
+py::array contacts_of(const StateIn<D>& state) {
+  using Row = std::conditional_t<D == 2, ContactRow, SphereContactRow>;
+  std::vector<Row> rows;
   rows.reserve(state.contacts.size());
-  for (const ContactOutcome& c : state.contacts) {
-    rows.push_back({c.contact.i, c.contact.j, c.contact.n.x(), c.contact.n.y(), c.contact.gap,
-                    c.s_n, c.s_t, c.u_n, c.u_t, static_cast<std::int64_t>(c.status)});
-  }
-  return py::array(contact_type(), {static_cast<py::ssize_t>(rows.size())}, rows.data());
+  for (const ContactOutcomeIn<D>& c : state.contacts) rows.push_back(row_of(c));
+  return py::array(contact_type<Row>(), {static_cast<py::ssize_t>(rows.size())}, rows.data());
 }
 
-std::string name_of(Wall::Motion motion) {
+template <int D>
+std::string name_of(typename WallIn<D>::Motion motion) {
+  using Motion = typename WallIn<D>::Motion;
   switch (motion) {
-    case Wall::Motion::kFixed:
+    case Motion::kFixed:
       return "fixed";
-    case Wall::Motion::kMoving:
+    case Motion::kMoving:
       return "moving";
-    case Wall::Motion::kDriven:
+    case Motion::kDriven:
       return "driven";
   }
   return "";
 }
 
-py::list walls_of(const State& state) {
-  const auto pair = [](const Vec2& x) { return py::make_tuple(x.x(), x.y()); };
+template <int D>
+std::string name_of(typename WallIn<D>::Shape shape) {
+  using Shape = typename WallIn<D>::Shape;
+  switch (shape) {
+    case Shape::kHalfPlane:
+      return D == 2 ? "half-plane" : "half-space";
+    case Shape::kSegment:
+      return "segment";
+    case Shape::kHollowCircle:
+      return D == 2 ? "hollow circle" : "hollow cylinder";
+    case Shape::kSolidCircle:
+      return D == 2 ? "solid circle" : "solid cylinder";
+  }
+  return "";
+}
+
+template <int D>
+py::list walls_of(const StateIn<D>& state) {
+  const auto numbers = [](const VecIn<D>& x) {
+    py::tuple tuple(D);
+    for (int k = 0; k < D; ++k) tuple[to_size(k)] = x[k];
+    return tuple;
+  };
   py::list walls;
-  for (const Wall& wall : state.walls) {
-    const bool segment = wall.shape == Wall::Shape::kSegment;
+  for (const WallIn<D>& wall : state.walls) {
+    using Shape = typename WallIn<D>::Shape;
+    const bool segment = wall.shape == Shape::kSegment;
+    const bool directed = wall.shape == Shape::kHalfPlane || (D == 3 && wall.is_circle());
     py::dict row;
     row["name"] = wall.name;
-    row["shape"] = segment ? "segment" : "half-plane";
-    row["motion"] = name_of(wall.motion);
-    row["a"] = pair(wall.a);
-    row["b"] = segment ? py::object(pair(wall.b)) : py::object(py::none());
-    row["normal"] = segment ? py::object(py::none()) : py::object(pair(wall.normal));
-    row["velocity"] = pair(wall.v);
+    row["shape"] = name_of<D>(wall.shape);
+    row["motion"] = name_of<D>(wall.motion);
+    row["a"] = numbers(wall.a);
+    row["b"] = segment ? py::object(numbers(wall.b)) : py::object(py::none());
+    row["normal"] = directed ? py::object(numbers(wall.normal)) : py::object(py::none());
+    row["radius"] = wall.is_circle() ? py::object(py::float_(wall.radius)) : py::object(py::none());
+    row["velocity"] = numbers(wall.v);
     row["force"] = wall.force;
     walls.append(row);
   }
@@ -86,17 +139,20 @@ py::list walls_of(const State& state) {
 }
 
 /// Where everything is between two steps: a snapshot that nothing changes any more.
+template <int D>
 struct PythonState {
-  State state;
+  StateIn<D> state;
 };
 
 /// One step that was taken, likewise.
+template <int D>
 struct PythonStep {
-  State state;
-  StepReport report;
+  StateIn<D> state;
+  StepReportIn<D> report;
   std::shared_ptr<PythonProblem> problem;
 };
-using Step = std::shared_ptr<PythonStep>;
+template <int D>
+using Step = std::shared_ptr<PythonStep<D>>;
 
 /// What Python may say of how a scene is run; unset entries are the scene's.
 struct SimulationChoice {
@@ -110,27 +166,27 @@ struct SimulationChoice {
 };
 
 /// A scene that Python takes step by step.
+template <int D>
 class PythonSimulation {
  public:
-  PythonSimulation(const std::string& scene, const SimulationChoice& choice)
-      : scene_(read_scene(find_scene(scene))) {
+  PythonSimulation(SceneIn<D> scene, const SimulationChoice& choice) : scene_(std::move(scene)) {
     choose(choice);
     state_ = initial_state(scene_);
   }
   PythonSimulation(const PythonSimulation&) = delete;  // the stepper looks at the scene
   PythonSimulation& operator=(const PythonSimulation&) = delete;
 
-  const Scene& scene() const { return scene_; }
-  const State& state() const {
+  const SceneIn<D>& scene() const { return scene_; }
+  const StateIn<D>& state() const {
     require_rest();
     return state_;
   }
 
-  Step advance() {
+  Step<D> advance() {
     require_rest();
     const Stepping stepping(stepping_);
     watch_ = PythonWatch();
-    auto step = std::make_shared<PythonStep>();
+    auto step = std::make_shared<PythonStep<D>>();
     std::optional<StepFailure> failure;
     {
       const py::gil_scoped_release release;
@@ -153,7 +209,7 @@ class PythonSimulation {
   }
 
   /// The wall of that name or number. Throws std::invalid_argument.
-  Wall& wall(const py::object& which) {
+  WallIn<D>& wall(const py::object& which) {
     require_rest();
     if (py::isinstance<py::int_>(which)) {
       const auto k = which.cast<std::int64_t>();
@@ -165,7 +221,7 @@ class PythonSimulation {
     }
     const auto name = which.cast<std::string>();
     std::vector<std::string> names;
-    for (Wall& wall : state_.walls) {
+    for (WallIn<D>& wall : state_.walls) {
       if (wall.name == name) return wall;
       names.push_back(wall.name);
     }
@@ -223,88 +279,126 @@ class PythonSimulation {
                      chosen_.entry.needs_delassus);
   }
 
-  Scene scene_;
-  State state_;
+  SceneIn<D> scene_;
+  StateIn<D> state_;
   bool stepping_ = false;  // read and written with Python's lock held
   PythonWatch watch_;
   ChosenSolver chosen_;
-  std::optional<SceneStepper> stepper_;
+  std::optional<SceneStepperIn<D>> stepper_;
 };
 
-void set_wall(PythonSimulation& self, const py::object& which, const py::object& velocity,
+template <int D>
+void set_wall(PythonSimulation<D>& self, const py::object& which, const py::object& velocity,
               const py::object& force) {
-  Wall& wall = self.wall(which);
-  const auto require = [&](Wall::Motion motion, const char* what, const char* key) {
+  WallIn<D>& wall = self.wall(which);
+  using Motion = typename WallIn<D>::Motion;
+  const auto require = [&](Motion motion, const char* what, const char* key) {
     if (wall.motion == motion) return;
     throw std::invalid_argument(
         fmt::format("wall '{}' is {}: a wall with a {} needs '{}' in the scene", wall.name,
-                    name_of(wall.motion), what, key));
+                    name_of<D>(wall.motion), what, key));
   };
   if (!velocity.is_none()) {
-    require(Wall::Motion::kMoving, "velocity", "velocity");
+    require(Motion::kMoving, "velocity", "velocity");
     const Vector v = to_vector(velocity, "velocity");
-    if (v.size() != 2 || !v.allFinite()) {
+    if (v.size() != D || !v.allFinite()) {
       throw std::invalid_argument(
-          fmt::format("velocity has size {}, expected 2 finite numbers", v.size()));
+          fmt::format("velocity has size {}, expected {} finite numbers", v.size(), D));
     }
     wall.v = v;
   }
   if (!force.is_none()) {
-    require(Wall::Motion::kDriven, "force", "force");
+    require(Motion::kDriven, "force", "force");
     const auto f = force.cast<double>();
     if (!std::isfinite(f)) throw std::invalid_argument(fmt::format("force = {} is not finite", f));
     wall.force = f;
   }
 }
 
-/// Arrays over the disks of a state. `make(data, size, stride)` makes the array.
-template <class Class>
-void bind_disks(Class& bound) {
-  const auto scalars = [](double Disk::*field) {
+/// Arrays over the disks or spheres of a state.
+template <int D, class Class>
+void bind_bodies(Class& bound) {
+  using Body = BodyIn<D>;
+  const auto scalars = [](double Body::*field) {
     return [field](const typename Class::holder_type& self) {
-      const std::vector<Disk>& disks = self->state.disks;
-      const double* first = disks.empty() ? nullptr : &(disks.front().*field);
-      return view_of(first, static_cast<Eigen::Index>(disks.size()), py::cast(self), sizeof(Disk));
+      const std::vector<Body>& bodies = self->state.disks;
+      const double* first = bodies.empty() ? nullptr : &(bodies.front().*field);
+      return view_of(first, static_cast<Eigen::Index>(bodies.size()), py::cast(self), sizeof(Body));
     };
   };
-  const auto pairs = [](Vec2 Disk::*field) {
+  const auto vectors = [](VecIn<D> Body::*field) {
     return [field](const typename Class::holder_type& self) {
-      const std::vector<Disk>& disks = self->state.disks;
-      const double* first = disks.empty() ? nullptr : (disks.front().*field).data();
-      return view_of_pairs(first, static_cast<Eigen::Index>(disks.size()), sizeof(Disk),
-                           py::cast(self));
+      const std::vector<Body>& bodies = self->state.disks;
+      const double* first = bodies.empty() ? nullptr : (bodies.front().*field).data();
+      return view_of_rows(first, static_cast<Eigen::Index>(bodies.size()), D, sizeof(Body),
+                          py::cast(self));
     };
   };
-  bound.def_property_readonly("positions", pairs(&Disk::x), "(n, 2) [m]")
-      .def_property_readonly("velocities", pairs(&Disk::v), "(n, 2) [m/s]")
-      .def_property_readonly("angles", scalars(&Disk::angle), "(n,) [rad]")
-      .def_property_readonly("spins", scalars(&Disk::spin), "(n,) [rad/s]")
-      .def_property_readonly("radii", scalars(&Disk::radius), "(n,) [m]")
-      .def_property_readonly("masses", scalars(&Disk::mass), "(n,) [kg]");
+  bound.def_property_readonly("positions", vectors(&Body::x), "(n, 2), in space (n, 3) [m]")
+      .def_property_readonly("velocities", vectors(&Body::v), "(n, 2), in space (n, 3) [m/s]")
+      .def_property_readonly("radii", scalars(&Body::radius), "(n,) [m]")
+      .def_property_readonly("masses", scalars(&Body::mass), "(n,) [kg]");
+  if constexpr (D == 2) {
+    bound.def_property_readonly("angles", scalars(&Disk::angle), "(n,) [rad]")
+        .def_property_readonly("spins", scalars(&Disk::spin), "(n,) [rad/s]");
+  } else {
+    bound.def_property_readonly("spins", vectors(&Sphere::spin), "(n, 3) [rad/s]")
+        .def_property_readonly(
+            "orientations",
+            [](const typename Class::holder_type& self) {
+              const std::vector<Sphere>& spheres = self->state.disks;
+              py::array_t<double> rows({static_cast<py::ssize_t>(spheres.size()), py::ssize_t{4}});
+              auto to = rows.template mutable_unchecked<2>();
+              for (std::size_t k = 0; k < spheres.size(); ++k) {
+                const Eigen::Quaterniond& q = spheres[k].orientation;
+                const double parts[] = {q.w(), q.x(), q.y(), q.z()};
+                for (int c = 0; c < 4; ++c) to(static_cast<py::ssize_t>(k), c) = parts[c];
+              }
+              return rows;
+            },
+            "(n, 4), unit quaternions (w, x, y, z); a copy.");
+  }
 }
 
+/// What a step's candidate contacts are in Python.
+template <int D>
+constexpr const char* kContactsText =
+    D == 2
+        ? R"(Structured array of the last step's candidates, a copy: i, j (disk j, or wall j - n), n_x,
+n_y (from j to i), gap [m], s_n, s_t (on disk i) [N s], u_n, u_t [m/s], status (0 take-off, 1
+stick, 2 slip).)"
+        : R"(Structured array of the last step's candidates, a copy: i, j (sphere j, or wall j - n), n_x,
+n_y, n_z (from j to i), gap [m], s_n, s_tx, s_ty, s_tz (on sphere i) [N s], u_n, u_tx, u_ty, u_tz
+[m/s], status (0 take-off, 1 stick, 2 slip).)";
+constexpr const char* kWallsText =
+    "name, shape, motion, a, b [m], normal (of cylinders the axis), radius [m], velocity [m/s], "
+    "force [N] of each; copies.";
+
+template <int D>
 void bind_state(py::module_& module) {
-  py::class_<PythonState, std::shared_ptr<PythonState>> state(
-      module, "State", "A copy of where everything is; arrays are read-only views into it.");
-  bind_disks(state);
+  py::class_<PythonState<D>, std::shared_ptr<PythonState<D>>> state(
+      module, D == 2 ? "State" : "SphereState",
+      "A copy of where everything is; arrays are read-only views into it.");
+  bind_bodies<D>(state);
   state
       .def_property_readonly(
-          "step", [](const PythonState& s) { return s.state.step; }, "Steps done.")
+          "step", [](const PythonState<D>& s) { return s.state.step; }, "Steps done.")
       .def_property_readonly(
-          "time", [](const PythonState& s) { return s.state.time; }, "[s]")
+          "time", [](const PythonState<D>& s) { return s.state.time; }, "[s]")
       .def_property_readonly(
-          "contacts", [](const PythonState& s) { return contacts_of(s.state); },
-          R"(Structured array of the last step's candidates, a copy: i, j (disk j, or wall j - n), n_x,
-n_y (from j to i), gap [m], s_n, s_t (on disk i) [N s], u_n, u_t [m/s], status (0 take-off, 1
-stick, 2 slip).)")
+          "contacts", [](const PythonState<D>& s) { return contacts_of<D>(s.state); },
+          kContactsText<D>)
       .def_property_readonly(
-          "walls", [](const PythonState& s) { return walls_of(s.state); },
-          "name, shape, motion, a, b [m], normal, velocity [m/s], force [N] of each; copies.");
+          "walls", [](const PythonState<D>& s) { return walls_of<D>(s.state); }, kWallsText);
 }
 
+template <int D>
 void bind_step(py::module_& module) {
-  py::class_<PythonStep, Step> step(module, "Step", "One step that was taken.");
-  bind_disks(step);
+  using StepReport = StepReportIn<D>;
+  using PythonStep = PythonStep<D>;
+  py::class_<PythonStep, Step<D>> step(module, D == 2 ? "Step" : "SphereStep",
+                                       "One step that was taken.");
+  bind_bodies<D>(step);
   const auto of_report = [](auto StepReport::*field) {
     return [field](const PythonStep& s) { return s.report.*field; };
   };
@@ -335,13 +429,9 @@ void bind_step(py::module_& module) {
           R"(The contact problem that it solved; its guess is the impulse that the solver started
 from.)")
       .def_property_readonly(
-          "contacts", [](const PythonStep& s) { return contacts_of(s.state); },
-          R"(Structured array of its candidates, a copy: i, j (disk j, or wall j - n), n_x,
-n_y (from j to i), gap [m], s_n, s_t (on disk i) [N s], u_n, u_t [m/s], status (0 take-off, 1
-stick, 2 slip).)")
+          "contacts", [](const PythonStep& s) { return contacts_of<D>(s.state); }, kContactsText<D>)
       .def_property_readonly(
-          "walls", [](const PythonStep& s) { return walls_of(s.state); },
-          "name, shape, motion, a, b [m], normal, velocity [m/s], force [N] of each; copies.")
+          "walls", [](const PythonStep& s) { return walls_of<D>(s.state); }, kWallsText)
       .def_property_readonly(
           "energy",
           [](const PythonStep& s) {
@@ -358,52 +448,63 @@ stick, 2 slip).)")
           },
           "kinetic, potential, wall_work, friction_loss, shock_loss, imbalance, elastic [J].")
       .def("__repr__", [](const PythonStep& s) {
-        return fmt::format("<bipot.Step {} at t = {:g} s: {} contacts, {}>", s.report.step,
-                           s.report.time, s.report.contacts,
-                           s.report.converged ? "converged" : s.report.message);
+        return fmt::format("<bipot.{} {} at t = {:g} s: {} contacts, {}>",
+                           D == 2 ? "Step" : "SphereStep", s.report.step, s.report.time,
+                           s.report.contacts, s.report.converged ? "converged" : s.report.message);
       });
 }
 
-std::unique_ptr<PythonSimulation> make_simulation(
-    const std::string& scene, const py::object& solver, std::optional<double> tol,
-    std::optional<int> max_iterations, std::optional<bool> warm_start,
-    std::map<std::string, std::string> parameters, std::optional<double> step,
-    std::optional<int> num_steps, std::optional<double> friction) {
-  return std::make_unique<PythonSimulation>(scene,
-                                            SimulationChoice{.solver = solver,
-                                                             .tol = tol,
-                                                             .max_iterations = max_iterations,
-                                                             .warm_start = warm_start,
-                                                             .parameters = std::move(parameters),
-                                                             .step = step,
-                                                             .friction = friction,
-                                                             .num_steps = num_steps});
+/// A simulation of disks or of spheres, as the scene has them.
+py::object make_simulation(const std::string& scene, const py::object& solver,
+                           std::optional<double> tol, std::optional<int> max_iterations,
+                           std::optional<bool> warm_start,
+                           std::map<std::string, std::string> parameters,
+                           std::optional<double> step, std::optional<int> num_steps,
+                           std::optional<double> friction) {
+  const SimulationChoice choice{.solver = solver,
+                                .tol = tol,
+                                .max_iterations = max_iterations,
+                                .warm_start = warm_start,
+                                .parameters = std::move(parameters),
+                                .step = step,
+                                .friction = friction,
+                                .num_steps = num_steps};
+  return std::visit(
+      [&]<int D>(SceneIn<D>&& read) {
+        return py::cast(std::make_unique<PythonSimulation<D>>(std::move(read), choice));
+      },
+      read_any_scene(find_scene(scene)));
+}
+
+template <int D>
+void bind_simulation_in(py::module_& module) {
+  using Simulation = PythonSimulation<D>;
+  bind_state<D>(module);
+  bind_step<D>(module);
+  py::class_<Simulation>(module, D == 2 ? "Simulation" : "SphereSimulation")
+      .def("advance", &Simulation::advance)
+      .def_property_readonly("state",
+                             [](const Simulation& s) {
+                               return std::make_shared<PythonState<D>>(PythonState<D>{s.state()});
+                             })
+      .def("set_wall", &set_wall<D>, py::arg("wall"), py::arg("velocity"), py::arg("force"))
+      .def_property_readonly("title", [](const Simulation& s) { return s.scene().title; })
+      .def_property_readonly("time", [](const Simulation& s) { return s.state().time; })
+      .def_property_readonly("steps_done", [](const Simulation& s) { return s.state().step; })
+      .def_property_readonly("num_steps", [](const Simulation& s) { return s.scene().num_steps; })
+      .def_property_readonly("step_size", [](const Simulation& s) { return s.scene().step; })
+      .def_property_readonly("walls", [](const Simulation& s) { return walls_of<D>(s.state()); });
 }
 
 }  // namespace
 
 void bind_simulation(py::module_& module) {
   py::register_exception<StepFailure>(module, "StepError", PyExc_RuntimeError);
-  bind_state(module);
-  bind_step(module);
-  py::class_<PythonSimulation>(module, "Simulation")
-      .def(py::init(&make_simulation), py::arg("scene"), py::arg("solver"), py::arg("tol"),
-           py::arg("max_iterations"), py::arg("warm_start"), py::arg("parameters"), py::arg("step"),
-           py::arg("num_steps"), py::arg("friction"))
-      .def("advance", &PythonSimulation::advance)
-      .def_property_readonly("state",
-                             [](const PythonSimulation& s) {
-                               return std::make_shared<PythonState>(PythonState{s.state()});
-                             })
-      .def("set_wall", &set_wall, py::arg("wall"), py::arg("velocity"), py::arg("force"))
-      .def_property_readonly("title", [](const PythonSimulation& s) { return s.scene().title; })
-      .def_property_readonly("time", [](const PythonSimulation& s) { return s.state().time; })
-      .def_property_readonly("steps_done", [](const PythonSimulation& s) { return s.state().step; })
-      .def_property_readonly("num_steps",
-                             [](const PythonSimulation& s) { return s.scene().num_steps; })
-      .def_property_readonly("step_size", [](const PythonSimulation& s) { return s.scene().step; })
-      .def_property_readonly("walls",
-                             [](const PythonSimulation& s) { return walls_of(s.state()); });
+  bind_simulation_in<2>(module);
+  bind_simulation_in<3>(module);
+  module.def("make_simulation", &make_simulation, py::arg("scene"), py::arg("solver"),
+             py::arg("tol"), py::arg("max_iterations"), py::arg("warm_start"),
+             py::arg("parameters"), py::arg("step"), py::arg("num_steps"), py::arg("friction"));
 }
 
 }  // namespace bipot

@@ -3,7 +3,10 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
+
+#include "core/nearest_name.h"
 
 namespace bipot {
 namespace {
@@ -115,6 +118,19 @@ ContactProblem sphere_box(int side, double mu, double tilt_degrees) {
                                      {Vec3(width, 0, 0), -Vec3::UnitX()},
                                      {Vec3(0, width, 0), -Vec3::UnitY()}};
   return assemble(x, planes, mu, tilt_degrees);
+}
+
+ContactProblem sphere_family(const std::string& name, int side, double mu, double tilt_degrees) {
+  if (name == "cannonballs") return sphere_pyramid(side, mu, tilt_degrees);
+  if (name == "cubic") return sphere_box(side, mu, tilt_degrees);
+  throw std::invalid_argument(unknown_name_message("family", name, sphere_family_names()));
+}
+
+std::vector<std::string> sphere_family_names() { return {"cannonballs", "cubic"}; }
+
+double spheres_in(const std::string& family, int side) {
+  const double n = side;
+  return family == "cubic" ? n * n * n : n * (n + 1) * (2 * n + 1) / 6;
 }
 
 }  // namespace bipot

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "core/problem/contact_problem.h"
 
 namespace bipot {
@@ -15,5 +18,12 @@ ContactProblem sphere_pyramid(int layers, double mu, double tilt_degrees);
 
 /// side³ spheres in a cubic lattice between a floor and four walls.
 ContactProblem sphere_box(int side, double mu, double tilt_degrees);
+
+/// The two by name, "cannonballs" and "cubic", of so many layers or spheres along a side. Throws std::invalid_argument for
+/// another name.
+ContactProblem sphere_family(const std::string& name, int side, double mu, double tilt_degrees);
+std::vector<std::string> sphere_family_names();
+/// Spheres in it.
+double spheres_in(const std::string& family, int side);
 
 }  // namespace bipot

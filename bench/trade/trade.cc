@@ -16,6 +16,7 @@
 #include "bench/scenes/scene_catalogue.h"
 #include "bench/scenes/scene_run.h"
 #include "core/files/scene_file.h"
+#include "core/scene/cluster_motion.h"
 #include "core/types.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"
@@ -54,9 +55,6 @@ TradeScene load_target(const std::string& target, const TradeOptions& options) {
     throw std::invalid_argument(
         target + ": bodies come or go by inlets and outlets; runs are compared body by body");
   }
-  if (!made.scene.clusters.empty()) {
-    throw std::invalid_argument(target + ": clusters of disks; what is measured takes single ones");
-  }
   made.title = made.scene.title.empty() ? made.name : made.scene.title;
   const bool free = made.scene.disks.size() > 1 &&
                     !supported_by_walls(made.scene, 1e-3 * smallest_radius(made.scene));
@@ -70,6 +68,7 @@ void kick(Scene& scene, int replica) {
   if (replica == 0) return;
   double mass = 0, force = 0;
   for (const Disk& d : scene.disks) mass += d.mass;
+  for (const Cluster& c : scene.clusters.bodies) mass += c.mass;
   for (const Wall& w : scene.walls) {
     if (w.motion == Wall::Motion::kDriven) force += std::abs(w.force);
   }
@@ -79,9 +78,15 @@ void kick(Scene& scene, int replica) {
   std::mt19937_64 engine(static_cast<std::uint64_t>(replica));
   const auto symmetric = [&] { return 2 * (static_cast<double>(engine() >> 11) * 0x1.0p-53) - 1; };
   for (Disk& d : scene.disks) {
+    if (d.cluster >= 0) continue;
     const double x = symmetric(), y = symmetric();
     d.v += kKick * speed * Vec2(x, y);
   }
+  for (Cluster& c : scene.clusters.bodies) {
+    const double x = symmetric(), y = symmetric();
+    c.v += kKick * speed * Vec2(x, y);
+  }
+  place_members(scene.clusters, scene.disks);
 }
 
 class Runner {
@@ -285,6 +290,10 @@ void run_scene(const TradeScene& scene, const TradeOptions& options, Runner& run
   bool out_of_time = false;
   for (const TradeSetting& setting : springs) {
     if (runner.stopped()) return;
+    if (!scene.scene.clusters.empty()) {
+      runner.skip_all(scene, setting, "springs and dashpots have no clusters");
+      continue;
+    }
     if (out_of_time) {
       runner.skip_all(scene, setting, "softer springs ran out of time");
       continue;

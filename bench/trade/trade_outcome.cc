@@ -6,6 +6,7 @@
 #include <map>
 
 #include "core/motion/stress_tensor.h"
+#include "core/observables/measured_bodies.h"
 #include "core/types.h"
 
 namespace bipot {
@@ -35,7 +36,7 @@ OutcomeRecorder::OutcomeRecorder(const Scene& scene) : scene_(scene) {
   g_ = scene.gravity.norm();
   if (g_ > 0) up_ = -scene.gravity / g_;
   end_ = scene.num_steps * scene.step;
-  for (const Disk& d : scene.disks) weight_ += d.mass * g_;
+  for (const auto& body : measured_bodies(initial_state(scene)).list) weight_ += body.mass * g_;
   if (scene.disks.size() == 1 && scene.walls.size() == 1 && g_ > 0 &&
       scene.walls[0].shape == Wall::Shape::kHalfPlane &&
       scene.walls[0].motion == Wall::Motion::kFixed && scene.walls[0].normal.dot(up_) > 1 - 1e-12) {
@@ -154,6 +155,7 @@ void OutcomeRecorder::plan_sample() {
 /// contact with the weight above it, whatever the walls do.
 void OutcomeRecorder::find_columns() {
   if (scene_.has_friction() || !has_floor_ || scene_.disks.size() < 2) return;
+  if (!scene_.clusters.empty()) return;
   const Vec2 side(up_[1], -up_[0]);
   const double floor = span_along(scene_.disks, up_).first;
   const double smallest = smallest_radius(scene_), close = 1e-3 * smallest;
@@ -213,8 +215,14 @@ void OutcomeRecorder::step(const State& state, const StepReport& report) {
   ++window_steps_;
   const std::size_t n = state.disks.size();
   double load = 0, worst = 0, impulses = 0, speed2 = 0;
-  for (const Disk& d : state.disks) speed2 += d.v.squaredNorm();
-  speed2_ += speed2 / static_cast<double>(n);
+  std::size_t bodies = state.clusters.bodies.size();
+  for (const Cluster& c : state.clusters.bodies) speed2 += c.v.squaredNorm();
+  for (const Disk& d : state.disks) {
+    if (d.cluster >= 0) continue;
+    speed2 += d.v.squaredNorm();
+    ++bodies;
+  }
+  speed2_ += speed2 / static_cast<double>(bodies);
   std::vector<double> below(load_above_.size(), 0.0);
   for (const ContactOutcome& c : state.contacts) {
     const auto j = static_cast<std::size_t>(c.contact.j);
@@ -257,7 +265,9 @@ std::vector<double> OutcomeRecorder::values() const {
   if (g_ > 0) {
     const auto [low, high] = span_along(last_.disks, up_);
     double moment = 0;
-    for (const Disk& d : last_.disks) moment += d.mass * g_ * (up_.dot(d.x) - low);
+    for (const auto& body : measured_bodies(last_).list) {
+      moment += body.mass * g_ * (up_.dot(body.x) - low);
+    }
     values.push_back(high - low);
     values.push_back(moment / weight_);
   }

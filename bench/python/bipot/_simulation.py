@@ -6,7 +6,7 @@ import os
 from typing import Any, Iterator
 
 from . import _bipot
-from ._bipot import State, Step
+from ._bipot import SphereState, SphereStep, State, Step
 from ._names import parameter_texts, refuse_unknown
 from ._solve import Solver
 
@@ -30,7 +30,10 @@ class Simulation:
 
     Iterating goes on to the number of steps that the scene plans; `advance()` takes one step more.
     Each `Step` is a snapshot: its arrays are read-only views into it (problem, positions,
-    velocities, angles, spins, radii, masses), its contacts and walls are copies.
+    velocities, angles, spins, radii, masses), its contacts and walls are copies. A scene in space
+    has `SphereStep`s: positions, velocities and spins have three columns, `orientations` (unit
+    quaternions w, x, y, z) stand for the angles, contacts have n_z and vectors s_tx to s_tz, u_tx
+    to u_tz.
 
     solver: a name, or a callable f(problem, tol, callback) -> s (see `compare`); the scene's own
         where it is None, as are tol, max_iterations, warm_start (from the step before), step [s],
@@ -55,7 +58,7 @@ class Simulation:
         **parameters: float | int | str,
     ) -> None:
         refuse_unknown(parameters, [*_OPTIONS, *_bipot.parameter_names("")])
-        self._native = _bipot.Simulation(
+        self._native = _bipot.make_simulation(
             os.fspath(scene),
             solver,
             tol,
@@ -67,11 +70,11 @@ class Simulation:
             friction,
         )
 
-    def __iter__(self) -> Iterator[Step]:
+    def __iter__(self) -> Iterator[Step | SphereStep]:
         while self.steps_done < self.num_steps:
             yield self.advance()
 
-    def advance(self) -> Step:
+    def advance(self) -> Step | SphereStep:
         """Takes one step. A step whose solve did not converge is taken and says so (`converged`,
         `message`). Raises StepError, leaving everything at the end of the step before, where the
         solver failed, and KeyboardInterrupt likewise."""
@@ -80,7 +83,7 @@ class Simulation:
     def set_wall(
         self, wall: str | int, *, velocity: Any = None, force: float | None = None
     ) -> None:
-        """From the next step on: velocity (x, y) [m/s] of a wall that the scene moves by a
+        """From the next step on: velocity (x, y), in space (x, y, z) [m/s], of a wall that the scene moves by a
         `velocity`, force [N] along the direction of one that it drives by a `force`.
 
         The wall keeps it until it is set again. Raises ValueError for a wall that does not exist or
@@ -89,15 +92,15 @@ class Simulation:
         self._native.set_wall(wall, velocity, force)
 
     @property
-    def state(self) -> State:
-        """Where everything is now: a copy, with positions, velocities, angles, spins, radii, masses,
-        contacts (of the last step) and walls."""
+    def state(self) -> State | SphereState:
+        """Where everything is now: a copy, with positions, velocities, angles (in space
+        orientations), spins, radii, masses, contacts (of the last step) and walls."""
         return self._native.state
 
     @property
     def walls(self) -> list[dict[str, Any]]:
-        """name, shape, motion ("fixed", "moving", "driven"), a, b, normal, velocity, force of each;
-        copies."""
+        """name, shape, motion ("fixed", "moving", "driven"), a, b, normal (of cylinders the axis),
+        radius, velocity, force of each; copies."""
         return self._native.walls
 
     @property

@@ -1,11 +1,13 @@
 #include "bench/advise/advise.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <stdexcept>
 
 #include "bench/scenes/moving_scene.h"
+#include "core/files/scene_file.h"
 #include "core/scene/scene_family.h"
 
 namespace bipot {
@@ -126,9 +128,38 @@ TEST(Advise, RefusesGoalsWithoutMeaning) {
   Scene leaking = lattice();
   leaking.outlets.resize(1);
   EXPECT_THROW(advise(leaking, quick(1e-2)), std::invalid_argument);
-  Scene joined = lattice();
-  joined.clusters.bodies.resize(1);
-  EXPECT_THROW(advise(joined, quick(1e-2)), std::invalid_argument);
+}
+
+TEST(Advise, TakesClusters) {
+  // Dumbbells that fall on a floor: the force on a body is that on the whole cluster.
+  for (const double mu : {0.0, 0.3}) {
+    Scene scene = parse_scene(fmt::format(R"(
+[contact]
+mu = {}
+[[clusters]]
+arrangement = "rectangular"
+parts = [[0, 0, 0.1], [0.15, 0, 0.1]]
+columns = 2
+rows = 2
+density = 100
+[[walls]]
+point = [0, 0.07]
+normal = [0, 1]
+[time]
+step = 1e-3
+steps = 60
+)",
+                                          mu),
+                              "test.toml");
+    const Advice advice = advise(scene, quick(1e-1));
+    EXPECT_NE(advice.status, Advice::Status::kInterrupted) << advice.message;
+    ASSERT_FALSE(advice.trials.empty());
+    bool measured = false;
+    for (const SolverTrial& trial : advice.trials) {
+      measured = measured || std::isfinite(trial.error.force);
+    }
+    EXPECT_TRUE(measured) << mu;
+  }
 }
 
 TEST(Advise, EndsWhenInterrupted) {

@@ -595,5 +595,31 @@ TEST(ComparisonReport, PageStandsAlone) {
   EXPECT_EQ(json["regret_of_auto"]["cases"], 0);
 }
 
+TEST(Comparison, TakesFamiliesAndScenesOfSpheres) {
+  // 1 + 4 + 9 cannon balls; each but those at the floor has four below it: 9 + 4·4 + 4 contacts, and those of a layer touch:
+  // 12 in 3 x 3, 4 in 2 x 2. Without friction velocities and resultants are unique: solvers agree to their tolerance.
+  TargetOptions targets;
+  targets.scene_problems = 2;
+  targets.scene_steps = 20;
+  const std::vector<ProblemSource> sources =
+      expand_targets({"cannonballs:3", "cubic:3:mu=0", "four_spheres"}, targets);
+  ASSERT_EQ(sources.size(), 4u);
+  EXPECT_EQ(sources[2].name, "four_spheres@10");
+  const TestProblem pyramid = sources[0].load();
+  EXPECT_EQ(pyramid.problem.dim, 3);
+  EXPECT_EQ(pyramid.problem.num_contacts(), 9 + 16 + 4 + 12 + 4);
+  EXPECT_EQ(sources[2].load().problem.num_dofs(), 4 * 6);
+  EXPECT_EQ(sources[2].load().smallest_radius, 0.05);
+  const Comparison c = compare(sources, quick({"pgs", "admm"}, {1e-6}));
+  ASSERT_EQ(c.rows.size(), 8u);
+  for (const ComparisonRow& row : c.rows) {
+    EXPECT_EQ(row.status, "converged") << row.problem << ' ' << row.solver;
+    EXPECT_LE(row.guarded, 1e-6);
+  }
+  EXPECT_THROW(expand_targets({"cubic:3:ratio=2"}), std::invalid_argument);
+  EXPECT_THROW(expand_targets({"cubic:3:e=0.5"}), std::invalid_argument);
+  EXPECT_THROW(expand_targets({"cubic:99"}), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace bipot

@@ -1,5 +1,8 @@
 """Scenes step by step, and advice."""
 
+import pathlib
+import tempfile
+
 import numpy as np
 import pytest
 
@@ -202,3 +205,79 @@ def test_advice_without_a_goal_is_refused():
         bipot.advise("bouncing_ball", force_error=-1)
     with pytest.raises(TypeError, match="did you mean 'force_error'"):
         bipot.advise("bouncing_ball", force_eror=1e-2)
+
+
+def test_spheres_are_taken_step_by_step():
+    sim = bipot.Simulation("four_spheres", num_steps=20)
+    steps = list(sim)
+    last = steps[-1]
+    n = len(last.radii)
+    assert n == 4 and isinstance(last, bipot.SphereStep) and last.converged
+    assert last.positions.shape == last.velocities.shape == last.spins.shape == (n, 3)
+    assert not last.positions.flags.writeable and last.positions.base is last
+    assert np.allclose(np.linalg.norm(last.orientations, axis=1), 1)
+    c, p = last.contacts, last.problem
+    assert p.dim == 3 and len(c) == p.num_contacts
+    n_of = np.column_stack([c["n_x"], c["n_y"], c["n_z"]])
+    s_t = np.column_stack([c["s_tx"], c["s_ty"], c["s_tz"]])
+    assert np.allclose(np.linalg.norm(n_of, axis=1), 1)
+    assert np.allclose((n_of * s_t).sum(axis=1), 0, atol=1e-12)
+    # At rest the impulses of the floor carry the weight.
+    floor = c["j"] >= n
+    held = (c["s_n"][floor, None] * n_of[floor] + s_t[floor]).sum(axis=0)
+    weight = last.masses.sum() * 9.81 * sim.step_size
+    assert held[2] == pytest.approx(weight, rel=1e-3)
+    assert [w["shape"] for w in last.walls] == ["half-space"]
+    assert sim.state.positions.shape == (n, 3)
+
+
+def sweeps_in_space(problem, tol, callback):
+    """Projected Gauss-Seidel in d = 3: the tangential impulse goes back into its disk."""
+    W = problem.delassus().toarray()
+    b, mu = problem.u_free, problem.mu
+    s = np.zeros(len(b))
+    while not callback(s):
+        for c in range(len(mu)):
+            n, t = 3 * c, [3 * c + 1, 3 * c + 2]
+            s[n] = max(0, s[n] - (W[n] @ s + b[n]) / W[n, n])
+            s[t] -= (W[t] @ s + b[t]) / W[t, t].max()
+            s[t] *= min(1, mu[c] * s[n] / max(np.linalg.norm(s[t]), 1e-300))
+    return s
+
+
+def test_a_python_solver_drives_spheres():
+    """The same velocities as another solver's, of a sphere that slides on a floor: unique."""
+    scene = """
+dim = 3
+[contact]
+mu = 0.2
+[[spheres]]
+position = [0, 0, 0.5]
+radius = 0.5
+mass = 2
+velocity = [3, 1, 0]
+[[walls]]
+name = "plate"
+point = [0, 0, 0]
+normal = [0, 0, 1]
+velocity = [0, 1, 0]
+[time]
+step = 0.01
+steps = 20
+"""
+    with tempfile.TemporaryDirectory() as folder:
+        path = pathlib.Path(folder) / "slide.toml"
+        path.write_text(scene)
+        ours = bipot.Simulation(path, solver=sweeps_in_space, tol=1e-10)
+        theirs = bipot.Simulation(path, solver="ipm", tol=1e-10)
+        with pytest.raises(ValueError, match="expected 3 finite"):
+            ours.set_wall("plate", velocity=(1, 2))
+        for sim in (ours, theirs):
+            sim.set_wall("plate", velocity=(0, -1, 0))
+        for a, b in zip(ours, theirs):
+            assert a.converged, a.message
+            assert np.allclose(a.velocities, b.velocities, atol=1e-7)
+        # Coulomb: slower by mu g t against the relative motion (3, 2)/sqrt(13).
+        slowed = np.array([3, 1]) - 0.2 * 9.81 * 0.2 * np.array([3, 2]) / 13**0.5
+        assert np.allclose(a.velocities[0, :2], slowed, atol=1e-2)
+        assert abs(a.velocities[0, 2]) < 1e-9
