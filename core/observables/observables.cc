@@ -159,12 +159,8 @@ BoxIn<D> profile_section(const StateIn<D>& placed, double step,
   return {.lower = low, .upper = high};
 }
 
-double bin_size(const State& /*placed*/, double /*step*/, const Box& bin, bool /*whole*/) {
-  return bin.size().prod();
-}
-/// Unless the whole box counts, what hollow cylinders leave of it.
-double bin_size(const StateIn<3>& placed, double step, const BoxIn<3>& bin, bool whole) {
-  if (whole) return bin.size().prod();
+/// What hollow cylinders leave of a bin.
+double cut_size(const StateIn<3>& placed, double step, const BoxIn<3>& bin) {
   ConvexBody body(bin.lower, bin.upper);
   for (const WallIn<3>& w : placed.walls) {
     if (w.present && w.shape == WallIn<3>::Shape::kHollowCircle) {
@@ -326,7 +322,12 @@ ProfileIn<D> observe_profile(const StateIn<D>& state, double step,
   const std::vector<SpinIn<D>> moments = contact_moments(state);
   for (std::size_t b = 0; b < bins; ++b) {
     const BoxIn<D> box = box_of(static_cast<int>(b));
-    const double size = bin_size(placed, step, box, choice.window.has_value());
+    VecIn<D> extent = box.size();
+    extent[a] = width;
+    double size = extent.prod();
+    if constexpr (D == 3) {
+      if (!choice.window) size = cut_size(placed, step, box);
+    }
     profile.position.push_back(chosen.low + (static_cast<double>(b) + 0.5) * width);
     profile.solid_fraction.push_back(area[b] / size);
     const double weight = area[b] > 0 ? area[b] : kNaN;
