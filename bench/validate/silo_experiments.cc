@@ -286,7 +286,7 @@ ValidationExperiment beverloo() {
   e.quick_tols = {1, 1e-1};
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
-    const int count = context.quick ? 200 : 500, seeds = context.quick ? 1 : 2;
+    const int count = context.quick ? 260 : 500, seeds = context.quick ? 1 : 3;
     const std::vector<double> holes =
         context.quick ? std::vector<double>{5, 9} : std::vector<double>{5, 6.5, 9};
     std::vector<double> widths, rates, ratios;
