@@ -205,7 +205,8 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
     if (none.guarded() == 0) {
       result.status = SolveStatus::kNothingToDo;
       result.message = problem.num_contacts() == 0 ? "no contacts" : "s = 0 satisfies the law";
-    } else if (start && meets(options, *start)) {
+    } else if (start && meets(options, *start) &&
+               claim_in_extended_precision(*given, options, evaluate.impulse(), *start).holds) {
       result.status = SolveStatus::kConverged;
       result.message = "the start meets the stop test";
       result.s = options.s0;

@@ -101,7 +101,7 @@ ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
   }
   const bool claimed = is_success(r.status);
   // Where an energy underflows, no figure exists in double precision, nor is one claimed.
-  const bool confirmed = opinion.guarded <= kGrace * options.tol;
+  const bool confirmed = opinion.confirms(options.tol);
   if (!finite || (claimed && !confirmed) || (claimed && verdict == Existence::kNone)) {
     cell.end = CellEnd::kWrong;
     if (finite) cell.message += fmt::format(" (second opinion {:.2e})", opinion.guarded);
@@ -152,7 +152,7 @@ ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
     const double guarded = p.num_contacts() == 0 ? 0 : second_opinion(p, r.s).guarded;
     if (!(guarded <= cell.guarded)) cell.guarded = guarded;
     if (!r.s.allFinite()) fail(true, "not finite", r.message);
-    if (step.converged && !(guarded <= kGrace * options.tol)) {
+    if (step.converged && !(guarded <= options.tol)) {
       fail(true, "false claim", fmt::format("{} (second opinion {:.2e})", r.message, guarded));
     } else if (step.converged) {
       ++cell.steps_solved;

@@ -127,7 +127,7 @@ std::string to_html(const ExtremeMatrix& m) {
       "solution exists</span><span class=\"refused\">data refused</span><span class=\"wrong\">wrong"
       "</span></p>\n";
   html +=
-      "<p class=\"small\">The figure in a cell is the guarded error of the returned impulse in extended "
+      "<p class=\"small\">The figure in a cell is the guarded error of the returned impulse in quadruple "
       "precision, by code that shares nothing with the solvers. Its status and message show when the "
       "pointer rests on it. <i>Beyond double precision</i>: the exact answer, known beforehand, "
       "misses the tolerance by the rounding of its own digits. Without a figure: data that are refused "

@@ -35,10 +35,10 @@ Verdict judge(const ContactProblem& problem, const SolveResult& r, double tol) {
   v.message = fmt::format("{}: {}", to_string(r.status), r.message);
   if (v.refused) return v;
   v.not_finite = !r.s.allFinite() || !r.u.allFinite();
-  const double opinion = second_opinion(problem, r.s).guarded;
-  v.solved = is_success(r.status) && opinion <= kGrace * tol;
+  const SecondOpinion opinion = second_opinion(problem, r.s);
+  v.solved = is_success(r.status) && opinion.confirms(tol);
   v.false_claim = is_success(r.status) && !v.solved;
-  if (is_success(r.status)) v.message += fmt::format(" (second opinion {:.2e})", opinion);
+  if (is_success(r.status)) v.message += fmt::format(" (second opinion {:.2e})", opinion.guarded);
   return v;
 }
 

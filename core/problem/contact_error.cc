@@ -48,6 +48,21 @@ ContactError error_of(const ErrorSums& total) {
   return e;
 }
 
+ContactError error_of(const ErrorSums& part, const ErrorShare& share) {
+  ErrorSums whole = part;
+  whole += share.others;
+  ContactError e = error_of(whole);
+  e.epsilon /= share.share;
+  e.eta /= share.share;
+  if (share.alone > 0) {
+    const ContactError own = error_of(part);
+    // Written so that NaN stays NaN.
+    if (!(e.epsilon <= share.alone * own.epsilon)) e.epsilon = share.alone * own.epsilon;
+    if (!(e.eta <= share.alone * own.eta)) e.eta = share.alone * own.eta;
+  }
+  return e;
+}
+
 ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem, int threads,
                                              const ErrorShare& share)
     : problem_(problem),
@@ -132,19 +147,9 @@ ContactError ContactErrorEvaluator::evaluate() {
   total.free_impulse2 = free_impulse2_;
 
   sums_ = total;
-  ErrorSums whole = total;
-  whole += share_.others;
-  ContactError e = error_of(whole);
+  ContactError e = error_of(total, share_);
   e.worst_epsilon = total.worst_epsilon;
   e.worst_eta = total.worst_eta;
-  e.epsilon /= share_.share;
-  e.eta /= share_.share;
-  if (share_.alone > 0) {
-    const ContactError own = error_of(total);
-    // Written so that NaN stays NaN.
-    if (!(e.epsilon <= share_.alone * own.epsilon)) e.epsilon = share_.alone * own.epsilon;
-    if (!(e.eta <= share_.alone * own.eta)) e.eta = share_.alone * own.eta;
-  }
   return e;
 }
 

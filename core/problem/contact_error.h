@@ -66,6 +66,9 @@ struct ErrorShare {
   double alone = 0;
 };
 
+/// The criterion of a part with these sums, judged so; the worst contacts are left open (-1).
+ContactError error_of(const ErrorSums& part, const ErrorShare& share);
+
 /// Evaluates the criterion many times on one problem without allocation. s is projected on K_mu
 /// first (the paper asks for it), velocities are recomputed from the projected s. Where the problem
 /// carries a row_scale, everything is measured in physical variables. Copies and threads: as for

@@ -109,7 +109,7 @@ class DistributedSolve {
       result.status = SolveStatus::kNothingToDo;
       result.message = "s = 0 satisfies the law";
       result.s = zero;
-    } else if (options_.s0.size() != 0 && meets(options_, evaluate_(s0))) {
+    } else if (options_.s0.size() != 0 && start_holds(s0)) {
       result.status = SolveStatus::kConverged;
       result.message = "the start meets the stop test";
       result.s = s0;
@@ -136,6 +136,11 @@ class DistributedSolve {
       result.s = Vector::Zero(piece_.own.num_rows());
     }
     result.setup_seconds += before;
+  }
+
+  bool start_holds(const Vector& s0) {
+    const ContactError error = evaluate_(s0);
+    return meets(options_, error) && claim(evaluate_.impulse(), error).holds;
   }
 
   /// The last word of large_friction.h, on the whole problem.

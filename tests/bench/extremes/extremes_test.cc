@@ -61,6 +61,38 @@ TEST(SecondOpinion, ImpulsesThatPullAreNotOnTheCone) {
   EXPECT_TRUE(std::isnan(second_opinion(p, Vector::Constant(2, kNaN)).guarded));
 }
 
+// One contact of 1 kg, b = -1, s = 1 - δ: ε = 20 δ - 10 δ², see tests/solvers/large_friction_test.cc.
+TEST(SecondOpinion, ConfirmsNoClaimBeyondTheTolerance) {
+  ContactProblem p;
+  p.dim = 1;
+  p.W = SparseRows(Eigen::MatrixXd::Identity(1, 1).sparseView());
+  p.u_free = Vector::Constant(1, -1);
+  p.mu = Vector::Zero(1);
+  const double delta = std::ldexp(1.0, -30), epsilon = 20 * delta - 10 * delta * delta;
+  const SecondOpinion opinion = second_opinion(p, Vector::Constant(1, 1 - delta));
+  EXPECT_NEAR(opinion.guarded, epsilon, 1e-15 * epsilon);
+  EXPECT_TRUE(opinion.confirms(epsilon * (1 + 1e-12)));
+  EXPECT_FALSE(opinion.confirms(epsilon * (1 - 1e-12)));
+  EXPECT_FALSE(SecondOpinion().confirms(1));
+}
+
+// 2^-20 - 2^60 + 2^60: 81 digits, which quadruple precision has and extended precision has not.
+TEST(SecondOpinion, SeesWhatExtendedPrecisionRoundsAway) {
+  ContactProblem p;
+  p.dim = 1;
+  Eigen::MatrixXd H(1, 3);
+  H << 1, -1, 1;
+  p.A = SparseMatrix(Eigen::MatrixXd::Identity(1, 1).sparseView());
+  p.H = SparseMatrix(H.sparseView());
+  p.v_free = Vector::Constant(1, 0);
+  p.u_free = Vector::Zero(3);
+  p.mu = Vector::Zero(3);
+  const double large = std::ldexp(1.0, 60), small = std::ldexp(1.0, -20);
+  const SecondOpinion opinion = second_opinion(p, Eigen::Vector3d(small, large, large));
+  EXPECT_EQ(opinion.u[0], small);
+  EXPECT_EQ(opinion.u[1], -small);
+}
+
 TEST(IsolatedJobs, ACrashAHangAndAnExceptionAreCountedAndTheOthersRun) {
   std::vector<JobEnd> ends;
   IsolatedJobs jobs;

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "core/problem/contact_error.h"
+
+namespace bipot {
+
+/// How far rounding may put the criterion of contact_error.h from its exact value.
+struct RoundingBound {
+  double epsilon = 0;  ///< |computed - exact|  [-]
+  double eta = 0;
+
+  /// The same for max(ε, η): the difference of two maxima is at most the larger difference.
+  double guarded() const { return epsilon > eta || epsilon != epsilon ? epsilon : eta; }
+};
+
+enum class Precision {
+  kDouble,   ///< ContactErrorEvaluator, unit roundoff 2^-53
+  kExtended  ///< extended_error.h, unit roundoff 2^-64
+};
+
+/// Running error analysis of one evaluation (Higham, Accuracy and Stability of Numerical Algorithms, §3): every sum of n
+/// products is off by at most n unit roundoffs times the sum of the absolute values, and these bounds go through the
+/// formulas of the criterion to first order, times 1.01. It covers the projection of s on the cones, velocities by either form
+/// of the operator, and weights. Order of summation does not matter. Without underflow and overflow, which solve() scales
+/// away. s on the cone to rounding. Infinite where the denominator is rounding only.
+/// Cost: two passes through H, or one through W.
+RoundingBound rounding_bound(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
+                             Precision precision, const ErrorShare& share = {});
+
+}  // namespace bipot

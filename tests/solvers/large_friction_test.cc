@@ -1,0 +1,101 @@
+#include "solvers/large_friction.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/problem/extended_error.h"
+#include "solvers/solve.h"
+#include "tests/support/manufactured.h"
+
+namespace bipot {
+namespace {
+
+/// One body of 1 kg with three contacts that push to both sides, u = v, -v, v; and another that a wall stops, s = 1 N s.
+ContactProblem pushed_to_both_sides() {
+  ContactProblem p;
+  p.dim = 1;
+  Eigen::MatrixXd H(2, 4);
+  H << 1, -1, 1, 0, 0, 0, 0, 1;
+  p.A = SparseMatrix(Eigen::MatrixXd::Identity(2, 2).sparseView());
+  p.H = SparseMatrix(H.sparseView());
+  p.v_free = Eigen::Vector2d(0, -1);
+  p.u_free = Eigen::Vector4d(0, 0, 0, -1);
+  p.mu = Vector::Zero(4);
+  return p;
+}
+
+// v = 1 - 2^60 + 2^60 is 0 in double precision: all errors are 0. In truth v = 1, the third contact
+// opens under its impulse, and so does the first: ε is 2^60 and more.
+TEST(ExtendedClaim, ASumThatRoundsAwayProvesNothing) {
+  const ContactProblem p = pushed_to_both_sides();
+  const double large = std::ldexp(1.0, 60);
+  const Vector s = Eigen::Vector4d(1, large, large, 1);
+  const ContactError error = contact_error(p, s);
+  ASSERT_EQ(error.guarded(), 0);
+  SolverOptions options;
+  options.tol = 1e-8;
+  const ExtendedClaim claim = claim_in_extended_precision(p, options, s, error);
+  EXPECT_FALSE(claim.holds);
+  EXPECT_GT(claim.error, large);
+  // The same impulses without the self-stress are an answer, and double precision proves it.
+  const Vector good = Eigen::Vector4d(0, 0, 0, 1);
+  const ExtendedClaim proved =
+      claim_in_extended_precision(p, options, good, contact_error(p, good));
+  EXPECT_TRUE(proved.holds);
+  EXPECT_TRUE(std::isnan(proved.error));
+}
+
+// As a start it is not taken for an answer, and does not keep solvers from one.
+TEST(ExtendedClaim, AStartThatOnlyRoundingSupportsIsSolvedOn) {
+  SolverOptions options;
+  options.tol = 1e-8;
+  const double large = std::ldexp(1.0, 60);
+  options.s0 = Eigen::Vector4d(1, large, large, 1);
+  const ContactProblem p = pushed_to_both_sides();
+  const SolveResult r = solve("auto", p, options);
+  EXPECT_NE(r.message, "the start meets the stop test");
+  if (is_success(r.status)) {
+    EXPECT_LE(extended_guarded_error(p, r.s), 1e-8);
+  }
+}
+
+// The last thousandth of the tolerance counts: ε = 20 δ - 10 δ² for one contact of 1 kg, b = -1, s = 1 - δ
+// (G = δ (1 - δ), V = δ²/2, E = 1/2), and η = sqrt(10) δ is less.
+TEST(ExtendedClaim, HasNoGrace) {
+  ContactProblem p;
+  p.dim = 1;
+  p.W = SparseRows(Eigen::MatrixXd::Identity(1, 1).sparseView());
+  p.u_free = Vector::Constant(1, -1);
+  p.mu = Vector::Zero(1);
+  const double delta = std::ldexp(1.0, -30), epsilon = 20 * delta - 10 * delta * delta;
+  const Vector s = Vector::Constant(1, 1 - delta);
+  const ContactError error = contact_error(p, s);
+  EXPECT_NEAR(error.guarded(), epsilon, 1e-9 * epsilon);
+  SolverOptions options;
+  options.tol = epsilon * (1 + 1e-3);
+  EXPECT_TRUE(claim_in_extended_precision(p, options, s, error).holds);
+  options.tol = epsilon * (1 - 1e-3);
+  EXPECT_FALSE(claim_in_extended_precision(p, options, s, error).holds);
+  EXPECT_EQ(solve("pgs", p, options).status, SolveStatus::kConverged);
+}
+
+TEST(ExtendedClaim, EveryConvergedAnswerAtLargeFrictionHoldsInExtendedPrecision) {
+  int converged = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    for (const int dim : {2, 3}) {
+      const Manufactured m = manufactured_problem(dim, 4, 4, seed, 1e6);
+      SolverOptions options;
+      options.tol = 1e-8;
+      options.time_limit = 2;
+      const SolveResult r = solve("multistart", m.problem, options);
+      if (!is_success(r.status)) continue;
+      ++converged;
+      EXPECT_LE(extended_guarded_error(m.problem, r.s), 1e-8) << "d = " << dim << ", " << seed;
+    }
+  }
+  EXPECT_GT(converged, 6);
+}
+
+}  // namespace
+}  // namespace bipot
