@@ -9,11 +9,11 @@ namespace bipot {
 /// multiplies the rounding of the sliding velocity in û = u + mu |u_t| n, and impulses of a hyperstatic packing
 /// may be large beside the energy that they move. A claim of convergence therefore is proved: the error in double
 /// and the bound of its rounding (core/problem/rounding_bound.h) are within the tolerance together,
-/// or else the error in extended precision (core/problem/extended_error.h) and its bound are.
+/// or else the error in extended precision (core/problem/extended_error.h) and its bound are, or in quadruple.
 struct ExtendedClaim {
   bool holds = true;
   double error =
-      kNaN;  ///< guarded error in extended precision with its bound; NaN: double was enough
+      kNaN;  ///< guarded error with its bound in the wider precision; NaN: double was enough
 };
 
 /// Judges the impulse s, whose figures `error` meet options.tol in double precision. It holds where
@@ -24,7 +24,7 @@ ExtendedClaim claim_in_extended_precision(const ContactProblem& problem,
                                           const ContactError& error);
 
 /// Replaces s, entry by entry, by neighbouring doubles while that lowers the guarded error (the
-/// larger one of both precisions, with the bound of the extended one), in at most ten rounds. Of an exact answer rounded to double only
+/// larger one of both precisions), in at most ten rounds. Of an exact answer rounded to double only
 /// mu times the rounding of sliding velocities is left over, and another double for one impulse may
 /// cancel it. For few contacts: a round evaluates the criterion twice a row. Returns the error
 /// reached; below mu = 1e4 that of s, which stays.

@@ -87,9 +87,10 @@ void add_contradictory_cases(std::vector<ExtremeCase>& cases) {
       {.name = "wedge_closes",
        .group = kContradictory,
        .what = "a disk in a wedge of 23 degrees with mu = 0.3 whose walls close at 0.1 m/s",
-       .known = "friction alone can jam it (mu > tan 11.5°), but normals cannot: undecided; the "
-                "disk may slide out, u_n = 0 with |u_t| = 0.1 / tan(0.2)",
-       .expect = Expect::kOpen,
+       .known =
+           "friction jams it (mu > tan 11.5°): impulses of slipping outwards point into the wedge; no "
+           "case of its two contacts is possible: none",
+       .expect = Expect::kNone,
        .problem = [wedge] { return first_step(wedge); }});
   cases.push_back({.name = "data_of_no_motion",
                    .group = kContradictory,

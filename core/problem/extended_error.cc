@@ -1,112 +1,169 @@
 #include "core/problem/extended_error.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <vector>
 
 namespace bipot {
 namespace {
 
-using Real = long double;
-using Reals = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
-using Frame = Eigen::Matrix<Real, 3, 1>;  // components beyond d are 0
+#if __LDBL_MANT_DIG__ >= 113
+using Quadruple = long double;
+#else
+__extension__ typedef __float128 Quadruple;
+#endif
 
-Frame onto_cone(const Frame& x, Real mu) {
-  const Real norm = x.tail<2>().norm();
-  if (mu * norm <= -x[0]) return Frame::Zero();
-  if (norm <= mu * x[0]) return x;
-  Frame foot = x;
-  foot[0] = (x[0] + mu * norm) / (1 + mu * mu);
-  foot.tail<2>() *= mu * foot[0] / norm;
-  return foot;
+long double root(long double x) { return std::sqrt(x); }
+
+#if __LDBL_MANT_DIG__ < 113
+/// A step of Newton from the root in long double doubles its digits.
+Quadruple root(Quadruple x) {
+  const Quadruple near = std::sqrt(static_cast<long double>(x));
+  return near > 0 ? (near + x / near) / 2 : near;
+}
+#endif
+
+template <class Real>
+using Frame = std::array<Real, 3>;  // components beyond d are 0
+
+template <class Real>
+Real slip_of(const Frame<Real>& x) {
+  return root(x[1] * x[1] + x[2] * x[2]);
 }
 
-/// W x in the problem's variables.
-Reals moved_by(const ContactProblem& p, const Reals& x, bool by_bodies) {
-  Reals moved = Reals::Zero(x.size());
-  if (!by_bodies) {
-    for (Eigen::Index i = 0; i < x.size(); ++i) {
-      for (SparseRows::InnerIterator it(p.W, i); it; ++it) {
-        moved[i] += static_cast<Real>(it.value()) * x[it.col()];
+template <class Real>
+Frame<Real> onto_cone(const Frame<Real>& x, Real mu) {
+  const Real norm = slip_of(x);
+  if (mu * norm <= -x[0]) return {};
+  if (norm <= mu * x[0]) return x;
+  const Real normal = (x[0] + mu * norm) / (1 + mu * mu), by = mu * normal / norm;
+  return {normal, by * x[1], by * x[2]};
+}
+
+/// The problem's data, one by one in a wider type.
+template <class Real>
+class WideProblem {
+ public:
+  // An assembled W is rounded, which friction multiplies as well: bodies come first.
+  explicit WideProblem(const ContactProblem& p)
+      : p_(p), by_bodies_(p.has_velocities() && is_diagonal(p.A)) {}
+
+  bool defined() const { return by_bodies_ || p_.has_delassus(); }
+
+  Real row_scale(Eigen::Index row) const {
+    return p_.row_scale.size() == 0 ? Real(1) : Real(p_.row_scale[row]);
+  }
+
+  /// W x in the problem's variables.
+  std::vector<Real> moved(const std::vector<Real>& x) const {
+    std::vector<Real> moved(x.size(), Real(0));
+    const Eigen::Index rows = p_.num_rows();
+    if (!by_bodies_) {
+      for (Eigen::Index i = 0; i < rows; ++i) {
+        for (SparseRows::InnerIterator it(p_.W, i); it; ++it) {
+          moved[to_size(i)] += Real(it.value()) * x[to_size(it.col())];
+        }
+      }
+      return moved;
+    }
+    const Vector masses = p_.A.diagonal();
+    std::vector<Real> v(to_size(masses.size()), Real(0));
+    for (Eigen::Index j = 0; j < rows; ++j) {
+      if (x[to_size(j)] == 0) continue;
+      for (SparseMatrix::InnerIterator it(p_.H, j); it; ++it) {
+        v[to_size(it.row())] += Real(it.value()) * x[to_size(j)];
+      }
+    }
+    for (Eigen::Index i = 0; i < masses.size(); ++i) v[to_size(i)] /= Real(masses[i]);
+    for (Eigen::Index j = 0; j < rows; ++j) {
+      for (SparseMatrix::InnerIterator it(p_.H, j); it; ++it) {
+        moved[to_size(j)] += Real(it.value()) * v[to_size(it.row())];
       }
     }
     return moved;
   }
-  const Vector masses = p.A.diagonal();
-  Reals v = Reals::Zero(masses.size());
-  for (Eigen::Index j = 0; j < x.size(); ++j) {
-    if (x[j] == 0) continue;
-    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it) {
-      v[it.row()] += static_cast<Real>(it.value()) * x[j];
+
+  /// W(row, row), in the problem's variables.
+  Real diagonal(Eigen::Index row) const {
+    if (!by_bodies_) return Real(p_.W.coeff(row, row));
+    Real sum = 0;
+    for (SparseMatrix::InnerIterator it(p_.H, row); it; ++it) {
+      sum += Real(it.value()) * Real(it.value()) / Real(p_.A.coeff(it.row(), it.row()));
     }
+    return sum;
   }
-  for (Eigen::Index i = 0; i < v.size(); ++i) v[i] /= static_cast<Real>(masses[i]);
-  for (Eigen::Index j = 0; j < x.size(); ++j) {
-    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it) {
-      moved[j] += static_cast<Real>(it.value()) * v[it.row()];
-    }
-  }
-  return moved;
-}
 
-/// W(row, row), in the problem's variables.
-Real diagonal_of(const ContactProblem& p, Eigen::Index row, bool by_bodies) {
-  if (!by_bodies) return static_cast<Real>(p.W.coeff(row, row));
-  Real sum = 0;
-  for (SparseMatrix::InnerIterator it(p.H, row); it; ++it) {
-    const Real h = static_cast<Real>(it.value());
-    sum += h * h / static_cast<Real>(p.A.coeff(it.row(), it.row()));
-  }
-  return sum;
-}
+ private:
+  const ContactProblem& p_;
+  bool by_bodies_;
+};
 
-}  // namespace
-
-double extended_guarded_error(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
-                              const ErrorShare& share) {
-  // An assembled W is rounded, which friction multiplies as well: bodies come first.
-  const bool by_bodies = p.has_velocities() && is_diagonal(p.A);
-  if (!by_bodies && !p.has_delassus()) return kNaN;
+template <class Real>
+double guarded_error(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
+                     const ErrorShare& share) {
+  const WideProblem<Real> wide(p);
+  if (!wide.defined()) return kNaN;
   const int d = p.dim;
-  Reals r = Reals::Ones(s.size()), x(s.size()), mu = Reals::Zero(p.num_contacts());
-  for (Eigen::Index i = 0; i < p.row_scale.size(); ++i) r[i] = static_cast<Real>(p.row_scale[i]);
+  std::vector<Real> x(to_size(s.size())), mu(to_size(p.num_contacts()), Real(0));
   for (int c = 0; c < p.num_contacts(); ++c) {
     const Eigen::Index n = static_cast<Eigen::Index>(c) * d;
-    if (d > 1) mu[c] = static_cast<Real>(p.mu[c]) * r[n] / r[n + 1];
-    Frame given = Frame::Zero();
-    for (int k = 0; k < d; ++k) given[k] = static_cast<Real>(s[n + k]) / r[n + k];
-    const Frame impulse = onto_cone(given, mu[c]);
-    for (int k = 0; k < d; ++k) x[n + k] = impulse[k] * r[n + k];
+    if (d > 1) mu[to_size(c)] = Real(p.mu[c]) * wide.row_scale(n) / wide.row_scale(n + 1);
+    Frame<Real> given{};
+    for (int k = 0; k < d; ++k) given[to_size(k)] = Real(s[n + k]) / wide.row_scale(n + k);
+    const Frame<Real> impulse = onto_cone(given, mu[to_size(c)]);
+    for (int k = 0; k < d; ++k) x[to_size(n + k)] = impulse[to_size(k)] * wide.row_scale(n + k);
   }
-  const Reals moved = moved_by(p, x, by_bodies);
-  Real gap = 0, approach = 0, map = 0, dissipation = 0, free_energy = 0;
+  const std::vector<Real> moved = wide.moved(x);
+  Real gap = 0, approach = 0, map = 0, dissipation = 0, free_energy = 0, work = 0;
   for (int c = 0; c < p.num_contacts(); ++c) {
     const Eigen::Index n = static_cast<Eigen::Index>(c) * d;
-    const Real rho = 1 / (diagonal_of(p, n, by_bodies) * r[n] * r[n]);
-    Frame impulse = Frame::Zero(), free = Frame::Zero(), u = Frame::Zero();
+    const Real r_n = wide.row_scale(n), friction_factor = mu[to_size(c)];
+    const Real rho = 1 / (wide.diagonal(n) * r_n * r_n);
+    Frame<Real> impulse{}, u{};
     for (int k = 0; k < d; ++k) {
-      impulse[k] = x[n + k] / r[n + k];
-      free[k] = static_cast<Real>(p.u_free[n + k]) / r[n + k];
-      u[k] = moved[n + k] / r[n + k] + free[k];
+      const std::size_t row = to_size(n + k), at = to_size(k);
+      const Real r = wide.row_scale(n + k);
+      impulse[at] = x[row] / r;
+      u[at] = (moved[row] + Real(p.u_free[n + k])) / r;
+      work += x[row] * moved[row];
     }
-    const Real slip = u.tail<2>().norm();
-    const Real friction = mu[c] * impulse[0] * slip;
+    const Real free = Real(p.u_free[n]) / r_n, slip = slip_of(u);
+    const Real friction = friction_factor * impulse[0] * slip;
     dissipation += friction;
-    gap += std::max<Real>(friction + impulse.tail<2>().dot(u.tail<2>()), 0);
-    gap += impulse[0] * std::abs(u[0]);
+    gap += std::max(friction + impulse[1] * u[1] + impulse[2] * u[2], Real(0));
+    gap += impulse[0] * (u[0] < 0 ? -u[0] : u[0]);
     if (u[0] < 0) approach += rho * u[0] * u[0] / 2;
-    if (free[0] < 0) free_energy += rho * free[0] * free[0] / 2;
+    if (free < 0) free_energy += rho * free * free / 2;
     if (impulse[0] == 0 && u[0] >= 0) continue;  // the law exactly
-    u[0] += mu[c] * slip;
-    map += (impulse - onto_cone(impulse - rho * u, mu[c])).squaredNorm() / (2 * rho);
+    u[0] += friction_factor * slip;
+    Frame<Real> foot{};
+    for (std::size_t k = 0; k < 3; ++k) foot[k] = impulse[k] - rho * u[k];
+    foot = onto_cone(foot, friction_factor);
+    for (std::size_t k = 0; k < 3; ++k) {
+      map += (impulse[k] - foot[k]) * (impulse[k] - foot[k]) / (2 * rho);
+    }
   }
   ErrorSums sums;
   sums.friction = static_cast<double>(dissipation);
   sums.gap = static_cast<double>(gap);
   sums.penetration = static_cast<double>(approach);
   sums.natural = static_cast<double>(map);
-  sums.moved = static_cast<double>(x.dot(moved));
+  sums.moved = static_cast<double>(work);
   sums.free_energy = static_cast<double>(free_energy);
   return error_of(sums, share).guarded();
+}
+
+}  // namespace
+
+double extended_guarded_error(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
+                              const ErrorShare& share) {
+  return guarded_error<long double>(p, s, share);
+}
+
+double quadruple_guarded_error(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
+                               const ErrorShare& share) {
+  return guarded_error<Quadruple>(p, s, share);
 }
 
 }  // namespace bipot

@@ -159,10 +159,12 @@ RoundingBound bound_of(const RoundedSums& own, const ErrorSums& others, double a
 
 RoundingBound rounding_bound(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
                              Precision precision, const ErrorShare& share) {
-  const bool extended = precision == Precision::kExtended;
-  const double unit = std::ldexp(1.0, extended ? -64 : -53);
+  const bool in_double = precision == Precision::kDouble;
+  const double unit = std::ldexp(1.0, in_double                           ? -53
+                                      : precision == Precision::kExtended ? -64
+                                                                          : -113);
   const bool bodies = p.has_velocities() && is_diagonal(p.A);
-  const double packing = extended || p.dim == 3 ? 0 : kOfPacking;
+  const double packing = !in_double || p.dim == 3 ? 0 : kOfPacking;
   if (!bodies && !p.has_delassus()) return {kInfinity, kInfinity};
   const RoundedVelocity velocity =
       bodies ? by_bodies(p, s, kOfAProduct + packing) : by_delassus(p, s);

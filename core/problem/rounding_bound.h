@@ -14,8 +14,9 @@ struct RoundingBound {
 };
 
 enum class Precision {
-  kDouble,   ///< ContactErrorEvaluator, unit roundoff 2^-53
-  kExtended  ///< extended_error.h, unit roundoff 2^-64
+  kDouble,    ///< ContactErrorEvaluator, unit roundoff 2^-53
+  kExtended,  ///< extended_guarded_error(), unit roundoff 2^-64
+  kQuadruple  ///< quadruple_guarded_error(), unit roundoff 2^-113
 };
 
 /// Running error analysis of one evaluation (Higham, Accuracy and Stability of Numerical Algorithms, §3): every sum of n

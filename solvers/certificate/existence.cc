@@ -8,6 +8,7 @@
 
 #include "core/problem/sparse_factor.h"
 #include "core/stopwatch.h"
+#include "solvers/certificate/case_exclusion.h"
 #include "solvers/certificate/certificate_check.h"
 #include "solvers/certificate/linear_programme.h"
 
@@ -49,21 +50,38 @@ class Search {
 
   ExistenceCertificate run() {
     ExistenceCertificate found;
-    found.reason = defect();
-    if (!found.reason.empty()) return found;
-    std::string why = try_opening(found);
-    if (found.verdict != Existence::kUndecided) return found;
-    if (p_.dim <= 2 && try_undoing(found)) return found;
-    if (const std::string more = try_obstruction(found); !more.empty()) why = more;
-    if (found.verdict != Existence::kUndecided) return found;
-    if (p_.dim <= 2) {
-      if (const std::string more = try_reachable(found); !more.empty()) why = more;
-    }
+    std::string why = defect();
+    if (why.empty()) why = try_programmes(found);
+    if (found.verdict == Existence::kUndecided) try_cases(found);
     if (found.verdict == Existence::kUndecided) found.reason = why;
     return found;
   }
 
  private:
+  /// 1 to 3; why nothing was proved.
+  std::string try_programmes(ExistenceCertificate& found) const {
+    std::string why = try_opening(found);
+    if (found.verdict != Existence::kUndecided) return {};
+    if (p_.dim <= 2 && try_undoing(found)) return {};
+    if (const std::string more = try_obstruction(found); !more.empty()) why = more;
+    if (found.verdict != Existence::kUndecided) return {};
+    if (p_.dim <= 2) {
+      if (const std::string more = try_reachable(found); !more.empty()) why = more;
+    }
+    return why;
+  }
+
+  void try_cases(ExistenceCertificate& found) const {
+    const CaseExclusion all = exclude_cases(p_, seconds_left());
+    if (!all.complete) return;
+    found.verdict = Existence::kNone;
+    found.margin = 1 / all.reach;
+    found.cases = static_cast<int>(all.cases.size());
+    found.reason = fmt::format(
+        "open, sticking or slipping, no case of its {} contacts is possible: {} exclusions",
+        p_.num_contacts(), found.cases);
+  }
+
   double seconds_left() const { return std::max(1e-3, seconds_ - watch_.seconds()); }
 
   /// Why the theory says nothing of this W.
@@ -295,11 +313,13 @@ std::string to_text(const ExistenceCertificate& c) {
           "a solution exists for data within {:.1e} of these (proved up to rounding: {})", c.margin,
           c.reason);
     case Existence::kNone:
-      return fmt::format("no solution exists (proved, {}: {})",
-                         c.margin > 0
-                             ? fmt::format("none slower than {:.1e} times the data", 1 / c.margin)
-                             : "exactly",
-                         c.reason);
+      return fmt::format(
+          "no solution exists (proved, {}: {})",
+          c.margin > 0
+              ? fmt::format("none {} {:.1e} times the data",
+                            c.cases > 0 ? "with impulses below" : "slower than", 1 / c.margin)
+              : "exactly",
+          c.reason);
     default:
       return "whether a solution exists is undecided: " + c.reason;
   }

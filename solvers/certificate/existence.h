@@ -11,7 +11,8 @@ enum class Existence {
   kUndecided,     ///< neither was proved
   kExists,        ///< for these data, and all that differ by less than `margin`
   kExistsNearby,  ///< for data that differ from these by no more than `margin`: rounding
-  kNone           ///< no motion slower than 1/`margin` times the data obeys even the normal law
+  kNone  ///< no motion slower than 1/`margin` times the data obeys even the normal law; by cases:
+         ///< no impulses below so many times the data obey the law
 };
 std::string_view to_string(Existence verdict);
 
@@ -22,6 +23,7 @@ struct ExistenceCertificate {
   Vector motion;         ///< kExists, kExistsNearby: y of certificate_check.h; n, or m rows of W
   double weight = 0;     ///< of the data in that motion
   Vector stress;         ///< kNone: the normal self-stress, one entry a contact
+  int cases = 0;         ///< kNone by cases: how many were excluded, see case_exclusion.h
   double seconds = 0;    ///< of the search
 };
 
@@ -33,10 +35,13 @@ struct ExistenceCertificate {
 ///   3. for d <= 2, r ∈ K_mu, H r = 0, r·w < 0. Where there is none, w + Hᵀ v ∈ K_mu* for some v, which
 ///      is enough in the plane, but has no margin: true for data within rounding of these.
 ///
+///   4. for d <= 2 and few contacts: every case of open, sticking and slipping contacts is excluded
+///      by itself (case_exclusion.h), whatever W.
+///
 /// For d = 3, K_mu is widened to a cone with 16 edges, K_mu* so made narrower: what is found holds.
 /// Without A and H, H r = 0 reads W r = 0. What is found counts only as far as
 /// certificate_check.h confirms it. `seconds`: wall-clock limit of the search. The problem must
-/// pass validate(); a W that is not symmetric is undecided. Sources: Acary, Cadoux, Lemaréchal and
+/// pass validate(); of a W that is not symmetric or indefinite only 4 says something. Sources: Acary, Cadoux, Lemaréchal and
 /// Malick, ZAMM 91 (2011), for 1; data/method.md §6 has the proofs.
 ExistenceCertificate certify_existence(const ContactProblem& problem, double seconds = kInfinity);
 

@@ -86,7 +86,7 @@ TEST(RoundingBound, IsTwoThousandTimesSmallerInExtendedPrecision) {
   EXPECT_NEAR(ratio, 2048, 0.02 * 2048);  // 2^11; what is handed on in double is part of the latter
 }
 
-// Judged with others of a thousand times the energy an error and its rounding are a thousandth; with half of the
+// With others of 1e9 times the energy an error and its rounding count 1e-9; with half of the
 // tolerance to use both count twice.
 TEST(RoundingBound, IsSharedAsTheErrorIs) {
   const Manufactured m = manufactured_problem(2, 6, 9, 3, 0.4);
