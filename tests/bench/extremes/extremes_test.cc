@@ -215,6 +215,10 @@ TEST(ExtremeMatrix, KnowsWhatItsCasesAre) {
   const ExtremeMatrix walls = measure_extremes(of("wall_into_row"));
   EXPECT_EQ(walls.verdicts.front(), Existence::kNone);
   EXPECT_EQ(walls.find("wall_into_row", "auto")->end, CellEnd::kNone);
+  // By cases: friction jams the wedge, normals alone do not.
+  const ExtremeMatrix wedge = measure_extremes(of("wedge_closes"));
+  EXPECT_EQ(wedge.verdicts.front(), Existence::kNone);
+  EXPECT_EQ(wedge.find("wedge_closes", "auto")->end, CellEnd::kNone);
   const ExtremeMatrix tower = measure_extremes(of("light_on_heavy_1e2"));
   EXPECT_EQ(tower.find("light_on_heavy_1e2", "auto")->end, CellEnd::kSolved);
   EXPECT_LT(tower.find("light_on_heavy_1e2", "auto")->true_error, 1e-6);
