@@ -41,11 +41,13 @@ ExtendedClaim claim_in_extended_precision(const ContactProblem& p, const SolverO
 double cancel_rounding(const ContactProblem& p, const SolverOptions& options,
                        ContactErrorEvaluator& evaluate, Vector& s) {
   if (!is_large(p)) return evaluate(s).guarded();
-  const auto judge = [&](const Vector& x) {
+  // What is not below `best` in double precision need not be looked at in the dearer one.
+  const auto judge = [&](const Vector& x, double best) {
     const double error = evaluate(x).guarded();
+    if (!(error < best)) return error;
     return std::max(error, extended_guarded_error(p, evaluate.impulse()));
   };
-  double error = judge(s);
+  double error = judge(s, kInfinity);
   bool better = true;
   for (int round = 0; round < kRounds && better && error > options.tol; ++round) {
     better = false;
@@ -55,7 +57,7 @@ double cancel_rounding(const ContactProblem& p, const SolverOptions& options,
       for (const double towards : {-kInfinity, kInfinity}) {
         const double before = entry;
         entry = std::nextafter(before, towards);
-        const double changed = judge(s);
+        const double changed = judge(s, error);
         if (changed < error) {
           error = changed;
           better = true;

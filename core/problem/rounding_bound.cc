@@ -137,22 +137,31 @@ double of_quotient(double a, double da, double m, double dm) {
   return (da + a / m * dm) / (m - dm);
 }
 
-RoundingBound bound_of(const RoundedSums& own, const ErrorSums& others, double adding) {
+/// Figures and what rounding may add to them.
+struct RoundedError {
+  double epsilon = 0, eta = 0;
+  RoundingBound bound;
+};
+
+RoundedError error_with_bound(const RoundedSums& own, const ErrorSums& others, double adding,
+                              double factor) {
   ErrorSums whole = own.value;
   whole += others;
-  const double energy = std::max(0.5 * whole.moved, whole.free_energy);
-  const double m = std::max(whole.friction, kTheta * energy);
+  const ContactError figures = error_of(whole);
+  const double m = std::max(figures.friction_power, kTheta * figures.energy);
   const double dm =
       std::max(own.friction, kTheta * std::max(0.5 * own.moved, own.free_energy)) + adding * m;
   const double violation = whole.gap + whole.penetration;
-  RoundingBound bound;
-  bound.epsilon = of_quotient(violation, own.gap + adding * violation, m, dm);
-  const double eta = whole.natural == 0 ? 0 : std::sqrt(whole.natural / m);
+  RoundedError e{factor * figures.epsilon, factor * figures.eta, {}};
+  e.bound.epsilon =
+      kSecondOrder * factor * of_quotient(violation, own.gap + adding * violation, m, dm);
   if (own.natural > 0 || whole.natural > 0) {
-    bound.eta =
-        m > dm ? std::sqrt(own.natural / (m - dm)) + eta * (dm / (m - dm) + adding) : kInfinity;
+    e.bound.eta =
+        m > dm ? kSecondOrder * factor *
+                     (std::sqrt(own.natural / (m - dm)) + figures.eta * (dm / (m - dm) + adding))
+               : kInfinity;
   }
-  return bound;
+  return e;
 }
 
 }  // namespace
@@ -186,15 +195,15 @@ RoundingBound rounding_bound(const ContactProblem& p, const Eigen::Ref<const Vec
   }
   // Of the sums over the contacts, and of a result that is handed on in double.
   const double adding = unit * (p.num_contacts() + kOfATerm) + std::ldexp(1.0, -50);
-  RoundingBound bound = bound_of(sums, share.others, adding);
-  bound.epsilon *= kSecondOrder / share.share;
-  bound.eta *= kSecondOrder / share.share;
-  if (share.alone > 0) {
-    const RoundingBound own = bound_of(sums, {}, adding);
-    bound.epsilon = std::max(bound.epsilon, share.alone * kSecondOrder * own.epsilon);
-    bound.eta = std::max(bound.eta, share.alone * kSecondOrder * own.eta);
-  }
-  return bound;
+  const RoundedError whole = error_with_bound(sums, share.others, adding, 1 / share.share);
+  if (!(share.alone > 0)) return whole.bound;
+  // The smaller of two figures counts: at most the smaller of what both may be.
+  const RoundedError own = error_with_bound(sums, {}, adding, share.alone);
+  const auto of_smaller = [](double a, double da, double b, double db) {
+    return std::min(a + da, b + db) - std::min(a, b);
+  };
+  return {of_smaller(whole.epsilon, whole.bound.epsilon, own.epsilon, own.bound.epsilon),
+          of_smaller(whole.eta, whole.bound.eta, own.eta, own.bound.eta)};
 }
 
 }  // namespace bipot

@@ -23,7 +23,7 @@ enum class Precision {
 /// products is off by at most n unit roundoffs times the sum of the absolute values, and these bounds go through the
 /// formulas of the criterion to first order, times 1.01. It covers the projection of s on the cones, velocities by either form
 /// of the operator, and weights. Order of summation does not matter. Without underflow and overflow, which solve() scales
-/// away. s on the cone to rounding. Infinite where the denominator is rounding only.
+/// away. With share.alone, where the smaller of two figures counts, it says how much larger the exact one may be. s on the cone to rounding. Infinite where the denominator is rounding only.
 /// Cost: two passes through H, or one through W.
 RoundingBound rounding_bound(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                              Precision precision, const ErrorShare& share = {});

@@ -102,5 +102,18 @@ TEST(RoundingBound, IsSharedAsTheErrorIs) {
             1e-6 * alone.epsilon);
 }
 
+// A part with a millionth of the energy of the others: judged with them its rounding is nothing, and that counts,
+// whatever it is beside its own energy.
+TEST(RoundingBound, TakesTheSmallerOfTwoFigures) {
+  const Manufactured m = manufactured_problem(2, 6, 9, 3, 1e6);
+  ErrorShare share;
+  share.others.friction = 1e6 * contact_error(m.problem, m.s).friction_power;
+  const RoundingBound with_others = rounding_bound(m.problem, m.s, Precision::kDouble, share);
+  share.alone = 12;
+  const RoundingBound either = rounding_bound(m.problem, m.s, Precision::kDouble, share);
+  EXPECT_LE(either.guarded(), 1.01 * with_others.guarded());
+  EXPECT_LT(either.guarded(), 1e-2 * rounding_bound(m.problem, m.s, Precision::kDouble).guarded());
+}
+
 }  // namespace
 }  // namespace bipot
