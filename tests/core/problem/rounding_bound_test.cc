@@ -107,7 +107,7 @@ TEST(RoundingBound, IsSharedAsTheErrorIs) {
 TEST(RoundingBound, TakesTheSmallerOfTwoFigures) {
   const Manufactured m = manufactured_problem(2, 6, 9, 3, 1e6);
   ErrorShare share;
-  share.others.friction = 1e6 * contact_error(m.problem, m.s).friction_power;
+  share.others.friction = 1e6 * contact_error(m.problem, m.s).energy;
   const RoundingBound with_others = rounding_bound(m.problem, m.s, Precision::kDouble, share);
   share.alone = 12;
   const RoundingBound either = rounding_bound(m.problem, m.s, Precision::kDouble, share);
