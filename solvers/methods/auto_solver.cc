@@ -35,6 +35,12 @@ constexpr double kClose = 10;
 // What apgd does before paths are tried, and pivots of these: moving packings of N <= 4000
 // contacts need 0 to 1300, one in fifty up to 3 N.
 constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000;
+// Larger ones need up to 5 N and nothing else solves them: nine poured steps of 3500 to 4600
+// contacts took 33 s and left none, with 3 N 38 s and one, with first order and factorisations
+// first 72 s and six of eight.
+constexpr int kManyContacts = 2000;
+// A step of a run, which starts from the one before, is taken for a moving one up to that size.
+constexpr int kLargeStep = 8000;
 // Paths from a worse start are long: free pyramids.
 constexpr double kUsefulStart = 0.5;
 // Tolerances from here on are loose.
@@ -164,6 +170,9 @@ class Planner {
     add("multistart", steps, steps, Start::kBest, "few contacts: dense Newton steps, many starts",
         {{"starts", "1000000"}, {"seed", seed}});
   }
+  bool paths_first() const {
+    return contacts_ <= kLarge || (warm_ && !local_ && contacts_ <= kLargeStep);
+  }
   bool sweeps_first() const { return !local_ && contacts_ <= kSmall; }
 
   void regular_packings() {
@@ -187,10 +196,10 @@ class Planner {
       add("admm", 600, 2000, Start::kBest, "moving packings, roughly");
       stages_.back().least_tol = kRough;
     }
-    if (exact_ && !local_ && contacts_ <= kLarge) {
+    if (exact_ && !local_ && paths_first()) {
       // Where it does not go on to the end, it has made a start for paths by then.
       const int enough = std::min(crossing_, kStartSteps);
-      add("apgd", enough, enough + enough / 2, Start::kOwn,
+      add("apgd", enough, contacts_ > kLarge ? 2 * crossing_ : enough + enough / 2, Start::kOwn,
           "momentum: O(sqrt N) iterations, and a start");
     } else {
       // Longer still from a warm start; given that time, it halves the cost of a compaction at
@@ -203,7 +212,10 @@ class Planner {
   }
 
   void second_order() {
-    if (contacts_ <= kLarge) first_paths(std::max(kPivots, 3 * contacts_));
+    if (paths_first()) {
+      first_paths(std::max(kPivots, (contacts_ > kManyContacts ? 6 : 3) * contacts_));
+      if (exact_ && contacts_ > kLarge) stages_.back().tol_below = kFair;
+    }
     if (!sweeps_first()) sweeps();
     if (exact_ && contacts_ > kLarge) {
       add("admm", 6000, 14000, Start::kCaller, "large moving packings, by factors of W",
@@ -226,7 +238,7 @@ class Planner {
       add("ipm", 90, 150, Start::kOwn, "packings in space, about a hundred factorisations");
     }
     // There a path costs more than all factorisations that a packing at rest needs.
-    if (contacts_ > kLarge) first_paths(kManyPivots);
+    if (!paths_first()) first_paths(kManyPivots);
     if (contacts_ <= kLarge) {
       add("newton", local_ ? 500 : 12, local_ ? 1000 : 40, Start::kOwn,
           "quadratic where W is regular");
