@@ -155,8 +155,7 @@ CellBasis::Entering CellBasis::entering(int contact, Column column, int slot) {
 
 int CellBasis::orientation(const LawPoint& point) const {
   const auto impulses = std::count_if(point.column.begin(), point.column.end(), is_impulse);
-  const int sign =
-      by_fronts_ ? fronts_.determinant_sign() : rows_exchanged_->determinant_sign();
+  const int sign = by_fronts_ ? fronts_.determinant_sign() : rows_exchanged_->determinant_sign();
   return sign * (impulses % 2 == 0 ? 1 : -1);
 }
 

@@ -68,7 +68,7 @@ class CellBasis {
   FrontalLU<double> fronts_;
   std::optional<OrderedLU> rows_exchanged_;  // made where it is needed first
   bool by_fronts_ = false;                   // which of them holds the factor
-  std::vector<Column> factored_;  // the columns of the factor
+  std::vector<Column> factored_;             // the columns of the factor
   ExchangedColumns exchanged_;
   Vector rhs_, change_, error_, y_;  // scratch
   std::vector<long double> sum_;

@@ -19,7 +19,7 @@ TEST(IterationGrowth, SideIsTheNearest) {
     const GrowthProblem problem = make_growth_problem({.family = family}, 7);
     EXPECT_EQ(side_of(family, static_cast<double>(problem.disks)), 7) << family;
   }
-  EXPECT_THROW(make_growth_problem({.family = "cubic"}, 3), std::invalid_argument);
+  EXPECT_THROW(make_growth_problem({.family = "simplex"}, 3), std::invalid_argument);
 }
 
 TEST(IterationGrowth, DilutedLatticeLacksATenthOfItsDisks) {
