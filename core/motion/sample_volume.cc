@@ -1,11 +1,13 @@
 #include "core/motion/sample_volume.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
 
 #include "core/scene/scene_box.h"
+#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -35,6 +37,85 @@ Vec3 side(int k) {
   const double angle = k * std::numbers::pi * (3 - std::sqrt(5.0));
   const double width = std::sqrt(1 - height * height);
   return Vec3(width * std::cos(angle), width * std::sin(angle), height);
+}
+
+/// What of a sphere its planes touch, at mid-step: much less than the sphere to pass over.
+struct Ball {
+  Vec3 x;
+  double radius;
+};
+
+/// Spheres that may reach farthest in some direction: all but those that lie within the hull of 26 others
+/// far out and near 26 rays. The hull of their centres need not be known for that:
+/// it contains the tetrahedra between the mean of the 26 and three that are neighbours by direction.
+std::vector<Ball> outer_spheres(const std::vector<Ball>& all, const BoxIn<3>& box) {
+  constexpr double kInside = 1 - 1e-3, kFlat = 1e-3;
+  const auto at = [](const Vec3& ways) {
+    const Eigen::Vector3i k = ways.cast<int>() + Eigen::Vector3i::Ones();
+    return to_size(9 * k[0] + 3 * k[1] + k[2]);
+  };
+  const Vec3 middle = 0.5 * (box.lower + box.upper);
+  std::array<Vec3, 27> corners;  // the middle one is the mean
+  Vec3 mean = Vec3::Zero();
+  double smallest = kInfinity;
+  for (int k = 0; k < 27; ++k) {
+    const Vec3 ways(k / 9 - 1, k / 3 % 3 - 1, k % 3 - 1);
+    if (k == 13) continue;
+    const Ball* farthest = &all[0];
+    double reach = -kInfinity;
+    for (const Ball& s : all) {
+      const Vec3 x = s.x - middle;
+      const double along = x.dot(ways) / ways.norm();
+      const double here = along - 0.5 * std::sqrt(std::max(0.0, x.squaredNorm() - along * along));
+      if (here > reach) {
+        reach = here;
+        farthest = &s;
+      }
+    }
+    corners[at(ways)] = farthest->x;
+    mean += corners[at(ways)] / 26;
+    smallest = std::min(smallest, farthest->radius);
+  }
+  // By signs and the order of the sizes of the coordinates, two digits of three.
+  std::array<Eigen::Matrix3d, 72> barycentric;
+  for (int signs = 0; signs < 8; ++signs) {
+    const Vec3 corner(signs & 4 ? 1 : -1, signs & 2 ? 1 : -1, signs & 1 ? 1 : -1);
+    for (int order = 0; order < 9; ++order) {
+      const int first = order / 3, second = order % 3;
+      Eigen::Matrix3d& inverse = barycentric[to_size(9 * signs + order)];
+      inverse.setConstant(kNaN);
+      if (first == second) continue;
+      const Vec3 axis = corner[first] * Vec3::Unit(first);
+      const Vec3 edge = axis + corner[second] * Vec3::Unit(second);
+      Eigen::Matrix3d sides;
+      sides << corners[at(axis)] - mean, corners[at(edge)] - mean, corners[at(corner)] - mean;
+      const double size = sides.cwiseAbs().maxCoeff();
+      if (std::abs(sides.determinant()) > kFlat * size * size * size) inverse = sides.inverse();
+    }
+  }
+  // False for NaN too.
+  const auto within = [&](const Vec3& x) {
+    const Vec3 size = x.cwiseAbs();
+    int first = 0, last = 0;
+    size.maxCoeff(&first);
+    size.minCoeff(&last);
+    const int second = first == last ? (first + 1) % 3 : 3 - first - last;
+    const int signs = (x[0] > 0 ? 4 : 0) + (x[1] > 0 ? 2 : 0) + (x[2] > 0 ? 1 : 0);
+    const Vec3 part = barycentric[to_size(9 * signs + 3 * first + second)] * x;
+    return part.minCoeff() >= 0 && part.sum() <= kInside;
+  };
+  std::vector<Ball> outer;
+  for (const Ball& ball : all) {
+    const Vec3 x = ball.x - mean;
+    // Of a larger sphere, an octahedron around what is more.
+    const double more = std::sqrt(3.0) * (ball.radius - smallest);
+    bool inner = within(x);
+    for (int axis = 0; axis < 3 && inner && more > 0; ++axis) {
+      inner = within(x + more * Vec3::Unit(axis)) && within(x - more * Vec3::Unit(axis));
+    }
+    if (!inner) outer.push_back(ball);
+  }
+  return outer;
 }
 
 /// Of a periodic cell, between the walls; where these leave it open, as far as the spheres reach.
@@ -199,12 +280,14 @@ double sample_area(const StateIn<3>& state, double step) {
     return enclosed;
   }
   ConvexBody body(box.lower, box.upper);
+  std::vector<Ball> all;
+  all.reserve(state.disks.size());
+  for (const Sphere& s : state.disks) all.push_back({centre_at_middle(s, step), s.radius});
+  const std::vector<Ball> outer = outer_spheres(all, box);
   for (int k = 0; k < kSides; ++k) {
     const Vec3 out = side(k);
     double reach = -kInfinity;
-    for (const Sphere& s : state.disks) {
-      reach = std::max(reach, centre_at_middle(s, step).dot(out) + s.radius);
-    }
+    for (const Ball& ball : outer) reach = std::max(reach, ball.x.dot(out) + ball.radius);
     body.clip(reach * out, -out);
   }
   return body.volume();

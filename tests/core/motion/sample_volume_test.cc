@@ -78,5 +78,27 @@ TEST(SampleVolume, IsNearlyTheHullWithoutWalls) {
   EXPECT_LT(sample_area(state, 0), 1.04 * row);
 }
 
+// Planes that touch a sample touch its outermost spheres: it does not matter what lies within. The shell of a
+// cube of spheres is the same sample with and without a filling of spheres that are as large or smaller,
+// moved as a whole or not; a larger one within that sticks out counts.
+TEST(SampleVolume, IsTheSameToTheBitWithAndWithoutWhatLiesWithin) {
+  for (const double shift : {0.0, 13.7}) {
+    StateIn<3> shell, full;
+    for (int k = 0; k < 7 * 7 * 7; ++k) {
+      const Vec3 cell(k / 49 - 3, k / 7 % 7 - 3, k % 7 - 3);
+      const bool rim = cell.cwiseAbs().maxCoeff() == 3;
+      const Sphere s = ball(cell + Vec3(shift, -shift, 2 * shift), rim ? 0.5 : 0.5 - 0.01 * (k % 9));
+      if (rim) shell.disks.push_back(s);
+      full.disks.push_back(s);
+    }
+    EXPECT_EQ(sample_area(full, 0.01), sample_area(shell, 0.01));
+    const Sphere large = ball(Vec3(0, 1, 0) + Vec3(shift, -shift, 2 * shift), 4);
+    full.disks.push_back(large);
+    shell.disks.push_back(large);
+    EXPECT_EQ(sample_area(full, 0.01), sample_area(shell, 0.01));
+    EXPECT_GT(sample_area(full, 0.01), 7 * 7 * 7);
+  }
+}
+
 }  // namespace
 }  // namespace bipot
