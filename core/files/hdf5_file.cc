@@ -111,6 +111,8 @@ void Hdf5File::close() {
   if (!flushed || !closed) throw FileError(path_, "", "cannot write: " + hdf5_reason());
 }
 
+void Hdf5File::end_library() { H5close(); }
+
 bool Hdf5File::is_hdf5(const std::filesystem::path& path) {
   constexpr std::array<char, 8> kSignature = {'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};
   std::array<char, 8> head{};

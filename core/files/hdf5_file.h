@@ -35,6 +35,10 @@ class Hdf5File {
   /// True when the file starts with the HDF5 signature, whatever its name. False for no file.
   static bool is_hdf5(const std::filesystem::path& path);
 
+  /// Ends the library: every block that it keeps for later goes back to the heap, which notices what
+  /// was written beyond one. No file may be open, and none can be opened after it.
+  static void end_library();
+
   bool exists(const std::string& name) const;
   /// Number of elements of a dataset.
   std::size_t size(const std::string& name) const;

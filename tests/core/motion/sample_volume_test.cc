@@ -87,7 +87,8 @@ TEST(SampleVolume, IsTheSameToTheBitWithAndWithoutWhatLiesWithin) {
     for (int k = 0; k < 7 * 7 * 7; ++k) {
       const Vec3 cell(k / 49 - 3, k / 7 % 7 - 3, k % 7 - 3);
       const bool rim = cell.cwiseAbs().maxCoeff() == 3;
-      const Sphere s = ball(cell + Vec3(shift, -shift, 2 * shift), rim ? 0.5 : 0.5 - 0.01 * (k % 9));
+      const Sphere s =
+          ball(cell + Vec3(shift, -shift, 2 * shift), rim ? 0.5 : 0.5 - 0.01 * (k % 9));
       if (rim) shell.disks.push_back(s);
       full.disks.push_back(s);
     }
