@@ -23,6 +23,8 @@ namespace {
 // Of the largest entry that a diagonal pivot must have: below, rows are exchanged. Loose, so that
 // ties and the rounding of the scales decide nothing.
 constexpr double kDiagonalIsGood = 0.1;
+// Square of an entry over the diagonal ones of its row and column, up to which these set the scales.
+constexpr double kDiagonalScales = 1e6;
 constexpr int kBlock = 16;  // columns that are eliminated by vectors before a matrix product
 
 /// C = beta C - A op(B), m x n, inner size k.
@@ -148,6 +150,33 @@ void add_to_contribution(const Real* block, int n, const int* relative, int pivo
   }
 }
 
+/// Sizes of the diagonal, which change with the units of rows and columns as the matrix does. False:
+/// an entry is far larger than the two diagonal ones beside it.
+bool scales_of_diagonal(const SparseMatrix& A, std::vector<double>& scale) {
+  const Vector diagonal = A.diagonal();
+  scale.assign(diagonal.begin(), diagonal.end());
+  for (double& s : scale) s = std::abs(s);
+  for (int j = 0; j < A.cols(); ++j) {
+    const double most = kDiagonalScales * scale[to_size(j)];
+    for (SparseMatrix::InnerIterator it(A, j); it; ++it) {
+      if (!(it.value() * it.value() <= most * scale[to_size(it.row())])) return false;
+    }
+  }
+  return true;
+}
+
+/// The largest entry in each row or column.
+void scales_of_largest(const SparseMatrix& A, std::vector<double>& scale) {
+  scale.assign(to_size(A.cols()), 0.0);
+  for (int j = 0; j < A.cols(); ++j) {
+    for (SparseMatrix::InnerIterator it(A, j); it; ++it) {
+      const double size = std::abs(it.value());
+      scale[to_size(j)] = std::max(scale[to_size(j)], size);
+      scale[to_size(it.row())] = std::max(scale[to_size(it.row())], size);
+    }
+  }
+}
+
 }  // namespace
 
 template <class Real>
@@ -177,7 +206,8 @@ struct FrontalLU<Real>::Impl {
   void substitute_backward();
 };
 
-/// The tree, and the scales: powers of two near 1 / sqrt of the largest entry in row or column.
+/// The tree, and the scales: powers of two near 1 / sqrt of the diagonal, or of the largest entry in
+/// row or column.
 template <class Real>
 bool FrontalLU<Real>::Impl::prepare(const SparseMatrix& A) {
   if (!tree || !tree->is_of(A)) {
@@ -194,14 +224,7 @@ bool FrontalLU<Real>::Impl::prepare(const SparseMatrix& A) {
     x.resize(to_size(tree->size()));
     below.resize(to_size(tree->size()));
   }
-  scale.assign(to_size(A.cols()), 0.0);
-  for (int j = 0; j < A.cols(); ++j) {
-    for (SparseMatrix::InnerIterator it(A, j); it; ++it) {
-      const double size = std::abs(it.value());
-      scale[to_size(j)] = std::max(scale[to_size(j)], size);
-      scale[to_size(it.row())] = std::max(scale[to_size(it.row())], size);
-    }
-  }
+  if (!scales_of_diagonal(A, scale)) scales_of_largest(A, scale);
   for (double& s : scale) {
     if (!(s > 0) || !std::isfinite(s)) return false;
     s = std::exp2(-std::round(0.5 * std::log2(s)));
