@@ -4,7 +4,8 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <ranges>
+#include <numeric>
+#include <vector>
 
 #include "core/motion/periodic_state.h"
 #include "core/scene/cluster_motion.h"
@@ -376,9 +377,8 @@ double enclosed_area(const State& state, double step, const Box& disks) {
 }
 
 /// The disk that reaches farthest in a direction, the first of several.
-template <class Indices>
 std::size_t farthest_disk(const State& state, double step, const Vec2& direction,
-                          const Indices& among) {
+                          const std::vector<std::size_t>& among) {
   std::size_t farthest = 0;
   double reach = -kInfinity;
   for (const std::size_t k : among) {
@@ -396,7 +396,8 @@ std::size_t farthest_disk(const State& state, double step, const Vec2& direction
 std::vector<std::size_t> outer_candidates(const State& state, double step, const Box& box) {
   constexpr int kCorners = 16;
   constexpr double kRounding = 1e-9;
-  const auto all = std::views::iota(std::size_t{0}, state.disks.size());
+  std::vector<std::size_t> all(state.disks.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
   std::array<Vec2, kCorners> corners;  // anticlockwise
   for (int k = 0; k < kCorners; ++k) {
     const double angle = 2 * std::numbers::pi * k / kCorners;
