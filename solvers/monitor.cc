@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "solvers/large_friction.h"
+#include "solvers/proved_claim.h"
 #include "solvers/stop_rule.h"
 
 namespace bipot {
@@ -37,7 +37,7 @@ bool IterationMonitor::judge(const Eigen::Ref<const Vector>& s, double impulse_c
   }
   if (options_.stop == StopTest::kImpulse) return impulse_change <= options_.tol;
   return bipot::meets(options_, last_) &&
-         claim_in_extended_precision(problem_, options_, evaluator_.impulse(), last_).holds;
+         prove_claim(problem_, options_, evaluator_.impulse(), last_).holds;
 }
 
 bool IterationMonitor::meets(const Eigen::Ref<const Vector>& s) {

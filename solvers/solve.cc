@@ -10,8 +10,8 @@
 #include "core/problem/delassus.h"
 #include "core/stopwatch.h"
 #include "solvers/islands.h"
-#include "solvers/large_friction.h"
 #include "solvers/parameters.h"
+#include "solvers/proved_claim.h"
 #include "solvers/registry.h"
 #include "solvers/stop_rule.h"
 
@@ -64,7 +64,7 @@ std::string validate_options(const SolverEntry& entry, const ContactProblem& p,
 void judge_in_extended_precision(const ContactProblem& problem, const SolverOptions& options,
                                  SolveResult& result) {
   if (result.status != SolveStatus::kConverged) return;
-  const ExtendedClaim claim = claim_in_extended_precision(problem, options, result.s, result.error);
+  const ProvedClaim claim = prove_claim(problem, options, result.s, result.error);
   if (claim.holds) return;
   result.status = SolveStatus::kStalled;
   result.message = fmt::format(
@@ -206,7 +206,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       result.status = SolveStatus::kNothingToDo;
       result.message = problem.num_contacts() == 0 ? "no contacts" : "s = 0 satisfies the law";
     } else if (start && meets(options, *start) &&
-               claim_in_extended_precision(*given, options, evaluate.impulse(), *start).holds) {
+               prove_claim(*given, options, evaluate.impulse(), *start).holds) {
       result.status = SolveStatus::kConverged;
       result.message = "the start meets the stop test";
       result.s = options.s0;

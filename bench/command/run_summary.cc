@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "bench/report/json_output.h"
+#include "core/motion/sample_area.h"
 #include "core/motion/sample_volume.h"
 #include "core/motion/stress_tensor.h"
 #include "core/version.h"

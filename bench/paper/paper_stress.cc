@@ -7,6 +7,7 @@
 
 #include "bench/paper/compression_run.h"
 #include "bench/paper/paper_items.h"
+#include "core/motion/sample_area.h"
 #include "core/pictures/stress_picture.h"
 #include "core/scene/scene_family.h"
 

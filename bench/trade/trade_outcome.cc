@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 
+#include "core/motion/sample_area.h"
 #include "core/motion/stress_tensor.h"
 #include "core/observables/measured_bodies.h"
 #include "core/types.h"

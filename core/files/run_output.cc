@@ -21,6 +21,7 @@
 #include "core/files/run_layout.h"
 #include "core/motion/periodic_state.h"
 #include "core/motion/population.h"
+#include "core/motion/sample_area.h"
 #include "core/motion/sample_volume.h"
 #include "core/motion/spring_dashpot_setup.h"
 #include "core/motion/stress_tensor.h"

@@ -1,10 +1,8 @@
 #include "core/motion/stress_tensor.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <vector>
 
 #include "core/motion/periodic_state.h"
@@ -13,8 +11,6 @@
 
 namespace bipot {
 namespace {
-
-constexpr int kRimPoints = 256;
 
 /// The matrix of w × (in the plane w e3 ×, a quarter turn counter-clockwise).
 Mat2 cross_matrix(double w) { return (Mat2() << 0, -w, w, 0).finished(); }
@@ -286,169 +282,6 @@ double share_inside(const VecIn<D>& a, const VecIn<D>& b, const BoxIn<D>& box) {
   return std::max(0.0, last - first);
 }
 
-double cross(const Vec2& a, const Vec2& b) { return a[0] * b[1] - a[1] * b[0]; }
-
-double polygon_area(const std::vector<Vec2>& corners) {
-  double twice = 0;
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    twice += cross(corners[k] - corners[0], corners[(k + 1) % corners.size()] - corners[0]);
-  }
-  return 0.5 * twice;
-}
-
-/// What is left of a convex polygon in front of the half-plane.
-std::vector<Vec2> clip(const std::vector<Vec2>& polygon, const Vec2& point, const Vec2& normal) {
-  std::vector<Vec2> kept;
-  for (std::size_t k = 0; k < polygon.size(); ++k) {
-    const Vec2 &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
-    const double at_p = (p - point).dot(normal), at_q = (q - point).dot(normal);
-    if (at_p >= 0) kept.push_back(p);
-    if ((at_p > 0 && at_q < 0) || (at_p < 0 && at_q > 0)) {
-      kept.emplace_back(p + at_p / (at_p - at_q) * (q - p));
-    }
-  }
-  return kept;
-}
-
-/// Of a periodic cell at mid-step; where it is not periodic in y, as high as the half-planes leave
-/// room, or the disks reach.
-double cell_area(const State& state, double step, const Box& disks) {
-  PeriodicCell cell = state.cell;
-  move_cell(cell, -0.5 * step);
-  if (cell.in_y) return cell.width.length * cell.height.length;
-  double low = -kInfinity, high = kInfinity;
-  for (const Wall& w : state.walls) {
-    if (w.shape != Wall::Shape::kHalfPlane || !w.present) continue;
-    const double at = w.a[1] - 0.5 * step * w.v[1];
-    if (w.normal[1] > 0) low = std::max(low, at);
-    if (w.normal[1] < 0) high = std::min(high, at);
-  }
-  if (!std::isfinite(low)) low = disks.lower[1];
-  if (!std::isfinite(high)) high = disks.upper[1];
-  return cell.width.length * (high - low);
-}
-
-/// Area of the smallest hollow circle that holds all disks, less what solid circles take of it; NaN
-/// without one. Half-planes have no part in it.
-double drum_area(const State& state, double step) {
-  double smallest = kInfinity;
-  Vec2 centre = Vec2::Zero();
-  for (const Wall& w : state.walls) {
-    if (w.shape != Wall::Shape::kHollowCircle || !w.present || !(w.radius < smallest)) continue;
-    const Vec2 at = w.a - 0.5 * step * w.v;
-    const bool holds = std::all_of(state.disks.begin(), state.disks.end(), [&](const Disk& d) {
-      return (middle(d, step) - at).norm() < w.radius;
-    });
-    if (!holds) continue;
-    smallest = w.radius;
-    centre = at;
-  }
-  double area = std::numbers::pi * smallest * smallest;
-  for (const Wall& w : state.walls) {
-    const bool half_plane = w.shape == Wall::Shape::kHalfPlane && w.present;
-    if (half_plane) return kNaN;
-    if (w.shape != Wall::Shape::kSolidCircle || !w.present) continue;
-    const double reach = (w.a - 0.5 * step * w.v - centre).norm() + w.radius;
-    if (reach <= smallest) area -= std::numbers::pi * w.radius * w.radius;
-  }
-  return area;
-}
-
-/// Area that the half-planes enclose; NaN where they leave the sample open, or leave disks out.
-double enclosed_area(const State& state, double step, const Box& disks) {
-  constexpr double kFar = 1e3;  // an enclosure this many times as wide as the disks counts as none
-  Box far = disks;
-  far.widen(kFar * disks.size().maxCoeff());
-  std::vector<Vec2> polygon = {far.lower, Vec2(far.upper[0], far.lower[1]), far.upper,
-                               Vec2(far.lower[0], far.upper[1])};
-  for (const Wall& w : state.walls) {
-    if (w.shape != Wall::Shape::kHalfPlane || !w.present) continue;
-    const Vec2 point = w.a - 0.5 * step * w.v;
-    for (const Disk& d : state.disks) {
-      if ((middle(d, step) - point).dot(w.normal) < 0) return kNaN;
-    }
-    polygon = clip(polygon, point, w.normal);
-  }
-  for (const Vec2& corner : polygon) {
-    const Vec2 room = (corner - far.lower).cwiseMin(far.upper - corner);
-    if (room.minCoeff() <= disks.size().maxCoeff()) return kNaN;
-  }
-  return polygon.size() < 3 ? kNaN : polygon_area(polygon);
-}
-
-/// The disk that reaches farthest in a direction, the first of several.
-std::size_t farthest_disk(const State& state, double step, const Vec2& direction,
-                          const std::vector<std::size_t>& among) {
-  std::size_t farthest = 0;
-  double reach = -kInfinity;
-  for (const std::size_t k : among) {
-    const double here = middle(state.disks[k], step).dot(direction) + state.disks[k].radius;
-    if (here > reach) {
-      reach = here;
-      farthest = k;
-    }
-  }
-  return farthest;
-}
-
-/// Disks that may reach farthest in some direction, in their order: all but those that lie within a
-/// polygon of sixteen points of the hull, by more than rounding.
-std::vector<std::size_t> outer_candidates(const State& state, double step, const Box& box) {
-  constexpr int kCorners = 16;
-  constexpr double kRounding = 1e-9;
-  std::vector<std::size_t> all(state.disks.size());
-  std::iota(all.begin(), all.end(), std::size_t{0});
-  std::array<Vec2, kCorners> corners;  // anticlockwise
-  for (int k = 0; k < kCorners; ++k) {
-    const double angle = 2 * std::numbers::pi * k / kCorners;
-    const Vec2 direction(std::cos(angle), std::sin(angle));
-    const Disk& d = state.disks[farthest_disk(state, step, direction, all)];
-    corners[static_cast<std::size_t>(k)] = middle(d, step) + d.radius * direction;
-  }
-  struct Side {
-    Vec2 from, inward;
-  };
-  std::vector<Side> sides;
-  for (std::size_t k = 0; k < corners.size(); ++k) {
-    const Vec2 along = corners[(k + 1) % corners.size()] - corners[k];
-    const double length = along.norm();
-    if (length > 0) sides.push_back({corners[k], Vec2(-along[1], along[0]) / length});
-  }
-  const double margin = kRounding * box.size().maxCoeff();
-  std::vector<std::size_t> candidates;
-  for (const std::size_t k : all) {
-    const Vec2 x = middle(state.disks[k], step);
-    const double room = state.disks[k].radius + margin;
-    const bool within = sides.size() >= 3 && std::all_of(sides.begin(), sides.end(), [&](auto& s) {
-                          return (x - s.from).dot(s.inward) > room;
-                        });
-    if (!within) candidates.push_back(k);
-  }
-  return candidates;
-}
-
-/// Andrew's monotone chain.
-double hull_area(std::vector<Vec2> points) {
-  const auto less = [](const Vec2& a, const Vec2& b) {
-    return a[0] != b[0] ? a[0] < b[0] : a[1] < b[1];
-  };
-  std::sort(points.begin(), points.end(), less);
-  std::vector<Vec2> hull;
-  for (int half = 0; half < 2; ++half) {
-    const std::size_t base = hull.size();
-    for (const Vec2& p : points) {
-      while (hull.size() >= base + 2 &&
-             cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0) {
-        hull.pop_back();
-      }
-      hull.push_back(p);
-    }
-    hull.pop_back();
-    std::reverse(points.begin(), points.end());
-  }
-  return polygon_area(hull);
-}
-
 }  // namespace
 
 template <int D>
@@ -555,40 +388,6 @@ std::vector<MeanStressIn<D>> disk_stresses(
     if (d.cluster < 0) divide(stresses[k], extent(d));
   }
   return stresses;
-}
-
-double sample_area(const State& state, double step) {
-  if (state.disks.empty()) return 0;
-  Box box;
-  for (const Disk& d : state.disks) {
-    box.include(middle(d, step) - Vec2::Constant(d.radius));
-    box.include(middle(d, step) + Vec2::Constant(d.radius));
-  }
-  if (state.cell.periodic()) return cell_area(state, step, box);
-  if (const double enclosed = enclosed_area(state, step, box); std::isfinite(enclosed)) {
-    return enclosed;
-  }
-  if (const double drum = drum_area(state, step); std::isfinite(drum)) return drum;
-  // Only disks that reach farthest in some direction have points on the hull.
-  std::array<Vec2, kRimPoints> directions;
-  for (int k = 0; k < kRimPoints; ++k) {
-    const double angle = 2 * std::numbers::pi * k / kRimPoints;
-    directions[static_cast<std::size_t>(k)] = Vec2(std::cos(angle), std::sin(angle));
-  }
-  const std::vector<std::size_t> candidates = outer_candidates(state, step, box);
-  std::vector<std::size_t> outer;
-  for (const Vec2& direction : directions) {
-    outer.push_back(farthest_disk(state, step, direction, candidates));
-  }
-  std::sort(outer.begin(), outer.end());
-  outer.erase(std::unique(outer.begin(), outer.end()), outer.end());
-  std::vector<Vec2> rim;
-  for (const std::size_t k : outer) {
-    for (const Vec2& direction : directions) {
-      rim.emplace_back(middle(state.disks[k], step) + state.disks[k].radius * direction);
-    }
-  }
-  return hull_area(std::move(rim));
 }
 
 template <int D>

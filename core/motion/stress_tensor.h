@@ -63,7 +63,7 @@ std::vector<SpinIn<D>> contact_moments(const StateIn<D>& state);
 template <int D>
 std::vector<SpinIn<D>> spin_changes(const StateIn<D>& before, const StateIn<D>& after);
 
-/// Of the whole sample. `step`: h > 0; `area`: see sample_area(); `moments`: dL of each disk.
+/// Of the whole sample. `step`: h > 0; `area`: see sample_area.h and sample_volume.h; `moments`: dL of each disk.
 /// Velocities are those at the end of the step; the mean of kinetic parts at its two ends is what
 /// the virial theorem asks for, and what an average over steps gives.
 template <int D>
@@ -87,11 +87,6 @@ MeanStressIn<D> window_stress(const StateIn<D>& state, double step, const BoxIn<
 template <int D>
 std::vector<MeanStressIn<D>> disk_stresses(
     const StateIn<D>& state, double step, std::span<const std::type_identity_t<SpinIn<D>>> moments);
-
-/// What half-planes enclose, where they do and the disks lie in it; else a hollow circle that holds
-/// them, less the solid circles in it; of a periodic scene its cell, as high as half-planes leave room
-/// where y is not periodic; else the convex hull of the disks (their rims as polygons of 256 points). At mid-step. 0 without disks.             [m²]
-double sample_area(const State& state, double step);
 
 /// Mean of n ⊗ n over the contacts that carry force; trace 1, zero without any.
 template <int D>

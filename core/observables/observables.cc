@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include "core/motion/periodic_state.h"
+#include "core/motion/sample_area.h"
 #include "core/motion/sample_volume.h"
 #include "core/observables/cut_bodies.h"
 #include "core/observables/measured_bodies.h"

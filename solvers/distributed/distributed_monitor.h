@@ -45,7 +45,7 @@ class DistributedError {
 /// is out of time or was interrupted is asked with every judgement and every kPolled iterations.
 class DistributedMonitor {
  public:
-  /// `claim`: the last word on an impulse that meets the guarded test (large_friction.h); the same
+  /// `claim`: the last word on an impulse that meets the guarded test (proved_claim.h); the same
   /// on all processes.
   using Claim = std::function<bool(const Vector& s, const ContactError& error)>;
   DistributedMonitor(DistributedSpace& space, const SolverOptions& options, Claim claim);

@@ -9,8 +9,8 @@
 #include "solvers/distributed/cell_tree.h"
 #include "solvers/distributed/contact_owners.h"
 #include "solvers/distributed/distributed_methods.h"
-#include "solvers/large_friction.h"
 #include "solvers/parameters.h"
+#include "solvers/proved_claim.h"
 
 namespace bipot {
 namespace {
@@ -143,10 +143,10 @@ class DistributedSolve {
     return meets(options_, error) && claim(evaluate_.impulse(), error).holds;
   }
 
-  /// The last word of large_friction.h, on the whole problem.
-  ExtendedClaim claim(const Vector& s, const ContactError& error) {
+  /// The last word of proved_claim.h, on the whole problem.
+  ProvedClaim claim(const Vector& s, const ContactError& error) {
     if (options_.stop != StopTest::kGuarded) return {};
-    return claim_in_extended_precision(whole_, options_, whole_of(s), error);
+    return prove_claim(whole_, options_, whole_of(s), error);
   }
 
   void judge(SolveResult& result) {
@@ -169,7 +169,7 @@ class DistributedSolve {
           raw ? "raw42" : "guarded", measured, options_.tol, result.message);
       result.status = SolveStatus::kNumericalFailure;
     } else if (result.status == SolveStatus::kConverged) {
-      const ExtendedClaim last = claim(s, result.error);
+      const ProvedClaim last = claim(s, result.error);
       if (!last.holds) {
         result.status = SolveStatus::kStalled;
         result.message = fmt::format(

@@ -10,7 +10,7 @@
 #include "solvers/islands/contact_islands.h"
 #include "solvers/islands/few_contacts.h"
 #include "solvers/islands/island_problem.h"
-#include "solvers/large_friction.h"
+#include "solvers/proved_claim.h"
 
 namespace bipot {
 namespace {
@@ -224,7 +224,7 @@ class IslandRun {
                              .error = error,
                              .count = count_contacts(p_, s_)});
     }
-    if (meets(options_, error) && claim_in_extended_precision(p_, options_, s_, error).holds) {
+    if (meets(options_, error) && prove_claim(p_, options_, s_, error).holds) {
       result_.status = SolveStatus::kConverged;
     } else if (failed_ > 0) {
       result_.message =

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/problem/dense_factor.h"
+#include "solvers/cancel_rounding.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/large_friction.h"
 #include "solvers/methods/gauss_seidel.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
@@ -194,7 +194,7 @@ SolveResult solve_multistart_newton(const ContactProblem& p, const SolverOptions
   monitor.end_setup();
 
   // An answer costs a step or two more to have it to rounding, which large friction may need: what
-  // meets the tolerance in double need not in extended precision (solvers/large_friction.h).
+  // meets the tolerance in double need not in extended precision (solvers/proved_claim.h).
   const auto polish = [&](Vector& y, double error) {
     for (int k = 0; k < kPolish && error <= options.tol; ++k) {
       Vector next = y;

@@ -61,7 +61,7 @@ TEST(SecondOpinion, ImpulsesThatPullAreNotOnTheCone) {
   EXPECT_TRUE(std::isnan(second_opinion(p, Vector::Constant(2, kNaN)).guarded));
 }
 
-// One contact of 1 kg, b = -1, s = 1 - δ: ε = 20 δ - 10 δ², see tests/solvers/large_friction_test.cc.
+// One contact of 1 kg, b = -1, s = 1 - δ: ε = 20 δ - 10 δ², see tests/solvers/proved_claim_test.cc.
 TEST(SecondOpinion, ConfirmsNoClaimBeyondTheTolerance) {
   ContactProblem p;
   p.dim = 1;

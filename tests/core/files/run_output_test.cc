@@ -18,6 +18,7 @@
 #include "core/files/hdf5_file.h"
 #include "core/files/run_reader.h"
 #include "core/files/scene_file.h"
+#include "core/motion/sample_area.h"
 #include "core/motion/stress_tensor.h"
 #include "solvers/registry.h"
 #include "solvers/step_solver.h"

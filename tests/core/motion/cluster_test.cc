@@ -10,6 +10,7 @@
 #include "core/files/scene_file.h"
 #include "core/motion/force_balance.h"
 #include "core/motion/midpoint.h"
+#include "core/motion/sample_area.h"
 #include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/cluster_motion.h"

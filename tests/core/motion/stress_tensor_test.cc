@@ -7,6 +7,7 @@
 #include <functional>
 #include <numbers>
 
+#include "core/motion/sample_area.h"
 #include "core/scene/contact_detection.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
@@ -112,33 +113,6 @@ TEST(StressTensor, OfTwoDisksSqueezedBetweenWallsIsForceOverHeight) {
   expect_equal(window_stress(state, kStep, {Vec2(0.5, -0.25), Vec2(2, 0.25)}, moments).contact,
                Vec2(14, 0).asDiagonal(), 1e-13);
   EXPECT_EQ(window_stress(state, kStep, {Vec2(0, 0.1), Vec2(3, 1)}, moments).contact.norm(), 0);
-}
-
-TEST(SampleArea, OfDisksWithoutWallsIsThatOfTheirHullWhateverLiesInside) {
-  // Nine disks of radius 1 on a square of side 8: its hull is the square and its border of width 1,
-  // rounded at the corners, 64 + 4 * 8 + pi, of which 256 points of a circle show all but
-  // pi - 128 sin(2 pi / 256).
-  State square;
-  for (const double x : {0.0, 4.0, 8.0}) {
-    for (const double y : {0.0, 4.0, 8.0}) square.disks.push_back(disk(x, y, 1));
-  }
-  EXPECT_NEAR(sample_area(square, kStep), 64 + 32 + 128 * std::sin(2 * std::numbers::pi / 256),
-              1e-12);
-  // A cloud of disks of 0.1 to 1 m: those well inside change no bit, wherever in the list they stand.
-  State cloud, rim;
-  for (int k = 0; k < 4000; ++k) {
-    const double angle = 2.4 * k, distance = 30 * std::sqrt(k / 4000.0);
-    Disk d =
-        disk(distance * std::cos(angle), 0.6 * distance * std::sin(angle), 0.1 + 0.9 * (k % 7) / 6);
-    d.v = Vec2(std::sin(3.0 * k), 0);
-    cloud.disks.push_back(d);
-    if (distance > 24) rim.disks.push_back(d);
-  }
-  EXPECT_LT(rim.disks.size(), cloud.disks.size() / 2);
-  EXPECT_EQ(sample_area(cloud, kStep), sample_area(rim, kStep));
-  // One disk that is as large as everything hides the others.
-  cloud.disks.push_back(disk(0, 0, 100));
-  EXPECT_NEAR(sample_area(cloud, kStep), 1e4 * 128 * std::sin(2 * std::numbers::pi / 256), 1e-8);
 }
 
 TEST(StressTensor, OfASquareLatticeUnderPressureIsForceOverDiameter) {

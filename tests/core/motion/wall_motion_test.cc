@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/motion/sample_area.h"
 #include "core/motion/spring_dashpot.h"
 #include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"

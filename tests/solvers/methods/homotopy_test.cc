@@ -293,30 +293,40 @@ TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
   EXPECT_FALSE(updated.full());  // eight contacts have sixteen columns that the factor has not
 }
 
-/// A chain of sliding contacts with W_nn = mu W_nt: every contact's own block of B is singular but for
-/// delta, and the first entries that an elimination by fronts meets are rounding; B is not singular,
-/// as neighbours are coupled: without the tangents it is that of a path graph with an even number of
-/// nodes.
+/// Sliding contacts with W_nn = mu W_nt, each coupled to some of a core of sticking contacts: the own
+/// block of a sliding contact in B is singular but for delta, and the fronts, which eliminate it
+/// before the core, have nothing but that rounding to divide by. B is well conditioned: the
+/// couplings of the sliding contacts have full rank.
 TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
-  constexpr int kContacts = 60;
-  constexpr double kCoupling = 0.04, kCross = 0.9, kDelta = 1e-12;
-  const Manufactured any = manufactured_problem(2, 90, kContacts, 5);
+  constexpr int kSliding = 30, kCore = 100, kContacts = kSliding + kCore, kCoupled = 20;
+  constexpr double kCoupling = 0.1, kCross = 0.9, kDelta = 1e-12;
+  const Manufactured any = manufactured_problem(2, 200, kContacts, 5);
   const ContactProblem local = local_form(any.problem);
   LawProblem problem(local, Vector(local.W.diagonal()));
   std::vector<Eigen::Triplet<double>> entries;
+  const auto couple = [&](int i, int k, double value) {
+    entries.emplace_back(2 * i, 2 * k, value);
+    entries.emplace_back(2 * k, 2 * i, value);
+  };
+  std::mt19937_64 random(3);
   for (int i = 0; i < kContacts; ++i) {
-    for (const int k : {0, 1}) {
-      entries.emplace_back(2 * i + k, 2 * i + k, 1);
-      entries.emplace_back(2 * i + k, 2 * i + 1 - k, kCross);
+    for (const int k : {0, 1}) entries.emplace_back(2 * i + k, 2 * i + k, 1);
+    if (i >= kSliding) {
+      for (int k = kSliding; k < i; ++k) couple(i, k, kCoupling / kCore);
+      continue;
     }
-    if (i + 1 == kContacts) continue;
-    entries.emplace_back(2 * i, 2 * i + 2, kCoupling);
-    entries.emplace_back(2 * i + 2, 2 * i, kCoupling);
+    for (const int k : {0, 1}) entries.emplace_back(2 * i + k, 2 * i + 1 - k, kCross);
+    couple(i, kSliding + i, 0.5);
+    for (int k = 0; k < kCoupled; ++k) {
+      couple(i, kSliding + static_cast<int>(random() % kCore), kCoupling);
+    }
   }
   problem.W.setFromTriplets(entries.begin(), entries.end());
   problem.mu.setConstant(1 / kCross);
   LawPoint point = nearest_point(problem, any.s, any.s);
-  for (int i = 0; i < kContacts; ++i) point.set(problem, i, Cell::kSlipPlus);
+  for (int i = 0; i < kContacts; ++i) {
+    point.set(problem, i, i < kSliding ? Cell::kSlipPlus : Cell::kStick);
+  }
   CellBasis basis(problem);
   ASSERT_TRUE(basis.factor(point, kDelta));
   const Vector g = Vector::LinSpaced(2 * kContacts, -1, 2);

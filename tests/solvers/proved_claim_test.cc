@@ -1,4 +1,4 @@
-#include "solvers/large_friction.h"
+#include "solvers/proved_claim.h"
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ ContactProblem pushed_to_both_sides() {
 
 // v = 1 - 2^60 + 2^60 is 0 in double precision: all errors are 0. In truth v = 1, the third contact
 // opens under its impulse, and so does the first: ε is 2^60 and more.
-TEST(ExtendedClaim, ASumThatRoundsAwayProvesNothing) {
+TEST(ProvedClaim, ASumThatRoundsAwayProvesNothing) {
   const ContactProblem p = pushed_to_both_sides();
   const double large = std::ldexp(1.0, 60);
   const Vector s = Eigen::Vector4d(1, large, large, 1);
@@ -35,19 +35,18 @@ TEST(ExtendedClaim, ASumThatRoundsAwayProvesNothing) {
   ASSERT_EQ(error.guarded(), 0);
   SolverOptions options;
   options.tol = 1e-8;
-  const ExtendedClaim claim = claim_in_extended_precision(p, options, s, error);
+  const ProvedClaim claim = prove_claim(p, options, s, error);
   EXPECT_FALSE(claim.holds);
   EXPECT_GT(claim.error, large);
   // The same impulses without the self-stress are an answer, and double precision proves it.
   const Vector good = Eigen::Vector4d(0, 0, 0, 1);
-  const ExtendedClaim proved =
-      claim_in_extended_precision(p, options, good, contact_error(p, good));
+  const ProvedClaim proved = prove_claim(p, options, good, contact_error(p, good));
   EXPECT_TRUE(proved.holds);
   EXPECT_TRUE(std::isnan(proved.error));
 }
 
 // As a start it is not taken for an answer, and does not keep solvers from one.
-TEST(ExtendedClaim, AStartThatOnlyRoundingSupportsIsSolvedOn) {
+TEST(ProvedClaim, AStartThatOnlyRoundingSupportsIsSolvedOn) {
   SolverOptions options;
   options.tol = 1e-8;
   const double large = std::ldexp(1.0, 60);
@@ -62,7 +61,7 @@ TEST(ExtendedClaim, AStartThatOnlyRoundingSupportsIsSolvedOn) {
 
 // The last thousandth of the tolerance counts: ε = 20 δ - 10 δ² for one contact of 1 kg, b = -1, s = 1 - δ
 // (G = δ (1 - δ), V = δ²/2, E = 1/2), and η = sqrt(10) δ is less.
-TEST(ExtendedClaim, HasNoGrace) {
+TEST(ProvedClaim, HasNoGrace) {
   ContactProblem p;
   p.dim = 1;
   p.W = SparseRows(Eigen::MatrixXd::Identity(1, 1).sparseView());
@@ -74,13 +73,13 @@ TEST(ExtendedClaim, HasNoGrace) {
   EXPECT_NEAR(error.guarded(), epsilon, 1e-9 * epsilon);
   SolverOptions options;
   options.tol = epsilon * (1 + 1e-3);
-  EXPECT_TRUE(claim_in_extended_precision(p, options, s, error).holds);
+  EXPECT_TRUE(prove_claim(p, options, s, error).holds);
   options.tol = epsilon * (1 - 1e-3);
-  EXPECT_FALSE(claim_in_extended_precision(p, options, s, error).holds);
+  EXPECT_FALSE(prove_claim(p, options, s, error).holds);
   EXPECT_EQ(solve("pgs", p, options).status, SolveStatus::kConverged);
 }
 
-TEST(ExtendedClaim, EveryConvergedAnswerAtLargeFrictionHoldsInExtendedPrecision) {
+TEST(ProvedClaim, EveryConvergedAnswerAtLargeFrictionHoldsInExtendedPrecision) {
   int converged = 0;
   for (unsigned seed = 1; seed <= 6; ++seed) {
     for (const int dim : {2, 3}) {

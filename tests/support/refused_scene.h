@@ -1,0 +1,29 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <initializer_list>
+#include <string>
+
+#include "core/files/scene_file.h"
+
+namespace bipot {
+
+/// parse(text) must throw SceneFileError with a message that begins with the file's name, test.toml,
+/// and holds every one of `parts`.
+template <class Parse>
+void expect_scene_refused(const Parse& parse, const std::string& text,
+                          std::initializer_list<const char*> parts) {
+  try {
+    parse(text);
+    ADD_FAILURE() << "accepted:\n" << text;
+  } catch (const SceneFileError& e) {
+    const std::string message = e.what();
+    EXPECT_EQ(message.rfind("test.toml", 0), 0u) << message;
+    for (const char* part : parts) {
+      EXPECT_NE(message.find(part), std::string::npos) << '\'' << message << "' lacks " << part;
+    }
+  }
+}
+
+}  // namespace bipot
