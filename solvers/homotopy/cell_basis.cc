@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "core/problem/block_pattern.h"
+
 namespace bipot {
 namespace {
 
@@ -12,37 +14,10 @@ constexpr int kColumns = 4;
 // thousand cells of poured packings stay below 1e6.
 constexpr double kLargestMultiplier = 1e8;
 
-/// The pattern of W made symmetric and of whole d x d blocks, diagonal included; values 0.
-SparseMatrix block_pattern(const SparseMatrix& W, int d) {
-  std::vector<Eigen::Triplet<double>> blocks;
-  blocks.reserve(static_cast<std::size_t>(2 * W.nonZeros() + W.cols()));
-  for (int j = 0; j < W.cols(); ++j) {
-    if (j % d == 0) blocks.emplace_back(j / d, j / d, 0);
-    for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
-      const int a = static_cast<int>(it.row()) / d, b = j / d;
-      if (a == b) continue;
-      blocks.emplace_back(a, b, 0);
-      blocks.emplace_back(b, a, 0);
-    }
-  }
-  SparseMatrix graph(W.rows() / d, W.cols() / d);
-  graph.setFromTriplets(blocks.begin(), blocks.end());
-  SparseMatrix pattern(W.rows(), W.cols());
-  pattern.reserve(graph.nonZeros() * d * d);
-  for (int j = 0; j < W.cols(); ++j) {
-    pattern.startVec(j);
-    for (SparseMatrix::InnerIterator it(graph, j / d); it; ++it) {
-      for (int k = 0; k < d; ++k) pattern.insertBack(it.row() * d + k, j) = 0;
-    }
-  }
-  pattern.finalize();
-  return pattern;
-}
-
 }  // namespace
 
 CellBasis::CellBasis(const LawProblem& problem)
-    : problem_(problem), matrix_(block_pattern(problem.W, problem.dim)) {
+    : problem_(problem), matrix_(symmetric_block_pattern(problem.W, problem.dim)) {
   rhs_.setZero(problem.num_rows());
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/problem/block_pattern.h"
+
 namespace bipot {
 namespace {
 
@@ -109,39 +111,25 @@ void ShiftedDelassus::build_contact_pattern() {
   const int d = p.dim;
   if (!p.has_delassus()) own_delassus_ = assemble_delassus(p.A, p.H, d);
   const SparseRows& W = p.has_delassus() ? p.W : own_delassus_;
+  matrix_ = symmetric_block_pattern(W.transpose(), d);
   row_start_.assign(1, 0);
-  std::vector<int> column;
-  std::vector<Eigen::Triplet<double>> entries;
   for (int c = 0; c < p.num_contacts(); ++c) {
-    std::vector<int> columns;
-    for (int a = 0; a < d; ++a) {
-      columns.push_back(c * d + a);  // the identity
-      for (SparseRows::InnerIterator it(W, c * d + a); it; ++it) {
-        if (it.value() != 0) columns.push_back(static_cast<int>(it.col()));
-      }
-    }
-    std::sort(columns.begin(), columns.end());
-    columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
-    const std::size_t first = column.size();
-    column.insert(column.end(), columns.begin(), columns.end());
-    row_block_.resize(column.size() * to_size(d), 0.0);
+    // The pattern is symmetric: the columns of a row are the rows of its column.
+    const int* const begin = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[c * d];
+    const int* const end = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[c * d + 1];
+    const std::size_t first = to_size(row_start_.back());
+    row_block_.resize((first + to_size(end - begin)) * to_size(d), 0.0);
     for (int a = 0; a < d; ++a) {
       for (SparseRows::InnerIterator it(W, c * d + a); it; ++it) {
-        if (it.value() == 0) continue;
-        const auto k = std::lower_bound(columns.begin(), columns.end(), it.col()) - columns.begin();
+        const auto k = std::lower_bound(begin, end, it.col()) - begin;
         row_block_[(first + to_size(k)) * to_size(d) + to_size(a)] += it.value();
       }
-      for (int j : columns) entries.emplace_back(c * d + a, j, 0.0);
     }
-    row_start_.push_back(static_cast<int>(column.size()));
-  }
-  matrix_.resize(p.num_rows(), p.num_rows());
-  matrix_.setFromTriplets(entries.begin(), entries.end());
-  matrix_.makeCompressed();
-  for (int c = 0; c < p.num_contacts(); ++c) {
-    for (int k = row_start_[to_size(c)]; k < row_start_[to_size(c) + 1]; ++k) {
-      for (int a = 0; a < d; ++a) row_slot_.push_back(slot(matrix_, c * d + a, column[to_size(k)]));
+    for (const int* column = begin; column != end; ++column) {
+      const int block = slot(matrix_, c * d, *column);
+      for (int a = 0; a < d; ++a) row_slot_.push_back(block + a);
     }
+    row_start_.push_back(row_start_.back() + static_cast<int>(end - begin));
   }
 }
 
@@ -185,14 +173,21 @@ bool ShiftedDelassus::factor(const std::vector<double>& R) {
     for (int i = 0; i < problem_.num_rows(); ++i) matrix_.coeffRef(i, i) += 1;
   }
   if (!Eigen::Map<const Vector>(value, matrix_.nonZeros()).allFinite()) return false;
-  by_fronts_ =
-      body_form_ && fronts_.factor(matrix_) && fronts_.largest_multiplier() <= kLargestMultiplier;
+  by_fronts_ = fronts_.factor(matrix_) && fronts_.largest_multiplier() <= kLargestMultiplier;
   return by_fronts_ || lu_.factor(matrix_);
+}
+
+void ShiftedDelassus::solve_factored(const Vector& b, Vector& x) const {
+  if (by_fronts_) {
+    fronts_.solve(b, x);
+  } else {
+    x = lu_.solve(b);
+  }
 }
 
 void ShiftedDelassus::solve(const Vector& g, Vector& x) const {
   if (!body_form_) {
-    x = lu_.solve(g);
+    solve_factored(g, x);
     return;
   }
   const int d = problem_.dim;
@@ -208,11 +203,7 @@ void ShiftedDelassus::solve(const Vector& g, Vector& x) const {
       wrench_[unknown[i]] += sum;
     }
   }
-  if (by_fronts_) {
-    fronts_.solve(wrench_, velocity_);
-  } else {
-    velocity_ = lu_.solve(wrench_);
-  }
+  solve_factored(wrench_, velocity_);
   x = g;
   for (int c = 0; c < problem_.num_contacts(); ++c, block += d * d) {
     double du[3] = {0, 0, 0};

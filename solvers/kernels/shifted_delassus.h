@@ -15,9 +15,9 @@ namespace bipot {
 /// Two forms of the same system:
 ///   - body: the contacts are eliminated, x = g - R Hᵀ K⁻¹ H g with K = A + H R Hᵀ in the degrees
 ///     of freedom that contacts touch. Needs a diagonal A. Sparse and small for packings of disks,
-///     but x is a difference of large numbers where R W is large. K is factored by fronts
-///     (frontal_lu.h), by UMFPACK where their pivots are too small.
+///     but x is a difference of large numbers where R W is large.
 ///   - contact: I + R W itself, in the rows of the contacts. Any W, symmetric or not.
+/// Either matrix is factored by fronts (frontal_lu.h), by UMFPACK where their pivots are too small.
 /// kAuto takes the body form unless it is not available or has more than twice as many unknowns.
 /// The determinants of the two forms have the same sign, det K = det A det(I + R W).
 class ShiftedDelassus {
@@ -46,12 +46,13 @@ class ShiftedDelassus {
  private:
   void build_body_pattern();
   void build_contact_pattern();
+  void solve_factored(const Vector& b, Vector& x) const;
 
   const ContactProblem& problem_;
   bool body_form_ = false;
   SparseMatrix matrix_;  // K or I + R W, fixed pattern
   SparseLU lu_;
-  FrontalLU<double> fronts_;  // body form, where accurate
+  FrontalLU<double> fronts_;  // where accurate
   bool by_fronts_ = false;
   std::vector<double> R_;
   mutable Vector wrench_, velocity_;
