@@ -111,18 +111,23 @@ SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
+void SparseCholesky::analyse(const SparseMatrix& A) {
+  Impl& f = *impl_;
+  f.positive_definite = false;
+  if (f.matrix.assign(A, true) && f.factor != nullptr) return;
+  cholmod_sparse view = f.view();
+  cholmod_l_free_factor(&f.factor, &f.common);
+  f.factor = cholmod_l_analyze(&view, &f.common);
+}
+
 bool SparseCholesky::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
-  const bool same = f.matrix.assign(A, true);
+  analyse(A);
   const auto finite = [](double x) { return std::isfinite(x); };
   if (!std::all_of(f.matrix.value.begin(), f.matrix.value.end(), finite)) {
-    return f.positive_definite = false;  // CHOLMOD takes NaN for a positive pivot
+    return false;  // CHOLMOD takes NaN for a positive pivot
   }
   cholmod_sparse view = f.view();
-  if (!same || f.factor == nullptr) {
-    cholmod_l_free_factor(&f.factor, &f.common);
-    f.factor = cholmod_l_analyze(&view, &f.common);
-  }
   f.positive_definite = f.factor != nullptr && cholmod_l_factorize(&view, f.factor, &f.common) &&
                         f.common.status == CHOLMOD_OK && f.factor->minor == f.factor->n;
   f.packed = false;

@@ -18,6 +18,9 @@ class SparseCholesky {
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
+  /// The symbolic analysis alone, about half the time of the first factor(): for callers who look
+  /// at their clock between the two.
+  void analyse(const SparseMatrix& A);
   /// Factors the symmetric A (both triangles stored). False when A is not positive definite.
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// x = A⁻¹ b. Requires a successful factor().

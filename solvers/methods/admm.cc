@@ -45,10 +45,11 @@ class Resolvent {
     identity_.setIdentity();
   }
 
+  /// What factor() does first: callers ask their clock in between.
+  void analyse(double rho) { factor_.analyse(matrix(rho)); }
   bool factor(double rho) {
     rho_ = rho;
-    return factor_.factor(through_velocities() ? SparseMatrix(product_ + rho * mass_)
-                                               : SparseMatrix(symmetric_ + rho * identity_));
+    return factor_.factor(matrix(rho));
   }
 
   /// x holds the start of the residual correction.
@@ -67,6 +68,10 @@ class Resolvent {
 
  private:
   bool through_velocities() const { return wrench_.cols() > 0; }
+  SparseMatrix matrix(double rho) const {
+    return through_velocities() ? SparseMatrix(product_ + rho * mass_)
+                                : SparseMatrix(symmetric_ + rho * identity_);
+  }
 
   SparseMatrix mass_, wrench_, product_;
   SparseMatrix delassus_, symmetric_, skew_, identity_;
@@ -77,6 +82,7 @@ class Resolvent {
 
 /// False when no penalty makes the matrix positive definite, or time is over before.
 bool factor_raising(Resolvent& resolvent, double& rho, Vector& y, const IterationMonitor& monitor) {
+  if (!monitor.out_of_time()) resolvent.analyse(rho);
   for (int k = 0; k < kRaises && !monitor.out_of_time(); ++k) {
     if (resolvent.factor(rho)) return true;
     rho *= 10;
