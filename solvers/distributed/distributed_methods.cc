@@ -13,6 +13,7 @@
 #include "solvers/methods/accelerated_gradient.h"
 #include "solvers/methods/anderson.h"
 #include "solvers/methods/gauss_seidel.h"
+#include "solvers/methods/interior_point.h"
 #include "solvers/methods/uzawa.h"
 
 namespace bipot {
@@ -218,7 +219,7 @@ bool with_gradient_map(const Parameters& parameters) {
 
 constexpr DistributedSolver kDistributedSolvers[] = {
     {"auto",
-     "rounds of apgd, anderson and pgs, each from the best impulse so far",
+     "rounds of apgd, anderson, pgs and ipm, each from the best impulse so far",
      &distributed_auto,
      {},
      &nothing_to_refuse,
@@ -231,6 +232,8 @@ constexpr DistributedSolver kDistributedSolvers[] = {
      &distributed_uzawa, kUzawaParameters, &refuse_uzawa, &always},
     {"pgs", "Gauss-Seidel sweeps of all processes at once, with split masses", &distributed_sweeps,
      kGaussSeidelParameters, &refuse_sweeps, &never},
+    {"ipm", "interior point on the first process, its systems factored by all with MUMPS", nullptr,
+     kInteriorPointParameters, &nothing_to_refuse, &never, &interior_point_with},
 };
 
 }  // namespace
@@ -301,9 +304,9 @@ void distributed_anderson(DistributedMonitor& monitor, const Parameters& paramet
 }
 
 void distributed_auto(DistributedMonitor& monitor, const Parameters&, const Vector& s0) {
-  constexpr int kFirstBudget = 512;
+  constexpr int kFirstBudget = 512, kRoundsToSecondOrder = 3;
   Vector s = s0;
-  int done = 0;
+  int done = 0, rounds = 0;
   for (int budget = kFirstBudget;; budget = std::min(2 * budget, 1 << 24)) {
     for (int stage = 0; stage < 3; ++stage) {
       StageMonitor part(monitor, done, budget);
@@ -318,6 +321,13 @@ void distributed_auto(DistributedMonitor& monitor, const Parameters&, const Vect
       done = part.iterations();
       s = monitor.best_impulse();
     }
+    if (++rounds % kRoundsToSecondOrder != 0) continue;
+    StageMonitor part(monitor, done, budget);
+    int iterations = 0;
+    s = monitor.lead(*find_distributed_solver("ipm"), s, iterations);
+    if (part.stop(iterations, s, kNaN, true) && part.ended()) return;
+    done = part.iterations();
+    s = monitor.best_impulse();
   }
 }
 

@@ -13,15 +13,20 @@ namespace bipot {
 struct DistributedSolver {
   std::string_view name;
   std::string_view summary;
+  /// Null where the solver is led.
   void (*run)(DistributedMonitor& monitor, const Parameters& parameters, const Vector& s0);
   std::span<const ParameterSpec> parameters;
   /// Why these parameters cannot be had on several processes; empty where they can.
   std::string (*refuse)(const Parameters& parameters);
   /// Whether the iterates are the same for any number of processes, sums aside.
   bool (*any_processes)(const Parameters& parameters);
+  /// A led solver runs on the first process, on the whole problem; its linear systems are factored by
+  /// all processes (ProcessGroup::lend_hands) where they are large. Null for the others.
+  SolveResult (*led)(const ContactProblem& whole, const SolverOptions& options,
+                     SystemFactor* factor) = nullptr;
 };
 
-/// auto, apgd, anderson, uzawa and pgs; data/distributed.md says which iterates are those of one
+/// auto, apgd, anderson, uzawa, pgs and ipm; data/distributed.md says which iterates are those of one
 /// process.
 std::span<const DistributedSolver> distributed_solvers();
 /// Null where no solver for several processes has that name.
@@ -50,7 +55,7 @@ void distributed_sweeps(DistributedMonitor&, const Parameters&, const Vector& s0
 void distributed_anderson(DistributedMonitor&, const Parameters&, const Vector& s0);
 
 /// Rounds of apgd, anderson and pgs, each from the best impulse so far, with a budget that doubles
-/// from round to round.
+/// from round to round; after the third, and after every third from there on, one of ipm.
 void distributed_auto(DistributedMonitor&, const Parameters&, const Vector& s0);
 
 }  // namespace bipot

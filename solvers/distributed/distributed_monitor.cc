@@ -102,10 +102,11 @@ ContactError DistributedError::with_worst(const Vector& s) {
 }
 
 DistributedMonitor::DistributedMonitor(DistributedSpace& space, const SolverOptions& options,
-                                       Claim claim)
+                                       Claim claim, Lead lead)
     : space_(space),
       options_(options),
       claim_(std::move(claim)),
+      lead_(std::move(lead)),
       evaluate_(space),
       best_s_(Vector::Zero(space.problem().num_rows())) {
   free_energy_ = evaluate_(best_s_).energy;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <limits>
 
@@ -9,6 +10,8 @@
 #include "solvers/solver.h"
 
 namespace bipot {
+
+struct DistributedSolver;
 
 /// The criterion of core/problem/contact_error.h of a problem that lies on several processes: the
 /// same terms of the same contacts, added up over all of them in one reduction. Collective; all
@@ -48,12 +51,22 @@ class DistributedMonitor {
   /// `claim`: the last word on an impulse that meets the guarded test (proved_claim.h); the same
   /// on all processes.
   using Claim = std::function<bool(const Vector& s, const ContactError& error)>;
-  DistributedMonitor(DistributedSpace& space, const SolverOptions& options, Claim claim);
+  /// A led solver (DistributedSolver::led) from the start s, rows that are here: its impulse and the
+  /// number of its iterations.
+  using Lead = std::function<Vector(const DistributedSolver& solver, const Vector& s,
+                                    double seconds, int& iterations)>;
+  DistributedMonitor(DistributedSpace& space, const SolverOptions& options, Claim claim, Lead lead);
 
   bool due(int iteration);
   int undue(int iteration, int most) const;
   bool stop(int iteration, const Vector& s, double step = std::numeric_limits<double>::quiet_NaN(),
             bool moving = false);
+  /// For a method that takes a led solver as a stage, within the time that is left. The next stop()
+  /// judges, whatever the cadence.
+  Vector lead(const DistributedSolver& solver, const Vector& s, int& iterations) {
+    next_ = 0;
+    return lead_(solver, s, std::max(options_.time_limit - watch_.seconds(), 1e-9), iterations);
+  }
   void end_setup() { setup_seconds_ = watch_.seconds(); }
   double last_error() const { return last_.guarded(); }
   double best_error() const { return best_error_; }
@@ -72,6 +85,7 @@ class DistributedMonitor {
   DistributedSpace& space_;
   const SolverOptions& options_;
   Claim claim_;
+  Lead lead_;
   DistributedError evaluate_;
   Stopwatch watch_;
   double setup_seconds_ = 0, free_energy_ = 0;

@@ -11,6 +11,7 @@
 #include "solvers/distributed/distributed_methods.h"
 #include "solvers/parameters.h"
 #include "solvers/proved_claim.h"
+#include "solvers/solve.h"
 
 namespace bipot {
 namespace {
@@ -93,6 +94,7 @@ class DistributedSolve {
       : whole_(whole),
         options_(options),
         group_(group),
+        shared_factor_rows_(extra.shared_factor_rows),
         nodes_(body_nodes(whole)),
         owners_(contact_owners(whole, nodes_, extra.contact_places, group.size())),
         piece_(cut_piece(whole, nodes_, owners_, group.rank())),
@@ -124,18 +126,71 @@ class DistributedSolve {
  private:
   void iterate(const DistributedSolver& solver, const Vector& s0, SolveResult& result) {
     const double before = watch_.seconds();
-    DistributedMonitor monitor(
-        space_, options_,
-        [this](const Vector& s, const ContactError& error) { return claim(s, error).holds; });
     try {
-      solver.run(monitor, Parameters(options_.parameters, solver.parameters), s0);
-      result = monitor.finish();
+      if (solver.led != nullptr) {
+        result = lead(solver, options_);
+      } else {
+        DistributedMonitor monitor(
+            space_, options_,
+            [this](const Vector& s, const ContactError& error) { return claim(s, error).holds; },
+            [this](const DistributedSolver& stage, const Vector& s, double seconds, int& done) {
+              return lead_stage(stage, s, seconds, done);
+            });
+        solver.run(monitor, Parameters(options_.parameters, solver.parameters), s0);
+        result = monitor.finish();
+      }
     } catch (const CommonFailure& e) {
       result.status = SolveStatus::kNumericalFailure;
       result.message = fmt::format("{} failed: {}", solver.name, e.what());
       result.s = Vector::Zero(piece_.own.num_rows());
     }
     result.setup_seconds += before;
+  }
+
+  /// A led solver on the whole problem; the result's s is that of the rows here.
+  SolveResult lead(const DistributedSolver& solver, const SolverOptions& options) {
+    SolveResult result;
+    const bool shared = whole_.num_rows() >= shared_factor_rows_;
+    group_.lend_hands([&](SystemFactor& factor) {
+      SystemFactor* const by = shared ? &factor : nullptr;
+      SolverEntry entry{.name = solver.name,
+                        .summary = solver.summary,
+                        .run = [&](const ContactProblem& p,
+                                   const SolverOptions& o) { return solver.led(p, o, by); },
+                        .parameters = solver.parameters};
+      result = solve(entry, whole_, options);
+    });
+    // From the first process to all.
+    const bool first = group_.rank() == 0;
+    const double figures[] = {static_cast<double>(result.status),
+                              static_cast<double>(result.iterations), result.setup_seconds,
+                              result.solve_seconds};
+    const auto of_first = [&](std::span<const double> values) {
+      return group_.gather(first ? values : std::span<const double>());
+    };
+    const std::vector<double> known = of_first(figures);
+    result.message = group_.first_text(first ? result.message : std::string());
+    const std::vector<double> s = of_first({result.s.data(), to_size(result.s.size())});
+    result.status = static_cast<SolveStatus>(static_cast<int>(known[0]));
+    result.iterations = static_cast<int>(known[1]);
+    result.setup_seconds = known[2];
+    result.solve_seconds = known[3];
+    result.s = mine(Eigen::Map<const Vector>(s.data(), static_cast<Eigen::Index>(s.size())));
+    return result;
+  }
+
+  /// The same as a stage of another method, from the impulse s of the rows here. What it says of
+  /// itself is left out: the method judges the impulse.
+  Vector lead_stage(const DistributedSolver& solver, const Vector& s, double seconds, int& done) {
+    SolverOptions options = options_;
+    options.parameters.clear();
+    options.on_iteration = nullptr;
+    options.stop = StopTest::kGuarded;
+    options.time_limit = seconds;
+    options.s0 = whole_of(s);
+    const SolveResult result = lead(solver, options);
+    done = result.iterations;
+    return result.s;
   }
 
   bool start_holds(const Vector& s0) {
@@ -232,6 +287,7 @@ class DistributedSolve {
   const ContactProblem& whole_;
   const SolverOptions& options_;
   ProcessGroup& group_;
+  int shared_factor_rows_;
   Stopwatch watch_;
   BodyNodes nodes_;
   ContactOwners owners_;

@@ -13,6 +13,9 @@ struct DistributedOptions {
   bool reproducible = false;  ///< exact sums: apgd has the same bits for any number of processes
   /// Where the contacts are, for the partition; empty where nobody knows: the contact graph decides.
   std::vector<Vec3> contact_places;
+  /// Rows from which led solvers (ipm) have their systems factored by all processes; the first one
+  /// alone is quicker below (data/distributed.md).
+  int shared_factor_rows = 20000;
 };
 
 /// What a distributed solve counted, the same on all processes.

@@ -10,6 +10,7 @@
 #include <string>
 
 #include "core/types.h"
+#include "solvers/distributed/mumps_crew.h"
 #include "solvers/petsc/petsc_session.h"
 
 namespace bipot {
@@ -162,6 +163,9 @@ class PetscGroup : public ProcessGroup {
   std::unique_ptr<Exchange> make_exchange(int originals,
                                           std::span<const RemoteItem> copies) override {
     return std::make_unique<ForestExchange>(originals, copies, traffic_);
+  }
+  void lend_hands(const std::function<void(SystemFactor&)>& work) override {
+    mumps_crew(work, *traffic_);
   }
 
  private:

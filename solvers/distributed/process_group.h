@@ -1,11 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "core/problem/system_factor.h"
 
 namespace bipot {
 
@@ -70,6 +73,10 @@ class ProcessGroup {
   /// `originals`: how many this process owns.
   virtual std::unique_ptr<Exchange> make_exchange(int originals,
                                                   std::span<const RemoteItem> copies) = 0;
+  /// The first process does `work`, with a factor whose factorisations and solves all processes do
+  /// together; the others serve it until the work is done. What the work throws is a CommonFailure
+  /// on all of them.
+  virtual void lend_hands(const std::function<void(SystemFactor&)>& work) = 0;
 
   /// Whether any process says so.
   bool any(bool mine) {

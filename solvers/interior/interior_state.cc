@@ -13,10 +13,10 @@ constexpr double kRefined = 1e-7;  // correction of a direction after which no o
 
 template <int D>
 InteriorSystem<D>::InteriorSystem(const ContactProblem& problem, const DelassusOperator& delassus,
-                                  ShiftedDelassus::Form form)
+                                  ShiftedDelassus::Form form, SystemFactor* elsewhere)
     : problem_(problem),
       delassus_(delassus),
-      shifted_(problem, form),
+      shifted_(problem, form, elsewhere),
       friction_(to_size(problem.num_contacts())),
       mobility_(mean_diagonal(problem, delassus.diagonal())) {
   for (int c = 0; c < num_contacts(); ++c) {

@@ -42,8 +42,9 @@ class InteriorSystem {
   using Pairs = typename Jordan::Pairs;
   static constexpr int P = Jordan::P;
 
+  /// `elsewhere`: factors the linear systems, null: this process does.
   InteriorSystem(const ContactProblem& problem, const DelassusOperator& delassus,
-                 ShiftedDelassus::Form form);
+                 ShiftedDelassus::Form form, SystemFactor* elsewhere = nullptr);
 
   /// X, Y with all eigenvalue products equal to `energy[c]`, s_t = 0, s_n = impulse[c].
   State central_state(const Vector& impulse, const Vector& energy) const;

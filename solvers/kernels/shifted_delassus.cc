@@ -8,10 +8,6 @@
 namespace bipot {
 namespace {
 
-// Of a factor by fronts. Its backward error is rounding times this or less (1e-17 was measured,
-// multipliers up to 2e5); the directions' refinement mends what is left.
-constexpr double kLargestMultiplier = 1e8;
-
 /// Position of (row, col) in a compressed column matrix whose pattern holds it.
 int slot(const SparseMatrix& matrix, int row, int col) {
   const int* begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[col];
@@ -34,8 +30,8 @@ std::vector<int> touched(const ContactProblem& p, int c) {
 
 }  // namespace
 
-ShiftedDelassus::ShiftedDelassus(const ContactProblem& problem, Form form)
-    : problem_(problem), lu_(SparseLU::Strategy::kAuto) {
+ShiftedDelassus::ShiftedDelassus(const ContactProblem& problem, Form form, SystemFactor* elsewhere)
+    : problem_(problem), factor_(elsewhere) {
   const bool can_body = problem.has_velocities() && is_diagonal(problem.A);
   if (form == Form::kBody && !can_body) {
     throw std::invalid_argument("the body form needs H and a diagonal A");
@@ -54,11 +50,14 @@ ShiftedDelassus::ShiftedDelassus(const ContactProblem& problem, Form form)
   body_form_ = can_body && form != Form::kContact &&
                (form == Form::kBody || unknowns <= 2 * problem.num_rows());
   if (body_form_) {
-    lu_ = SparseLU(SparseLU::Strategy::kSymmetric);
     build_body_pattern();
   } else {
     build_contact_pattern();
   }
+  if (factor_ != nullptr) return;
+  here_ = std::make_unique<LocalFactor>(body_form_ ? SparseLU::Strategy::kSymmetric
+                                                   : SparseLU::Strategy::kAuto);
+  factor_ = here_.get();
 }
 
 ShiftedDelassus::~ShiftedDelassus() = default;
@@ -173,21 +172,12 @@ bool ShiftedDelassus::factor(const std::vector<double>& R) {
     for (int i = 0; i < problem_.num_rows(); ++i) matrix_.coeffRef(i, i) += 1;
   }
   if (!Eigen::Map<const Vector>(value, matrix_.nonZeros()).allFinite()) return false;
-  by_fronts_ = fronts_.factor(matrix_) && fronts_.largest_multiplier() <= kLargestMultiplier;
-  return by_fronts_ || lu_.factor(matrix_);
-}
-
-void ShiftedDelassus::solve_factored(const Vector& b, Vector& x) const {
-  if (by_fronts_) {
-    fronts_.solve(b, x);
-  } else {
-    x = lu_.solve(b);
-  }
+  return factor_->factor(matrix_);
 }
 
 void ShiftedDelassus::solve(const Vector& g, Vector& x) const {
   if (!body_form_) {
-    solve_factored(g, x);
+    factor_->solve(g, x);
     return;
   }
   const int d = problem_.dim;
@@ -203,7 +193,7 @@ void ShiftedDelassus::solve(const Vector& g, Vector& x) const {
       wrench_[unknown[i]] += sum;
     }
   }
-  solve_factored(wrench_, velocity_);
+  factor_->solve(wrench_, velocity_);
   x = g;
   for (int c = 0; c < problem_.num_contacts(); ++c, block += d * d) {
     double du[3] = {0, 0, 0};
@@ -214,10 +204,6 @@ void ShiftedDelassus::solve(const Vector& g, Vector& x) const {
       for (int b = 0; b < d; ++b) x[c * d + a] -= block[a * d + b] * du[b];
     }
   }
-}
-
-int ShiftedDelassus::determinant_sign() const {
-  return by_fronts_ ? fronts_.determinant_sign() : lu_.determinant_sign();
 }
 
 }  // namespace bipot

@@ -4,8 +4,7 @@
 #include <vector>
 
 #include "core/problem/delassus.h"
-#include "core/problem/frontal_lu.h"
-#include "core/problem/sparse_factor.h"
+#include "core/problem/system_factor.h"
 
 namespace bipot {
 
@@ -17,15 +16,17 @@ namespace bipot {
 ///     of freedom that contacts touch. Needs a diagonal A. Sparse and small for packings of disks,
 ///     but x is a difference of large numbers where R W is large.
 ///   - contact: I + R W itself, in the rows of the contacts. Any W, symmetric or not.
-/// Either matrix is factored by fronts (frontal_lu.h), by UMFPACK where their pivots are too small.
+/// Either matrix is factored here (LocalFactor), or by another that the caller brings along.
 /// kAuto takes the body form unless it is not available or has more than twice as many unknowns.
 /// The determinants of the two forms have the same sign, det K = det A det(I + R W).
 class ShiftedDelassus {
  public:
   enum class Form { kAuto, kBody, kContact };
 
-  /// Keeps a reference to the problem. Throws std::invalid_argument for an impossible form.
-  explicit ShiftedDelassus(const ContactProblem& problem, Form form = Form::kAuto);
+  /// Keeps a reference to the problem, and to `elsewhere`, which factors where it is given. Throws
+  /// std::invalid_argument for an impossible form.
+  explicit ShiftedDelassus(const ContactProblem& problem, Form form = Form::kAuto,
+                           SystemFactor* elsewhere = nullptr);
   ~ShiftedDelassus();
 
   /// R: row-major d x d blocks, contact after contact, [kg]. False: singular to working precision.
@@ -33,9 +34,9 @@ class ShiftedDelassus {
   /// x = (I + R W)⁻¹ g.
   void solve(const Vector& g, Vector& x) const;
   /// Sign of det(I + R W).
-  int determinant_sign() const;
+  int determinant_sign() const { return factor_->determinant_sign(); }
   /// Whether the last factor is one by fronts.
-  bool by_fronts() const { return by_fronts_; }
+  bool by_fronts() const { return here_ && here_->by_fronts(); }
   /// The matrix that was factored last: K or I + R W.
   const SparseMatrix& matrix() const { return matrix_; }
   /// The blocks that it was made of.
@@ -46,14 +47,12 @@ class ShiftedDelassus {
  private:
   void build_body_pattern();
   void build_contact_pattern();
-  void solve_factored(const Vector& b, Vector& x) const;
 
   const ContactProblem& problem_;
   bool body_form_ = false;
-  SparseMatrix matrix_;  // K or I + R W, fixed pattern
-  SparseLU lu_;
-  FrontalLU<double> fronts_;  // where accurate
-  bool by_fronts_ = false;
+  SparseMatrix matrix_;                // K or I + R W, fixed pattern
+  std::unique_ptr<LocalFactor> here_;  // null where another factors
+  SystemFactor* factor_ = nullptr;
   std::vector<double> R_;
   mutable Vector wrench_, velocity_;
 

@@ -65,11 +65,11 @@ template <int D>
 class Driver {
  public:
   Driver(const ContactProblem& p, const SolverOptions& options, const Parameters& parameters,
-         IterationMonitor& monitor)
+         IterationMonitor& monitor, SystemFactor* elsewhere)
       : p_(p),
         options_(options),
         monitor_(monitor),
-        system_(p, monitor.evaluator().delassus(), form(parameters)),
+        system_(p, monitor.evaluator().delassus(), form(parameters), elsewhere),
         run_(monitor),
         active_set_(system_),
         direct_(parameters.choice("direct") == "on"),
@@ -256,11 +256,16 @@ class Driver {
 }  // namespace
 
 SolveResult solve_interior_point(const ContactProblem& p, const SolverOptions& options) {
+  return interior_point_with(p, options, nullptr);
+}
+
+SolveResult interior_point_with(const ContactProblem& p, const SolverOptions& options,
+                                SystemFactor* elsewhere) {
   const Parameters parameters(options.parameters, kInteriorPointParameters);
   IterationMonitor monitor(p, options);
   monitor.judge_every_iteration();
   const std::string story = dispatch_dim(p.dim, [&](auto d) {
-    Driver<d()> driver(p, options, parameters, monitor);
+    Driver<d()> driver(p, options, parameters, monitor, elsewhere);
     driver();
     return driver.story();
   });

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/problem/system_factor.h"
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -81,5 +82,9 @@ inline constexpr ParameterSpec kInteriorPointParameters[] = {
 /// Related: Acary, Armand, Nguyen and Shpakovych (2024) solve the associated cone program by an
 /// interior point, Acary, Cadoux, Lemaréchal and Malick (2011) iterate on such programs.
 SolveResult solve_interior_point(const ContactProblem& problem, const SolverOptions& options);
+
+/// The same with the linear systems factored by another, `elsewhere`; null: by this process.
+SolveResult interior_point_with(const ContactProblem& problem, const SolverOptions& options,
+                                SystemFactor* elsewhere);
 
 }  // namespace bipot
