@@ -170,6 +170,8 @@ class DistributedSolve {
     };
     const std::vector<double> known = of_first(figures);
     result.message = group_.first_text(first ? result.message : std::string());
+    result.message +=
+        shared ? "; systems factored by all processes" : "; systems factored by the first process";
     const std::vector<double> s = of_first({result.s.data(), to_size(result.s.size())});
     result.status = static_cast<SolveStatus>(static_cast<int>(known[0]));
     result.iterations = static_cast<int>(known[1]);

@@ -100,6 +100,7 @@ TEST(SharedFactor, TheInteriorPointTakesTheIterationsOfOneProcess) {
   ASSERT_EQ(all.result.status, SolveStatus::kConverged) << all.result.message;
   EXPECT_NEAR(all.result.iterations, alone.iterations, 1);  // factors differ by rounding
   EXPECT_LT((all.result.u - alone.u).norm(), 1e-6 * p.u_free.norm());
+  EXPECT_NE(all.result.message.find("factored by all"), std::string::npos) << all.result.message;
   if (mpi_group().size() > 1) {
     const DistributedResult first = distributed_solve("ipm", p, options, mpi_group());
     EXPECT_EQ(first.result.s, alone.s) << "the first process alone: its own bits";
