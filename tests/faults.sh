@@ -105,8 +105,8 @@ else wait $pid; code=$?
 fi
 
 mkdir "$work/small"
-if mount -t tmpfs -o size=700k tmpfs "$work/small" 2>/dev/null; then
-  expect_io "disk full (tmpfs of 700 kB)" "${run[@]}" --out "$work/small/out"
+if mount -t tmpfs -o size=300k tmpfs "$work/small" 2>/dev/null; then
+  expect_io "disk full (tmpfs of 300 kB)" "${run[@]}" --out "$work/small/out"
   # What is there can be read, and the run goes on elsewhere.
   if compgen -G "$work/small/out/frames/*.h5" >/dev/null; then
     rm -rf "$work/moved"; cp -r "$work/small/out" "$work/moved"

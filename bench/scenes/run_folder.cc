@@ -58,7 +58,7 @@ void RunFolderIn<D>::step(const SceneStepIn<D>& step) {
   }
   writer_.step(step.state, step.report);
   framed_ = scene_.output.every > 0 && step.state.step % scene_.output.every == 0;
-  if (framed_) writer_.frame(step.state);
+  if (framed_) writer_.frame_beside(step.state);
 }
 
 template <int D>

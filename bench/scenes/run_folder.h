@@ -44,8 +44,8 @@ class RunFolderIn {
 };
 using RunFolder = RunFolderIn<2>;
 
-/// Runs the scene into the folder: run_scene() with every step written. What the caller's on_step
-/// sees is on disk.
+/// Runs the scene into the folder: run_scene() with every step written. The rows of what the caller's
+/// on_step sees are on disk, its frame may still be being written.
 template <int D>
 SceneRunIn<D> run_scene_into(const SceneIn<D>& scene, StateIn<D>& state,
                              const std::type_identity_t<SceneRunOptionsIn<D>>& run,

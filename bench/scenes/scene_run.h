@@ -71,7 +71,7 @@ struct SceneRunIn {
   ContactProblem failed_problem;       ///< its problem and start; empty under the model dem
   Vector failed_start;
   std::optional<SpringDashpotSetup> springs;  ///< model dem only
-  double output_seconds = 0;                  ///< wall time of the files, run_scene_into() only
+  double output_seconds = 0;  ///< wall time that the steps waited for files, run_scene_into() only
 };
 using SceneRun = SceneRunIn<2>;
 

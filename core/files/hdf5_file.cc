@@ -7,12 +7,17 @@
 #include <array>
 #include <fstream>
 #include <limits>
+#include <mutex>
 #include <utility>
 
 namespace bipot {
 namespace {
 
 static_assert(sizeof(hid_t) == sizeof(std::int64_t));
+
+// A plain mutex and a count: unlike a recursive mutex, it can be given back by the child of a fork.
+std::mutex library_mutex;
+thread_local int library_turns = 0;  // of this thread
 
 /// Switches HDF5's printing of its error stack off for the time of one call.
 class Silence {
@@ -21,7 +26,11 @@ class Silence {
     H5Eget_auto2(H5E_DEFAULT, &function_, &data_);
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   }
-  ~Silence() { H5Eset_auto2(H5E_DEFAULT, function_, data_); }
+  ~Silence() {
+    // A thread that ends with errors on its stack would leave the library nothing to close them by.
+    H5Eclear2(H5E_DEFAULT);
+    H5Eset_auto2(H5E_DEFAULT, function_, data_);
+  }
   Silence(const Silence&) = delete;
   Silence& operator=(const Silence&) = delete;
 
@@ -57,6 +66,7 @@ std::string hdf5_reason() {
         return 0;
       },
       &reason);
+  std::erase(reason, '\n');  // after a time
   return reason.empty() ? "unknown HDF5 error" : reason;
 }
 
@@ -82,7 +92,18 @@ std::vector<std::string> split_fixed(const std::vector<char>& bytes, std::size_t
 
 }  // namespace
 
-Hdf5File::Hdf5File(std::filesystem::path path, Mode mode) : path_(std::move(path)) {
+Hdf5Turn::Hdf5Turn() {
+  if (library_turns++ == 0) library_mutex.lock();
+  // Files are closed here; what a failed close leaves (a full disk) breaks the library's own end off.
+  [[maybe_unused]] static const herr_t no_end = H5dont_atexit();
+}
+
+Hdf5Turn::~Hdf5Turn() {
+  if (taken_ && --library_turns == 0) library_mutex.unlock();
+}
+
+Hdf5File::Hdf5File(std::filesystem::path path, Mode mode)
+    : path_(std::move(path)), turn_(std::in_place) {
   const Silence silence;
   if (mode != Mode::kCreate) {
     if (!std::filesystem::exists(path_)) throw FileError(path_, "", "no such file");
@@ -101,17 +122,27 @@ Hdf5File::~Hdf5File() {
 }
 
 Hdf5File::Hdf5File(Hdf5File&& other) noexcept
-    : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {}
+    : path_(std::move(other.path_)),
+      turn_(std::move(other.turn_)),
+      file_(std::exchange(other.file_, -1)) {}
 
 void Hdf5File::close() {
   const Silence silence;
   if (file_ < 0) return;
   const bool flushed = H5Fflush(file_, H5F_SCOPE_LOCAL) >= 0;
+  const std::string reason = flushed ? "" : hdf5_reason();  // closing would hide it
   const bool closed = H5Fclose(std::exchange(file_, -1)) >= 0;
-  if (!flushed || !closed) throw FileError(path_, "", "cannot write: " + hdf5_reason());
+  const std::optional<Hdf5Turn> turn = std::move(turn_);  // until the reason is read
+  turn_.reset();
+  if (!flushed || !closed) {
+    throw FileError(path_, "", "cannot write: " + (flushed ? hdf5_reason() : reason));
+  }
 }
 
-void Hdf5File::end_library() { H5close(); }
+void Hdf5File::end_library() {
+  const Hdf5Turn turn;
+  H5close();
+}
 
 bool Hdf5File::is_hdf5(const std::filesystem::path& path) {
   constexpr std::array<char, 8> kSignature = {'\x89', 'H', 'D', 'F', '\r', '\n', '\x1a', '\n'};

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,10 +12,25 @@
 
 namespace bipot {
 
+/// The turn of a thread to use the HDF5 library, which serves one at a time: a thread that has one
+/// may take more, another waits until it has given back all. It is given back by the thread that took
+/// it.
+class Hdf5Turn {
+ public:
+  Hdf5Turn();
+  ~Hdf5Turn();
+  Hdf5Turn(Hdf5Turn&& other) noexcept : taken_(other.taken_) { other.taken_ = false; }
+  Hdf5Turn& operator=(Hdf5Turn&&) = delete;
+
+ private:
+  bool taken_ = true;
+};
+
 /// One open HDF5 file. Objects are named by absolute paths ("/a/b"); groups on the way are created.
 /// Datasets are contiguous, uncompressed, native types, without time stamps: the same content gives
 /// the same bytes. Every failure throws FileError with the file and the object's name; HDF5's own
-/// messages are kept off the terminal. The only user of the HDF5 library.
+/// messages are kept off the terminal. The only user of the HDF5 library; while a thread has a file
+/// open, other threads that want to open one wait.
 class Hdf5File {
  public:
   enum class Mode {
@@ -83,7 +99,8 @@ class Hdf5File {
   std::size_t plausible_size(const std::string& name) const;
 
   std::filesystem::path path_;
-  std::int64_t file_ = -1;  // hid_t, kept out of this header
+  std::optional<Hdf5Turn> turn_;  // while the file is open
+  std::int64_t file_ = -1;        // hid_t, kept out of this header
 };
 
 }  // namespace bipot

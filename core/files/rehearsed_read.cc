@@ -10,6 +10,7 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdio>
+#include <optional>
 
 #include "core/file_error.h"
 #include "core/files/hdf5_file.h"
@@ -34,6 +35,8 @@ void be_silent() {
 
 void rehearse(const std::filesystem::path& path, const std::function<void()>& read) {
   std::fflush(nullptr);  // or the child could write what the parent has not yet written
+  // A file that another thread is writing would be open in the child, which ends the library.
+  std::optional<Hdf5Turn> turn(std::in_place);
   const pid_t child = ::fork();
   if (child < 0) return;
   if (child == 0) {
@@ -50,6 +53,7 @@ void rehearse(const std::filesystem::path& path, const std::function<void()>& re
 #endif
     ::_exit(0);
   }
+  turn.reset();
   int status = 0;
   while (::waitpid(child, &status, 0) < 0) {
     if (errno != EINTR) return;  // somebody else waits for this program's children

@@ -560,6 +560,7 @@ void RunWriterIn<D>::write_frame_file(const StateIn<D>& state) const {
 
 template <int D>
 void RunWriterIn<D>::step(const StateIn<D>& state, const StepReportIn<D>& r) {
+  beside_.check();
   if (ledger_) {
     const double area = sample_area(state, scene_.step);
     // Without disks there is no sample: not a number.
@@ -591,18 +592,33 @@ void RunWriterIn<D>::step(const StateIn<D>& state, const StepReportIn<D>& r) {
   }
 }
 
+/// Whether the frame is still to be written, once the one before is.
 template <int D>
-void RunWriterIn<D>::frame(const StateIn<D>& state) {
+bool RunWriterIn<D>::is_due(const StateIn<D>& state) {
+  beside_.finish();
   if ((!scene_.has_gates() && state.disks.size() != scene_.disks.size()) ||
       state.population.numbers.size() != (scene_.has_gates() ? state.disks.size() : 0) ||
       state.walls.size() != scene_.walls.size()) {
     throw std::invalid_argument("the state is not one of this scene");
   }
-  if (!frames_.empty() && frames_.back().step >= state.step) {
-    if (frames_.back().step == state.step) return;
-    throw std::invalid_argument(
-        fmt::format("frame of step {} after that of step {}", state.step, frames_.back().step));
-  }
+  if (frames_.empty() || frames_.back().step < state.step) return true;
+  if (frames_.back().step == state.step) return false;
+  throw std::invalid_argument(
+      fmt::format("frame of step {} after that of step {}", state.step, frames_.back().step));
+}
+
+template <int D>
+void RunWriterIn<D>::frame(const StateIn<D>& state) {
+  if (is_due(state)) write_frame(state);
+}
+
+template <int D>
+void RunWriterIn<D>::frame_beside(const StateIn<D>& state) {
+  if (is_due(state)) beside_.begin([this, copy = state] { write_frame(copy); });
+}
+
+template <int D>
+void RunWriterIn<D>::write_frame(const StateIn<D>& state) {
   write_frame_file(state);
   add_frame({state.step, state.time, state.contacts.size(), true, state.disks.size()});
   if (frames_.size() - indexed_ >= 1 + frames_.size() / kIndexShare) write_index();
@@ -611,6 +627,7 @@ void RunWriterIn<D>::frame(const StateIn<D>& state) {
 template <int D>
 void RunWriterIn<D>::close() {
   if (closed_) return;
+  beside_.finish();
   closed_ = true;
   if (ledger_ && !pending_row_.empty()) {
     ledger_->row(pending_row_);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/file_error.h"
+#include "core/files/background_writer.h"
 #include "core/files/csv_file.h"
 #include "core/files/observable_output.h"
 #include "core/files/xdmf_index.h"
@@ -46,12 +47,19 @@ class RunWriterIn {
 
   /// Ledger and trajectories of a step.
   void step(const StateIn<D>& state, const StepReportIn<D>& report);
-  /// A frame; writing the one of the same step again is not an error and does nothing.
+  /// A frame, which is written when this returns; the one of the same step again is not an error and
+  /// does nothing.
   void frame(const StateIn<D>& state);
+  /// The same of a copy, while the caller goes on: files, bits and order are those of frame(). Waits
+  /// for the frame before, of which there is one at most; what went wrong with it is thrown by the next
+  /// call of frame(), frame_beside() or close(), or by step() where it is known by then.
+  void frame_beside(const StateIn<D>& state);
   /// Writes what is due at the end. Without effect the second time.
   void close();
 
  private:
+  bool is_due(const StateIn<D>& state);
+  void write_frame(const StateIn<D>& state);
   void write_frame_file(const StateIn<D>& state) const;
   void add_frame(const FrameEntry& frame);
   void write_index();
@@ -67,6 +75,7 @@ class RunWriterIn {
   XdmfIndex xdmf_;
   std::size_t indexed_ = 0;  // frames that run.h5 and run.xdmf know
   bool closed_ = false;
+  BackgroundWriter beside_;  // last: its job uses the others
 };
 using RunWriter = RunWriterIn<2>;
 

@@ -20,7 +20,9 @@ class MpiSession {
     setenv("OMPI_MCA_opal_signal", "", 0);
     // A lone process needs no daemon: without this Open MPI starts one (orted) and leaves it.
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-    owned_ = MPI_Init(nullptr, nullptr) == MPI_SUCCESS;
+    // Other threads compute and write beside the one that calls MPI.
+    int provided = 0;
+    owned_ = MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided) == MPI_SUCCESS;
   }
   ~MpiSession() {
     int finalised = 0;

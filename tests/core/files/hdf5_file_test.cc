@@ -1,13 +1,26 @@
 #include "core/files/hdf5_file.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <functional>
+#include <future>
 #include <iterator>
 #include <limits>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
 
+#include "core/files/rehearsed_read.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -145,6 +158,86 @@ TEST(Hdf5File, FailuresNameTheFileAndTheObject) {
   EXPECT_NE(refusal([&] { Hdf5File(folder / "d.h5", Mode::kRead); }).find("cannot open"),
             std::string::npos);
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");  // HDF5 itself says nothing
+}
+
+TEST(ThreadedHdf5File, SeveralThreadsWriteTheirFilesAsOneWould) {
+  const TemporaryFolder folder;
+  const auto write_all = [&](const std::string& name) {
+    for (int k = 0; k < 200; ++k) {
+      Hdf5File file(folder / name, Hdf5File::Mode::kCreate);
+      for (const char* entry : {"/a/b/c", "/a/b/d", "/e"}) {
+        file.write(entry, std::vector<double>(50, 1.0 / 3));
+        file.write_attribute(entry, "unit", "m");
+      }
+      EXPECT_THROW(file.read_doubles("/a/missing"), FileError);
+      file.close();
+    }
+  };
+  write_all("alone");
+  std::vector<std::thread> threads;
+  for (const char* name : {"first", "second", "third"}) threads.emplace_back(write_all, name);
+  for (std::thread& thread : threads) thread.join();
+  for (const char* name : {"first", "second", "third"}) {
+    EXPECT_EQ(bytes_of(folder / name), bytes_of(folder / "alone")) << name;
+  }
+}
+
+/// A file that may not grow is a full disk without one. The program ends as it wants to.
+TEST(Hdf5File, AFullDiskIsReportedAndTheProgramEndsInOrder) {
+  const TemporaryFolder folder;
+  const auto fill = [&] {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit limit{4000, 4000};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+    const std::string said = refusal([&] {
+      Hdf5File file(folder / "a", Mode::kCreate);
+      for (int k = 0; k < 100; ++k) file.write("/entry" + std::to_string(k), 1.0);
+      file.close();
+    });
+    std::fputs(said.c_str(), stderr);
+    std::exit(4);
+  };
+  EXPECT_EXIT(fill(), testing::ExitedWithCode(4), "a: cannot write: .*File too large");
+}
+
+/// Whether `use` waits for the file that another thread has open.
+void expect_to_wait(const std::filesystem::path& path, const std::function<void()>& use) {
+  std::promise<void> opened, go_on;
+  std::thread writer([&] {
+    Hdf5File file(path, Hdf5File::Mode::kCreate);
+    opened.set_value();
+    go_on.get_future().wait();
+    file.write("/x", 1.0);
+  });
+  opened.get_future().wait();
+  std::atomic<bool> done = false;
+  std::thread user([&] {
+    use();
+    done = true;
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  EXPECT_FALSE(done);
+  go_on.set_value();
+  writer.join();
+  user.join();
+  EXPECT_TRUE(done);
+  EXPECT_EQ(Hdf5File(path, Hdf5File::Mode::kRead).read_double("/x"), 1.0);
+}
+
+TEST(ThreadedHdf5File, OneThreadAtATimeHasFilesOpen) {
+  const TemporaryFolder folder;
+  expect_to_wait(folder / "a", [&] {
+    Hdf5File first(folder / "b", Mode::kCreate);
+    const Hdf5File second(folder / "c", Mode::kCreate);  // the same thread: as many as it likes
+    Hdf5File moved(std::move(first));
+    moved.write("/y", 2.0);
+  });
+}
+
+/// The child of a rehearsal ends the library, and with it would write the files that are open there.
+TEST(ThreadedHdf5File, ARehearsalDoesNotMeetTheFileOfAnotherThread) {
+  const TemporaryFolder folder;
+  expect_to_wait(folder / "a", [&] { rehearse(folder / "b", [] {}); });
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <regex>
 #include <set>
 #include <sstream>
@@ -491,10 +492,67 @@ TEST(RunOutput, AnEarlierRunIsRemovedOrContinued) {
   EXPECT_EQ(csv(folder / "out/ledger.csv").size(), 1u + 1u);
 }
 
+/// All files below a folder by name.
+std::map<std::string, std::string> files_in(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    files[std::filesystem::relative(entry.path(), folder).string()] = file_text(entry.path());
+  }
+  return files;
+}
+
+TEST(ThreadedRunOutput, FramesWrittenBesideTheStepsAreTheSameFiles) {
+  const TemporaryFolder folder;
+  const Scene scene = awkward_scene();
+  for (const bool beside : {false, true}) {
+    RunWriter writer(folder / (beside ? "beside" : "waited"), scene, "text");
+    writer.frame(awkward_state(scene, 0));
+    for (int step = 1; step < 80; ++step) {
+      State state = awkward_state(scene, step);
+      writer.step(state, report_of(state));
+      beside ? writer.frame_beside(state) : writer.frame(state);
+      state = State();  // the copy is what is written
+    }
+    writer.close();
+  }
+  const auto waited = files_in(folder / "waited");
+  ASSERT_EQ(waited.size(), 80u + 4u);  // run.h5, run.xdmf, ledger, trajectory
+  EXPECT_TRUE(files_in(folder / "beside") == waited);
+}
+
+TEST(ThreadedRunOutput, AFrameThatFailsBesideIsReportedByTheNextAndOnce) {
+  const TemporaryFolder folder;
+  const Scene scene = awkward_scene();
+  RunWriter writer(folder / "out", scene, "");
+  writer.frame(awkward_state(scene, 0));
+  std::filesystem::rename(folder / "out/frames", folder / "taken");
+  writer.frame_beside(awkward_state(scene, 1));
+  std::string said, expected;
+  try {
+    writer.frame_beside(awkward_state(scene, 2));
+  } catch (const FileError& error) {
+    said = error.what();
+  }
+  try {
+    writer.frame(awkward_state(scene, 1));
+  } catch (const FileError& error) {
+    expected = error.what();
+  }
+  EXPECT_FALSE(expected.empty());
+  EXPECT_EQ(said, expected);
+  writer.frame_beside(awkward_state(scene, 3));
+  EXPECT_THROW(writer.close(), FileError);
+  std::filesystem::rename(folder / "taken", folder / "out/frames");
+  EXPECT_NO_THROW(writer.close());
+  EXPECT_EQ(frame_steps(folder / "out"), std::vector<int>{0});
+}
+
 TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
   const TemporaryFolder folder;
   const Scene scene = awkward_scene();
-  for (int trial = 0; trial < 12; ++trial) {
+  for (int trial = 0; trial < 24; ++trial) {
+    const bool beside = trial % 2 == 1;
     std::filesystem::remove_all(folder / "out");
     std::filesystem::create_directory(folder / "out");
     const pid_t child = ::fork();
@@ -503,7 +561,10 @@ TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
       ::prctl(PR_SET_PDEATHSIG, SIGKILL);
       try {
         RunWriter writer(folder / "out", scene, "");
-        for (int step = 0; step < 100000; ++step) writer.frame(awkward_state(scene, step));
+        for (int step = 0; step < 100000; ++step) {
+          beside ? writer.frame_beside(awkward_state(scene, step))
+                 : writer.frame(awkward_state(scene, step));
+        }
       } catch (...) {
       }
       ::_exit(1);
@@ -511,7 +572,7 @@ TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
     for (int wait = 0; wait < 20000 && frame_steps(folder / "out").size() < 2; ++wait) {
       ::usleep(500);
     }
-    ::usleep(777 * static_cast<unsigned>(trial));
+    ::usleep(777 * static_cast<unsigned>(trial / 2));
     ::kill(child, SIGKILL);
     int status = 0;
     ::waitpid(child, &status, 0);
