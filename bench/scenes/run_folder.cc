@@ -75,7 +75,7 @@ void RunFolderIn<D>::finish(const StateIn<D>& state, const SceneRunIn<D>& run) {
     write_problem(run.failed_problem, run.failed_start, failed);
   }
   if (!framed_) writer_.frame(state);
-  writer_.close();
+  writer_.finish(state);
   draw(state, run.totals);
   if (scene_.observables) draw_observables(options_.folder);
 }

@@ -113,9 +113,16 @@ void write_ints(Hdf5File& file, const std::string& name, const Range& range, Get
   file.write(name, column);
 }
 
+/// Mean stress of the sample and its area; not a number without disks, for then there is none.
+template <int D>
+MeanStressIn<D> stress_of_sample(const StateIn<D>& state, double step) {
+  return sample_stress<D>(state, step, sample_area(state, step), contact_moments(state));
+}
+
 /// Stress of each disk and of the sample, spins from the contacts' moments (stress_tensor.h).
 template <int D>
-void write_stresses(Hdf5File& file, const StateIn<D>& state, double step) {
+void write_stresses(Hdf5File& file, const StateIn<D>& state, double step,
+                    const MeanStressIn<D>& sample) {
   const std::vector<SpinIn<D>> moments = contact_moments(state);
   const std::vector<MeanStressIn<D>> disks = disk_stresses<D>(state, step, moments);
   Column tensors(6 * disks.size());
@@ -126,12 +133,10 @@ void write_stresses(Hdf5File& file, const StateIn<D>& state, double step) {
   file.write_attribute("/disks/stress", "unit", "Pa");
   write_doubles(file, "/disks/pressure", "Pa", disks,
                 [](const MeanStressIn<D>& s) { return s.pressure(); });
-  const double area = sample_area(state, step);
   const char* size = D == 2 ? "/sample/area" : "/sample/volume";
-  file.write(size, area);
+  file.write(size, sample.area);
   file.write_attribute(size, "unit", D == 2 ? "m2" : "m3");
-  if (!(area > 0)) return;
-  const MeanStressIn<D> sample = sample_stress<D>(state, step, area, moments);
+  if (!(sample.area > 0)) return;
   for (const auto& [name, part] : {std::pair{"/sample/contact_stress", &sample.contact},
                                    {"/sample/kinetic_stress", &sample.kinetic},
                                    {"/sample/spin_stress", &sample.spin}}) {
@@ -280,10 +285,9 @@ void add_numbers(std::string& line, const Values&... values) {
   (fmt::format_to(std::back_inserter(line), ",{:.17g}", values), ...);
 }
 
-/// A row of the ledger; `stress` is the sample's mean over its `area`.
+/// A row of the ledger; `stress` is the sample's mean.
 template <int D>
-std::string ledger_row(const StepReportIn<D>& r, double area, const MeanStressIn<D>& stress,
-                       bool dem) {
+std::string ledger_row(const StepReportIn<D>& r, const MeanStressIn<D>& stress, bool dem) {
   const EnergyLedger& e = r.energy;
   std::string line = fmt::format("{}", r.step);
   add_numbers(line, r.time);
@@ -293,7 +297,7 @@ std::string ledger_row(const StepReportIn<D>& r, double area, const MeanStressIn
               e.potential, e.wall_work, e.friction_loss, e.shock_loss, e.imbalance);
   for (int k = 0; k < D; ++k) add_numbers(line, r.momentum[k]);
   for (int k = 0; k < D; ++k) add_numbers(line, r.momentum_imbalance[k]);
-  add_numbers(line, r.penetration, area);
+  add_numbers(line, r.penetration, stress.area);
   const MatIn<D> total = stress.total();
   for (int k = 0; k < D; ++k) add_numbers(line, total(k, k));
   for (int k = 0; k < D; ++k) {
@@ -474,7 +478,8 @@ void RunWriterIn<D>::write_run_file() const {
 }
 
 template <int D>
-void RunWriterIn<D>::write_frame_file(const StateIn<D>& state) const {
+void RunWriterIn<D>::write_frame_file(const StateIn<D>& state,
+                                      const MeanStressIn<D>& stress) const {
   AtomicFile target(frame_path(folder_, state.step));
   Hdf5File file(target.draft(), Hdf5File::Mode::kCreate);
   file.write("/step", state.step);
@@ -552,34 +557,33 @@ void RunWriterIn<D>::write_frame_file(const StateIn<D>& state) const {
   }
   file.write_rows("/contacts/segment", branch.values(), D);
   write_point_numbers(file, "/contacts/points", 2 * contacts.size());
-  write_stresses(file, state, h);
+  write_stresses(file, state, h, stress);
   if (scene_.observables) write_observables(file, scene_, state);
   file.close();
   target.commit();
 }
 
 template <int D>
+void RunWriterIn<D>::write_row(const StateIn<D>& state, const StepReportIn<D>& r) {
+  known_stress_ = {state.step, stress_of_sample(state, scene_.step)};
+  std::string line = ledger_row(r, known_stress_.second, scene_.model == Model::kSpringDashpot);
+  if (gates_) {
+    add_numbers(line, r.energy.passed);
+    for (const double p : momentum_passed(state)) add_numbers(line, p);
+  }
+  ledger_->row(line);
+  if (gates_) gates_->row(gates_row(scene_, state));
+}
+
+template <int D>
 void RunWriterIn<D>::step(const StateIn<D>& state, const StepReportIn<D>& r) {
   beside_.check();
   if (ledger_) {
-    const double area = sample_area(state, scene_.step);
-    // Without disks there is no sample: not a number.
-    const MeanStressIn<D> stress =
-        sample_stress<D>(state, scene_.step, area, contact_moments(state));
-    std::string line = ledger_row(r, area, stress, scene_.model == Model::kSpringDashpot);
-    std::string gates;
-    if (gates_) {
-      add_numbers(line, r.energy.passed);
-      for (const double p : momentum_passed(state)) add_numbers(line, p);
-      gates = gates_row(scene_, state);
-    }
     if (r.step % scene_.output.ledger_every == 0) {
-      ledger_->row(line);
-      if (gates_) gates_->row(gates);
-      pending_row_.clear();
+      write_row(state, r);
+      left_out_.reset();
     } else {
-      pending_row_ = std::move(line);
-      pending_gates_ = std::move(gates);
+      left_out_ = r;
     }
   }
   if (observables_) observables_->step(state);
@@ -609,19 +613,37 @@ bool RunWriterIn<D>::is_due(const StateIn<D>& state) {
 
 template <int D>
 void RunWriterIn<D>::frame(const StateIn<D>& state) {
-  if (is_due(state)) write_frame(state);
+  if (is_due(state)) write_frame(state, stress_if_known(state));
 }
 
 template <int D>
 void RunWriterIn<D>::frame_beside(const StateIn<D>& state) {
-  if (is_due(state)) beside_.begin([this, copy = state] { write_frame(copy); });
+  if (!is_due(state)) return;
+  beside_.begin(
+      [this, copy = state, stress = stress_if_known(state)] { write_frame(copy, stress); });
+}
+
+/// Of the row of the same step, which has just been written.
+template <int D>
+std::optional<MeanStressIn<D>> RunWriterIn<D>::stress_if_known(const StateIn<D>& state) const {
+  if (known_stress_.first != state.step) return std::nullopt;
+  return known_stress_.second;
 }
 
 template <int D>
-void RunWriterIn<D>::write_frame(const StateIn<D>& state) {
-  write_frame_file(state);
+void RunWriterIn<D>::write_frame(const StateIn<D>& state,
+                                 const std::optional<MeanStressIn<D>>& stress) {
+  write_frame_file(state, stress ? *stress : stress_of_sample(state, scene_.step));
   add_frame({state.step, state.time, state.contacts.size(), true, state.disks.size()});
   if (frames_.size() - indexed_ >= 1 + frames_.size() / kIndexShare) write_index();
+}
+
+template <int D>
+void RunWriterIn<D>::finish(const StateIn<D>& last) {
+  beside_.finish();
+  if (left_out_ && left_out_->step == last.step) write_row(last, *left_out_);
+  left_out_.reset();
+  close();
 }
 
 template <int D>
@@ -629,10 +651,6 @@ void RunWriterIn<D>::close() {
   if (closed_) return;
   beside_.finish();
   closed_ = true;
-  if (ledger_ && !pending_row_.empty()) {
-    ledger_->row(pending_row_);
-    if (gates_) gates_->row(pending_gates_);
-  }
   if (observables_) observables_->close();
   write_index();
 }

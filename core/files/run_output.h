@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/file_error.h"
@@ -10,6 +11,7 @@
 #include "core/files/csv_file.h"
 #include "core/files/observable_output.h"
 #include "core/files/xdmf_index.h"
+#include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"
 
 namespace bipot {
@@ -45,7 +47,8 @@ class RunWriterIn {
   RunWriterIn(const RunWriterIn&) = delete;
   RunWriterIn& operator=(const RunWriterIn&) = delete;
 
-  /// Ledger and trajectories of a step.
+  /// Ledger and trajectories of a step. What only the ledger asks for (stress and area of the sample)
+  /// is computed where a row is due; the frame of the same step takes it from there.
   void step(const StateIn<D>& state, const StepReportIn<D>& report);
   /// A frame, which is written when this returns; the one of the same step again is not an error and
   /// does nothing.
@@ -54,13 +57,17 @@ class RunWriterIn {
   /// for the frame before, of which there is one at most; what went wrong with it is thrown by the next
   /// call of frame(), frame_beside() or close(), or by step() where it is known by then.
   void frame_beside(const StateIn<D>& state);
+  /// The row of the ledger of the state `last`, where step() left it out, then close().
+  void finish(const StateIn<D>& last);
   /// Writes what is due at the end. Without effect the second time.
   void close();
 
  private:
   bool is_due(const StateIn<D>& state);
-  void write_frame(const StateIn<D>& state);
-  void write_frame_file(const StateIn<D>& state) const;
+  void write_row(const StateIn<D>& state, const StepReportIn<D>& report);
+  std::optional<MeanStressIn<D>> stress_if_known(const StateIn<D>& state) const;
+  void write_frame(const StateIn<D>& state, const std::optional<MeanStressIn<D>>& stress);
+  void write_frame_file(const StateIn<D>& state, const MeanStressIn<D>& stress) const;
   void add_frame(const FrameEntry& frame);
   void write_index();
   void write_run_file() const;
@@ -71,7 +78,8 @@ class RunWriterIn {
   std::vector<FrameEntry> frames_;
   std::optional<CsvFile> ledger_, trajectory_, gates_;
   std::optional<ObservableWriterIn<D>> observables_;
-  std::string pending_row_, pending_gates_;  // last row of ledger and gates, if not due
+  std::optional<StepReportIn<D>> left_out_;  // of the last step, if its row was not due
+  std::pair<int, MeanStressIn<D>> known_stress_{-1, {}};  // step and sample of the last row
   XdmfIndex xdmf_;
   std::size_t indexed_ = 0;  // frames that run.h5 and run.xdmf know
   bool closed_ = false;

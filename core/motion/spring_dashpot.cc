@@ -384,15 +384,16 @@ void SpringDashpotStepper::close_ledger(const State& state, const Elastic& elast
   next.wall_work = state.wall_work + wall_work_;
   next.friction_loss = state.friction_loss + friction_loss;
   next.shock_loss = state.shock_loss + shock_loss;
-  report.energy = {.kinetic = kinetic_energy(next),
-                   .potential = potential_energy(next, gravity_at(scene_, next.time)),
+  const StateSums<2> now = state_sums(next, gravity_at(scene_, next.time)),
+                     then = state_sums(state, gravity_at(scene_, state.time));
+  report.energy = {.kinetic = now.kinetic,
+                   .potential = now.potential,
                    .wall_work = next.wall_work,
                    .friction_loss = next.friction_loss,
                    .shock_loss = next.shock_loss,
                    .elastic = elastic_after.sum()};
-  const double kinetic_before = kinetic_energy(state);
-  const double fallen =
-      potential_energy(state, gravity_at(scene_, state.time)) - report.energy.potential;
+  const double kinetic_before = then.kinetic;
+  const double fallen = then.potential - report.energy.potential;
   report.energy.imbalance = report.energy.kinetic - kinetic_before - fallen + elastic_after.sum() -
                             elastic_before.sum() - wall_work_ + friction_loss + shock_loss;
   if (!std::isfinite(report.energy.kinetic + report.energy.potential + report.energy.elastic)) {
@@ -415,8 +416,8 @@ void SpringDashpotStepper::close_ledger(const State& state, const Elastic& elast
   for (const Wall& w : next.walls) {
     if (w.motion == Wall::Motion::kDriven) external_ += scene_.step * w.force * w.direction;
   }
-  report.momentum = momentum(next);
-  report.momentum_imbalance = report.momentum - momentum(state) - external_;
+  report.momentum = now.momentum;
+  report.momentum_imbalance = report.momentum - then.momentum - external_;
 }
 
 StepReport SpringDashpotStepper::advance(State& state) {

@@ -36,42 +36,26 @@ double time_after_step(const StateIn<D>& state, double h) {
 }
 
 template <int D>
-double kinetic_energy(const StateIn<D>& state) {
-  double sum = 0;
+StateSums<D> state_sums(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity) {
+  StateSums<D> sums;
   for (const BodyIn<D>& d : state.disks) {
-    sum += 0.5 * d.mass * d.v.squaredNorm() + turning_energy(d);
+    sums.kinetic += 0.5 * d.mass * d.v.squaredNorm() + turning_energy(d);
+    sums.potential -= d.mass * gravity.dot(d.x);
+    sums.momentum += d.mass * d.v;
   }
-  for (const Cluster& c : state.clusters.bodies) {
-    sum += 0.5 * c.mass * c.v.squaredNorm() + 0.5 * c.inertia * c.spin * c.spin;
+  if constexpr (D == 2) {
+    for (const Cluster& c : state.clusters.bodies) {
+      sums.kinetic += 0.5 * c.mass * c.v.squaredNorm() + 0.5 * c.inertia * c.spin * c.spin;
+      sums.potential -= c.mass * gravity.dot(c.x);
+      sums.momentum += c.mass * c.v;
+    }
   }
   for (const WallIn<D>& w : state.walls) {
-    sum += wall_kinetic_energy(w);
+    sums.kinetic += wall_kinetic_energy(w);
+    sums.momentum += wall_momentum(w);
   }
-  if (state.cell.periodic()) sum += cell_kinetic_energy(state.cell);
-  return sum;
-}
-
-template <int D>
-double potential_energy(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity) {
-  double sum = 0;
-  for (const BodyIn<D>& d : state.disks) sum -= d.mass * gravity.dot(d.x);
-  if constexpr (D == 2) {
-    for (const Cluster& c : state.clusters.bodies) sum -= c.mass * gravity.dot(c.x);
-  }
-  return sum;
-}
-
-template <int D>
-VecIn<D> momentum(const StateIn<D>& state) {
-  VecIn<D> sum = VecIn<D>::Zero();
-  for (const BodyIn<D>& d : state.disks) sum += d.mass * d.v;
-  if constexpr (D == 2) {
-    for (const Cluster& c : state.clusters.bodies) sum += c.mass * c.v;
-  }
-  for (const WallIn<D>& w : state.walls) {
-    sum += wall_momentum(w);
-  }
-  return sum;
+  if (state.cell.periodic()) sums.kinetic += cell_kinetic_energy(state.cell);
+  return sums;
 }
 
 template <int D>
@@ -154,16 +138,12 @@ std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state) {
 
 template State initial_state(const Scene&);
 template double time_after_step(const State&, double);
-template double kinetic_energy(const State&);
-template double potential_energy<2>(const State&, const Vec2&);
-template Vec2 momentum(const State&);
+template StateSums<2> state_sums<2>(const State&, const Vec2&);
 template double angular_momentum(const State&);
 template std::string restart_mismatch(const Scene&, const State&);
 template StateIn<3> initial_state(const SceneIn<3>&);
 template double time_after_step(const StateIn<3>&, double);
-template double kinetic_energy(const StateIn<3>&);
-template double potential_energy<3>(const StateIn<3>&, const Vec3&);
-template Vec3 momentum(const StateIn<3>&);
+template StateSums<3> state_sums<3>(const StateIn<3>&, const Vec3&);
 template Vec3 angular_momentum(const StateIn<3>&);
 template std::string restart_mismatch(const SceneIn<3>&, const StateIn<3>&);
 

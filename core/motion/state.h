@@ -52,13 +52,28 @@ StateIn<D> initial_state(const SceneIn<D>& scene);
 template <int D>
 double time_after_step(const StateIn<D>& state, double h);
 
+/// What a state's bodies add up to, in one pass over them.
 template <int D>
-double kinetic_energy(const StateIn<D>& state);  ///< disks, driven walls and sides of a cell [J]
-/// Zero at the origin.                                                       [J]
+struct StateSums {
+  double kinetic = 0;                    ///< disks, driven walls and sides of a cell  [J]
+  double potential = 0;                  ///< zero at the origin                       [J]
+  VecIn<D> momentum = VecIn<D>::Zero();  ///< disks and driven walls                   [kg m/s]
+};
 template <int D>
-double potential_energy(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity);
+StateSums<D> state_sums(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity);
+/// One of them; each is a pass of its own.
 template <int D>
-VecIn<D> momentum(const StateIn<D>& state);  ///< disks and driven walls [kg m/s]
+double kinetic_energy(const StateIn<D>& state) {
+  return state_sums(state, VecIn<D>::Zero()).kinetic;
+}
+template <int D>
+double potential_energy(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity) {
+  return state_sums(state, gravity).potential;
+}
+template <int D>
+VecIn<D> momentum(const StateIn<D>& state) {
+  return state_sums(state, VecIn<D>::Zero()).momentum;
+}
 /// Of the disks about the origin, their spins included.                      [N m s]
 template <int D>
 SpinIn<D> angular_momentum(const StateIn<D>& state);

@@ -80,12 +80,13 @@ ContactStatus contact_status(double s_n, double s_t, double mu) {
 
 template <int D>
 StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
+                              std::span<const std::type_identity_t<BodyIn<D>>> disks,
                               const AssembledStep& assembled, const Vector& s, const Vector& v,
                               std::span<const std::type_identity_t<WallIn<D>>> walls_after,
                               const PeriodicCell& cell_after) {
   const double h = scene.step;
   const ContactProblem& p = assembled.problem;
-  const std::size_t num_disks = mid.disks.size();
+  const std::size_t num_disks = disks.size();
   StepOutcomeIn<D> outcome;
   outcome.contacts.resize(mid.contacts.size());
   Vector u = p.num_rows() > 0 ? Vector(p.H.transpose() * (v - p.v_free)) : Vector();
@@ -95,10 +96,10 @@ StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
     const ContactIn<D>& contact = mid.contacts[c];
     const std::size_t i = to_size(contact.i), j = to_size(contact.j);
     const bool with_disk = j < num_disks;
-    const int w = with_disk ? mid.disks[j].wall : static_cast<int>(j - num_disks);
+    const int w = with_disk ? disks[j].wall : static_cast<int>(j - num_disks);
     const WallIn<D>* wall = w < 0 ? nullptr : &mid.walls[to_size(w)];
     const ContactLaw& law =
-        scene.law(mid.disks[i].material, with_disk ? mid.disks[j].material : wall->material);
+        scene.law(disks[i].material, with_disk ? disks[j].material : wall->material);
     const ContactValues<D> values = contact_values<D>(p, assembled, law, static_cast<int>(c), s, u);
     const auto frame = contact_frame<D>(contact.n);
     const TangentIn<D> s_t = tangential<D>(values.s, frame);
@@ -120,7 +121,7 @@ StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
     add_wall_impulse<D>(*wall, contact.n, values.s[0] * contact.n + tangent_vector(contact.n, s_t),
                         outcome);
   }
-  for (const BodyIn<D>& d : mid.disks) outcome.external += h * d.mass * mid.gravity;
+  for (const BodyIn<D>& d : disks) outcome.external += h * d.mass * mid.gravity;
   if constexpr (D == 2) {
     for (const Cluster& c : mid.clusters.bodies) outcome.external += h * c.mass * mid.gravity;
   }
@@ -140,11 +141,12 @@ StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
   return outcome;
 }
 
-template StepOutcome step_outcome<2>(const Scene&, const Midpoint&, const AssembledStep&,
-                                     const Vector&, const Vector&, std::span<const Wall>,
-                                     const PeriodicCell&);
+template StepOutcome step_outcome<2>(const Scene&, const Midpoint&, std::span<const Disk>,
+                                     const AssembledStep&, const Vector&, const Vector&,
+                                     std::span<const Wall>, const PeriodicCell&);
 template StepOutcomeIn<3> step_outcome<3>(const SceneIn<3>&, const MidpointIn<3>&,
-                                          const AssembledStep&, const Vector&, const Vector&,
-                                          std::span<const WallIn<3>>, const PeriodicCell&);
+                                          std::span<const Sphere>, const AssembledStep&,
+                                          const Vector&, const Vector&, std::span<const WallIn<3>>,
+                                          const PeriodicCell&);
 
 }  // namespace bipot

@@ -27,10 +27,12 @@ struct StepOutcomeIn {
 };
 using StepOutcome = StepOutcomeIn<2>;
 
+/// `disks`: those of the step, for their masses, materials and walls (where they are does not matter);
 /// s: impulses in the problem's variables; v: velocities after the step in the problem's degrees of
 /// freedom; `walls_after`, `cell_after`: the walls and the cell with their velocities after the step.
 template <int D>
 StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
+                              std::span<const std::type_identity_t<BodyIn<D>>> disks,
                               const AssembledStep& assembled, const Vector& s, const Vector& v,
                               std::span<const std::type_identity_t<WallIn<D>>> walls_after,
                               const PeriodicCell& cell_after);

@@ -42,11 +42,11 @@ void move_clusters(const Midpoint& mid, const DofMap& dofs, const Vector& v, dou
   place_members(next.clusters, next.disks);
 }
 
-/// Velocities after the step, then positions: q <- q_m + h/2 v⁺ (43).
+/// Velocities after the step, then positions: q <- q_m + h/2 v⁺ (43). Takes the disks of the middle.
 template <int D>
-StateIn<D> update_bodies(const MidpointIn<D>& mid, const DofMap& dofs, const Vector& v, double h) {
+StateIn<D> update_bodies(MidpointIn<D>& mid, const DofMap& dofs, const Vector& v, double h) {
   StateIn<D> next;
-  next.disks = mid.disks;
+  next.disks = std::move(mid.disks);
   next.walls = mid.walls;
   for (std::size_t i = 0; i < next.disks.size(); ++i) {
     BodyIn<D>& d = next.disks[i];
@@ -89,21 +89,22 @@ void close_ledger(const SceneIn<D>& scene, const StateIn<D>& before,
   next.wall_work = before.wall_work + outcome.wall_work;
   next.friction_loss = before.friction_loss + outcome.friction_loss;
   next.shock_loss = before.shock_loss + outcome.shock_loss;
-  report.energy = {.kinetic = kinetic_energy(next),
-                   .potential = potential_energy(next, gravity),
+  const StateSums<D> now = state_sums(next, gravity),
+                     then = state_sums(before, gravity_at(scene, before.time));
+  report.energy = {.kinetic = now.kinetic,
+                   .potential = now.potential,
                    .wall_work = next.wall_work,
                    .friction_loss = next.friction_loss,
                    .shock_loss = next.shock_loss,
                    .passed = energy_passed(next)};
-  report.energy.imbalance = report.energy.kinetic + report.energy.potential -
-                            kinetic_energy(before) -
-                            potential_energy(before, gravity_at(scene, before.time)) -
-                            outcome.wall_work + outcome.friction_loss + outcome.shock_loss;
+  report.energy.imbalance = report.energy.kinetic + report.energy.potential - then.kinetic -
+                            then.potential - outcome.wall_work + outcome.friction_loss +
+                            outcome.shock_loss;
   if (!std::isfinite(report.energy.kinetic + report.energy.potential)) {
     throw StepFailure(StepFailure::Kind::kNumerical, before, "the energy is not finite");
   }
-  report.momentum = momentum(next);
-  report.momentum_imbalance = report.momentum - momentum(before) - outcome.external;
+  report.momentum = now.momentum;
+  report.momentum_imbalance = report.momentum - then.momentum - outcome.external;
 }
 
 }  // namespace
@@ -180,7 +181,7 @@ StepReportIn<D> TimeStepperIn<D>::advance(StateIn<D>& state) {
     if (change_population(scene_, *changed)) kept_ = {};
   }
   const StateIn<D>& start = changed ? *changed : state;
-  const MidpointIn<D> mid = make_midpoint(scene_, start, threads_, &kept_);
+  MidpointIn<D> mid = make_midpoint(scene_, start, threads_, &kept_);
   report.detection_seconds = watch.lap();
   assembled_ = assemble_step(scene_, mid, explicit_delassus_, threads_);
   report.assembly_seconds = watch.lap();
@@ -192,7 +193,8 @@ StepReportIn<D> TimeStepperIn<D>::advance(StateIn<D>& state) {
   StateIn<D> next = update_bodies(mid, assembled_.dofs, v, scene_.step);
   next.step = start.step + 1;
   next.time = time_after_step(start, scene_.step);
-  StepOutcomeIn<D> outcome = step_outcome<D>(scene_, mid, assembled_, s, v, next.walls, next.cell);
+  StepOutcomeIn<D> outcome =
+      step_outcome<D>(scene_, mid, next.disks, assembled_, s, v, next.walls, next.cell);
   const OutsideChanges<D> changes =
       outside_changes(scene_, start, mid.walls, mid.gravity, next, next.time);
   outcome.wall_work += changes.work;

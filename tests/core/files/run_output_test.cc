@@ -158,6 +158,16 @@ std::vector<std::vector<std::string>> csv(const std::filesystem::path& path) {
   return rows;
 }
 
+/// All files below a folder by name.
+std::map<std::string, std::string> files_in(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    files[std::filesystem::relative(entry.path(), folder).string()] = file_text(entry.path());
+  }
+  return files;
+}
+
 StepReport report_of(const State& state) {
   StepReport report;
   report.step = state.step;
@@ -363,7 +373,7 @@ TEST(RunOutput, TheCsvFilesHaveOneValueForEachColumn) {
     writer.step(state, report_of(state));
   }
   EXPECT_EQ(csv(folder / "out/ledger.csv").size(), 3u);
-  writer.close();  // the last step is always written
+  writer.finish(awkward_state(scene, 5));  // the last step is always written
   const auto ledger = csv(folder / "out/ledger.csv");
   ASSERT_EQ(ledger.size(), 4u);
   EXPECT_EQ(ledger[1][0], "2");
@@ -390,6 +400,33 @@ TEST(RunOutput, TheCsvFilesHaveOneValueForEachColumn) {
   EXPECT_EQ(trajectory[2][2], "0");
   EXPECT_EQ(std::stod(trajectory[1][3]), scene.disks[2].x[0]);
   EXPECT_EQ(std::stod(trajectory[1][8]), scene.disks[2].spin);
+}
+
+/// Rows that are left out change neither the others nor the frames.
+TEST(RunOutput, RowsThatAreNotDueChangeNothingElse) {
+  const TemporaryFolder folder;
+  Scene scene = awkward_scene();
+  for (const int every : {1, 3, 100}) {
+    scene.output.ledger_every = every;
+    RunWriter writer(folder / std::to_string(every), scene, "");
+    for (int step = 1; step <= 8; ++step) {
+      const State state = awkward_state(scene, step);
+      writer.step(state, report_of(state));
+      if (step % 4 == 0 || step == 6) writer.frame_beside(state);
+    }
+    writer.finish(awkward_state(scene, 8));
+  }
+  const auto all = csv(folder / "1/ledger.csv");
+  ASSERT_EQ(all.size(), 9u);
+  const auto third = csv(folder / "3/ledger.csv"), last = csv(folder / "100/ledger.csv");
+  ASSERT_EQ(third.size(), 4u);
+  EXPECT_EQ(third[1], all[3]);
+  EXPECT_EQ(third[2], all[6]);
+  EXPECT_EQ(third[3], all[8]);
+  ASSERT_EQ(last.size(), 2u);
+  EXPECT_EQ(last[1], all[8]);
+  EXPECT_TRUE(files_in(folder / "1/frames") == files_in(folder / "3/frames"));
+  EXPECT_TRUE(files_in(folder / "1/frames") == files_in(folder / "100/frames"));
 }
 
 TEST(RunOutput, FramesAndLedgerHoldTheStresses) {
@@ -490,16 +527,6 @@ TEST(RunOutput, AnEarlierRunIsRemovedOrContinued) {
   run(1, 2, -1);
   EXPECT_EQ(frame_steps(folder / "out"), (std::vector<int>{2}));
   EXPECT_EQ(csv(folder / "out/ledger.csv").size(), 1u + 1u);
-}
-
-/// All files below a folder by name.
-std::map<std::string, std::string> files_in(const std::filesystem::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
-    if (!entry.is_regular_file()) continue;
-    files[std::filesystem::relative(entry.path(), folder).string()] = file_text(entry.path());
-  }
-  return files;
 }
 
 TEST(ThreadedRunOutput, FramesWrittenBesideTheStepsAreTheSameFiles) {
