@@ -105,9 +105,11 @@ class MemoryPeak {
 
 void measure_solve(const ContactProblem& problem, const Flags& flags, Row& row) {
   row.contacts = problem.num_contacts();
-  ContactErrorEvaluator evaluate(problem, flags.threads);
-  const Vector zero = Vector::Zero(problem.num_rows());
-  row.value[kCriterion] = seconds_of([&] { (void)evaluate(zero); });
+  {
+    ContactErrorEvaluator evaluate(problem, flags.threads);
+    const Vector zero = Vector::Zero(problem.num_rows());
+    row.value[kCriterion] = seconds_of([&] { (void)evaluate(zero); });
+  }
   SolverOptions options;
   options.tol = flags.tol;
   options.time_limit = flags.time_limit;

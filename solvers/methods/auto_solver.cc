@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <optional>
 #include <vector>
 
 #include "core/problem/contact_error.h"
@@ -30,8 +31,10 @@ constexpr int kLarge = 4000;
 constexpr int kCheapFactors = 1000;
 // Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
 constexpr double kUnequal = 1e5;
-// An error that is that many tolerances is let go on to the end of its budget.
+// An error that is that many tolerances is let go on, Anderson so many iterations: on the shipped and
+// moving problems it arrives by then or needs hundreds.
 constexpr double kClose = 10;
+constexpr int kCloseAnderson = 60;
 // What apgd does before paths are tried, and pivots of these: moving packings of N <= 4000
 // contacts need 0 to 1300, one in fifty up to 3 N.
 constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000;
@@ -82,7 +85,11 @@ AutoStage first_of_few() {
 class Promise {
  public:
   Promise(const AutoStage& stage, double tol, StopTest stop)
-      : first_(stage.min_iterations), last_(stage.max_iterations), tol_(tol), stop_(stop) {}
+      : first_(stage.min_iterations),
+        last_(stage.max_iterations),
+        close_(stage.close_iterations),
+        tol_(tol),
+        stop_(stop) {}
 
   void record(const IterationRecord& r) {
     // The difference of successive impulses is not in the record: nothing is predicted from it.
@@ -92,8 +99,8 @@ class Promise {
     if (!history_.empty()) error = std::min(error, history_.back().error);
     if (!std::isfinite(error)) return;
     history_.push_back({r.iteration, error});
-    // So close, it would be a pity.
-    if (r.iteration < std::max(first_, 2) || error <= kClose * tol_) return;
+    if (r.iteration < std::max(first_, 2)) return;
+    if (error <= kClose * tol_ && r.iteration < close_) return;  // so close, it would be a pity
     // Decades gained since half as many iterations.
     auto half = std::upper_bound(history_.begin(), history_.end(), r.iteration / 2,
                                  [](int k, const Entry& e) { return k < e.iteration; });
@@ -110,7 +117,7 @@ class Promise {
     int iteration;
     double error;
   };
-  int first_, last_;
+  int first_, last_, close_;
   double tol_;
   StopTest stop_;
   std::vector<Entry> history_;
@@ -183,6 +190,7 @@ class Planner {
     if (contacts_ > kFew && contacts_ <= kLarge) {
       add("anderson", 16, 100, Start::kOwn,
           "the quickest by far on regular packings, and soon seen not to be elsewhere");
+      stages_.back().close_iterations = kCloseAnderson;
     }
     if (local_ && contacts_ > kFew && contacts_ <= kCheapFactors) newton_on_delassus();
     if (sweeps_first()) sweeps();
@@ -341,9 +349,9 @@ namespace {
 class Race {
  public:
   Race(const ContactProblem& p, const SolverOptions& options)
-      : p_(p), options_(options), evaluate_(p, 1, options.share), inner_(options) {
+      : p_(p), options_(options), inner_(options) {
     best_.s = start_of(p, options);
-    best_error_ = evaluate_(best_.s).guarded();
+    best_error_ = evaluator()(best_.s).guarded();
     if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();
     start_error_ = best_error_;
   }
@@ -352,7 +360,7 @@ class Race {
     // On a handful of contacts the plan would cost more than the solution.
     const bool few = p_.num_contacts() <= kFew;
     if (few && finished(first_of_few())) return finish();
-    const std::vector<AutoStage> stages = plan_auto(p_, evaluate_.delassus(), is_warm(options_));
+    const std::vector<AutoStage> stages = plan_auto(p_, evaluator().delassus(), is_warm(options_));
     for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
       if (finished(stages[k])) break;
     }
@@ -409,6 +417,7 @@ class Race {
     inner_.cancelled = [&] {
       return promise.broken() || (options_.cancelled && options_.cancelled());
     };
+    if (p_.num_contacts() > kLarge) evaluate_.reset();
     SolveResult result;
     try {
       const SolverEntry& entry = require_solver(stage.solver);
@@ -423,7 +432,7 @@ class Race {
     double error = std::numeric_limits<double>::infinity();
     ContactError measured;
     if (result.s.size() == p_.num_rows() && result.s.allFinite()) {
-      measured = evaluate_(result.s);
+      measured = evaluator()(result.s);
       error = measured.guarded();
       own_.insert_or_assign(std::string(stage.solver), result.s);
     }
@@ -442,6 +451,11 @@ class Race {
       best_.s = result.s;
     }
     ended_ = stopped && !given_up;
+  }
+
+  ContactErrorEvaluator& evaluator() {
+    if (!evaluate_) evaluate_.emplace(p_, 1, options_.share);
+    return *evaluate_;
   }
 
   /// The problem with W in it, assembled by the first stage that needs it.
@@ -497,7 +511,7 @@ class Race {
   const ContactProblem& p_;
   const SolverOptions& options_;
   ContactProblem with_delassus_;
-  ContactErrorEvaluator evaluate_;
+  std::optional<ContactErrorEvaluator> evaluate_;  // of large problems between the stages only
   SolverOptions inner_;
   SolveResult best_;
   std::map<std::string, Vector, std::less<>> own_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <map>
 #include <string>
 #include <string_view>
@@ -14,7 +15,7 @@ namespace bipot {
 /// stop test, at `max_iterations`, or as soon as it does not promise to get there: from
 /// `min_iterations` on, the decades that the best error fell over the second half of the stage are
 /// carried forward, and the stage is given up when they would not reach the tolerance within
-/// `max_iterations`, unless the error is within a decade of it. A stage is passed over where the
+/// `max_iterations`, unless the error is within a decade of it and `close_iterations` are not yet done. A stage is passed over where the
 /// tolerance is below `least_tol` or not below `tol_below`, or the best error so far above
 /// `largest_error`.
 struct AutoStage {
@@ -28,6 +29,7 @@ struct AutoStage {
   std::map<std::string, std::string> parameters;
   std::string_view reason;
   double least_tol = 0, tol_below = kInfinity, largest_error = kInfinity;
+  int close_iterations = std::numeric_limits<int>::max();
 };
 
 /// The race for this problem, from its size, form and masses:

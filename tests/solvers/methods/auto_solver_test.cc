@@ -45,6 +45,15 @@ TEST(AutoSolver, GivesUpWhatDoesNotPromiseAndSolvesAllTheSame) {
   EXPECT_LT(result.iterations, 20000);
 }
 
+/// Within a decade of the tolerance Anderson is let go on for a while, not to the end of its budget.
+TEST(AutoSolver, AndersonHasPatienceNearTheToleranceAndNoMore) {
+  const SolveResult slow = solve("auto", shipped_file("2d_pyramid_20_mu05.hdf5"), {.tol = 0.3});
+  EXPECT_EQ(slow.status, SolveStatus::kConverged);
+  EXPECT_NE(slow.message.find("anderson 60: given up"), std::string::npos) << slow.message;
+  const SolveResult quick = solve("auto", shipped_file("2d_pour300_392.hdf5"), {.tol = 0.03});
+  EXPECT_EQ(quick.message.find("given up"), std::string::npos) << quick.message;
+}
+
 int stages_of(const ContactProblem& p, std::string_view solver) {
   const std::vector<AutoStage> stages = plan(p);
   return static_cast<int>(std::count_if(stages.begin(), stages.end(), [&](const AutoStage& stage) {
