@@ -406,15 +406,20 @@ TEST(RunOutput, TheCsvFilesHaveOneValueForEachColumn) {
 TEST(RunOutput, RowsThatAreNotDueChangeNothingElse) {
   const TemporaryFolder folder;
   Scene scene = awkward_scene();
+  const auto state_at = [&](int step) {
+    State state = awkward_state(scene, step);
+    state.disks[0].v[0] += step;  // and another stress
+    return state;
+  };
   for (const int every : {1, 3, 100}) {
     scene.output.ledger_every = every;
     RunWriter writer(folder / std::to_string(every), scene, "");
     for (int step = 1; step <= 8; ++step) {
-      const State state = awkward_state(scene, step);
+      const State state = state_at(step);
       writer.step(state, report_of(state));
       if (step % 4 == 0 || step == 6) writer.frame_beside(state);
     }
-    writer.finish(awkward_state(scene, 8));
+    writer.finish(state_at(8));
   }
   const auto all = csv(folder / "1/ledger.csv");
   ASSERT_EQ(all.size(), 9u);
