@@ -35,6 +35,9 @@ constexpr double kUnequal = 1e5;
 // moving problems it arrives by then or needs hundreds.
 constexpr double kClose = 10;
 constexpr int kCloseAnderson = 60;
+// Chains of starts of paths, taken where the error has fallen to this.
+constexpr int kManyChains = 60000;
+constexpr double kNearSolution = 1e-4;
 // What apgd does before paths are tried, and pivots of these: moving packings of N <= 4000
 // contacts need 0 to 1300, one in fifty up to 3 N.
 constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000;
@@ -260,6 +263,12 @@ class Planner {
     }
     const bool sweeps_again = !local_ && contacts_ <= kCheapFactors;
     if (sweeps_again) add("pgs", 16000, 20000, Start::kOwn, "again, with patience: still cheap");
+    if (exact_ && contacts_ > kFew) {
+      // Paths that come near a solution and stop there do so again from there.
+      add("homotopy", kManyChains, kManyChains, Start::kCaller,
+          "again, from other starts: the best impulse so far is near a solution");
+      stages_.back().largest_error = kNearSolution;
+    }
     follow(kManyPivots, {}, "again, with patience, from a better start");
     if (local_) {
       add("ipm", 60, 150, Start::kOwn, "again, with patience");

@@ -15,9 +15,9 @@ namespace bipot {
 /// stop test, at `max_iterations`, or as soon as it does not promise to get there: from
 /// `min_iterations` on, the decades that the best error fell over the second half of the stage are
 /// carried forward, and the stage is given up when they would not reach the tolerance within
-/// `max_iterations`, unless the error is within a decade of it and `close_iterations` are not yet done. A stage is passed over where the
-/// tolerance is below `least_tol` or not below `tol_below`, or the best error so far above
-/// `largest_error`.
+/// `max_iterations`, unless the error is within a decade of it and `close_iterations` are not yet
+/// done. A stage is passed over where the tolerance is below `least_tol` or not below `tol_below`,
+/// or the best error so far above `largest_error`.
 struct AutoStage {
   /// Where a stage starts: at the impulse that the same solver left at its last stage (the caller's
   /// start, the first time), at the caller's start, or at the best impulse of all stages. The best
@@ -46,7 +46,8 @@ struct AutoStage {
 ///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `admm` and `ipm`, and before the paths;
 ///      In space ipm gets 90 of its iterations at least, and before long runs come admm and 350 more of ipm: what
 ///      a plate presses on spheres needs;
-///   5. the same with patience, the cheap ones first, then long runs from the best impulse.
+///   5. the same with patience, the cheap ones first; where the error is below 1e-4, chains of starts
+///      of `homotopy` from the caller's; then long runs from the best impulse.
 ///
 /// Problems given by W alone have `newton` early and no short `apgd`. The budgets count iterations,
 /// not seconds, so that the result does not depend on the machine. The rule was taken from

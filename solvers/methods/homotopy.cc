@@ -15,8 +15,14 @@
 namespace bipot {
 namespace {
 
-// Starts prepared by apgd, each to a third of the error of the one before.
-constexpr int kStarts = 6;
+// Starts of a chain, prepared by apgd, each to a third of the error of the one before; those that
+// brought less than kGain in a row, after which the chain is left.
+constexpr int kStarts = 6, kIdleStarts = 2;
+constexpr double kGain = 0.9;
+// Chains, by the error of their first start in units of start_tol: where one ends is chance.
+constexpr double kChains[] = {1, 10, 30, 3, 100, 0.3};
+// Error in tolerances of a stall that no other chain would mend.
+constexpr double kRoundingIsNear = 10;
 // Paths from one start, failed ones included.
 constexpr int kStages = 60;
 // Failed paths in a row: those that left nothing, and those that left a turning point.
@@ -47,13 +53,16 @@ class Homotopy {
   }
 
   SolveResult run() {
-    Vector s = start_of(p_, options_);
+    const Vector s = start_of(p_, options_);
     if (!judge(s)) {
-      double wanted = parameters_.number("start_tol");
-      for (int round = 0; round < kStarts && !ended_; ++round) {
-        if (prepare(s, wanted) || stages(s)) break;
-        s = monitor_.best_impulse();
-        wanted = std::min(wanted, monitor_.best_error()) / 3;
+      double last = kNaN;
+      for (const double looser : kChains) {
+        const double wanted = std::min(1.0, looser * parameters_.number("start_tol"));
+        if (wanted == last) continue;
+        if (chain(s, wanted)) break;
+        last = wanted;
+        // So close, it is rounding that another start would meet again.
+        if (monitor_.best_error() <= kRoundingIsNear * options_.tol) break;
       }
       if (!ended_) {
         monitor_.end(SolveStatus::kStalled, fmt::format("stalled after {}, best error {:.2e}",
@@ -78,6 +87,22 @@ class Homotopy {
     return ended_ = true;
   }
 
+  /// Starts one after the other, each the best impulse so far of this chain, prepared by apgd to a
+  /// third of its error. True: everything ends here.
+  bool chain(Vector s, double wanted) {
+    chain_error_ = kInfinity;
+    chain_best_ = s;
+    int idle = 0;
+    for (int round = 0; round < kStarts && idle < kIdleStarts; ++round) {
+      const double before = chain_error_;
+      if (prepare(s, wanted) || stages(s)) return true;
+      idle = chain_error_ < kGain * before ? 0 : idle + 1;
+      s = chain_best_;
+      wanted = std::min(wanted, chain_error_) / 3;
+    }
+    return false;
+  }
+
   /// Judges an impulse; true: everything ends here.
   bool judge(const Vector& s) {
     const bool due = monitor_.due(iteration());
@@ -90,7 +115,12 @@ class Homotopy {
       }
       return true;
     }
-    if (!due && monitor_.meets(s)) {
+    const bool met = !due && monitor_.meets(s);
+    if (monitor_.last_error() < chain_error_) {
+      chain_error_ = monitor_.last_error();
+      chain_best_ = s;
+    }
+    if (met) {
       return end(SolveStatus::kConverged,
                  fmt::format("{} test met after {}", to_string(options_.stop), counted()));
     }
@@ -221,6 +251,8 @@ class Homotopy {
   PathFollower follower_;
   std::mt19937_64 random_;
   double delta_ = kNaN;
+  double chain_error_ = kInfinity;
+  Vector chain_best_;
   int start_steps_ = 0, judged_ = 0;
   bool ended_ = false;
 };

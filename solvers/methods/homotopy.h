@@ -71,7 +71,9 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
 ///
 /// W may be singular. An iteration is a step of apgd, a pivot, or a path. Deterministic: `seed` fixes
 /// the lifts of the starts. The message counts pivots, turns, paths and failed paths. Where paths
-/// keep failing, apgd makes a better start; after the last one the solver ends with kStalled.
+/// keep failing, apgd makes a better start of the best impulse so far; where two of these brought
+/// nothing, another chain of starts begins, with the first start again but less or better prepared.
+/// After the last chain the solver ends with kStalled.
 SolveResult solve_homotopy(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

@@ -177,6 +177,13 @@ TEST(Homotopy, AWarmStartNeedsFewerPivots) {
       << warm.message << "; cold: " << cold.message;
 }
 
+TEST(Homotopy, AnotherChainOfStartsArrivesWhereTheFirstStops) {
+  // From a small delta all paths of the first chain fail, here after 42 of them.
+  const ContactProblem p = shipped("2d_pyramid_10");
+  const SolveResult r = homotopy(p, 1e-9, {{"start_tol", "1e-2"}, {"delta", "1e-6"}});
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+}
+
 TEST(Homotopy, StopsAtItsLimitsAndSaysSo) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
   SolverOptions options;
