@@ -31,9 +31,9 @@ constexpr int kLarge = 4000;
 constexpr int kCheapFactors = 1000;
 // Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
 constexpr double kUnequal = 1e5;
-// An error that is that many tolerances is let go on, Anderson so many iterations: on the shipped and
-// moving problems it arrives by then or needs hundreds.
-constexpr double kClose = 10;
+// An error that is that many tolerances is let go on, Anderson at loose tolerances so many
+// iterations: on the shipped and moving problems it arrives by then or needs hundreds.
+constexpr double kClose = 10, kLooseTolerance = 3e-4;
 constexpr int kCloseAnderson = 60;
 // Chains of starts of paths, taken where the error has fallen to this.
 constexpr int kManyChains = 60000;
@@ -90,7 +90,7 @@ class Promise {
   Promise(const AutoStage& stage, double tol, StopTest stop)
       : first_(stage.min_iterations),
         last_(stage.max_iterations),
-        close_(stage.close_iterations),
+        close_(tol >= kLooseTolerance ? stage.close_iterations : stage.max_iterations),
         tol_(tol),
         stop_(stop) {}
 
