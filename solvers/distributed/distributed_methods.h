@@ -20,8 +20,8 @@ struct DistributedSolver {
   std::string (*refuse)(const Parameters& parameters);
   /// Whether the iterates are the same for any number of processes, sums aside.
   bool (*any_processes)(const Parameters& parameters);
-  /// A led solver runs on the first process, on the whole problem; its linear systems are factored by
-  /// all processes (ProcessGroup::lend_hands) where they are large. Null for the others.
+  /// A led solver runs on the first process, on the whole problem; its linear systems are factored
+  /// by all processes (ProcessGroup::lend_hands) where they are large. Null for the others.
   SolveResult (*led)(const ContactProblem& whole, const SolverOptions& options,
                      SystemFactor* factor) = nullptr;
 };
