@@ -37,6 +37,9 @@ struct ExtremeCase {
   bool must_dissipate = false;
   bool must_conserve = false;  ///< nor destroy it
   bool large = false;          ///< left out of the quick matrix
+  /// A smaller limit of a cell is raised to this: an answer at the edge of what double precision can
+  /// say takes its time.                                                          [CPU s]
+  double least_seconds = 0;
 };
 
 /// All cases, group by group, in the order of the page.

@@ -67,6 +67,10 @@ double energy_created(const Vector& s, const Vector& u, const ContactProblem& p)
   return moved > 0 ? std::max(gain, 0.0) / moved : 0;
 }
 
+double limit_of(const ExtremeCase& of, const MatrixOptions& options) {
+  return std::max(options.time_limit, of.least_seconds);
+}
+
 ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
                           const MatrixOptions& options, Existence verdict, double floor) {
   ExtremeCell cell;
@@ -81,7 +85,7 @@ ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
   }
   const SolverEntry& entry = require_solver(solver);
   const double begin = cpu_seconds();
-  const SolveResult r = solve_within(solver, problem, options.tol, options.time_limit);
+  const SolveResult r = solve_within(solver, problem, options.tol, limit_of(of, options));
   cell.cpu_seconds = cpu_seconds() - begin;
   cell.status = to_string(r.status);
   cell.message = r.message;
@@ -135,7 +139,7 @@ ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
   };
   const double begin = cpu_seconds();
   run.solver = [&](const ContactProblem& p, const Vector& s0) {
-    const double left = std::max(1e-3, options.time_limit - (cpu_seconds() - begin));
+    const double left = std::max(1e-3, limit_of(of, options) - (cpu_seconds() - begin));
     const SolveResult r = solve_within(solver, p, options.tol, left, s0);
     cell.iterations += r.iterations;
     StepSolution step;
@@ -292,6 +296,7 @@ ExtremeMatrix measure_extremes(const MatrixOptions& options) {
     }
     cell.name = of(k).name;
     cell.solver = matrix.solvers[to_size(k % solvers)];
+    cell.time_limit = limit_of(of(k), options);
     matrix.cells.push_back(cell);
     if (options.on_cell) options.on_cell(cell, k + 1, jobs.count);
   };

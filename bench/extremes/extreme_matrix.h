@@ -30,6 +30,7 @@ struct ExtremeCell {
   double energy_error = kNaN;  ///< energy that the contacts create, over what they move     [-]
   int iterations = 0;
   double cpu_seconds = 0;
+  double time_limit = kNaN;         ///< CPU seconds that it had
   int steps_solved = 0, steps = 1;  ///< runs
 };
 
@@ -50,7 +51,7 @@ struct MatrixOptions {
   std::string only;    ///< a case, or the beginning of its name; empty: all
   bool quick = false;  ///< without large cases
   double tol = 1e-8;
-  double time_limit = 2;  ///< CPU seconds of a cell
+  double time_limit = 2;  ///< CPU seconds of a cell, at least its case's least_seconds
   std::function<void(const ExtremeCell&, int done, int total)> on_cell;
   std::function<bool()> interrupted;
 };

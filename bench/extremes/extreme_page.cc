@@ -85,8 +85,11 @@ std::string case_section(const ExtremeMatrix& m, std::size_t k) {
                                           "guarded error {}",
                                           error_label(m.floors[k])));
   }
-  html += page_term(
-      "again", "<code>bipot extremes --only " + escape_markup(c.name) + " --solver NAME</code>");
+  if (const ExtremeCell* first = m.find(c.name, m.solvers.front())) {
+    ExtremeCell any = *first;
+    any.solver = "NAME";
+    html += page_term("again", "<code>" + escape_markup(cell_command(any)) + "</code>");
+  }
   html +=
       "</dl><div class=\"scroll\"><table><thead><tr><th>solver</th><th></th><th>status</th>"
       "<th class=\"n\">guarded</th><th class=\"n\">true error</th><th class=\"n\">energy created"

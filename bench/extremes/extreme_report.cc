@@ -43,7 +43,8 @@ std::vector<std::string> groups_of(const ExtremeMatrix& m) {
 }  // namespace
 
 std::string cell_command(const ExtremeCell& cell) {
-  return fmt::format("bipot extremes --only {} --solver {}", cell.name, cell.solver);
+  return fmt::format("bipot extremes --only {} --solver {} --time-limit {:g}", cell.name,
+                     cell.solver, cell.time_limit);
 }
 
 std::string to_csv(const ExtremeMatrix& m) {

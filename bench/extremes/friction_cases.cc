@@ -46,7 +46,8 @@ void add_friction_cases(std::vector<ExtremeCase>& cases) {
          .what = fmt::format(
              "a triangular lattice of 33 disks in a box, tilted by 20 degrees, mu = {:g}", mu),
          .known = why,
-         .problem = [=] { return first_step(lattice(mu)); }});
+         .problem = [=] { return first_step(lattice(mu)); },
+         .least_seconds = mu > 1e3 ? 2.0 : 0});
   }
   cases.push_back(
       {.name = "mu_mixed",

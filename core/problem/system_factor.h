@@ -5,16 +5,16 @@
 
 namespace bipot {
 
-/// A factorisation of a sparse square matrix of symmetric pattern, wherever it is done: by this
-/// process alone (LocalFactor), or by several together (solvers/distributed/mumps_crew.h).
+/// A factorisation of a sparse square matrix, wherever it is done: by this process alone
+/// (LocalFactor), or by several together (solvers/distributed/mumps_crew.h).
 class SystemFactor {
  public:
   virtual ~SystemFactor() = default;
   SystemFactor(const SystemFactor&) = delete;
   SystemFactor& operator=(const SystemFactor&) = delete;
 
-  /// A: compressed, rows ascending, symmetric pattern with the diagonal. False: singular to working
-  /// precision, not finite, or memory ran out.
+  /// A: compressed, rows ascending; for LocalFactor of symmetric pattern with the diagonal. False:
+  /// singular to working precision, not finite, or memory ran out.
   [[nodiscard]] virtual bool factor(const SparseMatrix& A) = 0;
   /// x = A⁻¹ b without refinement. Requires a successful factor().
   virtual void solve(const Vector& b, Vector& x) = 0;

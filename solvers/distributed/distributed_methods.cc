@@ -14,6 +14,9 @@
 #include "solvers/methods/anderson.h"
 #include "solvers/methods/gauss_seidel.h"
 #include "solvers/methods/interior_point.h"
+#ifdef BIPOT_WITH_PETSC
+#include "solvers/methods/newton_snes.h"
+#endif
 #include "solvers/methods/uzawa.h"
 
 namespace bipot {
@@ -211,6 +214,19 @@ std::string refuse_sweeps(const Parameters& parameters) {
   return {};
 }
 
+#ifdef BIPOT_WITH_PETSC
+std::string refuse_newton(const Parameters& parameters) {
+  const std::string linear = parameters.choice("linear");
+  if (linear != "auto" && linear != "mumps") {
+    return "newton on several processes takes linear = auto or mumps";
+  }
+  if (parameters.choice("residual") == "snesvi") {
+    return "newton on several processes takes residual = alart-curnier or fischer-burmeister";
+  }
+  return {};
+}
+#endif
+
 bool always(const Parameters&) { return true; }
 bool never(const Parameters&) { return false; }
 bool with_gradient_map(const Parameters& parameters) {
@@ -234,6 +250,10 @@ constexpr DistributedSolver kDistributedSolvers[] = {
      kGaussSeidelParameters, &refuse_sweeps, &never},
     {"ipm", "interior point on the first process, its systems factored by all with MUMPS", nullptr,
      kInteriorPointParameters, &nothing_to_refuse, &never, &interior_point_with},
+#ifdef BIPOT_WITH_PETSC
+    {"newton", "nonsmooth Newton on the first process, its systems factored by all with MUMPS",
+     nullptr, kNewtonParameters, &refuse_newton, &never, &newton_snes_with},
+#endif
 };
 
 }  // namespace

@@ -26,8 +26,8 @@ struct DistributedSolver {
                      SystemFactor* factor) = nullptr;
 };
 
-/// auto, apgd, anderson, uzawa, pgs and ipm; data/distributed.md says which iterates are those of one
-/// process.
+/// auto, apgd, anderson, uzawa, pgs, ipm and, with PETSc, newton; data/distributed.md says which
+/// iterates are those of one process.
 std::span<const DistributedSolver> distributed_solvers();
 /// Null where no solver for several processes has that name.
 const DistributedSolver* find_distributed_solver(std::string_view name);

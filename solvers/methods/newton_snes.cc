@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -126,12 +127,90 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
   return 0;
 }
 
+/// A SystemFactor as PETSc's preconditioner. PETSc is C: what the factor throws is kept, and PETSc
+/// told of an error.
+class FactorElsewhere {
+ public:
+  explicit FactorElsewhere(SystemFactor& factor) : factor_(factor) {}
+
+  void attach_to(PC pc) {
+    check_petsc(PCSetType(pc, PCSHELL), "PCSetType");
+    check_petsc(PCShellSetContext(pc, this), "PCShellSetContext");
+    check_petsc(PCShellSetSetUp(pc, set_up), "PCShellSetSetUp");
+    check_petsc(PCShellSetApply(pc, apply), "PCShellSetApply");
+  }
+  void rethrow() const {
+    if (thrown_) std::rethrow_exception(thrown_);
+  }
+
+ private:
+  static FactorElsewhere& of(PC pc) {
+    void* self = nullptr;
+    PCShellGetContext(pc, &self);
+    return *static_cast<FactorElsewhere*>(self);
+  }
+  static PetscErrorCode set_up(PC pc) {
+    Mat J = nullptr;
+    PetscCall(PCGetOperators(pc, nullptr, &J));
+    PetscInt n = 0;
+    const PetscInt *starts = nullptr, *columns = nullptr;
+    const PetscScalar* values = nullptr;
+    PetscBool done = PETSC_FALSE;
+    PetscCall(MatGetRowIJ(J, 0, PETSC_FALSE, PETSC_FALSE, &n, &starts, &columns, &done));
+    PetscCall(MatSeqAIJGetArrayRead(J, &values));
+    const int failed = of(pc).guarded([&](FactorElsewhere& self) {
+      self.columns_ = Eigen::Map<const SparseRows>(n, n, starts[n], starts, columns, values);
+      self.factored_ = self.factor_.factor(self.columns_);
+      PCSetFailedReason(pc, self.factored_ ? PC_NOERROR : PC_FACTOR_NUMERIC_ZEROPIVOT);
+    });
+    PetscCall(MatSeqAIJRestoreArrayRead(J, &values));
+    PetscCall(MatRestoreRowIJ(J, 0, PETSC_FALSE, PETSC_FALSE, &n, &starts, &columns, &done));
+    return failed;
+  }
+  static PetscErrorCode apply(PC pc, Vec right, Vec solution) {
+    const PetscScalar* in = nullptr;
+    PetscScalar* out = nullptr;
+    PetscCall(VecGetArrayRead(right, &in));
+    PetscCall(VecGetArray(solution, &out));
+    const int failed = of(pc).guarded([&](FactorElsewhere& self) {
+      const Eigen::Index n = self.columns_.rows();
+      if (!self.factored_) {  // PETSc applies first and asks for the reason afterwards
+        Eigen::Map<Vector>(out, n).setConstant(kInfinity);
+        return;
+      }
+      self.right_ = Eigen::Map<const Vector>(in, n);
+      self.factor_.solve(self.right_, self.solution_);
+      Eigen::Map<Vector>(out, n) = self.solution_;
+    });
+    PetscCall(VecRestoreArray(solution, &out));
+    PetscCall(VecRestoreArrayRead(right, &in));
+    return failed;
+  }
+
+  template <class Work>
+  PetscErrorCode guarded(const Work& work) {
+    try {
+      work(*this);
+      return 0;
+    } catch (...) {
+      thrown_ = std::current_exception();
+      return PETSC_ERR_LIB;
+    }
+  }
+
+  SystemFactor& factor_;
+  SparseMatrix columns_;
+  Vector right_, solution_;
+  bool factored_ = false;
+  std::exception_ptr thrown_;
+};
+
 /// Owns the PETSc objects of one solve.
 class Snes {
  public:
+  /// `elsewhere`: null where PETSc solves the systems.
   Snes(Run& run, NewtonSystem::Residual residual, const std::string& linear,
-       const std::string& line_search,
-       int inner_iterations)
+       const std::string& line_search, int inner_iterations, SystemFactor* elsewhere)
       : Snes(run) {  // delegated: the destructor cleans up after a failure below, too
     const NewtonSystem& system = *run.system;
     const PetscInt n = system.size();
@@ -169,6 +248,7 @@ class Snes {
     check_petsc(SNESGetLineSearch(snes_, &search), "SNESGetLineSearch");
     check_petsc(SNESLineSearchSetType(search, line_search.c_str()), "SNESLineSearchSetType");
 
+    if (elsewhere != nullptr) elsewhere_.emplace(*elsewhere);
     choose_linear_solver(linear);
     check_petsc(SNESSetFromOptions(snes_), "SNESSetFromOptions");
   }
@@ -190,7 +270,9 @@ class Snes {
     const Vector start = run_.system->unknowns(anchor);
     set(start);
     const int before = run_.iterations;
-    check_petsc(SNESSolve(snes_, nullptr, z_), "SNESSolve");
+    const int failed = SNESSolve(snes_, nullptr, z_);
+    if (elsewhere_) elsewhere_->rethrow();
+    check_petsc(failed, "SNESSolve");
     SNESConvergedReason reason = SNES_CONVERGED_ITERATING;
     check_petsc(SNESGetConvergedReason(snes_, &reason), "SNESGetConvergedReason");
     const PetscScalar* values = nullptr;
@@ -218,7 +300,10 @@ class Snes {
     PC pc = nullptr;
     check_petsc(SNESGetKSP(snes_, &ksp), "SNESGetKSP");
     check_petsc(KSPGetPC(ksp, &pc), "KSPGetPC");
-    if (linear == "gmres") {
+    if (elsewhere_) {
+      check_petsc(KSPSetType(ksp, KSPPREONLY), "KSPSetType");
+      elsewhere_->attach_to(pc);
+    } else if (linear == "gmres") {
       check_petsc(KSPSetType(ksp, KSPGMRES), "KSPSetType");
       check_petsc(KSPGMRESSetRestart(ksp, 100), "KSPGMRESSetRestart");
       check_petsc(KSPSetTolerances(ksp, 1e-10, 0, PETSC_DEFAULT, 1000), "KSPSetTolerances");
@@ -250,6 +335,7 @@ class Snes {
   SNES snes_ = nullptr;
   Mat J_ = nullptr;
   Vec z_ = nullptr, f_ = nullptr, lower_ = nullptr, upper_ = nullptr;
+  std::optional<FactorElsewhere> elsewhere_;
 };
 
 /// The solver's own parameters, resolved.
@@ -261,8 +347,9 @@ struct Settings {
   ProximalOptions loop;
 };
 
-/// Throws std::invalid_argument for a combination that the problem does not allow.
-Settings settings_for(const ContactProblem& p, const Parameters& parameters) {
+/// Throws std::invalid_argument for a combination that the problem, or another's factor, does not
+/// allow.
+Settings settings_for(const ContactProblem& p, const Parameters& parameters, bool elsewhere) {
   using Residual = NewtonSystem::Residual;
   Settings s;
   s.residual_name = parameters.choice("residual");
@@ -270,6 +357,15 @@ Settings settings_for(const ContactProblem& p, const Parameters& parameters) {
                : s.residual_name == "fischer-burmeister" ? Residual::kFischerBurmeister
                                                          : Residual::kInequality;
   s.linear = parameters.choice("linear");
+  if (elsewhere) {
+    if (s.linear != "auto" && s.linear != "mumps") {
+      throw std::invalid_argument("several processes factor with MUMPS: linear = auto or mumps");
+    }
+    if (s.residual == Residual::kInequality) {
+      throw std::invalid_argument("residual snesvi solves its systems on one process");
+    }
+    s.linear = "mumps";
+  }
   if (s.linear == "auto") s.linear = p.num_rows() <= kDenseRows ? "petsc" : "umfpack";
   s.line_search = parameters.choice("line_search");
   s.start_sweeps = parameters.integer("start_sweeps");
@@ -346,8 +442,8 @@ SolveResult refuse(const ContactProblem& p, const std::string& message) {
 
 /// On a problem that has W where the contact form needs it. `watch`: of the set-up.
 SolveResult run_newton(const ContactProblem& p, const SolverOptions& options,
-                       const Settings& settings, PetscOptions petsc_options,
-                       const Stopwatch& watch) {
+                       const Settings& settings, PetscOptions petsc_options, const Stopwatch& watch,
+                       SystemFactor* elsewhere) {
   // Workspace of MUMPS, per cent; its 200 run out.
   petsc_options.add_default("mat_mumps_icntl_14", "1000");
   if (settings.linear != "mumps") petsc_options.add_default("mat_umfpack_ordering", "METIS");
@@ -361,7 +457,7 @@ SolveResult run_newton(const ContactProblem& p, const SolverOptions& options,
   run.system = &system;
   run.monitor = &monitor;
   Snes snes(run, settings.residual, settings.linear, settings.line_search,
-            settings.inner_iterations);
+            settings.inner_iterations, elsewhere);
   monitor.end_setup();
 
   std::string about;
@@ -377,23 +473,28 @@ SolveResult run_newton(const ContactProblem& p, const SolverOptions& options,
 
 }  // namespace
 
-SolveResult solve_newton_snes(const ContactProblem& p, const SolverOptions& options) {
+SolveResult newton_snes_with(const ContactProblem& p, const SolverOptions& options,
+                             SystemFactor* elsewhere) {
   const Stopwatch watch;
   const Parameters parameters(options.parameters, kNewtonParameters);
   Settings settings;
   std::optional<PetscOptions> petsc_options;
   try {
-    settings = settings_for(p, parameters);
+    settings = settings_for(p, parameters, elsewhere != nullptr);
     petsc_options.emplace(kPrefix, parameters.text("petsc"));
   } catch (const std::invalid_argument& e) {
     return refuse(p, e.what());
   }
   if (settings.mixed || p.has_delassus()) {
-    return run_newton(p, options, settings, std::move(*petsc_options), watch);
+    return run_newton(p, options, settings, std::move(*petsc_options), watch, elsewhere);
   }
   ContactProblem with_delassus = p;
   with_delassus.W = assemble_delassus(p.A, p.H, p.dim);
-  return run_newton(with_delassus, options, settings, std::move(*petsc_options), watch);
+  return run_newton(with_delassus, options, settings, std::move(*petsc_options), watch, elsewhere);
+}
+
+SolveResult solve_newton_snes(const ContactProblem& p, const SolverOptions& options) {
+  return newton_snes_with(p, options, nullptr);
 }
 
 }  // namespace bipot

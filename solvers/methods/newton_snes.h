@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/problem/system_factor.h"
 #include "solvers/methods/proximal_point.h"
 #include "solvers/solver.h"
 
@@ -63,5 +64,11 @@ inline constexpr ParameterSpec kNewtonParameters[] = {
 /// first call of a process, counts as set-up; its errors become a status
 /// (solvers/petsc/petsc_session.h).
 SolveResult solve_newton_snes(const ContactProblem& problem, const SolverOptions& options);
+
+/// The same with Newton's systems factored by another, `elsewhere`; null: as `linear` says.
+/// `elsewhere` takes linear = auto or mumps; residual = snesvi, whose systems change their size, is
+/// refused with it. A matrix that it cannot factor is a failed step, what it throws is thrown here.
+SolveResult newton_snes_with(const ContactProblem& problem, const SolverOptions& options,
+                             SystemFactor* elsewhere);
 
 }  // namespace bipot

@@ -6,6 +6,7 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/files/problem_file.h"
@@ -129,6 +130,43 @@ TEST(SharedFactor, TheInteriorPointKeepsToItsLimits) {
   options.cancelled = [] { return true; };
   EXPECT_EQ(distributed_solve("ipm", p, options, mpi_group()).result.status,
             SolveStatus::kInterrupted);
+}
+
+TEST(SharedFactor, NewtonTakesTheStepsOfOneProcess) {
+  // The lattice is degenerate (W singular): agreement of velocities, not of impulses.
+  const ContactProblem p = triangular_lattice(8, {.tilt = 0.1});
+  SolverOptions options;
+  options.tol = 1e-9;
+  DistributedOptions shared;
+  shared.shared_factor_rows = 0;
+  for (const char* form : {"mixed", "contact"}) {
+    SCOPED_TRACE(form);
+    options.parameters = {{"form", form}, {"linear", "mumps"}};
+    const SolveResult alone = solve("newton", p, options);
+    ASSERT_EQ(alone.status, SolveStatus::kConverged) << alone.message;
+    const DistributedResult all = distributed_solve("newton", p, options, mpi_group(), shared);
+    ASSERT_EQ(all.result.status, SolveStatus::kConverged) << all.result.message;
+    EXPECT_NEAR(all.result.iterations, alone.iterations, 2);  // factors differ by rounding
+    EXPECT_LT((all.result.u - alone.u).norm(), 1e-6 * p.u_free.norm());
+    EXPECT_NE(all.result.message.find("factored by all"), std::string::npos) << all.result.message;
+    if (mpi_group().size() > 1) {
+      const DistributedResult first = distributed_solve("newton", p, options, mpi_group());
+      EXPECT_EQ(first.result.s, alone.s) << "the first process alone: its own bits";
+      EXPECT_GT(all.counts.traffic.bytes, first.counts.traffic.bytes) << "matrices travel";
+    }
+  }
+}
+
+TEST(SharedFactor, NewtonRefusesWhatNeedsOneProcess) {
+  const ContactProblem p = triangular_lattice(3, {.tilt = 0.1});
+  for (const auto& [name, value] :
+       {std::pair{"linear", "gmres"}, std::pair{"residual", "snesvi"}}) {
+    SolverOptions options;
+    options.parameters = {{name, value}};
+    const SolveResult refused = distributed_solve("newton", p, options, mpi_group()).result;
+    EXPECT_EQ(refused.status, SolveStatus::kInvalidInput);
+    EXPECT_NE(refused.message.find(name), std::string::npos) << refused.message;
+  }
 }
 
 TEST(SharedFactor, AutoTurnsToItWhereGradientsDoNotArrive) {

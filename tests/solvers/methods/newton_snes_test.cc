@@ -7,9 +7,13 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "core/problem/contact_error.h"
+#include "core/problem/sparse_factor.h"
+#include "core/problem/system_factor.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
@@ -194,6 +198,57 @@ TEST(Newton, APetscErrorBecomesAStatusWithText) {
   EXPECT_EQ(r.status, SolveStatus::kNumericalFailure);
   EXPECT_NE(r.message.find("PETSc"), std::string::npos) << r.message;
   EXPECT_EQ(newton(p).status, SolveStatus::kConverged);  // and the next solve is not affected
+}
+
+/// UMFPACK's LU in another's place; may refuse every matrix from the nth on, or throw there.
+class OthersFactor final : public SystemFactor {
+ public:
+  enum class Then { kRefuse, kThrow };
+  explicit OthersFactor(int good = 1 << 30, Then then = Then::kRefuse) : good_(good), then_(then) {}
+
+  [[nodiscard]] bool factor(const SparseMatrix& A) override {
+    if (++factored >= good_) {
+      if (then_ == Then::kThrow) throw std::runtime_error("nobody is there");
+      return false;
+    }
+    return lu_.factor(A);
+  }
+  void solve(const Vector& b, Vector& x) override { x = lu_.solve(b); }
+  int determinant_sign() const override { return lu_.determinant_sign(); }
+
+  int factored = 0;
+
+ private:
+  SparseLU lu_;
+  int good_;
+  Then then_;
+};
+
+TEST(Newton, SystemsMayBeFactoredElsewhere) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
+  SolverOptions options;
+  options.parameters = {{"start_sweeps", "0"}};
+  OthersFactor others;
+  const SolveResult r = newton_snes_with(p, options, &others);
+  EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  const SolveResult own = newton(p, {{"linear", "umfpack"}});
+  EXPECT_NEAR(r.iterations, own.iterations, 2) << "factors differ by rounding";
+  EXPECT_LE(contact_error(p, r.s).guarded(), 1e-8);
+  EXPECT_GE(others.factored, r.iterations);
+}
+
+TEST(Newton, AFactorElsewhereThatRefusesOrThrowsIsSaid) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0.3, 10);
+  SolverOptions options;
+  options.parameters = {{"start_sweeps", "0"}};
+  OthersFactor refuses(3);
+  const SolveResult r = newton_snes_with(p, options, &refuses);
+  EXPECT_FALSE(is_success(r.status)) << r.message;
+  EXPECT_TRUE(r.s.allFinite());
+  EXPECT_NE(r.message.find("failed"), std::string::npos) << r.message;
+  OthersFactor throws(3, OthersFactor::Then::kThrow);
+  EXPECT_THROW((void)newton_snes_with(p, options, &throws), std::runtime_error);
+  EXPECT_EQ(newton(p).status, SolveStatus::kConverged);  // PETSc is as it was
 }
 
 TEST(Newton, LeavesSignalHandlersAlone) {
