@@ -99,7 +99,8 @@ Json to_json(const Chart& chart) {
   json["series"] = Json::array();
   for (const ChartSeries& series : chart.series) {
     Json row{{"name", series.name}, {"style", series.style}, {"kind", name_of(series.kind)}};
-    row["x"] = row["y"] = Json::array();
+    row["x"] = Json::array();
+    row["y"] = Json::array();
     Json low = Json::array(), high = Json::array();
     bool any_bar = false;
     Json hollow = Json::array(), bare = Json::array(), notes = Json::array();
@@ -191,7 +192,7 @@ Json to_json(const PaperEntry& entry) {
             {"checks_held", entry.held()},
             {"paper", entry.result.paper},
             {"ours", entry.result.ours}};
-  json["numbers"] = json["figures"] = json["tables"] = Json::array();
+  for (const char* const list : {"numbers", "figures", "tables"}) json[list] = Json::array();
   for (const PaperNumber& n : entry.result.numbers) {
     json["numbers"].push_back({{"name", n.name},
                                {"value", finite_or_null(n.value)},

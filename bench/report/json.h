@@ -67,7 +67,8 @@ class Json {
   /// The member, or `otherwise` where the object has none.
   Json value(std::string_view key, const Json& otherwise) const;
 
-  /// The member, made null where there is none; null becomes an object.
+  /// The member, made null where there is none; null becomes an object. The reference ends with the
+  /// next member that is made: a["x"] = a["y"] = ... would write into what was.
   Json& operator[](std::string_view key);
   Json& operator[](std::size_t index);
   /// Null becomes an array.
