@@ -24,6 +24,7 @@ set(folders
   "solvers/petsc = solvers/kernels"
   "solvers/methods = solvers/homotopy solvers/interior solvers/petsc"
   "solvers/distributed = solvers/methods"
+  "solvers/domains = solvers/distributed"
   "bench/report = core/files solvers"
   "bench/scenes = bench/report core/pictures"
   "bench/measure = bench/report bench/scenes"
@@ -33,8 +34,8 @@ set(folders
   "bench/extremes = bench/measure solvers/certificate"
   "bench/compare = bench/measure"
   "bench/validate = bench/paper solvers/certificate"
-  "bench/command = bench/advise bench/compare bench/extremes bench/paper bench/trade bench/validate core/pictures solvers/certificate solvers/distributed"
-  "bench/google = bench/measure solvers/distributed"
+  "bench/command = bench/advise bench/compare bench/extremes bench/paper bench/trade bench/validate core/pictures solvers/certificate solvers/domains"
+  "bench/google = bench/measure solvers/domains"
   "bench/python = bench/advise bench/compare"
   "tests = bench/command bench/google bench/python solvers/islands")
 

@@ -56,13 +56,10 @@ void keep_those_who_may_meet(const SceneIn<D>& scene, MidpointIn<D>& mid) {
   });
 }
 
-}  // namespace
-
+/// Everything at mid-step in its place, with the velocities before the step.
 template <int D>
-MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads,
-                            KeptContactsIn<D>* kept) {
+void place_bodies(const SceneIn<D>& scene, const StateIn<D>& state, MidpointIn<D>& mid) {
   const double h = scene.step;
-  MidpointIn<D> mid;
   mid.disks = state.disks;
   const double middle = state.time + 0.5 * h;
   mid.walls = walls_at(scene.walls, state.walls, middle);
@@ -80,6 +77,48 @@ MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, in
     w.a += 0.5 * h * w.v;
     w.b += 0.5 * h * w.v;
   }
+}
+
+/// Velocities of disks and walls after the step without contact impulses.
+template <int D>
+void free_bodies(const SceneIn<D>& scene, MidpointIn<D>& mid) {
+  const double h = scene.step;
+  mid.disk_v_free.resize(mid.disks.size());
+  for (std::size_t i = 0; i < mid.disks.size(); ++i) {
+    mid.disk_v_free[i] = mid.disks[i].v + h * mid.gravity;
+  }
+  mid.wall_v_free.assign(mid.walls.size(), 0.0);
+  for (std::size_t w = 0; w < mid.walls.size(); ++w) {
+    const WallIn<D>& wall = mid.walls[w];
+    if (wall.motion != WallIn<D>::Motion::kDriven) continue;
+    mid.wall_v_free[w] = driven_speed(wall) + h * wall.force / wall.mass;
+  }
+  for (std::size_t i = 0; i < mid.disks.size(); ++i) {
+    if (mid.disks[i].wall < 0) continue;
+    const std::size_t w = to_size(mid.disks[i].wall);
+    const bool driven = mid.walls[w].motion == WallIn<D>::Motion::kDriven;
+    mid.disk_v_free[i] =
+        driven ? driven_velocity(mid.walls[w], mid.wall_v_free[w]) : mid.walls[w].v;
+  }
+}
+
+}  // namespace
+
+template <int D>
+MidpointIn<D> free_midpoint(const SceneIn<D>& scene, const StateIn<D>& state) {
+  MidpointIn<D> mid;
+  place_bodies(scene, state, mid);
+  free_bodies(scene, mid);
+  if constexpr (D == 2) free_clusters(mid, scene.step);
+  return mid;
+}
+
+template <int D>
+MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads,
+                            KeptContactsIn<D>* kept) {
+  const double h = scene.step;
+  MidpointIn<D> mid;
+  place_bodies(scene, state, mid);
   if (state.cell.periodic()) {
     mid.cell = state.cell;
     move_cell(mid.cell, 0.5 * h);
@@ -101,23 +140,7 @@ MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, in
     mid.contacts = detect_contacts<D>(mid.disks, mid.walls, scene.contact_distance, threads);
   }
 
-  mid.disk_v_free.resize(mid.disks.size());
-  for (std::size_t i = 0; i < mid.disks.size(); ++i) {
-    mid.disk_v_free[i] = mid.disks[i].v + h * mid.gravity;
-  }
-  mid.wall_v_free.assign(mid.walls.size(), 0.0);
-  for (std::size_t w = 0; w < mid.walls.size(); ++w) {
-    const WallIn<D>& wall = mid.walls[w];
-    if (wall.motion != WallIn<D>::Motion::kDriven) continue;
-    mid.wall_v_free[w] = driven_speed(wall) + h * wall.force / wall.mass;
-  }
-  for (std::size_t i = 0; i < mid.disks.size(); ++i) {
-    if (mid.disks[i].wall < 0) continue;
-    const std::size_t w = to_size(mid.disks[i].wall);
-    const bool driven = mid.walls[w].motion == WallIn<D>::Motion::kDriven;
-    mid.disk_v_free[i] =
-        driven ? driven_velocity(mid.walls[w], mid.wall_v_free[w]) : mid.walls[w].v;
-  }
+  free_bodies(scene, mid);
   if (scene.predict_gaps) keep_those_who_may_meet(scene, mid);
   if constexpr (D == 2) free_clusters(mid, h);
   return mid;
@@ -131,6 +154,8 @@ AssembledStep assemble_step(const SceneIn<D>& scene, const MidpointIn<D>& mid,
                        {mid.clusters.bodies, mid.cluster_v_free});
 }
 
+template Midpoint free_midpoint(const Scene&, const State&);
+template MidpointIn<3> free_midpoint(const SceneIn<3>&, const StateIn<3>&);
 template Midpoint make_midpoint(const Scene&, const State&, int, KeptContacts*);
 template MidpointIn<3> make_midpoint(const SceneIn<3>&, const StateIn<3>&, int, KeptContactsIn<3>*);
 template AssembledStep assemble_step(const Scene&, const Midpoint&, bool, int);

@@ -26,6 +26,10 @@ struct MidpointIn {
 };
 using Midpoint = MidpointIn<2>;
 
+/// The same without contacts: places, velocities and forces alone. Not for periodic scenes.
+template <int D>
+MidpointIn<D> free_midpoint(const SceneIn<D>& scene, const StateIn<D>& state);
+
 /// `kept`: lists of the steps before, which change no bit.
 template <int D>
 MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads = 1,

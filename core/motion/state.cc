@@ -36,13 +36,24 @@ double time_after_step(const StateIn<D>& state, double h) {
 }
 
 template <int D>
-StateSums<D> state_sums(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity) {
-  StateSums<D> sums;
-  for (const BodyIn<D>& d : state.disks) {
+void add_to_sums(std::span<const std::type_identity_t<BodyIn<D>>> disks,
+                 std::span<const std::type_identity_t<WallIn<D>>> walls,
+                 const std::type_identity_t<VecIn<D>>& gravity, StateSums<D>& sums) {
+  for (const BodyIn<D>& d : disks) {
     sums.kinetic += 0.5 * d.mass * d.v.squaredNorm() + turning_energy(d);
     sums.potential -= d.mass * gravity.dot(d.x);
     sums.momentum += d.mass * d.v;
   }
+  for (const WallIn<D>& w : walls) {
+    sums.kinetic += wall_kinetic_energy(w);
+    sums.momentum += wall_momentum(w);
+  }
+}
+
+template <int D>
+StateSums<D> state_sums(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity) {
+  StateSums<D> sums;
+  add_to_sums<D>(state.disks, {}, gravity, sums);
   if constexpr (D == 2) {
     for (const Cluster& c : state.clusters.bodies) {
       sums.kinetic += 0.5 * c.mass * c.v.squaredNorm() + 0.5 * c.inertia * c.spin * c.spin;
@@ -50,10 +61,7 @@ StateSums<D> state_sums(const StateIn<D>& state, const std::type_identity_t<VecI
       sums.momentum += c.mass * c.v;
     }
   }
-  for (const WallIn<D>& w : state.walls) {
-    sums.kinetic += wall_kinetic_energy(w);
-    sums.momentum += wall_momentum(w);
-  }
+  add_to_sums<D>({}, state.walls, gravity, sums);
   if (state.cell.periodic()) sums.kinetic += cell_kinetic_energy(state.cell);
   return sums;
 }
@@ -138,6 +146,10 @@ std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state) {
 
 template State initial_state(const Scene&);
 template double time_after_step(const State&, double);
+template void add_to_sums<2>(std::span<const Disk>, std::span<const Wall>, const Vec2&,
+                             StateSums<2>&);
+template void add_to_sums<3>(std::span<const Sphere>, std::span<const WallIn<3>>, const Vec3&,
+                             StateSums<3>&);
 template StateSums<2> state_sums<2>(const State&, const Vec2&);
 template double angular_momentum(const State&);
 template std::string restart_mismatch(const Scene&, const State&);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -59,6 +60,11 @@ struct StateSums {
   double potential = 0;                  ///< zero at the origin                       [J]
   VecIn<D> momentum = VecIn<D>::Zero();  ///< disks and driven walls                   [kg m/s]
 };
+/// Adds what these disks and these walls have; clusters and a cell have no part in it.
+template <int D>
+void add_to_sums(std::span<const std::type_identity_t<BodyIn<D>>> disks,
+                 std::span<const std::type_identity_t<WallIn<D>>> walls,
+                 const std::type_identity_t<VecIn<D>>& gravity, StateSums<D>& sums);
 template <int D>
 StateSums<D> state_sums(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity);
 /// One of them; each is a pass of its own.

@@ -79,12 +79,10 @@ ContactStatus contact_status(double s_n, double s_t, double mu) {
 }
 
 template <int D>
-StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
-                              std::span<const std::type_identity_t<BodyIn<D>>> disks,
-                              const AssembledStep& assembled, const Vector& s, const Vector& v,
-                              std::span<const std::type_identity_t<WallIn<D>>> walls_after,
-                              const PeriodicCell& cell_after) {
-  const double h = scene.step;
+StepOutcomeIn<D> contact_outcomes(const SceneIn<D>& scene, const MidpointIn<D>& mid,
+                                  std::span<const std::type_identity_t<BodyIn<D>>> disks,
+                                  const AssembledStep& assembled, const Vector& s,
+                                  const Vector& v) {
   const ContactProblem& p = assembled.problem;
   const std::size_t num_disks = disks.size();
   StepOutcomeIn<D> outcome;
@@ -121,17 +119,35 @@ StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
     add_wall_impulse<D>(*wall, contact.n, values.s[0] * contact.n + tangent_vector(contact.n, s_t),
                         outcome);
   }
+  return outcome;
+}
+
+template <int D>
+void add_driving_forces(double step, std::span<const std::type_identity_t<WallIn<D>>> walls,
+                        std::span<const std::type_identity_t<WallIn<D>>> walls_after,
+                        StepOutcomeIn<D>& outcome) {
+  for (std::size_t w = 0; w < walls.size(); ++w) {
+    const WallIn<D>& wall = walls[w];
+    if (wall.motion != WallIn<D>::Motion::kDriven) continue;
+    const VecIn<D> push = step * wall.force * wall.direction;
+    outcome.external += push;
+    outcome.wall_work += push.dot(0.5 * (wall.v + walls_after[w].v));
+  }
+}
+
+template <int D>
+StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
+                              std::span<const std::type_identity_t<BodyIn<D>>> disks,
+                              const AssembledStep& assembled, const Vector& s, const Vector& v,
+                              std::span<const std::type_identity_t<WallIn<D>>> walls_after,
+                              const PeriodicCell& cell_after) {
+  const double h = scene.step;
+  StepOutcomeIn<D> outcome = contact_outcomes<D>(scene, mid, disks, assembled, s, v);
   for (const BodyIn<D>& d : disks) outcome.external += h * d.mass * mid.gravity;
   if constexpr (D == 2) {
     for (const Cluster& c : mid.clusters.bodies) outcome.external += h * c.mass * mid.gravity;
   }
-  for (std::size_t w = 0; w < mid.walls.size(); ++w) {
-    const WallIn<D>& wall = mid.walls[w];
-    if (wall.motion != WallIn<D>::Motion::kDriven) continue;
-    const VecIn<D> push = h * wall.force * wall.direction;
-    outcome.external += push;
-    outcome.wall_work += push.dot(0.5 * (wall.v + walls_after[w].v));
-  }
+  add_driving_forces<D>(h, mid.walls, walls_after, outcome);
   for (int k = 0; k < 3; ++k) {
     const double force = stress_force(mid.cell, k);
     if (force != 0) {
@@ -141,6 +157,15 @@ StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
   return outcome;
 }
 
+template StepOutcome contact_outcomes<2>(const Scene&, const Midpoint&, std::span<const Disk>,
+                                         const AssembledStep&, const Vector&, const Vector&);
+template StepOutcomeIn<3> contact_outcomes<3>(const SceneIn<3>&, const MidpointIn<3>&,
+                                              std::span<const Sphere>, const AssembledStep&,
+                                              const Vector&, const Vector&);
+template void add_driving_forces<2>(double, std::span<const Wall>, std::span<const Wall>,
+                                    StepOutcome&);
+template void add_driving_forces<3>(double, std::span<const WallIn<3>>, std::span<const WallIn<3>>,
+                                    StepOutcomeIn<3>&);
 template StepOutcome step_outcome<2>(const Scene&, const Midpoint&, std::span<const Disk>,
                                      const AssembledStep&, const Vector&, const Vector&,
                                      std::span<const Wall>, const PeriodicCell&);

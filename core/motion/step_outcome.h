@@ -27,6 +27,19 @@ struct StepOutcomeIn {
 };
 using StepOutcome = StepOutcomeIn<2>;
 
+/// What contacts did alone, without gravity and driving forces. Arguments as of step_outcome(); of
+/// problems that lie on several processes each has its contacts (solvers/domains).
+template <int D>
+StepOutcomeIn<D> contact_outcomes(const SceneIn<D>& scene, const MidpointIn<D>& mid,
+                                  std::span<const std::type_identity_t<BodyIn<D>>> disks,
+                                  const AssembledStep& assembled, const Vector& s, const Vector& v);
+
+/// The forces that drive these walls, as they are in the step and after it, over its length.
+template <int D>
+void add_driving_forces(double step, std::span<const std::type_identity_t<WallIn<D>>> walls,
+                        std::span<const std::type_identity_t<WallIn<D>>> walls_after,
+                        StepOutcomeIn<D>& outcome);
+
 /// `disks`: those of the step, for their masses, materials and walls (where they are does not matter);
 /// s: impulses in the problem's variables; v: velocities after the step in the problem's degrees of
 /// freedom; `walls_after`, `cell_after`: the walls and the cell with their velocities after the step.

@@ -26,21 +26,11 @@ struct RoundedVelocity {
   double longest = 0;  // entries of a row that w is added up from
 };
 
-RoundedVelocity by_bodies(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
+RoundedVelocity by_bodies(const ContactProblem& p, const RoundedMomentum& pushed,
                           double of_product) {
   const Eigen::Index rows = p.num_rows();
-  Vector v = Vector::Zero(p.num_dofs()), size = v, count = v;
-  for (Eigen::Index j = 0; j < rows; ++j) {
-    if (s[j] == 0) continue;
-    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it) {
-      v[it.row()] += it.value() * s[j];
-      size[it.row()] += std::abs(it.value() * s[j]);
-      ++count[it.row()];
-    }
-  }
   const Vector mass = p.A.diagonal();
-  v.array() /= mass.array();
-  size.array() /= mass.array();
+  const Vector v = pushed.momentum.cwiseQuotient(mass), size = pushed.size.cwiseQuotient(mass);
   RoundedVelocity out{p.u_free, Vector::Zero(rows), Vector::Zero(rows), 0};
   for (Eigen::Index i = 0; i < rows; ++i) {
     double entries = of_product;
@@ -49,7 +39,7 @@ RoundedVelocity by_bodies(const ContactProblem& p, const Eigen::Ref<const Vector
     for (SparseMatrix::InnerIterator it(p.H, i); it; ++it) {
       const double h = it.value();
       out.u[i] += h * v[it.row()];
-      out.error[i] += std::abs(h) * size[it.row()] * (entries + count[it.row()]);
+      out.error[i] += std::abs(h) * size[it.row()] * (entries + pushed.count[it.row()]);
       out.w[i] += h * h / mass[it.row()];
     }
   }
@@ -71,13 +61,6 @@ RoundedVelocity by_delassus(const ContactProblem& p, const Eigen::Ref<const Vect
   }
   return out;
 }
-
-/// Sums of the criterion with their errors.
-struct RoundedSums {
-  ErrorSums value;
-  double gap = 0, friction = 0, moved = 0, free_energy = 0;  // errors [J], the gap's with V's
-  double natural = 0;  // Σ ½ W_nn |error of N|², a norm's square [J]
-};
 
 /// Adds what one contact has. u and its error physical.
 void add_contact(const ContactProblem& p, int contact, const double* x, const double* u,
@@ -164,19 +147,15 @@ RoundedError error_with_bound(const RoundedSums& own, const ErrorSums& others, d
   return e;
 }
 
-}  // namespace
+double unit_of(Precision precision) {
+  return std::ldexp(1.0, precision == Precision::kDouble     ? -53
+                         : precision == Precision::kExtended ? -64
+                                                             : -113);
+}
 
-RoundingBound rounding_bound(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
-                             Precision precision, const ErrorShare& share) {
-  const bool in_double = precision == Precision::kDouble;
-  const double unit = std::ldexp(1.0, in_double                           ? -53
-                                      : precision == Precision::kExtended ? -64
-                                                                          : -113);
-  const bool bodies = p.has_velocities() && is_diagonal(p.A);
-  const double packing = !in_double || p.dim == 3 ? 0 : kOfPacking;
-  if (!bodies && !p.has_delassus()) return {kInfinity, kInfinity};
-  const RoundedVelocity velocity =
-      bodies ? by_bodies(p, s, kOfAProduct + packing) : by_delassus(p, s);
+RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
+                    const RoundedVelocity& velocity, Precision precision) {
+  const double unit = unit_of(precision);
   const double term = unit * (kOfATerm + 2 * velocity.longest);
   RoundedSums sums;
   const int d = p.dim;
@@ -193,8 +172,44 @@ RoundingBound rounding_bound(const ContactProblem& p, const Eigen::Ref<const Vec
     const double r = physical_row_scale(p, c * d);
     add_contact(p, c, x, u, error, b, velocity.w[c * d] * r * r, term, sums);
   }
+  return sums;
+}
+
+}  // namespace
+
+RoundedMomentum rounded_momentum(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
+  const Vector zero = Vector::Zero(p.num_dofs());
+  RoundedMomentum pushed{zero, zero, zero};
+  for (Eigen::Index j = 0; j < p.num_rows(); ++j) {
+    if (s[j] == 0) continue;
+    for (SparseMatrix::InnerIterator it(p.H, j); it; ++it) {
+      pushed.momentum[it.row()] += it.value() * s[j];
+      pushed.size[it.row()] += std::abs(it.value() * s[j]);
+      ++pushed.count[it.row()];
+    }
+  }
+  return pushed;
+}
+
+RoundedSums rounded_sums(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
+                         const RoundedMomentum& pushed, Precision precision) {
+  const double packing = precision != Precision::kDouble || p.dim == 3 ? 0 : kOfPacking;
+  return sums_of(p, s, by_bodies(p, pushed, kOfAProduct + packing), precision);
+}
+
+RoundingBound rounding_bound(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
+                             Precision precision, const ErrorShare& share) {
+  const bool bodies = p.has_velocities() && is_diagonal(p.A);
+  if (!bodies && !p.has_delassus()) return {kInfinity, kInfinity};
+  const RoundedSums sums = bodies ? rounded_sums(p, s, rounded_momentum(p, s), precision)
+                                  : sums_of(p, s, by_delassus(p, s), precision);
+  return rounding_bound(sums, p.num_contacts(), precision, share);
+}
+
+RoundingBound rounding_bound(const RoundedSums& sums, int contacts, Precision precision,
+                             const ErrorShare& share) {
   // Of the sums over the contacts, and of a result that is handed on in double.
-  const double adding = unit * (p.num_contacts() + kOfATerm) + std::ldexp(1.0, -50);
+  const double adding = unit_of(precision) * (contacts + kOfATerm) + std::ldexp(1.0, -50);
   const RoundedError whole = error_with_bound(sums, share.others, adding, 1 / share.share);
   if (!(share.alone > 0)) return whole.bound;
   // The smaller of two figures counts: at most the smaller of what both may be.

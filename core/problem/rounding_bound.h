@@ -28,4 +28,28 @@ enum class Precision {
 RoundingBound rounding_bound(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                              Precision precision, const ErrorShare& share = {});
 
+// The same in parts, of a problem of which nobody has the whole (solvers/distributed): what bodies are
+// pushed by, what contacts have, the bound. A must be diagonal.
+
+/// H s in n degrees of freedom, with what its rounding is made of.
+struct RoundedMomentum {
+  Vector momentum;  ///< Σ H s                                                             [N s]
+  Vector size;      ///< Σ |H s|
+  Vector count;     ///< summands
+};
+RoundedMomentum rounded_momentum(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
+
+/// Sums of the criterion over contacts with their errors. Those of parts add up.
+struct RoundedSums {
+  ErrorSums value;
+  double gap = 0, friction = 0, moved = 0, free_energy = 0;  ///< errors [J], the gap's with V's
+  double natural = 0;  ///< Σ ½ W_nn |error of N|², a norm's square [J]
+};
+/// Of all contacts of a problem, with the momenta of its degrees of freedom from whoever pushes them.
+RoundedSums rounded_sums(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
+                         const RoundedMomentum& pushed, Precision precision);
+/// `contacts`: how many were added up.
+RoundingBound rounding_bound(const RoundedSums& sums, int contacts, Precision precision,
+                             const ErrorShare& share = {});
+
 }  // namespace bipot

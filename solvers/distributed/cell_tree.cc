@@ -70,6 +70,39 @@ int CellTree::cut(std::span<const Vec3> points, std::span<const double> weights,
   return number;
 }
 
+std::vector<double> CellTree::to_numbers() const {
+  std::vector<double> numbers{static_cast<double>(cells_), static_cast<double>(root_)};
+  for (const Cut& c : cuts_) {
+    numbers.insert(numbers.end(), {static_cast<double>(c.axis), c.at, static_cast<double>(c.left),
+                                   static_cast<double>(c.right)});
+  }
+  return numbers;
+}
+
+CellTree CellTree::from_numbers(std::span<const double> numbers) {
+  constexpr std::size_t kHead = 2, kOfCut = 4;
+  if (numbers.size() < kHead || (numbers.size() - kHead) % kOfCut != 0) {
+    throw std::invalid_argument("these numbers are no tree of cells");
+  }
+  CellTree tree;
+  tree.cells_ = static_cast<int>(numbers[0]);
+  tree.root_ = static_cast<int>(numbers[1]);
+  const int cuts = static_cast<int>((numbers.size() - kHead) / kOfCut);
+  // A cut leads to a later one or to a cell, so that every walk ends in a cell.
+  const auto leads_on = [&](int from, int to) {
+    return to >= 0 ? to > from && to < cuts : ~to < tree.cells_;
+  };
+  bool sound = tree.cells_ >= 1 && leads_on(-1, tree.root_);
+  for (int k = 0; k < cuts; ++k) {
+    const double* of = numbers.data() + kHead + kOfCut * to_size(k);
+    const Cut c{static_cast<int>(of[0]), of[1], static_cast<int>(of[2]), static_cast<int>(of[3])};
+    sound &= c.axis >= 0 && c.axis < 3 && leads_on(k, c.left) && leads_on(k, c.right);
+    tree.cuts_.push_back(c);
+  }
+  if (!sound) throw std::invalid_argument("these numbers are no tree of cells");
+  return tree;
+}
+
 int CellTree::cell_of(const Vec3& point) const {
   int at = root_;
   while (at >= 0) {

@@ -20,6 +20,11 @@ class CellTree {
   /// std::invalid_argument for other sizes or values.
   CellTree(std::span<const Vec3> points, std::span<const double> weights, int cells);
 
+  /// The tree whose to_numbers() these are, so that one process may cut for all. Throws
+  /// std::invalid_argument for other numbers.
+  static CellTree from_numbers(std::span<const double> numbers);
+  std::vector<double> to_numbers() const;
+
   int cells() const { return cells_; }
   int cell_of(const Vec3& point) const;
 

@@ -9,14 +9,15 @@
 #include "solvers/distributed/cell_tree.h"
 #include "solvers/distributed/contact_owners.h"
 #include "solvers/distributed/distributed_methods.h"
+#include "solvers/distributed/whole_problem.h"
 #include "solvers/parameters.h"
-#include "solvers/proved_claim.h"
 #include "solvers/solve.h"
 
 namespace bipot {
 namespace {
 
-/// A sentence where the solve is refused, empty where it can be done.
+/// A sentence where the solve is refused, empty where it can be done. `p`: the whole, or what this
+/// process has of it.
 std::string refuse_input(std::string_view name, const ContactProblem& p, const SolverOptions& o,
                          const DistributedOptions& extra) {
   const DistributedSolver* solver = find_distributed_solver(name);
@@ -63,6 +64,21 @@ std::string refuse_input(std::string_view name, const ContactProblem& p, const S
   }
 }
 
+/// Throws on all processes where these figures are not the same on each.
+void require_same(std::span<const double> figures, ProcessGroup& group) {
+  std::vector<double> both;
+  for (const double x : figures) {
+    both.push_back(x);
+    both.push_back(-x);
+  }
+  group.largest(both);
+  bool same = true;
+  for (std::size_t k = 0; k < figures.size(); ++k) {
+    same &= both[2 * k] == figures[k] && both[2 * k + 1] == -figures[k];
+  }
+  group.fail_where_any(same ? "" : "the processes were given different problems");
+}
+
 /// Throws on all processes where they were given different problems.
 void require_one_problem(const ContactProblem& p, const SolverOptions& o, ProcessGroup& group) {
   const double s0 = o.s0.size() > 0 ? o.s0.sum() : 0;
@@ -73,54 +89,47 @@ void require_one_problem(const ContactProblem& p, const SolverOptions& o, Proces
                             p.mu.sum(),
                             s0,
                             o.tol};
-  std::vector<double> both;
-  for (const double x : figures) {
-    both.push_back(x);
-    both.push_back(-x);
-  }
-  group.largest(both);
-  bool same = true;
-  for (std::size_t k = 0; k < std::size(figures); ++k) {
-    same &= both[2 * k] == figures[k] && both[2 * k + 1] == -figures[k];
-  }
-  group.fail_where_any(same ? "" : "the processes were given different problems");
+  require_same(figures, group);
 }
 
 /// One solve on the pieces of all processes.
 class DistributedSolve {
  public:
-  DistributedSolve(const ContactProblem& whole, const SolverOptions& options, ProcessGroup& group,
-                   const DistributedOptions& extra)
-      : whole_(whole),
+  /// Keeps references. `watch`: since the set-up began.
+  DistributedSolve(DistributedSpace& space, WholeProblem& whole, const SolverOptions& options,
+                   const DistributedOptions& extra, const Stopwatch& watch)
+      : piece_(space.piece()),
+        whole_(whole),
         options_(options),
-        group_(group),
+        group_(space.group()),
         shared_factor_rows_(extra.shared_factor_rows),
-        nodes_(body_nodes(whole)),
-        owners_(contact_owners(whole, nodes_, extra.contact_places, group.size())),
-        piece_(cut_piece(whole, nodes_, owners_, group.rank())),
-        space_(piece_, group, extra.reproducible),
-        evaluate_(space_) {}
+        watch_(watch),
+        space_(space),
+        evaluate_(space) {}
 
-  DistributedResult run(const DistributedSolver& solver) {
+  /// `start`: rows that are here; the same size, 0 included, on no process or on all where nobody
+  /// gives one.
+  SolveResult run(const DistributedSolver& solver, const Vector& start,
+                  DistributedCounts& counted) {
     const Traffic before = group_.traffic();
-    DistributedResult out;
-    SolveResult& result = out.result;
+    SolveResult result;
     const Vector zero = Vector::Zero(piece_.own.num_rows());
-    const Vector s0 = options_.s0.size() == 0 ? zero : mine(options_.s0);
+    started_ = group_.any(start.size() > 0);
+    const Vector s0 = start.size() == 0 ? zero : start;
     if (evaluate_(zero).guarded() == 0) {
       result.status = SolveStatus::kNothingToDo;
       result.message = "s = 0 satisfies the law";
       result.s = zero;
-    } else if (options_.s0.size() != 0 && start_holds(s0)) {
+    } else if (started_ && start_holds(s0)) {
       result.status = SolveStatus::kConverged;
       result.message = "the start meets the stop test";
       result.s = s0;
     } else {
       iterate(solver, s0, result);
     }
-    out.counts = counts(before);
+    counted = counts(before);
     judge(result);
-    return out;
+    return result;
   }
 
  private:
@@ -128,7 +137,9 @@ class DistributedSolve {
     const double before = watch_.seconds();
     try {
       if (solver.led != nullptr) {
-        result = lead(solver, options_);
+        SolverOptions options = options_;
+        options.s0 = started_ ? whole_.join(s0) : Vector();
+        result = lead(solver, options);
       } else {
         DistributedMonitor monitor(
             space_, options_,
@@ -147,10 +158,12 @@ class DistributedSolve {
     result.setup_seconds += before;
   }
 
-  /// A led solver on the whole problem; the result's s is that of the rows here.
+  /// A led solver on the whole problem; the result's s is that of the rows here. The first process
+  /// has the start.
   SolveResult lead(const DistributedSolver& solver, const SolverOptions& options) {
     SolveResult result;
-    const bool shared = whole_.num_rows() >= shared_factor_rows_;
+    const bool shared = piece_.whole_contacts * piece_.own.dim >= shared_factor_rows_;
+    const ContactProblem& whole = whole_.on_first();
     group_.lend_hands([&](SystemFactor& factor) {
       SystemFactor* const by = shared ? &factor : nullptr;
       SolverEntry entry{.name = solver.name,
@@ -158,10 +171,11 @@ class DistributedSolve {
                         .run = [&](const ContactProblem& p,
                                    const SolverOptions& o) { return solver.led(p, o, by); },
                         .parameters = solver.parameters};
-      result = solve(entry, whole_, options);
+      result = solve(entry, whole, options);
     });
     // From the first process to all.
     const bool first = group_.rank() == 0;
+    if (first && result.s.size() != whole.num_rows()) result.s = Vector::Zero(whole.num_rows());
     const double figures[] = {static_cast<double>(result.status),
                               static_cast<double>(result.iterations), result.setup_seconds,
                               result.solve_seconds};
@@ -172,12 +186,11 @@ class DistributedSolve {
     result.message = group_.first_text(first ? result.message : std::string());
     result.message +=
         shared ? "; systems factored by all processes" : "; systems factored by the first process";
-    const std::vector<double> s = of_first({result.s.data(), to_size(result.s.size())});
     result.status = static_cast<SolveStatus>(static_cast<int>(known[0]));
     result.iterations = static_cast<int>(known[1]);
     result.setup_seconds = known[2];
     result.solve_seconds = known[3];
-    result.s = mine(Eigen::Map<const Vector>(s.data(), static_cast<Eigen::Index>(s.size())));
+    result.s = whole_.part(result.s);
     return result;
   }
 
@@ -189,7 +202,7 @@ class DistributedSolve {
     options.on_iteration = nullptr;
     options.stop = StopTest::kGuarded;
     options.time_limit = seconds;
-    options.s0 = whole_of(s);
+    options.s0 = whole_.join(s);
     const SolveResult result = lead(solver, options);
     done = result.iterations;
     return result.s;
@@ -203,7 +216,7 @@ class DistributedSolve {
   /// The last word of proved_claim.h, on the whole problem.
   ProvedClaim claim(const Vector& s, const ContactError& error) {
     if (options_.stop != StopTest::kGuarded) return {};
-    return prove_claim(whole_, options_, whole_of(s), error);
+    return whole_.claim(options_, s, error);
   }
 
   void judge(SolveResult& result) {
@@ -235,34 +248,8 @@ class DistributedSolve {
             result.error.guarded(), last.error, result.message);
       }
     }
-    result.s = whole_of(s);
-    result.u = whole_of(evaluate_.velocity());
-  }
-
-  /// Rows of this process.
-  Vector mine(const Vector& whole) const {
-    const int d = whole_.dim;
-    Vector part(piece_.own.num_rows());
-    for (int c = 0; c < piece_.own.num_contacts(); ++c) {
-      part.segment(c * d, d) = whole.segment(piece_.number[to_size(c)] * d, d);
-    }
-    return part;
-  }
-  /// The rows of all processes in the whole's order.
-  Vector whole_of(const Vector& part) {
-    const int d = whole_.dim;
-    const std::vector<double> all = group_.gather({part.data(), to_size(part.size())});
-    std::vector<std::size_t> next(to_size(owners_.processes), 0);
-    for (int r = 1; r < owners_.processes; ++r) {
-      next[to_size(r)] =
-          next[to_size(r) - 1] + to_size(owners_.contacts[to_size(r) - 1]) * to_size(d);
-    }
-    Vector whole(whole_.num_rows());
-    for (int c = 0; c < whole_.num_contacts(); ++c) {
-      std::size_t& from = next[to_size(owners_.owner[to_size(c)])];
-      for (int k = 0; k < d; ++k) whole[c * d + k] = all[from++];
-    }
-    return whole;
+    result.s = s;
+    result.u = evaluate_.velocity();
   }
 
   DistributedCounts counts(const Traffic& before) {
@@ -275,9 +262,10 @@ class DistributedSolve {
     group_.largest(most);
     DistributedCounts counts;
     counts.processes = group_.size();
-    counts.imbalance = imbalance(owners_.contacts);
-    counts.most_contacts =
-        static_cast<int>(*std::max_element(owners_.contacts.begin(), owners_.contacts.end()));
+    const double here[1] = {static_cast<double>(piece_.own.num_contacts())};
+    const std::vector<double> contacts = group_.gather(here);
+    counts.imbalance = imbalance(contacts);
+    counts.most_contacts = static_cast<int>(*std::max_element(contacts.begin(), contacts.end()));
     counts.most_halo = static_cast<int>(most[4]);
     counts.traffic.messages = static_cast<std::int64_t>(most[0]);
     counts.traffic.bytes = static_cast<std::int64_t>(most[1]);
@@ -286,16 +274,15 @@ class DistributedSolve {
     return counts;
   }
 
-  const ContactProblem& whole_;
+  const ProblemPiece& piece_;
+  WholeProblem& whole_;
   const SolverOptions& options_;
   ProcessGroup& group_;
   int shared_factor_rows_;
-  Stopwatch watch_;
-  BodyNodes nodes_;
-  ContactOwners owners_;
-  ProblemPiece piece_;
-  DistributedSpace space_;
+  const Stopwatch& watch_;
+  DistributedSpace& space_;
   DistributedError evaluate_;
+  bool started_ = false;  // some process was given a start
 };
 
 }  // namespace
@@ -318,7 +305,50 @@ DistributedResult distributed_solve(std::string_view name, const ContactProblem&
     return out;
   }
   require_one_problem(problem, options, group);
-  return DistributedSolve(problem, options, group, extra).run(*find_distributed_solver(name));
+  const Stopwatch watch;
+  const BodyNodes nodes = body_nodes(problem);
+  const ContactOwners owners = contact_owners(problem, nodes, extra.contact_places, group.size());
+  const ProblemPiece piece = cut_piece(problem, nodes, owners, group.rank());
+  DistributedSpace space(piece, group, extra.reproducible);
+  KnownWhole whole(problem, owners, group);
+  const Vector start = options.s0.size() == 0 ? Vector() : whole.mine(options.s0);
+  out.result = DistributedSolve(space, whole, options, extra, watch)
+                   .run(*find_distributed_solver(name), start, out.counts);
+  out.result.s = whole.join(out.result.s);
+  out.result.u = whole.join(out.result.u);
+  return out;
+}
+
+PieceResult distributed_solve(std::string_view name, const ProblemPiece& piece,
+                              const SolverOptions& options, ProcessGroup& group,
+                              const DistributedOptions& extra) {
+  PieceResult out;
+  out.counts.processes = group.size();
+  const std::string refusal = group.first_text(refuse_input(name, piece.own, options, extra));
+  if (!refusal.empty()) {
+    out.result.status = SolveStatus::kInvalidInput;
+    out.result.message = refusal;
+    return out;
+  }
+  const double figures[] = {static_cast<double>(piece.whole_contacts),
+                            static_cast<double>(piece.own.dim),
+                            static_cast<double>(piece.everywhere_inverse_mass.size()), options.tol};
+  require_same(figures, group);
+  out.with_halo = Vector::Zero(piece.with_halo.num_rows());
+  if (piece.whole_contacts == 0) {
+    out.result.status = SolveStatus::kNothingToDo;
+    out.result.message = "no contacts";
+    out.result.error = contact_error(piece.own, Vector());
+    return out;
+  }
+  const Stopwatch watch;
+  DistributedSpace space(piece, group, extra.reproducible);
+  GatheredWhole whole(space);
+  out.result = DistributedSolve(space, whole, options, extra, watch)
+                   .run(*find_distributed_solver(name), options.s0, out.counts);
+  space.with_halo(out.result.s, out.with_halo);
+  out.everywhere_momentum = space.everywhere_momentum(out.result.s);
+  return out;
 }
 
 }  // namespace bipot

@@ -3,6 +3,7 @@
 #include <string_view>
 #include <vector>
 
+#include "solvers/distributed/problem_piece.h"
 #include "solvers/distributed/process_group.h"
 #include "solvers/solver.h"
 
@@ -45,5 +46,22 @@ struct DistributedResult {
 DistributedResult distributed_solve(std::string_view solver, const ContactProblem& problem,
                                     const SolverOptions& options, ProcessGroup& group,
                                     const DistributedOptions& extra = {});
+
+/// What a solve leaves on one process of a problem of which nobody has the whole.
+struct PieceResult {
+  SolveResult
+      result;  ///< s and u of the owned contacts; the rest as of the whole, the same everywhere
+  Vector with_halo;  ///< s in the rows of ProblemPiece::with_halo
+  std::vector<double>
+      everywhere_momentum;  ///< H s in the degrees of freedom that every process has
+  DistributedCounts counts;
+};
+
+/// The same of the pieces of all processes, each of which brings its own: options.s0 has the rows of
+/// piece.own, or is empty on all processes (contact_places are of no use here). Nobody holds the whole, but the first process where a led
+/// solver works on it, or a claim is to be proved in more than double precision (whole_problem.h).
+PieceResult distributed_solve(std::string_view solver, const ProblemPiece& piece,
+                              const SolverOptions& options, ProcessGroup& group,
+                              const DistributedOptions& extra = {});
 
 }  // namespace bipot

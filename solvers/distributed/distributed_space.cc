@@ -43,18 +43,18 @@ void DistributedSpace::fill(const Vector& s) {
   }
 }
 
-/// momentum_ <- H s in the degrees of freedom that every process has.
-void DistributedSpace::everywhere_momentum(const Vector& s) {
-  if (!any_everywhere_) return;
+const std::vector<double>& DistributedSpace::everywhere_momentum(const Vector& s) {
+  if (!any_everywhere_) return momentum_;
   if (exact_) {
     std::vector<ExactSum> sums(momentum_.size());
     for (const auto& e : piece_.everywhere) sums[to_size(e.dof)] += e.value * s[e.row];
     totals(sums, momentum_);
-    return;
+    return momentum_;
   }
   std::fill(momentum_.begin(), momentum_.end(), 0.0);
   for (const auto& e : piece_.everywhere) momentum_[to_size(e.dof)] += e.value * s[e.row];
   group_.sum(momentum_);
+  return momentum_;
 }
 
 /// u_all_ <- W s_all_, right in the rows of the owned contacts.

@@ -42,6 +42,9 @@ class DistributedSpace {
   /// v = v_free + A⁻¹ H s in the degrees of freedom of piece().own.
   void body_velocities(const Vector& s, Vector& v);
 
+  /// H s in the degrees of freedom that every process has, of all contacts.
+  const std::vector<double>& everywhere_momentum(const Vector& s);
+
   /// Sums over all processes of what each has.
   void sum(std::span<double> values) { group_.sum(values); }
   template <class A, class B>
@@ -71,7 +74,6 @@ class DistributedSpace {
  private:
   void fill(const Vector& s);
   void product();
-  void everywhere_momentum(const Vector& s);
 
   const ProblemPiece& piece_;
   ProcessGroup& group_;

@@ -6,6 +6,7 @@
 #include <petscsf.h>
 
 #include <algorithm>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
@@ -147,6 +148,43 @@ class PetscGroup : public ProcessGroup {
     count(mine.size_bytes());
     return all;
   }
+  std::vector<Parcel> deliver(std::vector<Parcel> parcels) override {
+    std::vector<int> sizes(to_size(size_), 0), coming(to_size(size_), 0);
+    for (std::size_t r = 0; r < sizes.size(); ++r) {
+      if (parcels.at(r).size() > to_size(std::numeric_limits<int>::max())) {
+        throw std::runtime_error("MPI: more than 2^31 values in a message");
+      }
+      sizes[r] = static_cast<int>(parcels[r].size());
+    }
+    check_mpi(MPI_Alltoall(sizes.data(), 1, MPI_INT, coming.data(), 1, MPI_INT, PETSC_COMM_WORLD),
+              "MPI_Alltoall");
+    count(to_size(size_) * sizeof(int));
+    std::vector<Parcel> received(to_size(size_));
+    std::vector<MPI_Request> requests;
+    for (int r = 0; r < size_; ++r) {
+      Parcel& from = received[to_size(r)];
+      if (r == rank_) {
+        from = std::move(parcels[to_size(r)]);
+      } else if (coming[to_size(r)] > 0) {
+        from.resize(to_size(coming[to_size(r)]));
+        check_mpi(MPI_Irecv(from.data(), coming[to_size(r)], MPI_DOUBLE, r, kParcelTag,
+                            PETSC_COMM_WORLD, &requests.emplace_back()),
+                  "MPI_Irecv");
+      }
+    }
+    for (int r = 0; r < size_; ++r) {
+      const Parcel& to = parcels[to_size(r)];
+      if (r == rank_ || to.empty()) continue;
+      check_mpi(MPI_Isend(to.data(), sizes[to_size(r)], MPI_DOUBLE, r, kParcelTag, PETSC_COMM_WORLD,
+                          &requests.emplace_back()),
+                "MPI_Isend");
+      ++traffic_->messages;
+      traffic_->bytes += static_cast<std::int64_t>(to.size() * sizeof(double));
+    }
+    check_mpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+              "MPI_Waitall");
+    return received;
+  }
   std::string first_text(const std::string& mine) override {
     const std::vector<int> counts = counts_of(mine.size());
     const std::vector<int> starts = starts_of(counts);
@@ -205,6 +243,7 @@ class PetscGroup : public ProcessGroup {
     return starts;
   }
 
+  static constexpr int kParcelTag = 4711;  // PETSc takes its tags from a communicator of its own
   int rank_ = 0, size_ = 1;
   std::vector<double> blocks_;
 };

@@ -73,6 +73,7 @@ class PieceCutter {
     cut_own();
     cut_with_halo();
     find_everywhere();
+    piece_.dof_number = dofs_;
     piece_.disks = disk_structure(whole_).has_value();
     return std::move(piece_);
   }

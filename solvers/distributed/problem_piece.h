@@ -25,7 +25,10 @@ struct ProblemPiece {
   std::vector<int> dof_with_halo;  ///< of each degree of freedom of `own` its place there; -1: none
   std::vector<int> owned;          ///< places in with_halo of the owned contacts, ascending
   std::vector<int> halo;           ///< places in with_halo of the others, ascending
-  std::vector<int> number;         ///< of each owned contact in the whole
+  std::vector<int> number;         ///< of each owned contact in the whole, ascending
+  /// For each degree of freedom of `own` a number that it has in the whole, ascending; those of all
+  /// processes together are in the order of the whole, with or without gaps.
+  std::vector<int> dof_number;
   std::vector<RemoteItem> copies;  ///< for each contact of the halo: its owner and its place there
   /// For each degree of freedom of `own`: how many processes own contacts of its body.
   std::vector<int> sharers;

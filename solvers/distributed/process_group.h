@@ -34,6 +34,9 @@ struct RemoteItem {
   int original = 0;  ///< the item's number among the owner's originals
 };
 
+/// Numbers for one process, or from one: as many as there are.
+using Parcel = std::vector<double>;
+
 /// Items of which each has one original, with its owner, and copies wherever they are needed.
 /// Collective: every process of the group calls, with the same block.
 class Exchange {
@@ -68,6 +71,10 @@ class ProcessGroup {
   virtual void largest(std::span<double> values) = 0;
   /// The values of all processes, rank after rank, on every process.
   virtual std::vector<double> gather(std::span<const double> mine) = 0;
+  /// Parcel r of each process goes to process r; returned are those for this process, by sender.
+  /// What a process sends itself is no message. The others are told first how much comes: one more
+  /// meeting of all (Traffic::reductions), with a number for each process.
+  virtual std::vector<Parcel> deliver(std::vector<Parcel> parcels) = 0;
   /// The text of the lowest rank that has one, on every process; empty where none has.
   virtual std::string first_text(const std::string& mine) = 0;
   /// `originals`: how many this process owns.

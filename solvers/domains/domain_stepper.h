@@ -1,0 +1,87 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "core/motion/time_stepping.h"
+#include "solvers/distributed/distributed_solve.h"
+#include "solvers/domains/domain_piece.h"
+#include "solvers/domains/domain_state.h"
+
+namespace bipot {
+
+/// Why the state of a scene cannot lie on several processes, in a few words; empty where it can.
+template <int D>
+std::string needs_whole_state(const SceneIn<D>& scene);
+
+struct DomainOptions {
+  double most_imbalance =
+      1.2;            ///< contacts of one process over their mean: above it cells are cut again
+  int cut_every = 0;  ///< steps after which cells are cut again in any case; 0: never
+};
+
+/// What the steps of one process counted; messages and bytes are those that it sent.
+struct DomainCounts {
+  int steps = 0;
+  int cuts = 0;               ///< how often cells were cut again
+  std::int64_t migrated = 0;  ///< bodies that went from here to others
+  int most_bodies = 0, most_ghosts = 0, most_contacts = 0, most_halo = 0;  ///< in a step
+  double imbalance = 1;  ///< most contacts of one process over their mean, largest of the steps
+  Traffic detection;     ///< ghosts, numbers and places of contacts
+  Traffic solve;         ///< with assembly and what is added up after it
+  Traffic migration;     ///< and new cells
+};
+/// The largest of all processes, one by one; bodies that went are added up. Collective.
+DomainCounts largest_counts(const DomainCounts& mine, ProcessGroup& group);
+
+/// Contacts push walls with this much, of a step (bench/scenes/force_energy.h): Σ |s| at walls.
+template <int D>
+struct DomainReportIn {
+  StepReportIn<D> report;
+  double wall_pushes = 0;  ///< [N s]
+};
+
+/// TimeStepperIn (core/motion/time_stepping.h) for a state that lies on several processes: the same
+/// scheme, the same problems, the same ledger, but for the order of its sums. Each process detects,
+/// assembles and moves what is its own; nobody holds the whole. Everything is collective.
+template <int D>
+class DomainStepperIn {
+ public:
+  /// Solves the problem of these pieces from a start in the rows of piece.own, or of size 0 on all.
+  using Solver = std::function<PieceResult(const ProblemPiece& piece, const Vector& s0)>;
+  /// Keeps references. needs_whole_state(scene) is empty.
+  DomainStepperIn(const SceneIn<D>& scene, ProcessGroup& group, Solver solver,
+                  const DomainOptions& options = {});
+
+  /// Cuts the state, which all processes have, and takes its part of it.
+  DomainStateIn<D> begin(const StateIn<D>& whole);
+  /// Takes one step, then sends bodies to whose cell they have come into. Throws StepFailure on all
+  /// processes, leaving the state as it was, where TimeStepperIn does; CommonFailure where detection
+  /// refuses.
+  DomainReportIn<D> advance(DomainStateIn<D>& state);
+  /// The problem of the last step on the first process, an empty one elsewhere. Collective.
+  ContactProblem gather_last_problem();
+
+  const DomainCounts& counts() const { return counts_; }
+
+ private:
+  struct Step;
+  void detect(const DomainStateIn<D>& state, Step& step);
+  Vector solve(const DomainStateIn<D>& state, Step& step, DomainReportIn<D>& out);
+  StateIn<D> move(const DomainStateIn<D>& state, Step& step);
+  void close_ledger(const StateIn<D>& before, Step& step, StateIn<D>& next, DomainReportIn<D>& out);
+  void send_bodies(DomainStateIn<D>& state);
+
+  const SceneIn<D>& scene_;
+  ProcessGroup& group_;
+  Solver solver_;
+  DomainOptions options_;
+  CellTree cells_;
+  double after_cut_ = 0;  // imbalance that the last cut left; 0: not seen yet
+  DomainPiece last_;      // of the last step
+  DomainCounts counts_;
+};
+using DomainStepper = DomainStepperIn<2>;
+
+}  // namespace bipot
