@@ -155,18 +155,22 @@ std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state, const
 
 template <int D>
 void EnergyGrowth::add(const SceneIn<D>& scene, const SceneStepIn<D>& step) {
-  const EnergyLedger& e = step.report.energy;
+  add(scene, step.report.energy, step.report.step, force_energy(scene, step.state));
+}
+
+template <int D>
+void EnergyGrowth::add(const SceneIn<D>& scene, const EnergyLedger& e, int step, double force) {
   const double loss = e.friction_loss + e.shock_loss;
   // A step that is solved to the tolerance may be off by about this part of the energy at hand.
   const double scale = std::max({std::abs(loss), e.kinetic, std::abs(e.wall_work)});
   const double grace = std::max(1e-9, 10 * scene.solver.tol) * scale;
-  const double created = loss_ - loss - force_energy(scene, step.state);
+  const double created = loss_ - loss - force;
   if (created > grace) {
     ++steps_;
     if (created > largest_) {
       largest_ = created;
       energy_ = e.kinetic;
-      step_ = step.report.step;
+      step_ = step;
     }
   }
   loss_ = loss;
@@ -190,6 +194,8 @@ template std::string failure_text<2>(const Scene&, const State&, std::span<const
                                      const ContactProblem&, const ContactError&, int, bool);
 template std::string failure_text(const Scene&, const State&, const SceneRun&, bool);
 template void EnergyGrowth::add(const Scene&, const SceneStep&);
+template void EnergyGrowth::add(const Scene&, const EnergyLedger&, int, double);
+template void EnergyGrowth::add(const SceneIn<3>&, const EnergyLedger&, int, double);
 template std::string EnergyGrowth::warning(const Scene&) const;
 template std::string failure_text<3>(const SceneIn<3>&, const StateIn<3>&,
                                      std::span<const ContactOutcomeIn<3>>, const ContactProblem&,

@@ -29,6 +29,9 @@ class EnergyGrowth {
   explicit EnergyGrowth(const StateIn<D>& start) : loss_(start.friction_loss + start.shock_loss) {}
   template <int D>
   void add(const SceneIn<D>& scene, const SceneStepIn<D>& step);
+  /// The same from the step's ledger and its force_energy() (bench/scenes/force_energy.h).
+  template <int D>
+  void add(const SceneIn<D>& scene, const EnergyLedger& ledger, int step, double force);
   /// One line; empty when nothing grew beyond what tolerance and rounding leave.
   template <int D>
   std::string warning(const SceneIn<D>& scene) const;

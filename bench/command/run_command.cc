@@ -11,6 +11,7 @@
 #include <utility>
 #include <variant>
 
+#include "bench/command/domain_run.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/failure_text.h"
 #include "bench/command/interrupt.h"
@@ -18,6 +19,7 @@
 #include "bench/command/run_processes.h"
 #include "bench/command/run_summary.h"
 #include "bench/report/json_output.h"
+#include "bench/scenes/force_energy.h"
 #include "bench/scenes/run_folder.h"
 #include "bench/scenes/scene_catalogue.h"
 #include "core/file_error.h"
@@ -241,6 +243,15 @@ StepSolver run_solver(const RunFlags& flags, PreparedRun<D>& run, const Stopwatc
   };
 }
 
+/// Whether somebody pressed Ctrl-C or is out of time, on all processes.
+std::function<bool()> cancelled_by(const RunFlags& flags, const Stopwatch& watch) {
+  const double limit = flags.common.time_limit;
+  return [&watch, limit] {
+    const bool here = InterruptGuard::requested() || watch.seconds() > limit;
+    return on_several_processes() ? run_processes().any(here) : here;
+  };
+}
+
 template <int D>
 SceneRunOptionsIn<D> run_options_of(const RunFlags& flags, PreparedRun<D>& run,
                                     const Stopwatch& watch) {
@@ -252,12 +263,86 @@ SceneRunOptionsIn<D> run_options_of(const RunFlags& flags, PreparedRun<D>& run,
   options.on_failure = flags.on_failure == "stop"           ? OnFailure::kStop
                        : flags.on_failure == "smaller-step" ? OnFailure::kSmallerStep
                                                             : OnFailure::kContinue;
-  const double limit = flags.common.time_limit;
-  options.cancelled = [&watch, limit] {
-    const bool here = InterruptGuard::requested() || watch.seconds() > limit;
-    return on_several_processes() ? run_processes().any(here) : here;
-  };
+  options.cancelled = cancelled_by(flags, watch);
   return options;
+}
+
+/// What comes of the steps of a run.
+template <int D>
+struct TakenSteps {
+  SceneRunIn<D> run;
+  std::string advice;  // on the first step that was not solved
+  std::string warning;
+  std::optional<DomainCounts> domains;  // where the state lies on several processes
+};
+
+/// With the state on this process, or on each of several.
+template <int D>
+TakenSteps<D> take_steps(const RunFlags& flags, PreparedRun<D>& prepared, const Stopwatch& watch,
+                         bool quiet) {
+  const SceneIn<D>& scene = prepared.scene;
+  StateIn<D>& state = prepared.state;
+  const RunFolderOptions& folder = prepared.folder;
+  SceneRunOptionsIn<D> run_options = run_options_of(flags, prepared, watch);
+  const bool smaller_steps = run_options.on_failure == OnFailure::kSmallerStep;
+  TakenSteps<D> taken;
+  EnergyGrowth growth(state);
+  ProgressBar progress(*run_options.steps, quiet || !is_speaker());
+  run_options.on_step = [&, first = state.step](const SceneStepIn<D>& step) {
+    growth.add(scene, step);
+    if (!step.report.converged && taken.advice.empty() && !quiet) {
+      taken.advice = failure_text<D>(scene, step.state, step.state.contacts, step.problem,
+                                     step.report.error, step.report.step, smaller_steps);
+    }
+    progress.update(
+        step.report.step - first,
+        fmt::format("{} contacts, {} iterations", step.report.contacts, step.report.iterations));
+    return true;
+  };
+  taken.run = folder.folder.empty() || !is_speaker()
+                  ? run_scene(scene, state, run_options)
+                  : run_scene_into(scene, state, run_options, folder);
+  taken.warning = growth.warning(scene);
+  return taken;
+}
+
+/// The same with a part of the state on each of several processes.
+template <int D>
+TakenSteps<D> take_steps_in_domains(const RunFlags& flags, PreparedRun<D>& prepared,
+                                    const Stopwatch& watch, bool quiet) {
+  SceneIn<D>& scene = prepared.scene;
+  ProcessGroup& group = run_processes();
+  TakenSteps<D> taken;
+  DomainRunOptionsIn<D> options;
+  options.steps = scene.num_steps - prepared.state.step;
+  options.cancelled = cancelled_by(flags, watch);
+  options.folder = prepared.folder;
+  prepared.options.cancelled = &InterruptGuard::requested;
+  const double limit = flags.common.time_limit;
+  options.solver = [&, limit](const ProblemPiece& piece, const Vector& s0) {
+    prepared.options.time_limit = std::max(limit - watch.seconds(), 1e-3);
+    prepared.options.s0 = s0;
+    return distributed_solve(scene.solver.name, piece, prepared.options, group);
+  };
+  EnergyGrowth growth(prepared.state);
+  ProgressBar progress(options.steps, quiet || !is_speaker());
+  options.on_step = [&, first = prepared.state.step](const DomainReportIn<D>& step) {
+    const StepReportIn<D>& report = step.report;
+    growth.add(scene, report.energy, report.step, force_energy(scene, step.wall_pushes));
+    progress.update(report.step - first,
+                    fmt::format("{} contacts, {} iterations", report.contacts, report.iterations));
+  };
+  if (!quiet) {
+    options.on_unsolved = [&](const SceneStepIn<D>& step) {
+      taken.advice = failure_text<D>(scene, step.state, step.state.contacts, step.problem,
+                                     step.report.error, step.report.step, false);
+    };
+  }
+  // Who writes needs the bodies of the scene as well.
+  if (!is_speaker()) scene.disks = {};
+  taken.run = run_domains(scene, prepared.state, options, group, taken.domains.emplace());
+  taken.warning = growth.warning(scene);
+  return taken;
 }
 
 /// `text`: of the scene's file.
@@ -281,47 +366,44 @@ int run_in(const RunFlags& flags, SceneIn<D> given, const std::string& text) {
   });
 
   const InterruptGuard interrupt;
-  SceneRunOptionsIn<D> run_options = run_options_of(flags, prepared, watch);
-  const bool smaller_steps = run_options.on_failure == OnFailure::kSmallerStep;
-  SceneRunIn<D> run;
-  std::string advice;  // on the first step that was not solved
-  EnergyGrowth growth(state);
-  {
-    ProgressBar progress(*run_options.steps, quiet || !is_speaker());
-    run_options.on_step = [&, first = state.step](const SceneStepIn<D>& step) {
-      growth.add(scene, step);
-      if (!step.report.converged && advice.empty() && !quiet) {
-        advice = failure_text<D>(scene, step.state, step.state.contacts, step.problem,
-                                 step.report.error, step.report.step, smaller_steps);
-      }
-      progress.update(
-          step.report.step - first,
-          fmt::format("{} contacts, {} iterations", step.report.contacts, step.report.iterations));
-      return true;
-    };
-    run = folder.folder.empty() || !is_speaker()
-              ? run_scene(scene, state, run_options)
-              : run_scene_into(scene, state, run_options, folder);
-  }
+  const std::string whole_state =
+      on_several_processes() ? state_on_every_process(flags, scene) : "one process";
+  const TakenSteps<D> taken = whole_state.empty()
+                                  ? take_steps_in_domains(flags, prepared, watch, quiet)
+                                  : take_steps(flags, prepared, watch, quiet);
+  const SceneRunIn<D>& run = taken.run;
+  std::string advice = taken.advice;
+  double peak[1] = {peak_memory()};
+  if (taken.domains) run_processes().largest(peak);
   const auto [status, exit_code] = outcome_of(run);
   if (!is_speaker()) return exit_code;
   if (run.failure) {
     fmt::print(stderr, "bipot: {}\n", run.failure->what());
     if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
-      advice = failure_text(scene, state, run, smaller_steps);
+      advice = failure_text(scene, state, run, flags.on_failure == "smaller-step");
     }
   }
   if (!advice.empty() && !quiet) fmt::print(stderr, "{}", advice);
-  if (const std::string warning = growth.warning(scene); !warning.empty() && !flags.common.quiet) {
-    fmt::print(stderr, "{}", warning);
-  }
+  if (!flags.common.quiet) fmt::print(stderr, "{}", taken.warning);
   const RunSummary<D> summary{scene,           state,           run, status, exit_code,
                               watch.seconds(), flags.common.out};
   Json json = to_json(summary);
   if (is_distributed(flags)) json["processes"] = launched_processes();
+  std::string state_text;
+  if (on_several_processes()) {
+    state_text = taken.domains ? "distributed" : "on every process: " + whole_state;
+    json["state"] = state_text;
+  }
+  if (taken.domains) json["domains"] = to_json(*taken.domains, peak[0]);
   if (!flags.common.out.empty()) write_json(json, (folder.folder / "summary.json").string());
   if (!flags.common.json.empty()) write_json(json, flags.common.json);
-  if (!quiet) fmt::print("{}", to_text(summary));
+  if (!quiet) {
+    fmt::print("{}", to_text(summary));
+    if (!state_text.empty()) {
+      fmt::print("  processes    {}, state {}\n", launched_processes(), state_text);
+    }
+    if (taken.domains) fmt::print("{}", to_text(*taken.domains));
+  }
   return exit_code;
 }
 

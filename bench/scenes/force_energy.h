@@ -10,5 +10,8 @@ namespace bipot {
 /// [J]
 template <int D>
 double force_energy(const SceneIn<D>& scene, const StateIn<D>& after);
+/// The same from what walls pushed with in the step, Σ |s| over their contacts        [N s].
+template <int D>
+double force_energy(const SceneIn<D>& scene, double wall_pushes);
 
 }  // namespace bipot

@@ -26,6 +26,14 @@ struct Traffic {
   std::int64_t bytes = 0;          ///< in these
   std::int64_t reductions = 0;     ///< in which all take part
   std::int64_t reduced_bytes = 0;  ///< what this process put into them
+
+  /// Adds what came between two readings.
+  void add_since(const Traffic& before, const Traffic& now) {
+    messages += now.messages - before.messages;
+    bytes += now.bytes - before.bytes;
+    reductions += now.reductions - before.reductions;
+    reduced_bytes += now.reduced_bytes - before.reduced_bytes;
+  }
 };
 
 /// An item that is here as a copy of one that belongs to a process.

@@ -10,11 +10,11 @@
 namespace bipot {
 namespace {
 
-/// How many of these contacts each body comes first in. Both ascending.
+/// What each body brings along: itself, and these contacts that it comes first in. Both ascending.
 template <int D>
 std::vector<double> contact_weights(const std::vector<int>& numbers,
                                     const std::vector<ContactOutcomeIn<D>>& contacts) {
-  std::vector<double> weights(numbers.size(), 0.0);
+  std::vector<double> weights(numbers.size(), 1.0);
   std::size_t k = 0;
   for (const ContactOutcomeIn<D>& c : contacts) {
     while (k < numbers.size() && numbers[k] < c.contact.i) ++k;

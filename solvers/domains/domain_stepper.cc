@@ -21,13 +21,6 @@ namespace {
 /// New cells are not worth their messages until the imbalance has grown by this factor since the last.
 constexpr double kWorseThanAfterCut = 1.1;
 
-void add_since(const Traffic& before, const Traffic& now, Traffic& to) {
-  to.messages += now.messages - before.messages;
-  to.bytes += now.bytes - before.bytes;
-  to.reductions += now.reductions - before.reductions;
-  to.reduced_bytes += now.reduced_bytes - before.reduced_bytes;
-}
-
 /// Numbers of different meaning that are added up over all processes in one reduction.
 class SumList {
  public:
@@ -73,7 +66,7 @@ DomainCounts largest_counts(const DomainCounts& mine, ProcessGroup& group) {
   std::vector<double> numbers = {
       static_cast<double>(mine.most_bodies), static_cast<double>(mine.most_ghosts),
       static_cast<double>(mine.most_contacts), static_cast<double>(mine.most_halo)};
-  Traffic* const traffics[] = {&all.detection, &all.solve, &all.migration};
+  Traffic* const traffics[] = {&all.detection, &all.solve, &all.migration, &all.gathering};
   for (const Traffic* t : traffics) {
     for (const std::int64_t n : {t->messages, t->bytes, t->reductions, t->reduced_bytes}) {
       numbers.push_back(static_cast<double>(n));
@@ -274,7 +267,7 @@ DomainReportIn<D> DomainStepperIn<D>::advance(DomainStateIn<D>& state) {
   Step step;
   Traffic before = group_.traffic();
   detect(state, step);
-  add_since(before, group_.traffic(), counts_.detection);
+  counts_.detection.add_since(before, group_.traffic());
   before = group_.traffic();
   out.report.detection_seconds = watch.lap();
   last_ = assemble_piece(scene_, step.local, step.mid, step.contacts, state.bodies, group_);
@@ -283,7 +276,7 @@ DomainReportIn<D> DomainStepperIn<D>::advance(DomainStateIn<D>& state) {
   out.report.solve_seconds = watch.lap();
   StateIn<D> next = move(state, step);
   close_ledger(state.here, step, next, out);
-  add_since(before, group_.traffic(), counts_.solve);
+  counts_.solve.add_since(before, group_.traffic());
   const int here = static_cast<int>(step.local.numbers.size());
   for (ContactOutcomeIn<D>& c : step.outcome.contacts) {
     c.contact.i = step.local.numbers[to_size(c.contact.i)];
@@ -300,7 +293,7 @@ DomainReportIn<D> DomainStepperIn<D>::advance(DomainStateIn<D>& state) {
 template <int D>
 void DomainStepperIn<D>::send_bodies(DomainStateIn<D>& state) {
   const Traffic before = group_.traffic();
-  const double here[1] = {static_cast<double>(state.here.contacts.size())};
+  const double here[1] = {static_cast<double>(state.numbers.size() + state.here.contacts.size())};
   const double uneven = imbalance(group_.gather(here));
   counts_.imbalance = std::max(counts_.imbalance, uneven);
   if (after_cut_ == 0) after_cut_ = uneven;
@@ -311,7 +304,7 @@ void DomainStepperIn<D>::send_bodies(DomainStateIn<D>& state) {
     ++counts_.cuts;
   }
   counts_.migrated += migrate(cells_, group_, state);
-  add_since(before, group_.traffic(), counts_.migration);
+  counts_.migration.add_since(before, group_.traffic());
 }
 
 template <int D>

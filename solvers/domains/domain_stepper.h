@@ -27,10 +27,13 @@ struct DomainCounts {
   int cuts = 0;               ///< how often cells were cut again
   std::int64_t migrated = 0;  ///< bodies that went from here to others
   int most_bodies = 0, most_ghosts = 0, most_contacts = 0, most_halo = 0;  ///< in a step
-  double imbalance = 1;  ///< most contacts of one process over their mean, largest of the steps
-  Traffic detection;     ///< ghosts, numbers and places of contacts
-  Traffic solve;         ///< with assembly and what is added up after it
-  Traffic migration;     ///< and new cells
+  /// Most bodies and contacts of one process over their mean, largest of the steps.
+  double imbalance = 1;
+  Traffic detection;  ///< ghosts, numbers and places of contacts
+  Traffic solve;      ///< with assembly and what is added up after it
+  Traffic migration;  ///< and new cells
+  int gathers = 0;    ///< of the whole state, by who writes it
+  Traffic gathering;
 };
 /// The largest of all processes, one by one; bodies that went are added up. Collective.
 DomainCounts largest_counts(const DomainCounts& mine, ProcessGroup& group);

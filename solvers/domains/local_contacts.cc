@@ -18,9 +18,9 @@ namespace {
 /// The bodies whose contacts a process needs: its own, and those of its own contacts. What is glued
 /// to a wall is none: who pushes it pushes the wall.
 template <int D>
-std::vector<char> bodies_to_follow(const LocalBodiesIn<D>& local, int rank,
+std::vector<char> bodies_to_follow(const LocalBodiesIn<D>& local,
+                                   const std::vector<BodyIn<D>>& disks, int rank,
                                    const std::vector<ContactIn<D>>& contacts) {
-  const auto& disks = local.state.disks;
   std::vector<char> follow(disks.size(), 0);
   const auto mark = [&](std::size_t k) { follow[k] = disks[k].wall < 0 ? 1 : 0; };
   for (const int k : local.own) mark(to_size(k));
@@ -157,7 +157,7 @@ LocalContactsIn<D> find_local_contacts(const SceneIn<D>& scene, const LocalBodie
         fmt::format("{} (numbers among the bodies of process {})", e.what(), group.rank() + 1);
   }
   group.fail_where_any(failure);
-  const std::vector<char> follow = bodies_to_follow(local, group.rank(), found);
+  const std::vector<char> follow = bodies_to_follow(local, mid.disks, group.rank(), found);
   LocalContactsIn<D> contacts;
   for (const ContactIn<D>& c : found) {
     const bool own = local.owner[to_size(c.i)] == group.rank();

@@ -89,6 +89,8 @@ void iterate_anderson(Products products, const ContactScaling& scaling, const Ve
   Vector f_before, g_before;
   double smallest = std::numeric_limits<double>::infinity();
   bool accelerated = false;
+  bool known_before =
+      false;  // not by sizes: a process may have no rows, and takes part in all sums
   for (int iteration = 0; !monitor.stop(iteration, s); ++iteration) {
     s = x.cwiseProduct(scaling.velocity);
     map(s);
@@ -99,14 +101,15 @@ void iterate_anderson(Products products, const ContactScaling& scaling, const Ve
       memory.clear();
       x = g_before;
       accelerated = false;
-      f_before.resize(0);
+      known_before = false;
       smallest = std::numeric_limits<double>::infinity();
       continue;
     }
     smallest = std::min(smallest, residual);
-    if (f_before.size() != 0) memory.append(f - f_before, g - g_before);
+    if (known_before) memory.append(f - f_before, g - g_before);
     f_before = f;
     g_before = g;
+    known_before = true;
     memory.combine(f, g, x);
     accelerated = true;
   }

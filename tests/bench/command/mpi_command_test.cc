@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"
 #include "tests/support/source_folder.h"
 
@@ -179,6 +180,176 @@ TEST_F(MpiCommand, ARunHasTheSameFilesAndGoesOnWithAnotherNumberOfProcesses) {
   const json j = json::parse(content(path("several/summary.json")));
   EXPECT_EQ(j["processes"], 3);
   EXPECT_EQ(j["status"], "completed");
+}
+
+/// A packing under a lid that a force presses, on a floor that moves: at rest but for that.
+constexpr const char* kPressed = R"(title = "Pressed"
+gravity = [0, -9.81]
+
+[contact]
+mu = 0.3
+
+[[disks]]
+arrangement = "triangular"
+columns = 10
+rows = 10
+radius = 0.05
+density = 1000
+
+[[walls]]
+name = "floor"
+point = [0, 0]
+normal = [0, 1]
+velocity = [0.05, 0]
+
+[[walls]]
+name = "left"
+point = [0, 0]
+normal = [1, 0]
+
+[[walls]]
+name = "right"
+point = [1, 0]
+normal = [-1, 0]
+
+[[walls]]
+name = "lid"
+point = [0, 0.8794]
+normal = [0, -1]
+force = 500
+mass = 40
+
+[time]
+step = 1e-3
+steps = 1000
+
+[solver]
+name = "apgd"
+tol = 1e-8
+
+[output]
+every = 10
+)";
+
+/// Largest distance between the places of the same disks.
+double farthest(const State& a, const State& b) {
+  double most = a.disks.size() == b.disks.size() ? 0 : 1e300;
+  for (std::size_t k = 0; k < std::min(a.disks.size(), b.disks.size()); ++k) {
+    most = std::max(most, (a.disks[k].x - b.disks[k].x).norm());
+  }
+  return most;
+}
+
+TEST_F(MpiCommand, AStateOnSeveralProcessesLeavesTheFilesOfOne) {
+  const std::string run = "run " + write("pressed.toml", kPressed) + " --steps 25 --out ";
+  ASSERT_EQ(bipot(run + path("one")).exit_code, 0);
+  const Outcome four = on(4, run + path("four"));
+  ASSERT_EQ(four.exit_code, 0);
+  EXPECT_EQ(count(four.out, "processes    4, state distributed"), 1) << four.out;
+  const auto files = [&](const std::string& name) {
+    std::vector<std::string> list;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(path(name))) {
+      list.push_back(std::filesystem::relative(entry.path(), path(name)).string());
+    }
+    std::sort(list.begin(), list.end());
+    return list;
+  };
+  EXPECT_EQ(files("four"), files("one"));
+  // Impulses agree to the tolerance, places to what it moves in 25 steps.
+  const State one = read_state<2>(path("one")), many = read_state<2>(path("four"));
+  EXPECT_EQ(many.step, 25);
+  EXPECT_LE(farthest(one, many), 1e-6);
+  EXPECT_NEAR(one.walls[3].a[1], many.walls[3].a[1], 1e-6);
+  ASSERT_EQ(one.contacts.size(), many.contacts.size());
+  for (std::size_t k = 0; k < one.contacts.size(); ++k) {
+    EXPECT_EQ(one.contacts[k].contact.i, many.contacts[k].contact.i);
+    EXPECT_EQ(one.contacts[k].contact.j, many.contacts[k].contact.j);
+  }
+  // Rows of the ledger: the same columns, the same steps, numbers of the same size.
+  const auto rows = [&](const std::string& name) {
+    std::vector<std::vector<double>> table;
+    std::istringstream lines(content(path(name + "/ledger.csv")));
+    std::string line, cell;
+    while (std::getline(lines, line)) {
+      table.emplace_back();
+      if (table.size() == 1) continue;
+      for (std::istringstream cells(line); std::getline(cells, cell, ',');) {
+        table.back().push_back(std::strtod(cell.c_str(), nullptr));
+      }
+    }
+    return table;
+  };
+  const auto a = rows("one"), b = rows("four");
+  ASSERT_EQ(a.size(), 26u);
+  ASSERT_EQ(b.size(), a.size());
+  for (std::size_t k = 1; k < a.size(); ++k) {
+    ASSERT_EQ(a[k].size(), b[k].size());
+    for (const std::size_t column : {0u, 1u, 2u, 5u}) EXPECT_EQ(a[k][column], b[k][column]) << k;
+    for (const std::size_t column : {10u, 11u, 12u, 13u, 14u, 20u, 21u, 22u, 23u}) {
+      EXPECT_NEAR(a[k][column], b[k][column], 1e-4 * (1 + std::abs(a[k][column])))
+          << k << ", " << column;
+    }
+    EXPECT_NEAR(b[k][15], 0, 1e-10) << "energy, step " << k;
+    EXPECT_NEAR(b[k][18], 0, 1e-10) << "momentum, step " << k;
+    EXPECT_NEAR(b[k][19], 0, 1e-10) << "momentum, step " << k;
+  }
+  const json j = json::parse(content(path("four/summary.json")));
+  EXPECT_EQ(j["state"], "distributed");
+  EXPECT_EQ(j["disks"], one.disks.size());
+  EXPECT_LT(j["domains"]["most_bodies"].get<double>(), 0.6 * one.disks.size());
+  EXPECT_GT(j["domains"]["a_step"]["detection"]["messages"].get<double>(), 0);
+  EXPECT_EQ(j["domains"]["gathers"], 26);  // a row each step, and the end
+}
+
+TEST_F(MpiCommand, TheStateIsGatheredWhenItIsDueAndNotElse) {
+  std::string scene = kPressed;
+  scene.replace(scene.find("every = 10"), 10, "every = 10\nledger_every = 4");
+  const std::string run = "run " + write("rare.toml", scene) + " --steps 14 --tol 1e-4 -q --out ";
+  ASSERT_EQ(on(2, run + path("two")).exit_code, 0);
+  const json j = json::parse(content(path("two/summary.json")));
+  EXPECT_EQ(j["domains"]["gathers"], 5);  // rows 4, 8, 12, the frame of step 10, and the end
+  ASSERT_EQ(bipot(run + path("one")).exit_code, 0);
+  EXPECT_EQ(count(content(path("two/ledger.csv")), "\n"),
+            count(content(path("one/ledger.csv")), "\n"));
+}
+
+TEST_F(MpiCommand, WhatKeepsItsStateOnEveryProcessSaysWhy) {
+  const auto state_of = [&](const std::string& arguments) {
+    const Outcome run = on(2, "run " + arguments + " --solver apgd --steps 2 --json -");
+    return json::parse(run.out)["state"].get<std::string>();
+  };
+  EXPECT_EQ(state_of("rough_shear"), "on every process: the scene is periodic");
+  EXPECT_EQ(state_of("trefoils"), "on every process: the scene has clusters");
+  EXPECT_EQ(state_of("hopper"), "on every process: the scene has inlets or outlets");
+  EXPECT_EQ(state_of("pyramid --reproducible"), "on every process: --reproducible");
+  EXPECT_EQ(state_of("pyramid --on-failure stop"), "on every process: --on-failure stop");
+  EXPECT_EQ(state_of("four_spheres"), "distributed");
+  EXPECT_FALSE(json::parse(bipot("run pyramid --steps 1 --json -").out).contains("state"));
+}
+
+TEST_F(MpiCommand, AKilledRunGoesOnWithAnotherNumberOfProcesses) {
+  const std::string scene = write("pressed.toml", kPressed);
+  const std::string run = "run " + scene + " --tol 1e-6 -q --out " + path("several");
+  // One of four processes is killed once there is a frame of a later step; mpirun ends the others.
+  const Outcome killed = run_command_line(
+      std::string("{ ") + kMpirun,
+      "-n 4 " + std::string(BIPOT_COMMAND) + " " + run +
+          " & run=$!; for k in $(seq 300); do [ -e " + path("several/frames/00000010.h5") +
+          " ] && break; sleep 0.1; done; launcher=$(pgrep -P $run); "
+          "kill -9 $(pgrep -P $launcher | head -n 1); wait $run; } 2>&1");
+  ASSERT_NE(killed.exit_code, 0) << killed.out;
+  const int left = read_state<2>(path("several")).step;
+  ASSERT_GE(left, 10);
+  ASSERT_EQ(on(2, run + " --restart " + path("several") + " --steps 9").exit_code, 0);
+  ASSERT_EQ(on(3, run + " --restart " + path("several") + " --steps 7").exit_code, 0);
+  const State several = read_state<2>(path("several"));
+  EXPECT_EQ(several.step, left + 16);
+  ASSERT_EQ(bipot("run " + scene + " --tol 1e-6 -q --steps " + std::to_string(left + 16) +
+                  " --out " + path("one"))
+                .exit_code,
+            0);
+  EXPECT_LE(farthest(several, read_state<2>(path("one"))), 1e-5);
+  EXPECT_EQ(count(content(path("several/ledger.csv")), "\n"), left + 17);
 }
 
 }  // namespace
