@@ -195,11 +195,11 @@ StateIn<D> DomainStepperIn<D>::move(const DomainStateIn<D>& state, Step& step) {
   next.step = state.here.step + 1;
   next.time = time_after_step(state.here, scene_.step);
 
-  last_.own.problem = last_.piece.own;
-  step.mid.contacts = step.contacts.own;
+  std::swap(last_.own.problem, last_.piece.own);
+  step.mid.contacts = std::move(step.contacts.own);
   step.outcome =
       contact_outcomes<D>(scene_, step.mid, step.mid.disks, last_.own, step.solved.result.s, v_own);
-  last_.own.problem = {};
+  std::swap(last_.own.problem, last_.piece.own);
   return next;
 }
 
@@ -270,7 +270,9 @@ DomainReportIn<D> DomainStepperIn<D>::advance(DomainStateIn<D>& state) {
   counts_.detection.add_since(before, group_.traffic());
   before = group_.traffic();
   out.report.detection_seconds = watch.lap();
+  last_ = {};  // before the next one needs its memory
   last_ = assemble_piece(scene_, step.local, step.mid, step.contacts, state.bodies, group_);
+  step.contacts.all = {};
   out.report.assembly_seconds = watch.lap();
   step.solved.result.s = solve(state, step, out);
   out.report.solve_seconds = watch.lap();

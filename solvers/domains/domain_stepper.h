@@ -16,8 +16,9 @@ template <int D>
 std::string needs_whole_state(const SceneIn<D>& scene);
 
 struct DomainOptions {
-  double most_imbalance =
-      1.2;            ///< contacts of one process over their mean: above it cells are cut again
+  /// Cells are cut again where the bodies and contacts of one process are more than this over their
+  /// mean.
+  double most_imbalance = 1.2;
   int cut_every = 0;  ///< steps after which cells are cut again in any case; 0: never
 };
 

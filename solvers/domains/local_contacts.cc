@@ -159,6 +159,8 @@ LocalContactsIn<D> find_local_contacts(const SceneIn<D>& scene, const LocalBodie
   group.fail_where_any(failure);
   const std::vector<char> follow = bodies_to_follow(local, mid.disks, group.rank(), found);
   LocalContactsIn<D> contacts;
+  contacts.all.reserve(found.size());
+  contacts.own.reserve(found.size());
   for (const ContactIn<D>& c : found) {
     const bool own = local.owner[to_size(c.i)] == group.rank();
     const bool needed =
@@ -168,6 +170,7 @@ LocalContactsIn<D> find_local_contacts(const SceneIn<D>& scene, const LocalBodie
     contacts.all.push_back(c);
     if (own) contacts.own.push_back(c);
   }
+  found = {};
   number_contacts(local, bodies, group, contacts);
   find_places(local, bodies, group, contacts);
   return contacts;
