@@ -78,6 +78,17 @@ void follow_walls(const MidpointIn<D>& mid, ProcessGroup& group, DomainPiece& ou
 
 }  // namespace
 
+void exchange(ContactProblem& a, ContactProblem& b) {
+  std::swap(a.dim, b.dim);
+  a.A.swap(b.A);
+  a.H.swap(b.H);
+  a.W.swap(b.W);
+  a.v_free.swap(b.v_free);
+  a.u_free.swap(b.u_free);
+  a.mu.swap(b.mu);
+  a.row_scale.swap(b.row_scale);
+}
+
 template <int D>
 DomainPiece assemble_piece(const SceneIn<D>& scene, const LocalBodiesIn<D>& local,
                            const MidpointIn<D>& mid, const LocalContactsIn<D>& contacts, int bodies,
@@ -94,8 +105,8 @@ DomainPiece assemble_piece(const SceneIn<D>& scene, const LocalBodiesIn<D>& loca
                                              mid.disk_v_free, mid.wall_v_free, false);
   ProblemPiece& piece = out.piece;
   piece.whole_contacts = contacts.whole;
-  piece.own = std::move(out.own.problem);
-  piece.with_halo = std::move(with_halo.problem);
+  exchange(piece.own, out.own.problem);
+  exchange(piece.with_halo, with_halo.problem);
   out.with_halo = std::move(with_halo.dofs);
   piece.owned = contacts.owned;
   piece.halo = contacts.halo;

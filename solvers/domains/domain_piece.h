@@ -15,6 +15,10 @@ struct DomainPiece {
   std::vector<int> wall;  ///< of each degree of freedom that every process has
 };
 
+/// Exchanges two problems without the copies that std::swap and moves make of Eigen's sparse
+/// matrices: a piece is most of what a process has.
+void exchange(ContactProblem& a, ContactProblem& b);
+
 /// The piece that cut_piece() would cut from the whole for these owners, but for bodies with many
 /// contacts, which do not stand on every process here: only driven walls do, and bodies' velocities are
 /// sums in the order of the whole without exception. Halo and own bodies' contacts are those of

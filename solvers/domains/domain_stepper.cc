@@ -136,14 +136,14 @@ Vector DomainStepperIn<D>::solve(const DomainStateIn<D>& state, Step& step,
       c.i = step.local.numbers[to_size(c.i)];
       c.j = c.j < here ? step.local.numbers[to_size(c.j)] : state.bodies + c.j - here;
     }
-    s0 = warm_start<D>(state.here.contacts, numbered, last_.piece.own);
+    s0 = warm_start<D>(state.here.contacts, numbered, last_->piece.own);
   }
-  step.solved = solver_(last_.piece, s0);
+  step.solved = solver_(last_->piece, s0);
   StepSolution solution = to_step_solution(step.solved.result);
   using Kind = StepFailure::Kind;
   if (solution.refused) throw StepFailure(Kind::kInvalidInput, state.here, solution.message);
   if (solution.cut_short) throw StepFailure(Kind::kCutShort, state.here, solution.message);
-  const bool unusable = solution.s.size() != last_.piece.own.num_rows() || !solution.s.allFinite();
+  const bool unusable = solution.s.size() != last_->piece.own.num_rows() || !solution.s.allFinite();
   if (group_.any(solution.failed || unusable)) {
     throw StepFailure(
         Kind::kNumerical, state.here,
@@ -160,7 +160,7 @@ Vector DomainStepperIn<D>::solve(const DomainStateIn<D>& state, Step& step,
 /// bodies that own contacts push come from sums over all of their contacts, own ones or not.
 template <int D>
 StateIn<D> DomainStepperIn<D>::move(const DomainStateIn<D>& state, Step& step) {
-  const ProblemPiece& piece = last_.piece;
+  const ProblemPiece& piece = last_->piece;
   const Vector bodies = piece.with_halo.num_contacts() > 0
                             ? body_velocities(piece.with_halo, step.solved.with_halo)
                             : Vector();
@@ -168,14 +168,14 @@ StateIn<D> DomainStepperIn<D>::move(const DomainStateIn<D>& state, Step& step) {
   own.walls = step.mid.walls;
   own.wall_v_free = step.mid.wall_v_free;
   DofMap dofs;
-  dofs.per_disk = last_.with_halo.per_disk;
+  dofs.per_disk = last_->with_halo.per_disk;
   for (const int k : step.local.own) {
     own.disks.push_back(step.mid.disks[to_size(k)]);
     own.disk_v_free.push_back(step.mid.disk_v_free[to_size(k)]);
-    dofs.disk.push_back(last_.with_halo.disk[to_size(k)]);
+    dofs.disk.push_back(last_->with_halo.disk[to_size(k)]);
   }
   dofs.wall.assign(own.walls.size(), -1);
-  const std::size_t driven = last_.wall.size();
+  const std::size_t driven = last_->wall.size();
   Vector v(bodies.size() + static_cast<Eigen::Index>(driven));
   v.head(bodies.size()) = bodies;
   Vector v_own(piece.own.num_dofs());
@@ -184,7 +184,7 @@ StateIn<D> DomainStepperIn<D>::move(const DomainStateIn<D>& state, Step& step) {
     if (at >= 0) v_own[row] = bodies[at];
   }
   for (std::size_t k = 0; k < driven; ++k) {
-    const std::size_t w = to_size(last_.wall[k]);
+    const std::size_t w = to_size(last_->wall[k]);
     const double speed = step.mid.wall_v_free[w] +
                          piece.everywhere_inverse_mass[k] * step.solved.everywhere_momentum[k];
     dofs.wall[w] = static_cast<int>(bodies.size() + static_cast<Eigen::Index>(k));
@@ -195,11 +195,11 @@ StateIn<D> DomainStepperIn<D>::move(const DomainStateIn<D>& state, Step& step) {
   next.step = state.here.step + 1;
   next.time = time_after_step(state.here, scene_.step);
 
-  std::swap(last_.own.problem, last_.piece.own);
+  exchange(last_->own.problem, last_->piece.own);
   step.mid.contacts = std::move(step.contacts.own);
-  step.outcome =
-      contact_outcomes<D>(scene_, step.mid, step.mid.disks, last_.own, step.solved.result.s, v_own);
-  std::swap(last_.own.problem, last_.piece.own);
+  step.outcome = contact_outcomes<D>(scene_, step.mid, step.mid.disks, last_->own,
+                                     step.solved.result.s, v_own);
+  exchange(last_->own.problem, last_->piece.own);
   return next;
 }
 
@@ -270,8 +270,10 @@ DomainReportIn<D> DomainStepperIn<D>::advance(DomainStateIn<D>& state) {
   counts_.detection.add_since(before, group_.traffic());
   before = group_.traffic();
   out.report.detection_seconds = watch.lap();
-  last_ = {};  // before the next one needs its memory
-  last_ = assemble_piece(scene_, step.local, step.mid, step.contacts, state.bodies, group_);
+  last_.reset();  // before the next one needs its memory
+  // Built in its place: moved, Eigen's matrices would be copied.
+  last_.reset(new DomainPiece(
+      assemble_piece(scene_, step.local, step.mid, step.contacts, state.bodies, group_)));
   step.contacts.all = {};
   out.report.assembly_seconds = watch.lap();
   step.solved.result.s = solve(state, step, out);
@@ -311,7 +313,7 @@ void DomainStepperIn<D>::send_bodies(DomainStateIn<D>& state) {
 
 template <int D>
 ContactProblem DomainStepperIn<D>::gather_last_problem() {
-  return gather_problem(last_.piece, group_);
+  return gather_problem(last_->piece, group_);
 }
 
 template std::string needs_whole_state(const Scene&);

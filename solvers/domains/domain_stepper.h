@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "core/motion/time_stepping.h"
@@ -64,7 +65,8 @@ class DomainStepperIn {
   /// processes, leaving the state as it was, where TimeStepperIn does; CommonFailure where detection
   /// refuses.
   DomainReportIn<D> advance(DomainStateIn<D>& state);
-  /// The problem of the last step on the first process, an empty one elsewhere. Collective.
+  /// The problem of the last step that was tried on the first process, an empty one elsewhere. There
+  /// must have been one. Collective.
   ContactProblem gather_last_problem();
 
   const DomainCounts& counts() const { return counts_; }
@@ -82,8 +84,8 @@ class DomainStepperIn {
   Solver solver_;
   DomainOptions options_;
   CellTree cells_;
-  double after_cut_ = 0;  // imbalance that the last cut left; 0: not seen yet
-  DomainPiece last_;      // of the last step
+  double after_cut_ = 0;               // imbalance that the last cut left; 0: not seen yet
+  std::unique_ptr<DomainPiece> last_;  // of the last step
   DomainCounts counts_;
 };
 using DomainStepper = DomainStepperIn<2>;

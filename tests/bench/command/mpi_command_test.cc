@@ -352,5 +352,34 @@ TEST_F(MpiCommand, AKilledRunGoesOnWithAnotherNumberOfProcesses) {
   EXPECT_EQ(count(content(path("several/ledger.csv")), "\n"), left + 17);
 }
 
+TEST_F(MpiCommand, AProcessThatFailsEndsARunWhoseStateIsDistributed) {
+  const std::string scene = write("pressed.toml", kPressed);
+  const auto three = [&](const std::string& arguments) {
+    return both_streams("-n 3 " + std::string(BIPOT_COMMAND) + " run " + arguments);
+  };
+  // The first one alone fails to write, when the others are at the next step: a frame stands as a
+  // folder where a file is to be.
+  std::filesystem::create_directories(path("out/run.xdmf/in_the_way"));
+  const Outcome full = three(scene + " --steps 30 --tol 1e-4 --out " + path("out"));
+  EXPECT_EQ(full.exit_code, 4) << full.out;
+  EXPECT_EQ(count(full.out, "bipot: process 1 of 3:"), 1) << full.out;
+  // All know what one cannot detect.
+  std::string twice = kPressed;
+  twice += R"(
+[[disks]]
+positions = [[0.3, 0.5], [0.3, 0.5]]
+radius = 0.01
+density = 1000
+)";
+  const Outcome coincident = three(write("twice.toml", twice) + " --steps 2 --tol 1e-4");
+  EXPECT_NE(coincident.exit_code, 0);
+  EXPECT_NE(coincident.exit_code, 124) << "a hang";
+  EXPECT_EQ(count(coincident.out, "have the same centre"), 1) << coincident.out;
+  // A step that is not solved: taken, told once, and the run goes on.
+  const Outcome unsolved = three(scene + " --steps 3 --max-iterations 2 --out " + path("unsolved"));
+  EXPECT_EQ(unsolved.exit_code, 1);
+  EXPECT_EQ(count(unsolved.out, "status       not converged: 3 of 3 steps"), 1) << unsolved.out;
+}
+
 }  // namespace
 }  // namespace bipot
