@@ -96,7 +96,7 @@ void expect_same_bits(const StateIn<D>& got, const StateIn<D>& expected) {
 TEST(DomainRun, TwoHundredStepsWithMigrationAndNewCellsHaveTheBitsOfOneProcess) {
   const Scene scene = breaking_dam(100);
   ProcessGroup& group = mpi_group();
-  const Way way{.tol = 1e-3};  // bits are the same at any tolerance
+  const Way way{.tol = 3e-2};  // bits are the same at any tolerance
   DomainStepper stepper = stepper_of<2>(scene, group, way, {.cut_every = 9});
   TimeStepper alone = whole_stepper<2>(scene, way);
   State whole = initial_state(scene);
@@ -179,8 +179,8 @@ TEST(DomainRun, WallsThatMoveAndCarryDisksAreTheSameEverywhere) {
     if (s.name != "sheared" && s.name != "two disks" && s.name != "no contact") continue;
     SCOPED_TRACE(s.name);
     ProcessGroup& group = mpi_group();
-    DomainStepper stepper = stepper_of<2>(s.scene, group, {.tol = 1e-4}, {.cut_every = 3});
-    TimeStepper alone = whole_stepper<2>(s.scene, {.tol = 1e-4});
+    DomainStepper stepper = stepper_of<2>(s.scene, group, {.tol = 1e-3}, {.cut_every = 3});
+    TimeStepper alone = whole_stepper<2>(s.scene, {.tol = 1e-3});
     State whole = initial_state(s.scene);
     DomainState state = stepper.begin(whole);
     for (int step = 0; step < 20; ++step) {
@@ -200,8 +200,8 @@ TEST(DomainRun, WallsThatMoveAndCarryDisksAreTheSameEverywhere) {
 TEST(DomainRun, SpheresMoveAsOnOneProcess) {
   const SceneIn<3> scene = box_of_spheres();
   ProcessGroup& group = mpi_group();
-  DomainStepperIn<3> stepper = stepper_of<3>(scene, group, {.tol = 1e-3}, {.cut_every = 5});
-  TimeStepperIn<3> alone = whole_stepper<3>(scene, {.tol = 1e-3});
+  DomainStepperIn<3> stepper = stepper_of<3>(scene, group, {.tol = 1e-2}, {.cut_every = 5});
+  TimeStepperIn<3> alone = whole_stepper<3>(scene, {.tol = 1e-2});
   StateIn<3> whole = initial_state(scene);
   DomainStateIn<3> state = stepper.begin(whole);
   for (int step = 0; step < 25; ++step) {
@@ -217,7 +217,7 @@ TEST(DomainRun, ALoneProcessAndAStateCutAgainGoOnTheSame) {
   const Scene scene = breaking_dam(60);
   ProcessGroup& group = mpi_group();
   const auto lone = lone_process();
-  const Way way{.tol = 1e-3};
+  const Way way{.tol = 3e-2};
   DomainStepper first = stepper_of<2>(scene, group, way), alone = stepper_of<2>(scene, *lone, way);
   DomainState state = first.begin(initial_state(scene));
   DomainState one = alone.begin(initial_state(scene));
