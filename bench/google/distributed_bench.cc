@@ -4,6 +4,9 @@
 //       one row: a cold step of a triangular packing of about side² disks (3 contacts a disk), apgd:
 //       seconds an iteration of the slowest process, what is sent, the imbalance, iterations to the
 //       tolerances, memory. Alone, without mpirun, it also measures the solver of one process.
+//   mpirun -n P distributed_bench --state --side=317 --iterations=300 --steps=1
+//       steps of such a packing whose state lies on the processes (solvers/domains): what one has, what
+//       it sends a step, seconds a step of the slowest process, memory. The first step is cold.
 //   distributed_bench --model
 //       counts halos, partners and bytes of one packing cut for many processes, and what an
 //       iteration of larger ones costs at a stated latency and bandwidth (data/distributed.md).
@@ -15,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "core/motion/midpoint.h"
@@ -25,6 +29,7 @@
 #include "solvers/distributed/distributed_solve.h"
 #include "solvers/distributed/launch.h"
 #include "solvers/distributed/problem_piece.h"
+#include "solvers/domains/domain_stepper.h"
 #include "solvers/solve.h"
 
 namespace bipot {
@@ -125,6 +130,54 @@ void measure(int side, int iterations, int repeat, bool reproducible,
   }
 }
 
+void measure_state(int side, int iterations, int steps) {
+  const auto group = launched_group();
+  Scene scene = make_family_scene("triangular", side);
+  SolverOptions options;
+  options.tol = 1e-300;
+  options.max_iterations = iterations;
+  DomainStepper stepper(scene, *group, [&](const ProblemPiece& piece, const Vector& s0) {
+    options.s0 = s0;
+    return distributed_solve("apgd", piece, options, *group);
+  });
+  DomainState state = stepper.begin(initial_state(scene));
+  scene.disks = {};
+  double memory[2] = {peak_memory_bytes(), 0};
+  StepReport sum;
+  for (int k = 0; k < steps; ++k) {
+    const StepReport r = stepper.advance(state).report;
+    sum.contacts = r.contacts;
+    sum.detection_seconds += r.detection_seconds;
+    sum.assembly_seconds += r.assembly_seconds;
+    sum.solve_seconds += r.solve_seconds;
+  }
+  memory[1] = peak_memory_bytes();
+  group->largest(memory);
+  double seconds[3] = {sum.detection_seconds, sum.assembly_seconds, sum.solve_seconds};
+  group->largest(seconds);
+  const DomainCounts c = largest_counts(stepper.counts(), *group);
+  if (group->rank() != 0) return;
+  const double n = steps;
+  fmt::print(
+      "P {}: {} disks, {} contacts; one has at most {} disks and {} ghosts, {} contacts and {} of "
+      "others; imbalance {:.3f}\n",
+      group->size(), state.bodies, sum.contacts, c.most_bodies, c.most_ghosts, c.most_contacts,
+      c.most_halo, c.imbalance);
+  for (const auto& [name, t] :
+       {std::pair{"detection", &c.detection}, {"solve", &c.solve}, {"migration", &c.migration}}) {
+    fmt::print(
+        "  {}: sent by one {:.1f} messages and {:.0f} bytes, {:.1f} reductions with {:.0f} "
+        "bytes a step\n",
+        name, static_cast<double>(t->messages) / n, static_cast<double>(t->bytes) / n,
+        static_cast<double>(t->reductions) / n, static_cast<double>(t->reduced_bytes) / n);
+  }
+  fmt::print(
+      "  a step takes {:.3f} s for detection, {:.3f} s for assembly, {:.3f} s for {} "
+      "iterations; peak {:.1f} MB, {:.2f} kB a disk, of which {:.1f} MB before the first step\n",
+      seconds[0] / n, seconds[1] / n, seconds[2] / n, iterations, memory[1] / 1e6,
+      memory[1] / 1000 / state.bodies, memory[0] / 1e6);
+}
+
 /// Of the process with the most of each.
 struct CutCount {
   int contacts = 0, halo = 0, sent = 0, partners = 0;
@@ -216,8 +269,8 @@ void model(int side, const ModelMachine& machine) {
 
 int main(int argc, char** argv) {
   CLI::App app("Costs of solves on several processes");
-  int side = 183, iterations = 200, repeat = 3;
-  bool use_model = false, reproducible = false;
+  int side = 183, iterations = 200, repeat = 3, steps = 1;
+  bool use_model = false, reproducible = false, state = false;
   std::vector<double> tols;
   bipot::ModelMachine machine;
   app.add_option("--side", side, "Rows of the packing, about side² disks")
@@ -227,6 +280,8 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(1, 100));
   app.add_option("--tols", tols, "Solve to these as well")->delimiter(',');
   app.add_flag("--reproducible", reproducible, "Exact sums");
+  app.add_flag("--state", state, "Steps of a state that lies on the processes");
+  app.add_option("--steps", steps, "With --state")->check(CLI::Range(1, 1000000));
   app.add_flag("--model", use_model, "Count and extrapolate");
   app.add_option("--latency", machine.latency, "Of the model [s]");
   app.add_option("--bandwidth", machine.bandwidth, "Of the model [bytes/s]");
@@ -235,6 +290,8 @@ int main(int argc, char** argv) {
   try {
     if (use_model) {
       bipot::model(side, machine);
+    } else if (state) {
+      bipot::measure_state(side, iterations, steps);
     } else {
       bipot::measure(side, iterations, repeat, reproducible, tols);
     }
