@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -143,6 +144,26 @@ void find_places(const LocalBodiesIn<D>& local, int bodies, ProcessGroup& group,
   }
 }
 
+/// What detection refuses in the numbers of the whole: two bodies in one place; else what it said.
+template <int D>
+std::string refusal(const LocalBodiesIn<D>& local, const std::vector<BodyIn<D>>& disks,
+                    const std::string& said) {
+  std::vector<int> order(disks.size());
+  std::iota(order.begin(), order.end(), 0);
+  const auto place = [&](int k) -> const VecIn<D>& { return disks[to_size(k)].x; };
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+    return std::lexicographical_compare(place(a).begin(), place(a).end(), place(b).begin(),
+                                        place(b).end());
+  });
+  for (std::size_t k = 1; k < order.size(); ++k) {
+    if (place(order[k - 1]) != place(order[k])) continue;
+    return fmt::format("{}s {} and {} have the same centre: their contact has no normal",
+                       kBodyName<D>, local.numbers[to_size(order[k - 1])],
+                       local.numbers[to_size(order[k])]);
+  }
+  return said + " (numbers among the bodies of one process)";
+}
+
 }  // namespace
 
 template <int D>
@@ -153,8 +174,7 @@ LocalContactsIn<D> find_local_contacts(const SceneIn<D>& scene, const LocalBodie
   try {
     found = detect_contacts<D>(mid.disks, mid.walls, scene.contact_distance);
   } catch (const std::invalid_argument& e) {
-    failure =
-        fmt::format("{} (numbers among the bodies of process {})", e.what(), group.rank() + 1);
+    failure = refusal<D>(local, mid.disks, e.what());
   }
   group.fail_where_any(failure);
   const std::vector<char> follow = bodies_to_follow(local, mid.disks, group.rank(), found);

@@ -367,14 +367,19 @@ TEST_F(MpiCommand, AProcessThatFailsEndsARunWhoseStateIsDistributed) {
   std::string twice = kPressed;
   twice += R"(
 [[disks]]
-positions = [[0.3, 0.5], [0.3, 0.5]]
+position = [0.3, 2]
+radius = 0.01
+density = 1000
+
+[[disks]]
+position = [0.3, 2]
 radius = 0.01
 density = 1000
 )";
   const Outcome coincident = three(write("twice.toml", twice) + " --steps 2 --tol 1e-4");
   EXPECT_NE(coincident.exit_code, 0);
   EXPECT_NE(coincident.exit_code, 124) << "a hang";
-  EXPECT_EQ(count(coincident.out, "have the same centre"), 1) << coincident.out;
+  EXPECT_EQ(count(coincident.out, "disks 95 and 96 have the same centre"), 1) << coincident.out;
   // A step that is not solved: taken, told once, and the run goes on.
   const Outcome unsolved = three(scene + " --steps 3 --max-iterations 2 --out " + path("unsolved"));
   EXPECT_EQ(unsolved.exit_code, 1);
