@@ -201,8 +201,7 @@ TEST_F(Command, ASolverOfAnotherBuildNamesItsOption) {
 
 TEST_F(Command, InterruptedRunLeavesAReadableState) {
   const std::string out = path("out");
-  const Outcome run = bipot("run compaction --tol 1e-3 --out " + out +
-                            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+  const Outcome run = interrupted("run compaction --tol 1e-3 --out " + out);
   EXPECT_EQ(run.exit_code, 5);
   const State state = read_state(out + "/run.h5");
   EXPECT_EQ(state.disks.size(), 342u);
@@ -287,8 +286,7 @@ TEST_F(Command, PaperItemsBecomeAPageThatKeepsItsOtherItems) {
 
 TEST_F(Command, InterruptedPaperKeepsWhatIsDone) {
   const std::string out = path("out");
-  const Outcome run = bipot("paper --only table2,fig13 --out " + out +
-                            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+  const Outcome run = interrupted("paper --only table2,fig13 --out " + out);
   EXPECT_EQ(run.exit_code, 5);
   const json results = json::parse(content(out + "/results.json"));
   for (const json& item : results["items"]) {
@@ -299,23 +297,22 @@ TEST_F(Command, InterruptedPaperKeepsWhatIsDone) {
 }
 
 TEST_F(Command, InterruptedMeasurementsSaySoAndLeaveValidFiles) {
-  const auto interrupted = [&](const std::string& arguments) {
-    return bipot(arguments + " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?")
-        .exit_code;
-  };
   const std::string compare = path("compare"), trade = path("trade"), advice = path("advice.json");
   EXPECT_EQ(interrupted("compare pile:24 --tols 1e-2,1e-4,1e-6,1e-8,1e-10 --min-time 1 --json " +
-                        path("compare.json") + " --out " + compare),
+                        path("compare.json") + " --out " + compare)
+                .exit_code,
             5);
   EXPECT_EQ(json::parse(content(path("compare.json")))["complete"], false);
   EXPECT_EQ(json::parse(content(compare + "/comparison.json"))["complete"], false);
   EXPECT_GT(fs::file_size(compare + "/report.html"), 100u);
 
-  EXPECT_EQ(interrupted("trade compaction --json " + path("trade.json") + " --out " + trade), 5);
+  EXPECT_EQ(
+      interrupted("trade compaction --json " + path("trade.json") + " --out " + trade).exit_code,
+      5);
   EXPECT_EQ(json::parse(content(path("trade.json")))["complete"], false);
   EXPECT_EQ(json::parse(content(trade + "/trade.json"))["complete"], false);
 
-  EXPECT_EQ(interrupted("advise compaction --force-error 1e-2 --json " + advice), 5);
+  EXPECT_EQ(interrupted("advise compaction --force-error 1e-2 --json " + advice).exit_code, 5);
   EXPECT_EQ(json::parse(content(advice))["status"], "interrupted");
   EXPECT_EQ(json::parse(content(advice))["exit_code"], 5);
 }

@@ -102,10 +102,7 @@ TEST_F(Command, SolveLooksForSeveralAnswers) {
   EXPECT_EQ(bipot("solve " + problem + " --several 0").exit_code, 2);
   EXPECT_EQ(bipot("solve " + problem + " --several 3 --explain").exit_code, 2);
   EXPECT_EQ(bipot("solve " + problem + " --several 3 --warm").exit_code, 2);  // has no guess
-  EXPECT_EQ(bipot("solve " + problem +
-                  " --several 5000 >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?")
-                .exit_code,
-            5);
+  EXPECT_EQ(interrupted("solve " + problem + " --several 5000").exit_code, 5);
 }
 
 TEST_F(Command, DumpedStepsAreDrawnWithTheirAnswers) {
@@ -140,9 +137,8 @@ TEST_F(Command, SolutionsDoNotGoIntoOtherProblems) {
 TEST_F(Command, InterruptedSolveReportsItsBestImpulse) {
   const std::string out = path("out");
   const Outcome solve =
-      bipot("solve " + source_folder().string() +
-            "/data/problems/2d_compaction_rest.hdf5 --solver pgs --tol 1e-13 --out " + out +
-            " >/dev/null & p=$!; sleep 1; kill -INT $p; wait $p; exit $?");
+      interrupted("solve " + source_folder().string() +
+                  "/data/problems/2d_compaction_rest.hdf5 --solver pgs --tol 1e-13 --out " + out);
   EXPECT_EQ(solve.exit_code, 5);
   const json j = json::parse(content(out + "/summary.json"));
   EXPECT_EQ(j["status"], "interrupted");
