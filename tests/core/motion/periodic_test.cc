@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "core/motion/periodic_state.h"
+#include "core/motion/sample_area.h"
 #include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/periodic_detection.h"
