@@ -35,13 +35,12 @@ class Command : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-/// Runs bipot and interrupts it after a second; again every five seconds while it lives, as a shell's
-/// children in the background ignore SIGINT until they ask for it themselves.
+/// Runs bipot and interrupts it after a second; again after twenty if it lives, as a shell's children in
+/// the background ignore SIGINT until they ask for it themselves. (A second one ends it at once.)
 inline Outcome interrupted(const std::string& arguments) {
   return bipot(arguments +
-               " >/dev/null & p=$!; sleep 1; kill -INT $p; "
-               "for k in $(seq 300); do sleep 0.1; grep -q ') Z' /proc/$p/stat && break; "
-               "[ $((k % 50)) = 0 ] && kill -INT $p; done; wait $p; exit $?");
+               " >/dev/null & p=$!; sleep 1; kill -INT $p; for k in $(seq 600); do sleep 0.1; "
+               "kill -0 $p || break; [ $((k % 200)) = 0 ] && kill -INT $p; done; wait $p; exit $?");
 }
 
 inline std::string content(const std::filesystem::path& file) {
