@@ -26,7 +26,7 @@ set(folders
   "solvers/distributed = solvers/methods"
   "solvers/domains = solvers/distributed"
   "bench/report = core/files solvers"
-  "bench/scenes = bench/report core/pictures"
+  "bench/scenes = bench/report core/pictures solvers/domains"
   "bench/measure = bench/report bench/scenes"
   "bench/advise = bench/measure"
   "bench/trade = bench/measure"
@@ -34,8 +34,8 @@ set(folders
   "bench/extremes = bench/measure solvers/certificate"
   "bench/compare = bench/measure"
   "bench/validate = bench/paper solvers/certificate"
-  "bench/command = bench/advise bench/compare bench/extremes bench/paper bench/trade bench/validate core/pictures solvers/certificate solvers/domains"
-  "bench/google = bench/measure solvers/domains"
+  "bench/command = bench/advise bench/compare bench/extremes bench/paper bench/trade bench/validate core/pictures solvers/certificate"
+  "bench/google = bench/measure"
   "bench/python = bench/advise bench/compare"
   "tests = bench/command bench/google bench/python solvers/islands")
 

@@ -11,14 +11,15 @@
 #include <utility>
 #include <variant>
 
-#include "bench/command/domain_run.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/failure_text.h"
 #include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
 #include "bench/command/run_processes.h"
 #include "bench/command/run_summary.h"
+#include "bench/measure/peak_memory.h"
 #include "bench/report/json_output.h"
+#include "bench/scenes/domain_run.h"
 #include "bench/scenes/force_energy.h"
 #include "bench/scenes/run_folder.h"
 #include "bench/scenes/scene_catalogue.h"
@@ -241,6 +242,16 @@ StepSolver run_solver(const RunFlags& flags, PreparedRun<D>& run, const Stopwatc
     return to_step_solution(
         distributed_solve(run.scene.solver.name, problem, options, group, extra).result);
   };
+}
+
+/// Why a run on several processes keeps its state on every one of them, in a few words; empty where
+/// each has its part (solvers/domains).
+template <int D>
+std::string state_on_every_process(const RunFlags& flags, const SceneIn<D>& scene) {
+  if (flags.reproducible) return "--reproducible";
+  if (!flags.dump_problems.empty()) return "--dump-problems";
+  if (flags.on_failure != RunFlags{}.on_failure) return "--on-failure " + flags.on_failure;
+  return needs_whole_state(scene);
 }
 
 /// Whether somebody pressed Ctrl-C or is out of time, on all processes.

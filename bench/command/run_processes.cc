@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
@@ -16,6 +17,15 @@ namespace {
 
 std::unique_ptr<ProcessGroup> group_of_this_run;
 std::FILE* own_voice = nullptr;  // standard error as it was
+
+/// A step in the mean.
+Json to_json(const Traffic& traffic, int steps) {
+  const double n = std::max(steps, 1);
+  return {{"messages", static_cast<double>(traffic.messages) / n},
+          {"bytes", static_cast<double>(traffic.bytes) / n},
+          {"reductions", static_cast<double>(traffic.reductions) / n},
+          {"reduced_bytes", static_cast<double>(traffic.reduced_bytes) / n}};
+}
 
 }  // namespace
 
@@ -94,6 +104,39 @@ std::string to_text(const DistributedCounts& counts) {
       counts.processes, counts.imbalance, counts.most_contacts, counts.most_halo,
       counts.traffic.messages, static_cast<double>(counts.traffic.bytes), counts.traffic.reductions,
       static_cast<double>(counts.traffic.reduced_bytes));
+}
+
+Json to_json(const DomainCounts& c, double peak_bytes) {
+  return {{"most_bodies", c.most_bodies},
+          {"most_ghosts", c.most_ghosts},
+          {"most_contacts", c.most_contacts},
+          {"most_halo", c.most_halo},
+          {"imbalance", c.imbalance},
+          {"cuts", c.cuts},
+          {"migrated", c.migrated},
+          {"gathers", c.gathers},
+          {"peak_bytes", peak_bytes},
+          {"a_step",
+           {{"detection", to_json(c.detection, c.steps)},
+            {"solve", to_json(c.solve, c.steps)},
+            {"migration", to_json(c.migration, c.steps)},
+            {"gathering", to_json(c.gathering, c.steps)}}}};
+}
+
+std::string to_text(const DomainCounts& c) {
+  const double n = std::max(c.steps, 1);
+  const auto sent = [&](const Traffic& t) {
+    return fmt::format("{:.1f} messages, {:.3g} kB", static_cast<double>(t.messages) / n,
+                       1e-3 * static_cast<double>(t.bytes) / n);
+  };
+  return fmt::format(
+      "  one has      at most {} bodies and {} ghosts, {} contacts and {} of others; imbalance "
+      "{:.2f}\n"
+      "  moved        {} bodies to other processes, cells cut again {} times\n"
+      "  one sends    a step: detection {}; solve {};\n"
+      "               migration {}; {} gathered states {}\n",
+      c.most_bodies, c.most_ghosts, c.most_contacts, c.most_halo, c.imbalance, c.migrated, c.cuts,
+      sent(c.detection), sent(c.solve), sent(c.migration), c.gathers, sent(c.gathering));
 }
 
 }  // namespace bipot

@@ -10,6 +10,7 @@
 #include "core/motion/state.h"
 #include "solvers/distributed/distributed_solve.h"
 #include "solvers/distributed/process_group.h"
+#include "solvers/domains/domain_stepper.h"
 
 namespace bipot {
 
@@ -66,5 +67,10 @@ ExitCode exit_code_for(const std::exception& e);
 Json to_json(const DistributedCounts& counts);
 /// The same in a line.
 std::string to_text(const DistributedCounts& counts);
+
+/// What a distributed state adds to a summary. `peak_bytes`: memory of the process with the most.
+Json to_json(const DomainCounts& counts, double peak_bytes);
+/// The same in lines.
+std::string to_text(const DomainCounts& counts);
 
 }  // namespace bipot

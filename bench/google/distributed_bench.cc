@@ -12,7 +12,6 @@
 //       iteration of larger ones costs at a stated latency and bandwidth (data/distributed.md).
 
 #include <fmt/format.h>
-#include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -21,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/measure/peak_memory.h"
 #include "core/motion/midpoint.h"
 #include "core/scene/scene_family.h"
 #include "core/stopwatch.h"
@@ -52,12 +52,6 @@ struct CutPacking {
     }
   }
 };
-
-double peak_memory_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
 
 struct Timed {
   SolveResult result;
@@ -95,7 +89,7 @@ void measure(int side, int iterations, int repeat, bool reproducible,
     group->largest({&r.result.solve_seconds, 1});
     return Timed{std::move(r.result), r.counts, 0};
   });
-  double memory[1] = {peak_memory_bytes()};
+  double memory[1] = {peak_memory()};
   group->largest(memory);
   const bool speaks = group->rank() == 0;
   const Traffic& traffic = t.counts.traffic;
@@ -142,7 +136,7 @@ void measure_state(int side, int iterations, int steps) {
   });
   DomainState state = stepper.begin(initial_state(scene));
   scene.disks = {};
-  double memory[2] = {peak_memory_bytes(), 0};
+  double memory[2] = {peak_memory(), 0};
   StepReport sum;
   for (int k = 0; k < steps; ++k) {
     const StepReport r = stepper.advance(state).report;
@@ -151,7 +145,7 @@ void measure_state(int side, int iterations, int steps) {
     sum.assembly_seconds += r.assembly_seconds;
     sum.solve_seconds += r.solve_seconds;
   }
-  memory[1] = peak_memory_bytes();
+  memory[1] = peak_memory();
   group->largest(memory);
   double seconds[3] = {sum.detection_seconds, sum.assembly_seconds, sum.solve_seconds};
   group->largest(seconds);

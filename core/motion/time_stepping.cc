@@ -70,6 +70,26 @@ ContactProblem step_problem(const SceneIn<D>& scene, const StateIn<D>& state,
   return assemble_step(scene, make_midpoint(scene, state), explicit_delassus).problem;
 }
 
+template <int D>
+Vector take_solution(StepSolution solution, bool usable, const StateIn<D>& before,
+                     StepReportIn<D>& report) {
+  using Kind = StepFailure::Kind;
+  if (solution.refused) throw StepFailure(Kind::kInvalidInput, before, solution.message);
+  if (solution.cut_short) throw StepFailure(Kind::kCutShort, before, solution.message);
+  if (solution.failed || !usable) {
+    throw StepFailure(
+        Kind::kNumerical, before,
+        solution.message.empty() ? "the solver returned no finite impulse" : solution.message);
+  }
+  report.converged = solution.converged;
+  report.message = std::move(solution.message);
+  report.iterations = solution.iterations;
+  report.error = solution.error;
+  return std::move(solution.s);
+}
+template Vector take_solution(StepSolution, bool, const State&, StepReport&);
+template Vector take_solution(StepSolution, bool, const StateIn<3>&, StepReportIn<3>&);
+
 /// The impulses of the step, in the problem's variables.
 template <int D>
 Vector TimeStepperIn<D>::solve_contacts(const StateIn<D>& state,
@@ -79,19 +99,8 @@ Vector TimeStepperIn<D>::solve_contacts(const StateIn<D>& state,
   const Vector s0 =
       scene_.solver.warm_start ? warm_start<D>(state.contacts, contacts, p) : Vector();
   StepSolution solution = solver_(p, s0);
-  using Kind = StepFailure::Kind;
-  if (solution.refused) throw StepFailure(Kind::kInvalidInput, state, solution.message);
-  if (solution.cut_short) throw StepFailure(Kind::kCutShort, state, solution.message);
-  if (solution.failed || solution.s.size() != p.num_rows() || !solution.s.allFinite()) {
-    throw StepFailure(
-        Kind::kNumerical, state,
-        solution.message.empty() ? "the solver returned no finite impulse" : solution.message);
-  }
-  report.converged = solution.converged;
-  report.message = std::move(solution.message);
-  report.iterations = solution.iterations;
-  report.error = solution.error;
-  return std::move(solution.s);
+  const bool usable = solution.s.size() == p.num_rows() && solution.s.allFinite();
+  return take_solution(std::move(solution), usable, state, report);
 }
 
 /// What lifts the bodies out of each other is what their shocks took too much: it is booked there.

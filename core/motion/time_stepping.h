@@ -82,6 +82,13 @@ struct StepFailure : std::runtime_error {
   StepFailure(Kind k, int steps_before, double time_before, const std::string& why);
 };
 
+/// The impulses of a step, in the problem's variables; what the solver says of them goes into the
+/// report. Throws StepFailure where it refused, was cut short or failed, and where they are not
+/// `usable`: finite and of the problem's size.
+template <int D>
+Vector take_solution(StepSolution solution, bool usable, const StateIn<D>& before,
+                     StepReportIn<D>& report);
+
 /// Advances a state by the mid-point scheme (38)-(43), after bodies have left and come in where the scene has
 /// outlets and inlets (core/motion/population.h):
 ///   q_m = q + h/2 v, contacts at q_m, one contact problem, q <- q_m + h/2 v⁺.

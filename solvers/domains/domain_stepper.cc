@@ -127,7 +127,6 @@ void DomainStepperIn<D>::detect(const DomainStateIn<D>& state, Step& step) {
 template <int D>
 Vector DomainStepperIn<D>::solve(const DomainStateIn<D>& state, Step& step,
                                  DomainReportIn<D>& out) {
-  StepReportIn<D>& report = out.report;
   Vector s0;
   if (scene_.solver.warm_start) {
     std::vector<ContactIn<D>> numbered = step.contacts.own;
@@ -140,20 +139,10 @@ Vector DomainStepperIn<D>::solve(const DomainStateIn<D>& state, Step& step,
   }
   step.solved = solver_(last_->piece, s0);
   StepSolution solution = to_step_solution(step.solved.result);
-  using Kind = StepFailure::Kind;
-  if (solution.refused) throw StepFailure(Kind::kInvalidInput, state.here, solution.message);
-  if (solution.cut_short) throw StepFailure(Kind::kCutShort, state.here, solution.message);
-  const bool unusable = solution.s.size() != last_->piece.own.num_rows() || !solution.s.allFinite();
-  if (group_.any(solution.failed || unusable)) {
-    throw StepFailure(
-        Kind::kNumerical, state.here,
-        solution.message.empty() ? "the solver returned no finite impulse" : solution.message);
-  }
-  report.converged = solution.converged;
-  report.message = std::move(solution.message);
-  report.iterations = solution.iterations;
-  report.error = solution.error;
-  return std::move(solution.s);
+  const bool here = !solution.failed && solution.s.size() == last_->piece.own.num_rows() &&
+                    solution.s.allFinite();
+  const bool usable = !group_.any(!here && !solution.refused && !solution.cut_short);
+  return take_solution(std::move(solution), usable, state.here, out.report);
 }
 
 /// The own bodies and the walls after the step, and what the own contacts did; the velocities of

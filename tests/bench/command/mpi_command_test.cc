@@ -48,6 +48,16 @@ class MpiCommand : public Command {
   }
 };
 
+/// Names in a folder and below, sorted.
+std::vector<std::string> files_in(const std::filesystem::path& folder) {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    names.push_back(std::filesystem::relative(entry.path(), folder).string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 TEST_F(MpiCommand, SolveSaysAndWritesWhatOneProcessDoes) {
   const std::string solve = "solve " + problem("2d_pile_300_mu03") + " --solver apgd --tol 1e-5";
   const json one = json::parse(bipot(solve + " --json -").out);
@@ -167,15 +177,7 @@ TEST_F(MpiCommand, ARunHasTheSameFilesAndGoesOnWithAnotherNumberOfProcesses) {
   const std::string ledger = content(path("one/ledger.csv"));
   EXPECT_EQ(count(ledger, "\n"), 31) << ledger;
   EXPECT_EQ(content(path("several/ledger.csv")), ledger);
-  const auto files = [&](const std::string& name) {
-    std::vector<std::string> list;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(path(name))) {
-      list.push_back(std::filesystem::relative(entry.path(), path(name)).string());
-    }
-    std::sort(list.begin(), list.end());
-    return list;
-  };
-  EXPECT_EQ(files("several"), files("one"));
+  EXPECT_EQ(files_in(path("several")), files_in(path("one")));
   EXPECT_EQ(content(path("several/frames/00000030.h5")), content(path("one/frames/00000030.h5")));
   const json j = json::parse(content(path("several/summary.json")));
   EXPECT_EQ(j["processes"], 3);
@@ -246,15 +248,7 @@ TEST_F(MpiCommand, AStateOnSeveralProcessesLeavesTheFilesOfOne) {
   const Outcome four = on(4, run + path("four"));
   ASSERT_EQ(four.exit_code, 0);
   EXPECT_EQ(count(four.out, "processes    4, state distributed"), 1) << four.out;
-  const auto files = [&](const std::string& name) {
-    std::vector<std::string> list;
-    for (const auto& entry : std::filesystem::recursive_directory_iterator(path(name))) {
-      list.push_back(std::filesystem::relative(entry.path(), path(name)).string());
-    }
-    std::sort(list.begin(), list.end());
-    return list;
-  };
-  EXPECT_EQ(files("four"), files("one"));
+  EXPECT_EQ(files_in(path("four")), files_in(path("one")));
   // Impulses agree to the tolerance, places to what it moves in 25 steps.
   const State one = read_state<2>(path("one")), many = read_state<2>(path("four"));
   EXPECT_EQ(many.step, 25);

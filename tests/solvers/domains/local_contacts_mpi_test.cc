@@ -111,14 +111,21 @@ void expect_whole_detection(const SceneIn<D>& scene, ProcessGroup& group) {
   EXPECT_EQ(here, needed);
 }
 
-TEST(Domains, ContactsAreThoseOfDetectionOnTheWhole) {
+/// Of disks on the processes of this program and on a lone one, of spheres on the former.
+template <class Check>
+void on_all_scenes(const Check& check) {
   const auto lone = lone_process();
   for (const NamedScene& s : domain_scenes()) {
     SCOPED_TRACE(s.name);
-    expect_whole_detection(s.scene, mpi_group());
-    expect_whole_detection(s.scene, *lone);
+    check(s.scene, mpi_group());
+    check(s.scene, *lone);
   }
-  expect_whole_detection(box_of_spheres(), mpi_group());
+  check(box_of_spheres(), mpi_group());
+}
+
+TEST(Domains, ContactsAreThoseOfDetectionOnTheWhole) {
+  on_all_scenes(
+      [](const auto& scene, ProcessGroup& group) { expect_whole_detection(scene, group); });
 }
 
 TEST(Domains, OneBodyIsPushedByAllProcessesAndOneWallIsCutByAll) {
@@ -216,13 +223,8 @@ void expect_whole_products(const SceneIn<D>& scene, ProcessGroup& group) {
 }
 
 TEST(Domains, ProductsAndBoundsAreThoseOfTheWhole) {
-  const auto lone = lone_process();
-  for (const NamedScene& s : domain_scenes()) {
-    SCOPED_TRACE(s.name);
-    expect_whole_products(s.scene, mpi_group());
-    expect_whole_products(s.scene, *lone);
-  }
-  expect_whole_products(box_of_spheres(), mpi_group());
+  on_all_scenes(
+      [](const auto& scene, ProcessGroup& group) { expect_whole_products(scene, group); });
 }
 
 TEST(Domains, EverySolverOfPiecesIsJudgedAsOnTheWhole) {

@@ -1,10 +1,6 @@
-#include "bench/command/domain_run.h"
+#include "bench/scenes/domain_run.h"
 
-#include <fmt/format.h>
-#include <sys/resource.h>
-
-#include <algorithm>
-#include <utility>
+#include <optional>
 
 #include "core/stopwatch.h"
 
@@ -70,23 +66,7 @@ class GatheredOutput {
   Traffic gathering_;
 };
 
-Json to_json(const Traffic& traffic, int steps) {
-  const double n = std::max(steps, 1);
-  return {{"messages", static_cast<double>(traffic.messages) / n},
-          {"bytes", static_cast<double>(traffic.bytes) / n},
-          {"reductions", static_cast<double>(traffic.reductions) / n},
-          {"reduced_bytes", static_cast<double>(traffic.reduced_bytes) / n}};
-}
-
 }  // namespace
-
-template <int D>
-std::string state_on_every_process(const RunFlags& flags, const SceneIn<D>& scene) {
-  if (flags.reproducible) return "--reproducible";
-  if (!flags.dump_problems.empty()) return "--dump-problems";
-  if (flags.on_failure != RunFlags{}.on_failure) return "--on-failure " + flags.on_failure;
-  return needs_whole_state(scene);
-}
 
 template <int D>
 SceneRunIn<D> run_domains(const SceneIn<D>& scene, StateIn<D>& state,
@@ -130,47 +110,6 @@ SceneRunIn<D> run_domains(const SceneIn<D>& scene, StateIn<D>& state,
   return run;
 }
 
-double peak_memory() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return 1024.0 * static_cast<double>(usage.ru_maxrss);
-}
-
-Json to_json(const DomainCounts& c, double peak_bytes) {
-  return {{"most_bodies", c.most_bodies},
-          {"most_ghosts", c.most_ghosts},
-          {"most_contacts", c.most_contacts},
-          {"most_halo", c.most_halo},
-          {"imbalance", c.imbalance},
-          {"cuts", c.cuts},
-          {"migrated", c.migrated},
-          {"gathers", c.gathers},
-          {"peak_bytes", peak_bytes},
-          {"a_step",
-           {{"detection", to_json(c.detection, c.steps)},
-            {"solve", to_json(c.solve, c.steps)},
-            {"migration", to_json(c.migration, c.steps)},
-            {"gathering", to_json(c.gathering, c.steps)}}}};
-}
-
-std::string to_text(const DomainCounts& c) {
-  const double n = std::max(c.steps, 1);
-  const auto sent = [&](const Traffic& t) {
-    return fmt::format("{:.1f} messages, {:.3g} kB", static_cast<double>(t.messages) / n,
-                       1e-3 * static_cast<double>(t.bytes) / n);
-  };
-  return fmt::format(
-      "  one has      at most {} bodies and {} ghosts, {} contacts and {} of others; imbalance "
-      "{:.2f}\n"
-      "  moved        {} bodies to other processes, cells cut again {} times\n"
-      "  one sends    a step: detection {}; solve {};\n"
-      "               migration {}; {} gathered states {}\n",
-      c.most_bodies, c.most_ghosts, c.most_contacts, c.most_halo, c.imbalance, c.migrated, c.cuts,
-      sent(c.detection), sent(c.solve), sent(c.migration), c.gathers, sent(c.gathering));
-}
-
-template std::string state_on_every_process(const RunFlags&, const Scene&);
-template std::string state_on_every_process(const RunFlags&, const SceneIn<3>&);
 template SceneRunIn<2> run_domains(const Scene&, State&, const DomainRunOptionsIn<2>&,
                                    ProcessGroup&, DomainCounts&);
 template SceneRunIn<3> run_domains(const SceneIn<3>&, StateIn<3>&, const DomainRunOptionsIn<3>&,

@@ -1,20 +1,11 @@
 #pragma once
 
 #include <functional>
-#include <optional>
-#include <string>
 
-#include "bench/command/run_command.h"
-#include "bench/report/json.h"
 #include "bench/scenes/run_folder.h"
 #include "solvers/domains/domain_stepper.h"
 
 namespace bipot {
-
-/// Why a run on several processes keeps its state on every one of them, in a few words; empty where
-/// each has its part (solvers/domains).
-template <int D>
-std::string state_on_every_process(const RunFlags& flags, const SceneIn<D>& scene);
 
 template <int D>
 struct DomainRunOptionsIn {
@@ -35,13 +26,5 @@ template <int D>
 SceneRunIn<D> run_domains(const SceneIn<D>& scene, StateIn<D>& state,
                           const DomainRunOptionsIn<D>& options, ProcessGroup& group,
                           DomainCounts& counts);
-
-/// Most memory that this process has held.                                             [bytes]
-double peak_memory();
-
-/// What a distributed state adds to a summary. `peak_bytes`: of the process with the most.
-Json to_json(const DomainCounts& counts, double peak_bytes);
-/// The same in lines.
-std::string to_text(const DomainCounts& counts);
 
 }  // namespace bipot
