@@ -1,10 +1,11 @@
 // What a solve on several processes costs, and what it would cost on more of them.
 //
 //   mpirun -n P distributed_bench --side=183 --iterations=200
-//       one row: a cold step of a triangular packing of about side² disks (3 contacts a disk), apgd:
-//       seconds an iteration of the slowest process, what is sent, the imbalance, iterations to the
-//       tolerances, memory. Alone, without mpirun, it also measures the solver of one process.
-//   mpirun -n P distributed_bench --state --side=317 --iterations=300 --steps=1
+//       one row: a cold step of a triangular packing of about side² disks (3 contacts a disk),
+//       tilted by --tilt degrees, apgd: seconds an iteration of the slowest process, what is sent,
+//       the imbalance, iterations to the tolerances, memory. Alone, without mpirun, it also
+//       measures the solver of one process.
+//   mpirun -n P distributed_bench --state --side=317 --iterations=300 --steps=1 --tols=1e-4
 //       steps of such a packing whose state lies on the processes (solvers/domains): what one has, what
 //       it sends a step, seconds a step of the slowest process, memory. The first step is cold.
 //   distributed_bench --model
@@ -22,6 +23,7 @@
 
 #include "bench/measure/peak_memory.h"
 #include "core/motion/midpoint.h"
+#include "core/release.h"
 #include "core/scene/scene_family.h"
 #include "core/stopwatch.h"
 #include "solvers/distributed/cell_tree.h"
@@ -40,8 +42,8 @@ struct CutPacking {
   ContactProblem problem;
   std::vector<Vec3> places;
 
-  explicit CutPacking(int side) {
-    const Scene scene = make_family_scene("triangular", side);
+  CutPacking(int side, double tilt) {
+    const Scene scene = make_family_scene("triangular", side, {.tilt_degrees = tilt});
     const State state = initial_state(scene);
     const Midpoint mid = make_midpoint(scene, state);
     problem = assemble_step(scene, mid, false).problem;
@@ -74,10 +76,10 @@ Timed fastest(int repeat, Solve solve) {
   return best;
 }
 
-void measure(int side, int iterations, int repeat, bool reproducible,
+void measure(int side, double tilt, int iterations, int repeat, bool reproducible,
              const std::vector<double>& tols) {
   const auto group = launched_group();
-  const CutPacking packing(side);
+  const CutPacking packing(side, tilt);
   const int contacts = packing.problem.num_contacts();
   SolverOptions options;
   options.tol = 1e-300;
@@ -117,30 +119,36 @@ void measure(int side, int iterations, int repeat, bool reproducible,
     options.max_iterations = 1000000;
     DistributedResult r = distributed_solve("apgd", packing.problem, options, *group, extra);
     group->largest({&r.result.solve_seconds, 1});
-    if (!speaks) continue;
-    fmt::print("  to {:.0e}: {}, {} iterations, {:.2f} s, ε {:.2e}, η {:.2e}\n", tol,
-               to_string(r.result.status), r.result.iterations, r.result.solve_seconds,
-               r.result.error.epsilon, r.result.error.eta);
+    const auto say = [&](const char* whose, const SolveResult& s) {
+      if (!speaks) return;
+      fmt::print("  to {:.0e}{}: {}, {} iterations, {:.2f} s, ε {:.2e}, η {:.2e}\n", tol, whose,
+                 to_string(s.status), s.iterations, s.solve_seconds, s.error.epsilon, s.error.eta);
+    };
+    say("", r.result);
+    if (group->size() == 1) say(" by its own solver", solve("apgd", packing.problem, options));
   }
 }
 
-void measure_state(int side, int iterations, int steps) {
+void measure_state(int side, double tilt, int iterations, int steps, double tol) {
   const auto group = launched_group();
-  Scene scene = make_family_scene("triangular", side);
+  Scene scene = make_family_scene("triangular", side, {.tilt_degrees = tilt});
   SolverOptions options;
-  options.tol = 1e-300;
+  options.tol = tol;
   options.max_iterations = iterations;
   DomainStepper stepper(scene, *group, [&](const ProblemPiece& piece, const Vector& s0) {
     options.s0 = s0;
     return distributed_solve("apgd", piece, options, *group);
   });
   DomainState state = stepper.begin(initial_state(scene));
-  scene.disks = {};
+  release(scene.disks);
   double memory[2] = {peak_memory(), 0};
   StepReport sum;
   for (int k = 0; k < steps; ++k) {
     const StepReport r = stepper.advance(state).report;
     sum.contacts = r.contacts;
+    sum.iterations += r.iterations;
+    sum.converged = r.converged;
+    sum.error = r.error;
     sum.detection_seconds += r.detection_seconds;
     sum.assembly_seconds += r.assembly_seconds;
     sum.solve_seconds += r.solve_seconds;
@@ -166,10 +174,12 @@ void measure_state(int side, int iterations, int steps) {
         static_cast<double>(t->reductions) / n, static_cast<double>(t->reduced_bytes) / n);
   }
   fmt::print(
-      "  a step takes {:.3f} s for detection, {:.3f} s for assembly, {:.3f} s for {} "
-      "iterations; peak {:.1f} MB, {:.2f} kB a disk, of which {:.1f} MB before the first step\n",
-      seconds[0] / n, seconds[1] / n, seconds[2] / n, iterations, memory[1] / 1e6,
-      memory[1] / 1000 / state.bodies, memory[0] / 1e6);
+      "  a step takes {:.3f} s for detection, {:.3f} s for assembly, {:.3f} s for {:.0f} "
+      "iterations; the last one {}, ε {:.2e}, η {:.2e}\n  peak of one {:.1f} MB, of which {:.1f} MB "
+      "before the first step; {:.2f} kB a disk with all processes\n",
+      seconds[0] / n, seconds[1] / n, seconds[2] / n, sum.iterations / n,
+      sum.converged ? "converged" : "did not converge", sum.error.epsilon, sum.error.eta,
+      memory[1] / 1e6, memory[0] / 1e6, memory[1] * group->size() / 1000 / state.bodies);
 }
 
 /// Of the process with the most of each.
@@ -207,8 +217,8 @@ struct ModelMachine {
   double contact = 3e-8;   ///< work on a contact in an iteration, s
 };
 
-void model(int side, const ModelMachine& machine) {
-  const CutPacking packing(side);
+void model(int side, double tilt, const ModelMachine& machine) {
+  const CutPacking packing(side, tilt);
   const BodyNodes nodes = body_nodes(packing.problem);
   fmt::print(
       "Counted on one packing of {} contacts, one exchange of apgd (2 doubles a contact):\n\n",
@@ -264,6 +274,7 @@ void model(int side, const ModelMachine& machine) {
 int main(int argc, char** argv) {
   CLI::App app("Costs of solves on several processes");
   int side = 183, iterations = 200, repeat = 3, steps = 1;
+  double tilt = 0;
   bool use_model = false, reproducible = false, state = false;
   std::vector<double> tols;
   bipot::ModelMachine machine;
@@ -272,7 +283,9 @@ int main(int argc, char** argv) {
   app.add_option("--iterations", iterations, "Measured")->check(CLI::Range(1, 1000000));
   app.add_option("--repeat", repeat, "Solves, of which the fastest counts")
       ->check(CLI::Range(1, 100));
-  app.add_option("--tols", tols, "Solve to these as well")->delimiter(',');
+  app.add_option("--tilt", tilt, "Angle of gravity [degrees]");
+  app.add_option("--tols", tols, "Solve to these as well; with --state to the first, within --iterations")
+      ->delimiter(',');
   app.add_flag("--reproducible", reproducible, "Exact sums");
   app.add_flag("--state", state, "Steps of a state that lies on the processes");
   app.add_option("--steps", steps, "With --state")->check(CLI::Range(1, 1000000));
@@ -283,11 +296,11 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     if (use_model) {
-      bipot::model(side, machine);
+      bipot::model(side, tilt, machine);
     } else if (state) {
-      bipot::measure_state(side, iterations, steps);
+      bipot::measure_state(side, tilt, iterations, steps, tols.empty() ? 1e-300 : tols[0]);
     } else {
-      bipot::measure(side, iterations, repeat, reproducible, tols);
+      bipot::measure(side, tilt, iterations, repeat, reproducible, tols);
     }
   } catch (const std::exception& e) {
     fmt::print(stderr, "distributed_bench: {}\n", e.what());

@@ -6,10 +6,12 @@
 #include <memory>
 #include <type_traits>
 
+#include "solvers/distributed/disk_frontier.h"
 #include "solvers/distributed/distributed_kernels.h"
 #include "solvers/kernels/anderson_iteration.h"
 #include "solvers/kernels/local_updates.h"
 #include "solvers/kernels/predictor_steps.h"
+#include "solvers/kernels/tiled_gradient.h"
 #include "solvers/methods/accelerated_gradient.h"
 #include "solvers/methods/anderson.h"
 #include "solvers/methods/gauss_seidel.h"
@@ -64,8 +66,20 @@ void gradient(StageMonitor& monitor, const std::string& map, double step, const 
   const double lambda = kSpectralMargin * distributed_spectral_estimate(space, scaling.velocity);
   monitor.end_setup();
   dispatch_dim(p.dim, [&](auto d) {
+    constexpr int D = d();
+    if constexpr (D < 3) {
+      if (!space.exact()) {
+        if (auto disks = DiskFrontier<D>::structure(space)) {
+          DiskFrontier<D> frontier(space);
+          TiledGradient<D> kernel(p, *disks, scaling, Execution{}, &frontier);
+          disks.reset();  // packed: 48 bytes a contact less
+          iterate_gradient(kernel, MapRota(map), s0, lambda, step, monitor);
+          return;
+        }
+      }
+    }
     const auto run = [&](auto sums) {
-      GradientIteration<d(), decltype(sums)> kernel(p, sums, scaling);
+      GradientIteration<D, decltype(sums)> kernel(p, sums, scaling);
       iterate_gradient(kernel, MapRota(map), s0, lambda, step, monitor);
     };
     if (space.exact()) {

@@ -101,13 +101,13 @@ ContactError DistributedError::with_worst(const Vector& s) {
   return error;
 }
 
-DistributedMonitor::DistributedMonitor(DistributedSpace& space, const SolverOptions& options,
-                                       Claim claim, Lead lead)
+DistributedMonitor::DistributedMonitor(DistributedSpace& space, DistributedError& evaluate,
+                                       const SolverOptions& options, Claim claim, Lead lead)
     : space_(space),
+      evaluate_(evaluate),
       options_(options),
       claim_(std::move(claim)),
       lead_(std::move(lead)),
-      evaluate_(space),
       best_s_(Vector::Zero(space.problem().num_rows())) {
   free_energy_ = evaluate_(best_s_).energy;
 }

@@ -55,7 +55,9 @@ class DistributedMonitor {
   /// number of its iterations.
   using Lead = std::function<Vector(const DistributedSolver& solver, const Vector& s,
                                     double seconds, int& iterations)>;
-  DistributedMonitor(DistributedSpace& space, const SolverOptions& options, Claim claim, Lead lead);
+  /// Keeps references to the first three; evaluate's last impulse is overwritten.
+  DistributedMonitor(DistributedSpace& space, DistributedError& evaluate,
+                     const SolverOptions& options, Claim claim, Lead lead);
 
   bool due(int iteration);
   int undue(int iteration, int most) const;
@@ -83,10 +85,10 @@ class DistributedMonitor {
 
   static constexpr int kPolled = 64;
   DistributedSpace& space_;
+  DistributedError& evaluate_;
   const SolverOptions& options_;
   Claim claim_;
   Lead lead_;
-  DistributedError evaluate_;
   Stopwatch watch_;
   double setup_seconds_ = 0, free_energy_ = 0;
   ContactError last_;

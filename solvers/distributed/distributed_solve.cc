@@ -115,7 +115,7 @@ class DistributedSolve {
     SolveResult result;
     const Vector zero = Vector::Zero(piece_.own.num_rows());
     started_ = group_.any(start.size() > 0);
-    const Vector s0 = start.size() == 0 ? zero : start;
+    const Vector& s0 = start.size() == 0 ? zero : start;
     if (evaluate_(zero).guarded() == 0) {
       result.status = SolveStatus::kNothingToDo;
       result.message = "s = 0 satisfies the law";
@@ -142,7 +142,7 @@ class DistributedSolve {
         result = lead(solver, options);
       } else {
         DistributedMonitor monitor(
-            space_, options_,
+            space_, evaluate_, options_,
             [this](const Vector& s, const ContactError& error) { return claim(s, error).holds; },
             [this](const DistributedSolver& stage, const Vector& s, double seconds, int& done) {
               return lead_stage(stage, s, seconds, done);

@@ -19,7 +19,8 @@ DistributedSpace::DistributedSpace(const ProblemPiece& piece, ProcessGroup& grou
   const ContactProblem& p = piece.with_halo;
   if (piece.disks && p.num_contacts() > 0) disks_.emplace(p, DelassusOperator::Form::kTwoPass);
   // All take the packed form or none does: it rounds in other places.
-  if (group.any(p.num_contacts() > 0 && !(disks_ && disks_->disks()))) disks_.reset();
+  all_disks_ = !group.any(p.num_contacts() > 0 && !(disks_ && disks_->disks()));
+  if (!all_disks_) disks_.reset();
   const Vector inverse_own = piece.own.A.diagonal().cwiseInverse();
   diagonal_ = Vector::Zero(piece.own.num_rows());
   for (int i = 0; i < piece.own.num_rows(); ++i) {
@@ -29,10 +30,15 @@ DistributedSpace::DistributedSpace(const ProblemPiece& piece, ProcessGroup& grou
   }
 }
 
+const std::vector<double>& DistributedSpace::halo(const Vector& s) {
+  exchange_->copy({s.data(), to_size(s.size())}, halo_, piece_.own.dim);
+  return halo_;
+}
+
 /// s_all_ <- the impulses of the owned contacts and of the halo.
 void DistributedSpace::fill(const Vector& s) {
   const int d = piece_.own.dim;
-  exchange_->copy({s.data(), to_size(s.size())}, halo_, d);
+  halo(s);
   const double* from = s.data();
   for (const int place : piece_.owned) {
     for (int k = 0; k < d; ++k) s_all_[place * d + k] = *from++;

@@ -37,6 +37,12 @@ class DistributedSpace {
   void apply(const Vector& s, Vector& u);
   /// u = W s + u_free.
   void velocity(const Vector& s, Vector& u);
+  /// s of the contacts of the halo, in the order of piece().halo.
+  const std::vector<double>& halo(const Vector& s);
+  /// Whether the contacts of all processes are those of disks.
+  bool disks() const { return all_disks_; }
+  /// piece().with_halo as disks. Requires disks(), and a contact here.
+  const DiskStructure& halo_disks() const { return *disks_->disks(); }
   /// The values of the owned contacts and of the halo, in the rows of piece().with_halo.
   void with_halo(const Vector& s, Vector& all);
   /// v = v_free + A⁻¹ H s in the degrees of freedom of piece().own.
@@ -80,6 +86,7 @@ class DistributedSpace {
   bool exact_;
   std::unique_ptr<Exchange> exchange_;
   std::optional<DelassusOperator> disks_;  // where the whole problem is one of disks
+  bool all_disks_ = false;
   Vector inverse_mass_, velocity_;         // of with_halo
   Vector diagonal_;
   bool any_everywhere_ = false;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/release.h"
 #include "solvers/domains/body_parcel.h"
 
 namespace bipot {
@@ -95,7 +96,7 @@ StateIn<D> gather_state(const DomainStateIn<D>& state, ProcessGroup& group) {
         }
         whole.disks[to_size(next.number)] = std::move(next.body);
       }
-      parcel = {};
+      release(parcel);
     }
     if (failure.empty() && count != whole.disks.size()) {
       failure = fmt::format("{} of {} {}s are on no process", whole.disks.size() - count,
@@ -104,7 +105,7 @@ StateIn<D> gather_state(const DomainStateIn<D>& state, ProcessGroup& group) {
     for (Parcel& parcel : contacts) {
       ParcelReader reader(parcel);
       while (!reader.at_end()) whole.contacts.push_back(take_contact<D>(reader));
-      parcel = {};
+      release(parcel);
     }
     sort_by_bodies(whole.contacts);
   }

@@ -11,6 +11,7 @@
 #include "core/motion/update_bodies.h"
 #include "core/motion/warm_start.h"
 #include "core/problem/delassus.h"
+#include "core/release.h"
 #include "core/stopwatch.h"
 #include "solvers/distributed/whole_problem.h"
 #include "solvers/step_solver.h"
@@ -112,7 +113,7 @@ template <int D>
 void DomainStepperIn<D>::detect(const DomainStateIn<D>& state, Step& step) {
   step.local = with_ghosts(scene_, state, group_);
   step.mid = free_midpoint(scene_, step.local.state);
-  step.local.state.disks = {};  // mid-step has them
+  release(step.local.state.disks);  // mid-step has them
   step.contacts = find_local_contacts(scene_, step.local, step.mid, state.bodies, group_);
   const auto most = [](int& most_of, std::size_t here) {
     most_of = std::max(most_of, static_cast<int>(here));
@@ -263,7 +264,7 @@ DomainReportIn<D> DomainStepperIn<D>::advance(DomainStateIn<D>& state) {
   // Built in its place: moved, Eigen's matrices would be copied.
   last_.reset(new DomainPiece(
       assemble_piece(scene_, step.local, step.mid, step.contacts, state.bodies, group_)));
-  step.contacts.all = {};
+  release(step.contacts.all);
   out.report.assembly_seconds = watch.lap();
   step.solved.result.s = solve(state, step, out);
   out.report.solve_seconds = watch.lap();

@@ -10,6 +10,7 @@
 #include <string>
 #include <utility>
 
+#include "core/release.h"
 #include "core/scene/contact_detection.h"
 #include "solvers/domains/body_parcel.h"
 
@@ -190,7 +191,7 @@ LocalContactsIn<D> find_local_contacts(const SceneIn<D>& scene, const LocalBodie
     contacts.all.push_back(c);
     if (own) contacts.own.push_back(c);
   }
-  found = {};
+  release(found);
   number_contacts(local, bodies, group, contacts);
   find_places(local, bodies, group, contacts);
   return contacts;

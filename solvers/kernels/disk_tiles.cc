@@ -148,12 +148,8 @@ template <int D>
 void DiskTiles<D>::unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const {
   s.resize(impulse_scale_.size());
   for (int batch = 0; batch < num_batches(); ++batch) {
-    for (int lane = 0; lane < kLanes; ++lane) {
-      const int c = tiles_.contact[to_size(batch * kLanes + lane)];
-      if (c < 0) continue;
-      for (int k = 0; k < D; ++k) {
-        s[c * D + k] = x[to_size(batch)].x[k][lane] * velocity_scale_[c * D + k];
-      }
+    for (int lane = batch * kLanes; lane < (batch + 1) * kLanes; ++lane) {
+      if (contact(lane) >= 0) s.template segment<D>(contact(lane) * D) = impulse(x, lane);
     }
   }
 }

@@ -33,6 +33,18 @@ class DiskTiles {
   const int* law_numbers(const Tile& t) const { return &law_[to_size(t.first_batch)]; }
   const LawBatch* laws() const { return laws_.data(); }
   const BodyRow* inverse() const { return inverse_.data(); }
+  int row(int body) const { return tiles_.row[to_size(body)]; }
+  /// The contact in a lane, kLanes a batch; -1: none.
+  int contact(int lane) const { return tiles_.contact[to_size(lane)]; }
+  /// s of the contact in a lane.
+  Eigen::Matrix<double, D, 1> impulse(std::span<const ImpulseBatch<D>> x, int lane) const {
+    const int c = contact(lane);
+    Eigen::Matrix<double, D, 1> s;
+    for (int k = 0; k < D; ++k) {
+      s[k] = x[to_size(lane / kLanes)].x[k][lane % kLanes] * velocity_scale_[c * D + k];
+    }
+    return s;
+  }
 
   /// x = impulse ∘ s into the lanes, and Σ ± g x into the rows.
   void pack(const Vector& s, std::span<ImpulseBatch<D>> x, std::span<BodyRow> momentum) const;

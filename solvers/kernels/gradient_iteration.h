@@ -35,13 +35,6 @@ inline Local<D> corrected(const Local<D>& y, const Local<D>& w, double mu, doubl
   }
 }
 
-/// Sums over all contacts of one step from x to x⁺ by way of y.
-struct GradientProgress {
-  double turn = 0;     ///< (y - x⁺)·(x⁺ - x): positive when momentum points uphill
-  double change2 = 0;  ///< ‖x⁺ - x‖²
-  double energy = 0;   ///< (x⁺ - x)·W(x⁺ - x)
-};
-
 /// The iteration through the Delassus operator, any problem. (Disks on one process:
 /// tiled_gradient.h.) `Space` knows the contacts that are not here: velocity(s, u) is u = W s +
 /// u_free, a Sum takes += and add_dot(a, b, sum), and total() adds the Sums up over all processes.

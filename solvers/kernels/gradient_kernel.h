@@ -14,6 +14,13 @@ struct GradientControl {
   double t = 1;          ///< Nesterov's sequence
 };
 
+/// Sums over all contacts of one step from x to x⁺ by way of y.
+struct GradientProgress {
+  double turn = 0;     ///< (y - x⁺)·(x⁺ - x): positive when momentum points uphill
+  double change2 = 0;  ///< ‖x⁺ - x‖²
+  double energy = 0;   ///< (x⁺ - x)·W(x⁺ - x)
+};
+
 /// Nesterov's (1 + sqrt(1 + 4 t²)) / 2.
 double next_momentum(double t);
 

@@ -20,23 +20,31 @@ double next_momentum(double t) { return 0.5 * (1 + std::sqrt(1 + 4 * t * t)); }
 
 template <int D>
 TiledGradient<D>::TiledGradient(const ContactProblem& problem, const DiskStructure& disks,
-                                const ContactScaling& scaling, const Execution& options)
+                                const ContactScaling& scaling, const Execution& options,
+                                GradientNeighbours<D>* neighbours)
     : disks_(problem, disks, scaling),
       kernels_(disk_kernels<D>(options.path)),
+      neighbours_(neighbours),
       threads_(options.threads),
       depth_(disks_.pipeline_depth(threads_, sizeof(ContactBatch<D>) + 4 * sizeof(ImpulseBatch<D>),
                                    6 * sizeof(BodyRow))),
-      group_(threads_ > 1 ? std::max(depth_, kTogether) : depth_),
+      group_(neighbours != nullptr ? 1 : threads_ > 1 ? std::max(depth_, kTogether) : depth_),
       velocity_(to_size(disks_.num_rows())),
       sums_(to_size(group_) * to_size(disks_.num_tiles())) {
-  for (auto& x : impulse_) x.resize(to_size(disks_.num_batches()));
-  for (auto& p : momentum_) p.resize(to_size(disks_.num_rows()));
+  // One iteration at a time never comes to the last buffers.
+  for (int k = 0; k < (group_ > 1 ? 4 : 3); ++k) {
+    impulse_[k].resize(to_size(disks_.num_batches()));
+    momentum_[k].resize(to_size(disks_.num_rows()));
+  }
 }
 
 template <int D>
 void TiledGradient<D>::reset(const Vector& s) {
   roles_ = {};
   disks_.pack(s, impulse_[roles_.now], momentum_[roles_.now]);
+  if (neighbours_ != nullptr) {
+    neighbours_->complete(disks_, impulse_[roles_.now], momentum_[roles_.now]);
+  }
   impulse_[roles_.before] = impulse_[roles_.now];
   momentum_[roles_.before] = momentum_[roles_.now];
   beta_ = change2_ = 0;
@@ -97,10 +105,14 @@ void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
     task.velocity = velocity_.data();
     kernels_.gradient(task, sums_[to_size(k * disks_.num_tiles() + t)]);
   });
+  if (neighbours_ != nullptr) {
+    const std::size_t next = to_size(roles.back().now);
+    neighbours_->complete(disks_, impulse_[next], momentum_[next]);
+  }
 }
 
 template <int D>
-typename TiledGradient<D>::Totals TiledGradient<D>::totals(int iteration) const {
+GradientProgress TiledGradient<D>::totals(int iteration) const {
   GradientSums sum;
   for (int t = 0; t < disks_.num_tiles(); ++t) {
     const GradientSums& part = sums_[to_size(iteration * disks_.num_tiles() + t)];
@@ -110,13 +122,15 @@ typename TiledGradient<D>::Totals TiledGradient<D>::totals(int iteration) const 
     }
     for (int k = 0; k < 4; ++k) sum.energy[k] += part.energy[k];
   }
-  Totals total;
+  GradientProgress total;
   for (int lane = 0; lane < kLanes; ++lane) {
     total.turn += sum.turn[lane];
     total.change2 += sum.change2[lane];
   }
   for (const int k : {kRowX, kRowY, kRowSpin}) total.energy += sum.energy[k];
-  return total;
+  if (neighbours_ == nullptr) return total;
+  const Roles& r = roles_;
+  return neighbours_->total(disks_, total, momentum_[r.now], momentum_[r.before]);
 }
 
 template <int D>
@@ -139,7 +153,7 @@ void TiledGradient<D>::advance(int iterations, GradientControl& control) {
     bool restart = false, raised = false;
     double raised_to = 0, change2 = change2_;
     while (good < group && !restart) {
-      const Totals sums = totals(good);
+      const GradientProgress sums = totals(good);
       if (sums.energy > control.lambda * change2) {
         // A larger eigenvalue than the estimate has shown itself in the step before.
         raised = true;

@@ -7,6 +7,20 @@
 
 namespace bipot {
 
+/// The contacts of the same bodies that are elsewhere. Collective: every process calls.
+template <int D>
+class GradientNeighbours {
+ public:
+  virtual ~GradientNeighbours() = default;
+  /// What the impulses elsewhere push is added to the momentum; `x`: those that are here.
+  virtual void complete(const DiskTiles<D>& tiles, std::span<const ImpulseBatch<D>> x,
+                        std::span<BodyRow> momentum) = 0;
+  /// Sums of all, from those of the contacts and bodies here; the momenta of the step.
+  virtual GradientProgress total(const DiskTiles<D>& tiles, const GradientProgress& here,
+                                 std::span<const BodyRow> now,
+                                 std::span<const BodyRow> before) = 0;
+};
+
 /// The accelerated projected gradient for disks, vectorised, in the order of DiskTiles.
 ///
 /// Whether an iteration restarts momentum depends on sums over all contacts of the one before. So
@@ -16,8 +30,10 @@ namespace bipot {
 template <int D>
 class TiledGradient final : public GradientKernel {
  public:
+  /// With neighbours, which are kept by reference, one iteration at a time.
   TiledGradient(const ContactProblem& problem, const DiskStructure& disks,
-                const ContactScaling& scaling, const Execution& options);
+                const ContactScaling& scaling, const Execution& options,
+                GradientNeighbours<D>* neighbours = nullptr);
 
   /// Starts from s without momentum.
   void reset(const Vector& s) override;
@@ -25,19 +41,17 @@ class TiledGradient final : public GradientKernel {
   void advance(int iterations, GradientControl& control) override;
 
  private:
-  struct Totals {
-    double turn = 0, change2 = 0, energy = 0;
-  };
   /// Buffers of x and of the momentum by number; iteration k of a group reads two and writes one.
   struct Roles {
     int now = 0, before = 1, free[2] = {2, 3};
   };
   Roles after(int iterations) const;
   void run(int iterations, const std::vector<double>& beta, const GradientControl& control);
-  Totals totals(int iteration) const;
+  GradientProgress totals(int iteration) const;
 
   DiskTiles<D> disks_;
   const DiskKernels<D>& kernels_;
+  GradientNeighbours<D>* const neighbours_;
   int threads_, depth_, group_;  // depth: of the wavefront; group: between two looks at the sums
   std::vector<ImpulseBatch<D>> impulse_[4];
   std::vector<BodyRow> momentum_[4], velocity_;
