@@ -214,7 +214,7 @@ CutCount count_cut(const CutPacking& packing, const BodyNodes& nodes, int proces
 struct ModelMachine {
   double latency = 2e-6;   ///< of a message, s
   double bandwidth = 5e9;  ///< of one process, bytes/s
-  double contact = 3e-8;   ///< work on a contact in an iteration, s
+  double contact = 1.4e-8;   ///< work on a contact in an iteration, s
 };
 
 void model(int side, double tilt, const ModelMachine& machine) {
