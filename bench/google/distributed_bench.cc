@@ -212,9 +212,9 @@ CutCount count_cut(const CutPacking& packing, const BodyNodes& nodes, int proces
 }
 
 struct ModelMachine {
-  double latency = 2e-6;   ///< of a message, s
-  double bandwidth = 5e9;  ///< of one process, bytes/s
-  double contact = 1.4e-8;   ///< work on a contact in an iteration, s
+  double latency = 2e-6;    ///< of a message, s
+  double bandwidth = 5e9;   ///< of one process, bytes/s
+  double contact = 1.4e-8;  ///< work on a contact in an iteration, s
 };
 
 void model(int side, double tilt, const ModelMachine& machine) {
@@ -284,7 +284,8 @@ int main(int argc, char** argv) {
   app.add_option("--repeat", repeat, "Solves, of which the fastest counts")
       ->check(CLI::Range(1, 100));
   app.add_option("--tilt", tilt, "Angle of gravity [degrees]");
-  app.add_option("--tols", tols, "Solve to these as well; with --state to the first, within --iterations")
+  app.add_option("--tols", tols,
+                 "Solve to these as well; with --state to the first, within --iterations")
       ->delimiter(',');
   app.add_flag("--reproducible", reproducible, "Exact sums");
   app.add_flag("--state", state, "Steps of a state that lies on the processes");

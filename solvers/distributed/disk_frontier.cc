@@ -9,8 +9,8 @@ std::optional<DiskStructure> DiskFrontier<D>::structure(DistributedSpace& space)
   const ContactProblem& own = space.problem();
   std::optional<DiskStructure> disks;
   if (space.disks() && space.piece().everywhere_inverse_mass.empty()) {
-    disks = own.num_contacts() > 0 ? disk_structure(own)
-                                   : DiskStructure{{}, {DiskStructure::Body{}}};
+    disks =
+        own.num_contacts() > 0 ? disk_structure(own) : DiskStructure{{}, {DiskStructure::Body{}}};
   }
   if (space.group().any(!disks)) disks.reset();
   return disks;

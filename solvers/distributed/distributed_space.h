@@ -87,7 +87,7 @@ class DistributedSpace {
   std::unique_ptr<Exchange> exchange_;
   std::optional<DelassusOperator> disks_;  // where the whole problem is one of disks
   bool all_disks_ = false;
-  Vector inverse_mass_, velocity_;         // of with_halo
+  Vector inverse_mass_, velocity_;  // of with_halo
   Vector diagonal_;
   bool any_everywhere_ = false;
   std::vector<double> momentum_, halo_;

@@ -28,7 +28,9 @@ TiledGradient<D>::TiledGradient(const ContactProblem& problem, const DiskStructu
       threads_(options.threads),
       depth_(disks_.pipeline_depth(threads_, sizeof(ContactBatch<D>) + 4 * sizeof(ImpulseBatch<D>),
                                    6 * sizeof(BodyRow))),
-      group_(neighbours != nullptr ? 1 : threads_ > 1 ? std::max(depth_, kTogether) : depth_),
+      group_(neighbours != nullptr ? 1
+             : threads_ > 1        ? std::max(depth_, kTogether)
+                                   : depth_),
       velocity_(to_size(disks_.num_rows())),
       sums_(to_size(group_) * to_size(disks_.num_tiles())) {
   // One iteration at a time never comes to the last buffers.

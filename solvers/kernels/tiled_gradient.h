@@ -17,8 +17,7 @@ class GradientNeighbours {
                         std::span<BodyRow> momentum) = 0;
   /// Sums of all, from those of the contacts and bodies here; the momenta of the step.
   virtual GradientProgress total(const DiskTiles<D>& tiles, const GradientProgress& here,
-                                 std::span<const BodyRow> now,
-                                 std::span<const BodyRow> before) = 0;
+                                 std::span<const BodyRow> now, std::span<const BodyRow> before) = 0;
 };
 
 /// The accelerated projected gradient for disks, vectorised, in the order of DiskTiles.

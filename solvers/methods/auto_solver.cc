@@ -39,12 +39,10 @@ constexpr int kCloseAnderson = 60;
 constexpr int kManyChains = 60000;
 constexpr double kNearSolution = 1e-4;
 // What apgd does before paths are tried, and pivots of these: moving packings of N <= 4000
-// contacts need 0 to 1300, one in fifty up to 3 N.
-constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000;
-// Larger ones need up to 5 N and nothing else solves them: nine poured steps of 3500 to 4600
-// contacts took 33 s and left none, with 3 N 38 s and one, with first order and factorisations
-// first 72 s and six of eight.
-constexpr int kManyContacts = 2000;
+// contacts need 0 to 1300, one in fifty up to 3 N, large ones and those to 1e-8 up to 6 N, where
+// nothing else solves them: nine poured steps of 3500 to 4600 contacts took 33 s and left none, with
+// 3 N 38 s and one, with first order and factorisations first 72 s and six of eight.
+constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOfContact = 6;
 // A step of a run, which starts from the one before, is taken for a moving one up to that size.
 constexpr int kLargeStep = 8000;
 // Paths from a worse start are long: free pyramids.
@@ -224,7 +222,7 @@ class Planner {
 
   void second_order() {
     if (paths_first()) {
-      first_paths(std::max(kPivots, (contacts_ > kManyContacts ? 6 : 3) * contacts_));
+      first_paths(std::max(kPivots, kPivotsOfContact * contacts_));
       if (exact_ && contacts_ > kLarge) stages_.back().tol_below = kFair;
     }
     if (!sweeps_first()) sweeps();
@@ -263,13 +261,14 @@ class Planner {
     }
     const bool sweeps_again = !local_ && contacts_ <= kCheapFactors;
     if (sweeps_again) add("pgs", 16000, 20000, Start::kOwn, "again, with patience: still cheap");
+    follow(kManyPivots, {}, "again, from a better start");
     if (exact_ && contacts_ > kFew) {
       // Paths that come near a solution and stop there do so again from there.
       add("homotopy", kManyChains, kManyChains, Start::kCaller,
-          "again, from other starts: the best impulse so far is near a solution");
+          "again, from other starts: the best impulse so far is near a solution",
+          {{"schedule", "cautious"}});
       stages_.back().largest_error = kNearSolution;
     }
-    follow(kManyPivots, {}, "again, with patience, from a better start");
     if (local_) {
       add("ipm", 60, 150, Start::kOwn, "again, with patience");
       add("apgd", 3000, 12000, Start::kOwn, "again, with patience");

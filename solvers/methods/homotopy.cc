@@ -15,14 +15,31 @@
 namespace bipot {
 namespace {
 
-// Starts of a chain, prepared by apgd, each to a third of the error of the one before; those that
-// brought less than kGain in a row, after which the chain is left.
-constexpr int kStarts = 6, kIdleStarts = 2;
+// Starts of a chain, prepared by apgd, each to a third of the error of the one before; the chain is
+// left after one that brought less than kGain.
+constexpr int kStarts = 6;
 constexpr double kGain = 0.9;
-// Chains, by the error of their first start in units of start_tol: where one ends is chance.
-constexpr double kChains[] = {1, 10, 30, 3, 100, 0.3};
-// Error in tolerances of a stall that no other chain would mend.
-constexpr double kRoundingIsNear = 10;
+// Iterations of a chain, for each contact and in all: those that arrive need up to 6.
+constexpr int kChainIterations = 6, kLeastChain = 5000;
+// Chains: where one ends is chance. Of 30 steps of a pour to 1e-8, among them all that were hard,
+// each schedule of delta left three or four, others each time; all of them together left none.
+struct Chain {
+  double looser;  // error of the first start in units of start_tol
+  int schedule;   // after that of the parameter
+};
+constexpr Chain kChains[] = {{1, 0}, {1, 1}, {1, 2}, {10, 0}, {30, 1}, {3, 2}, {100, 0}, {0.3, 1}};
+// How delta goes on. After a path that failed `barrier` times its delta are not passed by for a
+// while: that figure fades with every path that arrives.
+struct Schedule {
+  bool slow;  // the root of `shrink` is taken
+  double barrier, fade;
+  int least_pivots, contacts;  // a path may have so many, and one for so many contacts
+};
+constexpr Schedule kSchedules[] = {
+    {false, 0, 0, 300, 6}, {false, 4, 0.8, 200, 18}, {true, 0, 0, 200, 18}};
+constexpr int kNumSchedules = std::size(kSchedules);
+// A stall below it, and within ten tolerances, no other chain would mend: it is rounding.
+constexpr double kRoundingError = 1e-10;
 // Paths from one start, failed ones included.
 constexpr int kStages = 60;
 // Failed paths in a row: those that left nothing, and those that left a turning point.
@@ -55,14 +72,15 @@ class Homotopy {
   SolveResult run() {
     const Vector s = start_of(p_, options_);
     if (!judge(s)) {
-      double last = kNaN;
-      for (const double looser : kChains) {
-        const double wanted = std::min(1.0, looser * parameters_.number("start_tol"));
-        if (wanted == last) continue;
-        if (chain(s, wanted)) break;
-        last = wanted;
+      const std::string first = parameters_.choice("schedule");
+      const int schedule = first == "bold" ? 0 : first == "cautious" ? 1 : 2;
+      const double start_tol = parameters_.number("start_tol");
+      for (const Chain& c : kChains) {
+        if (c.looser > 1 && start_tol >= 1) continue;  // that start was had
+        schedule_ = kSchedules[(schedule + c.schedule) % kNumSchedules];
+        if (chain(s, std::min(1.0, c.looser * start_tol))) break;
         // So close, it is rounding that another start would meet again.
-        if (monitor_.best_error() <= kRoundingIsNear * options_.tol) break;
+        if (monitor_.best_error() <= std::min(10 * options_.tol, kRoundingError)) break;
       }
       if (!ended_) {
         monitor_.end(SolveStatus::kStalled, fmt::format("stalled after {}, best error {:.2e}",
@@ -92,11 +110,11 @@ class Homotopy {
   bool chain(Vector s, double wanted) {
     chain_error_ = kInfinity;
     chain_best_ = s;
-    int idle = 0;
-    for (int round = 0; round < kStarts && idle < kIdleStarts; ++round) {
+    chain_end_ = iteration() + std::max(kLeastChain, kChainIterations * problem_.num_contacts());
+    for (int round = 0; round < kStarts && iteration() < chain_end_; ++round) {
       const double before = chain_error_;
       if (prepare(s, wanted) || stages(s)) return true;
-      idle = chain_error_ < kGain * before ? 0 : idle + 1;
+      if (!(chain_error_ < kGain * before)) break;
       s = chain_best_;
       wanted = std::min(wanted, chain_error_) / 3;
     }
@@ -179,15 +197,18 @@ class Homotopy {
   /// Paths from s with decreasing delta. True: everything ends here.
   bool stages(const Vector& start) {
     const double smallest = parameters_.number("smallest_delta");
-    const double shrink = parameters_.number("shrink");
+    const double once = parameters_.number("shrink");
+    const double shrink = schedule_.slow ? std::sqrt(once) : once;
     delta_ = std::max(smallest, parameters_.number("delta"));
     double factor = shrink, last_error = kInfinity;
     double best = last_error;
     Vector anchor = start.cwiseQuotient(problem_.impulse_unit), s;
     LawPoint point = lifted_point(anchor, monitor_.last_error());
-    const int longest = std::max(300, problem_.num_contacts() / 6);
+    const int longest =
+        std::max(schedule_.least_pivots, problem_.num_contacts() / schedule_.contacts);
     int failures = 0, idle = 0;
-    for (int stage = 0; stage < kStages; ++stage) {
+    double failed = 0;  // delta of the last path that did, fading
+    for (int stage = 0; stage < kStages && iteration() < chain_end_; ++stage) {
       const LawPoint before = point;
       const int left = options_.max_iterations - iteration();
       const PathEnd path = follower_.follow(point, anchor, delta_, std::min(longest, left));
@@ -207,7 +228,8 @@ class Homotopy {
         }
         anchor = s;
         last_error = error;
-        delta_ = std::max(smallest, factor * delta_);
+        failed *= schedule_.fade;
+        delta_ = std::max({smallest, factor * delta_, schedule_.barrier * failed});
         factor = std::max(shrink, shrink * factor);
         continue;
       }
@@ -217,6 +239,7 @@ class Homotopy {
                                                              options_.max_iterations, counted()));
       }
       factor = shrink;
+      failed = delta_;
       ++failures;
       if (follower_.turning_t() > kUsefulTurn) {
         point = follower_.turning_point();
@@ -250,10 +273,11 @@ class Homotopy {
   LawProblem problem_;
   PathFollower follower_;
   std::mt19937_64 random_;
+  Schedule schedule_ = kSchedules[0];
   double delta_ = kNaN;
   double chain_error_ = kInfinity;
   Vector chain_best_;
-  int start_steps_ = 0, judged_ = 0;
+  int start_steps_ = 0, judged_ = 0, chain_end_ = 0;
   bool ended_ = false;
 };
 

@@ -36,6 +36,14 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
      .minimum = 1e-3,
      .maximum = 0.99,
      .help = "factor of delta after a path that arrived"},
+    {.name = "schedule",
+     .kind = ParameterSpec::Kind::kChoice,
+     .default_value = "bold",
+     .choices = "bold|cautious|steady",
+     .help =
+         "of the first chain of starts: bold shrinks delta at every path that arrives, cautious "
+         "not soon again past one that failed, steady by the root of the factor; the latter two "
+         "have shorter paths. Chains take them in turns"},
     {.name = "lift",
      .kind = ParameterSpec::Kind::kNumber,
      .default_value = "1e-2",
@@ -71,9 +79,9 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
 ///
 /// W may be singular. An iteration is a step of apgd, a pivot, or a path. Deterministic: `seed` fixes
 /// the lifts of the starts. The message counts pivots, turns, paths and failed paths. Where paths
-/// keep failing, apgd makes a better start of the best impulse so far; where two of these brought
-/// nothing, another chain of starts begins, with the first start again but less or better prepared.
-/// After the last chain the solver ends with kStalled.
+/// keep failing, apgd makes a better start of the best impulse so far; where that brought nothing,
+/// another chain of starts begins, with the first start again: less or better prepared, or with
+/// another schedule of delta. After the last chain the solver ends with kStalled.
 SolveResult solve_homotopy(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

@@ -1,7 +1,5 @@
 // The vector kernels for disks on pieces of a problem against those on the whole.
 
-#include "solvers/distributed/disk_frontier.h"
-
 #include <gtest/gtest.h>
 
 #include <string>
@@ -10,6 +8,7 @@
 
 #include "core/files/problem_file.h"
 #include "solvers/distributed/contact_owners.h"
+#include "solvers/distributed/disk_frontier.h"
 #include "tests/solvers/distributed/mpi_group.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/small_problems.h"
@@ -70,9 +69,9 @@ void expect_iterates_of_the_whole(const ContactProblem& p, bool cone) {
     EXPECT_NEAR(many.lambda[k], one.lambda[k], 1e-9 * one.lambda[k]) << "iteration " << k;
   }
   for (std::size_t k = 0; k < piece.number.size(); ++k) {
-    EXPECT_LE((many.s.segment<D>(static_cast<int>(k) * D) - one.s.segment<D>(piece.number[k] * D))
-                  .norm(),
-              1e-9 * one.s.norm())
+    EXPECT_LE(
+        (many.s.segment<D>(static_cast<int>(k) * D) - one.s.segment<D>(piece.number[k] * D)).norm(),
+        1e-9 * one.s.norm())
         << "contact " << piece.number[k];
   }
 }

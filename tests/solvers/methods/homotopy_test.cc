@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -182,6 +183,19 @@ TEST(Homotopy, AnotherChainOfStartsArrivesWhereTheFirstStops) {
   const ContactProblem p = shipped("2d_pyramid_10");
   const SolveResult r = homotopy(p, 1e-9, {{"start_tol", "1e-2"}, {"delta", "1e-6"}});
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
+}
+
+TEST(Homotopy, EveryScheduleArrivesInItsOwnWay) {
+  // From zero at a small delta paths fail: what follows is the schedule's.
+  const ContactProblem p = shipped("2d_pour300_392");
+  std::set<int> iterations;
+  for (const char* schedule : {"bold", "cautious", "steady"}) {
+    const SolveResult r =
+        homotopy(p, 1e-9, {{"schedule", schedule}, {"start_tol", "1"}, {"delta", "1e-5"}});
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << schedule << ": " << r.message;
+    iterations.insert(r.iterations);
+  }
+  EXPECT_EQ(iterations.size(), 3U);
 }
 
 TEST(Homotopy, StopsAtItsLimitsAndSaysSo) {
