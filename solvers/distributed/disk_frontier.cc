@@ -1,7 +1,5 @@
 #include "solvers/distributed/disk_frontier.h"
 
-#include <optional>
-
 namespace bipot {
 
 template <int D>

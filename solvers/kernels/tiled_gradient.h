@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "solvers/kernels/disk_tiles.h"
@@ -12,10 +13,12 @@ template <int D>
 class GradientNeighbours {
  public:
   virtual ~GradientNeighbours() = default;
-  /// What the impulses elsewhere push is added to the momentum; `x`: those that are here.
+  /// What the impulses elsewhere push is added to the momentum (the rows of `tiles`, in the scale of
+  /// DiskTiles::pack); `x`: the scaled impulses here, all its batches.
   virtual void complete(const DiskTiles<D>& tiles, std::span<const ImpulseBatch<D>> x,
                         std::span<BodyRow> momentum) = 0;
-  /// Sums of all, from those of the contacts and bodies here; the momenta of the step.
+  /// Sums of all, from those of the contacts and bodies here. `now`, `before`: the momenta that
+  /// `here.energy` was taken from.
   virtual GradientProgress total(const DiskTiles<D>& tiles, const GradientProgress& here,
                                  std::span<const BodyRow> now, std::span<const BodyRow> before) = 0;
 };

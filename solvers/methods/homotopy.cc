@@ -22,7 +22,7 @@ constexpr double kGain = 0.9;
 // Iterations of a chain, for each contact and in all: those that arrive need up to 6.
 constexpr int kChainIterations = 6, kLeastChain = 5000;
 // Chains: where one ends is chance. Of 30 steps of a pour to 1e-8, among them all that were hard,
-// each schedule of delta left three or four, others each time; all of them together left none.
+// each schedule of delta left three, others each time; all of them together left none.
 struct Chain {
   double looser;  // error of the first start in units of start_tol
   int schedule;   // after that of the parameter

@@ -53,7 +53,7 @@ TEST(DistinctAnswers, BelievesNothingAboveItsTrust) {
 TEST(DistinctAnswers, AnErrorExplainsItsDistanceWithoutFriction) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 6, 0, 20);
   ASSERT_EQ(p.dim, 1);
-  const Vector exact = solved("newton", p, 1e-14);
+  const Vector exact = solved("homotopy", p, 1e-14);
   DistinctAnswers distinct(p);
   ASSERT_EQ(distinct.add(exact, "exact"), 0);
   Draw draw(7);
