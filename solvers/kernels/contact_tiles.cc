@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/types.h"
+#include "solvers/kernels/free_lanes.h"
 
 namespace bipot {
 namespace {
@@ -71,13 +72,20 @@ int bandwidth(const DiskStructure& disks, const std::vector<int>& row) {
   return widest;
 }
 
-std::vector<int> body_rows(const DiskStructure& disks) {
-  const int bodies = disks.surroundings();
-  std::vector<int> row(to_size(bodies));
-  std::iota(row.begin(), row.end(), 0);
-  // A square packing row by row has the square root of the number of its bodies.
-  if (bandwidth(disks, row) <= 2 * std::sqrt(bodies) + kTileBodies) return row;
-  return reverse_cuthill_mckee(disks);
+/// The contacts along the rows: by their first body, those with the surroundings before others, then
+/// by the second.
+std::vector<int> sweep_order(const DiskStructure& disks, const std::vector<int>& row) {
+  const auto place = [&](int c) {
+    const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
+    const int i = row[to_size(contact.i)];
+    if (contact.j == disks.surroundings()) return std::pair(i, -1);
+    const int j = row[to_size(contact.j)];
+    return std::pair(std::min(i, j), std::max(i, j));
+  };
+  std::vector<int> order(disks.contacts.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return place(a) < place(b); });
+  return order;
 }
 
 /// First body of every tile, and the number of bodies.
@@ -115,31 +123,22 @@ class BatchFiller {
   template <class RowsOf>
   void fill(int tile, const std::vector<int>& contacts, const RowsOf& rows_of,
             std::vector<int>& slots) {
-    lanes_.clear();
-    count_.clear();
-    skip_.clear();
+    free_.clear();
     links_.clear();
     for (const int c : contacts) {
       const std::pair<int, int> rows = rows_of(c);
-      int batch = first_free(0);
+      int batch = free_.first(0);
       for (;;) {
         const int wanted =
             std::max(after_uses(tile, rows.first, batch), after_uses(tile, rows.second, batch));
         if (wanted == batch) break;
-        batch = first_free(wanted);
+        batch = free_.first(wanted);
       }
-      while (batch >= static_cast<int>(count_.size())) {
-        skip_.push_back(static_cast<int>(count_.size()));
-        count_.push_back(0);
-        lanes_.resize(lanes_.size() + kLanes, -1);
-      }
-      int& count = count_[to_size(batch)];
-      lanes_[to_size(batch * kLanes + count++)] = c;
-      if (count == kLanes) skip_[to_size(batch)] = batch + 1;
+      free_.put(batch, c);
       use(tile, rows.first, batch);
       use(tile, rows.second, batch);
     }
-    slots.insert(slots.end(), lanes_.begin(), lanes_.end());
+    slots.insert(slots.end(), free_.lanes().begin(), free_.lanes().end());
   }
 
  private:
@@ -166,20 +165,9 @@ class BatchFiller {
     links_.push_back({batch, uses.head});
     uses.head = static_cast<int>(links_.size()) - 1;
   }
-  /// First batch from `batch` on with a free lane (union-find with path halving).
-  int first_free(int batch) {
-    while (batch < static_cast<int>(skip_.size()) && skip_[to_size(batch)] != batch) {
-      int& next = skip_[to_size(batch)];
-      if (next < static_cast<int>(skip_.size())) next = skip_[to_size(next)];
-      batch = next;
-    }
-    return batch;
-  }
-
   std::vector<Uses> uses_;
   std::vector<Link> links_;
-  std::vector<int> lanes_, count_;  // of each batch
-  std::vector<int> skip_;           // the batch itself while it has a free lane, else a later one
+  FreeLanes free_;
 };
 
 /// Takes the entries in large steps, so that neighbours come far apart. The step has no divisor in
@@ -221,6 +209,15 @@ std::vector<int> reverse_cuthill_mckee(const DiskStructure& disks) {
   std::vector<int> row(to_size(bodies));
   for (int k = 0; k < bodies; ++k) row[to_size(order[to_size(k)])] = bodies - 1 - k;
   return row;
+}
+
+std::vector<int> body_rows(const DiskStructure& disks) {
+  const int bodies = disks.surroundings();
+  std::vector<int> row(to_size(bodies));
+  std::iota(row.begin(), row.end(), 0);
+  // A square packing row by row has the square root of the number of its bodies.
+  if (bandwidth(disks, row) <= 2 * std::sqrt(bodies) + kTileBodies) return row;
+  return reverse_cuthill_mckee(disks);
 }
 
 ContactTiles tile_contacts(const DiskStructure& disks) {
@@ -265,6 +262,40 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
     tile.last_batch = out.num_batches();
     out.tiles.push_back(tile);
   }
+  return out;
+}
+
+ContactTiles order_contacts(const DiskStructure& disks) {
+  ContactTiles out;
+  const int bodies = disks.surroundings();
+  out.num_rows = bodies + 1;
+  FreeLanes free;
+  std::vector<int> next(to_size(bodies), 0);  // batch from which on a body may come again
+  for (const int c : sweep_order(disks, body_rows(disks))) {
+    const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
+    int wanted = next[to_size(contact.i)];
+    if (contact.j != bodies) wanted = std::max(wanted, next[to_size(contact.j)]);
+    const int batch = free.first(wanted);
+    free.put(batch, c);
+    next[to_size(contact.i)] = batch + kBatchGap;
+    if (contact.j != bodies) next[to_size(contact.j)] = batch + kBatchGap;
+  }
+  out.contact = free.lanes();
+  // Rows as the batches come to them: they stream, though a batch has contacts of eight rows of the
+  // packing.
+  out.row.assign(to_size(bodies), -1);
+  int rows = 0;
+  const auto place = [&](int body) {
+    if (body != bodies && out.row[to_size(body)] < 0) out.row[to_size(body)] = rows++;
+  };
+  for (const int c : out.contact) {
+    if (c < 0) continue;
+    place(disks.contacts[to_size(c)].i);
+    place(disks.contacts[to_size(c)].j);
+  }
+  for (int body = 0; body < bodies; ++body) place(body);
+  out.tiles.push_back(
+      {.first_batch = 0, .last_batch = out.num_batches(), .first_row = 0, .last_row = bodies + 1});
   return out;
 }
 

@@ -32,6 +32,14 @@ struct ContactTiles {
 
 ContactTiles tile_contacts(const DiskStructure& disks);
 
+/// Batches for sweeps that keep an order, that of the rows: by the first body, then the second. A
+/// contact comes at least two batches after all before it that share a body with it, so that batch
+/// after batch is the sweep contact after contact. One tile has them all.
+ContactTiles order_contacts(const DiskStructure& disks);
+
+/// Bodies along the graph: as given where that is local already, else reverse Cuthill-McKee.
+std::vector<int> body_rows(const DiskStructure& disks);
+
 /// Rows of the bodies along the graph by reverse Cuthill and McKee (1969): breadth first from a body
 /// far out, neighbours by their number of neighbours. The order of the bodies breaks ties.
 std::vector<int> reverse_cuthill_mckee(const DiskStructure& disks);

@@ -186,21 +186,23 @@ inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const
 }
 #endif
 
-/// Runs solve(batch, part, motion) -> wrench over all parts of all batches. In program order the bodies
+/// Runs solve(batch, part, motion) -> wrench over all parts of all batches, from the last batch to
+/// the first with kBack. In program order the bodies
 /// of a part are read before the part before writes to its own, so that the processor works on both
 /// at once. They share no body: neither do the lanes of a batch nor two batches that follow.
-template <bool kInverse, int D, class Solve>
+template <bool kInverse, bool kBack, int D, class Solve>
 inline void for_parts(const ContactBatch<D>* contact, int batches, const BodyRow* velocity,
                       const BodyRow* inverse, BodyRow* to, const Solve& solve) {
   Motion wrench{};
   const unsigned *i = nullptr, *j = nullptr;
-  for (int k = 0; k < batches; ++k) {
+  for (int n = 0; n < batches; ++n) {
+    const int k = kBack ? batches - 1 - n : n;
 #pragma GCC unroll 4
     for (int part = 0; part < kParts; ++part) {
       const unsigned* const next_i = contact[k].i + part * kWidth;
       const unsigned* const next_j = contact[k].j + part * kWidth;
       const Motion motion = gather(velocity, next_i, next_j);
-      if (part > 0 || k > 0) scatter<kInverse>(wrench, i, j, inverse, to);
+      if (part > 0 || n > 0) scatter<kInverse>(wrench, i, j, inverse, to);
       wrench = solve(k, part, motion);
       i = next_i;
       j = next_j;
@@ -244,7 +246,7 @@ void sweep_batches(const SweepTask<D>& task) {
       return Motion{gx * normal + tx * back, gy * normal - ty * back, spin * back};
     }
   };
-  for_parts<true>(a.contact, a.batches, a.velocity, a.inverse, a.velocity, solve);
+  for_parts<true, false>(a.contact, a.batches, a.velocity, a.inverse, a.velocity, solve);
 }
 
 template <int D>
@@ -254,6 +256,87 @@ void sweep(const SweepTask<D>& task) {
   } else {
     sweep_batches<D, true>(task);
   }
+}
+
+/// Asks for the lines of the cache that hold what is not needed yet.
+template <class T>
+inline void prefetch(const T& what) {
+  constexpr unsigned kLine = 64;
+  for (unsigned at = 0; at < sizeof(T); at += kLine) {
+    __builtin_prefetch(reinterpret_cast<const char*>(&what) + at);
+  }
+}
+
+template <int D, bool kBack>
+void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
+  // Processors foresee streams upwards; a batch taken downwards is read upwards within.
+  constexpr int kAhead = 8;
+  const SymmetricTask<D> a = task;
+  const Lanes omega = all(a.omega), beta = all(a.beta);
+  const auto solve = [&](int k, int part, const Motion& v) {
+    if constexpr (kBack) {
+      if (part == 0 && k >= 2 * kAhead) {
+        prefetch(a.contact[k - 2 * kAhead]);
+        for (int lane = 0; lane < kLanes; ++lane) {
+          prefetch(at(a.velocity, a.contact[k - kAhead].i[lane]));
+          prefetch(at(a.velocity, a.contact[k - kAhead].j[lane]));
+          prefetch(at(a.inverse, a.contact[k - kAhead].i[lane]));
+          prefetch(at(a.inverse, a.contact[k - kAhead].j[lane]));
+        }
+        prefetch(a.now[k - kAhead]);
+        prefetch(a.before[k - kAhead]);
+        prefetch(a.next[k - kAhead]);
+      }
+    }
+    const ContactBatch<D>& c = a.contact[k];
+    const LawBatch& law = a.laws[a.law[k]];
+    ImpulseBatch<D>& next = a.next[k];
+    const auto extrapolated = [&](int row, Lanes now) {
+      return now + beta * (now - load(a.before[k].x[row], part));
+    };
+    const auto put = [&](int row, Lanes from, Lanes z) {
+      if constexpr (kBack) {
+        const Lanes now = load(a.now[k].x[row], part);
+        turn[part] += (extrapolated(row, now) - z) * (z - now);
+      }
+      store(next.x[row], part, z);
+      return z - from;
+    };
+    const auto start = [&](int row) {
+      if constexpr (kBack) return load(next.x[row], part);
+      return extrapolated(row, load(a.now[k].x[row], part));
+    };
+    const Lanes gx = load(c.gx, part), gy = load(c.gy, part);
+    const Lanes x_n = start(0);
+    const Lanes start_n = x_n - omega * load(c.b[0], part);
+    const Lanes z_n = positive(start_n - (omega * gx * v.x + omega * gy * v.y));
+    const Lanes normal = put(0, x_n, z_n);
+    if constexpr (D == 1) {
+      return Motion{gx * normal, gy * normal, Lanes{}};
+    } else {
+      const Lanes ratio = load(law.ratio, part), spin = load(c.spin, part);
+      const Lanes tx = ratio * gy, ty = ratio * gx;
+      const Lanes x_t = start(1);
+      const Lanes start_t = x_t - omega * load(c.b[1], part);
+      const Lanes turned = omega * ty * v.y - omega * tx * v.x;
+      const Lanes trial = start_t - (turned - omega * spin * v.spin);
+      const Lanes z_t = cut_off(trial, load(law.mu, part) * z_n);
+      const Lanes change = put(1, x_t, z_t);
+      return Motion{gx * normal - tx * change, gy * normal + ty * change, -(spin * change)};
+    }
+  };
+  for_parts<true, kBack>(a.contact, a.batches, a.velocity, a.inverse, a.velocity, solve);
+}
+
+template <int D>
+void sweep_forth(const SymmetricTask<D>& task) {
+  sweep_symmetric<D, false>(task, nullptr);
+}
+template <int D>
+void sweep_back(const SymmetricTask<D>& task, TurnSums& sums) {
+  Lanes turn[kParts] = {};
+  sweep_symmetric<D, true>(task, turn);
+  for (int part = 0; part < kParts; ++part) store(sums.turn, part, turn[part]);
 }
 
 /// Velocities of the tile's bodies at the extrapolated momentum.
@@ -314,7 +397,7 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
     store(a.next[k].x[0], part, z_n);
     return wrench;
   };
-  for_parts<false>(a.contact, a.batches, a.velocity, nullptr, a.momentum_next, solve);
+  for_parts<false, false>(a.contact, a.batches, a.velocity, nullptr, a.momentum_next, solve);
   for (int part = 0; part < kParts; ++part) {
     store(sums.turn, part, turn[part]);
     store(sums.change2, part, change2[part]);

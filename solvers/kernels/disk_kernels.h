@@ -82,10 +82,32 @@ struct alignas(64) GradientSums {
   double energy[4] = {};        ///< ‖momentum - momentum before‖² in 1/mass
 };
 
+/// Half an iteration of symmetric Gauss-Seidel with momentum over batches in order: forth from
+/// y = x + beta (x - x⁻) to `next`, which is written, or back from `next`, updated in place.
+/// Velocities after each batch, those of y before the first one.
+template <int D>
+struct SymmetricTask {
+  int batches = 0;
+  double beta = 0, omega = 1;
+  const ContactBatch<D>* contact = nullptr;
+  const int* law = nullptr;
+  const LawBatch* laws = nullptr;
+  const ImpulseBatch<D>*now = nullptr, *before = nullptr;  ///< x, x⁻
+  ImpulseBatch<D>* next = nullptr;                         ///< x⁺
+  BodyRow* velocity = nullptr;                             ///< all rows
+  const BodyRow* inverse = nullptr;                        ///< all rows
+};
+/// Partial sums lane by lane of (y - x⁺)·(x⁺ - x).
+struct alignas(64) TurnSums {
+  double turn[kLanes] = {};
+};
+
 template <int D>
 struct DiskKernels {
   void (*sweep)(const SweepTask<D>& task);
   void (*gradient)(const GradientTask<D>& task, GradientSums& sums);
+  void (*sweep_forth)(const SymmetricTask<D>& task);
+  void (*sweep_back)(const SymmetricTask<D>& task, TurnSums& sums);
 };
 
 /// The kernels of one path. Every path gives the same bits: a lane does the same operations in the

@@ -3,6 +3,8 @@
 
 namespace bipot {
 
-const DiskKernelTable kPortableDiskKernels = {{&sweep<1>, &gradient<1>}, {&sweep<2>, &gradient<2>}};
+const DiskKernelTable kPortableDiskKernels = {
+    {&sweep<1>, &gradient<1>, &sweep_forth<1>, &sweep_back<1>},
+    {&sweep<2>, &gradient<2>, &sweep_forth<2>, &sweep_back<2>}};
 
 }  // namespace bipot

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace bipot {
 namespace {
@@ -46,8 +47,8 @@ class Snap {
 
 template <int D>
 DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
-                        const ContactScaling& scaling)
-    : tiles_(tile_contacts(disks)),
+                        const ContactScaling& scaling, ContactTiles tiles)
+    : tiles_(std::move(tiles)),
       impulse_scale_(scaling.impulse),
       velocity_scale_(scaling.velocity),
       contacts_(to_size(tiles_.num_batches())),
@@ -114,16 +115,24 @@ int DiskTiles<D>::law_number(const LawBatch& law) {
 template <int D>
 void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x,
                         std::span<BodyRow> momentum) const {
+  for (int lane = 0; lane < num_batches() * kLanes; ++lane) {
+    const int c = contact(lane);
+    for (int k = 0; k < D; ++k) {
+      x[to_size(lane / kLanes)].x[k][lane % kLanes] =
+          c < 0 ? 0 : impulse_scale_[c * D + k] * s[c * D + k];
+    }
+  }
+  push(x, momentum);
+}
+
+template <int D>
+void DiskTiles<D>::push(std::span<const ImpulseBatch<D>> x, std::span<BodyRow> momentum) const {
   std::fill(momentum.begin(), momentum.end(), BodyRow{});
   for (int batch = 0; batch < num_batches(); ++batch) {
     const ContactBatch<D>& contact = contacts_[to_size(batch)];
     const LawBatch& law = laws_[to_size(law_[to_size(batch)])];
-    ImpulseBatch<D>& impulse = x[to_size(batch)];
+    const ImpulseBatch<D>& impulse = x[to_size(batch)];
     for (int lane = 0; lane < kLanes; ++lane) {
-      const int c = tiles_.contact[to_size(batch * kLanes + lane)];
-      for (int k = 0; k < D; ++k) {
-        impulse.x[k][lane] = c < 0 ? 0 : impulse_scale_[c * D + k] * s[c * D + k];
-      }
       const double normal = impulse.x[0][lane];
       double px = contact.gx[lane] * normal, py = contact.gy[lane] * normal, spin = 0;
       if constexpr (D == 2) {
@@ -141,6 +150,15 @@ void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x,
       j[kRowY] -= py;
       j[kRowSpin] -= spin;
     }
+  }
+}
+
+template <int D>
+void DiskTiles<D>::velocities(std::span<const ImpulseBatch<D>> x,
+                              std::span<BodyRow> velocity) const {
+  push(x, velocity);
+  for (std::size_t row = 0; row < velocity.size(); ++row) {
+    for (int k = 0; k < 4; ++k) velocity[row].value[k] *= inverse_[row].value[k];
   }
 }
 

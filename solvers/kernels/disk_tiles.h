@@ -19,7 +19,11 @@ class DiskTiles {
   /// `scaling`: the variables x = impulse ∘ s of the kernels. Ratios and friction coefficients that
   /// are equal to rounding (16 ε) are taken as equal, so that few LawBatch serve all.
   DiskTiles(const ContactProblem& problem, const DiskStructure& disks,
-            const ContactScaling& scaling);
+            const ContactScaling& scaling)
+      : DiskTiles(problem, disks, scaling, tile_contacts(disks)) {}
+  /// The same in other tiles.
+  DiskTiles(const ContactProblem& problem, const DiskStructure& disks,
+            const ContactScaling& scaling, ContactTiles tiles);
 
   using Tile = ContactTiles::Tile;
   int num_tiles() const { return static_cast<int>(tiles_.tiles.size()); }
@@ -48,6 +52,10 @@ class DiskTiles {
 
   /// x = impulse ∘ s into the lanes, and Σ ± g x into the rows.
   void pack(const Vector& s, std::span<ImpulseBatch<D>> x, std::span<BodyRow> momentum) const;
+  /// Σ ± g x into the rows.
+  void push(std::span<const ImpulseBatch<D>> x, std::span<BodyRow> momentum) const;
+  /// The same times inverse().
+  void velocities(std::span<const ImpulseBatch<D>> x, std::span<BodyRow> velocity) const;
   /// s = x / impulse.
   void unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const;
 

@@ -7,6 +7,7 @@
 #include "core/problem/coulomb_cone.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/gradient_kernel.h"
+#include "solvers/kernels/patience.h"
 #include "solvers/kernels/spectral_estimate.h"
 
 namespace bipot {
@@ -105,9 +106,8 @@ class GradientIteration final : public GradientKernel {
   Vector s_, x_, before_, y_, w_, w_before_, w_y_;
 };
 
-/// Which map is in use. With the choice "auto", a map that has not halved the best error for as many
-/// iterations as it took to get there (and at least kPatience) hands over to the next of: split,
-/// cone, split without momentum.
+/// Which map is in use. With the choice "auto", a map that has lost patience hands over to the next
+/// of: split, cone, split without momentum.
 class MapRota {
  public:
   /// `choice`: auto, split or cone.
@@ -119,26 +119,15 @@ class MapRota {
 
   /// Tells the best error so far. True when the map changes: go back to the best iterate.
   bool advance(int iteration, double best_error) {
-    if (!auto_) return false;
-    if (best_error <= 0.5 * mark_) {
-      mark_ = best_error;
-      mark_iteration_ = iteration;
-      patience_ = std::max(kPatience, iteration);
-    } else if (iteration - mark_iteration_ > patience_) {
-      phase_ = (phase_ + 1) % 3;
-      mark_iteration_ = iteration;
-      patience_ = std::max(kPatience, iteration / 2);
-      return true;
-    }
-    return false;
+    if (!auto_ || !patience_.lost(iteration, best_error)) return false;
+    phase_ = (phase_ + 1) % 3;
+    return true;
   }
 
  private:
-  static constexpr int kPatience = 1000;
   bool auto_;
   int phase_ = 0;
-  double mark_ = std::numeric_limits<double>::infinity();
-  int mark_iteration_ = 0, patience_ = kPatience;
+  Patience patience_{1000};
 };
 
 /// Iterations that may be done without a look at the clock.

@@ -20,10 +20,7 @@ TiledSweep<D>::TiledSweep(const ContactProblem& problem, const DiskStructure& di
 template <int D>
 void TiledSweep<D>::reset(const Vector& s) {
   disks_.pack(s, impulse_, velocity_);
-  const BodyRow* const inverse = disks_.inverse();
-  for (std::size_t row = 0; row < velocity_.size(); ++row) {
-    for (int k = 0; k < 4; ++k) velocity_[row].value[k] *= inverse[row].value[k];
-  }
+  disks_.velocities(impulse_, velocity_);
 }
 
 template <int D>

@@ -136,9 +136,11 @@ class Planner {
         local_(!p.has_velocities()),
         warm_(warm),
         unequal_(spread_of_masses(p, delassus) > kUnequal),
+        disks_(delassus.disks().has_value()),
         largest_friction_(p.mu.size() > 0 ? p.mu.maxCoeff() : 0) {
     const double root = std::sqrt(static_cast<double>(contacts_));
     crossing_ = 50 + static_cast<int>((local_ ? 20 : 70) * root);
+    ssor_crossing_ = 50 + static_cast<int>(25 * std::pow(contacts_, 0.4));
     stages_.reserve(20);
   }
 
@@ -205,7 +207,10 @@ class Planner {
       add("admm", 600, 2000, Start::kBest, "moving packings, roughly");
       stages_.back().least_tol = kRough;
     }
-    if (exact_ && !local_ && paths_first()) {
+    if (disks_ && !paths_first()) {
+      add("assor", ssor_crossing_, 3 * ssor_crossing_, Start::kOwn,
+          "sweeps forth and back with momentum: O(N^1/4) iterations on packings at rest");
+    } else if (exact_ && !local_ && paths_first()) {
       // Where it does not go on to the end, it has made a start for paths by then.
       const int enough = std::min(crossing_, kStartSteps);
       add("apgd", enough, contacts_ > kLarge ? 2 * crossing_ : enough + enough / 2, Start::kOwn,
@@ -307,12 +312,13 @@ class Planner {
 
   const int contacts_;
   const bool exact_;  // in space the law is not piecewise linear
-  const bool local_, warm_, unequal_;
+  const bool local_, warm_, unequal_, disks_;
   const double largest_friction_;
   const bool with_newton_ = find_solver("newton") != nullptr;  // needs PETSc
   // Information crosses a packing of N contacts in O(sqrt N) iterations of apgd; its error stands
   // for some crossings before it falls.
   int crossing_ = 0;
+  int ssor_crossing_ = 0;  // the same of assor, O(N^1/4)
   std::vector<AutoStage> stages_;
 };
 

@@ -1,4 +1,5 @@
 #include "solvers/methods/accelerated_gradient.h"
+#include "solvers/methods/accelerated_ssor.h"
 #include "solvers/methods/admm.h"
 #include "solvers/methods/anderson.h"
 #include "solvers/methods/auto_solver.h"
@@ -47,6 +48,11 @@ const SolverEntry kSolvers[] = {
      .summary = "accelerated projected gradient with restart (Mazhar et al. 2015)",
      .run = &solve_accelerated_gradient,
      .parameters = kAcceleratedGradientParameters,
+     .path_ignores_tolerance = true},
+    {.name = "assor",
+     .summary = "symmetric successive over-relaxation with momentum (Li, Sun and Toh 2019)",
+     .run = &solve_accelerated_ssor,
+     .parameters = kAcceleratedSsorParameters,
      .path_ignores_tolerance = true},
     {.name = "anderson",
      .summary = "safeguarded Anderson acceleration of Gauss-Seidel sweeps (Walker and Ni 2011)",

@@ -1,0 +1,141 @@
+#include "solvers/methods/accelerated_ssor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "solvers/kernels/contact_scaling.h"
+#include "solvers/kernels/gradient_kernel.h"
+#include "solvers/kernels/local_updates.h"
+#include "solvers/kernels/patience.h"
+#include "solvers/kernels/symmetric_sweep.h"
+#include "solvers/monitor.h"
+#include "solvers/parameters.h"
+
+namespace bipot {
+namespace {
+
+/// Iterations that may be done without a look at the clock.
+constexpr int kUnwatched = 32;
+
+/// Disks along a side of a packing with so many contacts.
+double side_of(const ContactProblem& p) {
+  const double disks = p.num_contacts() / 3.0;
+  return p.dim == 3 ? std::cbrt(disks) : std::sqrt(disks);
+}
+
+double relaxation_of(double side) { return std::clamp(2 / (1 + 11 / side), 1.0, 1.85); }
+
+/// What the iteration does in turns, beginning with over-relaxed sweeps and momentum.
+class Turns {
+ public:
+  Turns(double omega, double side) : omega_(omega), patience_(200 + static_cast<int>(3 * side)) {}
+
+  double omega() const { return turn_ == 0 ? omega_ : std::min(omega_, 1.0); }
+  bool momentum() const { return turn_ != 2; }
+  /// Tells the best error so far. True where something else begins.
+  bool advance(int iteration, double best_error) {
+    if (!patience_.lost(iteration, best_error)) return false;
+    turn_ = (turn_ + 1) % 3;
+    return true;
+  }
+
+ private:
+  double omega_;
+  Patience patience_;
+  int turn_ = 0;
+};
+
+/// The iteration contact after contact; see SymmetricSweep.
+template <class Sweep, class Visit>
+class ContactByContact {
+ public:
+  ContactByContact(const ContactProblem& p, const ContactScaling& scaling, Sweep& sweep,
+                   const Visit& visit)
+      : contacts_(p.num_contacts()),
+        weight_(scaling.impulse.cwiseAbs2()),
+        sweep_(sweep),
+        visit_(visit) {}
+
+  void reset(const Vector& s) { now_ = before_ = s; }
+  void relax(double) {}  // the local updates keep theirs
+  void refresh() {}      // every iteration has the velocities of its y
+  const Vector& impulse() const { return now_; }
+  double iterate(double beta) {
+    y_ = now_ + beta * (now_ - before_);
+    sweep_.reset(y_);
+    for (int c = 0; c < contacts_; ++c) visit_(c);
+    for (int c = contacts_ - 1; c >= 0; --c) visit_(c);
+    std::swap(before_, now_);
+    now_ = sweep_.impulse();
+    return weight_.dot((y_ - now_).cwiseProduct(now_ - before_));
+  }
+
+ private:
+  int contacts_;
+  Vector weight_;
+  Sweep& sweep_;
+  const Visit& visit_;
+  Vector now_, before_, y_;
+};
+
+template <class Kernel>
+void iterate(Kernel& kernel, const Vector& s0, Turns turns, IterationMonitor& monitor) {
+  kernel.reset(s0);
+  monitor.end_setup();
+  bool first_change = true;
+  double t = 1, beta = 0;
+  for (int iteration = 0;;) {
+    if (monitor.due(iteration)) {
+      if (monitor.stop(iteration, kernel.impulse(), turns.omega())) return;
+      if (turns.advance(iteration, monitor.best_error())) {
+        // What over-relaxation leaves behind is no good start on piles.
+        kernel.reset(first_change ? s0 : monitor.best_impulse());
+        kernel.relax(turns.omega());
+        first_change = false;
+        t = 1;
+        beta = 0;
+      }
+    }
+    const int count = monitor.undue(iteration, kUnwatched);
+    for (int k = 0; k < count; ++k) {
+      const bool uphill = kernel.iterate(beta) > 0;
+      if (uphill) kernel.refresh();
+      const double last = uphill || !turns.momentum() ? 1 : t;
+      t = next_momentum(last);
+      beta = (last - 1) / t;
+    }
+    iteration += count;
+  }
+}
+
+}  // namespace
+
+SolveResult solve_accelerated_ssor(const ContactProblem& p, const SolverOptions& options) {
+  const Parameters parameters(options.parameters, kAcceleratedSsorParameters);
+  const double given = parameters.number("omega");
+  const double side = side_of(p), omega = given > 0 ? given : relaxation_of(side);
+  const Turns turns(omega, side);
+  IterationMonitor monitor(p, options);
+  const DelassusOperator& delassus = monitor.evaluator().delassus();
+  const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
+  const Vector s0 = start_of(p, options);
+  dispatch_dim(p.dim, [&](auto d) {
+    constexpr int D = d();
+    if constexpr (D < 3) {
+      if (delassus.disks()) {
+        SymmetricSweep<D> kernel(p, *delassus.disks(), scaling, omega, options.execution);
+        iterate(kernel, s0, turns, monitor);
+        return;
+      }
+    }
+    const auto run = [&](auto& sweep, const auto& visit) {
+      ContactByContact kernel(p, scaling, sweep, visit);
+      iterate(kernel, s0, turns, monitor);
+    };
+    with_local_updates<D>(p, delassus, {.omega = omega}, false, run);
+  });
+  return monitor.finish();
+}
+
+}  // namespace bipot

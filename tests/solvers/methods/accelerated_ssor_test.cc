@@ -1,0 +1,60 @@
+#include "solvers/methods/accelerated_ssor.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <string>
+#include <utility>
+
+#include "solvers/solve.h"
+#include "tests/support/small_problems.h"
+
+namespace bipot {
+namespace {
+
+int needed(const std::string& solver, const ContactProblem& p,
+           std::map<std::string, std::string> parameters = {}) {
+  SolverOptions options{.tol = 1e-6, .max_iterations = 100000};
+  options.parameters = std::move(parameters);
+  const SolveResult result = solve(solver, p, options);
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << solver << ": " << result.message;
+  return result.iterations;
+}
+
+// Why it is there: an iteration is two sweeps, some 2.5 steps of the accelerated gradient, and what
+// that one needs on lattices grows as the root of the number of disks.
+TEST(AcceleratedSsor, NeedsAQuarterOfTheIterationsOfTheGradientOnLattices) {
+  for (const Lattice lattice : {Lattice::kTriangular, Lattice::kSquare}) {
+    const ContactProblem p = lattice_step(lattice, 60, 0.3, 10);
+    const int ssor = needed("assor", p), gradient = needed("apgd", p);
+    EXPECT_LT(4 * ssor, gradient);
+    // Over-relaxation is a part of it.
+    EXPECT_LT(1.2 * ssor, needed("assor", p, {{"omega", "1"}}));
+  }
+}
+
+// From 20 to 80 rows, 16 times as many disks: O(N^1/4) would be 2, O(N^1/2) 4.
+TEST(AcceleratedSsor, IterationsGrowSlowerThanTheRootOfTheDisks) {
+  const int small = needed("assor", lattice_step(Lattice::kTriangular, 20, 0.3, 10));
+  const int large = needed("assor", lattice_step(Lattice::kTriangular, 80, 0.3, 10));
+  EXPECT_LT(large, 3.2 * small);
+}
+
+// The contacts of a problem that is given by W alone are visited one by one as they stand, which is
+// the order along the rows on this lattice.
+TEST(AcceleratedSsor, ContactAfterContactIsTheSameIteration) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 10, 0.3, 10);
+  SolverOptions options{.tol = 1e-300, .max_iterations = 12};
+  const SolveResult disks = solve("assor", p, options);
+  const SolveResult one_by_one = solve("assor", local_form(p), options);
+  EXPECT_EQ(disks.status, SolveStatus::kIterationLimit);
+  EXPECT_LT((disks.s - one_by_one.s).norm(), 1e-10 * disks.s.norm());
+}
+
+// Sliding pyramids without walls: the hardest lattice for momentum.
+TEST(AcceleratedSsor, SolvesTheFreePyramidOfTenRows) {
+  needed("assor", lattice_step(Lattice::kPyramid, 10, 0.5, 0));
+}
+
+}  // namespace
+}  // namespace bipot
