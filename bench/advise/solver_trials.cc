@@ -70,6 +70,7 @@ std::vector<SolverVariant> promising_solvers(int contacts) {
   };
   add_if(true, {"auto", "auto", {}});
   add_if(true, {"apgd", "apgd", {}});
+  add_if(true, {"assor", "assor", {}});
   add_if(true, {"ipm", "ipm", {}});
   add_if(true, {"newton", "newton", {}});
   add_if(true, {"pgs", "pgs", {}});
