@@ -48,6 +48,7 @@ bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, do
                             bool moving) {
   iterations_ = iteration;
   if (!due(iteration)) return false;
+  next_ = next_judged(iteration, portion_);
 
   double change = std::numeric_limits<double>::infinity();
   if (previous_.size() == s.size() && previous_iteration_ < iteration) {
@@ -57,7 +58,6 @@ bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, do
   }
   const bool comparable = previous_iteration_ == iteration - 1;
   const bool met = judge(s, comparable ? change : std::numeric_limits<double>::infinity());
-  next_ = next_judged(iteration, last_);
 
   if (options_.on_iteration) {
     options_.on_iteration({.iteration = iteration,

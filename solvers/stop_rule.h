@@ -18,13 +18,10 @@ inline constexpr double kDivergenceFactor = 1e20;
 /// start that is beyond kDivergenceFactor of it, which is the caller's and no growth.
 double divergence_reference(int iteration, const ContactError& error, double free_energy);
 
-/// Iterations 0 to 32 are judged, then one whenever the count has grown by 1/32; by 1/8 while the
-/// guarded error is above 1, which is no solution to anybody (judging costs as much as some seven
-/// iterations). No tolerance comes in: an iteration is the same for all of them.
-inline int next_judged(int iteration, const ContactError& error) {
-  constexpr int kDenseIterations = 32, kSparse = 8;
-  if (iteration < kDenseIterations) return iteration + 1;
-  return iteration + iteration / (error.guarded() > 1 ? kSparse : kDenseIterations);
+/// Iterations 0 to `portion` are judged, then one whenever the count has grown by 1/portion.
+inline constexpr int kJudgedPortion = 32;
+inline int next_judged(int iteration, int portion = kJudgedPortion) {
+  return iteration < portion ? iteration + 1 : iteration + iteration / portion;
 }
 
 /// A judged iterate.

@@ -131,6 +131,7 @@ int DistributedMonitor::undue(int iteration, int most) const {
 bool DistributedMonitor::stop(int iteration, const Vector& s, double step, bool moving) {
   iterations_ = iteration;
   if (!due(iteration)) return false;
+  next_ = next_judged(iteration);
 
   const bool comparable =
       previous_.size() == s.size() && previous_iteration_ >= 0 && previous_iteration_ < iteration;
@@ -146,7 +147,6 @@ bool DistributedMonitor::stop(int iteration, const Vector& s, double step, bool 
     if (comparable) more[1] = (s - previous_).squaredNorm();
   }
   last_ = evaluate_(s, more);
-  next_ = next_judged(iteration, last_);
   if (!space_.exact()) {
     norm2 = more[0];
     change2 = more[1];

@@ -83,6 +83,7 @@ template <class Kernel>
 void iterate(Kernel& kernel, const Vector& s0, Turns turns, IterationMonitor& monitor) {
   kernel.reset(s0);
   monitor.end_setup();
+  monitor.judge_half_as_often();
   bool first_change = true;
   double t = 1, beta = 0;
   for (int iteration = 0;;) {

@@ -9,7 +9,6 @@
 #include "core/types.h"
 #include "solvers/monitor.h"
 #include "solvers/registry.h"
-#include "solvers/stop_rule.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
@@ -554,19 +553,6 @@ TEST(History, IsCalledAtTheStatedCadence) {
     EXPECT_GT(record.step, 0);
   }
   EXPECT_NEAR(best, r.error.guarded(), 1e-9 * best);  // the best iterate is returned
-}
-
-TEST(History, IsThinnerWhereTheErrorIsAboveOne) {
-  const auto next = [](int iteration, double error) {
-    ContactError e;
-    e.epsilon = error;
-    e.eta = 0;
-    return next_judged(iteration, e);
-  };
-  EXPECT_EQ(next(10, 5), 11);
-  EXPECT_EQ(next(64, 5), 72);
-  EXPECT_EQ(next(64, 1), 66);
-  EXPECT_EQ(next(64, kNaN), 66);
 }
 
 TEST(History, DoesNotChangeTheIterates) {
