@@ -36,7 +36,9 @@ struct AutoStage {
 ///
 ///   1. `anderson`, the quickest on regular packings and soon seen not to be elsewhere (very
 ///      unequal masses: `ipm` before it; up to 400 contacts: `pgs` after it);
-///   2. `apgd`: all that a loose tolerance needs, and a start for what follows. Above 4000 contacts
+///   2. `apgd`: all that a loose tolerance needs, and a start for what follows; in its place, for
+///      disks with more than 4000 contacts (8000 from a warm start), `assor`, which needs O(N^1/4)
+///      iterations on packings at rest where momentum needs O(N^1/2). Above 4000 contacts
 ///      in the plane and at loose tolerances briefly, then `admm`: moving packings there meet 1e-2
 ///      by 500 solves with factors of W, where momentum needs tens of thousands of steps, and 1e-3
 ///      by 2000 to 5000;

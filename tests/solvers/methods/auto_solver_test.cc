@@ -10,6 +10,7 @@
 
 #include "core/files/problem_file.h"
 #include "solvers/solve.h"
+#include "tests/support/small_problems.h"
 #include "tests/support/source_folder.h"
 
 namespace bipot {
@@ -119,6 +120,21 @@ TEST(AutoSolver, AWarmStartSavesIterations) {
   const SolveResult warm = solve("auto", p, {.tol = 1e-10, .s0 = rough.s});
   EXPECT_EQ(warm.status, SolveStatus::kConverged) << warm.message;
   EXPECT_LT(warm.iterations, cold.iterations) << warm.message;
+}
+
+TEST(AutoSolver, LargePackingsAtRestAreSolvedBySweepsForthAndBack) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 40, 0.3, 10);
+  ASSERT_GT(p.num_contacts(), 4000);
+  const SolveResult cold = solve("auto", p, {.tol = 1e-6});
+  EXPECT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
+  EXPECT_EQ(cold.message.find("stages: assor"), 0u) << cold.message;
+  const SolveResult gradient = solve("apgd", p, {.tol = 1e-6});
+  EXPECT_LT(4 * cold.iterations, gradient.iterations);
+  // Without bodies there is nothing to put in vectors: W alone goes the old way.
+  const ContactProblem local = local_form(p);
+  for (const AutoStage& stage : plan_auto(local, DelassusOperator(local), false)) {
+    EXPECT_NE(stage.solver, "assor");
+  }
 }
 
 TEST(AutoSolver, PathsSeeTheCallersCancel) {
