@@ -202,6 +202,11 @@ class Planner {
   void first_order() {
     if (exact_ && contacts_ > kLarge) {
       // Where momentum takes long, the factors of W are worth their price for two digits.
+      if (disks_) {
+        add("assor", ssor_crossing_ / 4, ssor_crossing_ / 2, Start::kOwn,
+            "packings at rest, roughly");
+        stages_.back().least_tol = kRough;
+      }
       add("apgd", 3000, 3000, Start::kOwn, "packings at rest, roughly");
       stages_.back().least_tol = kRough;
       add("admm", 600, 2000, Start::kBest, "moving packings, roughly");
