@@ -18,8 +18,8 @@ inline constexpr double kDivergenceFactor = 1e20;
 /// start that is beyond kDivergenceFactor of it, which is the caller's and no growth.
 double divergence_reference(int iteration, const ContactError& error, double free_energy);
 
-/// Iterations 0 to `portion` are judged, then one whenever the count has grown by 1/portion.
 inline constexpr int kJudgedPortion = 32;
+/// Iterations 0 to `portion` are judged, then one whenever the count has grown by 1/portion.
 inline int next_judged(int iteration, int portion = kJudgedPortion) {
   return iteration < portion ? iteration + 1 : iteration + iteration / portion;
 }

@@ -269,7 +269,8 @@ inline void prefetch(const T& what) {
 
 template <int D, bool kBack>
 void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
-  // Processors foresee streams upwards; a batch taken downwards is read upwards within.
+  // Nobody foresees which bodies come when batches are taken downwards: their rows are asked for
+  // so many batches ahead, the batches that name them twice as many.
   constexpr int kAhead = 8;
   const SymmetricTask<D> a = task;
   const Lanes omega = all(a.omega), beta = all(a.beta);

@@ -113,8 +113,7 @@ int DiskTiles<D>::law_number(const LawBatch& law) {
 }
 
 template <int D>
-void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x,
-                        std::span<BodyRow> momentum) const {
+void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x) const {
   for (int lane = 0; lane < num_batches() * kLanes; ++lane) {
     const int c = contact(lane);
     for (int k = 0; k < D; ++k) {
@@ -122,7 +121,6 @@ void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x,
           c < 0 ? 0 : impulse_scale_[c * D + k] * s[c * D + k];
     }
   }
-  push(x, momentum);
 }
 
 template <int D>

@@ -50,8 +50,8 @@ class DiskTiles {
     return s;
   }
 
-  /// x = impulse ∘ s into the lanes, and Σ ± g x into the rows.
-  void pack(const Vector& s, std::span<ImpulseBatch<D>> x, std::span<BodyRow> momentum) const;
+  /// x = impulse ∘ s into the lanes.
+  void pack(const Vector& s, std::span<ImpulseBatch<D>> x) const;
   /// Σ ± g x into the rows.
   void push(std::span<const ImpulseBatch<D>> x, std::span<BodyRow> momentum) const;
   /// The same times inverse().

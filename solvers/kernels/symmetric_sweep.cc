@@ -17,7 +17,7 @@ SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const DiskStruc
 
 template <int D>
 void SymmetricSweep<D>::reset(const Vector& s) {
-  disks_.pack(s, now_, velocity_);
+  disks_.pack(s, now_);
   refresh();
 }
 

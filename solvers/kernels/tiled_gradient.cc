@@ -43,7 +43,8 @@ TiledGradient<D>::TiledGradient(const ContactProblem& problem, const DiskStructu
 template <int D>
 void TiledGradient<D>::reset(const Vector& s) {
   roles_ = {};
-  disks_.pack(s, impulse_[roles_.now], momentum_[roles_.now]);
+  disks_.pack(s, impulse_[roles_.now]);
+  disks_.push(impulse_[roles_.now], momentum_[roles_.now]);
   if (neighbours_ != nullptr) {
     neighbours_->complete(disks_, impulse_[roles_.now], momentum_[roles_.now]);
   }

@@ -14,7 +14,7 @@ class GradientNeighbours {
  public:
   virtual ~GradientNeighbours() = default;
   /// What the impulses elsewhere push is added to the momentum (the rows of `tiles`, in the scale of
-  /// DiskTiles::pack); `x`: the scaled impulses here, all its batches.
+  /// DiskTiles::push); `x`: the scaled impulses here, all its batches.
   virtual void complete(const DiskTiles<D>& tiles, std::span<const ImpulseBatch<D>> x,
                         std::span<BodyRow> momentum) = 0;
   /// Sums of all, from those of the contacts and bodies here. `now`, `before`: the momenta that

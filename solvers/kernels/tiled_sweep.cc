@@ -19,7 +19,7 @@ TiledSweep<D>::TiledSweep(const ContactProblem& problem, const DiskStructure& di
 
 template <int D>
 void TiledSweep<D>::reset(const Vector& s) {
-  disks_.pack(s, impulse_, velocity_);
+  disks_.pack(s, impulse_);
   disks_.velocities(impulse_, velocity_);
 }
 

@@ -29,21 +29,30 @@ double relaxation_of(double side) { return std::clamp(2 / (1 + 11 / side), 1.0, 
 /// What the iteration does in turns, beginning with over-relaxed sweeps and momentum.
 class Turns {
  public:
-  Turns(double omega, double side) : omega_(omega), patience_(200 + static_cast<int>(3 * side)) {}
+  /// `relaxable`: whether the kernel can change omega.
+  Turns(double omega, bool relaxable, double side)
+      : omega_(omega),
+        plain_(relaxable ? std::min(omega, 1.0) : omega),
+        patience_(200 + static_cast<int>(3 * side)) {}
 
-  double omega() const { return turn_ == 0 ? omega_ : std::min(omega_, 1.0); }
+  double omega() const { return turn_ == 0 ? omega_ : plain_; }
   bool momentum() const { return turn_ != 2; }
+  /// Whether this turn begins at the caller's start, else at the best impulse: what over-relaxation
+  /// leaves behind is no good start on piles.
+  bool afresh() const { return turn_ == 1 && changes_ == 1; }
   /// Tells the best error so far. True where something else begins.
   bool advance(int iteration, double best_error) {
     if (!patience_.lost(iteration, best_error)) return false;
+    ++changes_;
     turn_ = (turn_ + 1) % 3;
+    if (turn_ == 1 && plain_ == omega_) turn_ = 2;  // it would be the turn before once more
     return true;
   }
 
  private:
-  double omega_;
+  double omega_, plain_;
   Patience patience_;
-  int turn_ = 0;
+  int turn_ = 0, changes_ = 0;
 };
 
 /// The iteration contact after contact; see SymmetricSweep.
@@ -58,7 +67,7 @@ class ContactByContact {
         visit_(visit) {}
 
   void reset(const Vector& s) { now_ = before_ = s; }
-  void relax(double) {}  // the local updates keep theirs
+  void relax(double) {}  // the local updates keep theirs, and no turn asks for another
   void refresh() {}      // every iteration has the velocities of its y
   const Vector& impulse() const { return now_; }
   double iterate(double beta) {
@@ -84,16 +93,13 @@ void iterate(Kernel& kernel, const Vector& s0, Turns turns, IterationMonitor& mo
   kernel.reset(s0);
   monitor.end_setup();
   monitor.judge_half_as_often();
-  bool first_change = true;
   double t = 1, beta = 0;
   for (int iteration = 0;;) {
     if (monitor.due(iteration)) {
       if (monitor.stop(iteration, kernel.impulse(), turns.omega())) return;
       if (turns.advance(iteration, monitor.best_error())) {
-        // What over-relaxation leaves behind is no good start on piles.
-        kernel.reset(first_change ? s0 : monitor.best_impulse());
+        kernel.reset(turns.afresh() ? s0 : monitor.best_impulse());
         kernel.relax(turns.omega());
-        first_change = false;
         t = 1;
         beta = 0;
       }
@@ -116,11 +122,11 @@ SolveResult solve_accelerated_ssor(const ContactProblem& p, const SolverOptions&
   const Parameters parameters(options.parameters, kAcceleratedSsorParameters);
   const double given = parameters.number("omega");
   const double side = side_of(p), omega = given > 0 ? given : relaxation_of(side);
-  const Turns turns(omega, side);
   IterationMonitor monitor(p, options);
   const DelassusOperator& delassus = monitor.evaluator().delassus();
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
   const Vector s0 = start_of(p, options);
+  const Turns turns(omega, delassus.disks().has_value(), side);
   dispatch_dim(p.dim, [&](auto d) {
     constexpr int D = d();
     if constexpr (D < 3) {

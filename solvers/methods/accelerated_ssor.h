@@ -32,7 +32,8 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
 /// [ours] omega = 2/(1 + 11/n), at least 1, at most 1.85, with n = (contacts/3)^(1/2), in space
 /// ^(1/3): near the best of lattices of 30 to 317 rows; settled piles want 1. So where the best error
 /// has not halved for as many iterations as it took so far (at least 200 + 3 n), it begins again
-/// with omega = 1 (disks), then goes on from the best impulse without momentum, and so on in turns.
+/// with omega = 1 (disks, where omega is above it), then goes on from the best impulse without
+/// momentum, and so on in turns.
 ///
 /// With friction there is no proof of convergence. Disks run in vectors on one thread, contacts in
 /// their order or along the rows (solvers/kernels/symmetric_sweep.h), with the same bits from every
