@@ -9,9 +9,9 @@ namespace bipot {
 
 /// Judges the iterates of every solver in the same way, and decides when to stop.
 ///
-/// Cadence: iterations 0 to 32, then whenever the count has grown by 1/32, so that the evaluation
-/// stays cheap beside the iterations and the reported count is exact to 3 %; solvers whose iteration
-/// is a factorisation have every one judged, `assor` one in 16.
+/// Cadence: whenever the count k has grown by its root (the least that evaluations and iterations cost
+/// together) or, from k = 1024 on, by 1/32: the reported count is exact to 1/root k, then to 3 %;
+/// solvers whose iteration is a factorisation have every one judged, `assor` one in 16 at last.
 /// The impulse test compares consecutive iterates and is therefore evaluated at every iteration.
 ///
 /// The monitor keeps the best iterate by the guarded error; a solve that stops early returns it.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -19,9 +21,12 @@ inline constexpr double kDivergenceFactor = 1e20;
 double divergence_reference(int iteration, const ContactError& error, double free_energy);
 
 inline constexpr int kJudgedPortion = 32;
-/// Iterations 0 to `portion` are judged, then one whenever the count has grown by 1/portion.
+/// One iterate is judged whenever the count has grown by its root or by 1/portion, whichever is more:
+/// where judging costs J iterations and the count of the last one is not known, intervals of
+/// sqrt(2 J k) around k cost the least, J of quick iterations is 3 to 10.
 inline int next_judged(int iteration, int portion = kJudgedPortion) {
-  return iteration < portion ? iteration + 1 : iteration + iteration / portion;
+  const int root = static_cast<int>(std::sqrt(static_cast<double>(iteration)));
+  return iteration + std::max({1, root, iteration / portion});
 }
 
 /// A judged iterate.

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <Eigen/Jacobi>
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <vector>
 
 #include "core/types.h"
 #include "solvers/kernels/contact_scaling.h"
@@ -14,69 +14,72 @@ namespace bipot {
 // Anderson acceleration of solvers/methods/anderson.h, written once for a problem on one process and
 // for one that lies on several: `Products` are norms and products of vectors over all rows.
 
-/// The last differences of residuals f and values g, with ΔF = Q R kept up to date column by
-/// column (Walker and Ni 2011, section 4).
+/// The last differences of residuals f and of values g, and the products of the former with each
+/// other: the least squares of Anderson acceleration by normal equations, of columns of length 1.
+/// (QR as in Walker and Ni 2011, section 4, takes three times as long; what it keeps of a nearly
+/// dependent column helps nobody.)
 template <class Products>
 class AndersonMemory {
  public:
   AndersonMemory(Products products, Eigen::Index rows, int columns)
-      : products_(products),
-        q_(rows, columns),
-        g_(rows, columns),
-        r_(Eigen::MatrixXd::Zero(columns, columns)) {}
+      : products_(products), df_(rows, columns), dg_(rows, columns), gram_(columns, columns) {}
 
-  void clear() { size_ = 0; }
+  void clear() { size_ = newest_ = 0; }
 
+  /// In place of the oldest where all columns are taken.
   void append(const Vector& df, const Vector& dg) {
-    if (size_ == static_cast<int>(q_.cols())) drop_oldest();
-    auto column = q_.col(size_);
-    column = df;
-    for (int k = 0; k < size_; ++k) r_(k, size_) = 0;
-    products_.project_out(q_, size_, column, r_);
-    const double norm = products_.norm(column);
-    if (!(norm > 0)) return;  // nothing new
-    column /= norm;
-    r_(size_, size_) = norm;
-    g_.col((first_ + size_) % g_.cols()) = dg;
-    ++size_;
-    while (size_ > 1 && badly_conditioned()) drop_oldest();
+    const int columns = static_cast<int>(df_.cols());
+    newest_ = size_ == 0 ? 0 : (newest_ + 1) % columns;
+    size_ = std::min(size_ + 1, columns);
+    df_.col(newest_) = df;
+    dg_.col(newest_) = dg;
+    gram_.col(newest_).head(written()) = products_.products(df_, written(), df);
+    gram_.row(newest_).head(written()) = gram_.col(newest_).head(written()).transpose();
   }
 
-  /// g - ΔG argmin ‖f - ΔF gamma‖.
-  void combine(const Vector& f, const Vector& g, Vector& x) const {
+  /// x = g - ΔG argmin ‖f - ΔF gamma‖, over the newest columns that are independent.
+  void combine(const Vector& f, const Vector& g, Vector& x) {
     x = g;
     if (size_ == 0) return;
-    Vector gamma = products_.products(q_, size_, f);
-    r_.topLeftCorner(size_, size_).triangularView<Eigen::Upper>().solveInPlace(gamma);
-    for (int k = 0; k < size_; ++k) x -= gamma[k] * g_.col((first_ + k) % g_.cols());
+    const int columns = static_cast<int>(df_.cols());
+    const Vector products = products_.products(df_, written(), f);
+    // Cholesky, newest first.
+    Eigen::MatrixXd l(size_, size_);
+    Vector y(size_), unit(size_);
+    std::vector<int> at(to_size(size_));
+    int rank = 0;
+    for (; rank < size_; ++rank) {
+      const int column = (newest_ - rank + columns) % columns;
+      const double length = std::sqrt(gram_(column, column));
+      if (!(length > 0)) break;
+      unit[rank] = 1 / length;
+      at[to_size(rank)] = column;
+      for (int k = 0; k < rank; ++k) {
+        l(rank, k) = (gram_(column, at[to_size(k)]) * unit[rank] * unit[k] -
+                      l.row(rank).head(k).dot(l.row(k).head(k))) /
+                     l(k, k);
+      }
+      const double pivot = 1 - l.row(rank).head(rank).squaredNorm();
+      if (!(pivot > kSmallestPivot)) break;
+      l(rank, rank) = std::sqrt(pivot);
+      y[rank] = (products[column] * unit[rank] - l.row(rank).head(rank).dot(y.head(rank))) /
+                l(rank, rank);
+    }
+    size_ = rank;  // the others, all older, are not worth their time
+    const auto lower = l.topLeftCorner(rank, rank).template triangularView<Eigen::Lower>();
+    const Vector gamma = lower.transpose().solve(y.head(rank)).cwiseProduct(unit.head(rank));
+    for (int k = 0; k < rank; ++k) x -= gamma[k] * dg_.col(at[to_size(k)]);
   }
 
  private:
-  bool badly_conditioned() const {
-    const auto pivots = r_.diagonal().head(size_).cwiseAbs();
-    return pivots.minCoeff() < kSmallestPivot * pivots.maxCoeff();
-  }
-  void drop_oldest() {
-    // Without its first column R is upper Hessenberg; rotations make it triangular again.
-    for (int k = 0; k + 1 < size_; ++k) {
-      for (int row = 0; row <= k + 1; ++row) r_(row, k) = r_(row, k + 1);
-      for (int row = k + 2; row < size_; ++row) r_(row, k) = 0;
-    }
-    for (int k = 0; k + 1 < size_; ++k) {
-      Eigen::JacobiRotation<double> rotation;
-      rotation.makeGivens(r_(k, k), r_(k + 1, k));
-      r_.leftCols(size_ - 1).applyOnTheLeft(k, k + 1, rotation.adjoint());
-      q_.applyOnTheRight(k, k + 1, rotation);
-    }
-    first_ = (first_ + 1) % static_cast<int>(g_.cols());
-    --size_;
-  }
+  static constexpr double kSmallestPivot = 1e-10;  // square of a column's part that is new
 
-  static constexpr double kSmallestPivot = 1e-8;  // of the triangular factor, relative
+  /// The first columns of the rings, up to the last one in use.
+  int written() const { return newest_ + 1 >= size_ ? newest_ + 1 : static_cast<int>(df_.cols()); }
 
   Products products_;
-  Eigen::MatrixXd q_, g_, r_;  // g_ is a ring that begins at first_
-  int size_ = 0, first_ = 0;
+  Eigen::MatrixXd df_, dg_, gram_;  // rings
+  int size_ = 0, newest_ = 0;
 };
 
 /// map: s -> G(s), in the problem's variables.

@@ -10,6 +10,7 @@
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
 #include "core/problem/sparse_factor.h"
+#include "solvers/kernels/contact_penalties.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
@@ -25,15 +26,26 @@ constexpr double kSmallestRho = 1e-3;      // of balancing; smaller ones cost di
 constexpr double kAtRest = 4e-15;          // relative change of a multiplier at rest
 constexpr int kCorrections = 2;            // for the skew part of W
 constexpr int kRaises = 20;                // of rho by 10, for an indefinite W
+// Iterations between two looks at the statuses, looks between two changes of their penalties.
+constexpr int kLook = 25, kLooks = 3;
+// How rho is raised: after so many iterations that did not halve the error, in all by so much, and
+// for the last so much of that after more of them; after how many the rule is given up at the end.
+struct Raises {
+  int patience;
+  double most, last;
+  int last_patience, end;
+};
+constexpr Raises kStaged = {100, 1000, 1, 100, 100}, kByStatus = {70, 300, 5, 600, 2000};
 
-/// x = (W + rho I)⁻¹ r in the scaled variables.
+/// x = (W + M)⁻¹ r in the scaled variables, M the penalties.
+template <int D>
 class Resolvent {
  public:
-  Resolvent(const ContactProblem& p, const Vector& scale) {
+  Resolvent(const ContactProblem& p, const Vector& scale) : rows_(p.num_rows()) {
     if (p.has_velocities()) {
       mass_ = p.A;
       wrench_ = p.H * scale.asDiagonal();
-      product_ = wrench_ * SparseMatrix(wrench_.transpose());
+      transposed_ = wrench_.transpose();
       return;
     }
     delassus_ = scale.asDiagonal() * p.W * scale.asDiagonal();
@@ -41,24 +53,24 @@ class Resolvent {
     symmetric_ = 0.5 * (delassus_ + transposed);
     skew_ = 0.5 * (delassus_ - transposed);
     skew_.prune(0.0);
-    identity_.resize(delassus_.rows(), delassus_.cols());
-    identity_.setIdentity();
   }
 
   /// What factor() does first: callers ask their clock in between.
-  void analyse(double rho) { factor_.analyse(matrix(rho)); }
-  bool factor(double rho) {
-    rho_ = rho;
-    return factor_.factor(matrix(rho));
-  }
+  void analyse(const ContactPenalties<D>& penalties) { factor_.analyse(matrix(penalties)); }
+  bool factor(const ContactPenalties<D>& penalties) { return factor_.factor(matrix(penalties)); }
 
   /// x holds the start of the residual correction.
-  void solve(const Vector& r, Vector& x) {
+  void solve(const ContactPenalties<D>& penalties, const Vector& r, Vector& x) {
     if (through_velocities()) {
-      velocity_.noalias() = wrench_ * r;
+      for (int c = 0; c * D < rows_; ++c) {
+        x.segment<D>(c * D) = penalties.inverse(c) * r.segment<D>(c * D);
+      }
+      velocity_.noalias() = wrench_ * x;
       factor_.solve(velocity_, velocity_);
-      x.noalias() = wrench_.transpose() * velocity_;
-      x = (r - x) / rho_;
+      change_.noalias() = transposed_ * velocity_;
+      for (int c = 0; c * D < rows_; ++c) {
+        x.segment<D>(c * D) -= penalties.inverse(c) * change_.segment<D>(c * D);
+      }
     } else if (skew_.nonZeros() == 0) {
       x = factor_.solve(r);
     } else {
@@ -68,58 +80,83 @@ class Resolvent {
 
  private:
   bool through_velocities() const { return wrench_.cols() > 0; }
-  SparseMatrix matrix(double rho) const {
-    return through_velocities() ? SparseMatrix(product_ + rho * mass_)
-                                : SparseMatrix(symmetric_ + rho * identity_);
+  SparseMatrix matrix(const ContactPenalties<D>& penalties) {
+    // Blocks are whole, zeros too, so that one analysis serves all.
+    SparseMatrix blocks(rows_, rows_);
+    blocks.reserve(Eigen::VectorXi::Constant(rows_, D));
+    for (int c = 0; c * D < rows_; ++c) {
+      const auto block = through_velocities() ? penalties.inverse(c) : penalties.metric(c);
+      for (int column = 0; column < D; ++column) {
+        for (int row = 0; row < D; ++row) {
+          blocks.insert(c * D + row, c * D + column) = block(row, column);
+        }
+      }
+    }
+    if (!through_velocities()) return symmetric_ + blocks;
+    const SparseMatrix weighted = wrench_ * blocks;
+    return SparseMatrix(weighted * transposed_) + mass_;
   }
 
-  SparseMatrix mass_, wrench_, product_;
-  SparseMatrix delassus_, symmetric_, skew_, identity_;
+  int rows_;
+  SparseMatrix mass_, wrench_, transposed_;
+  SparseMatrix delassus_, symmetric_, skew_;
   SparseCholesky factor_;
-  Vector velocity_;
-  double rho_ = 0;
+  Vector velocity_, change_;
 };
 
 /// False when no penalty makes the matrix positive definite, or time is over before.
-bool factor_raising(Resolvent& resolvent, double& rho, Vector& y, const IterationMonitor& monitor) {
-  if (!monitor.out_of_time()) resolvent.analyse(rho);
+template <int D>
+bool factor_raising(Resolvent<D>& resolvent, ContactPenalties<D>& penalties, Vector& y,
+                    const IterationMonitor& monitor) {
+  if (!monitor.out_of_time()) resolvent.analyse(penalties);
   for (int k = 0; k < kRaises && !monitor.out_of_time(); ++k) {
-    if (resolvent.factor(rho)) return true;
-    rho *= 10;
+    if (resolvent.factor(penalties)) return true;
+    penalties.scale(10);
     y *= 0.1;
   }
   return false;
 }
 
-enum class Penalty { kStaged, kBalanced, kFixed };
+enum class Penalty { kStatus, kStaged, kBalanced, kFixed };
 
 /// Raises the penalty step by step while the best error does not fall.
 class Stages {
  public:
+  explicit Stages(const Raises& raises) : raises_(raises), left_(raises.most) {}
+
   /// Factor for rho, 1 for no change; 0 when the last stage has failed too.
   double advance(int iteration, double best_error) {
     if (best_error <= 0.5 * mark_) {
       mark_ = best_error;
       mark_iteration_ = iteration;
-    } else if (iteration - mark_iteration_ > kPatience) {
-      mark_iteration_ = iteration;
-      return ++raised_ <= kStages ? kRaise : 0;
+      return 1;
     }
-    return 1;
+    const bool end = left_ <= 1 + kRounding;
+    const int patience = end                    ? raises_.end
+                         : left_ > raises_.last ? raises_.patience
+                                                : raises_.last_patience;
+    if (iteration - mark_iteration_ <= patience) return 1;
+    mark_iteration_ = iteration;
+    if (end) return 0;
+    const double raise = std::min(kRaise, left_);
+    left_ /= raise;
+    return raise;
   }
 
  private:
-  static constexpr int kPatience = 100, kStages = 6;
-  static constexpr double kRaise = 3.1622776601683795;  // six of them make 1000
+  static constexpr double kRaise = 3.1622776601683795, kRounding = 1e-9;
+  Raises raises_;
+  double left_;
   double mark_ = std::numeric_limits<double>::infinity();
-  int mark_iteration_ = 0, raised_ = 0;
+  int mark_iteration_ = 0;
 };
 
 template <int D>
 void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vector& velocity0,
              const Vector& s0, double rho, double relaxation, Penalty penalty,
              IterationMonitor& monitor) {
-  Resolvent resolvent(p, scaling.velocity);
+  Resolvent<D> resolvent(p, scaling.velocity);
+  ContactPenalties<D> penalties(scaling.mu, rho);
   Vector z = scaling.impulse.cwiseProduct(s0), x = z, y(z.size()), s(z.size());
   const Vector b = scaling.velocity.cwiseProduct(p.u_free);
   // Start of the multiplier: minus de Saxcé's velocity at s0, where that is not 0.
@@ -129,71 +166,76 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
     y.segment<D>(c * D) = -de_saxce_velocity<D>(w, scaling.mu[c]) / rho;
   }
   if (s0.isZero(0)) y.setZero();
-  if (!factor_raising(resolvent, rho, y, monitor)) {
-    if (!monitor.end_if_out_of_time(0)) {
-      monitor.end(SolveStatus::kNumericalFailure, "W + rho I is not positive definite");
+  const auto factor = [&](int iteration) {
+    if (factor_raising(resolvent, penalties, y, monitor)) return true;
+    if (!monitor.end_if_out_of_time(iteration)) {
+      monitor.end(SolveStatus::kNumericalFailure,
+                  fmt::format("factorisation failed up to rho = {:.2e}", penalties.rho()));
     }
-    return;
-  }
+    return false;
+  };
+  if (!factor(0)) return;
   monitor.end_setup();
   Vector rhs(z.size()), z_before, y_judged = Vector::Zero(z.size());
   int next_balance = kFirstBalance;
-  Stages stages;
+  Stages stages(penalty == Penalty::kStatus ? kByStatus : kStaged);
   for (int iteration = 0;; ++iteration) {
     if (monitor.due(iteration)) {
       s = z.cwiseProduct(scaling.velocity);
       // A multiplier that still moves will move s later.
       const bool moving = (y - y_judged).norm() > kAtRest * y.norm();
-      if (monitor.stop(iteration, s, rho, moving)) return;
+      if (monitor.stop(iteration, s, penalties.rho(), moving)) return;
       y_judged = y;
     }
-    rhs = rho * (z - y) - b;
-    if constexpr (D > 1) {
-      for (int c = 0; c < p.num_contacts(); ++c) {
-        const Local<D> multiplier = y.segment<D>(c * D);
-        rhs[c * D] -= scaling.mu[c] * rho * tangential_norm<D>(multiplier);
-      }
+    for (int c = 0; c < p.num_contacts(); ++c) {
+      const Local<D> multiplier = penalties.times(c, y.segment<D>(c * D));
+      Local<D> r = penalties.times(c, z.segment<D>(c * D)) - multiplier;
+      if constexpr (D > 1) r[0] -= scaling.mu[c] * tangential_norm<D>(multiplier);
+      rhs.segment<D>(c * D) = r - b.segment<D>(c * D);
     }
-    resolvent.solve(rhs, x);
+    resolvent.solve(penalties, rhs, x);
     z_before = z;
     for (int c = 0; c < p.num_contacts(); ++c) {
       const Local<D> relaxed = relaxation * x.segment<D>(c * D) +
                                (1 - relaxation) * z_before.segment<D>(c * D) + y.segment<D>(c * D);
-      const Local<D> projected = project_coulomb_cone<D>(relaxed, scaling.mu[c]);
+      const Local<D> projected = penalties.project(c, relaxed);
       z.segment<D>(c * D) = projected;
       y.segment<D>(c * D) = relaxed - projected;
     }
-    double factor = 1;
-    if (penalty == Penalty::kStaged) {
-      if (monitor.due(iteration + 1)) {
-        factor = stages.advance(iteration + 1, monitor.best_error());
-        if (factor == 0) {
-          penalty = Penalty::kBalanced;
-          factor = 1;
-        }
+    double change = 1;
+    bool equalised = false;
+    bool adapts = false;
+    if (penalty == Penalty::kStatus && (iteration + 1) % kLook == 0) {
+      penalties.observe(z);
+      adapts = (iteration + 1) % (kLook * kLooks) == 0;
+    }
+    if (adapts || (penalty == Penalty::kStaged && monitor.due(iteration + 1))) {
+      change = stages.advance(iteration + 1, monitor.best_error());
+      if (change == 0) {
+        if (penalty == Penalty::kStatus) penalties.equalise(y);
+        equalised = penalty == Penalty::kStatus;
+        adapts = false;
+        penalty = Penalty::kBalanced;
+        change = 1;
       }
     } else if (penalty == Penalty::kBalanced && iteration + 1 >= next_balance) {
       const double primal = (x - z).norm() / std::max(x.norm(), z.norm());
       const double dual = (z - z_before).norm() / y.norm();
       const double wanted = std::sqrt(primal / dual);
       if (wanted > kImbalance || wanted < 1 / kImbalance) {
-        factor = std::clamp(wanted, 1 / kLargestChange, kLargestChange);
-        factor = std::clamp(rho * factor, kSmallestRho, 1 / kSmallestRho) / rho;
+        change = std::clamp(wanted, 1 / kLargestChange, kLargestChange);
+        change =
+            std::clamp(penalties.rho() * change, kSmallestRho, 1 / kSmallestRho) / penalties.rho();
       }
       next_balance =
           iteration + 1 + std::max(kFirstBalance, static_cast<int>(kBalanceInterval * iteration));
     }
-    if (factor != 1) {
-      rho *= factor;
-      y /= factor;
-      if (!factor_raising(resolvent, rho, y, monitor)) {
-        if (!monitor.end_if_out_of_time(iteration + 1)) {
-          monitor.end(SolveStatus::kNumericalFailure,
-                      fmt::format("factorisation failed for rho = {:.2e}", rho));
-        }
-        return;
-      }
+    if (change != 1) {
+      penalties.scale(change);
+      y /= change;
     }
+    if (adapts) penalties.adapt(y);
+    if ((change != 1 || adapts || equalised) && !factor(iteration + 1)) return;
   }
 }
 
@@ -208,7 +250,8 @@ SolveResult solve_admm(const ContactProblem& p, const SolverOptions& options) {
   Vector velocity(p.num_rows());
   delassus.velocity(s0, velocity);
   const std::string rule = parameters.choice("penalty");
-  const Penalty penalty = rule == "staged"     ? Penalty::kStaged
+  const Penalty penalty = rule == "status"     ? Penalty::kStatus
+                          : rule == "staged"   ? Penalty::kStaged
                           : rule == "balanced" ? Penalty::kBalanced
                                                : Penalty::kFixed;
   dispatch_dim(p.dim, [&](auto d) {

@@ -34,7 +34,7 @@ constexpr double kUnequal = 1e5;
 // An error that is that many tolerances is let go on, Anderson at loose tolerances so many
 // iterations: on the shipped and moving problems it arrives by then or needs hundreds.
 constexpr double kClose = 10, kLooseTolerance = 3e-4;
-constexpr int kCloseAnderson = 60;
+constexpr int kCloseAnderson = 64;
 // Chains of starts of paths, taken where the error has fallen to this.
 constexpr int kManyChains = 60000;
 constexpr double kNearSolution = 1e-4;
@@ -49,11 +49,8 @@ constexpr int kLargeStep = 8000;
 constexpr double kUsefulStart = 0.5;
 // Tolerances from here on are loose.
 constexpr double kRough = 3e-3;
-// From here on `admm` is worth many more solves on large packings than below: it goes on to 1e-3 at
-// a rate that lets it down later. More than the usual over-relaxation suits it there (p10k_750 of
-// 17 000 contacts to 1e-3: 5881 iterations at 1.6, 4745 at 1.9).
+// From here on `admm` is worth many more solves on large packings than below.
 constexpr double kFair = 5e-4;
-const std::map<std::string, std::string> kOverRelaxed = {{"relaxation", "1.9"}};
 constexpr int kUnlimited = std::numeric_limits<int>::max();
 
 bool is_hyperstatic(const ContactProblem& p) {
@@ -201,13 +198,13 @@ class Planner {
 
   void first_order() {
     if (exact_ && contacts_ > kLarge) {
-      // Where momentum takes long, the factors of W are worth their price for two digits.
+      // Where sweeps take long, the factors of W are worth their price for two digits.
       if (disks_) {
         add("assor", ssor_crossing_ / 4, ssor_crossing_ / 2, Start::kOwn,
             "packings at rest, roughly");
-        stages_.back().least_tol = kRough;
+      } else {
+        add("apgd", 3000, 3000, Start::kOwn, "packings at rest, roughly");
       }
-      add("apgd", 3000, 3000, Start::kOwn, "packings at rest, roughly");
       stages_.back().least_tol = kRough;
       add("admm", 600, 2000, Start::kBest, "moving packings, roughly");
       stages_.back().least_tol = kRough;
@@ -237,11 +234,9 @@ class Planner {
     }
     if (!sweeps_first()) sweeps();
     if (exact_ && contacts_ > kLarge) {
-      add("admm", 6000, 14000, Start::kCaller, "large moving packings, by factors of W",
-          kOverRelaxed);
+      add("admm", 6000, 14000, Start::kCaller, "large moving packings, by factors of W");
       stages_.back().least_tol = kFair;
-      add("admm", 1000, 3000, Start::kCaller, "large packings at rest, by factors of W",
-          kOverRelaxed);
+      add("admm", 1000, 3000, Start::kCaller, "large packings at rest, by factors of W");
       stages_.back().tol_below = kFair;
     }
     // An interior point shows its progress late. On large problems too much would be thrown away;

@@ -3,10 +3,16 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "core/files/problem_file.h"
 #include "core/problem/delassus.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/source_folder.h"
 
 namespace bipot {
+
+ContactProblem shipped_file(const std::string& name) {
+  return read_problem(source_folder() / "data/problems" / name).problem;
+}
 
 ContactProblem one_contact_problem(int dim, double w_n, double w_t, double mu, double b_n,
                                    const Vector& b_t) {

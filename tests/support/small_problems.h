@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "core/problem/contact_problem.h"
 
 namespace bipot {
@@ -19,6 +21,9 @@ ContactProblem local_form(const ContactProblem& problem);
 /// by `tilt` degrees; mu = 0 gives d = 1.
 enum class Lattice { kSquare, kTriangular, kPyramid };
 ContactProblem lattice_step(Lattice lattice, int rows, double mu, double tilt);
+
+/// A file of data/problems, by its name with ".hdf5".
+ContactProblem shipped_file(const std::string& name);
 
 /// The problem in other units: mass, length and time multiplied by these factors.
 ContactProblem in_units(const ContactProblem& problem, double mass, double length, double time);
