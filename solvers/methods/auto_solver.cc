@@ -29,6 +29,10 @@ constexpr int kLarge = 4000;
 // Above it, a dozen factorisations of W cost more than apgd needs for a whole packing given by W
 // alone: 0.2 s against 0.06 s at 2600 contacts, 0.27 s against 0.1 s at 5000.
 constexpr int kCheapFactors = 1000;
+// Above it, paths are so long that splitting, a factorisation for every 75 solves, comes before them:
+// twelve steps of a pour of 3000 disks (3500 to 4400 contacts) to 1e-4 took 37 s for 59 and none was
+// left for two; from 1000 contacts on it makes moving problems twice as expensive.
+constexpr int kMany = 2500;
 // Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
 constexpr double kUnequal = 1e5;
 // An error that is that many tolerances is let go on, Anderson at loose tolerances so many
@@ -229,6 +233,9 @@ class Planner {
 
   void second_order() {
     if (paths_first()) {
+      if (exact_ && !local_ && contacts_ > kMany) {
+        add("admm", 600, 1500, Start::kCaller, "moving packings, by factors of W");
+      }
       first_paths(std::max(kPivots, kPivotsOfContact * contacts_));
       if (exact_ && contacts_ > kLarge) stages_.back().tol_below = kFair;
     }
