@@ -62,17 +62,17 @@ double distributed_spectral_bound(DistributedSpace& space, const Vector& scale) 
   return bound;
 }
 
-Vector DistributedProducts::column_products(const Eigen::MatrixXd& q, int size,
-                                            const Eigen::Ref<const Vector>& f) const {
+Vector DistributedProducts::products(const Eigen::MatrixXd& columns, int size,
+                                     const Vector& f) const {
   Vector dots = Vector::Zero(size);
   if (space.exact()) {
     std::vector<ExactSum> sums(to_size(size));
     for (int k = 0; k < size; ++k) {
-      DistributedSpace::add_products(q.col(k), f, sums[to_size(k)]);
+      DistributedSpace::add_products(columns.col(k), f, sums[to_size(k)]);
     }
     space.totals(sums, {dots.data(), to_size(size)});
   } else {
-    dots = q.leftCols(size).transpose() * f;
+    dots = columns.leftCols(size).transpose() * f;
     space.sum({dots.data(), to_size(size)});
   }
   return dots;

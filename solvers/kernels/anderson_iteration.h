@@ -16,13 +16,20 @@ namespace bipot {
 
 /// The last differences of residuals f and of values g, and the products of the former with each
 /// other: the least squares of Anderson acceleration by normal equations, of columns of length 1.
-/// (QR as in Walker and Ni 2011, section 4, takes three times as long; what it keeps of a nearly
-/// dependent column helps nobody.)
+/// [ours] Walker and Ni (2011, section 4) keep a QR factorisation, which reads all columns three
+/// times as often.
 template <class Products>
 class AndersonMemory {
  public:
   AndersonMemory(Products products, Eigen::Index rows, int columns)
-      : products_(products), df_(rows, columns), dg_(rows, columns), gram_(columns, columns) {}
+      : products_(products),
+        df_(rows, columns),
+        dg_(rows, columns),
+        gram_(columns, columns),
+        factor_(columns, columns),
+        right_(columns),
+        unit_(columns),
+        at_(to_size(columns)) {}
 
   void clear() { size_ = newest_ = 0; }
 
@@ -33,8 +40,9 @@ class AndersonMemory {
     size_ = std::min(size_ + 1, columns);
     df_.col(newest_) = df;
     dg_.col(newest_) = dg;
-    gram_.col(newest_).head(written()) = products_.products(df_, written(), df);
-    gram_.row(newest_).head(written()) = gram_.col(newest_).head(written()).transpose();
+    const Vector products = products_.products(df_, written(), df);
+    gram_.col(newest_).head(written()) = products;
+    gram_.row(newest_).head(written()) = products.transpose();
   }
 
   /// x = g - ΔG argmin ‖f - ΔF gamma‖, over the newest columns that are independent.
@@ -44,31 +52,31 @@ class AndersonMemory {
     const int columns = static_cast<int>(df_.cols());
     const Vector products = products_.products(df_, written(), f);
     // Cholesky, newest first.
-    Eigen::MatrixXd l(size_, size_);
-    Vector y(size_), unit(size_);
-    std::vector<int> at(to_size(size_));
     int rank = 0;
     for (; rank < size_; ++rank) {
       const int column = (newest_ - rank + columns) % columns;
       const double length = std::sqrt(gram_(column, column));
       if (!(length > 0)) break;
-      unit[rank] = 1 / length;
-      at[to_size(rank)] = column;
+      unit_[rank] = 1 / length;
+      at_[to_size(rank)] = column;
+      const auto row = factor_.row(rank);
       for (int k = 0; k < rank; ++k) {
-        l(rank, k) = (gram_(column, at[to_size(k)]) * unit[rank] * unit[k] -
-                      l.row(rank).head(k).dot(l.row(k).head(k))) /
-                     l(k, k);
+        factor_(rank, k) = (gram_(column, at_[to_size(k)]) * unit_[rank] * unit_[k] -
+                            row.head(k).dot(factor_.row(k).head(k))) /
+                           factor_(k, k);
       }
-      const double pivot = 1 - l.row(rank).head(rank).squaredNorm();
+      const double pivot = 1 - row.head(rank).squaredNorm();
       if (!(pivot > kSmallestPivot)) break;
-      l(rank, rank) = std::sqrt(pivot);
-      y[rank] = (products[column] * unit[rank] - l.row(rank).head(rank).dot(y.head(rank))) /
-                l(rank, rank);
+      factor_(rank, rank) = std::sqrt(pivot);
+      right_[rank] = (products[column] * unit_[rank] - row.head(rank).dot(right_.head(rank))) /
+                     factor_(rank, rank);
     }
     size_ = rank;  // the others, all older, are not worth their time
-    const auto lower = l.topLeftCorner(rank, rank).template triangularView<Eigen::Lower>();
-    const Vector gamma = lower.transpose().solve(y.head(rank)).cwiseProduct(unit.head(rank));
-    for (int k = 0; k < rank; ++k) x -= gamma[k] * dg_.col(at[to_size(k)]);
+    factor_.topLeftCorner(rank, rank)
+        .template triangularView<Eigen::Lower>()
+        .transpose()
+        .solveInPlace(right_.head(rank));
+    for (int k = 0; k < rank; ++k) x -= right_[k] * unit_[k] * dg_.col(at_[to_size(k)]);
   }
 
  private:
@@ -79,6 +87,9 @@ class AndersonMemory {
 
   Products products_;
   Eigen::MatrixXd df_, dg_, gram_;  // rings
+  Eigen::MatrixXd factor_;          // scratch of combine()
+  Vector right_, unit_;
+  std::vector<int> at_;
   int size_ = 0, newest_ = 0;
 };
 

@@ -35,7 +35,7 @@ struct Raises {
   double most, last;
   int last_patience, end;
 };
-constexpr Raises kStaged = {100, 1000, 1, 100, 100}, kByStatus = {70, 300, 5, 600, 2000};
+constexpr Raises kStagedRaises = {100, 1000, 1, 100, 100}, kStatusRaises = {70, 300, 5, 600, 2000};
 
 /// x = (W + M)⁻¹ r in the scaled variables, M the penalties.
 template <int D>
@@ -178,7 +178,7 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
   monitor.end_setup();
   Vector rhs(z.size()), z_before, y_judged = Vector::Zero(z.size());
   int next_balance = kFirstBalance;
-  Stages stages(penalty == Penalty::kStatus ? kByStatus : kStaged);
+  Stages stages(penalty == Penalty::kStatus ? kStatusRaises : kStagedRaises);
   for (int iteration = 0;; ++iteration) {
     if (monitor.due(iteration)) {
       s = z.cwiseProduct(scaling.velocity);

@@ -18,21 +18,9 @@ struct LoneProducts {
   double norm(const A& a) const {
     return a.norm();
   }
-  /// Of the first `size` columns of q with f.
-  Vector products(const Eigen::MatrixXd& q, int size, const Vector& f) const {
-    return q.leftCols(size).transpose() * f;
-  }
-  /// column <- its part orthogonal to the first `size` columns of q, which are orthonormal; what was
-  /// taken out is added to that column of r.
-  template <class Column>
-  void project_out(const Eigen::MatrixXd& q, int size, Column& column, Eigen::MatrixXd& r) const {
-    for (int pass = 0; pass < 2; ++pass) {  // twice is enough for orthogonality to rounding
-      for (int k = 0; k < size; ++k) {
-        const double dot = q.col(k).dot(column);
-        r(k, size) += dot;
-        column -= dot * q.col(k);
-      }
-    }
+  /// Of the first `size` columns with f.
+  Vector products(const Eigen::MatrixXd& columns, int size, const Vector& f) const {
+    return columns.leftCols(size).transpose() * f;
   }
 };
 
