@@ -41,7 +41,8 @@ void ContactPenalties<D>::observe(const Vector& z) {
       const double slip = tangential_norm<D>(Local<D>(z.segment<D>(c * D)));
       const double edge = mu_[c] * z[c * D];
       if (slip >= kOnEdge * edge) {
-        now = z[c * D + 1] < 0 ? Status::kSlipBack : Status::kSlip;
+        // In space the sign would depend on the choice of tangents, and nothing asks for it.
+        now = D == 2 && z[c * D + 1] < 0 ? Status::kSlipBack : Status::kSlip;
       } else if (slip >= kInside * edge) {
         now = Status::kNearEdge;
       }

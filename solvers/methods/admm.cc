@@ -203,8 +203,7 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
       y.segment<D>(c * D) = relaxed - projected;
     }
     double change = 1;
-    bool equalised = false;
-    bool adapts = false;
+    bool adapts = false, refactors = false;
     if (penalty == Penalty::kStatus && (iteration + 1) % kLook == 0) {
       penalties.observe(z);
       adapts = (iteration + 1) % (kLook * kLooks) == 0;
@@ -212,8 +211,8 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
     if (adapts || (penalty == Penalty::kStaged && monitor.due(iteration + 1))) {
       change = stages.advance(iteration + 1, monitor.best_error());
       if (change == 0) {
-        if (penalty == Penalty::kStatus) penalties.equalise(y);
-        equalised = penalty == Penalty::kStatus;
+        if (adapts) penalties.equalise(y);
+        refactors = adapts;
         adapts = false;
         penalty = Penalty::kBalanced;
         change = 1;
@@ -235,7 +234,7 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
       y /= change;
     }
     if (adapts) penalties.adapt(y);
-    if ((change != 1 || adapts || equalised) && !factor(iteration + 1)) return;
+    if ((change != 1 || adapts || refactors) && !factor(iteration + 1)) return;
   }
 }
 
