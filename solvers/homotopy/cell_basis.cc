@@ -32,7 +32,7 @@ void CellBasis::for_column(int contact, Column column, Add&& add) const {
   const double tangent = problem_.tangent(contact, column);
   SparseMatrix::InnerIterator a(problem_.W, n);
   if (d == 1) {
-    for (; a; ++a) add(static_cast<int>(a.row()), -a.value() - (a.row() == n ? delta_ : 0));
+    for (; a; ++a) add(static_cast<int>(a.row()), -a.value() - (a.row() == n ? proximal_[n] : 0));
     return;
   }
   constexpr int kEnd = std::numeric_limits<int>::max();
@@ -50,14 +50,14 @@ void CellBasis::for_column(int contact, Column column, Add&& add) const {
       value -= tangent * b.value();
       ++b;
     }
-    if (row == n) value -= delta_;
-    if (row == n + 1) value -= tangent * delta_;
+    if (row == n) value -= proximal_[n];
+    if (row == n + 1) value -= tangent * proximal_[n + 1];
     add(row, value);
   }
 }
 
-bool CellBasis::factor(const LawPoint& point, double delta) {
-  delta_ = delta;
+bool CellBasis::factor(const LawPoint& point, const Vector& proximal) {
+  proximal_ = proximal;
   factored_ = point.column;
   exchanged_.clear(problem_.num_rows(), kColumns * problem_.num_contacts());
   const int* const start = matrix_.outerIndexPtr();
@@ -155,7 +155,7 @@ void CellBasis::residual(const LawPoint& point, const Vector& g, long double wei
         for (SparseMatrix::InnerIterator it(problem_.W, row); it; ++it) {
           sum[it.row()] += it.value() * part;
         }
-        sum[row] += delta_ * part;
+        sum[row] += proximal_[row] * part;
       };
       add(n, value);
       if (d > 1) add(n + 1, static_cast<long double>(problem_.tangent(contact, column)) * value);

@@ -12,9 +12,9 @@ namespace bipot {
 
 /// The matrix B of a point's cells and its factor: per slot the column
 ///
-///     opening e_n,   sliding e_t,   plus -(W + delta)(1, -mu),   minus -(W + delta)(1, +mu),
+///     opening e_n,   sliding e_t,   plus -(W + D)(1, -mu),   minus -(W + D)(1, +mu),
 ///
-/// so that U(p) - (W + delta) S(p) = B p. B is factored by fronts (frontal_lu.h) in the pattern of
+/// so that U(p) - (W + D) S(p) = B p, with D the diagonal proximal term. B is factored by fronts (frontal_lu.h) in the pattern of
 /// W, zeros of the first two kinds included, so that one analysis serves all cells; by UMFPACK,
 /// which may exchange any rows, where a front's pivots are too small. Between factorisations columns
 /// are exchanged in the manner of exchanged_columns.h.
@@ -22,9 +22,9 @@ class CellBasis {
  public:
   explicit CellBasis(const LawProblem& problem);
 
-  /// Factors B of the point, whose columns must be sorted. False: singular.
-  [[nodiscard]] bool factor(const LawPoint& point, double delta);
-  double delta() const { return delta_; }
+  /// Factors B of the point, whose columns must be sorted; `proximal`: the diagonal of D, m.
+  /// False: singular.
+  [[nodiscard]] bool factor(const LawPoint& point, const Vector& proximal);
   /// B should be factored afresh before another exchange.
   bool full() const { return exchanged_.full(); }
 
@@ -50,7 +50,7 @@ class CellBasis {
   int orientation(const LawPoint& point) const;
 
   /// x with B x = g + weight h, improved `refinements` times by residuals in 80 bits: without them
-  /// the error is that of delta's condition, 1e-16 / delta. The point's columns are those of B.
+  /// the error is that of D's condition, 1e-16 / D. The point's columns are those of B.
   void solve_refined(const LawPoint& point, const Vector& g, long double weight, const Vector& h,
                      int refinements, Vector& x);
 
@@ -63,7 +63,7 @@ class CellBasis {
                 const Vector& x, Vector& out);
 
   const LawProblem& problem_;
-  double delta_ = -1;
+  Vector proximal_;
   SparseMatrix matrix_;  // B, in whole blocks of W's symmetric pattern
   FrontalLU<double> fronts_;
   std::optional<OrderedLU> rows_exchanged_;  // made where it is needed first

@@ -37,10 +37,12 @@ constexpr int kGroup = 32;
 PathFollower::PathFollower(const LawProblem& problem, std::function<bool()> stop)
     : problem_(problem), stop_(std::move(stop)), basis_(problem) {}
 
-PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, double delta, int longest) {
+PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, const Vector& proximal,
+                             int longest) {
   ++counts_.paths;
-  delta_ = delta;
-  target_ = problem_.b - delta * anchor;
+  proximal_ = proximal;
+  least_proximal_ = proximal.minCoeff();
+  target_ = problem_.b - proximal.cwiseProduct(anchor);
   factored_ = false;
   t_ = turning_t_ = 0;
   PathEnd end = approach(point);
@@ -56,7 +58,7 @@ PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, double delta
 double PathFollower::residual(const LawPoint& point, Vector& f) {
   point.impulse(problem_, s_);
   point.velocity(problem_, u_);
-  f = u_ - target_ - delta_ * s_;
+  f = u_ - target_ - proximal_.cwiseProduct(s_);
   f.noalias() -= problem_.W * s_;
   return f.norm();
 }
@@ -68,7 +70,7 @@ PathEnd PathFollower::approach(LawPoint& point) {
   for (int k = 0; k < kNewtonSteps && norm > 0; ++k) {
     if (stop_()) return PathEnd::kStopped;
     point.sort_columns(problem_.dim);
-    factored_ = basis_.factor(point, delta_);
+    factored_ = basis_.factor(point, proximal_);
     if (!factored_) return PathEnd::kSingular;
     ahead = point;
     basis_.solve_refined(point, target_, 0, r_, refinements(), y_);
@@ -140,15 +142,17 @@ PathEnd PathFollower::pursue(LawPoint& point, int longest) {
   }
 }
 
-/// The error of a solve is 1e-16 / delta of the solution, and each refinement takes that factor once
+/// The error of a solve is 1e-16 / D of the solution, and each refinement takes that factor once
 /// more: to rounding.
-int PathFollower::refinements() const { return delta_ < 1e-9 ? 3 : delta_ < 1e-7 ? 2 : 1; }
+int PathFollower::refinements() const {
+  return least_proximal_ < 1e-9 ? 3 : least_proximal_ < 1e-7 ? 2 : 1;
+}
 
 /// Factors B and computes the parameters and x from the data.
 bool PathFollower::refresh(LawPoint& point) {
   if (!factored_) {
     point.sort_columns(problem_.dim);
-    if (!basis_.factor(point, delta_)) return false;
+    if (!basis_.factor(point, proximal_)) return false;
   }
   factored_ = false;
   since_refresh_ = 0;

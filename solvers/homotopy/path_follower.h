@@ -24,9 +24,9 @@ struct PathCounts {
 /// Follows the piecewise linear path of a proximal problem: with s and u the impulse and the
 /// velocity of a point p of the law's manifold,
 ///
-///     F(p) = u - W s - b - delta (s - anchor) = (1 - t) r,    r = F(p at t = 0),
+///     F(p) = u - W s - b - D (s - anchor) = (1 - t) r,    r = F(p at t = 0),
 ///
-/// from t = 0 to t = 1. In a cell F is B p - b + delta anchor: the parameters move along the line
+/// from t = 0 to t = 1, D diagonal. In a cell F is B p - b + D anchor: the parameters move along the line
 /// dp/dt = -x, x = B⁻¹ r, until one of them is zero. There the path enters the neighbouring cell by
 /// the exchange of one column (a pivot) and goes on; t may turn back. A path of a generic start
 /// goes on for ever, closes, or ends on a ray (Eaves 1976).
@@ -37,8 +37,9 @@ class PathFollower {
  public:
   PathFollower(const LawProblem& problem, std::function<bool()> stop);
 
-  /// From `point`, which ends at the last point reached. `longest`: pivots allowed.
-  PathEnd follow(LawPoint& point, const Vector& anchor, double delta, int longest);
+  /// From `point`, which ends at the last point reached. `proximal`: the diagonal of D, m, > 0;
+  /// `longest`: pivots allowed.
+  PathEnd follow(LawPoint& point, const Vector& anchor, const Vector& proximal, int longest);
 
   /// The point of the largest t among those where the last path turned back; its t, 0 if none.
   double turning_t() const { return turning_t_; }
@@ -62,8 +63,9 @@ class PathFollower {
   const LawProblem& problem_;
   std::function<bool()> stop_;
   CellBasis basis_;
-  double delta_ = 0;
-  Vector target_;  // b - delta anchor
+  Vector proximal_;
+  double least_proximal_ = 0;
+  Vector target_;  // b - D anchor
   Vector r_, x_, y_, s_, u_;
   Vector x_factored_;      // x of the columns that were factored
   int since_refresh_ = 0;  // pivots

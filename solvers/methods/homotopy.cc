@@ -49,6 +49,9 @@ constexpr double kUsefulTurn = 0.3;
 // Factors of delta after a path that failed.
 constexpr double kRaise = 5, kRaiseAtTurn = 3;
 constexpr double kLargestDelta = 1;
+// The proximal term of a contact that sticks, in others'; it does where its anchor is within that
+// part of the cone. Over 93 steps of a pour of 1000 disks a fifth of the pivots less.
+constexpr double kSticking = 0.1, kInside = 0.8;
 // Errors below this must not grow again while delta is below kFine.
 constexpr double kSettled = 1e-5, kFine = 1e-6;
 // Normal impulse minus velocity below that, relative to the mean: zero.
@@ -194,6 +197,19 @@ class Homotopy {
     return point;
   }
 
+  /// The proximal term of a path from the anchor: where a contact sticks well inside the cone it is
+  /// rigid in a dense packing, and what the term lets it give changes the cells of others.
+  void weigh(const LawPoint& point, const Vector& anchor) {
+    proximal_.setConstant(problem_.num_rows(), delta_);
+    if (problem_.dim == 1) return;
+    for (int i = 0; i < problem_.num_contacts(); ++i) {
+      if (point.cell[to_size(i)] != Cell::kStick) continue;
+      const Eigen::Index n = Eigen::Index{2} * i;
+      if (std::abs(anchor[n + 1]) >= kInside * problem_.mu[i] * anchor[n]) continue;
+      proximal_.segment<2>(n) *= kSticking;
+    }
+  }
+
   /// Paths from s with decreasing delta. True: everything ends here.
   bool stages(const Vector& start) {
     const double smallest = parameters_.number("smallest_delta");
@@ -211,7 +227,8 @@ class Homotopy {
     for (int stage = 0; stage < kStages && iteration() < chain_end_; ++stage) {
       const LawPoint before = point;
       const int left = options_.max_iterations - iteration();
-      const PathEnd path = follower_.follow(point, anchor, delta_, std::min(longest, left));
+      weigh(point, anchor);
+      const PathEnd path = follower_.follow(point, anchor, proximal_, std::min(longest, left));
       point.impulse(problem_, s);
       if (path == PathEnd::kSolved) {
         ++judged_;
@@ -275,6 +292,7 @@ class Homotopy {
   std::mt19937_64 random_;
   Schedule schedule_ = kSchedules[0];
   double delta_ = kNaN;
+  Vector proximal_;  // delta_ by contact
   double chain_error_ = kInfinity;
   Vector chain_best_;
   int start_steps_ = 0, judged_ = 0, chain_end_ = 0;

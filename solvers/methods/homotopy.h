@@ -20,7 +20,7 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
      .unit = "iterations"},
     {.name = "delta",
      .kind = ParameterSpec::Kind::kNumber,
-     .default_value = "1e-4",
+     .default_value = "3e-4",
      .minimum = 1e-10,
      .maximum = 1,
      .help = "proximal term of the first path, in units of the diagonal of W"},
@@ -63,9 +63,10 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
 /// law has four cells (take-off, two of slip, stick; law_cells.h), and u = W s + u_free is linear
 /// in each. From a point p0 of the manifold next to an impulse s0, the path
 ///
-///     u - W s - u_free - delta D (s - anchor) = (1 - t) r,    D = diag W, r: the residual of p0
+///     u - W s - u_free - delta D (s - anchor) = (1 - t) r,    r: the residual of p0
 ///
-/// is followed through the cells by pivots, one exchange of a column each, as Lemke's algorithm
+/// with D = diag W, a tenth of it where a contact sticks well inside the cone,
+/// /// is followed through the cells by pivots, one exchange of a column each, as Lemke's algorithm
 /// follows its own (Lemke 1965; Eaves 1976 for paths of piecewise linear equations in general). At
 /// t = 1 it has solved the proximal problem exactly; its impulse is the anchor of the next, with a
 /// smaller delta. The fixed points solve the problem itself, whatever delta, to rounding: the linear

@@ -248,27 +248,28 @@ class PathOfOneContact : public testing::Test {
 TEST_F(PathOfOneContact, CrossesFromTakeOffThroughSlipToStick) {
   const LawProblem problem = law(0.2);
   PathFollower follower(problem, [] { return false; });
-  // Open with u_n = 1, u_t = 1; the solution sticks with s = (1, -0.2) / (1 + delta).
+  // Open with u_n = 1, u_t = 1; the solution sticks: with u = 0, row by row (1 + D_i) s_i = -b_i.
   LawPoint point = nearest_point(problem, Vector::Zero(2), Vector::Ones(2));
   ASSERT_EQ(point.cell[0], Cell::kTakeOff);
-  const double delta = 1e-3;
-  ASSERT_EQ(follower.follow(point, Vector::Zero(2), delta, 10), PathEnd::kSolved);
+  const Eigen::Vector2d proximal(1e-3, 3e-2);
+  ASSERT_EQ(follower.follow(point, Vector::Zero(2), proximal, 10), PathEnd::kSolved);
   EXPECT_EQ(point.cell[0], Cell::kStick);
   EXPECT_EQ(follower.counts().pivots, 2);
   Vector s;
   point.impulse(problem, s);
-  EXPECT_NEAR(s[0], 1 / (1 + delta), 1e-15);
-  EXPECT_NEAR(s[1], -0.2 / (1 + delta), 1e-15);
+  EXPECT_NEAR(s[0], 1 / (1 + proximal[0]), 1e-15);
+  EXPECT_NEAR(s[1], -0.2 / (1 + proximal[1]), 1e-15);
 }
 
 TEST_F(PathOfOneContact, EndsWhereTheCallerStopsOrTheCountIsUsed) {
   const LawProblem problem = law(0.2);
   LawPoint point = nearest_point(problem, Vector::Zero(2), Vector::Ones(2));
   PathFollower counting(problem, [] { return false; });
-  EXPECT_EQ(counting.follow(point, Vector::Zero(2), 1e-3, 1), PathEnd::kLong);
+  EXPECT_EQ(counting.follow(point, Vector::Zero(2), Vector::Constant(2, 1e-3), 1), PathEnd::kLong);
   EXPECT_EQ(counting.counts().failed, 1);
   PathFollower stopping(problem, [] { return true; });
-  EXPECT_EQ(stopping.follow(point, Vector::Zero(2), 1e-3, 10), PathEnd::kStopped);
+  EXPECT_EQ(stopping.follow(point, Vector::Zero(2), Vector::Constant(2, 1e-3), 10),
+            PathEnd::kStopped);
 }
 
 TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
@@ -277,9 +278,9 @@ TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
   const LawProblem problem(local, Vector(local.W.diagonal()));
   const Vector s = m.s.cwiseQuotient(problem.impulse_unit);
   LawPoint point = nearest_point(problem, s, problem.W * s + problem.b);
-  const double delta = 1e-2;
+  const Vector proximal = Vector::LinSpaced(problem.num_rows(), 1e-2, 3e-2);
   CellBasis updated(problem), fresh(problem);
-  ASSERT_TRUE(updated.factor(point, delta));
+  ASSERT_TRUE(updated.factor(point, proximal));
   const Vector g = Vector::LinSpaced(problem.num_rows(), -1, 2);
   Vector before, after, x, z;
   updated.solve(g, x);
@@ -302,7 +303,7 @@ TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
     EXPECT_NEAR(after[slot], before[slot] / entering.pivot, 1e-7 * (1 + std::abs(after[slot])));
     point.cell[to_size(contact)] = crossing.cell;
     point.column[to_size(slot)] = crossing.enters;
-    ASSERT_TRUE(fresh.factor(point, delta));
+    ASSERT_TRUE(fresh.factor(point, proximal));
     fresh.solve(g, z);
     EXPECT_LT((after - z).norm(), 1e-9 * z.norm());
     x = of_the_factor;
@@ -349,7 +350,7 @@ TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
     point.set(problem, i, i < kSliding ? Cell::kSlipPlus : Cell::kStick);
   }
   CellBasis basis(problem);
-  ASSERT_TRUE(basis.factor(point, kDelta));
+  ASSERT_TRUE(basis.factor(point, Vector::Constant(2 * kContacts, kDelta)));
   const Vector g = Vector::LinSpaced(2 * kContacts, -1, 2);
   basis.solve(g, point.value);
   Vector s, u;
