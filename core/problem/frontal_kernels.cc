@@ -94,8 +94,19 @@ template <class Real>
 
 template <class Real>
 [[gnu::always_inline]] inline void solve_lower_unit(int n, const Real* x, std::ptrdiff_t stride,
-                                                    Real* y) {
-  for (int j = 0; j + 1 < n; ++j, x += stride) {
+                                                    Real* __restrict y) {
+  int j = 0;
+  for (; j + 4 <= n; j += 4, x += 4 * stride) {
+    const Real *p = x, *q = x + stride, *r = q + stride, *s = r + stride;
+    const Real a = y[j], b = y[j + 1] - a * p[j + 1];
+    const Real c = y[j + 2] - (a * p[j + 2] + b * q[j + 2]);
+    const Real d = y[j + 3] - (a * p[j + 3] + b * q[j + 3] + c * r[j + 3]);
+    y[j + 1] = b;
+    y[j + 2] = c;
+    y[j + 3] = d;
+    for (int i = j + 4; i < n; ++i) y[i] -= (a * p[i] + b * q[i]) + (c * r[i] + d * s[i]);
+  }
+  for (; j + 1 < n; ++j, x += stride) {
     const Real factor = y[j];
     for (int i = j + 1; i < n; ++i) y[i] -= factor * x[i];
   }
@@ -103,10 +114,22 @@ template <class Real>
 
 template <class Real>
 [[gnu::always_inline]] inline void solve_upper_columns(int n, const Real* x, std::ptrdiff_t stride,
-                                                       Real* y) {
-  for (int j = n - 1; j >= 0; --j) {
+                                                       Real* __restrict y) {
+  int j = n - 1;
+  for (; j >= 3; j -= 4) {
+    const Real *s = x + j * stride, *r = s - stride, *q = r - stride, *p = q - stride;
+    const Real d = y[j] * s[j], c = (y[j - 1] - d * s[j - 1]) * r[j - 1];
+    const Real b = (y[j - 2] - (d * s[j - 2] + c * r[j - 2])) * q[j - 2];
+    const Real a = (y[j - 3] - (d * s[j - 3] + c * r[j - 3] + b * q[j - 3])) * p[j - 3];
+    y[j] = d;
+    y[j - 1] = c;
+    y[j - 2] = b;
+    y[j - 3] = a;
+    for (int i = 0; i < j - 3; ++i) y[i] -= (d * s[i] + c * r[i]) + (b * q[i] + a * p[i]);
+  }
+  for (; j >= 0; --j) {
     const Real* const column = x + j * stride;
-    const Real factor = y[j] / column[j];
+    const Real factor = y[j] * column[j];
     y[j] = factor;
     for (int i = 0; i < j; ++i) y[i] -= factor * column[i];
   }

@@ -19,7 +19,9 @@ void subtract_products(int n, int count, const double* x, std::ptrdiff_t stride,
 void subtract_products(int n, int count, const float* x, std::ptrdiff_t stride, const float* y,
                        float* out);
 
-/// y = L⁻¹ y, y = U⁻¹ y: the unit lower and the upper triangle of the n columns of x, `stride` apart.
+/// y = L⁻¹ y, y = U⁻¹ y: the unit lower and the upper triangle of the n columns of x, `stride` apart,
+/// which has the inverses of U's diagonal in its place. By four columns: the way from one number to
+/// the next through memory and a division was longer than all else.
 void solve_unit_lower(int n, const double* x, std::ptrdiff_t stride, double* y);
 void solve_unit_lower(int n, const float* x, std::ptrdiff_t stride, float* y);
 void solve_upper(int n, const double* x, std::ptrdiff_t stride, double* y);

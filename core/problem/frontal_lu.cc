@@ -39,7 +39,8 @@ void subtract_product(bool transposed, int m, int n, int k, const float* A, int 
   sgemm_("N", transposed ? "T" : "N", &m, &n, &k, &alpha, A, &lda, B, &ldb, &beta, C, &ldc);
 }
 
-/// A front as it stands in the factor: the panel of `rows` x `columns`, by columns, and below it
+/// A front as it stands in the factor: the panel of `rows` x `columns`, by columns, the inverses of
+/// the pivots on its diagonal, and below it
 /// the transpose of what stands right of the pivots, `rows - columns` x `columns`.
 template <class Real>
 struct Front {
@@ -53,7 +54,7 @@ struct Front {
 };
 
 /// Eliminates the columns begin .. end - 1 of a panel, of whose rows the first `columns` may be
-/// exchanged, as exchange[] tells. False: no pivot.
+/// exchanged, as exchange[] tells; the inverse of a pivot takes its place. False: no pivot.
 template <class Real>
 bool eliminate_columns(const Front<Real>& f, int begin, int end, int* exchange) {
   Real factors[kBlock];
@@ -78,6 +79,7 @@ bool eliminate_columns(const Front<Real>& f, int begin, int end, int* exchange) 
     const Real inverse = 1 / column[j];
     if (!(std::abs(inverse) > 0) || !std::isfinite(inverse)) return false;
     for (int i = j + 1; i < f.rows; ++i) column[i] *= inverse;
+    column[j] = inverse;
   }
   return true;
 }

@@ -14,6 +14,8 @@ constexpr int kMostExchanged = 64;
 // Columns kept at most: memory, rows x 8 bytes each.
 constexpr int kMostKept = 256;
 constexpr std::size_t kStride = kMostExchanged;
+// Of a row that is added to a factor without exchanges: beyond it the factor is made anew.
+constexpr double kLargestAdded = 100;
 
 }  // namespace
 
@@ -93,7 +95,8 @@ bool ExchangedColumns::exchange(int slot, int number) {
     position = -1;
     return factor();
   }
-  if (position < 0) {
+  const bool is_new = position < 0;
+  if (is_new) {
     position = exchanged();
     slots_.push_back(slot);
     at_.push_back(number);
@@ -106,7 +109,32 @@ bool ExchangedColumns::exchange(int slot, int number) {
   const double* const z = column(number);
   double* const mine = &small_[to_size(position) * kStride];
   for (std::size_t i = 0; i < slots_.size(); ++i) mine[i] = z[slots_[i]];
-  return factor();
+  return (is_new && border()) || factor();
+}
+
+/// The factor with a last row and column more, which change places with no other. False: multipliers
+/// too large for that.
+bool ExchangedColumns::border() {
+  const std::size_t n = slots_.size() - 1;
+  double* const column = &lu_[n * kStride];
+  std::copy_n(&small_[n * kStride], n + 1, column);
+  for (std::size_t k = 0; k < n; ++k) std::swap(column[k], column[swap_[k]]);
+  for (std::size_t k = 0; k < n; ++k) {
+    const double* const l = &lu_[k * kStride];
+    for (std::size_t i = k + 1; i < n; ++i) column[i] -= l[i] * column[k];
+  }
+  for (std::size_t j = 0; j < n; ++j) {
+    const double* const u = &lu_[j * kStride];
+    double multiplier = small_[j * kStride + n];
+    for (std::size_t i = 0; i < j; ++i) multiplier -= u[i] * w_[i];
+    multiplier /= u[j];
+    if (!(std::abs(multiplier) <= kLargestAdded)) return false;
+    w_[j] = multiplier;
+    column[n] -= multiplier * column[j];
+  }
+  for (std::size_t j = 0; j < n; ++j) lu_[j * kStride + n] = w_[j];
+  swap_[n] = static_cast<int>(n);
+  return std::abs(column[n]) > 0;
 }
 
 /// Z_J = P L U by columns, rows exchanged for the largest pivot.

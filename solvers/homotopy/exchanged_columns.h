@@ -43,6 +43,7 @@ class ExchangedColumns {
  private:
   const double* column(int number) const { return kept_.col(number).data(); }
   bool factor();
+  bool border();
   void solve_small(double* w) const;
 
   int rows_ = 0;

@@ -156,9 +156,10 @@ bool PathFollower::refresh(LawPoint& point) {
   }
   factored_ = false;
   since_refresh_ = 0;
-  basis_.solve_refined(point, target_, 1 - static_cast<long double>(t_), r_, refinements(),
+  // On the way one refinement less will do.
+  basis_.solve_refined(point, target_, 1 - static_cast<long double>(t_), r_, refinements() - 1,
                        point.value);
-  basis_.solve_refined(point, r_, 0, r_, refinements(), x_);
+  basis_.solve_refined(point, r_, 0, r_, refinements() - 1, x_);
   x_factored_ = x_;
   return x_.allFinite() && point.value.allFinite();
 }

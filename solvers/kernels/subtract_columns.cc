@@ -31,6 +31,18 @@ BIPOT_EVERY_WIDTH void subtract_eight(double* __restrict x, const double* const*
   }
 }
 
+BIPOT_EVERY_WIDTH void subtract_two(double* __restrict x, const double* const* column,
+                                    const double* weight, int n) {
+  const double* const __restrict a = column[0], * const __restrict b = column[1];
+  const double wa = weight[0], wb = weight[1];
+  for (int i = 0; i < n; ++i) {
+    double sum = x[i];
+    sum -= wa * a[i];
+    sum -= wb * b[i];
+    x[i] = sum;
+  }
+}
+
 BIPOT_EVERY_WIDTH void subtract_one(double* __restrict x, const double* __restrict column,
                                     double weight, int n) {
   for (int i = 0; i < n; ++i) x[i] -= weight * column[i];
@@ -42,6 +54,7 @@ void subtract_columns(double* x, const double* const* column, const double* weig
                       int n) {
   int k = 0;
   for (; k + 8 <= count; k += 8) subtract_eight(x, column + k, weight + k, n);
+  for (; k + 2 <= count; k += 2) subtract_two(x, column + k, weight + k, n);
   for (; k < count; ++k) subtract_one(x, column[k], weight[k], n);
 }
 

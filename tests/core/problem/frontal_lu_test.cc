@@ -99,8 +99,10 @@ TEST(FrontalKernels, DoWhatPlainLoopsDo) {
     for (int i = 0; i < n; ++i) {  // U times it is what it was, the rest is not touched
       double product = 0, size = 0;
       for (int j = i; j < n; ++j) {
-        product += x[j * kStride + i] * upper[j];
-        size += std::abs(x[j * kStride + i] * upper[j]);
+        // In place of U's diagonal x has its inverses.
+        const double u = j == i ? 1 / x[j * kStride + i] : x[j * kStride + i];
+        product += u * upper[j];
+        size += std::abs(u * upper[j]);
       }
       EXPECT_NEAR(product, y[i], 1e-14 * size) << n << " " << i;
     }
