@@ -31,6 +31,8 @@ class ContactPenalties {
 
   const Block& metric(int contact) const { return metric_[to_size(contact)]; }
   const Block& inverse(int contact) const { return inverse_[to_size(contact)]; }
+  /// All of them, contact after contact.
+  const double* inverses() const { return inverse_.data()->data(); }
   Local<D> times(int contact, const Local<D>& v) const { return metric_[to_size(contact)] * v; }
   /// The point of the cone next to r in the metric.
   Local<D> project(int contact, const Local<D>& r) const {

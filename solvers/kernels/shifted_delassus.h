@@ -1,10 +1,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/problem/delassus.h"
 #include "core/problem/system_factor.h"
+#include "solvers/kernels/body_system.h"
 
 namespace bipot {
 
@@ -38,30 +40,24 @@ class ShiftedDelassus {
   /// Whether the last factor is one by fronts.
   bool by_fronts() const { return here_ && here_->by_fronts(); }
   /// The matrix that was factored last: K or I + R W.
-  const SparseMatrix& matrix() const { return matrix_; }
+  const SparseMatrix& matrix() const { return body_form_ ? body_->matrix() : matrix_; }
   /// The blocks that it was made of.
   const std::vector<double>& blocks() const { return R_; }
   /// Which form was taken, for those who asked for kAuto.
   bool body_form() const { return body_form_; }
 
  private:
-  void build_body_pattern();
   void build_contact_pattern();
+  void assemble_contact_form();
 
   const ContactProblem& problem_;
   bool body_form_ = false;
-  SparseMatrix matrix_;                // K or I + R W, fixed pattern
+  std::optional<BodySystem> body_;     // of the body form
+  SparseMatrix matrix_;                // I + R W of the contact form, fixed pattern
   std::unique_ptr<LocalFactor> here_;  // null where another factors
   SystemFactor* factor_ = nullptr;
   std::vector<double> R_;
-  mutable Vector wrench_, velocity_;
-
-  // Body form. Contact c touches the unknowns body_unknown_[body_start_[c] .. body_start_[c+1]).
-  std::vector<int> unknown_of_dof_, body_start_, body_unknown_;
-  std::vector<double> body_wrench_;  // H restricted to them, d columns per unknown
-  std::vector<int> body_slot_;       // positions of the square block of contact c in matrix_
-  std::vector<double> mass_;         // A of each unknown
-  std::vector<int> diagonal_slot_;
+  mutable Vector wrench_, velocity_, change_;
 
   // Contact form. Block row c of W as a dense d x k block on the columns column_[start..).
   SparseRows own_delassus_;

@@ -5,11 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
 #include "core/problem/sparse_factor.h"
+#include "solvers/kernels/body_system.h"
 #include "solvers/kernels/contact_penalties.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/monitor.h"
@@ -43,9 +47,9 @@ class Resolvent {
  public:
   Resolvent(const ContactProblem& p, const Vector& scale) : rows_(p.num_rows()) {
     if (p.has_velocities()) {
-      mass_ = p.A;
-      wrench_ = p.H * scale.asDiagonal();
-      transposed_ = wrench_.transpose();
+      std::vector<int> dofs(to_size(p.num_dofs()));
+      std::iota(dofs.begin(), dofs.end(), 0);
+      body_.emplace(p, dofs, scale);
       return;
     }
     delassus_ = scale.asDiagonal() * p.W * scale.asDiagonal();
@@ -61,13 +65,13 @@ class Resolvent {
 
   /// x holds the start of the residual correction.
   void solve(const ContactPenalties<D>& penalties, const Vector& r, Vector& x) {
-    if (through_velocities()) {
+    if (body_) {
       for (int c = 0; c * D < rows_; ++c) {
         x.segment<D>(c * D) = penalties.inverse(c) * r.segment<D>(c * D);
       }
-      velocity_.noalias() = wrench_ * x;
+      body_->momentum(x, velocity_);
       factor_.solve(velocity_, velocity_);
-      change_.noalias() = transposed_ * velocity_;
+      body_->velocity(velocity_, change_);
       for (int c = 0; c * D < rows_; ++c) {
         x.segment<D>(c * D) -= penalties.inverse(c) * change_.segment<D>(c * D);
       }
@@ -79,27 +83,25 @@ class Resolvent {
   }
 
  private:
-  bool through_velocities() const { return wrench_.cols() > 0; }
-  SparseMatrix matrix(const ContactPenalties<D>& penalties) {
-    // Blocks are whole, zeros too, so that one analysis serves all.
+  /// Blocks are whole, zeros too, so that one analysis serves all.
+  const SparseMatrix& matrix(const ContactPenalties<D>& penalties) {
+    if (body_) return body_->assemble(penalties.inverses());
     SparseMatrix blocks(rows_, rows_);
     blocks.reserve(Eigen::VectorXi::Constant(rows_, D));
     for (int c = 0; c * D < rows_; ++c) {
-      const auto block = through_velocities() ? penalties.inverse(c) : penalties.metric(c);
       for (int column = 0; column < D; ++column) {
         for (int row = 0; row < D; ++row) {
-          blocks.insert(c * D + row, c * D + column) = block(row, column);
+          blocks.insert(c * D + row, c * D + column) = penalties.metric(c)(row, column);
         }
       }
     }
-    if (!through_velocities()) return symmetric_ + blocks;
-    const SparseMatrix weighted = wrench_ * blocks;
-    return SparseMatrix(weighted * transposed_) + mass_;
+    shifted_ = symmetric_ + blocks;
+    return shifted_;
   }
 
   int rows_;
-  SparseMatrix mass_, wrench_, transposed_;
-  SparseMatrix delassus_, symmetric_, skew_;
+  std::optional<BodySystem> body_;  // of problems with velocities
+  SparseMatrix delassus_, symmetric_, skew_, shifted_;
   SparseCholesky factor_;
   Vector velocity_, change_;
 };

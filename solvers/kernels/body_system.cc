@@ -1,0 +1,153 @@
+#include "solvers/kernels/body_system.h"
+
+#include <algorithm>
+
+#include "core/problem/coulomb_cone.h"
+
+namespace bipot {
+namespace {
+
+/// Position of (row, col) in a compressed column matrix whose pattern holds it.
+int position_of(const SparseMatrix& matrix, int row, int col) {
+  const int* begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[col];
+  const int* end = matrix.innerIndexPtr() + matrix.outerIndexPtr()[col + 1];
+  return static_cast<int>(std::lower_bound(begin, end, row) - matrix.innerIndexPtr());
+}
+
+/// Degrees of freedom that contact c acts on, ascending.
+std::vector<int> touched_by(const ContactProblem& p, int c) {
+  std::vector<int> dofs;
+  for (int a = 0; a < p.dim; ++a) {
+    for (SparseMatrix::InnerIterator it(p.H, c * p.dim + a); it; ++it) {
+      if (it.value() != 0) dofs.push_back(static_cast<int>(it.row()));
+    }
+  }
+  std::sort(dofs.begin(), dofs.end());
+  dofs.erase(std::unique(dofs.begin(), dofs.end()), dofs.end());
+  return dofs;
+}
+
+}  // namespace
+
+std::vector<int> BodySystem::touched(const ContactProblem& problem) {
+  std::vector<char> used(to_size(problem.num_dofs()), 0);
+  for (int c = 0; c < problem.num_contacts(); ++c) {
+    for (const int dof : touched_by(problem, c)) used[to_size(dof)] = 1;
+  }
+  std::vector<int> dofs;
+  for (int dof = 0; dof < problem.num_dofs(); ++dof) {
+    if (used[to_size(dof)]) dofs.push_back(dof);
+  }
+  return dofs;
+}
+
+BodySystem::BodySystem(const ContactProblem& p, const std::vector<int>& dofs, const Vector& scale)
+    : dim_(p.dim), contacts_(p.num_contacts()) {
+  const int d = dim_, n = static_cast<int>(dofs.size());
+  std::vector<int> unknown_of(to_size(p.num_dofs()), -1);
+  for (int i = 0; i < n; ++i) unknown_of[to_size(dofs[to_size(i)])] = i;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < n; ++i) {
+    entries.emplace_back(i, i, 0.0);
+    for (SparseMatrix::InnerIterator it(p.A, dofs[to_size(i)]); it; ++it) {
+      const int row = unknown_of[to_size(it.row())];
+      if (row >= 0) entries.emplace_back(row, i, it.value());
+    }
+  }
+  start_.assign(1, 0);
+  const std::size_t of_masses = entries.size();
+  for (int c = 0; c < contacts_; ++c) {
+    const std::vector<int> own = touched_by(p, c);
+    const std::size_t first = unknown_.size();
+    for (const int dof : own) unknown_.push_back(unknown_of[to_size(dof)]);
+    wrench_.resize(unknown_.size() * to_size(d), 0.0);
+    for (int a = 0; a < d; ++a) {
+      for (SparseMatrix::InnerIterator it(p.H, c * d + a); it; ++it) {
+        if (it.value() == 0) continue;
+        const auto k = std::lower_bound(own.begin(), own.end(), it.row()) - own.begin();
+        wrench_[(first + to_size(k)) * to_size(d) + to_size(a)] = it.value() * scale[c * d + a];
+      }
+    }
+    for (std::size_t i = first; i < unknown_.size(); ++i) {
+      for (std::size_t j = first; j < unknown_.size(); ++j) {
+        entries.emplace_back(unknown_[i], unknown_[j], 0.0);
+      }
+    }
+    start_.push_back(static_cast<int>(unknown_.size()));
+  }
+  matrix_.resize(n, n);
+  matrix_.setFromTriplets(entries.begin(), entries.end());
+  matrix_.makeCompressed();
+  for (std::size_t k = 0; k < of_masses; ++k) {
+    if (entries[k].value() == 0) continue;
+    mass_.push_back(entries[k].value());
+    mass_slot_.push_back(position_of(matrix_, entries[k].row(), entries[k].col()));
+  }
+  for (int c = 0; c < contacts_; ++c) {
+    for (int j = start_[to_size(c)]; j < start_[to_size(c) + 1]; ++j) {
+      for (int i = start_[to_size(c)]; i < start_[to_size(c) + 1]; ++i) {
+        slot_.push_back(position_of(matrix_, unknown_[to_size(i)], unknown_[to_size(j)]));
+      }
+    }
+  }
+}
+
+template <int D>
+void BodySystem::add_contacts(const double* blocks) {
+  double* const value = matrix_.valuePtr();
+  const int* position = slot_.data();
+  const int* const start = start_.data();
+  const double* const G = wrench_.data();
+  for (int c = 0; c < contacts_; ++c, blocks += D * D) {
+    for (int j = start[c]; j < start[c + 1]; ++j) {
+      Local<D> column = Local<D>::Zero();  // R (row j of G)ᵀ
+      for (int a = 0; a < D; ++a) {
+        for (int b = 0; b < D; ++b) column[a] += blocks[a * D + b] * G[j * D + b];
+      }
+      for (int i = start[c]; i < start[c + 1]; ++i) {
+        double sum = 0;
+        for (int a = 0; a < D; ++a) sum += G[i * D + a] * column[a];
+        value[*position++] += sum;
+      }
+    }
+  }
+}
+
+const SparseMatrix& BodySystem::assemble(const double* blocks) {
+  double* const value = matrix_.valuePtr();
+  std::fill(value, value + matrix_.nonZeros(), 0.0);
+  for (std::size_t k = 0; k < mass_.size(); ++k) value[mass_slot_[k]] += mass_[k];
+  dispatch_dim(dim_, [&](auto d) { add_contacts<d()>(blocks); });
+  return matrix_;
+}
+
+void BodySystem::momentum(const Vector& s, Vector& g) const {
+  g.setZero(size());
+  dispatch_dim(dim_, [&](auto d) {
+    constexpr int D = d();
+    for (int c = 0; c < contacts_; ++c) {
+      for (int i = start_[to_size(c)]; i < start_[to_size(c) + 1]; ++i) {
+        double sum = 0;
+        for (int a = 0; a < D; ++a) sum += wrench_[to_size(i * D + a)] * s[c * D + a];
+        g[unknown_[to_size(i)]] += sum;
+      }
+    }
+  });
+}
+
+void BodySystem::velocity(const Vector& v, Vector& u) const {
+  u.resize(contacts_ * dim_);
+  dispatch_dim(dim_, [&](auto d) {
+    constexpr int D = d();
+    for (int c = 0; c < contacts_; ++c) {
+      Local<D> sum = Local<D>::Zero();
+      for (int i = start_[to_size(c)]; i < start_[to_size(c) + 1]; ++i) {
+        const double speed = v[unknown_[to_size(i)]];
+        for (int a = 0; a < D; ++a) sum[a] += wrench_[to_size(i * D + a)] * speed;
+      }
+      for (int a = 0; a < D; ++a) u[c * D + a] = sum[a];
+    }
+  });
+}
+
+}  // namespace bipot

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <vector>
+
+#include "core/problem/contact_problem.h"
+
+namespace bipot {
+
+/// K = A + G R Gᵀ in the degrees of freedom of the bodies, G = H diag(scale) and R block-diagonal
+/// (one d x d block a contact): what W + R⁻¹ becomes once the contacts are eliminated. The pattern is
+/// made once, values are assembled in place.
+class BodySystem {
+ public:
+  /// Degrees of freedom that contacts act on, ascending.
+  static std::vector<int> touched(const ContactProblem& problem);
+
+  /// In the degrees of freedom `dofs`, ascending; A must not couple them to the others. `scale`: m,
+  /// of the columns of H. The problem must have A and H.
+  BodySystem(const ContactProblem& problem, const std::vector<int>& dofs, const Vector& scale);
+
+  int size() const { return static_cast<int>(matrix_.cols()); }
+  /// K for the blocks of R, row-major, contact after contact.
+  const SparseMatrix& assemble(const double* blocks);
+  const SparseMatrix& matrix() const { return matrix_; }
+  /// g = G s: m -> size(). No allocation where g has its size.
+  void momentum(const Vector& s, Vector& g) const;
+  /// u = Gᵀ v: size() -> m.
+  void velocity(const Vector& v, Vector& u) const;
+
+ private:
+  template <int D>
+  void add_contacts(const double* blocks);
+
+  int dim_, contacts_;
+  SparseMatrix matrix_;
+  std::vector<double> mass_;  // entries of A
+  std::vector<int> mass_slot_;
+  // Contact c acts on the unknowns unknown_[start_[c] .. start_[c+1]).
+  std::vector<int> start_, unknown_;
+  std::vector<double> wrench_;  // G restricted to them, d numbers an unknown
+  std::vector<int> slot_;       // positions of the square block of contact c in matrix_
+};
+
+}  // namespace bipot
