@@ -29,9 +29,10 @@ constexpr int kLarge = 4000;
 // Above it, a dozen factorisations of W cost more than apgd needs for a whole packing given by W
 // alone: 0.2 s against 0.06 s at 2600 contacts, 0.27 s against 0.1 s at 5000.
 constexpr int kCheapFactors = 1000;
-// Above it, paths are so long that splitting, a factorisation for every 75 solves, comes before them:
-// twelve steps of a pour of 3000 disks (3500 to 4400 contacts) to 1e-4 took 37 s for 59 and none was
-// left for two; from 1000 contacts on it makes moving problems twice as expensive.
+// Above it, paths are so long that splitting, a factorisation for every 75 solves, comes before them.
+// It arrives within 600 to 1200 iterations or not at all, and after 600 paths from its impulse are
+// short: sixteen steps of a pour of 3000 disks (2800 to 4400 contacts) to 1e-4 took 10 s with 500 to
+// 700 iterations of it, 13.7 s with 1500, 16 s and more after apgd; below, it is no gain.
 constexpr int kMany = 2500;
 // Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
 constexpr double kUnequal = 1e5;
@@ -184,6 +185,7 @@ class Planner {
   bool paths_first() const {
     return contacts_ <= kLarge || (warm_ && !local_ && contacts_ <= kLargeStep);
   }
+  bool splitting_first() const { return exact_ && !local_ && contacts_ > kMany && paths_first(); }
   bool sweeps_first() const { return !local_ && contacts_ <= kSmall; }
 
   void regular_packings() {
@@ -218,8 +220,10 @@ class Planner {
           "sweeps forth and back with momentum: O(N^1/4) iterations on packings at rest");
     } else if (exact_ && !local_ && paths_first()) {
       // Where it does not go on to the end, it has made a start for paths by then.
+      // (Above kMany `admm` makes a better one.)
       const int enough = std::min(crossing_, kStartSteps);
-      add("apgd", enough, contacts_ > kLarge ? 2 * crossing_ : enough + enough / 2, Start::kOwn,
+      const int soon = contacts_ > kMany ? enough / 4 : enough;
+      add("apgd", soon, contacts_ > kLarge ? 2 * crossing_ : enough + enough / 2, Start::kOwn,
           "momentum: O(sqrt N) iterations, and a start");
     } else {
       // Longer still from a warm start; given that time, it halves the cost of a compaction at
@@ -233,8 +237,8 @@ class Planner {
 
   void second_order() {
     if (paths_first()) {
-      if (exact_ && !local_ && contacts_ > kMany) {
-        add("admm", 600, 1500, Start::kCaller, "moving packings, by factors of W");
+      if (splitting_first()) {
+        add("admm", 600, 800, Start::kCaller, "moving packings, by factors of W, and a start");
       }
       first_paths(std::max(kPivots, kPivotsOfContact * contacts_));
       if (exact_ && contacts_ > kLarge) stages_.back().tol_below = kFair;
@@ -243,7 +247,16 @@ class Planner {
     if (exact_ && contacts_ > kLarge) {
       add("admm", 6000, 14000, Start::kCaller, "large moving packings, by factors of W");
       stages_.back().least_tol = kFair;
+    }
+    if (exact_ && contacts_ > (splitting_first() ? kMany : kLarge)) {
       add("admm", 1000, 3000, Start::kCaller, "large packings at rest, by factors of W");
+      stages_.back().tol_below = kFair;
+    }
+    if (splitting_first()) {
+      // Whether paths of a start arrive is chance: of thirteen starts of one step five did, within
+      // 3 N pivots, the others not within 6 N.
+      add("homotopy", kPivotsOfContact * contacts_, kPivotsOfContact * contacts_, Start::kLast,
+          "moving packings: paths from another start", {{"start_tol", "1"}});
       stages_.back().tol_below = kFair;
     }
     // An interior point shows its progress late. On large problems too much would be thrown away;
@@ -417,6 +430,8 @@ class Race {
     auto own = own_.find(stage.solver);
     if (stage.start == AutoStage::Start::kBest) {
       inner_.s0 = best_.s;
+    } else if (stage.start == AutoStage::Start::kLast && last_s_.size() != 0) {
+      inner_.s0 = last_s_;
     } else if (stage.start == AutoStage::Start::kCaller) {
       inner_.s0 = options_.s0;
     } else {
@@ -456,6 +471,7 @@ class Race {
       measured = evaluator()(result.s);
       error = measured.guarded();
       own_.insert_or_assign(std::string(stage.solver), result.s);
+      last_s_ = result.s;
     }
     // Loops inside a solver see no difference between being stopped and being out of time.
     const bool stopped = last_ == SolveStatus::kInterrupted || last_ == SolveStatus::kTimeLimit;
@@ -536,6 +552,7 @@ class Race {
   SolverOptions inner_;
   SolveResult best_;
   std::map<std::string, Vector, std::less<>> own_;
+  Vector last_s_;  // of the last stage
   double best_error_ = 0, start_error_ = 0;
   double best_natural_map_ = std::numeric_limits<double>::infinity();
   int iterations_ = 0;

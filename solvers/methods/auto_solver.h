@@ -20,9 +20,10 @@ namespace bipot {
 /// or the best error so far above `largest_error`.
 struct AutoStage {
   /// Where a stage starts: at the impulse that the same solver left at its last stage (the caller's
-  /// start, the first time), at the caller's start, or at the best impulse of all stages. The best
-  /// impulse of another solver may lie where this one never gets away from (free pyramids).
-  enum class Start { kOwn, kCaller, kBest };
+  /// start, the first time), at the caller's start, at the impulse of the last stage, or at the best
+  /// one of all stages. The best impulse of another solver may lie where this one never gets away
+  /// from (free pyramids).
+  enum class Start { kOwn, kCaller, kLast, kBest };
   std::string_view solver;
   int min_iterations = 0, max_iterations = 0;  ///< of this stage, by the solver's own count
   Start start = Start::kOwn;
@@ -44,7 +45,8 @@ struct AutoStage {
 ///      by 2000 to 5000;
 ///   3. d <= 2: `homotopy` from the best impulse. Moving packings, in which many contacts close
 ///      and slip at once, are solved exactly within a few hundred pivots. Free pyramids and many
-///      large packings need too many, and end with their budget;
+///      large packings need too many, and end with their budget. Above 2500 contacts `admm` comes
+///      before it, and once more after it, and paths from where that one ended;
 ///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `admm` and `ipm`, and before the paths;
 ///      In space ipm gets 90 of its iterations at least, and before long runs come admm and 350 more of ipm: what
 ///      a plate presses on spheres needs;
