@@ -50,7 +50,7 @@ constexpr double kUsefulTurn = 0.3;
 constexpr double kRaise = 5, kRaiseAtTurn = 3;
 constexpr double kLargestDelta = 1;
 // The proximal term of a contact that sticks, in others'; it does where its anchor is within that
-// part of the cone. Over 93 steps of a pour of 1000 disks a fifth of the pivots less.
+// part of the cone. Over 47 steps of a pour of 1000 disks a quarter of the pivots less.
 constexpr double kSticking = 0.1, kInside = 0.8;
 // Errors below this must not grow again while delta is below kFine.
 constexpr double kSettled = 1e-5, kFine = 1e-6;

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <random>
 
+#include "core/types.h"
+
 namespace bipot {
 
 /// Portable random draws for tests: the standard fixes its engines, not its distributions.
@@ -22,5 +24,13 @@ class Draw {
  private:
   std::mt19937_64 engine_;
 };
+
+/// Numbers in [-1, 1).
+inline Vector random_vector(Eigen::Index size, unsigned seed) {
+  Draw draw(seed);
+  Vector x(size);
+  for (double& value : x) value = draw.symmetric();
+  return x;
+}
 
 }  // namespace bipot

@@ -100,13 +100,6 @@ Bodies moved(const Bodies& b, const DofMap& dofs, const Vector& v, double dt) {
   return out;
 }
 
-Vector random_vector(Eigen::Index size, unsigned seed) {
-  Draw draw(seed);
-  Vector x(size);
-  for (double& value : x) value = draw.symmetric();
-  return x;
-}
-
 TEST(Assembly, NormalRowIsTheRateOfTheGap) {
   const Scene scene = unit_step_scene(0.3, 0, 0);
   Bodies b = crowd(1);

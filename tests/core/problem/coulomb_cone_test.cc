@@ -11,7 +11,7 @@ namespace bipot {
 namespace {
 
 template <int D>
-Local<D> random_vector(Draw& draw) {
+Local<D> random_local(Draw& draw) {
   Local<D> x;
   for (int k = 0; k < D; ++k) x[k] = 3 * draw.symmetric();
   return x;
@@ -19,7 +19,7 @@ Local<D> random_vector(Draw& draw) {
 
 template <int D>
 Local<D> random_in_cone(Draw& draw, double mu) {
-  Local<D> s = random_vector<D>(draw);
+  Local<D> s = random_local<D>(draw);
   s[0] = std::abs(s[0]);
   const double length = tangential_norm<D>(s);
   if constexpr (D > 1) s.template tail<D - 1>() *= draw.uniform() * mu * s[0] / length;
@@ -68,7 +68,7 @@ TYPED_TEST(CoulombCone, ProjectionIsTheNearestPoint) {
   Draw draw(1);
   for (int trial = 0; trial < 1000; ++trial) {
     const double mu = trial % 10 == 0 ? 0.0 : draw.log_between(0.01, 5);
-    const Local<D> tau = random_vector<D>(draw);
+    const Local<D> tau = random_local<D>(draw);
     const Local<D> p = project_coulomb_cone<D>(tau, mu);
     ASSERT_LE(tangential_norm<D>(p), mu * p[0] * (1 + 1e-15) + 1e-300);
     const double best = brute_force_normal<D>(tau, D == 1 ? 0.0 : mu);
@@ -90,7 +90,7 @@ TYPED_TEST(CoulombCone, ProjectionIsIdempotentAndNonexpansive) {
   Draw draw(2);
   for (int trial = 0; trial < 1000; ++trial) {
     const double mu = trial % 10 == 0 ? 0.0 : draw.log_between(0.01, 5);
-    const Local<D> a = random_vector<D>(draw), b = random_vector<D>(draw);
+    const Local<D> a = random_local<D>(draw), b = random_local<D>(draw);
     const Local<D> pa = project_coulomb_cone<D>(a, mu), pb = project_coulomb_cone<D>(b, mu);
     EXPECT_LE((project_coulomb_cone<D>(pa, mu) - pa).norm(), 4e-16 * pa.norm());
     EXPECT_LE((pa - pb).norm(), (a - b).norm() * (1 + 1e-14));
@@ -139,7 +139,7 @@ TEST(CoulombConeCases, ModifiedVelocityLiesInTheDualConeWhenNothingPenetrates) {
   // û·s >= 0 for every s in the cone.
   Draw draw(3);
   for (int trial = 0; trial < 1000; ++trial) {
-    Local<3> u = random_vector<3>(draw);
+    Local<3> u = random_local<3>(draw);
     u[0] = std::abs(u[0]);
     const double mu = draw.uniform();
     EXPECT_GE(de_saxce_velocity<3>(u, mu).dot(random_in_cone<3>(draw, mu)), -1e-14);

@@ -11,7 +11,7 @@
 namespace bipot {
 namespace {
 
-Vector random_vector(Eigen::Index size) {
+Vector sine_vector(Eigen::Index size) {
   Vector x(size);
   for (Eigen::Index i = 0; i < size; ++i) x[i] = std::sin(1.0 + 7.0 * static_cast<double>(i));
   return x;
@@ -42,7 +42,7 @@ TEST(DiskStructure, GivesTheSameProductsAsH) {
     const ContactProblem p = triangular_lattice(5, o);
     const DelassusOperator packed(p);
     ASSERT_TRUE(packed.disks().has_value());
-    const Vector s = random_vector(p.num_rows());
+    const Vector s = sine_vector(p.num_rows());
     Vector u;
     packed.apply(s, u);
     const Vector expected = p.H.transpose() * Vector((p.H * s).cwiseQuotient(p.A.diagonal()));

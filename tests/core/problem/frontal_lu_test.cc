@@ -35,13 +35,6 @@ SparseMatrix grid_matrix(int side, int block, unsigned seed, double diagonal) {
   return A;
 }
 
-Vector drawn(int n, unsigned seed) {
-  Draw draw(seed);
-  Vector x(n);
-  for (double& value : x) value = draw.symmetric();
-  return x;
-}
-
 /// Sizes from one front to hundreds, blocks of one to three: with AMD and with METIS orders.
 TEST(FrontalLU, SolvesWithoutSymmetryAndNegativePivots) {
   for (const int side : {1, 2, 5, 20, 40}) {
@@ -52,7 +45,7 @@ TEST(FrontalLU, SolvesWithoutSymmetryAndNegativePivots) {
       FrontalLU<double> lu;
       ASSERT_TRUE(lu.factor(A)) << side << " " << block;
       const int n = static_cast<int>(A.cols());
-      const Vector x = drawn(n, 2);
+      const Vector x = random_vector(n, 2);
       Vector found;
       lu.solve(A * x, found);
       EXPECT_LT((A * found - A * x).norm(), 1e-15 * n * (1 + lu.largest_multiplier()) * x.norm())
@@ -79,10 +72,10 @@ TEST(FrontalLU, SolvesForRightSidesOfOneNumber) {
 /// Every length and count up to some beyond the width of the registers, against plain loops.
 TEST(FrontalKernels, DoWhatPlainLoopsDo) {
   constexpr int kMost = 21, kStride = 23;
-  const Vector x = drawn(kMost * kStride, 3), y = drawn(kMost, 4);
+  const Vector x = random_vector(kMost * kStride, 3), y = random_vector(kMost, 4);
   for (int n = 0; n <= kMost; ++n) {
     for (int count = 0; count <= kMost; ++count) {
-      Vector out = drawn(kMost, 5), plain = out;
+      Vector out = random_vector(kMost, 5), plain = out;
       subtract_products(n, count, x.data(), kStride, y.data(), out.data());
       for (int j = 0; j < count; ++j) {
         for (int i = 0; i < n; ++i) plain[j] -= x[j * kStride + i] * y[i];
@@ -136,7 +129,7 @@ TEST(FrontalLU, KeepsTheAnalysisOfAPattern) {
   EXPECT_NE(FrontalTree::of(other), tree);
   EXPECT_TRUE(tree->is_of(B));
   EXPECT_FALSE(tree->is_of(other));
-  const Vector b = drawn(static_cast<int>(A.cols()), 3);
+  const Vector b = random_vector(static_cast<int>(A.cols()), 3);
   FrontalLU<double> one, two;
   Vector x, y, z;
   ASSERT_TRUE(one.factor(A));
@@ -187,15 +180,15 @@ TEST(FrontalLU, RefusesSingularAndNonFiniteMatricesAndRecovers) {
   const SparseMatrix good = grid_matrix(6, 2, 1, 5);
   FrontalLU<double> lu;
   Vector x;
-  EXPECT_THROW(lu.solve(drawn(72, 1), x), std::logic_error);
+  EXPECT_THROW(lu.solve(random_vector(72, 1), x), std::logic_error);
   EXPECT_THROW((void)lu.determinant_sign(), std::logic_error);
   const SparseMatrix infinite = kInfinity * good, undefined = kNaN * good;
   EXPECT_FALSE(lu.factor(SparseMatrix(0.0 * good)));
   EXPECT_FALSE(lu.factor(infinite));
   EXPECT_FALSE(lu.factor(undefined));
-  EXPECT_THROW(lu.solve(drawn(72, 1), x), std::logic_error);
+  EXPECT_THROW(lu.solve(random_vector(72, 1), x), std::logic_error);
   ASSERT_TRUE(lu.factor(good));
-  const Vector b = drawn(72, 1);
+  const Vector b = random_vector(72, 1);
   lu.solve(b, x);
   EXPECT_LT((good * x - b).norm(), 1e-13 * b.norm());
 }
@@ -207,7 +200,7 @@ TEST(FrontalLU, DoesNotDependOnUnits) {
   Vector scale(n);
   for (int j = 0; j < n; ++j) scale[j] = std::exp2(-250 + 3 * (j % 7));
   const SparseMatrix B = scale.asDiagonal() * A * scale.asDiagonal();
-  const Vector b = drawn(n, 2);
+  const Vector b = random_vector(n, 2);
   FrontalLU<double> one, two;
   ASSERT_TRUE(one.factor(A));
   ASSERT_TRUE(two.factor(B));
@@ -226,7 +219,7 @@ TEST(FrontalLU, SinglePrecisionNeedsRefinement) {
   const SparseMatrix A = grid_matrix(15, 3, 4, 6);
   FrontalLU<float> lu;
   ASSERT_TRUE(lu.factor(A));
-  const Vector b = drawn(static_cast<int>(A.cols()), 2);
+  const Vector b = random_vector(static_cast<int>(A.cols()), 2);
   Vector x, dx;
   lu.solve(b, x);
   const double first = (A * x - b).norm() / b.norm();

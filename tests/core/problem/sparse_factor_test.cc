@@ -27,13 +27,6 @@ SparseMatrix positive_definite(int n, unsigned seed) {
   return MatrixXd(B * B.transpose() + MatrixXd::Identity(n, n)).sparseView();
 }
 
-Vector random_vector(int n, unsigned seed) {
-  Draw draw(seed);
-  Vector x(n);
-  for (double& value : x) value = draw.symmetric();
-  return x;
-}
-
 TEST(SparseCholesky, SolvesForVectorsAndSparseMatrices) {
   const SparseMatrix A = positive_definite(60, 1);
   SparseCholesky factor;

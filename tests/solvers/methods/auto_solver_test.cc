@@ -8,6 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/motion/time_stepping.h"
+#include "core/scene/scene_family.h"
 #include "solvers/solve.h"
 #include "tests/support/small_problems.h"
 
@@ -47,6 +49,31 @@ TEST(AutoSolver, AndersonHasPatienceNearTheToleranceAndNoMore) {
   EXPECT_NE(slow.message.find("anderson 64: given up"), std::string::npos) << slow.message;
   const SolveResult quick = solve("auto", shipped_file("2d_pour300_392.hdf5"), {.tol = 0.03});
   EXPECT_EQ(quick.message.find("given up"), std::string::npos) << quick.message;
+}
+
+/// Above 2500 contacts splitting makes the start of paths, and goes on where these do not arrive; the
+/// next paths begin where it ended, not at the best impulse, which was had.
+TEST(AutoSolver, LargeMovingPackingsAlternateSplittingAndPaths) {
+  for (const int side : {28, 36}) {  // 2268 and 3780 contacts or so
+    const Scene scene = make_family_scene("triangular", side);
+    const ContactProblem p = step_problem(scene, initial_state(scene), false);
+    ASSERT_EQ(p.num_contacts() > 2500, side == 36);
+    std::vector<AutoStage> stages;
+    for (const AutoStage& stage : plan(p, true)) {
+      if (stage.solver == "admm" || stage.solver == "homotopy") stages.push_back(stage);
+    }
+    ASSERT_GE(stages.size(), 4U);
+    if (side == 28) {
+      EXPECT_EQ(stages[0].solver, "homotopy");
+      continue;
+    }
+    for (int k = 0; k < 4; ++k)
+      EXPECT_EQ(stages[to_size(k)].solver, k % 2 == 0 ? "admm" : "homotopy");
+    EXPECT_EQ(stages[1].start, AutoStage::Start::kBest);
+    EXPECT_EQ(stages[2].start, AutoStage::Start::kCaller);
+    EXPECT_GT(stages[2].max_iterations, stages[0].max_iterations);
+    EXPECT_EQ(stages[3].start, AutoStage::Start::kLast);
+  }
 }
 
 int stages_of(const ContactProblem& p, std::string_view solver) {

@@ -5,7 +5,6 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <utility>
 
 #include "core/motion/time_stepping.h"
@@ -14,6 +13,7 @@
 #include "solvers/kernels/shifted_delassus.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
@@ -81,13 +81,6 @@ ContactProblem lattice(bool triangular, int n, double mu, double tilt) {
 
 ContactProblem free_pyramid(int rows, double mu) {
   return first_problem(scene_of(pyramid(rows, kRadius, Vec2::Zero()), mu, 0));
-}
-
-Vector random_vector(int size, unsigned seed) {
-  std::mt19937_64 random(seed);
-  Vector x(size);
-  for (int i = 0; i < size; ++i) x[i] = static_cast<double>(random() >> 11) * 0x1p-52 - 1;
-  return x;
 }
 
 TEST(ShiftedDelassus, BothFormsSolveTheDenseSystemAndAgreeOnTheSign) {
