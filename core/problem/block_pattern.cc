@@ -1,5 +1,6 @@
 #include "core/problem/block_pattern.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace bipot {
@@ -28,6 +29,12 @@ SparseMatrix symmetric_block_pattern(const Eigen::Ref<const SparseMatrix>& W, in
   }
   pattern.finalize();
   return pattern;
+}
+
+int value_position(const SparseMatrix& matrix, int row, int col) {
+  const int* begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[col];
+  const int* end = matrix.innerIndexPtr() + matrix.outerIndexPtr()[col + 1];
+  return static_cast<int>(std::lower_bound(begin, end, row) - matrix.innerIndexPtr());
 }
 
 }  // namespace bipot

@@ -9,4 +9,7 @@ namespace bipot {
 /// a matrix whose rows and columns are those of contacts.
 SparseMatrix symmetric_block_pattern(const Eigen::Ref<const SparseMatrix>& W, int d);
 
+/// Where the values of a compressed matrix hold its entry (row, col), which its pattern must have.
+int value_position(const SparseMatrix& matrix, int row, int col);
+
 }  // namespace bipot

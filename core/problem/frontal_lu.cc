@@ -40,8 +40,8 @@ void subtract_product(bool transposed, int m, int n, int k, const float* A, int 
 }
 
 /// A front as it stands in the factor: the panel of `rows` x `columns`, by columns, the inverses of
-/// the pivots on its diagonal, and below it
-/// the transpose of what stands right of the pivots, `rows - columns` x `columns`.
+/// the pivots on its diagonal, and below it the transpose of what stands right of the pivots,
+/// `rows - columns` x `columns`.
 template <class Real>
 struct Front {
   int columns, rows;

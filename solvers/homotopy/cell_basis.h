@@ -14,10 +14,10 @@ namespace bipot {
 ///
 ///     opening e_n,   sliding e_t,   plus -(W + D)(1, -mu),   minus -(W + D)(1, +mu),
 ///
-/// so that U(p) - (W + D) S(p) = B p, with D the diagonal proximal term. B is factored by fronts (frontal_lu.h) in the pattern of
-/// W, zeros of the first two kinds included, so that one analysis serves all cells; by UMFPACK,
-/// which may exchange any rows, where a front's pivots are too small. Between factorisations columns
-/// are exchanged in the manner of exchanged_columns.h.
+/// so that U(p) - (W + D) S(p) = B p, with D the diagonal proximal term. B is factored by fronts
+/// (frontal_lu.h) in the pattern of W, zeros of the first two kinds included, so that one analysis
+/// serves all cells; by UMFPACK, which may exchange any rows, where a front's pivots are too small.
+/// Between factorisations columns are exchanged in the manner of exchanged_columns.h.
 class CellBasis {
  public:
   explicit CellBasis(const LawProblem& problem);

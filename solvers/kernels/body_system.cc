@@ -2,17 +2,11 @@
 
 #include <algorithm>
 
+#include "core/problem/block_pattern.h"
 #include "core/problem/coulomb_cone.h"
 
 namespace bipot {
 namespace {
-
-/// Position of (row, col) in a compressed column matrix whose pattern holds it.
-int position_of(const SparseMatrix& matrix, int row, int col) {
-  const int* begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[col];
-  const int* end = matrix.innerIndexPtr() + matrix.outerIndexPtr()[col + 1];
-  return static_cast<int>(std::lower_bound(begin, end, row) - matrix.innerIndexPtr());
-}
 
 /// Degrees of freedom that contact c acts on, ascending.
 std::vector<int> touched_by(const ContactProblem& p, int c) {
@@ -81,12 +75,12 @@ BodySystem::BodySystem(const ContactProblem& p, const std::vector<int>& dofs, co
   for (std::size_t k = 0; k < of_masses; ++k) {
     if (entries[k].value() == 0) continue;
     mass_.push_back(entries[k].value());
-    mass_slot_.push_back(position_of(matrix_, entries[k].row(), entries[k].col()));
+    mass_slot_.push_back(value_position(matrix_, entries[k].row(), entries[k].col()));
   }
   for (int c = 0; c < contacts_; ++c) {
     for (int j = start_[to_size(c)]; j < start_[to_size(c) + 1]; ++j) {
       for (int i = start_[to_size(c)]; i < start_[to_size(c) + 1]; ++i) {
-        slot_.push_back(position_of(matrix_, unknown_[to_size(i)], unknown_[to_size(j)]));
+        slot_.push_back(value_position(matrix_, unknown_[to_size(i)], unknown_[to_size(j)]));
       }
     }
   }

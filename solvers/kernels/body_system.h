@@ -7,8 +7,9 @@
 namespace bipot {
 
 /// K = A + G R Gᵀ in the degrees of freedom of the bodies, G = H diag(scale) and R block-diagonal
-/// (one d x d block a contact): what W + R⁻¹ becomes once the contacts are eliminated. The pattern is
-/// made once, values are assembled in place.
+/// (one d x d block a contact, in units of W⁻¹): what W + R⁻¹ becomes once the contacts are
+/// eliminated. In the units of A where scale is 1. The pattern is made once, values are assembled
+/// in place.
 class BodySystem {
  public:
   /// Degrees of freedom that contacts act on, ascending.

@@ -6,17 +6,6 @@
 #include "core/problem/block_pattern.h"
 
 namespace bipot {
-namespace {
-
-/// Position of (row, col) in a compressed column matrix whose pattern holds it.
-int slot(const SparseMatrix& matrix, int row, int col) {
-  const int* begin = matrix.innerIndexPtr() + matrix.outerIndexPtr()[col];
-  const int* end = matrix.innerIndexPtr() + matrix.outerIndexPtr()[col + 1];
-  return static_cast<int>(std::lower_bound(begin, end, row) - matrix.innerIndexPtr());
-}
-
-}  // namespace
-
 ShiftedDelassus::ShiftedDelassus(const ContactProblem& problem, Form form, SystemFactor* elsewhere)
     : problem_(problem), factor_(elsewhere) {
   const bool can_body = problem.has_velocities() && is_diagonal(problem.A);
@@ -60,7 +49,7 @@ void ShiftedDelassus::build_contact_pattern() {
       }
     }
     for (const int* column = begin; column != end; ++column) {
-      const int block = slot(matrix_, c * d, *column);
+      const int block = value_position(matrix_, c * d, *column);
       for (int a = 0; a < d; ++a) row_slot_.push_back(block + a);
     }
     row_start_.push_back(row_start_.back() + static_cast<int>(end - begin));

@@ -67,8 +67,9 @@ TEST(AutoSolver, LargeMovingPackingsAlternateSplittingAndPaths) {
       EXPECT_EQ(stages[0].solver, "homotopy");
       continue;
     }
-    for (int k = 0; k < 4; ++k)
-      EXPECT_EQ(stages[to_size(k)].solver, k % 2 == 0 ? "admm" : "homotopy");
+    for (std::size_t k = 0; k < 4; ++k) {
+      EXPECT_EQ(stages[k].solver, k % 2 == 0 ? "admm" : "homotopy");
+    }
     EXPECT_EQ(stages[1].start, AutoStage::Start::kBest);
     EXPECT_EQ(stages[2].start, AutoStage::Start::kCaller);
     EXPECT_GT(stages[2].max_iterations, stages[0].max_iterations);
