@@ -27,10 +27,12 @@ class InteriorRun {
 };
 
 enum class StageEnd {
-  kStop,    ///< the monitor said stop
-  kLimit,   ///< the stage's own budget of iterations is used
-  kStuck,   ///< no step is possible or no progress is made
-  kFailed,  ///< a factorisation failed or a value is not finite
+  kStop,        ///< the monitor said stop
+  kLimit,       ///< the stage's own budget of iterations is used
+  kStuck,       ///< no step is possible or no progress is made
+  kFailed,      ///< a factorisation failed or a value is not finite
+  kSmallStart,  ///< still far away: the forces of the start were too small
+  kLargeStart,  ///< the same, too large
 };
 
 }  // namespace bipot

@@ -40,6 +40,7 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
                                  const ProximalInteriorPointOptions& options,
                                  InteriorState<D>& best) {
   double delta = options.delta_floor;
+  double first_ratio = 0;  // of residual and products
   int holds = 0, tiny_steps = 0;
   double best_error = std::numeric_limits<double>::infinity();
   double progress_error = best_error;
@@ -57,6 +58,7 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
     const Vector products = system.products(z.X, z.Y);
     const double tau = system.mean_product(products);
     const double residual = system.residual_energy(z);
+    if (k == 0) first_ratio = residual / tau;
     const bool hold = residual > 10 * tau && delta > options.delta_floor;
     double target = tau;
     if (hold) {
@@ -96,7 +98,10 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
     // Errors of large products say nothing yet.
     if (run.monitor.last_error() > kFar) {
       if (k < options.far_iterations) progress = k;
-      if (k + 1 == options.far_iterations) return StageEnd::kStuck;
+      if (k + 1 == options.far_iterations) {
+        // Products that fall faster than the residual leave it no forces to be met by.
+        return residual / tau > first_ratio ? StageEnd::kSmallStart : StageEnd::kLargeStart;
+      }
     }
     if (k - progress >= options.patience) return StageEnd::kStuck;
     if (best_error < kNear && run.judged() &&

@@ -11,9 +11,9 @@ struct ProximalInteriorPointOptions {
   int patience = 40;            ///< kStuck after so many iterations without halving the best error
   double largest_growth = kInfinity;  ///< kStuck once the error is that many times the best one,
                                       ///< where that is below 1e-2: far away it may well rise
-  int far_iterations = 0;             ///< kStuck if the error still is above 1 after so many, no
-                                      ///< patience before; 0: patience from the beginning
-  double delta_floor = 1e-7;          ///< smallest proximal term, in units of 1/W
+  int far_iterations = 0;     ///< kSmallStart or kLargeStart if the error still is above 1 after so
+                              ///< many, no patience before; 0: patience from the beginning
+  double delta_floor = 1e-7;  ///< smallest proximal term, in units of 1/W
 };
 
 /// Proximal interior point ("PIP"): infeasible Mehrotra predictor-corrector on the exact law, with

@@ -28,8 +28,8 @@ constexpr double kEndgameBelow = 1e-4;  // and from which the proximal interior 
 constexpr double kEndgameAgain = 0.1;   // fall of the error before the endgame is tried again
 constexpr int kActiveSetSteps = 3, kPolishSteps = 15;
 constexpr int kDirectPatience = 12;
-constexpr int kDirectTrial = 10;      // iterations after which a start was too small, and ...
-constexpr double kDirectLarger = 30;  // ... is made so much larger: forces of large packings
+constexpr int kDirectTrial = 10;      // iterations after which a start was too small or large and
+constexpr double kDirectOther = 30;   // is made so much larger or smaller: forces of large packings
 constexpr double kDirectGrowth = 10;  // of the error over the best one: the attempt runs away
 // Factor of the energy of the direct attempts of each round, in turn.
 constexpr double kDirectScales[] = {1, 10, 0.1, 100};
@@ -147,7 +147,8 @@ class Driver {
 
   /// The proximal interior point from an equal-product start; impulses scale with the energy's
   /// factor, as in cold_start(). A start that is too small (the forces of a large packing have to
-  /// grow from contact to contact) shows soon, and so does it where a larger one is no better.
+  /// grow from contact to contact) or too large shows soon, and so does it where the other one is no
+  /// better.
   StageEnd attempt_directly(int round) {
     const std::size_t turn = static_cast<std::size_t>(round) % std::size(kDirectScales);
     const double factor = scale_ * kDirectScales[turn];
@@ -157,8 +158,9 @@ class Driver {
     options.far_iterations = kDirectTrial;
     InteriorState<D> z = cold_start(system_, energy_, factor), best = z;
     StageEnd end = proximal_interior_point(system_, z, run_, options, best);
-    if (end == StageEnd::kStuck && monitor_.best_error() > 1) {
-      z = cold_start(system_, energy_, kDirectLarger * factor);
+    if (end == StageEnd::kSmallStart || end == StageEnd::kLargeStart) {
+      const double other = end == StageEnd::kSmallStart ? kDirectOther : 1 / kDirectOther;
+      z = cold_start(system_, energy_, other * factor);
       best = z;
       end = proximal_interior_point(system_, z, run_, options, best);
     }

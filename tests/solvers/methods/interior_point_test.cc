@@ -333,6 +333,17 @@ TEST(InteriorPoint, LatticesTakeFewIterationsFromStartsOfAnyScale) {
   }
 }
 
+/// Ten iterations show it, and which of the two: ten more from the other side of the right size.
+TEST(InteriorPoint, NoticesAStartThatIsFarTooSmallOrFarTooLarge) {
+  const ContactProblem p = lattice(true, 60, 0.3, 10);
+  for (const char* scale : {"0.01", "10", "100"}) {
+    const SolveResult r = solve("ipm", p, with({{"start_scale", scale}}));
+    EXPECT_EQ(r.status, SolveStatus::kConverged) << scale << ": " << r.message;
+    EXPECT_LE(r.iterations, 25) << scale;
+    EXPECT_NE(r.message.find("no path"), std::string::npos) << scale << ": " << r.message;
+  }
+}
+
 TEST(InteriorPoint, FreePyramidsAreReached) {
   for (const double mu : {0.3, 0.5}) {
     const SolveResult r = solve("ipm", free_pyramid(10, mu));
