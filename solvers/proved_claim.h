@@ -10,7 +10,8 @@ namespace bipot {
 /// hyperstatic packing may be large beside the energy that they move. A claim of convergence
 /// therefore is proved: the error in double precision and the bound of its rounding
 /// (core/problem/rounding_bound.h) are within the tolerance together, or else the error in extended
-/// precision (core/problem/extended_error.h) and its bound are, or in quadruple.
+/// precision (core/problem/extended_error.h) and its bound are, or in quadruple where the bound in
+/// extended precision is more than a thousandth of the tolerance.
 struct ProvedClaim {
   bool holds = true;
   /// Guarded error with its bound in the wider precision; NaN: double was enough.

@@ -61,10 +61,6 @@ std::string validate_options(const SolverEntry& entry, const ContactProblem& p,
   return {};
 }
 
-// Above it the criterion gives back what it keeps, a third of a kilobyte a disk, while the solver runs:
-// to set it up again costs no more than a few iterations.
-constexpr int kManyContactsToJudge = 4000;
-
 /// Withdraws a claim that only the rounding of the criterion supports.
 void judge_in_extended_precision(const ContactProblem& problem, const SolverOptions& options,
                                  SolveResult& result) {
@@ -200,8 +196,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       with_delassus.W = assemble_delassus(problem.A, problem.H, problem.dim);
       given = &with_delassus;
     }
-    std::optional<ContactErrorEvaluator> kept(std::in_place, *given, options.execution.threads);
-    ContactErrorEvaluator& evaluate = *kept;
+    ContactErrorEvaluator evaluate(*given, options.execution.threads);
 
     SolveResult result;
     result.s = Vector::Zero(problem.num_rows());
@@ -218,7 +213,6 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       result.s = options.s0;
     } else {
       const double before = watch.seconds();
-      if (problem.num_contacts() > kManyContactsToJudge) kept.reset();
       try {
         const bool by_islands = options.islands.value_or(entry.by_islands);
         const auto run = [&](const SolverOptions& how) {
@@ -244,8 +238,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       }
       result.setup_seconds += before;
     }
-    if (!kept) kept.emplace(*given, options.execution.threads);
-    judge(problem, options, *kept, result);
+    judge(problem, options, evaluate, result);
     judge_in_extended_precision(*given, options, result);
     return result;
   } catch (const std::exception& e) {  // out of memory, an indefinite general mass matrix

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/parallel.h"
 #include "core/problem/error_terms.h"
 
 namespace bipot {
@@ -19,98 +20,116 @@ constexpr double kOfATerm = 40;
 // Products of roundings.
 constexpr double kSecondOrder = 1.01;
 
-/// u = W s + u_free with the error of each row, in the problem's variables.
-struct RoundedVelocity {
-  Vector u, error;     // error in units of roundoff
-  Vector w;            // diagonal of W
-  double longest = 0;  // entries of a row that w is added up from
+/// A row of u = W s + u_free, in the problem's variables.
+struct RoundedRow {
+  double u = 0, error = 0;  // error in units of roundoff
+  double w = 0;             // diagonal of W
+  double entries = 0;       // that w is added up from
 };
 
-RoundedVelocity by_bodies(const ContactProblem& p, const RoundedMomentum& pushed,
-                          double of_product) {
-  const Eigen::Index rows = p.num_rows();
-  const Vector mass = p.A.diagonal();
-  const Vector v = pushed.momentum.cwiseQuotient(mass), size = pushed.size.cwiseQuotient(mass);
-  RoundedVelocity out{p.u_free, Vector::Zero(rows), Vector::Zero(rows), 0};
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    double entries = of_product;
-    for (SparseMatrix::InnerIterator it(p.H, i); it; ++it) ++entries;
-    out.longest = std::max(out.longest, entries - of_product);
-    for (SparseMatrix::InnerIterator it(p.H, i); it; ++it) {
+/// Rows by way of the bodies.
+class RoundedBodyRows {
+ public:
+  RoundedBodyRows(const ContactProblem& p, const RoundedMomentum& pushed, double of_product)
+      : p_(p), dofs_(to_size(p.num_dofs())), own_(of_product) {
+    const Vector mass = p.A.diagonal();
+    for (int k = 0; k < p.num_dofs(); ++k) {
+      const double inverse_mass = 1 / mass[k], size = inverse_mass * pushed.size[k];
+      dofs_[to_size(k)] = {inverse_mass * pushed.momentum[k], size, size * pushed.count[k],
+                           inverse_mass};
+    }
+  }
+
+  RoundedRow operator()(Eigen::Index row) const {
+    RoundedRow out{p_.u_free[row], 0, 0, 0};
+    for (SparseMatrix::InnerIterator it(p_.H, row); it; ++it) ++out.entries;
+    for (SparseMatrix::InnerIterator it(p_.H, row); it; ++it) {
+      const Dof& dof = dofs_[to_size(it.row())];
       const double h = it.value();
-      out.u[i] += h * v[it.row()];
-      out.error[i] += std::abs(h) * size[it.row()] * (entries + pushed.count[it.row()]);
-      out.w[i] += h * h / mass[it.row()];
+      out.u += h * dof.velocity;
+      out.error += std::abs(h) * (dof.size * (out.entries + own_) + dof.size_by_count);
+      out.w += h * h * dof.inverse_mass;
     }
+    return out;
   }
-  return out;
-}
 
-RoundedVelocity by_delassus(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
-  const Eigen::Index rows = p.num_rows();
-  RoundedVelocity out{p.u_free, Vector::Zero(rows), Vector::Zero(rows), 0};
-  for (Eigen::Index i = 0; i < rows; ++i) {
+ private:
+  struct Dof {
+    double velocity, size, size_by_count, inverse_mass;
+  };
+  const ContactProblem& p_;
+  std::vector<Dof> dofs_;
+  const double own_;
+};
+
+/// Rows by W.
+class RoundedDelassusRows {
+ public:
+  RoundedDelassusRows(const ContactProblem& p, const Eigen::Ref<const Vector>& s) : p_(p), s_(s) {}
+
+  RoundedRow operator()(Eigen::Index row) const {
+    RoundedRow out{p_.u_free[row], 0, 0, 0};
     double entries = kOfAProduct, sum = 0;
-    for (SparseRows::InnerIterator it(p.W, i); it; ++it) {
-      out.u[i] += it.value() * s[it.col()];
-      sum += std::abs(it.value() * s[it.col()]);
-      if (s[it.col()] != 0) ++entries;
-      if (it.col() == i) out.w[i] += it.value();
+    for (SparseRows::InnerIterator it(p_.W, row); it; ++it) {
+      out.u += it.value() * s_[it.col()];
+      sum += std::abs(it.value() * s_[it.col()]);
+      if (s_[it.col()] != 0) ++entries;
+      if (it.col() == row) out.w += it.value();
     }
-    out.error[i] = entries * sum;
+    out.error = entries * sum;
+    return out;
   }
-  return out;
-}
 
-/// Adds what one contact has. u and its error physical.
-void add_contact(const ContactProblem& p, int contact, const double* x, const double* u,
-                 const double* error, const double* b, double w_nn, double term, RoundedSums& e) {
-  const int d = p.dim;
-  const double mu = d == 1 ? 0 : physical_mu(p, contact), rho = 1 / w_nn;
-  double slip = 0, impulse = x[0] * x[0], slip_error = 0, tangential = 0;
-  for (int k = 1; k < d; ++k) {
-    slip += u[k] * u[k];
-    slip_error += error[k] * error[k];
-    impulse += x[k] * x[k];
-    tangential += x[k] * u[k];
-  }
-  slip = std::sqrt(slip);
-  slip_error = std::sqrt(slip_error);
-  impulse = std::sqrt(impulse);
-  const double friction = mu * x[0] * slip, closing = positive_part(-u[0]);
+ private:
+  const ContactProblem& p_;
+  const Eigen::Ref<const Vector>& s_;
+};
+
+/// One contact in physical variables: impulse, velocity and its error, free velocity.
+template <int D>
+struct RoundedContact {
+  Local<D> x, u, error, b;
+  double mu = 0, w_nn = 0;
+  double term = 0;  ///< rounding of its terms, relative
+};
+
+template <int D>
+void add_contact(const RoundedContact<D>& c, RoundedSums& e) {
+  const double mu = c.mu, term = c.term, rho = 1 / c.w_nn;
+  const double normal = c.x[0], opening = c.u[0], error = c.error[0];
+  const double slip = tangential_norm<D>(c.u), slip_error = tangential_norm<D>(c.error);
+  const double friction = mu * normal * slip, closing = positive_part(-opening);
+  double tangential = 0;
+  for (int k = 1; k < D; ++k) tangential += c.x[k] * c.u[k];
   e.value.friction += friction;
-  e.value.gap += positive_part(friction + tangential) + x[0] * std::abs(u[0]);
+  e.value.gap += positive_part(friction + tangential) + normal * std::abs(opening);
   e.value.penetration += 0.5 * rho * closing * closing;
-  e.friction += mu * x[0] * slip_error + term * friction;
+  e.friction += mu * normal * slip_error + term * friction;
   // |s_t| <= mu s_n
-  e.gap +=
-      2 * mu * x[0] * slip_error + x[0] * error[0] + term * (2 * friction + x[0] * std::abs(u[0]));
-  if (u[0] < error[0])
-    e.gap += rho * (closing + error[0]) * error[0] + term * rho * closing * closing;
-  for (int k = 0; k < d; ++k) {
-    e.value.moved += x[k] * (u[k] - b[k]);
-    e.moved += std::abs(x[k]) * (error[k] + term * (std::abs(u[k]) + std::abs(b[k])));
+  e.gap += 2 * mu * normal * slip_error + normal * error +
+           term * (2 * friction + normal * std::abs(opening));
+  if (opening < error) {
+    e.gap += rho * (closing + error) * error + term * rho * closing * closing;
   }
-  if (b[0] < 0) {
-    e.value.free_energy += 0.5 * rho * b[0] * b[0];
-    e.free_energy += term * rho * b[0] * b[0];
+  e.value.moved += c.x.dot(c.u - c.b);
+  e.moved += c.x.cwiseAbs().dot(c.error + term * (c.u.cwiseAbs() + c.b.cwiseAbs()));
+  if (c.b[0] < 0) {
+    e.value.free_energy += 0.5 * rho * c.b[0] * c.b[0];
+    e.free_energy += term * rho * c.b[0] * c.b[0];
   }
   double miss = 0;
-  if (x[0] == 0 && u[0] >= 0) {
+  if (normal == 0 && opening >= 0) {
     // The law exactly, unless the contact closes within its error.
-    miss = rho * std::max(error[0] - u[0], 0.0);
+    miss = rho * std::max(error - opening, 0.0);
   } else {
-    const double hat = std::hypot(u[0] + mu * slip, slip);
-    miss =
-        rho * (std::hypot(error[0] + mu * slip_error, slip_error)) + term * (impulse + rho * hat);
-    Eigen::Vector3d foot = Eigen::Vector3d::Zero(), from = foot;
-    for (int k = 0; k < d; ++k) {
-      from[k] = x[k];
-      foot[k] = x[k] - rho * (u[k] + (k == 0 ? mu * slip : 0));
-    }
-    e.value.natural += 0.5 * w_nn * (from - project_coulomb_cone<3>(foot, mu)).squaredNorm();
+    const auto length = [](double x, double y) { return std::sqrt(x * x + y * y); };
+    const Local<D> hat = de_saxce_velocity<D>(c.u, mu);
+    miss = rho * length(error + mu * slip_error, slip_error) +
+           term * (c.x.norm() + rho * length(hat[0], slip));
+    e.value.natural +=
+        0.5 * c.w_nn * (c.x - project_coulomb_cone<D>(c.x - rho * hat, mu)).squaredNorm();
   }
-  e.natural += 0.5 * w_nn * miss * miss;
+  e.natural += 0.5 * c.w_nn * miss * miss;
 }
 
 /// A quotient's bound: (a ± da) / (m ± dm).
@@ -153,29 +172,69 @@ double unit_of(Precision precision) {
                                                              : -113);
 }
 
-RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
-                    const RoundedVelocity& velocity, Precision precision) {
-  const double unit = unit_of(precision);
-  const double term = unit * (kOfATerm + 2 * velocity.longest);
+/// In double precision.
+template <int D, class Rows>
+RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& s, const Rows& rows,
+                    int begin, int end) {
+  const double unit = unit_of(Precision::kDouble);
   RoundedSums sums;
-  const int d = p.dim;
-  for (int c = 0; c < p.num_contacts(); ++c) {
-    double x[3] = {}, u[3] = {}, error[3] = {}, b[3] = {};
-    for (int k = 0; k < d; ++k) {
-      const int row = c * d + k;
+  for (int c = begin; c < end; ++c) {
+    RoundedContact<D> contact;
+    for (int k = 0; k < D; ++k) {
+      const int row = c * D + k;
       const double r = physical_row_scale(p, row);
-      x[k] = s[row] / r;
-      b[k] = p.u_free[row] / r;
-      u[k] = velocity.u[row] / r;
-      error[k] = unit * (velocity.error[row] / r + 4 * std::abs(u[k]));
+      const RoundedRow velocity = rows(row);
+      contact.x[k] = s[row] / r;
+      contact.b[k] = p.u_free[row] / r;
+      contact.u[k] = velocity.u / r;
+      contact.error[k] = unit * (velocity.error / r + 4 * std::abs(contact.u[k]));
+      if (k > 0) continue;
+      contact.w_nn = velocity.w * r * r;
+      contact.term = unit * (kOfATerm + 2 * velocity.entries);
     }
-    const double r = physical_row_scale(p, c * d);
-    add_contact(p, c, x, u, error, b, velocity.w[c * d] * r * r, term, sums);
+    if constexpr (D > 1) contact.mu = physical_mu(p, c);
+    add_contact(contact, sums);
   }
   return sums;
 }
 
+/// Of all contacts, in pieces.
+template <class Rows>
+RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& s, const Rows& rows,
+                    int threads) {
+  std::vector<RoundedSums> pieces(to_size((p.num_contacts() + kPieceItems - 1) / kPieceItems));
+  dispatch_dim(p.dim, [&](auto d) {
+    run_pieces(threads, p.num_contacts(), [&](int begin, int end) {
+      pieces[to_size(begin / kPieceItems)] = sums_of<d()>(p, s, rows, begin, end);
+    });
+  });
+  RoundedSums sums;
+  for (const RoundedSums& piece : pieces) sums += piece;
+  return sums;
+}
+
+/// The errors in another precision, or a little more: all are at most linear in the roundoff, the
+/// natural map's a square.
+RoundedSums in_precision(RoundedSums sums, Precision precision) {
+  const double ratio = unit_of(precision) / unit_of(Precision::kDouble);
+  for (double* error : {&sums.gap, &sums.friction, &sums.moved, &sums.free_energy}) {
+    *error *= ratio;
+  }
+  sums.natural *= ratio * ratio;
+  return sums;
+}
+
 }  // namespace
+
+RoundedSums& RoundedSums::operator+=(const RoundedSums& more) {
+  value += more.value;
+  gap += more.gap;
+  friction += more.friction;
+  moved += more.moved;
+  free_energy += more.free_energy;
+  natural += more.natural;
+  return *this;
+}
 
 RoundedMomentum rounded_momentum(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
   const Vector zero = Vector::Zero(p.num_dofs());
@@ -192,28 +251,35 @@ RoundedMomentum rounded_momentum(const ContactProblem& p, const Eigen::Ref<const
 }
 
 RoundedSums rounded_sums(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
-                         const RoundedMomentum& pushed, Precision precision) {
-  const double packing = precision != Precision::kDouble || p.dim == 3 ? 0 : kOfPacking;
-  return sums_of(p, s, by_bodies(p, pushed, kOfAProduct + packing), precision);
+                         const RoundedMomentum& pushed, int threads) {
+  const double packing = p.dim == 3 ? 0 : kOfPacking;
+  return sums_of(p, s, RoundedBodyRows(p, pushed, kOfAProduct + packing), threads);
+}
+
+RoundedSums rounded_sums(const ContactProblem& p, const Eigen::Ref<const Vector>& s, int threads) {
+  if (p.has_velocities() && is_diagonal(p.A)) {
+    return rounded_sums(p, s, rounded_momentum(p, s), threads);
+  }
+  if (p.has_delassus()) return sums_of(p, s, RoundedDelassusRows(p, s), threads);
+  RoundedSums undefined;
+  undefined.gap = undefined.friction = undefined.natural = kInfinity;
+  return undefined;
 }
 
 RoundingBound rounding_bound(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
                              Precision precision, const ErrorShare& share) {
-  const bool bodies = p.has_velocities() && is_diagonal(p.A);
-  if (!bodies && !p.has_delassus()) return {kInfinity, kInfinity};
-  const RoundedSums sums = bodies ? rounded_sums(p, s, rounded_momentum(p, s), precision)
-                                  : sums_of(p, s, by_delassus(p, s), precision);
-  return rounding_bound(sums, p.num_contacts(), precision, share);
+  return rounding_bound(rounded_sums(p, s), p.num_contacts(), precision, share);
 }
 
 RoundingBound rounding_bound(const RoundedSums& sums, int contacts, Precision precision,
                              const ErrorShare& share) {
   // Of the sums over the contacts, and of a result that is handed on in double.
   const double adding = unit_of(precision) * (contacts + kOfATerm) + std::ldexp(1.0, -50);
-  const RoundedError whole = error_with_bound(sums, share.others, adding, 1 / share.share);
+  const RoundedSums own_sums = in_precision(sums, precision);
+  const RoundedError whole = error_with_bound(own_sums, share.others, adding, 1 / share.share);
   if (!(share.alone > 0)) return whole.bound;
   // The smaller of two figures counts: at most the smaller of what both may be.
-  const RoundedError own = error_with_bound(sums, {}, adding, share.alone);
+  const RoundedError own = error_with_bound(own_sums, {}, adding, share.alone);
   const auto of_smaller = [](double a, double da, double b, double db) {
     return std::min(a + da, b + db) - std::min(a, b);
   };

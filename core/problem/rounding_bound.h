@@ -19,12 +19,14 @@ enum class Precision {
   kQuadruple  ///< quadruple_guarded_error(), unit roundoff 2^-113
 };
 
-/// Running error analysis of one evaluation (Higham, Accuracy and Stability of Numerical Algorithms, §3): every sum of n
-/// products is off by at most n unit roundoffs times the sum of the absolute values, and these bounds go through the
-/// formulas of the criterion to first order, times 1.01. It covers the projection of s on the cones, velocities by either form
-/// of the operator, and weights. Order of summation does not matter. Without underflow and overflow, which solve() scales
-/// away. With share.alone, where the smaller of two figures counts, it says how much larger the exact one may be. s on the cone to rounding. Infinite where the denominator is rounding only.
-/// Cost: two passes through H, or one through W.
+/// Running error analysis of one evaluation (Higham, Accuracy and Stability of Numerical Algorithms,
+/// §3): every sum of n products is off by at most n unit roundoffs times the sum of the absolute
+/// values, and these bounds go through the formulas of the criterion to first order, times 1.01. It
+/// covers the projection of s on the cones, velocities by either form of the operator, and weights.
+/// Order of summation does not matter. Without underflow and overflow, which solve() scales away.
+/// With share.alone, where the smaller of two figures counts, it says how much larger the exact one
+/// may be. s on the cone to rounding. Infinite where the denominator is rounding only. Cost: two
+/// passes through H, or one through W.
 RoundingBound rounding_bound(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
                              Precision precision, const ErrorShare& share = {});
 
@@ -39,16 +41,22 @@ struct RoundedMomentum {
 };
 RoundedMomentum rounded_momentum(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
 
-/// Sums of the criterion over contacts with their errors. Those of parts add up.
+/// Sums of the criterion over contacts with their errors in double precision. Those of parts add up.
 struct RoundedSums {
   ErrorSums value;
   double gap = 0, friction = 0, moved = 0, free_energy = 0;  ///< errors [J], the gap's with V's
   double natural = 0;  ///< Σ ½ W_nn |error of N|², a norm's square [J]
+
+  RoundedSums& operator+=(const RoundedSums& more);
 };
-/// Of all contacts of a problem, with the momenta of its degrees of freedom from whoever pushes them.
+/// Of all contacts of a problem. Errors are infinite where it has neither W nor a diagonal A. The
+/// same bits for any number of threads.
 RoundedSums rounded_sums(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
-                         const RoundedMomentum& pushed, Precision precision);
-/// `contacts`: how many were added up.
+                         int threads = 1);
+/// The same with the momenta of its degrees of freedom from whoever pushes them.
+RoundedSums rounded_sums(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
+                         const RoundedMomentum& pushed, int threads = 1);
+/// `contacts`: how many were added up. In a higher precision the errors are those in double, scaled.
 RoundingBound rounding_bound(const RoundedSums& sums, int contacts, Precision precision,
                              const ErrorShare& share = {});
 

@@ -267,7 +267,7 @@ RoundingBound distributed_rounding_bound(DistributedSpace& space, const Vector& 
     pushed.count[dof] = of_common[3 * k + 2];
   }
   RoundedSums sums;
-  if (own.num_contacts() > 0) sums = rounded_sums(own, s, pushed, Precision::kDouble);
+  if (own.num_contacts() > 0) sums = rounded_sums(own, s, pushed);
   ErrorSums& value = sums.value;
   double* const fields[] = {&value.friction, &value.gap,         &value.penetration, &value.natural,
                             &value.moved,    &value.free_energy, &sums.gap,          &sums.friction,

@@ -491,7 +491,7 @@ class Race {
   }
 
   ContactErrorEvaluator& evaluator() {
-    if (!evaluate_) evaluate_.emplace(p_, 1, options_.share);
+    if (!evaluate_) evaluate_.emplace(p_, options_.execution.threads, options_.share);
     return *evaluate_;
   }
 

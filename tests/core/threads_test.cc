@@ -10,6 +10,8 @@
 #include "core/parallel.h"
 #include "core/problem/contact_error.h"
 #include "core/problem/delassus.h"
+#include "core/problem/extended_error.h"
+#include "core/problem/rounding_bound.h"
 #include "core/scene/scene_family.h"
 
 namespace bipot {
@@ -78,6 +80,10 @@ TEST(Threads, JudgeAndMultiplyTheSameBits) {
     EXPECT_EQ(f.worst_epsilon, e.worst_epsilon);
     EXPECT_EQ(f.worst_eta, e.worst_eta);
     EXPECT_TRUE(same_bits(many.velocity(), one.velocity()));
+    EXPECT_EQ(extended_guarded_error(p, s, {}, threads), extended_guarded_error(p, s));
+    EXPECT_EQ(quadruple_guarded_error(p, s, {}, threads), quadruple_guarded_error(p, s));
+    EXPECT_EQ(rounded_sums(p, s, threads).natural, rounded_sums(p, s).natural);
+    EXPECT_EQ(rounded_sums(p, s, threads).gap, rounded_sums(p, s).gap);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/problem/extended_error.h"
+#include "core/problem/rounding_bound.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
 
@@ -43,6 +44,23 @@ TEST(ProvedClaim, ASumThatRoundsAwayProvesNothing) {
   const ProvedClaim proved = prove_claim(p, options, good, contact_error(p, good));
   EXPECT_TRUE(proved.holds);
   EXPECT_TRUE(std::isnan(proved.error));
+}
+
+// At the tolerance to eleven digits extended precision does not decide, and nothing is worth fifty
+// times its price: the solver's next iterate will do.
+TEST(ProvedClaim, AFigureAtTheToleranceIsNotProved) {
+  const Manufactured m = manufactured_problem(2, 6, 9, 3);
+  const Vector s = 1.001 * m.s;
+  const ContactError error = contact_error(m.problem, s);
+  const double figure = extended_guarded_error(m.problem, s);
+  const double hidden = rounding_bound(m.problem, s, Precision::kExtended).guarded();
+  ASSERT_GT(figure, 1e-6);
+  ASSERT_LT(hidden, 1e-11 * figure);
+  SolverOptions options;
+  options.tol = figure + 0.5 * hidden;
+  EXPECT_FALSE(prove_claim(m.problem, options, s, error).holds);
+  options.tol = figure + 2 * hidden;
+  EXPECT_TRUE(prove_claim(m.problem, options, s, error).holds);
 }
 
 // As a start it is not taken for an answer, and does not keep solvers from one.
