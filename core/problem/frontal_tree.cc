@@ -11,7 +11,7 @@ namespace bipot {
 namespace {
 
 constexpr std::size_t kTreesKept = 4;
-constexpr int kMetisFrom = 1200;  // groups of columns; AMD is quicker below
+constexpr int kMetisFrom = 4000;  // groups of columns; AMD is quicker below
 
 /// The trees of the last patterns, the latest first.
 struct KeptTrees {
