@@ -44,6 +44,13 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
          "of the first chain of starts: bold shrinks delta at every path that arrives, cautious "
          "not soon again past one that failed, steady by the root of the factor; the latter two "
          "have shorter paths. Chains take them in turns"},
+    {.name = "shake",
+     .kind = ParameterSpec::Kind::kChoice,
+     .default_value = "after",
+     .choices = "after|first",
+     .help =
+         "chains from the best impulse with every component changed by up to a tenth, at random: "
+         "after each of the others, or before them"},
     {.name = "lift",
      .kind = ParameterSpec::Kind::kNumber,
      .default_value = "1e-2",
@@ -56,7 +63,7 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
      .default_value = "1",
      .minimum = 0,
      .maximum = 2147483647,
-     .help = "of that lift"},
+     .help = "of that lift, and of the changes"},
 };
 
 /// Exact path following on Coulomb's law as a piecewise linear manifold, d <= 2. Per contact the

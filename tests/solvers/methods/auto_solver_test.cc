@@ -84,6 +84,23 @@ int stages_of(const ContactProblem& p, std::string_view solver) {
   }));
 }
 
+/// Where paths do not arrive, starts around the best impulse have their turn, then the central path
+/// through its folds, and long chains last.
+TEST(AutoSolver, MovingPackingsThatResistHaveShakenStartsAndPatience) {
+  const std::vector<AutoStage> stages = plan(shipped_file("2d_pour300_392.hdf5"), true);
+  const auto shaken = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
+    return stage.parameters.count("shake") > 0;
+  });
+  ASSERT_NE(shaken, stages.end());
+  EXPECT_EQ(shaken->solver, "homotopy");
+  EXPECT_EQ(shaken->start, AutoStage::Start::kBest);
+  ASSERT_GE(stages.end() - shaken, 3);
+  EXPECT_EQ(shaken[1].solver, "ipm");
+  EXPECT_EQ(shaken[1].max_iterations, 1000);
+  EXPECT_EQ(shaken[2].solver, "homotopy");
+  EXPECT_GT(shaken[2].max_iterations, shaken->max_iterations);
+}
+
 TEST(AutoSolver, MovingPackingsAreSolvedByPathFollowing) {
   for (const char* name :
        {"2d_pour300_273.hdf5", "2d_pour300_392.hdf5", "2d_tilt1000hi_182.hdf5"}) {
