@@ -289,7 +289,10 @@ class Planner {
     if (sweeps_again) add("pgs", 16000, 20000, Start::kOwn, "again, with patience: still cheap");
     if (exact_ && contacts_ > kFew) {
       // Whether paths of a start arrive is chance, and some of the next ones do.
-      follow(std::max(kManyPivots, kPivotsOfShakes * contacts_),
+      const int of_contact = !paths_first()      ? 0
+                             : splitting_first() ? kPivotsOfContact
+                                                 : kPivotsOfShakes;
+      follow(std::max(kManyPivots, of_contact * contacts_),
              {{"start_tol", "1"}, {"shake", "first"}},
              "again, from starts around the best impulse");
     } else {
