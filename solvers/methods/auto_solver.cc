@@ -299,8 +299,8 @@ class Planner {
       follow(kManyPivots, {}, "again, from a better start");
     }
     if (exact_ && contacts_ > kFew && contacts_ <= kMany) {
-      // Of 40 such steps of 1700 contacts that take paths thousands of pivots to 1e-8, 31 are solved
-      // in 1000 iterations, a median of 490: half the price of the chains below.
+      // Of 40 steps of 1700 contacts that take paths thousands of pivots to 1e-8, 30 are solved in
+      // 1000 iterations, half of all in 600: half the price of the chains below.
       add("ipm", 1000, 1000, Start::kCaller, "again, through the folds of moving packings");
     }
     if (exact_ && contacts_ > kFew) {

@@ -38,6 +38,9 @@ TEST(RoundingBound, HoldsTheDifferenceOfBothPrecisions) {
           const double exact = extended_guarded_error(m.problem, s);
           EXPECT_LE(std::abs(double_error(m.problem, s) - exact), bound)
               << "d = " << dim << ", mu = " << mu << ", seed " << seed << ", off by " << off;
+          EXPECT_LE(std::abs(exact - quadruple_guarded_error(m.problem, s)),
+                    rounding_bound(m.problem, s, Precision::kExtended).guarded())
+              << "d = " << dim << ", mu = " << mu << ", seed " << seed << ", off by " << off;
         }
       }
     }
