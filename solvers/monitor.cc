@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "solvers/prepared_problem.h"
 #include "solvers/proved_claim.h"
 #include "solvers/stop_rule.h"
 
@@ -12,11 +13,10 @@ IterationMonitor::IterationMonitor(const ContactProblem& problem, const SolverOp
                                    const Stopwatch& watch)
     : problem_(problem),
       options_(options),
-      evaluator_(problem, options.execution.threads, options.share),
+      evaluator_(criterion_of(problem, options)),
       watch_(watch),
-      best_s_(Vector::Zero(problem.num_rows())) {
-  free_energy_ = evaluator_(best_s_).energy;
-}
+      best_s_(Vector::Zero(problem.num_rows())),
+      free_energy_(evaluator_.energy_at_rest()) {}
 
 bool IterationMonitor::due(int iteration) const {
   return every_ || options_.stop == StopTest::kImpulse || iteration >= next_ ||

@@ -86,7 +86,7 @@ class IterationMonitor {
   bool every_ = false;
   int portion_ = kJudgedPortion;
   int iterations_ = 0;
-  double free_energy_ = 0;
+  double free_energy_;
   SolveStatus status_ = SolveStatus::kNotRun;
   std::string message_;
 };

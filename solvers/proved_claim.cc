@@ -2,18 +2,16 @@
 
 #include "core/problem/extended_error.h"
 #include "core/problem/rounding_bound.h"
+#include "solvers/prepared_problem.h"
 
 namespace bipot {
 namespace {
 
 constexpr double kTrifle = 1e-3;  // of the tolerance
 
-}  // namespace
-
-ProvedClaim prove_claim(const ContactProblem& p, const SolverOptions& options,
-                        const Eigen::Ref<const Vector>& s, const ContactError& error) {
+ProvedClaim prove(const ContactProblem& p, const SolverOptions& options,
+                  const Eigen::Ref<const Vector>& s, const ContactError& error) {
   ProvedClaim claim;
-  if (options.stop != StopTest::kGuarded || p.num_contacts() == 0) return claim;
   const int threads = options.execution.threads;
   const RoundedSums sums = rounded_sums(p, s, threads);
   const auto hidden = [&](Precision precision) {
@@ -31,6 +29,21 @@ ProvedClaim prove_claim(const ContactProblem& p, const SolverOptions& options,
         quadruple_guarded_error(p, s, options.share, threads) + hidden(Precision::kQuadruple);
   }
   claim.holds = claim.error <= options.tol;
+  return claim;
+}
+
+}  // namespace
+
+ProvedClaim prove_claim(const ContactProblem& p, const SolverOptions& options,
+                        const Eigen::Ref<const Vector>& s, const ContactError& error) {
+  if (options.stop != StopTest::kGuarded || p.num_contacts() == 0) return {};
+  // A solver's last iterate comes here again with what solve() returns.
+  PreparedProblem* const notes = options.share == ErrorShare{} ? prepared(p, options) : nullptr;
+  if (notes != nullptr) {
+    if (const ProvedClaim* known = notes->proved(options.tol, s)) return *known;
+  }
+  const ProvedClaim claim = prove(p, options, s, error);
+  if (notes != nullptr && claim.holds) notes->remember(options.tol, s, claim);
   return claim;
 }
 

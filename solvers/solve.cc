@@ -12,6 +12,7 @@
 #include "core/stopwatch.h"
 #include "solvers/islands.h"
 #include "solvers/parameters.h"
+#include "solvers/prepared_problem.h"
 #include "solvers/proved_claim.h"
 #include "solvers/registry.h"
 #include "solvers/stop_rule.h"
@@ -196,7 +197,10 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       with_delassus.W = assemble_delassus(problem.A, problem.H, problem.dim);
       given = &with_delassus;
     }
-    ContactErrorEvaluator evaluate(*given, options.execution.threads);
+    PreparedProblem prepared(*given, options.execution.threads);
+    ContactErrorEvaluator& evaluate = prepared.criterion();
+    SolverOptions informed = options;
+    informed.prepared = &prepared;
 
     SolveResult result;
     result.s = Vector::Zero(problem.num_rows());
@@ -207,7 +211,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       result.status = SolveStatus::kNothingToDo;
       result.message = problem.num_contacts() == 0 ? "no contacts" : "s = 0 satisfies the law";
     } else if (start && meets(options, *start) &&
-               prove_claim(*given, options, evaluate.impulse(), *start).holds) {
+               prove_claim(*given, informed, evaluate.impulse(), *start).holds) {
       result.status = SolveStatus::kConverged;
       result.message = "the start meets the stop test";
       result.s = options.s0;
@@ -221,11 +225,11 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
         // What jammed bodies at rest had to bear in the step before may be beyond all measure of this one:
         // no solver comes back from there with a digit that counts.
         if (start && start->energy > kDivergenceFactor * none.energy) {
-          SolverOptions from_zero = options;
+          SolverOptions from_zero = informed;
           from_zero.s0 = Vector();
           result = run(from_zero);
         } else {
-          result = run(options);
+          result = run(informed);
         }
       } catch (const std::exception& e) {
         result.status = SolveStatus::kNumericalFailure;
@@ -239,7 +243,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       result.setup_seconds += before;
     }
     judge(problem, options, evaluate, result);
-    judge_in_extended_precision(*given, options, result);
+    judge_in_extended_precision(*given, informed, result);
     return result;
   } catch (const std::exception& e) {  // out of memory, an indefinite general mass matrix
     SolveResult result;

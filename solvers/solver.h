@@ -14,6 +14,8 @@
 
 namespace bipot {
 
+class PreparedProblem;  // solvers/prepared_problem.h
+
 enum class SolveStatus {
   kNotRun,
   kConverged,    ///< the stop test holds; with the guarded test, re-checked by solve()
@@ -59,6 +61,8 @@ struct SolverOptions {
   ErrorShare share;
   Execution execution;  ///< threads and instructions: the result's bits do not depend on them
   std::map<std::string, std::string> parameters;  ///< e.g. {"omega", "1.6"}; see SolverEntry
+  /// What solve() made of the problem for this run; it sets this itself.
+  PreparedProblem* prepared = nullptr;
   std::function<bool()> cancelled;  ///< polled at every iteration; true ends the solve: Ctrl-C
   std::function<void(const IterationRecord&)> on_iteration;  ///< history, at the judged iterations
 };

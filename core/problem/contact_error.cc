@@ -63,22 +63,39 @@ ContactError error_of(const ErrorSums& part, const ErrorShare& share) {
   return e;
 }
 
+/// What is made of the problem once.
+struct ContactErrorEvaluator::Prepared {
+  ErrorWeights weights;
+  ErrorSums free;  ///< the terms that do not depend on s
+
+  Prepared(const ContactProblem& p, const Vector& delassus_diagonal)
+      : weights(error_weights(p, delassus_diagonal)) {
+    for (int c = 0; c < p.num_contacts(); ++c) add_free_terms(p, weights, c, free);
+  }
+};
+
 ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem, int threads,
                                              const ErrorShare& share)
     : problem_(problem),
       threads_(threads),
       delassus_(problem, DelassusOperator::Form::kAuto, threads),
+      prepared_(std::make_shared<const Prepared>(problem, delassus_.diagonal())),
       share_(share),
       s_(Vector::Zero(problem.num_rows())),
-      u_(Vector::Zero(problem.num_rows())) {
-  ErrorWeights weights = error_weights(problem, delassus_.diagonal());
-  ErrorSums free;
-  for (int c = 0; c < problem.num_contacts(); ++c) add_free_terms(problem, weights, c, free);
-  free_energy_ = free.free_energy;
-  free_impulse2_ = free.free_impulse2;
-  w_nn_ = std::move(weights.w_nn);
-  rho_nn_ = std::move(weights.rho_nn);
-  rho_nat_ = std::move(weights.rho_nat);
+      u_(Vector::Zero(problem.num_rows())) {}
+
+ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made,
+                                             const ErrorShare& share)
+    : problem_(made.problem_),
+      threads_(made.threads_),
+      delassus_(made.delassus_),
+      prepared_(made.prepared_),
+      share_(share),
+      s_(Vector::Zero(problem_.num_rows())),
+      u_(Vector::Zero(problem_.num_rows())) {}
+
+double ContactErrorEvaluator::energy_at_rest() const {
+  return error_of(prepared_->free, share_).energy;
 }
 
 ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s) {
@@ -115,10 +132,11 @@ struct ContactErrorEvaluator::Sums : ErrorSums {
 
 template <int D, bool kScaled>
 ContactErrorEvaluator::Sums ContactErrorEvaluator::sums(int begin, int end) const {
+  const auto& [w_nn, rho_nn, rho_nat] = prepared_->weights;
   Sums e;
   for (int c = begin; c < end; ++c) {
     const ContactTerms terms =
-        add_error_terms<D, kScaled>(problem_, c, s_, u_, w_nn_[c], rho_nn_[c], rho_nat_[c], e);
+        add_error_terms<D, kScaled>(problem_, c, s_, u_, w_nn[c], rho_nn[c], rho_nat[c], e);
     if (terms.violation > e.worst_gap) {
       e.worst_gap = terms.violation;
       e.worst_epsilon = c;
@@ -143,8 +161,8 @@ ContactError ContactErrorEvaluator::evaluate() {
   Sums total;
   for (const Sums& piece : pieces) total.add(piece);
 
-  total.free_energy = free_energy_;
-  total.free_impulse2 = free_impulse2_;
+  total.free_energy = prepared_->free.free_energy;
+  total.free_impulse2 = prepared_->free.free_impulse2;
 
   sums_ = total;
   ContactError e = error_of(total, share_);
@@ -161,8 +179,9 @@ ErrorSums ContactErrorEvaluator::part(int contact) const {
   const int first = contact * problem_.dim;
   for (int k = 0; k < problem_.dim; ++k) {
     const double b = problem_.u_free[first + k] / physical_row_scale(problem_, first + k);
-    part.free_impulse2 += rho_nat_[contact] * rho_nat_[contact] * b * b;
-    if (k == 0 && b < 0) part.free_energy = 0.5 * rho_nn_[contact] * b * b;
+    const double rho = prepared_->weights.rho_nat[contact];
+    part.free_impulse2 += rho * rho * b * b;
+    if (k == 0 && b < 0) part.free_energy = 0.5 * prepared_->weights.rho_nn[contact] * b * b;
   }
   return part;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "core/problem/contact_problem.h"
 #include "core/problem/delassus.h"
 #include "core/types.h"
@@ -51,6 +53,7 @@ struct ErrorSums {
   double free_impulse2 = 0;  ///< Σ |rho b|²                                             [N² s²]
 
   ErrorSums& operator+=(const ErrorSums& more);
+  bool operator==(const ErrorSums&) const = default;
 };
 
 /// The criterion of these sums; the worst contacts are left open (-1).
@@ -64,6 +67,8 @@ struct ErrorShare {
   ErrorSums others;
   double share = 1;  ///< in (0, 1]
   double alone = 0;
+
+  bool operator==(const ErrorShare&) const = default;
 };
 
 /// The criterion of a part with these sums, judged so; the worst contacts are left open (-1).
@@ -80,6 +85,9 @@ class ContactErrorEvaluator {
                                  const ErrorShare& share = {});
   explicit ContactErrorEvaluator(ContactProblem&&, int = 1,
                                  const ErrorShare& = {}) = delete;  // would dangle
+  /// One more for the problem of `made`, which judges with a share of its own; it costs what a copy
+  /// of a DelassusOperator costs.
+  ContactErrorEvaluator(const ContactErrorEvaluator& made, const ErrorShare& share);
 
   ContactError operator()(const Eigen::Ref<const Vector>& s);
 
@@ -88,6 +96,9 @@ class ContactErrorEvaluator {
   const Vector& velocity() const { return u_; }
   const DelassusOperator& delassus() const { return delassus_; }
 
+  /// E where s = 0.
+  double energy_at_rest() const;
+
   /// What the problem, without the others of its share, and what one contact of it added up to at
   /// the last evaluation.
   const ErrorSums& sums() const { return sums_; }
@@ -95,6 +106,7 @@ class ContactErrorEvaluator {
 
  private:
   struct Sums;
+  struct Prepared;
   template <int D, bool kScaled>
   ContactError evaluate();
   template <int D, bool kScaled>
@@ -105,11 +117,7 @@ class ContactErrorEvaluator {
   const ContactProblem& problem_;
   int threads_;
   DelassusOperator delassus_;
-  Vector w_nn_;               // c, physical W_nn
-  Vector rho_nn_;             // c, 1/W_nn
-  Vector rho_nat_;            // c, d / trace of the physical diagonal block
-  double free_energy_ = 0;    // ½ Σ rho_c (b_n⁻)², physical
-  double free_impulse2_ = 0;  // ‖rho u_free‖², physical
+  std::shared_ptr<const Prepared> prepared_;
   ErrorShare share_;
   ErrorSums sums_;
   Vector s_, u_;

@@ -152,6 +152,22 @@ SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int d
   return dispatch_dim(dim, [&](auto d) { return assemble_diagonal<d()>(A, H); });
 }
 
+void DelassusOperator::Prepared::list_sides() {
+  side_start.assign(disks->bodies.size() + 1, 0);
+  for (const DiskStructure::Contact& c : disks->contacts) {
+    ++side_start[to_size(c.i) + 1];
+    ++side_start[to_size(c.j) + 1];
+  }
+  std::partial_sum(side_start.begin(), side_start.end(), side_start.begin());
+  side.resize(2 * disks->contacts.size());
+  std::vector<int> next(side_start.begin(), side_start.end() - 1);
+  for (std::size_t c = 0; c < disks->contacts.size(); ++c) {
+    const int first = 2 * static_cast<int>(c);
+    side[to_size(next[to_size(disks->contacts[c].i)]++)] = first;
+    side[to_size(next[to_size(disks->contacts[c].j)]++)] = first + 1;
+  }
+}
+
 DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form, int threads)
     : problem_(problem), threads_(threads) {
   const bool can_two_pass = problem.has_velocities() && is_diagonal(problem.A);
@@ -159,33 +175,18 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form, int
   if (form == Form::kTwoPass && !can_two_pass) {
     throw std::invalid_argument("the two-pass form needs H and a diagonal A");
   }
+  const auto made = std::make_shared<Prepared>();
+  form_ = made;
+  delassus_ = &problem.W;
   if (two_pass_) {
-    inverse_mass_ = problem.A.diagonal().cwiseInverse();
-    disks_ = disk_structure(problem);
-    velocity_.resize(disks_ ? 4 * static_cast<Eigen::Index>(disks_->bodies.size())
-                            : problem.num_dofs());
-    if (disks_ && threads_ > 1) {
-      side_start_.assign(disks_->bodies.size() + 1, 0);
-      for (const DiskStructure::Contact& c : disks_->contacts) {
-        ++side_start_[to_size(c.i) + 1];
-        ++side_start_[to_size(c.j) + 1];
-      }
-      std::partial_sum(side_start_.begin(), side_start_.end(), side_start_.begin());
-      side_.resize(2 * disks_->contacts.size());
-      std::vector<int> next(side_start_.begin(), side_start_.end() - 1);
-      for (int c = 0; c < problem.num_contacts(); ++c) {
-        side_[to_size(next[to_size(disks_->contacts[to_size(c)].i)]++)] = 2 * c;
-        side_[to_size(next[to_size(disks_->contacts[to_size(c)].j)]++)] = 2 * c + 1;
-      }
-    }
-    return;
-  }
-  if (!problem.has_delassus() && problem.has_velocities()) {
-    own_delassus_ =
-        std::make_shared<const SparseRows>(assemble_delassus(problem.A, problem.H, problem.dim));
-    delassus_ = own_delassus_.get();
-  } else {
-    delassus_ = &problem.W;
+    made->inverse_mass = problem.A.diagonal().cwiseInverse();
+    made->disks = disk_structure(problem);
+    if (made->disks && threads_ > 1) made->list_sides();
+    velocity_.resize(made->disks ? 4 * static_cast<Eigen::Index>(made->disks->bodies.size())
+                                 : problem.num_dofs());
+  } else if (!problem.has_delassus() && problem.has_velocities()) {
+    made->delassus = assemble_delassus(problem.A, problem.H, problem.dim);
+    delassus_ = &made->delassus;
   }
 }
 
@@ -214,7 +215,7 @@ template <int D>
 void DelassusOperator::add_impulses(const double* s) const {
   double* const v = velocity_.data();
   velocity_.setZero();
-  for (const DiskStructure::Contact& c : disks_->contacts) {
+  for (const DiskStructure::Contact& c : form_->disks->contacts) {
     const Push p = push<D>(c, s);
     double* const vi = v + 4 * c.i;
     double* const vj = v + 4 * c.j;
@@ -233,13 +234,14 @@ void DelassusOperator::add_impulses(const double* s) const {
 /// The same sums, body by body.
 template <int D>
 void DelassusOperator::add_impulses_by_body(const double* s) const {
-  run_pieces(threads_, disks_->surroundings(), [&](int begin, int end) {
+  run_pieces(threads_, form_->disks->surroundings(), [&](int begin, int end) {
     for (int body = begin; body < end; ++body) {
       double x = 0, y = 0, spin = 0;
-      for (int k = side_start_[to_size(body)]; k < side_start_[to_size(body) + 1]; ++k) {
-        const int c = side_[to_size(k)] / 2;
-        const Push p = push<D>(disks_->contacts[to_size(c)], s + D * c);
-        if (side_[to_size(k)] % 2 == 0) {
+      for (int k = form_->side_start[to_size(body)]; k < form_->side_start[to_size(body) + 1];
+           ++k) {
+        const int c = form_->side[to_size(k)] / 2;
+        const Push p = push<D>(form_->disks->contacts[to_size(c)], s + D * c);
+        if (form_->side[to_size(k)] % 2 == 0) {
           x += p.x;
           y += p.y;
         } else {
@@ -259,14 +261,14 @@ void DelassusOperator::add_impulses_by_body(const double* s) const {
 
 template <int D>
 void DelassusOperator::apply_disks(const double* s, double* u) const {
-  if (side_.empty()) {
+  if (form_->side.empty()) {
     add_impulses<D>(s);
   } else {
     add_impulses_by_body<D>(s);
   }
   double* const v = velocity_.data();
   double* body_velocity = v;
-  for (const DiskStructure::Body& body : disks_->bodies) {
+  for (const DiskStructure::Body& body : form_->disks->bodies) {
     body_velocity[0] *= body.inverse_mass;
     body_velocity[1] *= body.inverse_mass;
     body_velocity[2] *= body.inverse_inertia;
@@ -275,7 +277,7 @@ void DelassusOperator::apply_disks(const double* s, double* u) const {
   run_pieces(threads_, problem_.num_contacts(), [&](int begin, int end) {
     double* to = u + D * begin;
     for (int k = begin; k < end; ++k) {
-      const DiskStructure::Contact& c = disks_->contacts[to_size(k)];
+      const DiskStructure::Contact& c = form_->disks->contacts[to_size(k)];
       const double* const vi = v + 4 * c.i;
       const double* const vj = v + 4 * c.j;
       const double x = vi[0] - vj[0], y = vi[1] - vj[1];
@@ -287,7 +289,7 @@ void DelassusOperator::apply_disks(const double* s, double* u) const {
 }
 
 void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const {
-  if (disks_) {
+  if (form_->disks) {
     u.resize(problem_.num_rows());
     if (problem_.dim == 1) {
       apply_disks<1>(s.data(), u.data());
@@ -296,7 +298,7 @@ void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const
     }
   } else if (two_pass_) {
     velocity_.noalias() = problem_.H * s;
-    velocity_.array() *= inverse_mass_.array();
+    velocity_.array() *= form_->inverse_mass.array();
     u.noalias() = problem_.H.transpose() * velocity_;
   } else {
     u.noalias() = *delassus_ * s;
@@ -318,7 +320,7 @@ Eigen::MatrixXd DelassusOperator::diagonal_block(int contact) const {
         SparseMatrix::InnerIterator y(problem_.H, contact * d + b);
         while (x && y) {
           if (x.row() == y.row()) {
-            block(a, b) += x.value() * y.value() * inverse_mass_[x.row()];
+            block(a, b) += x.value() * y.value() * form_->inverse_mass[x.row()];
             ++x;
             ++y;
           } else if (x.row() < y.row()) {
@@ -345,7 +347,7 @@ Vector DelassusOperator::diagonal() const {
   if (two_pass_) {
     for (int i = 0; i < problem_.num_rows(); ++i) {
       for (SparseMatrix::InnerIterator it(problem_.H, i); it; ++it) {
-        diagonal[i] += it.value() * it.value() * inverse_mass_[it.row()];
+        diagonal[i] += it.value() * it.value() * form_->inverse_mass[it.row()];
       }
     }
   } else {

@@ -19,8 +19,8 @@ SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int d
 /// through H (about 10 multiplications a row; packed where H is that of disks), else the explicit
 /// W. A problem without W and with a general A gets its W assembled here once.
 ///
-/// Keeps a reference to the problem, which must outlive it and all its copies. A copy stands on its
-/// own; it shares a W that was assembled here, which never changes.
+/// Keeps a reference to the problem, which must outlive it and all its copies. A copy has scratch of
+/// its own and shares what never changes: the packed H of disks, a W that was assembled here.
 ///
 /// One operator serves one caller at a time: apply() and velocity() write to its scratch. Give every
 /// thread a copy. With `threads` > 1 the products for disks run on so many, with the same bits: a
@@ -44,7 +44,7 @@ class DelassusOperator {
   Vector diagonal() const;
   bool two_pass() const { return two_pass_; }
   /// The packed H of disks, nothing where the two-pass form is not used or finds other bodies.
-  const std::optional<DiskStructure>& disks() const { return disks_; }
+  const std::optional<DiskStructure>& disks() const { return form_->disks; }
 
  private:
   template <int D>
@@ -54,16 +54,23 @@ class DelassusOperator {
   template <int D>
   void add_impulses_by_body(const double* s) const;
 
+  /// What is made of the problem once.
+  struct Prepared {
+    Vector inverse_mass;  // diagonal of A⁻¹, two-pass form only
+    std::optional<DiskStructure> disks;
+    // With threads, the contacts of each body in their order: 2 c where it is body i, else 2 c + 1.
+    std::vector<int> side_start, side;
+    SparseRows delassus;  // only when W had to be assembled here
+
+    void list_sides();
+  };
+
   const ContactProblem& problem_;
-  bool two_pass_ = false;
-  Vector inverse_mass_;      // diagonal of A⁻¹, two-pass form only
-  mutable Vector velocity_;  // scratch, n; for disks 4 values a body: (x, y, a ω, padding)
-  std::optional<DiskStructure> disks_;
   int threads_ = 1;
-  // With threads, the contacts of each body in their order: 2 c where it is body i, else 2 c + 1.
-  std::vector<int> side_start_, side_;
-  std::shared_ptr<const SparseRows> own_delassus_;  // only when W had to be assembled here
-  const SparseRows* delassus_ = nullptr;            // *own_delassus_ or the problem's W
+  bool two_pass_ = false;
+  std::shared_ptr<const Prepared> form_;
+  const SparseRows* delassus_ = nullptr;  // form_'s or the problem's W
+  mutable Vector velocity_;  // scratch, n; for disks 4 values a body: (x, y, a ω, padding)
 };
 
 /// v = v_free + A⁻¹ H s, the velocities after the step in the problem's own degrees of freedom

@@ -10,6 +10,7 @@
 #include "solvers/islands/contact_islands.h"
 #include "solvers/islands/few_contacts.h"
 #include "solvers/islands/island_problem.h"
+#include "solvers/prepared_problem.h"
 #include "solvers/proved_claim.h"
 
 namespace bipot {
@@ -34,7 +35,7 @@ class IslandRun {
         p_(p),
         options_(options),
         islands_(islands),
-        evaluate_(p, options.execution.threads, options.share) {}
+        evaluate_(criterion_of(p, options)) {}
 
   SolveResult run() {
     const ContactError error = evaluate_(start_of(p_, options_));

@@ -5,11 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
-#include <optional>
 #include <vector>
 
 #include "core/problem/contact_error.h"
 #include "core/stopwatch.h"
+#include "solvers/prepared_problem.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -399,9 +399,9 @@ namespace {
 class Race {
  public:
   Race(const ContactProblem& p, const SolverOptions& options)
-      : p_(p), options_(options), inner_(options) {
+      : p_(p), options_(options), evaluate_(criterion_of(p, options)), inner_(options) {
     best_.s = start_of(p, options);
-    best_error_ = evaluator()(best_.s).guarded();
+    best_error_ = evaluate_(best_.s).guarded();
     if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();
     start_error_ = best_error_;
   }
@@ -410,7 +410,7 @@ class Race {
     // On a handful of contacts the plan would cost more than the solution.
     const bool few = p_.num_contacts() <= kFew;
     if (few && finished(first_of_few())) return finish();
-    const std::vector<AutoStage> stages = plan_auto(p_, evaluator().delassus(), is_warm(options_));
+    const std::vector<AutoStage> stages = plan_auto(p_, evaluate_.delassus(), is_warm(options_));
     for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
       if (finished(stages[k])) break;
     }
@@ -469,7 +469,6 @@ class Race {
     inner_.cancelled = [&] {
       return promise.broken() || (options_.cancelled && options_.cancelled());
     };
-    if (p_.num_contacts() > kLarge) evaluate_.reset();
     SolveResult result;
     try {
       const SolverEntry& entry = require_solver(stage.solver);
@@ -484,7 +483,7 @@ class Race {
     double error = std::numeric_limits<double>::infinity();
     ContactError measured;
     if (result.s.size() == p_.num_rows() && result.s.allFinite()) {
-      measured = evaluator()(result.s);
+      measured = evaluate_(result.s);
       error = measured.guarded();
       own_.insert_or_assign(std::string(stage.solver), result.s);
       last_s_ = result.s;
@@ -504,11 +503,6 @@ class Race {
       best_.s = result.s;
     }
     ended_ = stopped && !given_up;
-  }
-
-  ContactErrorEvaluator& evaluator() {
-    if (!evaluate_) evaluate_.emplace(p_, options_.execution.threads, options_.share);
-    return *evaluate_;
   }
 
   /// The problem with W in it, assembled by the first stage that needs it.
@@ -564,7 +558,7 @@ class Race {
   const ContactProblem& p_;
   const SolverOptions& options_;
   ContactProblem with_delassus_;
-  std::optional<ContactErrorEvaluator> evaluate_;  // of large problems between the stages only
+  ContactErrorEvaluator evaluate_;
   SolverOptions inner_;
   SolveResult best_;
   std::map<std::string, Vector, std::less<>> own_;
