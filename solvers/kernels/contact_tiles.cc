@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "core/types.h"
@@ -75,16 +76,37 @@ int bandwidth(const DiskStructure& disks, const std::vector<int>& row) {
 /// The contacts along the rows: by their first body, those with the surroundings before others, then
 /// by the second.
 std::vector<int> sweep_order(const DiskStructure& disks, const std::vector<int>& row) {
-  const auto place = [&](int c) {
-    const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
+  struct Placed {
+    int second, contact;
+    bool operator<(const Placed& other) const {
+      return std::tie(second, contact) < std::tie(other.second, other.contact);
+    }
+  };
+  const auto rows = [&](const DiskStructure::Contact& contact) {
     const int i = row[to_size(contact.i)];
     if (contact.j == disks.surroundings()) return std::pair(i, -1);
     const int j = row[to_size(contact.j)];
     return std::pair(std::min(i, j), std::max(i, j));
   };
-  std::vector<int> order(disks.contacts.size());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return place(a) < place(b); });
+  // Into a box for each first body, which then holds a handful.
+  std::vector<int> end(to_size(disks.surroundings()) + 1, 0);
+  for (const DiskStructure::Contact& contact : disks.contacts) {
+    ++end[to_size(rows(contact).first) + 1];
+  }
+  std::partial_sum(end.begin(), end.end(), end.begin());
+  std::vector<Placed> placed(disks.contacts.size());
+  for (std::size_t c = 0; c < disks.contacts.size(); ++c) {
+    const auto [first, second] = rows(disks.contacts[c]);
+    placed[to_size(end[to_size(first)]++)] = {second, static_cast<int>(c)};
+  }
+  int begin = 0;  // every end has moved to the next one's beginning
+  for (int body = 0; body < disks.surroundings(); ++body) {
+    std::sort(placed.begin() + begin, placed.begin() + end[to_size(body)]);
+    begin = end[to_size(body)];
+  }
+  std::vector<int> order;
+  order.reserve(placed.size());
+  for (const Placed& p : placed) order.push_back(p.contact);
   return order;
 }
 

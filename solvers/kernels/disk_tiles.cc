@@ -14,16 +14,26 @@ namespace {
 constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
 constexpr int kDeepest = 16;
 
-/// What a pipeline may keep in the cache of one core: the second level, 1 MiB where the system does
-/// not say. It decides what runs when, and changes no bit.
-std::size_t cache_bytes() {
-  static const std::size_t bytes = [] {
-    long level2 = 0;
-#ifdef _SC_LEVEL2_CACHE_SIZE
-    level2 = sysconf(_SC_LEVEL2_CACHE_SIZE);
+/// Bytes of a cache as the system says, `otherwise` where it does not. What follows from it decides
+/// what runs when, and changes no bit.
+std::size_t cache_bytes(int level, std::size_t otherwise) {
+  long bytes = 0;
+#if defined(_SC_LEVEL2_CACHE_SIZE) && defined(_SC_LEVEL3_CACHE_SIZE)
+  bytes = sysconf(level == 2 ? _SC_LEVEL2_CACHE_SIZE : _SC_LEVEL3_CACHE_SIZE);
 #endif
-    return static_cast<std::size_t>(level2 > 0 ? level2 : 1L << 20);
-  }();
+  return bytes > 0 ? static_cast<std::size_t>(bytes) : otherwise;
+}
+
+/// The cache of one core.
+std::size_t own_cache() {
+  static const std::size_t bytes = cache_bytes(2, std::size_t{1} << 20);
+  return bytes;
+}
+
+/// What the iterations in flight of one core may take up: its own cache, or a quarter of the next
+/// one, which others use too but which is several times as fast as memory still.
+std::size_t pipeline_cache() {
+  static const std::size_t bytes = std::max(own_cache(), cache_bytes(3, 0) / 4);
   return bytes;
 }
 
@@ -175,10 +185,10 @@ int DiskTiles<D>::pipeline_depth(int threads, std::size_t bytes_per_batch,
                                  std::size_t bytes_per_row) const {
   const std::size_t all =
       to_size(num_batches()) * bytes_per_batch + to_size(num_rows()) * bytes_per_row;
-  if (all <= cache_bytes() * to_size(threads)) return 1;
+  if (all <= own_cache() * to_size(threads)) return 1;
   const std::size_t tile = all / to_size(std::max(num_tiles(), 1));
-  const int fitting = static_cast<int>(std::min<std::size_t>(kDeepest, cache_bytes() / (2 * tile)));
-  return std::max(fitting, 2);
+  const std::size_t fitting = pipeline_cache() / to_size(std::max(threads, 1)) / (2 * tile);
+  return static_cast<int>(std::clamp<std::size_t>(fitting, 2, kDeepest));
 }
 
 template class DiskTiles<1>;

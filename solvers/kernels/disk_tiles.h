@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/large_pages.h"
 #include "core/problem/contact_problem.h"
 #include "core/problem/disk_structure.h"
 #include "solvers/kernels/contact_scaling.h"
@@ -68,10 +69,10 @@ class DiskTiles {
 
   ContactTiles tiles_;
   Vector impulse_scale_, velocity_scale_;
-  std::vector<ContactBatch<D>> contacts_;
+  LargeVector<ContactBatch<D>> contacts_;
   std::vector<int> law_;
   std::vector<LawBatch> laws_;
-  std::vector<BodyRow> inverse_;
+  LargeVector<BodyRow> inverse_;
 };
 
 }  // namespace bipot

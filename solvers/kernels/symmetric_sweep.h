@@ -29,8 +29,8 @@ class SymmetricSweep {
   DiskTiles<D> disks_;
   const DiskKernels<D>& kernels_;
   double omega_;
-  std::vector<ImpulseBatch<D>> now_, before_, next_;
-  std::vector<BodyRow> velocity_, velocity_before_;
+  LargeVector<ImpulseBatch<D>> now_, before_, next_;
+  LargeVector<BodyRow> velocity_, velocity_before_;
   Vector s_;
 };
 

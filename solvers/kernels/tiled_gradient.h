@@ -55,8 +55,8 @@ class TiledGradient final : public GradientKernel {
   const DiskKernels<D>& kernels_;
   GradientNeighbours<D>* const neighbours_;
   int threads_, depth_, group_;  // depth: of the wavefront; group: between two looks at the sums
-  std::vector<ImpulseBatch<D>> impulse_[4];
-  std::vector<BodyRow> momentum_[4], velocity_;
+  LargeVector<ImpulseBatch<D>> impulse_[4];
+  LargeVector<BodyRow> momentum_[4], velocity_;
   std::vector<GradientSums> sums_;  // of every iteration in flight and tile
   Roles roles_;
   double beta_ = 0, change2_ = 0;  // of the next iteration; of the last one

@@ -24,8 +24,8 @@ class TiledSweep {
   const DiskKernels<D>& kernels_;
   double omega_;
   int threads_, depth_;
-  std::vector<ImpulseBatch<D>> impulse_;
-  std::vector<BodyRow> velocity_;
+  LargeVector<ImpulseBatch<D>> impulse_;
+  LargeVector<BodyRow> velocity_;
   Vector s_;
 };
 

@@ -36,11 +36,13 @@ inline void wait_for(const std::atomic<int>& done, int count) {
 /// to each other they wait twice an iteration: for the left one's last tile of the same iteration,
 /// and for the right one's first tile of the iteration before. Both stand earlier in the order of
 /// waves, in which all proceed, so that nobody waits for ever; behind the left one by `depth`
-/// ranges, a thread loses that part of `iterations`.
+/// ranges, a thread loses that part of `iterations`, so `depth` then is a quarter of them at most.
 template <class Task>
 void run_wavefront(int threads, int tiles, int iterations, int depth, const Task& task) {
   constexpr int kLeastTiles = 2;  // of a range
+  constexpr int kDepthsInAll = 4;
   threads = std::clamp(threads, 1, std::max(1, tiles / kLeastTiles));
+  if (threads > 1) depth = std::clamp(iterations / kDepthsInAll, 1, depth);
   std::vector<RangeProgress> progress(static_cast<std::size_t>(threads));
   const auto range = [&](int rank, int size) {
     RangeProgress* const own = progress.data() + rank;
