@@ -255,7 +255,7 @@ class Planner {
           std::max(kPivots, (splitting_first() ? kPivotsOfLarge : kPivotsOfContact) * contacts_));
       if (exact_ && contacts_ > kLarge) stages_.back().tol_below = kFair;
       // Where the paths from its impulse stop, some are found from the start of the step: of seven
-      // such steps of 4800 to 5200 contacts to 1e-4 by 21 of 28 runs within 4 N.
+      // such steps of 4800 to 5200 contacts to 1e-4 by 19 of 28 runs within 22 000.
       if (splitting_first()) afresh({"2"}, kPivotsAfreshLarge);
     }
     if (!sweeps_first()) sweeps();
