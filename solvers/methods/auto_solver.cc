@@ -254,9 +254,6 @@ class Planner {
       first_paths(
           std::max(kPivots, (splitting_first() ? kPivotsOfLarge : kPivotsOfContact) * contacts_));
       if (exact_ && contacts_ > kLarge) stages_.back().tol_below = kFair;
-      // Where the paths from its impulse stop, some are found from the start of the step: of seven
-      // such steps of 4800 to 5200 contacts to 1e-4 by 19 of 28 runs within 22 000.
-      if (splitting_first()) afresh({"2"}, kPivotsAfreshLarge);
     }
     if (!sweeps_first()) sweeps();
     if (exact_ && contacts_ > kLarge) {
@@ -270,7 +267,7 @@ class Planner {
     if (splitting_first()) {
       // Whether paths of a start arrive is chance: of thirteen starts of one step five did, within
       // 3 N pivots, the others not within 6 N.
-      add("homotopy", kPivotsOfContact * contacts_, kPivotsOfContact * contacts_, Start::kLast,
+      add("homotopy", kPivotsOfLarge * contacts_, kPivotsOfLarge * contacts_, Start::kLast,
           "moving packings: paths from another start", {{"start_tol", "1"}});
       stages_.back().tol_below = kFair;
     }
@@ -301,6 +298,9 @@ class Planner {
     }
     const bool sweeps_again = !local_ && contacts_ <= kCheapFactors;
     if (sweeps_again) add("pgs", 16000, 20000, Start::kOwn, "again, with patience: still cheap");
+    // Where the paths from splitting stop, some are found from the start of the step: of seven such
+    // steps of 4800 to 5200 contacts to 1e-4 by 19 of 28 runs within 22 000.
+    if (splitting_first()) afresh({"2"}, kPivotsAfreshLarge);
     if (exact_ && contacts_ > kFew) {
       // Whether paths of a start arrive is chance, and some of the next ones do.
       const int of_contact = !paths_first()      ? 0
