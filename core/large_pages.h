@@ -10,8 +10,8 @@
 namespace bipot {
 
 /// Asks the system for pages of 2 MiB where an array is larger: what streams through hundreds of
-/// megabytes again and again otherwise waits for the tables of 4 KiB pages (a quarter of the time of
-/// a sweep over 3·10⁶ contacts on a virtual machine). Where the system has no such pages, nothing
+/// megabytes again and again otherwise waits for the tables of 4 KiB pages (5 to 23 % of the time of
+/// sweeps on a virtual machine, data/speed.md). Where the system has no such pages, nothing
 /// changes; results never do.
 template <class T>
 struct LargePageAllocator {
