@@ -176,7 +176,7 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form, int
     throw std::invalid_argument("the two-pass form needs H and a diagonal A");
   }
   const auto made = std::make_shared<Prepared>();
-  form_ = made;
+  prepared_ = made;
   delassus_ = &problem.W;
   if (two_pass_) {
     made->inverse_mass = problem.A.diagonal().cwiseInverse();
@@ -215,7 +215,7 @@ template <int D>
 void DelassusOperator::add_impulses(const double* s) const {
   double* const v = velocity_.data();
   velocity_.setZero();
-  for (const DiskStructure::Contact& c : form_->disks->contacts) {
+  for (const DiskStructure::Contact& c : prepared_->disks->contacts) {
     const Push p = push<D>(c, s);
     double* const vi = v + 4 * c.i;
     double* const vj = v + 4 * c.j;
@@ -234,14 +234,14 @@ void DelassusOperator::add_impulses(const double* s) const {
 /// The same sums, body by body.
 template <int D>
 void DelassusOperator::add_impulses_by_body(const double* s) const {
-  run_pieces(threads_, form_->disks->surroundings(), [&](int begin, int end) {
+  const Prepared& made = *prepared_;
+  run_pieces(threads_, made.disks->surroundings(), [&](int begin, int end) {
     for (int body = begin; body < end; ++body) {
       double x = 0, y = 0, spin = 0;
-      for (int k = form_->side_start[to_size(body)]; k < form_->side_start[to_size(body) + 1];
-           ++k) {
-        const int c = form_->side[to_size(k)] / 2;
-        const Push p = push<D>(form_->disks->contacts[to_size(c)], s + D * c);
-        if (form_->side[to_size(k)] % 2 == 0) {
+      for (int k = made.side_start[to_size(body)]; k < made.side_start[to_size(body) + 1]; ++k) {
+        const int c = made.side[to_size(k)] / 2;
+        const Push p = push<D>(made.disks->contacts[to_size(c)], s + D * c);
+        if (made.side[to_size(k)] % 2 == 0) {
           x += p.x;
           y += p.y;
         } else {
@@ -261,14 +261,15 @@ void DelassusOperator::add_impulses_by_body(const double* s) const {
 
 template <int D>
 void DelassusOperator::apply_disks(const double* s, double* u) const {
-  if (form_->side.empty()) {
+  if (prepared_->side.empty()) {
     add_impulses<D>(s);
   } else {
     add_impulses_by_body<D>(s);
   }
+  const DiskStructure& disks = *prepared_->disks;
   double* const v = velocity_.data();
   double* body_velocity = v;
-  for (const DiskStructure::Body& body : form_->disks->bodies) {
+  for (const DiskStructure::Body& body : disks.bodies) {
     body_velocity[0] *= body.inverse_mass;
     body_velocity[1] *= body.inverse_mass;
     body_velocity[2] *= body.inverse_inertia;
@@ -277,7 +278,7 @@ void DelassusOperator::apply_disks(const double* s, double* u) const {
   run_pieces(threads_, problem_.num_contacts(), [&](int begin, int end) {
     double* to = u + D * begin;
     for (int k = begin; k < end; ++k) {
-      const DiskStructure::Contact& c = form_->disks->contacts[to_size(k)];
+      const DiskStructure::Contact& c = disks.contacts[to_size(k)];
       const double* const vi = v + 4 * c.i;
       const double* const vj = v + 4 * c.j;
       const double x = vi[0] - vj[0], y = vi[1] - vj[1];
@@ -289,7 +290,7 @@ void DelassusOperator::apply_disks(const double* s, double* u) const {
 }
 
 void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const {
-  if (form_->disks) {
+  if (prepared_->disks) {
     u.resize(problem_.num_rows());
     if (problem_.dim == 1) {
       apply_disks<1>(s.data(), u.data());
@@ -298,7 +299,7 @@ void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const
     }
   } else if (two_pass_) {
     velocity_.noalias() = problem_.H * s;
-    velocity_.array() *= form_->inverse_mass.array();
+    velocity_.array() *= prepared_->inverse_mass.array();
     u.noalias() = problem_.H.transpose() * velocity_;
   } else {
     u.noalias() = *delassus_ * s;
@@ -320,7 +321,7 @@ Eigen::MatrixXd DelassusOperator::diagonal_block(int contact) const {
         SparseMatrix::InnerIterator y(problem_.H, contact * d + b);
         while (x && y) {
           if (x.row() == y.row()) {
-            block(a, b) += x.value() * y.value() * form_->inverse_mass[x.row()];
+            block(a, b) += x.value() * y.value() * prepared_->inverse_mass[x.row()];
             ++x;
             ++y;
           } else if (x.row() < y.row()) {
@@ -347,7 +348,7 @@ Vector DelassusOperator::diagonal() const {
   if (two_pass_) {
     for (int i = 0; i < problem_.num_rows(); ++i) {
       for (SparseMatrix::InnerIterator it(problem_.H, i); it; ++it) {
-        diagonal[i] += it.value() * it.value() * form_->inverse_mass[it.row()];
+        diagonal[i] += it.value() * it.value() * prepared_->inverse_mass[it.row()];
       }
     }
   } else {

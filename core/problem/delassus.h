@@ -44,7 +44,7 @@ class DelassusOperator {
   Vector diagonal() const;
   bool two_pass() const { return two_pass_; }
   /// The packed H of disks, nothing where the two-pass form is not used or finds other bodies.
-  const std::optional<DiskStructure>& disks() const { return form_->disks; }
+  const std::optional<DiskStructure>& disks() const { return prepared_->disks; }
 
  private:
   template <int D>
@@ -68,8 +68,8 @@ class DelassusOperator {
   const ContactProblem& problem_;
   int threads_ = 1;
   bool two_pass_ = false;
-  std::shared_ptr<const Prepared> form_;
-  const SparseRows* delassus_ = nullptr;  // form_'s or the problem's W
+  std::shared_ptr<const Prepared> prepared_;
+  const SparseRows* delassus_ = nullptr;  // prepared_'s or the problem's W
   mutable Vector velocity_;  // scratch, n; for disks 4 values a body: (x, y, a ω, padding)
 };
 

@@ -30,11 +30,12 @@ std::size_t own_cache() {
   return bytes;
 }
 
-/// What the iterations in flight of one core may take up: its own cache, or a quarter of the next
-/// one, which others use too but which is several times as fast as memory still.
-std::size_t pipeline_cache() {
-  static const std::size_t bytes = std::max(own_cache(), cache_bytes(3, 0) / 4);
-  return bytes;
+/// What the iterations in flight of one of so many threads may take up: its core's own cache, or its
+/// share of a quarter of the next one, which others use too but which is several times as fast as
+/// memory still.
+std::size_t pipeline_cache(int threads) {
+  static const std::size_t shared = cache_bytes(3, 0) / 4;
+  return std::max(own_cache(), shared / to_size(threads));
 }
 
 /// Gives numbers that are equal to rounding the same bits: those of the first of them.
@@ -187,7 +188,7 @@ int DiskTiles<D>::pipeline_depth(int threads, std::size_t bytes_per_batch,
       to_size(num_batches()) * bytes_per_batch + to_size(num_rows()) * bytes_per_row;
   if (all <= own_cache() * to_size(threads)) return 1;
   const std::size_t tile = all / to_size(std::max(num_tiles(), 1));
-  const std::size_t fitting = pipeline_cache() / to_size(std::max(threads, 1)) / (2 * tile);
+  const std::size_t fitting = pipeline_cache(std::max(threads, 1)) / (2 * tile);
   return static_cast<int>(std::clamp<std::size_t>(fitting, 2, kDeepest));
 }
 

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "core/large_pages.h"
 #include "solvers/kernels/disk_tiles.h"
 #include "solvers/kernels/gradient_kernel.h"
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/large_pages.h"
 #include "solvers/kernels/disk_tiles.h"
 
 namespace bipot {
