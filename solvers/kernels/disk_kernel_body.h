@@ -340,17 +340,15 @@ void sweep_back(const SymmetricTask<D>& task, TurnSums& sums) {
   for (int part = 0; part < kParts; ++part) store(sums.turn, part, turn[part]);
 }
 
-/// Velocities of the tile's bodies at the extrapolated momentum.
-template <int D>
-void extrapolate(const GradientTask<D>& task, GradientSums& sums) {
+void extrapolate(const MomentumTask& task, EnergySums& sums) {
   const Row beta = Row{} + task.beta;
   Row energy{};
   for (int k = 0; k < task.rows; ++k) {
-    const Row inverse = row(task.inverse[k]), now = row(task.momentum_now[k]);
-    const Row change = now - row(task.momentum_before[k]);
+    const Row inverse = row(task.inverse[k]), now = row(task.now[k]);
+    const Row change = now - row(task.before[k]);
     energy += inverse * change * change;
-    row(task.velocity_own[k]) = inverse * (now + beta * change);
-    row(task.momentum_own[k]) = Row{};
+    row(task.velocity[k]) = inverse * (now + beta * change);
+    row(task.next[k]) = Row{};
   }
   for (int k = 0; k < 4; ++k) sums.energy[k] = energy[k];
 }
@@ -398,7 +396,7 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
     store(a.next[k].x[0], part, z_n);
     return wrench;
   };
-  for_parts<false, false>(a.contact, a.batches, a.velocity, nullptr, a.momentum_next, solve);
+  for_parts<false, false>(a.contact, a.batches, a.velocity, nullptr, a.momentum, solve);
   for (int part = 0; part < kParts; ++part) {
     store(sums.turn, part, turn[part]);
     store(sums.change2, part, change2[part]);
@@ -407,7 +405,6 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
 
 template <int D>
 void gradient(const GradientTask<D>& task, GradientSums& sums) {
-  extrapolate(task, sums);
   if (task.cone) {
     project<D, true>(task, sums);
   } else {

@@ -55,31 +55,41 @@ struct SweepTask {
   const BodyRow* inverse = nullptr;  ///< all rows: 1/m, a²/I, 1/m, 0
 };
 
-/// One step of an accelerated projected gradient over a tile: velocities of its bodies at the
-/// extrapolated momentum, then x⁺ = P(y - rho w(y)) with y = x + beta (x - x⁻), and the momentum of
-/// x⁺. P: solvers/methods/accelerated_gradient.h.
+/// One step of an accelerated projected gradient over a tile, in two parts. First the velocities of
+/// its bodies at the extrapolated momentum.
+struct MomentumTask {
+  int rows = 0;
+  double beta = 0;
+  const BodyRow *now = nullptr, *before = nullptr;  ///< momentum of the tile's rows
+  const BodyRow* inverse = nullptr;                 ///< of the tile's rows
+  BodyRow* velocity = nullptr;                      ///< of the tile's rows
+  BodyRow* next = nullptr;  ///< next momentum of the tile's rows, set to 0; may be `before`
+};
+/// ‖momentum - momentum before‖² in 1/mass over the rows of a tile, in parts.
+struct alignas(32) EnergySums {
+  double energy[4] = {};
+};
+
+/// Then x⁺ = P(y - rho w(y)) with y = x + beta (x - x⁻), added to the next momentum. Of all tiles
+/// whose bodies these contacts touch the velocities are there and the next momenta begun.
+/// P: solvers/methods/accelerated_gradient.h.
 template <int D>
 struct GradientTask {
-  int batches = 0, rows = 0;
+  int batches = 0;
   double beta = 0, rho = 0;
   bool cone = false;
   const ContactBatch<D>* contact = nullptr;
   const int* law = nullptr;
   const LawBatch* laws = nullptr;
-  const ImpulseBatch<D>*now = nullptr, *before = nullptr;             ///< x, x⁻
-  ImpulseBatch<D>* next = nullptr;                                    ///< x⁺, may be `before`
-  const BodyRow *momentum_now = nullptr, *momentum_before = nullptr;  ///< of the tile's rows
-  const BodyRow* inverse = nullptr;                                   ///< of the tile's rows
-  BodyRow* momentum_own = nullptr;    ///< next momentum of the tile's rows, set to 0 first
-  BodyRow* velocity_own = nullptr;    ///< of the tile's rows
-  BodyRow* momentum_next = nullptr;   ///< all rows
-  const BodyRow* velocity = nullptr;  ///< all rows
+  const ImpulseBatch<D>*now = nullptr, *before = nullptr;  ///< x, x⁻
+  ImpulseBatch<D>* next = nullptr;                         ///< x⁺, may be `before`
+  const BodyRow* velocity = nullptr;                       ///< all rows
+  BodyRow* momentum = nullptr;                             ///< all rows, of x⁺
 };
 /// Partial sums of one tile, lane by lane: to be added in a fixed order.
 struct alignas(64) GradientSums {
   double turn[kLanes] = {};     ///< (y - x⁺)·(x⁺ - x)
   double change2[kLanes] = {};  ///< ‖x⁺ - x‖²
-  double energy[4] = {};        ///< ‖momentum - momentum before‖² in 1/mass
 };
 
 /// Half an iteration of symmetric Gauss-Seidel with momentum over batches in order: forth from
@@ -105,6 +115,7 @@ struct alignas(64) TurnSums {
 template <int D>
 struct DiskKernels {
   void (*sweep)(const SweepTask<D>& task);
+  void (*extrapolate)(const MomentumTask& task, EnergySums& sums);
   void (*gradient)(const GradientTask<D>& task, GradientSums& sums);
   void (*sweep_forth)(const SymmetricTask<D>& task);
   void (*sweep_back)(const SymmetricTask<D>& task, TurnSums& sums);

@@ -30,12 +30,11 @@ std::size_t own_cache() {
   return bytes;
 }
 
-/// What the iterations in flight of one of so many threads may take up: its core's own cache, or its
-/// share of a quarter of the next one, which others use too but which is several times as fast as
-/// memory still.
-std::size_t pipeline_cache(int threads) {
-  static const std::size_t shared = cache_bytes(3, 0) / 4;
-  return std::max(own_cache(), shared / to_size(threads));
+/// A quarter of the next one, which others use too but which is several times as fast as memory. Where
+/// several of them serve a processor, the system may tell their sum: 32 MiB are common for one.
+std::size_t shared_cache() {
+  static const std::size_t bytes = std::min(cache_bytes(3, 0), std::size_t{32} << 20) / 4;
+  return bytes;
 }
 
 /// Gives numbers that are equal to rounding the same bits: those of the first of them.
@@ -184,12 +183,15 @@ void DiskTiles<D>::unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const {
 template <int D>
 int DiskTiles<D>::pipeline_depth(int threads, std::size_t bytes_per_batch,
                                  std::size_t bytes_per_row) const {
+  const std::size_t team = to_size(std::max(threads, 1));
   const std::size_t all =
       to_size(num_batches()) * bytes_per_batch + to_size(num_rows()) * bytes_per_row;
-  if (all <= own_cache() * to_size(threads)) return 1;
+  if (all <= own_cache() * team) return 1;
+  // What comes from the shared cache anyway gains by iterations in the core's own one only.
+  const std::size_t cache =
+      all <= shared_cache() ? own_cache() : std::max(own_cache(), shared_cache() / team);
   const std::size_t tile = all / to_size(std::max(num_tiles(), 1));
-  const std::size_t fitting = pipeline_cache(std::max(threads, 1)) / (2 * tile);
-  return static_cast<int>(std::clamp<std::size_t>(fitting, 2, kDeepest));
+  return static_cast<int>(std::clamp<std::size_t>(cache / (2 * tile), 2, kDeepest));
 }
 
 template class DiskTiles<1>;

@@ -32,7 +32,8 @@ TiledGradient<D>::TiledGradient(const ContactProblem& problem, const DiskStructu
              : threads_ > 1        ? std::max(depth_, kTogether)
                                    : depth_),
       velocity_(to_size(disks_.num_rows())),
-      sums_(to_size(group_) * to_size(disks_.num_tiles())) {
+      sums_(to_size(group_) * to_size(disks_.num_tiles())),
+      energy_(sums_.size()) {
   // One iteration at a time never comes to the last buffers.
   for (int k = 0; k < (group_ > 1 ? 4 : 3); ++k) {
     impulse_[k].resize(to_size(disks_.num_batches()));
@@ -81,32 +82,42 @@ void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
                            const GradientControl& control) {
   std::vector<Roles> roles;
   for (int k = 0; k <= iterations; ++k) roles.push_back(after(k));
-  run_wavefront(threads_, disks_.num_tiles(), iterations, depth_, [&](int k, int t) {
+  const int tiles = disks_.num_tiles(), middle = first_upper_tile(tiles);
+  const auto extrapolate = [&](int k, int t) {
     const ContactTiles::Tile& tile = disks_.tile(t);
-    const std::size_t batch = to_size(tile.first_batch), row = to_size(tile.first_row);
-    const std::size_t now = to_size(roles[to_size(k)].now),
-                      next = to_size(roles[to_size(k) + 1].now);
-    const std::size_t before = to_size(roles[to_size(k)].before);
+    const std::size_t row = to_size(tile.first_row);
+    MomentumTask task;
+    task.rows = tile.last_row - tile.first_row;
+    task.beta = beta[to_size(k)];
+    task.now = &momentum_[to_size(roles[to_size(k)].now)][row];
+    task.before = &momentum_[to_size(roles[to_size(k)].before)][row];
+    task.inverse = disks_.inverse() + row;
+    task.velocity = &velocity_[row];
+    task.next = &momentum_[to_size(roles[to_size(k) + 1].now)][row];
+    kernels_.extrapolate(task, energy_[to_size(k * tiles + t)]);
+  };
+  run_wavefront(threads_, tiles, iterations, depth_, [&](int k, int t) {
+    // The contacts of a tile touch its bodies and those of the tile below.
+    if (t < middle || t == tiles - 1) extrapolate(k, t);
+    if (t > middle) extrapolate(k, t - 1);
+    const ContactTiles::Tile& tile = disks_.tile(t);
+    const std::size_t batch = to_size(tile.first_batch);
+    const Roles& role = roles[to_size(k)];
+    const std::size_t next = to_size(roles[to_size(k) + 1].now);
     GradientTask<D> task;
     task.batches = tile.last_batch - tile.first_batch;
-    task.rows = tile.last_row - tile.first_row;
     task.beta = beta[to_size(k)];
     task.rho = control.step / control.lambda;
     task.cone = control.cone;
     task.contact = disks_.contacts(tile);
     task.law = disks_.law_numbers(tile);
     task.laws = disks_.laws();
-    task.now = &impulse_[now][batch];
-    task.before = &impulse_[before][batch];
+    task.now = &impulse_[to_size(role.now)][batch];
+    task.before = &impulse_[to_size(role.before)][batch];
     task.next = &impulse_[next][batch];
-    task.momentum_now = &momentum_[now][row];
-    task.momentum_before = &momentum_[before][row];
-    task.momentum_own = &momentum_[next][row];
-    task.momentum_next = momentum_[next].data();
-    task.inverse = disks_.inverse() + row;
-    task.velocity_own = &velocity_[row];
     task.velocity = velocity_.data();
-    kernels_.gradient(task, sums_[to_size(k * disks_.num_tiles() + t)]);
+    task.momentum = momentum_[next].data();
+    kernels_.gradient(task, sums_[to_size(k * tiles + t)]);
   });
   if (neighbours_ != nullptr) {
     const std::size_t next = to_size(roles.back().now);
@@ -117,20 +128,22 @@ void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
 template <int D>
 GradientProgress TiledGradient<D>::totals(int iteration) const {
   GradientSums sum;
+  EnergySums energy;
   for (int t = 0; t < disks_.num_tiles(); ++t) {
-    const GradientSums& part = sums_[to_size(iteration * disks_.num_tiles() + t)];
+    const std::size_t at = to_size(iteration * disks_.num_tiles() + t);
+    const GradientSums& part = sums_[at];
     for (int lane = 0; lane < kLanes; ++lane) {
       sum.turn[lane] += part.turn[lane];
       sum.change2[lane] += part.change2[lane];
     }
-    for (int k = 0; k < 4; ++k) sum.energy[k] += part.energy[k];
+    for (int k = 0; k < 4; ++k) energy.energy[k] += energy_[at].energy[k];
   }
   GradientProgress total;
   for (int lane = 0; lane < kLanes; ++lane) {
     total.turn += sum.turn[lane];
     total.change2 += sum.change2[lane];
   }
-  for (const int k : {kRowX, kRowY, kRowSpin}) total.energy += sum.energy[k];
+  for (const int k : {kRowX, kRowY, kRowSpin}) total.energy += energy.energy[k];
   if (neighbours_ == nullptr) return total;
   const Roles& r = roles_;
   return neighbours_->total(disks_, total, momentum_[r.now], momentum_[r.before]);

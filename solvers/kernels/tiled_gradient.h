@@ -59,6 +59,7 @@ class TiledGradient final : public GradientKernel {
   LargeVector<ImpulseBatch<D>> impulse_[4];
   LargeVector<BodyRow> momentum_[4], velocity_;
   std::vector<GradientSums> sums_;  // of every iteration in flight and tile
+  std::vector<EnergySums> energy_;  // likewise
   Roles roles_;
   double beta_ = 0, change2_ = 0;  // of the next iteration; of the last one
   int since_restart_ = 0, interval_ = 0;

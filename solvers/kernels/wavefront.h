@@ -25,45 +25,89 @@ inline void wait_for(const std::atomic<int>& done, int count) {
   }
 }
 
-/// Calls task(k, t) for all iterations k < `iterations` and tiles t < `tiles`, in an order in which
-/// every (k, t) comes after (k, t - 1) and (k - 1, t + 1). With ContactTiles (contact_tiles.h) the
-/// pairs that are left free then share no body, and the result is that of the plain loops over k and
-/// t, bit for bit. The task must not throw.
+/// Calls task(k, place) for begin <= place < end and the iterations start <= k < start + group, of
+/// the waves place + 2 (k - start) = const from `first` to before `last`.
+template <class Task>
+void run_waves(int begin, int end, int start, int group, int first, int last, const Task& task) {
+  for (int wave = first; wave < last; ++wave) {
+    const int oldest = wave < end ? 0 : (wave - end) / 2 + 1;
+    const int newest = std::min(group - 1, (wave - begin) / 2);
+    for (int i = oldest; i <= newest; ++i) task(start + i, wave - 2 * i);
+  }
+}
+/// The first wave after those of run_waves().
+inline int end_of_waves(int end, int group) { return end + 2 * (group - 1); }
+
+/// The tile from which on run_wavefront() comes down: half of them.
+inline int first_upper_tile(int tiles) { return tiles / 2; }
+
+/// Calls task(k, t) for all iterations k < `iterations` and tiles t < `tiles`, from both ends of the
+/// packing to its middle: in the lower half of the tiles every (k, t) comes after (k, t - 1) and
+/// (k - 1, t + 1), in the upper half after (k, t + 1) and (k - 1, t - 1), and the first tile of the
+/// upper half after the last of the lower one. With ContactTiles (contact_tiles.h) the pairs that are
+/// left free then share no body, and the result is that of plain loops over k and over t in that
+/// order, bit for bit. The task must not throw.
 ///
-/// One thread takes groups of `depth` iterations in waves t + 2 k = const, so that what an iteration
-/// has in the cache serves the next ones too. Several threads have a range of tiles each, for all
-/// iterations, and stay with it: a range may fit a core's own cache where the whole does not. Next
-/// to each other they wait twice an iteration: for the left one's last tile of the same iteration,
-/// and for the right one's first tile of the iteration before. Both stand earlier in the order of
-/// waves, in which all proceed, so that nobody waits for ever; behind the left one by `depth`
-/// ranges, a thread loses that part of `iterations`, so `depth` then is a quarter of them at most.
+/// One thread takes groups of `depth` iterations in waves, so that what an iteration has in the cache
+/// serves the next ones too: those of the lower half that do not need the upper one, those of the
+/// upper one, then both by turns. Several threads have a range of tiles each, for all iterations, and
+/// stay with it: a range may fit a core's own cache where the whole does not. Two begin together and
+/// meet in the middle, neither behind the other; with more, there are as many ranges in each half.
+/// Next to each other they wait twice an iteration: for the last tile of the range behind in the same
+/// iteration, and for the first tile of the one ahead in the iteration before. Both stand earlier in
+/// the order of waves, in which all proceed, so that nobody waits for ever.
 template <class Task>
 void run_wavefront(int threads, int tiles, int iterations, int depth, const Task& task) {
   constexpr int kLeastTiles = 2;  // of a range
+  // Behind another one by `depth` ranges, a thread loses that part of the iterations.
   constexpr int kDepthsInAll = 4;
+  const int middle = first_upper_tile(tiles), above = tiles - middle;
+  const auto upper = [&](int k, int place) { task(k, tiles - 1 - place); };
   threads = std::clamp(threads, 1, std::max(1, tiles / kLeastTiles));
-  if (threads > 1) depth = std::clamp(iterations / kDepthsInAll, 1, depth);
+  if (threads > 2) depth = std::clamp(iterations / kDepthsInAll, 1, depth);
   std::vector<RangeProgress> progress(static_cast<std::size_t>(threads));
-  const auto range = [&](int rank, int size) {
-    RangeProgress* const own = progress.data() + rank;
-    const int begin = tiles * rank / size, end = tiles * (rank + 1) / size;
+
+  const auto alone = [&] {
     for (int start = 0; start < iterations; start += depth) {
       const int group = std::min(depth, iterations - start);
-      for (int wave = begin; wave < end + 2 * (group - 1); ++wave) {
-        const int first = wave < end ? 0 : (wave - end) / 2 + 1;
-        const int last = std::min(group - 1, (wave - begin) / 2);
-        for (int i = first; i <= last; ++i) {
-          const int k = start + i, t = wave - 2 * i;
-          if (t == begin && rank > 0) wait_for(own[-1].last, k + 1);
-          if (t == end - 1 && rank + 1 < size) wait_for(own[1].first, k);
-          task(k, t);
-          if (t == begin) own->first.store(k + 1, std::memory_order_release);
-          if (t == end - 1) own->last.store(k + 1, std::memory_order_release);
+      run_waves(0, middle, start, group, 0, middle, task);
+      run_waves(0, above, start, group, 0, above, upper);
+      for (int wave = middle; wave < end_of_waves(above, group); ++wave) {
+        if (wave < end_of_waves(middle, group)) {
+          run_waves(0, middle, start, group, wave, wave + 1, task);
         }
+        if (wave >= above) run_waves(0, above, start, group, wave, wave + 1, upper);
       }
     }
   };
-  run_team(threads, range);
+  const auto member = [&](int rank, int size) {
+    if (size == 1) return alone();
+    const int below = size / 2;  // threads in the lower half
+    const bool up = rank >= below;
+    const int here = up ? rank - below : rank, ranges = up ? size - below : below;
+    const int places = up ? above : middle;
+    const int begin = places * here / ranges, end = places * (here + 1) / ranges;
+    RangeProgress* const own = progress.data() + rank;
+    // The last ranges of both halves meet.
+    const bool meets = here + 1 == ranges;
+    const std::atomic<int>& ahead =
+        meets ? progress[static_cast<std::size_t>(up ? below : size) - 1].last : own[1].first;
+    for (int start = 0; start < iterations; start += depth) {
+      const int group = std::min(depth, iterations - start);
+      run_waves(begin, end, start, group, begin, end_of_waves(end, group), [&](int k, int place) {
+        if (place == begin && here > 0) wait_for(own[-1].last, k + 1);
+        if (place == end - 1) wait_for(ahead, meets && up ? k + 1 : k);
+        if (up) {
+          upper(k, place);
+        } else {
+          task(k, place);
+        }
+        if (place == begin) own->first.store(k + 1, std::memory_order_release);
+        if (place == end - 1) own->last.store(k + 1, std::memory_order_release);
+      });
+    }
+  };
+  run_team(threads, member);
 }
 
 }  // namespace bipot

@@ -23,7 +23,7 @@ inline constexpr ParameterSpec kGaussSeidelParameters[] = {
      .choices = "forward|symmetric|shuffled|tiled",
      .help =
          "contacts as they stand, alternately forwards and backwards, or drawn anew each sweep; "
-         "tiled: disks in vectors and on threads, tile by tile along the packing"},
+         "tiled: disks in vectors and on threads, tile by tile from both ends of the packing"},
     {.name = "seed",
      .kind = ParameterSpec::Kind::kInteger,
      .default_value = "1",

@@ -112,10 +112,18 @@ TEST(TiledKernels, ATiledSweepIsTheScalarSweepInItsOrder) {
     scalar.set_steps(c, Local<2>(1.2 / diagonal[2 * c], 1.2 / diagonal[2 * c + 1]),
                      at.problem.mu[c]);
   }
-  for (int sweep = 0; sweep < 20; ++sweep) {
-    for (const int c : tiles.contact) {
+  const auto num_tiles = static_cast<int>(tiles.tiles.size());
+  const auto relax = [&](int tile) {
+    const ContactTiles::Tile& at_tile = tiles.tiles[static_cast<std::size_t>(tile)];
+    for (int lane = at_tile.first_batch * kLanes; lane < at_tile.last_batch * kLanes; ++lane) {
+      const int c = tiles.contact[static_cast<std::size_t>(lane)];
       if (c >= 0) scalar.relax(c);
     }
+  };
+  for (int sweep = 0; sweep < 20; ++sweep) {
+    // From both ends to the middle.
+    for (int tile = 0; tile < num_tiles / 2; ++tile) relax(tile);
+    for (int tile = num_tiles - 1; tile >= num_tiles / 2; --tile) relax(tile);
   }
   const Vector s = swept<2>(at, 1.2, {}, {20});
   EXPECT_LT((s - scalar.impulse()).norm(), 1e-12 * s.norm());
