@@ -53,6 +53,9 @@ class CellBasis {
   /// the error is that of D's condition, 1e-16 / D. The point's columns are those of B.
   void solve_refined(const LawPoint& point, const Vector& g, long double weight, const Vector& h,
                      int refinements, Vector& x);
+  /// Goes on with x, which solve_refined() returned for the same.
+  void refine(const LawPoint& point, const Vector& g, long double weight, const Vector& h,
+              int refinements, Vector& x);
 
  private:
   bool factor_with_exchanges(const LawPoint& point);
@@ -63,6 +66,7 @@ class CellBasis {
                 const Vector& x, Vector& out);
 
   const LawProblem& problem_;
+  SparseRows rows_;  // W
   Vector proximal_;
   SparseMatrix matrix_;  // B, in whole blocks of W's symmetric pattern
   FrontalLU<double> fronts_;
@@ -71,7 +75,7 @@ class CellBasis {
   std::vector<Column> factored_;             // the columns of the factor
   ExchangedColumns exchanged_;
   Vector rhs_, change_, error_, y_;  // scratch
-  std::vector<long double> sum_;
+  std::vector<long double> sum_, impulse_;
 };
 
 }  // namespace bipot

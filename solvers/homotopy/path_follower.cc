@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "solvers/homotopy/ratio_test.h"
+
 namespace bipot {
 namespace {
 
@@ -19,6 +21,8 @@ constexpr double kFarBack = -1e3;
 constexpr double kArrived = 1 - 1e-11;
 // Violated bounds of that size, relative to the largest parameter, are rounding.
 constexpr double kAtZero = 1e-14;
+// The same after one refinement.
+constexpr double kNearZero = 1e-9;
 // A turn is remembered when t gained that much since the one remembered.
 constexpr double kTurnGain = 0.02;
 // Newton steps before a path, the least part of one that is tried, and the part of |F| that a full
@@ -30,7 +34,7 @@ constexpr int kFewFaces = 20;
 // Pivots between two questions whether to stop.
 constexpr int kPoll = 16;
 // Slots that are asked at once whether one of them blocks.
-constexpr int kGroup = 32;
+constexpr int kGroup = 64;
 
 }  // namespace
 
@@ -73,12 +77,20 @@ PathEnd PathFollower::approach(LawPoint& point) {
     factored_ = basis_.factor(point, proximal_);
     if (!factored_) return PathEnd::kSingular;
     ahead = point;
-    basis_.solve_refined(point, target_, 0, r_, refinements(), y_);
+    // One refinement is enough for a step; a solution has them all.
+    const auto admissible = [&](double rounding) {
+      const double violation = -point.bound.cwiseProduct(y_).minCoeff();
+      return violation <= rounding * y_.lpNorm<Eigen::Infinity>();
+    };
+    basis_.solve_refined(point, target_, 0, r_, 1, y_);
     if (!y_.allFinite()) return PathEnd::kSingular;
-    const double violation = -point.bound.cwiseProduct(y_).minCoeff();
-    if (violation <= kAtZero * y_.lpNorm<Eigen::Infinity>()) {
-      point.value = y_;
-      return PathEnd::kSolved;
+    if (admissible(kNearZero)) {
+      basis_.refine(point, target_, 0, r_, refinements() - 1, y_);
+      if (!y_.allFinite()) return PathEnd::kSingular;
+      if (admissible(kAtZero)) {
+        point.value = y_;
+        return PathEnd::kSolved;
+      }
     }
     y_ -= point.value;
     bool accepted = false;
@@ -175,13 +187,9 @@ PathFollower::Blocking PathFollower::blocking(const LawPoint& point, int last) c
   for (int begin = 0; begin < m; begin += kGroup) {
     const int end = std::min(begin + kGroup, m);
     // Few groups hold a nearer one: which do is asked without branches.
-    double nearer = 0;
-    for (int slot = begin; slot < end; ++slot) {
-      const double speed = bound[slot] * x[slot] * direction;  // towards zero
-      const double distance = std::max(bound[slot] * value[slot], 0.0);
-      nearer = std::max(nearer, std::min(speed, first.step * speed - distance));
+    if (!any_nearer(bound + begin, value + begin, x + begin, direction, first.step, end - begin)) {
+      continue;
     }
-    if (!(nearer > 0)) continue;
     for (int slot = begin; slot < end; ++slot) {
       const double speed = bound[slot] * x[slot] * direction;
       if (!(speed > 0) || slot == last) continue;

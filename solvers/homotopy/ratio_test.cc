@@ -1,0 +1,52 @@
+#include "solvers/homotopy/ratio_test.h"
+
+#include <cstring>
+
+// As in kernels/subtract_columns.cc.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define BIPOT_WIDTHS_OF_RATIOS __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define BIPOT_WIDTHS_OF_RATIOS
+#endif
+
+namespace bipot {
+namespace {
+
+// Four numbers in one variable, whatever width the machine's registers have.
+using Numbers [[gnu::vector_size(32)]] = double;
+
+[[gnu::always_inline]] inline Numbers numbers_at(const double* x) {
+  Numbers numbers;
+  std::memcpy(&numbers, x, sizeof numbers);
+  return numbers;
+}
+
+/// A parameter is nearer where speed > 0 and step speed > distance: where the lesser of speed and
+/// step speed - distance is positive (infinite steps of a speed of 0 are not numbers, and passed by).
+template <class Real>
+[[gnu::always_inline]] inline Real excess(Real bound, Real value, Real x, Real direction, Real step,
+                                          Real zero) {
+  const Real speed = bound * x * direction, distance = bound * value;
+  const Real left = step * speed - (distance > zero ? distance : zero);
+  return left < speed ? left : speed;
+}
+
+}  // namespace
+
+BIPOT_WIDTHS_OF_RATIOS bool any_nearer(const double* bound, const double* value, const double* x,
+                                       double direction, double step, int n) {
+  const Numbers zero{}, directions = zero + direction, steps = zero + step;
+  Numbers most{};
+  int k = 0;
+  for (; k + 4 <= n; k += 4) {
+    const Numbers left = excess<Numbers>(numbers_at(bound + k), numbers_at(value + k),
+                                         numbers_at(x + k), directions, steps, zero);
+    most = most < left ? left : most;
+  }
+  bool nearer = most[0] > 0 || most[1] > 0 || most[2] > 0 || most[3] > 0;
+  for (; k < n; ++k) nearer |= excess<double>(bound[k], value[k], x[k], direction, step, 0) > 0;
+  return nearer;
+}
+
+}  // namespace bipot
