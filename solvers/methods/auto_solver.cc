@@ -27,7 +27,8 @@ constexpr double kLargeFriction = 10;
 constexpr int kSmall = 400;
 // Up to it, `anderson` needs 10 to 30 iterations on square and triangular lattices, where `assor` takes
 // up to five times as long, as it does on pyramids. Elsewhere `assor` in its place makes 0.8 of the
-// time of 56 moving and shipped problems, at any tolerance.
+// time of 56 moving and shipped problems, at any tolerance; of runs, from warm starts, 0.6 to 1.05
+// at 1e-3 and looser, but 1.3 at 1e-4.
 constexpr int kSmallLattice = 600;
 // Above it, proximal Newton (a factorisation of d contacts unknowns a step) and Anderson (whose
 // sweeps need more iterations the deeper the packing) are left out of the first rounds.
@@ -63,7 +64,8 @@ constexpr int kLargeStep = 8000;
 constexpr double kUsefulStart = 0.5;
 // Tolerances from here on are loose.
 constexpr double kRough = 3e-3;
-// From here on `admm` is worth many more solves on large packings than below.
+// From here on `admm` is worth many more solves on large packings than below, and `assor` is the
+// first stage from warm starts too.
 constexpr double kFair = 5e-4;
 constexpr int kUnlimited = std::numeric_limits<int>::max();
 
@@ -229,13 +231,19 @@ class Planner {
     if (unequal_) {
       add("ipm", 40, 60, Start::kOwn, "very unequal masses: factorisations do not feel them");
     }
-    if (contacts_ > kFew && contacts_ <= kLarge && disks_ && friction_ && !regular_) {
-      add("assor", 100, 1000, Start::kOwn,
-          "the quickest on what is easy, and roughly on most; soon seen not to be elsewhere");
-    } else if (contacts_ > kFew && contacts_ <= kLarge) {
-      add("anderson", 16, 100, Start::kOwn,
-          "the quickest by far on small regular packings, and soon seen not to be elsewhere");
-      stages_.back().close_iterations = kCloseAnderson;
+    if (contacts_ > kFew && contacts_ <= kLarge) {
+      const bool sweeps_pay = disks_ && friction_ && !regular_;
+      if (sweeps_pay) {
+        add("assor", 100, 1000, Start::kOwn,
+            "the quickest on what is easy, and roughly on most; soon seen not to be elsewhere");
+        if (warm_) stages_.back().least_tol = kFair;
+      }
+      if (!sweeps_pay || warm_) {
+        add("anderson", 16, 100, Start::kOwn,
+            "the quickest by far on small regular packings, and soon seen not to be elsewhere");
+        stages_.back().close_iterations = kCloseAnderson;
+        if (sweeps_pay) stages_.back().tol_below = kFair;
+      }
     }
     if (local_ && contacts_ > kFew && contacts_ <= kCheapFactors) newton_on_delassus();
     if (sweeps_first()) sweeps();

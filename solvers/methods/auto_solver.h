@@ -35,7 +35,8 @@ struct AutoStage {
 
 /// The race for this problem, from its size, form and masses:
 ///
-///   1. `anderson`, the quickest on regular packings and soon seen not to be elsewhere (very
+///   1. `assor`, the quickest on what is easy and soon seen not to be elsewhere; `anderson` on small
+///      regular packings, without disks or friction, and from a warm start to tight tolerances (very
 ///      unequal masses: `ipm` before it; up to 400 contacts: `pgs` after it);
 ///   2. `apgd`: all that a loose tolerance needs, and a start for what follows; in its place, for
 ///      disks with more than 4000 contacts (8000 from a warm start), `assor`, which needs O(N^1/4)

@@ -11,6 +11,7 @@
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/solve.h"
+#include "tests/support/lattice_problem.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
@@ -179,6 +180,30 @@ TEST(AutoSolver, LargePackingsAtRestAreSolvedBySweepsForthAndBack) {
   for (const AutoStage& stage : plan_auto(local, DelassusOperator(local), false)) {
     EXPECT_NE(stage.solver, "assor");
   }
+}
+
+// Small lattices and pyramids have few directions of normals, settled piles and steps of pours many,
+// also where all disks have one radius.
+TEST(AutoSolver, SmallLatticesAndPyramidsBeginWithAndersonOthersWithSweepsForthAndBack) {
+  for (const char* name : {"2d_triangular_lattice.hdf5", "2d_pyramid_10.hdf5"}) {
+    ASSERT_GT(shipped_file(name).num_contacts(), 100) << name;
+    EXPECT_EQ(plan(shipped_file(name)).front().solver, "anderson") << name;
+  }
+  for (const char* name : {"2d_pile_300_mu03.hdf5", "2d_pour300_392.hdf5", "2d_tilt12_320.hdf5"}) {
+    ASSERT_GT(shipped_file(name).num_contacts(), 100) << name;
+    EXPECT_EQ(plan(shipped_file(name)).front().solver, "assor") << name;
+    // From a warm start it is so at loose tolerances.
+    const std::vector<AutoStage> warm = plan(shipped_file(name), true);
+    ASSERT_EQ(warm[0].solver, "assor") << name;
+    ASSERT_EQ(warm[1].solver, "anderson") << name;
+    EXPECT_EQ(warm[0].least_tol, warm[1].tol_below) << name;
+  }
+  LatticeOptions options;
+  options.tilt = 0.2;
+  EXPECT_EQ(plan(triangular_lattice(12, options)).front().solver, "anderson");
+  EXPECT_EQ(plan(triangular_lattice(30, options)).front().solver, "assor");
+  options.dim = 1;  // without friction
+  EXPECT_EQ(plan(triangular_lattice(30, options)).front().solver, "anderson");
 }
 
 TEST(AutoSolver, PathsSeeTheCallersCancel) {
