@@ -2,13 +2,7 @@
 
 #include <cstring>
 
-// As in kernels/subtract_columns.cc.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
-#define BIPOT_WIDTHS_OF_RATIOS __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define BIPOT_WIDTHS_OF_RATIOS
-#endif
+#include "solvers/kernels/every_width.h"
 
 namespace bipot {
 namespace {
@@ -34,8 +28,8 @@ template <class Real>
 
 }  // namespace
 
-BIPOT_WIDTHS_OF_RATIOS bool any_nearer(const double* bound, const double* value, const double* x,
-                                       double direction, double step, int n) {
+BIPOT_EVERY_WIDTH bool any_nearer(const double* bound, const double* value, const double* x,
+                                  double direction, double step, int n) {
   const Numbers zero{}, directions = zero + direction, steps = zero + step;
   Numbers most{};
   int k = 0;

@@ -1,13 +1,6 @@
 #include "solvers/kernels/subtract_columns.h"
 
-// g++ compiles such a function once for each of these and picks one when the program is loaded. The
-// sanitizers instrument that choice, which runs before they are ready.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
-#define BIPOT_EVERY_WIDTH __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define BIPOT_EVERY_WIDTH
-#endif
+#include "solvers/kernels/every_width.h"
 
 namespace bipot {
 namespace {

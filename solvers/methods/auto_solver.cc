@@ -26,9 +26,9 @@ constexpr double kLargeFriction = 10;
 // Up to it, sweeps get more patience: they cost less than other solvers' set-up.
 constexpr int kSmall = 400;
 // Up to it, `anderson` needs 10 to 30 iterations on square and triangular lattices, where `assor` takes
-// up to five times as long, as it does on pyramids. Elsewhere `assor` in its place makes 0.8 of the
-// time of 56 moving and shipped problems, at any tolerance; of runs, from warm starts, 0.6 to 1.05
-// at 1e-3 and looser, but 1.3 at 1e-4.
+// up to five times as long, as it does on pyramids. Elsewhere `assor` in its place makes 0.8 to
+// 0.9 of the time of 56 moving and shipped problems, at any tolerance; of runs, from warm starts, 0.6
+// to 1.05 at 1e-3 and looser, but 1.3 at 1e-4.
 constexpr int kSmallLattice = 600;
 // Above it, proximal Newton (a factorisation of d contacts unknowns a step) and Anderson (whose
 // sweeps need more iterations the deeper the packing) are left out of the first rounds.

@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "core/files/problem_file.h"
-#include "solvers/homotopy/cell_basis.h"
 #include "solvers/homotopy/path_follower.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
@@ -296,93 +295,6 @@ TEST_F(PathOfOneContact, EndsWhereTheCallerStopsOrTheCountIsUsed) {
   PathFollower stopping(problem, [] { return true; });
   EXPECT_EQ(stopping.follow(point, Vector::Zero(2), Vector::Constant(2, 1e-3), 10),
             PathEnd::kStopped);
-}
-
-TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
-  const Manufactured m = manufactured_problem(2, 30, 40, 11);
-  const ContactProblem local = local_form(m.problem);
-  const LawProblem problem(local, Vector(local.W.diagonal()));
-  const Vector s = m.s.cwiseQuotient(problem.impulse_unit);
-  LawPoint point = nearest_point(problem, s, problem.W * s + problem.b);
-  const Vector proximal = Vector::LinSpaced(problem.num_rows(), 1e-2, 3e-2);
-  CellBasis updated(problem), fresh(problem);
-  ASSERT_TRUE(updated.factor(point, proximal));
-  const Vector g = Vector::LinSpaced(problem.num_rows(), -1, 2);
-  Vector before, after, x, z;
-  updated.solve(g, x);
-  const Vector of_the_factor = x;
-  // Few contacts, many exchanges: columns leave, come back, into their own slot or the other one.
-  std::mt19937_64 random(7);
-  int exchanged = 0;
-  for (int k = 0; k < 200; ++k) {
-    const int contact = static_cast<int>(random() % 8),
-              slot = 2 * contact + static_cast<int>(random() % 2);
-    const double slip = random() % 2 == 0 ? 1 : -1;
-    const Crossing crossing =
-        cross(point.cell[to_size(contact)], point.column[to_size(slot)], slip, true);
-    const CellBasis::Entering entering = updated.entering(contact, crossing.enters, slot);
-    if (std::abs(entering.pivot) < 1e-3 * entering.size) continue;
-    updated.solve(g, before);
-    ASSERT_TRUE(updated.exchange(entering));
-    updated.solve(g, after);
-    // The rule of the exchange: x_slot becomes x_slot / pivot.
-    EXPECT_NEAR(after[slot], before[slot] / entering.pivot, 1e-7 * (1 + std::abs(after[slot])));
-    point.cell[to_size(contact)] = crossing.cell;
-    point.column[to_size(slot)] = crossing.enters;
-    ASSERT_TRUE(fresh.factor(point, proximal));
-    fresh.solve(g, z);
-    EXPECT_LT((after - z).norm(), 1e-9 * z.norm());
-    x = of_the_factor;
-    updated.update(x);
-    EXPECT_EQ(x, after);
-    ++exchanged;
-  }
-  EXPECT_GE(exchanged, 100);
-  EXPECT_FALSE(updated.full());  // eight contacts have sixteen columns that the factor has not
-}
-
-/// Sliding contacts with W_nn = mu W_nt, each coupled to some of a core of sticking contacts: the own
-/// block of a sliding contact in B is singular but for delta, and the fronts, which eliminate it
-/// before the core, have nothing but that rounding to divide by. B is well conditioned: the
-/// couplings of the sliding contacts have full rank.
-TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
-  constexpr int kSliding = 30, kCore = 100, kContacts = kSliding + kCore, kCoupled = 20;
-  constexpr double kCoupling = 0.1, kCross = 0.9, kDelta = 1e-12;
-  const Manufactured any = manufactured_problem(2, 200, kContacts, 5);
-  const ContactProblem local = local_form(any.problem);
-  LawProblem problem(local, Vector(local.W.diagonal()));
-  std::vector<Eigen::Triplet<double>> entries;
-  const auto couple = [&](int i, int k, double value) {
-    entries.emplace_back(2 * i, 2 * k, value);
-    entries.emplace_back(2 * k, 2 * i, value);
-  };
-  std::mt19937_64 random(3);
-  for (int i = 0; i < kContacts; ++i) {
-    for (const int k : {0, 1}) entries.emplace_back(2 * i + k, 2 * i + k, 1);
-    if (i >= kSliding) {
-      for (int k = kSliding; k < i; ++k) couple(i, k, kCoupling / kCore);
-      continue;
-    }
-    for (const int k : {0, 1}) entries.emplace_back(2 * i + k, 2 * i + 1 - k, kCross);
-    couple(i, kSliding + i, 0.5);
-    for (int k = 0; k < kCoupled; ++k) {
-      couple(i, kSliding + static_cast<int>(random() % kCore), kCoupling);
-    }
-  }
-  problem.W.setFromTriplets(entries.begin(), entries.end());
-  problem.mu.setConstant(1 / kCross);
-  LawPoint point = nearest_point(problem, any.s, any.s);
-  for (int i = 0; i < kContacts; ++i) {
-    point.set(problem, i, i < kSliding ? Cell::kSlipPlus : Cell::kStick);
-  }
-  CellBasis basis(problem);
-  ASSERT_TRUE(basis.factor(point, Vector::Constant(2 * kContacts, kDelta)));
-  const Vector g = Vector::LinSpaced(2 * kContacts, -1, 2);
-  basis.solve(g, point.value);
-  Vector s, u;
-  point.impulse(problem, s);
-  point.velocity(problem, u);
-  EXPECT_LT((u - problem.W * s - kDelta * s - g).norm(), 1e-12 * s.norm());
 }
 
 }  // namespace
