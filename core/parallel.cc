@@ -78,4 +78,12 @@ void run_team(int threads, TaskRef member) {
   }
 }
 
+#ifdef _OPENMP
+OneThread::OneThread() : levels_(omp_get_max_active_levels()) { omp_set_max_active_levels(0); }
+OneThread::~OneThread() { omp_set_max_active_levels(levels_); }
+#else
+OneThread::OneThread() = default;
+OneThread::~OneThread() = default;
+#endif
+
 }  // namespace bipot

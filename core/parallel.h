@@ -37,6 +37,19 @@ void run_tasks(int threads, int tasks, F&& f) {
 /// throw.
 void run_team(int threads, TaskRef member);
 
+/// While it lives, OpenMP loops of the libraries that this thread calls run on this thread alone,
+/// however many they ask for.
+class OneThread {
+ public:
+  OneThread();
+  ~OneThread();
+  OneThread(const OneThread&) = delete;
+  OneThread& operator=(const OneThread&) = delete;
+
+ private:
+  int levels_ = 0;
+};
+
 /// Sums and other reductions work on pieces of this many items, whatever the number of threads.
 inline constexpr int kPieceItems = 2048;
 

@@ -194,12 +194,9 @@ struct FrontalLU<Real>::Impl {
 
   Front<Real> front(int s) {
     const FrontalTree& t = *tree;
-    const std::size_t k = to_size(s);
-    const int columns = t.first[k + 1] - t.first[k];
-    const int height = t.below_start[k + 1] - t.below_start[k];
-    Real* panel = factor.data() + t.node_start[k];
-    return {columns, columns + height, panel,
-            panel + static_cast<std::ptrdiff_t>(columns) * (columns + height)};
+    Real* panel = factor.data() + t.node_start[to_size(s)];
+    return {t.columns(s), t.rows(s), panel,
+            panel + static_cast<std::ptrdiff_t>(t.columns(s)) * t.rows(s)};
   }
 
   bool prepare(const SparseMatrix& A);

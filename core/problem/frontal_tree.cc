@@ -1,11 +1,11 @@
+#include "core/problem/frontal_tree.h"
+
 #include <cholmod.h>
 
 #include <algorithm>
 #include <array>
 #include <mutex>
 #include <numeric>
-
-#include "core/problem/frontal_lu.h"
 
 namespace bipot {
 namespace {

@@ -5,11 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <stdexcept>
 #include <vector>
 
-#include "core/problem/supernodal_solve.h"
+#include "core/parallel.h"
 #include "core/types.h"
 
 namespace bipot {
@@ -49,16 +48,6 @@ int sign_of_determinant(void* numeric) {
   return mantissa > 0 ? 1 : (mantissa < 0 ? -1 : 0);
 }
 
-Supernode supernode(const cholmod_factor& L, std::size_t number) {
-  static_assert(sizeof(SuiteSparse_long) == sizeof(std::int64_t));
-  const auto* const super = static_cast<const std::int64_t*>(L.super) + number;
-  const auto* const pi = static_cast<const std::int64_t*>(L.pi) + number;
-  const auto* const px = static_cast<const std::int64_t*>(L.px) + number;
-  return {static_cast<int>(super[0]), static_cast<int>(super[1] - super[0]),
-          static_cast<int>(pi[1] - pi[0]), static_cast<const std::int64_t*>(L.s) + pi[0],
-          static_cast<const double*>(L.x) + px[0]};
-}
-
 }  // namespace
 
 struct SparseCholesky::Impl {
@@ -66,9 +55,6 @@ struct SparseCholesky::Impl {
   LongColumns matrix;
   cholmod_factor* factor = nullptr;
   bool positive_definite = false;
-  SupernodalSolve supernodes;  // of L, where it has some
-  bool packed = false;         // `supernodes` holds this L
-  Vector permuted;             // scratch of the solves
 
   Impl() {
     cholmod_l_start(&common);
@@ -76,10 +62,6 @@ struct SparseCholesky::Impl {
     common.error_handler = nullptr;
     // The default for small matrices, L D Lᵀ, lets negative pivots pass.
     common.final_ll = 1;
-    // Fewer zeros than CHOLMOD puts into supernodes for BLAS: solves read every number twice.
-    common.zrelax[0] = 0.2;
-    common.zrelax[1] = 0.05;
-    common.zrelax[2] = 0.02;
   }
   ~Impl() {
     cholmod_l_free_factor(&factor, &common);
@@ -88,7 +70,6 @@ struct SparseCholesky::Impl {
   Impl(const Impl&) = delete;
   Impl& operator=(const Impl&) = delete;
 
-  Vector solve_by_columns(Vector rhs);
   cholmod_sparse view() {
     cholmod_sparse A{};
     A.nrow = A.ncol = static_cast<std::size_t>(matrix.size);
@@ -111,18 +92,15 @@ SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
-void SparseCholesky::analyse(const SparseMatrix& A) {
-  Impl& f = *impl_;
-  f.positive_definite = false;
-  if (f.matrix.assign(A, true) && f.factor != nullptr) return;
-  cholmod_sparse view = f.view();
-  cholmod_l_free_factor(&f.factor, &f.common);
-  f.factor = cholmod_l_analyze(&view, &f.common);
-}
-
 bool SparseCholesky::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
-  analyse(A);
+  const OneThread one_thread;  // CHOLMOD's loops ask for four each
+  f.positive_definite = false;
+  if (!f.matrix.assign(A, true) || f.factor == nullptr) {
+    cholmod_sparse view = f.view();
+    cholmod_l_free_factor(&f.factor, &f.common);
+    f.factor = cholmod_l_analyze(&view, &f.common);
+  }
   const auto finite = [](double x) { return std::isfinite(x); };
   if (!std::all_of(f.matrix.value.begin(), f.matrix.value.end(), finite)) {
     return false;  // CHOLMOD takes NaN for a positive pivot
@@ -130,48 +108,22 @@ bool SparseCholesky::factor(const SparseMatrix& A) {
   cholmod_sparse view = f.view();
   f.positive_definite = f.factor != nullptr && cholmod_l_factorize(&view, f.factor, &f.common) &&
                         f.common.status == CHOLMOD_OK && f.factor->minor == f.factor->n;
-  f.packed = false;
   return f.positive_definite;
 }
 
 Vector SparseCholesky::solve(const Eigen::Ref<const Vector>& b) const {
-  Vector x = b;
-  solve(x, x);
-  return x;
-}
-
-void SparseCholesky::solve(const Vector& b, Vector& x) const {
   if (!impl_->positive_definite) throw std::logic_error("SparseCholesky::solve without a factor");
-  Impl& f = *impl_;
-  const cholmod_factor& L = *f.factor;
-  if (L.is_super == 0) {
-    x = f.solve_by_columns(b);
-    return;
-  }
-  if (!f.packed) {
-    f.supernodes.begin(static_cast<int>(L.n));
-    for (std::size_t k = 0; k < L.nsuper; ++k) f.supernodes.add(supernode(L, k));
-    f.packed = true;
-  }
-  const auto* const order = static_cast<const std::int64_t*>(L.Perm);
-  f.permuted.resize(b.size());
-  for (Eigen::Index i = 0; i < b.size(); ++i) f.permuted[i] = b[order[i]];
-  f.supernodes.solve(f.permuted.data());
-  x.resize(b.size());
-  for (Eigen::Index i = 0; i < x.size(); ++i) x[order[i]] = f.permuted[i];
-}
-
-Vector SparseCholesky::Impl::solve_by_columns(Vector rhs) {
+  Vector rhs = b;
   cholmod_dense view{};
   view.nrow = view.d = view.nzmax = static_cast<std::size_t>(rhs.size());
   view.ncol = 1;
   view.x = rhs.data();
   view.xtype = CHOLMOD_REAL;
   view.dtype = CHOLMOD_DOUBLE;
-  cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, factor, &view, &common);
+  cholmod_dense* x = cholmod_l_solve(CHOLMOD_A, impl_->factor, &view, &impl_->common);
   if (x == nullptr) throw std::runtime_error("CHOLMOD: solve failed");
   Vector result = Eigen::Map<const Vector>(static_cast<const double*>(x->x), rhs.size());
-  cholmod_l_free_dense(&x, &common);
+  cholmod_l_free_dense(&x, &impl_->common);
   return result;
 }
 

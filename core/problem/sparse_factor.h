@@ -18,16 +18,10 @@ class SparseCholesky {
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
-  /// The symbolic analysis alone, about half the time of the first factor(): for callers who look
-  /// at their clock between the two.
-  void analyse(const SparseMatrix& A);
   /// Factors the symmetric A (both triangles stored). False when A is not positive definite.
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// x = A⁻¹ b. Requires a successful factor().
   Vector solve(const Eigen::Ref<const Vector>& b) const;
-  /// The same; x may be b. No allocation after the first call where L has supernodes, which it has
-  /// but for small or very sparse A.
-  void solve(const Vector& b, Vector& x) const;
   /// X = A⁻¹ B for a sparse right-hand side.
   SparseMatrix solve(const SparseMatrix& B) const;
   /// Numbers kept of L, zeros of the supernodes among them. Requires a successful factor().

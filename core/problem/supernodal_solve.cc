@@ -51,7 +51,7 @@ void SupernodalSolve::begin(int size) {
 
 void SupernodalSolve::add(const Supernode& s) {
   blocks_.push_back({s.first, s.columns, s.rows, row_.size(), forward_.size(), backward_.size()});
-  for (int i = s.columns; i < s.rows; ++i) row_.push_back(static_cast<int>(s.row[i]));
+  row_.insert(row_.end(), s.below, s.below + (s.rows - s.columns));
   std::vector<double> M(to_size(s.rows) * to_size(s.columns), 0.0);  // by columns
   for (int j = 0; j < s.columns; ++j) {
     double* const column = M.data() + static_cast<std::ptrdiff_t>(j) * s.rows;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <vector>
 
 #include "core/types.h"
@@ -12,9 +11,8 @@ namespace bipot {
 /// top, a rectangle below.
 struct Supernode {
   int first, columns, rows;  ///< first column; rows of triangle and rectangle
-  const std::int64_t*
-      row;               ///< their numbers, ascending; the first `columns` are first, first + 1 ...
-  const double* values;  ///< by columns, `rows` apart; the triangle's upper part is not read
+  const int* below;          ///< numbers of the rectangle's rows, ascending
+  const double* values;      ///< by columns, `rows` apart; the triangle's upper part is not read
 };
 
 /// x = L⁻ᵀ L⁻¹ b for a lower triangular L of supernodes, many times.

@@ -12,7 +12,7 @@
 
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
-#include "core/problem/sparse_factor.h"
+#include "core/problem/frontal_cholesky.h"
 #include "solvers/kernels/body_system.h"
 #include "solvers/kernels/contact_penalties.h"
 #include "solvers/kernels/contact_scaling.h"
@@ -59,8 +59,8 @@ class Resolvent {
     skew_.prune(0.0);
   }
 
-  /// What factor() does first: callers ask their clock in between.
-  void analyse(const ContactPenalties<D>& penalties) { factor_.analyse(matrix(penalties)); }
+  /// What factor() does first: callers ask their clock in between. False: memory ran out.
+  bool analyse(const ContactPenalties<D>& penalties) { return factor_.analyse(matrix(penalties)); }
   bool factor(const ContactPenalties<D>& penalties) { return factor_.factor(matrix(penalties)); }
 
   /// x holds the start of the residual correction.
@@ -76,9 +76,9 @@ class Resolvent {
         x.segment<D>(c * D) -= penalties.inverse(c) * change_.segment<D>(c * D);
       }
     } else if (skew_.nonZeros() == 0) {
-      x = factor_.solve(r);
+      factor_.solve(r, x);
     } else {
-      for (int k = 0; k < kCorrections; ++k) x = factor_.solve(Vector(r - skew_ * x));
+      for (int k = 0; k < kCorrections; ++k) factor_.solve(r - skew_ * x, x);
     }
   }
 
@@ -102,7 +102,7 @@ class Resolvent {
   int rows_;
   std::optional<BodySystem> body_;  // of problems with velocities
   SparseMatrix delassus_, symmetric_, skew_, shifted_;
-  SparseCholesky factor_;
+  FrontalCholesky factor_;
   Vector velocity_, change_;
 };
 
@@ -110,7 +110,7 @@ class Resolvent {
 template <int D>
 bool factor_raising(Resolvent<D>& resolvent, ContactPenalties<D>& penalties, Vector& y,
                     const IterationMonitor& monitor) {
-  if (!monitor.out_of_time()) resolvent.analyse(penalties);
+  if (!monitor.out_of_time() && !resolvent.analyse(penalties)) return false;
   for (int k = 0; k < kRaises && !monitor.out_of_time(); ++k) {
     if (resolvent.factor(penalties)) return true;
     penalties.scale(10);

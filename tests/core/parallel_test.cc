@@ -50,6 +50,20 @@ TEST(Parallel, TheFirstFailureIsThrownAndLaterPhasesDoNotBegin) {
   }
 }
 
+TEST(Parallel, LoopsInsideOneThreadHaveOneThread) {
+  const auto team = [] {
+    std::atomic<int> members{0};
+    run_team(4, [&](int, int) { ++members; });
+    return members.load();
+  };
+  const int before = team();
+  {
+    const OneThread one_thread;
+    EXPECT_EQ(team(), 1);
+  }
+  EXPECT_EQ(team(), before);
+}
+
 TEST(Parallel, PiecesCoverTheItems) {
   for (const int items : {0, 1, kPieceItems, 5 * kPieceItems + 3}) {
     std::vector<int> count(static_cast<std::size_t>(items), 0);

@@ -12,7 +12,7 @@ namespace {
 
 /// A lower triangular matrix of supernodes of these widths, each with about half of the rows below.
 struct Supernodes {
-  std::deque<std::vector<std::int64_t>> rows;
+  std::deque<std::vector<int>> rows;
   std::deque<std::vector<double>> values;
   std::vector<Supernode> nodes;
   Eigen::MatrixXd L;
@@ -23,7 +23,7 @@ struct Supernodes {
     for (int width : widths) size += width;
     L = Eigen::MatrixXd::Zero(size, size);
     for (int width : widths) {
-      std::vector<std::int64_t>& row = rows.emplace_back();
+      std::vector<int>& row = rows.emplace_back();
       for (int i = first; i < size; ++i) {
         if (i < first + width || draw.below(2) == 0) row.push_back(i);
       }
@@ -36,7 +36,8 @@ struct Supernodes {
           if (i >= j) L(row[to_size(i)], first + j) = x;
         }
       }
-      nodes.push_back({first, width, static_cast<int>(row.size()), row.data(), value.data()});
+      nodes.push_back(
+          {first, width, static_cast<int>(row.size()), row.data() + width, value.data()});
       first += width;
     }
   }

@@ -1,0 +1,164 @@
+#include "core/problem/frontal_cholesky.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <new>
+#include <stdexcept>
+#include <utility>
+
+extern "C" {
+void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
+void dtrsm_(const char* side, const char* uplo, const char* transa, const char* diag, const int* m,
+            const int* n, const double* alpha, const double* a, const int* lda, double* b,
+            const int* ldb);
+void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha,
+            const double* a, const int* lda, const double* beta, double* c, const int* ldc);
+}
+
+namespace bipot {
+namespace {
+
+/// The lower triangle, n x n by columns, that the rows of a front below its pivots have to add to
+/// its parent, and where these stand there.
+struct Contribution {
+  const double* block;
+  int n;
+  const int* relative;
+  int pivots;  ///< rows that are pivots of the parent
+
+  const double* column(int j) const { return block + static_cast<std::ptrdiff_t>(j) * n; }
+};
+
+void add_to_pivots(const Contribution& c, int rows, double* panel) {
+  for (int j = 0; j < c.pivots; ++j) {
+    const double* from = c.column(j);
+    double* to = panel + static_cast<std::ptrdiff_t>(c.relative[j]) * rows;
+    for (int i = j; i < c.n; ++i) to[c.relative[i]] += from[i];
+  }
+}
+
+/// To the parent's own contribution, h x h, whose rows are those after its `columns` pivots.
+void add_to_rest(const Contribution& c, int columns, int h, double* own) {
+  for (int j = c.pivots; j < c.n; ++j) {
+    const double* from = c.column(j);
+    double* to = own + static_cast<std::ptrdiff_t>(c.relative[j] - columns) * h - columns;
+    for (int i = j; i < c.n; ++i) to[c.relative[i]] += from[i];
+  }
+}
+
+/// [T; R] of the pivots' columns, T lower triangular. False: not positive definite.
+bool eliminate_columns(int columns, int rows, double* panel) {
+  int info = 0;
+  dpotrf_("L", &columns, panel, &rows, &info);
+  if (info != 0) return false;
+  for (int j = 0; j < columns; ++j) {  // an infinite pivot is none
+    if (!std::isfinite(panel[static_cast<std::ptrdiff_t>(j) * (rows + 1)])) return false;
+  }
+  const int h = rows - columns;
+  const double one = 1;
+  if (h > 0) dtrsm_("R", "L", "T", "N", &h, &columns, &one, panel, &rows, panel + columns, &rows);
+  return true;
+}
+
+}  // namespace
+
+bool FrontalCholesky::analyse(const SparseMatrix& A) {
+  if (tree_ && tree_->is_of(A)) return true;
+  factored_ = false;
+  tree_ = FrontalTree::of(A);
+  if (!tree_) return false;
+  std::size_t largest = 0;
+  entries_ = 0;
+  for (int s = 0; s < tree_->num_fronts(); ++s) {
+    const std::size_t size = to_size(tree_->columns(s)) * to_size(tree_->rows(s));
+    largest = std::max(largest, size);
+    entries_ += size;
+  }
+  try {
+    panel_.resize(largest);
+    stack_.resize(tree_->stack_size);
+    permuted_.resize(tree_->size());
+  } catch (const std::bad_alloc&) {
+    tree_ = nullptr;
+    return false;
+  }
+  return true;
+}
+
+bool FrontalCholesky::factor(const SparseMatrix& A) {
+  factored_ = false;
+  if (!analyse(A)) return false;
+  values_ = A.valuePtr();
+  factored_ = eliminate();
+  values_ = nullptr;
+  return factored_;
+}
+
+/// The entries of A that the front takes, in place of what the panel held.
+void FrontalCholesky::assemble(int front, double* panel) const {
+  const FrontalTree& t = *tree_;
+  const int size = t.columns(front) * t.rows(front);
+  std::fill(panel, panel + size, 0.0);
+  for (int k = t.entry_start[to_size(front)]; k < t.entry_start[to_size(front) + 1]; ++k) {
+    const int target = t.entry_target[to_size(k)];  // beyond the panel: right of the pivots
+    if (target < size) panel[target] = values_[t.entry_source[to_size(k)]];
+  }
+}
+
+/// All fronts, children before parents.
+bool FrontalCholesky::eliminate() {
+  const FrontalTree& t = *tree_;
+  std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
+  const auto contribution = [&](std::size_t k, int columns) {
+    const int child = held[k].first, n = t.height(child);
+    const int* relative = t.relative.data() + t.below_start[to_size(child)];
+    const auto pivots = std::lower_bound(relative, relative + n, columns) - relative;
+    return Contribution{stack_.data() + held[k].second, n, relative, static_cast<int>(pivots)};
+  };
+  std::size_t top = 0;
+  double* const panel = panel_.data();
+  supernodes_.begin(t.size());
+  for (int s = 0; s < t.num_fronts(); ++s) {
+    const int columns = t.columns(s), h = t.height(s), rows = columns + h;
+    assemble(s, panel);
+    const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
+    const std::size_t bottom = base < held.size() ? held[base].second : top;
+    for (std::size_t k = base; k < held.size(); ++k) {
+      add_to_pivots(contribution(k, columns), rows, panel);
+    }
+    if (!eliminate_columns(columns, rows, panel)) return false;
+    supernodes_.add(
+        {t.first[to_size(s)], columns, rows, t.below.data() + t.below_start[to_size(s)], panel});
+    if (h > 0) {
+      double* const own = stack_.data() + top;
+      const double minus = -1, none = 0;
+      dsyrk_("L", "N", &h, &columns, &minus, panel + columns, &rows, &none, own, &h);
+      for (std::size_t k = base; k < held.size(); ++k) {
+        add_to_rest(contribution(k, columns), columns, h, own);
+      }
+      if (bottom != top) {
+        std::memmove(stack_.data() + bottom, own, sizeof(double) * to_size(h) * to_size(h));
+      }
+    }
+    held.resize(base);
+    top = bottom + to_size(h) * to_size(h);
+    if (h > 0) held.emplace_back(s, bottom);
+  }
+  return true;
+}
+
+void FrontalCholesky::solve(const Vector& b, Vector& x) const {
+  if (!factored_) throw std::logic_error("FrontalCholesky::solve without a factor");
+  const std::vector<int>& order = tree_->order;
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    permuted_[static_cast<Eigen::Index>(k)] = b[order[k]];
+  }
+  supernodes_.solve(permuted_.data());
+  x.resize(permuted_.size());
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    x[order[k]] = permuted_[static_cast<Eigen::Index>(k)];
+  }
+}
+
+}  // namespace bipot

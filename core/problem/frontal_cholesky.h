@@ -1,0 +1,41 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/problem/frontal_tree.h"
+#include "core/problem/supernodal_solve.h"
+#include "core/types.h"
+
+namespace bipot {
+
+/// Sparse Cholesky factorisation A = L Lᵀ by dense fronts (multifrontal method: Duff and Reid 1983,
+/// Liu 1992), for matrices that are factored dozens of times with one pattern and solved with after
+/// each a hundred times: the analysis is kept (FrontalTree), and solves go through SupernodalSolve.
+class FrontalCholesky {
+ public:
+  /// The symbolic analysis alone, for callers who look at their clock between it and the first
+  /// factor(). False: memory ran out.
+  [[nodiscard]] bool analyse(const SparseMatrix& A);
+  /// A: symmetric, both triangles stored, compressed, rows ascending, with the diagonal in its
+  /// pattern. False when A is not positive definite or not finite, or memory ran out.
+  [[nodiscard]] bool factor(const SparseMatrix& A);
+  /// x = A⁻¹ b; x may be b. Requires a successful factor(). No allocation after the first call.
+  void solve(const Vector& b, Vector& x) const;
+  /// Numbers kept of L. Requires a successful factor().
+  std::size_t num_entries() const { return entries_; }
+
+ private:
+  bool eliminate();
+  void assemble(int front, double* panel) const;
+
+  std::shared_ptr<const FrontalTree> tree_;
+  const double* values_ = nullptr;     // of A, during factor()
+  std::vector<double> panel_, stack_;  // scratch of a front; contributions
+  bool factored_ = false;
+  std::size_t entries_ = 0;
+  mutable SupernodalSolve supernodes_;
+  mutable Vector permuted_;
+};
+
+}  // namespace bipot
