@@ -54,6 +54,8 @@ struct SolverOptions {
   int max_iterations = 1000000;                                 ///< >= 0
   double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds, > 0
   Vector s0;                                                    ///< start; empty: s = 0
+  /// What SolverEntry::attempt left, for the solver that goes on from there; empty: none was made.
+  Vector best;
   /// Whether parts of the problem that do not couple are solved one by one (solvers/islands.h);
   /// nothing: as the solver's entry says. Only with the guarded test. Also a parameter: "islands".
   std::optional<bool> islands;
@@ -119,6 +121,9 @@ struct SolverEntry {
   /// tolerance is the beginning of the one to a tight tolerance, whatever the stop test.
   bool path_ignores_tolerance = false;
   bool by_islands = false;  ///< what SolverOptions::islands is where it is left open
+  /// Tried on a problem before parts are cut out that are small beside one (solvers/islands.h): cutting
+  /// takes as long as a few dozen sweeps. kNotRun: not worth it here. None: null.
+  SolveResult (*attempt)(const ContactProblem&, const SolverOptions&) = nullptr;
 };
 
 }  // namespace bipot

@@ -22,7 +22,7 @@
 #include "solvers/certificate/existence.h"
 #include "solvers/distributed/distributed_solve.h"
 #include "solvers/islands.h"
-#include "solvers/methods/auto_solver.h"
+#include "solvers/methods/auto_plan.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "solvers/step_solver.h"

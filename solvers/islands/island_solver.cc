@@ -19,6 +19,8 @@ namespace {
 // What the parts before the last may use up of the tolerance together with all that is settled, and
 // by themselves: solvers/islands.h.
 constexpr double kShareBeforeLast = 0.5, kAloneFactor = 12;
+// Of all contacts, that the largest island must have for an attempt on the whole.
+constexpr double kNearlyAll = 0.8;
 
 /// Whether s = 0 obeys the law at all of these contacts: nothing approaches.
 bool is_open(const ContactProblem& p, std::span<const int> contacts) {
@@ -144,8 +146,11 @@ class IslandRun {
       own_free.free_energy += sums.free_energy;
       own_free.free_impulse2 += sums.free_impulse2;
     }
+    PreparedProblem prepared(part.problem, options_.execution.threads);
     SolverOptions inner = options_;
     inner.s0 = part.gather(s_);
+    inner.best = part.gather(options_.best);
+    inner.prepared = &prepared;
     inner.share = share_of(island, own_free, last);
     inner.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);
     inner.on_iteration = nullptr;
@@ -288,7 +293,37 @@ SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& p,
   }
   const ContactIslands islands = contact_islands(p);
   if (islands.count() <= 1) return entry.run(p, options);
-  return IslandRun(entry, p, options, islands).run();
+  const bool one_holds_nearly_all =
+      static_cast<double>(islands.of(islands.count() - 1).size()) >= kNearlyAll * p.num_contacts();
+  if (entry.attempt == nullptr || !one_holds_nearly_all || options.best.size() != 0) {
+    return IslandRun(entry, p, options, islands).run();
+  }
+  const Stopwatch watch;
+  const SolveResult first = entry.attempt(p, options);
+  if (first.status == SolveStatus::kNotRun) return IslandRun(entry, p, options, islands).run();
+  const bool over = is_success(first.status) || first.status == SolveStatus::kTimeLimit ||
+                    first.status == SolveStatus::kInterrupted ||
+                    first.iterations >= options.max_iterations;
+  if (over) return first;
+  const double seconds = watch.seconds();
+  SolverOptions rest = options;
+  rest.best = first.s;
+  rest.time_limit = std::max(options.time_limit - seconds, 1e-9);
+  rest.max_iterations -= first.iterations;
+  if (options.on_iteration) {
+    rest.on_iteration = [&](IterationRecord record) {
+      if (record.iteration == 0) return;
+      record.iteration += first.iterations;
+      record.seconds += seconds;
+      options.on_iteration(record);
+    };
+  }
+  SolveResult result = IslandRun(entry, p, rest, islands).run();
+  result.message = fmt::format("the whole: {}; then {}", first.message, result.message);
+  result.iterations += first.iterations;
+  result.setup_seconds += first.setup_seconds;
+  result.solve_seconds += first.solve_seconds;
+  return result;
 }
 
 std::string explain_islands(const ContactProblem& p) {

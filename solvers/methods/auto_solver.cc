@@ -3,113 +3,25 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <exception>
-#include <initializer_list>
+#include <map>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/problem/contact_error.h"
 #include "core/stopwatch.h"
+#include "solvers/methods/auto_plan.h"
 #include "solvers/prepared_problem.h"
 #include "solvers/registry.h"
 
 namespace bipot {
 namespace {
 
-// Up to it, a stage of Anderson costs nothing and is given more patience.
-constexpr int kFew = 100;
-// Up to it, a dense Newton step costs less than a millisecond; beyond, up to four.
-constexpr int kDense = 50;
-// From it on, first order needs too many iterations.
-constexpr double kLargeFriction = 10;
-// Up to it, sweeps get more patience: they cost less than other solvers' set-up.
-constexpr int kSmall = 400;
-// Up to it, `anderson` needs 10 to 30 iterations on square and triangular lattices, where `assor` takes
-// up to five times as long, as it does on pyramids. Elsewhere `assor` in its place makes 0.8 to
-// 0.9 of the time of 56 moving and shipped problems, at any tolerance; of runs, from warm starts, 0.6
-// to 1.05 at 1e-3 and looser, but 1.3 at 1e-4.
-constexpr int kSmallLattice = 600;
-// Above it, proximal Newton (a factorisation of d contacts unknowns a step) and Anderson (whose
-// sweeps need more iterations the deeper the packing) are left out of the first rounds.
-constexpr int kLarge = 4000;
-// Above it, a dozen factorisations of W cost more than apgd needs for a whole packing given by W
-// alone: 0.2 s against 0.06 s at 2600 contacts, 0.27 s against 0.1 s at 5000.
-constexpr int kCheapFactors = 1000;
-// Above it, paths are so long that splitting, a factorisation for every 75 solves, comes before them.
-// It arrives within 600 to 1200 iterations or not at all, and after 600 paths from its impulse are
-// short: sixteen steps of a pour of 3000 disks (2800 to 4400 contacts) to 1e-4 took 10 s with 500 to
-// 700 iterations of it, 13.7 s with 1500, 16 s and more after apgd; below, it is no gain.
-constexpr int kMany = 2500;
-// Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
-constexpr double kUnequal = 1e5;
-// An error that is that many tolerances is let go on, Anderson at loose tolerances so many
-// iterations: on the shipped and moving problems it arrives by then or needs hundreds.
+// An error that is that many tolerances is let go on, at loose tolerances for the iterations that the
+// stage has for it.
 constexpr double kClose = 10, kLooseTolerance = 3e-4;
-constexpr int kCloseAnderson = 64;
-// Chains of starts of paths, taken where the error has fallen to this.
-constexpr int kManyChains = 60000;
-constexpr double kNearSolution = 1e-4;
-// What apgd does before paths are tried, and pivots of these: moving packings of N <= 4000
-// contacts need 0 to 1300, one in fifty up to 3 N, large ones and those to 1e-8 up to 6 N, where
-// nothing else solves them: nine poured steps of 3500 to 4600 contacts took 33 s and left none, with
-// 3 N 38 s and one, with first order and factorisations first 72 s and six of eight. Where splitting
-// makes the start they have 4 N: of 580 steps of 3000 poured disks to 1e-4 two were solved between
-// 4 N and 6 N.
-constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOfContact = 6,
-              kPivotsOfLarge = 4, kPivotsAfreshLarge = 10, kPivotsOfShakes = 12, kPivotsAfresh = 14;
-// A step of a run, which starts from the one before, is taken for a moving one up to that size.
-constexpr int kLargeStep = 8000;
-// Paths from a worse start are long: free pyramids.
-constexpr double kUsefulStart = 0.5;
-// Tolerances from here on are loose.
-constexpr double kRough = 3e-3;
-// From here on `admm` is worth many more solves on large packings than below, and `assor` is the
-// first stage from warm starts too.
-constexpr double kFair = 5e-4;
-constexpr int kUnlimited = std::numeric_limits<int>::max();
-
-bool is_hyperstatic(const ContactProblem& p) {
-  // Without H the rank is not known: dense packings are the rule.
-  return !p.has_velocities() || p.num_rows() > p.num_dofs();
-}
-
-/// Largest over smallest W_nn of a contact.
-double spread_of_masses(const ContactProblem& p, const DelassusOperator& delassus) {
-  const Vector diagonal = delassus.diagonal();
-  double least = std::numeric_limits<double>::infinity(), most = 0;
-  for (int c = 0; c < p.num_contacts(); ++c) {
-    const double w = diagonal[static_cast<Eigen::Index>(c) * p.dim];
-    if (w > 0) least = std::min(least, w);
-    most = std::max(most, w);
-  }
-  return most > 0 ? most / least : 1;
-}
-
-/// Whether all normals have a few directions, as in lattices and pyramids.
-bool is_regular(const DiskStructure& disks) {
-  constexpr std::size_t kDirections = 16;
-  constexpr double kSame = 1e-6;
-  std::vector<std::array<double, 2>> directions;
-  for (const DiskStructure::Contact& c : disks.contacts) {
-    const auto same = [&](const std::array<double, 2>& n) {
-      return std::abs(n[0] - c.n[0]) < kSame && std::abs(n[1] - c.n[1]) < kSame;
-    };
-    if (std::any_of(directions.begin(), directions.end(), same)) continue;
-    if (directions.size() == kDirections) return false;
-    directions.push_back({c.n[0], c.n[1]});
-  }
-  return true;
-}
-
-bool is_warm(const SolverOptions& options) {
-  return options.s0.size() != 0 && options.s0.squaredNorm() > 0;
-}
-
-/// What few contacts begin with, whatever they are.
-AutoStage first_of_few() {
-  return {"anderson", 64, 100, AutoStage::Start::kOwn, {}, "few contacts: next to free"};
-}
 
 /// Whether a stage is still worth its time, from the errors that it showed so far.
 class Promise {
@@ -123,7 +35,7 @@ class Promise {
 
   void record(const IterationRecord& r) {
     // The difference of successive impulses is not in the record: nothing is predicted from it.
-    if (stop_ == StopTest::kImpulse || last_ == kUnlimited) return;
+    if (stop_ == StopTest::kImpulse || last_ == AutoStage::kUnlimited) return;
     double error = r.error.guarded();
     if (stop_ == StopTest::kRaw42 && std::isfinite(r.error.raw42)) error = r.error.raw42;
     if (!history_.empty()) error = std::min(error, history_.back().error);
@@ -154,310 +66,12 @@ class Promise {
   bool broken_ = false;
 };
 
-/// Writes the plan down, stage by stage; `plan_auto` says what it is.
-class Planner {
-  using Start = AutoStage::Start;
-
- public:
-  Planner(const ContactProblem& p, const DelassusOperator& delassus, bool warm)
-      : contacts_(p.num_contacts()),
-        exact_(p.dim <= 2),
-        friction_(p.dim == 2),
-        local_(!p.has_velocities()),
-        warm_(warm),
-        unequal_(spread_of_masses(p, delassus) > kUnequal),
-        disks_(delassus.disks().has_value()),
-        regular_(disks_ && contacts_ <= kSmallLattice && is_regular(*delassus.disks())),
-        largest_friction_(p.mu.size() > 0 ? p.mu.maxCoeff() : 0) {
-    const double root = std::sqrt(static_cast<double>(contacts_));
-    crossing_ = 50 + static_cast<int>((local_ ? 20 : 70) * root);
-    ssor_crossing_ = 50 + static_cast<int>(25 * std::pow(contacts_, 0.4));
-    stages_.reserve(20);
-  }
-
-  std::vector<AutoStage> operator()() {
-    regular_packings();
-    first_order();
-    second_order();
-    again();
-    without_end();
-    return std::move(stages_);
-  }
-
- private:
-  void add(const char* solver, int least, int most, Start start, const char* reason,
-           std::map<std::string, std::string> parameters = {}) {
-    if (!with_newton_ && solver == std::string_view("newton")) return;
-    stages_.push_back({solver, least, most, start, std::move(parameters), reason});
-  }
-  void follow(int most, std::map<std::string, std::string> parameters, const char* reason) {
-    if (exact_) add("homotopy", most, most, Start::kBest, reason, std::move(parameters));
-  }
-  void first_paths(int pivots) {
-    follow(pivots, {{"start_tol", "1"}}, "moving packings: an exact path from the best impulse");
-    if (exact_) stages_.back().largest_error = kUsefulStart;
-  }
-  /// Paths from the start of the step, with other random numbers each.
-  void afresh(std::initializer_list<const char*> seeds, int pivots_of_contact) {
-    const int pivots = pivots_of_contact * contacts_;
-    for (const char* seed : seeds) {
-      add("homotopy", pivots, pivots, Start::kCaller, "again, from the start of the step",
-          {{"seed", seed}});
-      if (contacts_ > kLarge) stages_.back().tol_below = kFair;
-    }
-  }
-  void newton_on_delassus() {
-    add("newton", 12, 40, Start::kOwn, "W given: a few factorisations cost little");
-  }
-  void sweeps() {
-    if (contacts_ > kLarge) return;
-    add("pgs", local_ || contacts_ <= kSmall ? 200 : 64, local_ ? 1000 : 500, Start::kOwn,
-        "sweeps find solutions of sliding pyramids that others miss");
-  }
-  void many_starts(int steps, const char* seed) {
-    if (contacts_ > kFew) return;
-    if (contacts_ > kDense) steps /= 10;
-    add("multistart", steps, steps, Start::kBest, "few contacts: dense Newton steps, many starts",
-        {{"starts", "1000000"}, {"seed", seed}});
-  }
-  bool paths_first() const {
-    return contacts_ <= kLarge || (warm_ && !local_ && contacts_ <= kLargeStep);
-  }
-  bool splitting_first() const { return exact_ && !local_ && contacts_ > kMany && paths_first(); }
-  bool sweeps_first() const { return !local_ && contacts_ <= kSmall; }
-
-  void regular_packings() {
-    if (contacts_ <= kFew) stages_.push_back(first_of_few());
-    if (unequal_) {
-      add("ipm", 40, 60, Start::kOwn, "very unequal masses: factorisations do not feel them");
-    }
-    if (contacts_ > kFew && contacts_ <= kLarge) {
-      const bool sweeps_pay = disks_ && friction_ && !regular_;
-      if (sweeps_pay) {
-        add("assor", 100, 1000, Start::kOwn,
-            "the quickest on what is easy, and roughly on most; soon seen not to be elsewhere");
-        if (warm_) stages_.back().least_tol = kFair;
-      }
-      if (!sweeps_pay || warm_) {
-        add("anderson", 16, 100, Start::kOwn,
-            "the quickest by far on small regular packings, and soon seen not to be elsewhere");
-        stages_.back().close_iterations = kCloseAnderson;
-        if (sweeps_pay) stages_.back().tol_below = kFair;
-      }
-    }
-    if (local_ && contacts_ > kFew && contacts_ <= kCheapFactors) newton_on_delassus();
-    if (sweeps_first()) sweeps();
-  }
-
-  void first_order() {
-    if (exact_ && contacts_ > kLarge) {
-      // Where sweeps take long, the factors of W are worth their price for two digits.
-      if (disks_) {
-        add("assor", ssor_crossing_ / 4,
-            contacts_ <= kLargeStep ? 3 * ssor_crossing_ : ssor_crossing_ / 2, Start::kOwn,
-            "packings at rest, roughly");
-      } else {
-        add("apgd", 3000, 3000, Start::kOwn, "packings at rest, roughly");
-      }
-      stages_.back().least_tol = kRough;
-      add("admm", 600, 2000, Start::kBest, "moving packings, roughly");
-      stages_.back().least_tol = kRough;
-    }
-    if (disks_ && !paths_first()) {
-      add("assor", ssor_crossing_, 3 * ssor_crossing_, Start::kOwn,
-          "sweeps forth and back with momentum: O(N^1/4) iterations on packings at rest");
-    } else if (exact_ && !local_ && paths_first()) {
-      // Where it does not go on to the end, it has made a start for paths by then.
-      // (Above kMany `admm` makes a better one.)
-      const int enough = std::min(crossing_, kStartSteps);
-      const int soon = contacts_ > kMany ? enough / 4 : enough;
-      add("apgd", soon, contacts_ > kLarge ? 2 * crossing_ : enough + enough / 2, Start::kOwn,
-          "momentum: O(sqrt N) iterations, and a start");
-    } else {
-      // Longer still from a warm start; given that time, it halves the cost of a compaction at
-      // rest.
-      add("apgd", warm_ ? 2 * crossing_ : crossing_,
-          std::max(warm_ ? 40000 : (local_ ? 4000 : 8000), crossing_ + crossing_ / 2), Start::kOwn,
-          "momentum: O(sqrt N) iterations, whatever the packing");
-    }
-    if (local_ && contacts_ > kCheapFactors) newton_on_delassus();
-  }
-
-  void second_order() {
-    if (paths_first()) {
-      if (splitting_first()) {
-        add("admm", 600, 800, Start::kCaller, "moving packings, by factors of W, and a start");
-      }
-      first_paths(
-          std::max(kPivots, (splitting_first() ? kPivotsOfLarge : kPivotsOfContact) * contacts_));
-      if (exact_ && contacts_ > kLarge) stages_.back().tol_below = kFair;
-    }
-    if (!sweeps_first()) sweeps();
-    if (exact_ && contacts_ > kLarge) {
-      add("admm", 6000, 14000, Start::kCaller, "large moving packings, by factors of W");
-      stages_.back().least_tol = kFair;
-    }
-    if (exact_ && contacts_ > (splitting_first() ? kMany : kLarge)) {
-      add("admm", 1000, 3000, Start::kCaller, "large packings at rest, by factors of W");
-      stages_.back().tol_below = kFair;
-    }
-    if (splitting_first()) {
-      // Whether paths of a start arrive is chance: of thirteen starts of one step five did, within
-      // 3 N pivots, the others not within 6 N.
-      add("homotopy", kPivotsOfLarge * contacts_, kPivotsOfLarge * contacts_, Start::kLast,
-          "moving packings: paths from another start", {{"start_tol", "1"}});
-      stages_.back().tol_below = kFair;
-    }
-    // An interior point shows its progress late. On large problems too much would be thrown away;
-    // and what resists first order from a warm start is a packing at rest, where it arrives in 25
-    // to 50.
-    const bool patient = warm_ || contacts_ > kLarge;
-    if (exact_) {
-      add("ipm", patient ? 40 : 12, patient ? 80 : 40, Start::kOwn,
-          "accuracy on piles, a few dozen factorisations");
-    } else {
-      // Packings of spheres under a plate: its central path folds once or twice, and the error falls after that,
-      // in 60 to 110 iterations, where all else needs 1e5 and more or stalls.
-      add("ipm", 90, 150, Start::kOwn, "packings in space, about a hundred factorisations");
-    }
-    // There a path costs more than all factorisations that a packing at rest needs.
-    if (!paths_first()) first_paths(kManyPivots);
-    if (contacts_ <= kLarge) {
-      add("newton", local_ ? 500 : 12, local_ ? 1000 : 40, Start::kOwn,
-          "quadratic where W is regular");
-    }
-  }
-
-  void again() {
-    many_starts(5000, "1");
-    if (exact_ && contacts_ <= kFew && largest_friction_ > kLargeFriction) {
-      add("lemke", 5000, 5000, Start::kOwn, "few contacts, large friction: pivots");
-    }
-    const bool sweeps_again = !local_ && contacts_ <= kCheapFactors;
-    if (sweeps_again) add("pgs", 16000, 20000, Start::kOwn, "again, with patience: still cheap");
-    // Where the paths from splitting stop, some are found from the start of the step: of seven such
-    // steps of 4800 to 5200 contacts to 1e-4 by 19 of 28 runs within 22 000.
-    if (splitting_first()) afresh({"2"}, kPivotsAfreshLarge);
-    if (exact_ && contacts_ > kFew) {
-      // Whether paths of a start arrive is chance, and some of the next ones do.
-      const int of_contact = !paths_first()      ? 0
-                             : splitting_first() ? kPivotsOfContact
-                                                 : kPivotsOfShakes;
-      follow(std::max(kManyPivots, of_contact * contacts_),
-             {{"start_tol", "1"}, {"shake", "first"}},
-             "again, from starts around the best impulse");
-    } else {
-      follow(kManyPivots, {}, "again, from a better start");
-    }
-    if (exact_ && contacts_ > kFew && contacts_ <= kMany) {
-      // The best impulse may stand where no path leads on, however it is shaken. Of 25 steps of 1700
-      // contacts to 1e-8 that take paths more than 5000 pivots, one run of paths from the caller's
-      // start solves seven in eight within that.
-      afresh({"2", "3"}, kPivotsAfresh);
-      // Of 40 steps of 1700 contacts that take paths thousands of pivots to 1e-8, 30 are solved in
-      // 1000 iterations, half of all in 600: half the price of the chains below.
-      add("ipm", 1000, 1000, Start::kCaller, "again, through the folds of moving packings");
-    }
-    if (splitting_first()) afresh({"3", "4"}, kPivotsAfreshLarge);
-    if (exact_ && contacts_ > kFew) {
-      // Paths that come near a solution and stop there do so again from there.
-      add("homotopy", kManyChains, kManyChains, Start::kCaller,
-          "again, from other starts: the best impulse so far is near a solution",
-          {{"schedule", "cautious"}});
-      stages_.back().largest_error = kNearSolution;
-    }
-    if (local_) {
-      add("ipm", 60, 150, Start::kOwn, "again, with patience");
-      add("apgd", 3000, 12000, Start::kOwn, "again, with patience");
-      add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
-      return;
-    }
-    if (!exact_ && contacts_ <= kLarge) {
-      // A plate pressed on spheres: of steps at which all else gives up some are met by splitting in 1e4 cheap
-      // iterations, some by a path with a dozen folds.
-      add("admm", 12000, 15000, Start::kCaller, "packings in space, by factors of W");
-      add("ipm", 350, 400, Start::kCaller, "packings in space, through the folds of the path");
-    }
-    // Momentum is lost where it was given up: from the start once more, to a later end.
-    add("apgd", 6000, std::max(12000, 8 * crossing_), Start::kCaller, "again, with patience");
-    if (!sweeps_again && contacts_ <= kLarge) {
-      add("pgs", 16000, 20000, Start::kOwn, "again, with patience");
-    }
-    add("ipm", 150, 300, Start::kCaller, "again, through the folds of sliding pyramids");
-    if (contacts_ <= kLarge) add("newton", 100, 500, Start::kOwn, "again, with patience");
-  }
-
-  void without_end() {
-    many_starts(20000, "2");
-    add("apgd", kUnlimited, 100000, Start::kBest, "long runs of first order from the best impulse");
-    if (contacts_ <= kLarge) {
-      add("newton", kUnlimited, 3000, Start::kBest, "proximal Newton from the best impulse",
-          {{"start_sweeps", "5000"}});
-      add("admm", kUnlimited, 4000, Start::kBest, "splitting, where pivots go wrong");
-    }
-    follow(kUnlimited, {}, "paths from better and better starts");
-    add("ipm", kUnlimited, 2000, Start::kBest, "central paths through their folds, in turns");
-    many_starts(1000000, "3");
-    add("pgs", kUnlimited, kUnlimited, Start::kBest,
-        "last resort: sweeps, which approach where nothing converges");
-  }
-
-  const int contacts_;
-  const bool exact_;  // in space the law is not piecewise linear
-  const bool friction_, local_, warm_, unequal_, disks_;
-  const bool regular_;  // and small
-  const double largest_friction_;
-  const bool with_newton_ = find_solver("newton") != nullptr;  // needs PETSc
-  // Information crosses a packing of N contacts in O(sqrt N) iterations of apgd; its error stands
-  // for some crossings before it falls.
-  int crossing_ = 0;
-  int ssor_crossing_ = 0;  // the same of assor, O(N^1/4)
-  std::vector<AutoStage> stages_;
-};
-
-}  // namespace
-
-std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator& delassus,
-                                 bool warm) {
-  return Planner(p, delassus, warm)();
-}
-
-std::string explain_auto(const ContactProblem& p, const SolverOptions& options) {
-  std::string text = fmt::format(
-      "auto: {} contacts, d = {}, {}, {} start, tolerance {:.0e}\n", p.num_contacts(), p.dim,
-      !p.has_velocities() ? "local form"
-      : is_hyperstatic(p) ? "hyperstatic (more rows than degrees of freedom)"
-                          : "not hyperstatic by count",
-      is_warm(options) ? "warm" : "cold", options.tol);
-  int number = 0;
-  for (const AutoStage& stage : plan_auto(p, DelassusOperator(p), is_warm(options))) {
-    std::string budget =
-        stage.max_iterations == kUnlimited
-            ? std::string("(no limit)")
-            : fmt::format("({} to {})", std::min(stage.min_iterations, stage.max_iterations),
-                          stage.max_iterations);
-    std::string condition;
-    if (stage.least_tol > 0) condition = fmt::format("; tolerance >= {:.0e}", stage.least_tol);
-    if (std::isfinite(stage.tol_below)) {
-      condition += fmt::format("; tolerance < {:.0e}", stage.tol_below);
-    }
-    if (std::isfinite(stage.largest_error)) {
-      condition += fmt::format("; best error <= {:.0e}", stage.largest_error);
-    }
-    text += fmt::format("  {:>2}. {:<8} {:<16} {}{}\n", ++number, stage.solver, budget,
-                        stage.reason, condition);
-  }
-  return text;
-}
-
-namespace {
-
 /// The race in progress.
 class Race {
  public:
   Race(const ContactProblem& p, const SolverOptions& options)
       : p_(p), options_(options), evaluate_(criterion_of(p, options)), inner_(options) {
-    best_.s = start_of(p, options);
+    best_.s = options.best.size() != 0 ? options.best : start_of(p, options);
     best_error_ = evaluate_(best_.s).guarded();
     if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();
     start_error_ = best_error_;
@@ -465,21 +79,37 @@ class Race {
 
   SolveResult run() {
     // On a handful of contacts the plan would cost more than the solution.
-    const bool few = p_.num_contacts() <= kFew;
+    const bool few = p_.num_contacts() <= kFewContactsOfAuto;
     if (few && finished(first_of_few())) return finish();
-    const std::vector<AutoStage> stages = plan_auto(p_, evaluate_.delassus(), is_warm(options_));
+    const bool attempted = options_.best.size() != 0;
+    const std::vector<AutoStage> stages = plan();
     for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
+      if (attempted && stages[k].before_cutting) continue;
       if (finished(stages[k])) break;
     }
     return finish();
   }
 
+  SolveResult attempt() {
+    if (p_.num_contacts() <= kFewContactsOfAuto) return {};
+    const std::vector<AutoStage> stages = plan();
+    const auto first = std::find_if(stages.begin(), stages.end(), [&](const AutoStage& stage) {
+      return stage.before_cutting && stage.serves(options_.tol, best_error_);
+    });
+    if (first == stages.end()) return {};
+    finished(*first);
+    return finish();
+  }
+
  private:
+  std::vector<AutoStage> plan() const {
+    return plan_auto(p_, evaluate_.delassus(), is_warm(options_));
+  }
+
   /// Runs the stage; true when nothing is to follow.
   bool finished(const AutoStage& stage) {
     if (out_of_budget()) return true;
-    if (options_.tol < stage.least_tol || options_.tol >= stage.tol_below) return false;
-    if (best_error_ > stage.largest_error) return false;
+    if (!stage.serves(options_.tol, best_error_)) return false;
     run_stage(stage);
     if (!ended_ && is_success(last_) && options_.stop == StopTest::kGuarded &&
         best_natural_map_ > options_.tol) {
@@ -632,6 +262,10 @@ class Race {
 
 SolveResult solve_auto(const ContactProblem& p, const SolverOptions& options) {
   return Race(p, options).run();
+}
+
+SolveResult attempt_auto(const ContactProblem& p, const SolverOptions& options) {
+  return Race(p, options).attempt();
 }
 
 }  // namespace bipot

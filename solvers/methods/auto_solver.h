@@ -1,67 +1,8 @@
 #pragma once
 
-#include <limits>
-#include <map>
-#include <string>
-#include <string_view>
-#include <vector>
-
-#include "core/problem/delassus.h"
 #include "solvers/solver.h"
 
 namespace bipot {
-
-/// One stage of the race that `auto` runs, and why it stands there. A stage ends when it meets the
-/// stop test, at `max_iterations`, or as soon as it does not promise to get there: from
-/// `min_iterations` on, the decades that the best error fell over the second half of the stage are
-/// carried forward, and the stage is given up when they would not reach the tolerance within
-/// `max_iterations`, unless the error is within a decade of it and `close_iterations` are not yet
-/// done. A stage is passed over where the tolerance is below `least_tol` or not below `tol_below`,
-/// or the best error so far above `largest_error`.
-struct AutoStage {
-  /// Where a stage starts: at the impulse that the same solver left at its last stage (the caller's
-  /// start, the first time), at the caller's start, at the impulse of the last stage, or at the best
-  /// one of all stages. The best impulse of another solver may lie where this one never gets away
-  /// from (free pyramids).
-  enum class Start { kOwn, kCaller, kLast, kBest };
-  std::string_view solver;
-  int min_iterations = 0, max_iterations = 0;  ///< of this stage, by the solver's own count
-  Start start = Start::kOwn;
-  std::map<std::string, std::string> parameters;
-  std::string_view reason;
-  double least_tol = 0, tol_below = kInfinity, largest_error = kInfinity;
-  int close_iterations = std::numeric_limits<int>::max();
-};
-
-/// The race for this problem, from its size, form and masses:
-///
-///   1. `assor`, the quickest on what is easy and soon seen not to be elsewhere; `anderson` on small
-///      regular packings, without disks or friction, and from a warm start to tight tolerances (very
-///      unequal masses: `ipm` before it; up to 400 contacts: `pgs` after it);
-///   2. `apgd`: all that a loose tolerance needs, and a start for what follows; in its place, for
-///      disks with more than 4000 contacts (8000 from a warm start), `assor`, which needs O(N^1/4)
-///      iterations on packings at rest where momentum needs O(N^1/2). Above 4000 contacts
-///      in the plane and at loose tolerances briefly, then `admm`: moving packings there meet 1e-2
-///      by 500 solves with factors of W, where momentum needs tens of thousands of steps, and 1e-3
-///      by 2000 to 5000;
-///   3. d <= 2: `homotopy` from the best impulse. Moving packings, in which many contacts close
-///      and slip at once, are solved exactly within a few hundred pivots. Free pyramids and many
-///      large packings need too many, and end with their budget. Above 2500 contacts `admm` comes
-///      before it, and once more after it, and paths from where that one ended;
-///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `admm` and `ipm`, and before the paths;
-///      In space ipm gets 90 of its iterations at least, and before long runs come admm and 350 more of ipm: what
-///      a plate presses on spheres needs;
-///   5. the same with patience, the cheap ones first; where the error is below 1e-4, chains of
-///      starts of `homotopy` from the caller's; then long runs from the best impulse.
-///
-/// Problems given by W alone have `newton` early and no short `apgd`. The budgets count iterations,
-/// not seconds, so that the result does not depend on the machine. The rule was taken from
-/// measurements. `delassus` is the problem's; `warm`: the caller's start is not 0.
-std::vector<AutoStage> plan_auto(const ContactProblem& problem, const DelassusOperator& delassus,
-                                 bool warm);
-
-/// The plan in words, one line a stage.
-std::string explain_auto(const ContactProblem& problem, const SolverOptions& options);
 
 /// Runs the stages of plan_auto in turn until one meets the stop test; the message says which
 /// stages ran, how they ended and which one succeeded. Budgets grow from round to round, so that a
@@ -70,6 +11,12 @@ std::string explain_auto(const ContactProblem& problem, const SolverOptions& opt
 /// one by the same solver, then by Newton, so that users who judge by either measure are served.
 /// No stage is hidden: when all fail, the status is that of the last one and the impulse the best
 /// one. `iterations` is the sum over stages, whose iterations differ much in cost.
+///
+/// options.best: what attempt_auto left; its stage is not run again.
 SolveResult solve_auto(const ContactProblem& problem, const SolverOptions& options);
+
+/// The first stage alone, where it is one to be tried before parts are cut out: most of what is
+/// easy is solved by then. kNotRun where there is none.
+SolveResult attempt_auto(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

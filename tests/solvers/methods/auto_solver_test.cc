@@ -1,4 +1,4 @@
-#include "solvers/methods/auto_solver.h"
+#include "solvers/methods/auto_plan.h"
 
 #include <gtest/gtest.h>
 
