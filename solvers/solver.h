@@ -121,8 +121,8 @@ struct SolverEntry {
   /// tolerance is the beginning of the one to a tight tolerance, whatever the stop test.
   bool path_ignores_tolerance = false;
   bool by_islands = false;  ///< what SolverOptions::islands is where it is left open
-  /// Tried on a problem before parts are cut out that are small beside one (solvers/islands.h): cutting
-  /// takes as long as a few dozen sweeps. kNotRun: not worth it here. None: null.
+  /// Tried on a problem before its parts are cut out (solvers/islands.h), which takes as long as a few
+  /// dozen sweeps. kNotRun: not worth it here. None: null.
   SolveResult (*attempt)(const ContactProblem&, const SolverOptions&) = nullptr;
 };
 

@@ -19,7 +19,7 @@ namespace {
 // What the parts before the last may use up of the tolerance together with all that is settled, and
 // by themselves: solvers/islands.h.
 constexpr double kShareBeforeLast = 0.5, kAloneFactor = 12;
-// Of all contacts, that the largest island must have for an attempt on the whole.
+// Of all contacts, that the largest island must have for an attempt on the whole from a warm start.
 constexpr double kNearlyAll = 0.8;
 
 /// Whether s = 0 obeys the law at all of these contacts: nothing approaches.
@@ -284,6 +284,17 @@ class IslandRun {
   SolveResult result_;
 };
 
+/// Not where a warm start may have most islands settled, nor twice, nor for what is solved without a
+/// solver.
+bool worth_an_attempt(const ContactProblem& p, const SolverOptions& options,
+                      const ContactIslands& islands) {
+  if (options.best.size() != 0 || p.num_contacts() <= kFewContacts) return false;
+  const std::size_t largest = islands.of(islands.count() - 1).size();
+  if (largest <= to_size(kFewContacts)) return false;
+  const bool warm = options.s0.size() != 0 && options.s0.squaredNorm() > 0;
+  return !warm || static_cast<double>(largest) >= kNearlyAll * p.num_contacts();
+}
+
 }  // namespace
 
 SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& p,
@@ -293,9 +304,7 @@ SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& p,
   }
   const ContactIslands islands = contact_islands(p);
   if (islands.count() <= 1) return entry.run(p, options);
-  const bool one_holds_nearly_all =
-      static_cast<double>(islands.of(islands.count() - 1).size()) >= kNearlyAll * p.num_contacts();
-  if (entry.attempt == nullptr || !one_holds_nearly_all || options.best.size() != 0) {
+  if (entry.attempt == nullptr || !worth_an_attempt(p, options, islands)) {
     return IslandRun(entry, p, options, islands).run();
   }
   const Stopwatch watch;

@@ -110,6 +110,7 @@ class Planner {
         unequal_(spread_of_masses(p, delassus) > kUnequal),
         disks_(delassus.disks().has_value()),
         regular_(disks_ && contacts_ <= kSmallLattice && is_regular(*delassus.disks())),
+        sweeps_pay_(disks_ && friction_ && !regular_ && contacts_ > kFew),
         largest_friction_(p.mu.size() > 0 ? p.mu.maxCoeff() : 0) {
     const double root = std::sqrt(static_cast<double>(contacts_));
     crossing_ = 50 + static_cast<int>((local_ ? 20 : 70) * root);
@@ -174,23 +175,29 @@ class Planner {
       add("ipm", 40, 60, Start::kOwn, "very unequal masses: factorisations do not feel them");
     }
     if (contacts_ > kFew && contacts_ <= kLarge) {
-      const bool sweeps_pay = disks_ && friction_ && !regular_;
-      if (sweeps_pay) {
+      if (sweeps_pay_) {
         add("assor", 100, 1000, Start::kOwn,
             "the quickest on what is easy, and roughly on most; soon seen not to be elsewhere");
         if (warm_) stages_.back().least_tol = kFair;
         stages_.back().before_cutting = true;
       }
-      if (!sweeps_pay || warm_) {
+      if (!sweeps_pay_ || warm_) {
         add("anderson", 16, 100, Start::kOwn,
             "the quickest by far on small regular packings, and soon seen not to be elsewhere");
         stages_.back().close_iterations = kCloseAnderson;
         stages_.back().before_cutting = true;
-        if (sweeps_pay) stages_.back().tol_below = kFair;
+        if (sweeps_pay_) stages_.back().tol_below = kFair;
       }
     }
     if (local_ && contacts_ > kFew && contacts_ <= kCheapFactors) newton_on_delassus();
-    if (sweeps_first()) sweeps();
+    if (!sweeps_first()) return;
+    if (!sweeps_pay_) return sweeps();
+    add("anderson", 50, 200, Start::kOwn, "few contacts: sweeps again, accelerated");
+    stages_.back().close_iterations = kCloseAnderson;
+    if (!warm_) return;
+    stages_.back().least_tol = kFair;  // below, it has been had
+    sweeps();
+    stages_.back().tol_below = kFair;
   }
 
   void first_order() {
@@ -236,7 +243,7 @@ class Planner {
           std::max(kPivots, (splitting_first() ? kPivotsOfLarge : kPivotsOfContact) * contacts_));
       if (exact_ && contacts_ > kLarge) stages_.back().tol_below = kFair;
     }
-    if (!sweeps_first()) sweeps();
+    if (!sweeps_first() || sweeps_pay_) sweeps();
     if (exact_ && contacts_ > kLarge) {
       add("admm", 6000, 14000, Start::kCaller, "large moving packings, by factors of W");
       stages_.back().least_tol = kFair;
@@ -349,7 +356,8 @@ class Planner {
   const int contacts_;
   const bool exact_;  // in space the law is not piecewise linear
   const bool friction_, local_, warm_, unequal_, disks_;
-  const bool regular_;  // and small
+  const bool regular_;     // and small
+  const bool sweeps_pay_;  // assor's, before all else
   const double largest_friction_;
   const bool with_newton_ = find_solver("newton") != nullptr;  // needs PETSc
   // Information crosses a packing of N contacts in O(sqrt N) iterations of apgd; its error stands

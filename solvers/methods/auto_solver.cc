@@ -91,7 +91,10 @@ class Race {
   }
 
   SolveResult attempt() {
-    if (p_.num_contacts() <= kFewContactsOfAuto) return {};
+    if (p_.num_contacts() <= kFewContactsOfAuto) {
+      finished(first_of_few());
+      return finish();
+    }
     const std::vector<AutoStage> stages = plan();
     const auto first = std::find_if(stages.begin(), stages.end(), [&](const AutoStage& stage) {
       return stage.before_cutting && stage.serves(options_.tol, best_error_);
