@@ -13,8 +13,8 @@ namespace bipot {
 /// of one part, and one with another stop test than the guarded one, goes to `entry` as it is. For
 /// solve(), which judges the result on the whole.
 ///
-/// Where `entry` has an attempt to make, that is made on the whole first, from a warm start if one
-/// part has four fifths of all contacts: what is easy is solved before anything is cut out.
+/// Where `entry` has an attempt to make, that is made on the whole first, but for warm starts: what is
+/// easy is solved before anything is cut out.
 ///
 /// **The tolerance of the parts.** With the sums of data/criterion.md the whole meets tol when
 ///

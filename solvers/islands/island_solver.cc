@@ -19,8 +19,6 @@ namespace {
 // What the parts before the last may use up of the tolerance together with all that is settled, and
 // by themselves: solvers/islands.h.
 constexpr double kShareBeforeLast = 0.5, kAloneFactor = 12;
-// Of all contacts, that the largest island must have for an attempt on the whole from a warm start.
-constexpr double kNearlyAll = 0.8;
 
 /// Whether s = 0 obeys the law at all of these contacts: nothing approaches.
 bool is_open(const ContactProblem& p, std::span<const int> contacts) {
@@ -284,15 +282,12 @@ class IslandRun {
   SolveResult result_;
 };
 
-/// Not where a warm start may have most islands settled, nor twice, nor for what is solved without a
+/// Not from a warm start, which may have most islands settled, nor twice, nor where no island needs a
 /// solver.
-bool worth_an_attempt(const ContactProblem& p, const SolverOptions& options,
-                      const ContactIslands& islands) {
-  if (options.best.size() != 0 || p.num_contacts() <= kFewContacts) return false;
-  const std::size_t largest = islands.of(islands.count() - 1).size();
-  if (largest <= to_size(kFewContacts)) return false;
+bool worth_an_attempt(const SolverOptions& options, const ContactIslands& islands) {
   const bool warm = options.s0.size() != 0 && options.s0.squaredNorm() > 0;
-  return !warm || static_cast<double>(largest) >= kNearlyAll * p.num_contacts();
+  const std::size_t largest = islands.of(islands.count() - 1).size();
+  return !warm && options.best.size() == 0 && largest > to_size(kFewContacts);
 }
 
 }  // namespace
@@ -304,7 +299,7 @@ SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& p,
   }
   const ContactIslands islands = contact_islands(p);
   if (islands.count() <= 1) return entry.run(p, options);
-  if (entry.attempt == nullptr || !worth_an_attempt(p, options, islands)) {
+  if (entry.attempt == nullptr || !worth_an_attempt(options, islands)) {
     return IslandRun(entry, p, options, islands).run();
   }
   const Stopwatch watch;

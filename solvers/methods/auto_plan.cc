@@ -167,7 +167,8 @@ class Planner {
     return contacts_ <= kLarge || (warm_ && !local_ && contacts_ <= kLargeStep);
   }
   bool splitting_first() const { return exact_ && !local_ && contacts_ > kMany && paths_first(); }
-  bool sweeps_first() const { return !local_ && contacts_ <= kSmall; }
+  bool sweeps_are_cheap() const { return !local_ && contacts_ <= kSmall; }
+  bool sweeps_first() const { return sweeps_are_cheap() && (!sweeps_pay_ || warm_); }
 
   void regular_packings() {
     if (contacts_ <= kFew) stages_.push_back(first_of_few());
@@ -190,14 +191,12 @@ class Planner {
       }
     }
     if (local_ && contacts_ > kFew && contacts_ <= kCheapFactors) newton_on_delassus();
-    if (!sweeps_first()) return;
-    if (!sweeps_pay_) return sweeps();
-    add("anderson", 50, 200, Start::kOwn, "few contacts: sweeps again, accelerated");
-    stages_.back().close_iterations = kCloseAnderson;
-    if (!warm_) return;
-    stages_.back().least_tol = kFair;  // below, it has been had
-    sweeps();
-    stages_.back().tol_below = kFair;
+    if (sweeps_first()) {
+      sweeps();
+    } else if (sweeps_are_cheap()) {
+      add("anderson", 50, 200, Start::kOwn, "few contacts: sweeps, accelerated");
+      stages_.back().close_iterations = kCloseAnderson;
+    }
   }
 
   void first_order() {
@@ -243,7 +242,7 @@ class Planner {
           std::max(kPivots, (splitting_first() ? kPivotsOfLarge : kPivotsOfContact) * contacts_));
       if (exact_ && contacts_ > kLarge) stages_.back().tol_below = kFair;
     }
-    if (!sweeps_first() || sweeps_pay_) sweeps();
+    if (!sweeps_first()) sweeps();
     if (exact_ && contacts_ > kLarge) {
       add("admm", 6000, 14000, Start::kCaller, "large moving packings, by factors of W");
       stages_.back().least_tol = kFair;

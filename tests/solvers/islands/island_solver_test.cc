@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -39,13 +40,20 @@ ContactProblem archipelago(int dim, unsigned seed, bool given_by_delassus) {
   return side_by_side(parts).problem;
 }
 
+/// `auto` that cuts at once, without an attempt on the whole.
+SolverEntry cutting_auto() {
+  SolverEntry entry = *find_solver("auto");
+  entry.attempt = nullptr;
+  return entry;
+}
+
 TEST(Islands, TheWholeMeetsTheTolerance) {
   for (const int dim : {1, 2, 3}) {
     for (const unsigned seed : {1u, 2u, 3u}) {
       for (const bool local : {false, true}) {
         const ContactProblem p = archipelago(dim, seed, local);
         for (const double tol : {1e-2, 1e-5, 1e-9}) {
-          const SolveResult result = solve("auto", p, {.tol = tol});
+          const SolveResult result = solve(cutting_auto(), p, {.tol = tol});
           EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
           EXPECT_TRUE(has(result, "6 islands")) << result.message;
           EXPECT_LE(naive_error(p, result.s).guarded(), tol * (1 + 1e-6))
@@ -287,34 +295,103 @@ TEST(Islands, OnePartIsSolvedAsItIs) {
 
 TEST(Islands, SameBitsForAnyNumberOfThreads) {
   const ContactProblem p = archipelago(2, 2, false);
-  const SolveResult one = solve("auto", p, {.tol = 1e-8});
+  const SolveResult one = solve(cutting_auto(), p, {.tol = 1e-8});
   for (const int threads : {2, 3, 4}) {
     SolverOptions options{.tol = 1e-8};
     options.execution.threads = threads;
-    const SolveResult more = solve("auto", p, options);
+    const SolveResult more = solve(cutting_auto(), p, options);
     EXPECT_EQ(more.s, one.s) << threads;
     EXPECT_EQ(more.iterations, one.iterations);
   }
 }
 
+/// An attempt of five iterations that ends like this.
+SolverEntry attempting(SolveResult (*attempt)(const ContactProblem&, const SolverOptions&)) {
+  SolverEntry entry = *find_solver("auto");
+  entry.attempt = attempt;
+  return entry;
+}
+
+SolveResult half_done(const ContactProblem& p, const SolverOptions& options) {
+  SolveResult result = solve("pgs", p, {.tol = options.tol, .max_iterations = 5});
+  if (options.on_iteration) {
+    for (int k = 0; k <= 5; ++k) {
+      options.on_iteration({.iteration = k,
+                            .error = contact_error(p, result.s),
+                            .count = count_contacts(p, result.s)});
+    }
+  }
+  result.message = "half done";
+  return result;
+}
+
 TEST(Islands, HistoryEndsWithTheErrorOfTheWhole) {
   const ContactProblem p = archipelago(2, 3, false);
-  std::vector<IterationRecord> records;
-  SolverOptions options{.tol = 1e-8};
-  options.on_iteration = [&](const IterationRecord& r) { records.push_back(r); };
-  const SolveResult result = solve("auto", p, options);
-  ASSERT_EQ(result.status, SolveStatus::kConverged) << result.message;
-  ASSERT_GT(records.size(), 1u);
-  EXPECT_EQ(records.front().iteration, 0);
-  EXPECT_TRUE(std::is_sorted(records.begin(), records.end(), [](const auto& a, const auto& b) {
-    return a.iteration < b.iteration;
-  }));
-  EXPECT_EQ(records.back().iteration, result.iterations);
-  EXPECT_NEAR(records.back().error.guarded(), result.error.guarded(),
-              1e-9 * result.error.guarded());
-  for (const IterationRecord& r : records) {
-    EXPECT_EQ(r.count.take_off + r.count.stick + r.count.slip, p.num_contacts());
+  for (const SolverEntry& entry : {cutting_auto(), *find_solver("auto"), attempting(&half_done)}) {
+    std::vector<IterationRecord> records;
+    SolverOptions options{.tol = 1e-8};
+    options.on_iteration = [&](const IterationRecord& r) { records.push_back(r); };
+    const SolveResult result = solve(entry, p, options);
+    ASSERT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    ASSERT_GT(records.size(), 1u);
+    EXPECT_EQ(records.front().iteration, 0);
+    EXPECT_TRUE(std::is_sorted(records.begin(), records.end(), [](const auto& a, const auto& b) {
+      return a.iteration < b.iteration;
+    }));
+    EXPECT_EQ(records.back().iteration, result.iterations);
+    EXPECT_NEAR(records.back().error.guarded(), result.error.guarded(),
+                1e-9 * result.error.guarded());
+    for (const IterationRecord& r : records) {
+      EXPECT_EQ(r.count.take_off + r.count.stick + r.count.slip, p.num_contacts());
+    }
   }
+}
+
+TEST(Islands, AnAttemptOnTheWholeThatArrivesIsAll) {
+  const ContactProblem p = archipelago(2, 1, false);
+  SolverEntry entry = attempting([](const ContactProblem& q, const SolverOptions& options) {
+    EXPECT_EQ(contact_islands(q).count(), 6);
+    return solve("pgs", q, {.tol = options.tol});
+  });
+  entry.run = [](const ContactProblem&, const SolverOptions&) -> SolveResult {
+    throw std::logic_error("nothing was left to do");
+  };
+  const SolveResult result = solve(entry, p, {.tol = 1e-6});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_EQ(result.s, solve("pgs", p, {.tol = 1e-6}).s);
+}
+
+TEST(Islands, AnAttemptThatDoesNotArriveLeavesItsBestToTheParts) {
+  const ContactProblem p = archipelago(2, 1, false);
+  const Vector left = half_done(p, {.tol = 1e-9}).s;
+  SolverEntry entry = attempting(&half_done);
+  int parts = 0;
+  entry.run = [&](const ContactProblem& part, const SolverOptions& options) {
+    ++parts;
+    EXPECT_EQ(options.best.size(), part.num_rows());
+    // Parts come out of the whole: what stands there are its numbers.
+    for (const double x : options.best)
+      EXPECT_NE(std::find(left.begin(), left.end(), x), left.end());
+    EXPECT_EQ(options.max_iterations, 995);
+    return find_solver("auto")->run(part, options);
+  };
+  const SolveResult result = solve(entry, p, {.tol = 1e-9, .max_iterations = 1000});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_GT(parts, 0);
+  EXPECT_TRUE(has(result, "the whole: half done; then 6 islands")) << result.message;
+  EXPECT_GT(result.iterations, 5);
+  entry.run = find_solver("auto")->run;
+  // From a warm start nothing is tried on the whole: most islands may be settled.
+  const SolveResult again = solve(entry, p, {.tol = 1e-12, .s0 = 0.5 * result.s});
+  EXPECT_FALSE(has(again, "half done")) << again.message;
+}
+
+TEST(Islands, AnAttemptThatUsesUpTheIterationsIsTheEnd) {
+  const ContactProblem p = archipelago(2, 1, false);
+  const SolveResult result = solve(attempting(&half_done), p, {.tol = 1e-9, .max_iterations = 5});
+  EXPECT_EQ(result.status, SolveStatus::kIterationLimit) << result.message;
+  EXPECT_EQ(result.iterations, 5);
+  EXPECT_EQ(result.s, half_done(p, {.tol = 1e-9}).s);
 }
 
 TEST(Islands, APartThatFailsIsNamedAndTheOthersAreSolved) {

@@ -1,5 +1,3 @@
-#include "solvers/methods/auto_plan.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -10,6 +8,7 @@
 
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
+#include "solvers/methods/auto_plan.h"
 #include "solvers/solve.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/small_problems.h"
@@ -109,7 +108,7 @@ TEST(AutoSolver, MovingPackingsThatResistHaveOtherStartsAndPatience) {
 
 TEST(AutoSolver, MovingPackingsAreSolvedByPathFollowing) {
   for (const char* name :
-       {"2d_pour300_273.hdf5", "2d_pour300_392.hdf5", "2d_tilt1000hi_182.hdf5"}) {
+       {"2d_pour300_273.hdf5", "2d_pour300_392.hdf5", "2d_compaction_flow.hdf5"}) {
     SolverOptions options{.tol = 1e-10};
     options.time_limit = 2 * BIPOT_TEST_SLOWNESS;
     const SolveResult result = solve("auto", shipped_file(name), options);
@@ -198,6 +197,11 @@ TEST(AutoSolver, SmallLatticesAndPyramidsBeginWithAndersonOthersWithSweepsForthA
     ASSERT_EQ(warm[1].solver, "anderson") << name;
     EXPECT_EQ(warm[0].least_tol, warm[1].tol_below) << name;
   }
+  // Up to 400 contacts sweeps come next, accelerated where they have not been so already.
+  const ContactProblem few = shipped_file("2d_tilt12_320.hdf5");
+  ASSERT_LE(few.num_contacts(), 400);
+  EXPECT_EQ(plan(few)[1].solver, "anderson");
+  EXPECT_EQ(plan(few, true)[2].solver, "pgs");
   LatticeOptions options;
   options.tilt = 0.2;
   EXPECT_EQ(plan(triangular_lattice(12, options)).front().solver, "anderson");
