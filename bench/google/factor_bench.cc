@@ -23,6 +23,7 @@
 #endif
 
 #include "bench/measure/iteration_growth.h"
+#include "core/problem/frontal_cholesky.h"
 #include "core/problem/frontal_lu.h"
 #include "core/problem/sparse_factor.h"
 #include "solvers/interior/equal_product_start.h"
@@ -181,6 +182,14 @@ Method by_cholmod(const SparseMatrix& S) {
           [llt] { return llt->num_entries(); }};
 }
 
+Method by_cholesky_fronts(const SparseMatrix& S) {
+  auto llt = std::make_shared<FrontalCholesky>();
+  return {"fronts (`admm`), Cholesky of the symmetric part",
+          [&S] { return FrontalTree::analyse(S) != nullptr; }, [&S, llt] { return llt->factor(S); },
+          [llt](const Vector& b, Vector& x) { llt->solve(b, x); },
+          [llt] { return llt->num_entries(); }};
+}
+
 /// KLU with AMD's order: made for circuits, without dense kernels.
 struct Klu {
   klu_common common;
@@ -302,6 +311,7 @@ void table(const std::string& family, int side, int at, int repeat) {
 #ifdef BIPOT_WITH_PETSC
   row(by_mumps(system.K), system, repeat);
 #endif
+  row(by_cholesky_fronts(system.symmetric), system, repeat);
   row(by_cholmod(system.symmetric), system, repeat);
   row(by_klu(system.K), system, repeat);
 }

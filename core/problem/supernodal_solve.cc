@@ -37,6 +37,13 @@ BIPOT_SLICES void multiply_slices(int slices, int count, int step, const double*
   }
 }
 
+/// Zeros for so many more slices at the end; the first of them.
+double* extended(std::vector<double>& numbers, int slices) {
+  const std::size_t before = numbers.size();
+  numbers.resize(before + to_size(slices) * kSlice, 0.0);
+  return numbers.data() + before;
+}
+
 }  // namespace
 
 void SupernodalSolve::begin(int size) {
@@ -52,26 +59,33 @@ void SupernodalSolve::begin(int size) {
 void SupernodalSolve::add(const Supernode& s) {
   blocks_.push_back({s.first, s.columns, s.rows, row_.size(), forward_.size(), backward_.size()});
   row_.insert(row_.end(), s.below, s.below + (s.rows - s.columns));
-  std::vector<double> M(to_size(s.rows) * to_size(s.columns), 0.0);  // by columns
+  inverse_.assign(to_size(s.rows) * to_size(s.columns), 0.0);  // M by columns
+  double* const M = inverse_.data();
   for (int j = 0; j < s.columns; ++j) {
-    double* const column = M.data() + static_cast<std::ptrdiff_t>(j) * s.rows;
+    double* const column = M + static_cast<std::ptrdiff_t>(j) * s.rows;
     column[j] = 1;
     const double* const given = s.values + static_cast<std::ptrdiff_t>(j) * s.rows;
     std::copy(given + s.columns, given + s.rows, column + s.columns);
   }
   const double one = 1;
-  dtrsm_("R", "L", "N", "N", &s.rows, &s.columns, &one, s.values, &s.rows, M.data(), &s.rows);
-  const auto at = [&](int i, int j) {
-    return i < s.rows && j < s.columns ? M[to_size(j) * to_size(s.rows) + to_size(i)] : 0.0;
-  };
-  for (int k = 0; k < slices_of(s.rows); ++k) {
-    for (int j = 0; j < s.columns; ++j) {
-      for (int lane = 0; lane < kSlice; ++lane) forward_.push_back(at(k * kSlice + lane, j));
+  dtrsm_("R", "L", "N", "N", &s.rows, &s.columns, &one, s.values, &s.rows, M, &s.rows);
+  double* out = extended(forward_, slices_of(s.rows) * s.columns);
+  for (int i = 0; i < s.rows; i += kSlice) {
+    const int lanes = std::min(kSlice, s.rows - i);
+    for (int j = 0; j < s.columns; ++j, out += kSlice) {
+      std::copy_n(M + static_cast<std::ptrdiff_t>(j) * s.rows + i, lanes, out);
     }
   }
-  for (int k = 0; k < slices_of(s.columns); ++k) {
-    for (int i = k * kSlice; i < s.rows; ++i) {  // above, a triangle is zero
-      for (int lane = 0; lane < kSlice; ++lane) backward_.push_back(at(i, k * kSlice + lane));
+  int slices = 0;
+  for (int j = 0; j < s.columns; j += kSlice) slices += s.rows - j;
+  out = extended(backward_, slices);
+  for (int j = 0; j < s.columns; j += kSlice) {
+    const int lanes = std::min(kSlice, s.columns - j);
+    const double* const column = M + static_cast<std::ptrdiff_t>(j) * s.rows;
+    for (int i = j; i < s.rows; ++i, out += kSlice) {  // above, a triangle is zero
+      for (int lane = 0; lane < lanes; ++lane) {
+        out[lane] = column[static_cast<std::ptrdiff_t>(lane) * s.rows + i];
+      }
     }
   }
 }

@@ -43,6 +43,7 @@ class SupernodalSolve {
   std::vector<int> row_;                    // below the triangles
   std::vector<double> forward_, backward_;  // slices of rows, of columns
   std::vector<double> given_, result_;      // scratch of a block
+  std::vector<double> inverse_;             // the same of add()
 };
 
 }  // namespace bipot
