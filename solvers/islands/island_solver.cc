@@ -246,6 +246,7 @@ class IslandRun {
   SolveResult on_the_whole() {
     SolverOptions inner = options_;
     inner.s0 = s_;
+    inner.best.resize(0);
     inner.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);
     const int before = iterations(0, 0);
     if (options_.on_iteration) {

@@ -71,10 +71,16 @@ class Race {
  public:
   Race(const ContactProblem& p, const SolverOptions& options)
       : p_(p), options_(options), evaluate_(criterion_of(p, options)), inner_(options) {
-    best_.s = options.best.size() != 0 ? options.best : start_of(p, options);
+    best_.s = start_of(p, options);
     best_error_ = evaluate_(best_.s).guarded();
     if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();
     start_error_ = best_error_;
+    if (options.best.size() == 0) return;
+    const double error = evaluate_(options.best).guarded();
+    if (error < best_error_) {
+      best_.s = options.best;
+      best_error_ = error;
+    }
   }
 
   SolveResult run() {
