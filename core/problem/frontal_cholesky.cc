@@ -89,25 +89,27 @@ bool FrontalCholesky::analyse(const SparseMatrix& A) {
 bool FrontalCholesky::factor(const SparseMatrix& A) {
   factored_ = false;
   if (!analyse(A)) return false;
-  values_ = A.valuePtr();
-  factored_ = eliminate();
-  values_ = nullptr;
+  try {
+    factored_ = eliminate(A.valuePtr());
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
   return factored_;
 }
 
 /// The entries of A that the front takes, in place of what the panel held.
-void FrontalCholesky::assemble(int front, double* panel) const {
+void FrontalCholesky::assemble(int front, const double* values, double* panel) const {
   const FrontalTree& t = *tree_;
   const int size = t.columns(front) * t.rows(front);
   std::fill(panel, panel + size, 0.0);
   for (int k = t.entry_start[to_size(front)]; k < t.entry_start[to_size(front) + 1]; ++k) {
     const int target = t.entry_target[to_size(k)];  // beyond the panel: right of the pivots
-    if (target < size) panel[target] = values_[t.entry_source[to_size(k)]];
+    if (target < size) panel[target] = values[t.entry_source[to_size(k)]];
   }
 }
 
 /// All fronts, children before parents.
-bool FrontalCholesky::eliminate() {
+bool FrontalCholesky::eliminate(const double* values) {
   const FrontalTree& t = *tree_;
   std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
   const auto contribution = [&](std::size_t k, int columns) {
@@ -121,7 +123,7 @@ bool FrontalCholesky::eliminate() {
   supernodes_.begin(t.size());
   for (int s = 0; s < t.num_fronts(); ++s) {
     const int columns = t.columns(s), h = t.height(s), rows = columns + h;
-    assemble(s, panel);
+    assemble(s, values, panel);
     const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
     const std::size_t bottom = base < held.size() ? held[base].second : top;
     for (std::size_t k = base; k < held.size(); ++k) {

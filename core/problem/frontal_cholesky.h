@@ -26,11 +26,10 @@ class FrontalCholesky {
   std::size_t num_entries() const { return entries_; }
 
  private:
-  bool eliminate();
-  void assemble(int front, double* panel) const;
+  bool eliminate(const double* values);
+  void assemble(int front, const double* values, double* panel) const;
 
   std::shared_ptr<const FrontalTree> tree_;
-  const double* values_ = nullptr;     // of A, during factor()
   std::vector<double> panel_, stack_;  // scratch of a front; contributions
   bool factored_ = false;
   std::size_t entries_ = 0;

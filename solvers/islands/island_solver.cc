@@ -182,9 +182,8 @@ class IslandRun {
       return result.status != SolveStatus::kTimeLimit && result.status != SolveStatus::kInterrupted;
     }
     if (!last) {
-      ContactErrorEvaluator evaluate(part.problem);
-      evaluate(part.gather(s_));
-      settled_ += evaluate.sums();
+      prepared.criterion()(part.gather(s_));
+      settled_ += prepared.criterion().sums();
     }
     return true;
   }

@@ -305,13 +305,14 @@ TEST(Islands, SameBitsForAnyNumberOfThreads) {
   }
 }
 
-/// An attempt of five iterations that ends like this.
+/// `auto` with another attempt.
 SolverEntry attempting(SolveResult (*attempt)(const ContactProblem&, const SolverOptions&)) {
   SolverEntry entry = *find_solver("auto");
   entry.attempt = attempt;
   return entry;
 }
 
+/// Five sweeps, with a history of six records.
 SolveResult half_done(const ContactProblem& p, const SolverOptions& options) {
   SolveResult result = solve("pgs", p, {.tol = options.tol, .max_iterations = 5});
   if (options.on_iteration) {
