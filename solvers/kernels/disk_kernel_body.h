@@ -186,6 +186,19 @@ inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const
 }
 #endif
 
+/// Asks for the lines of the cache that hold what is not needed yet.
+template <class T>
+inline void prefetch(const T& what) {
+  constexpr unsigned kLine = 64;
+  for (unsigned at = 0; at < sizeof(T); at += kLine) {
+    __builtin_prefetch(reinterpret_cast<const char*>(&what) + at);
+  }
+}
+
+/// So many batches ahead of their turn what is streamed is asked for: from the shared cache it comes
+/// too late otherwise (6.2 ns a contact for 5.5 at 3·10⁶ contacts, apgd).
+constexpr int kAhead = 16;
+
 /// Runs solve(batch, part, motion) -> wrench over all parts of all batches, from the last batch to
 /// the first with kBack. In program order the bodies
 /// of a part are read before the part before writes to its own, so that the processor works on both
@@ -222,6 +235,10 @@ void sweep_batches(const SweepTask<D>& task) {
   };
   // Sums are arranged so that the way from the velocities to the wrench is short.
   const auto solve = [&](int k, int part, const Motion& v) {
+    if (part == 0) {
+      prefetch(a.contact[k + kAhead]);
+      prefetch(a.impulse[k + kAhead]);
+    }
     const ContactBatch<D>& c = a.contact[k];
     const LawBatch& law = a.laws[a.law[k]];
     ImpulseBatch<D>& impulse = a.impulse[k];
@@ -255,15 +272,6 @@ void sweep(const SweepTask<D>& task) {
     sweep_batches<D, false>(task);
   } else {
     sweep_batches<D, true>(task);
-  }
-}
-
-/// Asks for the lines of the cache that hold what is not needed yet.
-template <class T>
-inline void prefetch(const T& what) {
-  constexpr unsigned kLine = 64;
-  for (unsigned at = 0; at < sizeof(T); at += kLine) {
-    __builtin_prefetch(reinterpret_cast<const char*>(&what) + at);
   }
 }
 
@@ -341,16 +349,24 @@ void sweep_back(const SymmetricTask<D>& task, TurnSums& sums) {
 }
 
 void extrapolate(const MomentumTask& task, EnergySums& sums) {
-  const Row beta = Row{} + task.beta;
-  Row energy{};
-  for (int k = 0; k < task.rows; ++k) {
-    const Row inverse = row(task.inverse[k]), now = row(task.now[k]);
-    const Row change = now - row(task.before[k]);
+  const MomentumTask a = task;
+  const Row beta = Row{} + a.beta;
+  const auto extrapolated = [&](int k, Row& energy) {
+    const Row inverse = row(a.inverse[k]), now = row(a.now[k]);
+    const Row change = now - row(a.before[k]);
     energy += inverse * change * change;
-    row(task.velocity[k]) = inverse * (now + beta * change);
-    row(task.next[k]) = Row{};
+    row(a.velocity[k]) = inverse * (now + beta * change);
+    row(a.next[k]) = Row{};
+  };
+  // Two sums: one addition need not wait for the other.
+  Row even{}, odd{};
+  for (int k = 0; k + 1 < a.rows; k += 2) {
+    extrapolated(k, even);
+    extrapolated(k + 1, odd);
   }
-  for (int k = 0; k < 4; ++k) sums.energy[k] = energy[k];
+  if (a.rows % 2 != 0) extrapolated(a.rows - 1, even);
+  even += odd;
+  for (int k = 0; k < 4; ++k) sums.energy[k] = even[k];
 }
 
 template <int D, bool kCone>
@@ -359,6 +375,11 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
   const Lanes beta = all(a.beta), rho = all(a.rho);
   Lanes turn[kParts] = {}, change2[kParts] = {};
   const auto solve = [&](int k, int part, const Motion& v) {
+    if (part == 0) {
+      prefetch(a.contact[k + kAhead]);
+      prefetch(a.now[k + kAhead]);
+      prefetch(a.before[k + kAhead]);
+    }
     const ContactBatch<D>& c = a.contact[k];
     const LawBatch& law = a.laws[a.law[k]];
     const Lanes gx = load(c.gx, part), gy = load(c.gy, part);

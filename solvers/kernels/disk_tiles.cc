@@ -8,11 +8,15 @@
 #include <limits>
 #include <utility>
 
+#include "solvers/kernels/wavefront.h"
+
 namespace bipot {
 namespace {
 
 constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
 constexpr int kDeepest = 16;
+/// Tiles that d iterations in flight have between them beside one each (wavefront.h).
+constexpr std::size_t kBetween = kWavePlaces - 1;
 
 /// Bytes of a cache as the system says, `otherwise` where it does not. What follows from it decides
 /// what runs when, and changes no bit.
@@ -190,8 +194,9 @@ int DiskTiles<D>::pipeline_depth(int threads, std::size_t bytes_per_batch,
   // What comes from the shared cache anyway gains by iterations in the core's own one only.
   const std::size_t cache =
       all <= shared_cache() ? own_cache() : std::max(own_cache(), shared_cache() / team);
-  const std::size_t tile = all / to_size(std::max(num_tiles(), 1));
-  return static_cast<int>(std::clamp<std::size_t>(cache / (2 * tile), 2, kDeepest));
+  const std::size_t tiles = cache * to_size(std::max(num_tiles(), 1)) / all;
+  return static_cast<int>(std::clamp<std::size_t>(tiles, 2 + kBetween, kDeepest + kBetween)) -
+         static_cast<int>(kBetween);
 }
 
 template class DiskTiles<1>;

@@ -25,18 +25,31 @@ inline void wait_for(const std::atomic<int>& done, int count) {
   }
 }
 
-/// Calls task(k, place) for begin <= place < end and the iterations start <= k < start + group, of
-/// the waves place + 2 (k - start) = const from `first` to before `last`.
+/// Places that an iteration takes in a wave, before the next one follows: bodies between them come
+/// into a core's own cache once for all of these.
+inline constexpr int kWavePlaces = 2;
+
+/// Wave w has the places with place + i = kWavePlaces w, ..., iteration i after iteration i - 1. So
+/// every (i, place) comes after (i, place - 1) and (i - 1, place + 1).
+inline int wave_of(int place, int i) { return (place + i) / kWavePlaces; }
+
+/// Calls task(start + i, place) for begin <= place < end in a wave.
+template <class Task>
+void run_part_of_wave(int begin, int end, int start, int i, int wave, const Task& task) {
+  const int first = kWavePlaces * wave - i;
+  for (int place = std::max(begin, first); place < std::min(end, first + kWavePlaces); ++place) {
+    task(start + i, place);
+  }
+}
+/// The same for the iterations i < group of the waves from `first` to before `last`.
 template <class Task>
 void run_waves(int begin, int end, int start, int group, int first, int last, const Task& task) {
   for (int wave = first; wave < last; ++wave) {
-    const int oldest = wave < end ? 0 : (wave - end) / 2 + 1;
-    const int newest = std::min(group - 1, (wave - begin) / 2);
-    for (int i = oldest; i <= newest; ++i) task(start + i, wave - 2 * i);
+    for (int i = 0; i < group; ++i) run_part_of_wave(begin, end, start, i, wave, task);
   }
 }
 /// The first wave after those of run_waves().
-inline int end_of_waves(int end, int group) { return end + 2 * (group - 1); }
+inline int end_of_waves(int end, int group) { return wave_of(end - 1, group - 1) + 1; }
 
 /// The tile from which on run_wavefront() comes down: half of them.
 inline int first_upper_tile(int tiles) { return tiles / 2; }
@@ -70,13 +83,16 @@ void run_wavefront(int threads, int tiles, int iterations, int depth, const Task
   const auto alone = [&] {
     for (int start = 0; start < iterations; start += depth) {
       const int group = std::min(depth, iterations - start);
-      run_waves(0, middle, start, group, 0, middle, task);
-      run_waves(0, above, start, group, 0, above, upper);
-      for (int wave = middle; wave < end_of_waves(above, group); ++wave) {
-        if (wave < end_of_waves(middle, group)) {
-          run_waves(0, middle, start, group, wave, wave + 1, task);
+      // The upper half waits for the last place of the lower one, whose next iteration waits for it.
+      const int lower_alone = wave_of(middle, 0), upper_alone = wave_of(above - 1, 0);
+      run_waves(0, middle, start, group, 0, lower_alone, task);
+      run_waves(0, above, start, group, 0, upper_alone, upper);
+      for (int wave = std::min(lower_alone, upper_alone); wave < end_of_waves(above, group);
+           ++wave) {
+        for (int i = 0; i < group; ++i) {
+          if (wave >= lower_alone) run_part_of_wave(0, middle, start, i, wave, task);
+          if (wave >= upper_alone) run_part_of_wave(0, above, start, i, wave, upper);
         }
-        if (wave >= above) run_waves(0, above, start, group, wave, wave + 1, upper);
       }
     }
   };
@@ -94,17 +110,18 @@ void run_wavefront(int threads, int tiles, int iterations, int depth, const Task
         meets ? progress[static_cast<std::size_t>(up ? below : size) - 1].last : own[1].first;
     for (int start = 0; start < iterations; start += depth) {
       const int group = std::min(depth, iterations - start);
-      run_waves(begin, end, start, group, begin, end_of_waves(end, group), [&](int k, int place) {
-        if (place == begin && here > 0) wait_for(own[-1].last, k + 1);
-        if (place == end - 1) wait_for(ahead, meets && up ? k + 1 : k);
-        if (up) {
-          upper(k, place);
-        } else {
-          task(k, place);
-        }
-        if (place == begin) own->first.store(k + 1, std::memory_order_release);
-        if (place == end - 1) own->last.store(k + 1, std::memory_order_release);
-      });
+      run_waves(begin, end, start, group, wave_of(begin, 0), end_of_waves(end, group),
+                [&](int k, int place) {
+                  if (place == begin && here > 0) wait_for(own[-1].last, k + 1);
+                  if (place == end - 1) wait_for(ahead, meets && up ? k + 1 : k);
+                  if (up) {
+                    upper(k, place);
+                  } else {
+                    task(k, place);
+                  }
+                  if (place == begin) own->first.store(k + 1, std::memory_order_release);
+                  if (place == end - 1) own->last.store(k + 1, std::memory_order_release);
+                });
     }
   };
   run_team(threads, member);
