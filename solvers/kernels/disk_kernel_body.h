@@ -279,22 +279,22 @@ template <int D, bool kBack>
 void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
   // Nobody foresees which bodies come when batches are taken downwards: their rows are asked for
   // so many batches ahead, the batches that name them twice as many.
-  constexpr int kAhead = 8;
+  constexpr int kRowsAhead = 8, kBatchesAhead = 2 * kRowsAhead;
   const SymmetricTask<D> a = task;
   const Lanes omega = all(a.omega), beta = all(a.beta);
   const auto solve = [&](int k, int part, const Motion& v) {
     if constexpr (kBack) {
-      if (part == 0 && k >= 2 * kAhead) {
-        prefetch(a.contact[k - 2 * kAhead]);
+      if (part == 0 && k >= kBatchesAhead) {
+        prefetch(a.contact[k - kBatchesAhead]);
         for (int lane = 0; lane < kLanes; ++lane) {
-          prefetch(at(a.velocity, a.contact[k - kAhead].i[lane]));
-          prefetch(at(a.velocity, a.contact[k - kAhead].j[lane]));
-          prefetch(at(a.inverse, a.contact[k - kAhead].i[lane]));
-          prefetch(at(a.inverse, a.contact[k - kAhead].j[lane]));
+          prefetch(at(a.velocity, a.contact[k - kRowsAhead].i[lane]));
+          prefetch(at(a.velocity, a.contact[k - kRowsAhead].j[lane]));
+          prefetch(at(a.inverse, a.contact[k - kRowsAhead].i[lane]));
+          prefetch(at(a.inverse, a.contact[k - kRowsAhead].j[lane]));
         }
-        prefetch(a.now[k - kAhead]);
-        prefetch(a.before[k - kAhead]);
-        prefetch(a.next[k - kAhead]);
+        prefetch(a.now[k - kRowsAhead]);
+        prefetch(a.before[k - kRowsAhead]);
+        prefetch(a.next[k - kRowsAhead]);
       }
     }
     const ContactBatch<D>& c = a.contact[k];
