@@ -14,9 +14,7 @@ namespace bipot {
 namespace {
 
 constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
-constexpr int kDeepest = 16;
-/// Tiles that d iterations in flight have between them beside one each (wavefront.h).
-constexpr std::size_t kBetween = kWavePlaces - 1;
+constexpr std::size_t kDeepest = 16;
 
 /// Bytes of a cache as the system says, `otherwise` where it does not. What follows from it decides
 /// what runs when, and changes no bit.
@@ -194,9 +192,9 @@ int DiskTiles<D>::pipeline_depth(int threads, std::size_t bytes_per_batch,
   // What comes from the shared cache anyway gains by iterations in the core's own one only.
   const std::size_t cache =
       all <= shared_cache() ? own_cache() : std::max(own_cache(), shared_cache() / team);
-  const std::size_t tiles = cache * to_size(std::max(num_tiles(), 1)) / all;
-  return static_cast<int>(std::clamp<std::size_t>(tiles, 2 + kBetween, kDeepest + kBetween)) -
-         static_cast<int>(kBetween);
+  const std::size_t tiles = cache * to_size(num_tiles()) / all;
+  constexpr std::size_t kOthers = kWavePlaces - 1;  // beside one of each iteration
+  return static_cast<int>(std::clamp(tiles, 2 + kOthers, kDeepest + kOthers) - kOthers);
 }
 
 template class DiskTiles<1>;
