@@ -68,7 +68,7 @@ inline int first_upper_tile(int tiles) { return tiles / 2; }
 /// meet in the middle, neither behind the other; with more, there are as many ranges in each half.
 /// Next to each other they wait twice an iteration: for the last tile of the range behind in the same
 /// iteration, and for the first tile of the one ahead in the iteration before. Both stand earlier in
-/// the order of waves, in which all proceed, so that nobody waits for ever.
+/// the order of waves and, within a wave, of iterations, in which all proceed: nobody waits for ever.
 template <class Task>
 void run_wavefront(int threads, int tiles, int iterations, int depth, const Task& task) {
   constexpr int kLeastTiles = 2;  // of a range
