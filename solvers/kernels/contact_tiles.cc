@@ -15,6 +15,8 @@ namespace {
 
 /// Tiles of fewer bodies would cost more to hand over than to work on.
 constexpr int kTileBodies = 96;
+/// Batches of a piece of an order.
+constexpr int kOrderedBatches = 64;
 /// A body may come again in the batch after the next: the kernels work on two at once.
 constexpr int kBatchGap = 2;
 
@@ -290,7 +292,6 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
 ContactTiles order_contacts(const DiskStructure& disks) {
   ContactTiles out;
   const int bodies = disks.surroundings();
-  out.num_rows = bodies + 1;
   FreeLanes free;
   std::vector<int> next(to_size(bodies), 0);  // batch from which on a body may come again
   for (const int c : sweep_order(disks, body_rows(disks))) {
@@ -306,18 +307,27 @@ ContactTiles order_contacts(const DiskStructure& disks) {
   // Rows as the batches come to them: they stream, though a batch has contacts of eight rows of the
   // packing.
   out.row.assign(to_size(bodies), -1);
-  int rows = 0;
   const auto place = [&](int body) {
-    if (body != bodies && out.row[to_size(body)] < 0) out.row[to_size(body)] = rows++;
+    if (body != bodies && out.row[to_size(body)] < 0) out.row[to_size(body)] = out.num_rows++;
   };
-  for (const int c : out.contact) {
-    if (c < 0) continue;
-    place(disks.contacts[to_size(c)].i);
-    place(disks.contacts[to_size(c)].j);
-  }
-  for (int body = 0; body < bodies; ++body) place(body);
-  out.tiles.push_back(
-      {.first_batch = 0, .last_batch = out.num_batches(), .first_row = 0, .last_row = bodies + 1});
+  int batch = 0;
+  do {
+    ContactTiles::Tile tile;
+    tile.first_batch = batch;
+    tile.last_batch = batch = std::min(batch + kOrderedBatches, out.num_batches());
+    tile.first_row = out.num_rows;
+    for (int lane = tile.first_batch * kLanes; lane < tile.last_batch * kLanes; ++lane) {
+      const int c = out.contact[to_size(lane)];
+      if (c < 0) continue;
+      place(disks.contacts[to_size(c)].i);
+      place(disks.contacts[to_size(c)].j);
+    }
+    if (batch == out.num_batches()) {
+      for (int body = 0; body < bodies; ++body) place(body);  // those without contacts
+    }
+    tile.last_row = ++out.num_rows;  // with one for the surroundings
+    out.tiles.push_back(tile);
+  } while (batch < out.num_batches());
   return out;
 }
 

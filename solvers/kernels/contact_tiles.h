@@ -34,7 +34,8 @@ ContactTiles tile_contacts(const DiskStructure& disks);
 
 /// Batches for sweeps that keep an order, that of the rows: by the first body, then the second. A
 /// contact comes at least two batches after all before it that share a body with it, so that batch
-/// after batch is the sweep contact after contact. One tile has them all.
+/// after batch is the sweep contact after contact. Tiles are pieces of that order here: bodies stand
+/// in the tile that comes to them first, and may occur in many.
 ContactTiles order_contacts(const DiskStructure& disks);
 
 /// Bodies along the graph: as given where that is local already, else reverse Cuthill-McKee.

@@ -206,17 +206,18 @@ inline void prefetch_item(const T* list, int k) {
 /// too late otherwise (6.2 ns a contact for 5.5 at 3·10⁶ contacts, apgd).
 constexpr int kAhead = 16;
 
-/// Runs solve(batch, part, motion) -> wrench over all parts of all batches, from the last batch to
-/// the first with kBack. In program order the bodies
-/// of a part are read before the part before writes to its own, so that the processor works on both
-/// at once. They share no body: neither do the lanes of a batch nor two batches that follow.
+/// Runs solve(batch, part, motion) -> wrench over all parts of the batches from `first` to before
+/// `last`, downwards with kBack. In program order the bodies of a part are read before the part
+/// before writes to its own, so that the processor works on both at once. They share no body:
+/// neither do the lanes of a batch nor two batches that follow.
 template <bool kInverse, bool kBack, int D, class Solve>
-inline void for_parts(const ContactBatch<D>* contact, int batches, const BodyRow* velocity,
+inline void for_parts(const ContactBatch<D>* contact, int first, int last, const BodyRow* velocity,
                       const BodyRow* inverse, BodyRow* to, const Solve& solve) {
+  const int batches = last - first;
   Motion wrench{};
   const unsigned *i = nullptr, *j = nullptr;
   for (int n = 0; n < batches; ++n) {
-    const int k = kBack ? batches - 1 - n : n;
+    const int k = kBack ? last - 1 - n : first + n;
 #pragma GCC unroll 4
     for (int part = 0; part < kParts; ++part) {
       const unsigned* const next_i = contact[k].i + part * kWidth;
@@ -270,7 +271,7 @@ void sweep_batches(const SweepTask<D>& task) {
       return Motion{gx * normal + tx * back, gy * normal - ty * back, spin * back};
     }
   };
-  for_parts<true, false>(a.contact, a.batches, a.velocity, a.inverse, a.velocity, solve);
+  for_parts<true, false>(a.contact, 0, a.batches, a.velocity, a.inverse, a.velocity, solve);
 }
 
 template <int D>
@@ -282,26 +283,44 @@ void sweep(const SweepTask<D>& task) {
   }
 }
 
-template <int D, bool kBack>
+void extrapolate_velocity(const ExtrapolationTask& task) {
+  const Row beta = Row{} + task.beta;
+  const BodyRow* const now = task.now;
+  BodyRow* const before = task.before;
+  for (int k = 0; k < task.rows; ++k) {
+    prefetch_item(now, k + 64);
+    prefetch_item(before, k + 64);
+    const Row v = row(now[k]);
+    row(before[k]) = v + beta * (v - row(before[k]));
+  }
+}
+
+/// kOuter: from y with a sweep forth, with sums at the end of a sweep back.
+template <int D, bool kBack, bool kOuter>
 void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
-  // Nobody foresees which bodies come when batches are taken downwards: their rows are asked for
-  // so many batches ahead, the batches that name them twice as many.
-  constexpr int kRowsAhead = 8, kBatchesAhead = 2 * kRowsAhead;
   const SymmetricTask<D> a = task;
   const Lanes omega = all(a.omega), beta = all(a.beta);
+  // Lists are asked for ahead where they come from memory. Nobody foresees which bodies come when
+  // batches are taken downwards: rows are asked for as the task lists them.
+  constexpr bool kStream = kBack || kOuter;
+  const int batches = a.last_batch - a.first_batch;
+  const int share = batches > 0 ? (a.num_coming + batches - 1) / batches : 0;
+  int coming = 0;
   const auto solve = [&](int k, int part, const Motion& v) {
-    if constexpr (kBack) {
-      if (part == 0 && k >= kBatchesAhead) {
-        prefetch(a.contact[k - kBatchesAhead]);
-        for (int lane = 0; lane < kLanes; ++lane) {
-          prefetch(at(a.velocity, a.contact[k - kRowsAhead].i[lane]));
-          prefetch(at(a.velocity, a.contact[k - kRowsAhead].j[lane]));
-          prefetch(at(a.inverse, a.contact[k - kRowsAhead].i[lane]));
-          prefetch(at(a.inverse, a.contact[k - kRowsAhead].j[lane]));
+    if (kStream && part == 0) {
+      const int ahead = kBack ? k - kAhead : k + kAhead;
+      prefetch_item(a.contact, ahead);
+      prefetch_item(a.next, ahead);
+      if constexpr (kOuter) {
+        prefetch_item(a.now, ahead);
+        prefetch_item(a.before, ahead);
+      }
+      if constexpr (kBack) {
+        const int end = coming + share < a.num_coming ? coming + share : a.num_coming;
+        for (; coming < end; ++coming) {
+          prefetch(at(a.velocity, a.coming[coming]));
+          prefetch(at(a.inverse, a.coming[coming]));
         }
-        prefetch(a.now[k - kRowsAhead]);
-        prefetch(a.before[k - kRowsAhead]);
-        prefetch(a.next[k - kRowsAhead]);
       }
     }
     const ContactBatch<D>& c = a.contact[k];
@@ -311,7 +330,7 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
       return now + beta * (now - load(a.before[k].x[row], part));
     };
     const auto put = [&](int row, Lanes from, Lanes z) {
-      if constexpr (kBack) {
+      if constexpr (kBack && kOuter) {
         const Lanes now = load(a.now[k].x[row], part);
         turn[part] += (extrapolated(row, now) - z) * (z - now);
       }
@@ -319,7 +338,7 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
       return z - from;
     };
     const auto start = [&](int row) {
-      if constexpr (kBack) return load(next.x[row], part);
+      if constexpr (kBack || !kOuter) return load(next.x[row], part);
       return extrapolated(row, load(a.now[k].x[row], part));
     };
     const Lanes gx = load(c.gx, part), gy = load(c.gy, part);
@@ -341,17 +360,24 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
       return Motion{gx * normal - tx * change, gy * normal + ty * change, -(spin * change)};
     }
   };
-  for_parts<true, kBack>(a.contact, a.batches, a.velocity, a.inverse, a.velocity, solve);
+  for_parts<true, kBack>(a.contact, a.first_batch, a.last_batch, a.velocity, a.inverse, a.velocity,
+                         solve);
 }
 
 template <int D>
 void sweep_forth(const SymmetricTask<D>& task) {
-  sweep_symmetric<D, false>(task, nullptr);
+  if (task.outer) {
+    sweep_symmetric<D, false, true>(task, nullptr);
+  } else {
+    sweep_symmetric<D, false, false>(task, nullptr);
+  }
 }
 template <int D>
 void sweep_back(const SymmetricTask<D>& task, TurnSums& sums) {
-  Lanes turn[kParts] = {};
-  sweep_symmetric<D, true>(task, turn);
+  if (!task.outer) return sweep_symmetric<D, true, false>(task, nullptr);
+  Lanes turn[kParts];
+  for (int part = 0; part < kParts; ++part) turn[part] = load(sums.turn, part);
+  sweep_symmetric<D, true, true>(task, turn);
   for (int part = 0; part < kParts; ++part) store(sums.turn, part, turn[part]);
 }
 
@@ -424,7 +450,7 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
     store(a.next[k].x[0], part, z_n);
     return wrench;
   };
-  for_parts<false, false>(a.contact, a.batches, a.velocity, nullptr, a.momentum, solve);
+  for_parts<false, false>(a.contact, 0, a.batches, a.velocity, nullptr, a.momentum, solve);
   for (int part = 0; part < kParts; ++part) {
     store(sums.turn, part, turn[part]);
     store(sums.change2, part, change2[part]);

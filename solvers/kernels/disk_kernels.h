@@ -92,12 +92,22 @@ struct alignas(64) GradientSums {
   double change2[kLanes] = {};  ///< ‖x⁺ - x‖²
 };
 
-/// Half an iteration of symmetric Gauss-Seidel with momentum over batches in order: forth from
-/// y = x + beta (x - x⁻) to `next`, which is written, or back from `next`, updated in place.
-/// Velocities after each batch, those of y before the first one.
+/// Velocities of y = x + beta (x - x⁻), which are linear in the impulses: `before` of x⁻ becomes
+/// now + beta (now - before).
+struct ExtrapolationTask {
+  int rows = 0;
+  double beta = 0;
+  const BodyRow* now = nullptr;
+  BodyRow* before = nullptr;
+};
+
+/// A sweep forth or back of symmetric Gauss-Seidel with momentum over some of the batches, all of
+/// which the lists hold. `next` is updated in place, but that the first sweep forth starts from
+/// y = x + beta (x - x⁻) and writes it. Velocities after each batch.
 template <int D>
 struct SymmetricTask {
-  int batches = 0;
+  int first_batch = 0, last_batch = 0;  ///< half open
+  bool outer = true;  ///< the first sweep forth of an iteration, the last sweep back
   double beta = 0, omega = 1;
   const ContactBatch<D>* contact = nullptr;
   const int* law = nullptr;
@@ -106,6 +116,9 @@ struct SymmetricTask {
   ImpulseBatch<D>* next = nullptr;                         ///< x⁺
   BodyRow* velocity = nullptr;                             ///< all rows
   const BodyRow* inverse = nullptr;                        ///< all rows
+  /// Row offsets, one a line of the cache, that a sweep back comes to after these batches.
+  const unsigned* coming = nullptr;
+  int num_coming = 0;
 };
 /// Partial sums lane by lane of (y - x⁺)·(x⁺ - x).
 struct alignas(64) TurnSums {
@@ -117,7 +130,9 @@ struct DiskKernels {
   void (*sweep)(const SweepTask<D>& task);
   void (*extrapolate)(const MomentumTask& task, EnergySums& sums);
   void (*gradient)(const GradientTask<D>& task, GradientSums& sums);
+  void (*extrapolate_velocity)(const ExtrapolationTask& task);
   void (*sweep_forth)(const SymmetricTask<D>& task);
+  /// Adds to the sums where it is the last one.
   void (*sweep_back)(const SymmetricTask<D>& task, TurnSums& sums);
 };
 

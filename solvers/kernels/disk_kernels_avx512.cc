@@ -4,7 +4,8 @@
 namespace bipot {
 
 const DiskKernelTable kAvx512DiskKernels = {
-    {&sweep<1>, &extrapolate, &gradient<1>, &sweep_forth<1>, &sweep_back<1>},
-    {&sweep<2>, &extrapolate, &gradient<2>, &sweep_forth<2>, &sweep_back<2>}};
+    {&sweep<1>, &extrapolate, &gradient<1>, &extrapolate_velocity, &sweep_forth<1>, &sweep_back<1>},
+    {&sweep<2>, &extrapolate, &gradient<2>, &extrapolate_velocity, &sweep_forth<2>,
+     &sweep_back<2>}};
 
 }  // namespace bipot

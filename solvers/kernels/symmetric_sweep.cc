@@ -1,16 +1,31 @@
 #include "solvers/kernels/symmetric_sweep.h"
 
+#include <algorithm>
+#include <span>
 #include <utility>
+
+#include "core/parallel.h"
 
 namespace bipot {
 
 template <int D>
 SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
-                                  const ContactScaling& equilibrated, double omega,
+                                  const ContactScaling& equilibrated, double omega, int sweeps,
                                   const Execution& options)
-    : disks_(problem, disks, equilibrated, order_contacts(disks)),
+    : SymmetricSweep(problem, disks, equilibrated, omega, sweeps, options, order_contacts(disks)) {}
+
+template <int D>
+SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
+                                  const ContactScaling& equilibrated, double omega, int sweeps,
+                                  const Execution& options, const ContactTiles& order)
+    : disks_(problem, disks, equilibrated, order),
+      links_(tile_links(order, disks)),
       kernels_(disk_kernels<D>(options.path)),
       omega_(omega),
+      sweeps_(sweeps),
+      most_threads_(options.threads),
+      forth_(links_.ready_up),
+      back_(links_.ready_down),
       now_(to_size(disks_.num_batches())),
       next_(now_.size()),
       velocity_(to_size(disks_.num_rows())) {}
@@ -36,31 +51,54 @@ const Vector& SymmetricSweep<D>::impulse() {
 
 template <int D>
 double SymmetricSweep<D>::iterate(double beta) {
-  // Velocities are linear in the impulses: those of y, over those of x⁻.
-  for (std::size_t row = 0; row < velocity_.size(); ++row) {
-    for (int k = 0; k < 4; ++k) {
-      const double v = velocity_[row].value[k];
-      double& before = velocity_before_[row].value[k];
-      before = v + beta * (v - before);
+  const auto task_of = [&](const ContactTiles::Tile& tile) {
+    SymmetricTask<D> task;
+    task.first_batch = tile.first_batch;
+    task.last_batch = tile.last_batch;
+    task.beta = beta;
+    task.omega = omega_;
+    task.contact = disks_.contacts(disks_.tile(0));
+    task.law = disks_.law_numbers(disks_.tile(0));
+    task.laws = disks_.laws();
+    task.now = now_.data();
+    task.before = before_.data();
+    task.next = next_.data();
+    task.velocity = velocity_before_.data();
+    task.inverse = disks_.inverse();
+    return task;
+  };
+  const auto forth = [&](int sweep, int place) {
+    const ContactTiles::Tile& tile = disks_.tile(place);
+    SymmetricTask<D> task = task_of(tile);
+    task.outer = sweep == 0;
+    if (task.outer) {
+      // Nobody has come to these bodies yet.
+      const int rows = tile.last_row - tile.first_row;
+      kernels_.extrapolate_velocity({rows, beta, velocity_.data() + tile.first_row,
+                                     velocity_before_.data() + tile.first_row});
     }
-  }
-  std::swap(velocity_, velocity_before_);
-  const ContactTiles::Tile& tile = disks_.tile(0);
-  SymmetricTask<D> task;
-  task.batches = tile.last_batch;
-  task.beta = beta;
-  task.omega = omega_;
-  task.contact = disks_.contacts(tile);
-  task.law = disks_.law_numbers(tile);
-  task.laws = disks_.laws();
-  task.now = now_.data();
-  task.before = before_.data();
-  task.next = next_.data();
-  task.velocity = velocity_.data();
-  task.inverse = disks_.inverse();
-  kernels_.sweep_forth(task);
+    kernels_.sweep_forth(task);
+  };
   TurnSums sums;
-  kernels_.sweep_back(task, sums);
+  const auto back = [&](int sweep, int place) {
+    const int t = disks_.num_tiles() - 1 - place;
+    SymmetricTask<D> task = task_of(disks_.tile(t));
+    task.outer = sweep == sweeps_ - 1;
+    if (t > 0) {
+      const std::span<const unsigned> coming = links_.coming_to(t - 1);
+      task.coming = coming.data();
+      task.num_coming = static_cast<int>(coming.size());
+    }
+    kernels_.sweep_back(task, sums);
+  };
+  forth_.begin(sweeps_);
+  back_.begin(sweeps_);
+  run_team(std::min(most_threads_, sweeps_), [&](int rank, int size) {
+    forth_.run(rank, size, forth);
+    // The last one forth stands where the first one back begins.
+    back_.run(size - 1 - rank, size, back);
+  });
+  std::swap(velocity_, velocity_before_);
   std::swap(before_, next_);  // x⁻ was used for the last time
   std::swap(now_, before_);
   double turn = 0;

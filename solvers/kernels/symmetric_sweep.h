@@ -4,22 +4,30 @@
 
 #include "core/large_pages.h"
 #include "solvers/kernels/disk_tiles.h"
+#include "solvers/kernels/following_sweeps.h"
+#include "solvers/kernels/tile_links.h"
 
 namespace bipot {
 
 /// Symmetric Gauss-Seidel with momentum for disks, vectorised, in the order of order_contacts():
 /// eight rows of a packing that follow each other are in the lanes of a vector, each some contacts
-/// behind the one before it. What each contact and body sees is the sweep contact after contact.
-/// One thread; the paths of disk_kernels.h give the same bits.
+/// behind the one before it. What each contact and body sees are the sweeps contact after contact.
+/// At most as many threads work as there are sweeps each way; any number and the paths of
+/// disk_kernels.h give the same bits.
 template <int D>
 class SymmetricSweep {
  public:
+  /// `sweeps`: each way in one iteration.
   SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
-                 const ContactScaling& equilibrated, double omega, const Execution& options);
+                 const ContactScaling& equilibrated, double omega, int sweeps,
+                 const Execution& options);
 
   void reset(const Vector& s);
-  /// The relaxation of the local updates, from here on.
-  void relax(double omega) { omega_ = omega; }
+  /// The relaxation of the local updates and the sweeps each way, from here on.
+  void relax(double omega, int sweeps) {
+    omega_ = omega;
+    sweeps_ = sweeps;
+  }
   /// Without momentum from here; velocities are taken from the impulses anew, as rounding adds up.
   void refresh();
   const Vector& impulse();
@@ -27,9 +35,16 @@ class SymmetricSweep {
   double iterate(double beta);
 
  private:
+  SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
+                 const ContactScaling& equilibrated, double omega, int sweeps,
+                 const Execution& options, const ContactTiles& order);
+
   DiskTiles<D> disks_;
+  TileLinks links_;
   const DiskKernels<D>& kernels_;
   double omega_;
+  int sweeps_, most_threads_;
+  FollowingSweeps forth_, back_;
   LargeVector<ImpulseBatch<D>> now_, before_, next_;
   LargeVector<BodyRow> velocity_, velocity_before_;
   Vector s_;

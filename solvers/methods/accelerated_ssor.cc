@@ -17,6 +17,9 @@ namespace {
 
 /// Iterations that may be done without a look at the clock.
 constexpr int kUnwatched = 32;
+constexpr int kManySweeps = 16;
+/// Iterations of more than two sweeps diverge on large packings where omega is near 2.
+constexpr double kOmegaOfMany = 1.6;
 
 /// Disks along a side of a packing with so many contacts.
 double side_of(const ContactProblem& p) {
@@ -24,18 +27,33 @@ double side_of(const ContactProblem& p) {
   return p.dim == 3 ? std::cbrt(disks) : std::sqrt(disks);
 }
 
-double relaxation_of(double side) { return std::clamp(2 / (1 + 11 / side), 1.0, 1.85); }
+/// Two sweeps bear more of it than one, more than two less.
+double relaxation_of(double side, int sweeps) {
+  return std::clamp(2 / (1 + 11 / side), 1.0,
+                    sweeps == 2   ? 1.91
+                    : sweeps == 1 ? 1.85
+                                  : kOmegaOfMany);
+}
 
 /// What the iteration does in turns, beginning with over-relaxed sweeps and momentum.
 class Turns {
  public:
   /// `relaxable`: whether the kernel can change omega.
-  Turns(double omega, bool relaxable, double side)
+  Turns(double omega, bool relaxable, int sweeps, double side)
       : omega_(omega),
         plain_(relaxable ? std::min(omega, 1.0) : omega),
+        sweeps_(sweeps),
         patience_(200 + static_cast<int>(3 * side)) {}
 
-  double omega() const { return turn_ == 0 ? omega_ : plain_; }
+  double omega() const {
+    if (turn_ != 0) return plain_;
+    return changes_ == 0 ? omega_ : std::min(omega_, kOmegaOfMany);
+  }
+  /// More where the error stands.
+  int sweeps() const {
+    const int more = sweeps_ * (changes_ == 0 ? 1 : changes_ < kTurns ? 4 : 8);
+    return std::max(sweeps_, std::min(more, kManySweeps));
+  }
   bool momentum() const { return turn_ != 2; }
   /// Whether this turn begins at the caller's start, else at the best impulse: what over-relaxation
   /// leaves behind is no good start on piles.
@@ -44,13 +62,15 @@ class Turns {
   bool advance(int iteration, double best_error) {
     if (!patience_.lost(iteration, best_error)) return false;
     ++changes_;
-    turn_ = (turn_ + 1) % 3;
+    turn_ = (turn_ + 1) % kTurns;
     if (turn_ == 1 && plain_ == omega_) turn_ = 2;  // it would be the turn before once more
     return true;
   }
 
  private:
+  static constexpr int kTurns = 3;
   double omega_, plain_;
+  int sweeps_;
   Patience patience_;
   int turn_ = 0, changes_ = 0;
 };
@@ -60,28 +80,34 @@ template <class Sweep, class Visit>
 class ContactByContact {
  public:
   ContactByContact(const ContactProblem& p, const ContactScaling& scaling, Sweep& sweep,
-                   const Visit& visit)
+                   const Visit& visit, int sweeps)
       : contacts_(p.num_contacts()),
+        sweeps_(sweeps),
         weight_(scaling.impulse.cwiseAbs2()),
         sweep_(sweep),
         visit_(visit) {}
 
   void reset(const Vector& s) { now_ = before_ = s; }
-  void relax(double) {}  // the local updates keep theirs, and no turn asks for another
-  void refresh() {}      // every iteration has the velocities of its y
+  /// The local updates keep their omega, and no turn asks for another.
+  void relax(double, int sweeps) { sweeps_ = sweeps; }
+  void refresh() {}  // every iteration has the velocities of its y
   const Vector& impulse() const { return now_; }
   double iterate(double beta) {
     y_ = now_ + beta * (now_ - before_);
     sweep_.reset(y_);
-    for (int c = 0; c < contacts_; ++c) visit_(c);
-    for (int c = contacts_ - 1; c >= 0; --c) visit_(c);
+    for (int k = 0; k < sweeps_; ++k) {
+      for (int c = 0; c < contacts_; ++c) visit_(c);
+    }
+    for (int k = 0; k < sweeps_; ++k) {
+      for (int c = contacts_ - 1; c >= 0; --c) visit_(c);
+    }
     std::swap(before_, now_);
     now_ = sweep_.impulse();
     return weight_.dot((y_ - now_).cwiseProduct(now_ - before_));
   }
 
  private:
-  int contacts_;
+  int contacts_, sweeps_;
   Vector weight_;
   Sweep& sweep_;
   const Visit& visit_;
@@ -99,7 +125,7 @@ void iterate(Kernel& kernel, const Vector& s0, Turns turns, IterationMonitor& mo
       if (monitor.stop(iteration, kernel.impulse(), turns.omega())) return;
       if (turns.advance(iteration, monitor.best_error())) {
         kernel.reset(turns.afresh() ? s0 : monitor.best_impulse());
-        kernel.relax(turns.omega());
+        kernel.relax(turns.omega(), turns.sweeps());
         t = 1;
         beta = 0;
       }
@@ -121,23 +147,24 @@ void iterate(Kernel& kernel, const Vector& s0, Turns turns, IterationMonitor& mo
 SolveResult solve_accelerated_ssor(const ContactProblem& p, const SolverOptions& options) {
   const Parameters parameters(options.parameters, kAcceleratedSsorParameters);
   const double given = parameters.number("omega");
-  const double side = side_of(p), omega = given > 0 ? given : relaxation_of(side);
+  const int sweeps = parameters.integer("sweeps");
+  const double side = side_of(p), omega = given > 0 ? given : relaxation_of(side, sweeps);
   IterationMonitor monitor(p, options);
   const DelassusOperator& delassus = monitor.evaluator().delassus();
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
   const Vector s0 = start_of(p, options);
-  const Turns turns(omega, delassus.disks().has_value(), side);
+  const Turns turns(omega, delassus.disks().has_value(), sweeps, side);
   dispatch_dim(p.dim, [&](auto d) {
     constexpr int D = d();
     if constexpr (D < 3) {
       if (delassus.disks()) {
-        SymmetricSweep<D> kernel(p, *delassus.disks(), scaling, omega, options.execution);
+        SymmetricSweep<D> kernel(p, *delassus.disks(), scaling, omega, sweeps, options.execution);
         iterate(kernel, s0, turns, monitor);
         return;
       }
     }
     const auto run = [&](auto& sweep, const auto& visit) {
-      ContactByContact kernel(p, scaling, sweep, visit);
+      ContactByContact kernel(p, scaling, sweep, visit, sweeps);
       iterate(kernel, s0, turns, monitor);
     };
     with_local_updates<D>(p, delassus, {.omega = omega}, false, run);

@@ -11,33 +11,44 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
      .minimum = 0,
      .maximum = 1.999,
      .help = "relaxation of each local update; 0: from the number of contacts"},
+    {.name = "sweeps",
+     .kind = ParameterSpec::Kind::kInteger,
+     .default_value = "2",
+     .minimum = 1,
+     .maximum = 64,
+     .help = "sweeps each way in an iteration, as long as the error falls"},
 };
 
 /// Projected Gauss-Seidel forth and back through the contacts, over-relaxed, with Nesterov's
 /// momentum and adaptive restart. In variables x with a unit diagonal of W (contact_scaling.h), and
-/// with S the sweep forth and the sweep back of the local updates of `pgs`,
+/// with S = Bᵐ Fᵐ, m sweeps forth and m sweeps back of the local updates of `pgs`,
 ///
 ///     y = x + beta (x - x⁻),          x⁺ = S(y),
 ///     t⁺ = (1 + sqrt(1 + 4 t²))/2,    beta = (t - 1)/t⁺,
 ///
-/// with t = 1 again whenever (y - x⁺)·(x⁺ - x) > 0. One iteration is two sweeps.
+/// with t = 1 again whenever (y - x⁺)·(x⁺ - x) > 0. One iteration is 2 m sweeps.
 ///
-/// Without inequalities S is a step with the preconditioner of SSOR, symmetric and positive, so
-/// that momentum is stable; Li, Sun and Toh (Math. Program. 175, 2019) extend this to convex
-/// programmes. A single sweep S is not symmetric: with momentum it diverges on packings of 10^4
+/// Without inequalities S is a step with the preconditioner of SSOR, symmetric and positive for any
+/// m, so that momentum is stable; Li, Sun and Toh (Math. Program. 175, 2019) extend this to convex
+/// programmes. A single sweep is not symmetric: with momentum it diverges on packings of 10^4
 /// contacts. Where contacts are visited along the packing and omega = 2/(1 + O(1/n)), n the disks
 /// along a side, the condition of the preconditioned operator is O(n) in place of O(n²) (Axelsson,
 /// BIT 12, 1972), hence O(sqrt n) = O(N^1/4) iterations in place of O(n) = O(N^1/2) of `apgd`.
 ///
-/// [ours] omega = 2/(1 + 11/n), at least 1, at most 1.85, with n = (contacts/3)^(1/2), in space
-/// ^(1/3): near the best of lattices of 30 to 317 rows; settled piles want 1. So where the best error
-/// has not halved for as many iterations as it took so far (at least 200 + 3 n), it begins again
-/// with omega = 1 (disks, where omega is above it), then goes on from the best impulse without
-/// momentum, and so on in turns.
+/// [ours] m = 2 sweeps each way need 0.6 of the iterations of one on packings at rest, and on moving
+/// packings half of them; the second follows the first through the cache, or on another thread. 4 to
+/// 16 solve moving packings on which fewer stand still (data/speed.md).
 ///
-/// With friction there is no proof of convergence. Disks run in vectors on one thread, contacts in
-/// their order or along the rows (solvers/kernels/symmetric_sweep.h), with the same bits from every
-/// path; other problems contact after contact in the given order.
+/// [ours] omega = 2/(1 + 11/n), at least 1, at most 1.91 with two sweeps, 1.85 with one, 1.6 with
+/// more, with n = (contacts/3)^(1/2), in space ^(1/3): near the best of lattices of 30 to 563 rows;
+/// settled piles want 1. So where the best error has not halved for as many iterations as it took so
+/// far (at least 200 + 3 n), it begins again with omega = 1 (disks, where omega is above it), then
+/// goes on from the best impulse without momentum, and so on in turns, with four times the sweeps and
+/// from the second round on with eight times, 16 at most.
+///
+/// With friction there is no proof of convergence. Disks run in vectors, contacts in their order or
+/// along the rows (solvers/kernels/symmetric_sweep.h), with the same bits from every path and for any
+/// number of threads; other problems contact after contact in the given order on one.
 SolveResult solve_accelerated_ssor(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

@@ -36,8 +36,8 @@ struct Prepared {
 };
 
 template <int D>
-Vector iterated(const Prepared& at, const Execution& execution, double& turn) {
-  SymmetricSweep<D> sweep(at.problem, *at.delassus.disks(), at.scaling, 1.3, execution);
+Vector iterated(const Prepared& at, const Execution& execution, double& turn, int sweeps = 1) {
+  SymmetricSweep<D> sweep(at.problem, *at.delassus.disks(), at.scaling, 1.3, sweeps, execution);
   sweep.reset(Vector::Zero(at.problem.num_rows()));
   for (int k = 0; k < 20; ++k) turn = sweep.iterate(0.1 * (k % 5));
   return sweep.impulse();
@@ -47,7 +47,22 @@ TEST(SymmetricSweep, BatchesKeepTheOrderOfTheRows) {
   const ContactProblem p = leaning(2, 30);
   const DiskStructure disks = *DelassusOperator(p).disks();
   const ContactTiles order = order_contacts(disks);
-  ASSERT_EQ(order.tiles.size(), 1u);
+  // Tiles are pieces of the order, each with the bodies that it is the first to come to.
+  ASSERT_GT(order.tiles.size(), 2u);
+  int batches = 0, rows = 0;
+  for (const ContactTiles::Tile& tile : order.tiles) {
+    EXPECT_EQ(tile.first_batch, batches);
+    EXPECT_EQ(tile.first_row, rows);
+    for (int lane = tile.first_batch * kLanes; lane < tile.last_batch * kLanes; ++lane) {
+      const int c = order.contact[to_size(lane)];
+      if (c < 0) continue;
+      EXPECT_LT(order.row[to_size(disks.contacts[to_size(c)].i)], tile.last_row - 1);
+    }
+    batches = tile.last_batch;
+    rows = tile.last_row;
+  }
+  EXPECT_EQ(batches, order.num_batches());
+  EXPECT_EQ(rows, order.num_rows);
   std::vector<int> batch(disks.contacts.size(), -1);
   for (std::size_t lane = 0; lane < order.contact.size(); ++lane) {
     const int c = order.contact[lane];
@@ -84,7 +99,7 @@ TEST(SymmetricSweep, BatchesKeepTheOrderOfTheRows) {
 
 /// The scalar sweeps of DiskSweep forth and back in the order of the batches, from y.
 template <int D>
-void check_against_scalar() {
+void check_against_scalar(int sweeps) {
   const Prepared at(leaning(D, 12));
   const ContactProblem& p = at.problem;
   const ContactTiles order = order_contacts(*at.delassus.disks());
@@ -98,37 +113,44 @@ void check_against_scalar() {
   for (int k = 0; k < 20; ++k) {
     const Vector y = now + 0.1 * (k % 5) * (now - before);
     scalar.reset(y);
-    for (const int c : order.contact) {
-      if (c >= 0) scalar.relax(c);
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      for (const int c : order.contact) {
+        if (c >= 0) scalar.relax(c);
+      }
     }
-    for (auto c = order.contact.rbegin(); c != order.contact.rend(); ++c) {
-      if (*c >= 0) scalar.relax(*c);
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      for (auto c = order.contact.rbegin(); c != order.contact.rend(); ++c) {
+        if (*c >= 0) scalar.relax(*c);
+      }
     }
     before = now;
     now = scalar.impulse();
     expected = diagonal.dot((y - now).cwiseProduct(now - before));
   }
   double turn = 0;
-  const Vector s = iterated<D>(at, {}, turn);
+  const Vector s = iterated<D>(at, {}, turn, sweeps);
   EXPECT_LT((s - now).norm(), 1e-12 * now.norm());
   EXPECT_NEAR(turn, expected, 1e-9 * std::abs(expected));
 }
 
 TEST(SymmetricSweep, IsTheScalarSweepForthAndBackFromY) {
-  check_against_scalar<1>();
-  check_against_scalar<2>();
+  for (const int sweeps : {1, 2, 3}) {
+    SCOPED_TRACE(sweeps);
+    check_against_scalar<1>(sweeps);
+    check_against_scalar<2>(sweeps);
+  }
 }
 
 template <int D>
 void check_paths() {
   const Prepared at(leaning(D, 30));
   double turn = 0;
-  const Vector portable = iterated<D>(at, {1, SimdPath::kPortable}, turn);
+  const Vector portable = iterated<D>(at, {1, SimdPath::kPortable}, turn, 2);
   ASSERT_GT(portable.norm(), 0);
   for (const SimdPath path : {SimdPath::kAvx2, SimdPath::kAvx512}) {
     if (!has_path(path)) continue;
     double other = 0;
-    const Vector s = iterated<D>(at, {1, path}, other);
+    const Vector s = iterated<D>(at, {1, path}, other, 2);
     const auto bytes = to_size(s.size()) * sizeof(double);
     EXPECT_EQ(std::memcmp(s.data(), portable.data(), bytes), 0) << to_string(path);
     EXPECT_EQ(std::memcmp(&other, &turn, sizeof(double)), 0) << to_string(path);
@@ -140,9 +162,24 @@ TEST(SymmetricSweep, HasTheSameBitsFromEveryPath) {
   check_paths<2>();
 }
 
+TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreads) {
+  const Prepared at(leaning(2, 40));
+  for (const int sweeps : {1, 2, 5}) {
+    double turn = 0;
+    const Vector alone = iterated<2>(at, {}, turn, sweeps);
+    for (const int threads : {2, 3, 4}) {
+      double other = 0;
+      const Vector s = iterated<2>(at, {threads, SimdPath::kAuto}, other, sweeps);
+      const auto bytes = to_size(s.size()) * sizeof(double);
+      EXPECT_EQ(std::memcmp(s.data(), alone.data(), bytes), 0) << sweeps << ", " << threads;
+      EXPECT_EQ(std::memcmp(&other, &turn, sizeof(double)), 0) << sweeps << ", " << threads;
+    }
+  }
+}
+
 TEST(SymmetricSweep, RefreshKeepsTheImpulse) {
   const Prepared at(leaning(2, 12));
-  SymmetricSweep<2> sweep(at.problem, *at.delassus.disks(), at.scaling, 1.3, {});
+  SymmetricSweep<2> sweep(at.problem, *at.delassus.disks(), at.scaling, 1.3, 2, {});
   sweep.reset(Vector::Zero(at.problem.num_rows()));
   for (int k = 0; k < 5; ++k) sweep.iterate(0.3);
   const Vector before = sweep.impulse();
@@ -150,7 +187,7 @@ TEST(SymmetricSweep, RefreshKeepsTheImpulse) {
   EXPECT_EQ(sweep.impulse(), before);
   // What a sweep does is a question of the impulse alone.
   sweep.iterate(0);
-  SymmetricSweep<2> other(at.problem, *at.delassus.disks(), at.scaling, 1.3, {});
+  SymmetricSweep<2> other(at.problem, *at.delassus.disks(), at.scaling, 1.3, 2, {});
   other.reset(before);
   other.iterate(0);
   EXPECT_LT((sweep.impulse() - other.impulse()).norm(), 1e-13 * before.norm());
