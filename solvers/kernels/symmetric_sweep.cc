@@ -5,8 +5,18 @@
 #include <utility>
 
 #include "core/parallel.h"
+#include "core/stopwatch.h"
 
 namespace bipot {
+namespace {
+
+/// Where a sweep can follow only near the end of the one before, a second thread would wait.
+int threads_of(const TileLinks& links, int threads) {
+  const int tiles = static_cast<int>(links.ready_up.size());
+  return 3 * std::max(links.ready_up.front(), links.ready_down.front()) < tiles ? threads : 1;
+}
+
+}  // namespace
 
 template <int D>
 SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
@@ -23,7 +33,7 @@ SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const DiskStruc
       kernels_(disk_kernels<D>(options.path)),
       omega_(omega),
       sweeps_(sweeps),
-      most_threads_(options.threads),
+      team_(threads_of(links_, options.threads)),
       forth_(links_.ready_up),
       back_(links_.ready_down),
       now_(to_size(disks_.num_batches())),
@@ -93,11 +103,13 @@ double SymmetricSweep<D>::iterate(double beta) {
   };
   forth_.begin(sweeps_);
   back_.begin(sweeps_);
-  run_team(std::min(most_threads_, sweeps_), [&](int rank, int size) {
+  const Stopwatch watch;
+  run_team(std::min(team_.threads(), sweeps_), [&](int rank, int size) {
     forth_.run(rank, size, forth);
     // The last one forth stands where the first one back begins.
     back_.run(size - 1 - rank, size, back);
   });
+  team_.took(watch.seconds());
   std::swap(velocity_, velocity_before_);
   std::swap(before_, next_);  // x⁻ was used for the last time
   std::swap(now_, before_);

@@ -5,6 +5,7 @@
 #include "core/large_pages.h"
 #include "solvers/kernels/disk_tiles.h"
 #include "solvers/kernels/following_sweeps.h"
+#include "solvers/kernels/quicker_team.h"
 #include "solvers/kernels/tile_links.h"
 
 namespace bipot {
@@ -43,7 +44,8 @@ class SymmetricSweep {
   TileLinks links_;
   const DiskKernels<D>& kernels_;
   double omega_;
-  int sweeps_, most_threads_;
+  int sweeps_;
+  QuickerTeam team_;
   FollowingSweeps forth_, back_;
   LargeVector<ImpulseBatch<D>> now_, before_, next_;
   LargeVector<BodyRow> velocity_, velocity_before_;

@@ -17,7 +17,6 @@ namespace {
 
 /// Iterations that may be done without a look at the clock.
 constexpr int kUnwatched = 32;
-constexpr int kManySweeps = 16;
 /// Iterations of more than two sweeps diverge on large packings where omega is near 2.
 constexpr double kOmegaOfMany = 1.6;
 
@@ -39,10 +38,11 @@ double relaxation_of(double side, int sweeps) {
 class Turns {
  public:
   /// `relaxable`: whether the kernel can change omega.
-  Turns(double omega, bool relaxable, int sweeps, double side)
+  Turns(double omega, bool relaxable, int sweeps, int most_sweeps, double side)
       : omega_(omega),
         plain_(relaxable ? std::min(omega, 1.0) : omega),
         sweeps_(sweeps),
+        most_sweeps_(std::max(sweeps, most_sweeps)),
         patience_(200 + static_cast<int>(3 * side)) {}
 
   double omega() const {
@@ -52,7 +52,7 @@ class Turns {
   /// More where the error stands.
   int sweeps() const {
     const int more = sweeps_ * (changes_ == 0 ? 1 : changes_ < kTurns ? 4 : 8);
-    return std::max(sweeps_, std::min(more, kManySweeps));
+    return std::min(more, most_sweeps_);
   }
   bool momentum() const { return turn_ != 2; }
   /// Whether this turn begins at the caller's start, else at the best impulse: what over-relaxation
@@ -70,7 +70,7 @@ class Turns {
  private:
   static constexpr int kTurns = 3;
   double omega_, plain_;
-  int sweeps_;
+  int sweeps_, most_sweeps_;
   Patience patience_;
   int turn_ = 0, changes_ = 0;
 };
@@ -153,7 +153,8 @@ SolveResult solve_accelerated_ssor(const ContactProblem& p, const SolverOptions&
   const DelassusOperator& delassus = monitor.evaluator().delassus();
   const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
   const Vector s0 = start_of(p, options);
-  const Turns turns(omega, delassus.disks().has_value(), sweeps, side);
+  const Turns turns(omega, delassus.disks().has_value(), sweeps, parameters.integer("most_sweeps"),
+                    side);
   dispatch_dim(p.dim, [&](auto d) {
     constexpr int D = d();
     if constexpr (D < 3) {

@@ -17,6 +17,12 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
      .minimum = 1,
      .maximum = 64,
      .help = "sweeps each way in an iteration, as long as the error falls"},
+    {.name = "most_sweeps",
+     .kind = ParameterSpec::Kind::kInteger,
+     .default_value = "16",
+     .minimum = 1,
+     .maximum = 64,
+     .help = "sweeps each way, where it does not; no fewer than `sweeps`"},
 };
 
 /// Projected Gauss-Seidel forth and back through the contacts, over-relaxed, with Nesterov's
@@ -44,7 +50,7 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
 /// settled piles want 1. So where the best error has not halved for as many iterations as it took so
 /// far (at least 200 + 3 n), it begins again with omega = 1 (disks, where omega is above it), then
 /// goes on from the best impulse without momentum, and so on in turns, with four times the sweeps and
-/// from the second round on with eight times, 16 at most.
+/// from the second round on with eight times, `most_sweeps` at most.
 ///
 /// With friction there is no proof of convergence. Disks run in vectors, contacts in their order or
 /// along the rows (solvers/kernels/symmetric_sweep.h), with the same bits from every path and for any

@@ -182,9 +182,10 @@ class Planner {
       if (sweeps_pay_) {
         // More sweeps arrive where two stand still, and on few contacts cost more than they are worth.
         const bool few = contacts_ <= kSmall;
-        add("assor", few ? 50 : 30, few ? 500 : 300, Start::kOwn,
+        const char* const sweeps = few ? "2" : "4";
+        add("assor", few ? 50 : 30, few ? 200 : 240, Start::kOwn,
             "the quickest on what is easy, and roughly on most; soon seen not to be elsewhere",
-            {{"sweeps", few ? "2" : "4"}});
+            {{"sweeps", sweeps}, {"most_sweeps", sweeps}});
         if (warm_ && contacts_ > kCheapSweeps) stages_.back().least_tol = kFair;
         stages_.back().before_cutting = true;
       }
@@ -211,7 +212,7 @@ class Planner {
       if (disks_) {
         add("assor", ssor_crossing_ / 4,
             contacts_ <= kLargeStep ? 3 * ssor_crossing_ : ssor_crossing_ / 2, Start::kOwn,
-            "packings at rest, roughly");
+            "packings at rest, roughly", {{"most_sweeps", "2"}});
       } else {
         add("apgd", 3000, 3000, Start::kOwn, "packings at rest, roughly");
       }

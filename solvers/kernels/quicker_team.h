@@ -1,0 +1,47 @@
+#pragma once
+
+namespace bipot {
+
+/// Whether work that is done again and again is the quicker with one thread or with all, as measured
+/// on the way. Where other processes have the cores, threads that wait for each other many times in a
+/// run can take a hundred times as long as one thread (2.6 s for 0.02 s at 1763 contacts).
+class QuickerTeam {
+ public:
+  explicit QuickerTeam(int threads) : threads_(threads) {}
+
+  /// For the next run.
+  int threads() const { return alone_now_ ? 1 : threads_; }
+  /// What that run took.
+  void took(double seconds) {
+    if (threads_ == 1) return;
+    double& time = alone_now_ ? alone_ : team_;
+    time = time < 0 || trying_ ? seconds : kMemory * time + (1 - kMemory) * seconds;
+    ++runs_;
+    if (team_ < 0) {
+      alone_now_ = false;  // both once
+      trying_ = true;
+      return;
+    }
+    const bool alone_before = alone_now_;
+    alone_now_ = alone_ <= team_;
+    if (trying_) {
+      // The other one was tried: less often where that was in vain.
+      pause_ = alone_now_ == alone_before ? kShortestPause : 2 * pause_;
+      trying_ = false;
+      runs_ = 0;
+    } else if (runs_ >= pause_) {
+      alone_now_ = !alone_now_;
+      trying_ = true;
+    }
+  }
+
+ private:
+  static constexpr double kMemory = 0.75;
+  static constexpr int kShortestPause = 32;
+  int threads_;
+  bool alone_now_ = true, trying_ = false;
+  double alone_ = -1, team_ = -1;
+  int runs_ = 0, pause_ = kShortestPause;
+};
+
+}  // namespace bipot
