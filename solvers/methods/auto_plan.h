@@ -66,8 +66,9 @@ inline constexpr int kFewContactsOfAuto = 100;
 ///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `admm` and `ipm`, and before the paths;
 ///      In space ipm gets 90 of its iterations at least, and before long runs come admm and 350 more of ipm: what
 ///      a plate presses on spheres needs;
-///   5. the same with patience, the cheap ones first; where the error is below 1e-4, chains of
-///      starts of `homotopy` from the caller's; then long runs from the best impulse.
+///   5. the same with patience, the cheap ones first, above 2500 contacts with `assor` of many sweeps;
+///      where the error is below 1e-4, chains of starts of `homotopy` from the caller's; then long
+///      runs from the best impulse.
 ///
 /// Problems given by W alone have `newton` early and no short `apgd`. The budgets count iterations,
 /// not seconds, so that the result does not depend on the machine. The rule was taken from
