@@ -40,6 +40,7 @@ class Turns {
   /// `relaxable`: whether the kernel can change omega.
   Turns(double omega, bool relaxable, int sweeps, int most_sweeps, double side)
       : omega_(omega),
+        again_(relaxable ? std::min(omega, kOmegaOfMany) : omega),
         plain_(relaxable ? std::min(omega, 1.0) : omega),
         sweeps_(sweeps),
         most_sweeps_(std::max(sweeps, most_sweeps)),
@@ -47,7 +48,7 @@ class Turns {
 
   double omega() const {
     if (turn_ != 0) return plain_;
-    return changes_ == 0 ? omega_ : std::min(omega_, kOmegaOfMany);
+    return changes_ == 0 ? omega_ : again_;
   }
   /// More where the error stands.
   int sweeps() const {
@@ -69,7 +70,7 @@ class Turns {
 
  private:
   static constexpr int kTurns = 3;
-  double omega_, plain_;
+  double omega_, again_, plain_;
   int sweeps_, most_sweeps_;
   Patience patience_;
   int turn_ = 0, changes_ = 0;
