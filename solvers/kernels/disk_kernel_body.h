@@ -287,9 +287,10 @@ void extrapolate_velocity(const ExtrapolationTask& task) {
   const Row beta = Row{} + task.beta;
   const BodyRow* const now = task.now;
   BodyRow* const before = task.before;
+  constexpr int kRowsAhead = 64;
   for (int k = 0; k < task.rows; ++k) {
-    prefetch_item(now, k + 64);
-    prefetch_item(before, k + 64);
+    prefetch_item(now, k + kRowsAhead);
+    prefetch_item(before, k + kRowsAhead);
     const Row v = row(now[k]);
     row(before[k]) = v + beta * (v - row(before[k]));
   }

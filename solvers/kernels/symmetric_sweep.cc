@@ -27,9 +27,9 @@ SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const DiskStruc
 template <int D>
 SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
                                   const ContactScaling& equilibrated, double omega, int sweeps,
-                                  const Execution& options, const ContactTiles& order)
-    : disks_(problem, disks, equilibrated, order),
-      links_(tile_links(order, disks)),
+                                  const Execution& options, ContactTiles order)
+    : links_(tile_links(order, disks)),
+      disks_(problem, disks, equilibrated, std::move(order)),
       kernels_(disk_kernels<D>(options.path)),
       omega_(omega),
       sweeps_(sweeps),

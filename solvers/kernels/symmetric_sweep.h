@@ -38,10 +38,10 @@ class SymmetricSweep {
  private:
   SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
                  const ContactScaling& equilibrated, double omega, int sweeps,
-                 const Execution& options, const ContactTiles& order);
+                 const Execution& options, ContactTiles order);
 
+  TileLinks links_;  // of the order that the tiles then take over
   DiskTiles<D> disks_;
-  TileLinks links_;
   const DiskKernels<D>& kernels_;
   double omega_;
   int sweeps_;
