@@ -71,9 +71,8 @@ bool FrontalCholesky::analyse(const SparseMatrix& A) {
   std::size_t largest = 0;
   entries_ = 0;
   for (int s = 0; s < tree_->num_fronts(); ++s) {
-    const std::size_t size = to_size(tree_->columns(s)) * to_size(tree_->rows(s));
-    largest = std::max(largest, size);
-    entries_ += size;
+    largest = std::max(largest, to_size(tree_->columns(s)) * to_size(tree_->rows(s)));
+    entries_ += SupernodalSolve::num_entries(tree_->columns(s), tree_->rows(s));
   }
   try {
     panel_.resize(largest);
@@ -120,7 +119,7 @@ bool FrontalCholesky::eliminate(const double* values) {
   };
   std::size_t top = 0;
   double* const panel = panel_.data();
-  supernodes_.begin(t.size());
+  supernodes_.begin(t.size(), entries_);
   for (int s = 0; s < t.num_fronts(); ++s) {
     const int columns = t.columns(s), h = t.height(s), rows = columns + h;
     assemble(s, values, panel);

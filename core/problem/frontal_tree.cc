@@ -11,12 +11,23 @@ namespace bipot {
 namespace {
 
 constexpr std::size_t kTreesKept = 4;
+constexpr std::size_t kBytesKept = std::size_t{16} << 20;  // 2500 contacts and four trees
+constexpr std::size_t kBytesOfEntry = 16;                  // of a tree, about
 constexpr int kMetisFrom = 4000;  // groups of columns; AMD is quicker below
 
 /// The trees of the last patterns, the latest first.
 struct KeptTrees {
   std::mutex mutex;
   std::array<std::shared_ptr<const FrontalTree>, kTreesKept> tree;
+
+  /// Drops the oldest ones where all and `more` would take too much.
+  void make_room(std::size_t more) {
+    for (auto& kept : tree) {
+      if (!kept) continue;
+      more += kept->num_bytes();
+      if (more > kBytesKept) kept = nullptr;
+    }
+  }
 };
 KeptTrees& kept_trees() {
   static KeptTrees kept;
@@ -114,6 +125,14 @@ bool FrontalTree::is_of(const SparseMatrix& A) const {
          std::equal(pattern_row_.begin(), pattern_row_.end(), A.innerIndexPtr());
 }
 
+std::size_t FrontalTree::num_bytes() const {
+  const auto bytes = [](const auto&... list) {
+    return (... + (list.capacity() * sizeof(list[0])));
+  };
+  return bytes(order, first, below_start, below, relative, children, node_start, entry_start,
+               entry_source, entry_target, pattern_start_, pattern_row_);
+}
+
 std::shared_ptr<const FrontalTree> FrontalTree::of(const SparseMatrix& A) {
   KeptTrees& kept = kept_trees();
   const auto find = [&] {
@@ -127,9 +146,15 @@ std::shared_ptr<const FrontalTree> FrontalTree::of(const SparseMatrix& A) {
     const std::lock_guard<std::mutex> lock(kept.mutex);
     if (auto tree = find()) return tree;
   }
+  {
+    // Before the analysis, which needs memory of its own.
+    const std::lock_guard<std::mutex> lock(kept.mutex);
+    kept.make_room(kBytesOfEntry * to_size(A.nonZeros()));
+  }
   auto made = analyse(A);
   const std::lock_guard<std::mutex> lock(kept.mutex);
   if (made && !find()) {
+    kept.make_room(made->num_bytes());
     std::rotate(kept.tree.begin(), kept.tree.end() - 1, kept.tree.end());
     kept.tree.front() = made;
   }
@@ -149,6 +174,7 @@ std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SparseMatrix& A) {
   std::vector<SuiteSparse_long> order = fill_reducing_columns(A);
   if (order.empty() && A.cols() > 0) return nullptr;
   UpperPattern upper;
+  upper.row.reserve(to_size(A.nonZeros() + A.cols()) / 2);
   for (int j = 0; j < A.cols(); ++j) {
     for (SparseMatrix::InnerIterator it(A, j); it && it.row() <= j; ++it) {
       upper.row.push_back(it.row());
@@ -166,6 +192,7 @@ std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SparseMatrix& A) {
   const auto* rows = static_cast<const SuiteSparse_long*>(L->s);
   const auto* perm = static_cast<const SuiteSparse_long*>(L->Perm);
   tree->order.assign(perm, perm + A.cols());
+  tree->below.reserve(L->ssize);
   tree->below_start.push_back(0);
   for (std::size_t s = 0; s < L->nsuper; ++s) {
     tree->first.push_back(static_cast<int>(super[s]));
@@ -176,6 +203,7 @@ std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SparseMatrix& A) {
     tree->below_start.push_back(static_cast<int>(tree->below.size()));
   }
   tree->first.push_back(static_cast<int>(A.cols()));
+  tree->below.shrink_to_fit();
   cholmod_l_free_factor(&L, &session.common);
   tree->measure();
   tree->place_entries(A);
@@ -230,6 +258,8 @@ void FrontalTree::place_entries(const SparseMatrix& A) {
   const int n = size();
   std::vector<int> place(to_size(n));  // old to new
   for (int k = 0; k < n; ++k) place[to_size(order[to_size(k)])] = k;
+  entry_source.reserve(to_size(A.nonZeros()));
+  entry_target.reserve(to_size(A.nonZeros()));
   // Where the entry (j, i) of an entry (i, j) is: the pattern is symmetric.
   std::vector<int> transpose(to_size(A.nonZeros())),
       next(pattern_start_.begin(), pattern_start_.end() - 1);

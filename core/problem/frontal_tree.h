@@ -16,8 +16,8 @@ class FrontalTree {
  public:
   /// The tree of A's pattern, which must be symmetric and hold the diagonal. The trees of the last
   /// few patterns are kept for whoever asks next, a later step of a run with the same contacts
-  /// among them; the answer depends on the pattern alone. Safe from several threads. Null when
-  /// memory ran out.
+  /// among them, as long as they take little memory; the answer depends on the pattern alone. Safe
+  /// from several threads. Null when memory ran out.
   static std::shared_ptr<const FrontalTree> of(const SparseMatrix& A);
   /// The same, made anew and not kept.
   static std::shared_ptr<const FrontalTree> analyse(const SparseMatrix& A);
@@ -43,6 +43,7 @@ class FrontalTree {
   }
   int rows(int front) const { return columns(front) + height(front); }
   int size() const { return first.back(); }
+  std::size_t num_bytes() const;  ///< of memory
 
  private:
   void place_entries(const SparseMatrix& A);

@@ -18,47 +18,122 @@ void dtrsm_(const char* side, const char* uplo, const char* transa, const char* 
 namespace bipot {
 namespace {
 
-constexpr int kSlice = 4;
+constexpr int kSlice = 4, kSlices = 4, kStrip = kSlice * kSlices;
 
 int slices_of(int count) { return (count + kSlice - 1) / kSlice; }
 
 using Slice = double __attribute__((vector_size(kSlice * sizeof(double)), aligned(8), may_alias));
 
-/// out[4 k ..] = sum_j slice_k[4 j ..] x[j], j from k * step to count. The slices stand one after the
-/// other: one stream from memory, which is what takes the time.
-BIPOT_SLICES void multiply_slices(int slices, int count, int step, const double* values,
-                                  const double* x, double* out) {
+/// The strip of rows that begins at `first`: slices, and columns up to the end of its diagonal.
+struct Strip {
+  int slices, columns;
+  Strip(int first, int columns_of_all, int rows)
+      : slices(std::min(slices_of(rows - first), kSlices)),
+        columns(std::min(columns_of_all, first + kStrip)) {}
+};
+
+/// out = strip x; returns the end of the strip.
+template <int kCount>
+[[gnu::always_inline]] inline const Slice* multiply(const Slice* p, int columns, const double* x,
+                                                    Slice* out) {
+  Slice sum[std::size_t{kCount}] = {};
+  for (int j = 0; j < columns; ++j, p += kCount) {
+    for (int k = 0; k < kCount; ++k) sum[k] += p[k] * x[j];
+  }
+  for (int k = 0; k < kCount; ++k) out[k] = sum[k];
+  return p;
+}
+
+/// sums += stripᵀ x, a slice of partial sums for each column.
+template <int kCount>
+[[gnu::always_inline]] inline const Slice* multiply_transposed(const Slice* p, int columns,
+                                                               const Slice* x, Slice* sums) {
+  Slice given[std::size_t{kCount}];
+  for (int k = 0; k < kCount; ++k) given[k] = x[k];
+  for (int j = 0; j < columns; ++j, p += kCount) {
+    Slice sum = sums[j];
+    for (int k = 0; k < kCount; ++k) sum += p[k] * given[k];
+    sums[j] = sum;
+  }
+  return p;
+}
+
+/// out = M x, whole slices.
+BIPOT_SLICES void multiply_strips(int columns, int rows, const double* values, const double* x,
+                                  double* out) {
   const auto* p = reinterpret_cast<const Slice*>(values);
   auto* result = reinterpret_cast<Slice*>(out);
-  for (int k = 0; k < slices; ++k) {
-    Slice sum{};
-    for (int j = k * step; j < count; ++j) sum += *p++ * x[j];
-    *result++ = sum;
+  for (int i = 0; i < rows; i += kStrip, result += kSlices) {
+    const Strip strip(i, columns, rows);
+    switch (strip.slices) {
+      case 1:
+        p = multiply<1>(p, strip.columns, x, result);
+        break;
+      case 2:
+        p = multiply<2>(p, strip.columns, x, result);
+        break;
+      case 3:
+        p = multiply<3>(p, strip.columns, x, result);
+        break;
+      default:
+        p = multiply<kSlices>(p, strip.columns, x, result);
+    }
   }
 }
 
-/// Zeros for so many more slices at the end; the first of them.
-double* extended(std::vector<double>& numbers, int slices) {
-  const std::size_t before = numbers.size();
-  numbers.resize(before + to_size(slices) * kSlice, 0.0);
-  return numbers.data() + before;
+/// out = Mᵀ x, where x has whole slices, zeros at its end; partial: scratch, a slice a column.
+BIPOT_SLICES void multiply_strips_transposed(int columns, int rows, const double* values,
+                                             const double* x, double* partial, double* out) {
+  const auto* p = reinterpret_cast<const Slice*>(values);
+  const auto* given = reinterpret_cast<const Slice*>(x);
+  auto* sums = reinterpret_cast<Slice*>(partial);
+  for (int j = 0; j < columns; ++j) sums[j] = Slice{};
+  for (int i = 0; i < rows; i += kStrip, given += kSlices) {
+    const Strip strip(i, columns, rows);
+    switch (strip.slices) {
+      case 1:
+        p = multiply_transposed<1>(p, strip.columns, given, sums);
+        break;
+      case 2:
+        p = multiply_transposed<2>(p, strip.columns, given, sums);
+        break;
+      case 3:
+        p = multiply_transposed<3>(p, strip.columns, given, sums);
+        break;
+      default:
+        p = multiply_transposed<kSlices>(p, strip.columns, given, sums);
+    }
+  }
+  for (int j = 0; j < columns; ++j) {
+    const Slice sum = sums[j];
+    out[j] = (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
 }
 
 }  // namespace
 
-void SupernodalSolve::begin(int size) {
+std::size_t SupernodalSolve::num_entries(int columns, int rows) {
+  std::size_t slices = 0;
+  for (int i = 0; i < rows; i += kStrip) {
+    const Strip strip(i, columns, rows);
+    slices += to_size(strip.slices) * to_size(strip.columns);
+  }
+  return slices * kSlice;
+}
+
+void SupernodalSolve::begin(int size, std::size_t entries) {
   blocks_.clear();
   row_.clear();
-  forward_.clear();
-  backward_.clear();
-  const std::size_t most = to_size(size + kSlice);
-  given_.resize(most);
-  result_.resize(most);
+  value_.clear();
+  value_.reserve(entries);
+  given_.resize(to_size(size + kSlice));
+  result_.resize(to_size(size + kStrip));
 }
 
 void SupernodalSolve::add(const Supernode& s) {
-  blocks_.push_back({s.first, s.columns, s.rows, row_.size(), forward_.size(), backward_.size()});
+  blocks_.push_back({s.first, s.columns, s.rows, row_.size(), value_.size()});
   row_.insert(row_.end(), s.below, s.below + (s.rows - s.columns));
+  partial_.resize(std::max(partial_.size(), to_size(s.columns) * kSlice));
   inverse_.assign(to_size(s.rows) * to_size(s.columns), 0.0);  // M by columns
   double* const M = inverse_.data();
   for (int j = 0; j < s.columns; ++j) {
@@ -69,23 +144,13 @@ void SupernodalSolve::add(const Supernode& s) {
   }
   const double one = 1;
   dtrsm_("R", "L", "N", "N", &s.rows, &s.columns, &one, s.values, &s.rows, M, &s.rows);
-  double* out = extended(forward_, slices_of(s.rows) * s.columns);
-  for (int i = 0; i < s.rows; i += kSlice) {
-    const int lanes = std::min(kSlice, s.rows - i);
-    for (int j = 0; j < s.columns; ++j, out += kSlice) {
-      std::copy_n(M + static_cast<std::ptrdiff_t>(j) * s.rows + i, lanes, out);
-    }
-  }
-  int slices = 0;
-  for (int j = 0; j < s.columns; j += kSlice) slices += s.rows - j;
-  out = extended(backward_, slices);
-  for (int j = 0; j < s.columns; j += kSlice) {
-    const int lanes = std::min(kSlice, s.columns - j);
-    const double* const column = M + static_cast<std::ptrdiff_t>(j) * s.rows;
-    for (int i = j; i < s.rows; ++i, out += kSlice) {  // above, a triangle is zero
-      for (int lane = 0; lane < lanes; ++lane) {
-        out[lane] = column[static_cast<std::ptrdiff_t>(lane) * s.rows + i];
-      }
+  value_.resize(value_.size() + num_entries(s.columns, s.rows), 0.0);
+  double* out = value_.data() + blocks_.back().value;
+  for (int i = 0; i < s.rows; i += kStrip) {
+    const Strip strip(i, s.columns, s.rows);
+    const int rows = std::min(kStrip, s.rows - i);
+    for (int j = 0; j < strip.columns; ++j, out += strip.slices * kSlice) {
+      std::copy_n(M + static_cast<std::ptrdiff_t>(j) * s.rows + i, rows, out);
     }
   }
 }
@@ -95,7 +160,7 @@ void SupernodalSolve::solve(double* x) {
   double* const result = result_.data();
   for (const Block& b : blocks_) {
     double* const top = x + b.first;
-    multiply_slices(slices_of(b.rows), b.columns, 0, forward_.data() + b.forward, top, result);
+    multiply_strips(b.columns, b.rows, value_.data() + b.value, top, result);
     std::copy_n(result, b.columns, top);
     const int* const row = row_.data() + b.row;
     for (int i = 0; i < b.rows - b.columns; ++i) x[row[i]] -= result[b.columns + i];
@@ -106,9 +171,9 @@ void SupernodalSolve::solve(double* x) {
     std::copy_n(top, b.columns, given);
     const int* const row = row_.data() + b.row;
     for (int i = 0; i < b.rows - b.columns; ++i) given[b.columns + i] = -x[row[i]];
-    multiply_slices(slices_of(b.columns), b.rows, kSlice, backward_.data() + b.backward, given,
-                    result);
-    std::copy_n(result, b.columns, top);
+    std::fill_n(given + b.rows, kSlice, 0.0);
+    multiply_strips_transposed(b.columns, b.rows, value_.data() + b.value, given, partial_.data(),
+                               top);
   }
 }
 

@@ -23,12 +23,15 @@ struct Supernode {
 ///
 ///     forward   y1 <- M1 y1,   y2 <- y2 - M2 y1        backward   x1 <- M1ᵀ y1 - M2ᵀ x2
 ///
-/// M lies twice, in slices of four rows and of four columns. Rounding is that of substitution times
+/// M lies in strips of 16 rows, by columns, without what stands right of its diagonal: both passes
+/// read it once, in order, and memory is what takes the time. Rounding is that of substitution times
 /// the condition of the triangles. Sums have one order for all instruction sets.
 class SupernodalSolve {
  public:
-  /// Of a matrix of `size` rows; forgets the one before.
-  void begin(int size);
+  /// What a supernode of so many columns and rows takes.
+  static std::size_t num_entries(int columns, int rows);
+  /// Of a matrix of `size` rows, whose supernodes take `entries`; forgets the one before.
+  void begin(int size, std::size_t entries);
   /// The supernodes in the order of their columns.
   void add(const Supernode& supernode);
   /// x <- L⁻ᵀ L⁻¹ x. No allocation.
@@ -37,13 +40,14 @@ class SupernodalSolve {
  private:
   struct Block {
     int first, columns, rows;
-    std::size_t row, forward, backward;  // where its numbers begin
+    std::size_t row, value;  // where its numbers begin
   };
   std::vector<Block> blocks_;
-  std::vector<int> row_;                    // below the triangles
-  std::vector<double> forward_, backward_;  // slices of rows, of columns
-  std::vector<double> given_, result_;      // scratch of a block
-  std::vector<double> inverse_;             // the same of add()
+  std::vector<int> row_;                // below the triangles
+  std::vector<double> value_;           // strips
+  std::vector<double> given_, result_;  // scratch of a block
+  std::vector<double> partial_;         // the same, a slice a column
+  std::vector<double> inverse_;         // the same of add()
 };
 
 }  // namespace bipot

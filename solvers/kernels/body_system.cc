@@ -1,6 +1,7 @@
 #include "solvers/kernels/body_system.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "core/problem/block_pattern.h"
 #include "core/problem/coulomb_cone.h"
@@ -37,19 +38,39 @@ std::vector<int> BodySystem::touched(const ContactProblem& problem) {
 
 BodySystem::BodySystem(const ContactProblem& p, const std::vector<int>& dofs, const Vector& scale)
     : dim_(p.dim), contacts_(p.num_contacts()) {
-  const int d = dim_, n = static_cast<int>(dofs.size());
   std::vector<int> unknown_of(to_size(p.num_dofs()), -1);
-  for (int i = 0; i < n; ++i) unknown_of[to_size(dofs[to_size(i)])] = i;
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < n; ++i) {
-    entries.emplace_back(i, i, 0.0);
+  for (std::size_t i = 0; i < dofs.size(); ++i) unknown_of[to_size(dofs[i])] = static_cast<int>(i);
+  list_wrenches(p, unknown_of, scale);
+  make_pattern(p, dofs, unknown_of);
+  for (int i = 0; i < size(); ++i) {
     for (SparseMatrix::InnerIterator it(p.A, dofs[to_size(i)]); it; ++it) {
       const int row = unknown_of[to_size(it.row())];
-      if (row >= 0) entries.emplace_back(row, i, it.value());
+      if (row < 0 || it.value() == 0) continue;
+      mass_.push_back(it.value());
+      mass_slot_.push_back(value_position(matrix_, row, i));
     }
   }
+  std::size_t slots = 0;
+  for (int c = 0; c < contacts_; ++c) {
+    const std::size_t own = to_size(start_[to_size(c) + 1] - start_[to_size(c)]);
+    slots += own * own;
+  }
+  slot_.reserve(slots);
+  for (int c = 0; c < contacts_; ++c) {
+    for (int j = start_[to_size(c)]; j < start_[to_size(c) + 1]; ++j) {
+      for (int i = start_[to_size(c)]; i < start_[to_size(c) + 1]; ++i) {
+        slot_.push_back(value_position(matrix_, unknown_[to_size(i)], unknown_[to_size(j)]));
+      }
+    }
+  }
+}
+
+/// start_, unknown_ and wrench_.
+void BodySystem::list_wrenches(const ContactProblem& p, const std::vector<int>& unknown_of,
+                               const Vector& scale) {
+  const int d = dim_;
+  start_.reserve(to_size(contacts_) + 1);
   start_.assign(1, 0);
-  const std::size_t of_masses = entries.size();
   for (int c = 0; c < contacts_; ++c) {
     const std::vector<int> own = touched_by(p, c);
     const std::size_t first = unknown_.size();
@@ -62,28 +83,57 @@ BodySystem::BodySystem(const ContactProblem& p, const std::vector<int>& dofs, co
         wrench_[(first + to_size(k)) * to_size(d) + to_size(a)] = it.value() * scale[c * d + a];
       }
     }
-    for (std::size_t i = first; i < unknown_.size(); ++i) {
-      for (std::size_t j = first; j < unknown_.size(); ++j) {
-        entries.emplace_back(unknown_[i], unknown_[j], 0.0);
-      }
-    }
     start_.push_back(static_cast<int>(unknown_.size()));
   }
-  matrix_.resize(n, n);
-  matrix_.setFromTriplets(entries.begin(), entries.end());
-  matrix_.makeCompressed();
-  for (std::size_t k = 0; k < of_masses; ++k) {
-    if (entries[k].value() == 0) continue;
-    mass_.push_back(entries[k].value());
-    mass_slot_.push_back(value_position(matrix_, entries[k].row(), entries[k].col()));
-  }
+  unknown_.shrink_to_fit();
+  wrench_.shrink_to_fit();
+}
+
+/// matrix_ with zeros: column by column, as a list of all pairs takes several times its memory.
+void BodySystem::make_pattern(const ContactProblem& p, const std::vector<int>& dofs,
+                              const std::vector<int>& unknown_of) {
+  const int n = static_cast<int>(dofs.size());
+  std::vector<int> first(to_size(n) + 1, 0), contact(unknown_.size());  // those of each unknown
+  for (const int i : unknown_) ++first[to_size(i) + 1];
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<int> next(first.begin(), first.end() - 1);
   for (int c = 0; c < contacts_; ++c) {
-    for (int j = start_[to_size(c)]; j < start_[to_size(c) + 1]; ++j) {
-      for (int i = start_[to_size(c)]; i < start_[to_size(c) + 1]; ++i) {
-        slot_.push_back(value_position(matrix_, unknown_[to_size(i)], unknown_[to_size(j)]));
-      }
+    for (int k = start_[to_size(c)]; k < start_[to_size(c) + 1]; ++k) {
+      contact[to_size(next[to_size(unknown_[to_size(k)])]++)] = c;
     }
   }
+  std::vector<int> rows, seen(to_size(n), -1);
+  const auto column = [&](int j) {
+    rows.clear();
+    const auto add = [&](int row) {
+      if (row < 0 || seen[to_size(row)] == j) return;
+      seen[to_size(row)] = j;
+      rows.push_back(row);
+    };
+    add(j);
+    for (SparseMatrix::InnerIterator it(p.A, dofs[to_size(j)]); it; ++it) {
+      add(unknown_of[to_size(it.row())]);
+    }
+    for (int k = first[to_size(j)]; k < first[to_size(j) + 1]; ++k) {
+      const std::size_t c = to_size(contact[to_size(k)]);
+      for (int i = start_[c]; i < start_[c + 1]; ++i) add(unknown_[to_size(i)]);
+    }
+  };
+  matrix_.resize(n, n);
+  int* const start = matrix_.outerIndexPtr();
+  start[0] = 0;
+  for (int j = 0; j < n; ++j) {
+    column(j);
+    start[j + 1] = start[j] + static_cast<int>(rows.size());
+  }
+  matrix_.resizeNonZeros(start[n]);
+  std::fill(seen.begin(), seen.end(), -1);
+  for (int j = 0; j < n; ++j) {
+    column(j);
+    std::sort(rows.begin(), rows.end());
+    std::copy(rows.begin(), rows.end(), matrix_.innerIndexPtr() + start[j]);
+  }
+  std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
 }
 
 template <int D>

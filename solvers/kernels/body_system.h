@@ -29,6 +29,10 @@ class BodySystem {
   void velocity(const Vector& v, Vector& u) const;
 
  private:
+  void list_wrenches(const ContactProblem& problem, const std::vector<int>& unknown_of,
+                     const Vector& scale);
+  void make_pattern(const ContactProblem& problem, const std::vector<int>& dofs,
+                    const std::vector<int>& unknown_of);
   template <int D>
   void add_contacts(const double* blocks);
 

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <stdexcept>
 
 #include "core/problem/frontal_kernels.h"
@@ -126,6 +127,22 @@ TEST(FrontalLU, KeepsTheAnalysisOfAPattern) {
   three.solve(b, z);
   EXPECT_NE(FrontalTree::of(A), tree);
   EXPECT_EQ(x, z) << "an analysis made again is the same";
+}
+
+/// Trees of large patterns are not heaped up: of two that take more than what is kept, the last stays.
+TEST(FrontalLU, LetsTreesGoThatTakeMuchMemory) {
+  const SparseMatrix A = grid_matrix(110, 3, 1, 4), B = grid_matrix(111, 3, 1, 4);
+  const std::weak_ptr<const FrontalTree> first = FrontalTree::of(A);
+  ASSERT_FALSE(first.expired());
+  EXPECT_GT(2 * first.lock()->num_bytes(), std::size_t{16} << 20);
+  const std::weak_ptr<const FrontalTree> second = FrontalTree::of(B);
+  EXPECT_TRUE(first.expired());
+  EXPECT_FALSE(second.expired());
+  const SparseMatrix small = grid_matrix(12, 3, 1, 4);
+  const std::weak_ptr<const FrontalTree> third = FrontalTree::of(small);
+  EXPECT_FALSE(second.expired()) << "both fit in";
+  EXPECT_FALSE(third.expired());
+  FrontalTree::forget();
 }
 
 /// A diagonal block of zeros on the diagonal needs exchanges: [0 1; 1 0] has none without.

@@ -45,12 +45,21 @@ struct Supernodes {
 
 TEST(SupernodalSolve, IsTheInverseOfLTimesItsTranspose) {
   SupernodalSolve solve;
-  // Widths below, at and above the slices of four, alone and one after the other; the object is
-  // used again for a matrix of another size.
-  for (const std::vector<int>& widths :
-       {std::vector<int>{1}, {4}, {9}, {1, 5, 4, 7, 6}, {3, 1, 1, 2, 8, 13, 5}, {2, 2}}) {
+  // Widths below, at and above slices of four and strips of 16, alone and one after the other; the
+  // object is used again for a matrix of another size.
+  for (const std::vector<int>& widths : {std::vector<int>{1},
+                                         {4},
+                                         {9},
+                                         {1, 5, 4, 7, 6},
+                                         {3, 1, 1, 2, 8, 13, 5},
+                                         {19, 40, 33},
+                                         {2, 2}}) {
     const Supernodes made(widths, 7);
-    solve.begin(static_cast<int>(made.L.rows()));
+    std::size_t entries = 0;
+    for (const Supernode& node : made.nodes) {
+      entries += SupernodalSolve::num_entries(node.columns, node.rows);
+    }
+    solve.begin(static_cast<int>(made.L.rows()), entries);
     for (const Supernode& node : made.nodes) solve.add(node);
     Draw draw(3);
     Vector x(made.L.rows());
