@@ -52,6 +52,9 @@ constexpr double kNearSolution = 1e-4;
 // 4 N and 6 N.
 constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOfContact = 6,
               kPivotsOfLarge = 4, kPivotsAfreshLarge = 10, kPivotsOfShakes = 12, kPivotsAfresh = 14;
+// Where splitting has not arrived within so many iterations, it mostly stands just above a loose
+// tolerance, and a path from there arrives:
+constexpr int kEnoughSplitting = 1500;
 // A step of a run, which starts from the one before, is taken for a moving one up to that size.
 constexpr int kLargeStep = 8000;
 // Paths from a worse start are long: free pyramids.
@@ -251,7 +254,12 @@ class Planner {
     }
     if (!sweeps_first()) sweeps();
     if (exact_ && contacts_ > kLarge) {
-      add("admm", 6000, 14000, Start::kCaller, "large moving packings, by factors of W");
+      add("admm", kEnoughSplitting, kEnoughSplitting, Start::kCaller,
+          "large moving packings, by factors of W");
+      stages_.back().least_tol = kFair;
+      first_paths(kManyPivots);
+      stages_.back().least_tol = kFair;
+      add("admm", 6000, 14000, Start::kCaller, "large moving packings, with patience");
       stages_.back().least_tol = kFair;
     }
     if (exact_ && contacts_ > (splitting_first() ? kMany : kLarge)) {
