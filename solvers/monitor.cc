@@ -48,7 +48,7 @@ bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, do
                             bool moving) {
   iterations_ = iteration;
   if (!due(iteration)) return false;
-  next_ = next_judged(iteration, interval_);
+  next_ = next_judged(iteration, portion_);
 
   double change = std::numeric_limits<double>::infinity();
   if (previous_.size() == s.size() && previous_iteration_ < iteration) {

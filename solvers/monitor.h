@@ -11,7 +11,7 @@ namespace bipot {
 ///
 /// Cadence: whenever the count k has grown by its root (the least that evaluations and iterations cost
 /// together) or, from k = 1024 on, by 1/32: the reported count is exact to 1/root k, then to 3 %;
-/// solvers whose iteration is a factorisation have every one judged, `assor` half as many.
+/// solvers whose iteration is a factorisation have every one judged, `assor` one in 16 at last.
 /// The impulse test compares consecutive iterates and is therefore evaluated at every iteration.
 ///
 /// The monitor keeps the best iterate by the guarded error; a solve that stops early returns it.
@@ -26,7 +26,7 @@ class IterationMonitor {
   /// count, so that no stage of theirs is blind.
   void judge_every_iteration() { every_ = true; }
   /// Half as often as others: few iterations, each cheaper than judging it.
-  void judge_half_as_often() { interval_ = 2; }
+  void judge_half_as_often() { portion_ = kJudgedPortion / 2; }
 
   /// Whether this iteration is judged; so is the one at which the caller or the clock ends the
   /// solve. A solver that must do work to form s asks first.
@@ -84,7 +84,7 @@ class IterationMonitor {
   int previous_iteration_ = -1;
   int next_ = 0;
   bool every_ = false;
-  int interval_ = 1;
+  int portion_ = kJudgedPortion;
   int iterations_ = 0;
   double free_energy_;
   SolveStatus status_ = SolveStatus::kNotRun;

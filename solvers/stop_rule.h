@@ -21,12 +21,12 @@ inline constexpr double kDivergenceFactor = 1e20;
 double divergence_reference(int iteration, const ContactError& error, double free_energy);
 
 inline constexpr int kJudgedPortion = 32;
-/// One iterate is judged whenever the count k has grown by root k or by k / 32, whichever is more, or
-/// by `times` as much: where judging costs J iterations and the count of the last one is not known,
-/// intervals of sqrt(2 J k) around k cost the least, J of quick iterations is 3 to 10.
-inline int next_judged(int iteration, int times = 1) {
+/// One iterate is judged whenever the count has grown by its root or by 1/portion, whichever is more:
+/// where judging costs J iterations and the count of the last one is not known, intervals of
+/// sqrt(2 J k) around k cost the least, J of quick iterations is 3 to 10.
+inline int next_judged(int iteration, int portion = kJudgedPortion) {
   const int root = static_cast<int>(std::sqrt(static_cast<double>(iteration)));
-  return iteration + std::max(1, times * std::max(root, iteration / kJudgedPortion));
+  return iteration + std::max({1, root, iteration / portion});
 }
 
 /// A judged iterate.
