@@ -11,8 +11,8 @@ namespace bipot {
 namespace {
 
 constexpr std::size_t kTreesKept = 4;
-constexpr std::size_t kBytesKept = std::size_t{16} << 20;  // 2500 contacts and four trees
-constexpr std::size_t kBytesOfEntry = 16;                  // of a tree, about
+constexpr std::size_t kBytesKept = std::size_t{16} << 20;  // four trees of 12 000 contacts
+constexpr std::size_t kBytesOfEntry = 16;                  // a tree takes 14 for one of A
 constexpr int kMetisFrom = 4000;  // groups of columns; AMD is quicker below
 
 /// The trees of the last patterns, the latest first.
@@ -145,10 +145,7 @@ std::shared_ptr<const FrontalTree> FrontalTree::of(const SparseMatrix& A) {
   {
     const std::lock_guard<std::mutex> lock(kept.mutex);
     if (auto tree = find()) return tree;
-  }
-  {
     // Before the analysis, which needs memory of its own.
-    const std::lock_guard<std::mutex> lock(kept.mutex);
     kept.make_room(kBytesOfEntry * to_size(A.nonZeros()));
   }
   auto made = analyse(A);
@@ -192,7 +189,7 @@ std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SparseMatrix& A) {
   const auto* rows = static_cast<const SuiteSparse_long*>(L->s);
   const auto* perm = static_cast<const SuiteSparse_long*>(L->Perm);
   tree->order.assign(perm, perm + A.cols());
-  tree->below.reserve(L->ssize);
+  tree->below.reserve(to_size(pi[L->nsuper] - A.cols()));
   tree->below_start.push_back(0);
   for (std::size_t s = 0; s < L->nsuper; ++s) {
     tree->first.push_back(static_cast<int>(super[s]));
@@ -203,7 +200,6 @@ std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SparseMatrix& A) {
     tree->below_start.push_back(static_cast<int>(tree->below.size()));
   }
   tree->first.push_back(static_cast<int>(A.cols()));
-  tree->below.shrink_to_fit();
   cholmod_l_free_factor(&L, &session.common);
   tree->measure();
   tree->place_entries(A);

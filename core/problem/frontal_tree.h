@@ -16,7 +16,7 @@ class FrontalTree {
  public:
   /// The tree of A's pattern, which must be symmetric and hold the diagonal. The trees of the last
   /// few patterns are kept for whoever asks next, a later step of a run with the same contacts
-  /// among them, as long as they take little memory; the answer depends on the pattern alone. Safe
+  /// among them, the latest always and others as long as all take 16 MB at most; the answer depends on the pattern alone. Safe
   /// from several threads. Null when memory ran out.
   static std::shared_ptr<const FrontalTree> of(const SparseMatrix& A);
   /// The same, made anew and not kept.

@@ -58,6 +58,9 @@ template <int kCount>
   return p;
 }
 
+// The two below choose a kernel by a switch each: a lambda would not be compiled for the instruction
+// sets of the function that it stands in.
+
 /// out = M x, whole slices.
 BIPOT_SLICES void multiply_strips(int columns, int rows, const double* values, const double* x,
                                   double* out) {

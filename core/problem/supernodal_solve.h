@@ -28,7 +28,7 @@ struct Supernode {
 /// the condition of the triangles. Sums have one order for all instruction sets.
 class SupernodalSolve {
  public:
-  /// What a supernode of so many columns and rows takes.
+  /// Numbers kept of a supernode of so many columns and rows, zeros that fill the strips included.
   static std::size_t num_entries(int columns, int rows);
   /// Of a matrix of `size` rows, whose supernodes take `entries`; forgets the one before.
   void begin(int size, std::size_t entries);

@@ -53,7 +53,8 @@ constexpr double kNearSolution = 1e-4;
 constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOfContact = 6,
               kPivotsOfLarge = 4, kPivotsAfreshLarge = 10, kPivotsOfShakes = 12, kPivotsAfresh = 14;
 // Where splitting has not arrived within so many iterations, it mostly stands just above a loose
-// tolerance, and a path from there arrives:
+// tolerance, and paths arrive from there: of eleven warm steps of a pour of 10^4 disks (7800 to 16 500
+// contacts) to 1e-3, ten of which it had not solved in 14 000, nine within 7000 pivots.
 constexpr int kEnoughSplitting = 1500;
 // A step of a run, which starts from the one before, is taken for a moving one up to that size.
 constexpr int kLargeStep = 8000;

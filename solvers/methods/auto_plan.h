@@ -62,8 +62,8 @@ inline constexpr int kFewContactsOfAuto = 100;
 ///   3. d <= 2: `homotopy` from the best impulse. Moving packings, in which many contacts close
 ///      and slip at once, are solved exactly within a few hundred pivots. Free pyramids and many
 ///      large packings need too many, and end with their budget. Above 2500 contacts `admm` comes
-///      before it, and once more after it, and paths from where that one ended (above 4000 and to
-///      1e-3 paths after 1500 iterations of it);
+///      before it, and once more after it, and paths from where that one ended; above 4000, at
+///      tolerances from 5e-4 on, paths follow 1500 iterations of it;
 ///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `admm` and `ipm`, and before the paths;
 ///      In space ipm gets 90 of its iterations at least, and before long runs come admm and 350 more of ipm: what
 ///      a plate presses on spheres needs;

@@ -70,5 +70,13 @@ TEST(SupernodalSolve, IsTheInverseOfLTimesItsTranspose) {
   }
 }
 
+/// A triangle of 4 is one slice of 4 columns. 19 columns and 40 rows: rows 0 to 15 have four slices of
+/// 16 columns (the diagonal ends there), 16 to 31 four of 19, 32 to 39 two of 19; 64 + 76 + 38 slices.
+TEST(SupernodalSolve, KeepsNothingRightOfTheDiagonalOfAStrip) {
+  EXPECT_EQ(SupernodalSolve::num_entries(1, 1), 4U);
+  EXPECT_EQ(SupernodalSolve::num_entries(4, 4), 16U);
+  EXPECT_EQ(SupernodalSolve::num_entries(19, 40), 4U * 178);
+}
+
 }  // namespace
 }  // namespace bipot

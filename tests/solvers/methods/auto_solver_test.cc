@@ -86,6 +86,24 @@ int stages_of(const ContactProblem& p, std::string_view solver) {
 
 /// Where paths do not arrive, starts around the best impulse have their turn, then the central path
 /// through its folds, and long chains last.
+/// Above 4000 contacts, at tolerances such as 1e-3: paths come after some splitting, not after all.
+TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 40, 0.3, 10);
+  ASSERT_GT(p.num_contacts(), 4000);
+  for (const bool warm : {false, true}) {
+    int before = 0, after = 0, paths = 0;  // iterations of admm, pivots between them
+    for (const AutoStage& stage : plan(p, warm)) {
+      if (!stage.serves(1e-3, 2e-3)) continue;
+      if (stage.solver == "homotopy" && after == 0) paths += stage.max_iterations;
+      if (stage.solver == "admm") (paths == 0 ? before : after) += stage.max_iterations;
+    }
+    EXPECT_GE(before, 1500) << warm;
+    EXPECT_LE(before, 2500) << warm;
+    EXPECT_GE(paths, 20000) << warm;
+    EXPECT_GE(after, 6000) << warm;
+  }
+}
+
 TEST(AutoSolver, MovingPackingsThatResistHaveOtherStartsAndPatience) {
   const std::vector<AutoStage> stages = plan(shipped_file("2d_pour300_392.hdf5"), true);
   const auto shaken = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
