@@ -18,9 +18,11 @@ namespace {
 
 using nlohmann::json;
 
+// Open MPI's own second between SIGTERM and SIGKILL stays: with odls_base_sigkill_timeout 0, mpirun 4.1
+// itself ended in a deadlock of its threads, or in a crash, in 12 of 160 runs that failed (0 of 160 with
+// it), and then heeds no SIGTERM.
 constexpr const char* kMpirun =
-    "timeout 60 mpirun --allow-run-as-root --oversubscribe --mca mpi_yield_when_idle 1 "
-    "--mca odls_base_sigkill_timeout 0";
+    "timeout -k 5 60 mpirun --allow-run-as-root --oversubscribe --mca mpi_yield_when_idle 1";
 
 class MpiCommand : public Command {
  protected:
@@ -156,7 +158,7 @@ TEST_F(MpiCommand, AProcessThatFailsEndsTheRunWithItsMessage) {
   const Outcome in_a_step =
       two("run pyramid --steps 5 --solver apgd --dump-problems all --out " + path("out"));
   EXPECT_NE(in_a_step.exit_code, 0);
-  EXPECT_NE(in_a_step.exit_code, 124) << "a hang";
+  EXPECT_LT(in_a_step.exit_code, 124) << "a hang, or a crash";
   EXPECT_EQ(count(in_a_step.out, "bipot: process 1 of 2:"), 1) << in_a_step.out;
 }
 
