@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <initializer_list>
+#include <span>
 #include <vector>
 
 #include "solvers/registry.h"
@@ -44,18 +45,19 @@ constexpr int kCloseAnderson = 64;
 // Chains of starts of paths, taken where the error has fallen to this.
 constexpr int kManyChains = 60000;
 constexpr double kNearSolution = 1e-4;
-// What apgd does before paths are tried, and pivots of these: moving packings of N <= 4000
-// contacts need 0 to 1300, one in fifty up to 3 N, large ones and those to 1e-8 up to 6 N, where
-// nothing else solves them: nine poured steps of 3500 to 4600 contacts took 33 s and left none, with
-// 3 N 38 s and one, with first order and factorisations first 72 s and six of eight. Where splitting
-// makes the start they have 4 N: of 580 steps of 3000 poured disks to 1e-4 two were solved between
-// 4 N and 6 N.
-constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOfContact = 6,
-              kPivotsOfLarge = 4, kPivotsAfreshLarge = 10, kPivotsOfShakes = 12, kPivotsAfresh = 14;
-// Where splitting has not arrived within so many iterations, it mostly stands just above a loose
-// tolerance, and paths arrive from there: of eleven warm steps of a pour of 10^4 disks (7800 to 16 500
-// contacts) to 1e-3, ten of which it had not solved in 14 000, nine within 7000 pivots.
-constexpr int kEnoughSplitting = 1500;
+// What apgd does before paths are tried, and pivots of these. A path from one start arrives within so
+// many pivots for each contact, or mostly not at all: from a second start one in two of those that had
+// not arrived does (ten steps of 3000 poured disks to 1e-4, fourteen of 1000 to 1e-8, thirteen ways to
+// make a start), so that several short ones cost less than a long one.
+constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOfStart = 3,
+              kPivotsOfLargeStart = 2, kPivotsOfLarge = 4, kPivotsOfShakesLarge = 6,
+              kPivotsAfreshLarge = 10, kPivotsOfShakes = 12, kPivotsAfresh = 14;
+// To fair tolerances splitting arrives within so many iterations, from one start or another: of ten
+// usual steps of a pour of 10^4 disks (8000 to 13 000 contacts) to 1e-3 six or seven within 850 from
+// any multiple of the caller's impulse below 1, three from itself. Where it stands just above the
+// tolerance, as it did on three of seven that had resisted it for 1e5 iterations, it arrives from a
+// little off where it stands.
+constexpr int kSoonSplitting = 600, kEnoughSplitting = 1500;
 // A step of a run, which starts from the one before, is taken for a moving one up to that size.
 constexpr int kLargeStep = 8000;
 // Paths from a worse start are long: free pyramids.
@@ -69,6 +71,36 @@ constexpr double kFair = 5e-4;
 // to 1e-4 and 1e-8, beyond 1.0 to 1.2.
 constexpr int kCheapSweeps = 1000;
 constexpr int kUnlimited = AutoStage::kUnlimited;
+
+/// What makes a start of paths, and the multiple of the caller's impulse that it starts from.
+struct OtherStart {
+  const char* solver;
+  int least, most;
+  double multiple;
+  bool local, disks;  // W alone is enough; only for disks
+};
+constexpr OtherStart momentum_from(double multiple) {
+  return {"apgd", kStartSteps, kStartSteps, multiple, true, false};
+}
+constexpr OtherStart splitting_from(double multiple) {
+  return {"admm", 600, 800, multiple, false, false};
+}
+constexpr OtherStart sweeps_from(double multiple) {
+  return {"assor", 500, 500, multiple, false, true};
+}
+// A path from where one came nearest ends there again; from a little off it mostly goes elsewhere.
+constexpr double kKicks[] = {0.98, 0.95, 0.9, 1.02, 0.8, 1.05};
+// In the order in which they come, so many before the factorisations of interior points, which packings
+// at rest need. Up to kMany contacts momentum makes as good a start as splitting, at less cost.
+constexpr std::size_t kSoon = 1;
+constexpr OtherStart kOtherStarts[] = {
+    momentum_from(0.5), splitting_from(0.5),  splitting_from(1),   momentum_from(0),
+    sweeps_from(0.5),   splitting_from(0.25), momentum_from(0.75), splitting_from(0)};
+constexpr OtherStart kOtherStartsOfMany[] = {
+    splitting_from(0.5), splitting_from(0.25), splitting_from(0.75), splitting_from(0),
+    momentum_from(0.75), sweeps_from(0.5),     splitting_from(2),    momentum_from(0.25)};
+// Where the caller's start is 0.
+constexpr OtherStart kOtherSolvers[] = {splitting_from(0), sweeps_from(0), momentum_from(0)};
 
 bool is_hyperstatic(const ContactProblem& p) {
   // Without H the rank is not known: dense packings are the rule.
@@ -138,7 +170,7 @@ class Planner {
   void add(const char* solver, int least, int most, Start start, const char* reason,
            std::map<std::string, std::string> parameters = {}) {
     if (!with_newton_ && solver == std::string_view("newton")) return;
-    stages_.push_back({solver, least, most, start, std::move(parameters), reason});
+    stages_.push_back({solver, least, most, start, 1, std::move(parameters), reason});
   }
   void follow(int most, std::map<std::string, std::string> parameters, const char* reason) {
     if (exact_) add("homotopy", most, most, Start::kBest, reason, std::move(parameters));
@@ -154,6 +186,57 @@ class Planner {
       add("homotopy", pivots, pivots, Start::kCaller, "again, from the start of the step",
           {{"seed", seed}});
       if (contacts_ > kLarge) stages_.back().tol_below = kFair;
+    }
+  }
+  int pivots_of_start() const {
+    return std::max(kPivots,
+                    (splitting_first() ? kPivotsOfLargeStart : kPivotsOfStart) * contacts_);
+  }
+  /// A stage of those that make starts and follow short paths from them.
+  void add_start(const char* solver, int least, int most, Start start, double multiple,
+                 const char* reason, std::map<std::string, std::string> parameters = {}) {
+    add(solver, least, most, start, reason, std::move(parameters));
+    stages_.back().of_start = multiple;
+    stages_.back().largest_error = kUsefulStart;
+    if (contacts_ > kLarge) stages_.back().tol_below = kFair;
+  }
+  void path_from_last(double multiple, const char* reason) {
+    const int pivots = pivots_of_start();
+    add_start("homotopy", pivots, pivots, Start::kLast, multiple, reason, {{"start_tol", "1"}});
+  }
+  /// A path from a little off the impulse where the last one came nearest.
+  void kicked_path() {
+    if (!exact_) return;
+    path_from_last(kKicks[kick_++ % std::size(kKicks)], "again, a little off where it ended");
+  }
+  /// First order, sweeps or splitting from a multiple of the caller's start, and two short paths.
+  void other_start(const OtherStart& other) {
+    if (!exact_ || (local_ && !other.local) || (!disks_ && other.disks)) return;
+    add_start(other.solver, other.least, other.most, Start::kCaller, other.multiple,
+              "again, from a multiple of the start");
+    path_from_last(1, "and a path from there");
+    kicked_path();
+  }
+  /// Some of them: those that come soon, or the others.
+  void other_starts(bool soon) {
+    std::span<const OtherStart> all(kOtherStarts);
+    if (splitting_first()) all = kOtherStartsOfMany;
+    if (!warm_) all = kOtherSolvers;
+    for (const OtherStart& other : soon ? all.first(kSoon) : all.subspan(kSoon)) other_start(other);
+  }
+  /// To fair tolerances, splitting from multiples of the caller's start, each time with two kicks.
+  void fair_splitting() {
+    const auto splitting = [&](Start start, double multiple) {
+      add("admm", kSoonSplitting, kEnoughSplitting, start,
+          "large moving packings, by factors of W");
+      stages_.back().of_start = multiple;
+      stages_.back().least_tol = kFair;
+    };
+    for (const double multiple : {0.1, 0.35, 0.6, 1.0}) {
+      if (!warm_ && multiple < 1) continue;
+      splitting(Start::kCaller, multiple);
+      splitting(Start::kLast, 0.95);
+      splitting(Start::kLast, 0.9);
     }
   }
   void newton_on_delassus() {
@@ -249,19 +332,19 @@ class Planner {
       if (splitting_first()) {
         add("admm", 600, 800, Start::kCaller, "moving packings, by factors of W, and a start");
       }
-      first_paths(
-          std::max(kPivots, (splitting_first() ? kPivotsOfLarge : kPivotsOfContact) * contacts_));
+      first_paths(pivots_of_start());
       if (exact_ && contacts_ > kLarge) stages_.back().tol_below = kFair;
+      kicked_path();
+      other_starts(true);
     }
     if (!sweeps_first()) sweeps();
     if (exact_ && contacts_ > kLarge) {
-      add("admm", kEnoughSplitting, kEnoughSplitting, Start::kCaller,
-          "large moving packings, by factors of W");
-      stages_.back().least_tol = kFair;
+      fair_splitting();
       first_paths(kManyPivots);
       stages_.back().least_tol = kFair;
       follow(2 * kManyPivots, {{"start_tol", "1"}, {"seed", "2"}},
-             "again, from where that path came nearest");
+             "again, a little off where that path came nearest");
+      stages_.back().of_start = kKicks[0];
       stages_.back().least_tol = kFair;
       add("admm", 6000, 14000, Start::kCaller, "large moving packings, with patience");
       stages_.back().least_tol = kFair;
@@ -310,12 +393,15 @@ class Planner {
       // Of twelve steps on which all else had needed 8000 iterations and more, it solves two, each in
       // less than a second.
       add("assor", 6000, 6000, Start::kCaller, "again, by many sweeps", {{"sweeps", "8"}});
+      other_starts(false);
       afresh({"2"}, kPivotsAfreshLarge);
+    } else if (paths_first()) {
+      other_starts(false);
     }
     if (exact_ && contacts_ > kFew) {
       // Whether paths of a start arrive is chance, and some of the next ones do.
       const int of_contact = !paths_first()      ? 0
-                             : splitting_first() ? kPivotsOfContact
+                             : splitting_first() ? kPivotsOfShakesLarge
                                                  : kPivotsOfShakes;
       follow(std::max(kManyPivots, of_contact * contacts_),
              {{"start_tol", "1"}, {"shake", "first"}},
@@ -386,6 +472,7 @@ class Planner {
   // Information crosses a packing of N contacts in O(sqrt N) iterations of apgd; its error stands
   // for some crossings before it falls.
   int crossing_ = 0;
+  std::size_t kick_ = 0;   // the next of kKicks
   int ssor_crossing_ = 0;  // the same of assor, O(N^1/4)
   std::vector<AutoStage> stages_;
 };
@@ -397,7 +484,7 @@ bool is_warm(const SolverOptions& options) {
 }
 
 AutoStage first_of_few() {
-  return {"anderson", 64, 100, AutoStage::Start::kOwn, {}, "few contacts: next to free"};
+  return {"anderson", 64, 100, AutoStage::Start::kOwn, 1, {}, "few contacts: next to free"};
 }
 
 std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator& delassus,

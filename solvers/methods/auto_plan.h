@@ -29,6 +29,7 @@ struct AutoStage {
   std::string_view solver;
   int min_iterations = 0, max_iterations = 0;  ///< of this stage, by the solver's own count
   Start start = Start::kOwn;
+  double of_start = 1;  ///< what that impulse is multiplied by
   std::map<std::string, std::string> parameters;
   std::string_view reason;
   double least_tol = 0, tol_below = kInfinity, largest_error = kInfinity;
@@ -60,10 +61,12 @@ inline constexpr int kFewContactsOfAuto = 100;
 ///      by 500 solves with factors of W, where momentum needs tens of thousands of steps, and 1e-3
 ///      by 2000 to 5000;
 ///   3. d <= 2: `homotopy` from the best impulse. Moving packings, in which many contacts close
-///      and slip at once, are solved exactly within a few hundred pivots. Free pyramids and many
-///      large packings need too many, and end with their budget. Above 2500 contacts `admm` comes
-///      before it, and once more after it, and paths from where that one ended; above 4000, at
-///      tolerances from 5e-4 on, paths follow 1500 iterations of it;
+///      and slip at once, are solved exactly within a few hundred pivots. Whether a path of one start
+///      arrives is chance: where it has not within two or three pivots a contact, others follow, from
+///      a little off where it came nearest, and from what first order, sweeps and splitting make of
+///      multiples of the caller's start. (Free pyramids have none of it: their paths are long.) Above
+///      2500 contacts `admm` comes before the first; above 4000, at tolerances from 5e-4 on, `admm`
+///      from such starts comes before all paths;
 ///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `admm` and `ipm`, and before the paths;
 ///      In space ipm gets 90 of its iterations at least, and before long runs come admm and 350 more of ipm: what
 ///      a plate presses on spheres needs;

@@ -149,6 +149,7 @@ class Race {
     } else {
       inner_.s0 = own != own_.end() ? own->second : options_.s0;
     }
+    inner_.s0 *= stage.of_start;
     inner_.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);
     inner_.max_iterations = std::min(stage.max_iterations, options_.max_iterations - iterations_);
     inner_.parameters = stage.parameters;

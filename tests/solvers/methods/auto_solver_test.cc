@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -51,29 +52,32 @@ TEST(AutoSolver, AndersonHasPatienceNearTheToleranceAndNoMore) {
   EXPECT_EQ(quick.message.find("given up"), std::string::npos) << quick.message;
 }
 
-/// Above 2500 contacts splitting makes the start of paths, and goes on where these do not arrive; the
-/// next paths begin where it ended, not at the best impulse, which was had.
-TEST(AutoSolver, LargeMovingPackingsAlternateSplittingAndPaths) {
+/// Above 2500 contacts splitting makes the start of paths, below momentum. Where these do not arrive,
+/// the next begins a little off where the last one ended, then one from what a multiple of the caller's
+/// impulse leads to.
+TEST(AutoSolver, PathsThatDoNotArriveAreFollowedByOthersFromElsewhere) {
   for (const int side : {28, 36}) {  // 2268 and 3780 contacts or so
     const Scene scene = make_family_scene("triangular", side);
     const ContactProblem p = step_problem(scene, initial_state(scene), false);
     ASSERT_EQ(p.num_contacts() > 2500, side == 36);
-    std::vector<AutoStage> stages;
-    for (const AutoStage& stage : plan(p, true)) {
-      if (stage.solver == "admm" || stage.solver == "homotopy") stages.push_back(stage);
-    }
-    ASSERT_GE(stages.size(), 4U);
-    if (side == 28) {
-      EXPECT_EQ(stages[0].solver, "homotopy");
-      continue;
-    }
-    for (std::size_t k = 0; k < 4; ++k) {
-      EXPECT_EQ(stages[k].solver, k % 2 == 0 ? "admm" : "homotopy");
-    }
-    EXPECT_EQ(stages[1].start, AutoStage::Start::kBest);
-    EXPECT_EQ(stages[2].start, AutoStage::Start::kCaller);
-    EXPECT_GT(stages[2].max_iterations, stages[0].max_iterations);
-    EXPECT_EQ(stages[3].start, AutoStage::Start::kLast);
+    const std::vector<AutoStage> stages = plan(p, true);
+    const auto first = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
+      return stage.solver == "homotopy";
+    });
+    ASSERT_GE(stages.end() - first, 5);
+    EXPECT_EQ(first[-1].solver, side == 36 ? "admm" : "apgd");
+    EXPECT_EQ(first->start, AutoStage::Start::kBest);
+    EXPECT_EQ(first->of_start, 1);
+    EXPECT_EQ(first[1].solver, "homotopy");
+    EXPECT_EQ(first[1].start, AutoStage::Start::kLast);
+    EXPECT_NEAR(first[1].of_start, 1, 0.2);
+    EXPECT_NE(first[1].of_start, 1);
+    EXPECT_EQ(first[2].solver, side == 36 ? "admm" : "apgd");
+    EXPECT_EQ(first[2].start, AutoStage::Start::kCaller);
+    EXPECT_LT(first[2].of_start, 0.9);
+    EXPECT_EQ(first[3].solver, "homotopy");
+    EXPECT_EQ(first[3].start, AutoStage::Start::kLast);
+    EXPECT_EQ(first[3].of_start, 1);
   }
 }
 
@@ -84,26 +88,35 @@ int stages_of(const ContactProblem& p, std::string_view solver) {
   }));
 }
 
-/// Where paths do not arrive, starts around the best impulse have their turn, then the central path
-/// through its folds, and long chains last.
-/// Above 4000 contacts, at tolerances such as 1e-3: paths come after some splitting, not after all.
+/// Above 4000 contacts, at tolerances such as 1e-3: splitting from several starts comes before paths,
+/// long splitting after them. From 0 there are no multiples to start from.
 TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 40, 0.3, 10);
   ASSERT_GT(p.num_contacts(), 4000);
   for (const bool warm : {false, true}) {
     int before = 0, after = 0, paths = 0;  // iterations of admm, pivots between them
+    std::set<double> multiples, kicks;
     for (const AutoStage& stage : plan(p, warm)) {
       if (!stage.serves(1e-3, 2e-3)) continue;
       if (stage.solver == "homotopy" && after == 0) paths += stage.max_iterations;
-      if (stage.solver == "admm") (paths == 0 ? before : after) += stage.max_iterations;
+      if (stage.solver != "admm") continue;
+      (paths == 0 ? before : after) += stage.max_iterations;
+      if (paths != 0) continue;
+      (stage.start == AutoStage::Start::kCaller ? multiples : kicks).insert(stage.of_start);
     }
-    EXPECT_GE(before, 1500) << warm;
-    EXPECT_LE(before, 2500) << warm;
+    EXPECT_GE(before, 3 * 1500) << warm;
+    EXPECT_LE(before, warm ? 20000 : 5000);
+    EXPECT_GE(multiples.size(), warm ? 4U : 1U);
+    EXPECT_EQ(multiples.count(1), 1U);
+    EXPECT_GE(kicks.size(), 2U);
+    EXPECT_EQ(kicks.count(1), 0U);
     EXPECT_GE(paths, 20000) << warm;
     EXPECT_GE(after, 6000) << warm;
   }
 }
 
+/// Where these do not arrive, starts around the best impulse have their turn, then the central path
+/// through its folds, and long chains last.
 TEST(AutoSolver, MovingPackingsThatResistHaveOtherStartsAndPatience) {
   const std::vector<AutoStage> stages = plan(shipped_file("2d_pour300_392.hdf5"), true);
   const auto shaken = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
