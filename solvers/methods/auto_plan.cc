@@ -49,7 +49,7 @@ constexpr double kNearSolution = 1e-4;
 // many pivots for each contact, or mostly not at all: from a second start one in two of those that had
 // not arrived does (ten steps of 3000 poured disks to 1e-4, fourteen of 1000 to 1e-8, thirteen ways to
 // make a start), so that several short ones cost less than a long one.
-constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOfStart = 3,
+constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOfStart = 4,
               kPivotsOfLargeStart = 2, kPivotsOfLarge = 4, kPivotsOfShakesLarge = 6,
               kPivotsAfreshLarge = 10, kPivotsOfShakes = 12, kPivotsAfresh = 14;
 // To fair tolerances splitting arrives within so many iterations, from one start or another: of ten
@@ -270,7 +270,7 @@ class Planner {
         // More sweeps arrive where two stand still, and on few contacts cost more than they are worth.
         const bool few = contacts_ <= kSmall;
         const char* const sweeps = few ? "2" : "4";
-        add("assor", few ? 50 : 30, few ? 200 : 240, Start::kOwn,
+        add("assor", few ? 50 : 30, 200, Start::kOwn,
             "the quickest on what is easy, and roughly on most; soon seen not to be elsewhere",
             {{"sweeps", sweeps}, {"most_sweeps", sweeps}});
         if (warm_ && contacts_ > kCheapSweeps) stages_.back().least_tol = kFair;

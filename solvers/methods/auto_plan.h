@@ -62,7 +62,7 @@ inline constexpr int kFewContactsOfAuto = 100;
 ///      by 2000 to 5000;
 ///   3. d <= 2: `homotopy` from the best impulse. Moving packings, in which many contacts close
 ///      and slip at once, are solved exactly within a few hundred pivots. Whether a path of one start
-///      arrives is chance: where it has not within two or three pivots a contact, others follow, from
+///      arrives is chance: where it has not within two or four pivots a contact, others follow, from
 ///      a little off where it came nearest, and from what first order, sweeps and splitting make of
 ///      multiples of the caller's start. (Free pyramids have none of it: their paths are long.) Above
 ///      2500 contacts `admm` comes before the first; above 4000, at tolerances from 5e-4 on, `admm`

@@ -1,3 +1,6 @@
+#include "solvers/methods/auto_solver.h"
+
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -79,6 +82,24 @@ TEST(AutoSolver, PathsThatDoNotArriveAreFollowedByOthersFromElsewhere) {
     EXPECT_EQ(first[3].start, AutoStage::Start::kLast);
     EXPECT_EQ(first[3].of_start, 1);
   }
+}
+
+/// The second stage of apgd starts from half the caller's impulse, as apgd alone does from there.
+TEST(AutoSolver, AStageStartsFromAMultipleOfTheCallersImpulse) {
+  const ContactProblem p = shipped_file("2d_pour300_392.hdf5");
+  SolverOptions options{.tol = 1e-15, .max_iterations = 10};  // out of reach: all stages come
+  const Vector start = solve("pgs", p, options).s;
+  options.s0 = start;
+  options.max_iterations = 12000;
+  const std::string stages = solve_auto(p, options).message;
+  options.max_iterations = 2000;
+  const auto ends = [&](double multiple) {
+    options.s0 = multiple * start;
+    return fmt::format("apgd 2000: iteration limit ({:.1e})",
+                       solve("apgd", p, options).error.guarded());
+  };
+  EXPECT_NE(stages.find(ends(0.5)), std::string::npos) << ends(0.5) << '\n' << stages;
+  EXPECT_EQ(stages.find(ends(1)), std::string::npos) << stages;
 }
 
 int stages_of(const ContactProblem& p, std::string_view solver) {
