@@ -207,13 +207,13 @@ class Planner {
   /// A path from a little off the impulse where the last one came nearest.
   void kicked_path() {
     if (!exact_) return;
-    path_from_last(kKicks[kick_++ % std::size(kKicks)], "again, a little off where it ended");
+    path_from_last(kKicks[kick_++ % std::size(kKicks)], "again, a little off the last impulse");
   }
   /// First order, sweeps or splitting from a multiple of the caller's start, and two short paths.
   void other_start(const OtherStart& other) {
     if (!exact_ || (local_ && !other.local) || (!disks_ && other.disks)) return;
     add_start(other.solver, other.least, other.most, Start::kCaller, other.multiple,
-              "again, from a multiple of the start");
+              "again, from another start, the caller's");
     path_from_last(1, "and a path from there");
     kicked_path();
   }
@@ -228,7 +228,8 @@ class Planner {
   void fair_splitting() {
     const auto splitting = [&](Start start, double multiple) {
       add("admm", kSoonSplitting, kEnoughSplitting, start,
-          "large moving packings, by factors of W");
+          start == Start::kLast ? "again, a little off the last impulse"
+                                : "large moving packings, by factors of W");
       stages_.back().of_start = multiple;
       stages_.back().least_tol = kFair;
     };
@@ -343,7 +344,7 @@ class Planner {
       first_paths(kManyPivots);
       stages_.back().least_tol = kFair;
       follow(2 * kManyPivots, {{"start_tol", "1"}, {"seed", "2"}},
-             "again, a little off where that path came nearest");
+             "again, a little off the best impulse");
       stages_.back().of_start = kKicks[0];
       stages_.back().least_tol = kFair;
       add("admm", 6000, 14000, Start::kCaller, "large moving packings, with patience");
@@ -507,7 +508,8 @@ std::string explain_auto(const ContactProblem& p, const SolverOptions& options) 
             : fmt::format("({} to {})", std::min(stage.min_iterations, stage.max_iterations),
                           stage.max_iterations);
     std::string condition;
-    if (stage.least_tol > 0) condition = fmt::format("; tolerance >= {:.0e}", stage.least_tol);
+    if (stage.of_start != 1) condition = fmt::format("; {:g} times it", stage.of_start);
+    if (stage.least_tol > 0) condition += fmt::format("; tolerance >= {:.0e}", stage.least_tol);
     if (std::isfinite(stage.tol_below)) {
       condition += fmt::format("; tolerance < {:.0e}", stage.tol_below);
     }
