@@ -55,8 +55,8 @@ constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOf
 // To fair tolerances splitting arrives within so many iterations, from one start or another: of ten
 // usual steps of a pour of 10^4 disks (8000 to 13 000 contacts) to 1e-3 six or seven within 850 from
 // any multiple of the caller's impulse below 1, three from itself. Where it stands just above the
-// tolerance, as it did on three of seven that had resisted it for 1e5 iterations, it arrives from a
-// little off where it stands.
+// tolerance from any, as on three of seven steps that had taken 3e4 to 1.7e5 iterations, it arrives from
+// a little off where it stands.
 constexpr int kSoonSplitting = 600, kEnoughSplitting = 1500;
 // A step of a run, which starts from the one before, is taken for a moving one up to that size.
 constexpr int kLargeStep = 8000;
@@ -213,7 +213,7 @@ class Planner {
   void other_start(const OtherStart& other) {
     if (!exact_ || (local_ && !other.local) || (!disks_ && other.disks)) return;
     add_start(other.solver, other.least, other.most, Start::kCaller, other.multiple,
-              "again, from another start, the caller's");
+              "again, from the caller's start");
     path_from_last(1, "and a path from there");
     kicked_path();
   }
@@ -271,7 +271,7 @@ class Planner {
         // More sweeps arrive where two stand still, and on few contacts cost more than they are worth.
         const bool few = contacts_ <= kSmall;
         const char* const sweeps = few ? "2" : "4";
-        add("assor", few ? 50 : 30, 200, Start::kOwn,
+        add("assor", few ? 50 : 30, few ? 200 : 175, Start::kOwn,
             "the quickest on what is easy, and roughly on most; soon seen not to be elsewhere",
             {{"sweeps", sweeps}, {"most_sweeps", sweeps}});
         if (warm_ && contacts_ > kCheapSweeps) stages_.back().least_tol = kFair;
