@@ -81,6 +81,15 @@ TEST(AutoSolver, PathsThatDoNotArriveAreFollowedByOthersFromElsewhere) {
     EXPECT_EQ(first[3].solver, "homotopy");
     EXPECT_EQ(first[3].start, AutoStage::Start::kLast);
     EXPECT_EQ(first[3].of_start, 1);
+    if (side == 28) continue;
+    // Splitting with more patience, from the caller's impulse, and paths from where that ended.
+    const auto patient = std::find_if(first, stages.end(), [&](const AutoStage& stage) {
+      return stage.solver == "admm" && stage.start == AutoStage::Start::kCaller &&
+             stage.of_start == 1 && stage.max_iterations > first[-1].max_iterations;
+    });
+    ASSERT_GE(stages.end() - patient, 2);
+    EXPECT_EQ(patient[1].solver, "homotopy");
+    EXPECT_EQ(patient[1].start, AutoStage::Start::kLast);
   }
 }
 
