@@ -340,8 +340,11 @@ class Planner {
       // (Above kMany `admm` makes a better one.)
       const int enough = std::min(crossing_, kStartSteps);
       const int soon = contacts_ > kMany ? enough / 4 : enough;
-      add("apgd", soon, contacts_ > kLarge ? 2 * crossing_ : enough + enough / 2, Start::kOwn,
-          "momentum: O(sqrt N) iterations, and a start");
+      add("apgd", soon,
+          contacts_ > kLarge          ? 2 * crossing_
+          : contacts_ <= kCheapSweeps ? enough
+                                      : enough + enough / 2,
+          Start::kOwn, "momentum: O(sqrt N) iterations, and a start");
     } else {
       // Longer still from a warm start; given that time, it halves the cost of a compaction at
       // rest.
