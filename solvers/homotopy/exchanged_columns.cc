@@ -12,7 +12,7 @@ namespace {
 // Columns that differ at most: beyond it products with them cost more than a factorisation saves.
 constexpr int kMostExchanged = 64;
 // Columns kept at most: memory, rows x 8 bytes each.
-constexpr int kMostKept = 256;
+constexpr int kMostKept = 128;
 constexpr std::size_t kStride = kMostExchanged;
 // Of a row that is added to a factor without exchanges: beyond it the factor is made anew.
 constexpr double kLargestAdded = 100;
@@ -24,7 +24,7 @@ void ExchangedColumns::clear(int rows, int keys) {
     rows_ = rows;
     number_.assign(to_size(keys), -1);
     position_.assign(to_size(rows), -1);
-    kept_.resize(rows, 0);
+    kept_.clear();
     small_.resize(kStride * kStride);
     lu_.resize(kStride * kStride);
     w_.resize(kStride);
@@ -45,10 +45,8 @@ bool ExchangedColumns::full() const {
 
 int ExchangedColumns::keep(int key, const Vector& z) {
   const auto number = static_cast<int>(keys_.size());
-  if (kept_.cols() <= number) {
-    kept_.conservativeResize(Eigen::NoChange, std::max<Eigen::Index>(16, 2 * kept_.cols()));
-  }
-  kept_.col(number) = z;
+  if (kept_.size() <= keys_.size()) kept_.emplace_back();
+  kept_[keys_.size()] = z;
   keys_.push_back(key);
   size_.push_back(z.lpNorm<Eigen::Infinity>());
   number_[to_size(key)] = number;

@@ -41,15 +41,15 @@ class ExchangedColumns {
   void apply(Vector& z) const;
 
  private:
-  const double* column(int number) const { return kept_.col(number).data(); }
+  const double* column(int number) const { return kept_[to_size(number)].data(); }
   bool factor();
   bool border();
   void solve_small(double* w) const;
 
   int rows_ = 0;
-  Eigen::MatrixXd kept_;     // rows x numbers
-  std::vector<int> number_;  // of each key
-  std::vector<int> keys_;    // of each number
+  std::vector<Vector> kept_;  // by number, and room for later ones
+  std::vector<int> number_;   // of each key
+  std::vector<int> keys_;     // of each number
   std::vector<double> size_;
   std::vector<int> slots_, at_;     // J and the number of the column in each of its slots
   std::vector<int> position_;       // of each slot in J, -1
