@@ -37,10 +37,10 @@ constexpr int kCheapFactors = 1000;
 // short: sixteen steps of a pour of 3000 disks (2800 to 4400 contacts) to 1e-4 took 10 s with 500 to
 // 700 iterations of it, 13.7 s with 1500, 16 s and more after apgd; below, it is no gain.
 constexpr int kMany = 2500;
-// Up to kSmall contacts an iteration of apgd takes a tenth of one of `assor`, and paths are short: where
-// that has not arrived within so many, first one, then the other, before all else. 0.75 to 0.9 of the time
-// of 48 shipped problems and steps of 300 poured disks, cold and warm, from 1e-3 on.
-constexpr int kSoonSweeps = 60, kPivotsOfFew = 500;
+// Below kRough, so many pivots from where the first sweeps ended, up to kCheapSweeps contacts; up to
+// kSmall after fewer of them, which cost 20 μs each there. 0.86 of the time of 40 problems and steps of
+// 400 to 1000 contacts from warm starts, 0.97 from cold ones; 0.8 of 48 of up to 400.
+constexpr int kSoonSweeps = 60, kPivotsSoon = 500;
 // Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
 constexpr double kUnequal = 1e5;
 // So near, at loose tolerances, Anderson is let go on for so many iterations: on the shipped and moving
@@ -94,6 +94,7 @@ constexpr OtherStart sweeps_from(double multiple) {
 }
 // A path from where one came nearest ends there again; from a little off it mostly goes elsewhere.
 constexpr double kKicks[] = {0.98, 0.95, 0.9, 1.02, 0.8, 1.05};
+constexpr int kKicksOfLarge = 3;
 // In the order in which they come, so many before the factorisations of interior points, which packings
 // at rest need. Up to kMany contacts momentum makes as good a start as splitting, at less cost.
 constexpr std::size_t kSoon = 1;
@@ -193,6 +194,7 @@ class Planner {
     }
   }
   int pivots_of_start() const {
+    if (!paths_first()) return std::max(kManyPivots, kPivotsOfLargeStart * contacts_);
     return std::max(kPivots,
                     (splitting_first() ? kPivotsOfLargeStart : kPivotsOfStart) * contacts_);
   }
@@ -267,7 +269,8 @@ class Planner {
   bool sweeps_are_cheap() const { return !local_ && contacts_ <= kSmall; }
   bool sweeps_first() const { return sweeps_are_cheap() && (!sweeps_pay_ || warm_); }
 
-  /// Disks with friction, small packings: what is tried before the problem is cut into islands.
+  /// Disks with friction: sweeps on the whole, before it is cut into islands, and from where they end
+  /// a path in small ones.
   void disks_first() {
     const bool few = contacts_ <= kSmall;
     const auto sweeps_to = [&](int least, int most) {
@@ -278,19 +281,17 @@ class Planner {
           {{"sweeps", m}, {"most_sweeps", m}});
       stages_.back().before_cutting = true;
     };
-    if (!few) {
+    if (few) {
+      sweeps_to(50, 200);
+      stages_.back().least_tol = kRough;
+      sweeps_to(50, kSoonSweeps);
+      stages_.back().tol_below = kRough;
+    } else {
       sweeps_to(30, 175);
       if (warm_ && contacts_ > kCheapSweeps) stages_.back().least_tol = kFair;
-      return;
     }
-    sweeps_to(50, 200);
-    stages_.back().least_tol = kRough;
-    sweeps_to(50, kSoonSweeps);
-    stages_.back().tol_below = kRough;
-    add("apgd", 200, 600, Start::kOwn, "few contacts: momentum costs next to nothing");
-    stages_.back().before_cutting = true;
-    stages_.back().tol_below = kRough;
-    first_paths(kPivotsOfFew);
+    if (contacts_ > kCheapSweeps) return;
+    first_paths(kPivotsSoon);
     stages_.back().tol_below = kRough;
   }
 
@@ -401,7 +402,11 @@ class Planner {
       add("ipm", 90, 150, Start::kOwn, "packings in space, about a hundred factorisations");
     }
     // There a path costs more than all factorisations that a packing at rest needs.
-    if (!paths_first()) first_paths(kManyPivots);
+    if (!paths_first()) {
+      first_paths(kManyPivots);
+      // One from where it came nearest ends there again.
+      for (int k = 0; exact_ && k < kKicksOfLarge; ++k) kicked_path();
+    }
     if (contacts_ <= kLarge) {
       add("newton", local_ ? 500 : 12, local_ ? 1000 : 40, Start::kOwn,
           "quadratic where W is regular");

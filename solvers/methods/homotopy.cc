@@ -43,7 +43,7 @@ struct Schedule {
   int least_pivots, contacts;  // a path may have so many, and one for so many contacts
 };
 constexpr Schedule kSchedules[] = {
-    {false, 3, 0.6, 200, 12}, {false, 4, 0.8, 200, 18}, {true, 0, 0, 200, 18}};
+    {false, 3, 0.6, 200, 24}, {false, 4, 0.8, 200, 18}, {true, 0, 0, 200, 18}};
 constexpr int kNumSchedules = std::size(kSchedules);
 // A stall below it, and within ten tolerances, no other chain would mend: it is rounding.
 constexpr double kRoundingError = 1e-10;

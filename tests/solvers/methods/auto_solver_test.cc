@@ -24,6 +24,12 @@ std::vector<AutoStage> plan(const ContactProblem& p, bool warm = false) {
   return plan_auto(p, DelassusOperator(p), warm);
 }
 
+/// Those that have their turn at that tolerance, after an error a little above it.
+std::vector<AutoStage> serving(std::vector<AutoStage> stages, double tol) {
+  std::erase_if(stages, [&](const AutoStage& stage) { return !stage.serves(tol, 2 * tol); });
+  return stages;
+}
+
 TEST(AutoSolver, ExplainsEveryStageInALine) {
   const ContactProblem p = shipped_file("2d_pyramid_10.hdf5");
   const std::string text = explain_auto(p, {});
@@ -145,6 +151,27 @@ TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair)
   }
 }
 
+/// To tight tolerances, cold: a path from the best impulse, then some from a little off where the last
+/// came nearest.
+TEST(AutoSolver, LargePackingsFollowKickedPathsWhereTheToleranceIsTight) {
+  const std::vector<AutoStage> stages =
+      serving(plan(lattice_step(Lattice::kTriangular, 40, 0.3, 10)), 1e-6);
+  const auto first = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
+    return stage.solver == "homotopy";
+  });
+  ASSERT_GE(stages.end() - first, 4);
+  EXPECT_EQ(first->start, AutoStage::Start::kBest);
+  std::set<double> kicks;
+  for (int k = 1; k <= 3; ++k) {
+    EXPECT_EQ(first[k].solver, "homotopy");
+    EXPECT_EQ(first[k].start, AutoStage::Start::kLast);
+    EXPECT_NEAR(first[k].of_start, 1, 0.2);
+    kicks.insert(first[k].of_start);
+  }
+  EXPECT_EQ(kicks.size(), 3U);
+  EXPECT_EQ(kicks.count(1), 0U);
+}
+
 /// Where these do not arrive, starts around the best impulse have their turn, then the central path
 /// through its folds, and long chains last.
 TEST(AutoSolver, MovingPackingsThatResistHaveOtherStartsAndPatience) {
@@ -253,17 +280,10 @@ TEST(AutoSolver, SmallLatticesAndPyramidsBeginWithAndersonOthersWithSweepsForthA
     ASSERT_GT(shipped_file(name).num_contacts(), 100) << name;
     EXPECT_EQ(plan(shipped_file(name)).front().solver, "assor") << name;
     // From a warm start too, at any tolerance.
-    const std::vector<AutoStage> warm = plan(shipped_file(name), true);
-    ASSERT_EQ(warm[0].solver, "assor") << name;
-    ASSERT_EQ(warm[1].solver, "anderson") << name;
-    EXPECT_EQ(warm[0].least_tol, 0) << name;
-    EXPECT_GT(warm[1].tol_below, 0) << name;
+    for (const double tol : {1e-1, 1e-8}) {
+      EXPECT_EQ(serving(plan(shipped_file(name), true), tol)[0].solver, "assor") << name;
+    }
   }
-  // Up to 400 contacts sweeps come next, accelerated where they have not been so already.
-  const ContactProblem few = shipped_file("2d_tilt12_320.hdf5");
-  ASSERT_LE(few.num_contacts(), 400);
-  EXPECT_EQ(plan(few)[1].solver, "anderson");
-  EXPECT_EQ(plan(few, true)[2].solver, "pgs");
   LatticeOptions options;
   options.tilt = 0.2;
   EXPECT_EQ(plan(triangular_lattice(12, options)).front().solver, "anderson");
@@ -277,6 +297,43 @@ TEST(AutoSolver, SmallLatticesAndPyramidsBeginWithAndersonOthersWithSweepsForthA
   EXPECT_EQ(warm[0].least_tol, warm[1].tol_below);
   options.dim = 1;  // without friction
   EXPECT_EQ(plan(triangular_lattice(30, options)).front().solver, "anderson");
+}
+
+/// Up to 1000 contacts of disks a path begins where the first sweeps end, fewer of them up to 400; at
+/// loose tolerances sweeps do without it.
+TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
+  for (const char* name : {"2d_tilt12_320.hdf5", "2d_pile_300_mu03.hdf5"}) {
+    const ContactProblem p = shipped_file(name);
+    const bool few = p.num_contacts() <= 400;
+    ASSERT_EQ(few, std::string_view(name) == "2d_tilt12_320.hdf5");
+    for (const bool warm : {false, true}) {
+      const std::vector<AutoStage> loose = serving(plan(p, warm), 1e-1);
+      EXPECT_EQ(loose[0].solver, "assor");
+      EXPECT_NE(loose[1].solver, "homotopy");
+      const std::vector<AutoStage> fair = serving(plan(p, warm), 1e-4);
+      EXPECT_EQ(fair[0].solver, "assor");
+      EXPECT_EQ(fair[0].max_iterations < loose[0].max_iterations, few);
+      EXPECT_EQ(fair[1].solver, "homotopy");
+      EXPECT_EQ(fair[1].start, AutoStage::Start::kBest);
+    }
+    const SolveResult result = solve("auto", p, {.tol = 1e-8});
+    EXPECT_EQ(result.status, SolveStatus::kConverged);
+    EXPECT_NE(result.message.find("homotopy"), std::string::npos) << result.message;
+  }
+  const std::vector<AutoStage> warm = serving(plan(shipped_file("2d_tilt12_320.hdf5"), true), 1e-4);
+  EXPECT_EQ(warm[2].solver, "anderson");
+  EXPECT_EQ(warm[3].solver, "pgs");
+}
+
+/// Spheres: few sweeps before momentum.
+TEST(AutoSolver, FewContactsInSpaceGoSoonToMomentum) {
+  int before = 0;
+  for (const AutoStage& stage : serving(plan(shipped_file("3d_sphere_pyramid_4.hdf5")), 1e-3)) {
+    if (stage.solver == "apgd") break;
+    before += stage.max_iterations;
+  }
+  EXPECT_GT(before, 0);
+  EXPECT_LE(before, 150);
 }
 
 TEST(AutoSolver, PathsSeeTheCallersCancel) {
