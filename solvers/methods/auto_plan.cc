@@ -41,6 +41,7 @@ constexpr int kMany = 2500;
 // kSmall after fewer of them, which cost 20 μs each there. 0.86 of the time of 40 problems and steps of
 // 400 to 1000 contacts from warm starts, 0.97 from cold ones; 0.8 of 48 of up to 400.
 constexpr int kSoonSweeps = 60, kPivotsSoon = 500;
+constexpr double kNearStart = 0.1;
 // Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
 constexpr double kUnequal = 1e5;
 // So near, at loose tolerances, Anderson is let go on for so many iterations: on the shipped and moving
@@ -94,7 +95,7 @@ constexpr OtherStart sweeps_from(double multiple) {
 }
 // A path from where one came nearest ends there again; from a little off it mostly goes elsewhere.
 constexpr double kKicks[] = {0.98, 0.95, 0.9, 1.02, 0.8, 1.05};
-constexpr int kKicksOfLarge = 3;
+constexpr int kKicksOfStart = 3, kKicksOfLarge = 3;
 // In the order in which they come, so many before the factorisations of interior points, which packings
 // at rest need. Up to kMany contacts momentum makes as good a start as splitting, at less cost.
 constexpr std::size_t kSoon = 1;
@@ -215,13 +216,13 @@ class Planner {
     if (!exact_) return;
     path_from_last(kKicks[kick_++ % std::size(kKicks)], "again, a little off the last impulse");
   }
-  /// First order, sweeps or splitting from a multiple of the caller's start, and two short paths.
+  /// First order, sweeps or splitting from a multiple of the caller's start, and short paths.
   void other_start(const OtherStart& other) {
     if (!exact_ || (local_ && !other.local) || (!disks_ && other.disks)) return;
     add_start(other.solver, other.least, other.most, Start::kCaller, other.multiple,
               "again, from the caller's start");
     path_from_last(1, "and a path from there");
-    kicked_path();
+    for (int k = 0; k < (splitting_first() ? 1 : kKicksOfStart); ++k) kicked_path();
   }
   /// Some of them: those that come soon, or the others.
   void other_starts(bool soon) {
@@ -292,6 +293,7 @@ class Planner {
     }
     if (contacts_ > kCheapSweeps) return;
     first_paths(kPivotsSoon);
+    stages_.back().largest_error = kNearStart;
     stages_.back().tol_below = kRough;
   }
 
@@ -341,11 +343,10 @@ class Planner {
       // (Above kMany `admm` makes a better one.)
       const int enough = std::min(crossing_, kStartSteps);
       const int soon = contacts_ > kMany ? enough / 4 : enough;
-      add("apgd", soon,
-          contacts_ > kLarge          ? 2 * crossing_
-          : contacts_ <= kCheapSweeps ? enough
-                                      : enough + enough / 2,
-          Start::kOwn, "momentum: O(sqrt N) iterations, and a start");
+      const bool path_is_short = contacts_ <= (warm_ ? kCheapSweeps : kMany);
+      const int most = path_is_short ? enough : enough + enough / 2;
+      add("apgd", soon, contacts_ > kLarge ? 2 * crossing_ : most, Start::kOwn,
+          "momentum: O(sqrt N) iterations, and a start");
     } else {
       // Longer still from a warm start; given that time, it halves the cost of a compaction at
       // rest.
