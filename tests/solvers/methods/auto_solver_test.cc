@@ -299,8 +299,8 @@ TEST(AutoSolver, SmallLatticesAndPyramidsBeginWithAndersonOthersWithSweepsForthA
   EXPECT_EQ(plan(triangular_lattice(30, options)).front().solver, "anderson");
 }
 
-/// Up to 1000 contacts of disks a path begins where the first sweeps end, fewer of them up to 400; at
-/// loose tolerances sweeps do without it.
+/// Up to 1000 contacts of disks a path begins where the first sweeps end, if that is near, fewer of them
+/// up to 400; at loose tolerances sweeps do without it.
 TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
   for (const char* name : {"2d_tilt12_320.hdf5", "2d_pile_300_mu03.hdf5"}) {
     const ContactProblem p = shipped_file(name);
@@ -315,11 +315,15 @@ TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
       EXPECT_EQ(fair[0].max_iterations < loose[0].max_iterations, few);
       EXPECT_EQ(fair[1].solver, "homotopy");
       EXPECT_EQ(fair[1].start, AutoStage::Start::kBest);
+      EXPECT_FALSE(fair[1].serves(1e-4, 0.5)) << "from far away paths are long";
     }
-    const SolveResult result = solve("auto", p, {.tol = 1e-8});
-    EXPECT_EQ(result.status, SolveStatus::kConverged);
-    EXPECT_NE(result.message.find("homotopy"), std::string::npos) << result.message;
   }
+  const SolveResult near = solve("auto", shipped_file("2d_tilt12_320.hdf5"), {.tol = 1e-8});
+  EXPECT_EQ(near.status, SolveStatus::kConverged);
+  EXPECT_NE(near.message.find("homotopy"), std::string::npos) << near.message;
+  const SolveResult far = solve("auto", shipped_file("2d_pile_300_mu03.hdf5"), {.tol = 1e-8});
+  EXPECT_EQ(far.status, SolveStatus::kConverged);
+  EXPECT_EQ(far.message.find("homotopy"), std::string::npos) << far.message;
   const std::vector<AutoStage> warm = serving(plan(shipped_file("2d_tilt12_320.hdf5"), true), 1e-4);
   EXPECT_EQ(warm[2].solver, "anderson");
   EXPECT_EQ(warm[3].solver, "pgs");
