@@ -37,9 +37,10 @@ constexpr int kCheapFactors = 1000;
 // short: sixteen steps of a pour of 3000 disks (2800 to 4400 contacts) to 1e-4 took 10 s with 500 to
 // 700 iterations of it, 13.7 s with 1500, 16 s and more after apgd; below, it is no gain.
 constexpr int kMany = 2500;
-// Below kRough, so many pivots from where the first sweeps ended, up to kCheapSweeps contacts; up to
-// kSmall after fewer of them, which cost 20 μs each there. 0.86 of the time of 40 problems and steps of
-// 400 to 1000 contacts from warm starts, 0.97 from cold ones; 0.8 of 48 of up to 400.
+// Below kRough, so many pivots from where the first sweeps ended if the error is kNearStart at most
+// (paths from far away are long), up to kCheapSweeps contacts; up to kSmall after fewer of them, which
+// cost 20 μs each there. 0.86 of the time of 40 problems and steps of 400 to 1000 contacts from warm
+// starts, 0.97 from cold ones; 0.8 of 48 of up to 400.
 constexpr int kSoonSweeps = 60, kPivotsSoon = 500;
 constexpr double kNearStart = 0.1;
 // Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
@@ -95,7 +96,7 @@ constexpr OtherStart sweeps_from(double multiple) {
 }
 // A path from where one came nearest ends there again; from a little off it mostly goes elsewhere.
 constexpr double kKicks[] = {0.98, 0.95, 0.9, 1.02, 0.8, 1.05};
-constexpr int kKicksOfStart = 3, kKicksOfLarge = 3;
+constexpr int kKicksInARow = 3;
 // In the order in which they come, so many before the factorisations of interior points, which packings
 // at rest need. Up to kMany contacts momentum makes as good a start as splitting, at less cost.
 constexpr std::size_t kSoon = 1;
@@ -222,7 +223,7 @@ class Planner {
     add_start(other.solver, other.least, other.most, Start::kCaller, other.multiple,
               "again, from the caller's start");
     path_from_last(1, "and a path from there");
-    for (int k = 0; k < (splitting_first() ? 1 : kKicksOfStart); ++k) kicked_path();
+    for (int k = 0; k < (splitting_first() ? 1 : kKicksInARow); ++k) kicked_path();
   }
   /// Some of them: those that come soon, or the others.
   void other_starts(bool soon) {
@@ -406,7 +407,7 @@ class Planner {
     if (!paths_first()) {
       first_paths(kManyPivots);
       // One from where it came nearest ends there again.
-      for (int k = 0; exact_ && k < kKicksOfLarge; ++k) kicked_path();
+      for (int k = 0; exact_ && k < kKicksInARow; ++k) kicked_path();
     }
     if (contacts_ <= kLarge) {
       add("newton", local_ ? 500 : 12, local_ ? 1000 : 40, Start::kOwn,

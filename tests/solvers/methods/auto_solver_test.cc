@@ -283,6 +283,9 @@ TEST(AutoSolver, SmallLatticesAndPyramidsBeginWithAndersonOthersWithSweepsForthA
     for (const double tol : {1e-1, 1e-8}) {
       EXPECT_EQ(serving(plan(shipped_file(name), true), tol)[0].solver, "assor") << name;
     }
+    // Anderson comes next to tight tolerances only, after a path.
+    EXPECT_EQ(serving(plan(shipped_file(name), true), 1e-4)[2].solver, "anderson") << name;
+    EXPECT_NE(serving(plan(shipped_file(name), true), 1e-2)[1].solver, "anderson") << name;
   }
   LatticeOptions options;
   options.tilt = 0.2;
@@ -310,6 +313,9 @@ TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
       const std::vector<AutoStage> loose = serving(plan(p, warm), 1e-1);
       EXPECT_EQ(loose[0].solver, "assor");
       EXPECT_NE(loose[1].solver, "homotopy");
+      if (few) {
+        EXPECT_EQ(loose[1].solver, warm ? "pgs" : "anderson");
+      }
       const std::vector<AutoStage> fair = serving(plan(p, warm), 1e-4);
       EXPECT_EQ(fair[0].solver, "assor");
       EXPECT_EQ(fair[0].max_iterations < loose[0].max_iterations, few);
