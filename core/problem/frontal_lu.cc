@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <type_traits>
 
+#include "core/large_pages.h"
+#include "core/problem/eight_right_sides.h"
 #include "core/problem/frontal_kernels.h"
 
 extern "C" {
@@ -25,6 +27,8 @@ namespace {
 constexpr double kDiagonalIsGood = 0.1;
 // Square of an entry over the diagonal ones of its row and column, up to which these set the scales.
 constexpr double kDiagonalScales = 1e6;
+// Numbers of a factor from which on fronts are fetched ahead: 8 MB, more than a core's own cache.
+constexpr std::size_t kFetchFrom = std::size_t{1} << 20;
 constexpr int kBlock = 16;  // columns that are eliminated by vectors before a matrix product
 
 /// C = beta C - A op(B), m x n, inner size k.
@@ -52,6 +56,13 @@ struct Front {
   Real* column(int j) const { return panel + static_cast<std::ptrdiff_t>(j) * rows; }
   Real* right_of(int j) const { return upper + static_cast<std::ptrdiff_t>(j) * height(); }
 };
+
+/// Asks for numbers that are needed soon: fronts are too short for the machine to foresee the next.
+template <class Real>
+void fetch(const Real* begin, const Real* end) {
+  constexpr std::ptrdiff_t kLine = 64 / sizeof(Real);
+  for (; begin < end; begin += kLine) __builtin_prefetch(begin, 0, 2);
+}
 
 /// Eliminates the columns begin .. end - 1 of a panel, of whose rows the first `columns` may be
 /// exchanged, as exchange[] tells; the inverse of a pivot takes its place. False: no pivot.
@@ -186,11 +197,14 @@ struct FrontalLU<Real>::Impl {
   std::shared_ptr<const FrontalTree> tree;
   std::vector<Real> factor, stack;
   std::vector<double> scale;  // by column of A
+  std::vector<int> place;     // of each column of A in the tree's order
   std::vector<int> exchange;
   int sign = 0;  // 0: no factor
   Real largest = 0;
   std::vector<double> scaled;  // entries of A
   std::vector<Real> x, below;
+  // Rows of kRightSides numbers; made where they are needed first.
+  std::vector<Real, LargePageAllocator<Real>> several, several_below;
 
   Front<Real> front(int s) {
     const FrontalTree& t = *tree;
@@ -203,6 +217,8 @@ struct FrontalLU<Real>::Impl {
   bool run();
   void substitute_forward();
   void substitute_backward();
+  void substitute_several_forward() requires std::is_same_v<Real, double>;
+  void substitute_several_backward() requires std::is_same_v<Real, double>;
 };
 
 /// The tree, and the scales: powers of two near 1 / sqrt of the diagonal, or of the largest entry in
@@ -222,6 +238,8 @@ bool FrontalLU<Real>::Impl::prepare(const SparseMatrix& A) {
     exchange.resize(to_size(tree->size()));
     x.resize(to_size(tree->size()));
     below.resize(to_size(tree->size()));
+    place.resize(to_size(tree->size()));
+    for (int k = 0; k < tree->size(); ++k) place[to_size(tree->order[to_size(k)])] = k;
   }
   if (!scales_of_diagonal(A, scale)) scales_of_largest(A, scale);
   for (double& s : scale) {
@@ -315,11 +333,16 @@ bool FrontalLU<Real>::factor(const SparseMatrix& A) {
 template <class Real>
 void FrontalLU<Real>::Impl::substitute_forward() {
   const FrontalTree& t = *tree;
+  const bool fetches = t.factor_size >= kFetchFrom;
   for (int s = 0; s < t.num_fronts(); ++s) {
     const Front<Real> f = front(s);
     Real* own = x.data() + t.first[to_size(s)];
     // A right side of few numbers stays away from most fronts.
     if (std::all_of(own, own + f.columns, [](Real value) { return value == 0; })) continue;
+    if (s + 1 < t.num_fronts() && fetches) {
+      const Front<Real> next = front(s + 1);
+      fetch(next.panel, next.upper);
+    }
     const int* swaps = exchange.data() + t.first[to_size(s)];
     for (int j = 0; j < f.columns; ++j) std::swap(own[j], own[swaps[j]]);
     const int h = f.height();
@@ -335,14 +358,105 @@ void FrontalLU<Real>::Impl::substitute_forward() {
 template <class Real>
 void FrontalLU<Real>::Impl::substitute_backward() {
   const FrontalTree& t = *tree;
+  const bool fetches = t.factor_size >= kFetchFrom;
   for (int s = t.num_fronts() - 1; s >= 0; --s) {
     const Front<Real> f = front(s);
+    if (s > 0 && fetches) {
+      const Front<Real> next = front(s - 1);
+      for (int j = 0; j < next.columns; ++j) fetch(next.column(j), next.column(j) + j + 1);
+      fetch(next.upper, next.upper + next.columns * next.height());
+    }
     Real* own = x.data() + t.first[to_size(s)];
     const int h = f.height();
     const int* rows = t.below.data() + t.below_start[to_size(s)];
     for (int i = 0; i < h; ++i) below[to_size(i)] = x[to_size(rows[i])];
     if (h > 0) subtract_products(h, f.columns, f.upper, h, below.data(), own);
     solve_upper(f.columns, f.panel, f.rows, own);
+  }
+}
+
+template <class Real>
+void FrontalLU<Real>::Impl::substitute_several_forward() requires std::is_same_v<Real, double> {
+  const FrontalTree& t = *tree;
+  const bool fetches = t.factor_size >= kFetchFrom;
+  for (int s = 0; s < t.num_fronts(); ++s) {
+    const Front<Real> f = front(s);
+    Real* own = several.data() + t.first[to_size(s)] * kRightSides;
+    const int numbers = f.columns * kRightSides;
+    if (std::all_of(own, own + numbers, [](Real value) { return value == 0; })) continue;
+    if (s + 1 < t.num_fronts() && fetches) {
+      const Front<Real> next = front(s + 1);
+      fetch(next.panel, next.upper);
+    }
+    const int* swaps = exchange.data() + t.first[to_size(s)];
+    for (int j = 0; j < f.columns; ++j) {
+      if (swaps[j] == j) continue;
+      Real *one = own + j * kRightSides, *other = own + swaps[j] * kRightSides;
+      std::swap_ranges(one, one + kRightSides, other);
+    }
+    const int h = f.height();
+    solve_unit_lower_of_eight(f.columns, f.panel, f.rows, own);
+    if (h == 0) continue;
+    std::fill_n(several_below.begin(), h * kRightSides, Real(0));
+    subtract_columns_of_eight(h, f.columns, f.panel + f.columns, f.rows, own, several_below.data());
+    const int* rows = t.below.data() + t.below_start[to_size(s)];
+    for (int i = 0; i < h; ++i) {
+      Real* row = several.data() + rows[i] * kRightSides;
+      for (int c = 0; c < kRightSides; ++c) row[c] += several_below[to_size(i * kRightSides + c)];
+    }
+  }
+}
+
+template <class Real>
+void FrontalLU<Real>::Impl::substitute_several_backward() requires std::is_same_v<Real, double> {
+  const FrontalTree& t = *tree;
+  const bool fetches = t.factor_size >= kFetchFrom;
+  for (int s = t.num_fronts() - 1; s >= 0; --s) {
+    const Front<Real> f = front(s);
+    if (s > 0 && fetches) {
+      const Front<Real> next = front(s - 1);
+      for (int j = 0; j < next.columns; ++j) fetch(next.column(j), next.column(j) + j + 1);
+      fetch(next.upper, next.upper + next.columns * next.height());
+    }
+    Real* own = several.data() + t.first[to_size(s)] * kRightSides;
+    const int h = f.height();
+    const int* rows = t.below.data() + t.below_start[to_size(s)];
+    for (int i = 0; i < h; ++i) {
+      std::copy_n(several.data() + rows[i] * kRightSides, kRightSides,
+                  several_below.data() + i * kRightSides);
+    }
+    if (h > 0) {
+      subtract_products_of_eight(h, f.columns, f.upper, h, several_below.data(), own);
+    }
+    solve_upper_of_eight(f.columns, f.panel, f.rows, own);
+  }
+}
+
+template <class Real>
+void FrontalLU<Real>::solve(const SparseColumns& B,
+                            Vector* solution) const requires std::is_same_v<Real, double> {
+  Impl& f = *impl_;
+  const std::size_t count = B.start.size() - 1;
+  if (f.sign == 0) throw std::logic_error("FrontalLU::solve without a factor");
+  if (count > kRightSides) throw std::logic_error("FrontalLU::solve for too many right sides");
+  const FrontalTree& t = *f.tree;
+  f.several.assign(to_size(t.size()) * kRightSides, 0.0);
+  f.several_below.resize(f.several.size());
+  for (std::size_t c = 0; c < count; ++c) {
+    for (std::size_t k = to_size(B.start[c]); k < to_size(B.start[c + 1]); ++k) {
+      const std::size_t j = to_size(B.row[k]);
+      f.several[to_size(f.place[j]) * kRightSides + c] = B.value[k] * f.scale[j];
+    }
+    solution[c].resize(t.size());
+  }
+  f.substitute_several_forward();
+  f.substitute_several_backward();
+  // Row by row of the solutions: a line of several is read once and whole.
+  double* x[kRightSides];
+  for (std::size_t c = 0; c < count; ++c) x[c] = solution[c].data();
+  for (std::size_t j = 0; j < to_size(t.size()); ++j) {
+    const double* row = f.several.data() + to_size(f.place[j]) * kRightSides;
+    for (std::size_t c = 0; c < count; ++c) x[c][j] = row[c] * f.scale[j];
   }
 }
 
@@ -366,9 +480,9 @@ void FrontalLU<Real>::solve(const Vector& b, Vector& solution) const {
   f.substitute_forward();
   f.substitute_backward();
   solution.resize(t.size());
-  for (int k = 0; k < t.size(); ++k) {
-    const std::size_t j = to_size(t.order[to_size(k)]);
-    solution[t.order[to_size(k)]] = static_cast<double>(f.x[to_size(k)]) * f.scale[j] * unit;
+  for (int j = 0; j < t.size(); ++j) {
+    const std::size_t k = to_size(f.place[to_size(j)]);
+    solution[j] = static_cast<double>(f.x[k]) * f.scale[to_size(j)] * unit;
   }
 }
 

@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <memory>
+#include <type_traits>
 
 #include "core/problem/frontal_tree.h"
+#include "core/problem/sparse_factor.h"
 #include "core/types.h"
 
 namespace bipot {
@@ -30,6 +32,8 @@ class FrontalLU {
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// x = A⁻¹ b without refinement. Requires a successful factor().
   void solve(const Vector& b, Vector& x) const;
+  /// x[k] = A⁻¹ b_k of the columns of B, kRightSides at most: as much as two single ones.
+  void solve(const SparseColumns& B, Vector* x) const requires std::is_same_v<Real, double>;
   /// -1 or +1: sign of det A. Requires a successful factor().
   int determinant_sign() const;
   /// max |l_ij| of the rows that a pivot could not be exchanged with.

@@ -13,6 +13,8 @@ constexpr int kColumns = 4;
 // Fronts exchange rows among themselves only. With larger multipliers their factor is left: ten
 // thousand cells of poured packings stay below 1e6.
 constexpr double kLargestMultiplier = 1e8;
+// Candidates below that number are solved for one by one.
+constexpr std::size_t kFewCandidates = 3;
 
 }  // namespace
 
@@ -104,6 +106,30 @@ void CellBasis::solve(const Vector& g, Vector& x) {
   exchanged_.apply(x);
 }
 
+int CellBasis::key(int contact, Column column) {
+  return kColumns * contact + static_cast<int>(column);
+}
+
+bool CellBasis::is_unknown(const Candidate& c) const {
+  const int other = problem_.dim == 1 ? c.slot : c.slot ^ 1;
+  return factored_[to_size(c.slot)] != c.column && factored_[to_size(other)] != c.column &&
+         exchanged_.find(key(c.contact, c.column)) < 0;
+}
+
+void CellBasis::prepare(const std::vector<Candidate>& candidates) {
+  // Fewer solves one after the other pass over fronts that they do not reach.
+  if (!by_fronts_ || candidates.size() < kFewCandidates) return;
+  several_.clear();
+  for (const Candidate& c : candidates) {
+    for_column(c.contact, c.column, [&](int row, double value) { several_.add(row, value); });
+    several_.end_column();
+  }
+  fronts_.solve(several_, solutions_.data());
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    exchanged_.keep(key(candidates[k].contact, candidates[k].column), solutions_[k]);
+  }
+}
+
 CellBasis::Entering CellBasis::entering(int contact, Column column, int slot) {
   Entering result{slot, -1, 0, 1};
   const int d = problem_.dim;
@@ -111,8 +137,8 @@ CellBasis::Entering CellBasis::entering(int contact, Column column, int slot) {
     result.pivot = exchanged_.own_entry(slot);
     return result;
   }
-  const int key = kColumns * contact + static_cast<int>(column);
-  result.number = exchanged_.find(key);
+  const int name = key(contact, column);
+  result.number = exchanged_.find(name);
   if (result.number < 0) {
     const int other = d == 1 ? slot : slot ^ 1;
     if (factored_[to_size(other)] == column) {
@@ -123,7 +149,7 @@ CellBasis::Entering CellBasis::entering(int contact, Column column, int slot) {
       solve_factored(rhs_, y_);
       for_column(contact, column, [&](int row, double) { rhs_[row] = 0; });
     }
-    result.number = exchanged_.keep(key, y_);
+    result.number = exchanged_.keep(name, y_);
   }
   result.pivot = exchanged_.entry(result.number, slot);
   result.size = exchanged_.size(result.number);

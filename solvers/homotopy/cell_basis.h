@@ -1,8 +1,10 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
+#include "core/problem/eight_right_sides.h"
 #include "core/problem/frontal_lu.h"
 #include "core/problem/sparse_factor.h"
 #include "solvers/homotopy/exchanged_columns.h"
@@ -40,6 +42,16 @@ class CellBasis {
     double size = 0;  ///< largest entry of that column in terms of the factor's
   };
   Entering entering(int contact, Column column, int slot);
+  /// A column of a contact in the place of the one in `slot`.
+  struct Candidate {
+    int contact;
+    Column column;
+    int slot;
+  };
+  /// Whether entering() of it costs a solve with the factor.
+  bool is_unknown(const Candidate& candidate) const;
+  /// Makes entering() of the candidates, unknown and kRightSides at most, ready by one solve.
+  void prepare(const std::vector<Candidate>& candidates);
   /// Requires a pivot that is not 0. False: singular to working precision.
   [[nodiscard]] bool exchange(const Entering& entering) {
     return exchanged_.exchange(entering.slot, entering.number);
@@ -62,6 +74,7 @@ class CellBasis {
   void solve_factored(const Vector& g, Vector& x) const;
   template <class Add>
   void for_column(int contact, Column column, Add&& add) const;
+  static int key(int contact, Column column);
   void residual(const LawPoint& point, const Vector& g, long double weight, const Vector& h,
                 const Vector& x, Vector& out);
 
@@ -75,6 +88,8 @@ class CellBasis {
   std::vector<Column> factored_;             // the columns of the factor
   ExchangedColumns exchanged_;
   Vector rhs_, change_, error_, y_;  // scratch
+  SparseColumns several_;
+  std::array<Vector, kRightSides> solutions_;
   std::vector<long double> sum_, impulse_;
 };
 

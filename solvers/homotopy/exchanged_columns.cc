@@ -43,12 +43,12 @@ bool ExchangedColumns::full() const {
   return exchanged() >= kMostExchanged || static_cast<int>(keys_.size()) >= kMostKept;
 }
 
-int ExchangedColumns::keep(int key, const Vector& z) {
+int ExchangedColumns::keep(int key, Vector& z) {
   const auto number = static_cast<int>(keys_.size());
-  if (kept_.size() <= keys_.size()) kept_.emplace_back();
-  kept_[keys_.size()] = z;
-  keys_.push_back(key);
   size_.push_back(z.lpNorm<Eigen::Infinity>());
+  if (kept_.size() <= keys_.size()) kept_.emplace_back();
+  kept_[keys_.size()].swap(z);
+  keys_.push_back(key);
   number_[to_size(key)] = number;
   return number;
 }

@@ -26,8 +26,9 @@ class ExchangedColumns {
 
   /// Number of the column `key` among those kept, -1 where it is not.
   int find(int key) const { return number_[to_size(key)]; }
-  /// Keeps z = B0⁻¹ of the column `key` and returns its number.
-  int keep(int key, const Vector& z);
+  /// Keeps z = B0⁻¹ of the column `key`, which is not kept, and returns its number; z gets memory of
+  /// a former one.
+  int keep(int key, Vector& z);
   /// max |z| of a column kept.
   double size(int number) const { return size_[to_size(number)]; }
 

@@ -55,8 +55,9 @@ class PathFollower {
   PathEnd approach(LawPoint& point);
   PathEnd pursue(LawPoint& point, int longest);
   int refinements() const;
-  bool refresh(LawPoint& point);
+  bool refresh(LawPoint& point, bool move = true);
   Blocking blocking(const LawPoint& point, int last) const;
+  void look_ahead(const LawPoint& point, const CellBasis::Candidate& now);
   bool pivot(LawPoint& point, int slot);
   void note_turn(const LawPoint& point);
 
@@ -74,6 +75,8 @@ class PathFollower {
   int direction_ = 1;  // of t
   double turning_t_ = 0;
   LawPoint turning_point_;
+  std::vector<Blocking> nearest_;  // scratch of look_ahead()
+  std::vector<CellBasis::Candidate> candidates_;
   PathCounts counts_;
 };
 

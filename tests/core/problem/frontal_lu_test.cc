@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
 #include <stdexcept>
 
+#include "core/problem/eight_right_sides.h"
 #include "core/problem/frontal_kernels.h"
 #include "tests/support/draw.h"
 #include "tests/support/grid_matrix.h"
@@ -46,6 +48,87 @@ TEST(FrontalLU, SolvesForRightSidesOfOneNumber) {
     const Vector e = Vector::Unit(n, k);
     lu.solve(e, found);
     EXPECT_LT((A * found - e).norm(), 1e-12 * (1 + lu.largest_multiplier()) * found.norm()) << k;
+  }
+}
+
+/// Right sides of few numbers and of many, as many at once as there are or fewer: each as it is alone,
+/// to rounding, and to the bit whatever stands beside it. A front of the root with exchanges.
+TEST(FrontalLU, SolvesForSeveralRightSidesAtOnce) {
+  for (const int side : {1, 3, 20}) {
+    SparseMatrix A = grid_matrix(side, 2, 7, 3);
+    for (int j = 0; j < A.cols(); j += 3) A.coeffRef(j, j) -= 6;
+    A.coeffRef(0, 0) = A.coeffRef(1, 1) = 0;  // rows are exchanged
+    FrontalLU<double> lu;
+    ASSERT_TRUE(lu.factor(A)) << side;
+    const int n = static_cast<int>(A.cols());
+    Vector alone;
+    std::array<Vector, kRightSides> first, found;
+    for (int count = 1; count <= kRightSides; ++count) {
+      SparseColumns B;
+      Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, count);
+      for (int c = 0; c < count; ++c) {
+        for (int i = c % n; i < n; i += c % 2 == 0 ? n : 1) {
+          right(i, c) = 1 + i + 3 * c;
+          B.add(i, right(i, c));
+        }
+        B.end_column();
+      }
+      lu.solve(B, found.data());
+      for (int c = 0; c < count; ++c) {
+        const Vector& x = found[to_size(c)];
+        lu.solve(right.col(c), alone);
+        EXPECT_LT((x - alone).norm(), 1e-11 * (1 + lu.largest_multiplier()) * alone.norm())
+            << side << " " << count << " " << c;
+        EXPECT_LT((A * x - right.col(c)).norm(),
+                  1e-12 * (1 + lu.largest_multiplier()) * right.col(c).norm() * n);
+        if (c == count - 1) first[to_size(c)] = x;
+        EXPECT_EQ(x, first[to_size(c)]) << side << " " << count << " " << c;
+      }
+    }
+    SparseColumns many;
+    for (int c = 0; c <= kRightSides; ++c) many.end_column();
+    EXPECT_THROW(lu.solve(many, found.data()), std::logic_error);
+  }
+  const FrontalLU<double> none;
+  Vector x;
+  EXPECT_THROW(none.solve(SparseColumns{}, &x), std::logic_error);
+}
+
+/// Every length and count up to some beyond the blocks, against plain loops.
+TEST(EightRightSides, DoWhatPlainLoopsDo) {
+  constexpr int kMost = 19, kStride = 23, kAll = kMost * kRightSides;
+  const Vector x = random_vector(kMost * kStride, 3), y = random_vector(kAll, 4);
+  const auto at = [](int row, int c) { return row * kRightSides + c; };
+  for (int n = 0; n <= kMost; ++n) {
+    for (int count = 0; count <= kMost; ++count) {
+      Vector out = random_vector(kAll, 5), plain = out;
+      subtract_products_of_eight(n, count, x.data(), kStride, y.data(), out.data());
+      Vector columns = plain, plain_columns = plain;
+      subtract_columns_of_eight(n, count, x.data(), kStride, y.data(), columns.data());
+      for (int c = 0; c < kRightSides; ++c) {
+        for (int j = 0; j < count; ++j) {
+          for (int i = 0; i < n; ++i) {
+            plain[at(j, c)] -= x[j * kStride + i] * y[at(i, c)];
+            plain_columns[at(i, c)] -= x[j * kStride + i] * y[at(j, c)];
+          }
+        }
+      }
+      EXPECT_LT((out - plain).norm(), 1e-13) << n << " " << count;
+      EXPECT_LT((columns - plain_columns).norm(), 1e-13) << n << " " << count;
+    }
+    Vector lower = y, upper = y;
+    solve_unit_lower_of_eight(n, x.data(), kStride, lower.data());
+    solve_upper_of_eight(n, x.data(), kStride, upper.data());
+    for (int c = 0; c < kRightSides; ++c) {
+      Vector one(kMost), other(kMost);
+      for (int i = 0; i < kMost; ++i) one[i] = other[i] = y[at(i, c)];
+      solve_unit_lower(n, x.data(), kStride, one.data());
+      solve_upper(n, x.data(), kStride, other.data());
+      for (int i = 0; i < kMost; ++i) {
+        EXPECT_NEAR(lower[at(i, c)], one[i], 1e-12 * (1 + one.norm())) << n << " " << i;
+        EXPECT_NEAR(upper[at(i, c)], other[i], 1e-12 * (1 + other.norm())) << n << " " << i;
+      }
+    }
   }
 }
 

@@ -86,6 +86,39 @@ TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
   EXPECT_FALSE(updated.full());  // eight contacts have sixteen columns that the factor has not
 }
 
+/// Columns that are prepared together enter as those that are solved for one by one.
+TEST(CellBasis, PreparedColumnsEnterAsOthersDo) {
+  const Manufactured m = manufactured_problem(2, 30, 40, 11);
+  const ContactProblem local = local_form(m.problem);
+  const LawProblem problem(local, Vector(local.W.diagonal()));
+  const Vector s = m.s.cwiseQuotient(problem.impulse_unit);
+  const LawPoint point = nearest_point(problem, s, problem.W * s + problem.b);
+  const Vector proximal = Vector::Constant(problem.num_rows(), 1e-2);
+  CellBasis together(problem), alone(problem);
+  ASSERT_TRUE(together.factor(point, proximal));
+  ASSERT_TRUE(alone.factor(point, proximal));
+  std::vector<CellBasis::Candidate> candidates;
+  for (int contact = 0; contact < problem.num_contacts(); ++contact) {
+    const int slot = 2 * contact + contact % 2;
+    const Crossing crossing =
+        cross(point.cell[to_size(contact)], point.column[to_size(slot)], 1, true);
+    const CellBasis::Candidate c{contact, crossing.enters, slot};
+    if (together.is_unknown(c)) candidates.push_back(c);
+    if (candidates.size() == kRightSides) break;
+  }
+  ASSERT_EQ(candidates.size(), to_size(kRightSides));
+  together.prepare(candidates);
+  for (const CellBasis::Candidate& c : candidates) {
+    EXPECT_FALSE(together.is_unknown(c));
+    EXPECT_TRUE(alone.is_unknown(c));
+    const CellBasis::Entering one = together.entering(c.contact, c.column, c.slot);
+    const CellBasis::Entering other = alone.entering(c.contact, c.column, c.slot);
+    EXPECT_NEAR(one.pivot, other.pivot, 1e-9 * other.size) << c.contact;
+    EXPECT_NEAR(one.size, other.size, 1e-9 * other.size);
+    EXPECT_FALSE(alone.is_unknown(c));
+  }
+}
+
 /// Sliding contacts with W_nn = mu W_nt, each coupled to some of a core of sticking contacts: the own
 /// block of a sliding contact in B is singular but for delta, and the fronts, which eliminate it
 /// before the core, have nothing but that rounding to divide by. B is well conditioned: the
