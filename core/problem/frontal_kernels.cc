@@ -136,9 +136,10 @@ template <class Real>
 }
 
 template <class Real>
-[[gnu::always_inline]] inline Real largest_of(int n, const Real* x) {
+[[gnu::always_inline]] inline Real scale_all(int n, Real factor, Real* x) {
   Real largest = 0, sum = 0;
   for (int i = 0; i < n; ++i) {
+    x[i] *= factor;
     const Real size = std::abs(x[i]);
     largest = size > largest ? size : largest;
     sum += x[i] - x[i];  // zero, or not a number where x is not finite
@@ -176,7 +177,9 @@ BIPOT_CLONES void solve_upper(int n, const double* x, std::ptrdiff_t stride, dou
 BIPOT_CLONES void solve_upper(int n, const float* x, std::ptrdiff_t stride, float* y) {
   solve_upper_columns(n, x, stride, y);
 }
-BIPOT_CLONES double largest_size(int n, const double* x) { return largest_of(n, x); }
-BIPOT_CLONES float largest_size(int n, const float* x) { return largest_of(n, x); }
+BIPOT_CLONES double scale_column(int n, double factor, double* x) {
+  return scale_all(n, factor, x);
+}
+BIPOT_CLONES float scale_column(int n, float factor, float* x) { return scale_all(n, factor, x); }
 
 }  // namespace bipot

@@ -27,8 +27,8 @@ void solve_unit_lower(int n, const float* x, std::ptrdiff_t stride, float* y);
 void solve_upper(int n, const double* x, std::ptrdiff_t stride, double* y);
 void solve_upper(int n, const float* x, std::ptrdiff_t stride, float* y);
 
-/// max |x_i|; not a number where one is not.
-double largest_size(int n, const double* x);
-float largest_size(int n, const float* x);
+/// x *= factor. max |x_i| of the products; not a number where one is not finite.
+double scale_column(int n, double factor, double* x);
+float scale_column(int n, float factor, float* x);
 
 }  // namespace bipot

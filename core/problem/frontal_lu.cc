@@ -1,13 +1,16 @@
 #include "core/problem/frontal_lu.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <new>
 #include <stdexcept>
 #include <type_traits>
 
 #include "core/large_pages.h"
+#include "core/problem/block_pattern.h"
 #include "core/problem/eight_right_sides.h"
 #include "core/problem/frontal_kernels.h"
 
@@ -25,8 +28,8 @@ namespace {
 // Of the largest entry that a diagonal pivot must have: below, rows are exchanged. Loose, so that
 // ties and the rounding of the scales decide nothing.
 constexpr double kDiagonalIsGood = 0.1;
-// Square of an entry over the diagonal ones of its row and column, up to which these set the scales.
-constexpr double kDiagonalScales = 1e6;
+// Largest entry of a matrix that the diagonal has scaled to about one, where these scales stay.
+constexpr double kDiagonalScales = 1e3;
 // Numbers of a factor from which on fronts are fetched ahead: 8 MB, more than a core's own cache.
 constexpr std::size_t kFetchFrom = std::size_t{1} << 20;
 constexpr int kBlock = 16;  // columns that are eliminated by vectors before a matrix product
@@ -65,17 +68,16 @@ void fetch(const Real* begin, const Real* end) {
 }
 
 /// Eliminates the columns begin .. end - 1 of a panel, of whose rows the first `columns` may be
-/// exchanged, as exchange[] tells; the inverse of a pivot takes its place. False: no pivot.
+/// exchanged, as exchange[] tells; the inverse of a pivot takes its place. Largest multiplier in the
+/// rows below the pivots'; a negative number: no pivot.
 template <class Real>
-bool eliminate_columns(const Front<Real>& f, int begin, int end, int* exchange) {
-  Real factors[kBlock];
+Real eliminate_columns(const Front<Real>& f, int begin, int end, int* exchange) {
+  Real factors[kBlock], largest = 0;
   for (int j = begin; j < end; ++j) {
     Real* column = f.column(j);
-    for (int k = begin; k < j; ++k) {  // the rows begin .. j - 1 of U
-      factors[k - begin] = column[k];
-      subtract_columns(j - k - 1, 1, column + k, f.column(k) + k + 1, 0, column + k + 1);
-    }
-    for (int k = begin; k < j; ++k) factors[k - begin] = column[k];
+    // The rows begin .. j - 1 of U.
+    solve_unit_lower(j - begin, f.column(begin) + begin, f.rows, column + begin);
+    std::copy_n(column + begin, j - begin, factors);
     subtract_columns(f.rows - j, j - begin, factors, f.column(begin) + j, f.rows, column + j);
     int pivot = j;
     for (int i = j + 1; i < f.columns; ++i) {
@@ -88,21 +90,25 @@ bool eliminate_columns(const Front<Real>& f, int begin, int end, int* exchange) 
       std::swap_ranges(f.right_of(j), f.right_of(j) + f.height(), f.right_of(pivot));
     }
     const Real inverse = 1 / column[j];
-    if (!(std::abs(inverse) > 0) || !std::isfinite(inverse)) return false;
-    for (int i = j + 1; i < f.rows; ++i) column[i] *= inverse;
+    if (!(std::abs(inverse) > 0) || !std::isfinite(inverse)) return -1;
+    for (int i = j + 1; i < f.columns; ++i) column[i] *= inverse;
+    const Real size = scale_column(f.height(), inverse, column + f.columns);
+    if (!(size <= largest)) largest = size;
     column[j] = inverse;
   }
-  return true;
+  return largest;
 }
 
 /// Eliminates the columns of a front. Largest multiplier in the rows below the pivots'; a negative
 /// number: no pivot.
 template <class Real>
 Real eliminate(const Front<Real>& f, int* exchange) {
-  Real factors[kBlock];
+  Real factors[kBlock], largest = 0;
   for (int begin = 0; begin < f.columns; begin += kBlock) {
     const int end = std::min(begin + kBlock, f.columns);
-    if (!eliminate_columns(f, begin, end, exchange)) return -1;
+    const Real size = eliminate_columns(f, begin, end, exchange);
+    if (size < 0) return -1;
+    if (!(size <= largest)) largest = size;
     // The same for what stands right of the pivots, whose columns are rows of the front.
     for (int k = begin + 1; f.height() > 0 && k < end; ++k) {
       for (int j = begin; j < k; ++j) factors[j - begin] = f.column(j)[k];
@@ -113,9 +119,7 @@ Real eliminate(const Front<Real>& f, int* exchange) {
     if (rest == 0) continue;
     for (int k = end; k < f.columns; ++k) {
       Real* other = f.column(k);
-      for (int j = begin; j < end; ++j) {
-        subtract_columns(end - j - 1, 1, other + j, f.column(j) + j + 1, 0, other + j + 1);
-      }
+      solve_unit_lower(end - begin, f.column(begin) + begin, f.rows, other + begin);
     }
     subtract_product(false, f.rows - end, rest, end - begin, f.column(begin) + end, f.rows,
                      f.column(end) + begin, f.rows, Real(1), f.column(end) + end, f.rows);
@@ -123,11 +127,6 @@ Real eliminate(const Front<Real>& f, int* exchange) {
       subtract_product(true, f.height(), rest, end - begin, f.right_of(begin), f.height(),
                        f.column(begin) + end, f.rows, Real(1), f.right_of(end), f.height());
     }
-  }
-  Real largest = 0;
-  for (int j = 0; j < f.columns; ++j) {
-    const Real size = largest_size(f.height(), f.column(j) + f.columns);
-    if (!(size <= largest)) largest = size;
   }
   return largest;
 }
@@ -163,24 +162,29 @@ void add_to_contribution(const Real* block, int n, const int* relative, int pivo
   }
 }
 
-/// Sizes of the diagonal, which change with the units of rows and columns as the matrix does. False:
-/// an entry is far larger than the two diagonal ones beside it.
-bool scales_of_diagonal(const SparseMatrix& A, std::vector<double>& scale) {
-  const Vector diagonal = A.diagonal();
-  scale.assign(diagonal.begin(), diagonal.end());
-  for (double& s : scale) s = std::abs(s);
-  for (int j = 0; j < A.cols(); ++j) {
-    const double most = kDiagonalScales * scale[to_size(j)];
-    for (SparseMatrix::InnerIterator it(A, j); it; ++it) {
-      if (!(it.value() * it.value() <= most * scale[to_size(it.row())])) return false;
-    }
-  }
-  return true;
+/// The power of two next to 1 / sqrt(size) by exponents; nothing where size is zero or not finite.
+double inverse_root(double size) {
+  constexpr int kDigits = std::numeric_limits<double>::digits - 1, kBias = 1023;
+  const auto bits = std::bit_cast<std::uint64_t>(size) >> kDigits;
+  // Exponents of 0 and of 0x7ff, or a sign: zero, subnormal, not finite, negative.
+  const bool usual = bits > 0 && bits < 0x7ff;
+  if (!usual && !(size > 0 && std::isfinite(size))) return 0;
+  const int exponent = usual ? static_cast<int>(bits) - kBias : std::ilogb(size);
+  const int half = (exponent + 1) >> 1;  // towards minus infinity
+  return std::bit_cast<double>(static_cast<std::uint64_t>(kBias - half) << kDigits);
 }
 
-/// The largest entry in each row or column.
+/// Scales of the diagonal, which change with the units of rows and columns as the matrix does.
+void scales_of_diagonal(const SparseMatrix& A, const std::vector<int>& diagonal,
+                        std::vector<double>& scale) {
+  for (std::size_t j = 0; j < diagonal.size(); ++j) {
+    scale[j] = inverse_root(std::abs(A.valuePtr()[diagonal[j]]));
+  }
+}
+
+/// Scales of the largest entry in each row or column.
 void scales_of_largest(const SparseMatrix& A, std::vector<double>& scale) {
-  scale.assign(to_size(A.cols()), 0.0);
+  std::fill(scale.begin(), scale.end(), 0.0);
   for (int j = 0; j < A.cols(); ++j) {
     for (SparseMatrix::InnerIterator it(A, j); it; ++it) {
       const double size = std::abs(it.value());
@@ -188,6 +192,25 @@ void scales_of_largest(const SparseMatrix& A, std::vector<double>& scale) {
       scale[to_size(it.row())] = std::max(scale[to_size(it.row())], size);
     }
   }
+  for (double& s : scale) s = inverse_root(s);
+}
+
+/// True: none of the scaled entries is larger than `most`, or not a number.
+bool scale_entries(const SparseMatrix& A, const std::vector<double>& scale, double most,
+                   std::vector<double>& scaled) {
+  const int* const start = A.outerIndexPtr();
+  const int* const row = A.innerIndexPtr();
+  const double* const value = A.valuePtr();
+  bool fine = true;
+  for (int j = 0; j < A.cols(); ++j) {
+    const double by = scale[to_size(j)];
+    for (int k = start[j]; k < start[j + 1]; ++k) {
+      const double entry = value[k] * by * scale[to_size(row[k])];
+      scaled[to_size(k)] = entry;
+      fine &= std::abs(entry) <= most;
+    }
+  }
+  return fine;
 }
 
 }  // namespace
@@ -198,6 +221,7 @@ struct FrontalLU<Real>::Impl {
   std::vector<Real> factor, stack;
   std::vector<double> scale;  // by column of A
   std::vector<int> place;     // of each column of A in the tree's order
+  std::vector<int> diagonal;  // where the values of A have it
   std::vector<int> exchange;
   int sign = 0;  // 0: no factor
   Real largest = 0;
@@ -221,8 +245,8 @@ struct FrontalLU<Real>::Impl {
   void substitute_several_backward() requires std::is_same_v<Real, double>;
 };
 
-/// The tree, and the scales: powers of two near 1 / sqrt of the diagonal, or of the largest entry in
-/// row or column.
+/// The tree, the scales and the scaled entries: powers of two near 1 / sqrt of the diagonal, or of the
+/// largest entry in row or column. False: memory ran out, a row of zeros, an entry is not finite.
 template <class Real>
 bool FrontalLU<Real>::Impl::prepare(const SparseMatrix& A) {
   if (!tree || !tree->is_of(A)) {
@@ -235,18 +259,22 @@ bool FrontalLU<Real>::Impl::prepare(const SparseMatrix& A) {
       tree = nullptr;
       return false;
     }
+    scaled.resize(to_size(A.nonZeros()));
+    scale.resize(to_size(tree->size()));
+    diagonal.resize(to_size(tree->size()));
+    for (int j = 0; j < tree->size(); ++j) diagonal[to_size(j)] = value_position(A, j, j);
     exchange.resize(to_size(tree->size()));
     x.resize(to_size(tree->size()));
     below.resize(to_size(tree->size()));
     place.resize(to_size(tree->size()));
     for (int k = 0; k < tree->size(); ++k) place[to_size(tree->order[to_size(k)])] = k;
   }
-  if (!scales_of_diagonal(A, scale)) scales_of_largest(A, scale);
-  for (double& s : scale) {
-    if (!(s > 0) || !std::isfinite(s)) return false;
-    s = std::exp2(-std::round(0.5 * std::log2(s)));
-  }
-  return true;
+  scales_of_diagonal(A, diagonal, scale);
+  const bool usable = std::find(scale.begin(), scale.end(), 0.0) == scale.end();
+  if (usable && scale_entries(A, scale, kDiagonalScales, scaled)) return true;
+  scales_of_largest(A, scale);
+  if (std::find(scale.begin(), scale.end(), 0.0) != scale.end()) return false;
+  return scale_entries(A, scale, kInfinity, scaled);
 }
 
 /// All fronts, children before parents.
@@ -318,14 +346,6 @@ bool FrontalLU<Real>::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
   f.sign = 0;
   if (!f.prepare(A)) return false;
-  f.scaled.resize(to_size(A.nonZeros()));
-  const double* value = A.valuePtr();
-  for (int j = 0; j < A.cols(); ++j) {
-    const double by = f.scale[to_size(j)];
-    for (int k = A.outerIndexPtr()[j]; k < A.outerIndexPtr()[j + 1]; ++k) {
-      f.scaled[to_size(k)] = value[k] * by * f.scale[to_size(A.innerIndexPtr()[k])];
-    }
-  }
   if (!f.run()) f.sign = 0;
   return f.sign != 0;
 }
