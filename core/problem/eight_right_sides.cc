@@ -25,58 +25,72 @@ static_assert(sizeof(Eight) == kRightSides * sizeof(double));
   std::memcpy(y + row * kRightSides, &eight, sizeof eight);
 }
 
-/// out_i -= sum_j x[i down + j along] y_j, eight rows at once: as many chains of sums as hide each
+/// out_i -= sum_j x[i down + j along] y_j for kRows rows, all sums in registers. Few rows have two sums
+/// each: a product need not wait for the one before.
+template <int kRows>
+[[gnu::always_inline]] inline void subtract_rows(int count, const double* x, std::ptrdiff_t down,
+                                                 std::ptrdiff_t along, const double* y,
+                                                 double* __restrict out) {
+  Eight sum[std::size_t{kRows}], other[std::size_t{kRows}];
+  for (int k = 0; k < kRows; ++k) {
+    sum[k] = eight_at(out, k);
+    other[k] = Eight{};
+  }
+  int j = 0;
+  if (kRows < 4) {
+    for (; j + 2 <= count; j += 2, x += 2 * along) {
+      const Eight by = eight_at(y, j), next = eight_at(y, j + 1);
+      for (int k = 0; k < kRows; ++k) {
+        sum[k] -= x[k * down] * by;
+        other[k] -= x[k * down + along] * next;
+      }
+    }
+  }
+  for (; j < count; ++j, x += along) {
+    const Eight by = eight_at(y, j);
+    for (int k = 0; k < kRows; ++k) sum[k] -= x[k * down] * by;
+  }
+  for (int k = 0; k < kRows; ++k) put(kRows < 4 ? sum[k] + other[k] : sum[k], out, k);
+}
+
+/// The same for any number, four at once: their sums fit into the registers of AVX2, and hide each
 /// other's latency.
 [[gnu::always_inline]] inline void subtract_all(int rows, int count, const double* x,
                                                 std::ptrdiff_t down, std::ptrdiff_t along,
                                                 const double* y, double* __restrict out) {
-  int i = 0;
-  for (; i + 8 <= rows; i += 8) {
-    Eight a = eight_at(out, i), b = eight_at(out, i + 1), c = eight_at(out, i + 2),
-          d = eight_at(out, i + 3), e = eight_at(out, i + 4), f = eight_at(out, i + 5),
-          g = eight_at(out, i + 6), h = eight_at(out, i + 7);
-    const double* at = x + i * down;
-    for (int j = 0; j < count; ++j, at += along) {
-      const Eight by = eight_at(y, j);
-      a -= at[0] * by;
-      b -= at[down] * by;
-      c -= at[2 * down] * by;
-      d -= at[3 * down] * by;
-      e -= at[4 * down] * by;
-      f -= at[5 * down] * by;
-      g -= at[6 * down] * by;
-      h -= at[7 * down] * by;
-    }
-    put(a, out, i);
-    put(b, out, i + 1);
-    put(c, out, i + 2);
-    put(d, out, i + 3);
-    put(e, out, i + 4);
-    put(f, out, i + 5);
-    put(g, out, i + 6);
-    put(h, out, i + 7);
+  for (; rows >= 4; rows -= 4, x += 4 * down, out += 4 * kRightSides) {
+    subtract_rows<4>(count, x, down, along, y, out);
   }
-  for (; i + 2 <= rows; i += 2) {
-    Eight a = eight_at(out, i), b = eight_at(out, i + 1);
-    const double* at = x + i * down;
-    for (int j = 0; j < count; ++j, at += along) {
-      const Eight by = eight_at(y, j);
-      a -= at[0] * by;
-      b -= at[down] * by;
-    }
-    put(a, out, i);
-    put(b, out, i + 1);
-  }
-  if (i < rows) {
-    Eight a = eight_at(out, i);
-    const double* at = x + i * down;
-    for (int j = 0; j < count; ++j, at += along) a -= at[0] * eight_at(y, j);
-    put(a, out, i);
-  }
+  if (rows == 3) subtract_rows<3>(count, x, down, along, y, out);
+  if (rows == 2) subtract_rows<2>(count, x, down, along, y, out);
+  if (rows == 1) subtract_rows<1>(count, x, down, along, y, out);
 }
 
 // Rows of a triangle between two products with all that is solved already.
-constexpr int kBlock = 8;
+constexpr int kBlock = 4;
+
+/// A block of the unit lower triangle, of the upper one: in registers where it is whole.
+template <int kCount>
+[[gnu::always_inline]] inline void solve_lower_block(const double* x, std::ptrdiff_t stride,
+                                                     double* y) {
+  Eight row[std::size_t{kCount}];
+  for (int i = 0; i < kCount; ++i) row[i] = eight_at(y, i);
+  for (int j = 0; j < kCount; ++j) {
+    for (int i = j + 1; i < kCount; ++i) row[i] -= x[j * stride + i] * row[j];
+  }
+  for (int i = 1; i < kCount; ++i) put(row[i], y, i);
+}
+template <int kCount>
+[[gnu::always_inline]] inline void solve_upper_block(const double* x, std::ptrdiff_t stride,
+                                                     double* y) {
+  Eight row[std::size_t{kCount}];
+  for (int i = 0; i < kCount; ++i) row[i] = eight_at(y, i);
+  for (int j = kCount - 1; j >= 0; --j) {
+    row[j] = row[j] * x[j * stride + j];
+    for (int i = 0; i < j; ++i) row[i] -= x[j * stride + i] * row[j];
+  }
+  for (int i = 0; i < kCount; ++i) put(row[i], y, i);
+}
 
 }  // namespace
 
@@ -93,25 +107,26 @@ BIPOT_CLONES void subtract_products_of_eight(int n, int count, const double* x,
 BIPOT_CLONES void solve_unit_lower_of_eight(int n, const double* x, std::ptrdiff_t stride,
                                             double* y) {
   for (int begin = 0; begin < n; begin += kBlock) {
-    const int end = begin + kBlock < n ? begin + kBlock : n;
-    subtract_all(end - begin, begin, x + begin, 1, stride, y, y + begin * kRightSides);
-    for (int j = begin; j + 1 < end; ++j) {
-      const Eight by = eight_at(y, j);
-      for (int i = j + 1; i < end; ++i) put(eight_at(y, i) - x[j * stride + i] * by, y, i);
-    }
+    const int count = n - begin < kBlock ? n - begin : kBlock;
+    double* const rows = y + begin * kRightSides;
+    const double* const block = x + begin * stride + begin;
+    subtract_all(count, begin, x + begin, 1, stride, y, rows);
+    if (count == 4) solve_lower_block<4>(block, stride, rows);
+    if (count == 3) solve_lower_block<3>(block, stride, rows);
+    if (count == 2) solve_lower_block<2>(block, stride, rows);
   }
 }
 
 BIPOT_CLONES void solve_upper_of_eight(int n, const double* x, std::ptrdiff_t stride, double* y) {
   for (int end = n; end > 0; end -= kBlock) {
-    const int begin = end > kBlock ? end - kBlock : 0;
-    subtract_all(end - begin, n - end, x + end * stride + begin, 1, stride, y + end * kRightSides,
-                 y + begin * kRightSides);
-    for (int j = end - 1; j >= begin; --j) {
-      const Eight by = eight_at(y, j) * x[j * stride + j];
-      put(by, y, j);
-      for (int i = begin; i < j; ++i) put(eight_at(y, i) - x[j * stride + i] * by, y, i);
-    }
+    const int begin = end > kBlock ? end - kBlock : 0, count = end - begin;
+    double* const rows = y + begin * kRightSides;
+    const double* const block = x + begin * stride + begin;
+    subtract_all(count, n - end, x + end * stride + begin, 1, stride, y + end * kRightSides, rows);
+    if (count == 4) solve_upper_block<4>(block, stride, rows);
+    if (count == 3) solve_upper_block<3>(block, stride, rows);
+    if (count == 2) solve_upper_block<2>(block, stride, rows);
+    if (count == 1) solve_upper_block<1>(block, stride, rows);
   }
 }
 
