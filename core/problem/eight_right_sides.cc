@@ -122,7 +122,10 @@ BIPOT_CLONES void solve_upper_of_eight(int n, const double* x, std::ptrdiff_t st
     const int begin = end > kBlock ? end - kBlock : 0, count = end - begin;
     double* const rows = y + begin * kRightSides;
     const double* const block = x + begin * stride + begin;
-    subtract_all(count, n - end, x + end * stride + begin, 1, stride, y + end * kRightSides, rows);
+    if (end < n) {
+      subtract_all(count, n - end, x + end * stride + begin, 1, stride, y + end * kRightSides,
+                   rows);
+    }
     if (count == 4) solve_upper_block<4>(block, stride, rows);
     if (count == 3) solve_upper_block<3>(block, stride, rows);
     if (count == 2) solve_upper_block<2>(block, stride, rows);

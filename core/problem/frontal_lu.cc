@@ -237,6 +237,20 @@ struct FrontalLU<Real>::Impl {
             panel + static_cast<std::ptrdiff_t>(t.columns(s)) * t.rows(s)};
   }
 
+  bool fetches() const { return tree->factor_size >= kFetchFrom; }
+  /// What the pass forward, the pass backward reads of a front, where there is one.
+  void fetch_forward(int s) {
+    if (!fetches() || s >= tree->num_fronts()) return;
+    const Front<Real> f = front(s);
+    fetch(f.panel, f.upper);
+  }
+  void fetch_backward(int s) {
+    if (!fetches() || s < 0) return;
+    const Front<Real> f = front(s);
+    for (int j = 0; j < f.columns; ++j) fetch(f.column(j), f.column(j) + j + 1);
+    fetch(f.upper, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height());
+  }
+
   bool prepare(const SparseMatrix& A);
   bool run();
   void substitute_forward();
@@ -353,16 +367,12 @@ bool FrontalLU<Real>::factor(const SparseMatrix& A) {
 template <class Real>
 void FrontalLU<Real>::Impl::substitute_forward() {
   const FrontalTree& t = *tree;
-  const bool fetches = t.factor_size >= kFetchFrom;
   for (int s = 0; s < t.num_fronts(); ++s) {
     const Front<Real> f = front(s);
     Real* own = x.data() + t.first[to_size(s)];
     // A right side of few numbers stays away from most fronts.
     if (std::all_of(own, own + f.columns, [](Real value) { return value == 0; })) continue;
-    if (s + 1 < t.num_fronts() && fetches) {
-      const Front<Real> next = front(s + 1);
-      fetch(next.panel, next.upper);
-    }
+    fetch_forward(s + 1);
     const int* swaps = exchange.data() + t.first[to_size(s)];
     for (int j = 0; j < f.columns; ++j) std::swap(own[j], own[swaps[j]]);
     const int h = f.height();
@@ -378,14 +388,9 @@ void FrontalLU<Real>::Impl::substitute_forward() {
 template <class Real>
 void FrontalLU<Real>::Impl::substitute_backward() {
   const FrontalTree& t = *tree;
-  const bool fetches = t.factor_size >= kFetchFrom;
   for (int s = t.num_fronts() - 1; s >= 0; --s) {
     const Front<Real> f = front(s);
-    if (s > 0 && fetches) {
-      const Front<Real> next = front(s - 1);
-      for (int j = 0; j < next.columns; ++j) fetch(next.column(j), next.column(j) + j + 1);
-      fetch(next.upper, next.upper + next.columns * next.height());
-    }
+    fetch_backward(s - 1);
     Real* own = x.data() + t.first[to_size(s)];
     const int h = f.height();
     const int* rows = t.below.data() + t.below_start[to_size(s)];
@@ -398,16 +403,12 @@ void FrontalLU<Real>::Impl::substitute_backward() {
 template <class Real>
 void FrontalLU<Real>::Impl::substitute_several_forward() requires std::is_same_v<Real, double> {
   const FrontalTree& t = *tree;
-  const bool fetches = t.factor_size >= kFetchFrom;
   for (int s = 0; s < t.num_fronts(); ++s) {
     const Front<Real> f = front(s);
     Real* own = several.data() + t.first[to_size(s)] * kRightSides;
     const int numbers = f.columns * kRightSides;
     if (std::all_of(own, own + numbers, [](Real value) { return value == 0; })) continue;
-    if (s + 1 < t.num_fronts() && fetches) {
-      const Front<Real> next = front(s + 1);
-      fetch(next.panel, next.upper);
-    }
+    fetch_forward(s + 1);
     const int* swaps = exchange.data() + t.first[to_size(s)];
     for (int j = 0; j < f.columns; ++j) {
       if (swaps[j] == j) continue;
@@ -430,14 +431,9 @@ void FrontalLU<Real>::Impl::substitute_several_forward() requires std::is_same_v
 template <class Real>
 void FrontalLU<Real>::Impl::substitute_several_backward() requires std::is_same_v<Real, double> {
   const FrontalTree& t = *tree;
-  const bool fetches = t.factor_size >= kFetchFrom;
   for (int s = t.num_fronts() - 1; s >= 0; --s) {
     const Front<Real> f = front(s);
-    if (s > 0 && fetches) {
-      const Front<Real> next = front(s - 1);
-      for (int j = 0; j < next.columns; ++j) fetch(next.column(j), next.column(j) + j + 1);
-      fetch(next.upper, next.upper + next.columns * next.height());
-    }
+    fetch_backward(s - 1);
     Real* own = several.data() + t.first[to_size(s)] * kRightSides;
     const int h = f.height();
     const int* rows = t.below.data() + t.below_start[to_size(s)];

@@ -32,7 +32,8 @@ class FrontalLU {
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// x = A⁻¹ b without refinement. Requires a successful factor().
   void solve(const Vector& b, Vector& x) const;
-  /// x[k] = A⁻¹ b_k of the columns of B, kRightSides at most: as much as two single ones.
+  /// x[k] = A⁻¹ b_k of the columns of B, kRightSides (eight_right_sides.h) at most, in the time of two
+  /// single ones; each the same bits whatever the others are. Requires a successful factor().
   void solve(const SparseColumns& B, Vector* x) const requires std::is_same_v<Real, double>;
   /// -1 or +1: sign of det A. Requires a successful factor().
   int determinant_sign() const;

@@ -11,7 +11,8 @@ namespace {
 
 // Columns that differ at most: beyond it products with them cost more than a factorisation saves.
 constexpr int kMostExchanged = 64;
-// Columns kept at most: memory, rows x 8 bytes each.
+// Columns kept before B is factored afresh, those of one more solve for several on top: memory, rows
+// x 8 bytes each.
 constexpr int kMostKept = 128;
 constexpr std::size_t kStride = kMostExchanged;
 // Of a row that is added to a factor without exchanges: beyond it the factor is made anew.

@@ -81,6 +81,10 @@ TEST(AutoSolver, PathsThatDoNotArriveAreFollowedByOthersFromElsewhere) {
     EXPECT_EQ(first[1].start, AutoStage::Start::kLast);
     EXPECT_NEAR(first[1].of_start, 1, 0.2);
     EXPECT_NE(first[1].of_start, 1);
+    // Up to 2500 contacts the first path has four pivots a contact and others three, then two all.
+    const int n = p.num_contacts();
+    EXPECT_EQ(first->max_iterations, side == 36 ? 2 * n : 4 * n);
+    EXPECT_EQ(first[1].max_iterations, side == 36 ? 2 * n : 3 * n);
     EXPECT_EQ(first[2].solver, side == 36 ? "admm" : "apgd");
     EXPECT_EQ(first[2].start, AutoStage::Start::kCaller);
     EXPECT_LT(first[2].of_start, 0.9);
