@@ -2,12 +2,7 @@
 
 #include <cstring>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
-#define BIPOT_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define BIPOT_CLONES
-#endif
+#include "core/instruction_sets.h"
 
 namespace bipot {
 namespace {
@@ -94,18 +89,20 @@ template <int kCount>
 
 }  // namespace
 
-BIPOT_CLONES void subtract_columns_of_eight(int n, int count, const double* x,
-                                            std::ptrdiff_t stride, const double* y, double* out) {
+BIPOT_EVERY_LEVEL void subtract_columns_of_eight(int n, int count, const double* x,
+                                                 std::ptrdiff_t stride, const double* y,
+                                                 double* out) {
   subtract_all(n, count, x, 1, stride, y, out);
 }
 
-BIPOT_CLONES void subtract_products_of_eight(int n, int count, const double* x,
-                                             std::ptrdiff_t stride, const double* y, double* out) {
+BIPOT_EVERY_LEVEL void subtract_products_of_eight(int n, int count, const double* x,
+                                                  std::ptrdiff_t stride, const double* y,
+                                                  double* out) {
   subtract_all(count, n, x, stride, 1, y, out);
 }
 
-BIPOT_CLONES void solve_unit_lower_of_eight(int n, const double* x, std::ptrdiff_t stride,
-                                            double* y) {
+BIPOT_EVERY_LEVEL void solve_unit_lower_of_eight(int n, const double* x, std::ptrdiff_t stride,
+                                                 double* y) {
   for (int begin = 0; begin < n; begin += kBlock) {
     const int count = n - begin < kBlock ? n - begin : kBlock;
     double* const rows = y + begin * kRightSides;
@@ -117,7 +114,8 @@ BIPOT_CLONES void solve_unit_lower_of_eight(int n, const double* x, std::ptrdiff
   }
 }
 
-BIPOT_CLONES void solve_upper_of_eight(int n, const double* x, std::ptrdiff_t stride, double* y) {
+BIPOT_EVERY_LEVEL void solve_upper_of_eight(int n, const double* x, std::ptrdiff_t stride,
+                                            double* y) {
   for (int end = n; end > 0; end -= kBlock) {
     const int begin = end > kBlock ? end - kBlock : 0, count = end - begin;
     double* const rows = y + begin * kRightSides;

@@ -3,12 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
-#define BIPOT_CLONES __attribute__((target_clones("arch=x86-64-v4", "arch=x86-64-v3", "default")))
-#else
-#define BIPOT_CLONES
-#endif
+#include "core/instruction_sets.h"
 
 namespace bipot {
 namespace {
@@ -149,37 +144,39 @@ template <class Real>
 
 }  // namespace
 
-BIPOT_CLONES void subtract_columns(int n, int count, const double* a, const double* x,
-                                   std::ptrdiff_t stride, double* y) {
+BIPOT_EVERY_LEVEL void subtract_columns(int n, int count, const double* a, const double* x,
+                                        std::ptrdiff_t stride, double* y) {
   subtract_all(n, count, a, x, stride, y);
 }
-BIPOT_CLONES void subtract_columns(int n, int count, const float* a, const float* x,
-                                   std::ptrdiff_t stride, float* y) {
+BIPOT_EVERY_LEVEL void subtract_columns(int n, int count, const float* a, const float* x,
+                                        std::ptrdiff_t stride, float* y) {
   subtract_all(n, count, a, x, stride, y);
 }
-BIPOT_CLONES void subtract_products(int n, int count, const double* x, std::ptrdiff_t stride,
-                                    const double* y, double* out) {
+BIPOT_EVERY_LEVEL void subtract_products(int n, int count, const double* x, std::ptrdiff_t stride,
+                                         const double* y, double* out) {
   subtract_dots(n, count, x, stride, y, out);
 }
-BIPOT_CLONES void subtract_products(int n, int count, const float* x, std::ptrdiff_t stride,
-                                    const float* y, float* out) {
+BIPOT_EVERY_LEVEL void subtract_products(int n, int count, const float* x, std::ptrdiff_t stride,
+                                         const float* y, float* out) {
   subtract_dots(n, count, x, stride, y, out);
 }
-BIPOT_CLONES void solve_unit_lower(int n, const double* x, std::ptrdiff_t stride, double* y) {
+BIPOT_EVERY_LEVEL void solve_unit_lower(int n, const double* x, std::ptrdiff_t stride, double* y) {
   solve_lower_unit(n, x, stride, y);
 }
-BIPOT_CLONES void solve_unit_lower(int n, const float* x, std::ptrdiff_t stride, float* y) {
+BIPOT_EVERY_LEVEL void solve_unit_lower(int n, const float* x, std::ptrdiff_t stride, float* y) {
   solve_lower_unit(n, x, stride, y);
 }
-BIPOT_CLONES void solve_upper(int n, const double* x, std::ptrdiff_t stride, double* y) {
+BIPOT_EVERY_LEVEL void solve_upper(int n, const double* x, std::ptrdiff_t stride, double* y) {
   solve_upper_columns(n, x, stride, y);
 }
-BIPOT_CLONES void solve_upper(int n, const float* x, std::ptrdiff_t stride, float* y) {
+BIPOT_EVERY_LEVEL void solve_upper(int n, const float* x, std::ptrdiff_t stride, float* y) {
   solve_upper_columns(n, x, stride, y);
 }
-BIPOT_CLONES double scale_column(int n, double factor, double* x) {
+BIPOT_EVERY_LEVEL double scale_column(int n, double factor, double* x) {
   return scale_all(n, factor, x);
 }
-BIPOT_CLONES float scale_column(int n, float factor, float* x) { return scale_all(n, factor, x); }
+BIPOT_EVERY_LEVEL float scale_column(int n, float factor, float* x) {
+  return scale_all(n, factor, x);
+}
 
 }  // namespace bipot

@@ -2,12 +2,9 @@
 
 #include <algorithm>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
-#define BIPOT_SLICES __attribute__((target_clones("arch=x86-64-v3", "default")))
-#else
-#define BIPOT_SLICES
-#endif
+#include "core/instruction_sets.h"
+
+#define BIPOT_SLICES BIPOT_CLONES("arch=x86-64-v3", "default")
 
 extern "C" {
 void dtrsm_(const char* side, const char* uplo, const char* transa, const char* diag, const int* m,

@@ -1,0 +1,14 @@
+#pragma once
+
+// g++ compiles a function that is marked BIPOT_CLONES("arch=x86-64-v3", "default") once for each of these
+// and picks one when the program is loaded. The sanitizers instrument that choice, which runs before
+// they are ready.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define BIPOT_CLONES(...) __attribute__((target_clones(__VA_ARGS__)))
+#else
+#define BIPOT_CLONES(...)
+#endif
+
+// The levels of x86-64: 512 bits, 256 bits with products and sums in one, 128.
+#define BIPOT_EVERY_LEVEL BIPOT_CLONES("arch=x86-64-v4", "arch=x86-64-v3", "default")
