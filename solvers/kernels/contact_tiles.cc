@@ -19,6 +19,9 @@ constexpr int kTileBodies = 96;
 constexpr int kOrderedBatches = 64;
 /// A body may come again in the batch after the next: the kernels work on two at once.
 constexpr int kBatchGap = 2;
+/// Sweeps along the rows need fewer iterations, which pays for so many empty lanes: with these orders
+/// assor took 0.34, 0.38, 0.55, 0.62 of the time up to 200, 400, 700, 1200 contacts (0.88 to 2500).
+constexpr double kFilled = 0.75;
 
 /// Which bodies touch which, the surroundings left out.
 struct BodyGraph {
@@ -251,7 +254,7 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
   const int tiles = static_cast<int>(starts.size()) - 1;
   const int bodies = disks.surroundings();
 
-  // Every tile ends with a row of its own for the surroundings.
+  // Every tile ends with rows of its own for the surroundings.
   std::vector<int> tile_of(to_size(bodies));
   for (int t = 0; t < tiles; ++t) {
     for (int r = starts[to_size(t)]; r < starts[to_size(t) + 1]; ++r) tile_of[to_size(r)] = t;
@@ -259,9 +262,9 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
   out.row.resize(to_size(bodies));
   for (int b = 0; b < bodies; ++b) {
     const int at = position[to_size(b)];
-    out.row[to_size(b)] = at + tile_of[to_size(at)];
+    out.row[to_size(b)] = at + kOutsideRows * tile_of[to_size(at)];
   }
-  out.num_rows = bodies + tiles;
+  out.num_rows = bodies + kOutsideRows * tiles;
 
   const auto pair_of = [&](int c) {
     const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
@@ -278,8 +281,8 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
   out.contact.reserve(disks.contacts.size() + to_size(tiles) * kLanes);
   for (int t = 0; t < tiles; ++t) {
     ContactTiles::Tile tile;
-    tile.first_row = starts[to_size(t)] + t;
-    tile.last_row = starts[to_size(t) + 1] + t + 1;
+    tile.first_row = starts[to_size(t)] + kOutsideRows * t;
+    tile.last_row = starts[to_size(t) + 1] + kOutsideRows * (t + 1);
     tile.first_batch = out.num_batches();
     stride(contacts[to_size(t)], scratch);
     filler.fill(t, contacts[to_size(t)], pair_of, out.contact);
@@ -325,10 +328,16 @@ ContactTiles order_contacts(const DiskStructure& disks) {
     if (batch == out.num_batches()) {
       for (int body = 0; body < bodies; ++body) place(body);  // those without contacts
     }
-    tile.last_row = ++out.num_rows;  // with one for the surroundings
+    tile.last_row = out.num_rows += kOutsideRows;
     out.tiles.push_back(tile);
   } while (batch < out.num_batches());
   return out;
+}
+
+ContactTiles symmetric_order(const DiskStructure& disks) {
+  ContactTiles along = order_contacts(disks);
+  const auto contacts = static_cast<double>(disks.contacts.size());
+  return contacts >= kFilled * kLanes * along.num_batches() ? along : tile_contacts(disks);
 }
 
 }  // namespace bipot

@@ -22,7 +22,8 @@ template <int D>
 SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
                                   const ContactScaling& equilibrated, double omega, int sweeps,
                                   const Execution& options)
-    : SymmetricSweep(problem, disks, equilibrated, omega, sweeps, options, order_contacts(disks)) {}
+    : SymmetricSweep(problem, disks, equilibrated, omega, sweeps, options, symmetric_order(disks)) {
+}
 
 template <int D>
 SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,

@@ -8,7 +8,7 @@
 
 namespace bipot {
 
-/// What the tiles of order_contacts() share, for sweeps that go through them up and down.
+/// What the tiles of an order share, for sweeps that go through them up and down.
 struct TileLinks {
   /// Tiles that a sweep must have done before the next one may do its tile number k, so that it meets
   /// no body that the one before still comes to. Counted along the way, up and down.

@@ -38,10 +38,10 @@ constexpr int kCheapFactors = 1000;
 // 700 iterations of it, 13.7 s with 1500, 16 s and more after apgd; below, it is no gain.
 constexpr int kMany = 2500;
 // Below kRough, so many pivots from where the first sweeps ended if the error is kNearStart at most
-// (paths from far away are long), up to kCheapSweeps contacts; up to kSmall after fewer of them, which
-// cost 20 μs each there. 0.86 of the time of 40 problems and steps of 400 to 1000 contacts from warm
-// starts, 0.97 from cold ones; 0.8 of 48 of up to 400.
-constexpr int kSoonSweeps = 60, kPivotsSoon = 500;
+// (paths from far away are long), up to kMany contacts. 0.86 of the time of 40 problems and steps of 400
+// to 1000 contacts from warm starts, 0.97 from cold ones; 0.8 of 48 of up to 400; 0.92 and 0.94 of 28 of
+// 1000 to 2500, and 0.85 from cold ones where the sweeps are not given up before 60 (30 from warm ones).
+constexpr int kPivotsSoon = 500;
 constexpr double kNearStart = 0.1;
 // Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
 constexpr double kUnequal = 1e5;
@@ -287,14 +287,15 @@ class Planner {
     };
     if (few) {
       sweeps_to(50, 200);
-      stages_.back().least_tol = kRough;
-      sweeps_to(50, kSoonSweeps);
-      stages_.back().tol_below = kRough;
     } else {
-      sweeps_to(30, 175);
+      if (warm_) {
+        sweeps_to(30, 175);
+      } else {
+        sweeps_to(60, 250);
+      }
       if (warm_ && contacts_ > kCheapSweeps) stages_.back().least_tol = kFair;
     }
-    if (contacts_ > kCheapSweeps) return;
+    if (contacts_ > kMany) return;
     first_paths(kPivotsSoon);
     stages_.back().largest_error = kNearStart;
     stages_.back().tol_below = kRough;

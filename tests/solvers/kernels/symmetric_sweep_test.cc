@@ -56,7 +56,7 @@ TEST(SymmetricSweep, BatchesKeepTheOrderOfTheRows) {
     for (int lane = tile.first_batch * kLanes; lane < tile.last_batch * kLanes; ++lane) {
       const int c = order.contact[to_size(lane)];
       if (c < 0) continue;
-      EXPECT_LT(order.row[to_size(disks.contacts[to_size(c)].i)], tile.last_row - 1);
+      EXPECT_LT(order.row[to_size(disks.contacts[to_size(c)].i)], tile.last_row - kOutsideRows);
     }
     batches = tile.last_batch;
     rows = tile.last_row;
@@ -97,12 +97,24 @@ TEST(SymmetricSweep, BatchesKeepTheOrderOfTheRows) {
   }
 }
 
+TEST(SymmetricSweep, GoesAlongTheRowsWhereThatFillsTheLanes) {
+  const auto disks_of = [](int rows) {
+    const ContactProblem p = leaning(2, rows);
+    return *DelassusOperator(p).disks();
+  };
+  const DiskStructure large = disks_of(40), small = disks_of(12);
+  EXPECT_EQ(symmetric_order(large).contact, order_contacts(large).contact);
+  // A batch for two contacts, and one for six or more.
+  EXPECT_GT(3 * order_contacts(small).num_batches(), static_cast<int>(small.contacts.size()));
+  EXPECT_LT(6 * symmetric_order(small).num_batches(), static_cast<int>(small.contacts.size()));
+}
+
 /// The scalar sweeps of DiskSweep forth and back in the order of the batches, from y.
 template <int D>
-void check_against_scalar(int sweeps) {
-  const Prepared at(leaning(D, 12));
+void check_against_scalar(int rows, int sweeps) {
+  const Prepared at(leaning(D, rows));
   const ContactProblem& p = at.problem;
-  const ContactTiles order = order_contacts(*at.delassus.disks());
+  const ContactTiles order = symmetric_order(*at.delassus.disks());
   const Vector diagonal = at.delassus.diagonal();
   DiskSweep<D> scalar(p, *at.delassus.disks());
   for (int c = 0; c < p.num_contacts(); ++c) {
@@ -136,8 +148,10 @@ void check_against_scalar(int sweeps) {
 TEST(SymmetricSweep, IsTheScalarSweepForthAndBackFromY) {
   for (const int sweeps : {1, 2, 3}) {
     SCOPED_TRACE(sweeps);
-    check_against_scalar<1>(sweeps);
-    check_against_scalar<2>(sweeps);
+    for (const int rows : {12, 40}) {  // in tiles, and along the rows: see below
+      check_against_scalar<1>(rows, sweeps);
+      check_against_scalar<2>(rows, sweeps);
+    }
   }
 }
 
