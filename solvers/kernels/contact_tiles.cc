@@ -254,7 +254,7 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
   const int tiles = static_cast<int>(starts.size()) - 1;
   const int bodies = disks.surroundings();
 
-  // Every tile ends with rows of its own for the surroundings.
+  // Every tile ends with a row of its own for the surroundings.
   std::vector<int> tile_of(to_size(bodies));
   for (int t = 0; t < tiles; ++t) {
     for (int r = starts[to_size(t)]; r < starts[to_size(t) + 1]; ++r) tile_of[to_size(r)] = t;
@@ -262,9 +262,9 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
   out.row.resize(to_size(bodies));
   for (int b = 0; b < bodies; ++b) {
     const int at = position[to_size(b)];
-    out.row[to_size(b)] = at + kOutsideRows * tile_of[to_size(at)];
+    out.row[to_size(b)] = at + tile_of[to_size(at)];
   }
-  out.num_rows = bodies + kOutsideRows * tiles;
+  out.num_rows = bodies + tiles;
 
   const auto pair_of = [&](int c) {
     const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
@@ -281,8 +281,8 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
   out.contact.reserve(disks.contacts.size() + to_size(tiles) * kLanes);
   for (int t = 0; t < tiles; ++t) {
     ContactTiles::Tile tile;
-    tile.first_row = starts[to_size(t)] + kOutsideRows * t;
-    tile.last_row = starts[to_size(t) + 1] + kOutsideRows * (t + 1);
+    tile.first_row = starts[to_size(t)] + t;
+    tile.last_row = starts[to_size(t) + 1] + t + 1;
     tile.first_batch = out.num_batches();
     stride(contacts[to_size(t)], scratch);
     filler.fill(t, contacts[to_size(t)], pair_of, out.contact);
@@ -328,7 +328,7 @@ ContactTiles order_contacts(const DiskStructure& disks) {
     if (batch == out.num_batches()) {
       for (int body = 0; body < bodies; ++body) place(body);  // those without contacts
     }
-    tile.last_row = out.num_rows += kOutsideRows;
+    tile.last_row = ++out.num_rows;  // with one for the surroundings
     out.tiles.push_back(tile);
   } while (batch < out.num_batches());
   return out;

@@ -7,10 +7,6 @@
 
 namespace bipot {
 
-/// Rows of the surroundings at the end of each tile, one for each lane: lanes without a contact, or
-/// against a wall, would else wait for one another's writes to the same row.
-inline constexpr int kOutsideRows = kLanes;
-
 /// An order of bodies and contacts for kernels that stream through memory.
 ///
 /// Bodies stand in rows along the contact graph (the given order where it is local already, else
@@ -24,7 +20,7 @@ inline constexpr int kOutsideRows = kLanes;
 struct ContactTiles {
   struct Tile {
     int first_batch = 0, last_batch = 0;  ///< half open
-    int first_row = 0, last_row = 0;  ///< half open; at last the surroundings, kOutsideRows times
+    int first_row = 0, last_row = 0;      ///< half open; the last row is a copy of the surroundings
   };
   std::vector<Tile> tiles;
   std::vector<int> row;      ///< of each body, the surroundings excluded

@@ -74,12 +74,13 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
   }
   Snap snap_ratio, snap_mu;
   for (const Tile& tile : tiles_.tiles) {
+    const unsigned outside = row_offset(tile.last_row - 1);
     for (int batch = tile.first_batch; batch < tile.last_batch; ++batch) {
       ContactBatch<D>& to = contacts_[to_size(batch)];
       LawBatch law;
       for (int lane = 0; lane < kLanes; ++lane) {
         const int c = tiles_.contact[to_size(batch * kLanes + lane)];
-        to.i[lane] = to.j[lane] = row_offset(tile.last_row - kOutsideRows + lane);
+        to.i[lane] = to.j[lane] = outside;
         to.gx[lane] = to.gy[lane] = to.spin[lane] = 0;
         for (int k = 0; k < D; ++k) to.b[k][lane] = 0;
         // An empty lane takes the law of its neighbour: one LawBatch less.
