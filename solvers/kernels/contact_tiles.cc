@@ -19,8 +19,8 @@ constexpr int kTileBodies = 96;
 constexpr int kOrderedBatches = 64;
 /// A body may come again in the batch after the next: the kernels work on two at once.
 constexpr int kBatchGap = 2;
-/// Sweeps along the rows need fewer iterations, which pays for so many empty lanes: the other order took
-/// 0.33, 0.37, 0.55, 0.62, 0.88 of the time up to 200, 400, 700, 1200, 2500 contacts (assor).
+/// Sweeps along the rows need fewer iterations, which pays for so many empty lanes: the other order
+/// took 0.33, 0.37, 0.55, 0.62, 0.88 of the time up to 200, 400, 700, 1200, 2500 contacts (assor).
 constexpr double kFilled = 0.75;
 
 /// Which bodies touch which, the surroundings left out.

@@ -38,9 +38,10 @@ ContactTiles tile_contacts(const DiskStructure& disks);
 /// in the tile that comes to them first, and may occur in many.
 ContactTiles order_contacts(const DiskStructure& disks);
 
-/// What sweeps forth and back go through: the order along the rows where its batches are three quarters
-/// full, else that of tile_contacts(). Where rows are too short for eight to follow each other the first
-/// makes a batch of a contact or two: 101 batches of 163 contacts, where the second makes 21.
+/// What sweeps forth and back go through: the order along the rows where its batches are three
+/// quarters full, else that of tile_contacts(). Where rows are too short for eight to follow each
+/// other the first makes a batch of a contact or two: 101 batches of 163 contacts, where the second
+/// makes 21. In both a body stands in the tile that comes to it first, or in one before.
 ContactTiles symmetric_order(const DiskStructure& disks);
 
 /// Bodies along the graph: as given where that is local already, else reverse Cuthill-McKee.

@@ -10,9 +10,10 @@
 
 namespace bipot {
 
-/// Symmetric Gauss-Seidel with momentum for disks, vectorised, in the order of symmetric_order().
-/// In large packings eight rows that follow each other are in the lanes of a vector, each some contacts
-/// behind the one before it. What each contact and body sees are the sweeps contact after contact.
+/// Symmetric Gauss-Seidel with momentum for disks, vectorised, in the order of symmetric_order():
+/// in large packings eight rows that follow each other are in the lanes of a vector, each some
+/// contacts behind the one before it. What each contact and body sees are the sweeps contact after
+/// contact.
 /// At most as many threads work as there are sweeps each way; any number and the paths of
 /// disk_kernels.h give the same bits.
 template <int D>

@@ -52,9 +52,10 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
 /// goes on from the best impulse without momentum, and so on in turns, with four times the sweeps and
 /// from the second round on with eight times, `most_sweeps` at most.
 ///
-/// With friction there is no proof of convergence. Disks run in vectors, contacts in their order or
-/// along the rows (solvers/kernels/symmetric_sweep.h), with the same bits from every path and for any
-/// number of threads; other problems contact after contact in the given order on one.
+/// With friction there is no proof of convergence. Disks run in vectors, contacts along the
+/// rows or, where that leaves vectors empty, as they fill them (solvers/kernels/contact_tiles.h), with
+/// the same bits from every path and for any number of threads; other problems contact after contact
+/// in the given order on one.
 SolveResult solve_accelerated_ssor(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

@@ -38,9 +38,9 @@ constexpr int kCheapFactors = 1000;
 // 700 iterations of it, 13.7 s with 1500, 16 s and more after apgd; below, it is no gain.
 constexpr int kMany = 2500;
 // Below kRough, so many pivots from where the first sweeps ended if the error is kNearStart at most
-// (paths from far away are long), up to kMany contacts. 0.86 of the time of 40 problems and steps of 400
-// to 1000 contacts from warm starts, 0.97 from cold ones; 0.8 of 48 of up to 400; 0.92 and 0.94 of 28 of
-// 1000 to 2500, and 0.85 from cold ones where the sweeps are not given up before 60 (30 from warm ones).
+// (paths from far away are long), up to kMany contacts. 0.86 of the time of 40 problems and steps of
+// 400 to 1000 contacts from warm starts, 0.97 from cold ones; 0.8 of 48 of up to 400; 0.92 and 0.94 of
+// 28 of 1000 to 2500, and 0.85 from cold ones where the sweeps are not given up before 60 iterations.
 constexpr int kPivotsSoon = 500;
 constexpr double kNearStart = 0.1;
 // Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
@@ -74,8 +74,8 @@ constexpr double kUsefulStart = 0.5;
 // Tolerances from here on are loose.
 constexpr double kRough = 3e-3;
 // From here on `admm` is worth many more solves on large packings than below, and `assor` is the
-// first stage from warm starts of any size. (Up to kMany it is so at any tolerance: 0.9 of the time of
-// 33 packings of 1000 to 2500 contacts from warm starts, and no difference below.)
+// first stage from warm starts of any size. (Up to kMany it is so at any tolerance: 0.9 of the time
+// of 33 packings from warm starts, most of 1000 to 2500 contacts; no difference below.)
 constexpr double kFair = 5e-4;
 // Up to it, paths from warm starts are short, and no more momentum is worth while before them.
 constexpr int kShortPaths = 1000;
@@ -287,13 +287,11 @@ class Planner {
     };
     if (few) {
       sweeps_to(50, 200);
+    } else if (warm_) {
+      sweeps_to(30, 175);
+      if (contacts_ > kMany) stages_.back().least_tol = kFair;
     } else {
-      if (warm_) {
-        sweeps_to(30, 175);
-      } else {
-        sweeps_to(60, 250);
-      }
-      if (warm_ && contacts_ > kMany) stages_.back().least_tol = kFair;
+      sweeps_to(60, 250);
     }
     if (contacts_ > kMany) return;
     first_paths(kPivotsSoon);

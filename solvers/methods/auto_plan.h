@@ -51,9 +51,10 @@ inline constexpr int kFewContactsOfAuto = 100;
 /// The race for this problem, from its size, form and masses:
 ///
 ///   1. `assor`, the quickest on what is easy and soon seen not to be elsewhere; `anderson` on small
-///      regular packings, without disks or friction, and from a warm start to tight tolerances (very
-///      unequal masses: `ipm` before it; up to 1000 contacts of disks a path from where `assor` ended;
-///      up to 400 contacts `pgs` after it, or `anderson` where `assor` was first);
+///      regular packings, without disks or friction, and above 2500 contacts from a warm start to
+///      tight tolerances (very unequal masses: `ipm` before it; up to 2500 contacts of disks a path
+///      from where `assor` ended; up to 400 contacts `pgs` after it, or `anderson` from a cold start
+///      where `assor` was first);
 ///   2. `apgd`: all that a loose tolerance needs, and a start for what follows; in its place, for
 ///      disks with more than 4000 contacts (8000 from a warm start), `assor`, which needs O(N^1/4)
 ///      iterations on packings at rest where momentum needs O(N^1/2). Above 4000 contacts

@@ -290,7 +290,7 @@ class Homotopy {
       if (follower_.turning_t() > kUsefulTurn) {
         point = follower_.turning_point();
         point.impulse(problem_, anchor);
-        // F is 1 - t of what it was there: where the error was just above the tolerance, that may do.
+        // F is 1 - t of what it was: where the error was just above the tolerance, that may do.
         ++judged_;
         if (judge(anchor.cwiseProduct(problem_.impulse_unit))) return true;
         delta_ = std::min(kLargestDelta, kRaiseAtTurn * delta_);

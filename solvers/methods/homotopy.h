@@ -82,10 +82,11 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
 /// arbitrary start, prepared by apgd; the orientation of the start by the sign of a determinant,
 /// which tells the component that leads to a solution; proximal stages, large delta first, because
 /// at small delta the path of an arbitrary start is often closed; from a path that failed, its
-/// turning point nearest to t = 1 as the next anchor, and a larger delta. That point is judged too: its
-/// error is mostly below that of the path's start.
+/// turning point nearest to t = 1 as the next anchor, and a larger delta. That point is judged too:
+/// its error is mostly below that of the path's start.
 ///
-/// W may be singular. An iteration is a step of apgd, a pivot, or a path. Deterministic: `seed` fixes
+/// W may be singular. An iteration is a step of apgd, a pivot, or an impulse
+/// judged at a path's end or turning point. Deterministic: `seed` fixes
 /// the lifts of the starts. The message counts pivots, turns, paths and failed paths. Where paths
 /// keep failing, apgd makes a better start of the best impulse so far; where that brought nothing,
 /// another chain of starts begins, with the first start again: less or better prepared, or with

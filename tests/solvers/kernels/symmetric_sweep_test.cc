@@ -102,8 +102,9 @@ TEST(SymmetricSweep, GoesAlongTheRowsWhereThatFillsTheLanes) {
     const ContactProblem p = leaning(2, rows);
     return *DelassusOperator(p).disks();
   };
-  const DiskStructure large = disks_of(40), small = disks_of(12);
+  const DiskStructure large = disks_of(40), middle = disks_of(30), small = disks_of(12);
   EXPECT_EQ(symmetric_order(large).contact, order_contacts(large).contact);
+  EXPECT_EQ(symmetric_order(middle).contact, tile_contacts(middle).contact);
   // A batch for two contacts, and one for six or more.
   EXPECT_GT(3 * order_contacts(small).num_batches(), static_cast<int>(small.contacts.size()));
   EXPECT_LT(6 * symmetric_order(small).num_batches(), static_cast<int>(small.contacts.size()));
@@ -148,7 +149,7 @@ void check_against_scalar(int rows, int sweeps) {
 TEST(SymmetricSweep, IsTheScalarSweepForthAndBackFromY) {
   for (const int sweeps : {1, 2, 3}) {
     SCOPED_TRACE(sweeps);
-    for (const int rows : {12, 40}) {  // in tiles, and along the rows: see below
+    for (const int rows : {12, 40}) {  // as they fill the lanes, and along the rows
       check_against_scalar<1>(rows, sweeps);
       check_against_scalar<2>(rows, sweeps);
     }
@@ -156,8 +157,8 @@ TEST(SymmetricSweep, IsTheScalarSweepForthAndBackFromY) {
 }
 
 template <int D>
-void check_paths() {
-  const Prepared at(leaning(D, 30));
+void check_paths(int rows) {
+  const Prepared at(leaning(D, rows));
   double turn = 0;
   const Vector portable = iterated<D>(at, {1, SimdPath::kPortable}, turn, 2);
   ASSERT_GT(portable.norm(), 0);
@@ -172,12 +173,16 @@ void check_paths() {
 }
 
 TEST(SymmetricSweep, HasTheSameBitsFromEveryPath) {
-  check_paths<1>();
-  check_paths<2>();
+  for (const int rows : {12, 40}) {
+    check_paths<1>(rows);
+    check_paths<2>(rows);
+  }
 }
 
-TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreads) {
-  const Prepared at(leaning(2, 40));
+/// `rows`: 30 as they fill the lanes, 40 along the rows.
+void check_threads(int rows) {
+  SCOPED_TRACE(rows);
+  const Prepared at(leaning(2, rows));
   for (const int sweeps : {1, 2, 5}) {
     double turn = 0;
     const Vector alone = iterated<2>(at, {}, turn, sweeps);
@@ -189,6 +194,11 @@ TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreads) {
       EXPECT_EQ(std::memcmp(&other, &turn, sizeof(double)), 0) << sweeps << ", " << threads;
     }
   }
+}
+
+TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreads) {
+  check_threads(30);
+  check_threads(40);
 }
 
 TEST(SymmetricSweep, RefreshKeepsTheImpulse) {

@@ -11,12 +11,7 @@
 namespace bipot {
 namespace {
 
-TEST(TileLinks, AllThatShareABodyAreDoneBefore) {
-  LatticeOptions options;
-  options.tilt = 0.2;
-  const ContactProblem p = triangular_lattice(40, options);
-  const DiskStructure disks = *DelassusOperator(p).disks();
-  const ContactTiles order = order_contacts(disks);
+void check_what_is_done_before(const DiskStructure& disks, const ContactTiles& order) {
   const TileLinks links = tile_links(order, disks);
   const int tiles = static_cast<int>(order.tiles.size());
   ASSERT_GT(tiles, 4);
@@ -45,10 +40,16 @@ TEST(TileLinks, AllThatShareABodyAreDoneBefore) {
   EXPECT_TRUE(follows);
 }
 
-TEST(TileLinks, NameEveryLineOfRowsWhereASweepDownFirstComesToIt) {
-  const ContactProblem p = triangular_lattice(40, {});
+TEST(TileLinks, AllThatShareABodyAreDoneBefore) {
+  LatticeOptions options;
+  options.tilt = 0.2;
+  const ContactProblem p = triangular_lattice(40, options);
   const DiskStructure disks = *DelassusOperator(p).disks();
-  const ContactTiles order = order_contacts(disks);
+  check_what_is_done_before(disks, order_contacts(disks));
+  check_what_is_done_before(disks, tile_contacts(disks));
+}
+
+void check_lines(const DiskStructure& disks, const ContactTiles& order) {
   const TileLinks links = tile_links(order, disks);
   const int tiles = static_cast<int>(order.tiles.size());
   std::vector<bool> named(to_size(order.num_rows), false);
@@ -65,6 +66,13 @@ TEST(TileLinks, NameEveryLineOfRowsWhereASweepDownFirstComesToIt) {
       EXPECT_TRUE(named[to_size(row / 2 * 2)]) << t;
     }
   }
+}
+
+TEST(TileLinks, NameEveryLineOfRowsWhereASweepDownFirstComesToIt) {
+  const ContactProblem p = triangular_lattice(40, {});
+  const DiskStructure disks = *DelassusOperator(p).disks();
+  check_lines(disks, order_contacts(disks));
+  check_lines(disks, tile_contacts(disks));
 }
 
 }  // namespace

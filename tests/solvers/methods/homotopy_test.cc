@@ -184,6 +184,17 @@ TEST(Homotopy, AnotherChainOfStartsArrivesWhereTheFirstStops) {
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
 }
 
+/// Impulses are judged where a path arrived, and at the turning points of others: so many iterations
+/// are neither pivots nor steps of apgd.
+TEST(Homotopy, TurningPointsThatItGoesOnFromAreJudged) {
+  const SolveResult r = homotopy(shipped("2d_pyramid_20_mu05"), 1e-8, kFromZero);
+  ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
+  const int judged = r.iterations - counted(r, "pivots") - counted(r, "of apgd");
+  const int arrived = counted(r, "paths (") - counted(r, "paths failed");
+  ASSERT_GT(arrived, 0);
+  EXPECT_GT(judged, arrived) << r.message;
+}
+
 /// From a start that is no good: without its own chain, each seed's changes of it lead another way.
 TEST(Homotopy, ShakenStartsArriveEachInItsOwnWay) {
   const ContactProblem p = shipped("2d_pour300_273");
