@@ -13,8 +13,9 @@ namespace bipot {
 /// of one part, and one with another stop test than the guarded one, goes to `entry` as it is. For
 /// solve(), which judges the result on the whole.
 ///
-/// Where `entry` has an attempt to make, that is made on the whole first, but for warm starts: what is
-/// easy is solved before anything is cut out.
+/// Where `entry` has an attempt to make, that is made on the whole first: what is easy is solved before
+/// anything is cut out. Not so where no part has two contacts, nor from a warm start that settles more
+/// than a quarter of the contacts.
 ///
 /// **The tolerance of the parts.** With the sums of data/criterion.md the whole meets tol when
 ///

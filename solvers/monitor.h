@@ -28,6 +28,9 @@ class IterationMonitor {
   /// Half as often as others: few iterations, each cheaper than judging it.
   void judge_half_as_often() { portion_ = kJudgedPortion / 2; }
 
+  /// The next iterate is judged, whatever the cadence.
+  void judge_next() { next_ = 0; }
+
   /// Whether this iteration is judged; so is the one at which the caller or the clock ends the
   /// solve. A solver that must do work to form s asks first.
   bool due(int iteration) const;

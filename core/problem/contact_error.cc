@@ -7,6 +7,7 @@
 #include "core/parallel.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/error_terms.h"
+#include "core/problem/plane_error.h"
 #include "core/types.h"
 
 namespace bipot {
@@ -112,28 +113,10 @@ void ContactErrorEvaluator::project(int begin, int end) {
   for (int c = begin; c < end; ++c) project_physically<D, kScaled>(problem_, c, s_);
 }
 
-/// What the contacts of one piece add to the criterion, and the worst of them.
-struct ContactErrorEvaluator::Sums : ErrorSums {
-  double worst_gap = -1, worst_natural = -1;
-  int worst_epsilon = -1, worst_eta = -1;
-
-  void add(const Sums& later) {
-    *this += later;
-    if (later.worst_gap > worst_gap) {
-      worst_gap = later.worst_gap;
-      worst_epsilon = later.worst_epsilon;
-    }
-    if (later.worst_natural > worst_natural) {
-      worst_natural = later.worst_natural;
-      worst_eta = later.worst_eta;
-    }
-  }
-};
-
 template <int D, bool kScaled>
-ContactErrorEvaluator::Sums ContactErrorEvaluator::sums(int begin, int end) const {
+PieceSums ContactErrorEvaluator::sums(int begin, int end) const {
   const auto& [w_nn, rho_nn, rho_nat] = prepared_->weights;
-  Sums e;
+  PieceSums e;
   for (int c = begin; c < end; ++c) {
     const ContactTerms terms =
         add_error_terms<D, kScaled>(problem_, c, s_, u_, w_nn[c], rho_nn[c], rho_nat[c], e);
@@ -149,17 +132,36 @@ ContactErrorEvaluator::Sums ContactErrorEvaluator::sums(int begin, int end) cons
   return e;
 }
 
+PlaneContacts ContactErrorEvaluator::plane_contacts() const {
+  const auto& [w_nn, rho_nn, rho_nat] = prepared_->weights;
+  const double* const row_scale =
+      problem_.row_scale.size() == 0 ? nullptr : problem_.row_scale.data();
+  return {s_.data(),          u_.data(),   problem_.u_free.data(), row_scale,
+          problem_.mu.data(), w_nn.data(), rho_nn.data(),          rho_nat.data()};
+}
+
 template <int D, bool kScaled>
 ContactError ContactErrorEvaluator::evaluate() {
   const int contacts = problem_.num_contacts();
-  run_pieces(threads_, contacts, [&](int begin, int end) { project<D, kScaled>(begin, end); });
-  delassus_.velocity(s_, u_);
-  std::vector<Sums> pieces(to_size((contacts + kPieceItems - 1) / kPieceItems));
   run_pieces(threads_, contacts, [&](int begin, int end) {
-    pieces[to_size(begin / kPieceItems)] = sums<D, kScaled>(begin, end);
+    if constexpr (D == 2) {
+      project_on_plane_cones(plane_contacts(), begin, end, s_.data());
+    } else {
+      project<D, kScaled>(begin, end);
+    }
   });
-  Sums total;
-  for (const Sums& piece : pieces) total.add(piece);
+  delassus_.velocity(s_, u_);
+  std::vector<PieceSums> pieces(to_size((contacts + kPieceItems - 1) / kPieceItems));
+  run_pieces(threads_, contacts, [&](int begin, int end) {
+    PieceSums& piece = pieces[to_size(begin / kPieceItems)];
+    if constexpr (D == 2) {
+      piece = sum_plane_errors(plane_contacts(), begin, end);
+    } else {
+      piece = sums<D, kScaled>(begin, end);
+    }
+  });
+  PieceSums total;
+  for (const PieceSums& piece : pieces) total.add(piece);
 
   total.free_energy = prepared_->free.free_energy;
   total.free_impulse2 = prepared_->free.free_impulse2;

@@ -56,6 +56,9 @@ struct ErrorSums {
   bool operator==(const ErrorSums&) const = default;
 };
 
+struct PieceSums;
+struct PlaneContacts;
+
 /// The criterion of these sums; the worst contacts are left open (-1).
 ContactError error_of(const ErrorSums& sums);
 
@@ -105,14 +108,14 @@ class ContactErrorEvaluator {
   ErrorSums part(int contact) const;
 
  private:
-  struct Sums;
   struct Prepared;
   template <int D, bool kScaled>
   ContactError evaluate();
   template <int D, bool kScaled>
   void project(int begin, int end);
   template <int D, bool kScaled>
-  Sums sums(int begin, int end) const;
+  PieceSums sums(int begin, int end) const;
+  PlaneContacts plane_contacts() const;
 
   const ContactProblem& problem_;
   int threads_;

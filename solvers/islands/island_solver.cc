@@ -37,18 +37,39 @@ class IslandRun {
         islands_(islands),
         evaluate_(criterion_of(p, options)) {}
 
-  SolveResult run() {
+  /// Puts s = 0 where that obeys the law and keeps starts that are good enough. The number of contacts
+  /// that are left.
+  int settle() {
     const ContactError error = evaluate_(start_of(p_, options_));
     s_ = evaluate_.impulse();
     total_ = evaluate_.sums();
     settled_ = options_.share.others;
     if (options_.on_iteration) {
-      options_.on_iteration({.iteration = 0,
-                             .seconds = watch_.seconds(),
-                             .error = error,
-                             .count = count_contacts(p_, s_)});
+      start_ = {.iteration = 0,
+                .seconds = watch_.seconds(),
+                .error = error,
+                .count = count_contacts(p_, s_)};
     }
-    settle_starts_and_few();
+    int contacts_left = 0;
+    for (int k = 0; k < islands_.count(); ++k) {
+      const std::span<const int> contacts = islands_.of(k);
+      if (is_open(p_, contacts)) {
+        ++open_;
+        for (const int c : contacts) s_.segment(c * p_.dim, p_.dim).setZero();
+      } else if (settled(k)) {
+        ++kept_;
+      } else {
+        left_.push_back(k);
+        contacts_left += static_cast<int>(contacts.size());
+      }
+    }
+    return contacts_left;
+  }
+
+  /// Solves what settle() left.
+  SolveResult solve_left() {
+    if (options_.on_iteration) options_.on_iteration(start_);
+    solve_few();
     result_.setup_seconds = watch_.seconds();
     for (std::size_t k = 0; k < left_.size(); ++k) {
       // After a failure nothing makes the whole meet the tolerance: the last is a part like others.
@@ -95,31 +116,22 @@ class IslandRun {
     return true;
   }
 
-  /// Puts s = 0 where that obeys the law, keeps starts that are good enough and solves what has few
-  /// contacts; the others are left.
-  void settle_starts_and_few() {
-    std::vector<int> solved;
+  /// Solves what has few contacts; the others are left.
+  void solve_few() {
+    std::vector<int> solved, others;
     FewContacts few(p_, evaluate_.delassus());
-    for (int k = 0; k < islands_.count(); ++k) {
+    for (const int k : left_) {
       const std::span<const int> contacts = islands_.of(k);
-      if (is_open(p_, contacts)) {
-        ++open_;
-        for (const int c : contacts) s_.segment(c * p_.dim, p_.dim).setZero();
-        continue;
-      }
-      if (settled(k)) {
-        ++kept_;
-        continue;
-      }
       const int size = static_cast<int>(contacts.size());
       const int sweeps = size <= kFewContacts ? few(contacts, s_) : 0;
       if (sweeps > 0) {
         solved.push_back(k);
         add_work(sweeps, size);
       } else {
-        left_.push_back(k);
+        others.push_back(k);
       }
     }
+    left_ = std::move(others);
     if (solved.empty()) return;
     evaluate_(s_);
     s_ = evaluate_.impulse();
@@ -269,6 +281,7 @@ class IslandRun {
   const ContactProblem& p_;
   const SolverOptions& options_;
   const ContactIslands& islands_;
+  IterationRecord start_;  // where somebody wants it
   ContactErrorEvaluator evaluate_;
   IslandCutter cut_{p_};
   ErrorSums total_;    // of the whole at its start; its free terms do not change
@@ -282,13 +295,9 @@ class IslandRun {
   SolveResult result_;
 };
 
-/// Not from a warm start, which may have most islands settled, nor twice, nor where no island needs a
-/// solver.
-bool worth_an_attempt(const SolverOptions& options, const ContactIslands& islands) {
-  const bool warm = options.s0.size() != 0 && options.s0.squaredNorm() > 0;
-  const std::size_t largest = islands.of(islands.count() - 1).size();
-  return !warm && options.best.size() == 0 && largest > to_size(kFewContacts);
-}
+/// Where a warm start has settled more than a quarter of the contacts, the others are cut out at once. Sweeps
+/// over all cost less than cutting where they arrive soon.
+constexpr double kMostContacts = 0.75;
 
 }  // namespace
 
@@ -299,12 +308,22 @@ SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& p,
   }
   const ContactIslands islands = contact_islands(p);
   if (islands.count() <= 1) return entry.run(p, options);
-  if (entry.attempt == nullptr || !worth_an_attempt(options, islands)) {
-    return IslandRun(entry, p, options, islands).run();
-  }
+  const bool warm = options.s0.size() != 0 && options.s0.squaredNorm() > 0;
+  const bool attempts = entry.attempt != nullptr && options.best.size() == 0;
+  const auto by_islands = [&](const SolverOptions& how) {
+    IslandRun run(entry, p, how, islands);
+    run.settle();
+    return run.solve_left();
+  };
+  if (!attempts) return by_islands(options);
+  if (islands.of(islands.count() - 1).size() == 1) return by_islands(options);
   const Stopwatch watch;
+  if (warm) {
+    IslandRun run(entry, p, options, islands);
+    if (run.settle() < kMostContacts * p.num_contacts()) return run.solve_left();
+  }
   const SolveResult first = entry.attempt(p, options);
-  if (first.status == SolveStatus::kNotRun) return IslandRun(entry, p, options, islands).run();
+  if (first.status == SolveStatus::kNotRun) return by_islands(options);
   const bool over = is_success(first.status) || first.status == SolveStatus::kTimeLimit ||
                     first.status == SolveStatus::kInterrupted ||
                     first.iterations >= options.max_iterations;
@@ -322,7 +341,7 @@ SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& p,
       options.on_iteration(record);
     };
   }
-  SolveResult result = IslandRun(entry, p, rest, islands).run();
+  SolveResult result = by_islands(rest);
   result.message = fmt::format("the whole: {}; then {}", first.message, result.message);
   result.iterations += first.iterations;
   result.setup_seconds += first.setup_seconds;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <initializer_list>
 #include <span>
@@ -15,16 +14,18 @@ namespace bipot {
 namespace {
 
 constexpr int kFew = kFewContactsOfAuto;
+// Up to it, too few to fill vectors: `anderson` takes 0.5 to 0.8 of the time of `assor`; twice as long from
+// 70 contacts on (steps of 6 to 100 disks).
+constexpr int kVeryFew = 20;
 // Up to it, a dense Newton step costs less than a millisecond; beyond, up to four.
 constexpr int kDense = 50;
 // From it on, first order needs too many iterations.
 constexpr double kLargeFriction = 10;
 // Up to it, sweeps get more patience: they cost less than other solvers' set-up.
 constexpr int kSmall = 400;
-// Up to it, `anderson` needs 10 to 30 iterations on square and triangular lattices, where `assor` takes
-// up to five times as long, as it does on pyramids. Elsewhere `assor` in its place makes 0.8 to
-// 0.9 of the time of 56 moving and shipped problems, at any tolerance; of runs, from warm starts, 0.6
-// to 1.05 at 1e-3 and looser, but 1.3 at 1e-4.
+// Up to it, `anderson` needs 10 to 30 iterations on square lattices, where `assor` takes one to three
+// times as long. Elsewhere `assor` takes less: 0.4 to 0.8 of the time on triangular lattices, and on
+// pyramids `anderson` does not arrive.
 constexpr int kSmallLattice = 600;
 // Above it, proximal Newton (a factorisation of d contacts unknowns a step) and Anderson (whose
 // sweeps need more iterations the deeper the packing) are left out of the first rounds.
@@ -41,8 +42,10 @@ constexpr int kMany = 2500;
 // (paths from far away are long), up to kMany contacts. 0.86 of the time of 40 problems and steps of
 // 400 to 1000 contacts from warm starts, 0.97 from cold ones; 0.8 of 48 of up to 400; 0.92 and 0.94 of
 // 28 of 1000 to 2500, and 0.85 from cold ones where the sweeps are not given up before 60 iterations.
+// (Up to kSmall contacts at any tolerance and from farther away: no difference on 186 steps of 6 to 400
+// disks, but pyramids, where all first order stands still, need three pivots.)
 constexpr int kPivotsSoon = 500;
-constexpr double kNearStart = 0.1;
+constexpr double kNearStart = 0.1, kNearStartOfSmall = 0.3;
 // Normal diagonals of W that differ more than that: first order needs the root of it in iterations.
 constexpr double kUnequal = 1e5;
 // So near, at loose tolerances, Anderson is let go on for so many iterations: on the shipped and moving
@@ -129,20 +132,16 @@ double spread_of_masses(const ContactProblem& p, const DelassusOperator& delassu
   return most > 0 ? most / least : 1;
 }
 
-/// Whether all normals have a few directions, as in lattices and pyramids.
-bool is_regular(const DiskStructure& disks) {
-  constexpr std::size_t kDirections = 16;
+/// Whether all normals are along or across one direction.
+bool is_square(const DiskStructure& disks) {
   constexpr double kSame = 1e-6;
-  std::vector<std::array<double, 2>> directions;
-  for (const DiskStructure::Contact& c : disks.contacts) {
-    const auto same = [&](const std::array<double, 2>& n) {
-      return std::abs(n[0] - c.n[0]) < kSame && std::abs(n[1] - c.n[1]) < kSame;
-    };
-    if (std::any_of(directions.begin(), directions.end(), same)) continue;
-    if (directions.size() == kDirections) return false;
-    directions.push_back({c.n[0], c.n[1]});
-  }
-  return true;
+  if (disks.contacts.empty()) return false;
+  const auto& first = disks.contacts.front().n;
+  return std::all_of(disks.contacts.begin(), disks.contacts.end(), [&](const auto& c) {
+    const double along = first[0] * c.n[0] + first[1] * c.n[1];
+    const double across = first[0] * c.n[1] - first[1] * c.n[0];
+    return std::abs(along) < kSame || std::abs(across) < kSame;
+  });
 }
 
 /// Writes the plan down, stage by stage; `plan_auto` says what it is.
@@ -151,15 +150,17 @@ class Planner {
 
  public:
   Planner(const ContactProblem& p, const DelassusOperator& delassus, bool warm)
-      : contacts_(p.num_contacts()),
+      : problem_(p),
+        delassus_(delassus),
+        contacts_(p.num_contacts()),
         exact_(p.dim <= 2),
         friction_(p.dim == 2),
         local_(!p.has_velocities()),
         warm_(warm),
         unequal_(spread_of_masses(p, delassus) > kUnequal),
         disks_(delassus.disks().has_value()),
-        regular_(disks_ && contacts_ <= kSmallLattice && is_regular(*delassus.disks())),
-        sweeps_pay_(disks_ && friction_ && !regular_ && contacts_ > kFew),
+        square_(disks_ && contacts_ <= kSmallLattice && is_square(*delassus.disks())),
+        sweeps_pay_(disks_ && friction_ && !square_ && contacts_ > kFew),
         largest_friction_(p.mu.size() > 0 ? p.mu.maxCoeff() : 0) {
     const double root = std::sqrt(static_cast<double>(contacts_));
     crossing_ = 50 + static_cast<int>((local_ ? 20 : 70) * root);
@@ -283,10 +284,10 @@ class Planner {
       add("assor", least, most, Start::kOwn,
           "the quickest on what is easy, and roughly on most; soon seen not to be elsewhere",
           {{"sweeps", m}, {"most_sweeps", m}});
-      stages_.back().before_cutting = true;
+      stages_.back().before_cutting = stages_.back().on_whole_only = true;
     };
     if (few) {
-      sweeps_to(50, 200);
+      sweeps_to(100, 250);
     } else if (warm_) {
       sweeps_to(30, 175);
       if (contacts_ > kMany) stages_.back().least_tol = kFair;
@@ -294,13 +295,24 @@ class Planner {
       sweeps_to(60, 250);
     }
     if (contacts_ > kMany) return;
+    soon_path();
+  }
+  /// A path from where the first stage ended, if that is near.
+  void soon_path() {
+    if (!exact_) return;
     first_paths(kPivotsSoon);
-    stages_.back().largest_error = kNearStart;
-    stages_.back().tol_below = kRough;
+    const bool small = contacts_ <= kSmall;
+    stages_.back().largest_error = small ? kNearStartOfSmall : kNearStart;
+    if (!small) stages_.back().tol_below = kRough;
+    stages_.back().before_cutting = small;
   }
 
   void regular_packings() {
-    if (contacts_ <= kFew) stages_.push_back(first_of_few());
+    if (contacts_ <= kFew) {
+      stages_.push_back(first_of_few(problem_, delassus_));
+      // A dozen pivots, where more of the same would be a hundred iterations.
+      soon_path();
+    }
     if (unequal_) {
       add("ipm", 40, 60, Start::kOwn, "very unequal masses: factorisations do not feel them");
     }
@@ -308,9 +320,9 @@ class Planner {
       if (sweeps_pay_) disks_first();
       if (!sweeps_pay_ || (warm_ && contacts_ > kMany)) {
         add("anderson", 16, exact_ ? 100 : 30, Start::kOwn,
-            "the quickest by far on small regular packings, and soon seen not to be elsewhere");
+            "the quickest on small square lattices, and soon seen not to be elsewhere");
         stages_.back().close_iterations = kCloseAnderson;
-        stages_.back().before_cutting = true;
+        stages_.back().before_cutting = stages_.back().on_whole_only = true;
         if (sweeps_pay_) stages_.back().tol_below = kFair;
       }
     }
@@ -498,10 +510,12 @@ class Planner {
         "last resort: sweeps, which approach where nothing converges");
   }
 
+  const ContactProblem& problem_;
+  const DelassusOperator& delassus_;
   const int contacts_;
   const bool exact_;  // in space the law is not piecewise linear
   const bool friction_, local_, warm_, unequal_, disks_;
-  const bool regular_;     // and small
+  const bool square_;      // a lattice, and small
   const bool sweeps_pay_;  // assor's, before all else
   const double largest_friction_;
   const bool with_newton_ = find_solver("newton") != nullptr;  // needs PETSc
@@ -519,8 +533,18 @@ bool is_warm(const SolverOptions& options) {
   return options.s0.size() != 0 && options.s0.squaredNorm() > 0;
 }
 
-AutoStage first_of_few() {
-  return {"anderson", 64, 100, AutoStage::Start::kOwn, 1, {}, "few contacts: next to free"};
+AutoStage first_of_few(const ContactProblem& p, const DelassusOperator& delassus) {
+  const auto& disks = delassus.disks();
+  if (p.dim == 2 && p.num_contacts() > kVeryFew && disks.has_value() && !is_square(*disks)) {
+    return {"assor",
+            50,
+            100,
+            AutoStage::Start::kOwn,
+            1,
+            {{"sweeps", "2"}, {"most_sweeps", "2"}},
+            "few contacts: sweeps cost little"};
+  }
+  return {"anderson", 32, 100, AutoStage::Start::kOwn, 1, {}, "few contacts: next to free"};
 }
 
 std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator& delassus,

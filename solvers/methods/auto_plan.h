@@ -36,6 +36,8 @@ struct AutoStage {
   int close_iterations = kUnlimited;
   /// Tried on a problem before its parts are cut out (SolverEntry::attempt).
   bool before_cutting = false;
+  /// Not tried again on these parts.
+  bool on_whole_only = false;
 
   /// Whether it is run to this tolerance, with a best error so far.
   bool serves(double tol, double best_error) const {
@@ -43,18 +45,19 @@ struct AutoStage {
   }
 };
 
-/// What few contacts begin with, whatever they are.
-AutoStage first_of_few();
+/// What few contacts begin with, before there is a plan: `anderson`, or `assor` where they are those of
+/// disks, fill vectors and are not a square lattice's.
+AutoStage first_of_few(const ContactProblem& problem, const DelassusOperator& delassus);
 /// Up to so many contacts are few.
 inline constexpr int kFewContactsOfAuto = 100;
 
 /// The race for this problem, from its size, form and masses:
 ///
 ///   1. `assor`, the quickest on what is easy and soon seen not to be elsewhere; `anderson` on small
-///      regular packings, without disks or friction, and above 2500 contacts from a warm start to
-///      tight tolerances (very unequal masses: `ipm` before it; up to 2500 contacts of disks a path
-///      from where `assor` ended; up to 400 contacts `pgs` after it, or `anderson` from a cold start
-///      where `assor` was first);
+///      square lattices and a handful of contacts, without disks or friction, and above 2500 contacts
+///      from a warm start to tight tolerances (very unequal masses: `ipm` before it; up to 2500 contacts
+///      of disks, and where few are all there is, a path from where that ended; up to 400 contacts `pgs`
+///      after it, or `anderson` from a cold start where `assor` was first);
 ///   2. `apgd`: all that a loose tolerance needs, and a start for what follows; in its place, for
 ///      disks with more than 4000 contacts (8000 from a warm start), `assor`, which needs O(N^1/4)
 ///      iterations on packings at rest where momentum needs O(N^1/2). Above 4000 contacts

@@ -84,30 +84,26 @@ class Race {
   }
 
   SolveResult run() {
+    const bool attempted = options_.best.size() != 0;
     // On a handful of contacts the plan would cost more than the solution.
     const bool few = p_.num_contacts() <= kFewContactsOfAuto;
-    if (few && finished(first_of_few())) return finish();
-    const bool attempted = options_.best.size() != 0;
+    if (few && !attempted && finished(first_of_few(p_, evaluate_.delassus()))) return finish();
     const std::vector<AutoStage> stages = plan();
     for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
-      if (attempted && stages[k].before_cutting) continue;
+      if (attempted && stages[k].on_whole_only) continue;
       if (finished(stages[k])) break;
     }
     return finish();
   }
 
   SolveResult attempt() {
-    if (p_.num_contacts() <= kFewContactsOfAuto) {
-      finished(first_of_few());
-      return finish();
-    }
+    const bool few = p_.num_contacts() <= kFewContactsOfAuto;
+    if (few && finished(first_of_few(p_, evaluate_.delassus()))) return finish();
     const std::vector<AutoStage> stages = plan();
-    const auto first = std::find_if(stages.begin(), stages.end(), [&](const AutoStage& stage) {
-      return stage.before_cutting && stage.serves(options_.tol, best_error_);
-    });
-    if (first == stages.end()) return {};
-    finished(*first);
-    return finish();
+    for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
+      if (stages[k].before_cutting && finished(stages[k])) break;
+    }
+    return trail_.empty() ? SolveResult() : finish();
   }
 
  private:

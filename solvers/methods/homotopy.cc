@@ -155,7 +155,8 @@ class Homotopy {
 
   /// Judges an impulse; true: everything ends here.
   bool judge(const Vector& s) {
-    const bool due = monitor_.due(iteration());
+    // What ends the solve belongs into its history.
+    if (!monitor_.due(iteration()) && monitor_.meets(s)) monitor_.judge_next();
     if (monitor_.stop(iteration(), s, delta_, /*moving=*/true)) {
       ended_ = true;
       const SolveResult so_far = monitor_.finish();
@@ -165,14 +166,9 @@ class Homotopy {
       }
       return true;
     }
-    const bool met = !due && monitor_.meets(s);
     if (monitor_.last_error() < chain_error_) {
       chain_error_ = monitor_.last_error();
       chain_best_ = s;
-    }
-    if (met) {
-      return end(SolveStatus::kConverged,
-                 fmt::format("{} test met after {}", to_string(options_.stop), counted()));
     }
     return false;
   }

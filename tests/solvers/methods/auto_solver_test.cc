@@ -44,17 +44,19 @@ TEST(AutoSolver, UnequalMassesBeginWithFactorisations) {
 }
 
 TEST(AutoSolver, GivesUpWhatDoesNotPromiseAndSolvesAllTheSame) {
-  // Anderson and apgd do not get this pyramid to 1e-8 within 30 000 and 170 000 iterations.
+  // Neither Anderson nor apgd get this pyramid to 1e-8 within 30 000 and 170 000 iterations.
   const SolveResult result = solve("auto", shipped_file("2d_pyramid_10.hdf5"), {.tol = 1e-8});
   EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
   EXPECT_LE(result.error.guarded(), 1e-8);
-  EXPECT_NE(result.message.find("anderson 16: given up"), std::string::npos) << result.message;
+  EXPECT_NE(result.message.find("given up"), std::string::npos) << result.message;
   EXPECT_LT(result.iterations, 20000);
 }
 
 /// Within a decade of the tolerance Anderson is let go on for a while, not to the end of its budget.
 TEST(AutoSolver, AndersonHasPatienceNearTheToleranceAndNoMore) {
-  const SolveResult slow = solve("auto", shipped_file("2d_pyramid_20_mu05.hdf5"), {.tol = 0.3});
+  // Given by W alone: no disks, which begin with other sweeps.
+  const SolveResult slow =
+      solve("auto", local_form(shipped_file("2d_pyramid_20_mu05.hdf5")), {.tol = 0.3});
   EXPECT_EQ(slow.status, SolveStatus::kConverged);
   EXPECT_NE(slow.message.find("anderson 64: given up"), std::string::npos) << slow.message;
   const SolveResult quick = solve("auto", shipped_file("2d_pour300_392.hdf5"), {.tol = 0.03});
@@ -274,14 +276,18 @@ TEST(AutoSolver, LargePackingsAtRestAreSolvedBySweepsForthAndBack) {
   }
 }
 
-// Small lattices and pyramids have few directions of normals, settled piles and steps of pours many,
-// also where all disks have one radius.
-TEST(AutoSolver, SmallLatticesAndPyramidsBeginWithAndersonOthersWithSweepsForthAndBack) {
-  for (const char* name : {"2d_triangular_lattice.hdf5", "2d_pyramid_10.hdf5"}) {
-    ASSERT_GT(shipped_file(name).num_contacts(), 100) << name;
-    EXPECT_EQ(plan(shipped_file(name)).front().solver, "anderson") << name;
+// The normals of square lattices are along or across one direction; those of triangular ones, of
+// pyramids, settled piles and steps of pours are not.
+TEST(AutoSolver, SmallSquareLatticesBeginWithAndersonOthersWithSweepsForthAndBack) {
+  for (const int side : {5, 12}) {  // few contacts and more
+    LatticeOptions tilted;
+    tilted.tilt = 0.2;
+    EXPECT_EQ(plan(square_lattice(side, tilted)).front().solver, "anderson") << side;
+    EXPECT_EQ(plan(triangular_lattice(side, tilted)).front().solver, "assor") << side;
   }
-  for (const char* name : {"2d_pile_300_mu03.hdf5", "2d_pour300_392.hdf5", "2d_tilt12_320.hdf5"}) {
+  EXPECT_EQ(plan(triangular_lattice(2)).front().solver, "anderson");  // too few to fill vectors
+  for (const char* name : {"2d_pile_300_mu03.hdf5", "2d_pour300_392.hdf5", "2d_tilt12_320.hdf5",
+                           "2d_triangular_lattice.hdf5", "2d_pyramid_10.hdf5"}) {
     ASSERT_GT(shipped_file(name).num_contacts(), 100) << name;
     EXPECT_EQ(plan(shipped_file(name)).front().solver, "assor") << name;
     // From a warm start too, at any tolerance.
@@ -296,7 +302,6 @@ TEST(AutoSolver, SmallLatticesAndPyramidsBeginWithAndersonOthersWithSweepsForthA
   }
   LatticeOptions options;
   options.tilt = 0.2;
-  EXPECT_EQ(plan(triangular_lattice(12, options)).front().solver, "anderson");
   const ContactProblem larger = triangular_lattice(30, options);
   EXPECT_EQ(plan(larger).front().solver, "assor");
   // Beyond 2500 contacts it is so from warm starts at loose tolerances.
