@@ -6,6 +6,8 @@
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__)
 #define BIPOT_CLONES(...) __attribute__((target_clones(__VA_ARGS__)))
+// Functions of one name may also be written once for each level.
+#define BIPOT_LEVELS
 #else
 #define BIPOT_CLONES(...)
 #endif
