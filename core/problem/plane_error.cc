@@ -18,19 +18,19 @@ template <>
 struct Registers<2> {
   using Values [[gnu::vector_size(16)]] = double;
   using Whole [[gnu::vector_size(16)]] = long long;
-  static constexpr Whole kCount{0, 1};
+  [[maybe_unused]] static constexpr Whole kCount{0, 1};
 };
 template <>
 struct Registers<4> {
   using Values [[gnu::vector_size(32)]] = double;
   using Whole [[gnu::vector_size(32)]] = long long;
-  static constexpr Whole kCount{0, 1, 2, 3};
+  [[maybe_unused]] static constexpr Whole kCount{0, 1, 2, 3};
 };
 template <>
 struct Registers<8> {
   using Values [[gnu::vector_size(64)]] = double;
   using Whole [[gnu::vector_size(64)]] = long long;
-  static constexpr Whole kCount{0, 1, 2, 3, 4, 5, 6, 7};
+  [[maybe_unused]] static constexpr Whole kCount{0, 1, 2, 3, 4, 5, 6, 7};
 };
 
 /// The arrays of contacts [first, first + count), where count < kLanes, followed by contacts that add nothing.
