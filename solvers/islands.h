@@ -13,9 +13,9 @@ namespace bipot {
 /// of one part, and one with another stop test than the guarded one, goes to `entry` as it is. For
 /// solve(), which judges the result on the whole.
 ///
-/// Where `entry` has an attempt to make, that is made on the whole first: what is easy is solved before
-/// anything is cut out. Not so where no part has two contacts, nor from a warm start that settles more
-/// than a quarter of the contacts.
+/// Where `entry` has an attempt to make, that is made on the whole first: what is easy is solved
+/// before anything is cut out. Not so where no part has two contacts, nor from a warm start that
+/// settles more than a quarter of the contacts.
 ///
 /// **The tolerance of the parts.** With the sums of data/criterion.md the whole meets tol when
 ///
@@ -31,8 +31,8 @@ namespace bipot {
 ///  * its own error is <= tol / 12.
 ///
 /// So before the last part, the largest, the numerators are at most tol M / 2 by the first rule and
-/// tol Σ M_i / 12 <= tol M / 4 by the second, of the squares less; the last one has what is left, and
-/// its stop test is that of the whole.
+/// tol Σ M_i / 12 <= tol M / 4 by the second, of the squares less; the last one has what is left,
+/// and its stop test is that of the whole.
 ///
 /// `iterations` is the number of iterations over the whole that the work amounts to: that of each
 /// part times its part of the contacts, rounded up. `options.max_iterations` holds for each part.

@@ -8,8 +8,8 @@ namespace bipot {
 namespace {
 
 // Every kLanes-th contact is added to the same sum. So many sums lie in as many registers as the
-// machine's width asks for: g++ makes twice as slow code of vectors that are wider than registers as of
-// single numbers.
+// machine's width asks for: g++ makes twice as slow code of vectors that are wider than registers
+// as of single numbers.
 constexpr int kLanes = 8;
 
 template <int kWidth>
@@ -33,7 +33,8 @@ struct Registers<8> {
   [[maybe_unused]] static constexpr Whole kCount{0, 1, 2, 3, 4, 5, 6, 7};
 };
 
-/// The arrays of contacts [first, first + count), where count < kLanes, followed by contacts that add nothing.
+/// The arrays of contacts [first, first + count), where count < kLanes, followed by contacts that
+/// add nothing.
 struct LastContacts {
   double s[2 * kLanes] = {}, u[2 * kLanes] = {}, b[2 * kLanes] = {}, row_scale[2 * kLanes],
                mu[kLanes] = {}, w_nn[kLanes] = {}, rho_nn[kLanes] = {}, rho_nat[kLanes] = {};

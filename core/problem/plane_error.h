@@ -24,9 +24,10 @@ struct PlaneContacts {
   const double *w_nn, *rho_nn, *rho_nat;  ///< ErrorWeights
 };
 
-/// project_physically() of error_terms.h for the contacts [begin, end), as many at once as the machine's
-/// registers hold, and the sums of add_error_terms(). Compiled for several instruction sets, with the
-/// same bits from all: every eighth contact is added to the same sum, and these in one order.
+/// project_physically() of error_terms.h for the contacts [begin, end), as many at once as the
+/// machine's registers hold, and the sums of add_error_terms(). Compiled for several instruction
+/// sets, with the same bits from all: every eighth contact is added to the same sum, and these in
+/// one order.
 void project_on_plane_cones(const PlaneContacts& p, int begin, int end, double* s);
 PieceSums sum_plane_errors(const PlaneContacts& p, int begin, int end);
 

@@ -37,8 +37,8 @@ class IslandRun {
         islands_(islands),
         evaluate_(criterion_of(p, options)) {}
 
-  /// Puts s = 0 where that obeys the law and keeps starts that are good enough. The number of contacts
-  /// that are left.
+  /// Puts s = 0 where that obeys the law and keeps starts that are good enough. The number of
+  /// contacts that are left.
   int settle() {
     const ContactError error = evaluate_(start_of(p_, options_));
     s_ = evaluate_.impulse();
@@ -295,8 +295,8 @@ class IslandRun {
   SolveResult result_;
 };
 
-/// Where a warm start has settled more than a quarter of the contacts, the others are cut out at once. Sweeps
-/// over all cost less than cutting where they arrive soon.
+/// Where a warm start has settled more than a quarter of the contacts, the others are cut out at
+/// once. Sweeps over all cost less than cutting where they arrive soon.
 constexpr double kMostContacts = 0.75;
 
 }  // namespace

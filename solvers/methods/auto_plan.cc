@@ -14,8 +14,8 @@ namespace bipot {
 namespace {
 
 constexpr int kFew = kFewContactsOfAuto;
-// Up to it, too few to fill vectors: `anderson` takes 0.5 to 0.8 of the time of `assor`; twice as long from
-// 70 contacts on (steps of 6 to 100 disks).
+// Up to it, too few to fill vectors: `anderson` takes 0.5 to 0.9 of the time of `assor`; twice as
+// long from 70 contacts on (steps of 6 to 100 disks).
 constexpr int kVeryFew = 20;
 // Up to it, a dense Newton step costs less than a millisecond; beyond, up to four.
 constexpr int kDense = 50;
@@ -23,9 +23,9 @@ constexpr int kDense = 50;
 constexpr double kLargeFriction = 10;
 // Up to it, sweeps get more patience: they cost less than other solvers' set-up.
 constexpr int kSmall = 400;
-// Up to it, `anderson` needs 10 to 30 iterations on square lattices, where `assor` takes one to three
-// times as long. Elsewhere `assor` takes less: 0.4 to 0.8 of the time on triangular lattices, and on
-// pyramids `anderson` does not arrive.
+// Up to it, `anderson` needs 10 to 30 iterations on square lattices, where `assor` takes one to
+// three times as long. Elsewhere `assor` takes less: 0.4 to 0.8 of the time on triangular lattices,
+// and on pyramids `anderson` does not arrive.
 constexpr int kSmallLattice = 600;
 // Above it, proximal Newton (a factorisation of d contacts unknowns a step) and Anderson (whose
 // sweeps need more iterations the deeper the packing) are left out of the first rounds.
@@ -39,11 +39,11 @@ constexpr int kCheapFactors = 1000;
 // 700 iterations of it, 13.7 s with 1500, 16 s and more after apgd; below, it is no gain.
 constexpr int kMany = 2500;
 // Below kRough, so many pivots from where the first sweeps ended if the error is kNearStart at most
-// (paths from far away are long), up to kMany contacts. 0.86 of the time of 40 problems and steps of
-// 400 to 1000 contacts from warm starts, 0.97 from cold ones; 0.8 of 48 of up to 400; 0.92 and 0.94 of
-// 28 of 1000 to 2500, and 0.85 from cold ones where the sweeps are not given up before 60 iterations.
-// (Up to kSmall contacts at any tolerance and from farther away: no difference on 186 steps of 6 to 400
-// disks, but pyramids, where all first order stands still, need three pivots.)
+// (paths from far away are long), up to kMany contacts. 0.86 of the time of 40 problems and steps
+// of 400 to 1000 contacts from warm starts, 0.97 from cold ones; 0.8 of 48 of up to 400; 0.92 and
+// 0.94 of 28 of 1000 to 2500, and 0.85 from cold ones where the sweeps are not given up before 60
+// iterations. (Up to kSmall contacts at any tolerance and from farther away: no difference on 186
+// steps of 6 to 400 disks, but pyramids, where all first order stands still, need three pivots.)
 constexpr int kPivotsSoon = 500;
 constexpr double kNearStart = 0.1, kNearStartOfSmall = 0.3;
 // Normal diagonals of W that differ more than that: first order needs the root of it in iterations.

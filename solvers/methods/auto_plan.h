@@ -36,7 +36,7 @@ struct AutoStage {
   int close_iterations = kUnlimited;
   /// Tried on a problem before its parts are cut out (SolverEntry::attempt).
   bool before_cutting = false;
-  /// Not tried again on these parts.
+  /// Not tried again on those parts.
   bool on_whole_only = false;
 
   /// Whether it is run to this tolerance, with a best error so far.
@@ -45,19 +45,19 @@ struct AutoStage {
   }
 };
 
-/// What few contacts begin with, before there is a plan: `anderson`, or `assor` where they are those of
-/// disks, fill vectors and are not a square lattice's.
+/// What few contacts begin with, before there is a plan: `anderson`, or `assor` where they are
+/// those of disks, fill vectors and are not a square lattice's.
 AutoStage first_of_few(const ContactProblem& problem, const DelassusOperator& delassus);
 /// Up to so many contacts are few.
 inline constexpr int kFewContactsOfAuto = 100;
 
 /// The race for this problem, from its size, form and masses:
 ///
-///   1. `assor`, the quickest on what is easy and soon seen not to be elsewhere; `anderson` on small
-///      square lattices and a handful of contacts, without disks or friction, and above 2500 contacts
-///      from a warm start to tight tolerances (very unequal masses: `ipm` before it; up to 2500 contacts
-///      of disks, and where few are all there is, a path from where that ended; up to 400 contacts `pgs`
-///      after it, or `anderson` from a cold start where `assor` was first);
+///   1. `assor`, the quickest on what is easy and soon seen not to be elsewhere; `anderson` on
+///      small square lattices and a handful of contacts, without disks or friction, and above 2500
+///      contacts from a warm start to tight tolerances (very unequal masses: `ipm` before it; up to
+///      2500 contacts of disks, and where few are all there is, a path from where that ended; up to
+///      400 contacts `pgs` after it, or `anderson` from a cold start where `assor` was first);
 ///   2. `apgd`: all that a loose tolerance needs, and a start for what follows; in its place, for
 ///      disks with more than 4000 contacts (8000 from a warm start), `assor`, which needs O(N^1/4)
 ///      iterations on packings at rest where momentum needs O(N^1/2). Above 4000 contacts
@@ -65,16 +65,17 @@ inline constexpr int kFewContactsOfAuto = 100;
 ///      by 500 solves with factors of W, where momentum needs tens of thousands of steps, and 1e-3
 ///      by 2000 to 5000;
 ///   3. d <= 2: `homotopy` from the best impulse. Moving packings, in which many contacts close
-///      and slip at once, are solved exactly within a few hundred pivots. Whether a path of one start
-///      arrives is chance: where it has not within two or four pivots a contact, others follow, from
-///      a little off where it came nearest, and from what first order, sweeps and splitting make of
-///      multiples of the caller's start. (Free pyramids have none of it: their paths are long.) Above
-///      2500 contacts `admm` comes before the first; above 4000, at tolerances from 5e-4 on, `admm`
-///      from such starts comes before all paths;
+///      and slip at once, are solved exactly within a few hundred pivots. Whether a path of one
+///      start arrives is chance: where it has not within two or four pivots a contact, others
+///      follow, from a little off where it came nearest, and from what first order, sweeps and
+///      splitting make of multiples of the caller's start. (Free pyramids have none of it: their
+///      paths are long.) Above 2500 contacts `admm` comes before the first; above 4000, at
+///      tolerances from 5e-4 on, `admm` from such starts comes before all paths;
 ///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `admm` and `ipm`, and before the paths;
-///      In space ipm gets 90 of its iterations at least, and before long runs come admm and 350 more of ipm: what
-///      a plate presses on spheres needs;
-///   5. the same with patience, the cheap ones first, above 2500 contacts with `assor` of many sweeps;
+///      In space ipm gets 90 of its iterations at least, and before long runs come admm and 350
+///      more of ipm: what a plate presses on spheres needs;
+///   5. the same with patience, the cheap ones first, above 2500 contacts with `assor` of many
+///      sweeps;
 ///      where the error is below 1e-4, chains of starts of `homotopy` from the caller's; then long
 ///      runs from the best impulse.
 ///

@@ -12,11 +12,11 @@ namespace bipot {
 /// No stage is hidden: when all fail, the status is that of the last one and the impulse the best
 /// one. `iterations` is the sum over stages, whose iterations differ much in cost.
 ///
-/// options.best: what attempt_auto left; its stage is not run again.
+/// options.best: what attempt_auto left; its first stage is not run again.
 SolveResult solve_auto(const ContactProblem& problem, const SolverOptions& options);
 
-/// The first stage alone, where it is one to be tried before parts are cut out: most of what is
-/// easy is solved by then. kNotRun where there is none.
+/// The stages alone that are to be tried before parts are cut out: most of what is easy is solved
+/// by then. kNotRun where there is none.
 SolveResult attempt_auto(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

@@ -90,7 +90,8 @@ TEST(PlaneError, AddsUpAsContactByContact) {
   expect_as_one_by_one<true>(40, 3, 29);
 }
 
-// Of contacts that are as bad, the first one is named: three copies of one contact behind a better one.
+// Of contacts that are as bad, the first one is named: three copies of one contact behind a better
+// one.
 TEST(PlaneError, NamesTheFirstOfTheWorst) {
   AnyContacts any(12, false, 5);
   for (const int c : {0, 4, 9, 11}) {

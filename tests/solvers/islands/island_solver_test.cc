@@ -382,8 +382,8 @@ TEST(Islands, AnAttemptThatDoesNotArriveLeavesItsBestToTheParts) {
   EXPECT_TRUE(has(result, "the whole: half done; then 6 islands")) << result.message;
   EXPECT_GT(result.iterations, 5);
   entry.run = find_solver("auto")->run;
-  // From a warm start too, where that settles little; where it settles more than a quarter of the contacts,
-  // the others are cut out at once.
+  // From a warm start too, where that settles little; where it settles more than a quarter of the
+  // contacts, the others are cut out at once.
   const SolveResult again = solve(entry, p, {.tol = 1e-9, .s0 = 0.5 * result.s});
   EXPECT_TRUE(has(again, "half done")) << again.message;
   Vector mostly = result.s;

@@ -314,8 +314,8 @@ TEST(AutoSolver, SmallSquareLatticesBeginWithAndersonOthersWithSweepsForthAndBac
   EXPECT_EQ(plan(triangular_lattice(30, options)).front().solver, "anderson");
 }
 
-/// Up to 2500 contacts of disks a path begins where the first sweeps end, if that is near; above 400 not at
-/// loose tolerances, where sweeps do without it.
+/// Up to 2500 contacts of disks a path begins where the first sweeps end, if that is near; above
+/// 400 not at loose tolerances, where sweeps do without it.
 TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
   for (const char* name : {"2d_tilt12_320.hdf5", "2d_pile_300_mu03.hdf5"}) {
     const ContactProblem p = shipped_file(name);
