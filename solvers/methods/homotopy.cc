@@ -59,6 +59,8 @@ constexpr double kLargestDelta = 1;
 // The proximal term of a contact that sticks, in others'; it does where its anchor is within that
 // part of the cone. Over 47 steps of a pour of 1000 disks a quarter of the pivots less.
 constexpr double kSticking = 0.1, kInside = 0.8;
+// And the mean impulse over a contact's own, within these bounds.
+constexpr double kLeastProximal = 0.1, kMostProximal = 10;
 // Errors below this must not grow again while delta is below kFine.
 constexpr double kSettled = 1e-5, kFine = 1e-6;
 // Normal impulse minus velocity below that, relative to the mean: zero.
@@ -222,11 +224,27 @@ class Homotopy {
     return point;
   }
 
-  /// The proximal term of a path from the anchor: where a contact sticks well inside the cone it is
-  /// rigid in a dense packing, and what the term lets it give changes the cells of others.
+  /// The proximal term of a path from the anchor. What it lets a contact give is a velocity that the
+  /// criterion multiplies by the contact's impulse: little is for those that bear much. Where a
+  /// contact sticks well inside the cone it is rigid in a dense packing, and what the term lets it
+  /// give changes the cells of others.
   void weigh(const LawPoint& point, const Vector& anchor) {
+    const int d = problem_.dim;
+    double sum = 0;
+    int bearing = 0;
+    for (int i = 0; i < problem_.num_contacts(); ++i) {
+      if (anchor[i * d] <= 0) continue;
+      sum += anchor[i * d];
+      ++bearing;
+    }
+    const double mean = bearing > 0 ? sum / bearing : 0;
     proximal_.setConstant(problem_.num_rows(), delta_);
-    if (problem_.dim == 1) return;
+    for (int i = 0; mean > 0 && i < problem_.num_contacts(); ++i) {
+      const double own = anchor[i * d];
+      const double part = own * kMostProximal > mean ? mean / own : kMostProximal;
+      proximal_.segment(i * d, d) *= std::max(kLeastProximal, part);
+    }
+    if (d == 1) return;
     for (int i = 0; i < problem_.num_contacts(); ++i) {
       if (point.cell[to_size(i)] != Cell::kStick) continue;
       const Eigen::Index n = Eigen::Index{2} * i;
