@@ -61,4 +61,8 @@ Vector start_of(const ContactProblem& problem, const SolverOptions& options) {
   return Vector::Zero(problem.num_rows());
 }
 
+bool is_warm(const SolverOptions& options) {
+  return options.s0.size() != 0 && options.s0.squaredNorm() > 0;
+}
+
 }  // namespace bipot

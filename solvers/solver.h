@@ -75,6 +75,8 @@ bool meets(const SolverOptions& options, const ContactError& error);
 
 /// Where a solve begins: options.s0, or 0 where that is empty. Size m.
 Vector start_of(const ContactProblem& problem, const SolverOptions& options);
+/// Whether that is another than 0.
+bool is_warm(const SolverOptions& options);
 
 struct SolveResult {
   SolveStatus status = SolveStatus::kNotRun;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <optional>
 #include <vector>
 
 #include "core/stopwatch.h"
@@ -308,22 +309,23 @@ SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& p,
   }
   const ContactIslands islands = contact_islands(p);
   if (islands.count() <= 1) return entry.run(p, options);
-  const bool warm = options.s0.size() != 0 && options.s0.squaredNorm() > 0;
-  const bool attempts = entry.attempt != nullptr && options.best.size() == 0;
-  const auto by_islands = [&](const SolverOptions& how) {
-    IslandRun run(entry, p, how, islands);
-    run.settle();
-    return run.solve_left();
+  std::optional<IslandRun> run;
+  const auto settle = [&](const SolverOptions& how) {
+    run.emplace(entry, p, how, islands);
+    return run->settle();
   };
-  if (!attempts) return by_islands(options);
-  if (islands.of(islands.count() - 1).size() == 1) return by_islands(options);
+  const bool attempts = entry.attempt != nullptr && options.best.size() == 0 &&
+                        islands.of(islands.count() - 1).size() > 1;
   const Stopwatch watch;
-  if (warm) {
-    IslandRun run(entry, p, options, islands);
-    if (run.settle() < kMostContacts * p.num_contacts()) return run.solve_left();
+  if (!attempts || is_warm(options)) {
+    const int left = settle(options);
+    if (!attempts || left < kMostContacts * p.num_contacts()) return run->solve_left();
   }
   const SolveResult first = entry.attempt(p, options);
-  if (first.status == SolveStatus::kNotRun) return by_islands(options);
+  if (first.status == SolveStatus::kNotRun) {
+    if (!run) settle(options);
+    return run->solve_left();
+  }
   const bool over = is_success(first.status) || first.status == SolveStatus::kTimeLimit ||
                     first.status == SolveStatus::kInterrupted ||
                     first.iterations >= options.max_iterations;
@@ -341,7 +343,8 @@ SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& p,
       options.on_iteration(record);
     };
   }
-  SolveResult result = by_islands(rest);
+  settle(rest);
+  SolveResult result = run->solve_left();
   result.message = fmt::format("the whole: {}; then {}", first.message, result.message);
   result.iterations += first.iterations;
   result.setup_seconds += first.setup_seconds;

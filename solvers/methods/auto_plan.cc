@@ -529,22 +529,20 @@ class Planner {
 
 }  // namespace
 
-bool is_warm(const SolverOptions& options) {
-  return options.s0.size() != 0 && options.s0.squaredNorm() > 0;
-}
-
 AutoStage first_of_few(const ContactProblem& p, const DelassusOperator& delassus) {
   const auto& disks = delassus.disks();
-  if (p.dim == 2 && p.num_contacts() > kVeryFew && disks.has_value() && !is_square(*disks)) {
-    return {"assor",
-            50,
-            100,
-            AutoStage::Start::kOwn,
-            1,
-            {{"sweeps", "2"}, {"most_sweeps", "2"}},
-            "few contacts: sweeps cost little"};
+  const bool vectors = p.dim == 2 && p.num_contacts() > kVeryFew && disks && !is_square(*disks);
+  AutoStage stage;
+  if (vectors) {
+    stage = {"assor", 50, 100};
+    stage.parameters = {{"sweeps", "2"}, {"most_sweeps", "2"}};
+    stage.reason = "few contacts: sweeps cost little";
+  } else {
+    stage = {"anderson", 32, 100};
+    stage.reason = "few contacts: next to free";
   }
-  return {"anderson", 32, 100, AutoStage::Start::kOwn, 1, {}, "few contacts: next to free"};
+  stage.before_cutting = stage.on_whole_only = true;
+  return stage;
 }
 
 std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator& delassus,

@@ -85,9 +85,6 @@ inline constexpr int kFewContactsOfAuto = 100;
 std::vector<AutoStage> plan_auto(const ContactProblem& problem, const DelassusOperator& delassus,
                                  bool warm);
 
-/// Whether the caller's start is another than 0.
-bool is_warm(const SolverOptions& options);
-
 /// The plan in words, one line a stage.
 std::string explain_auto(const ContactProblem& problem, const SolverOptions& options);
 

@@ -85,30 +85,29 @@ class Race {
 
   SolveResult run() {
     const bool attempted = options_.best.size() != 0;
-    // On a handful of contacts the plan would cost more than the solution.
-    const bool few = p_.num_contacts() <= kFewContactsOfAuto;
-    if (few && !attempted && finished(first_of_few(p_, evaluate_.delassus()))) return finish();
-    const std::vector<AutoStage> stages = plan();
-    for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
-      if (attempted && stages[k].on_whole_only) continue;
-      if (finished(stages[k])) break;
-    }
+    race([&](const AutoStage& stage) { return !(attempted && stage.on_whole_only); });
     return finish();
   }
 
   SolveResult attempt() {
-    const bool few = p_.num_contacts() <= kFewContactsOfAuto;
-    if (few && finished(first_of_few(p_, evaluate_.delassus()))) return finish();
-    const std::vector<AutoStage> stages = plan();
-    for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
-      if (stages[k].before_cutting && finished(stages[k])) break;
-    }
+    race([](const AutoStage& stage) { return stage.before_cutting; });
     return trail_.empty() ? SolveResult() : finish();
   }
 
  private:
-  std::vector<AutoStage> plan() const {
-    return plan_auto(p_, evaluate_.delassus(), is_warm(options_));
+  /// The stages that `chosen` takes, one after the other.
+  template <class Chosen>
+  void race(const Chosen& chosen) {
+    // On a handful of contacts the plan would cost more than the solution.
+    const bool few = p_.num_contacts() <= kFewContactsOfAuto;
+    if (few) {
+      const AutoStage first = first_of_few(p_, evaluate_.delassus());
+      if (chosen(first) && finished(first)) return;
+    }
+    const std::vector<AutoStage> stages = plan_auto(p_, evaluate_.delassus(), is_warm(options_));
+    for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
+      if (chosen(stages[k]) && finished(stages[k])) return;
+    }
   }
 
   /// Runs the stage; true when nothing is to follow.

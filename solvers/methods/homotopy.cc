@@ -8,6 +8,7 @@
 #include <string>
 
 #include "solvers/homotopy/path_follower.h"
+#include "solvers/homotopy/proximal_term.h"
 #include "solvers/methods/accelerated_gradient.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
@@ -56,11 +57,6 @@ constexpr double kUsefulTurn = 0.3;
 // Factors of delta after a path that failed.
 constexpr double kRaise = 5, kRaiseAtTurn = 3;
 constexpr double kLargestDelta = 1;
-// The proximal term of a contact that sticks, in others'; it does where its anchor is within that
-// part of the cone. Over 47 steps of a pour of 1000 disks a quarter of the pivots less.
-constexpr double kSticking = 0.1, kInside = 0.8;
-// And the mean impulse over a contact's own, within these bounds.
-constexpr double kLeastProximal = 0.1, kMostProximal = 10;
 // Errors below this must not grow again while delta is below kFine.
 constexpr double kSettled = 1e-5, kFine = 1e-6;
 // Normal impulse minus velocity below that, relative to the mean: zero.
@@ -224,35 +220,6 @@ class Homotopy {
     return point;
   }
 
-  /// The proximal term of a path from the anchor. What it lets a contact give is a velocity that the
-  /// criterion multiplies by the contact's impulse: little is for those that bear much. Where a
-  /// contact sticks well inside the cone it is rigid in a dense packing, and what the term lets it
-  /// give changes the cells of others.
-  void weigh(const LawPoint& point, const Vector& anchor) {
-    const int d = problem_.dim;
-    double sum = 0;
-    int bearing = 0;
-    for (int i = 0; i < problem_.num_contacts(); ++i) {
-      if (anchor[i * d] <= 0) continue;
-      sum += anchor[i * d];
-      ++bearing;
-    }
-    const double mean = bearing > 0 ? sum / bearing : 0;
-    proximal_.setConstant(problem_.num_rows(), delta_);
-    for (int i = 0; mean > 0 && i < problem_.num_contacts(); ++i) {
-      const double own = anchor[i * d];
-      const double part = own * kMostProximal > mean ? mean / own : kMostProximal;
-      proximal_.segment(i * d, d) *= std::max(kLeastProximal, part);
-    }
-    if (d == 1) return;
-    for (int i = 0; i < problem_.num_contacts(); ++i) {
-      if (point.cell[to_size(i)] != Cell::kStick) continue;
-      const Eigen::Index n = Eigen::Index{2} * i;
-      if (std::abs(anchor[n + 1]) >= kInside * problem_.mu[i] * anchor[n]) continue;
-      proximal_.segment<2>(n) *= kSticking;
-    }
-  }
-
   /// Paths from s with decreasing delta. True: everything ends here.
   bool stages(const Vector& start) {
     const double smallest = parameters_.number("smallest_delta");
@@ -270,7 +237,7 @@ class Homotopy {
     for (int stage = 0; stage < kStages && iteration() < chain_end_; ++stage) {
       const LawPoint before = point;
       const int left = options_.max_iterations - iteration();
-      weigh(point, anchor);
+      proximal_term(problem_, point, anchor, delta_, proximal_);
       const PathEnd path = follower_.follow(point, anchor, proximal_, std::min(longest, left));
       point.impulse(problem_, s);
       if (path == PathEnd::kSolved) {
@@ -338,7 +305,7 @@ class Homotopy {
   std::mt19937_64 random_;
   Schedule schedule_ = kSchedules[0];
   double delta_ = kNaN;
-  Vector proximal_;  // delta_ by contact
+  Vector proximal_;  // of the path in progress
   double chain_error_ = kInfinity;
   Vector chain_best_;
   int start_steps_ = 0, judged_ = 0, chain_end_ = 0;

@@ -72,9 +72,8 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
 ///
 ///     u - W s - u_free - delta D (s - anchor) = (1 - t) r,    r: the residual of p0
 ///
-/// with D = diag W times the mean impulse over the contact's own (a tenth to ten), a tenth of that
-/// where a contact sticks well inside the cone, is followed through the cells by pivots, one
-/// exchange of a column each, as Lemke's algorithm follows its own (Lemke 1965; Eaves 1976 for paths of piecewise linear equations in general). At
+/// with D = diag W by what each contact bears (homotopy/proximal_term.h), is followed through the
+/// cells by pivots, one exchange of a column each, as Lemke's algorithm follows its own (Lemke 1965; Eaves 1976 for paths of piecewise linear equations in general). At
 /// t = 1 it has solved the proximal problem exactly; its impulse is the anchor of the next, with a
 /// smaller delta. The fixed points solve the problem itself, whatever delta, to rounding: the linear
 /// systems are refined by residuals in 80 bits. Folds, where t turns back, are part of the path.

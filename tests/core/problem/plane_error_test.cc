@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <random>
 #include <vector>
 
@@ -50,8 +51,7 @@ void expect_as_one_by_one(int contacts, int begin, int end) {
   AnyContacts any(contacts, kScaled, static_cast<unsigned>(31 * contacts + begin));
   Vector projected = any.s;
   for (int c = begin; c < end; ++c) project_physically<2, kScaled>(any.p, c, projected);
-  const PlaneContacts before = any.arrays();
-  project_on_plane_cones(before, begin, end, any.s.data());
+  project_on_plane_cones(any.arrays(), begin, end, any.s.data());
   EXPECT_EQ(any.s, projected);  // to the bit, and nothing beside [begin, end)
 
   // Every eighth contact in the same sum, and these in one order: the same bits on every machine.

@@ -385,6 +385,7 @@ TEST(Islands, AnAttemptThatDoesNotArriveLeavesItsBestToTheParts) {
   // From a warm start too, where that settles little; where it settles more than a quarter of the
   // contacts, the others are cut out at once.
   const SolveResult again = solve(entry, p, {.tol = 1e-9, .s0 = 0.5 * result.s});
+  EXPECT_EQ(again.status, SolveStatus::kConverged) << again.message;
   EXPECT_TRUE(has(again, "half done")) << again.message;
   Vector mostly = result.s;
   const ContactIslands islands = contact_islands(p);

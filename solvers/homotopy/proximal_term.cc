@@ -1,0 +1,47 @@
+#include "solvers/homotopy/proximal_term.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bipot {
+namespace {
+
+// Bounds of the first factor. 0.3 and 3 make 1.07 of the time of ten steps of 5000 contacts, none at
+// all (1 and 1) 2.
+constexpr double kLeast = 0.1, kMost = 10;
+// The second, and the part of the cone within which it holds. Over 47 steps of a pour of 1000 disks a
+// quarter of the pivots less.
+constexpr double kSticking = 0.1, kInside = 0.8;
+
+/// Of the normal impulses that are not zero; 0 if all are.
+double mean_impulse(const LawProblem& problem, const Vector& s) {
+  double sum = 0;
+  int bearing = 0;
+  for (int i = 0; i < problem.num_contacts(); ++i) {
+    const double own = s[Eigen::Index{i} * problem.dim];
+    if (own <= 0) continue;
+    sum += own;
+    ++bearing;
+  }
+  return bearing > 0 ? sum / bearing : 0;
+}
+
+}  // namespace
+
+void proximal_term(const LawProblem& problem, const LawPoint& point, const Vector& anchor,
+                   double delta, Vector& term) {
+  const int d = problem.dim;
+  const double mean = mean_impulse(problem, anchor);
+  term.setConstant(problem.num_rows(), delta);
+  for (int i = 0; i < problem.num_contacts(); ++i) {
+    const Eigen::Index n = Eigen::Index{i} * d;
+    const double own = anchor[n];
+    if (mean > 0) term.segment(n, d) *= own * kMost > mean ? std::max(kLeast, mean / own) : kMost;
+    const bool sticks = d == 2 && point.cell[to_size(i)] == Cell::kStick;
+    if (sticks && std::abs(anchor[n + 1]) < kInside * problem.mu[i] * own) {
+      term.segment(n, d) *= kSticking;
+    }
+  }
+}
+
+}  // namespace bipot
