@@ -197,19 +197,18 @@ class BatchFiller {
   FreeLanes free_;
 };
 
-/// Takes the entries in large steps, so that neighbours come far apart. The step has no divisor in
-/// common with the number of entries.
-void stride(std::vector<int>& entries, std::vector<int>& scratch) {
+/// Goes along the entries in many places at once: what comes together is far apart, and each place
+/// comes to its next entry kBatchGap batches later, while the bodies that both share are in the
+/// cache.
+void interleave(std::vector<int>& entries, std::vector<int>& scratch) {
+  constexpr std::size_t kPlaces = std::size_t{kBatchGap} * kLanes;
   const std::size_t n = entries.size();
-  if (n < 3) return;
-  std::size_t step = static_cast<std::size_t>(0.618 * static_cast<double>(n)) | 1;
-  while (std::gcd(step, n) != 1) ++step;
-  scratch.resize(n);
-  std::size_t at = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    scratch[k] = entries[at];
-    at += step;
-    if (at >= n) at %= n;
+  scratch.clear();
+  for (std::size_t step = 0; scratch.size() < n; ++step) {
+    for (std::size_t place = 0; place < kPlaces; ++place) {
+      const std::size_t at = n * place / kPlaces + step;
+      if (at < n * (place + 1) / kPlaces) scratch.push_back(entries[at]);
+    }
   }
   entries.swap(scratch);
 }
@@ -276,6 +275,12 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
     const auto [i, j] = pair_of(c);
     contacts[to_size(tile_of[to_size(std::max(i, j))])].push_back(c);
   }
+  // By the later body, which is in the tile.
+  const auto earlier = [&](int a, int b) {
+    const auto p = pair_of(a), q = pair_of(b);
+    return std::tuple(std::max(p.first, p.second), std::min(p.first, p.second), a) <
+           std::tuple(std::max(q.first, q.second), std::min(q.first, q.second), b);
+  };
   BatchFiller filler(to_size(bodies));
   std::vector<int> scratch;
   out.contact.reserve(disks.contacts.size() + to_size(tiles) * kLanes);
@@ -284,7 +289,8 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
     tile.first_row = starts[to_size(t)] + t;
     tile.last_row = starts[to_size(t) + 1] + t + 1;
     tile.first_batch = out.num_batches();
-    stride(contacts[to_size(t)], scratch);
+    std::sort(contacts[to_size(t)].begin(), contacts[to_size(t)].end(), earlier);
+    interleave(contacts[to_size(t)], scratch);
     filler.fill(t, contacts[to_size(t)], pair_of, out.contact);
     tile.last_batch = out.num_batches();
     out.tiles.push_back(tile);
