@@ -180,6 +180,11 @@ class Race {
       own_.insert_or_assign(std::string(stage.solver), result.s);
       last_s_ = result.s;
     }
+    // W rounds otherwise than A and H: what meets the tolerance with the one may miss it with the
+    // others, and the race goes on.
+    if (is_success(last_) && options_.stop == StopTest::kGuarded && !(error <= inner_.tol)) {
+      last_ = SolveStatus::kStalled;
+    }
     // Loops inside a solver see no difference between being stopped and being out of time.
     const bool stopped = last_ == SolveStatus::kInterrupted || last_ == SolveStatus::kTimeLimit;
     const bool by_caller = stopped && options_.cancelled && options_.cancelled();
@@ -189,7 +194,7 @@ class Race {
     trail_ += fmt::format("{}{} {}: {} ({:.1e})", trail_.empty() ? "" : "; ", stage.solver,
                           result.iterations, given_up ? "given up" : to_string(last_), error);
     if (given_up) last_ = SolveStatus::kIterationLimit;
-    if (error < best_error_ || is_success(result.status)) {
+    if (error < best_error_ || is_success(last_)) {
       best_error_ = error;
       best_natural_map_ = measured.natural_map;
       best_.s = result.s;

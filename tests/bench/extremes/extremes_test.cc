@@ -15,6 +15,7 @@
 #include "bench/measure/second_opinion.h"
 #include "core/problem/extended_error.h"
 #include "solvers/registry.h"
+#include "solvers/solve.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 
@@ -141,6 +142,15 @@ TEST(RandomProblem, IsTheSameEveryTimeAndHoldsWhatItPlants) {
     }
   }
   EXPECT_GT(descriptions.size(), 90u);
+}
+
+/// Next to what double precision can judge, a stage that multiplies by W claims what A and H do not
+/// confirm. The race goes on, and a later stage solves the problem.
+TEST(RandomProblem, AClaimThatTheRaceDoesNotConfirmIsNotItsEnd) {
+  const RandomProblem random = random_problem(1, 601);
+  const SolveResult result = solve("auto", random.problem, {.tol = 1e-8, .time_limit = 10});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_LE(second_opinion(random.problem, result.s).guarded, 1e-8) << result.message;
 }
 
 RandomSetOptions short_set(int count) {

@@ -109,6 +109,33 @@ TEST(ContactTiles, AreNearlyFullAndManyOnALattice) {
   EXPECT_GT(tiles.tiles.size(), 20U);
 }
 
+/// Sixteen batches hold eight contacts of each of sixteen places along the tile, and these the seven
+/// bodies around: 112. Drawn from all over the tile, they would hold 190 of its 400.
+TEST(ContactTiles, GoAlongTheTileSoThatBodiesStayInTheCache) {
+  const DiskStructure disks = *disk_structure(triangular_lattice(200));
+  const ContactTiles tiles = tile_contacts(disks);
+  constexpr int kWindow = 16;
+  int windows = 0;
+  std::size_t bodies = 0;
+  for (const ContactTiles::Tile& tile : tiles.tiles) {
+    if (tile.last_batch - tile.first_batch < 2 * kWindow) continue;
+    for (int batch = tile.first_batch; batch + kWindow <= tile.last_batch; batch += kWindow) {
+      std::set<int> seen;
+      for (int lane = batch * kLanes; lane < (batch + kWindow) * kLanes; ++lane) {
+        const int c = tiles.contact[to_size(lane)];
+        if (c < 0) continue;
+        for (const int body : {disks.contacts[to_size(c)].i, disks.contacts[to_size(c)].j}) {
+          if (body != disks.surroundings()) seen.insert(body);
+        }
+      }
+      ++windows;
+      bodies += seen.size();
+    }
+  }
+  ASSERT_GT(windows, 100);
+  EXPECT_LT(static_cast<double>(bodies) / windows, 125);
+}
+
 // Bodies drawn at random are hundreds of rows apart; along the graph a side of the lattice.
 TEST(ContactTiles, ReverseCuthillMcKeeFindsTheWidthOfALattice) {
   constexpr int kSide = 30;
