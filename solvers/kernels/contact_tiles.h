@@ -15,8 +15,9 @@ namespace bipot {
 /// the iteration before share no body: they may run at the same time, or one right after the other
 /// while the data are in the cache, and every body still sees the same sequence of contacts.
 ///
-/// The contacts of a tile stand in batches whose lanes share no body, drawn so that a body rarely
-/// occurs in two batches that follow each other (its velocity would be waited for).
+/// The contacts of a tile stand in batches whose lanes share no body, from sixteen places that go
+/// along the tile together: a body does not occur in two batches that follow each other (its
+/// velocity would be waited for), but mostly in the next but one, while the cache still has it.
 struct ContactTiles {
   struct Tile {
     int first_batch = 0, last_batch = 0;  ///< half open
