@@ -16,7 +16,7 @@ namespace bipot {
 /// while the data are in the cache, and every body still sees the same sequence of contacts.
 ///
 /// The contacts of a tile stand in batches whose lanes share no body, from sixteen places that go
-/// along the tile together: a body does not occur in two batches that follow each other (its
+/// along it together: there a body does not occur in two batches that follow each other (its
 /// velocity would be waited for), but mostly in the next but one, while the cache still has it.
 struct ContactTiles {
   struct Tile {
