@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/problem/delassus.h"
+#include "core/problem/dense_buffer.h"
 #include "core/stopwatch.h"
 #include "solvers/islands.h"
 #include "solvers/parameters.h"
@@ -187,6 +188,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
     return solve_in_other_units(entry, problem, options, exponent);
   }
   try {
+    take_dense_buffer();
     const Stopwatch watch;
     const ContactProblem* given = &problem;
     ContactProblem with_delassus;
