@@ -10,7 +10,8 @@ namespace bipot {
 /// where there is nothing to do or the start already meets the stop test (0 iterations), runs,
 /// projects the returned impulse on K_mu, and judges it on the original data. A claim of
 /// convergence that does not hold there is withdrawn (kNumericalFailure, with both figures in the
-/// message). Never throws for bad input or a failing solver: the status and the message say it.
+/// message). Never throws for bad input, a failing solver or where memory
+/// runs out, OpenBLAS's buffer included: the status and the message say it.
 SolveResult solve(std::string_view solver, const ContactProblem& problem,
                   const SolverOptions& options = {});
 

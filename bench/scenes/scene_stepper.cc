@@ -55,14 +55,15 @@ StepReportIn<D> SceneStepperIn<D>::advance(StateIn<D>& state) {
   }
   if (on_failure_ == OnFailure::kContinue) return rigid_->advance(state);
   StateIn<D> next = state;
+  StepReportIn<D> whole;
   std::string why;
   try {
-    StepReportIn<D> report = rigid_->advance(next);
-    if (report.converged) {
+    whole = rigid_->advance(next);
+    if (whole.converged) {
       state = std::move(next);
-      return report;
+      return whole;
     }
-    why = report.message;
+    why = whole.message;
   } catch (const StepFailure& failure) {
     const bool numerical = failure.kind == StepFailure::Kind::kNumerical;
     if (!numerical || on_failure_ == OnFailure::kStop) throw;
@@ -73,6 +74,7 @@ StepReportIn<D> SceneStepperIn<D>::advance(StateIn<D>& state) {
   }
   SplitStepIn<D> split = advance_in_parts(scene_, solver_, explicit_delassus_, state, threads_);
   parts_ = split.parts;
+  split.report.add_cost(whole);
   return std::move(split.report);
 }
 

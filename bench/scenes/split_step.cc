@@ -62,6 +62,7 @@ class Parts {
         add(report, std::move(next));
         return;
       }
+      attempts_.add_cost(report);
       why = report.message;
     } catch (const StepFailure& failure) {
       if (failure.kind != StepFailure::Kind::kNumerical || accept_) throw;
@@ -82,6 +83,7 @@ class Parts {
     state.contacts = std::move(contacts_);
     state.step = total_.step = step;
     state.time = total_.time = time;
+    total_.add_cost(attempts_);
     return {std::move(total_), parts_};
   }
 
@@ -89,7 +91,7 @@ class Parts {
   void add(const StepReportIn<D>& part, StateIn<D> next) {
     const StepReportIn<D> before = std::exchange(total_, part);
     if (parts_++ > 0) {
-      total_.iterations += before.iterations;
+      total_.add_cost(before);
       if (!before.converged) {
         total_.converged = false;
         total_.message = before.message;
@@ -99,9 +101,6 @@ class Parts {
       total_.penetration = std::max(total_.penetration, before.penetration);
       total_.contacts = std::max(total_.contacts, before.contacts);
       total_.active = std::max(total_.active, before.active);
-      total_.detection_seconds += before.detection_seconds;
-      total_.assembly_seconds += before.assembly_seconds;
-      total_.solve_seconds += before.solve_seconds;
       if (before.error.guarded() > total_.error.guarded()) total_.error = before.error;
     }
     contacts_ = added(contacts_, next.contacts);
@@ -114,7 +113,7 @@ class Parts {
   bool explicit_delassus_;
   int threads_;
   StateIn<D> state_;
-  StepReportIn<D> total_;
+  StepReportIn<D> total_, attempts_;  // of what was taken; the cost of what was not
   std::vector<ContactOutcomeIn<D>> contacts_;
   int parts_ = 0;
 };

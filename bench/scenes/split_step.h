@@ -24,7 +24,7 @@ using SplitStep = SplitStepIn<2>;
 
 /// Takes the scene's next step in two halves, each of them halved again where its problem is not solved or
 /// cannot be taken, so that `state` arrives at the end of the whole step. What the parts did is added
-/// up: losses, work, imbalances and iterations, and the impulses of each pair of bodies (core/motion/state.h),
+/// up: losses, work and imbalances, iterations and times (those of parts that were halved on as well), and the impulses of each pair of bodies (core/motion/state.h),
 /// so that forces are those of the whole step. The error is that of the worst part. Number and time of the step
 /// are those that it has unsplit, without drift. The same state gives the same parts, so that a restart before
 /// or after them goes on bit for bit.

@@ -60,6 +60,15 @@ struct StepReportIn {
   VecIn<D> momentum_imbalance = VecIn<D>::Zero();  ///< change - gravity - wall impulses [kg m/s]
   double penetration = 0;                          ///< largest overlap at mid-step      [m]
   double detection_seconds = 0, assembly_seconds = 0, solve_seconds = 0;
+
+  /// Adds the iterations and times of another part of the step, or of an attempt at it that was not
+  /// taken.
+  void add_cost(const StepReportIn& other) {
+    iterations += other.iterations;
+    detection_seconds += other.detection_seconds;
+    assembly_seconds += other.assembly_seconds;
+    solve_seconds += other.solve_seconds;
+  }
 };
 using StepReport = StepReportIn<2>;
 

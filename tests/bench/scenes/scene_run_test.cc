@@ -94,6 +94,25 @@ TEST(SceneRun, AStepThatIsNotSolvedIsTakenInPartsThatAddUp) {
   EXPECT_LT(state.disks[1].x[1] - 0.5, state.disks[0].x[1] - 0.5 + 0.003);
 }
 
+/// One step, not solved whole nor in its first half: what those attempts took is counted with the parts.
+TEST(SceneRun, IterationsOfAttemptsThatWereNotTakenCount) {
+  const Scene scene = two_landings();
+  State state = initial_state(scene);
+  int calls = 0;
+  SceneRunOptions options;
+  options.solver = [&, solver = gives_up_beyond(0)](const ContactProblem& p, const Vector& s0) {
+    StepSolution solution = solver(p, s0);
+    solution.iterations = 10;
+    solution.converged = ++calls > 2;
+    return solution;
+  };
+  options.on_failure = OnFailure::kSmallerStep;
+  const SceneRun run = run_scene(scene, state, options);
+  ASSERT_EQ(run.end, SceneRun::End::kCompleted);
+  EXPECT_EQ(calls, 5);  // whole, half, two quarters, half
+  EXPECT_EQ(run.totals.last.iterations, 50);
+}
+
 TEST(SceneRun, AStepThatIsNotSolvedEndsTheRunOnRequest) {
   const Scene scene = two_landings();
   for (const OnFailure what : {OnFailure::kStop, OnFailure::kSmallerStep}) {
