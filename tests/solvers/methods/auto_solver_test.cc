@@ -166,25 +166,42 @@ TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair)
   }
 }
 
-/// To tight tolerances, cold: a path from the best impulse, then some from a little off where the last
-/// came nearest.
+/// To tight tolerances, cold: up to 8000 contacts a short path from where some splitting ended, then
+/// more of it; a path from where the factorisations ended, beyond from the best impulse; then some
+/// from a little off where the last came nearest.
 TEST(AutoSolver, LargePackingsFollowKickedPathsWhereTheToleranceIsTight) {
-  const std::vector<AutoStage> stages =
-      serving(plan(lattice_step(Lattice::kTriangular, 40, 0.3, 10)), 1e-6);
-  const auto first = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
-    return stage.solver == "homotopy";
-  });
-  ASSERT_GE(stages.end() - first, 4);
-  EXPECT_EQ(first->start, AutoStage::Start::kBest);
-  std::set<double> kicks;
-  for (int k = 1; k <= 3; ++k) {
-    EXPECT_EQ(first[k].solver, "homotopy");
-    EXPECT_EQ(first[k].start, AutoStage::Start::kLast);
-    EXPECT_NEAR(first[k].of_start, 1, 0.2);
-    kicks.insert(first[k].of_start);
+  for (const int side : {40, 60}) {
+    const ContactProblem p = lattice_step(Lattice::kTriangular, side, 0.3, 10);
+    const int n = p.num_contacts();
+    ASSERT_EQ(n <= 8000, side == 40) << n;
+    ASSERT_GT(n, 4000);
+    const std::vector<AutoStage> stages = serving(plan(p), 1e-6);
+    const auto is_path = [](const AutoStage& stage) { return stage.solver == "homotopy"; };
+    auto first = std::find_if(stages.begin(), stages.end(), is_path);
+    if (side == 40) {
+      ASSERT_NE(first, stages.end());
+      ASSERT_NE(first, stages.begin());
+      EXPECT_EQ(first->start, AutoStage::Start::kBest);
+      EXPECT_LE(first->max_iterations, n);
+      EXPECT_EQ(first[-1].solver, "admm");
+      EXPECT_LE(first[-1].max_iterations, 800);
+      first = std::find_if(first + 1, stages.end(), is_path);
+    }
+    ASSERT_GE(stages.end() - first, 4) << side;
+    EXPECT_EQ(first[-1].solver, "ipm");
+    EXPECT_EQ(first->start, side == 40 ? AutoStage::Start::kLast : AutoStage::Start::kBest);
+    EXPECT_EQ(first->of_start, 1);
+    EXPECT_GE(first->max_iterations, 10000);
+    std::set<double> kicks;
+    for (int k = 1; k <= 3; ++k) {
+      EXPECT_EQ(first[k].solver, "homotopy");
+      EXPECT_EQ(first[k].start, AutoStage::Start::kLast);
+      EXPECT_NEAR(first[k].of_start, 1, 0.2);
+      kicks.insert(first[k].of_start);
+    }
+    EXPECT_EQ(kicks.size(), 3U);
+    EXPECT_EQ(kicks.count(1), 0U);
   }
-  EXPECT_EQ(kicks.size(), 3U);
-  EXPECT_EQ(kicks.count(1), 0U);
 }
 
 /// Where these do not arrive, starts around the best impulse have their turn, then the central path
