@@ -341,6 +341,9 @@ class Planner {
       stages_.push_back(first_of_few(problem_, delassus_));
       // A dozen pivots, where more of the same would be a hundred iterations.
       soon_path();
+      if (!exact_ && local_ && contacts_ > kVeryFew) {
+        add("ipm", 12, 40, Start::kOwn, "few contacts, W given: a dozen factorisations");
+      }
     }
     if (unequal_) {
       add("ipm", 40, 60, Start::kOwn, "very unequal masses: factorisations do not feel them");
@@ -348,11 +351,13 @@ class Planner {
     if (contacts_ > kFew && contacts_ <= kLarge) {
       if (sweeps_pay_) disks_first();
       if (!sweeps_pay_ || (warm_ && contacts_ > kMany)) {
-        add("anderson", 16, exact_ ? 100 : 30, Start::kOwn,
+        const int most = exact_ ? 100 : local_ ? 60 : 30;
+        add("anderson", 16, most, Start::kOwn,
             "the quickest on small square lattices, and soon seen not to be elsewhere");
         stages_.back().close_iterations = kCloseAnderson;
         stages_.back().before_cutting = stages_.back().on_whole_only = true;
         if (sweeps_pay_) stages_.back().tol_below = kFair;
+        if (local_ && contacts_ <= kCheapFactors) soon_path();
       }
     }
     if (local_ && contacts_ > kFew && contacts_ <= kCheapFactors) newton_on_delassus();
