@@ -73,8 +73,8 @@ constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOf
 // tolerance from any, as on three of seven steps that had taken 3e4 to 1.7e5 iterations, it arrives from
 // a little off where it stands.
 constexpr int kSoonSplitting = 600, kEnoughSplitting = 1500;
-// On large packings such a path arrives within half a pivot a contact, or mostly not at all: 30 of 31
-// (4000 to 8000 contacts, to 1e-4 and 1e-8).
+// Contacts for each pivot of a path that follows some splitting on packings of kLarge to kLargeStep:
+// of 42 such paths (21 and 7 steps of two pours, to 1e-4 and 1e-8) 30 arrived, 27 of them within that.
 constexpr int kContactsOfPivot = 2;
 // A step of a run, which starts from the one before, is taken for a moving one up to that size.
 constexpr int kLargeStep = 8000;
@@ -278,8 +278,8 @@ class Planner {
   }
   bool splitting_first() const { return exact_ && !local_ && contacts_ > kMany && paths_first(); }
   /// Above kLargeStep it is no gain: 0.9 of the time in the mean of 17 steps to 1e-4, 1.15 in the sum.
-  bool paths_soon() const {
-    return disks_ && friction_ && !local_ && !paths_first() && contacts_ <= kLargeStep;
+  bool path_from_splitting() const {
+    return disks_ && friction_ && !paths_first() && contacts_ <= kLargeStep;
   }
   bool sweeps_are_cheap() const { return !local_ && contacts_ <= kSmall; }
   bool sweeps_first() const { return sweeps_are_cheap() && (!sweeps_pay_ || warm_); }
@@ -318,22 +318,14 @@ class Planner {
     stages_.back().before_cutting = small;
   }
 
-  /// Large packings: a start by splitting and a short path from it.
-  void start_and_path() {
+  /// A start by splitting and a short path from it.
+  void splitting_and_path() {
     add("admm", kSoonSplitting, kSoonSplitting + 200, Start::kCaller,
         "moving packings, by factors of W, and a start");
     stages_.back().tol_below = kFair;
     first_paths(contacts_ / kContactsOfPivot);
     stages_.back().tol_below = kFair;
     stages_.back().largest_error = kNearStart;
-  }
-
-  /// From the last stage's end: a path from where another one came nearest ends there again.
-  void path_from_there() {
-    add("homotopy", kManyPivots, kManyPivots, Start::kLast, "moving packings: paths from there",
-        {{"start_tol", "1"}});
-    stages_.back().tol_below = kFair;
-    stages_.back().largest_error = kUsefulStart;
   }
 
   void regular_packings() {
@@ -351,12 +343,14 @@ class Planner {
     if (contacts_ > kFew && contacts_ <= kLarge) {
       if (sweeps_pay_) disks_first();
       if (!sweeps_pay_ || (warm_ && contacts_ > kMany)) {
+        // In space, given W: cutting out islands takes as long as 30 more.
         const int most = exact_ ? 100 : local_ ? 60 : 30;
         add("anderson", 16, most, Start::kOwn,
             "the quickest on small square lattices, and soon seen not to be elsewhere");
         stages_.back().close_iterations = kCloseAnderson;
         stages_.back().before_cutting = stages_.back().on_whole_only = true;
         if (sweeps_pay_) stages_.back().tol_below = kFair;
+        // Above it, a dozen Newton steps take half as long as a path with W.
         if (local_ && contacts_ <= kCheapFactors) soon_path();
       }
     }
@@ -427,7 +421,7 @@ class Planner {
       add("admm", 6000, 14000, Start::kCaller, "large moving packings, with patience");
       stages_.back().least_tol = kFair;
     }
-    if (paths_soon()) start_and_path();
+    if (path_from_splitting()) splitting_and_path();
     if (exact_ && contacts_ > (splitting_first() ? kMany : kLarge)) {
       add("admm", 1000, 3000, Start::kCaller, "large packings at rest, by factors of W");
       stages_.back().tol_below = kFair;
@@ -453,9 +447,10 @@ class Planner {
     }
     // There a path costs more than all factorisations that a packing at rest needs.
     if (!paths_first()) {
-      if (paths_soon()) path_from_there();
+      // One from where the short one came nearest would end there again.
+      if (path_from_splitting()) path_from_last(1, "moving packings: a path from there");
       first_paths(kManyPivots);
-      if (paths_soon()) stages_.back().least_tol = kFair;
+      if (path_from_splitting()) stages_.back().least_tol = kFair;
       // One from where it came nearest ends there again.
       for (int k = 0; exact_ && k < kKicksInARow; ++k) kicked_path();
     }

@@ -71,7 +71,8 @@ inline constexpr int kFewContactsOfAuto = 100;
 ///      splitting make of multiples of the caller's start. (Free pyramids have none of it: their
 ///      paths are long.) Above 2500 contacts `admm` comes before the first; above 4000, at
 ///      tolerances from 5e-4 on, `admm` from such starts comes before all paths;
-///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `admm` and `ipm`, and before the paths;
+///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `admm` and `ipm`, and before the paths (but for a
+///      short one, up to 8000 contacts of disks, from 600 to 800 iterations of `admm`);
 ///      In space ipm gets 90 of its iterations at least, and before long runs come admm and 350
 ///      more of ipm: what a plate presses on spheres needs;
 ///   5. the same with patience, the cheap ones first, above 2500 contacts with `assor` of many
@@ -79,7 +80,8 @@ inline constexpr int kFewContactsOfAuto = 100;
 ///      where the error is below 1e-4, chains of starts of `homotopy` from the caller's; then long
 ///      runs from the best impulse.
 ///
-/// Problems given by W alone have `newton` early and no short `apgd`. The budgets count iterations,
+/// Problems given by W alone have `newton` early, up to 1000 contacts in the plane a path before it, up
+/// to 100 in space `ipm` in its place, and no short `apgd`. The budgets count iterations,
 /// not seconds, so that the result does not depend on the machine. The rule was taken from
 /// measurements. `delassus` is the problem's; `warm`: the caller's start is not 0.
 std::vector<AutoStage> plan_auto(const ContactProblem& problem, const DelassusOperator& delassus,

@@ -15,6 +15,7 @@
 #include "solvers/methods/auto_plan.h"
 #include "solvers/solve.h"
 #include "tests/support/lattice_problem.h"
+#include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
@@ -178,9 +179,9 @@ TEST(AutoSolver, LargePackingsFollowKickedPathsWhereTheToleranceIsTight) {
     const std::vector<AutoStage> stages = serving(plan(p), 1e-6);
     const auto is_path = [](const AutoStage& stage) { return stage.solver == "homotopy"; };
     auto first = std::find_if(stages.begin(), stages.end(), is_path);
+    ASSERT_NE(first, stages.begin());
     if (side == 40) {
       ASSERT_NE(first, stages.end());
-      ASSERT_NE(first, stages.begin());
       EXPECT_EQ(first->start, AutoStage::Start::kBest);
       EXPECT_LE(first->max_iterations, n);
       EXPECT_EQ(first[-1].solver, "admm");
@@ -202,6 +203,30 @@ TEST(AutoSolver, LargePackingsFollowKickedPathsWhereTheToleranceIsTight) {
     EXPECT_EQ(kicks.size(), 3U);
     EXPECT_EQ(kicks.count(1), 0U);
   }
+}
+
+/// Given W alone: in the plane a path follows the first sweeps, up to 1000 contacts, where Newton steps
+/// on W take longer; in space few contacts have a dozen factorisations next, more have Newton steps.
+TEST(AutoSolver, GivenWAloneExactAnswersComeSecond) {
+  const auto second = [](const ContactProblem& p) {
+    return std::string(serving(plan(p), 1e-6).at(1).solver);
+  };
+  for (const char* name : {"2d_tilt12_320.hdf5", "2d_triangular_20_tilt10.hdf5"}) {
+    const ContactProblem p = local_form(shipped_file(name));
+    ASSERT_GT(p.num_contacts(), 100);
+    EXPECT_EQ(second(p) == "homotopy", p.num_contacts() <= 1000) << name;
+  }
+  const ContactProblem few = manufactured_problem(3, 20, 40, 1).problem;
+  EXPECT_EQ(second(local_form(few)), "ipm");
+  EXPECT_NE(second(few), "ipm");
+  const ContactProblem handful = manufactured_problem(3, 5, 10, 1).problem;
+  EXPECT_NE(second(local_form(handful)), "ipm");
+  EXPECT_EQ(second(local_form(shipped_file("3d_sphere_pyramid_4.hdf5"))), "newton");
+  const SolveResult result =
+      solve("auto", local_form(shipped_file("2d_tilt12_320.hdf5")), {.tol = 1e-8});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_NE(result.message.find("anderson 16: given up"), std::string::npos) << result.message;
+  EXPECT_EQ(result.message.find("newton"), std::string::npos) << result.message;
 }
 
 /// Where these do not arrive, starts around the best impulse have their turn, then the central path
