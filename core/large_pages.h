@@ -3,9 +3,12 @@
 #include <sys/mman.h>
 
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 #include <new>
 #include <vector>
+
+#include "core/types.h"
 
 namespace bipot {
 
@@ -13,6 +16,21 @@ namespace bipot {
 /// megabytes again and again otherwise waits for the tables of 4 KiB pages (5 to 23 % of the time of
 /// sweeps on a virtual machine, data/speed.md). Where the system has no such pages, nothing
 /// changes; results never do.
+inline void ask_for_large_pages(void* memory, std::size_t bytes) {
+#ifdef MADV_HUGEPAGE
+  constexpr std::uintptr_t kPage = std::uintptr_t{1} << 21;
+  const auto start = reinterpret_cast<std::uintptr_t>(memory);
+  const std::uintptr_t first = (start + kPage - 1) / kPage * kPage,
+                       end = (start + bytes) / kPage * kPage;
+  if (first >= end) return;  // the ends of the array keep small pages
+  // Advice: whether it is taken is the system's affair. The second one (Linux 6.1) is for memory that
+  // the program has used before.
+  constexpr int kCollapse = 25;  // MADV_COLLAPSE, which the headers of Debian 12 do not have yet
+  madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
+  madvise(reinterpret_cast<void*>(first), end - first, kCollapse);
+#endif
+}
+
 template <class T>
 struct LargePageAllocator {
   using value_type = T;
@@ -29,10 +47,7 @@ struct LargePageAllocator {
     if (posix_memalign(&memory, whole > 0 ? kPage : kLine, bytes > 0 ? bytes : 1) != 0) {
       throw std::bad_alloc();
     }
-#ifdef MADV_HUGEPAGE
-    // Advice: whether it is taken is the system's affair. The rest of the array keeps small pages.
-    if (whole > 0) madvise(memory, whole, MADV_HUGEPAGE);
-#endif
+    ask_for_large_pages(memory, bytes);
     return static_cast<T*>(memory);
   }
   void deallocate(T* memory, std::size_t) { std::free(memory); }
@@ -46,5 +61,17 @@ struct LargePageAllocator {
 
 template <class T>
 using LargeVector = std::vector<T, LargePageAllocator<T>>;
+
+/// A vector of n numbers that are not set yet, for which the same is asked.
+inline Vector large_vector(Eigen::Index n) {
+  Vector v(n);
+  ask_for_large_pages(v.data(), to_size(n) * sizeof(double));
+  return v;
+}
+inline Vector large_copy(const Vector& of) {
+  Vector v = large_vector(of.size());
+  v = of;
+  return v;
+}
 
 }  // namespace bipot

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/large_pages.h"
+#include "core/parallel.h"
 #include "solvers/prepared_problem.h"
 #include "solvers/proved_claim.h"
 #include "solvers/stop_rule.h"
@@ -15,8 +17,10 @@ IterationMonitor::IterationMonitor(const ContactProblem& problem, const SolverOp
       options_(options),
       evaluator_(criterion_of(problem, options)),
       watch_(watch),
-      best_s_(Vector::Zero(problem.num_rows())),
-      free_energy_(evaluator_.energy_at_rest()) {}
+      best_s_(large_vector(problem.num_rows())),
+      free_energy_(evaluator_.energy_at_rest()) {
+  best_s_.setZero();
+}
 
 bool IterationMonitor::due(int iteration) const {
   return every_ || options_.stop == StopTest::kImpulse || iteration >= next_ ||
@@ -44,18 +48,33 @@ bool IterationMonitor::meets(const Eigen::Ref<const Vector>& s) {
   return judge(s, std::numeric_limits<double>::infinity());
 }
 
+/// The change since the iterate judged before, relative; infinite where there was none. In pieces, so
+/// that what is read comes from memory once.
+double IterationMonitor::replace_previous(int iteration, const Eigen::Ref<const Vector>& s) {
+  const bool known = previous_.size() == s.size() && previous_iteration_ < iteration;
+  if (previous_.size() != s.size()) previous_ = large_vector(s.size());
+  double change2 = 0, norm2 = 0;
+  for (Eigen::Index first = 0; first < s.size(); first += kPieceItems) {
+    const auto size = std::min<Eigen::Index>(kPieceItems, s.size() - first);
+    const auto now = s.segment(first, size);
+    auto before = previous_.segment(first, size);
+    if (known) {
+      norm2 += now.squaredNorm();
+      change2 += (now - before).squaredNorm();
+    }
+    before = now;
+  }
+  // Two iterates at 0 say nothing: 0/0. (0 is no solution here, or solve() had returned it.)
+  return known && norm2 > 0 ? std::sqrt(change2 / norm2) : std::numeric_limits<double>::infinity();
+}
+
 bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, double step,
                             bool moving) {
   iterations_ = iteration;
   if (!due(iteration)) return false;
-  next_ = next_judged(iteration, portion_);
+  next_ = next_judged(iteration, portion_, roots_);
 
-  double change = std::numeric_limits<double>::infinity();
-  if (previous_.size() == s.size() && previous_iteration_ < iteration) {
-    // Two iterates at 0 say nothing: 0/0. (0 is no solution here, or solve() had returned it.)
-    const double norm = s.norm();
-    if (norm > 0) change = (s - previous_).norm() / norm;
-  }
+  const double change = replace_previous(iteration, s);
   const bool comparable = previous_iteration_ == iteration - 1;
   const bool met = judge(s, comparable ? change : std::numeric_limits<double>::infinity());
 
@@ -83,7 +102,6 @@ bool IterationMonitor::stop(int iteration, const Eigen::Ref<const Vector>& s, do
   } else {
     end(verdict.status, std::move(verdict.message));
   }
-  previous_ = s;
   previous_iteration_ = iteration;
   return status_ != SolveStatus::kNotRun;
 }

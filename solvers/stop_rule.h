@@ -23,10 +23,11 @@ double divergence_reference(int iteration, const ContactError& error, double fre
 inline constexpr int kJudgedPortion = 32;
 /// One iterate is judged whenever the count has grown by its root or by 1/portion, whichever is more:
 /// where judging costs J iterations and the count of the last one is not known, intervals of
-/// sqrt(2 J k) around k cost the least, J of quick iterations is 3 to 10.
-inline int next_judged(int iteration, int portion = kJudgedPortion) {
+/// sqrt(2 J k) around k cost the least, J of quick iterations is 3 to 10. `roots`: so many of the
+/// count instead of one.
+inline int next_judged(int iteration, int portion = kJudgedPortion, int roots = 1) {
   const int root = static_cast<int>(std::sqrt(static_cast<double>(iteration)));
-  return iteration + std::max({1, root, iteration / portion});
+  return iteration + std::max({1, roots * root, iteration / portion});
 }
 
 /// A judged iterate.

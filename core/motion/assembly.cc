@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/large_pages.h"
 #include "core/parallel.h"
 #include "core/problem/delassus.h"
 #include "core/scene/wall_motion.h"
@@ -323,11 +324,11 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
 
   bool any_restitution = false;
   for (const ContactLaw& law : scene.laws) any_restitution |= law.e_n != 0 || law.e_t != 0;
-  p.mu.resize(num_contacts);
-  p.u_free.resize(d * num_contacts);
-  step.u_before.resize(d * num_contacts);
+  p.mu = large_vector(num_contacts);
+  p.u_free = large_vector(d * num_contacts);
+  step.u_before = large_vector(d * num_contacts);
   if (scene.predict_gaps) step.gap_rate = Vector::Zero(d * num_contacts);
-  if (any_restitution) p.row_scale.resize(d * num_contacts);
+  if (any_restitution) p.row_scale = large_vector(d * num_contacts);
 
   // Where the columns of each contact begin: they are written on several threads.
   std::vector<int> start(to_size(num_contacts) + 1, 0);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/large_pages.h"
 #include "core/parallel.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/error_terms.h"
@@ -12,6 +13,12 @@
 
 namespace bipot {
 namespace {
+
+Vector zeros(int size) {
+  Vector v = large_vector(size);
+  v.setZero();
+  return v;
+}
 
 /// 0/0 is 0 (nothing moves and nothing is violated), x/0 is infinite.
 double ratio(double numerator, double denominator) {
@@ -82,8 +89,8 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem, int 
       delassus_(problem, DelassusOperator::Form::kAuto, threads),
       prepared_(std::make_shared<const Prepared>(problem, delassus_.diagonal())),
       share_(share),
-      s_(Vector::Zero(problem.num_rows())),
-      u_(Vector::Zero(problem.num_rows())) {}
+      s_(zeros(problem.num_rows())),
+      u_(zeros(problem.num_rows())) {}
 
 ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made,
                                              const ErrorShare& share)
@@ -92,18 +99,17 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made,
       delassus_(made.delassus_),
       prepared_(made.prepared_),
       share_(share),
-      s_(Vector::Zero(problem_.num_rows())),
-      u_(Vector::Zero(problem_.num_rows())) {}
+      s_(zeros(problem_.num_rows())),
+      u_(zeros(problem_.num_rows())) {}
 
 double ContactErrorEvaluator::energy_at_rest() const {
   return error_of(prepared_->free, share_).energy;
 }
 
 ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s) {
-  s_ = s;
   const bool scaled = problem_.row_scale.size() != 0;
   return dispatch_dim(problem_.dim, [&](auto d) {
-    return scaled ? evaluate<d(), true>() : evaluate<d(), false>();
+    return scaled ? evaluate<d(), true>(s) : evaluate<d(), false>(s);
   });
 }
 
@@ -141,18 +147,27 @@ PlaneContacts ContactErrorEvaluator::plane_contacts() const {
 }
 
 template <int D, bool kScaled>
-ContactError ContactErrorEvaluator::evaluate() {
+ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) {
+  // What a piece needs stays in the cache from one step to the next: on large problems the memory is
+  // what all this waits for.
   const int contacts = problem_.num_contacts();
   run_pieces(threads_, contacts, [&](int begin, int end) {
+    s_.segment(begin * D, (end - begin) * D) = s.segment(begin * D, (end - begin) * D);
     if constexpr (D == 2) {
       project_on_plane_cones(plane_contacts(), begin, end, s_.data());
     } else {
       project<D, kScaled>(begin, end);
     }
   });
-  delassus_.velocity(s_, u_);
+  const bool disks = delassus_.disks().has_value();
+  if (disks) {
+    delassus_.move_disks(s_);
+  } else {
+    delassus_.velocity(s_, u_);
+  }
   std::vector<PieceSums> pieces(to_size((contacts + kPieceItems - 1) / kPieceItems));
   run_pieces(threads_, contacts, [&](int begin, int end) {
+    if (disks) delassus_.disk_velocity(begin, end, u_);
     PieceSums& piece = pieces[to_size(begin / kPieceItems)];
     if constexpr (D == 2) {
       piece = sum_plane_errors(plane_contacts(), begin, end);

@@ -110,7 +110,7 @@ class ContactErrorEvaluator {
  private:
   struct Prepared;
   template <int D, bool kScaled>
-  ContactError evaluate();
+  ContactError evaluate(const Eigen::Ref<const Vector>& s);
   template <int D, bool kScaled>
   void project(int begin, int end);
   template <int D, bool kScaled>

@@ -182,8 +182,8 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form, int
     made->inverse_mass = problem.A.diagonal().cwiseInverse();
     made->disks = disk_structure(problem);
     if (made->disks && threads_ > 1) made->list_sides();
-    velocity_.resize(made->disks ? 4 * static_cast<Eigen::Index>(made->disks->bodies.size())
-                                 : problem.num_dofs());
+    velocity_ = large_vector(made->disks ? 4 * static_cast<Eigen::Index>(made->disks->bodies.size())
+                                         : problem.num_dofs());
   } else if (!problem.has_delassus() && problem.has_velocities()) {
     made->delassus = assemble_delassus(problem.A, problem.H, problem.dim);
     delassus_ = &made->delassus;
@@ -260,43 +260,65 @@ void DelassusOperator::add_impulses_by_body(const double* s) const {
 }
 
 template <int D>
-void DelassusOperator::apply_disks(const double* s, double* u) const {
+void DelassusOperator::move_disks(const double* s) const {
   if (prepared_->side.empty()) {
     add_impulses<D>(s);
   } else {
     add_impulses_by_body<D>(s);
   }
-  const DiskStructure& disks = *prepared_->disks;
-  double* const v = velocity_.data();
-  double* body_velocity = v;
-  for (const DiskStructure::Body& body : disks.bodies) {
+  double* body_velocity = velocity_.data();
+  for (const DiskStructure::Body& body : prepared_->disks->bodies) {
     body_velocity[0] *= body.inverse_mass;
     body_velocity[1] *= body.inverse_mass;
     body_velocity[2] *= body.inverse_inertia;
     body_velocity += 4;
   }
-  run_pieces(threads_, problem_.num_contacts(), [&](int begin, int end) {
-    double* to = u + D * begin;
-    for (int k = begin; k < end; ++k) {
-      const DiskStructure::Contact& c = disks.contacts[to_size(k)];
-      const double* const vi = v + 4 * c.i;
-      const double* const vj = v + 4 * c.j;
-      const double x = vi[0] - vj[0], y = vi[1] - vj[1];
-      to[0] = c.normal * (c.n[0] * x + c.n[1] * y);
-      if constexpr (D == 2) to[1] = c.tangential * (c.n[0] * y - c.n[1] * x - (vi[2] + vj[2]));
-      to += D;
+}
+
+/// Plus `u_free`, which may be null.
+template <int D>
+void DelassusOperator::disk_velocity(int begin, int end, const double* u_free, double* u) const {
+  const double* const v = velocity_.data();
+  const auto put = [&](int row, double w) { u[row] = u_free != nullptr ? w + u_free[row] : w; };
+  for (int k = begin; k < end; ++k) {
+    const DiskStructure::Contact& c = prepared_->disks->contacts[to_size(k)];
+    const double* const vi = v + 4 * c.i;
+    const double* const vj = v + 4 * c.j;
+    const double x = vi[0] - vj[0], y = vi[1] - vj[1];
+    put(D * k, c.normal * (c.n[0] * x + c.n[1] * y));
+    if constexpr (D == 2) {
+      put(D * k + 1, c.tangential * (c.n[0] * y - c.n[1] * x - (vi[2] + vj[2])));
     }
-  });
+  }
+}
+
+void DelassusOperator::move_disks(const Vector& s) const {
+  if (problem_.dim == 1) {
+    move_disks<1>(s.data());
+  } else {
+    move_disks<2>(s.data());
+  }
+}
+
+void DelassusOperator::disk_velocity(int begin, int end, Vector& u) const {
+  const double* const u_free = problem_.u_free.data();
+  if (problem_.dim == 1) {
+    disk_velocity<1>(begin, end, u_free, u.data());
+  } else {
+    disk_velocity<2>(begin, end, u_free, u.data());
+  }
 }
 
 void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const {
   if (prepared_->disks) {
     u.resize(problem_.num_rows());
-    if (problem_.dim == 1) {
-      apply_disks<1>(s.data(), u.data());
-    } else {
-      apply_disks<2>(s.data(), u.data());
-    }
+    dispatch_dim(problem_.dim, [&](auto d) {
+      if constexpr (d() < 3) {
+        move_disks<d()>(s.data());
+        run_pieces(threads_, problem_.num_contacts(),
+                   [&](int begin, int end) { disk_velocity<d()>(begin, end, nullptr, u.data()); });
+      }
+    });
   } else if (two_pass_) {
     velocity_.noalias() = problem_.H * s;
     velocity_.array() *= prepared_->inverse_mass.array();
@@ -307,8 +329,19 @@ void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const
 }
 
 void DelassusOperator::velocity(const Eigen::Ref<const Vector>& s, Vector& u) const {
-  apply(s, u);
-  u += problem_.u_free;
+  if (prepared_->disks) {
+    u.resize(problem_.num_rows());
+    if (problem_.dim == 1) {
+      move_disks<1>(s.data());
+    } else {
+      move_disks<2>(s.data());
+    }
+    run_pieces(threads_, problem_.num_contacts(),
+               [&](int begin, int end) { disk_velocity(begin, end, u); });
+  } else {
+    apply(s, u);
+    u += problem_.u_free;
+  }
 }
 
 Eigen::MatrixXd DelassusOperator::diagonal_block(int contact) const {

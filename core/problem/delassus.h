@@ -38,6 +38,10 @@ class DelassusOperator {
   void apply(const Eigen::Ref<const Vector>& s, Vector& u) const;
   /// u = W s + u_free. No allocation.
   void velocity(const Eigen::Ref<const Vector>& s, Vector& u) const;
+  /// velocity() in two parts, for those who go on with the contacts piece by piece. Requires disks().
+  void move_disks(const Vector& s) const;
+  /// u of the contacts [begin, end) after move_disks().
+  void disk_velocity(int begin, int end, Vector& u) const;
   /// Diagonal d x d block of contact c, row-major storage of d*d values.
   Eigen::MatrixXd diagonal_block(int contact) const;
   /// Diagonal of W, size m.
@@ -48,7 +52,9 @@ class DelassusOperator {
 
  private:
   template <int D>
-  void apply_disks(const double* s, double* u) const;
+  void move_disks(const double* s) const;
+  template <int D>
+  void disk_velocity(int begin, int end, const double* u_free, double* u) const;
   template <int D>
   void add_impulses(const double* s) const;
   template <int D>

@@ -58,6 +58,7 @@ class Reader {
       body.inverse_mass = 1 / mass[k * kDofs];
       if (D == 2 && arm == arm) {
         body.inverse_inertia = arm * arm / mass[k * kDofs + kDofs - 1];
+        body.arm = arm;
       }
     }
     return std::move(out_);

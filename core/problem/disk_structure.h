@@ -1,8 +1,8 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
+#include "core/large_pages.h"
 #include "core/problem/contact_problem.h"
 
 namespace bipot {
@@ -22,9 +22,10 @@ struct DiskStructure {
   struct Body {
     double inverse_mass = 0;
     double inverse_inertia = 0;  ///< a² / I, so that it multiplies tangential impulses  [1/kg]
+    double arm = 0;              ///< a, of its contacts; 0 in one dimension  [m]
   };
-  std::vector<Contact> contacts;
-  std::vector<Body> bodies;  ///< the last one stands for the surroundings: it never moves
+  LargeVector<Contact> contacts;
+  LargeVector<Body> bodies;  ///< the last one stands for the surroundings: it never moves
 
   int surroundings() const { return static_cast<int>(bodies.size()) - 1; }
 };

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/large_pages.h"
 #include "core/problem/contact_error.h"
 #include "core/problem/coulomb_cone.h"
 
@@ -32,8 +33,8 @@ struct ErrorWeights {
 /// `delassus_diagonal`: of W in the problem's variables, m values.
 inline ErrorWeights error_weights(const ContactProblem& p, const Vector& delassus_diagonal) {
   const int d = p.dim;
-  ErrorWeights weights{Vector(p.num_contacts()), Vector(p.num_contacts()),
-                       Vector(p.num_contacts())};
+  ErrorWeights weights{large_vector(p.num_contacts()), large_vector(p.num_contacts()),
+                       large_vector(p.num_contacts())};
   for (int c = 0; c < p.num_contacts(); ++c) {
     double trace = 0;
     for (int k = 0; k < d; ++k) {

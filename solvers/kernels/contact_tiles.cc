@@ -149,7 +149,7 @@ class BatchFiller {
   /// Appends the batches of one tile. `rows_of(c)` gives two bodies, -1 for the surroundings.
   template <class RowsOf>
   void fill(int tile, const std::vector<int>& contacts, const RowsOf& rows_of,
-            std::vector<int>& slots) {
+            LargeVector<int>& slots) {
     free_.clear();
     links_.clear();
     for (const int c : contacts) {
@@ -312,7 +312,7 @@ ContactTiles order_contacts(const DiskStructure& disks) {
     next[to_size(contact.i)] = batch + kBatchGap;
     if (contact.j != bodies) next[to_size(contact.j)] = batch + kBatchGap;
   }
-  out.contact = free.lanes();
+  out.contact.assign(free.lanes().begin(), free.lanes().end());
   // Rows as the batches come to them: they stream, though a batch has contacts of eight rows of the
   // packing.
   out.row.assign(to_size(bodies), -1);

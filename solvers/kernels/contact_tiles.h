@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/execution.h"
+#include "core/large_pages.h"
 #include "core/problem/disk_structure.h"
 
 namespace bipot {
@@ -25,7 +26,7 @@ struct ContactTiles {
   };
   std::vector<Tile> tiles;
   std::vector<int> row;      ///< of each body, the surroundings excluded
-  std::vector<int> contact;  ///< kLanes a batch: the contact in each lane, -1 where there is none
+  LargeVector<int> contact;  ///< kLanes a batch: the contact in each lane, -1 where there is none
   int num_rows = 0;
 
   int num_batches() const { return static_cast<int>(contact.size()) / kLanes; }

@@ -52,6 +52,9 @@ inline Lanes cut_off(Lanes x, Lanes radius) {
 struct Motion {
   Lanes x, y, spin;
 };
+/// How the second body of a contact enters: as it moves, with the opposite x and y, or like the
+/// first.
+enum Second { kOpposed, kAlike };
 
 #if BIPOT_WIDTH == 2
 using PairBits = long long __attribute__((vector_size(16)));
@@ -59,22 +62,31 @@ using PairBits = long long __attribute__((vector_size(16)));
 /// The halves of a row: (x, spin) and (y, unused).
 inline const Pair* half(const BodyRow& r) { return reinterpret_cast<const Pair*>(&r); }
 inline Pair* half(BodyRow& r) { return reinterpret_cast<Pair*>(&r); }
-/// (-x, spin).
-inline Pair opposite(Pair x_spin) {
+/// (-x, spin), or both as they are.
+template <Second kSecond>
+inline Pair second(Pair x_spin) {
+  if constexpr (kSecond == kAlike) return x_spin;
   const PairBits sign{static_cast<long long>(1ULL << 63), 0};
   return reinterpret_cast<Pair>(reinterpret_cast<PairBits>(x_spin) ^ sign);
 }
 
+/// y, with the opposite sign where the second body is opposed.
+template <Second kSecond>
+inline double second(double y) {
+  return kSecond == kAlike ? y : -y;
+}
+
+template <Second kSecond>
 inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
-  const Pair a = half(at(v, i[0]))[0] + opposite(half(at(v, j[0]))[0]),
-             b = half(at(v, i[1]))[0] + opposite(half(at(v, j[1]))[0]);
+  const Pair a = half(at(v, i[0]))[0] + second<kSecond>(half(at(v, j[0]))[0]),
+             b = half(at(v, i[1]))[0] + second<kSecond>(half(at(v, j[1]))[0]);
   return {__builtin_shufflevector(a, b, 0, 2),
-          Lanes{at(v, i[0]).value[kRowY] - at(v, j[0]).value[kRowY],
-                at(v, i[1]).value[kRowY] - at(v, j[1]).value[kRowY]},
+          Lanes{at(v, i[0]).value[kRowY] + second<kSecond>(at(v, j[0]).value[kRowY]),
+                at(v, i[1]).value[kRowY] + second<kSecond>(at(v, j[1]).value[kRowY])},
           __builtin_shufflevector(a, b, 1, 3)};
 }
 /// Adds the wrench, times `inverse` where there is one, to body i and its opposite to body j.
-template <bool kInverse>
+template <bool kInverse, Second kSecond>
 inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const BodyRow* inverse,
                     BodyRow* to) {
   const Pair x_spin[2] = {__builtin_shufflevector(p.x, p.spin, 0, 2),
@@ -84,37 +96,42 @@ inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const
     if constexpr (kInverse) {
       half(a)[0] += half(at(inverse, i[k]))[0] * x_spin[k];
       a.value[kRowY] += at(inverse, i[k]).value[kRowY] * p.y[k];
-      half(b)[0] += half(at(inverse, j[k]))[0] * opposite(x_spin[k]);
-      b.value[kRowY] -= at(inverse, j[k]).value[kRowY] * p.y[k];
+      half(b)[0] += half(at(inverse, j[k]))[0] * second<kSecond>(x_spin[k]);
+      b.value[kRowY] += at(inverse, j[k]).value[kRowY] * second<kSecond>(p.y[k]);
     } else {
       half(a)[0] += x_spin[k];
       a.value[kRowY] += p.y[k];
-      half(b)[0] += opposite(x_spin[k]);
-      b.value[kRowY] -= p.y[k];
+      half(b)[0] += second<kSecond>(x_spin[k]);
+      b.value[kRowY] += second<kSecond>(p.y[k]);
     }
   }
 }
 #else
-/// x - x', spin + spin', y - y': one instruction, and the reason for the order in a row.
-inline Row opposed(Row a, Row b) { return __builtin_ia32_addsubpd256(a, b); }
+/// x - x', spin + spin', y - y' in one instruction, the reason for the order in a row; or all sums.
+template <Second kSecond>
+inline Row with_second(Row a, Row b) {
+  if constexpr (kSecond == kAlike) return a + b;
+  return __builtin_ia32_addsubpd256(a, b);
+}
 
 /// Adds the wrench, times `inverse` where there is one, to body i and its opposite to body j.
-template <bool kInverse>
+template <bool kInverse, Second kSecond>
 inline void add(Row wrench, unsigned i, unsigned j, const BodyRow* inverse, BodyRow* to) {
   if constexpr (kInverse) {
     row(at(to, i)) += row(at(inverse, i)) * wrench;
-    row(at(to, j)) = opposed(row(at(to, j)), row(at(inverse, j)) * wrench);
+    row(at(to, j)) = with_second<kSecond>(row(at(to, j)), row(at(inverse, j)) * wrench);
   } else {
     row(at(to, i)) += wrench;
-    row(at(to, j)) = opposed(row(at(to, j)), wrench);
+    row(at(to, j)) = with_second<kSecond>(row(at(to, j)), wrench);
   }
 }
 #endif
 
 #if BIPOT_WIDTH == 4
+template <Second kSecond>
 inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
   Row r[4];
-  for (int k = 0; k < 4; ++k) r[k] = opposed(row(at(v, i[k])), row(at(v, j[k])));
+  for (int k = 0; k < 4; ++k) r[k] = with_second<kSecond>(row(at(v, i[k])), row(at(v, j[k])));
   const Row even01 = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6);
   const Row even23 = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6);
   const Row odd01 = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
@@ -123,7 +140,7 @@ inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
           __builtin_shufflevector(even01, even23, 2, 3, 6, 7),
           __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5)};
 }
-template <bool kInverse>
+template <bool kInverse, Second kSecond>
 inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const BodyRow* inverse,
                     BodyRow* to) {
   const Row zero{};
@@ -131,20 +148,23 @@ inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const
   const Row odd = __builtin_shufflevector(p.x, p.spin, 1, 5, 3, 7);
   const Row y_even = __builtin_shufflevector(p.y, zero, 0, 4, 2, 6);
   const Row y_odd = __builtin_shufflevector(p.y, zero, 1, 5, 3, 7);
-  add<kInverse>(__builtin_shufflevector(even, y_even, 0, 1, 4, 5), i[0], j[0], inverse, to);
-  add<kInverse>(__builtin_shufflevector(odd, y_odd, 0, 1, 4, 5), i[1], j[1], inverse, to);
-  add<kInverse>(__builtin_shufflevector(even, y_even, 2, 3, 6, 7), i[2], j[2], inverse, to);
-  add<kInverse>(__builtin_shufflevector(odd, y_odd, 2, 3, 6, 7), i[3], j[3], inverse, to);
+  add<kInverse, kSecond>(__builtin_shufflevector(even, y_even, 0, 1, 4, 5), i[0], j[0], inverse,
+                         to);
+  add<kInverse, kSecond>(__builtin_shufflevector(odd, y_odd, 0, 1, 4, 5), i[1], j[1], inverse, to);
+  add<kInverse, kSecond>(__builtin_shufflevector(even, y_even, 2, 3, 6, 7), i[2], j[2], inverse,
+                         to);
+  add<kInverse, kSecond>(__builtin_shufflevector(odd, y_odd, 2, 3, 6, 7), i[3], j[3], inverse, to);
 }
 #elif BIPOT_WIDTH == 8
 /// Two rows in one register.
 inline Lanes both(Row a, Row b) { return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7); }
 
+template <Second kSecond>
 inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
   Lanes r[4];
   for (int k = 0; k < 4; ++k) {
-    r[k] = both(opposed(row(at(v, i[2 * k])), row(at(v, j[2 * k]))),
-                opposed(row(at(v, i[2 * k + 1])), row(at(v, j[2 * k + 1]))));
+    r[k] = both(with_second<kSecond>(row(at(v, i[2 * k])), row(at(v, j[2 * k]))),
+                with_second<kSecond>(row(at(v, i[2 * k + 1])), row(at(v, j[2 * k + 1]))));
   }
   const Lanes even0 = __builtin_shufflevector(r[0], r[1], 0, 4, 8, 12, 2, 6, 10, 14);
   const Lanes even1 = __builtin_shufflevector(r[2], r[3], 0, 4, 8, 12, 2, 6, 10, 14);
@@ -154,7 +174,7 @@ inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
           __builtin_shufflevector(even0, even1, 4, 5, 6, 7, 12, 13, 14, 15),
           __builtin_shufflevector(odd0, odd1, 0, 1, 2, 3, 8, 9, 10, 11)};
 }
-template <bool kInverse>
+template <bool kInverse, Second kSecond>
 inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const BodyRow* inverse,
                     BodyRow* to) {
   // Pairs (x, spin) of the lanes 0, 4 | 1, 5 | 2, 6 | 3, 7 in the places of two rows.
@@ -181,7 +201,7 @@ inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const
   for (int k = 0; k < 8; ++k) {
     const Row wrench = k < 4 ? __builtin_shufflevector(rows[k % 4], zero, 0, 1, 2, 3)
                              : __builtin_shufflevector(rows[k % 4], zero, 4, 5, 6, 7);
-    add<kInverse>(wrench, i[k], j[k], inverse, to);
+    add<kInverse, kSecond>(wrench, i[k], j[k], inverse, to);
   }
 }
 #endif
@@ -222,14 +242,14 @@ inline void for_parts(const ContactBatch<D>* contact, int first, int last, const
     for (int part = 0; part < kParts; ++part) {
       const unsigned* const next_i = contact[k].i + part * kWidth;
       const unsigned* const next_j = contact[k].j + part * kWidth;
-      const Motion motion = gather(velocity, next_i, next_j);
-      if (part > 0 || n > 0) scatter<kInverse>(wrench, i, j, inverse, to);
+      const Motion motion = gather<kOpposed>(velocity, next_i, next_j);
+      if (part > 0 || n > 0) scatter<kInverse, kOpposed>(wrench, i, j, inverse, to);
       wrench = solve(k, part, motion);
       i = next_i;
       j = next_j;
     }
   }
-  if (batches > 0) scatter<kInverse>(wrench, i, j, inverse, to);
+  if (batches > 0) scatter<kInverse, kOpposed>(wrench, i, j, inverse, to);
 }
 
 template <int D, bool kRelaxed>

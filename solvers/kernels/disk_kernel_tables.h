@@ -1,13 +1,16 @@
 #pragma once
 
 #include "solvers/kernels/disk_kernels.h"
+#include "solvers/kernels/stress_kernels.h"
 
 namespace bipot {
 
-/// One instantiation of disk_kernel_body.h, compiled for one set of instructions.
+/// One instantiation of disk_kernel_body.h and stress_kernel_body.h, compiled for one set of
+/// instructions.
 struct DiskKernelTable {
   DiskKernels<1> one;
   DiskKernels<2> two;
+  StressKernels stress;
 };
 extern const DiskKernelTable kPortableDiskKernels;
 extern const DiskKernelTable kAvx2DiskKernels;

@@ -1,11 +1,12 @@
 #define BIPOT_WIDTH 2
 #include "solvers/kernels/disk_kernel_body.h"
+#include "solvers/kernels/stress_kernel_body.h"
 
 namespace bipot {
 
 const DiskKernelTable kPortableDiskKernels = {
     {&sweep<1>, &extrapolate, &gradient<1>, &extrapolate_velocity, &sweep_forth<1>, &sweep_back<1>},
-    {&sweep<2>, &extrapolate, &gradient<2>, &extrapolate_velocity, &sweep_forth<2>,
-     &sweep_back<2>}};
+    {&sweep<2>, &extrapolate, &gradient<2>, &extrapolate_velocity, &sweep_forth<2>, &sweep_back<2>},
+    kStressKernels};
 
 }  // namespace bipot

@@ -61,8 +61,8 @@ template <int D>
 DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
                         const ContactScaling& scaling, ContactTiles tiles)
     : tiles_(std::move(tiles)),
-      impulse_scale_(scaling.impulse),
-      velocity_scale_(scaling.velocity),
+      impulse_scale_(large_copy(scaling.impulse)),
+      velocity_scale_(large_copy(scaling.velocity)),
       contacts_(to_size(tiles_.num_batches())),
       law_(to_size(tiles_.num_batches())),
       inverse_(to_size(tiles_.num_rows)) {
@@ -174,7 +174,7 @@ void DiskTiles<D>::velocities(std::span<const ImpulseBatch<D>> x,
 
 template <int D>
 void DiskTiles<D>::unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const {
-  s.resize(impulse_scale_.size());
+  if (s.size() != impulse_scale_.size()) s = large_vector(impulse_scale_.size());
   for (int batch = 0; batch < num_batches(); ++batch) {
     for (int lane = batch * kLanes; lane < (batch + 1) * kLanes; ++lane) {
       if (contact(lane) >= 0) s.template segment<D>(contact(lane) * D) = impulse(x, lane);

@@ -62,6 +62,22 @@ const Vector& SymmetricSweep<D>::impulse() {
 
 template <int D>
 double SymmetricSweep<D>::iterate(double beta) {
+  const double turn = sweep_from(beta, before_.data());
+  std::swap(velocity_, velocity_before_);
+  std::swap(before_, next_);  // x⁻ was used for the last time
+  std::swap(now_, before_);
+  return turn;
+}
+
+template <int D>
+typename SymmetricSweep<D>::Swept SymmetricSweep<D>::sweep() {
+  sweep_from(0, now_.data());
+  return {now_, next_, before_, velocity_, velocity_before_};
+}
+
+/// Leaves S(y) in next_ and its velocities in velocity_before_.
+template <int D>
+double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before) {
   const auto task_of = [&](const ContactTiles::Tile& tile) {
     SymmetricTask<D> task;
     task.first_batch = tile.first_batch;
@@ -72,7 +88,7 @@ double SymmetricSweep<D>::iterate(double beta) {
     task.law = disks_.law_numbers(disks_.tile(0));
     task.laws = disks_.laws();
     task.now = now_.data();
-    task.before = before_.data();
+    task.before = before;
     task.next = next_.data();
     task.velocity = velocity_before_.data();
     task.inverse = disks_.inverse();
@@ -111,9 +127,6 @@ double SymmetricSweep<D>::iterate(double beta) {
     back_.run(size - 1 - rank, size, back);
   });
   team_.took(watch.seconds());
-  std::swap(velocity_, velocity_before_);
-  std::swap(before_, next_);  // x⁻ was used for the last time
-  std::swap(now_, before_);
   double turn = 0;
   for (const double lane : sums.turn) turn += lane;
   return turn;

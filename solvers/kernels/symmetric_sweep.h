@@ -1,5 +1,6 @@
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "core/large_pages.h"
@@ -36,10 +37,21 @@ class SymmetricSweep {
   /// Forth and back from y = x + beta (x - x⁻). Returns (y - x⁺)·(x⁺ - x) in the scaled variables.
   double iterate(double beta);
 
+  /// What iterations of another kind begin and end with. Valid until the next call of a member.
+  struct Swept {
+    std::span<ImpulseBatch<D>> y, swept, spare;   ///< y, S(y), and one that nobody uses
+    std::span<BodyRow> velocity, swept_velocity;  ///< of y, of S(y)
+  };
+  /// Forth and back from y = the impulse, which stays; so do its velocities.
+  Swept sweep();
+
+  const DiskTiles<D>& disks() const { return disks_; }
+
  private:
   SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
                  const ContactScaling& equilibrated, double omega, int sweeps,
                  const Execution& options, ContactTiles order);
+  double sweep_from(double beta, const ImpulseBatch<D>* before);
 
   TileLinks links_;  // of the order that the tiles then take over
   DiskTiles<D> disks_;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "solvers/kernels/contact_scaling.h"
+#include "solvers/kernels/deflated_sweep.h"
 #include "solvers/kernels/gradient_kernel.h"
 #include "solvers/kernels/local_updates.h"
 #include "solvers/kernels/patience.h"
@@ -17,6 +18,8 @@ namespace {
 
 /// Iterations that may be done without a look at the clock.
 constexpr int kUnwatched = 32;
+/// Rows of problems that stream through memory.
+constexpr Eigen::Index kStreamed = 40000;
 /// Iterations of more than two sweeps diverge on large packings where omega is near 2.
 constexpr double kOmegaOfMany = 1.6;
 
@@ -115,20 +118,84 @@ class ContactByContact {
   Vector now_, before_, y_;
 };
 
-template <class Kernel>
-void iterate(Kernel& kernel, const Vector& s0, Turns turns, IterationMonitor& monitor) {
+/// Where no stresses can be taken out of the sweeps.
+struct NoStresses {
+  static bool due(double) { return false; }
+  static bool finish(int&, IterationMonitor&) { return false; }
+};
+
+/// The last part of the iteration on large packings, once.
+class Stresses {
+ public:
+  Stresses(SymmetricSweep<2>& sweep, const DiskStructure& disks, int least,
+           const Execution& execution)
+      : sweep_(sweep),
+        disks_(disks),
+        execution_(execution),
+        done_(static_cast<int>(disks.contacts.size()) < least) {}
+
+  bool due(double best_error) const { return !done_ && best_error < kSettled; }
+  /// From the best impulse until the solve is over: true. False where the error stands.
+  bool finish(int& iteration, IterationMonitor& monitor) {
+    done_ = true;
+    sweep_.relax(kOmega, kSweeps);
+    DeflatedSweep kernel(sweep_, disks_, execution_);
+    if (!kernel.reset(monitor.best_impulse())) return false;
+    double mark = monitor.best_error();
+    for (int since = 0; since < kPatience;) {
+      const int count = monitor.undue(iteration, kJudged);
+      for (int k = 0; k < count; ++k) {
+        if (!kernel.iterate()) return false;
+        ++iteration;
+      }
+      since += count;
+      monitor.judge_next();
+      if (monitor.stop(iteration, kernel.impulse(), kOmega)) return true;
+      if (monitor.best_error() <= 0.5 * mark) {
+        mark = monitor.best_error();
+        since = 0;
+      }
+    }
+    return false;
+  }
+
+ private:
+  /// The error from which on they are taken out: while it is above 1 they pull at contacts that
+  /// will slip, and moving packings need up to 1.8 times the iterations.
+  static constexpr double kSettled = 0.5;
+  static constexpr double kOmega = 1.5;
+  static constexpr int kSweeps = 4;
+  static constexpr int kPatience = 40;  ///< iterations in which the error has to halve
+  static constexpr int kJudged = 6;     ///< one in so many: judging costs as much as three
+
+  SymmetricSweep<2>& sweep_;
+  const DiskStructure& disks_;
+  Execution execution_;
+  bool done_;
+};
+
+template <class Kernel, class Stresses>
+void iterate(Kernel& kernel, const Vector& s0, Turns turns, Stresses stresses,
+             IterationMonitor& monitor) {
   kernel.reset(s0);
   monitor.end_setup();
-  monitor.judge_half_as_often();
+  monitor.judge_half_as_often(s0.size() >= kStreamed);
   double t = 1, beta = 0;
+  const auto begin_again = [&](const Vector& s) {
+    kernel.reset(s);
+    kernel.relax(turns.omega(), turns.sweeps());
+    t = 1;
+    beta = 0;
+  };
   for (int iteration = 0;;) {
     if (monitor.due(iteration)) {
       if (monitor.stop(iteration, kernel.impulse(), turns.omega())) return;
+      if (stresses.due(monitor.best_error())) {
+        if (stresses.finish(iteration, monitor)) return;
+        begin_again(monitor.best_impulse());
+      }
       if (turns.advance(iteration, monitor.best_error())) {
-        kernel.reset(turns.afresh() ? s0 : monitor.best_impulse());
-        kernel.relax(turns.omega(), turns.sweeps());
-        t = 1;
-        beta = 0;
+        begin_again(turns.afresh() ? s0 : monitor.best_impulse());
       }
     }
     const int count = monitor.undue(iteration, kUnwatched);
@@ -161,13 +228,19 @@ SolveResult solve_accelerated_ssor(const ContactProblem& p, const SolverOptions&
     if constexpr (D < 3) {
       if (delassus.disks()) {
         SymmetricSweep<D> kernel(p, *delassus.disks(), scaling, omega, sweeps, options.execution);
-        iterate(kernel, s0, turns, monitor);
+        if constexpr (D == 2) {
+          const int least = parameters.integer("stresses_from");
+          iterate(kernel, s0, turns, Stresses(kernel, *delassus.disks(), least, options.execution),
+                  monitor);
+        } else {
+          iterate(kernel, s0, turns, NoStresses(), monitor);
+        }
         return;
       }
     }
     const auto run = [&](auto& sweep, const auto& visit) {
       ContactByContact kernel(p, scaling, sweep, visit, sweeps);
-      iterate(kernel, s0, turns, monitor);
+      iterate(kernel, s0, turns, NoStresses(), monitor);
     };
     with_local_updates<D>(p, delassus, {.omega = omega}, false, run);
   });
