@@ -56,7 +56,7 @@ bool DeflatedSweep::iterate() {
   std::fill(stress_.begin(), stress_.end(), BodyRow{});
   kernels_.rates({batches, disks.contacts(tile), disks.law_numbers(tile), disks.laws(),
                   modes_.share(), at_.swept_velocity.data(), stress_.data()});
-  modes_.relax(stress_);
+  if (!modes_.relax(stress_)) return false;
   std::fill(momentum_.begin(), momentum_.end(), BodyRow{});
   LoadSums load;
   kernels_.impulse(

@@ -17,6 +17,8 @@ constexpr double kCellArms = 4.2;
 constexpr int kFewestCompanions = 400;
 /// Keeps PᵀWP definite where stresses move no body, as a uniform one in a packing without walls.
 constexpr double kShift = 1e-10;
+/// The part of what the stresses gain that the shift may have.
+constexpr double kIdle = 0.1;
 
 /// One contact in so many may carry stresses where it should not, or not where it should.
 constexpr std::size_t kUnchanged = 100;
@@ -211,8 +213,8 @@ void StressModes::assemble() {
     const BodyRow& inverse = tiles_.inverse()[row];
     add_body(row, {inverse.value[kRowX], inverse.value[kRowSpin], inverse.value[kRowY]});
   }
-  const double shift = kShift * matrix_.diagonal().maxCoeff();
-  for (int k = 0; k < matrix_.rows(); ++k) matrix_.coeffRef(k, k) += shift;
+  shift_ = kShift * matrix_.diagonal().maxCoeff();
+  for (int k = 0; k < matrix_.rows(); ++k) matrix_.coeffRef(k, k) += shift_;
 }
 
 /// Adds (wrench of P)ᵀ inverse (wrench of P) of one body.
@@ -302,7 +304,7 @@ void StressModes::add_body(int row, const std::array<double, 3>& inverse) {
   }
 }
 
-void StressModes::relax(std::span<BodyRow> rows) const {
+bool StressModes::relax(std::span<BodyRow> rows) const {
   constexpr int kSlots[] = {kRowX, kRowSpin, kRowY};
   Vector rates = Vector::Zero(matrix_.rows());
   for (std::size_t row = 0; row < rows.size(); ++row) {
@@ -316,7 +318,10 @@ void StressModes::relax(std::span<BodyRow> rows) const {
       }
     }
   }
-  interpolate(-factor_.solve(rates), rows);
+  const Vector stress = -factor_.solve(rates);
+  const double gained = -stress.dot(rates), shifted = shift_ * stress.squaredNorm();
+  interpolate(stress, rows);
+  return shifted <= kIdle * gained;
 }
 
 void StressModes::interpolate(const Vector& nodes, std::span<BodyRow> rows) const {

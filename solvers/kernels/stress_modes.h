@@ -30,8 +30,9 @@ class StressModes {
   const SparseMatrix& matrix() const { return matrix_; }
 
   /// Rows of rates (StressRatesTask) become stresses, those of -(PᵀWP)⁻¹ Pᵀw. Requires a successful
-  /// renew().
-  void relax(std::span<BodyRow> rows) const;
+  /// renew(). False where they would grow without bound: stresses that move nobody, along which there is a
+  /// rate all the same, as where restitution differs in a jammed place and no solution exists.
+  [[nodiscard]] bool relax(std::span<BodyRow> rows) const;
   /// Rows of stresses for those of the nodes.
   void interpolate(const Vector& nodes, std::span<BodyRow> rows) const;
 
@@ -68,6 +69,7 @@ class StressModes {
   SparseMatrix matrix_;
   SparseCholesky factor_;
   bool factored_ = false;
+  double shift_ = 0;
 };
 
 }  // namespace bipot

@@ -150,7 +150,7 @@ class Stresses {
       }
       since += count;
       monitor.judge_next();
-      if (monitor.stop(iteration, kernel.impulse(), kOmega)) return true;
+      if (monitor.stop(iteration, kernel.impulse(), kOmega, true)) return true;
       if (monitor.best_error() <= 0.5 * mark) {
         mark = monitor.best_error();
         since = 0;
@@ -165,7 +165,7 @@ class Stresses {
   static constexpr double kSettled = 0.5;
   static constexpr double kOmega = 1.5;
   static constexpr int kSweeps = 4;
-  static constexpr int kPatience = 40;  ///< iterations in which the error has to halve
+  static constexpr int kPatience = 24;  ///< iterations in which the error has to halve
   static constexpr int kJudged = 6;     ///< one in so many: judging costs as much as three
 
   SymmetricSweep<2>& sweep_;

@@ -189,7 +189,7 @@ TEST(StressModes, OneCorrectionTakesThemOut) {
     return sum;
   };
   const double before = along_modes(rows).norm();
-  at.modes.relax(rows);
+  ASSERT_TRUE(at.modes.relax(rows));
   StressImpulses z = at.pressed();
   StressRows momentum = at.rows();
   LoadSums load;
@@ -215,6 +215,18 @@ TEST(StressModes, AreMadeAnewWhereManyContactsChanged) {
   for (ImpulseBatch<2>& batch : x) batch.x[0][2] = 0;
   ASSERT_TRUE(at.modes.renew(x));
   EXPECT_GT((first - Eigen::MatrixXd(at.modes.matrix())).norm(), 1e-3 * first.norm());
+}
+
+// Rates along stresses that move nobody, as nothing carries them: no stress is the answer.
+TEST(StressModes, SayWhereTheyWouldGrowWithoutBound) {
+  Stressed at(stressed_packing(false));
+  StressImpulses x = at.pressed();
+  for (std::size_t batch = x.size() / 2; batch < x.size(); ++batch) x[batch] = {};
+  ASSERT_TRUE(at.modes.renew(x));
+  StressRows rows = at.rates(at.pressed());
+  EXPECT_TRUE(at.modes.relax(rows));
+  for (BodyRow& row : rows) row.value[kRowX] = 1;
+  EXPECT_FALSE(at.modes.relax(rows));
 }
 
 TEST(StressModes, FewDisksHaveNone) {
