@@ -12,7 +12,7 @@ namespace bipot {
 /// Cadence: whenever the count k has grown by its root (the least that evaluations and iterations cost
 /// together) or, from k = 1024 on, by 1/32: the reported count is exact to 1/root k, then to 3 %;
 /// solvers whose iteration is a factorisation have every one judged, `assor` one in 16 at last, where it
-/// streams through memory by three roots, 3/root k, before.
+/// streams through memory by three roots, 3/root k, before, and one in six where it takes stresses out.
 /// The impulse test compares consecutive iterates and is therefore evaluated at every iteration.
 ///
 /// The monitor keeps the best iterate by the guarded error; a solve that stops early returns it.

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/large_pages.h"
 #include "core/parallel.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/sparse_factor.h"

@@ -113,6 +113,7 @@ bool SparseCholesky::factor(const SparseMatrix& A) {
 
 Vector SparseCholesky::solve(const Eigen::Ref<const Vector>& b) const {
   if (!impl_->positive_definite) throw std::logic_error("SparseCholesky::solve without a factor");
+  const OneThread one_thread;
   Vector rhs = b;
   cholmod_dense view{};
   view.nrow = view.d = view.nzmax = static_cast<std::size_t>(rhs.size());

@@ -41,7 +41,8 @@ bool DeflatedSweep::reset(const Vector& s) {
   at_ = sweep_.sweep();
   std::fill(at_.spare.begin(), at_.spare.end(), ImpulseBatch<2>{});
   since_renewal_ = 0;
-  return modes_.renew(at_.swept);
+  carried_ = modes_.renew(at_.swept);
+  return carried_;
 }
 
 const Vector& DeflatedSweep::impulse() {
@@ -50,6 +51,7 @@ const Vector& DeflatedSweep::impulse() {
 }
 
 bool DeflatedSweep::iterate() {
+  if (!carried_) return false;
   const DiskTiles<2>& disks = sweep_.disks();
   const auto& tile = disks.tile(0);
   const int batches = disks.num_batches(), rows = disks.num_rows();
@@ -102,9 +104,11 @@ bool DeflatedSweep::iterate() {
                      at_.y.data() + first});
   });
   at_ = sweep_.sweep();
-  if (++since_renewal_ < kRenewal) return true;
-  since_renewal_ = 0;
-  return modes_.renew(at_.swept);
+  if (++since_renewal_ == kRenewal) {
+    since_renewal_ = 0;
+    carried_ = modes_.renew(at_.swept);  // else the next iteration says so: this one is done
+  }
+  return true;
 }
 
 }  // namespace bipot

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <vector>
+
+#include "core/large_pages.h"
 #include "solvers/kernels/stress_modes.h"
 #include "solvers/kernels/symmetric_sweep.h"
 
@@ -20,11 +23,13 @@ class DeflatedSweep {
  public:
   DeflatedSweep(SymmetricSweep<2>& sweep, const DiskStructure& disks, const Execution& options);
 
-  /// From s: S(s) is the first impulse(). False where there are no stresses to take out.
+  /// Whether there is anything to take out: a packing of some hundred disks.
+  bool has_stresses() const { return modes_.num_nodes() > 0; }
+  /// From s: S(s) is the first impulse(). False where no contact of it carries stresses.
   [[nodiscard]] bool reset(const Vector& s);
-  /// False where it cannot go on.
+  /// False where it could not: from there only reset() goes on.
   [[nodiscard]] bool iterate();
-  /// S(y).
+  /// S(y) of the last iteration that did not fail.
   const Vector& impulse();
 
  private:
@@ -36,7 +41,8 @@ class DeflatedSweep {
   LargeVector<BodyRow> mass_, direction_, stress_, momentum_;
   std::vector<ConjugateSums> sums_;
   int since_renewal_ = 0;
-  // z⁻·Wz⁻, z⁻·Wp⁻, p⁻·Wp⁻, g⁻·z⁻, alpha⁻, beta⁻; no direction before where p⁻·Wp⁻ = 0.
+  bool carried_ = false;  // stresses, as of the last renewal
+  // z⁻·Wz⁻, z⁻·Wp⁻⁻, p⁻·Wp⁻, g⁻·z⁻, alpha⁻, beta⁻; no direction before where p⁻·Wp⁻ = 0.
   double zz_ = 0, zp_ = 0, pp_ = 0, gz_ = 0, alpha_ = 0, beta_ = 0;
   Vector s_;
 };

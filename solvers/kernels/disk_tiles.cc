@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/large_pages.h"
 #include "solvers/kernels/wavefront.h"
 
 namespace bipot {

@@ -13,6 +13,8 @@ namespace {
 constexpr double kCellDiameters = 12;
 /// Largest arms along a cell: all neighbours of a body are then in two cells each way.
 constexpr double kCellArms = 4.2;
+/// Cells from the first body to where numbers of cells end.
+constexpr double kFarthest = 1e8;
 /// Bodies of a packing that has stresses: less than a cell's worth is in balance at once.
 constexpr int kFewestCompanions = 400;
 /// Keeps PᵀWP definite where stresses move no body, as a uniform one in a packing without walls.
@@ -47,19 +49,24 @@ StressModes::StressModes(const DiskTiles<2>& tiles, const DiskStructure& disks)
 /// Cells and nodes of the grid, those that bodies need, in ascending order.
 void StressModes::place_bodies(const DiskStructure& disks) {
   const int bodies = disks.surroundings();
-  double mean = 0, largest = 0;
+  double sum = 0, largest = 0;
+  int touching = 0;  // bodies without contacts have no arm
   for (int k = 0; k < bodies; ++k) {
-    mean += disks.bodies[to_size(k)].arm / bodies;
-    largest = std::max(largest, disks.bodies[to_size(k)].arm);
+    const double arm = std::abs(disks.bodies[to_size(k)].arm);  // negative in a hollow drum
+    sum += arm;
+    largest = std::max(largest, arm);
+    if (arm > 0) ++touching;
   }
-  const double cell = std::max(2 * kCellDiameters * mean, kCellArms * largest);
-  if (!(cell > 0)) return;
+  const double cell =
+      std::max(2 * kCellDiameters * sum / std::max(touching, 1), kCellArms * largest);
+  if (!(cell > 0) || !std::isfinite(cell)) return;
   const DiskPositions positions = disk_positions(disks, 2 * cell);
   std::vector<Node> corner(to_size(bodies)), cells;  // the first of each cell
   for (int k = 0; k < bodies; ++k) {
     if (positions.companions[to_size(k)] < kFewestCompanions) continue;
     const Vec2 at = positions.centre[to_size(k)] / cell;
     const double x = std::floor(at.x()), y = std::floor(at.y());
+    if (!(std::max(std::abs(x), std::abs(y)) < kFarthest)) continue;
     corner[to_size(k)] = {static_cast<int>(x), static_cast<int>(y)};
     Place& place = place_[to_size(tiles_.row(k))];
     place.cell = 0;
@@ -274,7 +281,8 @@ void StressModes::add_body(int row, const std::array<double, 3>& inverse) {
   }
   add(own, own_weights, all);
 
-  // The wrench on the body (force, moment / a) of the stresses xx, xy, yy of a node.
+  // The wrench on the body (force, moment / a with the opposite sign, which the square does not see) of
+  // the stresses xx, xy, yy of a node.
   using Wrench = Eigen::Matrix3d;
   const auto wrench = [](const Moments& m) {
     Wrench w;

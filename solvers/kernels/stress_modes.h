@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "core/large_pages.h"
 #include "core/problem/sparse_factor.h"
 #include "solvers/kernels/disk_tiles.h"
 #include "solvers/kernels/stress_kernels.h"

@@ -18,8 +18,8 @@ namespace {
 
 /// Iterations that may be done without a look at the clock.
 constexpr int kUnwatched = 32;
-/// Rows of problems that stream through memory.
-constexpr Eigen::Index kStreamed = 40000;
+/// Contacts of disks from which on they stream through memory.
+constexpr int kStreamed = 20000;
 /// Iterations of more than two sweeps diverge on large packings where omega is near 2.
 constexpr double kOmegaOfMany = 1.6;
 
@@ -118,10 +118,16 @@ class ContactByContact {
   Vector now_, before_, y_;
 };
 
+enum class StressesEnd {
+  kNone,     ///< there are none: nothing was done
+  kSolve,    ///< the solve is over
+  kGivenUp,  ///< the error stands
+};
+
 /// Where no stresses can be taken out of the sweeps.
 struct NoStresses {
   static bool due(double) { return false; }
-  static bool finish(int&, IterationMonitor&) { return false; }
+  static StressesEnd finish(int&, IterationMonitor&) { return StressesEnd::kNone; }
 };
 
 /// The last part of the iteration on large packings, once.
@@ -135,28 +141,30 @@ class Stresses {
         done_(static_cast<int>(disks.contacts.size()) < least) {}
 
   bool due(double best_error) const { return !done_ && best_error < kSettled; }
-  /// From the best impulse until the solve is over: true. False where the error stands.
-  bool finish(int& iteration, IterationMonitor& monitor) {
+  /// From the best impulse.
+  StressesEnd finish(int& iteration, IterationMonitor& monitor) {
     done_ = true;
-    sweep_.relax(kOmega, kSweeps);
     DeflatedSweep kernel(sweep_, disks_, execution_);
-    if (!kernel.reset(monitor.best_impulse())) return false;
+    if (!kernel.has_stresses() || monitor.out_of_time()) return StressesEnd::kNone;
+    sweep_.relax(kOmega, kSweeps);
+    if (!kernel.reset(monitor.best_impulse())) return StressesEnd::kGivenUp;
     double mark = monitor.best_error();
     for (int since = 0; since < kPatience;) {
       const int count = monitor.undue(iteration, kJudged);
       for (int k = 0; k < count; ++k) {
-        if (!kernel.iterate()) return false;
+        if (!kernel.iterate()) return StressesEnd::kGivenUp;
         ++iteration;
       }
       since += count;
       monitor.judge_next();
-      if (monitor.stop(iteration, kernel.impulse(), kOmega, true)) return true;
+      // "moving": an impulse that stands still here is no stall, as the iteration before goes on.
+      if (monitor.stop(iteration, kernel.impulse(), kOmega, true)) return StressesEnd::kSolve;
       if (monitor.best_error() <= 0.5 * mark) {
         mark = monitor.best_error();
         since = 0;
       }
     }
-    return false;
+    return StressesEnd::kGivenUp;
   }
 
  private:
@@ -179,7 +187,6 @@ void iterate(Kernel& kernel, const Vector& s0, Turns turns, Stresses stresses,
              IterationMonitor& monitor) {
   kernel.reset(s0);
   monitor.end_setup();
-  monitor.judge_half_as_often(s0.size() >= kStreamed);
   double t = 1, beta = 0;
   const auto begin_again = [&](const Vector& s) {
     kernel.reset(s);
@@ -191,8 +198,9 @@ void iterate(Kernel& kernel, const Vector& s0, Turns turns, Stresses stresses,
     if (monitor.due(iteration)) {
       if (monitor.stop(iteration, kernel.impulse(), turns.omega())) return;
       if (stresses.due(monitor.best_error())) {
-        if (stresses.finish(iteration, monitor)) return;
-        begin_again(monitor.best_impulse());
+        const StressesEnd end = stresses.finish(iteration, monitor);
+        if (end == StressesEnd::kSolve) return;
+        if (end == StressesEnd::kGivenUp) begin_again(monitor.best_impulse());
       }
       if (turns.advance(iteration, monitor.best_error())) {
         begin_again(turns.afresh() ? s0 : monitor.best_impulse());
@@ -223,6 +231,7 @@ SolveResult solve_accelerated_ssor(const ContactProblem& p, const SolverOptions&
   const Vector s0 = start_of(p, options);
   const Turns turns(omega, delassus.disks().has_value(), sweeps, parameters.integer("most_sweeps"),
                     side);
+  monitor.judge_half_as_often(delassus.disks() && p.num_contacts() >= kStreamed);
   dispatch_dim(p.dim, [&](auto d) {
     constexpr int D = d();
     if constexpr (D < 3) {

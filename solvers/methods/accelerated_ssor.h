@@ -28,7 +28,7 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
      .default_value = "20000",
      .minimum = 1,
      .maximum = 2e9,
-     .help = "contacts of disks from which on smooth stresses are taken out in the end"},
+     .help = "contacts of disks in the plane from which on stresses are taken out in the end"},
 };
 
 /// Projected Gauss-Seidel forth and back through the contacts, over-relaxed, with Nesterov's
@@ -60,9 +60,9 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
 ///
 /// [ours] What is left when the error is below 0.5 on packings of 20 000 disks' contacts and more is
 /// mostly smooth stresses, which make its iterations O(N^1/4): from there on conjugate gradients with
-/// sweeps as preconditioner (omega = 1.5, m = 4), deflated by stress fields on a grid of cells of twelve
+/// sweeps as preconditioner (omega = 1.5, m = 4 whatever was asked for), deflated by stress fields on a grid of cells of twelve
 /// disks (solvers/kernels/deflated_sweep.h): 30 to 60 iterations for 180 to 540 on lattices of 100 to 563
-/// rows. Where 40 of them do not halve the error the iteration above goes on.
+/// rows. Where 24 of them do not halve the error the iteration above goes on.
 ///
 /// With friction there is no proof of convergence. Disks run in vectors, contacts along the
 /// rows or, where that leaves vectors empty, as they fill them (solvers/kernels/contact_tiles.h), with
