@@ -293,7 +293,7 @@ void DelassusOperator::disk_velocity(int begin, int end, const double* u_free, d
   }
 }
 
-void DelassusOperator::move_disks(const Vector& s) const {
+void DelassusOperator::move_disks(const Eigen::Ref<const Vector>& s) const {
   if (problem_.dim == 1) {
     move_disks<1>(s.data());
   } else {
@@ -332,11 +332,7 @@ void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const
 void DelassusOperator::velocity(const Eigen::Ref<const Vector>& s, Vector& u) const {
   if (prepared_->disks) {
     u.resize(problem_.num_rows());
-    if (problem_.dim == 1) {
-      move_disks<1>(s.data());
-    } else {
-      move_disks<2>(s.data());
-    }
+    move_disks(s);
     run_pieces(threads_, problem_.num_contacts(),
                [&](int begin, int end) { disk_velocity(begin, end, u); });
   } else {

@@ -39,7 +39,7 @@ class DelassusOperator {
   /// u = W s + u_free. No allocation.
   void velocity(const Eigen::Ref<const Vector>& s, Vector& u) const;
   /// velocity() in two parts, for those who go on with the contacts piece by piece. Requires disks().
-  void move_disks(const Vector& s) const;
+  void move_disks(const Eigen::Ref<const Vector>& s) const;
   /// u of the contacts [begin, end) after move_disks().
   void disk_velocity(int begin, int end, Vector& u) const;
   /// Diagonal d x d block of contact c, row-major storage of d*d values.

@@ -29,7 +29,7 @@ class DeflatedSweep {
   [[nodiscard]] bool reset(const Vector& s);
   /// False where it could not: from there only reset() goes on.
   [[nodiscard]] bool iterate();
-  /// S(y) of the last iteration that did not fail.
+  /// S(y). Not where iterate() returned false: it may be z by then.
   const Vector& impulse();
 
  private:

@@ -30,7 +30,12 @@ constexpr int kReach = 2;  ///< nodes between two that the same body joins
 
 int stencil(int dx, int dy) { return dx + kReach + (2 * kReach + 1) * (dy + kReach); }
 
+/// Where a row has σ_xx, σ_xy, σ_yy, or their rates.
+constexpr int kSlots[] = {kRowX, kRowSpin, kRowY};
+
 int row_at(unsigned offset) { return static_cast<int>(offset / sizeof(BodyRow)); }
+
+bool is_fixed(const DiskTiles<2>& tiles, int row) { return tiles.inverse()[row].value[kRowX] == 0; }
 
 }  // namespace
 
@@ -111,7 +116,6 @@ void StressModes::list_contacts() {
       visit(lane, row_at(c.i[lane % kLanes]), row_at(c.j[lane % kLanes]));
     }
   };
-  const auto is_fixed = [&](int row) { return tiles_.inverse()[row].value[kRowX] == 0; };
   const auto corner = [&](int row) {
     return nodes_[to_size(cells_[to_size(place_[to_size(row)].cell)][0])];
   };
@@ -135,13 +139,13 @@ void StressModes::list_contacts() {
   });
   const auto may_carry = [&](int i, int j) {
     if (!placed(i) || range[to_size(i)].wide()) return false;
-    return is_fixed(j) || (placed(j) && !range[to_size(j)].wide());
+    return is_fixed(tiles_, j) || (placed(j) && !range[to_size(j)].wide());
   };
   first_.assign(to_size(rows) + 1, 0);
   each_lane([&](int, int i, int j) {
     if (!may_carry(i, j)) return;
     ++first_[to_size(i) + 1];
-    if (!is_fixed(j)) ++first_[to_size(j) + 1];
+    if (!is_fixed(tiles_, j)) ++first_[to_size(j) + 1];
   });
   for (int row = 0; row < rows; ++row) first_[to_size(row) + 1] += first_[to_size(row)];
   lane_.resize(to_size(first_.back()));
@@ -149,7 +153,7 @@ void StressModes::list_contacts() {
   each_lane([&](int lane, int i, int j) {
     if (!may_carry(i, j)) return;
     lane_[to_size(next[to_size(i)]++)] = lane;
-    if (!is_fixed(j)) lane_[to_size(next[to_size(j)]++)] = lane;
+    if (!is_fixed(tiles_, j)) lane_[to_size(next[to_size(j)]++)] = lane;
   });
 }
 
@@ -197,7 +201,7 @@ bool StressModes::renew(std::span<const ImpulseBatch<2>> x) {
     const double normal = x[to_size(batch)].x[0][at], tangential = x[to_size(batch)].x[1][at];
     const bool within =
         normal > 0 && std::abs(tangential) < tiles_.laws()[law[batch]].mu[at] * normal;
-    const bool pair = tiles_.inverse()[row_at(contacts[batch].j[at])].value[kRowX] != 0;
+    const bool pair = !is_fixed(tiles_, row_at(contacts[batch].j[at]));
     return !within ? 0 : pair ? 0.5 : 1;
   };
   std::size_t changed = 0;
@@ -313,7 +317,6 @@ void StressModes::add_body(int row, const std::array<double, 3>& inverse) {
 }
 
 bool StressModes::relax(std::span<BodyRow> rows) const {
-  constexpr int kSlots[] = {kRowX, kRowSpin, kRowY};
   Vector rates = Vector::Zero(matrix_.rows());
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const Place& place = place_[row];
@@ -333,7 +336,6 @@ bool StressModes::relax(std::span<BodyRow> rows) const {
 }
 
 void StressModes::interpolate(const Vector& nodes, std::span<BodyRow> rows) const {
-  constexpr int kSlots[] = {kRowX, kRowSpin, kRowY};
   for (std::size_t row = 0; row < rows.size(); ++row) {
     BodyRow stress;
     const Place& place = place_[row];
