@@ -78,10 +78,13 @@ bool FrontalCholesky::analyse(const SparseMatrix& A) {
     panel_.resize(largest);
     stack_.resize(tree_->stack_size);
     permuted_.resize(tree_->size());
+    place_.resize(to_size(tree_->size()));
+    position_.resize(to_size(tree_->size()));
   } catch (const std::bad_alloc&) {
     tree_ = nullptr;
     return false;
   }
+  for (int k = 0; k < tree_->size(); ++k) place_[to_size(tree_->order[to_size(k)])] = k;
   return true;
 }
 
@@ -89,26 +92,31 @@ bool FrontalCholesky::factor(const SparseMatrix& A) {
   factored_ = false;
   if (!analyse(A)) return false;
   try {
-    factored_ = eliminate(A.valuePtr());
+    factored_ = eliminate(A);
   } catch (const std::bad_alloc&) {
     return false;
   }
   return factored_;
 }
 
-/// The entries of A that the front takes, in place of what the panel held.
-void FrontalCholesky::assemble(int front, const double* values, double* panel) const {
+/// The entries of A that the front takes, of the lower triangle, in place of what the panel held.
+void FrontalCholesky::assemble(int front, const SparseMatrix& A, double* panel) {
   const FrontalTree& t = *tree_;
-  const int size = t.columns(front) * t.rows(front);
-  std::fill(panel, panel + size, 0.0);
-  for (int k = t.entry_start[to_size(front)]; k < t.entry_start[to_size(front) + 1]; ++k) {
-    const int target = t.entry_target[to_size(k)];  // beyond the panel: right of the pivots
-    if (target < size) panel[target] = values[t.entry_source[to_size(k)]];
+  const int begin = t.first[to_size(front)], columns = t.columns(front), rows = t.rows(front);
+  std::fill_n(panel, to_size(columns) * to_size(rows), 0.0);
+  t.place_rows(front, position_.data());
+  for (int j = 0; j < columns; ++j, panel += rows) {
+    const int old = t.order[to_size(begin + j)];
+    for (int k = A.outerIndexPtr()[old]; k < A.outerIndexPtr()[old + 1]; ++k) {
+      const int i = place_[to_size(A.innerIndexPtr()[k])];
+      if (i >= begin)
+        panel[position_[to_size(i)]] = A.valuePtr()[k];  // else a front before took it
+    }
   }
 }
 
 /// All fronts, children before parents.
-bool FrontalCholesky::eliminate(const double* values) {
+bool FrontalCholesky::eliminate(const SparseMatrix& A) {
   const FrontalTree& t = *tree_;
   std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
   const auto contribution = [&](std::size_t k, int columns) {
@@ -122,7 +130,7 @@ bool FrontalCholesky::eliminate(const double* values) {
   supernodes_.begin(t.size(), entries_);
   for (int s = 0; s < t.num_fronts(); ++s) {
     const int columns = t.columns(s), h = t.height(s), rows = columns + h;
-    assemble(s, values, panel);
+    assemble(s, A, panel);
     const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
     const std::size_t bottom = base < held.size() ? held[base].second : top;
     for (std::size_t k = base; k < held.size(); ++k) {

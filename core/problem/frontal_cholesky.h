@@ -26,10 +26,12 @@ class FrontalCholesky {
   std::size_t num_entries() const { return entries_; }
 
  private:
-  bool eliminate(const double* values);
-  void assemble(int front, const double* values, double* panel) const;
+  bool eliminate(const SparseMatrix& A);
+  void assemble(int front, const SparseMatrix& A, double* panel);
 
   std::shared_ptr<const FrontalTree> tree_;
+  std::vector<int> place_,
+      position_;  // of each column of A in the tree's order; scratch of a front
   std::vector<double> panel_, stack_;  // scratch of a front; contributions
   bool factored_ = false;
   std::size_t entries_ = 0;

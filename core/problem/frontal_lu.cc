@@ -218,6 +218,7 @@ bool scale_entries(const SparseMatrix& A, const std::vector<double>& scale, doub
 template <class Real>
 struct FrontalLU<Real>::Impl {
   std::shared_ptr<const FrontalTree> tree;
+  FrontalEntries entries;
   std::vector<Real> factor, stack;
   std::vector<double> scale;  // by column of A
   std::vector<int> place;     // of each column of A in the tree's order
@@ -267,6 +268,7 @@ bool FrontalLU<Real>::Impl::prepare(const SparseMatrix& A) {
     tree = FrontalTree::of(A);
     if (!tree) return false;
     try {
+      entries = FrontalEntries(*tree, A);
       factor.resize(tree->factor_size);
       stack.resize(tree->stack_size);
     } catch (const std::bad_alloc&) {
@@ -302,9 +304,9 @@ bool FrontalLU<Real>::Impl::run() {
   for (int s = 0; s < t.num_fronts(); ++s) {
     const Front<Real> f = front(s);
     std::fill(f.panel, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height(), Real(0));
-    for (int k = t.entry_start[to_size(s)]; k < t.entry_start[to_size(s) + 1]; ++k) {
-      f.panel[t.entry_target[to_size(k)]] =
-          static_cast<Real>(scaled[to_size(t.entry_source[to_size(k)])]);
+    for (int k = entries.start[to_size(s)]; k < entries.start[to_size(s) + 1]; ++k) {
+      f.panel[entries.target[to_size(k)]] =
+          static_cast<Real>(scaled[to_size(entries.source[to_size(k)])]);
     }
     const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
     const std::size_t bottom = base < held.size() ? held[base].second : top;

@@ -11,9 +11,9 @@ namespace bipot {
 namespace {
 
 constexpr std::size_t kTreesKept = 4;
-constexpr std::size_t kBytesKept = std::size_t{16} << 20;  // four trees of 12 000 contacts
-constexpr std::size_t kBytesOfEntry = 16;                  // a tree takes 14 for one of A
-constexpr int kMetisFrom = 4000;  // groups of columns; AMD is quicker below
+constexpr std::size_t kBytesKept = std::size_t{5} << 20;  // three trees of 12 000 contacts
+constexpr std::size_t kBytesOfEntry = 8;                  // a tree takes 6 for one of A
+constexpr int kMetisFrom = 4000;                          // groups of columns; AMD is quicker below
 
 /// The trees of the last patterns, the latest first.
 struct KeptTrees {
@@ -83,8 +83,8 @@ std::vector<int> equal_columns(const SparseMatrix& A) {
 }
 
 /// A fill-reducing order of the groups, column by column, new to old. Empty: memory ran out.
-std::vector<SuiteSparse_long> fill_reducing_columns(const SparseMatrix& A) {
-  const std::vector<int> groups = equal_columns(A);
+std::vector<SuiteSparse_long> fill_reducing_columns(const SparseMatrix& A,
+                                                    const std::vector<int>& groups) {
   const int nodes = static_cast<int>(groups.size()) - 1;
   std::vector<int> group_of(to_size(A.cols()));
   for (int g = 0; g < nodes; ++g) {
@@ -120,17 +120,25 @@ std::vector<SuiteSparse_long> fill_reducing_columns(const SparseMatrix& A) {
 }  // namespace
 
 bool FrontalTree::is_of(const SparseMatrix& A) const {
-  return size() == A.cols() && to_size(A.nonZeros()) == pattern_row_.size() &&
-         std::equal(pattern_start_.begin(), pattern_start_.end(), A.outerIndexPtr()) &&
-         std::equal(pattern_row_.begin(), pattern_row_.end(), A.innerIndexPtr());
+  if (size() != A.cols()) return false;
+  const int* const start = A.outerIndexPtr();
+  const int* const row = A.innerIndexPtr();
+  for (std::size_t g = 0; g + 1 < pattern_.first.size(); ++g) {
+    const int* const own = pattern_.row.data() + pattern_.start[g];
+    const int* const end = pattern_.row.data() + pattern_.start[g + 1];
+    for (int j = pattern_.first[g]; j < pattern_.first[g + 1]; ++j) {
+      if (!std::equal(own, end, row + start[j], row + start[j + 1])) return false;
+    }
+  }
+  return true;
 }
 
 std::size_t FrontalTree::num_bytes() const {
   const auto bytes = [](const auto&... list) {
     return (... + (list.capacity() * sizeof(list[0])));
   };
-  return bytes(order, first, below_start, below, relative, children, node_start, entry_start,
-               entry_source, entry_target, pattern_start_, pattern_row_);
+  return bytes(order, first, below_start, below, relative, children, node_start, pattern_.first,
+               pattern_.start, pattern_.row);
 }
 
 std::shared_ptr<const FrontalTree> FrontalTree::of(const SparseMatrix& A) {
@@ -166,9 +174,17 @@ void FrontalTree::forget() {
 
 std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SparseMatrix& A) {
   auto tree = std::make_shared<FrontalTree>();
-  tree->pattern_start_.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.cols() + 1);
-  tree->pattern_row_.assign(A.innerIndexPtr(), A.innerIndexPtr() + A.nonZeros());
-  std::vector<SuiteSparse_long> order = fill_reducing_columns(A);
+  Pattern& pattern = tree->pattern_;
+  pattern.first = equal_columns(A);
+  pattern.start.assign(1, 0);
+  for (std::size_t g = 0; g + 1 < pattern.first.size(); ++g) {
+    const int* const start = A.outerIndexPtr() + pattern.first[g];
+    pattern.row.insert(pattern.row.end(), A.innerIndexPtr() + start[0],
+                       A.innerIndexPtr() + start[1]);
+    pattern.start.push_back(static_cast<int>(pattern.row.size()));
+  }
+  pattern.row.shrink_to_fit();
+  std::vector<SuiteSparse_long> order = fill_reducing_columns(A, pattern.first);
   if (order.empty() && A.cols() > 0) return nullptr;
   UpperPattern upper;
   upper.row.reserve(to_size(A.nonZeros() + A.cols()) / 2);
@@ -202,8 +218,14 @@ std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SparseMatrix& A) {
   tree->first.push_back(static_cast<int>(A.cols()));
   cholmod_l_free_factor(&L, &session.common);
   tree->measure();
-  tree->place_entries(A);
   return tree;
+}
+
+void FrontalTree::place_rows(int front, int* position) const {
+  const int begin = first[to_size(front)], own = columns(front);
+  for (int k = 0; k < own; ++k) position[begin + k] = k;
+  const int* const list = below.data() + below_start[to_size(front)];
+  for (int k = 0; k < height(front); ++k) position[list[k]] = own + k;
 }
 
 /// Parents, places of a front's rows in its parent, sizes of the factor and of the stack.
@@ -249,46 +271,39 @@ void FrontalTree::measure() {
   factor_size = to_size(node_start.back());
 }
 
-/// For each front the entries of A that it takes, and their places in its panel and upper part.
-void FrontalTree::place_entries(const SparseMatrix& A) {
-  const int n = size();
+FrontalEntries::FrontalEntries(const FrontalTree& t, const SparseMatrix& A) {
+  const int n = t.size();
   std::vector<int> place(to_size(n));  // old to new
-  for (int k = 0; k < n; ++k) place[to_size(order[to_size(k)])] = k;
-  entry_source.reserve(to_size(A.nonZeros()));
-  entry_target.reserve(to_size(A.nonZeros()));
+  for (int k = 0; k < n; ++k) place[to_size(t.order[to_size(k)])] = k;
+  source.reserve(to_size(A.nonZeros()));
+  target.reserve(to_size(A.nonZeros()));
   // Where the entry (j, i) of an entry (i, j) is: the pattern is symmetric.
-  std::vector<int> transpose(to_size(A.nonZeros())),
-      next(pattern_start_.begin(), pattern_start_.end() - 1);
+  std::vector<int> transpose(to_size(A.nonZeros())), next(A.outerIndexPtr(), A.outerIndexPtr() + n);
   for (int j = 0; j < n; ++j) {
     for (int k = A.outerIndexPtr()[j]; k < A.outerIndexPtr()[j + 1]; ++k) {
       transpose[to_size(next[to_size(A.innerIndexPtr()[k])]++)] = k;
     }
   }
   std::vector<int> position(to_size(n), -1);
-  entry_start.assign(1, 0);
-  for (int s = 0; s < num_fronts(); ++s) {
-    const std::size_t front = to_size(s);
-    const int begin = first[front], end = first[front + 1], columns = end - begin;
-    const int height = below_start[front + 1] - below_start[front];
-    const int panel_rows = columns + height;
-    for (int j = begin; j < end; ++j) position[to_size(j)] = j - begin;
-    for (int k = 0; k < height; ++k) {
-      position[to_size(below[to_size(below_start[front] + k)])] = columns + k;
-    }
+  start.assign(1, 0);
+  for (int s = 0; s < t.num_fronts(); ++s) {
+    const int begin = t.first[to_size(s)], columns = t.columns(s), end = begin + columns;
+    const int height = t.height(s), panel_rows = columns + height;
+    t.place_rows(s, position.data());
     for (int j = begin; j < end; ++j) {
-      const int old = order[to_size(j)];
+      const int old = t.order[to_size(j)];
       for (int k = A.outerIndexPtr()[old]; k < A.outerIndexPtr()[old + 1]; ++k) {
         const int i = place[to_size(A.innerIndexPtr()[k])];
         if (i < begin) continue;  // a front before took it
-        entry_source.push_back(k);
-        entry_target.push_back(position[to_size(i)] + (j - begin) * panel_rows);
+        source.push_back(k);
+        target.push_back(position[to_size(i)] + (j - begin) * panel_rows);
         if (i < end) continue;
-        entry_source.push_back(transpose[to_size(k)]);
-        entry_target.push_back(panel_rows * columns + position[to_size(i)] - columns +
-                               (j - begin) * height);
+        source.push_back(transpose[to_size(k)]);
+        target.push_back(panel_rows * columns + position[to_size(i)] - columns +
+                         (j - begin) * height);
       }
     }
-    entry_start.push_back(static_cast<int>(entry_source.size()));
+    start.push_back(static_cast<int>(source.size()));
   }
 }
 

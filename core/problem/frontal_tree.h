@@ -11,13 +11,13 @@ namespace bipot {
 
 /// What a factorisation by fronts takes from the pattern alone, for matrices of symmetric pattern:
 /// a fill-reducing order (METIS, AMD for small ones) of the groups of columns that have one
-/// pattern, the supernodes of CHOLMOD's analysis, and where each entry goes.
+/// pattern, and the supernodes of CHOLMOD's analysis.
 class FrontalTree {
  public:
   /// The tree of A's pattern, which must be symmetric and hold the diagonal. The trees of the last
   /// few patterns are kept for whoever asks next, a later step of a run with the same contacts
-  /// among them, the latest always and others as long as all take 16 MB at most; the answer depends on the pattern alone. Safe
-  /// from several threads. Null when memory ran out.
+  /// among them, the latest always and others as long as all take 5 MB at most; the answer depends
+  /// on the pattern alone. Safe from several threads. Null when memory ran out.
   static std::shared_ptr<const FrontalTree> of(const SparseMatrix& A);
   /// The same, made anew and not kept.
   static std::shared_ptr<const FrontalTree> analyse(const SparseMatrix& A);
@@ -30,7 +30,6 @@ class FrontalTree {
   std::vector<int> order;  ///< new to old
   std::vector<int> first, below_start, below, relative, children;
   std::vector<std::int64_t> node_start;  ///< of the front's panel and upper part in the factor
-  std::vector<int> entry_start, entry_source, entry_target;
   std::size_t factor_size = 0, stack_size = 0;
 
   /// Whether A has the pattern that this was made of.
@@ -42,14 +41,29 @@ class FrontalTree {
     return below_start[to_size(front) + 1] - below_start[to_size(front)];
   }
   int rows(int front) const { return columns(front) + height(front); }
+  /// position[i] = place of row i, in the new order, among the rows of the front, for those it has.
+  void place_rows(int front, int* position) const;
   int size() const { return first.back(); }
   std::size_t num_bytes() const;  ///< of memory
 
  private:
-  void place_entries(const SparseMatrix& A);
   void measure();
 
-  std::vector<int> pattern_start_, pattern_row_;
+  // Columns first[g] .. first[g + 1] - 1 have the rows row[start[g]] .. row[start[g + 1] - 1].
+  struct Pattern {
+    std::vector<int> first, start, row;
+  } pattern_;
+};
+
+/// For each front the entries of A that it takes, and their places in its panel and upper part:
+/// with A's values, all that a factorisation reads of A.
+struct FrontalEntries {
+  /// Those of front s are start[s] .. start[s + 1] - 1.
+  std::vector<int> start, source, target;
+
+  FrontalEntries() = default;
+  /// A: of the pattern that the tree was made of.
+  FrontalEntries(const FrontalTree& tree, const SparseMatrix& A);
 };
 
 }  // namespace bipot

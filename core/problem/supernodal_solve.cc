@@ -123,7 +123,6 @@ std::size_t SupernodalSolve::num_entries(int columns, int rows) {
 
 void SupernodalSolve::begin(int size, std::size_t entries) {
   blocks_.clear();
-  row_.clear();
   value_.clear();
   value_.reserve(entries);
   given_.resize(to_size(size + kSlice));
@@ -131,8 +130,7 @@ void SupernodalSolve::begin(int size, std::size_t entries) {
 }
 
 void SupernodalSolve::add(const Supernode& s) {
-  blocks_.push_back({s.first, s.columns, s.rows, row_.size(), value_.size()});
-  row_.insert(row_.end(), s.below, s.below + (s.rows - s.columns));
+  blocks_.push_back({s.first, s.columns, s.rows, s.below, value_.size()});
   partial_.resize(std::max(partial_.size(), to_size(s.columns) * kSlice));
   inverse_.assign(to_size(s.rows) * to_size(s.columns), 0.0);  // M by columns
   double* const M = inverse_.data();
@@ -162,14 +160,14 @@ void SupernodalSolve::solve(double* x) {
     double* const top = x + b.first;
     multiply_strips(b.columns, b.rows, value_.data() + b.value, top, result);
     std::copy_n(result, b.columns, top);
-    const int* const row = row_.data() + b.row;
+    const int* const row = b.below;
     for (int i = 0; i < b.rows - b.columns; ++i) x[row[i]] -= result[b.columns + i];
   }
   for (std::size_t k = blocks_.size(); k-- > 0;) {
     const Block& b = blocks_[k];
     double* const top = x + b.first;
     std::copy_n(top, b.columns, given);
-    const int* const row = row_.data() + b.row;
+    const int* const row = b.below;
     for (int i = 0; i < b.rows - b.columns; ++i) given[b.columns + i] = -x[row[i]];
     std::fill_n(given + b.rows, kSlice, 0.0);
     multiply_strips_transposed(b.columns, b.rows, value_.data() + b.value, given, partial_.data(),

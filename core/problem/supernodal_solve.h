@@ -11,7 +11,7 @@ namespace bipot {
 /// top, a rectangle below.
 struct Supernode {
   int first, columns, rows;  ///< first column; rows of triangle and rectangle
-  const int* below;          ///< numbers of the rectangle's rows, ascending
+  const int* below;          ///< numbers of the rectangle's rows, ascending; not copied
   const double* values;      ///< by columns, `rows` apart; the triangle's upper part is not read
 };
 
@@ -40,10 +40,10 @@ class SupernodalSolve {
  private:
   struct Block {
     int first, columns, rows;
-    std::size_t row, value;  // where its numbers begin
+    const int* below;
+    std::size_t value;  // where its numbers begin
   };
   std::vector<Block> blocks_;
-  std::vector<int> row_;                // below the triangles
   std::vector<double> value_;           // strips
   std::vector<double> given_, result_;  // scratch of a block
   std::vector<double> partial_;         // the same, a slice a column

@@ -48,6 +48,7 @@ class ExchangedColumns {
   void solve_small(double* w) const;
 
   int rows_ = 0;
+  int most_kept_ = 0;
   std::vector<Vector> kept_;  // by number, and room for later ones
   std::vector<int> number_;   // of each key
   std::vector<int> keys_;     // of each number

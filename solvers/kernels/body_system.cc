@@ -50,16 +50,31 @@ BodySystem::BodySystem(const ContactProblem& p, const std::vector<int>& dofs, co
       mass_slot_.push_back(value_position(matrix_, row, i));
     }
   }
+  list_runs();
+}
+
+/// run_start_, run_end_ and slot_.
+void BodySystem::list_runs() {
+  run_start_.reserve(to_size(contacts_) + 1);
+  run_start_.assign(1, 0);
   std::size_t slots = 0;
   for (int c = 0; c < contacts_; ++c) {
-    const std::size_t own = to_size(start_[to_size(c) + 1] - start_[to_size(c)]);
-    slots += own * own;
+    const int begin = start_[to_size(c)], end = start_[to_size(c) + 1];
+    for (int i = begin; i < end; ++i) {
+      const bool last = i + 1 == end || unknown_[to_size(i) + 1] != unknown_[to_size(i)] + 1;
+      if (last) run_end_.push_back(i + 1);
+    }
+    slots += to_size(end - begin) * (run_end_.size() - to_size(run_start_.back()));
+    run_start_.push_back(static_cast<int>(run_end_.size()));
   }
+  run_end_.shrink_to_fit();
   slot_.reserve(slots);
   for (int c = 0; c < contacts_; ++c) {
     for (int j = start_[to_size(c)]; j < start_[to_size(c) + 1]; ++j) {
-      for (int i = start_[to_size(c)]; i < start_[to_size(c) + 1]; ++i) {
-        slot_.push_back(value_position(matrix_, unknown_[to_size(i)], unknown_[to_size(j)]));
+      int first = start_[to_size(c)];
+      for (int r = run_start_[to_size(c)]; r < run_start_[to_size(c) + 1]; ++r) {
+        slot_.push_back(value_position(matrix_, unknown_[to_size(first)], unknown_[to_size(j)]));
+        first = run_end_[to_size(r)];
       }
     }
   }
@@ -141,6 +156,8 @@ void BodySystem::add_contacts(const double* blocks) {
   double* const value = matrix_.valuePtr();
   const int* position = slot_.data();
   const int* const start = start_.data();
+  const int* const run_start = run_start_.data();
+  const int* const run_end = run_end_.data();
   const double* const G = wrench_.data();
   for (int c = 0; c < contacts_; ++c, blocks += D * D) {
     for (int j = start[c]; j < start[c + 1]; ++j) {
@@ -148,10 +165,13 @@ void BodySystem::add_contacts(const double* blocks) {
       for (int a = 0; a < D; ++a) {
         for (int b = 0; b < D; ++b) column[a] += blocks[a * D + b] * G[j * D + b];
       }
-      for (int i = start[c]; i < start[c + 1]; ++i) {
-        double sum = 0;
-        for (int a = 0; a < D; ++a) sum += G[i * D + a] * column[a];
-        value[*position++] += sum;
+      for (int r = run_start[c], i = start[c]; r < run_start[c + 1]; ++r) {
+        double* to = value + *position++;
+        for (; i < run_end[r]; ++i) {
+          double sum = 0;
+          for (int a = 0; a < D; ++a) sum += G[i * D + a] * column[a];
+          *to++ += sum;
+        }
       }
     }
   }

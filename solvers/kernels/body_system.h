@@ -33,6 +33,7 @@ class BodySystem {
                      const Vector& scale);
   void make_pattern(const ContactProblem& problem, const std::vector<int>& dofs,
                     const std::vector<int>& unknown_of);
+  void list_runs();
   template <int D>
   void add_contacts(const double* blocks);
 
@@ -43,7 +44,10 @@ class BodySystem {
   // Contact c acts on the unknowns unknown_[start_[c] .. start_[c+1]).
   std::vector<int> start_, unknown_;
   std::vector<double> wrench_;  // G restricted to them, d numbers an unknown
-  std::vector<int> slot_;       // positions of the square block of contact c in matrix_
+  // Unknowns of a contact that follow one another, as those of a body do, are a run: a column of
+  // matrix_ has their rows in a row. By contact: runs, and ends of runs among its unknowns.
+  std::vector<int> run_start_, run_end_;
+  std::vector<int> slot_;  // positions of the runs of each column of the contact's square block
 };
 
 }  // namespace bipot

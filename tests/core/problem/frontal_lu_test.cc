@@ -217,7 +217,7 @@ TEST(FrontalLU, LetsTreesGoThatTakeMuchMemory) {
   const SparseMatrix A = grid_matrix(110, 3, 1, 4), B = grid_matrix(111, 3, 1, 4);
   const std::weak_ptr<const FrontalTree> first = FrontalTree::of(A);
   ASSERT_FALSE(first.expired());
-  EXPECT_GT(2 * first.lock()->num_bytes(), std::size_t{16} << 20);
+  EXPECT_GT(2 * first.lock()->num_bytes(), std::size_t{5} << 20);
   const std::weak_ptr<const FrontalTree> second = FrontalTree::of(B);
   EXPECT_TRUE(first.expired());
   EXPECT_FALSE(second.expired());
