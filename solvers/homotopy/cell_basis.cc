@@ -16,11 +16,21 @@ constexpr double kLargestMultiplier = 1e8;
 // Candidates below that number are solved for one by one.
 constexpr std::size_t kFewCandidates = 3;
 
+/// Nothing where they are W's columns, to the last bit.
+SparseRows rows_unless_symmetric(const SparseMatrix& W) {
+  SparseRows rows(W);
+  const bool same =
+      std::equal(rows.outerIndexPtr(), rows.outerIndexPtr() + W.cols() + 1, W.outerIndexPtr()) &&
+      std::equal(rows.innerIndexPtr(), rows.innerIndexPtr() + W.nonZeros(), W.innerIndexPtr()) &&
+      std::equal(rows.valuePtr(), rows.valuePtr() + W.nonZeros(), W.valuePtr());
+  return same ? SparseRows() : rows;
+}
+
 }  // namespace
 
 CellBasis::CellBasis(const LawProblem& problem)
     : problem_(problem),
-      rows_(problem.W),
+      rows_(rows_unless_symmetric(problem.W)),
       matrix_(symmetric_block_pattern(problem.W, problem.dim)) {
   rhs_.setZero(problem.num_rows());
 }
@@ -186,9 +196,10 @@ void CellBasis::residual(const LawPoint& point, const Vector& g, long double wei
     }
   }
   out.resize(m);
-  const int* const start = rows_.outerIndexPtr();
-  const int* const column = rows_.innerIndexPtr();
-  const double* const w = rows_.valuePtr();
+  const bool symmetric = rows_.rows() == 0;
+  const int* const start = symmetric ? problem_.W.outerIndexPtr() : rows_.outerIndexPtr();
+  const int* const column = symmetric ? problem_.W.innerIndexPtr() : rows_.innerIndexPtr();
+  const double* const w = symmetric ? problem_.W.valuePtr() : rows_.valuePtr();
   for (int i = 0; i < m; ++i) {
     long double even = sum[i] + proximal_[i] * impulse[i], odd = 0;
     int k = start[i];

@@ -79,7 +79,7 @@ class CellBasis {
                 const Vector& x, Vector& out);
 
   const LawProblem& problem_;
-  SparseRows rows_;  // W
+  SparseRows rows_;  // W, where it is not symmetric to the last bit: else its columns are its rows
   Vector proximal_;
   SparseMatrix matrix_;  // B, in whole blocks of W's symmetric pattern
   FrontalLU<double> fronts_;
