@@ -22,7 +22,7 @@ using nlohmann::json;
 // itself ended in a deadlock of its threads, or in a crash, in 12 of 160 runs that failed (0 of 160 with
 // it), and then heeds no SIGTERM.
 constexpr const char* kMpirun =
-    "timeout -k 5 60 mpirun --allow-run-as-root --oversubscribe --mca mpi_yield_when_idle 1";
+    "timeout -k 5 200 mpirun --allow-run-as-root --oversubscribe --mca mpi_yield_when_idle 1";
 
 class MpiCommand : public Command {
  protected:
