@@ -109,8 +109,8 @@ void FrontalCholesky::assemble(int front, const SparseMatrix& A, double* panel) 
     const int old = t.order[to_size(begin + j)];
     for (int k = A.outerIndexPtr()[old]; k < A.outerIndexPtr()[old + 1]; ++k) {
       const int i = place_[to_size(A.innerIndexPtr()[k])];
-      if (i >= begin)
-        panel[position_[to_size(i)]] = A.valuePtr()[k];  // else a front before took it
+      if (i < begin) continue;  // a front before took it
+      panel[position_[to_size(i)]] = A.valuePtr()[k];
     }
   }
 }

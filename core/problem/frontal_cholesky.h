@@ -30,8 +30,8 @@ class FrontalCholesky {
   void assemble(int front, const SparseMatrix& A, double* panel);
 
   std::shared_ptr<const FrontalTree> tree_;
-  std::vector<int> place_,
-      position_;  // of each column of A in the tree's order; scratch of a front
+  std::vector<int> place_;             // of each column of A in the tree's order
+  std::vector<int> position_;          // scratch of a front
   std::vector<double> panel_, stack_;  // scratch of a front; contributions
   bool factored_ = false;
   std::size_t entries_ = 0;
