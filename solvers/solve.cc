@@ -219,6 +219,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       result.s = options.s0;
     } else {
       const double before = watch.seconds();
+      evaluate.rest();  // until the end
       try {
         const bool by_islands = options.islands.value_or(entry.by_islands);
         const auto run = [&](const SolverOptions& how) {

@@ -21,7 +21,8 @@ namespace bipot {
 template <int D>
 class ObservableWriterIn {
  public:
-  /// The scene asks for observables. Rows up to `keep_up_to` of files that are there are kept.
+  /// The scene asks for observables and outlives this. Rows up to `keep_up_to` of files that are there
+  /// are kept.
   ObservableWriterIn(std::filesystem::path folder, const SceneIn<D>& scene, int keep_up_to);
   /// Measures where the step is due.
   void step(const StateIn<D>& state);
@@ -30,7 +31,7 @@ class ObservableWriterIn {
 
  private:
   std::filesystem::path folder_;
-  SceneIn<D> scene_;
+  const SceneIn<D>& scene_;
   CsvFile rows_;
   std::optional<CsvFile> profile_;
   CsvFile forces_;

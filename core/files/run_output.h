@@ -39,9 +39,10 @@ template <int D>
 class RunWriterIn {
  public:
   /// Creates the folder. Output of an earlier run in it is removed; with `resume_after` >= 0, what
-  /// belongs to later steps is removed and the rest is continued.
+  /// belongs to later steps is removed and the rest is continued. The scene must outlive the writer.
   RunWriterIn(std::filesystem::path folder, const SceneIn<D>& scene, std::string scene_text,
               int resume_after = -1);
+  RunWriterIn(std::filesystem::path, SceneIn<D>&&, std::string, int = -1) = delete;
   /// Closes, but cannot report a failure: call close().
   ~RunWriterIn();
   RunWriterIn(const RunWriterIn&) = delete;
@@ -73,7 +74,7 @@ class RunWriterIn {
   void write_run_file() const;
 
   std::filesystem::path folder_;
-  SceneIn<D> scene_;
+  const SceneIn<D>& scene_;
   std::string scene_text_;
   std::vector<FrameEntry> frames_;
   std::optional<CsvFile> ledger_, trajectory_, gates_;

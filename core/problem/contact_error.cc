@@ -102,11 +102,21 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made,
       s_(zeros(problem_.num_rows())),
       u_(zeros(problem_.num_rows())) {}
 
+void ContactErrorEvaluator::rest() {
+  s_.resize(0);
+  u_.resize(0);
+  delassus_.rest();
+}
+
 double ContactErrorEvaluator::energy_at_rest() const {
   return error_of(prepared_->free, share_).energy;
 }
 
 ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s) {
+  if (s_.size() != problem_.num_rows()) {
+    s_ = zeros(problem_.num_rows());
+    u_ = zeros(problem_.num_rows());
+  }
   const bool scaled = problem_.row_scale.size() != 0;
   return dispatch_dim(problem_.dim, [&](auto d) {
     return scaled ? evaluate<d(), true>(s) : evaluate<d(), false>(s);

@@ -102,6 +102,10 @@ class ContactErrorEvaluator {
   /// E where s = 0.
   double energy_at_rest() const;
 
+  /// Lets go of what an evaluation works in, and with it of impulse(), velocity() and part(): for
+  /// callers who keep the evaluator while others use memory. The next evaluation makes it anew.
+  void rest();
+
   /// What the problem, without the others of its share, and what one contact of it added up to at
   /// the last evaluation.
   const ErrorSums& sums() const { return sums_; }

@@ -183,12 +183,20 @@ DelassusOperator::DelassusOperator(const ContactProblem& problem, Form form, int
     made->inverse_mass = problem.A.diagonal().cwiseInverse();
     made->disks = disk_structure(problem);
     if (made->disks && threads_ > 1) made->list_sides();
-    velocity_ = large_vector(made->disks ? 4 * static_cast<Eigen::Index>(made->disks->bodies.size())
-                                         : problem.num_dofs());
+    scratch();
   } else if (!problem.has_delassus() && problem.has_velocities()) {
     made->delassus = assemble_delassus(problem.A, problem.H, problem.dim);
     delassus_ = &made->delassus;
   }
+}
+
+Vector& DelassusOperator::scratch() const {
+  if (velocity_.size() == 0 && two_pass_) {
+    const std::optional<DiskStructure>& disks = prepared_->disks;
+    velocity_ = large_vector(disks ? 4 * static_cast<Eigen::Index>(disks->bodies.size())
+                                   : problem_.num_dofs());
+  }
+  return velocity_;
 }
 
 namespace {
@@ -214,7 +222,7 @@ inline Push push(const DiskStructure::Contact& c, const double* s) {
 /// Momenta of the bodies, contact by contact.
 template <int D>
 void DelassusOperator::add_impulses(const double* s) const {
-  double* const v = velocity_.data();
+  double* const v = scratch().data();
   velocity_.setZero();
   for (const DiskStructure::Contact& c : prepared_->disks->contacts) {
     const Push p = push<D>(c, s);
@@ -236,6 +244,7 @@ void DelassusOperator::add_impulses(const double* s) const {
 template <int D>
 void DelassusOperator::add_impulses_by_body(const double* s) const {
   const Prepared& made = *prepared_;
+  scratch();
   run_pieces(threads_, made.disks->surroundings(), [&](int begin, int end) {
     for (int body = begin; body < end; ++body) {
       double x = 0, y = 0, spin = 0;
@@ -321,7 +330,7 @@ void DelassusOperator::apply(const Eigen::Ref<const Vector>& s, Vector& u) const
       }
     });
   } else if (two_pass_) {
-    velocity_.noalias() = problem_.H * s;
+    scratch().noalias() = problem_.H * s;
     velocity_.array() *= prepared_->inverse_mass.array();
     u.noalias() = problem_.H.transpose() * velocity_;
   } else {

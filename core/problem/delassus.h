@@ -44,6 +44,8 @@ class DelassusOperator {
   void disk_velocity(int begin, int end, Vector& u) const;
   /// Diagonal d x d block of contact c, row-major storage of d*d values.
   Eigen::MatrixXd diagonal_block(int contact) const;
+  /// Lets go of the scratch; the next product makes it anew.
+  void rest() { velocity_.resize(0); }
   /// Diagonal of W, size m.
   Vector diagonal() const;
   bool two_pass() const { return two_pass_; }
@@ -70,6 +72,8 @@ class DelassusOperator {
 
     void list_sides();
   };
+
+  Vector& scratch() const;
 
   const ContactProblem& problem_;
   int threads_ = 1;

@@ -19,16 +19,46 @@ void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
 namespace bipot {
 namespace {
 
-/// The lower triangle, n x n by columns, that the rows of a front below its pivots have to add to
-/// its parent, and where these stand there.
+/// The lower triangle, by columns without what is above it, that the rows of a front below its pivots
+/// have to add to its parent, and where these stand there.
 struct Contribution {
   const double* block;
   int n;
   const int* relative;
   int pivots;  ///< rows that are pivots of the parent
 
-  const double* column(int j) const { return block + static_cast<std::ptrdiff_t>(j) * n; }
+  /// Its entry (i, j) is column(j)[i], i >= j.
+  const double* column(int j) const {
+    const std::ptrdiff_t k = j;
+    return block + k * n - k * (k + 1) / 2;
+  }
 };
+
+std::size_t packed_size(int n) { return to_size(n) * to_size(n + 1) / 2; }
+
+/// The lower triangle of a full block, packed; the two may overlap where `to` is not behind.
+void pack(const double* full, int n, double* to) {
+  for (int j = 0; j < n; ++j, full += n) {
+    std::memmove(to, full + j, sizeof(double) * to_size(n - j));
+    to += n - j;
+  }
+}
+
+/// Numbers that the contributions of a tree's fronts take at most, the one being made in full.
+std::size_t packed_stack(const FrontalTree& t) {
+  std::vector<std::size_t> held;
+  std::size_t top = 0, most = 0;
+  for (int s = 0; s < t.num_fronts(); ++s) {
+    most = std::max(most, top + to_size(t.height(s)) * to_size(t.height(s)));
+    for (int k = 0; k < t.children[to_size(s)]; ++k) {
+      top -= held.back();
+      held.pop_back();
+    }
+    held.push_back(packed_size(t.height(s)));
+    top += held.back();
+  }
+  return most;
+}
 
 void add_to_pivots(const Contribution& c, int rows, double* panel) {
   for (int j = 0; j < c.pivots; ++j) {
@@ -63,7 +93,7 @@ bool eliminate_columns(int columns, int rows, double* panel) {
 
 }  // namespace
 
-bool FrontalCholesky::analyse(const SparseMatrix& A) {
+bool FrontalCholesky::analyse(const SymmetricPattern& A) {
   if (tree_ && tree_->is_of(A)) return true;
   factored_ = false;
   tree_ = FrontalTree::of(A);
@@ -76,7 +106,7 @@ bool FrontalCholesky::analyse(const SparseMatrix& A) {
   }
   try {
     panel_.resize(largest);
-    stack_.resize(tree_->stack_size);
+    stack_.resize(packed_stack(*tree_));
     permuted_.resize(tree_->size());
     place_.resize(to_size(tree_->size()));
     position_.resize(to_size(tree_->size()));
@@ -89,34 +119,38 @@ bool FrontalCholesky::analyse(const SparseMatrix& A) {
 }
 
 bool FrontalCholesky::factor(const SparseMatrix& A) {
-  factored_ = false;
   if (!analyse(A)) return false;
+  return factor([&](int column, const FrontColumn& to) {
+    for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
+      if (to.takes(static_cast<int>(it.row()))) to[static_cast<int>(it.row())] += it.value();
+    }
+  });
+}
+
+bool FrontalCholesky::factor(const AddColumn& add) {
+  factored_ = false;
+  if (!tree_) throw std::logic_error("FrontalCholesky::factor without an analysis");
   try {
-    factored_ = eliminate(A);
+    factored_ = eliminate(add);
   } catch (const std::bad_alloc&) {
     return false;
   }
   return factored_;
 }
 
-/// The entries of A that the front takes, of the lower triangle, in place of what the panel held.
-void FrontalCholesky::assemble(int front, const SparseMatrix& A, double* panel) {
+/// The entries that the front takes, of the lower triangle, in place of what the panel held.
+void FrontalCholesky::assemble(int front, const AddColumn& add, double* panel) {
   const FrontalTree& t = *tree_;
   const int begin = t.first[to_size(front)], columns = t.columns(front), rows = t.rows(front);
   std::fill_n(panel, to_size(columns) * to_size(rows), 0.0);
   t.place_rows(front, position_.data());
   for (int j = 0; j < columns; ++j, panel += rows) {
-    const int old = t.order[to_size(begin + j)];
-    for (int k = A.outerIndexPtr()[old]; k < A.outerIndexPtr()[old + 1]; ++k) {
-      const int i = place_[to_size(A.innerIndexPtr()[k])];
-      if (i < begin) continue;  // a front before took it
-      panel[position_[to_size(i)]] = A.valuePtr()[k];
-    }
+    add(t.order[to_size(begin + j)], {place_.data(), position_.data(), begin, panel});
   }
 }
 
 /// All fronts, children before parents.
-bool FrontalCholesky::eliminate(const SparseMatrix& A) {
+bool FrontalCholesky::eliminate(const AddColumn& add) {
   const FrontalTree& t = *tree_;
   std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
   const auto contribution = [&](std::size_t k, int columns) {
@@ -127,10 +161,10 @@ bool FrontalCholesky::eliminate(const SparseMatrix& A) {
   };
   std::size_t top = 0;
   double* const panel = panel_.data();
-  supernodes_.begin(t.size(), entries_);
+  supernodes_.begin(t.num_fronts(), entries_);
   for (int s = 0; s < t.num_fronts(); ++s) {
     const int columns = t.columns(s), h = t.height(s), rows = columns + h;
-    assemble(s, A, panel);
+    assemble(s, add, panel);
     const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
     const std::size_t bottom = base < held.size() ? held[base].second : top;
     for (std::size_t k = base; k < held.size(); ++k) {
@@ -146,12 +180,10 @@ bool FrontalCholesky::eliminate(const SparseMatrix& A) {
       for (std::size_t k = base; k < held.size(); ++k) {
         add_to_rest(contribution(k, columns), columns, h, own);
       }
-      if (bottom != top) {
-        std::memmove(stack_.data() + bottom, own, sizeof(double) * to_size(h) * to_size(h));
-      }
+      pack(own, h, stack_.data() + bottom);
     }
     held.resize(base);
-    top = bottom + to_size(h) * to_size(h);
+    top = bottom + packed_size(h);
     if (h > 0) held.emplace_back(s, bottom);
   }
   return true;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -9,6 +10,17 @@
 
 namespace bipot {
 
+/// Where a front takes a column of its matrix from.
+struct FrontColumn {
+  const int* place;     ///< of each row of the matrix in the order of elimination
+  const int* position;  ///< of these in the front
+  int first;            ///< the front's first; rows before were taken by other fronts
+  double* value;        ///< the column in the front
+
+  bool takes(int row) const { return place[row] >= first; }
+  double& operator[](int row) const { return value[position[place[row]]]; }
+};
+
 /// Sparse Cholesky factorisation A = L Lᵀ by dense fronts (multifrontal method: Duff and Reid 1983,
 /// Liu 1992), for matrices that are factored dozens of times with one pattern and solved with after
 /// each a hundred times: the analysis is kept (FrontalTree), and solves go through SupernodalSolve.
@@ -16,23 +28,28 @@ class FrontalCholesky {
  public:
   /// The symbolic analysis alone, for callers who look at their clock between it and the first
   /// factor(). False: memory ran out.
-  [[nodiscard]] bool analyse(const SparseMatrix& A);
+  [[nodiscard]] bool analyse(const SymmetricPattern& A);
   /// A: symmetric, both triangles stored, compressed, rows ascending, with the diagonal in its
   /// pattern. False when A is not positive definite or not finite, or memory ran out.
   [[nodiscard]] bool factor(const SparseMatrix& A);
+  /// The same of a matrix that is nowhere stored, of the pattern that was analysed: `add(j, to)` adds
+  /// the entries (i, j) with to.takes(i) to to[i], which are 0 before; each column once.
+  using AddColumn = std::function<void(int column, const FrontColumn& to)>;
+  [[nodiscard]] bool factor(const AddColumn& add);
   /// x = A⁻¹ b; x may be b. Requires a successful factor(). No allocation after the first call.
   void solve(const Vector& b, Vector& x) const;
   /// Numbers kept of L. Requires a successful factor().
   std::size_t num_entries() const { return entries_; }
 
  private:
-  bool eliminate(const SparseMatrix& A);
-  void assemble(int front, const SparseMatrix& A, double* panel);
+  bool eliminate(const AddColumn& add);
+  void assemble(int front, const AddColumn& add, double* panel);
 
   std::shared_ptr<const FrontalTree> tree_;
-  std::vector<int> place_;             // of each column of A in the tree's order
-  std::vector<int> position_;          // scratch of a front
-  std::vector<double> panel_, stack_;  // scratch of a front; contributions
+  std::vector<int> place_;     // of each column of A in the tree's order
+  std::vector<int> position_;  // scratch of a front
+  std::vector<double> panel_;  // scratch of a front
+  std::vector<double> stack_;  // contributions
   bool factored_ = false;
   std::size_t entries_ = 0;
   mutable SupernodalSolve supernodes_;

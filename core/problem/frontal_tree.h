@@ -9,18 +9,33 @@
 
 namespace bipot {
 
+/// A symmetric pattern with its diagonal: rows of column j row[start[j]] .. row[start[j + 1] - 1],
+/// ascending. Refers to what it is made of.
+struct SymmetricPattern {
+  int size = 0;
+  const int* start = nullptr;
+  const int* row = nullptr;
+
+  SymmetricPattern(int n, const int* column_start, const int* rows)
+      : size(n), start(column_start), row(rows) {}
+  /// Of a compressed matrix.
+  SymmetricPattern(const SparseMatrix& A)  // NOLINT(google-explicit-constructor)
+      : SymmetricPattern(static_cast<int>(A.cols()), A.outerIndexPtr(), A.innerIndexPtr()) {}
+  int entries() const { return start[size]; }
+};
+
 /// What a factorisation by fronts takes from the pattern alone, for matrices of symmetric pattern:
 /// a fill-reducing order (METIS, AMD for small ones) of the groups of columns that have one
 /// pattern, and the supernodes of CHOLMOD's analysis.
 class FrontalTree {
  public:
-  /// The tree of A's pattern, which must be symmetric and hold the diagonal. The trees of the last
+  /// The tree of a pattern. The trees of the last
   /// few patterns are kept for whoever asks next, a later step of a run with the same contacts
-  /// among them, the latest always and others as long as all take 5 MB at most; the answer depends
+  /// among them, the latest always and others as long as all take 2.5 MB at most; the answer depends
   /// on the pattern alone. Safe from several threads. Null when memory ran out.
-  static std::shared_ptr<const FrontalTree> of(const SparseMatrix& A);
+  static std::shared_ptr<const FrontalTree> of(const SymmetricPattern& A);
   /// The same, made anew and not kept.
-  static std::shared_ptr<const FrontalTree> analyse(const SparseMatrix& A);
+  static std::shared_ptr<const FrontalTree> analyse(const SymmetricPattern& A);
 
   /// Drops the trees that are kept, for measurements of what that saves.
   static void forget();
@@ -33,7 +48,7 @@ class FrontalTree {
   std::size_t factor_size = 0, stack_size = 0;
 
   /// Whether A has the pattern that this was made of.
-  bool is_of(const SparseMatrix& A) const;
+  bool is_of(const SymmetricPattern& A) const;
   int num_fronts() const { return static_cast<int>(first.size()) - 1; }
   /// Columns that the front eliminates, its rows below them, and both.
   int columns(int front) const { return first[to_size(front) + 1] - first[to_size(front)]; }

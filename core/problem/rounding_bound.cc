@@ -31,34 +31,25 @@ struct RoundedRow {
 class RoundedBodyRows {
  public:
   RoundedBodyRows(const ContactProblem& p, const RoundedMomentum& pushed, double of_product)
-      : p_(p), dofs_(to_size(p.num_dofs())), own_(of_product) {
-    const Vector mass = p.A.diagonal();
-    for (int k = 0; k < p.num_dofs(); ++k) {
-      const double inverse_mass = 1 / mass[k], size = inverse_mass * pushed.size[k];
-      dofs_[to_size(k)] = {inverse_mass * pushed.momentum[k], size, size * pushed.count[k],
-                           inverse_mass};
-    }
-  }
+      : p_(p), pushed_(pushed), inverse_mass_(p.A.diagonal().cwiseInverse()), own_(of_product) {}
 
   RoundedRow operator()(Eigen::Index row) const {
     RoundedRow out{p_.u_free[row], 0, 0, 0};
     for (SparseMatrix::InnerIterator it(p_.H, row); it; ++it) ++out.entries;
     for (SparseMatrix::InnerIterator it(p_.H, row); it; ++it) {
-      const Dof& dof = dofs_[to_size(it.row())];
-      const double h = it.value();
-      out.u += h * dof.velocity;
-      out.error += std::abs(h) * (dof.size * (out.entries + own_) + dof.size_by_count);
-      out.w += h * h * dof.inverse_mass;
+      const double h = it.value(), inverse_mass = inverse_mass_[it.row()];
+      const double size = inverse_mass * pushed_.size[it.row()];
+      out.u += h * (inverse_mass * pushed_.momentum[it.row()]);
+      out.error += std::abs(h) * size * (out.entries + own_ + pushed_.count[it.row()]);
+      out.w += h * h * inverse_mass;
     }
     return out;
   }
 
  private:
-  struct Dof {
-    double velocity, size, size_by_count, inverse_mass;
-  };
   const ContactProblem& p_;
-  std::vector<Dof> dofs_;
+  const RoundedMomentum& pushed_;
+  const Vector inverse_mass_;
   const double own_;
 };
 
@@ -237,8 +228,8 @@ RoundedSums& RoundedSums::operator+=(const RoundedSums& more) {
 }
 
 RoundedMomentum rounded_momentum(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
-  const Vector zero = Vector::Zero(p.num_dofs());
-  RoundedMomentum pushed{zero, zero, zero};
+  RoundedMomentum pushed;
+  for (Vector* sum : {&pushed.momentum, &pushed.size, &pushed.count}) sum->setZero(p.num_dofs());
   for (Eigen::Index j = 0; j < p.num_rows(); ++j) {
     if (s[j] == 0) continue;
     for (SparseMatrix::InnerIterator it(p.H, j); it; ++it) {

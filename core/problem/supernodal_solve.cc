@@ -121,16 +121,17 @@ std::size_t SupernodalSolve::num_entries(int columns, int rows) {
   return slices * kSlice;
 }
 
-void SupernodalSolve::begin(int size, std::size_t entries) {
+void SupernodalSolve::begin(int supernodes, std::size_t entries) {
   blocks_.clear();
+  blocks_.reserve(to_size(supernodes));
   value_.clear();
   value_.reserve(entries);
-  given_.resize(to_size(size + kSlice));
-  result_.resize(to_size(size + kStrip));
 }
 
 void SupernodalSolve::add(const Supernode& s) {
   blocks_.push_back({s.first, s.columns, s.rows, s.below, value_.size()});
+  given_.resize(std::max(given_.size(), to_size(s.rows + kSlice)));
+  result_.resize(std::max(result_.size(), to_size(s.rows + kStrip)));
   partial_.resize(std::max(partial_.size(), to_size(s.columns) * kSlice));
   inverse_.assign(to_size(s.rows) * to_size(s.columns), 0.0);  // M by columns
   double* const M = inverse_.data();

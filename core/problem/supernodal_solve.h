@@ -30,8 +30,8 @@ class SupernodalSolve {
  public:
   /// Numbers kept of a supernode of so many columns and rows, zeros that fill the strips included.
   static std::size_t num_entries(int columns, int rows);
-  /// Of a matrix of `size` rows, whose supernodes take `entries`; forgets the one before.
-  void begin(int size, std::size_t entries);
+  /// Of a matrix of so many supernodes, which take `entries`; forgets the one before.
+  void begin(int supernodes, std::size_t entries);
   /// The supernodes in the order of their columns.
   void add(const Supernode& supernode);
   /// x <- L⁻ᵀ L⁻¹ x. No allocation.

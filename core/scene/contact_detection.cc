@@ -381,7 +381,8 @@ void KeptContactsIn<D>::keep(std::span<const BodyIn<D>> disks, std::span<const W
   for (const ContactIn<D>& c : all_contacts(disks, walls, eta + skin_, threads)) {
     pairs_.push_back({c.i, c.j});
   }
-  disks_.assign(disks.begin(), disks.end());
+  disks_.reserve(disks.size());
+  for (const BodyIn<D>& d : disks) disks_.push_back({d.x, d.radius});
   walls_.assign(walls.begin(), walls.end());
   eta_ = eta;
   lasted_ = 0;

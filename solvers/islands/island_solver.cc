@@ -4,6 +4,7 @@
 #include <cmath>
 #include <exception>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/stopwatch.h"
@@ -20,6 +21,11 @@ namespace {
 // What the parts before the last may use up of the tolerance together with all that is settled, and
 // by themselves: solvers/islands.h.
 constexpr double kShareBeforeLast = 0.5, kAloneFactor = 12;
+
+// A last island that is nearly all of a large problem is not cut out: the copy and all that is made
+// of it take 0.4 kB a contact, the others are settled and cost next to nothing.
+constexpr double kNearlyAll = 0.9;
+constexpr int kLargeCopy = 4000;
 
 /// Whether s = 0 obeys the law at all of these contacts: nothing approaches.
 bool is_open(const ContactProblem& p, std::span<const int> contacts) {
@@ -74,7 +80,9 @@ class IslandRun {
     result_.setup_seconds = watch_.seconds();
     for (std::size_t k = 0; k < left_.size(); ++k) {
       // After a failure nothing makes the whole meet the tolerance: the last is a part like others.
-      if (!solve_island(left_[k], k + 1 == left_.size() && failed_ == 0)) break;
+      const bool last = k + 1 == left_.size() && failed_ == 0;
+      if (last && is_nearly_all(left_[k])) return on_the_whole(options_.best);
+      if (!solve_island(left_[k], last)) break;
     }
     return finish();
   }
@@ -146,11 +154,17 @@ class IslandRun {
     std::sort(left_.begin(), left_.end());
   }
 
+  bool is_nearly_all(int island) const {
+    const int size = static_cast<int>(islands_.of(island).size());
+    return size >= kLargeCopy && size >= kNearlyAll * p_.num_contacts();
+  }
+
   /// False where nothing is to follow.
   bool solve_island(int island, bool last) {
     const std::span<const int> contacts = islands_.of(island);
     const int size = static_cast<int>(contacts.size());
-    const IslandProblem part = cut_(contacts);
+    if (!cut_) cut_.emplace(p_);
+    const IslandProblem part = (*cut_)(contacts);
     ErrorSums own_free;
     for (const int c : contacts) {
       const ErrorSums sums = evaluate_.part(c);
@@ -226,13 +240,18 @@ class IslandRun {
     return static_cast<int>(std::ceil(visits / p_.num_contacts()));
   }
 
+  std::string account() const {
+    std::string text = fmt::format("{} islands: {} open, {} kept, {} of few contacts, {} by {}",
+                                   islands_.count(), open_, kept_, few_, by_solver_, entry_.name);
+    if (by_solver_ == 1) text += ", " + costliest_;
+    if (by_solver_ > 1) text += ", the costliest with " + costliest_;
+    return text;
+  }
+
   SolveResult finish() {
     const ContactError error = evaluate_(s_);
     s_ = evaluate_.impulse();
-    result_.message = fmt::format("{} islands: {} open, {} kept, {} of few contacts, {} by {}",
-                                  islands_.count(), open_, kept_, few_, by_solver_, entry_.name);
-    if (by_solver_ == 1) result_.message += ", " + costliest_;
-    if (by_solver_ > 1) result_.message += ", the costliest with " + costliest_;
+    result_.message = account();
     // Where no solver ran on a last part, nothing has told the end.
     if (options_.on_iteration && left_.empty()) {
       options_.on_iteration({.iteration = iterations(0, 0),
@@ -246,7 +265,8 @@ class IslandRun {
       result_.message =
           fmt::format("{} of the {}; first {}", failed_, result_.message, first_failure_);
     } else {
-      return on_the_whole();
+      // Rounding keeps the whole from what all of its parts had.
+      return on_the_whole(Vector());
     }
     result_.s = s_;
     result_.iterations = iterations(0, 0);
@@ -254,23 +274,32 @@ class IslandRun {
     return std::move(result_);
   }
 
-  /// Rounding may keep the whole from what all of its parts had: on from there without cutting.
-  SolveResult on_the_whole() {
+  /// On from where the parts are without cutting.
+  SolveResult on_the_whole(const Vector& best) {
     SolverOptions inner = options_;
-    inner.s0 = s_;
-    inner.best.resize(0);
+    inner.s0 = std::move(s_);
+    inner.best = best;
+    evaluate_.rest();
     inner.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);
     const int before = iterations(0, 0);
     if (options_.on_iteration) {
       inner.on_iteration = [&, start = watch_.seconds()](const IterationRecord& r) {
+        if (r.iteration == 0) return;
         IterationRecord record = r;
         record.iteration += before;
         record.seconds += start;
         options_.on_iteration(record);
       };
     }
-    SolveResult result = entry_.run(p_, inner);
-    result.message = result_.message + "; then the whole: " + result.message;
+    SolveResult result;
+    try {
+      result = entry_.run(p_, inner);
+    } catch (const std::exception& e) {
+      result.status = SolveStatus::kNumericalFailure;
+      result.message = e.what();
+      result.s = std::move(inner.s0);
+    }
+    result.message = account() + "; then the whole: " + result.message;
     result.iterations += before;
     result.setup_seconds += result_.setup_seconds;
     result.solve_seconds = watch_.seconds() - result.setup_seconds;
@@ -284,9 +313,9 @@ class IslandRun {
   const ContactIslands& islands_;
   IterationRecord start_;  // where somebody wants it
   ContactErrorEvaluator evaluate_;
-  IslandCutter cut_{p_};
-  ErrorSums total_;    // of the whole at its start; its free terms do not change
-  ErrorSums settled_;  // what is settled; its free terms are not used
+  std::optional<IslandCutter> cut_;  // of the first part that is cut out
+  ErrorSums total_;                  // of the whole at its start; its free terms do not change
+  ErrorSums settled_;                // what is settled; its free terms are not used
   Vector s_;
   std::vector<int> left_;  // islands for the solver, the smaller ones first
   double work_ = 0;        // contacts visited

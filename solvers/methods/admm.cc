@@ -5,15 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
 #include "core/problem/frontal_cholesky.h"
-#include "solvers/kernels/body_system.h"
+#include "solvers/kernels/body_columns.h"
 #include "solvers/kernels/contact_penalties.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/monitor.h"
@@ -47,9 +47,7 @@ class Resolvent {
  public:
   Resolvent(const ContactProblem& p, const Vector& scale) : rows_(p.num_rows()) {
     if (p.has_velocities()) {
-      std::vector<int> dofs(to_size(p.num_dofs()));
-      std::iota(dofs.begin(), dofs.end(), 0);
-      body_.emplace(p, dofs, scale);
+      body_.emplace(p, scale);
       return;
     }
     delassus_ = scale.asDiagonal() * p.W * scale.asDiagonal();
@@ -60,8 +58,15 @@ class Resolvent {
   }
 
   /// What factor() does first: callers ask their clock in between. False: memory ran out.
-  bool analyse(const ContactPenalties<D>& penalties) { return factor_.analyse(matrix(penalties)); }
-  bool factor(const ContactPenalties<D>& penalties) { return factor_.factor(matrix(penalties)); }
+  bool analyse(const ContactPenalties<D>& penalties) {
+    if (body_) return analysed_ = analysed_ || factor_.analyse(body_->pattern());
+    return factor_.analyse(shifted(penalties));
+  }
+  bool factor(const ContactPenalties<D>& penalties) {
+    if (!body_) return factor_.factor(shifted(penalties));
+    return factor_.factor(
+        [&](int column, const FrontColumn& to) { body_->add(column, penalties.inverses(), to); });
+  }
 
   /// x holds the start of the residual correction.
   void solve(const ContactPenalties<D>& penalties, const Vector& r, Vector& x) {
@@ -71,9 +76,8 @@ class Resolvent {
       }
       body_->momentum(x, velocity_);
       factor_.solve(velocity_, velocity_);
-      body_->velocity(velocity_, change_);
       for (int c = 0; c * D < rows_; ++c) {
-        x.segment<D>(c * D) -= penalties.inverse(c) * change_.segment<D>(c * D);
+        x.segment<D>(c * D) -= penalties.inverse(c) * body_->template velocity<D>(c, velocity_);
       }
     } else if (skew_.nonZeros() == 0) {
       factor_.solve(r, x);
@@ -84,8 +88,7 @@ class Resolvent {
 
  private:
   /// Blocks are whole, zeros too, so that one analysis serves all.
-  const SparseMatrix& matrix(const ContactPenalties<D>& penalties) {
-    if (body_) return body_->assemble(penalties.inverses());
+  const SparseMatrix& shifted(const ContactPenalties<D>& penalties) {
     SparseMatrix blocks(rows_, rows_);
     blocks.reserve(Eigen::VectorXi::Constant(rows_, D));
     for (int c = 0; c * D < rows_; ++c) {
@@ -100,10 +103,11 @@ class Resolvent {
   }
 
   int rows_;
-  std::optional<BodySystem> body_;  // of problems with velocities
+  std::optional<BodyColumns> body_;  // of problems with velocities
+  bool analysed_ = false;            // its pattern
   SparseMatrix delassus_, symmetric_, skew_, shifted_;
   FrontalCholesky factor_;
-  Vector velocity_, change_;
+  Vector velocity_;
 };
 
 /// False when no penalty makes the matrix positive definite, or time is over before.
@@ -154,13 +158,11 @@ class Stages {
 };
 
 template <int D>
-void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vector& velocity0,
-             const Vector& s0, double rho, double relaxation, Penalty penalty,
-             IterationMonitor& monitor) {
+void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, Vector s0,
+             double rho, double relaxation, Penalty penalty, IterationMonitor& monitor) {
   Resolvent<D> resolvent(p, scaling.velocity);
   ContactPenalties<D> penalties(scaling.mu, rho);
-  Vector z = scaling.impulse.cwiseProduct(s0), x = z, y(z.size()), s(z.size());
-  const Vector b = scaling.velocity.cwiseProduct(p.u_free);
+  Vector z = scaling.impulse.cwiseProduct(s0), x = z, y(z.size());
   // Start of the multiplier: minus de Saxcé's velocity at s0, where that is not 0.
   for (int c = 0; c < p.num_contacts(); ++c) {
     const Local<D> w =
@@ -168,6 +170,7 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
     y.segment<D>(c * D) = -de_saxce_velocity<D>(w, scaling.mu[c]) / rho;
   }
   if (s0.isZero(0)) y.setZero();
+  for (Vector* start : {&velocity0, &s0, &scaling.impulse}) start->resize(0);
   const auto factor = [&](int iteration) {
     if (factor_raising(resolvent, penalties, y, monitor)) return true;
     if (!monitor.end_if_out_of_time(iteration)) {
@@ -183,23 +186,24 @@ void iterate(const ContactProblem& p, const ContactScaling& scaling, const Vecto
   Stages stages(penalty == Penalty::kStatus ? kStatusRaises : kStagedRaises);
   for (int iteration = 0;; ++iteration) {
     if (monitor.due(iteration)) {
-      s = z.cwiseProduct(scaling.velocity);
+      rhs = z.cwiseProduct(scaling.velocity);
       // A multiplier that still moves will move s later.
       const bool moving = (y - y_judged).norm() > kAtRest * y.norm();
-      if (monitor.stop(iteration, s, penalties.rho(), moving)) return;
+      if (monitor.stop(iteration, rhs, penalties.rho(), moving)) return;
       y_judged = y;
     }
     for (int c = 0; c < p.num_contacts(); ++c) {
       const Local<D> multiplier = penalties.times(c, y.segment<D>(c * D));
       Local<D> r = penalties.times(c, z.segment<D>(c * D)) - multiplier;
       if constexpr (D > 1) r[0] -= scaling.mu[c] * tangential_norm<D>(multiplier);
-      rhs.segment<D>(c * D) = r - b.segment<D>(c * D);
+      rhs.segment<D>(c * D) =
+          r - scaling.velocity.segment<D>(c * D).cwiseProduct(p.u_free.segment<D>(c * D));
     }
     resolvent.solve(penalties, rhs, x);
-    z_before = z;
+    if (penalty == Penalty::kBalanced) z_before = z;
     for (int c = 0; c < p.num_contacts(); ++c) {
       const Local<D> relaxed = relaxation * x.segment<D>(c * D) +
-                               (1 - relaxation) * z_before.segment<D>(c * D) + y.segment<D>(c * D);
+                               (1 - relaxation) * z.segment<D>(c * D) + y.segment<D>(c * D);
       const Local<D> projected = penalties.project(c, relaxed);
       z.segment<D>(c * D) = projected;
       y.segment<D>(c * D) = relaxed - projected;
@@ -246,8 +250,8 @@ SolveResult solve_admm(const ContactProblem& p, const SolverOptions& options) {
   const Parameters parameters(options.parameters, kAdmmParameters);
   IterationMonitor monitor(p, options);
   const DelassusOperator& delassus = monitor.evaluator().delassus();
-  const ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  const Vector s0 = start_of(p, options);
+  ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
+  Vector s0 = start_of(p, options);
   Vector velocity(p.num_rows());
   delassus.velocity(s0, velocity);
   const std::string rule = parameters.choice("penalty");
@@ -256,8 +260,8 @@ SolveResult solve_admm(const ContactProblem& p, const SolverOptions& options) {
                           : rule == "balanced" ? Penalty::kBalanced
                                                : Penalty::kFixed;
   dispatch_dim(p.dim, [&](auto d) {
-    iterate<d()>(p, scaling, velocity, s0, parameters.number("rho"),
-                 parameters.number("relaxation"), penalty, monitor);
+    iterate<d()>(p, std::move(scaling), std::move(velocity), std::move(s0),
+                 parameters.number("rho"), parameters.number("relaxation"), penalty, monitor);
   });
   return monitor.finish();
 }

@@ -162,6 +162,7 @@ class Race {
       return promise.broken() || (options_.cancelled && options_.cancelled());
     };
     SolveResult result;
+    evaluate_.rest();
     try {
       const SolverEntry& entry = require_solver(stage.solver);
       result = entry.run(entry.needs_delassus ? with_delassus() : p_, inner_);

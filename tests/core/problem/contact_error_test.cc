@@ -414,5 +414,24 @@ TEST(ContactError, CountsContactsByStatus) {
   EXPECT_EQ(count.slip, 2);
 }
 
+/// What an evaluator lets go of comes back with the next evaluation, with the same bits.
+TEST(ContactErrorEvaluator, RestsBetweenEvaluations) {
+  for (const int dim : {2, 3}) {
+    const Manufactured made = manufactured_problem(dim, 7, 12, 3);
+    ContactErrorEvaluator evaluate(made.problem);
+    const Vector s = 0.9 * made.s;
+    const ContactError before = evaluate(s);
+    const Vector u = evaluate.velocity(), impulse = evaluate.impulse();
+    evaluate.rest();
+    EXPECT_EQ(evaluate.velocity().size(), 0);
+    ContactErrorEvaluator copy(evaluate, {});
+    for (ContactErrorEvaluator* again : {&evaluate, &copy}) {
+      EXPECT_EQ((*again)(s).guarded(), before.guarded());
+      EXPECT_EQ(again->velocity(), u);
+      EXPECT_EQ(again->impulse(), impulse);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace bipot

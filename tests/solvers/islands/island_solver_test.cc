@@ -395,6 +395,48 @@ TEST(Islands, AnAttemptThatDoesNotArriveLeavesItsBestToTheParts) {
   EXPECT_FALSE(has(rest, "half done")) << rest.message;
 }
 
+/// Of a large problem a part that is nearly all of it is not copied: the entry goes on with the whole,
+/// from where the small parts are settled, also after an attempt; and what it throws loses nothing.
+TEST(Islands, APartThatIsNearlyAllIsSolvedWithinTheWhole) {
+  const ContactProblem large = triangular_lattice(40, {.tilt = 0.1});
+  ASSERT_GT(large.num_contacts(), 4000);
+  const ContactProblem small = pyramid(1);
+  const SideBySide sides = side_by_side({large, small});
+  const ContactProblem& p = sides.problem;
+  std::vector<int> contacts;
+  SolverEntry entry = cutting_auto();
+  entry.by_islands = true;
+  entry.run = [&](const ContactProblem& q, const SolverOptions& options) {
+    contacts.push_back(q.num_contacts());
+    EXPECT_EQ(options.s0.size(), q.num_rows());
+    EXPECT_GT(options.s0[2 * sides.place[1][0]], 0) << "the small part is settled";
+    return find_solver("auto")->run(q, options);
+  };
+  const SolveResult result = solve(entry, p, {.tol = 1e-6});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_EQ(contacts, std::vector<int>{p.num_contacts()});
+  EXPECT_TRUE(has(result, "1 of few contacts, 0 by auto; then the whole")) << result.message;
+  EXPECT_LE(naive_error(p, result.s).guarded(), 1e-6 * (1 + 1e-9));
+
+  entry.run = [](const ContactProblem&, const SolverOptions&) -> SolveResult {
+    throw std::runtime_error("no memory is left");
+  };
+  const SolveResult failed = solve(entry, p, {.tol = 1e-6});
+  EXPECT_EQ(failed.status, SolveStatus::kNumericalFailure);
+  EXPECT_TRUE(has(failed, "no memory is left")) << failed.message;
+  EXPECT_GT(failed.s[2 * sides.place[1][0]], 0);
+
+  // Half of the contacts are not nearly all.
+  contacts.clear();
+  entry.run = [&](const ContactProblem& q, const SolverOptions& options) {
+    contacts.push_back(q.num_contacts());
+    return find_solver("auto")->run(q, options);
+  };
+  const SolveResult halves = solve(entry, side_by_side({large, large}).problem, {.tol = 1e-3});
+  EXPECT_EQ(halves.status, SolveStatus::kConverged) << halves.message;
+  EXPECT_EQ(contacts, std::vector<int>(2, large.num_contacts()));
+}
+
 TEST(Islands, AnAttemptThatUsesUpTheIterationsIsTheEnd) {
   const ContactProblem p = archipelago(2, 1, false);
   const SolveResult result = solve(attempting(&half_done), p, {.tol = 1e-9, .max_iterations = 5});

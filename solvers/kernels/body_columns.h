@@ -1,0 +1,66 @@
+#pragma once
+
+#include <vector>
+
+#include "core/mapped_memory.h"
+#include "core/problem/contact_problem.h"
+#include "core/problem/coulomb_cone.h"
+#include "core/problem/frontal_cholesky.h"
+
+namespace bipot {
+
+/// The contacts that act on each degree of freedom, ascending: those of dof k are
+/// contact[start[k] .. start[k + 1] - 1].
+struct ContactsOfDofs {
+  std::vector<int> start, contact;
+
+  explicit ContactsOfDofs(const ContactProblem& problem);
+};
+
+/// K = A + G R Gᵀ in all degrees of freedom, G = H diag(scale) and R block-diagonal, as of BodySystem,
+/// for a factorisation that takes its columns one by one: K is nowhere stored, and G is read out of H.
+class BodyColumns {
+ public:
+  /// Keeps references to both. The problem must have A and H. `scale`: m, of the columns of H.
+  BodyColumns(const ContactProblem& problem, const Vector& scale);
+  BodyColumns(ContactProblem&&, const Vector&) = delete;  // would dangle
+  BodyColumns(const ContactProblem&, Vector&&) = delete;
+
+  /// Of K, zeros included.
+  struct Pattern {
+    MappedVector<int> start, row;
+
+    operator SymmetricPattern() const {  // NOLINT(google-explicit-constructor)
+      return {static_cast<int>(start.size()) - 1, start.data(), row.data()};
+    }
+  };
+  Pattern pattern() const;
+  /// Adds to `to` what it takes of column j, for the blocks of R, row-major, contact after contact.
+  void add(int j, const double* blocks, const FrontColumn& to) const;
+
+  /// g = G s: m -> n. No allocation where g has its size.
+  void momentum(const Vector& s, Vector& g) const;
+  /// The rows of Gᵀ v of one contact; D is the problem's.
+  template <int D>
+  Local<D> velocity(int contact, const Vector& v) const {
+    Local<D> u;
+    for (int a = 0; a < D; ++a) {
+      double sum = 0;
+      for (SparseMatrix::InnerIterator it(problem_.H, contact * D + a); it; ++it) {
+        sum += it.value() * v[it.row()];
+      }
+      u[a] = scale_[contact * D + a] * sum;
+    }
+    return u;
+  }
+
+ private:
+  template <int D>
+  void add_contacts(int j, const double* blocks, const FrontColumn& to) const;
+
+  const ContactProblem& problem_;
+  const Vector& scale_;
+  ContactsOfDofs contacts_;
+};
+
+}  // namespace bipot
