@@ -13,7 +13,7 @@ namespace bipot {
 /// of one part, and one with another stop test than the guarded one, goes to `entry` as it is. For
 /// solve(), which judges the result on the whole.
 ///
-/// A last part of more than 4000 contacts, nine tenths of all, is not cut out either: `entry` goes on
+/// A last part of 4000 contacts or more, nine tenths of all at least, is not cut out either: `entry` goes on
 /// with the whole from where the others are settled.
 ///
 /// Where `entry` has an attempt to make, that is made on the whole first: what is easy is solved

@@ -10,7 +10,7 @@
 
 namespace bipot {
 
-/// Where a front takes a column of its matrix from.
+/// Where the entries of a column of the matrix go in the front that eliminates it.
 struct FrontColumn {
   const int* place;     ///< of each row of the matrix in the order of elimination
   const int* position;  ///< of these in the front

@@ -53,11 +53,11 @@ class KeptContactsIn {
   struct Pair {
     int i, j;
   };
-  std::vector<Pair> pairs_;  // sorted by (i, j)
   struct Place {
     VecIn<D> x;
     double radius;
   };
+  std::vector<Pair> pairs_;   // sorted by (i, j)
   std::vector<Place> disks_;  // at the search; none: there is no list
   std::vector<WallIn<D>> walls_;
   double eta_ = 0, skin_ = 0;

@@ -1,72 +1,17 @@
 #include "solvers/kernels/body_columns.h"
 
-#include <algorithm>
 #include <numeric>
+#include <vector>
 
 namespace bipot {
-
-ContactsOfDofs::ContactsOfDofs(const ContactProblem& p) : start(to_size(p.num_dofs()) + 1, 0) {
-  // The columns of a contact follow one another: what was seen last tells whether a dof has it.
-  std::vector<int> last(to_size(p.num_dofs()));
-  const auto each = [&](const auto& use) {
-    std::fill(last.begin(), last.end(), -1);
-    for (int row = 0; row < p.num_rows(); ++row) {
-      const int c = row / p.dim;
-      for (SparseMatrix::InnerIterator it(p.H, row); it; ++it) {
-        const std::size_t dof = to_size(it.row());
-        if (it.value() == 0 || last[dof] == c) continue;
-        last[dof] = c;
-        use(dof, c);
-      }
-    }
-  };
-  each([&](std::size_t dof, int) { ++start[dof + 1]; });
-  std::partial_sum(start.begin(), start.end(), start.begin());
-  contact.resize(to_size(start.back()));
-  std::vector<int> next(start.begin(), start.end() - 1);
-  each([&](std::size_t dof, int c) { contact[to_size(next[dof]++)] = c; });
-}
 
 BodyColumns::BodyColumns(const ContactProblem& p, const Vector& scale)
     : problem_(p), scale_(scale), contacts_(p) {}
 
-/// Column by column, as a list of all pairs takes several times its memory.
-BodyColumns::Pattern BodyColumns::pattern() const {
-  const ContactProblem& p = problem_;
-  const int n = p.num_dofs();
-  std::vector<int> rows, seen(to_size(n), -1);
-  const auto column = [&](int j) {
-    rows.clear();
-    const auto add = [&](Eigen::Index row) {
-      if (seen[to_size(row)] == j) return;
-      seen[to_size(row)] = j;
-      rows.push_back(static_cast<int>(row));
-    };
-    add(j);
-    for (SparseMatrix::InnerIterator it(p.A, j); it; ++it) add(it.row());
-    for (int k = contacts_.start[to_size(j)]; k < contacts_.start[to_size(j) + 1]; ++k) {
-      for (int a = 0; a < p.dim; ++a) {
-        for (SparseMatrix::InnerIterator it(p.H, contacts_.contact[to_size(k)] * p.dim + a); it;
-             ++it) {
-          if (it.value() != 0) add(it.row());
-        }
-      }
-    }
-  };
-  Pattern pattern;
-  pattern.start.resize(to_size(n) + 1);
-  for (int j = 0; j < n; ++j) {
-    column(j);
-    pattern.start[to_size(j) + 1] = pattern.start[to_size(j)] + static_cast<int>(rows.size());
-  }
-  pattern.row.resize(to_size(pattern.start.back()));
-  std::fill(seen.begin(), seen.end(), -1);
-  for (int j = 0; j < n; ++j) {
-    column(j);
-    std::sort(rows.begin(), rows.end());
-    std::copy(rows.begin(), rows.end(), pattern.row.begin() + pattern.start[to_size(j)]);
-  }
-  return pattern;
+BodyPattern BodyColumns::pattern() const {
+  std::vector<int> all(to_size(problem_.num_dofs()));
+  std::iota(all.begin(), all.end(), 0);
+  return {problem_, contacts_, all};
 }
 
 template <int D>

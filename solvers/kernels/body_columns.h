@@ -1,21 +1,11 @@
 #pragma once
 
-#include <vector>
-
-#include "core/mapped_memory.h"
 #include "core/problem/contact_problem.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/frontal_cholesky.h"
+#include "solvers/kernels/body_pattern.h"
 
 namespace bipot {
-
-/// The contacts that act on each degree of freedom, ascending: those of dof k are
-/// contact[start[k] .. start[k + 1] - 1].
-struct ContactsOfDofs {
-  std::vector<int> start, contact;
-
-  explicit ContactsOfDofs(const ContactProblem& problem);
-};
 
 /// K = A + G R Gᵀ in all degrees of freedom, G = H diag(scale) and R block-diagonal, as of BodySystem,
 /// for a factorisation that takes its columns one by one: K is nowhere stored, and G is read out of H.
@@ -27,14 +17,7 @@ class BodyColumns {
   BodyColumns(const ContactProblem&, Vector&&) = delete;
 
   /// Of K, zeros included.
-  struct Pattern {
-    MappedVector<int> start, row;
-
-    operator SymmetricPattern() const {  // NOLINT(google-explicit-constructor)
-      return {static_cast<int>(start.size()) - 1, start.data(), row.data()};
-    }
-  };
-  Pattern pattern() const;
+  BodyPattern pattern() const;
   /// Adds to `to` what it takes of column j, for the blocks of R, row-major, contact after contact.
   void add(int j, const double* blocks, const FrontColumn& to) const;
 

@@ -1,10 +1,10 @@
 #include "solvers/kernels/body_system.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include "core/problem/block_pattern.h"
 #include "core/problem/coulomb_cone.h"
+#include "solvers/kernels/body_pattern.h"
 
 namespace bipot {
 namespace {
@@ -25,13 +25,10 @@ std::vector<int> touched_by(const ContactProblem& p, int c) {
 }  // namespace
 
 std::vector<int> BodySystem::touched(const ContactProblem& problem) {
-  std::vector<char> used(to_size(problem.num_dofs()), 0);
-  for (int c = 0; c < problem.num_contacts(); ++c) {
-    for (const int dof : touched_by(problem, c)) used[to_size(dof)] = 1;
-  }
+  const ContactsOfDofs contacts(problem);
   std::vector<int> dofs;
   for (int dof = 0; dof < problem.num_dofs(); ++dof) {
-    if (used[to_size(dof)]) dofs.push_back(dof);
+    if (contacts.start[to_size(dof)] < contacts.start[to_size(dof) + 1]) dofs.push_back(dof);
   }
   return dofs;
 }
@@ -41,7 +38,7 @@ BodySystem::BodySystem(const ContactProblem& p, const std::vector<int>& dofs, co
   std::vector<int> unknown_of(to_size(p.num_dofs()), -1);
   for (std::size_t i = 0; i < dofs.size(); ++i) unknown_of[to_size(dofs[i])] = static_cast<int>(i);
   list_wrenches(p, unknown_of, scale);
-  make_pattern(p, dofs, unknown_of);
+  make_pattern(p, dofs);
   for (int i = 0; i < size(); ++i) {
     for (SparseMatrix::InnerIterator it(p.A, dofs[to_size(i)]); it; ++it) {
       const int row = unknown_of[to_size(it.row())];
@@ -104,50 +101,13 @@ void BodySystem::list_wrenches(const ContactProblem& p, const std::vector<int>& 
   wrench_.shrink_to_fit();
 }
 
-/// matrix_ with zeros: column by column, as a list of all pairs takes several times its memory.
-void BodySystem::make_pattern(const ContactProblem& p, const std::vector<int>& dofs,
-                              const std::vector<int>& unknown_of) {
-  const int n = static_cast<int>(dofs.size());
-  std::vector<int> first(to_size(n) + 1, 0), contact(unknown_.size());  // those of each unknown
-  for (const int i : unknown_) ++first[to_size(i) + 1];
-  std::partial_sum(first.begin(), first.end(), first.begin());
-  std::vector<int> next(first.begin(), first.end() - 1);
-  for (int c = 0; c < contacts_; ++c) {
-    for (int k = start_[to_size(c)]; k < start_[to_size(c) + 1]; ++k) {
-      contact[to_size(next[to_size(unknown_[to_size(k)])]++)] = c;
-    }
-  }
-  std::vector<int> rows, seen(to_size(n), -1);
-  const auto column = [&](int j) {
-    rows.clear();
-    const auto add = [&](int row) {
-      if (row < 0 || seen[to_size(row)] == j) return;
-      seen[to_size(row)] = j;
-      rows.push_back(row);
-    };
-    add(j);
-    for (SparseMatrix::InnerIterator it(p.A, dofs[to_size(j)]); it; ++it) {
-      add(unknown_of[to_size(it.row())]);
-    }
-    for (int k = first[to_size(j)]; k < first[to_size(j) + 1]; ++k) {
-      const std::size_t c = to_size(contact[to_size(k)]);
-      for (int i = start_[c]; i < start_[c + 1]; ++i) add(unknown_[to_size(i)]);
-    }
-  };
-  matrix_.resize(n, n);
-  int* const start = matrix_.outerIndexPtr();
-  start[0] = 0;
-  for (int j = 0; j < n; ++j) {
-    column(j);
-    start[j + 1] = start[j] + static_cast<int>(rows.size());
-  }
-  matrix_.resizeNonZeros(start[n]);
-  std::fill(seen.begin(), seen.end(), -1);
-  for (int j = 0; j < n; ++j) {
-    column(j);
-    std::sort(rows.begin(), rows.end());
-    std::copy(rows.begin(), rows.end(), matrix_.innerIndexPtr() + start[j]);
-  }
+/// matrix_ with zeros.
+void BodySystem::make_pattern(const ContactProblem& p, const std::vector<int>& dofs) {
+  const BodyPattern pattern(p, ContactsOfDofs(p), dofs);
+  matrix_.resize(static_cast<Eigen::Index>(dofs.size()), static_cast<Eigen::Index>(dofs.size()));
+  matrix_.resizeNonZeros(static_cast<Eigen::Index>(pattern.row.size()));
+  std::copy(pattern.start.begin(), pattern.start.end(), matrix_.outerIndexPtr());
+  std::copy(pattern.row.begin(), pattern.row.end(), matrix_.innerIndexPtr());
   std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
 }
 

@@ -31,8 +31,7 @@ class BodySystem {
  private:
   void list_wrenches(const ContactProblem& problem, const std::vector<int>& unknown_of,
                      const Vector& scale);
-  void make_pattern(const ContactProblem& problem, const std::vector<int>& dofs,
-                    const std::vector<int>& unknown_of);
+  void make_pattern(const ContactProblem& problem, const std::vector<int>& dofs);
   void list_runs();
   template <int D>
   void add_contacts(const double* blocks);

@@ -63,5 +63,10 @@ TEST(FrontalCholesky, RefusesIndefiniteAndNonFiniteMatricesAndRecovers) {
   }
 }
 
+TEST(FrontalCholesky, FactorsNoColumnsBeforeAnAnalysis) {
+  FrontalCholesky factor;
+  EXPECT_THROW((void)factor.factor([](int, const FrontColumn&) {}), std::logic_error);
+}
+
 }  // namespace
 }  // namespace bipot

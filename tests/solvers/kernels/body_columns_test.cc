@@ -61,7 +61,7 @@ TEST(BodyColumns, AreThoseOfTheDenseMatrix) {
     EXPECT_LT((found - K).norm(), 1e-14 * K.norm()) << dim;
 
     // The pattern has every entry, rows ascending, and fronts assembled from it solve with K.
-    const BodyColumns::Pattern pattern = columns.pattern();
+    const BodyPattern pattern = columns.pattern();
     for (int j = 0; j < n; ++j) {
       const auto rows = std::vector<int>(pattern.row.begin() + pattern.start[to_size(j)],
                                          pattern.row.begin() + pattern.start[to_size(j) + 1]);
@@ -90,11 +90,6 @@ TEST(BodyColumns, AreThoseOfTheDenseMatrix) {
       }
     });
   }
-}
-
-TEST(FrontalCholesky, FactorsNoColumnsBeforeAnAnalysis) {
-  FrontalCholesky factor;
-  EXPECT_THROW((void)factor.factor([](int, const FrontColumn&) {}), std::logic_error);
 }
 
 }  // namespace
