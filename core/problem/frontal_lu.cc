@@ -174,43 +174,42 @@ double inverse_root(double size) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(kBias - half) << kDigits);
 }
 
-/// Scales of the diagonal, which change with the units of rows and columns as the matrix does.
-void scales_of_diagonal(const SparseMatrix& A, const std::vector<int>& diagonal,
-                        std::vector<double>& scale) {
-  for (std::size_t j = 0; j < diagonal.size(); ++j) {
-    scale[j] = inverse_root(std::abs(A.valuePtr()[diagonal[j]]));
-  }
-}
+/// A compressed matrix of symmetric pattern, line by line.
+class StoredMatrix final : public MatrixByLines {
+ public:
+  StoredMatrix(const SparseMatrix& A, const std::vector<int>& transposed)
+      : matrix_(A), transposed_(transposed) {}
 
-/// Scales of the largest entry in each row or column.
-void scales_of_largest(const SparseMatrix& A, std::vector<double>& scale) {
-  std::fill(scale.begin(), scale.end(), 0.0);
-  for (int j = 0; j < A.cols(); ++j) {
-    for (SparseMatrix::InnerIterator it(A, j); it; ++it) {
-      const double size = std::abs(it.value());
-      scale[to_size(j)] = std::max(scale[to_size(j)], size);
-      scale[to_size(it.row())] = std::max(scale[to_size(it.row())], size);
+  double diagonal(int j) const override {
+    return matrix_.valuePtr()[value_position(matrix_, j, j)];
+  }
+  void add_column(int j, FrontLine& to) const override {
+    for (int k = matrix_.outerIndexPtr()[j]; k < matrix_.outerIndexPtr()[j + 1]; ++k) {
+      to.add(matrix_.innerIndexPtr()[k], matrix_.valuePtr()[k]);
     }
   }
-  for (double& s : scale) s = inverse_root(s);
-}
-
-/// True: none of the scaled entries is larger than `most`, or not a number.
-bool scale_entries(const SparseMatrix& A, const std::vector<double>& scale, double most,
-                   std::vector<double>& scaled) {
-  const int* const start = A.outerIndexPtr();
-  const int* const row = A.innerIndexPtr();
-  const double* const value = A.valuePtr();
-  bool fine = true;
-  for (int j = 0; j < A.cols(); ++j) {
-    const double by = scale[to_size(j)];
-    for (int k = start[j]; k < start[j + 1]; ++k) {
-      const double entry = value[k] * by * scale[to_size(row[k])];
-      scaled[to_size(k)] = entry;
-      fine &= std::abs(entry) <= most;
+  void add_row(int i, FrontLine& to) const override {
+    for (int k = matrix_.outerIndexPtr()[i]; k < matrix_.outerIndexPtr()[i + 1]; ++k) {
+      to.add(matrix_.innerIndexPtr()[k], matrix_.valuePtr()[transposed_[to_size(k)]]);
     }
   }
-  return fine;
+
+ private:
+  const SparseMatrix& matrix_;
+  const std::vector<int>& transposed_;
+};
+
+/// Where the entry (j, i) of each entry (i, j) is, the pattern being symmetric.
+std::vector<int> transposed_positions(const SparseMatrix& A) {
+  const int n = static_cast<int>(A.cols());
+  std::vector<int> transposed(to_size(A.nonZeros())),
+      next(A.outerIndexPtr(), A.outerIndexPtr() + n);
+  for (int j = 0; j < n; ++j) {
+    for (int k = A.outerIndexPtr()[j]; k < A.outerIndexPtr()[j + 1]; ++k) {
+      transposed[to_size(next[to_size(A.innerIndexPtr()[k])]++)] = k;
+    }
+  }
+  return transposed;
 }
 
 }  // namespace
@@ -218,15 +217,14 @@ bool scale_entries(const SparseMatrix& A, const std::vector<double>& scale, doub
 template <class Real>
 struct FrontalLU<Real>::Impl {
   std::shared_ptr<const FrontalTree> tree;
-  FrontalEntries entries;
   std::vector<Real> factor, stack;
-  std::vector<double> scale;  // by column of A
-  std::vector<int> place;     // of each column of A in the tree's order
-  std::vector<int> diagonal;  // where the values of A have it
+  std::vector<double> scale;    // by column of A
+  std::vector<int> place;       // of each column of A in the tree's order
+  std::vector<int> position;    // of the same in a front, -1: eliminated
+  std::vector<int> transposed;  // of a stored A, empty for others
   std::vector<int> exchange;
   int sign = 0;  // 0: no factor
   Real largest = 0;
-  std::vector<double> scaled;  // entries of A
   std::vector<Real> x, below;
   // Rows of kRightSides numbers; made where they are needed first.
   std::vector<Real, LargePageAllocator<Real>> several, several_below;
@@ -252,50 +250,122 @@ struct FrontalLU<Real>::Impl {
     fetch(f.upper, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height());
   }
 
-  bool prepare(const SparseMatrix& A);
-  bool run();
+  bool analyse(const SymmetricPattern& pattern);
+  bool scale_by_diagonal(const MatrixByLines& A);
+  bool scale_by_largest(const MatrixByLines& A);
+  bool look_at_entries(const MatrixByLines& A, double most, double* sizes);
+  bool assemble(const MatrixByLines& A, double most, int s, const Front<Real>& f);
+  bool run(const MatrixByLines& A, double most);
   void substitute_forward();
   void substitute_backward();
   void substitute_several_forward() requires std::is_same_v<Real, double>;
   void substitute_several_backward() requires std::is_same_v<Real, double>;
 };
 
-/// The tree, the scales and the scaled entries: powers of two near 1 / sqrt of the diagonal, or of the
-/// largest entry in row or column. False: memory ran out, a row of zeros, an entry is not finite.
 template <class Real>
-bool FrontalLU<Real>::Impl::prepare(const SparseMatrix& A) {
-  if (!tree || !tree->is_of(A)) {
-    tree = FrontalTree::of(A);
-    if (!tree) return false;
-    try {
-      entries = FrontalEntries(*tree, A);
-      factor.resize(tree->factor_size);
-      stack.resize(tree->stack_size);
-    } catch (const std::bad_alloc&) {
-      tree = nullptr;
-      return false;
-    }
-    scaled.resize(to_size(A.nonZeros()));
-    scale.resize(to_size(tree->size()));
-    diagonal.resize(to_size(tree->size()));
-    for (int j = 0; j < tree->size(); ++j) diagonal[to_size(j)] = value_position(A, j, j);
-    exchange.resize(to_size(tree->size()));
-    x.resize(to_size(tree->size()));
-    below.resize(to_size(tree->size()));
-    place.resize(to_size(tree->size()));
-    for (int k = 0; k < tree->size(); ++k) place[to_size(tree->order[to_size(k)])] = k;
+bool FrontalLU<Real>::Impl::analyse(const SymmetricPattern& pattern) {
+  sign = 0;
+  if (tree && tree->is_of(pattern)) return true;
+  transposed.clear();
+  tree = FrontalTree::of(pattern);
+  if (!tree) return false;
+  const std::size_t n = to_size(tree->size());
+  factor.clear();
+  try {
+    scale.resize(n);
+    place.resize(n);
+    position.resize(n);
+    exchange.resize(n);
+    x.resize(n);
+    below.resize(n);
+  } catch (const std::bad_alloc&) {
+    tree = nullptr;
+    return false;
   }
-  scales_of_diagonal(A, diagonal, scale);
-  const bool usable = std::find(scale.begin(), scale.end(), 0.0) == scale.end();
-  if (usable && scale_entries(A, scale, kDiagonalScales, scaled)) return true;
-  scales_of_largest(A, scale);
-  if (std::find(scale.begin(), scale.end(), 0.0) != scale.end()) return false;
-  return scale_entries(A, scale, kInfinity, scaled);
+  for (std::size_t k = 0; k < n; ++k) place[to_size(tree->order[k])] = static_cast<int>(k);
+  return true;
 }
 
-/// All fronts, children before parents.
+/// Whether none of the scaled entries is larger than `most`, or not a number; `sizes`, where given:
+/// the largest of each row and column, and what it was before.
 template <class Real>
-bool FrontalLU<Real>::Impl::run() {
+bool FrontalLU<Real>::Impl::look_at_entries(const MatrixByLines& A, double most, double* sizes) {
+  FrontLine line;
+  line.scales_ = scale.data();
+  line.largest_ = sizes;
+  line.most_ = most;
+  for (int j = 0; j < tree->size(); ++j) {
+    line.line_ = j;
+    line.scale_ = scale[to_size(j)];
+    A.add_column(j, line);
+  }
+  return line.within_;
+}
+
+/// Powers of two near 1 / sqrt of the diagonal, which change with the units of rows and columns as A
+/// does. False: there are none.
+template <class Real>
+bool FrontalLU<Real>::Impl::scale_by_diagonal(const MatrixByLines& A) {
+  for (int j = 0; j < tree->size(); ++j) {
+    scale[to_size(j)] = inverse_root(std::abs(A.diagonal(j)));
+    if (scale[to_size(j)] == 0) return false;
+  }
+  return true;
+}
+
+/// The same of the largest entry in row or column. False: a row of zeros, an entry is not finite.
+template <class Real>
+bool FrontalLU<Real>::Impl::scale_by_largest(const MatrixByLines& A) {
+  std::fill(scale.begin(), scale.end(), 1.0);
+  std::vector<double> sizes(scale.size(), 0.0);
+  if (!look_at_entries(A, std::numeric_limits<double>::max(), sizes.data())) return false;
+  std::transform(sizes.begin(), sizes.end(), scale.begin(), inverse_root);
+  return std::find(scale.begin(), scale.end(), 0.0) == scale.end();
+}
+
+/// The entries that the front takes. False: one is larger than `most`, or not a number.
+template <class Real>
+bool FrontalLU<Real>::Impl::assemble(const MatrixByLines& A, double most, int s,
+                                     const Front<Real>& f) {
+  const FrontalTree& t = *tree;
+  std::fill(f.panel, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height(), Real(0));
+  const int begin = t.first[to_size(s)];
+  const int* const own = t.order.data() + begin;
+  for (int k = 0; k < f.columns; ++k) position[to_size(own[k])] = k;
+  const int* const below_rows = t.below.data() + t.below_start[to_size(s)];
+  for (int k = 0; k < f.height(); ++k) {
+    position[to_size(t.order[to_size(below_rows[k])])] = f.columns + k;
+  }
+  FrontLine line;
+  line.position_ = position.data();
+  line.scales_ = scale.data();
+  line.most_ = most;
+  const auto fill = [&line](Real* to) {
+    if constexpr (std::is_same_v<Real, double>) {
+      line.in_double_ = to;
+    } else {
+      line.in_single_ = to;
+    }
+  };
+  for (int j = 0; j < f.columns; ++j) {
+    const int column = own[j];
+    line.scale_ = scale[to_size(column)];
+    line.least_ = 0;
+    fill(f.column(j));
+    A.add_column(column, line);
+    if (f.height() == 0) continue;
+    line.least_ = f.columns;
+    fill(f.right_of(j) - f.columns);
+    A.add_row(column, line);
+  }
+  for (int k = 0; k < f.columns; ++k) position[to_size(own[k])] = -1;
+  return line.within_;
+}
+
+/// All fronts, children before parents. False: a pivot is zero or not finite, a scaled entry larger
+/// than `most`.
+template <class Real>
+bool FrontalLU<Real>::Impl::run(const MatrixByLines& A, double most) {
   const FrontalTree& t = *tree;
   std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
   std::size_t top = 0;
@@ -303,11 +373,7 @@ bool FrontalLU<Real>::Impl::run() {
   largest = 0;
   for (int s = 0; s < t.num_fronts(); ++s) {
     const Front<Real> f = front(s);
-    std::fill(f.panel, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height(), Real(0));
-    for (int k = entries.start[to_size(s)]; k < entries.start[to_size(s) + 1]; ++k) {
-      f.panel[entries.target[to_size(k)]] =
-          static_cast<Real>(scaled[to_size(entries.source[to_size(k)])]);
-    }
+    if (!assemble(A, most, s, f)) return false;
     const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
     const std::size_t bottom = base < held.size() ? held[base].second : top;
     for (std::size_t k = base; k < held.size(); ++k) {
@@ -344,8 +410,9 @@ bool FrontalLU<Real>::Impl::run() {
     top = bottom + to_size(h) * to_size(h);
     if (h > 0) held.emplace_back(s, bottom);
   }
+  if (!std::isfinite(largest)) return false;
   sign = minus % 2 == 0 ? 1 : -1;
-  return std::isfinite(largest);
+  return true;
 }
 
 template <class Real>
@@ -358,12 +425,34 @@ template <class Real>
 FrontalLU<Real>& FrontalLU<Real>::operator=(FrontalLU&&) noexcept = default;
 
 template <class Real>
+bool FrontalLU<Real>::analyse(const SymmetricPattern& pattern) {
+  return impl_->analyse(pattern);
+}
+
+template <class Real>
+bool FrontalLU<Real>::factor(const MatrixByLines& A) {
+  Impl& f = *impl_;
+  if (!f.tree) throw std::logic_error("FrontalLU::factor without an analysis");
+  f.sign = 0;
+  try {
+    f.factor.resize(f.tree->factor_size);
+    f.stack.resize(f.tree->stack_size);
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+  const bool by_diagonal = f.scale_by_diagonal(A);
+  if (by_diagonal && f.run(A, kDiagonalScales)) return true;
+  // A pivot alone is no reason for other scales.
+  if (by_diagonal && f.look_at_entries(A, kDiagonalScales, nullptr)) return false;
+  return f.scale_by_largest(A) && f.run(A, kInfinity);
+}
+
+template <class Real>
 bool FrontalLU<Real>::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
-  f.sign = 0;
-  if (!f.prepare(A)) return false;
-  if (!f.run()) f.sign = 0;
-  return f.sign != 0;
+  if (!f.analyse(A)) return false;
+  if (f.transposed.empty()) f.transposed = transposed_positions(A);
+  return factor(StoredMatrix(A, f.transposed));
 }
 
 template <class Real>

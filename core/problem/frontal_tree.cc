@@ -279,40 +279,4 @@ void FrontalTree::measure() {
   factor_size = to_size(node_start.back());
 }
 
-FrontalEntries::FrontalEntries(const FrontalTree& t, const SparseMatrix& A) {
-  const int n = t.size();
-  std::vector<int> place(to_size(n));  // old to new
-  for (int k = 0; k < n; ++k) place[to_size(t.order[to_size(k)])] = k;
-  source.reserve(to_size(A.nonZeros()));
-  target.reserve(to_size(A.nonZeros()));
-  // Where the entry (j, i) of an entry (i, j) is: the pattern is symmetric.
-  std::vector<int> transpose(to_size(A.nonZeros())), next(A.outerIndexPtr(), A.outerIndexPtr() + n);
-  for (int j = 0; j < n; ++j) {
-    for (int k = A.outerIndexPtr()[j]; k < A.outerIndexPtr()[j + 1]; ++k) {
-      transpose[to_size(next[to_size(A.innerIndexPtr()[k])]++)] = k;
-    }
-  }
-  std::vector<int> position(to_size(n), -1);
-  start.assign(1, 0);
-  for (int s = 0; s < t.num_fronts(); ++s) {
-    const int begin = t.first[to_size(s)], columns = t.columns(s), end = begin + columns;
-    const int height = t.height(s), panel_rows = columns + height;
-    t.place_rows(s, position.data());
-    for (int j = begin; j < end; ++j) {
-      const int old = t.order[to_size(j)];
-      for (int k = A.outerIndexPtr()[old]; k < A.outerIndexPtr()[old + 1]; ++k) {
-        const int i = place[to_size(A.innerIndexPtr()[k])];
-        if (i < begin) continue;  // a front before took it
-        source.push_back(k);
-        target.push_back(position[to_size(i)] + (j - begin) * panel_rows);
-        if (i < end) continue;
-        source.push_back(transpose[to_size(k)]);
-        target.push_back(panel_rows * columns + position[to_size(i)] - columns +
-                         (j - begin) * height);
-      }
-    }
-    start.push_back(static_cast<int>(source.size()));
-  }
-}
-
 }  // namespace bipot

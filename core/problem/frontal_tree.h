@@ -70,15 +70,4 @@ class FrontalTree {
   } pattern_;
 };
 
-/// For each front the entries of A that it takes, and their places in its panel and upper part:
-/// with A's values, all that a factorisation reads of A.
-struct FrontalEntries {
-  /// Those of front s are start[s] .. start[s + 1] - 1.
-  std::vector<int> start, source, target;
-
-  FrontalEntries() = default;
-  /// A: of the pattern that the tree was made of.
-  FrontalEntries(const FrontalTree& tree, const SparseMatrix& A);
-};
-
 }  // namespace bipot

@@ -7,22 +7,23 @@
 #include "core/problem/eight_right_sides.h"
 #include "core/problem/frontal_lu.h"
 #include "core/problem/sparse_factor.h"
+#include "solvers/homotopy/cell_matrix.h"
 #include "solvers/homotopy/exchanged_columns.h"
 #include "solvers/homotopy/law_point.h"
 
 namespace bipot {
 
-/// The matrix B of a point's cells and its factor: per slot the column
-///
-///     opening e_n,   sliding e_t,   plus -(W + D)(1, -mu),   minus -(W + D)(1, +mu),
-///
-/// so that U(p) - (W + D) S(p) = B p, with D the diagonal proximal term. B is factored by fronts
-/// (frontal_lu.h) in the pattern of W, zeros of the first two kinds included, so that one analysis
-/// serves all cells; by UMFPACK, which may exchange any rows, where a front's pivots are too small.
+/// The matrix B of a point's cells (cell_matrix.h) and its factor: by fronts (frontal_lu.h) in the
+/// pattern of W, zeros of unit columns included, so that one analysis serves all cells; by UMFPACK,
+/// which may exchange any rows, where a front's pivots are too small.
 /// Between factorisations columns are exchanged in the manner of exchanged_columns.h.
 class CellBasis {
  public:
-  explicit CellBasis(const LawProblem& problem);
+  /// What the factor by fronts is kept in. Single: half the memory; every solve with it is refined to
+  /// about 1e-10, which takes three times as long, and columns are solved for one by one. No UMFPACK
+  /// then: where refinement does not come so far, solutions are not numbers.
+  enum class Precision { kDouble, kSingle };
+  explicit CellBasis(const LawProblem& problem, Precision precision = Precision::kDouble);
 
   /// Factors B of the point, whose columns must be sorted; `proximal`: the diagonal of D, m.
   /// False: singular.
@@ -71,26 +72,24 @@ class CellBasis {
 
  private:
   bool factor_with_exchanges(const LawPoint& point);
-  void solve_factored(const Vector& g, Vector& x) const;
-  template <class Add>
-  void for_column(int contact, Column column, Add&& add) const;
+  void solve_factored(const Vector& g, Vector& x);
+  void solve_in_single(const Vector& g, Vector& x);
+  bool in_single() const { return precision_ == Precision::kSingle; }
   static int key(int contact, Column column);
-  void residual(const LawPoint& point, const Vector& g, long double weight, const Vector& h,
-                const Vector& x, Vector& out);
 
   const LawProblem& problem_;
-  SparseRows rows_;  // W, where it is not symmetric to the last bit: else its columns are its rows
-  Vector proximal_;
-  SparseMatrix matrix_;  // B, in whole blocks of W's symmetric pattern
+  CellMatrix matrix_;  // of the columns that were factored
+  Precision precision_;
   FrontalLU<double> fronts_;
+  FrontalLU<float> single_fronts_;
   std::optional<OrderedLU> rows_exchanged_;  // made where it is needed first
   bool by_fronts_ = false;                   // which of them holds the factor
-  std::vector<Column> factored_;             // the columns of the factor
+  bool analysed_ = false;
   ExchangedColumns exchanged_;
   Vector rhs_, change_, error_, y_;  // scratch
+  Vector rest_, correction_;         // of solve_in_single()
   SparseColumns several_;
   std::array<Vector, kRightSides> solutions_;
-  std::vector<long double> sum_, impulse_;
 };
 
 }  // namespace bipot

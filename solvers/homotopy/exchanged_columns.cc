@@ -11,10 +11,8 @@ namespace {
 
 // Columns that differ at most: beyond it products with them cost more than a factorisation saves.
 constexpr int kMostExchanged = 64;
-// Columns kept before B is factored afresh, those of one more solve for several on top: as many as
-// this memory holds, rows x 8 bytes each, within bounds.
-constexpr int kMostKept = 128, kLeastKept = 48;
-constexpr int kBytesKept = 16 << 20;
+// Columns kept before B is factored afresh, but for those of one more solve for several.
+constexpr int kMostKept = 128;
 constexpr std::size_t kStride = kMostExchanged;
 // Of a row that is added to a factor without exchanges: beyond it the factor is made anew.
 constexpr double kLargestAdded = 100;
@@ -24,8 +22,8 @@ constexpr double kLargestAdded = 100;
 void ExchangedColumns::clear(int rows, int keys) {
   if (rows_ != rows || to_size(keys) != number_.size()) {
     rows_ = rows;
-    const int fit = kBytesKept / (std::max(rows, 1) * static_cast<int>(sizeof(double)));
-    most_kept_ = std::clamp(fit, kLeastKept, kMostKept);
+    const int fit = bytes_kept_ / (std::max(rows, 1) * static_cast<int>(sizeof(double)));
+    most_kept_ = std::clamp(fit, least_kept_, kMostKept);
     number_.assign(to_size(keys), -1);
     position_.assign(to_size(rows), -1);
     kept_.clear();

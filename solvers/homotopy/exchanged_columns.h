@@ -17,6 +17,9 @@ namespace bipot {
 /// J has 20 columns in the mean where a product form has 60.
 class ExchangedColumns {
  public:
+  /// Columns kept before B is factored afresh: as many as `bytes` hold, `least` at least.
+  explicit ExchangedColumns(int bytes = 16 << 20, int least = 48)
+      : bytes_kept_(bytes), least_kept_(least) {}
   /// Nothing exchanged, nothing kept. `keys`: columns are called 0 to keys - 1.
   void clear(int rows, int keys);
 
@@ -48,7 +51,7 @@ class ExchangedColumns {
   void solve_small(double* w) const;
 
   int rows_ = 0;
-  int most_kept_ = 0;
+  int bytes_kept_, least_kept_, most_kept_ = 0;
   std::vector<Vector> kept_;  // by number, and room for later ones
   std::vector<int> number_;   // of each key
   std::vector<int> keys_;     // of each number

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <utility>
+#include <vector>
+
+#include "core/problem/delassus.h"
 
 namespace bipot {
 namespace {
@@ -10,16 +13,47 @@ namespace {
 // A smaller friction coefficient does nothing that double precision could see.
 constexpr double kNoFriction = 1e-14;
 
+// What two entries of a W with unit diagonal may differ by that are one but for rounding.
+constexpr double kSymmetric = 1e-15;
+
+/// Entries (i, j) and (j, i) that rounding alone has made different become one: W is symmetric to the
+/// last bit then, and its columns are its rows.
+void make_symmetric(SparseMatrix& W) {
+  const int* const start = W.outerIndexPtr();
+  const int* const row = W.innerIndexPtr();
+  double* const value = W.valuePtr();
+  // Of each column the first entry below the diagonal that was not met by its row.
+  std::vector<int> next(to_size(W.cols()));
+  for (int j = 0; j < W.cols(); ++j) {
+    const int* const begin = row + start[j];
+    next[to_size(j)] = static_cast<int>(std::upper_bound(begin, row + start[j + 1], j) - row);
+  }
+  for (int j = 0; j < W.cols(); ++j) {
+    for (int k = start[j]; k < start[j + 1] && row[k] < j; ++k) {
+      const int i = row[k];
+      int& other = next[to_size(i)];
+      while (other < start[i + 1] && row[other] < j) ++other;
+      if (other == start[i + 1] || row[other] != j) continue;
+      if (std::abs(value[k] - value[other]) <= kSymmetric) value[other] = value[k];
+    }
+  }
+}
+
 }  // namespace
 
-LawProblem::LawProblem(const ContactProblem& p, const Vector& delassus_diagonal)
-    : dim(p.dim), W(p.W) {
+LawProblem::LawProblem(const ContactProblem& p, const Vector& delassus_diagonal) : dim(p.dim) {
+  if (p.has_delassus()) {
+    W = p.W;
+  } else {
+    W = assemble_delassus(p.A, p.H, p.dim);
+  }
   const ContactScaling scaling = equilibrated_scaling(p, delassus_diagonal);
   for (int j = 0; j < W.outerSize(); ++j) {
     for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
       it.valueRef() *= scaling.velocity[it.row()] * scaling.velocity[j];
     }
   }
+  make_symmetric(W);
   b = p.u_free.cwiseProduct(scaling.velocity);
   const double largest = b.cwiseAbs().maxCoeff();
   const double unit = largest > 0 ? largest : 1;

@@ -9,7 +9,8 @@
 namespace bipot {
 
 /// A contact problem in equilibrated variables (unit diagonal of W) over the largest velocity, by
-/// columns: u = W s + b, the law with friction coefficients mu.
+/// columns: u = W s + b, the law with friction coefficients mu. W is assembled where the contact problem
+/// has none, and symmetric to the last bit where it is to rounding.
 struct LawProblem {
   int dim = 2;
   SparseMatrix W;  ///< m x m

@@ -38,8 +38,9 @@ constexpr int kGroup = 64;
 
 }  // namespace
 
-PathFollower::PathFollower(const LawProblem& problem, std::function<bool()> stop)
-    : problem_(problem), stop_(std::move(stop)), basis_(problem) {}
+PathFollower::PathFollower(const LawProblem& problem, CellBasis::Precision precision,
+                           std::function<bool()> stop)
+    : problem_(problem), stop_(std::move(stop)), basis_(problem, precision) {}
 
 PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, const Vector& proximal,
                              int longest) {

@@ -35,7 +35,8 @@ struct PathCounts {
 /// cell, then to the nearest point of the manifold, as long as |F| falls.
 class PathFollower {
  public:
-  PathFollower(const LawProblem& problem, std::function<bool()> stop);
+  PathFollower(const LawProblem& problem, CellBasis::Precision precision,
+               std::function<bool()> stop);
 
   /// From `point`, which ends at the last point reached. `proximal`: the diagonal of D, m, > 0;
   /// `longest`: pivots allowed.

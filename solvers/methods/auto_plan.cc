@@ -73,6 +73,10 @@ constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOf
 // tolerance from any, as on three of seven steps that had taken 3e4 to 1.7e5 iterations, it arrives from
 // a little off where it stands.
 constexpr int kSoonSplitting = 600, kEnoughSplitting = 1500;
+// From where it stands then a path is short, or mostly does not arrive: so many pivots. Above kInSingle
+// contacts the factors of such paths are kept in single precision, and above kLongInSingle there are none,
+// and those of the long paths are: in double they would be the largest part of a run's memory.
+constexpr int kPivotsOfSplitting = 500, kInSingle = 6000, kLongInSingle = 12000;
 // Contacts for each pivot of a path that follows some splitting on packings of kLarge to kLargeStep:
 // of 42 such paths (21 and 7 steps of two pours, to 1e-4 and 1e-8) 30 arrived, 27 of them within that.
 constexpr int kContactsOfPivot = 2;
@@ -192,8 +196,9 @@ class Planner {
   void follow(int most, std::map<std::string, std::string> parameters, const char* reason) {
     if (exact_) add("homotopy", most, most, Start::kBest, reason, std::move(parameters));
   }
-  void first_paths(int pivots) {
-    follow(pivots, {{"start_tol", "1"}}, "moving packings: an exact path from the best impulse");
+  void first_paths(int pivots, const char* precision = "double") {
+    follow(pivots, {{"start_tol", "1"}, {"precision", precision}},
+           "moving packings: an exact path from the best impulse");
     if (exact_) stages_.back().largest_error = kUsefulStart;
   }
   /// Paths from the start of the step, with other random numbers each.
@@ -241,7 +246,8 @@ class Planner {
     if (!warm_) all = kOtherSolvers;
     for (const OtherStart& other : soon ? all.first(kSoon) : all.subspan(kSoon)) other_start(other);
   }
-  /// To fair tolerances, splitting from multiples of the caller's start, each time with two kicks.
+  /// To fair tolerances, splitting from multiples of the caller's start, each time with a short path
+  /// and two kicks.
   void fair_splitting() {
     const auto splitting = [&](Start start, double multiple) {
       add("admm", kSoonSplitting, kEnoughSplitting, start,
@@ -250,9 +256,17 @@ class Planner {
       stages_.back().of_start = multiple;
       stages_.back().least_tol = kFair;
     };
+    const auto short_path = [&] {
+      add("homotopy", kPivotsOfSplitting, kPivotsOfSplitting, Start::kLast,
+          "a short path from where splitting stands",
+          {{"start_tol", "1"}, {"precision", precision_above(kInSingle)}});
+      stages_.back().least_tol = kFair;
+      stages_.back().largest_error = kNearStart;
+    };
     for (const double multiple : {0.1, 0.35, 0.6, 1.0}) {
       if (!warm_ && multiple < 1) continue;
       splitting(Start::kCaller, multiple);
+      if (contacts_ <= kLongInSingle) short_path();
       splitting(Start::kLast, 0.95);
       splitting(Start::kLast, 0.9);
     }
@@ -272,6 +286,9 @@ class Planner {
     if (contacts_ > kDense) steps /= 10;
     add("multistart", steps, steps, start, "few contacts: dense Newton steps, many starts",
         {{"starts", "1000000"}, {"seed", seed}});
+  }
+  const char* precision_above(int contacts) const {
+    return contacts_ > contacts ? "single" : "double";
   }
   bool paths_first() const {
     return contacts_ <= kLarge || (warm_ && !local_ && contacts_ <= kLargeStep);
@@ -412,9 +429,10 @@ class Planner {
     if (!sweeps_first()) sweeps();
     if (exact_ && contacts_ > kLarge) {
       fair_splitting();
-      first_paths(kManyPivots);
+      const char* const precision = precision_above(kLongInSingle);
+      first_paths(kManyPivots, precision);
       stages_.back().least_tol = kFair;
-      follow(2 * kManyPivots, {{"start_tol", "1"}, {"seed", "2"}},
+      follow(2 * kManyPivots, {{"start_tol", "1"}, {"seed", "2"}, {"precision", precision}},
              "again, a little off the best impulse");
       stages_.back().of_start = kKicks[0];
       stages_.back().least_tol = kFair;

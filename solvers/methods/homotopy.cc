@@ -72,7 +72,10 @@ class Homotopy {
         parameters_(options.parameters, kHomotopyParameters),
         monitor_(p, options),
         problem_(p, monitor_.evaluator().delassus().diagonal()),
-        follower_(problem_, [this] { return monitor_.out_of_time(); }),
+        follower_(problem_,
+                  parameters_.choice("precision") == "single" ? CellBasis::Precision::kSingle
+                                                              : CellBasis::Precision::kDouble,
+                  [this] { return monitor_.out_of_time(); }),
         random_(static_cast<unsigned>(parameters_.integer("seed"))) {
     monitor_.end_setup();
   }

@@ -58,6 +58,13 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
      .maximum = 1,
      .help =
          "random lift of small parameters of the start, which keeps paths away from ties, in means"},
+    {.name = "precision",
+     .kind = ParameterSpec::Kind::kChoice,
+     .default_value = "double",
+     .choices = "double|single",
+     .help =
+         "of the factors: single takes a third of the memory, every solve being refined, and several "
+         "times as long; for short paths with large delta on large packings"},
     {.name = "seed",
      .kind = ParameterSpec::Kind::kInteger,
      .default_value = "1",

@@ -94,7 +94,6 @@ const SolverEntry kSolvers[] = {
      .summary = "exact piecewise linear path through stick, slip and take-off (Eaves 1976)",
      .run = &solve_homotopy,
      .parameters = kHomotopyParameters,
-     .needs_delassus = true,
      .max_dim = 2},
     {.name = "ipm",
      .summary =

@@ -294,6 +294,51 @@ TEST(FrontalLU, DoesNotDependOnUnits) {
 }
 
 /// Half the memory, 24 bits: a first solution good to 1e-5 that residuals in double mend.
+/// A matrix that is nowhere stored: a grid's, line by line, with rows and columns in other units.
+class GridByLines final : public MatrixByLines {
+ public:
+  explicit GridByLines(SparseMatrix matrix) : matrix_(std::move(matrix)), rows_(matrix_) {}
+  double diagonal(int j) const override { return matrix_.coeff(j, j); }
+  void add_column(int j, FrontLine& to) const override {
+    for (SparseMatrix::InnerIterator it(matrix_, j); it; ++it) {
+      to.add(static_cast<int>(it.row()), it.value());
+    }
+  }
+  void add_row(int i, FrontLine& to) const override {
+    for (SparseRows::InnerIterator it(rows_, i); it; ++it) {
+      if (to.takes(static_cast<int>(it.col()))) to.add(static_cast<int>(it.col()), it.value());
+    }
+  }
+
+ private:
+  SparseMatrix matrix_;
+  SparseRows rows_;
+};
+
+TEST(FrontalLU, TakesAMatrixLineByLine) {
+  SparseMatrix A = grid_matrix(20, 2, 7, 4);
+  const int n = static_cast<int>(A.cols());
+  const Vector b = random_vector(n, 3);
+  // The last time with a diagonal that is no measure of the entries beside it.
+  for (const double diagonal : {1.0, 1e-8}) {
+    A.coeffRef(5, 5) *= diagonal;
+    A.coeffRef(n - 1, n - 1) *= diagonal;
+    FrontalLU<double> stored, lines;
+    EXPECT_THROW((void)lines.factor(GridByLines(A)), std::logic_error);
+    ASSERT_TRUE(stored.factor(A));
+    ASSERT_TRUE(lines.analyse(A) && lines.factor(GridByLines(A)));
+    Vector x, y;
+    stored.solve(b, x);
+    lines.solve(b, y);
+    EXPECT_EQ(x, y);
+    EXPECT_LT((A * x - b).norm(), 1e-9 * b.norm());
+  }
+  A.coeffRef(7, 7) = kInfinity;
+  FrontalLU<double> infinite;
+  ASSERT_TRUE(infinite.analyse(A));
+  EXPECT_FALSE(infinite.factor(GridByLines(A)));
+}
+
 TEST(FrontalLU, SinglePrecisionNeedsRefinement) {
   const SparseMatrix A = grid_matrix(15, 3, 4, 6);
   FrontalLU<float> lu;

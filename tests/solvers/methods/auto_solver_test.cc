@@ -140,17 +140,27 @@ int stages_of(const ContactProblem& p, std::string_view solver) {
   }));
 }
 
-/// Above 4000 contacts, at tolerances such as 1e-3: splitting from several starts comes before paths,
-/// long splitting after them. From 0 there are no multiples to start from.
+/// Above 4000 contacts, at tolerances such as 1e-3: splitting from several starts, each with a short path
+/// from where it ends, comes before long paths, long splitting after them. From 0 there are no multiples
+/// to start from.
 TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair) {
   const ContactProblem p = lattice_step(Lattice::kTriangular, 40, 0.3, 10);
   ASSERT_GT(p.num_contacts(), 4000);
   for (const bool warm : {false, true}) {
-    int before = 0, after = 0, paths = 0;  // iterations of admm, pivots between them
+    constexpr int kShort = 1000;
+    int before = 0, after = 0, paths = 0;  // iterations of admm, pivots of long paths between them
+    int short_paths = 0;
     std::set<double> multiples, kicks;
+    bool after_splitting = false;
     for (const AutoStage& stage : plan(p, warm)) {
       if (!stage.serves(1e-3, 2e-3)) continue;
-      if (stage.solver == "homotopy" && after == 0) paths += stage.max_iterations;
+      const bool path = stage.solver == "homotopy", is_short = stage.max_iterations < kShort;
+      if (path && is_short) {
+        EXPECT_TRUE(after_splitting && stage.start == AutoStage::Start::kLast);
+        ++short_paths;
+      }
+      if (path && !is_short && after == 0) paths += stage.max_iterations;
+      after_splitting = stage.solver == "admm" && stage.start == AutoStage::Start::kCaller;
       if (stage.solver != "admm") continue;
       (paths == 0 ? before : after) += stage.max_iterations;
       if (paths != 0) continue;
@@ -164,6 +174,34 @@ TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair)
     EXPECT_EQ(kicks.count(1), 0U);
     EXPECT_GE(paths, 20000) << warm;
     EXPECT_GE(after, 6000) << warm;
+    EXPECT_EQ(to_size(short_paths), multiples.size());
+  }
+}
+
+/// What paths at such tolerances hold: factors in double up to 6000 contacts, in single above for short
+/// ones, and above 12 000 for long ones, before which there are no short ones then.
+TEST(AutoSolver, FactorsOfFairPathsAreInSinglePrecisionWhereTheyWouldBeLarge) {
+  struct Case {
+    int rows;
+    bool with_short;
+    const char *of_short, *of_long;
+  };
+  for (const Case& c : {Case{40, true, "double", "double"}, Case{50, true, "single", "double"},
+                        Case{70, false, "", "single"}}) {
+    const ContactProblem p = lattice_step(Lattice::kTriangular, c.rows, 0.3, 10);
+    SCOPED_TRACE(p.num_contacts());
+    int short_paths = 0, long_paths = 0;
+    for (const AutoStage& stage : plan(p, true)) {
+      if (!stage.serves(1e-3, 2e-3)) continue;
+      if (stage.solver == "admm" && stage.max_iterations > 6000) break;  // all that comes after
+      if (stage.solver != "homotopy") continue;
+      if (stage.parameters.count("precision") == 0) continue;
+      const bool is_short = stage.max_iterations < 1000;
+      (is_short ? short_paths : long_paths) += 1;
+      EXPECT_EQ(stage.parameters.at("precision"), is_short ? c.of_short : c.of_long);
+    }
+    EXPECT_EQ(short_paths, c.with_short ? 4 : 0);
+    EXPECT_EQ(long_paths, 2);
   }
 }
 
