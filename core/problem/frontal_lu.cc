@@ -174,43 +174,51 @@ double inverse_root(double size) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(kBias - half) << kDigits);
 }
 
+/// Where the values of a matrix of symmetric pattern have the entry (j, i) of each entry (i, j), and the
+/// diagonal.
+struct Positions {
+  std::vector<int> transposed, diagonal;
+
+  Positions() = default;
+  explicit Positions(const SparseMatrix& A) : transposed(to_size(A.nonZeros())) {
+    const int n = static_cast<int>(A.cols());
+    std::vector<int> next(A.outerIndexPtr(), A.outerIndexPtr() + n);
+    diagonal.reserve(to_size(n));
+    for (int j = 0; j < n; ++j) {
+      diagonal.push_back(value_position(A, j, j));
+      for (int k = A.outerIndexPtr()[j]; k < A.outerIndexPtr()[j + 1]; ++k) {
+        transposed[to_size(next[to_size(A.innerIndexPtr()[k])]++)] = k;
+      }
+    }
+  }
+};
+
 /// A compressed matrix of symmetric pattern, line by line.
 class StoredMatrix final : public MatrixByLines {
  public:
-  StoredMatrix(const SparseMatrix& A, const std::vector<int>& transposed)
-      : matrix_(A), transposed_(transposed) {}
+  StoredMatrix(const SparseMatrix& A, const Positions& positions)
+      : start_(A.outerIndexPtr()),
+        row_(A.innerIndexPtr()),
+        value_(A.valuePtr()),
+        positions_(positions) {}
 
-  double diagonal(int j) const override {
-    return matrix_.valuePtr()[value_position(matrix_, j, j)];
-  }
+  double diagonal(int j) const override { return value_[positions_.diagonal[to_size(j)]]; }
   void add_column(int j, FrontLine& to) const override {
-    for (int k = matrix_.outerIndexPtr()[j]; k < matrix_.outerIndexPtr()[j + 1]; ++k) {
-      to.add(matrix_.innerIndexPtr()[k], matrix_.valuePtr()[k]);
-    }
+    for (int k = start_[j]; k < start_[j + 1]; ++k) to.add(row_[k], value_[k]);
   }
   void add_row(int i, FrontLine& to) const override {
-    for (int k = matrix_.outerIndexPtr()[i]; k < matrix_.outerIndexPtr()[i + 1]; ++k) {
-      to.add(matrix_.innerIndexPtr()[k], matrix_.valuePtr()[transposed_[to_size(k)]]);
+    const int* const transposed = positions_.transposed.data();
+    for (int k = start_[i]; k < start_[i + 1]; ++k) {
+      if (to.takes(row_[k])) to.add(row_[k], value_[transposed[k]]);
     }
   }
 
  private:
-  const SparseMatrix& matrix_;
-  const std::vector<int>& transposed_;
+  const int* start_;
+  const int* row_;
+  const double* value_;
+  const Positions& positions_;
 };
-
-/// Where the entry (j, i) of each entry (i, j) is, the pattern being symmetric.
-std::vector<int> transposed_positions(const SparseMatrix& A) {
-  const int n = static_cast<int>(A.cols());
-  std::vector<int> transposed(to_size(A.nonZeros())),
-      next(A.outerIndexPtr(), A.outerIndexPtr() + n);
-  for (int j = 0; j < n; ++j) {
-    for (int k = A.outerIndexPtr()[j]; k < A.outerIndexPtr()[j + 1]; ++k) {
-      transposed[to_size(next[to_size(A.innerIndexPtr()[k])]++)] = k;
-    }
-  }
-  return transposed;
-}
 
 }  // namespace
 
@@ -218,10 +226,10 @@ template <class Real>
 struct FrontalLU<Real>::Impl {
   std::shared_ptr<const FrontalTree> tree;
   std::vector<Real> factor, stack;
-  std::vector<double> scale;    // by column of A
-  std::vector<int> place;       // of each column of A in the tree's order
-  std::vector<int> position;    // of the same in a front, -1: eliminated
-  std::vector<int> transposed;  // of a stored A, empty for others
+  std::vector<double> scale;  // by column of A
+  std::vector<int> place;     // of each column of A in the tree's order
+  std::vector<int> position;  // of the same in a front, -1: eliminated
+  Positions positions;        // of a stored A
   std::vector<int> exchange;
   int sign = 0;  // 0: no factor
   Real largest = 0;
@@ -266,7 +274,7 @@ template <class Real>
 bool FrontalLU<Real>::Impl::analyse(const SymmetricPattern& pattern) {
   sign = 0;
   if (tree && tree->is_of(pattern)) return true;
-  transposed.clear();
+  positions = {};
   tree = FrontalTree::of(pattern);
   if (!tree) return false;
   const std::size_t n = to_size(tree->size());
@@ -451,8 +459,8 @@ template <class Real>
 bool FrontalLU<Real>::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
   if (!f.analyse(A)) return false;
-  if (f.transposed.empty()) f.transposed = transposed_positions(A);
-  return factor(StoredMatrix(A, f.transposed));
+  if (f.positions.diagonal.empty()) f.positions = Positions(A);
+  return factor(StoredMatrix(A, f.positions));
 }
 
 template <class Real>
