@@ -295,7 +295,7 @@ bool FrontalLU<Real>::Impl::analyse(const SymmetricPattern& pattern) {
 }
 
 /// Whether none of the scaled entries is larger than `most`, or not a number; `sizes`, where given:
-/// the largest of each row and column, and what it was before.
+/// raised to the largest of each row and column.
 template <class Real>
 bool FrontalLU<Real>::Impl::look_at_entries(const MatrixByLines& A, double most, double* sizes) {
   FrontLine line;

@@ -1,7 +1,6 @@
 #include "solvers/homotopy/cell_basis.h"
 
 #include <algorithm>
-#include <limits>
 
 #include "core/problem/block_pattern.h"
 

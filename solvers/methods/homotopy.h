@@ -63,8 +63,8 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
      .default_value = "double",
      .choices = "double|single",
      .help =
-         "of the factors: single takes a third of the memory, every solve being refined, and several "
-         "times as long; for short paths with large delta on large packings"},
+         "of the factors: single halves their memory; every solve is refined, and a pivot takes two to "
+         "four times as long; for short paths with large delta on large packings"},
     {.name = "seed",
      .kind = ParameterSpec::Kind::kInteger,
      .default_value = "1",

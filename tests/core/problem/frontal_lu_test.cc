@@ -293,8 +293,7 @@ TEST(FrontalLU, DoesNotDependOnUnits) {
   EXPECT_LT((y.cwiseProduct(scale) - x).norm(), 1e-4 * x.norm());
 }
 
-/// Half the memory, 24 bits: a first solution good to 1e-5 that residuals in double mend.
-/// A matrix that is nowhere stored: a grid's, line by line, with rows and columns in other units.
+/// A matrix as its columns and rows give it, line by line.
 class GridByLines final : public MatrixByLines {
  public:
   explicit GridByLines(SparseMatrix matrix) : matrix_(std::move(matrix)), rows_(matrix_) {}
@@ -315,6 +314,7 @@ class GridByLines final : public MatrixByLines {
   SparseRows rows_;
 };
 
+/// The same bits as from a stored matrix, by either kind of scales.
 TEST(FrontalLU, TakesAMatrixLineByLine) {
   SparseMatrix A = grid_matrix(20, 2, 7, 4);
   const int n = static_cast<int>(A.cols());
@@ -339,6 +339,7 @@ TEST(FrontalLU, TakesAMatrixLineByLine) {
   EXPECT_FALSE(infinite.factor(GridByLines(A)));
 }
 
+/// Half the memory, 24 bits: a first solution good to 1e-5 that residuals in double mend.
 TEST(FrontalLU, SinglePrecisionNeedsRefinement) {
   const SparseMatrix A = grid_matrix(15, 3, 4, 6);
   FrontalLU<float> lu;
