@@ -183,7 +183,7 @@ Method by_cholmod(const SparseMatrix& S) {
 }
 
 Method by_cholesky_fronts(const SparseMatrix& S) {
-  auto llt = std::make_shared<FrontalCholesky>();
+  auto llt = std::make_shared<FrontalCholesky<double>>();
   return {"fronts (`admm`), Cholesky of the symmetric part",
           [&S] { return FrontalTree::analyse(S) != nullptr; }, [&S, llt] { return llt->factor(S); },
           [llt](const Vector& b, Vector& x) { llt->solve(b, x); },

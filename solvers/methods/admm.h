@@ -24,6 +24,12 @@ inline constexpr ParameterSpec kAdmmParameters[] = {
      .choices = "status|staged|balanced|fixed",
      .help = "one a contact, by its status; the same for all: raised where the error stagnates and "
              "then balanced, residuals balanced, constant"},
+    {.name = "precision",
+     .kind = ParameterSpec::Kind::kChoice,
+     .default_value = "auto",
+     .choices = "auto|double|single",
+     .help = "of the factor of a problem given by A and H; single: half its memory, and every "
+             "solve corrects the one before; auto: single from 10000 contacts on"},
 };
 
 /// Alternating direction method of multipliers (Boyd, Parikh, Chu, Peleato and Eckstein, Found.
@@ -37,11 +43,13 @@ inline constexpr ParameterSpec kAdmmParameters[] = {
 /// -rho y tends to de Saxcé's velocity, so that |w_t| = rho |y_t| is updated in every iteration;
 /// for mu = 0, or |w_t| frozen, the method converges for every rho > 0 and 0 < a < 2.
 ///
-/// The linear system is solved with one sparse Cholesky factorisation (CHOLMOD) per change of the
+/// The linear system is solved with one sparse Cholesky factorisation (frontal_cholesky.h) per change of the
 /// penalties: where A and H are given through A + H M⁻¹ Hᵀ in the velocities (Woodbury), M = rho I
 /// or the penalties of the contacts, otherwise W + M itself. [ours] For an unsymmetric W the
 /// symmetric part is factored and the rest is taken in by two steps of residual correction; where
-/// W + M is not positive definite (rounded data) the penalties are raised tenfold.
+/// W + M is not positive definite (rounded data) the penalties are raised tenfold. A factor kept in
+/// single precision corrects the velocities of the iteration before by what is left of the right side:
+/// fixed points are those of exact solves. [ours]
 ///
 /// The penalties. A small rho is quick on packings whose forces reach everywhere, a large one where
 /// contacts slip and open. [ours] status: both, as each contact has a metric by what it does
