@@ -13,7 +13,7 @@ namespace bipot {
 namespace {
 
 constexpr std::size_t kTreesKept = 4;
-constexpr std::size_t kBytesKept = std::size_t{5} << 19;  // three trees of 6000 contacts
+constexpr std::size_t kBytesKept = std::size_t{1} << 21;  // three trees of 6000 contacts
 constexpr std::size_t kBytesOfEntry = 8;                  // a tree takes 6 for one of A
 constexpr int kMetisFrom = 4000;                          // groups of columns; AMD is quicker below
 
@@ -132,10 +132,15 @@ bool FrontalTree::is_of(const SymmetricPattern& A) const {
   const int* const start = A.start;
   const int* const row = A.row;
   for (std::size_t g = 0; g + 1 < pattern_.first.size(); ++g) {
-    const int* const own = pattern_.row.data() + pattern_.start[g];
-    const int* const end = pattern_.row.data() + pattern_.start[g + 1];
     for (int j = pattern_.first[g]; j < pattern_.first[g + 1]; ++j) {
-      if (!std::equal(own, end, row + start[j], row + start[j + 1])) return false;
+      const int *next = row + start[j], *const end = row + start[j + 1];
+      for (int k = pattern_.start[g]; k < pattern_.start[g + 1]; ++k) {
+        const std::size_t group = to_size(pattern_.group[to_size(k)]);
+        for (int i = pattern_.first[group]; i < pattern_.first[group + 1]; ++i) {
+          if (next == end || *next++ != i) return false;
+        }
+      }
+      if (next != end) return false;
     }
   }
   return true;
@@ -146,7 +151,7 @@ std::size_t FrontalTree::num_bytes() const {
     return (... + (list.capacity() * sizeof(list[0])));
   };
   return bytes(order, first, below_start, below, relative, children, node_start, pattern_.first,
-               pattern_.start, pattern_.row);
+               pattern_.start, pattern_.group);
 }
 
 std::shared_ptr<const FrontalTree> FrontalTree::of(const SymmetricPattern& A) {
@@ -187,10 +192,15 @@ std::shared_ptr<const FrontalTree> FrontalTree::analyse(const SymmetricPattern& 
   pattern.start.assign(1, 0);
   for (std::size_t g = 0; g + 1 < pattern.first.size(); ++g) {
     const int* const start = A.start + pattern.first[g];
-    pattern.row.insert(pattern.row.end(), A.row + start[0], A.row + start[1]);
-    pattern.start.push_back(static_cast<int>(pattern.row.size()));
+    for (int k = start[0], group = -1; k < start[1]; ++k) {
+      if (group >= 0 && A.row[k] < pattern.first[to_size(group) + 1]) continue;
+      const auto after = std::upper_bound(pattern.first.begin(), pattern.first.end(), A.row[k]);
+      group = static_cast<int>(after - pattern.first.begin()) - 1;
+      pattern.group.push_back(group);
+    }
+    pattern.start.push_back(static_cast<int>(pattern.group.size()));
   }
-  pattern.row.shrink_to_fit();
+  pattern.group.shrink_to_fit();
   std::vector<SuiteSparse_long> order = fill_reducing_columns(A, pattern.first);
   if (order.empty() && A.size > 0) return nullptr;
   UpperPattern upper;

@@ -31,7 +31,7 @@ class FrontalTree {
  public:
   /// The tree of a pattern. The trees of the last
   /// few patterns are kept for whoever asks next, a later step of a run with the same contacts
-  /// among them, the latest always and others as long as all take 2.5 MB at most; the answer depends
+  /// among them, the latest always and others as long as all take 2 MB at most; the answer depends
   /// on the pattern alone. Safe from several threads. Null when memory ran out.
   static std::shared_ptr<const FrontalTree> of(const SymmetricPattern& A);
   /// The same, made anew and not kept.
@@ -64,9 +64,10 @@ class FrontalTree {
  private:
   void measure();
 
-  // Columns first[g] .. first[g + 1] - 1 have the rows row[start[g]] .. row[start[g + 1] - 1].
+  // Columns first[g] .. first[g + 1] - 1 have the rows of the groups group[start[g]] and on: as the
+  // pattern is symmetric, columns that are alike are so as rows too.
   struct Pattern {
-    std::vector<int> first, start, row;
+    std::vector<int> first, start, group;
   } pattern_;
 };
 

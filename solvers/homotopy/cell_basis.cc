@@ -19,7 +19,7 @@ constexpr std::size_t kFewCandidates = 3;
 constexpr int kRounds = 5;
 constexpr double kLastCorrection = 1e-6;
 // Columns that are kept then.
-constexpr int kBytesInSingle = 5 << 20, kLeastInSingle = 16;
+constexpr int kBytesInSingle = 5 << 19, kLeastInSingle = 16;
 
 }  // namespace
 
@@ -27,7 +27,7 @@ CellBasis::CellBasis(const LawProblem& problem, Precision precision)
     : problem_(problem),
       matrix_(problem),
       precision_(precision),
-      exchanged_(in_single() ? ExchangedColumns(kBytesInSingle, kLeastInSingle)
+      exchanged_(in_single() ? ExchangedColumns(kBytesInSingle, kLeastInSingle, true)
                              : ExchangedColumns()) {
   rhs_.setZero(problem.num_rows());
 }
@@ -36,8 +36,11 @@ bool CellBasis::factor(const LawPoint& point, const Vector& proximal) {
   matrix_.set(point.column, proximal);
   exchanged_.clear(problem_.num_rows(), kColumns * problem_.num_contacts());
   if (!analysed_) {
-    const SparseMatrix pattern = symmetric_block_pattern(problem_.W, problem_.dim);
-    analysed_ = in_single() ? single_fronts_.analyse(pattern) : fronts_.analyse(pattern);
+    const auto analyse = [this](const SymmetricPattern& pattern) {
+      return in_single() ? single_fronts_.analyse(pattern) : fronts_.analyse(pattern);
+    };
+    analysed_ = problem_.bodies ? analyse(problem_.bodies->pattern())
+                                : analyse(symmetric_block_pattern(problem_.W, problem_.dim));
   }
   if (in_single()) return analysed_ && single_fronts_.factor(matrix_);
   by_fronts_ =
@@ -46,6 +49,7 @@ bool CellBasis::factor(const LawPoint& point, const Vector& proximal) {
 }
 
 bool CellBasis::factor_with_exchanges(const LawPoint& point) {
+  if (problem_.bodies) return false;
   if (!rows_exchanged_) {
     rows_exchanged_.emplace(fill_reducing_order(problem_.W, problem_.dim));
   }

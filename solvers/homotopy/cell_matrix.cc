@@ -32,7 +32,7 @@ bool has_pairs(const SparseMatrix& W) {
 CellMatrix::CellMatrix(const LawProblem& problem)
     : problem_(problem),
       paired_(problem.dim == 2 && has_pairs(problem.W)),
-      rows_(rows_unless_symmetric(problem.W)) {}
+      rows_(problem.bodies ? SparseRows() : rows_unless_symmetric(problem.W)) {}
 
 CellMatrix::Rows CellMatrix::rows() const {
   if (rows_.rows() > 0) return {rows_.outerIndexPtr(), rows_.innerIndexPtr(), rows_.valuePtr()};
@@ -49,6 +49,12 @@ double CellMatrix::diagonal(int slot) const {
   const int d = problem_.dim, contact = slot / d, n = contact * d;
   const Column column = columns_[to_size(slot)];
   if (!is_impulse(column)) return slot == (column == Column::kOpening ? n : n + 1) ? 1 : 0;
+  if (problem_.bodies) {
+    const std::vector<BodyDelassus::Block>& blocks = problem_.bodies->blocks(contact);
+    const auto own = std::find_if(blocks.begin(), blocks.end(),
+                                  [&](const auto& block) { return block.contact == contact; });
+    return entry(slot, column, contact, own->at[slot - n][0], own->at[slot - n][1]);
+  }
   return entry(slot, column, contact, problem_.W.coeff(slot, n),
                d > 1 ? problem_.W.coeff(slot, n + 1) : 0);
 }
@@ -72,6 +78,12 @@ void CellMatrix::add_row(int row, FrontLine& to) const {
       }
     }
   };
+  if (problem_.bodies) {
+    for (const BodyDelassus::Block& block : problem_.bodies->blocks(own)) {
+      add(block.contact, block.at[0][row - own * d], block.at[1][row - own * d]);
+    }
+    return;
+  }
   const Rows w = rows();
   const int end = w.start[row + 1];
   bool own_seen = false;
@@ -109,6 +121,12 @@ void CellMatrix::subtract_product(const std::vector<Column>& columns, const Vect
     }
   }
   out.resize(m);
+  if (problem_.bodies) {
+    for (int i = 0; i < m; ++i) sum[i] += proximal_[i] * impulse[i];
+    problem_.bodies->add_product(impulse, sum, sums.momentum);
+    for (int i = 0; i < m; ++i) out[i] = static_cast<double>(sum[i]);
+    return;
+  }
   const Rows w = rows();
   for (int i = 0; i < m; ++i) {
     Sum even = sum[i] + proximal_[i] * impulse[i], odd = 0;

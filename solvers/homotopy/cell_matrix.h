@@ -9,7 +9,7 @@
 
 namespace bipot {
 
-/// The matrix B of a point's cells, read out of W line by line: per slot the column
+/// The matrix B of a point's cells, read line by line out of W, kept or of bodies: per slot the column
 ///
 ///     opening e_n,   sliding e_t,   plus -(W + D)(1, -mu),   minus -(W + D)(1, +mu),
 ///
@@ -54,7 +54,7 @@ class CellMatrix final : public MatrixByLines {
   Vector proximal_;
   template <class Sum>
   struct Sums {
-    std::vector<Sum> sum, impulse;
+    std::vector<Sum> sum, impulse, momentum;
   };
   template <class Sum>
   void subtract_product(const std::vector<Column>& columns, const Vector& x, Sums<Sum>& sums,
@@ -68,6 +68,15 @@ void CellMatrix::for_column(int contact, Column column, Add&& add) const {
   const int d = problem_.dim, n = contact * d;
   if (!is_impulse(column)) {
     add(column == Column::kOpening ? n : n + 1, 1.0);
+    return;
+  }
+  if (problem_.bodies) {
+    for (const BodyDelassus::Block& block : problem_.bodies->blocks(contact)) {
+      for (int k = 0; k < d; ++k) {
+        const int row = block.contact * d + k;
+        add(row, entry(row, column, contact, block.at[k][0], block.at[k][1]));
+      }
+    }
     return;
   }
   SparseMatrix::InnerIterator a(problem_.W, n);

@@ -22,15 +22,18 @@ constexpr double kLargestAdded = 100;
 void ExchangedColumns::clear(int rows, int keys) {
   if (rows_ != rows || to_size(keys) != number_.size()) {
     rows_ = rows;
-    const int fit = bytes_kept_ / (std::max(rows, 1) * static_cast<int>(sizeof(double)));
+    const int bytes = static_cast<int>(single_ ? sizeof(float) : sizeof(double));
+    const int fit = bytes_kept_ / (std::max(rows, 1) * bytes);
     most_kept_ = std::clamp(fit, least_kept_, kMostKept);
     number_.assign(to_size(keys), -1);
     position_.assign(to_size(rows), -1);
     kept_.clear();
+    kept_in_single_.clear();
     small_.resize(kStride * kStride);
     lu_.resize(kStride * kStride);
     w_.resize(kStride);
     used_.resize(kStride);
+    used_in_single_.resize(kStride);
     swap_.resize(kStride);
   }
   for (const int key : keys_) number_[to_size(key)] = -1;
@@ -48,21 +51,25 @@ bool ExchangedColumns::full() const {
 int ExchangedColumns::keep(int key, Vector& z) {
   const auto number = static_cast<int>(keys_.size());
   size_.push_back(z.lpNorm<Eigen::Infinity>());
-  if (kept_.size() <= keys_.size()) kept_.emplace_back();
-  kept_[keys_.size()].swap(z);
+  if (single_) {
+    if (kept_in_single_.size() <= keys_.size()) kept_in_single_.emplace_back();
+    kept_in_single_[keys_.size()] = z.cast<float>();
+  } else {
+    if (kept_.size() <= keys_.size()) kept_.emplace_back();
+    kept_[keys_.size()].swap(z);
+  }
   keys_.push_back(key);
   number_[to_size(key)] = number;
   return number;
 }
 
 double ExchangedColumns::entry(int number, int slot) const {
-  const double* const z = column(number);
   const std::size_t count = slots_.size();
-  for (std::size_t i = 0; i < count; ++i) w_[i] = z[slots_[i]];
+  for (std::size_t i = 0; i < count; ++i) w_[i] = at(number, slots_[i]);
   solve_small(w_.data());
-  if (const int at = position_[to_size(slot)]; at >= 0) return w_[to_size(at)];
-  double value = z[slot];
-  for (std::size_t j = 0; j < count; ++j) value -= w_[j] * column(at_[j])[slot];
+  if (const int here = position_[to_size(slot)]; here >= 0) return w_[to_size(here)];
+  double value = at(number, slot);
+  for (std::size_t j = 0; j < count; ++j) value -= w_[j] * at(at_[j], slot);
   return value;
 }
 
@@ -101,14 +108,13 @@ bool ExchangedColumns::exchange(int slot, int number) {
     slots_.push_back(slot);
     at_.push_back(number);
     for (std::size_t j = 0; j + 1 < slots_.size(); ++j) {
-      small_[j * kStride + to_size(position)] = column(at_[j])[slot];
+      small_[j * kStride + to_size(position)] = at(at_[j], slot);
     }
   } else {
     at_[to_size(position)] = number;
   }
-  const double* const z = column(number);
   double* const mine = &small_[to_size(position) * kStride];
-  for (std::size_t i = 0; i < slots_.size(); ++i) mine[i] = z[slots_[i]];
+  for (std::size_t i = 0; i < slots_.size(); ++i) mine[i] = at(number, slots_[i]);
   return (is_new && border()) || factor();
 }
 
@@ -184,10 +190,18 @@ void ExchangedColumns::apply(Vector& z) const {
   const std::size_t count = slots_.size();
   for (std::size_t i = 0; i < count; ++i) {
     w_[i] = z[slots_[i]];
-    used_[i] = column(at_[i]);
+    if (single_) {
+      used_in_single_[i] = kept_in_single_[to_size(at_[i])].data();
+    } else {
+      used_[i] = kept_[to_size(at_[i])].data();
+    }
   }
   solve_small(w_.data());
-  subtract_columns(z.data(), used_.data(), w_.data(), static_cast<int>(count), rows_);
+  if (single_) {
+    subtract_columns(z.data(), used_in_single_.data(), w_.data(), static_cast<int>(count), rows_);
+  } else {
+    subtract_columns(z.data(), used_.data(), w_.data(), static_cast<int>(count), rows_);
+  }
   for (std::size_t i = 0; i < count; ++i) z[slots_[i]] = w_[i];
 }
 

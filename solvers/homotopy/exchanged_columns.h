@@ -17,9 +17,10 @@ namespace bipot {
 /// J has 20 columns in the mean where a product form has 60.
 class ExchangedColumns {
  public:
-  /// Columns kept before B is factored afresh: as many as `bytes` hold, `least` at least.
-  explicit ExchangedColumns(int bytes = 16 << 20, int least = 48)
-      : bytes_kept_(bytes), least_kept_(least) {}
+  /// Columns kept before B is factored afresh: as many as `bytes` hold, `least` at least; in single
+  /// precision they take half of them.
+  explicit ExchangedColumns(int bytes = 16 << 20, int least = 48, bool single = false)
+      : bytes_kept_(bytes), least_kept_(least), single_(single) {}
   /// Nothing exchanged, nothing kept. `keys`: columns are called 0 to keys - 1.
   void clear(int rows, int keys);
 
@@ -29,8 +30,8 @@ class ExchangedColumns {
 
   /// Number of the column `key` among those kept, -1 where it is not.
   int find(int key) const { return number_[to_size(key)]; }
-  /// Keeps z = B0⁻¹ of the column `key`, which is not kept, and returns its number; z gets memory of
-  /// a former one.
+  /// Keeps z = B0⁻¹ of the column `key`, which is not kept, and returns its number; z may get memory
+  /// of a former one.
   int keep(int key, Vector& z);
   /// max |z| of a column kept.
   double size(int number) const { return size_[to_size(number)]; }
@@ -45,16 +46,21 @@ class ExchangedColumns {
   void apply(Vector& z) const;
 
  private:
-  const double* column(int number) const { return kept_[to_size(number)].data(); }
+  /// Entry of a column kept.
+  double at(int number, int slot) const {
+    return single_ ? kept_in_single_[to_size(number)][slot] : kept_[to_size(number)][slot];
+  }
   bool factor();
   bool border();
   void solve_small(double* w) const;
 
   int rows_ = 0;
   int bytes_kept_, least_kept_, most_kept_ = 0;
-  std::vector<Vector> kept_;  // by number, and room for later ones
-  std::vector<int> number_;   // of each key
-  std::vector<int> keys_;     // of each number
+  bool single_;
+  std::vector<Vector> kept_;  // by number, and room for later ones; or:
+  std::vector<Eigen::VectorXf> kept_in_single_;
+  std::vector<int> number_;  // of each key
+  std::vector<int> keys_;    // of each number
   std::vector<double> size_;
   std::vector<int> slots_, at_;     // J and the number of the column in each of its slots
   std::vector<int> position_;       // of each slot in J, -1
@@ -62,6 +68,7 @@ class ExchangedColumns {
   std::vector<int> swap_;           // rows exchanged by the pivoting
   mutable std::vector<double> w_;   // scratch
   mutable std::vector<const double*> used_;
+  mutable std::vector<const float*> used_in_single_;
 };
 
 }  // namespace bipot

@@ -41,13 +41,17 @@ void make_symmetric(SparseMatrix& W) {
 
 }  // namespace
 
-LawProblem::LawProblem(const ContactProblem& p, const Vector& delassus_diagonal) : dim(p.dim) {
-  if (p.has_delassus()) {
+LawProblem::LawProblem(const ContactProblem& p, const Vector& delassus_diagonal, Delassus delassus)
+    : dim(p.dim) {
+  const ContactScaling scaling = equilibrated_scaling(p, delassus_diagonal);
+  if (delassus == Delassus::kOfBodies && BodyDelassus::serves(p)) {
+    velocity_scale_ = scaling.velocity;
+    bodies.emplace(p, velocity_scale_);
+  } else if (p.has_delassus()) {
     W = p.W;
   } else {
     W = assemble_delassus(p.A, p.H, p.dim);
   }
-  const ContactScaling scaling = equilibrated_scaling(p, delassus_diagonal);
   for (int j = 0; j < W.outerSize(); ++j) {
     for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
       it.valueRef() *= scaling.velocity[it.row()] * scaling.velocity[j];
@@ -63,6 +67,23 @@ LawProblem::LawProblem(const ContactProblem& p, const Vector& delassus_diagonal)
   for (double& x : mu) {
     if (x < kNoFriction) x = 0;
   }
+}
+
+void LawProblem::subtract_product(const Vector& s, Vector& f) const {
+  if (!bodies) {
+    f.noalias() -= W * s;
+    return;
+  }
+  product_.assign(to_size(num_rows()), 0);
+  bodies->add_product(s.data(), product_.data(), momentum_);
+  f -= Eigen::Map<const Vector>(product_.data(), num_rows());
+}
+
+Vector LawProblem::velocity(const Vector& s) const {
+  if (!bodies) return W * s + b;
+  Vector u = b;
+  bodies->add_product(s.data(), u.data(), momentum_);
+  return u;
 }
 
 void LawPoint::set(const LawProblem& problem, int contact, Cell to) {

@@ -64,7 +64,7 @@ double PathFollower::residual(const LawPoint& point, Vector& f) {
   point.impulse(problem_, s_);
   point.velocity(problem_, u_);
   f = u_ - target_ - proximal_.cwiseProduct(s_);
-  f.noalias() -= problem_.W * s_;
+  problem_.subtract_product(s_, f);
   return f.norm();
 }
 

@@ -7,5 +7,7 @@ namespace bipot {
 /// lanes, of which the machine's widest run. 16 flops a load and store of x.
 void subtract_columns(double* x, const double* const* column, const double* weight, int count,
                       int n);
+void subtract_columns(double* x, const float* const* column, const double* weight, int count,
+                      int n);
 
 }  // namespace bipot

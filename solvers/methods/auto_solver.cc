@@ -6,6 +6,7 @@
 #include <cmath>
 #include <exception>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -106,8 +107,22 @@ class Race {
     }
     const std::vector<AutoStage> stages = plan_auto(p_, evaluate_.delassus(), is_warm(options_));
     for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
+      keep_only_what_serves(std::span(stages).subspan(k));
       if (chosen(stages[k]) && finished(stages[k])) return;
     }
+  }
+
+  /// Drops the impulses that none of the stages to come begins with.
+  void keep_only_what_serves(std::span<const AutoStage> coming) {
+    std::erase_if(own_, [&](const auto& of) {
+      return std::none_of(coming.begin(), coming.end(), [&](const AutoStage& stage) {
+        return stage.start == AutoStage::Start::kOwn && stage.solver == of.first;
+      });
+    });
+    const bool last_serves = std::any_of(coming.begin(), coming.end(), [](const AutoStage& stage) {
+      return stage.start == AutoStage::Start::kLast;
+    });
+    if (!last_serves) last_s_ = Vector();
   }
 
   /// Runs the stage; true when nothing is to follow.

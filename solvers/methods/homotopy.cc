@@ -71,7 +71,9 @@ class Homotopy {
         p_(p),
         parameters_(options.parameters, kHomotopyParameters),
         monitor_(p, options),
-        problem_(p, monitor_.evaluator().delassus().diagonal()),
+        problem_(p, monitor_.evaluator().delassus().diagonal(),
+                 parameters_.choice("precision") == "single" ? LawProblem::Delassus::kOfBodies
+                                                             : LawProblem::Delassus::kKept),
         follower_(problem_,
                   parameters_.choice("precision") == "single" ? CellBasis::Precision::kSingle
                                                               : CellBasis::Precision::kDouble,
@@ -194,7 +196,7 @@ class Homotopy {
   /// The point of the manifold next to s. Bounded parameters next to zero are lifted by random
   /// amounts: no ties, and no path that begins on a face.
   LawPoint lifted_point(const Vector& s, double error) {
-    const Vector velocity = problem_.W * s + problem_.b;
+    const Vector velocity = problem_.velocity(s);
     LawPoint point = nearest_point(problem_, s, velocity);
     const int d = problem_.dim, c = problem_.num_contacts();
     double impulse = 0;

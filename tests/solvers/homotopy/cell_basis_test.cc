@@ -199,8 +199,8 @@ TEST(CellBasis, ReadsRowsAndColumnsOfAnyW) {
   }
 }
 
-/// In single precision solutions are refined to what double gives, exchanged columns as well; where
-/// the matrix is too near to singular for that, they are not numbers.
+/// In single precision solutions are refined to what double gives, and exchanged columns are rounded to
+/// it; where the matrix is too near to singular for that, they are not numbers.
 TEST(CellBasis, SinglePrecisionIsRefinedOrSaysSo) {
   // More rows than degrees of freedom: W is singular, and D alone keeps B from it.
   const ContactProblem local = local_form(manufactured_problem(2, 30, 60, 5).problem);
@@ -222,12 +222,12 @@ TEST(CellBasis, SinglePrecisionIsRefinedOrSaysSo) {
         cross(point.cell[to_size(contact)], point.column[to_size(slot)], 1, true);
     const CellBasis::Entering one = whole.entering(contact, crossing.enters, slot);
     const CellBasis::Entering other = half.entering(contact, crossing.enters, slot);
-    EXPECT_NEAR(one.pivot, other.pivot, 1e-8 * one.size);
+    EXPECT_NEAR(one.pivot, other.pivot, 1e-6 * one.size);
     ASSERT_TRUE(whole.exchange(one) && half.exchange(other));
   }
   whole.solve(g, x);
   half.solve(g, y);
-  EXPECT_LT((x - y).norm(), 1e-7 * x.norm());
+  EXPECT_LT((x - y).norm(), 1e-5 * x.norm());
 
   const Vector tiny = Vector::Constant(problem.num_rows(), 1e-12);
   ASSERT_TRUE(whole.factor(point, tiny));
@@ -238,27 +238,16 @@ TEST(CellBasis, SinglePrecisionIsRefinedOrSaysSo) {
   EXPECT_FALSE(y.allFinite());
 }
 
-TEST(LawProblem, IsSymmetricToTheLastBitWhereWIsToRounding) {
-  const ContactProblem p = manufactured_problem(2, 30, 60, 5).problem;
-  const ContactProblem local = local_form(p);
-  const LawProblem from_bodies(p, Vector(local.W.diagonal())),
-      from_W(local, Vector(local.W.diagonal()));
-  EXPECT_EQ((from_bodies.W - from_W.W).norm(), 0);
-  EXPECT_EQ((SparseMatrix(from_W.W.transpose()) - from_W.W).norm(), 0);
-  ContactProblem skew = local;
-  skew.W.coeffRef(0, 1) += 1e-9;
-  const LawProblem unsymmetric(skew, Vector(local.W.diagonal()));
-  EXPECT_NE(unsymmetric.W.coeff(0, 1), unsymmetric.W.coeff(1, 0));
-}
-
 class CellBases : public testing::TestWithParam<int> {};
 
 // With a proximal term of 1e-9 an error of rounding grows to 1e-7: refined three times it is gone,
 // and refining in two parts is the same, bit for bit.
 TEST_P(CellBases, RefinedSolutionsMeetTheEquations) {
   const int d = GetParam();
-  const ContactProblem problem = local_form(manufactured_problem(d, 30, 60, 5).problem);
-  const LawProblem law(problem, Vector(problem.W.diagonal()));
+  const ContactProblem given = manufactured_problem(d, 30, 60, 5).problem;
+  const ContactProblem problem = local_form(given);
+  const LawProblem law(problem, Vector(problem.W.diagonal())),
+      of_bodies(given, Vector(problem.W.diagonal()), LawProblem::Delassus::kOfBodies);
   const Vector s = random_numbers(law.num_rows(), 1);
   LawPoint point = nearest_point(law, s, law.W * s + law.b);
   point.sort_columns(d);
@@ -285,6 +274,14 @@ TEST_P(CellBases, RefinedSolutionsMeetTheEquations) {
   };
   EXPECT_LT(error(refined), 4e-16);
   EXPECT_LT((plain - refined).norm(), 1e-4 * refined.norm());
+
+  // The same of W that is not kept: entries differ in their last bits.
+  CellBasis other(of_bodies);
+  ASSERT_TRUE(other.factor(point, proximal));
+  Vector of_other;
+  other.solve_refined(point, g, 0.3L, h, 3, of_other);
+  EXPECT_LT((of_other - refined).norm(), 1e-5 * refined.norm());
+  EXPECT_EQ(basis.orientation(point), other.orientation(point));
 }
 
 INSTANTIATE_TEST_SUITE_P(Dims, CellBases, testing::Values(1, 2));

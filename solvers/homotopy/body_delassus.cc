@@ -1,0 +1,88 @@
+#include "solvers/homotopy/body_delassus.h"
+
+namespace bipot {
+
+bool BodyDelassus::serves(const ContactProblem& p) {
+  if (!p.has_velocities() || p.dim > 2 || p.A.nonZeros() != p.A.cols()) return false;
+  for (int k = 0; k < p.A.cols(); ++k) {
+    if (p.A.outerIndexPtr()[k] != k || p.A.innerIndexPtr()[k] != k) return false;
+  }
+  return true;
+}
+
+BodyDelassus::BodyDelassus(const ContactProblem& p, const Vector& scale)
+    : problem_(p), scale_(scale), contacts_(p) {}
+
+void BodyDelassus::find_neighbours(int i) const {
+  neighbours_.assign(1, i);
+  for (int column = i * problem_.dim; column < (i + 1) * problem_.dim; ++column) {
+    for (SparseMatrix::InnerIterator it(problem_.H, column); it; ++it) {
+      if (it.value() == 0) continue;
+      const auto first = contacts_.contact.begin() + contacts_.start[to_size(it.row())];
+      const auto end = contacts_.contact.begin() + contacts_.start[to_size(it.row()) + 1];
+      neighbours_.insert(neighbours_.end(), first, end);
+    }
+  }
+  std::sort(neighbours_.begin(), neighbours_.end());
+  neighbours_.erase(std::unique(neighbours_.begin(), neighbours_.end()), neighbours_.end());
+}
+
+/// The products come before what is divided by, and the two scales together, so that (j, i) has the
+/// bits of (i, j).
+double BodyDelassus::entry(int row, int column) const {
+  const double* const mass = problem_.A.valuePtr();
+  SparseMatrix::InnerIterator a(problem_.H, row), b(problem_.H, column);
+  double sum = 0;
+  while (a && b) {
+    if (a.row() == b.row()) {
+      sum += a.value() * b.value() / mass[a.row()];
+      ++a;
+      ++b;
+    } else if (a.row() < b.row()) {
+      ++a;
+    } else {
+      ++b;
+    }
+  }
+  return sum * (scale_[row] * scale_[column]);
+}
+
+const std::vector<BodyDelassus::Block>& BodyDelassus::blocks(int i) const {
+  if (i == last_) return blocks_;
+  last_ = i;
+  find_neighbours(i);
+  blocks_.clear();
+  const int d = problem_.dim;
+  for (const int j : neighbours_) {
+    Block& block = blocks_.emplace_back(Block{j, {{0, 0}, {0, 0}}});
+    for (int a = 0; a < d; ++a) {
+      for (int b = 0; b < d; ++b) block.at[a][b] = entry(j * d + a, i * d + b);
+    }
+  }
+  return blocks_;
+}
+
+BodyDelassus::Pattern BodyDelassus::pattern() const {
+  const int d = problem_.dim, contacts = problem_.num_contacts();
+  Pattern pattern;
+  pattern.start.assign(1, 0);
+  pattern.start.reserve(to_size(problem_.num_rows()) + 1);
+  for (int i = 0; i < contacts; ++i) {
+    find_neighbours(i);
+    const int rows = d * static_cast<int>(neighbours_.size());
+    for (int b = 0; b < d; ++b) pattern.start.push_back(pattern.start.back() + rows);
+  }
+  pattern.row.resize(to_size(pattern.start.back()));
+  int* out = pattern.row.data();
+  for (int i = 0; i < contacts; ++i) {
+    find_neighbours(i);
+    for (int b = 0; b < d; ++b) {
+      for (const int j : neighbours_) {
+        for (int a = 0; a < d; ++a) *out++ = j * d + a;
+      }
+    }
+  }
+  return pattern;
+}
+
+}  // namespace bipot
