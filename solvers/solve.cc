@@ -220,6 +220,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
     } else {
       const double before = watch.seconds();
       evaluate.rest();  // until the end
+      result.s = Vector();
       try {
         const bool by_islands = options.islands.value_or(entry.by_islands);
         const auto run = [&](const SolverOptions& how) {

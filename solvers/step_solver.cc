@@ -10,10 +10,11 @@
 namespace bipot {
 
 StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options) {
-  return [&entry, options = std::move(options)](const ContactProblem& problem,
-                                                const Vector& s0) mutable {
-    options.s0 = s0;
-    return to_step_solution(solve(entry, problem, options));
+  return [&entry, options = std::move(options)](const ContactProblem& problem, Vector s0) mutable {
+    options.s0 = std::move(s0);
+    StepSolution solution = to_step_solution(solve(entry, problem, options));
+    options.s0 = Vector();
+    return solution;
   };
 }
 

@@ -229,15 +229,15 @@ StepSolver run_solver(const RunFlags& flags, PreparedRun<D>& run, const Stopwatc
   const double limit = flags.common.time_limit;
   options.cancelled = &InterruptGuard::requested;
   if (!is_distributed(flags)) {
-    return [&, limit](const ContactProblem& problem, const Vector& s0) {
+    return [&, limit](const ContactProblem& problem, Vector s0) {
       options.time_limit = std::max(limit - watch.seconds(), 1e-3);
-      return make_step_solver(*run.entry, options)(problem, s0);
+      return make_step_solver(*run.entry, options)(problem, std::move(s0));
     };
   }
-  return [&, limit](const ContactProblem& problem, const Vector& s0) {
+  return [&, limit](const ContactProblem& problem, Vector s0) {
     ProcessGroup& group = run_processes();
     options.time_limit = std::max(limit - watch.seconds(), 1e-3);
-    options.s0 = s0;
+    options.s0 = std::move(s0);
     const DistributedOptions extra{.reproducible = flags.reproducible, .contact_places = {}};
     return to_step_solution(
         distributed_solve(run.scene.solver.name, problem, options, group, extra).result);

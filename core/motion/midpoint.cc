@@ -56,29 +56,6 @@ void keep_those_who_may_meet(const SceneIn<D>& scene, MidpointIn<D>& mid) {
   });
 }
 
-/// Everything at mid-step in its place, with the velocities before the step.
-template <int D>
-void place_bodies(const SceneIn<D>& scene, const StateIn<D>& state, MidpointIn<D>& mid) {
-  const double h = scene.step;
-  mid.disks = state.disks;
-  const double middle = state.time + 0.5 * h;
-  mid.walls = walls_at(scene.walls, state.walls, middle);
-  mid.gravity = gravity_at(scene, middle);
-  for (BodyIn<D>& d : mid.disks) {
-    if (d.wall >= 0) d.v = mid.walls[to_size(d.wall)].v;  // which may have started or stopped
-    drift(d, 0.5 * h);
-  }
-  if (!state.clusters.empty()) {
-    mid.clusters = state.clusters;
-    for (Cluster& cluster : mid.clusters.bodies) drift(cluster, 0.5 * h);
-    place_members(mid.clusters, mid.disks);
-  }
-  for (WallIn<D>& w : mid.walls) {
-    w.a += 0.5 * h * w.v;
-    w.b += 0.5 * h * w.v;
-  }
-}
-
 /// Velocities of disks and walls after the step without contact impulses.
 template <int D>
 void free_bodies(const SceneIn<D>& scene, MidpointIn<D>& mid) {
@@ -103,6 +80,29 @@ void free_bodies(const SceneIn<D>& scene, MidpointIn<D>& mid) {
 }
 
 }  // namespace
+
+/// Everything at mid-step in its place, with the velocities before the step.
+template <int D>
+void place_bodies(const SceneIn<D>& scene, const StateIn<D>& state, MidpointIn<D>& mid) {
+  const double h = scene.step;
+  mid.disks = state.disks;
+  const double middle = state.time + 0.5 * h;
+  mid.walls = walls_at(scene.walls, state.walls, middle);
+  mid.gravity = gravity_at(scene, middle);
+  for (BodyIn<D>& d : mid.disks) {
+    if (d.wall >= 0) d.v = mid.walls[to_size(d.wall)].v;  // which may have started or stopped
+    drift(d, 0.5 * h);
+  }
+  if (!state.clusters.empty()) {
+    mid.clusters = state.clusters;
+    for (Cluster& cluster : mid.clusters.bodies) drift(cluster, 0.5 * h);
+    place_members(mid.clusters, mid.disks);
+  }
+  for (WallIn<D>& w : mid.walls) {
+    w.a += 0.5 * h * w.v;
+    w.b += 0.5 * h * w.v;
+  }
+}
 
 template <int D>
 MidpointIn<D> free_midpoint(const SceneIn<D>& scene, const StateIn<D>& state) {
@@ -154,6 +154,8 @@ AssembledStep assemble_step(const SceneIn<D>& scene, const MidpointIn<D>& mid,
                        {mid.clusters.bodies, mid.cluster_v_free});
 }
 
+template void place_bodies(const Scene&, const State&, Midpoint&);
+template void place_bodies(const SceneIn<3>&, const StateIn<3>&, MidpointIn<3>&);
 template Midpoint free_midpoint(const Scene&, const State&);
 template MidpointIn<3> free_midpoint(const SceneIn<3>&, const StateIn<3>&);
 template Midpoint make_midpoint(const Scene&, const State&, int, KeptContacts*);

@@ -26,6 +26,10 @@ struct MidpointIn {
 };
 using Midpoint = MidpointIn<2>;
 
+/// Sets bodies, walls and clusters once more, for a midpoint whose `disks` were let go of.
+template <int D>
+void place_bodies(const SceneIn<D>& scene, const StateIn<D>& state, MidpointIn<D>& mid);
+
 /// The same without contacts: places, velocities and forces alone. Not for periodic scenes.
 template <int D>
 MidpointIn<D> free_midpoint(const SceneIn<D>& scene, const StateIn<D>& state);

@@ -44,7 +44,7 @@ struct StepSolution {
 };
 
 /// Solves the problem from the start s0 (size 0: no start).
-using StepSolver = std::function<StepSolution(const ContactProblem&, const Vector& s0)>;
+using StepSolver = std::function<StepSolution(const ContactProblem&, Vector s0)>;
 
 template <int D>
 struct StepReportIn {

@@ -10,16 +10,16 @@
 #include <type_traits>
 
 #include "core/large_pages.h"
+#include "core/mapped_memory.h"
 #include "core/problem/block_pattern.h"
 #include "core/problem/eight_right_sides.h"
 #include "core/problem/frontal_kernels.h"
+#include "core/release.h"
 
 extern "C" {
 void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
             const double*, const int*, const double*, const int*, const double*, double*,
             const int*);
-void sgemm_(const char*, const char*, const int*, const int*, const int*, const float*,
-            const float*, const int*, const float*, const int*, const float*, float*, const int*);
 }
 
 namespace bipot {
@@ -40,12 +40,6 @@ void subtract_product(bool transposed, int m, int n, int k, const double* A, int
   const double alpha = -1;
   dgemm_("N", transposed ? "T" : "N", &m, &n, &k, &alpha, A, &lda, B, &ldb, &beta, C, &ldc);
 }
-void subtract_product(bool transposed, int m, int n, int k, const float* A, int lda, const float* B,
-                      int ldb, float beta, float* C, int ldc) {
-  const float alpha = -1;
-  sgemm_("N", transposed ? "T" : "N", &m, &n, &k, &alpha, A, &lda, B, &ldb, &beta, C, &ldc);
-}
-
 /// A front as it stands in the factor: the panel of `rows` x `columns`, by columns, the inverses of
 /// the pivots on its diagonal, and below it the transpose of what stands right of the pivots,
 /// `rows - columns` x `columns`.
@@ -70,11 +64,10 @@ void fetch(const Real* begin, const Real* end) {
 /// Eliminates the columns begin .. end - 1 of a panel, of whose rows the first `columns` may be
 /// exchanged, as exchange[] tells; the inverse of a pivot takes its place. Largest multiplier in the
 /// rows below the pivots'; a negative number: no pivot.
-template <class Real>
-Real eliminate_columns(const Front<Real>& f, int begin, int end, int* exchange) {
-  Real factors[kBlock], largest = 0;
+double eliminate_columns(const Front<double>& f, int begin, int end, int* exchange) {
+  double factors[kBlock], largest = 0;
   for (int j = begin; j < end; ++j) {
-    Real* column = f.column(j);
+    double* column = f.column(j);
     // The rows begin .. j - 1 of U.
     solve_unit_lower(j - begin, f.column(begin) + begin, f.rows, column + begin);
     std::copy_n(column + begin, j - begin, factors);
@@ -83,16 +76,16 @@ Real eliminate_columns(const Front<Real>& f, int begin, int end, int* exchange) 
     for (int i = j + 1; i < f.columns; ++i) {
       if (std::abs(column[i]) > std::abs(column[pivot])) pivot = i;
     }
-    if (std::abs(column[j]) >= Real(kDiagonalIsGood) * std::abs(column[pivot])) pivot = j;
+    if (std::abs(column[j]) >= kDiagonalIsGood * std::abs(column[pivot])) pivot = j;
     exchange[j] = pivot;
     if (pivot != j) {
       for (int k = 0; k < f.columns; ++k) std::swap(f.column(k)[j], f.column(k)[pivot]);
       std::swap_ranges(f.right_of(j), f.right_of(j) + f.height(), f.right_of(pivot));
     }
-    const Real inverse = 1 / column[j];
+    const double inverse = 1 / column[j];
     if (!(std::abs(inverse) > 0) || !std::isfinite(inverse)) return -1;
     for (int i = j + 1; i < f.columns; ++i) column[i] *= inverse;
-    const Real size = scale_column(f.height(), inverse, column + f.columns);
+    const double size = scale_column(f.height(), inverse, column + f.columns);
     if (!(size <= largest)) largest = size;
     column[j] = inverse;
   }
@@ -101,12 +94,11 @@ Real eliminate_columns(const Front<Real>& f, int begin, int end, int* exchange) 
 
 /// Eliminates the columns of a front. Largest multiplier in the rows below the pivots'; a negative
 /// number: no pivot.
-template <class Real>
-Real eliminate(const Front<Real>& f, int* exchange) {
-  Real factors[kBlock], largest = 0;
+double eliminate(const Front<double>& f, int* exchange) {
+  double factors[kBlock], largest = 0;
   for (int begin = 0; begin < f.columns; begin += kBlock) {
     const int end = std::min(begin + kBlock, f.columns);
-    const Real size = eliminate_columns(f, begin, end, exchange);
+    const double size = eliminate_columns(f, begin, end, exchange);
     if (size < 0) return -1;
     if (!(size <= largest)) largest = size;
     // The same for what stands right of the pivots, whose columns are rows of the front.
@@ -118,14 +110,14 @@ Real eliminate(const Front<Real>& f, int* exchange) {
     const int rest = f.columns - end;
     if (rest == 0) continue;
     for (int k = end; k < f.columns; ++k) {
-      Real* other = f.column(k);
+      double* other = f.column(k);
       solve_unit_lower(end - begin, f.column(begin) + begin, f.rows, other + begin);
     }
     subtract_product(false, f.rows - end, rest, end - begin, f.column(begin) + end, f.rows,
-                     f.column(end) + begin, f.rows, Real(1), f.column(end) + end, f.rows);
+                     f.column(end) + begin, f.rows, 1, f.column(end) + end, f.rows);
     if (f.height() > 0) {
       subtract_product(true, f.height(), rest, end - begin, f.right_of(begin), f.height(),
-                       f.column(begin) + end, f.rows, Real(1), f.right_of(end), f.height());
+                       f.column(begin) + end, f.rows, 1, f.right_of(end), f.height());
     }
   }
   return largest;
@@ -133,13 +125,12 @@ Real eliminate(const Front<Real>& f, int* exchange) {
 
 /// Adds the part of a child's contribution (n x n) that the pivots of the front see. Number of the
 /// child's rows that are pivots.
-template <class Real>
-int add_to_pivots(const Real* block, int n, const int* relative, const Front<Real>& f) {
+int add_to_pivots(const double* block, int n, const int* relative, const Front<double>& f) {
   const int pivots =
       static_cast<int>(std::lower_bound(relative, relative + n, f.columns) - relative);
   for (int j = 0; j < n; ++j, block += n) {
     if (j < pivots) {
-      Real* column = f.column(relative[j]);
+      double* column = f.column(relative[j]);
       for (int i = 0; i < n; ++i) column[relative[i]] += block[i];
     } else {
       for (int i = 0; i < pivots; ++i) {
@@ -151,13 +142,12 @@ int add_to_pivots(const Real* block, int n, const int* relative, const Front<Rea
 }
 
 /// Adds the rest to the front's own contribution.
-template <class Real>
-void add_to_contribution(const Real* block, int n, const int* relative, int pivots,
-                         const Front<Real>& f, Real* contribution) {
+void add_to_contribution(const double* block, int n, const int* relative, int pivots,
+                         const Front<double>& f, double* contribution) {
   for (int j = pivots; j < n; ++j) {
-    const Real* from = block + static_cast<std::ptrdiff_t>(j) * n;
-    Real* to = contribution + static_cast<std::ptrdiff_t>(relative[j] - f.columns) * f.height() -
-               f.columns;
+    const double* from = block + static_cast<std::ptrdiff_t>(j) * n;
+    double* to = contribution + static_cast<std::ptrdiff_t>(relative[j] - f.columns) * f.height() -
+                 f.columns;
     for (int i = pivots; i < n; ++i) to[relative[i]] += from[i];
   }
 }
@@ -225,14 +215,15 @@ class StoredMatrix final : public MatrixByLines {
 template <class Real>
 struct FrontalLU<Real>::Impl {
   std::shared_ptr<const FrontalTree> tree;
-  std::vector<Real> factor, stack;
-  std::vector<double> scale;  // by column of A
-  std::vector<int> place;     // of each column of A in the tree's order
-  std::vector<int> position;  // of the same in a front, -1: eliminated
-  Positions positions;        // of a stored A
+  MappedVector<Real> factor;
+  std::vector<double> stack, working;  // contributions; a front, where the factor is in floats
+  std::vector<double> scale;           // by column of A
+  std::vector<int> place;              // of each column of A in the tree's order
+  std::vector<int> position;           // of the same in a front, -1: eliminated
+  Positions positions;                 // of a stored A
   std::vector<int> exchange;
   int sign = 0;  // 0: no factor
-  Real largest = 0;
+  double largest = 0;
   std::vector<Real> x, below;
   // Rows of kRightSides numbers; made where they are needed first.
   std::vector<Real, LargePageAllocator<Real>> several, several_below;
@@ -242,6 +233,29 @@ struct FrontalLU<Real>::Impl {
     Real* panel = factor.data() + t.node_start[to_size(s)];
     return {t.columns(s), t.rows(s), panel,
             panel + static_cast<std::ptrdiff_t>(t.columns(s)) * t.rows(s)};
+  }
+
+  /// Where the front is made: in its place, if that is in double precision.
+  Front<double> working_front(int s) {
+    if constexpr (std::is_same_v<Real, double>) {
+      return front(s);
+    } else {
+      const FrontalTree& t = *tree;
+      working.resize(std::max(working.size(), front_size(s)));
+      return {t.columns(s), t.rows(s), working.data(),
+              working.data() + static_cast<std::ptrdiff_t>(t.columns(s)) * t.rows(s)};
+    }
+  }
+  std::size_t front_size(int s) const {
+    return static_cast<std::size_t>(tree->node_start[to_size(s) + 1] -
+                                    tree->node_start[to_size(s)]);
+  }
+  /// Puts it there, rounded.
+  void keep(int s) {
+    if constexpr (std::is_same_v<Real, float>) {
+      std::transform(working.begin(), working.begin() + static_cast<std::ptrdiff_t>(front_size(s)),
+                     front(s).panel, [](double value) { return static_cast<float>(value); });
+    }
   }
 
   bool fetches() const { return tree->factor_size >= kFetchFrom; }
@@ -262,7 +276,7 @@ struct FrontalLU<Real>::Impl {
   bool scale_by_diagonal(const MatrixByLines& A);
   bool scale_by_largest(const MatrixByLines& A);
   bool look_at_entries(const MatrixByLines& A, double most, double* sizes);
-  bool assemble(const MatrixByLines& A, double most, int s, const Front<Real>& f);
+  bool assemble(const MatrixByLines& A, double most, int s, const Front<double>& f);
   bool run(const MatrixByLines& A, double most);
   void substitute_forward();
   void substitute_backward();
@@ -334,9 +348,9 @@ bool FrontalLU<Real>::Impl::scale_by_largest(const MatrixByLines& A) {
 /// The entries that the front takes. False: one is larger than `most`, or not a number.
 template <class Real>
 bool FrontalLU<Real>::Impl::assemble(const MatrixByLines& A, double most, int s,
-                                     const Front<Real>& f) {
+                                     const Front<double>& f) {
   const FrontalTree& t = *tree;
-  std::fill(f.panel, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height(), Real(0));
+  std::fill(f.panel, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height(), 0.0);
   const int begin = t.first[to_size(s)];
   const int* const own = t.order.data() + begin;
   for (int k = 0; k < f.columns; ++k) position[to_size(own[k])] = k;
@@ -348,22 +362,15 @@ bool FrontalLU<Real>::Impl::assemble(const MatrixByLines& A, double most, int s,
   line.position_ = position.data();
   line.scales_ = scale.data();
   line.most_ = most;
-  const auto fill = [&line](Real* to) {
-    if constexpr (std::is_same_v<Real, double>) {
-      line.in_double_ = to;
-    } else {
-      line.in_single_ = to;
-    }
-  };
   for (int j = 0; j < f.columns; ++j) {
     const int column = own[j];
     line.scale_ = scale[to_size(column)];
     line.least_ = 0;
-    fill(f.column(j));
+    line.value_ = f.column(j);
     A.add_column(column, line);
     if (f.height() == 0) continue;
     line.least_ = f.columns;
-    fill(f.right_of(j) - f.columns);
+    line.value_ = f.right_of(j) - f.columns;
     A.add_row(column, line);
   }
   for (int k = 0; k < f.columns; ++k) position[to_size(own[k])] = -1;
@@ -380,7 +387,7 @@ bool FrontalLU<Real>::Impl::run(const MatrixByLines& A, double most) {
   int minus = 0;
   largest = 0;
   for (int s = 0; s < t.num_fronts(); ++s) {
-    const Front<Real> f = front(s);
+    const Front<double> f = working_front(s);
     if (!assemble(A, most, s, f)) return false;
     const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
     const std::size_t bottom = base < held.size() ? held[base].second : top;
@@ -391,7 +398,7 @@ bool FrontalLU<Real>::Impl::run(const MatrixByLines& A, double most) {
                     relative, f);
     }
     int* own_exchange = exchange.data() + t.first[to_size(s)];
-    const Real multiplier = eliminate(f, own_exchange);
+    const double multiplier = eliminate(f, own_exchange);
     if (!(multiplier >= 0)) return false;
     largest = std::max(largest, multiplier);
     for (int j = 0; j < f.columns; ++j) {
@@ -399,8 +406,8 @@ bool FrontalLU<Real>::Impl::run(const MatrixByLines& A, double most) {
     }
     const int h = f.height();
     if (h > 0) {
-      Real* contribution = stack.data() + top;
-      subtract_product(true, h, h, f.columns, f.panel + f.columns, f.rows, f.upper, h, Real(0),
+      double* contribution = stack.data() + top;
+      subtract_product(true, h, h, f.columns, f.panel + f.columns, f.rows, f.upper, h, 0.0,
                        contribution, h);
       for (std::size_t k = base; k < held.size(); ++k) {
         const std::size_t child = to_size(held[k].first);
@@ -411,9 +418,10 @@ bool FrontalLU<Real>::Impl::run(const MatrixByLines& A, double most) {
         add_to_contribution(stack.data() + held[k].second, n, relative, pivots, f, contribution);
       }
       if (bottom != top) {
-        std::memmove(stack.data() + bottom, contribution, sizeof(Real) * to_size(h) * to_size(h));
+        std::memmove(stack.data() + bottom, contribution, sizeof(double) * to_size(h) * to_size(h));
       }
     }
+    keep(s);
     held.resize(base);
     top = bottom + to_size(h) * to_size(h);
     if (h > 0) held.emplace_back(s, bottom);
@@ -449,7 +457,13 @@ bool FrontalLU<Real>::factor(const MatrixByLines& A) {
     return false;
   }
   const bool by_diagonal = f.scale_by_diagonal(A);
-  if (by_diagonal && f.run(A, kDiagonalScales)) return true;
+  if (by_diagonal && f.run(A, kDiagonalScales)) {
+    if constexpr (std::is_same_v<Real, float>) {  // memory is why it is floats
+      release(f.stack);
+      release(f.working);
+    }
+    return true;
+  }
   // A pivot alone is no reason for other scales.
   if (by_diagonal && f.look_at_entries(A, kDiagonalScales, nullptr)) return false;
   return f.scale_by_largest(A) && f.run(A, kInfinity);
@@ -609,7 +623,7 @@ int FrontalLU<Real>::determinant_sign() const {
 
 template <class Real>
 double FrontalLU<Real>::largest_multiplier() const {
-  return static_cast<double>(impl_->largest);
+  return impl_->largest;
 }
 
 template <class Real>

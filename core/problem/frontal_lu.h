@@ -22,10 +22,8 @@ class FrontLine {
     if (!takes(other)) return;
     const double entry = value * scale_ * scales_[other];
     within_ &= std::abs(entry) <= most_;
-    if (in_double_ != nullptr) {
-      in_double_[position_[other]] += entry;
-    } else if (in_single_ != nullptr) {
-      in_single_[position_[other]] += static_cast<float>(entry);
+    if (value_ != nullptr) {
+      value_[position_[other]] += entry;
     } else if (largest_ != nullptr) {
       for (const int i : {line_, other}) largest_[i] = std::max(largest_[i], std::abs(entry));
     }
@@ -37,9 +35,8 @@ class FrontLine {
   const int* position_ = nullptr;  // of a line of the matrix in the front, -1 where others took it
   int least_ = 0;                  // that it takes
   const double* scales_ = nullptr;
-  double scale_ = 1;             // of the line
-  double* in_double_ = nullptr;  // the line in the front, where it is to be filled
-  float* in_single_ = nullptr;
+  double scale_ = 1;           // of the line
+  double* value_ = nullptr;    // the line in the front, where it is to be filled
   double most_ = kInfinity;    // that an entry may be
   bool within_ = true;         // none was larger, or not a number
   int line_ = 0;               // of the matrix
@@ -68,7 +65,7 @@ class MatrixByLines {
 /// scaled beforehand by powers of two, to about one.
 ///
 /// Real is what the factor is kept in: double, or float at half the memory, whose solutions are
-/// good to 1e-6 at best and need refinement.
+/// good to 1e-6 at best and need refinement. It is computed in double precision.
 template <class Real>
 class FrontalLU {
  public:

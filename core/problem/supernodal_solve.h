@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/mapped_memory.h"
 #include "core/types.h"
 
 namespace bipot {
@@ -46,7 +47,7 @@ class SupernodalSolve {
     std::size_t value;  // where its numbers begin
   };
   std::vector<Block> blocks_;
-  std::vector<Real> value_;           // strips
+  MappedVector<Real> value_;          // strips
   std::vector<Real> given_, result_;  // scratch of a block
   std::vector<Real> partial_;         // the same, a slice a column
   std::vector<double> inverse_;       // the same of add()

@@ -1,5 +1,8 @@
 #include "solvers/homotopy/body_delassus.h"
 
+#include <algorithm>
+#include <numeric>
+
 namespace bipot {
 
 bool BodyDelassus::serves(const ContactProblem& p) {
@@ -62,27 +65,10 @@ const std::vector<BodyDelassus::Block>& BodyDelassus::blocks(int i) const {
   return blocks_;
 }
 
-BodyDelassus::Pattern BodyDelassus::pattern() const {
-  const int d = problem_.dim, contacts = problem_.num_contacts();
-  Pattern pattern;
-  pattern.start.assign(1, 0);
-  pattern.start.reserve(to_size(problem_.num_rows()) + 1);
-  for (int i = 0; i < contacts; ++i) {
-    find_neighbours(i);
-    const int rows = d * static_cast<int>(neighbours_.size());
-    for (int b = 0; b < d; ++b) pattern.start.push_back(pattern.start.back() + rows);
-  }
-  pattern.row.resize(to_size(pattern.start.back()));
-  int* out = pattern.row.data();
-  for (int i = 0; i < contacts; ++i) {
-    find_neighbours(i);
-    for (int b = 0; b < d; ++b) {
-      for (const int j : neighbours_) {
-        for (int a = 0; a < d; ++a) *out++ = j * d + a;
-      }
-    }
-  }
-  return pattern;
+BodyPattern BodyDelassus::body_pattern() const {
+  std::vector<int> all(to_size(problem_.num_dofs()));
+  std::iota(all.begin(), all.end(), 0);
+  return {problem_, contacts_, all};
 }
 
 }  // namespace bipot

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <algorithm>
+#include <span>
 #include <vector>
 
 #include "core/problem/contact_problem.h"
@@ -26,18 +26,36 @@ class BodyDelassus {
   /// The blocks of the columns of contact i, j ascending, its own among them even where it is zero.
   const std::vector<Block>& blocks(int i) const;
 
-  /// out += W s, both m, summed as Sum; `momentum`: scratch.
+  /// velocity = A⁻¹ G s, n, of the impulses s_j = impulse(j), summed as Sum; G = H S.
+  template <class Sum, class Impulse>
+  void move_bodies(const Impulse& impulse, std::vector<Sum>& velocity) const;
+  /// A row of Gᵀ velocity: of W s after move_bodies().
   template <class Sum>
-  void add_product(const Sum* s, Sum* out, std::vector<Sum>& momentum) const;
+  Sum relative_velocity(int row, const std::vector<Sum>& velocity) const;
 
-  /// Of whole blocks.
-  struct Pattern {
-    MappedVector<int> start, row;
-    operator SymmetricPattern() const {  // NOLINT(google-explicit-constructor)
-      return {static_cast<int>(start.size()) - 1, start.data(), row.data()};
+  int num_dofs() const { return problem_.num_dofs(); }
+  double mass(int dof) const { return problem_.A.valuePtr()[dof]; }
+  /// The contacts that act on a degree of freedom, ascending.
+  std::span<const int> contacts_of(int dof) const {
+    const int first = contacts_.start[to_size(dof)];
+    return std::span(contacts_.contact)
+        .subspan(to_size(first), to_size(contacts_.start[to_size(dof) + 1] - first));
+  }
+  /// Of G = H S: add(row, value) for the entries of a column, and one entry.
+  template <class Add>
+  void for_column_of_G(int column, const Add& add) const {
+    for (SparseMatrix::InnerIterator it(problem_.H, column); it; ++it) {
+      add(static_cast<int>(it.row()), it.value() * scale_[column]);
     }
-  };
-  Pattern pattern() const;
+  }
+  double entry_of_G(int row, int column) const {
+    for (SparseMatrix::InnerIterator it(problem_.H, column); it; ++it) {
+      if (it.row() == row) return it.value() * scale_[column];
+    }
+    return 0;
+  }
+  /// Of A + G C Gᵀ, C of one block a contact.
+  BodyPattern body_pattern() const;
 
  private:
   void find_neighbours(int i) const;
@@ -51,26 +69,26 @@ class BodyDelassus {
   mutable int last_ = -1;
 };
 
-template <class Sum>
-void BodyDelassus::add_product(const Sum* s, Sum* out, std::vector<Sum>& momentum) const {
-  const SparseMatrix& H = problem_.H;
-  momentum.assign(to_size(problem_.num_dofs()), 0);
+template <class Sum, class Impulse>
+void BodyDelassus::move_bodies(const Impulse& impulse, std::vector<Sum>& velocity) const {
+  velocity.assign(to_size(problem_.num_dofs()), 0);
   for (int j = 0; j < problem_.num_rows(); ++j) {
-    const Sum push = scale_[j] * s[j];
+    const Sum push = scale_[j] * impulse(j);
     if (push == 0) continue;
-    for (SparseMatrix::InnerIterator it(H, j); it; ++it) {
-      momentum[to_size(it.row())] += it.value() * push;
+    for (SparseMatrix::InnerIterator it(problem_.H, j); it; ++it) {
+      velocity[to_size(it.row())] += it.value() * push;
     }
   }
-  const double* const mass = problem_.A.valuePtr();
-  for (std::size_t k = 0; k < momentum.size(); ++k) momentum[k] /= mass[k];
-  for (int j = 0; j < problem_.num_rows(); ++j) {
-    Sum velocity = 0;
-    for (SparseMatrix::InnerIterator it(H, j); it; ++it) {
-      velocity += it.value() * momentum[to_size(it.row())];
-    }
-    out[j] += scale_[j] * velocity;
+  for (std::size_t k = 0; k < velocity.size(); ++k) velocity[k] /= mass(static_cast<int>(k));
+}
+
+template <class Sum>
+Sum BodyDelassus::relative_velocity(int row, const std::vector<Sum>& velocity) const {
+  Sum sum = 0;
+  for (SparseMatrix::InnerIterator it(problem_.H, row); it; ++it) {
+    sum += it.value() * velocity[to_size(it.row())];
   }
+  return scale_[row] * sum;
 }
 
 }  // namespace bipot

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/problem/block_pattern.h"
+#include "core/release.h"
 
 namespace bipot {
 namespace {
@@ -14,10 +15,10 @@ constexpr int kColumns = 4;
 constexpr double kLargestMultiplier = 1e8;
 // Candidates below that number are solved for one by one.
 constexpr std::size_t kFewCandidates = 3;
-// Refinement with a factor in single precision: rounds at most, and the size of a correction, relative
-// to the solution, after which the next would be 1e-3 of it or less.
-constexpr int kRounds = 5;
-constexpr double kLastCorrection = 1e-6;
+// Refinement with a factor in single precision: rounds at most, and the error, relative to the solution,
+// at which it ends.
+constexpr int kRounds = 10;
+constexpr double kRefined = 1e-10;
 // Columns that are kept then.
 constexpr int kBytesInSingle = 5 << 19, kLeastInSingle = 16;
 
@@ -26,21 +27,23 @@ constexpr int kBytesInSingle = 5 << 19, kLeastInSingle = 16;
 CellBasis::CellBasis(const LawProblem& problem, Precision precision)
     : problem_(problem),
       matrix_(problem),
-      precision_(precision),
+      precision_(problem.bodies ? Precision::kSingle : precision),
       exchanged_(in_single() ? ExchangedColumns(kBytesInSingle, kLeastInSingle, true)
                              : ExchangedColumns()) {
   rhs_.setZero(problem.num_rows());
+  if (problem.bodies) velocities_.emplace(problem);
 }
 
 bool CellBasis::factor(const LawPoint& point, const Vector& proximal) {
   matrix_.set(point.column, proximal);
   exchanged_.clear(problem_.num_rows(), kColumns * problem_.num_contacts());
+  if (velocities_) {
+    return_freed_memory();  // of the columns: there the factor's own arrays come
+    return velocities_->factor(matrix_.columns(), matrix_.proximal());
+  }
   if (!analysed_) {
-    const auto analyse = [this](const SymmetricPattern& pattern) {
-      return in_single() ? single_fronts_.analyse(pattern) : fronts_.analyse(pattern);
-    };
-    analysed_ = problem_.bodies ? analyse(problem_.bodies->pattern())
-                                : analyse(symmetric_block_pattern(problem_.W, problem_.dim));
+    const SparseMatrix pattern = symmetric_block_pattern(problem_.W, problem_.dim);
+    analysed_ = in_single() ? single_fronts_.analyse(pattern) : fronts_.analyse(pattern);
   }
   if (in_single()) return analysed_ && single_fronts_.factor(matrix_);
   by_fronts_ =
@@ -48,8 +51,11 @@ bool CellBasis::factor(const LawPoint& point, const Vector& proximal) {
   return by_fronts_ || factor_with_exchanges(point);
 }
 
+void CellBasis::rest() {
+  if (in_single()) exchanged_.clear(problem_.num_rows(), kColumns * problem_.num_contacts());
+}
+
 bool CellBasis::factor_with_exchanges(const LawPoint& point) {
-  if (problem_.bodies) return false;
   if (!rows_exchanged_) {
     rows_exchanged_.emplace(fill_reducing_order(problem_.W, problem_.dim));
   }
@@ -74,13 +80,19 @@ void CellBasis::solve_factored(const Vector& g, Vector& x) {
 }
 
 void CellBasis::solve_in_single(const Vector& g, Vector& x) {
-  single_fronts_.solve(g, x);
+  const auto solve = [this](const Vector& right, Vector& solution) {
+    velocities_ ? velocities_->solve(right, solution) : single_fronts_.solve(right, solution);
+  };
+  solve(g, x);
+  double before = x.lpNorm<Eigen::Infinity>();
   for (int round = 0; round < kRounds; ++round) {
     matrix_.rough_residual(g, x, rest_);
-    single_fronts_.solve(rest_, correction_);
+    solve(rest_, correction_);
     x += correction_;
-    const double size = x.lpNorm<Eigen::Infinity>();
-    if (correction_.lpNorm<Eigen::Infinity>() <= kLastCorrection * size) return;
+    const double size = x.lpNorm<Eigen::Infinity>(), now = correction_.lpNorm<Eigen::Infinity>();
+    // Corrections fall by one factor, so that the next would be about now² / before.
+    if (now * now <= kRefined * size * before) return;
+    before = now;
   }
   x.setConstant(kNaN);
 }
@@ -144,6 +156,7 @@ CellBasis::Entering CellBasis::entering(int contact, Column column, int slot) {
 
 int CellBasis::orientation(const LawPoint& point) const {
   const auto impulses = std::count_if(point.column.begin(), point.column.end(), is_impulse);
+  if (velocities_) return velocities_->orientation();
   const int sign = in_single()  ? single_fronts_.determinant_sign()
                    : by_fronts_ ? fronts_.determinant_sign()
                                 : rows_exchanged_->determinant_sign();
@@ -164,6 +177,7 @@ void CellBasis::refine(const LawPoint& point, const Vector& g, long double weigh
     solve(error_, change_);
     x += change_;
   }
+  if (velocities_) error_ = change_ = Vector();  // where memory counts
 }
 
 }  // namespace bipot

@@ -8,6 +8,7 @@
 #include "core/problem/frontal_lu.h"
 #include "core/problem/sparse_factor.h"
 #include "solvers/homotopy/cell_matrix.h"
+#include "solvers/homotopy/cell_velocities.h"
 #include "solvers/homotopy/exchanged_columns.h"
 #include "solvers/homotopy/law_point.h"
 
@@ -20,14 +21,19 @@ namespace bipot {
 class CellBasis {
  public:
   /// What the factor by fronts is kept in. Single: half the memory; every solve with it is refined to
-  /// about 1e-10, which takes three times as long, and columns are solved for one by one. No UMFPACK
-  /// then: where refinement does not come so far, solutions are not numbers.
+  /// about 1e-10, which takes three times as long, and columns are solved for one by one and kept in
+  /// single precision too. No UMFPACK then: where refinement does not come so far, solutions are not
+  /// numbers. A problem whose W is not kept has a factor in single precision (cell_velocities.h).
   enum class Precision { kDouble, kSingle };
   explicit CellBasis(const LawProblem& problem, Precision precision = Precision::kDouble);
 
-  /// Factors B of the point, whose columns must be sorted; `proximal`: the diagonal of D, m.
+  /// Factors B of the point, whose columns must be sorted; `proximal`: the diagonal of D, m, which is
+  /// referred to.
   /// False: singular.
   [[nodiscard]] bool factor(const LawPoint& point, const Vector& proximal);
+  /// Lets exchanged columns go where memory counts, in single precision; factor() must come before the
+  /// next solve.
+  void rest();
   /// B should be factored afresh before another exchange.
   bool full() const { return exchanged_.full(); }
 
@@ -81,7 +87,8 @@ class CellBasis {
   CellMatrix matrix_;  // of the columns that were factored
   Precision precision_;
   FrontalLU<double> fronts_;
-  FrontalLU<float> single_fronts_;
+  FrontalLU<float> single_fronts_;  // or, where the problem has bodies:
+  std::optional<CellVelocities> velocities_;
   std::optional<OrderedLU> rows_exchanged_;  // made where it is needed first
   bool by_fronts_ = false;                   // which of them holds the factor
   bool analysed_ = false;

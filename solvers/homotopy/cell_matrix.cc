@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/release.h"
+
 namespace bipot {
 namespace {
 
@@ -42,19 +44,13 @@ CellMatrix::Rows CellMatrix::rows() const {
 
 void CellMatrix::set(const std::vector<Column>& columns, const Vector& proximal) {
   columns_ = columns;
-  proximal_ = proximal;
+  proximal_ = &proximal;
 }
 
 double CellMatrix::diagonal(int slot) const {
   const int d = problem_.dim, contact = slot / d, n = contact * d;
   const Column column = columns_[to_size(slot)];
   if (!is_impulse(column)) return slot == (column == Column::kOpening ? n : n + 1) ? 1 : 0;
-  if (problem_.bodies) {
-    const std::vector<BodyDelassus::Block>& blocks = problem_.bodies->blocks(contact);
-    const auto own = std::find_if(blocks.begin(), blocks.end(),
-                                  [&](const auto& block) { return block.contact == contact; });
-    return entry(slot, column, contact, own->at[slot - n][0], own->at[slot - n][1]);
-  }
   return entry(slot, column, contact, problem_.W.coeff(slot, n),
                d > 1 ? problem_.W.coeff(slot, n + 1) : 0);
 }
@@ -78,12 +74,6 @@ void CellMatrix::add_row(int row, FrontLine& to) const {
       }
     }
   };
-  if (problem_.bodies) {
-    for (const BodyDelassus::Block& block : problem_.bodies->blocks(own)) {
-      add(block.contact, block.at[0][row - own * d], block.at[1][row - own * d]);
-    }
-    return;
-  }
   const Rows w = rows();
   const int end = w.start[row + 1];
   bool own_seen = false;
@@ -121,15 +111,9 @@ void CellMatrix::subtract_product(const std::vector<Column>& columns, const Vect
     }
   }
   out.resize(m);
-  if (problem_.bodies) {
-    for (int i = 0; i < m; ++i) sum[i] += proximal_[i] * impulse[i];
-    problem_.bodies->add_product(impulse, sum, sums.momentum);
-    for (int i = 0; i < m; ++i) out[i] = static_cast<double>(sum[i]);
-    return;
-  }
   const Rows w = rows();
   for (int i = 0; i < m; ++i) {
-    Sum even = sum[i] + proximal_[i] * impulse[i], odd = 0;
+    Sum even = sum[i] + (*proximal_)[i] * impulse[i], odd = 0;
     int k = w.start[i];
     for (; k + 1 < w.start[i + 1]; k += 2) {
       even += w.value[k] * impulse[w.column[k]];
@@ -140,8 +124,45 @@ void CellMatrix::subtract_product(const std::vector<Column>& columns, const Vect
   }
 }
 
+template <class Sum, class Right>
+void CellMatrix::subtract_product_of_bodies(const std::vector<Column>& columns, const Right& right,
+                                            const Vector& x, std::vector<Sum>& velocity,
+                                            Vector& out) const {
+  const BodyDelassus& bodies = *problem_.bodies;
+  const int d = problem_.dim, m = problem_.num_rows();
+  const auto impulse = [&](int row) {
+    const int contact = row / d, n = contact * d;
+    Sum s = 0;
+    for (int slot = n; slot < n + d; ++slot) {
+      const Column column = columns[to_size(slot)];
+      if (!is_impulse(column)) continue;
+      const Sum value = x[slot];
+      s += row == n ? value : problem_.tangent(contact, column) * value;
+    }
+    return s;
+  };
+  bodies.move_bodies(impulse, velocity);
+  out.resize(m);
+  for (int row = 0; row < m; ++row) {
+    const int n = row / d * d;
+    Sum sum = right(row) + (*proximal_)[row] * impulse(row);
+    for (int slot = n; slot < n + d; ++slot) {
+      const Column column = columns[to_size(slot)];
+      if (!is_impulse(column) && row == (column == Column::kOpening ? n : n + 1)) sum -= x[slot];
+    }
+    out[row] = static_cast<double>(sum + bodies.relative_velocity(row, velocity));
+  }
+}
+
 void CellMatrix::residual(const std::vector<Column>& columns, const Vector& g, long double weight,
                           const Vector& h, const Vector& x, Vector& out) {
+  if (problem_.bodies) {
+    subtract_product_of_bodies(
+        columns, [&](int i) { return static_cast<long double>(g[i]) + weight * h[i]; }, x,
+        velocity_, out);
+    release(velocity_);
+    return;
+  }
   const int m = problem_.num_rows();
   sums_.sum.resize(to_size(m));
   for (int i = 0; i < m; ++i) {
@@ -151,6 +172,11 @@ void CellMatrix::residual(const std::vector<Column>& columns, const Vector& g, l
 }
 
 void CellMatrix::rough_residual(const Vector& g, const Vector& x, Vector& out) {
+  if (problem_.bodies) {
+    subtract_product_of_bodies(
+        columns_, [&](int i) { return g[i]; }, x, rough_velocity_, out);
+    return;
+  }
   rough_sums_.sum.assign(g.begin(), g.end());
   subtract_product(columns_, x, rough_sums_, out);
 }

@@ -18,9 +18,10 @@ class CellMatrix final : public MatrixByLines {
  public:
   explicit CellMatrix(const LawProblem& problem);
 
-  /// The columns of each slot, and the diagonal of D, m.
+  /// The columns of each slot, and the diagonal of D, m, which is referred to.
   void set(const std::vector<Column>& columns, const Vector& proximal);
   const std::vector<Column>& columns() const { return columns_; }
+  const Vector& proximal() const { return *proximal_; }
 
   double diagonal(int slot) const override;
   void add_column(int slot, FrontLine& to) const override;
@@ -51,16 +52,23 @@ class CellMatrix final : public MatrixByLines {
   bool paired_;      // d = 2, and both columns of each contact have the same rows
   SparseRows rows_;  // W, where it is not symmetric to the last bit
   std::vector<Column> columns_;
-  Vector proximal_;
+  const Vector* proximal_ = nullptr;
   template <class Sum>
   struct Sums {
-    std::vector<Sum> sum, impulse, momentum;
+    std::vector<Sum> sum, impulse;
   };
   template <class Sum>
   void subtract_product(const std::vector<Column>& columns, const Vector& x, Sums<Sum>& sums,
                         Vector& out) const;
+  /// The same of a problem with bodies, without an array of sums: they may be large. right(i): what B x is
+  /// taken from.
+  template <class Sum, class Right>
+  void subtract_product_of_bodies(const std::vector<Column>& columns, const Right& right,
+                                  const Vector& x, std::vector<Sum>& velocity, Vector& out) const;
   Sums<long double> sums_;  // scratch
   Sums<double> rough_sums_;
+  std::vector<long double> velocity_;
+  std::vector<double> rough_velocity_;
 };
 
 template <class Add>
@@ -119,11 +127,11 @@ void CellMatrix::for_column(int contact, Column column, Add&& add) const {
 inline double CellMatrix::entry(int row, Column column, int contact, double normal,
                                 double tangential) const {
   const int n = contact * problem_.dim;
-  if (problem_.dim == 1) return -normal - (row == n ? proximal_[n] : 0);
+  if (problem_.dim == 1) return -normal - (row == n ? (*proximal_)[n] : 0);
   const double tangent = problem_.tangent(contact, column);
   double value = -normal - tangent * tangential;
-  if (row == n) value -= proximal_[n];
-  if (row == n + 1) value -= tangent * proximal_[n + 1];
+  if (row == n) value -= (*proximal_)[n];
+  if (row == n + 1) value -= tangent * (*proximal_)[n + 1];
   return value;
 }
 

@@ -36,6 +36,7 @@ void ExchangedColumns::clear(int rows, int keys) {
     used_in_single_.resize(kStride);
     swap_.resize(kStride);
   }
+  kept_in_single_.clear();  // and their memory, for the factorisation
   for (const int key : keys_) number_[to_size(key)] = -1;
   for (const int slot : slots_) position_[to_size(slot)] = -1;
   keys_.clear();

@@ -74,15 +74,15 @@ void LawProblem::subtract_product(const Vector& s, Vector& f) const {
     f.noalias() -= W * s;
     return;
   }
-  product_.assign(to_size(num_rows()), 0);
-  bodies->add_product(s.data(), product_.data(), momentum_);
-  f -= Eigen::Map<const Vector>(product_.data(), num_rows());
+  bodies->move_bodies([&](int j) { return s[j]; }, body_velocity_);
+  for (int j = 0; j < num_rows(); ++j) f[j] -= bodies->relative_velocity(j, body_velocity_);
 }
 
 Vector LawProblem::velocity(const Vector& s) const {
   if (!bodies) return W * s + b;
   Vector u = b;
-  bodies->add_product(s.data(), u.data(), momentum_);
+  bodies->move_bodies([&](int j) { return s[j]; }, body_velocity_);
+  for (int j = 0; j < num_rows(); ++j) u[j] += bodies->relative_velocity(j, body_velocity_);
   return u;
 }
 
@@ -96,6 +96,14 @@ void LawPoint::set(const LawProblem& problem, int contact, Cell to) {
   for (int k = 0; k < problem.dim; ++k) {
     const auto slot = first + static_cast<std::size_t>(k);
     bound[static_cast<Eigen::Index>(slot)] = bound_of(to, column[slot]);
+  }
+}
+
+void LawPoint::find_bounds() {
+  const std::size_t dim = cell.empty() ? 1 : column.size() / cell.size();
+  bound.resize(static_cast<Eigen::Index>(column.size()));
+  for (std::size_t slot = 0; slot < column.size(); ++slot) {
+    bound[static_cast<Eigen::Index>(slot)] = bound_of(cell[slot / dim], column[slot]);
   }
 }
 

@@ -42,8 +42,8 @@ struct LawProblem {
   }
 
  private:
-  Vector velocity_scale_;  // of `bodies`
-  mutable std::vector<double> momentum_, product_;
+  Vector velocity_scale_;                      // of `bodies`
+  mutable std::vector<double> body_velocity_;  // scratch
 };
 
 /// A point of the law's manifold: the cells, and the parameter of every column. Contact i owns the
@@ -57,6 +57,8 @@ struct LawPoint {
   /// Puts contact i into a cell, its columns in the order that gives the matrix of cells a diagonal
   /// without zeros: normal row first.
   void set(const LawProblem& problem, int contact, Cell to);
+  /// Sets `bound` by cells and columns, for points that are put away without it.
+  void find_bounds();
   /// The same order for the columns as they are, parameters moved with them.
   void sort_columns(int dim);
   void impulse(const LawProblem& problem, Vector& s) const;

@@ -45,7 +45,7 @@ PathFollower::PathFollower(const LawProblem& problem, CellBasis::Precision preci
 PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, const Vector& proximal,
                              int longest) {
   ++counts_.paths;
-  proximal_ = proximal;
+  proximal_ = &proximal;
   least_proximal_ = proximal.minCoeff();
   target_ = problem_.b - proximal.cwiseProduct(anchor);
   factored_ = false;
@@ -56,6 +56,7 @@ PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, const Vector
     end = r_.isZero(0) ? PathEnd::kSolved : pursue(point, longest);
   }
   if (end != PathEnd::kSolved) ++counts_.failed;
+  basis_.rest();
   return end;
 }
 
@@ -63,7 +64,7 @@ PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, const Vector
 double PathFollower::residual(const LawPoint& point, Vector& f) {
   point.impulse(problem_, s_);
   point.velocity(problem_, u_);
-  f = u_ - target_ - proximal_.cwiseProduct(s_);
+  f = u_ - target_ - proximal_->cwiseProduct(s_);
   problem_.subtract_product(s_, f);
   return f.norm();
 }
@@ -75,7 +76,7 @@ PathEnd PathFollower::approach(LawPoint& point) {
   for (int k = 0; k < kNewtonSteps && norm > 0; ++k) {
     if (stop_()) return PathEnd::kStopped;
     point.sort_columns(problem_.dim);
-    factored_ = basis_.factor(point, proximal_);
+    factored_ = basis_.factor(point, *proximal_);
     if (!factored_) return PathEnd::kSingular;
     ahead = point;
     // One refinement is enough for a step; a solution has them all.
@@ -121,6 +122,7 @@ PathEnd PathFollower::approach(LawPoint& point) {
 }
 
 PathEnd PathFollower::pursue(LawPoint& point, int longest) {
+  for (Vector* of_newton_steps : {&s_, &u_, &y_}) of_newton_steps->resize(0);
   if (!refresh(point, /*move=*/false)) return PathEnd::kSingular;
   const int first_direction = direction_ = basis_.orientation(point);
   if (direction_ == 0) return PathEnd::kSingular;
@@ -166,7 +168,7 @@ int PathFollower::refinements() const {
 bool PathFollower::refresh(LawPoint& point, bool move) {
   if (!factored_) {
     point.sort_columns(problem_.dim);
-    if (!basis_.factor(point, proximal_)) return false;
+    if (!basis_.factor(point, *proximal_)) return false;
   }
   factored_ = false;
   since_refresh_ = 0;
@@ -279,6 +281,7 @@ void PathFollower::note_turn(const LawPoint& point) {
   if (t_ <= turning_t_ + kTurnGain) return;
   turning_t_ = t_;
   turning_point_ = point;
+  turning_point_.bound.resize(0);
 }
 
 }  // namespace bipot

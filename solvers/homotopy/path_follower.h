@@ -42,7 +42,8 @@ class PathFollower {
   /// `longest`: pivots allowed.
   PathEnd follow(LawPoint& point, const Vector& anchor, const Vector& proximal, int longest);
 
-  /// The point of the largest t among those where the last path turned back; its t, 0 if none.
+  /// The point of the largest t among those where the last path turned back, without its bounds; its t,
+  /// 0 if none.
   double turning_t() const { return turning_t_; }
   const LawPoint& turning_point() const { return turning_point_; }
   const PathCounts& counts() const { return counts_; }
@@ -65,7 +66,7 @@ class PathFollower {
   const LawProblem& problem_;
   std::function<bool()> stop_;
   CellBasis basis_;
-  Vector proximal_;
+  const Vector* proximal_ = nullptr;  // of the path in progress
   double least_proximal_ = 0;
   Vector target_;  // b - D anchor
   Vector r_, x_, y_, s_, u_;

@@ -278,6 +278,7 @@ class IslandRun {
   SolveResult on_the_whole(const Vector& best) {
     SolverOptions inner = options_;
     inner.s0 = std::move(s_);
+    s_ = Vector();  // which may have got the other's memory
     inner.best = best;
     evaluate_.rest();
     inner.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);

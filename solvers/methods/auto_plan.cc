@@ -73,10 +73,10 @@ constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOf
 // tolerance from any, as on three of seven steps that had taken 3e4 to 1.7e5 iterations, it arrives from
 // a little off where it stands.
 constexpr int kSoonSplitting = 600, kEnoughSplitting = 1500;
-// From where it stands then a path is short, or mostly does not arrive: so many pivots. Above kInSingle
-// contacts the factors of such paths are kept in single precision, and above kLongInSingle there are none,
-// and those of the long paths are: in double they would be the largest part of a run's memory.
-constexpr int kPivotsOfSplitting = 500, kInSingle = 6000, kLongInSingle = 12000;
+// From where it stands then a path is short, or mostly does not arrive: so many pivots, up to
+// kShortUpTo contacts. Above kInSingle the factors of paths are kept in single precision: in double they
+// would be the largest part of a run's memory.
+constexpr int kPivotsOfSplitting = 500, kInSingle = 6000, kShortUpTo = 12000;
 // Contacts for each pivot of a path that follows some splitting on packings of kLarge to kLargeStep:
 // of 42 such paths (21 and 7 steps of two pours, to 1e-4 and 1e-8) 30 arrived, 27 of them within that.
 constexpr int kContactsOfPivot = 2;
@@ -266,7 +266,7 @@ class Planner {
     for (const double multiple : {0.1, 0.35, 0.6, 1.0}) {
       if (!warm_ && multiple < 1) continue;
       splitting(Start::kCaller, multiple);
-      if (contacts_ <= kLongInSingle) short_path();
+      if (contacts_ <= kShortUpTo) short_path();
       splitting(Start::kLast, 0.95);
       splitting(Start::kLast, 0.9);
     }
@@ -429,7 +429,7 @@ class Planner {
     if (!sweeps_first()) sweeps();
     if (exact_ && contacts_ > kLarge) {
       fair_splitting();
-      const char* const precision = precision_above(kLongInSingle);
+      const char* const precision = precision_above(kInSingle);
       first_paths(kManyPivots, precision);
       stages_.back().least_tol = kFair;
       follow(2 * kManyPivots, {{"start_tol", "1"}, {"seed", "2"}, {"precision", precision}},

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/problem/contact_error.h"
+#include "core/release.h"
 #include "core/stopwatch.h"
 #include "solvers/methods/auto_plan.h"
 #include "solvers/prepared_problem.h"
@@ -23,6 +24,8 @@ namespace {
 // An error that is that many tolerances is let go on, at loose tolerances for the iterations that the
 // stage has for it.
 constexpr double kClose = 10, kLooseTolerance = 3e-4;
+// Contacts from which on memory counts more than the milliseconds that it takes to give it back.
+constexpr int kLargeRun = 6000;
 
 /// Whether a stage is still worth its time, from the errors that it showed so far.
 class Promise {
@@ -72,6 +75,7 @@ class Race {
  public:
   Race(const ContactProblem& p, const SolverOptions& options)
       : p_(p), options_(options), evaluate_(criterion_of(p, options)), inner_(options) {
+    inner_.best = inner_.s0 = Vector();  // of the stages: their own
     best_.s = start_of(p, options);
     best_error_ = evaluate_(best_.s).guarded();
     if (std::isnan(best_error_)) best_error_ = std::numeric_limits<double>::infinity();
@@ -178,6 +182,8 @@ class Race {
     };
     SolveResult result;
     evaluate_.rest();
+    // What the stage before has left is in pieces that the next one's arrays do not fit into.
+    if (!trail_.empty() && p_.num_contacts() > kLargeRun) return_freed_memory();
     try {
       const SolverEntry& entry = require_solver(stage.solver);
       result = entry.run(entry.needs_delassus ? with_delassus() : p_, inner_);

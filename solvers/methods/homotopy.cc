@@ -6,6 +6,7 @@
 #include <cmath>
 #include <random>
 #include <string>
+#include <utility>
 
 #include "solvers/homotopy/path_follower.h"
 #include "solvers/homotopy/proximal_term.h"
@@ -83,8 +84,7 @@ class Homotopy {
   }
 
   SolveResult run() {
-    const Vector s = start_of(p_, options_);
-    if (!judge(s)) {
+    if (!judge(start_of(p_, options_))) {
       const std::string first = parameters_.choice("schedule");
       const int schedule = first == "bold" ? 0 : first == "cautious" ? 1 : 2;
       const double start_tol = parameters_.number("start_tol");
@@ -92,7 +92,9 @@ class Homotopy {
       for (const Chain& c : kChains) {
         if (c.looser > 1 && start_tol >= 1) continue;  // that start was had
         schedule_ = kSchedules[(schedule + c.schedule) % kNumSchedules];
-        if (!skip && (chain(s, std::min(1.0, c.looser * start_tol)) || at_rounding())) break;
+        if (!skip &&
+            (chain(start_of(p_, options_), std::min(1.0, c.looser * start_tol)) || at_rounding()))
+          break;
         skip = false;
         if (shaken_chains()) break;
       }
@@ -127,7 +129,7 @@ class Homotopy {
     chain_end_ = iteration() + std::max(kLeastChain, kChainIterations * problem_.num_contacts());
     for (int round = 0; round < kStarts && iteration() < chain_end_; ++round) {
       const double before = chain_error_;
-      if (prepare(s, wanted) || stages(s)) return true;
+      if (prepare(s, wanted) || stages(std::move(s))) return true;
       if (!(chain_error_ < kGain * before)) break;
       s = chain_best_;
       wanted = std::min(wanted, chain_error_) / 3;
@@ -148,7 +150,7 @@ class Homotopy {
       chain_error_ = kInfinity;
       chain_end_ =
           iteration() + std::max(kLeastShaken, kShakenIterations * problem_.num_contacts());
-      if (judge(s) || stages(s)) return true;
+      if (judge(s) || stages(std::move(s))) return true;
       if (at_rounding()) return true;
     }
     return false;
@@ -169,6 +171,7 @@ class Homotopy {
       }
       return true;
     }
+    if (problem_.bodies) monitor_.rest();
     if (monitor_.last_error() < chain_error_) {
       chain_error_ = monitor_.last_error();
       chain_best_ = s;
@@ -226,21 +229,23 @@ class Homotopy {
   }
 
   /// Paths from s with decreasing delta. True: everything ends here.
-  bool stages(const Vector& start) {
+  bool stages(Vector anchor) {
     const double smallest = parameters_.number("smallest_delta");
     const double once = parameters_.number("shrink");
     const double shrink = schedule_.slow ? std::sqrt(once) : once;
     delta_ = std::max(smallest, parameters_.number("delta"));
     double factor = shrink, last_error = kInfinity;
     double best = last_error;
-    Vector anchor = start.cwiseQuotient(problem_.impulse_unit), s;
+    anchor.array() /= problem_.impulse_unit.array();
+    Vector s;
     LawPoint point = lifted_point(anchor, monitor_.last_error());
     const int longest =
         std::max(schedule_.least_pivots, problem_.num_contacts() / schedule_.contacts);
     int failures = 0, idle = 0;
     double failed = 0;  // delta of the last path that did, fading
     for (int stage = 0; stage < kStages && iteration() < chain_end_; ++stage) {
-      const LawPoint before = point;
+      LawPoint before = point;
+      before.bound.resize(0);  // a contact's cell tells them
       const int left = options_.max_iterations - iteration();
       proximal_term(problem_, point, anchor, delta_, proximal_);
       const PathEnd path = follower_.follow(point, anchor, proximal_, std::min(longest, left));
@@ -254,7 +259,8 @@ class Homotopy {
         best = std::min(best, error);
         if (idle >= kIdleStages && best < kSettled && delta_ <= 10 * smallest) return false;
         if (delta_ < kFine && last_error < kSettled && error > 2 * last_error) {
-          point = before;
+          point = std::move(before);
+          point.find_bounds();
           delta_ = std::min(10 * delta_, 1e-5);
           continue;
         }
@@ -275,6 +281,7 @@ class Homotopy {
       ++failures;
       if (follower_.turning_t() > kUsefulTurn) {
         point = follower_.turning_point();
+        point.find_bounds();
         point.impulse(problem_, anchor);
         // F is 1 - t of what it was: where the error was just above the tolerance, that may do.
         ++judged_;
@@ -282,7 +289,8 @@ class Homotopy {
         delta_ = std::min(kLargestDelta, kRaiseAtTurn * delta_);
         if (failures > kTurns) return false;
       } else {
-        point = before;
+        point = std::move(before);
+        point.find_bounds();
         delta_ *= kRaise;
         if (delta_ > kLargestDelta || failures >= kFailures) return false;
       }

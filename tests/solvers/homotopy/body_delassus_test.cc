@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/problem/block_pattern.h"
 #include "core/problem/delassus.h"
 #include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
@@ -41,18 +40,25 @@ TEST_P(BodyDelassusOf, HasTheEntriesOfW) {
 
   const Vector s = random_vector(m, 3);
   Vector product = Vector::Ones(m);
-  std::vector<double> momentum;
-  delassus.add_product(s.data(), product.data(), momentum);
-  EXPECT_LT((product - (W * s + Vector::Ones(m))).norm(), 1e-13 * product.norm());
+  std::vector<double> velocity;
+  delassus.move_bodies([&](int j) { return 2 * s[j]; }, velocity);
+  for (int j = 0; j < m; ++j) product[j] += delassus.relative_velocity(j, velocity);
+  EXPECT_LT((product - (2 * W * s + Vector::Ones(m))).norm(), 1e-13 * product.norm());
 
-  // Every entry has its place in the pattern.
-  const BodyDelassus::Pattern pattern = delassus.pattern();
+  // G = H S, by columns, entries and contacts of a degree of freedom.
+  const Eigen::MatrixXd G = Eigen::MatrixXd(p.H) * scale.asDiagonal();
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(p.num_dofs(), m);
   for (int j = 0; j < m; ++j) {
-    const auto first = pattern.row.begin() + pattern.start[to_size(j)],
-               end = pattern.row.begin() + pattern.start[to_size(j) + 1];
-    EXPECT_TRUE(std::is_sorted(first, end));
-    EXPECT_TRUE(std::binary_search(first, end, j));
-    for (int i = 0; i < m; ++i) EXPECT_TRUE(W(i, j) == 0 || std::binary_search(first, end, i));
+    delassus.for_column_of_G(j, [&](int row, double value) { columns(row, j) = value; });
+  }
+  EXPECT_EQ(columns, G);
+  for (int k = 0; k < p.num_dofs(); ++k) {
+    EXPECT_EQ(delassus.mass(k), p.A.coeff(k, k));
+    const std::span<const int> contacts = delassus.contacts_of(k);
+    for (int j = 0; j < m; ++j) {
+      EXPECT_EQ(delassus.entry_of_G(k, j), G(k, j));
+      EXPECT_TRUE(G(k, j) == 0 || std::binary_search(contacts.begin(), contacts.end(), j / d));
+    }
   }
 }
 

@@ -178,15 +178,15 @@ TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair)
   }
 }
 
-/// What paths at such tolerances hold: factors in double up to 6000 contacts, in single above for short
-/// ones, and above 12 000 for long ones, before which there are no short ones then.
+/// What paths at such tolerances hold: factors in double up to 6000 contacts, in single above; above
+/// 12 000 there are no short ones before the long ones.
 TEST(AutoSolver, FactorsOfFairPathsAreInSinglePrecisionWhereTheyWouldBeLarge) {
   struct Case {
     int rows;
     bool with_short;
     const char *of_short, *of_long;
   };
-  for (const Case& c : {Case{40, true, "double", "double"}, Case{50, true, "single", "double"},
+  for (const Case& c : {Case{40, true, "double", "double"}, Case{50, true, "single", "single"},
                         Case{70, false, "", "single"}}) {
     const ContactProblem p = lattice_step(Lattice::kTriangular, c.rows, 0.3, 10);
     SCOPED_TRACE(p.num_contacts());
