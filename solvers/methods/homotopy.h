@@ -64,7 +64,7 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
      .choices = "double|single",
      .help =
          "of the factors: single halves their memory; every solve is refined, and a pivot takes two to "
-         "four times as long; for short paths with large delta on large packings"},
+         "five times as long; for short paths with large delta on large packings"},
     {.name = "seed",
      .kind = ParameterSpec::Kind::kInteger,
      .default_value = "1",
