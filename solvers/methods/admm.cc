@@ -31,7 +31,7 @@ constexpr double kAtRest = 4e-15;          // relative change of a multiplier at
 constexpr int kCorrections = 2;            // for the skew part of W
 // From so many contacts on a factor in single precision takes 0.87 of the time of one in double (19 000;
 // as long as it at 5300, 1.2 of the time below). Part of a right side that it may leave: where that is
-// more, as with masses far apart, the factor is one in double precision.
+// more, as with penalties of 1e-9, the factor is one in double precision.
 constexpr int kSingleFrom = 10000;
 constexpr double kCloseFactor = 1e-3;
 constexpr int kRaises = 20;  // of rho by 10, for an indefinite W

@@ -19,7 +19,7 @@ struct Supernodes {
   std::vector<Supernode> nodes;
   Eigen::MatrixXd L;
 
-  Supernodes(const std::vector<int>& widths, unsigned seed) {
+  Supernodes(const std::vector<int>& widths, double coupling, unsigned seed) {
     Draw draw(seed);
     int size = 0, first = 0;
     for (int width : widths) size += width;
@@ -33,7 +33,7 @@ struct Supernodes {
       for (int j = 0; j < width; ++j) {
         for (int i = 0; i < static_cast<int>(row.size()); ++i) {
           // What stands above the diagonal is not to be read.
-          const double x = i == j ? 2 + draw.symmetric() : draw.symmetric();
+          const double x = i == j ? 2 + draw.symmetric() : coupling * draw.symmetric();
           value.push_back(i < j ? 1e300 : x);
           if (i >= j) L(row[to_size(i)], first + j) = x;
         }
@@ -46,7 +46,7 @@ struct Supernodes {
 };
 
 template <class Real>
-void expect_inverse(double tolerance) {
+void expect_inverse(double coupling, double tolerance) {
   SupernodalSolve<Real> solve;
   // Widths below, at and above slices of four or eight and strips of 16 or 32, alone and one after the
   // other; the object is used again for a matrix of another size.
@@ -57,7 +57,7 @@ void expect_inverse(double tolerance) {
                                          {3, 1, 1, 2, 8, 13, 5},
                                          {19, 40, 33},
                                          {2, 2}}) {
-    const Supernodes made(widths, 7);
+    const Supernodes made(widths, coupling, 7);
     std::size_t entries = 0;
     for (const Supernode& node : made.nodes) {
       entries += SupernodalSolve<Real>::num_entries(node.columns, node.rows);
@@ -78,10 +78,11 @@ void expect_inverse(double tolerance) {
   }
 }
 
-/// Triangles of 40 random columns have a condition of 1e4 and more.
+/// Triangles of 40 random columns have a condition of 1e4 and more, with couplings of a tenth below 30.
 TEST(SupernodalSolve, IsTheInverseOfLTimesItsTranspose) {
-  expect_inverse<double>(1e-9);
-  expect_inverse<float>(0.5);
+  expect_inverse<double>(1, 1e-9);
+  expect_inverse<double>(0.1, 1e-13);
+  expect_inverse<float>(0.1, 1e-5);
 }
 
 /// A triangle of 4 is one slice of 4 columns. 19 columns and 40 rows: rows 0 to 15 have four slices of

@@ -230,12 +230,12 @@ void expect_refined(bool of_bodies) {
         cross(point.cell[to_size(contact)], point.column[to_size(slot)], 1, true);
     const CellBasis::Entering one = whole.entering(contact, crossing.enters, slot);
     const CellBasis::Entering other = half.entering(contact, crossing.enters, slot);
-    EXPECT_NEAR(one.pivot, other.pivot, 1e-6 * one.size);
+    EXPECT_NEAR(one.pivot, other.pivot, 1e-7 * one.size);
     ASSERT_TRUE(whole.exchange(one) && half.exchange(other));
   }
   whole.solve(g, x);
   half.solve(g, y);
-  EXPECT_LT((x - y).norm(), 1e-5 * x.norm());
+  EXPECT_LT((x - y).norm(), 1e-7 * x.norm());
 
   const Vector tiny = Vector::Constant(problem.num_rows(), 1e-12);
   ASSERT_TRUE(whole.factor(point, tiny));
