@@ -1,9 +1,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <exception>
+#include <map>
 #include <optional>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -21,6 +24,10 @@ namespace {
 // What the parts before the last may use up of the tolerance together with all that is settled, and
 // by themselves: solvers/islands.h.
 constexpr double kShareBeforeLast = 0.5, kAloneFactor = 12;
+
+// Islands of up to so many contacts, and of about one size, are tried together: making a problem of
+// each takes as long as the sweeps that solve it.
+constexpr std::size_t kGrouped = 200;
 
 // A last island that is nearly all of a large problem is not cut out: the copy and all that is made
 // of it take 0.4 kB a contact, the others are settled and cost next to nothing.
@@ -57,19 +64,19 @@ class IslandRun {
                 .error = error,
                 .count = count_contacts(p_, s_)};
     }
-    int contacts_left = 0;
     for (int k = 0; k < islands_.count(); ++k) {
-      const std::span<const int> contacts = islands_.of(k);
-      if (is_open(p_, contacts)) {
+      if (is_open(p_, islands_.of(k))) {
         ++open_;
-        for (const int c : contacts) s_.segment(c * p_.dim, p_.dim).setZero();
+        for (const int c : islands_.of(k)) s_.segment(c * p_.dim, p_.dim).setZero();
       } else if (settled(k)) {
         ++kept_;
       } else {
         left_.push_back(k);
-        contacts_left += static_cast<int>(contacts.size());
       }
     }
+    if (options_.best.size() != 0) together_ += keep_good(options_.best, left_);
+    int contacts_left = 0;
+    for (const int k : left_) contacts_left += static_cast<int>(islands_.of(k).size());
     return contacts_left;
   }
 
@@ -77,6 +84,7 @@ class IslandRun {
   SolveResult solve_left() {
     if (options_.on_iteration) options_.on_iteration(start_);
     solve_few();
+    solve_groups();
     result_.setup_seconds = watch_.seconds();
     for (std::size_t k = 0; k < left_.size(); ++k) {
       // After a failure nothing makes the whole meet the tolerance: the last is a part like others.
@@ -125,6 +133,23 @@ class IslandRun {
     return true;
   }
 
+  /// Takes over what these impulses are good enough for, of these islands; leaves the others in the
+  /// list. The number of the former.
+  int keep_good(const Vector& impulses, std::vector<int>& islands) {
+    if (islands.empty()) return 0;
+    evaluate_(impulses);
+    const auto end = std::remove_if(islands.begin(), islands.end(), [&](int k) {
+      if (!settled(k)) return false;
+      for (const int c : islands_.of(k)) {
+        s_.segment(c * p_.dim, p_.dim) = evaluate_.impulse().segment(c * p_.dim, p_.dim);
+      }
+      return true;
+    });
+    const auto kept = islands.end() - end;
+    islands.erase(end, islands.end());
+    return static_cast<int>(kept);
+  }
+
   /// Solves what has few contacts; the others are left.
   void solve_few() {
     std::vector<int> solved, others;
@@ -154,31 +179,108 @@ class IslandRun {
     std::sort(left_.begin(), left_.end());
   }
 
+  /// Makes the attempt of the solver on islands of about one size at once, those without friction by
+  /// themselves. Where that does not arrive, each is looked at, and those that are not good enough
+  /// are left with what it found. The last island is left in any case.
+  void solve_groups() {
+    if (entry_.attempt == nullptr || options_.best.size() != 0 || left_.size() < 3) return;
+    std::map<std::pair<int, bool>, std::vector<int>> groups;
+    std::vector<int> left;
+    for (std::size_t k = 0; k + 1 < left_.size(); ++k) {
+      const std::span<const int> contacts = islands_.of(left_[k]);
+      const bool friction =
+          std::any_of(contacts.begin(), contacts.end(), [&](int c) { return p_.mu[c] != 0; });
+      if (contacts.size() > kGrouped) {
+        left.push_back(left_[k]);
+      } else {
+        groups[{std::bit_width(contacts.size()), friction}].push_back(left_[k]);
+      }
+    }
+    left.push_back(left_.back());
+    for (const auto& [kind, islands] : groups) solve_group(islands, left);
+    std::sort(left.begin(), left.end());
+    left_ = std::move(left);
+  }
+
+  /// One of these groups. What it does not settle is added to `left`.
+  void solve_group(const std::vector<int>& islands, std::vector<int>& left) {
+    if (islands.size() < 2 || time_left() <= 0) {
+      left.insert(left.end(), islands.begin(), islands.end());
+      return;
+    }
+    std::vector<int> contacts;
+    for (const int k : islands) {
+      contacts.insert(contacts.end(), islands_.of(k).begin(), islands_.of(k).end());
+    }
+    std::sort(contacts.begin(), contacts.end());
+    const IslandProblem part = cut(contacts);
+    PreparedProblem prepared(part.problem, options_.execution.threads);
+    SolverOptions inner = inner_options(part, prepared, contacts, islands.back(), false);
+    SolveResult result;
+    try {
+      result = entry_.attempt(part.problem, inner);
+    } catch (const std::exception& e) {
+      result.message = e.what();
+    }
+    add_work(result.iterations, static_cast<int>(contacts.size()));
+    const bool usable = result.s.size() == part.problem.num_rows() && result.s.allFinite();
+    if (usable && is_success(result.status)) {
+      part.scatter(result.s, p_.dim, s_);
+      prepared.criterion()(result.s);
+      settled_ += prepared.criterion().sums();
+      together_ += static_cast<int>(islands.size());
+      return;
+    }
+    if (!usable) {
+      left.insert(left.end(), islands.begin(), islands.end());
+      return;
+    }
+    if (tried_.size() == 0) tried_ = s_;
+    part.scatter(result.s, p_.dim, tried_);
+    std::vector<int> not_good = islands;
+    together_ += keep_good(tried_, not_good);
+    left.insert(left.end(), not_good.begin(), not_good.end());
+    tried_of_.insert(not_good.begin(), not_good.end());
+  }
+
   bool is_nearly_all(int island) const {
     const int size = static_cast<int>(islands_.of(island).size());
     return size >= kLargeCopy && size >= kNearlyAll * p_.num_contacts();
   }
 
-  /// False where nothing is to follow.
-  bool solve_island(int island, bool last) {
-    const std::span<const int> contacts = islands_.of(island);
-    const int size = static_cast<int>(contacts.size());
+  IslandProblem cut(std::span<const int> contacts) {
     if (!cut_) cut_.emplace(p_);
-    const IslandProblem part = (*cut_)(contacts);
+    return (*cut_)(contacts);
+  }
+  double time_left() const { return options_.time_limit - watch_.seconds(); }
+
+  /// For the solver on islands up to this one, which have these contacts.
+  SolverOptions inner_options(const IslandProblem& part, PreparedProblem& prepared,
+                              std::span<const int> contacts, int island, bool last) const {
     ErrorSums own_free;
     for (const int c : contacts) {
       const ErrorSums sums = evaluate_.part(c);
       own_free.free_energy += sums.free_energy;
       own_free.free_impulse2 += sums.free_impulse2;
     }
-    PreparedProblem prepared(part.problem, options_.execution.threads);
     SolverOptions inner = options_;
     inner.s0 = part.gather(s_);
     inner.best = part.gather(options_.best);
     inner.prepared = &prepared;
     inner.share = share_of(island, own_free, last);
-    inner.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);
+    inner.time_limit = std::max(time_left(), 1e-9);
     inner.on_iteration = nullptr;
+    return inner;
+  }
+
+  /// False where nothing is to follow.
+  bool solve_island(int island, bool last) {
+    const std::span<const int> contacts = islands_.of(island);
+    const int size = static_cast<int>(contacts.size());
+    const IslandProblem part = cut(contacts);
+    PreparedProblem prepared(part.problem, options_.execution.threads);
+    SolverOptions inner = inner_options(part, prepared, contacts, island, last);
+    if (tried_of_.contains(island)) inner.best = part.gather(tried_);
     if (last && options_.on_iteration) inner.on_iteration = history_of(part, size);
     const double before = watch_.seconds();
     SolveResult result;
@@ -241,8 +343,10 @@ class IslandRun {
   }
 
   std::string account() const {
-    std::string text = fmt::format("{} islands: {} open, {} kept, {} of few contacts, {} by {}",
-                                   islands_.count(), open_, kept_, few_, by_solver_, entry_.name);
+    std::string text = fmt::format("{} islands: {} open, {} kept, {} of few contacts, ",
+                                   islands_.count(), open_, kept_, few_);
+    if (together_ > 0) text += fmt::format("{} together, ", together_);
+    text += fmt::format("{} by {}", by_solver_, entry_.name);
     if (by_solver_ == 1) text += ", " + costliest_;
     if (by_solver_ > 1) text += ", the costliest with " + costliest_;
     return text;
@@ -281,7 +385,7 @@ class IslandRun {
     s_ = Vector();  // which may have got the other's memory
     inner.best = best;
     evaluate_.rest();
-    inner.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);
+    inner.time_limit = std::max(time_left(), 1e-9);
     const int before = iterations(0, 0);
     if (options_.on_iteration) {
       inner.on_iteration = [&, start = watch_.seconds()](const IterationRecord& r) {
@@ -320,7 +424,9 @@ class IslandRun {
   Vector s_;
   std::vector<int> left_;  // islands for the solver, the smaller ones first
   double work_ = 0;        // contacts visited
-  int open_ = 0, kept_ = 0, few_ = 0, by_solver_ = 0, failed_ = 0;
+  Vector tried_;           // what the attempts on groups found, in the islands that they left
+  std::set<int> tried_of_;
+  int open_ = 0, kept_ = 0, few_ = 0, together_ = 0, by_solver_ = 0, failed_ = 0;
   double most_visits_ = 0;  // of a single island
   std::string costliest_, first_failure_;
   SolveResult result_;
@@ -344,7 +450,9 @@ SolveResult solve_islands(const SolverEntry& entry, const ContactProblem& p,
     run.emplace(entry, p, how, islands);
     return run->settle();
   };
+  // What is large is not tried as a whole: the largest part is, and the others in groups.
   const bool attempts = entry.attempt != nullptr && options.best.size() == 0 &&
+                        p.num_contacts() <= kLargeCopy &&
                         islands.of(islands.count() - 1).size() > 1;
   const Stopwatch watch;
   if (!attempts || is_warm(options)) {

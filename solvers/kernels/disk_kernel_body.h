@@ -4,6 +4,10 @@
 // of its instructions; so everything here has internal linkage and nothing of the standard library
 // comes in, or the linker might take a function with these instructions for all others.
 
+#if BIPOT_WIDTH == 8
+#include <immintrin.h>
+#endif
+
 #include "solvers/kernels/disk_kernel_tables.h"
 
 namespace bipot {
@@ -17,6 +21,9 @@ typedef double Lanes __attribute__((vector_size(8 * kWidth), may_alias));
 typedef long long Bits __attribute__((vector_size(8 * kWidth)));
 typedef double Row __attribute__((vector_size(32), may_alias));
 typedef double Pair __attribute__((vector_size(16), may_alias));
+#if BIPOT_WIDTH == 8
+typedef double TwoRows __attribute__((vector_size(64), may_alias, aligned(32)));
+#endif
 // NOLINTEND(modernize-use-using)
 
 inline Lanes load(const double* from, int part) {
@@ -33,11 +40,29 @@ inline BodyRow& at(BodyRow* rows, unsigned offset) {
   return *reinterpret_cast<BodyRow*>(reinterpret_cast<char*>(rows) + offset);
 }
 
+#if BIPOT_WIDTH == 8
+// Instructions that g++ does not make of the operations below. In their forms with a mask of all
+// lanes: those without one start from a value that is not set, of which g++ 12 warns.
+constexpr __mmask8 kAllLanes = 0xff;
+#endif
+
 inline Lanes all(double x) { return Lanes{} + x; }
 /// max(x, 0); NaN stays NaN. Written as the instruction is, which compilers do not see otherwise.
 inline Lanes positive(Lanes x) {
   const Lanes zero{};
+#if BIPOT_WIDTH == 8
+  return _mm512_maskz_max_pd(kAllLanes, zero, x);
+#else
   return zero > x ? zero : x;
+#endif
+}
+/// -(a b). With zero taken from it the product is rounded once, as it is by itself.
+inline Lanes negative_product(Lanes a, Lanes b) {
+#if BIPOT_WIDTH == 8
+  return _mm512_fnmsub_pd(a, b, Lanes{});
+#else
+  return -(a * b);
+#endif
 }
 inline Lanes magnitude(Lanes x) {
   return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(x) & 0x7fffffffffffffffLL);
@@ -77,7 +102,8 @@ inline double second(double y) {
 }
 
 template <Second kSecond>
-inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
+[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
+                                            const unsigned* j) {
   const Pair a = half(at(v, i[0]))[0] + second<kSecond>(half(at(v, j[0]))[0]),
              b = half(at(v, i[1]))[0] + second<kSecond>(half(at(v, j[1]))[0]);
   return {__builtin_shufflevector(a, b, 0, 2),
@@ -87,8 +113,8 @@ inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
 }
 /// Adds the wrench, times `inverse` where there is one, to body i and its opposite to body j.
 template <bool kInverse, Second kSecond>
-inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const BodyRow* inverse,
-                    BodyRow* to) {
+[[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
+                                           const BodyRow* inverse, BodyRow* to) {
   const Pair x_spin[2] = {__builtin_shufflevector(p.x, p.spin, 0, 2),
                           __builtin_shufflevector(p.x, p.spin, 1, 3)};
   for (int k = 0; k < 2; ++k) {
@@ -116,7 +142,8 @@ inline Row with_second(Row a, Row b) {
 
 /// Adds the wrench, times `inverse` where there is one, to body i and its opposite to body j.
 template <bool kInverse, Second kSecond>
-inline void add(Row wrench, unsigned i, unsigned j, const BodyRow* inverse, BodyRow* to) {
+[[gnu::always_inline]] inline void add(Row wrench, unsigned i, unsigned j, const BodyRow* inverse,
+                                       BodyRow* to) {
   if constexpr (kInverse) {
     row(at(to, i)) += row(at(inverse, i)) * wrench;
     row(at(to, j)) = with_second<kSecond>(row(at(to, j)), row(at(inverse, j)) * wrench);
@@ -129,7 +156,8 @@ inline void add(Row wrench, unsigned i, unsigned j, const BodyRow* inverse, Body
 
 #if BIPOT_WIDTH == 4
 template <Second kSecond>
-inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
+[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
+                                            const unsigned* j) {
   Row r[4];
   for (int k = 0; k < 4; ++k) r[k] = with_second<kSecond>(row(at(v, i[k])), row(at(v, j[k])));
   const Row even01 = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6);
@@ -141,8 +169,8 @@ inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
           __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5)};
 }
 template <bool kInverse, Second kSecond>
-inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const BodyRow* inverse,
-                    BodyRow* to) {
+[[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
+                                           const BodyRow* inverse, BodyRow* to) {
   const Row zero{};
   const Row even = __builtin_shufflevector(p.x, p.spin, 0, 4, 2, 6);
   const Row odd = __builtin_shufflevector(p.x, p.spin, 1, 5, 3, 7);
@@ -157,52 +185,57 @@ inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const
 }
 #elif BIPOT_WIDTH == 8
 /// Two rows in one register.
-inline Lanes both(Row a, Row b) { return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7); }
+inline Lanes both(Row a, Row b) {
+  return _mm512_maskz_insertf64x4(kAllLanes, _mm512_castpd256_pd512(a), b, 1);
+}
+
+/// Rows from here on must not be taken two at once before the next one.
+inline bool starts_within_line(const BodyRow* rows) {
+  return reinterpret_cast<decltype(sizeof(int))>(rows) % sizeof(Lanes) != 0;
+}
+
+inline Lanes first_of_pairs(Lanes a, Lanes b) {
+  return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+}
+inline Lanes second_of_pairs(Lanes a, Lanes b) {
+  return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+}
 
 template <Second kSecond>
-inline Motion gather(const BodyRow* v, const unsigned* i, const unsigned* j) {
-  Lanes r[4];
-  for (int k = 0; k < 4; ++k) {
-    r[k] = both(with_second<kSecond>(row(at(v, i[2 * k])), row(at(v, j[2 * k]))),
-                with_second<kSecond>(row(at(v, i[2 * k + 1])), row(at(v, j[2 * k + 1]))));
-  }
-  const Lanes even0 = __builtin_shufflevector(r[0], r[1], 0, 4, 8, 12, 2, 6, 10, 14);
-  const Lanes even1 = __builtin_shufflevector(r[2], r[3], 0, 4, 8, 12, 2, 6, 10, 14);
-  const Lanes odd0 = __builtin_shufflevector(r[0], r[1], 1, 5, 9, 13, 3, 7, 11, 15);
-  const Lanes odd1 = __builtin_shufflevector(r[2], r[3], 1, 5, 9, 13, 3, 7, 11, 15);
-  return {__builtin_shufflevector(even0, even1, 0, 1, 2, 3, 8, 9, 10, 11),
-          __builtin_shufflevector(even0, even1, 4, 5, 6, 7, 12, 13, 14, 15),
-          __builtin_shufflevector(odd0, odd1, 0, 1, 2, 3, 8, 9, 10, 11)};
+[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
+                                            const unsigned* j) {
+  const auto pair = [&](int k, int l) {
+    return both(with_second<kSecond>(row(at(v, i[k])), row(at(v, j[k]))),
+                with_second<kSecond>(row(at(v, i[l])), row(at(v, j[l]))));
+  };
+  const Lanes a = pair(0, 2), b = pair(1, 3), c = pair(4, 6), d = pair(5, 7);
+  // (x, y) of two lanes by turns, and their spins.
+  const Lanes even0 = first_of_pairs(a, b), odd0 = second_of_pairs(a, b);
+  const Lanes even1 = first_of_pairs(c, d), odd1 = second_of_pairs(c, d);
+  return {__builtin_shufflevector(even0, even1, 0, 1, 4, 5, 8, 9, 12, 13),
+          __builtin_shufflevector(even0, even1, 2, 3, 6, 7, 10, 11, 14, 15),
+          __builtin_shufflevector(odd0, odd1, 0, 1, 4, 5, 8, 9, 12, 13)};
 }
 template <bool kInverse, Second kSecond>
-inline void scatter(const Motion& p, const unsigned* i, const unsigned* j, const BodyRow* inverse,
-                    BodyRow* to) {
-  // Pairs (x, spin) of the lanes 0, 4 | 1, 5 | 2, 6 | 3, 7 in the places of two rows.
-  const Lanes zero{};
-  const Lanes even = __builtin_shufflevector(p.x, p.spin, 0, 8, 2, 10, 4, 12, 6, 14);
-  const Lanes odd = __builtin_shufflevector(p.x, p.spin, 1, 9, 3, 11, 5, 13, 7, 15);
-  const Lanes y_even = __builtin_shufflevector(p.y, zero, 0, 8, 2, 10, 4, 12, 6, 14);
-  const Lanes y_odd = __builtin_shufflevector(p.y, zero, 1, 9, 3, 11, 5, 13, 7, 15);
-  const auto row_of = [&](Lanes x_spin, Lanes y, auto upper) {
-    if constexpr (upper) {
-      return __builtin_shufflevector(x_spin, y, 2, 3, 10, 11, 6, 7, 14, 15);
-    } else {
-      return __builtin_shufflevector(x_spin, y, 0, 1, 8, 9, 4, 5, 12, 13);
-    }
+[[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
+                                           const BodyRow* inverse, BodyRow* to) {
+  // (x, spin) of lanes 0, 2, 4, 6 and 1, 3, 5, 7; with y of the same lane, and 0, they make rows.
+  const Lanes even = first_of_pairs(p.x, p.spin), odd = second_of_pairs(p.x, p.spin);
+  const auto rows_of = [&](Lanes x_spin, long long lane, long long next) {
+    constexpr __mmask8 kNoFourth = 0x77;
+    const Bits from{lane, lane + 1, 8 + next, 0, lane + 4, lane + 5, 12 + next, 0};
+    return _mm512_maskz_permutex2var_pd(kNoFourth, x_spin, from, p.y);
   };
-  struct No {
-    constexpr operator bool() const { return false; }
+  const auto add_rows = [&](Lanes rows, int k) {
+    add<kInverse, kSecond>(__builtin_shufflevector(rows, rows, 0, 1, 2, 3), i[k], j[k], inverse,
+                           to);
+    add<kInverse, kSecond>(__builtin_shufflevector(rows, rows, 4, 5, 6, 7), i[k + 4], j[k + 4],
+                           inverse, to);
   };
-  struct Yes {
-    constexpr operator bool() const { return true; }
-  };
-  const Lanes rows[4] = {row_of(even, y_even, No{}), row_of(odd, y_odd, No{}),
-                         row_of(even, y_even, Yes{}), row_of(odd, y_odd, Yes{})};
-  for (int k = 0; k < 8; ++k) {
-    const Row wrench = k < 4 ? __builtin_shufflevector(rows[k % 4], zero, 0, 1, 2, 3)
-                             : __builtin_shufflevector(rows[k % 4], zero, 4, 5, 6, 7);
-    add<kInverse, kSecond>(wrench, i[k], j[k], inverse, to);
-  }
+  add_rows(rows_of(even, 0, 0), 0);
+  add_rows(rows_of(odd, 0, 1), 1);
+  add_rows(rows_of(even, 2, 2), 2);
+  add_rows(rows_of(odd, 2, 3), 3);
 }
 #endif
 
@@ -231,8 +264,9 @@ constexpr int kAhead = 16;
 /// before writes to its own, so that the processor works on both at once. They share no body:
 /// neither do the lanes of a batch nor two batches that follow.
 template <bool kInverse, bool kBack, int D, class Solve>
-inline void for_parts(const ContactBatch<D>* contact, int first, int last, const BodyRow* velocity,
-                      const BodyRow* inverse, BodyRow* to, const Solve& solve) {
+[[gnu::always_inline]] inline void for_parts(const ContactBatch<D>* contact, int first, int last,
+                                             const BodyRow* velocity, const BodyRow* inverse,
+                                             BodyRow* to, const Solve& solve) {
   const int batches = last - first;
   Motion wrench{};
   const unsigned *i = nullptr, *j = nullptr;
@@ -263,7 +297,7 @@ void sweep_batches(const SweepTask<D>& task) {
   };
   // Sums are arranged so that the way from the velocities to the wrench is short.
   const auto solve = [&](int k, int part, const Motion& v) {
-    if (part == 0) {
+    if (part == 0 && a.ask_ahead) {
       prefetch_item(a.contact, k + kAhead);
       prefetch_item(a.impulse, k + kAhead);
     }
@@ -304,16 +338,23 @@ void sweep(const SweepTask<D>& task) {
 }
 
 void extrapolate_velocity(const ExtrapolationTask& task) {
-  const Row beta = Row{} + task.beta;
-  const BodyRow* const now = task.now;
-  BodyRow* const before = task.before;
+  const ExtrapolationTask a = task;
   constexpr int kRowsAhead = 64;
-  for (int k = 0; k < task.rows; ++k) {
-    prefetch_item(now, k + kRowsAhead);
-    prefetch_item(before, k + kRowsAhead);
-    const Row v = row(now[k]);
-    row(before[k]) = v + beta * (v - row(before[k]));
-  }
+  const auto extrapolated = [&]<class Rows>(int k, Rows beta) {
+    if (a.ask_ahead) {
+      prefetch_item(a.now, k + kRowsAhead);
+      prefetch_item(a.before, k + kRowsAhead);
+    }
+    const Rows v = *reinterpret_cast<const Rows*>(a.now + k);
+    Rows& before = *reinterpret_cast<Rows*>(a.before + k);
+    before = v + beta * (v - before);
+  };
+  int k = 0;
+#if BIPOT_WIDTH == 8
+  if (starts_within_line(a.now) && k < a.rows) extrapolated(k++, Row{} + a.beta);
+  for (; k + 1 < a.rows; k += 2) extrapolated(k, TwoRows{} + a.beta);
+#endif
+  for (; k < a.rows; ++k) extrapolated(k, Row{} + a.beta);
 }
 
 /// kOuter: from y with a sweep forth, with sums at the end of a sweep back.
@@ -328,7 +369,7 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
   const int share = batches > 0 ? (a.num_coming + batches - 1) / batches : 0;
   int coming = 0;
   const auto solve = [&](int k, int part, const Motion& v) {
-    if (kStream && part == 0) {
+    if (kStream && part == 0 && a.ask_ahead) {
       const int ahead = kBack ? k - kAhead : k + kAhead;
       prefetch_item(a.contact, ahead);
       prefetch_item(a.next, ahead);
@@ -378,7 +419,8 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
       const Lanes trial = start_t - (turned - omega * spin * v.spin);
       const Lanes z_t = cut_off(trial, load(law.mu, part) * z_n);
       const Lanes change = put(1, x_t, z_t);
-      return Motion{gx * normal - tx * change, gy * normal + ty * change, -(spin * change)};
+      return Motion{gx * normal - tx * change, gy * normal + ty * change,
+                    negative_product(spin, change)};
     }
   };
   for_parts<true, kBack>(a.contact, a.first_batch, a.last_batch, a.velocity, a.inverse, a.velocity,
@@ -404,23 +446,36 @@ void sweep_back(const SymmetricTask<D>& task, TurnSums& sums) {
 
 void extrapolate(const MomentumTask& task, EnergySums& sums) {
   const MomentumTask a = task;
-  const Row beta = Row{} + a.beta;
-  const auto extrapolated = [&](int k, Row& energy) {
-    const Row inverse = row(a.inverse[k]), now = row(a.now[k]);
-    const Row change = now - row(a.before[k]);
+  const auto extrapolated = [&]<class Rows>(int k, Rows& energy) {
+    const auto rows = [k](const BodyRow* of) { return *reinterpret_cast<const Rows*>(of + k); };
+    const Rows beta = Rows{} + a.beta, inverse = rows(a.inverse), now = rows(a.now);
+    const Rows change = now - rows(a.before);
     energy += inverse * change * change;
-    row(a.velocity[k]) = inverse * (now + beta * change);
-    row(a.next[k]) = Row{};
+    *reinterpret_cast<Rows*>(a.velocity + k) = inverse * (now + beta * change);
+    *reinterpret_cast<Rows*>(a.next + k) = Rows{};
   };
-  // Two sums: one addition need not wait for the other.
+  // Two sums, of rows by turns: one addition need not wait for the other.
   Row even{}, odd{};
-  for (int k = 0; k + 1 < a.rows; k += 2) {
+  int k = 0;
+#if BIPOT_WIDTH == 8
+  // Two rows at once, where they share a line of the cache.
+  const bool second_first = starts_within_line(a.now);
+  if (second_first && k < a.rows) extrapolated(k++, even);
+  TwoRows energy = second_first ? both(odd, even) : both(even, odd);
+  for (; k + 1 < a.rows; k += 2) extrapolated(k, energy);
+  const Row lower = __builtin_shufflevector(energy, energy, 0, 1, 2, 3),
+            upper = __builtin_shufflevector(energy, energy, 4, 5, 6, 7);
+  even = second_first ? upper : lower;
+  odd = second_first ? lower : upper;
+#else
+  for (; k + 1 < a.rows; k += 2) {
     extrapolated(k, even);
     extrapolated(k + 1, odd);
   }
-  if (a.rows % 2 != 0) extrapolated(a.rows - 1, even);
+#endif
+  if (k < a.rows) extrapolated(k, k % 2 == 0 ? even : odd);
   even += odd;
-  for (int k = 0; k < 4; ++k) sums.energy[k] = even[k];
+  for (int part = 0; part < 4; ++part) sums.energy[part] = even[part];
 }
 
 template <int D, bool kCone>
@@ -429,7 +484,7 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
   const Lanes beta = all(a.beta), rho = all(a.rho);
   Lanes turn[kParts] = {}, change2[kParts] = {};
   const auto solve = [&](int k, int part, const Motion& v) {
-    if (part == 0) {
+    if (part == 0 && a.ask_ahead) {
       prefetch_item(a.contact, k + kAhead);
       prefetch_item(a.now, k + kAhead);
       prefetch_item(a.before, k + kAhead);
@@ -463,7 +518,7 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
       turn[part] += (y_t - z_t) * change;
       change2[part] += change * change;
       store(a.next[k].x[1], part, z_t);
-      wrench = {gx * z_n - tx * z_t, gy * z_n + ty * z_t, -(spin * z_t)};
+      wrench = {gx * z_n - tx * z_t, gy * z_n + ty * z_t, negative_product(spin, z_t)};
     }
     const Lanes change = z_n - x_n;
     turn[part] += (y_n - z_n) * change;

@@ -46,6 +46,7 @@ struct alignas(64) LawBatch {
 template <int D>
 struct SweepTask {
   int batches = 0;
+  bool ask_ahead = false;  ///< for what is streamed: it is not in the core's own cache
   double omega = 1;
   const ContactBatch<D>* contact = nullptr;
   const int* law = nullptr;  ///< of each batch
@@ -76,6 +77,7 @@ struct alignas(32) EnergySums {
 template <int D>
 struct GradientTask {
   int batches = 0;
+  bool ask_ahead = false;
   double beta = 0, rho = 0;
   bool cone = false;
   const ContactBatch<D>* contact = nullptr;
@@ -96,6 +98,7 @@ struct alignas(64) GradientSums {
 /// now + beta (now - before).
 struct ExtrapolationTask {
   int rows = 0;
+  bool ask_ahead = false;
   double beta = 0;
   const BodyRow* now = nullptr;
   BodyRow* before = nullptr;
@@ -107,7 +110,8 @@ struct ExtrapolationTask {
 template <int D>
 struct SymmetricTask {
   int first_batch = 0, last_batch = 0;  ///< half open
-  bool outer = true;  ///< the first sweep forth of an iteration, the last sweep back
+  bool outer = true;       ///< the first sweep forth of an iteration, the last sweep back
+  bool ask_ahead = false;  ///< for lists, and rows in a sweep back
   double beta = 0, omega = 1;
   const ContactBatch<D>* contact = nullptr;
   const int* law = nullptr;

@@ -184,11 +184,19 @@ void DiskTiles<D>::unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const {
 }
 
 template <int D>
-int DiskTiles<D>::pipeline_depth(int threads, std::size_t bytes_per_batch,
-                                 std::size_t bytes_per_row) const {
+std::size_t DiskTiles<D>::in_all(Streamed bytes) const {
+  return to_size(num_batches()) * bytes.batch + to_size(num_rows()) * bytes.row;
+}
+
+template <int D>
+bool DiskTiles<D>::asks_ahead(Streamed bytes) const {
+  return in_all(bytes) > std::max(own_cache(), shared_cache());
+}
+
+template <int D>
+int DiskTiles<D>::pipeline_depth(int threads, Streamed bytes) const {
   const std::size_t team = to_size(std::max(threads, 1));
-  const std::size_t all =
-      to_size(num_batches()) * bytes_per_batch + to_size(num_rows()) * bytes_per_row;
+  const std::size_t all = in_all(bytes);
   if (all <= own_cache() * team) return 1;
   // What comes from the shared cache anyway gains by iterations in the core's own one only.
   const std::size_t cache =

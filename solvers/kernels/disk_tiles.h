@@ -60,12 +60,19 @@ class DiskTiles {
   /// s = x / impulse.
   void unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const;
 
-  /// Iterations that fit in flight (wavefront.h) when each tile's share of an iteration streams
-  /// `bytes_per_batch` and `bytes_per_row`.
-  int pipeline_depth(int threads, std::size_t bytes_per_batch, std::size_t bytes_per_row) const;
+  /// Bytes that an iteration streams, for each batch and for each row.
+  struct Streamed {
+    std::size_t batch, row;
+  };
+  /// Whether they come from so far that they should be asked for ahead. Nearer by, asking costs more
+  /// than it saves.
+  bool asks_ahead(Streamed bytes) const;
+  /// Iterations that fit in flight (wavefront.h).
+  int pipeline_depth(int threads, Streamed bytes) const;
 
  private:
   int law_number(const LawBatch& law);
+  std::size_t in_all(Streamed bytes) const;
 
   ContactTiles tiles_;
   Vector impulse_scale_, velocity_scale_;

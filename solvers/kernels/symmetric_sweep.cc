@@ -35,6 +35,8 @@ SymmetricSweep<D>::SymmetricSweep(const ContactProblem& problem, const DiskStruc
       omega_(omega),
       sweeps_(sweeps),
       team_(threads_of(links_, options.threads)),
+      asks_ahead_(disks_.asks_ahead(
+          {sizeof(ContactBatch<D>) + 3 * sizeof(ImpulseBatch<D>), 3 * sizeof(BodyRow)})),
       forth_(links_.ready_up),
       back_(links_.ready_down),
       now_(to_size(disks_.num_batches())),
@@ -84,6 +86,7 @@ double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before)
     task.last_batch = tile.last_batch;
     task.beta = beta;
     task.omega = omega_;
+    task.ask_ahead = asks_ahead_;
     task.contact = disks_.contacts(disks_.tile(0));
     task.law = disks_.law_numbers(disks_.tile(0));
     task.laws = disks_.laws();
@@ -101,7 +104,7 @@ double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before)
     if (task.outer) {
       // Nobody has come to these bodies yet.
       const int rows = tile.last_row - tile.first_row;
-      kernels_.extrapolate_velocity({rows, beta, velocity_.data() + tile.first_row,
+      kernels_.extrapolate_velocity({rows, asks_ahead_, beta, velocity_.data() + tile.first_row,
                                      velocity_before_.data() + tile.first_row});
     }
     kernels_.sweep_forth(task);

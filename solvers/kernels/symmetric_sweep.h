@@ -59,6 +59,7 @@ class SymmetricSweep {
   double omega_;
   int sweeps_;
   QuickerTeam team_;
+  bool asks_ahead_;
   FollowingSweeps forth_, back_;
   LargeVector<ImpulseBatch<D>> now_, before_, next_;
   LargeVector<BodyRow> velocity_, velocity_before_;

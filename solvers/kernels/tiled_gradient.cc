@@ -26,8 +26,8 @@ TiledGradient<D>::TiledGradient(const ContactProblem& problem, const DiskStructu
       kernels_(disk_kernels<D>(options.path)),
       neighbours_(neighbours),
       threads_(options.threads),
-      depth_(disks_.pipeline_depth(threads_, sizeof(ContactBatch<D>) + 4 * sizeof(ImpulseBatch<D>),
-                                   6 * sizeof(BodyRow))),
+      depth_(disks_.pipeline_depth(threads_, kStreamed)),
+      asks_ahead_(disks_.asks_ahead(kStreamed)),
       group_(neighbours != nullptr ? 1
              : threads_ > 1        ? std::max(depth_, kTogether)
                                    : depth_),
@@ -107,6 +107,7 @@ void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
     GradientTask<D> task;
     task.batches = tile.last_batch - tile.first_batch;
     task.beta = beta[to_size(k)];
+    task.ask_ahead = asks_ahead_;
     task.rho = control.step / control.lambda;
     task.cone = control.cone;
     task.contact = disks_.contacts(tile);

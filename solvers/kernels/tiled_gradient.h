@@ -44,6 +44,8 @@ class TiledGradient final : public GradientKernel {
   void advance(int iterations, GradientControl& control) override;
 
  private:
+  static constexpr typename DiskTiles<D>::Streamed kStreamed{
+      sizeof(ContactBatch<D>) + 4 * sizeof(ImpulseBatch<D>), 6 * sizeof(BodyRow)};
   /// Buffers of x and of the momentum by number; iteration k of a group reads two and writes one.
   struct Roles {
     int now = 0, before = 1, free[2] = {2, 3};
@@ -55,7 +57,9 @@ class TiledGradient final : public GradientKernel {
   DiskTiles<D> disks_;
   const DiskKernels<D>& kernels_;
   GradientNeighbours<D>* const neighbours_;
-  int threads_, depth_, group_;  // depth: of the wavefront; group: between two looks at the sums
+  int threads_, depth_;  // of the wavefront
+  bool asks_ahead_;
+  int group_;  // iterations between two looks at the sums
   LargeVector<ImpulseBatch<D>> impulse_[4];
   LargeVector<BodyRow> momentum_[4], velocity_;
   std::vector<GradientSums> sums_;  // of every iteration in flight and tile

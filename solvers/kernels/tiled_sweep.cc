@@ -12,8 +12,8 @@ TiledSweep<D>::TiledSweep(const ContactProblem& problem, const DiskStructure& di
       kernels_(disk_kernels<D>(options.path)),
       omega_(omega),
       threads_(options.threads),
-      depth_(disks_.pipeline_depth(threads_, sizeof(ContactBatch<D>) + sizeof(ImpulseBatch<D>),
-                                   2 * sizeof(BodyRow))),
+      depth_(disks_.pipeline_depth(threads_, kStreamed)),
+      asks_ahead_(disks_.asks_ahead(kStreamed)),
       impulse_(to_size(disks_.num_batches())),
       velocity_(to_size(disks_.num_rows())) {}
 
@@ -35,6 +35,7 @@ void TiledSweep<D>::advance(int sweeps) {
     const ContactTiles::Tile& tile = disks_.tile(t);
     SweepTask<D> task;
     task.batches = tile.last_batch - tile.first_batch;
+    task.ask_ahead = asks_ahead_;
     task.omega = omega_;
     task.contact = disks_.contacts(tile);
     task.law = disks_.law_numbers(tile);

@@ -21,10 +21,13 @@ class TiledSweep {
   void advance(int sweeps);
 
  private:
+  static constexpr typename DiskTiles<D>::Streamed kStreamed{
+      sizeof(ContactBatch<D>) + sizeof(ImpulseBatch<D>), 2 * sizeof(BodyRow)};
   DiskTiles<D> disks_;
   const DiskKernels<D>& kernels_;
   double omega_;
   int threads_, depth_;
+  bool asks_ahead_;
   LargeVector<ImpulseBatch<D>> impulse_;
   LargeVector<BodyRow> velocity_;
   Vector s_;

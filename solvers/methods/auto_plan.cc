@@ -397,6 +397,7 @@ class Planner {
     if (disks_ && !paths_first()) {
       add("assor", ssor_crossing_, 3 * ssor_crossing_, Start::kOwn,
           "sweeps forth and back with momentum: O(N^1/4) iterations on packings at rest");
+      stages_.back().before_cutting = stages_.back().on_whole_only = true;
     } else if (exact_ && !local_ && paths_first()) {
       // Where it does not go on to the end, it has made a start for paths by then.
       // (Above kMany `admm` makes a better one.)

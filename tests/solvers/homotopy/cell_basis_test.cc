@@ -229,9 +229,9 @@ void expect_refined(bool of_bodies) {
     const Crossing crossing =
         cross(point.cell[to_size(contact)], point.column[to_size(slot)], 1, true);
     const CellBasis::Entering one = whole.entering(contact, crossing.enters, slot);
-    const CellBasis::Entering other = half.entering(contact, crossing.enters, slot);
-    EXPECT_NEAR(one.pivot, other.pivot, 1e-7 * one.size);
-    ASSERT_TRUE(whole.exchange(one) && half.exchange(other));
+    const CellBasis::Entering halved = half.entering(contact, crossing.enters, slot);
+    EXPECT_NEAR(one.pivot, halved.pivot, 1e-7 * one.size);
+    ASSERT_TRUE(whole.exchange(one) && half.exchange(halved));
   }
   whole.solve(g, x);
   half.solve(g, y);

@@ -395,6 +395,82 @@ TEST(Islands, AnAttemptThatDoesNotArriveLeavesItsBestToTheParts) {
   EXPECT_FALSE(has(rest, "half done")) << rest.message;
 }
 
+/// Sweeps that leave the problem of 14 contacts undone.
+SolveResult all_but_one(const ContactProblem& p, const SolverOptions& options) {
+  SolveResult result = solve("pgs", p, {.tol = 1e-3 * options.tol});
+  const ContactIslands islands = contact_islands(p);
+  for (int k = 0; k < islands.count(); ++k) {
+    if (islands.of(k).size() != 14) continue;
+    for (const int c : islands.of(k)) result.s.segment(c * p.dim, p.dim) *= 0.5;
+    result.status = SolveStatus::kIterationLimit;
+  }
+  return result;
+}
+
+TEST(Islands, WhatAnAttemptSolvedIsNotSolvedAgain) {
+  const ContactProblem p = archipelago(2, 1, false);
+  SolverEntry entry = attempting(&all_but_one);
+  std::vector<int> sizes;
+  entry.run = [&](const ContactProblem& part, const SolverOptions& options) {
+    sizes.push_back(part.num_contacts());
+    return find_solver("auto")->run(part, options);
+  };
+  const SolveResult result = solve(entry, p, {.tol = 1e-8});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_EQ(sizes, std::vector<int>{14});
+  EXPECT_LE(naive_error(p, result.s).guarded(), 1e-8);
+}
+
+/// Above 4000 contacts there is no attempt on the whole: islands of about one size are tried at
+/// once, and each of a group that does not arrive is looked at.
+TEST(Islands, ThoseOfOneSizeAreTriedTogether) {
+  std::vector<ContactProblem> parts;
+  for (int k = 0; k < 170; ++k) {
+    parts.push_back(manufactured_problem(2, 12, 14 - k % 2, static_cast<unsigned>(k)).problem);
+    parts.push_back(manufactured_problem(2, 9, 11, static_cast<unsigned>(k)).problem);
+    parts.back().mu.setZero();
+  }
+  parts.push_back(manufactured_problem(2, 40, 50, 1).problem);
+  for (ContactProblem& part : parts) part.W = SparseRows();
+  const ContactProblem p = side_by_side(parts).problem;
+  ASSERT_GT(p.num_contacts(), 4000);
+
+  for (const bool arrives : {true, false}) {
+    std::vector<std::pair<int, int>> attempts, solved;  // dimensions and contacts
+    SolverEntry entry = *find_solver("auto");
+    entry.attempt = nullptr;
+    static std::vector<std::pair<int, int>>* seen;
+    seen = &attempts;
+    if (arrives) {
+      entry.attempt = [](const ContactProblem& q, const SolverOptions& options) {
+        seen->push_back({q.dim, q.num_contacts()});
+        SolverOptions same = options;
+        same.islands = false;
+        return find_solver("pgs")->run(q, same);
+      };
+    } else {
+      entry.attempt = [](const ContactProblem& q, const SolverOptions& options) {
+        seen->push_back({q.dim, q.num_contacts()});
+        return all_but_one(q, options);
+      };
+    }
+    entry.run = [&](const ContactProblem& part, const SolverOptions& options) {
+      solved.push_back({part.dim, part.num_contacts()});
+      EXPECT_EQ(options.best.size() != 0, part.num_contacts() == 14);
+      return find_solver("auto")->run(part, options);
+    };
+    const SolveResult result = solve(entry, p, {.tol = 1e-6});
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    EXPECT_LE(naive_error(p, result.s).guarded(), 1e-6);
+    EXPECT_EQ(attempts, (std::vector<std::pair<int, int>>{{1, 170 * 11}, {2, 85 * 13 + 85 * 14}}));
+    std::vector<std::pair<int, int>> expected(arrives ? 0 : 85, {2, 14});
+    expected.push_back({2, 50});
+    EXPECT_EQ(solved, expected);
+    EXPECT_TRUE(has(result, arrives ? "340 together, 1 by auto" : "255 together, 86 by auto"))
+        << result.message;
+  }
+}
+
 /// Of a large problem a part that is nearly all of it is not copied: the entry goes on with the whole,
 /// from where the small parts are settled, also after an attempt; and what it throws loses nothing.
 TEST(Islands, APartThatIsNearlyAllIsSolvedWithinTheWhole) {
