@@ -269,6 +269,8 @@ inline void prefetch_item(const T* list, int k) {
 /// So many batches ahead of their turn what is streamed is asked for: from the shared cache it comes
 /// too late otherwise (6.2 ns a contact for 5.5 at 3·10⁶ contacts, apgd).
 constexpr int kAhead = 16;
+/// The same for rows of bodies.
+constexpr int kRowsAhead = 64;
 
 /// Runs solve(batch, part, motion) -> wrench over all parts of the batches from `first` to before
 /// `last`, downwards with kBack. In program order the bodies of a part are read before the part
@@ -350,7 +352,6 @@ void sweep(const SweepTask<D>& task) {
 
 void extrapolate_velocity(const ExtrapolationTask& task) {
   const ExtrapolationTask a = task;
-  constexpr int kRowsAhead = 64;
   const auto extrapolated = [&]<class Rows>(int k, Rows beta) {
     if (a.ask_ahead) {
       prefetch_item(a.now, k + kRowsAhead);
@@ -458,6 +459,13 @@ void sweep_back(const SymmetricTask<D>& task, TurnSums& sums) {
 void extrapolate(const MomentumTask& task, EnergySums& sums) {
   const MomentumTask a = task;
   const auto extrapolated = [&]<class Rows>(int k, Rows& energy) {
+    if (a.ask_ahead) {
+      prefetch_item(a.now, k + kRowsAhead);
+      prefetch_item(a.before, k + kRowsAhead);
+      prefetch_item(a.inverse, k + kRowsAhead);
+      prefetch_item(a.velocity, k + kRowsAhead);
+      prefetch_item(a.next, k + kRowsAhead);
+    }
     const auto rows = [k](const BodyRow* of) { return *reinterpret_cast<const Rows*>(of + k); };
     const Rows beta = Rows{} + a.beta, inverse = rows(a.inverse), now = rows(a.now);
     const Rows change = now - rows(a.before);

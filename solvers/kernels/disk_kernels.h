@@ -60,6 +60,7 @@ struct SweepTask {
 /// its bodies at the extrapolated momentum.
 struct MomentumTask {
   int rows = 0;
+  bool ask_ahead = false;
   double beta = 0;
   const BodyRow *now = nullptr, *before = nullptr;  ///< momentum of the tile's rows
   const BodyRow* inverse = nullptr;                 ///< of the tile's rows

@@ -88,6 +88,7 @@ void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
     const std::size_t row = to_size(tile.first_row);
     MomentumTask task;
     task.rows = tile.last_row - tile.first_row;
+    task.ask_ahead = asks_ahead_;
     task.beta = beta[to_size(k)];
     task.now = &momentum_[to_size(roles[to_size(k)].now)][row];
     task.before = &momentum_[to_size(roles[to_size(k)].before)][row];
