@@ -183,7 +183,9 @@ class IslandRun {
   /// themselves. Where that does not arrive, each is looked at, and those that are not good enough
   /// are left with what it found. The last island is left in any case.
   void solve_groups() {
-    if (entry_.attempt == nullptr || options_.best.size() != 0 || left_.size() < 3) return;
+    // Sweeps over disks fill vectors; what accelerates other problems does better on each island.
+    const bool pays = entry_.attempt != nullptr && evaluate_.delassus().disks();
+    if (!pays || options_.best.size() != 0 || left_.size() < 3) return;
     std::map<std::pair<int, bool>, std::vector<int>> groups;
     std::vector<int> left;
     for (std::size_t k = 0; k + 1 < left_.size(); ++k) {
