@@ -21,6 +21,7 @@
 #include <utility>
 #include <vector>
 
+#include "bench/measure/blas_kernels.h"
 #include "bench/measure/peak_memory.h"
 #include "core/motion/midpoint.h"
 #include "core/release.h"
@@ -272,6 +273,7 @@ void model(int side, double tilt, const ModelMachine& machine) {
 }  // namespace bipot
 
 int main(int argc, char** argv) {
+  bipot::take_kernels_of_this_processor(argv);
   CLI::App app("Costs of solves on several processes");
   int side = 183, iterations = 200, repeat = 3, steps = 1;
   double tilt = 0;

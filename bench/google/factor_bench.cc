@@ -19,6 +19,7 @@
 #ifdef BIPOT_WITH_PETSC
 #include <petscksp.h>
 
+#include "bench/measure/blas_kernels.h"
 #include "solvers/petsc/petsc_session.h"
 #endif
 
@@ -320,6 +321,7 @@ void table(const std::string& family, int side, int at, int repeat) {
 }  // namespace bipot
 
 int main(int argc, char** argv) {
+  bipot::take_kernels_of_this_processor(argv);
   using namespace bipot;
   std::vector<std::string> families{"triangular", "square"};
   std::vector<int> sides{83}, at{2, 6, 10};

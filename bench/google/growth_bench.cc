@@ -19,6 +19,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/measure/blas_kernels.h"
 #include "bench/measure/iteration_growth.h"
 #include "bench/report/build_info.h"
 #include "bench/report/chart.h"
@@ -348,6 +349,7 @@ void run(const Flags& flags) {
 }  // namespace bipot
 
 int main(int argc, char** argv) {
+  bipot::take_kernels_of_this_processor(argv);
   using namespace bipot;
   Flags flags;
   CLI::App app{"Growth of iterations, phases and memory with the number of disks"};

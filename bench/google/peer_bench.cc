@@ -25,6 +25,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/measure/blas_kernels.h"
 #include "bench/measure/limited_solve.h"
 #include "bench/measure/peer_map.h"
 #include "bench/measure/problem_target.h"
@@ -315,6 +316,7 @@ int run(const Flags&) {
 }  // namespace bipot
 
 int main(int argc, char** argv) {
+  bipot::take_kernels_of_this_processor(argv);
   using namespace bipot;
   Flags flags;
   CLI::App app{"Siconos' NSGS and this project's solvers at equal achieved error"};

@@ -19,6 +19,7 @@
 #include <system_error>
 #include <vector>
 
+#include "bench/measure/blas_kernels.h"
 #include "core/files/run_output.h"
 #include "core/motion/time_stepping.h"
 #include "core/problem/frontal_lu.h"
@@ -288,6 +289,7 @@ void rows_asked_for() {
 }  // namespace bipot
 
 int main(int argc, char** argv) {
+  bipot::take_kernels_of_this_processor(argv);
   using namespace bipot;
   CLI::App app{"What is saved by doing only what a scene requires, as a table"};
   app.add_option("--repeat", repeat, "Pairs of runs a row")->check(CLI::Range(1, 1000));

@@ -19,6 +19,7 @@
 #include <algorithm>
 #include <memory>
 
+#include "bench/measure/blas_kernels.h"
 #include "bench/measure/iteration_growth.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
@@ -116,6 +117,7 @@ void report_fits(const BenchFlags& flags, const std::vector<GrowthRow>& rows, st
 }  // namespace bipot
 
 int main(int argc, char** argv) {
+  bipot::take_kernels_of_this_processor(argv);
   using namespace bipot;
   BenchFlags flags;
   CLI::App app{"Solver benchmark: iterations and time against the number of particles"};

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "bench/measure/blas_kernels.h"
 #include "core/files/run_reader.h"
 #include "core/problem/contact_error.h"
 #include "tests/bench/command/command_fixture.h"
@@ -20,6 +21,30 @@ namespace {
 
 namespace fs = std::filesystem;
 using nlohmann::json;
+
+/// Where OpenBLAS does not know this processor, the command starts again with kernels that fit: with all of
+/// its arguments, and once.
+TEST_F(Command, RunsOnKernelsOfThisProcessor) {
+  const auto asked = [](const std::string& arguments) {
+    return run_command_line("sh -c \"env -u OPENBLAS_CORETYPE OPENBLAS_VERBOSE=2 " BIPOT_COMMAND
+                            " " +
+                                arguments + " 2>&1\"",
+                            "");
+  };
+  const Outcome version = asked("--version");
+  EXPECT_EQ(version.exit_code, 0);
+  EXPECT_NE(version.out.find("bipot "), std::string::npos) << version.out;
+  const Outcome missing = asked("solve 'no such file.hdf5'");
+  EXPECT_EQ(missing.exit_code, bipot("solve 'no such file.hdf5'").exit_code);
+  EXPECT_NE(missing.out.find("no such file.hdf5"), std::string::npos) << missing.out;
+  const std::string says = "Core: ";
+  const std::size_t at = version.out.rfind(says);
+  if (at == std::string::npos) GTEST_SKIP() << "BLAS is not OpenBLAS";
+  if (!__builtin_cpu_supports("avx2")) GTEST_SKIP() << "no AVX2";
+  const std::size_t from = at + says.size();
+  const std::string core = version.out.substr(from, version.out.find('\n', from) - from);
+  EXPECT_FALSE(kernels_without_avx2(core)) << core;
+}
 
 TEST_F(Command, RunsAShippedSceneAndLeavesItsFiles) {
   const Outcome run = bipot("run square_lattice --json - --out " + path("out"));
