@@ -164,13 +164,15 @@ double inverse_root(double size) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(kBias - half) << kDigits);
 }
 
+}  // namespace
+
 /// Where the values of a matrix of symmetric pattern have the entry (j, i) of each entry (i, j), and the
 /// diagonal.
-struct Positions {
+struct StoredPositions {
   std::vector<int> transposed, diagonal;
 
-  Positions() = default;
-  explicit Positions(const SparseMatrix& A) : transposed(to_size(A.nonZeros())) {
+  StoredPositions() = default;
+  explicit StoredPositions(const SparseMatrix& A) : transposed(to_size(A.nonZeros())) {
     const int n = static_cast<int>(A.cols());
     std::vector<int> next(A.outerIndexPtr(), A.outerIndexPtr() + n);
     diagonal.reserve(to_size(n));
@@ -183,10 +185,12 @@ struct Positions {
   }
 };
 
+namespace {
+
 /// A compressed matrix of symmetric pattern, line by line.
 class StoredMatrix final : public MatrixByLines {
  public:
-  StoredMatrix(const SparseMatrix& A, const Positions& positions)
+  StoredMatrix(const SparseMatrix& A, const StoredPositions& positions)
       : start_(A.outerIndexPtr()),
         row_(A.innerIndexPtr()),
         value_(A.valuePtr()),
@@ -207,7 +211,7 @@ class StoredMatrix final : public MatrixByLines {
   const int* start_;
   const int* row_;
   const double* value_;
-  const Positions& positions_;
+  const StoredPositions& positions_;
 };
 
 }  // namespace
@@ -220,7 +224,7 @@ struct FrontalLU<Real>::Impl {
   std::vector<double> scale;           // by column of A
   std::vector<int> place;              // of each column of A in the tree's order
   std::vector<int> position;           // of the same in a front, -1: eliminated
-  Positions positions;                 // of a stored A
+  StoredPositions positions;           // of a stored A
   std::vector<int> exchange;
   int sign = 0;  // 0: no factor
   double largest = 0;
@@ -473,7 +477,7 @@ template <class Real>
 bool FrontalLU<Real>::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
   if (!f.analyse(A)) return false;
-  if (f.positions.diagonal.empty()) f.positions = Positions(A);
+  if (f.positions.diagonal.empty()) f.positions = StoredPositions(A);
   return factor(StoredMatrix(A, f.positions));
 }
 
