@@ -19,10 +19,10 @@
 #ifdef BIPOT_WITH_PETSC
 #include <petscksp.h>
 
-#include "bench/measure/blas_kernels.h"
 #include "solvers/petsc/petsc_session.h"
 #endif
 
+#include "bench/measure/blas_kernels.h"
 #include "bench/measure/iteration_growth.h"
 #include "core/problem/frontal_cholesky.h"
 #include "core/problem/frontal_lu.h"

@@ -20,7 +20,7 @@ inline bool kernels_without_avx2(std::string_view core) {
 }
 
 /// OpenBLAS knows processors by their numbers, and takes kernels of 2004 on one that came after it:
-/// Debian 12's on a Xeon of 2023, where iterations of `ipm` then take 1.2 times as long. Starts the
+/// Debian 12's on a Xeon of 2023, where `ipm` then takes 1.35 times as long (data/speed.md). Starts the
 /// program again with those of any processor that has AVX2, whose digits are the same on all. For the
 /// first line of main(): OpenBLAS decides before that. Does nothing where the environment names
 /// kernels, or BLAS is another one.

@@ -167,15 +167,8 @@ class IslandRun {
     }
     left_ = std::move(others);
     if (solved.empty()) return;
-    evaluate_(s_);
-    s_ = evaluate_.impulse();
-    for (const int k : solved) {
-      if (settled(k)) {
-        ++few_;
-      } else {
-        left_.push_back(k);
-      }
-    }
+    few_ += keep_good(s_, solved);
+    left_.insert(left_.end(), solved.begin(), solved.end());
     std::sort(left_.begin(), left_.end());
   }
 

@@ -34,7 +34,8 @@ struct AutoStage {
   std::string_view reason;
   double least_tol = 0, tol_below = kInfinity, largest_error = kInfinity;
   int close_iterations = kUnlimited;
-  /// Tried on a problem before its parts are cut out (SolverEntry::attempt).
+  /// Tried on a problem before its parts are cut out, or on several of them at once
+  /// (SolverEntry::attempt).
   bool before_cutting = false;
   /// Not tried again on those parts.
   bool on_whole_only = false;
