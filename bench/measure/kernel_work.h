@@ -18,9 +18,10 @@ constexpr KernelWork tiled_sweep_work(double bodies) { return {48.5 + 32 + 96 * 
 /// pgs in the given order: a record of 96 bytes, 32 of them written back; a body's 40, 24 of them
 /// written.
 constexpr KernelWork given_order_sweep_work(double bodies) { return {96 + 32 + 64 * bodies, 46}; }
-/// apgd: as tiled pgs, with x and x⁻ in and x⁺ out; a body's two velocities, masses and energies 160.
+/// apgd: as tiled pgs, with x and x⁻ in and x⁺ out; of a body two momenta in and one out, a velocity in
+/// and out 160.
 constexpr KernelWork gradient_work(double bodies) {
-  return {48.5 + 48 + 160 * bodies, 51 + 21 * bodies};
+  return {48.5 + 48 + 160 * bodies, 49 + 24 * bodies};
 }
 /// pgs on an explicit W, `entries` of it a contact: value and column 12 each, its own problem.
 constexpr KernelWork explicit_sweep_work(double entries) {

@@ -115,31 +115,6 @@ std::vector<int> sweep_order(const DiskStructure& disks, const std::vector<int>&
   return order;
 }
 
-/// First body of every tile, and the number of bodies.
-std::vector<int> tile_starts(const DiskStructure& disks, const std::vector<int>& row) {
-  const int bodies = disks.surroundings();
-  std::vector<int> reach(to_size(bodies), 0);  // of the contacts of each row
-  for (const DiskStructure::Contact& c : disks.contacts) {
-    if (c.j == disks.surroundings()) continue;
-    const int a = row[to_size(c.i)], b = row[to_size(c.j)];
-    int& r = reach[to_size(std::min(a, b))];
-    r = std::max({r, a, b});
-  }
-  std::vector<int> starts{0};
-  int reached = 0, next_reached = 0;  // by the tiles before the last one, and with it
-  for (int r = 0; r < bodies; ++r) {
-    if (r - starts.back() >= kTileBodies && r > reached) {
-      starts.push_back(r);
-      reached = next_reached;
-    }
-    next_reached = std::max(next_reached, reach[to_size(r)]);
-  }
-  // A short rest joins the tile before.
-  if (starts.size() > 1 && bodies - starts.back() < kTileBodies / 2) starts.pop_back();
-  starts.push_back(bodies);
-  return starts;
-}
-
 /// Distributes the contacts of a tile over batches: each into the first batch with a free lane that
 /// is at least kBatchGap away from all other batches of its two bodies.
 class BatchFiller {
@@ -246,10 +221,34 @@ std::vector<int> body_rows(const DiskStructure& disks) {
   return reverse_cuthill_mckee(disks);
 }
 
+std::vector<int> tile_starts(const DiskStructure& disks, const std::vector<int>& row, int least) {
+  const int bodies = disks.surroundings();
+  std::vector<int> reach(to_size(bodies), 0);  // of the contacts of each row
+  for (const DiskStructure::Contact& c : disks.contacts) {
+    if (c.j == disks.surroundings()) continue;
+    const int a = row[to_size(c.i)], b = row[to_size(c.j)];
+    int& r = reach[to_size(std::min(a, b))];
+    r = std::max({r, a, b});
+  }
+  std::vector<int> starts{0};
+  int reached = 0, next_reached = 0;  // by the tiles before the last one, and with it
+  for (int r = 0; r < bodies; ++r) {
+    if (r - starts.back() >= least && r > reached) {
+      starts.push_back(r);
+      reached = next_reached;
+    }
+    next_reached = std::max(next_reached, reach[to_size(r)]);
+  }
+  // A short rest joins the tile before.
+  if (starts.size() > 1 && bodies - starts.back() < least / 2) starts.pop_back();
+  starts.push_back(bodies);
+  return starts;
+}
+
 ContactTiles tile_contacts(const DiskStructure& disks) {
   ContactTiles out;
   const std::vector<int> position = body_rows(disks);
-  const std::vector<int> starts = tile_starts(disks, position);
+  const std::vector<int> starts = tile_starts(disks, position, kTileBodies);
   const int tiles = static_cast<int>(starts.size()) - 1;
   const int bodies = disks.surroundings();
 

@@ -5,6 +5,7 @@
 #include "core/execution.h"
 #include "core/large_pages.h"
 #include "core/problem/disk_structure.h"
+#include "core/types.h"
 
 namespace bipot {
 
@@ -22,14 +23,27 @@ namespace bipot {
 struct ContactTiles {
   struct Tile {
     int first_batch = 0, last_batch = 0;  ///< half open
-    int first_row = 0, last_row = 0;      ///< half open; the last row is a copy of the surroundings
+    int first_row = 0, last_row = 0;      ///< half open; the surroundings have the last ones
   };
   std::vector<Tile> tiles;
   std::vector<int> row;      ///< of each body, the surroundings excluded
   LargeVector<int> contact;  ///< kLanes a batch: the contact in each lane, -1 where there is none
+  /// Of each batch, where there are any: the first row of a block whose bodies stand first in its
+  /// contacts (body_blocks.h); -1: any bodies.
+  std::vector<int> block_row;
   int num_rows = 0;
+  int outside_rows = 1;  ///< of each tile: the last ones are the surroundings
 
   int num_batches() const { return static_cast<int>(contact.size()) / kLanes; }
+  /// The row of a block that belongs to a lane, -1: any.
+  int first_body_row(int batch, int lane) const {
+    const int block = block_row.empty() ? -1 : block_row[to_size(batch)];
+    return block < 0 ? -1 : block + kRowOfLane[lane];
+  }
+
+  /// The row in a block of the body of each lane: this makes pairs of rows that kernels of eight lanes
+  /// transpose by the fewest shuffles.
+  static constexpr int kRowOfLane[kLanes] = {0, 2, 1, 3, 4, 6, 5, 7};
 };
 
 ContactTiles tile_contacts(const DiskStructure& disks);
@@ -45,6 +59,10 @@ ContactTiles order_contacts(const DiskStructure& disks);
 /// other the first makes a batch of a contact or two: 101 batches of 163 contacts, where the second
 /// makes 21. In both a body stands in the tile that comes to it first, or in one before.
 ContactTiles symmetric_order(const DiskStructure& disks);
+
+/// First body of every tile, in the order of their rows along the graph, and the number of bodies.
+/// `least`: bodies of a tile.
+std::vector<int> tile_starts(const DiskStructure& disks, const std::vector<int>& row, int least);
 
 /// Bodies along the graph: as given where that is local already, else reverse Cuthill-McKee.
 std::vector<int> body_rows(const DiskStructure& disks);

@@ -67,10 +67,20 @@ inline Lanes negative_product(Lanes a, Lanes b) {
 inline Lanes magnitude(Lanes x) {
   return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(x) & 0x7fffffffffffffffLL);
 }
-/// x limited to [-radius, radius]; NaN stays NaN.
+/// The lesser one, `b` where there is none. Written as the instruction is, as positive() is.
+inline Lanes lesser(Lanes a, Lanes b) {
+#if BIPOT_WIDTH == 8
+  return _mm512_maskz_min_pd(kAllLanes, a, b);
+#else
+  return a < b ? a : b;
+#endif
+}
+/// x limited to [-radius, radius]; NaN stays NaN. By magnitude and sign: a single comparison waits for
+/// the radius.
 inline Lanes cut_off(Lanes x, Lanes radius) {
-  const Lanes above = x < -radius ? -radius : x;
-  return above > radius ? radius : above;
+  const Bits sign = Bits{} + static_cast<long long>(1ULL << 63);
+  const Lanes size = lesser(radius, magnitude(x));
+  return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(size) | (reinterpret_cast<Bits>(x) & sign));
 }
 
 /// What the bodies of each lane do together: V_i - V_j and the sum of the spins.
@@ -101,15 +111,21 @@ inline double second(double y) {
   return kSecond == kAlike ? y : -y;
 }
 
+/// `u`: the rows that `i` is counted from.
+template <Second kSecond>
+[[gnu::always_inline]] inline Motion gather(const BodyRow* u, const unsigned* i, const BodyRow* v,
+                                            const unsigned* j) {
+  const Pair a = half(at(u, i[0]))[0] + second<kSecond>(half(at(v, j[0]))[0]),
+             b = half(at(u, i[1]))[0] + second<kSecond>(half(at(v, j[1]))[0]);
+  return {__builtin_shufflevector(a, b, 0, 2),
+          Lanes{at(u, i[0]).value[kRowY] + second<kSecond>(at(v, j[0]).value[kRowY]),
+                at(u, i[1]).value[kRowY] + second<kSecond>(at(v, j[1]).value[kRowY])},
+          __builtin_shufflevector(a, b, 1, 3)};
+}
 template <Second kSecond>
 [[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
                                             const unsigned* j) {
-  const Pair a = half(at(v, i[0]))[0] + second<kSecond>(half(at(v, j[0]))[0]),
-             b = half(at(v, i[1]))[0] + second<kSecond>(half(at(v, j[1]))[0]);
-  return {__builtin_shufflevector(a, b, 0, 2),
-          Lanes{at(v, i[0]).value[kRowY] + second<kSecond>(at(v, j[0]).value[kRowY]),
-                at(v, i[1]).value[kRowY] + second<kSecond>(at(v, j[1]).value[kRowY])},
-          __builtin_shufflevector(a, b, 1, 3)};
+  return gather<kSecond>(v, i, v, j);
 }
 /// Adds the wrench, times `inverse` where there is one, to body i and its opposite to body j.
 template <bool kInverse, Second kSecond>
@@ -166,11 +182,12 @@ template <bool kInverse, Second kSecond>
 #endif
 
 #if BIPOT_WIDTH == 4
+/// `u`: the rows that `i` is counted from.
 template <Second kSecond>
-[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
+[[gnu::always_inline]] inline Motion gather(const BodyRow* u, const unsigned* i, const BodyRow* v,
                                             const unsigned* j) {
   Row r[4];
-  for (int k = 0; k < 4; ++k) r[k] = with_second<kSecond>(row(at(v, i[k])), row(at(v, j[k])));
+  for (int k = 0; k < 4; ++k) r[k] = with_second<kSecond>(row(at(u, i[k])), row(at(v, j[k])));
   const Row even01 = __builtin_shufflevector(r[0], r[1], 0, 4, 2, 6);
   const Row even23 = __builtin_shufflevector(r[2], r[3], 0, 4, 2, 6);
   const Row odd01 = __builtin_shufflevector(r[0], r[1], 1, 5, 3, 7);
@@ -179,20 +196,28 @@ template <Second kSecond>
           __builtin_shufflevector(even01, even23, 2, 3, 6, 7),
           __builtin_shufflevector(odd01, odd23, 0, 1, 4, 5)};
 }
-template <bool kInverse, Second kSecond>
-[[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
-                                           const BodyRow* inverse, BodyRow* to) {
+template <Second kSecond>
+[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
+                                            const unsigned* j) {
+  return gather<kSecond>(v, i, v, j);
+}
+/// Calls add(row, lane) in the order of the lanes.
+template <class Add>
+[[gnu::always_inline]] inline void for_rows(const Motion& p, const Add& add) {
   const Row zero{};
   const Row even = __builtin_shufflevector(p.x, p.spin, 0, 4, 2, 6);
   const Row odd = __builtin_shufflevector(p.x, p.spin, 1, 5, 3, 7);
   const Row y_even = __builtin_shufflevector(p.y, zero, 0, 4, 2, 6);
   const Row y_odd = __builtin_shufflevector(p.y, zero, 1, 5, 3, 7);
-  add<kInverse, kSecond>(__builtin_shufflevector(even, y_even, 0, 1, 4, 5), i[0], j[0], inverse,
-                         to);
-  add<kInverse, kSecond>(__builtin_shufflevector(odd, y_odd, 0, 1, 4, 5), i[1], j[1], inverse, to);
-  add<kInverse, kSecond>(__builtin_shufflevector(even, y_even, 2, 3, 6, 7), i[2], j[2], inverse,
-                         to);
-  add<kInverse, kSecond>(__builtin_shufflevector(odd, y_odd, 2, 3, 6, 7), i[3], j[3], inverse, to);
+  add(__builtin_shufflevector(even, y_even, 0, 1, 4, 5), 0);
+  add(__builtin_shufflevector(odd, y_odd, 0, 1, 4, 5), 1);
+  add(__builtin_shufflevector(even, y_even, 2, 3, 6, 7), 2);
+  add(__builtin_shufflevector(odd, y_odd, 2, 3, 6, 7), 3);
+}
+template <bool kInverse, Second kSecond>
+[[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
+                                           const BodyRow* inverse, BodyRow* to) {
+  for_rows(p, [&](Row wrench, int k) { add<kInverse, kSecond>(wrench, i[k], j[k], inverse, to); });
 }
 #elif BIPOT_WIDTH == 8
 /// Two rows in one register.
@@ -212,14 +237,8 @@ inline Lanes second_of_pairs(Lanes a, Lanes b) {
   return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
 }
 
-template <Second kSecond>
-[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
-                                            const unsigned* j) {
-  const auto pair = [&](int k, int l) {
-    return both(with_second<kSecond>(row(at(v, i[k])), row(at(v, j[k]))),
-                with_second<kSecond>(row(at(v, i[l])), row(at(v, j[l]))));
-  };
-  const Lanes a = pair(0, 2), b = pair(1, 3), c = pair(4, 6), d = pair(5, 7);
+/// What rows of the lanes (0, 2), (1, 3), (4, 6), (5, 7) say.
+[[gnu::always_inline]] inline Motion motion_of(Lanes a, Lanes b, Lanes c, Lanes d) {
   // (x, y) of two lanes by turns, and their spins.
   const Lanes even0 = first_of_pairs(a, b), odd0 = second_of_pairs(a, b);
   const Lanes even1 = first_of_pairs(c, d), odd1 = second_of_pairs(c, d);
@@ -227,26 +246,49 @@ template <Second kSecond>
           __builtin_shufflevector(even0, even1, 2, 3, 6, 7, 10, 11, 14, 15),
           __builtin_shufflevector(odd0, odd1, 0, 1, 4, 5, 8, 9, 12, 13)};
 }
+/// Wrenches as rows of the same pairs.
+struct WrenchRows {
+  Lanes a, b, c, d;
+};
+[[gnu::always_inline]] inline WrenchRows rows_of(const Motion& p) {
+  // (x, spin) of lanes 0, 2, 4, 6 and 1, 3, 5, 7; with y of the same lane, and 0, they make rows.
+  const Lanes even = first_of_pairs(p.x, p.spin), odd = second_of_pairs(p.x, p.spin);
+  const auto pair = [&](Lanes x_spin, long long at, long long y) {
+    constexpr __mmask8 kNoFourth = 0x77;
+    const Bits from{at, at + 1, 8 + y, 0, at + 2, at + 3, 10 + y, 0};
+    return _mm512_maskz_permutex2var_pd(kNoFourth, x_spin, from, p.y);
+  };
+  return {pair(even, 0, 0), pair(odd, 0, 1), pair(even, 4, 4), pair(odd, 4, 5)};
+}
+inline Row lower(Lanes rows) { return __builtin_shufflevector(rows, rows, 0, 1, 2, 3); }
+inline Row upper(Lanes rows) { return __builtin_shufflevector(rows, rows, 4, 5, 6, 7); }
+/// Calls add(row, lane) in the order of the lanes.
+template <class Add>
+[[gnu::always_inline]] inline void for_rows(const WrenchRows& rows, const Add& add) {
+  add(lower(rows.a), 0);
+  add(lower(rows.b), 1);
+  add(upper(rows.a), 2);
+  add(upper(rows.b), 3);
+  add(lower(rows.c), 4);
+  add(lower(rows.d), 5);
+  add(upper(rows.c), 6);
+  add(upper(rows.d), 7);
+}
+
+template <Second kSecond>
+[[gnu::always_inline]] inline Motion gather(const BodyRow* v, const unsigned* i,
+                                            const unsigned* j) {
+  const auto pair = [&](int k, int l) {
+    return both(with_second<kSecond>(row(at(v, i[k])), row(at(v, j[k]))),
+                with_second<kSecond>(row(at(v, i[l])), row(at(v, j[l]))));
+  };
+  return motion_of(pair(0, 2), pair(1, 3), pair(4, 6), pair(5, 7));
+}
 template <bool kInverse, Second kSecond>
 [[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
                                            const BodyRow* inverse, BodyRow* to) {
-  // (x, spin) of lanes 0, 2, 4, 6 and 1, 3, 5, 7; with y of the same lane, and 0, they make rows.
-  const Lanes even = first_of_pairs(p.x, p.spin), odd = second_of_pairs(p.x, p.spin);
-  const auto rows_of = [&](Lanes x_spin, long long lane, long long next) {
-    constexpr __mmask8 kNoFourth = 0x77;
-    const Bits from{lane, lane + 1, 8 + next, 0, lane + 4, lane + 5, 12 + next, 0};
-    return _mm512_maskz_permutex2var_pd(kNoFourth, x_spin, from, p.y);
-  };
-  const auto add_rows = [&](Lanes rows, int k) {
-    add<kInverse, kSecond>(__builtin_shufflevector(rows, rows, 0, 1, 2, 3), i[k], j[k], inverse,
-                           to);
-    add<kInverse, kSecond>(__builtin_shufflevector(rows, rows, 4, 5, 6, 7), i[k + 4], j[k + 4],
-                           inverse, to);
-  };
-  add_rows(rows_of(even, 0, 0), 0);
-  add_rows(rows_of(odd, 0, 1), 1);
-  add_rows(rows_of(even, 2, 2), 2);
-  add_rows(rows_of(odd, 2, 3), 3);
+  for_rows(rows_of(p),
+           [&](Row wrench, int k) { add<kInverse, kSecond>(wrench, i[k], j[k], inverse, to); });
 }
 #endif
 
@@ -307,6 +349,128 @@ template <bool kInverse, bool kBack, int D, class Solve>
     }
   }
   if (batches > 0) scatter<kInverse, kOpposed>(wrench, before.i, before.j, inverse, to);
+}
+
+/// The row in a block of the body of a lane (ContactTiles::kRowOfLane).
+constexpr int kRowOfLane[kLanes] = {0, 2, 1, 3, 4, 6, 5, 7};
+
+/// What comes to the rows of a block.
+struct BlockRows {
+#if BIPOT_WIDTH == 8
+  Lanes pair[kLanes / 2];
+#else
+  BodyRow row[kLanes];
+#endif
+};
+
+/// The motion of the lanes of a part, whose first bodies are those of a block.
+[[gnu::always_inline]] inline Motion gather_block(const BodyRow* block, [[maybe_unused]] int part,
+                                                  const BodyRow* velocity, const unsigned* j) {
+#if BIPOT_WIDTH == 8
+  constexpr Lanes kSign{1, -1, 1, -1, 1, -1, 1, -1};
+  const auto pair = [&](int n, int k, int l) {
+    return _mm512_fnmadd_pd(both(row(at(velocity, j[k])), row(at(velocity, j[l]))), kSign,
+                            load(block->value, n));
+  };
+  return motion_of(pair(0, 0, 2), pair(1, 1, 3), pair(2, 4, 6), pair(3, 5, 7));
+#else
+  unsigned i[kWidth];
+  for (int k = 0; k < kWidth; ++k) {
+    i[k] = static_cast<unsigned>(sizeof(BodyRow)) *
+           static_cast<unsigned>(kRowOfLane[part * kWidth + k]);
+  }
+  return gather<kOpposed>(block, i, velocity, j);
+#endif
+}
+/// Adds wrenches to a block's sum, their opposites to the second bodies, of which there are no two
+/// the same.
+[[gnu::always_inline]] inline void scatter_block(const Motion& p, [[maybe_unused]] int part,
+                                                 const unsigned* j, BlockRows& sum, BodyRow* to) {
+#if BIPOT_WIDTH == 8
+  const WrenchRows rows = rows_of(p);
+  sum.pair[0] += rows.a;
+  sum.pair[1] += rows.b;
+  sum.pair[2] += rows.c;
+  sum.pair[3] += rows.d;
+  constexpr Lanes kSign{1, -1, 1, -1, 1, -1, 1, -1};
+  const auto take = [&](Lanes wrenches, int k, int l) {
+    BodyRow &first = at(to, j[k]), &other = at(to, j[l]);
+    const Lanes taken = _mm512_fnmadd_pd(wrenches, kSign, both(row(first), row(other)));
+    row(first) = lower(taken);
+    row(other) = upper(taken);
+  };
+  take(rows.a, 0, 2);
+  take(rows.b, 1, 3);
+  take(rows.c, 4, 6);
+  take(rows.d, 5, 7);
+#elif BIPOT_WIDTH == 4
+  for_rows(p, [&](Row wrench, int k) {
+    row(sum.row[kRowOfLane[part * kWidth + k]]) += wrench;
+    row(at(to, j[k])) = with_second_of<kOpposed>(at(to, j[k]), wrench);
+  });
+#else
+  const Pair x_spin[2] = {__builtin_shufflevector(p.x, p.spin, 0, 2),
+                          __builtin_shufflevector(p.x, p.spin, 1, 3)};
+  for (int k = 0; k < 2; ++k) {
+    BodyRow &a = sum.row[kRowOfLane[part * kWidth + k]], &b = at(to, j[k]);
+    half(a)[0] += x_spin[k];
+    a.value[kRowY] += p.y[k];
+    half(b)[0] += second<kOpposed>(x_spin[k]);
+    b.value[kRowY] += second<kOpposed>(p.y[k]);
+  }
+#endif
+}
+/// Row by row: where a second body has just been written, eight values at once would have to wait.
+[[gnu::always_inline]] inline void add_block(const BlockRows& sum, BodyRow* rows) {
+#if BIPOT_WIDTH == 8
+  for (int n = 0; n < kLanes / 2; ++n) {
+    row(rows[2 * n]) += lower(sum.pair[n]);
+    row(rows[2 * n + 1]) += upper(sum.pair[n]);
+  }
+#else
+  for (int n = 0; n < kLanes; ++n) {
+    for (int k = 0; k < 4; ++k) rows[n].value[k] += sum.row[n].value[k];
+  }
+#endif
+}
+
+/// Runs solve(batch, part, motion) -> wrench over the batches of blocks: those of a block, whose first
+/// bodies' rows follow each other, then the loose ones. Velocities do not change.
+///
+/// The next part is gathered before this one pushes: a processor that looks but a batch ahead has both
+/// to work on (0.85 of the time). What is gathered behind the last one of a block may be of no use.
+template <int D, class Solve>
+[[gnu::always_inline]] inline void for_blocks(const GradientTask<D>& a, const BodyBlock* block,
+                                              const BodyBlock* last, const Solve& solve) {
+  const auto seconds = [&](int k, int part) { return a.contact[k].j + part * kWidth; };
+  const auto gathered = [&](int k, int part) {
+    return gather_block(&at(a.velocity, a.contact[k].i[0]), part, a.velocity, seconds(k, part));
+  };
+  Motion motion = gathered(block->first, 0);
+  for (; block != last; ++block) {
+    const int loose = block->loose, end = block[1].first;
+    if (block->first < loose) {
+      BlockRows sum{};
+      for (int k = block->first; k < loose; ++k) {
+#pragma GCC unroll 4
+        for (int part = 0; part < kParts; ++part) {
+          const Motion wrench = solve(k, part, motion);
+          motion = part + 1 < kParts ? gathered(k, part + 1) : gathered(k + 1, 0);
+          scatter_block(wrench, part, seconds(k, part), sum, a.next_momentum);
+        }
+      }
+      add_block(sum, &at(a.next_momentum, block->row));
+    }
+    for (int k = loose; k < end; ++k) {
+#pragma GCC unroll 4
+      for (int part = 0; part < kParts; ++part) {
+        const unsigned *const i = a.contact[k].i + part * kWidth, *const j = seconds(k, part);
+        scatter<false, kOpposed>(solve(k, part, gather<kOpposed>(a.velocity, i, j)), i, j, nullptr,
+                                 a.next_momentum);
+      }
+    }
+    if (loose < end) motion = gathered(end, 0);
+  }
 }
 
 template <int D, bool kRelaxed>
@@ -466,52 +630,72 @@ void sweep_back(const SymmetricTask<D>& task, TurnSums& sums) {
   for (int part = 0; part < kParts; ++part) store(sums.turn, part, turn[part]);
 }
 
-void extrapolate(const MomentumTask& task, EnergySums& sums) {
-  const MomentumTask a = task;
-  const auto extrapolated = [&]<class Rows>(int k, Rows& energy) {
-    if (a.ask_ahead) {
-      prefetch_item(a.now, k + kRowsAhead);
-      prefetch_item(a.before, k + kRowsAhead);
-      prefetch_item(a.inverse, k + kRowsAhead);
-      prefetch_item(a.velocity, k + kRowsAhead);
-      prefetch_item(a.next, k + kRowsAhead);
-    }
-    const auto rows = [k](const BodyRow* of) { return *reinterpret_cast<const Rows*>(of + k); };
-    const Rows beta = Rows{} + a.beta, inverse = rows(a.inverse), now = rows(a.now);
-    const Rows change = now - rows(a.before);
-    energy += inverse * change * change;
-    *reinterpret_cast<Rows*>(a.velocity + k) = inverse * (now + beta * change);
-    *reinterpret_cast<Rows*>(a.next + k) = Rows{};
-  };
-  // Two sums, of rows by turns: one addition need not wait for the other.
-  Row even{}, odd{};
-  int k = 0;
+/// Sums over pairs of rows, in parts: those of even and of odd rows need not wait for each other.
 #if BIPOT_WIDTH == 8
-  // Two rows at once, where they share a line of the cache.
-  const bool second_first = starts_within_line(a.now);
-  if (second_first && k < a.rows) extrapolated(k++, even);
-  TwoRows energy = second_first ? both(odd, even) : both(even, odd);
-  for (; k + 1 < a.rows; k += 2) extrapolated(k, energy);
-  const Row lower = __builtin_shufflevector(energy, energy, 0, 1, 2, 3),
-            upper = __builtin_shufflevector(energy, energy, 4, 5, 6, 7);
-  even = second_first ? upper : lower;
-  odd = second_first ? lower : upper;
+using Energy = Lanes;
 #else
-  for (; k + 1 < a.rows; k += 2) {
-    extrapolated(k, even);
-    extrapolated(k + 1, odd);
-  }
+struct Energy {
+  Row even, odd;
+};
 #endif
-  if (k < a.rows) extrapolated(k, k % 2 == 0 ? even : odd);
-  even += odd;
-  for (int part = 0; part < 4; ++part) sums.energy[part] = even[part];
+
+/// 1/m, a²/I, 1/m, 0 from the last values of rows of velocity and of momentum.
+#if BIPOT_WIDTH == 8
+inline Lanes inverse_of(Lanes velocity, Lanes momentum) {
+  constexpr __mmask8 kNoFourth = 0x77;
+  const Bits from{3, 11, 3, 0, 7, 15, 7, 0};
+  return _mm512_maskz_permutex2var_pd(kNoFourth, velocity, from, momentum);
+}
+/// Rows whose last values are those of `last`.
+inline Lanes with_last(Lanes rows, Lanes last) {
+  constexpr __mmask8 kFourth = 0x88;
+  return _mm512_mask_blend_pd(kFourth, rows, last);
+}
+#else
+inline Row inverse_of(Row velocity, Row momentum) {
+  const Row inverse = __builtin_shufflevector(velocity, momentum, 3, 7, 3, 3);
+  return __builtin_shufflevector(inverse, Row{}, 0, 1, 2, 4);
+}
+inline Row with_last(Row rows, Row last) { return __builtin_shufflevector(rows, last, 0, 1, 2, 7); }
+#endif
+
+/// Velocities of a window's bodies at the extrapolated momentum; their next momentum begins with 0.
+template <int D>
+[[gnu::always_inline]] inline void begin_bodies(const GradientTask<D>& a, unsigned first, int rows,
+                                                Energy& energy) {
+  const BodyRow *const now = &at(a.momentum, first), *const before = &at(a.momentum_before, first);
+  BodyRow *const velocity = &at(a.velocity, first), *const next = &at(a.next_momentum, first);
+  const auto begin = [&]<class Rows>(int k, Rows& sum) {
+    if (a.ask_ahead) {
+      prefetch_item(now, k + kRowsAhead);
+      prefetch_item(before, k + kRowsAhead);
+      prefetch_item(velocity, k + kRowsAhead);
+      prefetch_item(next, k + kRowsAhead);
+    }
+    Rows& v = *reinterpret_cast<Rows*>(velocity + k);
+    const Rows p = *reinterpret_cast<const Rows*>(now + k);
+    const Rows change = p - *reinterpret_cast<const Rows*>(before + k);
+    const Rows inverse = inverse_of(v, p), beta = Rows{} + a.beta;
+    sum += inverse * change * change;
+    v = with_last(inverse * (p + beta * change), v);
+    *reinterpret_cast<Rows*>(next + k) = with_last(Rows{}, p);
+  };
+  for (int k = 0; k < rows; k += 2) {
+#if BIPOT_WIDTH == 8
+    begin(k, energy);
+#else
+    begin(k, energy.even);
+    begin(k + 1, energy.odd);
+#endif
+  }
 }
 
 template <int D, bool kCone>
 void project(const GradientTask<D>& task, GradientSums& sums) {
   const GradientTask<D> a = task;
-  const Lanes beta = all(a.beta), rho = all(a.rho);
-  Lanes turn[kParts] = {}, change2[kParts] = {};
+  const Lanes beta = all(a.beta);
+  Lanes along[kParts] = {}, change2[kParts] = {};
+  Energy energy{};
   const auto solve = [&](int k, int part, const Motion& v) {
     if (part == 0 && a.ask_ahead) {
       prefetch_item(a.contact, k + kAhead);
@@ -520,44 +704,54 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
     }
     const ContactBatch<D>& c = a.contact[k];
     const LawBatch& law = a.laws[a.law[k]];
-    const Lanes gx = load(c.gx, part), gy = load(c.gy, part);
-    const Lanes w_n = gx * v.x + gy * v.y + load(c.b[0], part);
+    const Lanes gx = load(c.gx, part), gy = load(c.gy, part), b_n = load(c.b[0], part);
     const Lanes x_n = load(a.now[k].x[0], part);
-    const Lanes y_n = x_n + beta * (x_n - load(a.before[k].x[0], part));
-    Lanes z_n = y_n - rho * w_n;
+    const Lanes step_n = x_n - load(a.before[k].x[0], part);
+    const Lanes y_n = x_n + beta * step_n;
+    // Sums are arranged so that the way from the velocities to the wrench is short.
+    const Lanes from_bodies_n = gx * v.x + gy * v.y;
+    Lanes z_n = (y_n - b_n) - from_bodies_n;
     Motion wrench;
     if constexpr (D == 1) {
       z_n = positive(z_n);
       wrench = {gx * z_n, gy * z_n, Lanes{}};
     } else {
-      const Lanes spin = load(c.spin, part), mu = load(law.mu, part);
+      const Lanes spin = load(c.spin, part), mu = load(law.mu, part), b_t = load(c.b[1], part);
       const Lanes tx = load(law.ratio, part) * gy, ty = load(law.ratio, part) * gx;
-      const Lanes w_t = (ty * v.y - tx * v.x) - spin * v.spin + load(c.b[1], part);
+      const Lanes from_bodies_t = (ty * v.y - tx * v.x) - spin * v.spin;
       const Lanes x_t = load(a.now[k].x[1], part);
-      const Lanes y_t = x_t + beta * (x_t - load(a.before[k].x[1], part));
-      const Lanes tau_t = y_t - rho * w_t;
+      const Lanes step_t = x_t - load(a.before[k].x[1], part);
+      const Lanes y_t = x_t + beta * step_t;
+      const Lanes tau_t = (y_t - b_t) - from_bodies_t;
       if constexpr (kCone) {
-        const Lanes tau_n = y_n - rho * (w_n + mu * magnitude(w_t));
+        const Lanes tau_n = z_n - mu * magnitude(from_bodies_t + b_t);
         const Lanes edge = (tau_n + mu * magnitude(tau_t)) * load(law.cone, part);
         z_n = edge > tau_n ? edge : tau_n;
       }
       z_n = positive(z_n);
       const Lanes z_t = cut_off(tau_t, mu * z_n);
       const Lanes change = z_t - x_t;
-      turn[part] += (y_t - z_t) * change;
+      along[part] += step_t * change;
       change2[part] += change * change;
       store(a.next[k].x[1], part, z_t);
       wrench = {gx * z_n - tx * z_t, gy * z_n + ty * z_t, negative_product(spin, z_t)};
     }
     const Lanes change = z_n - x_n;
-    turn[part] += (y_n - z_n) * change;
+    along[part] += step_n * change;
     change2[part] += change * change;
     store(a.next[k].x[0], part, z_n);
     return wrench;
   };
-  for_parts<false, false>(a.contact, 0, a.batches, a.velocity, nullptr, a.momentum, solve);
+  for (const BodyBlock* window = a.begin; window != a.end;) {
+    const auto left = a.end - window;
+    const BodyBlock* const end = window + (left < kWindowBlocks ? left : kWindowBlocks);
+    begin_bodies(a, window->row, static_cast<int>(end - window) * kLanes, energy);
+    for_blocks(a, window, end, solve);
+    window = end;
+  }
+  *reinterpret_cast<Energy*>(sums.energy) = energy;
   for (int part = 0; part < kParts; ++part) {
-    store(sums.turn, part, turn[part]);
+    store(sums.along, part, along[part]);
     store(sums.change2, part, change2[part]);
   }
 }

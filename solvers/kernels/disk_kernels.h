@@ -9,7 +9,7 @@ namespace bipot {
 struct alignas(32) BodyRow {
   double value[4] = {0, 0, 0, 0};
 };
-inline constexpr int kRowX = 0, kRowSpin = 1, kRowY = 2;
+inline constexpr int kRowX = 0, kRowSpin = 1, kRowY = 2, kRowLast = 3;
 
 /// Where a row stands, in bytes behind the first one.
 inline unsigned row_offset(int row) {
@@ -56,43 +56,42 @@ struct SweepTask {
   const BodyRow* inverse = nullptr;  ///< all rows: 1/m, a²/I, 1/m, 0
 };
 
-/// One step of an accelerated projected gradient over a tile, in two parts. First the velocities of
-/// its bodies at the extrapolated momentum.
-struct MomentumTask {
-  int rows = 0;
-  bool ask_ahead = false;
-  double beta = 0;
-  const BodyRow *now = nullptr, *before = nullptr;  ///< momentum of the tile's rows
-  const BodyRow* inverse = nullptr;                 ///< of the tile's rows
-  BodyRow* velocity = nullptr;                      ///< of the tile's rows
-  BodyRow* next = nullptr;  ///< next momentum of the tile's rows, set to 0; may be `before`
+/// kLanes rows that follow each other, and batches whose lanes have one of these as their first body
+/// each (body_blocks.h: which one); then batches with any bodies, up to the next block's.
+struct BodyBlock {
+  unsigned row = 0;          ///< offset of the first one
+  int first = 0, loose = 0;  ///< batches
 };
-/// ‖momentum - momentum before‖² in 1/mass over the rows of a tile, in parts.
-struct alignas(32) EnergySums {
-  double energy[4] = {};
-};
+/// Blocks whose rows a step of the gradient begins before their contacts: these may touch all of them.
+inline constexpr int kWindowBlocks = 4;
 
-/// Then x⁺ = P(y - rho w(y)) with y = x + beta (x - x⁻), added to the next momentum. Of all tiles
-/// whose bodies these contacts touch the velocities are there and the next momenta begun.
-/// P: solvers/methods/accelerated_gradient.h.
+/// One step of an accelerated projected gradient over blocks, windows after each other: velocities of
+/// their bodies at the extrapolated momentum, then x⁺ = P(y - w(y)) with y = x + beta (x - x⁻), added
+/// to the next momentum. Of all bodies elsewhere that these contacts touch the velocities are there and
+/// the next momenta begun. P: solvers/methods/accelerated_gradient.h.
 template <int D>
 struct GradientTask {
-  int batches = 0;
+  const BodyBlock *begin = nullptr, *end = nullptr;  ///< windows; there is one more at the end
   bool ask_ahead = false;
-  double beta = 0, rho = 0;
   bool cone = false;
+  double beta = 0;
+  // Of all batches and rows.
   const ContactBatch<D>* contact = nullptr;
   const int* law = nullptr;
   const LawBatch* laws = nullptr;
   const ImpulseBatch<D>*now = nullptr, *before = nullptr;  ///< x, x⁻
   ImpulseBatch<D>* next = nullptr;                         ///< x⁺, may be `before`
-  const BodyRow* velocity = nullptr;                       ///< all rows
-  BodyRow* momentum = nullptr;                             ///< all rows, of x⁺
+  // The value that rows do not use otherwise says the inverse: 1/m in a velocity, a²/I in a momentum.
+  // Rows for it would be another fifth of what bodies stream.
+  const BodyRow *momentum = nullptr, *momentum_before = nullptr;  ///< of x, x⁻
+  BodyRow* velocity = nullptr;
+  BodyRow* next_momentum = nullptr;  ///< of x⁺, may be that of x⁻
 };
 /// Partial sums of one tile, lane by lane: to be added in a fixed order.
 struct alignas(64) GradientSums {
-  double turn[kLanes] = {};     ///< (y - x⁺)·(x⁺ - x)
+  double along[kLanes] = {};    ///< (x - x⁻)·(x⁺ - x)
   double change2[kLanes] = {};  ///< ‖x⁺ - x‖²
+  double energy[8] = {};  ///< ‖momentum - momentum before‖² in 1/mass, of two rows at once
 };
 
 /// Velocities of y = x + beta (x - x⁻), which are linear in the impulses: `before` of x⁻ becomes
@@ -133,7 +132,6 @@ struct alignas(64) TurnSums {
 template <int D>
 struct DiskKernels {
   void (*sweep)(const SweepTask<D>& task);
-  void (*extrapolate)(const MomentumTask& task, EnergySums& sums);
   void (*gradient)(const GradientTask<D>& task, GradientSums& sums);
   void (*extrapolate_velocity)(const ExtrapolationTask& task);
   void (*sweep_forth)(const SymmetricTask<D>& task);

@@ -5,8 +5,8 @@
 namespace bipot {
 
 const DiskKernelTable kAvx512DiskKernels = {
-    {&sweep<1>, &extrapolate, &gradient<1>, &extrapolate_velocity, &sweep_forth<1>, &sweep_back<1>},
-    {&sweep<2>, &extrapolate, &gradient<2>, &extrapolate_velocity, &sweep_forth<2>, &sweep_back<2>},
+    {&sweep<1>, &gradient<1>, &extrapolate_velocity, &sweep_forth<1>, &sweep_back<1>},
+    {&sweep<2>, &gradient<2>, &extrapolate_velocity, &sweep_forth<2>, &sweep_back<2>},
     kStressKernels};
 
 }  // namespace bipot

@@ -9,13 +9,13 @@
 #include <utility>
 
 #include "core/large_pages.h"
-#include "solvers/kernels/wavefront.h"
 
 namespace bipot {
 namespace {
 
 constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
 constexpr std::size_t kDeepest = 16;
+constexpr std::size_t kMostPlaces = 4;  // of a wave
 
 /// Bytes of a cache as the system says, `otherwise` where it does not. What follows from it decides
 /// what runs when, and changes no bit.
@@ -33,7 +33,8 @@ std::size_t own_cache() {
   return bytes;
 }
 
-/// A quarter of the next one, which others use too but which is several times as fast as memory. Where
+/// A quarter of the next one, which others use too but which is several times as fast as memory; half
+/// of it serves two threads. Where
 /// several of them serve a processor, the system may tell their sum: 32 MiB are common for one.
 std::size_t shared_cache() {
   static const std::size_t bytes = std::min(cache_bytes(3, 0), std::size_t{32} << 20) / 4;
@@ -64,7 +65,7 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
     : tiles_(std::move(tiles)),
       impulse_scale_(large_copy(scaling.impulse)),
       velocity_scale_(large_copy(scaling.velocity)),
-      contacts_(to_size(tiles_.num_batches())),
+      contacts_(to_size(tiles_.num_batches()) + 1),
       law_(to_size(tiles_.num_batches())),
       inverse_(to_size(tiles_.num_rows)) {
   for (int body = 0; body < disks.surroundings(); ++body) {
@@ -75,13 +76,15 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
   }
   Snap snap_ratio, snap_mu;
   for (const Tile& tile : tiles_.tiles) {
-    const unsigned outside = row_offset(tile.last_row - 1);
     for (int batch = tile.first_batch; batch < tile.last_batch; ++batch) {
       ContactBatch<D>& to = contacts_[to_size(batch)];
       LawBatch law;
       for (int lane = 0; lane < kLanes; ++lane) {
         const int c = tiles_.contact[to_size(batch * kLanes + lane)];
-        to.i[lane] = to.j[lane] = outside;
+        const unsigned outside = row_offset(tile.last_row - 1 - lane % tiles_.outside_rows);
+        const int own = tiles_.first_body_row(batch, lane);
+        to.i[lane] = own >= 0 ? row_offset(own) : outside;
+        to.j[lane] = outside;
         to.gx[lane] = to.gy[lane] = to.spin[lane] = 0;
         for (int k = 0; k < D; ++k) to.b[k][lane] = 0;
         // An empty lane takes the law of its neighbour: one LawBatch less.
@@ -99,6 +102,11 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
         }
         to.gx[lane] = normal * from.n[0];
         to.gy[lane] = normal * from.n[1];
+        if (own >= 0 && to.i[lane] != row_offset(own)) {
+          std::swap(to.i[lane], to.j[lane]);
+          to.gx[lane] = -to.gx[lane];
+          to.gy[lane] = -to.gy[lane];
+        }
         for (int k = 0; k < D; ++k) {
           to.b[k][lane] = scaling.velocity[c * D + k] * p.u_free[c * D + k];
         }
@@ -123,6 +131,20 @@ int DiskTiles<D>::law_number(const LawBatch& law) {
   }
   laws_.push_back(law);
   return static_cast<int>(laws_.size()) - 1;
+}
+
+template <int D>
+void DiskTiles<D>::rescale(double factor) {
+  for (ContactBatch<D>& batch : contacts_) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      batch.gx[lane] *= factor;
+      batch.gy[lane] *= factor;
+      batch.spin[lane] *= factor;
+      for (int k = 0; k < D; ++k) batch.b[k][lane] *= factor;
+    }
+  }
+  velocity_scale_ *= factor;
+  impulse_scale_ /= factor;
 }
 
 template <int D>
@@ -194,16 +216,18 @@ bool DiskTiles<D>::asks_ahead(Streamed bytes) const {
 }
 
 template <int D>
-int DiskTiles<D>::pipeline_depth(int threads, Streamed bytes) const {
+Pipeline DiskTiles<D>::pipeline(int threads, Streamed bytes) const {
   const std::size_t team = to_size(std::max(threads, 1));
   const std::size_t all = in_all(bytes);
-  if (all <= own_cache() * team) return 1;
+  if (all <= own_cache() * team) return {};
   // What comes from the shared cache anyway gains by iterations in the core's own one only.
-  const std::size_t cache =
-      all <= shared_cache() ? own_cache() : std::max(own_cache(), shared_cache() / team);
-  const std::size_t tiles = cache * to_size(num_tiles()) / all;
-  constexpr std::size_t kOthers = kWavePlaces - 1;  // beside one of each iteration
-  return static_cast<int>(std::clamp(tiles, 2 + kOthers, kDeepest + kOthers) - kOthers);
+  const std::size_t share = std::min(shared_cache(), 2 * shared_cache() / team);
+  const std::size_t cache = all <= shared_cache() ? own_cache() : std::max(own_cache(), share);
+  const std::size_t tile = std::max<std::size_t>(all / to_size(num_tiles()), 1);
+  const std::size_t places = std::clamp<std::size_t>(own_cache() / tile, 2, kMostPlaces);
+  const std::size_t others = places - 1;  // beside one of each iteration
+  const std::size_t depth = std::clamp(cache / tile, 2 + others, kDeepest + others) - others;
+  return {static_cast<int>(depth), static_cast<int>(places)};
 }
 
 template class DiskTiles<1>;

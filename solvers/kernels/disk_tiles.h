@@ -9,6 +9,7 @@
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/contact_tiles.h"
 #include "solvers/kernels/disk_kernels.h"
+#include "solvers/kernels/wavefront.h"
 
 namespace bipot {
 
@@ -32,9 +33,11 @@ class DiskTiles {
   int num_rows() const { return tiles_.num_rows; }
   int num_batches() const { return tiles_.num_batches(); }
 
+  const ContactBatch<D>* contacts() const { return contacts_.data(); }
   const ContactBatch<D>* contacts(const Tile& t) const {
     return &contacts_[to_size(t.first_batch)];
   }
+  const int* law_numbers() const { return law_.data(); }
   const int* law_numbers(const Tile& t) const { return &law_[to_size(t.first_batch)]; }
   const LawBatch* laws() const { return laws_.data(); }
   const BodyRow* inverse() const { return inverse_.data(); }
@@ -50,6 +53,9 @@ class DiskTiles {
     }
     return s;
   }
+
+  /// Variables that are `factor` times smaller from now on: x, the impulses of this packing, too.
+  void rescale(double factor);
 
   /// x = impulse ∘ s into the lanes.
   void pack(const Vector& s, std::span<ImpulseBatch<D>> x) const;
@@ -67,8 +73,8 @@ class DiskTiles {
   /// Whether they come from so far that they should be asked for ahead. Nearer by, asking costs more
   /// than it saves.
   bool asks_ahead(Streamed bytes) const;
-  /// Iterations that fit in flight (wavefront.h).
-  int pipeline_depth(int threads, Streamed bytes) const;
+  /// What fits the caches.
+  Pipeline pipeline(int threads, Streamed bytes) const;
 
  private:
   int law_number(const LawBatch& law);

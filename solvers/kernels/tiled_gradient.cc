@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "solvers/kernels/spectral_estimate.h"
 #include "solvers/kernels/wavefront.h"
@@ -9,10 +10,10 @@
 namespace bipot {
 namespace {
 
-/// Iterations in flight for each iteration between restarts: few are thrown away.
-constexpr int kCaution = 6;
 /// Threads begin and end together: at most so many iterations are done in between.
 constexpr int kTogether = 16;
+/// Iterations of the first group.
+constexpr int kAtFirst = 8;
 
 }  // namespace
 
@@ -22,23 +23,40 @@ template <int D>
 TiledGradient<D>::TiledGradient(const ContactProblem& problem, const DiskStructure& disks,
                                 const ContactScaling& scaling, const Execution& options,
                                 GradientNeighbours<D>* neighbours)
-    : disks_(problem, disks, scaling),
+    : blocks_(block_contacts(disks)),
+      disks_(problem, disks, scaling, std::move(blocks_.tiles)),
       kernels_(disk_kernels<D>(options.path)),
       neighbours_(neighbours),
       threads_(options.threads),
-      depth_(disks_.pipeline_depth(threads_, kStreamed)),
+      pipeline_(disks_.pipeline(threads_, kStreamed)),
       asks_ahead_(disks_.asks_ahead(kStreamed)),
       group_(neighbours != nullptr ? 1
-             : threads_ > 1        ? std::max(depth_, kTogether)
-                                   : depth_),
+             : threads_ > 1        ? std::max(pipeline_.depth, kTogether)
+                                   : pipeline_.depth),
       velocity_(to_size(disks_.num_rows())),
-      sums_(to_size(group_) * to_size(disks_.num_tiles())),
-      energy_(sums_.size()) {
+      sums_(to_size(group_) * to_size(disks_.num_tiles())) {
   // One iteration at a time never comes to the last buffers.
   for (int k = 0; k < (group_ > 1 ? 4 : 3); ++k) {
     impulse_[k].resize(to_size(disks_.num_batches()));
     momentum_[k].resize(to_size(disks_.num_rows()));
   }
+}
+
+/// In variables that are √ρ times smaller a step of ρ is one of 1: two products fewer, and off the way
+/// from the velocities to the impulses.
+template <int D>
+void TiledGradient<D>::set_step(double rho) {
+  if (rho == rho_) return;
+  const double factor = std::sqrt(rho / rho_);
+  disks_.rescale(factor);
+  for (const int k : {roles_.now, roles_.before}) {
+    for (ImpulseBatch<D>& batch : impulse_[k]) {
+      for (auto& x : batch.x) {
+        for (double& value : x) value /= factor;
+      }
+    }
+  }
+  rho_ = rho;
 }
 
 template <int D>
@@ -48,6 +66,11 @@ void TiledGradient<D>::reset(const Vector& s) {
   disks_.push(impulse_[roles_.now], momentum_[roles_.now]);
   if (neighbours_ != nullptr) {
     neighbours_->complete(disks_, impulse_[roles_.now], momentum_[roles_.now]);
+  }
+  for (std::size_t row = 0; row < velocity_.size(); ++row) {
+    const BodyRow& inverse = disks_.inverse()[row];
+    velocity_[row].value[kRowLast] = inverse.value[kRowX];
+    momentum_[roles_.now][row].value[kRowLast] = inverse.value[kRowSpin];
   }
   impulse_[roles_.before] = impulse_[roles_.now];
   momentum_[roles_.before] = momentum_[roles_.now];
@@ -82,43 +105,27 @@ void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
                            const GradientControl& control) {
   std::vector<Roles> roles;
   for (int k = 0; k <= iterations; ++k) roles.push_back(after(k));
-  const int tiles = disks_.num_tiles(), middle = first_upper_tile(tiles);
-  const auto extrapolate = [&](int k, int t) {
-    const ContactTiles::Tile& tile = disks_.tile(t);
-    const std::size_t row = to_size(tile.first_row);
-    MomentumTask task;
-    task.rows = tile.last_row - tile.first_row;
-    task.ask_ahead = asks_ahead_;
-    task.beta = beta[to_size(k)];
-    task.now = &momentum_[to_size(roles[to_size(k)].now)][row];
-    task.before = &momentum_[to_size(roles[to_size(k)].before)][row];
-    task.inverse = disks_.inverse() + row;
-    task.velocity = &velocity_[row];
-    task.next = &momentum_[to_size(roles[to_size(k) + 1].now)][row];
-    kernels_.extrapolate(task, energy_[to_size(k * tiles + t)]);
-  };
-  run_wavefront(threads_, tiles, iterations, depth_, [&](int k, int t) {
-    // The contacts of a tile touch its bodies and those of the tile below.
-    if (t < middle || t == tiles - 1) extrapolate(k, t);
-    if (t > middle) extrapolate(k, t - 1);
-    const ContactTiles::Tile& tile = disks_.tile(t);
-    const std::size_t batch = to_size(tile.first_batch);
+  const int tiles = disks_.num_tiles();
+  run_wavefront(threads_, tiles, iterations, pipeline_, [&](int k, int t) {
     const Roles& role = roles[to_size(k)];
     const std::size_t next = to_size(roles[to_size(k) + 1].now);
+
     GradientTask<D> task;
-    task.batches = tile.last_batch - tile.first_batch;
+    task.begin = &blocks_.blocks[to_size(blocks_.first_block[to_size(t)])];
+    task.end = &blocks_.blocks[to_size(blocks_.first_block[to_size(t) + 1])];
     task.beta = beta[to_size(k)];
     task.ask_ahead = asks_ahead_;
-    task.rho = control.step / control.lambda;
     task.cone = control.cone;
-    task.contact = disks_.contacts(tile);
-    task.law = disks_.law_numbers(tile);
+    task.contact = disks_.contacts();
+    task.law = disks_.law_numbers();
     task.laws = disks_.laws();
-    task.now = &impulse_[to_size(role.now)][batch];
-    task.before = &impulse_[to_size(role.before)][batch];
-    task.next = &impulse_[next][batch];
+    task.now = impulse_[to_size(role.now)].data();
+    task.before = impulse_[to_size(role.before)].data();
+    task.next = impulse_[next].data();
+    task.momentum = momentum_[to_size(role.now)].data();
+    task.momentum_before = momentum_[to_size(role.before)].data();
     task.velocity = velocity_.data();
-    task.momentum = momentum_[next].data();
+    task.next_momentum = momentum_[next].data();
     kernels_.gradient(task, sums_[to_size(k * tiles + t)]);
   });
   if (neighbours_ != nullptr) {
@@ -128,36 +135,50 @@ void TiledGradient<D>::run(int iterations, const std::vector<double>& beta,
 }
 
 template <int D>
-GradientProgress TiledGradient<D>::totals(int iteration) const {
-  GradientSums sum;
-  EnergySums energy;
+GradientProgress TiledGradient<D>::totals(int iteration, double beta) const {
+  GradientSums sum;  // of all tiles
   for (int t = 0; t < disks_.num_tiles(); ++t) {
     const std::size_t at = to_size(iteration * disks_.num_tiles() + t);
     const GradientSums& part = sums_[at];
     for (int lane = 0; lane < kLanes; ++lane) {
-      sum.turn[lane] += part.turn[lane];
+      sum.along[lane] += part.along[lane];
       sum.change2[lane] += part.change2[lane];
     }
-    for (int k = 0; k < 4; ++k) energy.energy[k] += energy_[at].energy[k];
+    for (int k = 0; k < 8; ++k) sum.energy[k] += part.energy[k];
   }
   GradientProgress total;
+  double along = 0;
   for (int lane = 0; lane < kLanes; ++lane) {
-    total.turn += sum.turn[lane];
+    along += sum.along[lane];
     total.change2 += sum.change2[lane];
   }
-  for (const int k : {kRowX, kRowY, kRowSpin}) total.energy += energy.energy[k];
+  // (y - x⁺)·(x⁺ - x), as y = x + beta (x - x⁻).
+  total.turn = rho_ * (beta * along - total.change2);
+  total.change2 *= rho_;
+  for (const int k : {kRowX, kRowY, kRowSpin}) total.energy += sum.energy[k] + sum.energy[k + 4];
   if (neighbours_ == nullptr) return total;
   const Roles& r = roles_;
   return neighbours_->total(disks_, total, momentum_[r.now], momentum_[r.before]);
+}
+
+/// Iterations of the next group: up to the restart, if one is near. What asks for it rises almost
+/// linearly: so few are thrown away (four in a hundred by a sixth of the iterations since the last).
+template <int D>
+int TiledGradient<D>::before_restart() const {
+  if (since_restart_ < 2) {
+    // Nothing is known yet but how far the last restart was from the one before.
+    return std::clamp(interval_ > 0 ? interval_ / 2 : kAtFirst, 1, group_);
+  }
+  const double rise = turn_ - turn_before_;
+  return -turn_ < rise * group_ ? 1 + static_cast<int>(-turn_ / rise) : group_;
 }
 
 template <int D>
 void TiledGradient<D>::advance(int iterations, GradientControl& control) {
   std::vector<double> beta, t;
   while (iterations > 0) {
-    const int cautious =
-        control.momentum ? 1 + std::max(interval_, since_restart_) / kCaution : group_;
-    const int group = std::min({iterations, group_, cautious});
+    set_step(control.step / control.lambda);
+    const int group = std::min(iterations, control.momentum ? before_restart() : group_);
     beta.assign(1, beta_);
     t.assign(1, control.t);
     for (int k = 1; k < group; ++k) {
@@ -171,7 +192,7 @@ void TiledGradient<D>::advance(int iterations, GradientControl& control) {
     bool restart = false, raised = false;
     double raised_to = 0, change2 = change2_;
     while (good < group && !restart) {
-      const GradientProgress sums = totals(good);
+      const GradientProgress sums = totals(good, beta[to_size(good)]);
       if (sums.energy > control.lambda * change2) {
         // A larger eigenvalue than the estimate has shown itself in the step before.
         raised = true;
@@ -179,6 +200,8 @@ void TiledGradient<D>::advance(int iterations, GradientControl& control) {
         break;
       }
       change2 = sums.change2;
+      turn_before_ = turn_;
+      turn_ = sums.turn;
       restart = sums.turn > 0;
       ++good;
     }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/large_pages.h"
+#include "solvers/kernels/body_blocks.h"
 #include "solvers/kernels/disk_tiles.h"
 #include "solvers/kernels/gradient_kernel.h"
 
@@ -24,7 +25,7 @@ class GradientNeighbours {
                                  std::span<const BodyRow> now, std::span<const BodyRow> before) = 0;
 };
 
-/// The accelerated projected gradient for disks, vectorised, in the order of DiskTiles.
+/// The accelerated projected gradient for disks, vectorised, by blocks of bodies (body_blocks.h).
 ///
 /// Whether an iteration restarts momentum depends on sums over all contacts of the one before. So
 /// that several iterations can be in flight (wavefront.h), they are computed as if there was no
@@ -45,28 +46,33 @@ class TiledGradient final : public GradientKernel {
 
  private:
   static constexpr typename DiskTiles<D>::Streamed kStreamed{
-      sizeof(ContactBatch<D>) + 4 * sizeof(ImpulseBatch<D>), 6 * sizeof(BodyRow)};
+      sizeof(ContactBatch<D>) + 4 * sizeof(ImpulseBatch<D>), 5 * sizeof(BodyRow)};
   /// Buffers of x and of the momentum by number; iteration k of a group reads two and writes one.
   struct Roles {
     int now = 0, before = 1, free[2] = {2, 3};
   };
+  void set_step(double rho);
+  int before_restart() const;
   Roles after(int iterations) const;
   void run(int iterations, const std::vector<double>& beta, const GradientControl& control);
-  GradientProgress totals(int iteration) const;
+  GradientProgress totals(int iteration, double beta) const;
 
+  BodyBlocks blocks_;  // without its tiles, which disks_ has
   DiskTiles<D> disks_;
   const DiskKernels<D>& kernels_;
   GradientNeighbours<D>* const neighbours_;
-  int threads_, depth_;  // of the wavefront
+  int threads_;
+  Pipeline pipeline_;
   bool asks_ahead_;
   int group_;  // iterations between two looks at the sums
   LargeVector<ImpulseBatch<D>> impulse_[4];
   LargeVector<BodyRow> momentum_[4], velocity_;
   std::vector<GradientSums> sums_;  // of every iteration in flight and tile
-  std::vector<EnergySums> energy_;  // likewise
   Roles roles_;
+  double rho_ = 1;                 // step that the variables are scaled by
   double beta_ = 0, change2_ = 0;  // of the next iteration; of the last one
   int since_restart_ = 0, interval_ = 0;
+  double turn_ = 0, turn_before_ = 0;  // of the last two iterations, if so many since the restart
   Vector s_;
 };
 

@@ -12,7 +12,7 @@ TiledSweep<D>::TiledSweep(const ContactProblem& problem, const DiskStructure& di
       kernels_(disk_kernels<D>(options.path)),
       omega_(omega),
       threads_(options.threads),
-      depth_(disks_.pipeline_depth(threads_, kStreamed)),
+      pipeline_(disks_.pipeline(threads_, kStreamed)),
       asks_ahead_(disks_.asks_ahead(kStreamed)),
       impulse_(to_size(disks_.num_batches())),
       velocity_(to_size(disks_.num_rows())) {}
@@ -31,7 +31,7 @@ const Vector& TiledSweep<D>::impulse() {
 
 template <int D>
 void TiledSweep<D>::advance(int sweeps) {
-  run_wavefront(threads_, disks_.num_tiles(), sweeps, depth_, [&](int, int t) {
+  run_wavefront(threads_, disks_.num_tiles(), sweeps, pipeline_, [&](int, int t) {
     const ContactTiles::Tile& tile = disks_.tile(t);
     SweepTask<D> task;
     task.batches = tile.last_batch - tile.first_batch;

@@ -26,7 +26,8 @@ class TiledSweep {
   DiskTiles<D> disks_;
   const DiskKernels<D>& kernels_;
   double omega_;
-  int threads_, depth_;
+  int threads_;
+  Pipeline pipeline_;
   bool asks_ahead_;
   LargeVector<ImpulseBatch<D>> impulse_;
   LargeVector<BodyRow> velocity_;

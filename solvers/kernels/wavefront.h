@@ -25,31 +25,37 @@ inline void wait_for(const std::atomic<int>& done, int count) {
   }
 }
 
-/// Places that an iteration takes in a wave, before the next one follows: bodies between them come
-/// into a core's own cache once for all of these.
-inline constexpr int kWavePlaces = 2;
+/// Iterations in flight, and the places that each takes in a wave before the next one follows: what
+/// these hold is then in a core's own cache for it, all but the first of them.
+struct Pipeline {
+  int depth = 1, places = 2;
+};
 
-/// Wave w has the places with place + i = kWavePlaces w, ..., iteration i after iteration i - 1. So
-/// every (i, place) comes after (i, place - 1) and (i - 1, place + 1).
-inline int wave_of(int place, int i) { return (place + i) / kWavePlaces; }
+/// Wave w has the places with place + i = `places` w, ..., iteration i after iteration i - 1. So every
+/// (i, place) comes after (i, place - 1) and (i - 1, place + 1).
+inline int wave_of(int place, int i, int places) { return (place + i) / places; }
 
 /// Calls task(start + i, place) for begin <= place < end in a wave.
 template <class Task>
-void run_part_of_wave(int begin, int end, int start, int i, int wave, const Task& task) {
-  const int first = kWavePlaces * wave - i;
-  for (int place = std::max(begin, first); place < std::min(end, first + kWavePlaces); ++place) {
+void run_part_of_wave(int begin, int end, int start, int i, int wave, int places,
+                      const Task& task) {
+  const int first = places * wave - i;
+  for (int place = std::max(begin, first); place < std::min(end, first + places); ++place) {
     task(start + i, place);
   }
 }
 /// The same for the iterations i < group of the waves from `first` to before `last`.
 template <class Task>
-void run_waves(int begin, int end, int start, int group, int first, int last, const Task& task) {
+void run_waves(int begin, int end, int start, int group, int first, int last, int places,
+               const Task& task) {
   for (int wave = first; wave < last; ++wave) {
-    for (int i = 0; i < group; ++i) run_part_of_wave(begin, end, start, i, wave, task);
+    for (int i = 0; i < group; ++i) run_part_of_wave(begin, end, start, i, wave, places, task);
   }
 }
 /// The first wave after those of run_waves().
-inline int end_of_waves(int end, int group) { return wave_of(end - 1, group - 1) + 1; }
+inline int end_of_waves(int end, int group, int places) {
+  return wave_of(end - 1, group - 1, places) + 1;
+}
 
 /// The tile from which on run_wavefront() comes down: half of them.
 inline int first_upper_tile(int tiles) { return tiles / 2; }
@@ -61,7 +67,7 @@ inline int first_upper_tile(int tiles) { return tiles / 2; }
 /// left free then share no body, and the result is that of plain loops over k and over t in that
 /// order, bit for bit. The task must not throw.
 ///
-/// One thread takes groups of `depth` iterations in waves, so that what an iteration has in the cache
+/// One thread takes groups of pipeline.depth iterations in waves, so that what an iteration has in the cache
 /// serves the next ones too: those of the lower half that do not need the upper one, those of the
 /// upper one, then both by turns. Several threads have a range of tiles each, for all iterations, and
 /// stay with it: a range may fit a core's own cache where the whole does not. Two begin together and
@@ -70,13 +76,15 @@ inline int first_upper_tile(int tiles) { return tiles / 2; }
 /// iteration, and for the first tile of the one ahead in the iteration before. Both stand earlier in
 /// the order of waves and, within a wave, of iterations, in which all proceed: nobody waits for ever.
 template <class Task>
-void run_wavefront(int threads, int tiles, int iterations, int depth, const Task& task) {
+void run_wavefront(int threads, int tiles, int iterations, Pipeline pipeline, const Task& task) {
   constexpr int kLeastTiles = 2;  // of a range
-  // Behind another one by `depth` ranges, a thread loses that part of the iterations.
+  // Behind another one by the iterations in flight, a thread loses that part of the iterations.
   constexpr int kDepthsInAll = 4;
   const int middle = first_upper_tile(tiles), above = tiles - middle;
   const auto upper = [&](int k, int place) { task(k, tiles - 1 - place); };
   threads = std::clamp(threads, 1, std::max(1, tiles / kLeastTiles));
+  const int together = pipeline.places;
+  int depth = pipeline.depth;
   if (threads > 2) depth = std::clamp(iterations / kDepthsInAll, 1, depth);
   std::vector<RangeProgress> progress(static_cast<std::size_t>(threads));
 
@@ -84,14 +92,15 @@ void run_wavefront(int threads, int tiles, int iterations, int depth, const Task
     for (int start = 0; start < iterations; start += depth) {
       const int group = std::min(depth, iterations - start);
       // The upper half waits for the last place of the lower one, whose next iteration waits for it.
-      const int lower_alone = wave_of(middle, 0), upper_alone = wave_of(above - 1, 0);
-      run_waves(0, middle, start, group, 0, lower_alone, task);
-      run_waves(0, above, start, group, 0, upper_alone, upper);
-      for (int wave = std::min(lower_alone, upper_alone); wave < end_of_waves(above, group);
-           ++wave) {
+      const int lower_alone = wave_of(middle, 0, together),
+                upper_alone = wave_of(above - 1, 0, together);
+      run_waves(0, middle, start, group, 0, lower_alone, together, task);
+      run_waves(0, above, start, group, 0, upper_alone, together, upper);
+      const int end = end_of_waves(above, group, together);
+      for (int wave = std::min(lower_alone, upper_alone); wave < end; ++wave) {
         for (int i = 0; i < group; ++i) {
-          if (wave >= lower_alone) run_part_of_wave(0, middle, start, i, wave, task);
-          if (wave >= upper_alone) run_part_of_wave(0, above, start, i, wave, upper);
+          if (wave >= lower_alone) run_part_of_wave(0, middle, start, i, wave, together, task);
+          if (wave >= upper_alone) run_part_of_wave(0, above, start, i, wave, together, upper);
         }
       }
     }
@@ -110,8 +119,8 @@ void run_wavefront(int threads, int tiles, int iterations, int depth, const Task
         meets ? progress[static_cast<std::size_t>(up ? below : size) - 1].last : own[1].first;
     for (int start = 0; start < iterations; start += depth) {
       const int group = std::min(depth, iterations - start);
-      run_waves(begin, end, start, group, wave_of(begin, 0), end_of_waves(end, group),
-                [&](int k, int place) {
+      run_waves(begin, end, start, group, wave_of(begin, 0, together),
+                end_of_waves(end, group, together), together, [&](int k, int place) {
                   if (place == begin && here > 0) wait_for(own[-1].last, k + 1);
                   if (place == end - 1) wait_for(ahead, meets && up ? k + 1 : k);
                   if (up) {

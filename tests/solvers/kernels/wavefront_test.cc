@@ -24,9 +24,9 @@ class Bodies {
   std::vector<double> value_;
 };
 
-std::vector<double> values_after(int threads, int tiles, int iterations, int depth) {
+std::vector<double> values_after(int threads, int tiles, int iterations, Pipeline pipeline) {
   Bodies bodies(tiles);
-  run_wavefront(threads, tiles, iterations, depth, [&](int k, int t) { bodies(k, t); });
+  run_wavefront(threads, tiles, iterations, pipeline, [&](int k, int t) { bodies(k, t); });
   return bodies.value();
 }
 
@@ -46,8 +46,10 @@ TEST(Wavefront, GivesTheBitsOfThePlainLoops) {
       const std::vector<double> plain = values_of_plain_loops(tiles, iterations);
       for (const int threads : {1, 2, 3, 4, 5}) {
         for (const int depth : {1, 2, 3, 8, 64}) {
-          EXPECT_EQ(values_after(threads, tiles, iterations, depth), plain)
-              << tiles << ' ' << iterations << ' ' << threads << ' ' << depth;
+          for (const int places : {1, 2, 3, 6}) {
+            EXPECT_EQ(values_after(threads, tiles, iterations, {depth, places}), plain)
+                << tiles << ' ' << iterations << ' ' << threads << ' ' << depth << ' ' << places;
+          }
         }
       }
     }
@@ -55,8 +57,8 @@ TEST(Wavefront, GivesTheBitsOfThePlainLoops) {
 }
 
 TEST(Wavefront, NoIterationsAndNoTilesAreNothing) {
-  EXPECT_EQ(values_after(2, 5, 0, 3), std::vector<double>(6, 1.0));
-  EXPECT_EQ(values_after(2, 0, 4, 3), std::vector<double>(1, 1.0));
+  EXPECT_EQ(values_after(2, 5, 0, {3}), std::vector<double>(6, 1.0));
+  EXPECT_EQ(values_after(2, 0, 4, {3}), std::vector<double>(1, 1.0));
 }
 
 }  // namespace
