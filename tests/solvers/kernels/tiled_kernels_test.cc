@@ -20,13 +20,13 @@ namespace {
 
 constexpr SimdPath kPaths[] = {SimdPath::kPortable, SimdPath::kAvx2, SimdPath::kAvx512};
 
-ContactProblem packing(int dim, bool square = false) {
+ContactProblem packing(int dim, bool square = false, int side = 30) {
   LatticeOptions o;
   o.dim = dim;
   o.tilt = 0.2;
   o.e_n = 0.2;
   o.e_t = dim == 1 ? 0 : 0.7;
-  return square ? square_lattice(30, o) : triangular_lattice(30, o);
+  return square ? square_lattice(side, o) : triangular_lattice(side, o);
 }
 
 struct Setting {
@@ -74,8 +74,10 @@ bool same_bits(const Vector& a, const Vector& b) {
 
 template <int D>
 void check_bits() {
-  for (const bool square : {false, true}) {
-    const Setting at(packing(D, square));
+  // Of 2, 5 and 7 disks a side many lanes are empty.
+  for (const auto& [square, side] : {std::pair(false, 30), std::pair(true, 30), std::pair(true, 2),
+                                     std::pair(false, 5), std::pair(true, 7)}) {
+    const Setting at(packing(D, square, side));
     const Vector sweep = swept<D>(at, 1, {1, SimdPath::kPortable}, kOneByOne);
     const Vector relaxed = swept<D>(at, 1.5, {1, SimdPath::kPortable}, kOneByOne);
     const Vector split = descended<D>(at, false, {1, SimdPath::kPortable}, kOneByOne);
@@ -85,8 +87,8 @@ void check_bits() {
       if (!has_path(path)) continue;
       for (int threads = 1; threads <= 4; ++threads) {
         const Execution e{threads, path};
-        const std::string where =
-            std::string(to_string(path)) + ", threads " + std::to_string(threads);
+        const std::string where = std::string(to_string(path)) + ", threads " +
+                                  std::to_string(threads) + ", side " + std::to_string(side);
         const std::vector<int>& portions = threads % 2 == 0 ? kMixed : kTogether;
         EXPECT_TRUE(same_bits(swept<D>(at, 1, e, portions), sweep)) << where;
         EXPECT_TRUE(same_bits(swept<D>(at, 1.5, e, portions), relaxed)) << where;
