@@ -19,27 +19,33 @@ inline bool kernels_without_avx2(std::string_view core) {
   return std::find(kOld.begin(), kOld.end(), core) != kOld.end();
 }
 
-/// OpenBLAS knows processors by their numbers, and takes kernels of 2004 on one that came after it:
-/// Debian 12's on a Xeon of 2023, where `ipm` then takes 1.35 times as long (data/speed.md). Starts the
-/// program again with those of any processor that has AVX2, whose digits are the same on all. For the
-/// first line of main(): OpenBLAS decides before that. Does nothing where the environment names
-/// kernels, or BLAS is another one.
-inline void take_kernels_of_this_processor(char** argv) {
+/// The kernels of OpenBLAS for what this processor can do, by name; null: none with AVX2.
+inline const char* fitting_kernels() {
 #ifdef __x86_64__
-  constexpr const char* kVariable = "OPENBLAS_CORETYPE";
-  if (getenv(kVariable) != nullptr || !__builtin_cpu_supports("avx2") ||
-      !__builtin_cpu_supports("fma")) {
-    return;
+  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
+      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512dq") &&
+      __builtin_cpu_supports("avx512vl")) {
+    return "SkylakeX";
   }
+  if (__builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return "Haswell";
+#endif
+  return nullptr;
+}
+
+/// OpenBLAS knows processors by their numbers, and takes kernels of 2004 on one that came after it:
+/// Debian 12's on a Xeon of 2023, where `ipm` then takes 1.6 times as long (data/speed.md). Starts the
+/// program again with those that fit. For the first line of main(): OpenBLAS decides before that. Does
+/// nothing where the environment names kernels, or BLAS is another one.
+inline void take_kernels_of_this_processor(char** argv) {
+  constexpr const char* kVariable = "OPENBLAS_CORETYPE";
+  const char* const fitting = fitting_kernels();
+  if (fitting == nullptr || getenv(kVariable) != nullptr) return;
   const auto core_name =
       reinterpret_cast<const char* (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_corename"));
   if (core_name == nullptr || !kernels_without_avx2(core_name())) return;
-  setenv(kVariable, "Haswell", 1);
+  setenv(kVariable, fitting, 1);
   execv("/proc/self/exe", argv);
   unsetenv(kVariable);  // it cannot be started again: slower, but right
-#else
-  (void)argv;
-#endif
 }
 
 }  // namespace bipot

@@ -318,10 +318,10 @@ constexpr int kRowsAhead = 64;
 /// `last`, downwards with kBack. In program order the bodies of a part are read before the part
 /// before writes to its own, so that the processor works on both at once. They share no body:
 /// neither do the lanes of a batch nor two batches that follow.
-template <bool kInverse, bool kBack, int D, class Solve>
+template <bool kBack, int D, class Solve>
 [[gnu::always_inline]] inline void for_parts(const ContactBatch<D>* contact, int first, int last,
-                                             const BodyRow* velocity, const BodyRow* inverse,
-                                             BodyRow* to, const Solve& solve) {
+                                             BodyRow* velocity, const BodyRow* inverse,
+                                             const Solve& solve) {
   struct Bodies {
     const unsigned *i = nullptr, *j = nullptr;
   };
@@ -338,17 +338,13 @@ template <bool kInverse, bool kBack, int D, class Solve>
       const Bodies bodies = bodies_of(k, part);
       const Motion motion = gather<kOpposed>(velocity, bodies.i, bodies.j);
       if (part > 0 || n > 0) {
-        // Counted from here they need no registers: 0.95 of the time of apgd, but 1.1 of sweeps.
-        if constexpr (!kInverse) {
-          before = part > 0 ? bodies_of(k, part - 1) : bodies_of(k - step, kParts - 1);
-        }
-        scatter<kInverse, kOpposed>(wrench, before.i, before.j, inverse, to);
+        scatter<true, kOpposed>(wrench, before.i, before.j, inverse, velocity);
       }
       wrench = solve(k, part, motion);
       before = bodies;
     }
   }
-  if (batches > 0) scatter<kInverse, kOpposed>(wrench, before.i, before.j, inverse, to);
+  if (batches > 0) scatter<true, kOpposed>(wrench, before.i, before.j, inverse, velocity);
 }
 
 /// The row in a block of the body of a lane (ContactTiles::kRowOfLane).
@@ -512,7 +508,7 @@ void sweep_batches(const SweepTask<D>& task) {
       return Motion{gx * normal + tx * back, gy * normal - ty * back, spin * back};
     }
   };
-  for_parts<true, false>(a.contact, 0, a.batches, a.velocity, a.inverse, a.velocity, solve);
+  for_parts<false>(a.contact, 0, a.batches, a.velocity, a.inverse, solve);
 }
 
 template <int D>
@@ -609,8 +605,7 @@ void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
                     negative_product(spin, change)};
     }
   };
-  for_parts<true, kBack>(a.contact, a.first_batch, a.last_batch, a.velocity, a.inverse, a.velocity,
-                         solve);
+  for_parts<kBack>(a.contact, a.first_batch, a.last_batch, a.velocity, a.inverse, solve);
 }
 
 template <int D>
