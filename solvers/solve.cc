@@ -168,15 +168,13 @@ SolveResult solve_with_islands_as_named(const SolverEntry& entry, const ContactP
 
 }  // namespace
 
-SolveResult solve(std::string_view solver, const ContactProblem& problem,
-                  const SolverOptions& options) {
+SolveResult solve(std::string_view solver, const ContactProblem& problem, SolverOptions options) {
   const SolverEntry* entry = find_solver(solver);
   if (entry == nullptr) return refuse(unknown_solver_message(solver));
-  return solve(*entry, problem, options);
+  return solve(*entry, problem, std::move(options));
 }
 
-SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
-                  const SolverOptions& options) {
+SolveResult solve(const SolverEntry& entry, const ContactProblem& problem, SolverOptions options) {
   if (options.parameters.count(std::string(kIslandsParameter.name)) > 0) {
     return solve_with_islands_as_named(entry, problem, options);
   }
@@ -201,8 +199,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
     }
     PreparedProblem prepared(*given, options.execution.threads);
     ContactErrorEvaluator& evaluate = prepared.criterion();
-    SolverOptions informed = options;
-    informed.prepared = &prepared;
+    options.prepared = &prepared;
 
     SolveResult result;
     result.s = Vector::Zero(problem.num_rows());
@@ -213,7 +210,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       result.status = SolveStatus::kNothingToDo;
       result.message = problem.num_contacts() == 0 ? "no contacts" : "s = 0 satisfies the law";
     } else if (start && meets(options, *start) &&
-               prove_claim(*given, informed, evaluate.impulse(), *start).holds) {
+               prove_claim(*given, options, evaluate.impulse(), *start).holds) {
       result.status = SolveStatus::kConverged;
       result.message = "the start meets the stop test";
       result.s = options.s0;
@@ -229,11 +226,11 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
         // What jammed bodies at rest had to bear in the step before may be beyond all measure of this one:
         // no solver comes back from there with a digit that counts.
         if (start && start->energy > kDivergenceFactor * none.energy) {
-          SolverOptions from_zero = informed;
+          SolverOptions from_zero = options;
           from_zero.s0 = Vector();
           result = run(from_zero);
         } else {
-          result = run(informed);
+          result = run(options);
         }
       } catch (const std::exception& e) {
         result.status = SolveStatus::kNumericalFailure;
@@ -247,7 +244,7 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
       result.setup_seconds += before;
     }
     judge(problem, options, evaluate, result);
-    judge_in_extended_precision(*given, informed, result);
+    judge_in_extended_precision(*given, options, result);
     return result;
   } catch (const std::exception& e) {  // out of memory, an indefinite general mass matrix
     SolveResult result;

@@ -13,10 +13,10 @@ namespace bipot {
 /// message). Never throws for bad input, a failing solver or where memory
 /// runs out, OpenBLAS's buffer included: the status and the message say it.
 SolveResult solve(std::string_view solver, const ContactProblem& problem,
-                  const SolverOptions& options = {});
+                  SolverOptions options = {});
 
 /// The same for an entry that need not stand in the registry.
 SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
-                  const SolverOptions& options = {});
+                  SolverOptions options = {});
 
 }  // namespace bipot

@@ -10,11 +10,10 @@
 namespace bipot {
 
 StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options) {
-  return [&entry, options = std::move(options)](const ContactProblem& problem, Vector s0) mutable {
-    options.s0 = std::move(s0);
-    StepSolution solution = to_step_solution(solve(entry, problem, options));
-    options.s0 = Vector();
-    return solution;
+  return [&entry, options = std::move(options)](const ContactProblem& problem, Vector s0) {
+    SolverOptions from_start = options;
+    from_start.s0 = std::move(s0);
+    return to_step_solution(solve(entry, problem, std::move(from_start)));
   };
 }
 

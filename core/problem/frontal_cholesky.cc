@@ -166,11 +166,17 @@ template <class Real>
 bool FrontalCholesky<Real>::eliminate(const AddColumn& add) {
   const FrontalTree& t = *tree_;
   std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
-  const auto contribution = [&](std::size_t k, int columns) {
-    const int child = held[k].first, n = t.height(child);
-    const int* relative = t.relative.data() + t.below_start[to_size(child)];
-    const auto pivots = std::lower_bound(relative, relative + n, columns) - relative;
-    return Contribution{stack_.data() + held[k].second, n, relative, static_cast<int>(pivots)};
+  std::vector<int> relative;  // places of the rows of a front's children in it, child by child
+  /// The contributions of the front's children, `begin` of the list first.
+  const auto for_children = [&](int front, std::size_t begin, const auto& add_to) {
+    std::size_t place = 0;
+    for (std::size_t k = begin; k < held.size(); ++k) {
+      const int n = t.height(held[k].first);
+      const int* const places = relative.data() + place;
+      const auto pivots = std::lower_bound(places, places + n, t.columns(front)) - places;
+      add_to(Contribution{stack_.data() + held[k].second, n, places, static_cast<int>(pivots)});
+      place += to_size(n);
+    }
   };
   std::size_t top = 0;
   double* const panel = panel_.data();
@@ -180,9 +186,13 @@ bool FrontalCholesky<Real>::eliminate(const AddColumn& add) {
     assemble(s, add, panel);
     const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
     const std::size_t bottom = base < held.size() ? held[base].second : top;
+    relative.clear();
     for (std::size_t k = base; k < held.size(); ++k) {
-      add_to_pivots(contribution(k, columns), rows, panel);
+      const std::size_t place = relative.size();
+      relative.resize(place + to_size(t.height(held[k].first)));
+      t.place_child(held[k].first, s, relative.data() + place);
     }
+    for_children(s, base, [&](const Contribution& c) { add_to_pivots(c, rows, panel); });
     if (!eliminate_columns(columns, rows, panel)) return false;
     supernodes_.add(
         {t.first[to_size(s)], columns, rows, t.below.data() + t.below_start[to_size(s)], panel});
@@ -190,9 +200,7 @@ bool FrontalCholesky<Real>::eliminate(const AddColumn& add) {
       double* const own = stack_.data() + top;
       const double minus = -1, none = 0;
       dsyrk_("L", "N", &h, &columns, &minus, panel + columns, &rows, &none, own, &h);
-      for (std::size_t k = base; k < held.size(); ++k) {
-        add_to_rest(contribution(k, columns), columns, h, own);
-      }
+      for_children(s, base, [&](const Contribution& c) { add_to_rest(c, columns, h, own); });
       pack(own, h, stack_.data() + bottom);
     }
     held.resize(base);

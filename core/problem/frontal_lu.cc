@@ -226,7 +226,8 @@ struct FrontalLU<Real>::Impl {
   std::vector<int> position;           // of the same in a front, -1: eliminated
   StoredPositions positions;           // of a stored A
   std::vector<int> exchange;
-  int sign = 0;  // 0: no factor
+  std::vector<int> relative;  // places of the rows of a front's children in it, child by child
+  int sign = 0;               // 0: no factor
   double largest = 0;
   std::vector<Real> x, below;
   // Rows of kRightSides numbers; made where they are needed first.
@@ -395,11 +396,13 @@ bool FrontalLU<Real>::Impl::run(const MatrixByLines& A, double most) {
     if (!assemble(A, most, s, f)) return false;
     const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
     const std::size_t bottom = base < held.size() ? held[base].second : top;
+    relative.clear();
     for (std::size_t k = base; k < held.size(); ++k) {
-      const std::size_t child = to_size(held[k].first);
-      const int* relative = t.relative.data() + t.below_start[child];
-      add_to_pivots(stack.data() + held[k].second, t.below_start[child + 1] - t.below_start[child],
-                    relative, f);
+      const int n = t.height(held[k].first);
+      const std::size_t begin = relative.size();
+      relative.resize(begin + to_size(n));
+      t.place_child(held[k].first, s, relative.data() + begin);
+      add_to_pivots(stack.data() + held[k].second, n, relative.data() + begin, f);
     }
     int* own_exchange = exchange.data() + t.first[to_size(s)];
     const double multiplier = eliminate(f, own_exchange);
@@ -413,13 +416,13 @@ bool FrontalLU<Real>::Impl::run(const MatrixByLines& A, double most) {
       double* contribution = stack.data() + top;
       subtract_product(true, h, h, f.columns, f.panel + f.columns, f.rows, f.upper, h, 0.0,
                        contribution, h);
+      const int* places = relative.data();
       for (std::size_t k = base; k < held.size(); ++k) {
-        const std::size_t child = to_size(held[k].first);
-        const int* relative = t.relative.data() + t.below_start[child];
-        const int n = t.below_start[child + 1] - t.below_start[child];
+        const int n = t.height(held[k].first);
         const int pivots =
-            static_cast<int>(std::lower_bound(relative, relative + n, f.columns) - relative);
-        add_to_contribution(stack.data() + held[k].second, n, relative, pivots, f, contribution);
+            static_cast<int>(std::lower_bound(places, places + n, f.columns) - places);
+        add_to_contribution(stack.data() + held[k].second, n, places, pivots, f, contribution);
+        places += n;
       }
       if (bottom != top) {
         std::memmove(stack.data() + bottom, contribution, sizeof(double) * to_size(h) * to_size(h));

@@ -150,7 +150,7 @@ std::size_t FrontalTree::num_bytes() const {
   const auto bytes = [](const auto&... list) {
     return (... + (list.capacity() * sizeof(list[0])));
   };
-  return bytes(order, first, below_start, below, relative, children, node_start, pattern_.first,
+  return bytes(order, first, below_start, below, children, node_start, pattern_.first,
                pattern_.start, pattern_.group);
 }
 
@@ -246,7 +246,22 @@ void FrontalTree::place_rows(int front, int* position) const {
   for (int k = 0; k < height(front); ++k) position[list[k]] = own + k;
 }
 
-/// Parents, places of a front's rows in its parent, sizes of the factor and of the stack.
+void FrontalTree::place_child(int child, int parent, int* to) const {
+  const int begin = first[to_size(parent)], end = first[to_size(parent) + 1];
+  const int* const rows = below.data() + below_start[to_size(child)];
+  const int* const list = below.data() + below_start[to_size(parent)];
+  int at = 0;
+  for (int k = 0; k < height(child); ++k) {
+    if (rows[k] < end) {
+      to[k] = rows[k] - begin;
+    } else {
+      while (list[at] != rows[k]) ++at;
+      to[k] = end - begin + at;
+    }
+  }
+}
+
+/// Parents, sizes of the factor and of the stack.
 void FrontalTree::measure() {
   const int fronts = num_fronts();
   std::vector<int> front_of(to_size(size()));
@@ -254,7 +269,6 @@ void FrontalTree::measure() {
     for (int j = first[to_size(s)]; j < first[to_size(s) + 1]; ++j) front_of[to_size(j)] = s;
   }
   children.assign(to_size(fronts), 0);
-  relative.resize(below.size());
   node_start.assign(1, 0);
   std::vector<std::size_t> blocks;  // numbers in the contributions on the stack
   std::size_t held = 0;
@@ -274,17 +288,7 @@ void FrontalTree::measure() {
     held += block;
     blocks.push_back(block);
     if (height == 0) continue;
-    const std::size_t parent = to_size(front_of[to_size(own[0])]);
-    ++children[parent];
-    const int begin = first[parent], end = first[parent + 1];
-    const int* list = below.data() + below_start[parent];
-    int at = 0;
-    for (int k = 0; k < height; ++k) {
-      if (own[k] >= end) {
-        while (list[at] != own[k]) ++at;
-      }
-      relative[to_size(below_start[front] + k)] = own[k] < end ? own[k] - begin : end - begin + at;
-    }
+    ++children[to_size(front_of[to_size(own[0])])];
   }
   factor_size = to_size(node_start.back());
 }

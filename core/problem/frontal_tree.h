@@ -41,9 +41,9 @@ class FrontalTree {
   static void forget();
 
   /// Front s eliminates the columns first[s] .. first[s + 1] - 1 of the new order. Its further rows
-  /// and columns are below[below_start[s]] and on, and stand at `relative` in the parent's list.
+  /// and columns are below[below_start[s]] and on.
   std::vector<int> order;  ///< new to old
-  std::vector<int> first, below_start, below, relative, children;
+  std::vector<int> first, below_start, below, children;
   std::vector<std::int64_t> node_start;  ///< of the front's panel and upper part in the factor
   std::size_t factor_size = 0, stack_size = 0;
 
@@ -58,6 +58,9 @@ class FrontalTree {
   int rows(int front) const { return columns(front) + height(front); }
   /// position[i] = place of row i, in the new order, among the rows of the front, for those it has.
   void place_rows(int front, int* position) const;
+  /// to[k] = place of the child's row k below its columns among the rows of its parent. Found anew for
+  /// each factor: lists of all of them are as long as `below`.
+  void place_child(int child, int parent, int* to) const;
   int size() const { return first.back(); }
   std::size_t num_bytes() const;  ///< of memory
 
