@@ -214,7 +214,7 @@ TEST(FrontalLU, KeepsTheAnalysisOfAPattern) {
 
 /// Trees of large patterns are not heaped up: of two that take more than what is kept, the last stays.
 TEST(FrontalLU, LetsTreesGoThatTakeMuchMemory) {
-  const SparseMatrix A = grid_matrix(84, 3, 1, 4), B = grid_matrix(85, 3, 1, 4);
+  const SparseMatrix A = grid_matrix(99, 3, 1, 4), B = grid_matrix(100, 3, 1, 4);
   const std::weak_ptr<const FrontalTree> first = FrontalTree::of(A);
   ASSERT_FALSE(first.expired());
   EXPECT_GT(2 * first.lock()->num_bytes(), std::size_t{1} << 21);
