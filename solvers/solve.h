@@ -11,7 +11,8 @@ namespace bipot {
 /// projects the returned impulse on K_mu, and judges it on the original data. A claim of
 /// convergence that does not hold there is withdrawn (kNumericalFailure, with both figures in the
 /// message). Never throws for bad input, a failing solver or where memory
-/// runs out, OpenBLAS's buffer included: the status and the message say it.
+/// runs out, OpenBLAS's buffer included: the status and the message say it. The options by value: a
+/// start that is moved in is not held twice.
 SolveResult solve(std::string_view solver, const ContactProblem& problem,
                   SolverOptions options = {});
 

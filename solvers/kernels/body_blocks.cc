@@ -32,11 +32,7 @@ struct Places {
   }
   int num_tiles() const { return static_cast<int>(starts.size()) - 1; }
   int window(int at) const { return (at - starts[to_size(tile[to_size(at)])]) / kWindowBodies; }
-  /// When run_wavefront() comes to a tile.
-  int turn(int t) const {
-    const int middle = first_upper_tile(num_tiles());
-    return t < middle ? t : num_tiles() - 1 - t + middle;
-  }
+  int turn(int t) const { return turn_of_tile(t, num_tiles()); }
 };
 
 struct Owned {
@@ -74,8 +70,8 @@ class Owners {
       const int at = owner[to_size(c)];
       owned_[to_size(next[to_size(at)]++)] = {c, at == i ? j : i};
     }
-    // Alike from body to body: its own tile first, whose rows the end of the block reads eight at once
-    // (a processor must wait for what has just been written to four of them), the surroundings last.
+    // Alike from body to body: its own tile first, so that what is pushed to rows of the block itself is
+    // long written when the block's sum is added to them; the surroundings last.
     for (std::size_t at = 0; at < count.size(); ++at) {
       const auto key = [&](const Owned& o) {
         const int kind = o.other < 0 ? 2 : places.tile[to_size(o.other)] == places.tile[at] ? 0 : 1;
@@ -129,7 +125,7 @@ class BlockWriter {
       begin_batch(row);
       others_.clear();
       for (int lane = 0; lane < kLanes; ++lane) {
-        const auto at = to_size(ContactTiles::kRowOfLane[lane]);
+        const auto at = to_size(kRowOfLane[lane]);
         if (at >= bodies.size() || k >= owners_.count(bodies[at])) continue;
         const Owned& owned = owners_(bodies[at], k);
         if (std::find(others_.begin(), others_.end(), owned.other) != others_.end()) {

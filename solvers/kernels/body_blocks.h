@@ -12,8 +12,8 @@ namespace bipot {
 ///
 /// The bodies of a tile (contact_tiles.h) stand in blocks of kLanes. A batch of a block holds one
 /// contact of each of its bodies, whose rows follow each other: they are read and written as they
-/// are, eight at once, and their pushes stay in registers for all batches of the block. Contacts that would leave
-/// such a batch half empty are loose: they fill batches with any bodies, soon after.
+/// are, eight at once, and their pushes stay in registers for all batches of the block. Contacts that
+/// would leave such a batch half empty are loose: they fill batches with any bodies, soon after.
 ///
 /// A contact belongs to the body whose tile run_wavefront() (wavefront.h) comes to later, from both
 /// ends of the packing; within a tile to the one in the later window of kWindowBlocks, within a window

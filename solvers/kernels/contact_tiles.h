@@ -6,6 +6,7 @@
 #include "core/large_pages.h"
 #include "core/problem/disk_structure.h"
 #include "core/types.h"
+#include "solvers/kernels/disk_kernels.h"
 
 namespace bipot {
 
@@ -40,10 +41,6 @@ struct ContactTiles {
     const int block = block_row.empty() ? -1 : block_row[to_size(batch)];
     return block < 0 ? -1 : block + kRowOfLane[lane];
   }
-
-  /// The row in a block of the body of each lane: this makes pairs of rows that kernels of eight lanes
-  /// transpose by the fewest shuffles.
-  static constexpr int kRowOfLane[kLanes] = {0, 2, 1, 3, 4, 6, 5, 7};
 };
 
 ContactTiles tile_contacts(const DiskStructure& disks);

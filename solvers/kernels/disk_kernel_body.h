@@ -347,9 +347,6 @@ template <bool kBack, int D, class Solve>
   if (batches > 0) scatter<true, kOpposed>(wrench, before.i, before.j, inverse, velocity);
 }
 
-/// The row in a block of the body of a lane (ContactTiles::kRowOfLane).
-constexpr int kRowOfLane[kLanes] = {0, 2, 1, 3, 4, 6, 5, 7};
-
 /// What comes to the rows of a block.
 struct BlockRows {
 #if BIPOT_WIDTH == 8
@@ -366,7 +363,7 @@ struct BlockRows {
   constexpr Lanes kSign{1, -1, 1, -1, 1, -1, 1, -1};
   const auto pair = [&](int n, int k, int l) {
     return _mm512_fnmadd_pd(both(row(at(velocity, j[k])), row(at(velocity, j[l]))), kSign,
-                            load(block->value, n));
+                            *reinterpret_cast<const TwoRows*>(block + 2 * n));
   };
   return motion_of(pair(0, 0, 2), pair(1, 1, 3), pair(2, 4, 6), pair(3, 5, 7));
 #else
@@ -434,7 +431,8 @@ struct BlockRows {
 /// bodies' rows follow each other, then the loose ones. Velocities do not change.
 ///
 /// The next part is gathered before this one pushes: a processor that looks but a batch ahead has both
-/// to work on (0.85 of the time). What is gathered behind the last one of a block may be of no use.
+/// to work on (0.85 of the time). What is gathered behind the last one of a block may be of no use: of
+/// any eight rows, which then need not begin with a line of the cache.
 template <int D, class Solve>
 [[gnu::always_inline]] inline void for_blocks(const GradientTask<D>& a, const BodyBlock* block,
                                               const BodyBlock* last, const Solve& solve) {

@@ -62,6 +62,9 @@ struct BodyBlock {
   unsigned row = 0;          ///< offset of the first one
   int first = 0, loose = 0;  ///< batches
 };
+/// The row in a block of the body of each lane: this makes pairs of rows that kernels of eight lanes
+/// transpose by the fewest shuffles.
+inline constexpr int kRowOfLane[kLanes] = {0, 2, 1, 3, 4, 6, 5, 7};
 /// Blocks whose rows a step of the gradient begins before their contacts: these may touch all of them.
 inline constexpr int kWindowBlocks = 4;
 

@@ -59,6 +59,11 @@ inline int end_of_waves(int end, int group, int places) {
 
 /// The tile from which on run_wavefront() comes down: half of them.
 inline int first_upper_tile(int tiles) { return tiles / 2; }
+/// When an iteration comes to a tile, from 0: up the lower half, then down the upper one.
+inline int turn_of_tile(int tile, int tiles) {
+  const int middle = first_upper_tile(tiles);
+  return tile < middle ? tile : tiles - 1 - tile + middle;
+}
 
 /// Calls task(k, t) for all iterations k < `iterations` and tiles t < `tiles`, from both ends of the
 /// packing to its middle: in the lower half of the tiles every (k, t) comes after (k, t - 1) and
@@ -67,8 +72,8 @@ inline int first_upper_tile(int tiles) { return tiles / 2; }
 /// left free then share no body, and the result is that of plain loops over k and over t in that
 /// order, bit for bit. The task must not throw.
 ///
-/// One thread takes groups of pipeline.depth iterations in waves, so that what an iteration has in the cache
-/// serves the next ones too: those of the lower half that do not need the upper one, those of the
+/// One thread takes groups of pipeline.depth iterations in waves, so that what an iteration has in the
+/// cache serves the next ones too: those of the lower half that do not need the upper one, those of the
 /// upper one, then both by turns. Several threads have a range of tiles each, for all iterations, and
 /// stay with it: a range may fit a core's own cache where the whole does not. Two begin together and
 /// meet in the middle, neither behind the other; with more, there are as many ranges in each half.
