@@ -9,6 +9,7 @@
 
 #include "core/problem/delassus.h"
 #include "solvers/kernels/contact_sweep.h"
+#include "solvers/kernels/gradient_iteration.h"
 #include "solvers/kernels/spectral_estimate.h"
 #include "solvers/kernels/tiled_gradient.h"
 #include "solvers/kernels/tiled_sweep.h"
@@ -129,6 +130,36 @@ TEST(TiledKernels, ATiledSweepIsTheScalarSweepInItsOrder) {
   }
   const Vector s = swept<2>(at, 1.2, {}, {20});
   EXPECT_LT((s - scalar.impulse()).norm(), 1e-12 * s.norm());
+}
+
+/// The operator and the sums of one process, for the iteration that knows nothing of disks.
+struct PlainSums {
+  const DelassusOperator& delassus;
+  using Sum = double;
+  void velocity(const Vector& s, Vector& u) const { delassus.velocity(s, u); }
+  template <class A, class B>
+  void add_dot(const A& a, const B& b, Sum& sum) const {
+    sum += a.dot(b);
+  }
+  GradientProgress total(Sum turn, Sum change2, Sum energy) const {
+    return {turn, change2, energy};
+  }
+};
+
+// The same iterates as through the Delassus operator, restarts and raised eigenvalues among them.
+TEST(TiledKernels, ATiledGradientStepIsThatOfTheDelassusOperator) {
+  for (const bool cone : {false, true}) {
+    const Setting at(packing(2, false, 7));
+    PlainSums sums{at.delassus};
+    GradientIteration<2, PlainSums> plain(at.problem, sums, at.scaling);
+    plain.reset(at.zero());
+    GradientControl control;
+    control.lambda = 0.8 * spectral_estimate(at.problem, at.delassus, at.scaling.velocity);
+    control.cone = cone;
+    plain.advance(40, control);
+    const Vector s = descended<2>(at, cone, {}, {40});
+    EXPECT_LT((s - plain.impulse()).norm(), 1e-10 * s.norm()) << cone;
+  }
 }
 
 // Whole solves. Few iterations: on a busy machine threads wait for each other at every wave.
