@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes data/problems anew from the shipped scenes and bench/scenes/make_problems.cc. Needs a release build.
+# Makes data/problems anew from the shipped scenes and bench/programs/make_problems.cc. Needs a release build.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 bipot=build/release/bipot

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/large_pages.h"
-#include "core/parallel.h"
+#include "core/base/large_pages.h"
+#include "core/base/parallel.h"
 #include "solvers/prepared_problem.h"
 #include "solvers/proved_claim.h"
 #include "solvers/stop_rule.h"

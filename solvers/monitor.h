@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/problem/contact_error.h"
-#include "core/stopwatch.h"
+#include "core/base/stopwatch.h"
+#include "core/criterion/contact_error.h"
 #include "solvers/solver.h"
 #include "solvers/stop_rule.h"
 

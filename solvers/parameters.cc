@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/nearest_name.h"
+#include "core/base/nearest_name.h"
 
 namespace bipot {
 

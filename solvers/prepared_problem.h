@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/problem/contact_error.h"
+#include "core/criterion/contact_error.h"
 #include "solvers/proved_claim.h"
 #include "solvers/solver.h"
 

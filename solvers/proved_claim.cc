@@ -1,7 +1,7 @@
 #include "solvers/proved_claim.h"
 
-#include "core/problem/extended_error.h"
-#include "core/problem/rounding_bound.h"
+#include "core/criterion/extended_error.h"
+#include "core/criterion/rounding_bound.h"
 #include "solvers/prepared_problem.h"
 
 namespace bipot {

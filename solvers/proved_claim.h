@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/problem/contact_error.h"
+#include "core/criterion/contact_error.h"
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -9,8 +9,8 @@ namespace bipot {
 /// multiplies the rounding of the sliding velocity in û = u + mu |u_t| n, and impulses of a
 /// hyperstatic packing may be large beside the energy that they move. A claim of convergence
 /// therefore is proved: the error in double precision and the bound of its rounding
-/// (core/problem/rounding_bound.h) are within the tolerance together, or else the error in extended
-/// precision (core/problem/extended_error.h) and its bound are, or in quadruple where the bound in
+/// (core/criterion/rounding_bound.h) are within the tolerance together, or else the error in extended
+/// precision (core/criterion/extended_error.h) and its bound are, or in quadruple where the bound in
 /// extended precision is more than a thousandth of the tolerance.
 struct ProvedClaim {
   bool holds = true;

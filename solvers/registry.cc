@@ -4,7 +4,7 @@
 
 #include <stdexcept>
 
-#include "core/nearest_name.h"
+#include "core/base/nearest_name.h"
 
 namespace bipot {
 

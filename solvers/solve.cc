@@ -8,9 +8,9 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/stopwatch.h"
+#include "core/linear/dense_buffer.h"
 #include "core/problem/delassus.h"
-#include "core/problem/dense_buffer.h"
-#include "core/stopwatch.h"
 #include "solvers/islands.h"
 #include "solvers/parameters.h"
 #include "solvers/prepared_problem.h"

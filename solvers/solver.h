@@ -8,8 +8,8 @@
 #include <string>
 #include <string_view>
 
-#include "core/execution.h"
-#include "core/problem/contact_error.h"
+#include "core/base/execution.h"
+#include "core/criterion/contact_error.h"
 #include "core/problem/contact_problem.h"
 
 namespace bipot {

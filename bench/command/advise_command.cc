@@ -9,19 +9,19 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "bench/advise/advice_json.h"
-#include "bench/advise/advise.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
+#include "bench/problems/scene_catalogue.h"
+#include "bench/problems/scene_rewrite.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "bench/report/labels.h"
-#include "bench/scenes/scene_catalogue.h"
-#include "bench/scenes/scene_rewrite.h"
-#include "core/file_error.h"
+#include "bench/tradeoff/advice_json.h"
+#include "bench/tradeoff/advise.h"
+#include "core/base/file_error.h"
+#include "core/base/types.h"
 #include "core/files/atomic_file.h"
-#include "core/files/scene_file.h"
-#include "core/types.h"
+#include "core/scene_files/scene_file.h"
 
 namespace bipot {
 namespace {
@@ -104,7 +104,7 @@ void print_trials(const Advice& a) {
   }
 }
 
-void print_steps(const Scene& scene, const Advice& a) {
+void print_steps(const Scene<2>& scene, const Advice& a) {
   if (a.steps.steps.empty()) {
     fmt::print("\nTime step: not measured; time was up or solves failed.\n");
     return;
@@ -165,7 +165,7 @@ void print_confidence(const Advice& a) {
   }
 }
 
-void print(const Scene& scene, const Advice& a) {
+void print(const Scene<2>& scene, const Advice& a) {
   fmt::print("{}\n", scene.title.empty() ? scene.source : scene.title);
   fmt::print("  asked for   {}\n", goal_text(a.goal));
   fmt::print("  status      {}: {}\n", to_string(a.status), a.message);
@@ -185,7 +185,7 @@ void print(const Scene& scene, const Advice& a) {
   print_confidence(a);
 }
 
-void write_scene(const AdviseFlags& flags, const std::string& text, const Scene& scene,
+void write_scene(const AdviseFlags& flags, const std::string& text, const Scene<2>& scene,
                  const Advice& advice) {
   const SolverTrial& t = advice.trials[advice.choice];
   const std::string written =
@@ -277,7 +277,7 @@ int advise_command(const AdviseFlags& flags) {
   const fs::path path = find_scene(flags.scene);
   std::ostringstream content;
   content << std::ifstream(path).rdbuf();
-  const Scene scene = parse_scene(content.str(), path.string());
+  const Scene<2> scene = parse_scene(content.str(), path.string());
   AdviseOptions options;
   options.goal = {flags.force.value_or(kNaN), flags.penetration.value_or(kNaN),
                   flags.energy.value_or(kNaN)};

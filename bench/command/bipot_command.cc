@@ -24,8 +24,8 @@
 #include "bench/command/trade_command.h"
 #include "bench/command/validate_command.h"
 #include "bench/report/json_output.h"
-#include "core/version.h"
-#include "solvers/distributed/launch.h"
+#include "core/base/version.h"
+#include "solvers/parallel/launch.h"
 
 namespace bipot {
 namespace {

@@ -14,7 +14,7 @@
 #include "bench/report/build_info.h"
 #include "bench/report/chart.h"
 #include "bench/report/json_output.h"
-#include "bench/trade/trade_page.h"
+#include "bench/tradeoff/trade_page.h"
 #include "solvers/registry.h"
 
 namespace bipot {

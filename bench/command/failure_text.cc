@@ -6,11 +6,11 @@
 #include <cmath>
 #include <vector>
 
-#include "bench/scenes/force_energy.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/population.h"
 #include "core/motion/step_outcome.h"
-#include "solvers/certificate/existence.h"
+#include "solvers/analysis/existence.h"
+#include "solvers/simulation/force_energy.h"
 
 namespace bipot {
 namespace {
@@ -18,11 +18,11 @@ namespace {
 constexpr double kCertificateSeconds = 10;
 
 template <int D>
-std::string body_name(const SceneIn<D>& scene, const StateIn<D>& state, int body) {
-  if (to_size(body) < state.disks.size()) {
+std::string body_name(const Scene<D>& scene, const State<D>& state, int body) {
+  if (to_size(body) < state.bodies.size()) {
     return fmt::format("{} {}", kBodyName<D>, body_number(state, body));
   }
-  return fmt::format("wall '{}'", scene.walls[to_size(body) - state.disks.size()].name);
+  return fmt::format("wall '{}'", scene.walls[to_size(body) - state.bodies.size()].name);
 }
 
 /// A cause and its remedy, if the step shows it.
@@ -32,9 +32,9 @@ struct Cause {
 };
 
 template <int D>
-double mass_ratio(const SceneIn<D>& scene) {
+double mass_ratio(const Scene<D>& scene) {
   double least = kInfinity, most = 0;
-  for (const BodyIn<D>& d : scene.disks) {
+  for (const Body<D>& d : scene.bodies) {
     least = std::min(least, d.mass);
     most = std::max(most, d.mass);
   }
@@ -43,25 +43,25 @@ double mass_ratio(const SceneIn<D>& scene) {
 
 /// The largest way of a disk in a step, over the smallest radius.
 template <int D>
-double way(const SceneIn<D>& scene, const StateIn<D>& state) {
+double way(const Scene<D>& scene, const State<D>& state) {
   double speed = 0;
-  for (const BodyIn<D>& d : state.disks) speed = std::max(speed, d.v.norm());
+  for (const Body<D>& d : state.bodies) speed = std::max(speed, d.v.norm());
   return speed * scene.step / smallest_radius(scene);
 }
 
 template <int D>
-bool coefficients_differ(const SceneIn<D>& scene) {
+bool coefficients_differ(const Scene<D>& scene) {
   return std::any_of(scene.laws.begin(), scene.laws.end(), [&](const ContactLaw& law) {
     return law.e_n != scene.laws[0].e_n || (law.mu > 0 && law.e_t != scene.laws[0].e_n);
   });
 }
 
 template <int D>
-std::vector<Cause> causes(const SceneIn<D>& scene, const StateIn<D>& state,
+std::vector<Cause> causes(const Scene<D>& scene, const State<D>& state,
                           const ExistenceCertificate& c, bool smaller_steps_tried) {
-  const bool walls_move =
-      std::any_of(scene.walls.begin(), scene.walls.end(),
-                  [](const WallIn<D>& w) { return w.motion == WallIn<D>::Motion::kMoving; });
+  const bool walls_move = std::any_of(scene.walls.begin(), scene.walls.end(), [](const Wall<D>& w) {
+    return w.motion == Wall<D>::Motion::kMoving;
+  });
   double mu = 0;
   for (const ContactLaw& law : scene.laws) mu = std::max(mu, law.mu);
   const double ratio = mass_ratio(scene), path = way(scene, state);
@@ -114,14 +114,14 @@ std::vector<Cause> causes(const SceneIn<D>& scene, const StateIn<D>& state,
 }  // namespace
 
 template <int D>
-std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
-                         std::span<const std::type_identity_t<ContactOutcomeIn<D>>> contacts,
+std::string failure_text(const Scene<D>& scene, const State<D>& state,
+                         std::span<const std::type_identity_t<ContactOutcome<D>>> contacts,
                          const ContactProblem& problem, const ContactError& error, int step,
                          bool smaller_steps_tried) {
   std::string text;
   const int worst = error.eta > error.epsilon ? error.worst_eta : error.worst_epsilon;
   if (worst >= 0 && to_size(worst) < contacts.size()) {
-    const ContactIn<D>& c = contacts[to_size(worst)].contact;
+    const Contact<D>& c = contacts[to_size(worst)].contact;
     text += fmt::format("  step {}: worst contact {}: {} and {}, gap {:.3g} m, error {:.1e}\n",
                         step, worst, body_name(scene, state, c.i), body_name(scene, state, c.j),
                         c.gap, error.guarded());
@@ -138,12 +138,12 @@ std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
 }
 
 template <int D>
-std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state, const SceneRunIn<D>& run,
+std::string failure_text(const Scene<D>& scene, const State<D>& state, const SceneRun<D>& run,
                          bool smaller_steps_tried) {
   if (run.failed_problem.num_contacts() == 0) return {};
-  std::vector<ContactOutcomeIn<D>> contacts;
-  const StateIn<D> start = with_changed_population(scene, state);
-  for (const ContactIn<D>& c : make_midpoint(scene, start).contacts)
+  std::vector<ContactOutcome<D>> contacts;
+  const State<D> start = with_changed_population(scene, state);
+  for (const Contact<D>& c : make_midpoint(scene, start).contacts)
     contacts.push_back({.contact = c});
   // What the solver started from is all that is known of impulses when none was taken.
   const ContactProblem& p = run.failed_problem;
@@ -154,12 +154,12 @@ std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state, const
 }
 
 template <int D>
-void EnergyGrowth::add(const SceneIn<D>& scene, const SceneStepIn<D>& step) {
+void EnergyGrowth::add(const Scene<D>& scene, const SceneStep<D>& step) {
   add(scene, step.report.energy, step.report.step, force_energy(scene, step.state));
 }
 
 template <int D>
-void EnergyGrowth::add(const SceneIn<D>& scene, const EnergyLedger& e, int step, double force) {
+void EnergyGrowth::add(const Scene<D>& scene, const EnergyLedger& e, int step, double force) {
   const double loss = e.friction_loss + e.shock_loss;
   // A step that is solved to the tolerance may be off by about this part of the energy at hand.
   const double scale = std::max({std::abs(loss), e.kinetic, std::abs(e.wall_work)});
@@ -177,7 +177,7 @@ void EnergyGrowth::add(const SceneIn<D>& scene, const EnergyLedger& e, int step,
 }
 
 template <int D>
-std::string EnergyGrowth::warning(const SceneIn<D>& scene) const {
+std::string EnergyGrowth::warning(const Scene<D>& scene) const {
   if (steps_ == 0) return {};
   return fmt::format(
       "bipot: warning: contacts created energy in {} step{}, most in step {}: {:.3g} J (kinetic then "
@@ -190,18 +190,19 @@ std::string EnergyGrowth::warning(const SceneIn<D>& scene) const {
           : "No coefficients differ: it is the error of steps that were not solved");
 }
 
-template std::string failure_text<2>(const Scene&, const State&, std::span<const ContactOutcome>,
-                                     const ContactProblem&, const ContactError&, int, bool);
-template std::string failure_text(const Scene&, const State&, const SceneRun&, bool);
-template void EnergyGrowth::add(const Scene&, const SceneStep&);
-template void EnergyGrowth::add(const Scene&, const EnergyLedger&, int, double);
-template void EnergyGrowth::add(const SceneIn<3>&, const EnergyLedger&, int, double);
-template std::string EnergyGrowth::warning(const Scene&) const;
-template std::string failure_text<3>(const SceneIn<3>&, const StateIn<3>&,
-                                     std::span<const ContactOutcomeIn<3>>, const ContactProblem&,
+template std::string failure_text<2>(const Scene<2>&, const State<2>&,
+                                     std::span<const ContactOutcome<2>>, const ContactProblem&,
                                      const ContactError&, int, bool);
-template std::string failure_text(const SceneIn<3>&, const StateIn<3>&, const SceneRunIn<3>&, bool);
-template void EnergyGrowth::add(const SceneIn<3>&, const SceneStepIn<3>&);
-template std::string EnergyGrowth::warning(const SceneIn<3>&) const;
+template std::string failure_text(const Scene<2>&, const State<2>&, const SceneRun<2>&, bool);
+template void EnergyGrowth::add(const Scene<2>&, const SceneStep<2>&);
+template void EnergyGrowth::add(const Scene<2>&, const EnergyLedger&, int, double);
+template void EnergyGrowth::add(const Scene<3>&, const EnergyLedger&, int, double);
+template std::string EnergyGrowth::warning(const Scene<2>&) const;
+template std::string failure_text<3>(const Scene<3>&, const State<3>&,
+                                     std::span<const ContactOutcome<3>>, const ContactProblem&,
+                                     const ContactError&, int, bool);
+template std::string failure_text(const Scene<3>&, const State<3>&, const SceneRun<3>&, bool);
+template void EnergyGrowth::add(const Scene<3>&, const SceneStep<3>&);
+template std::string EnergyGrowth::warning(const Scene<3>&) const;
 
 }  // namespace bipot

@@ -4,7 +4,7 @@
 #include <string>
 #include <type_traits>
 
-#include "bench/scenes/scene_run.h"
+#include "solvers/simulation/scene_run.h"
 
 namespace bipot {
 
@@ -12,13 +12,13 @@ namespace bipot {
 /// (solvers/certificate), the three likeliest causes and what to try, most telling first; not smaller
 /// steps where these were tried. Lines, each with its end.
 template <int D>
-std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state,
-                         std::span<const std::type_identity_t<ContactOutcomeIn<D>>> contacts,
+std::string failure_text(const Scene<D>& scene, const State<D>& state,
+                         std::span<const std::type_identity_t<ContactOutcome<D>>> contacts,
                          const ContactProblem& problem, const ContactError& error, int step,
                          bool smaller_steps_tried);
 /// The same for a step that was not taken; `state` is that before it.
 template <int D>
-std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state, const SceneRunIn<D>& run,
+std::string failure_text(const Scene<D>& scene, const State<D>& state, const SceneRun<D>& run,
                          bool smaller_steps_tried);
 
 /// Watches whether contacts create energy, which Newton's impact law may do where coefficients of restitution
@@ -26,15 +26,15 @@ std::string failure_text(const SceneIn<D>& scene, const StateIn<D>& state, const
 class EnergyGrowth {
  public:
   template <int D>
-  explicit EnergyGrowth(const StateIn<D>& start) : loss_(start.friction_loss + start.shock_loss) {}
+  explicit EnergyGrowth(const State<D>& start) : loss_(start.friction_loss + start.shock_loss) {}
   template <int D>
-  void add(const SceneIn<D>& scene, const SceneStepIn<D>& step);
-  /// The same from the step's ledger and its force_energy() (bench/scenes/force_energy.h).
+  void add(const Scene<D>& scene, const SceneStep<D>& step);
+  /// The same from the step's ledger and its force_energy() (solvers/simulation/force_energy.h).
   template <int D>
-  void add(const SceneIn<D>& scene, const EnergyLedger& ledger, int step, double force);
+  void add(const Scene<D>& scene, const EnergyLedger& ledger, int step, double force);
   /// One line; empty when nothing grew beyond what tolerance and rounding leave.
   template <int D>
-  std::string warning(const SceneIn<D>& scene) const;
+  std::string warning(const Scene<D>& scene) const;
 
  private:
   double loss_;  // of the steps before, since step 0                                 [J]

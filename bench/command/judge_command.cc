@@ -9,11 +9,11 @@
 
 #include "bench/command/exit_code.h"
 #include "bench/report/json_output.h"
-#include "core/file_error.h"
-#include "core/files/impulse_file.h"
-#include "core/files/problem_file.h"
-#include "core/problem/impulse_verdict.h"
-#include "core/version.h"
+#include "core/base/file_error.h"
+#include "core/base/version.h"
+#include "core/criterion/impulse_verdict.h"
+#include "core/problem_files/impulse_file.h"
+#include "core/problem_files/problem_file.h"
 
 namespace bipot {
 namespace {

@@ -10,9 +10,9 @@
 #include "bench/command/command_options.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/help_text.h"
+#include "bench/problems/scene_catalogue.h"
 #include "bench/report/json_output.h"
-#include "bench/scenes/scene_catalogue.h"
-#include "core/files/scene_file.h"
+#include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -100,10 +100,10 @@ Json scenes_json() {
   for (const auto& path : shipped_scenes()) {
     rows.push_back(std::visit(
         [&](const auto& scene) {
-          const bool flat = std::is_same_v<std::decay_t<decltype(scene)>, Scene>;
+          const bool flat = std::is_same_v<std::decay_t<decltype(scene)>, Scene<2>>;
           return Json{{"name", path.stem().string()},
                       {"title", scene.title},
-                      {flat ? "disks" : "spheres", scene.disks.size()},
+                      {flat ? "disks" : "spheres", scene.bodies.size()},
                       {"walls", scene.walls.size()},
                       {"steps", scene.num_steps}};
         },

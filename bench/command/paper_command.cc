@@ -8,14 +8,14 @@
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
+#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_page.h"
 #include "bench/measure/stopwatch.h"
-#include "bench/paper/paper_items.h"
-#include "bench/paper/paper_page.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
-#include "core/file_error.h"
+#include "core/base/file_error.h"
+#include "core/base/nearest_name.h"
 #include "core/files/atomic_file.h"
-#include "core/nearest_name.h"
 
 namespace bipot {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/stopwatch.h"
+#include "core/base/stopwatch.h"
 
 namespace bipot {
 

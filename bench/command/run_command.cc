@@ -18,22 +18,24 @@
 #include "bench/command/run_processes.h"
 #include "bench/command/run_summary.h"
 #include "bench/measure/peak_memory.h"
+#include "bench/problems/observable_charts.h"
+#include "bench/problems/scene_catalogue.h"
+#include "bench/report/chart.h"
 #include "bench/report/json_output.h"
-#include "bench/scenes/domain_run.h"
-#include "bench/scenes/force_energy.h"
-#include "bench/scenes/run_folder.h"
-#include "bench/scenes/scene_catalogue.h"
-#include "core/file_error.h"
-#include "core/files/run_layout.h"
-#include "core/files/run_reader.h"
-#include "core/files/scene_file.h"
-#include "core/stopwatch.h"
-#include "core/version.h"
-#include "solvers/distributed/distributed_solve.h"
-#include "solvers/distributed/launch.h"
+#include "core/base/file_error.h"
+#include "core/base/stopwatch.h"
+#include "core/base/version.h"
+#include "core/run_files/run_layout.h"
+#include "core/run_files/run_reader.h"
+#include "core/scene_files/scene_file.h"
+#include "solvers/parallel/distributed_solve.h"
+#include "solvers/parallel/launch.h"
 #include "solvers/registry.h"
+#include "solvers/simulation/domain_run.h"
+#include "solvers/simulation/force_energy.h"
+#include "solvers/simulation/run_folder.h"
+#include "solvers/simulation/step_solver.h"
 #include "solvers/solve.h"
-#include "solvers/step_solver.h"
 
 namespace bipot {
 namespace {
@@ -75,7 +77,7 @@ void refuse_flags_of_the_other_model(const RunFlags& flags, Model model) {
 
 /// Makes the command line's changes, and checks the outcome before anything is written.
 template <int D>
-void apply_flags(const RunFlags& flags, SceneIn<D>& scene) {
+void apply_flags(const RunFlags& flags, Scene<D>& scene) {
   if (flags.steps) scene.num_steps = *flags.steps;  // with --restart: from there
   if (flags.step_size) scene.step = *flags.step_size;
   scene.solver = merged(scene.solver, flags.solver);
@@ -120,8 +122,7 @@ void make_folder(const fs::path& folder) {
 
 /// A run that was at its end already. Its files stay as they are.
 template <int D>
-int nothing_to_do(const RunFlags& flags, const SceneIn<D>& scene, const StateIn<D>& state,
-                  bool quiet) {
+int nothing_to_do(const RunFlags& flags, const Scene<D>& scene, const State<D>& state, bool quiet) {
   const std::string message = fmt::format(
       "{} is at step {}, the scene ends at step {}: nothing to do (--steps N takes N "
       "more)",
@@ -149,8 +150,8 @@ struct RunOutcome {
 };
 
 template <int D>
-RunOutcome outcome_of(const SceneRunIn<D>& run) {
-  using End = typename SceneRunIn<D>::End;
+RunOutcome outcome_of(const SceneRun<D>& run) {
+  using End = typename SceneRun<D>::End;
   if (run.end == End::kFailed) {
     return run.failure->kind == StepFailure::Kind::kInvalidInput
                ? RunOutcome{"invalid input", kExitBadInput}
@@ -170,10 +171,10 @@ bool is_distributed(const RunFlags& flags) { return on_several_processes() || fl
 /// A run before its first step.
 template <int D>
 struct PreparedRun {
-  SceneIn<D> scene;
+  Scene<D> scene;
   const SolverEntry* entry = nullptr;
   SolverOptions options;
-  StateIn<D> state;
+  State<D> state;
   bool dem = false;
   RunFolderOptions folder;
 };
@@ -196,7 +197,7 @@ void probe_solver(const RunFlags& flags, const PreparedRun<D>& run) {
 
 /// Reads and checks, up to what is refused before anything is written. `text`: of the scene's file.
 template <int D>
-PreparedRun<D> prepare_run(const RunFlags& flags, SceneIn<D> scene, const std::string& text) {
+PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::string& text) {
   PreparedRun<D> run;
   refuse_on_several_processes(flags.common, "");
   apply_flags(flags, scene);
@@ -247,7 +248,7 @@ StepSolver run_solver(const RunFlags& flags, PreparedRun<D>& run, const Stopwatc
 /// Why a run on several processes keeps its state on every one of them, in a few words; empty where
 /// each has its part (solvers/domains).
 template <int D>
-std::string state_on_every_process(const RunFlags& flags, const SceneIn<D>& scene) {
+std::string state_on_every_process(const RunFlags& flags, const Scene<D>& scene) {
   if (flags.reproducible) return "--reproducible";
   if (!flags.dump_problems.empty()) return "--dump-problems";
   if (flags.on_failure != RunFlags{}.on_failure) return "--on-failure " + flags.on_failure;
@@ -264,9 +265,9 @@ std::function<bool()> cancelled_by(const RunFlags& flags, const Stopwatch& watch
 }
 
 template <int D>
-SceneRunOptionsIn<D> run_options_of(const RunFlags& flags, PreparedRun<D>& run,
-                                    const Stopwatch& watch) {
-  SceneRunOptionsIn<D> options;
+SceneRunOptions<D> run_options_of(const RunFlags& flags, PreparedRun<D>& run,
+                                  const Stopwatch& watch) {
+  SceneRunOptions<D> options;
   options.steps = run.scene.num_steps - run.state.step;
   if (!run.dem) options.solver = run_solver(flags, run, watch);
   options.explicit_delassus = !is_distributed(flags) && run.entry->needs_delassus;
@@ -281,7 +282,7 @@ SceneRunOptionsIn<D> run_options_of(const RunFlags& flags, PreparedRun<D>& run,
 /// What comes of the steps of a run.
 template <int D>
 struct TakenSteps {
-  SceneRunIn<D> run;
+  SceneRun<D> run;
   std::string advice;  // on the first step that was not solved
   std::string warning;
   std::optional<DomainCounts> domains;  // where the state lies on several processes
@@ -291,15 +292,15 @@ struct TakenSteps {
 template <int D>
 TakenSteps<D> take_steps(const RunFlags& flags, PreparedRun<D>& prepared, const Stopwatch& watch,
                          bool quiet) {
-  const SceneIn<D>& scene = prepared.scene;
-  StateIn<D>& state = prepared.state;
+  const Scene<D>& scene = prepared.scene;
+  State<D>& state = prepared.state;
   const RunFolderOptions& folder = prepared.folder;
-  SceneRunOptionsIn<D> run_options = run_options_of(flags, prepared, watch);
+  SceneRunOptions<D> run_options = run_options_of(flags, prepared, watch);
   const bool smaller_steps = run_options.on_failure == OnFailure::kSmallerStep;
   TakenSteps<D> taken;
   EnergyGrowth growth(state);
   ProgressBar progress(*run_options.steps, quiet || !is_speaker());
-  run_options.on_step = [&, first = state.step](const SceneStepIn<D>& step) {
+  run_options.on_step = [&, first = state.step](const SceneStep<D>& step) {
     growth.add(scene, step);
     if (!step.report.converged && taken.advice.empty() && !quiet) {
       taken.advice = failure_text<D>(scene, step.state, step.state.contacts, step.problem,
@@ -321,10 +322,10 @@ TakenSteps<D> take_steps(const RunFlags& flags, PreparedRun<D>& prepared, const 
 template <int D>
 TakenSteps<D> take_steps_in_domains(const RunFlags& flags, PreparedRun<D>& prepared,
                                     const Stopwatch& watch, bool quiet) {
-  SceneIn<D>& scene = prepared.scene;
+  Scene<D>& scene = prepared.scene;
   ProcessGroup& group = run_processes();
   TakenSteps<D> taken;
-  DomainRunOptionsIn<D> options;
+  DomainRunOptions<D> options;
   options.steps = scene.num_steps - prepared.state.step;
   options.cancelled = cancelled_by(flags, watch);
   options.folder = prepared.folder;
@@ -337,20 +338,20 @@ TakenSteps<D> take_steps_in_domains(const RunFlags& flags, PreparedRun<D>& prepa
   };
   EnergyGrowth growth(prepared.state);
   ProgressBar progress(options.steps, quiet || !is_speaker());
-  options.on_step = [&, first = prepared.state.step](const DomainReportIn<D>& step) {
-    const StepReportIn<D>& report = step.report;
+  options.on_step = [&, first = prepared.state.step](const DomainReport<D>& step) {
+    const StepReport<D>& report = step.report;
     growth.add(scene, report.energy, report.step, force_energy(scene, step.wall_pushes));
     progress.update(report.step - first,
                     fmt::format("{} contacts, {} iterations", report.contacts, report.iterations));
   };
   if (!quiet) {
-    options.on_unsolved = [&](const SceneStepIn<D>& step) {
+    options.on_unsolved = [&](const SceneStep<D>& step) {
       taken.advice = failure_text<D>(scene, step.state, step.state.contacts, step.problem,
                                      step.report.error, step.report.step, false);
     };
   }
   // Who writes needs the bodies of the scene as well.
-  if (!is_speaker()) scene.disks = {};
+  if (!is_speaker()) scene.bodies = {};
   taken.run = run_domains(scene, prepared.state, options, group, taken.domains.emplace());
   taken.warning = growth.warning(scene);
   return taken;
@@ -358,21 +359,24 @@ TakenSteps<D> take_steps_in_domains(const RunFlags& flags, PreparedRun<D>& prepa
 
 /// `text`: of the scene's file.
 template <int D>
-int run_in(const RunFlags& flags, SceneIn<D> given, const std::string& text) {
+int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   const Stopwatch watch;
   PreparedRun<D> prepared;
   const bool json_on_stdout = flags.common.json == "-";
   const bool quiet = flags.common.quiet || json_on_stdout;
   together([&] { prepared = prepare_run(flags, std::move(given), text); });
-  SceneIn<D>& scene = prepared.scene;
-  StateIn<D>& state = prepared.state;
+  Scene<D>& scene = prepared.scene;
+  State<D>& state = prepared.state;
   RunFolderOptions& folder = prepared.folder;
   if (!flags.restart.empty() && state.step >= scene.num_steps) {
     return is_speaker() ? nothing_to_do(flags, scene, state, quiet) : int{kExitConverged};
   }
   together([&] {
     if (!is_speaker()) return;
-    if (!folder.folder.empty()) make_folder(folder.folder);
+    if (!folder.folder.empty()) {
+      if (scene.observables) require_plotting_tool();
+      make_folder(folder.folder);
+    }
     require_writable(flags.common.json);  // may lie in the folder that was just made
   });
 
@@ -382,12 +386,13 @@ int run_in(const RunFlags& flags, SceneIn<D> given, const std::string& text) {
   const TakenSteps<D> taken = whole_state.empty()
                                   ? take_steps_in_domains(flags, prepared, watch, quiet)
                                   : take_steps(flags, prepared, watch, quiet);
-  const SceneRunIn<D>& run = taken.run;
+  const SceneRun<D>& run = taken.run;
   std::string advice = taken.advice;
   double peak[1] = {peak_memory()};
   if (taken.domains) run_processes().largest(peak);
   const auto [status, exit_code] = outcome_of(run);
   if (!is_speaker()) return exit_code;
+  if (scene.observables && !folder.folder.empty()) draw_observables(folder.folder);
   if (run.failure) {
     fmt::print(stderr, "bipot: {}\n", run.failure->what());
     if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {

@@ -8,9 +8,9 @@
 #include <memory>
 #include <stdexcept>
 
-#include "core/file_error.h"
-#include "core/files/scene_file.h"
-#include "solvers/distributed/launch.h"
+#include "core/base/file_error.h"
+#include "core/scene_files/scene_file.h"
+#include "solvers/parallel/launch.h"
 
 namespace bipot {
 namespace {

@@ -8,9 +8,9 @@
 #include "bench/command/exit_code.h"
 #include "bench/report/json.h"
 #include "core/motion/state.h"
-#include "solvers/distributed/distributed_solve.h"
-#include "solvers/distributed/process_group.h"
-#include "solvers/domains/domain_stepper.h"
+#include "solvers/parallel/distributed_solve.h"
+#include "solvers/parallel/process_group.h"
+#include "solvers/simulation/domain_stepper.h"
 
 namespace bipot {
 
@@ -48,11 +48,11 @@ void refuse_on_several_processes(const CommonFlags& flags, const std::string& fl
 
 /// Where the contacts of a state lie, in the plane or in space.
 template <int D>
-std::vector<Vec3> contact_places(const StateIn<D>& state) {
+std::vector<Vec3> contact_places(const State<D>& state) {
   std::vector<Vec3> places;
   places.reserve(state.contacts.size());
-  for (const ContactOutcomeIn<D>& c : state.contacts) {
-    const BodyIn<D>& body = state.disks[to_size(c.contact.i)];
+  for (const ContactOutcome<D>& c : state.contacts) {
+    const Body<D>& body = state.bodies[to_size(c.contact.i)];
     Vec3 place = Vec3::Zero();
     place.template head<D>() = body.x - body.radius * c.contact.n;
     places.push_back(place);

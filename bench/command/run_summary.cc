@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "bench/report/json_output.h"
+#include "core/base/version.h"
 #include "core/motion/sample_area.h"
 #include "core/motion/sample_volume.h"
 #include "core/motion/stress_tensor.h"
-#include "core/version.h"
 
 namespace bipot {
 namespace {
@@ -28,9 +28,9 @@ std::string message_of(const RunSummary<D>& s) {
 
 /// What has gone through each outlet and inlet.
 template <int D>
-Json gates_json(const SceneIn<D>& scene, const StateIn<D>& state) {
+Json gates_json(const Scene<D>& scene, const State<D>& state) {
   Json gates = Json::array();
-  const auto entry = [](const std::string& name, const char* kind, const GateFlowIn<D>& flow) {
+  const auto entry = [](const std::string& name, const char* kind, const GateFlow<D>& flow) {
     return Json{{"name", name},
                 {"kind", kind},
                 {"count", flow.count},
@@ -50,15 +50,15 @@ Json gates_json(const SceneIn<D>& scene, const StateIn<D>& state) {
 
 /// The same in words; how many are left, and whether an inlet had to wait.
 template <int D>
-std::string gates_text(const SceneIn<D>& scene, const StateIn<D>& state) {
-  std::string text = fmt::format("  inside       {} {}s\n", state.disks.size(), kBodyName<D>);
+std::string gates_text(const Scene<D>& scene, const State<D>& state) {
+  std::string text = fmt::format("  inside       {} {}s\n", state.bodies.size(), kBodyName<D>);
   for (std::size_t k = 0; k < scene.outlets.size(); ++k) {
-    const GateFlowIn<D>& flow = state.population.outlets[k];
+    const GateFlow<D>& flow = state.population.outlets[k];
     text += fmt::format("  outlet       '{}': {} have left, {:.4g} kg\n", scene.outlets[k].name,
                         flow.count, flow.mass);
   }
   for (std::size_t k = 0; k < scene.inlets.size(); ++k) {
-    const GateFlowIn<D>& flow = state.population.inlets[k];
+    const GateFlow<D>& flow = state.population.inlets[k];
     text += fmt::format("  inlet        '{}': {} have come in, {:.4g} kg", scene.inlets[k].name,
                         flow.count, flow.mass);
     if (flow.waiting > 0) {
@@ -73,9 +73,9 @@ std::string gates_text(const SceneIn<D>& scene, const StateIn<D>& state) {
 
 template <int D>
 Json to_json(const RunSummary<D>& s) {
-  const SceneIn<D>& scene = s.scene;
-  const StateIn<D>& state = s.state;
-  const SceneTotalsIn<D>& t = s.run.totals;
+  const Scene<D>& scene = s.scene;
+  const State<D>& state = s.state;
+  const SceneTotals<D>& t = s.run.totals;
   const SpringDashpotSetup* dem = springs_of(s);
   const double steps = std::max(t.steps, 1);
   Json j{{"command", "run"},
@@ -97,7 +97,7 @@ Json to_json(const RunSummary<D>& s) {
     j["tol"] = scene.solver.tol;
     j["stop"] = scene.solver.stop;
   }
-  j.update(Json{{D == 2 ? "disks" : "spheres", state.disks.size()},
+  j.update(Json{{D == 2 ? "disks" : "spheres", state.bodies.size()},
                 {"steps", t.steps},
                 {"steps_planned", s.run.planned},
                 {"steps_converged", t.converged},
@@ -123,11 +123,10 @@ Json to_json(const RunSummary<D>& s) {
     j["gates"] = gates_json(scene, state);
   }
   if (dem != nullptr) j["energy"]["elastic"] = t.last.energy.elastic;
-  const double area = sample_area(state, scene.step);
+  const double area = sample_measure(state, scene.step);
   if (area > 0) {
-    const MeanStressIn<D> stress =
-        sample_stress<D>(state, scene.step, area, contact_moments(state));
-    const MatIn<D> total = stress.total();
+    const MeanStress<D> stress = sample_stress<D>(state, scene.step, area, contact_moments(state));
+    const Mat<D> total = stress.total();
     Json entries{{"xx", total(0, 0)}, {"yy", total(1, 1)}};
     if constexpr (D == 3) entries["zz"] = total(2, 2);
     entries["xy"] = 0.5 * (total(0, 1) + total(1, 0));
@@ -152,8 +151,8 @@ Json to_json(const RunSummary<D>& s) {
 
 template <int D>
 std::string to_text(const RunSummary<D>& s) {
-  const SceneIn<D>& scene = s.scene;
-  const SceneTotalsIn<D>& t = s.run.totals;
+  const Scene<D>& scene = s.scene;
+  const SceneTotals<D>& t = s.run.totals;
   const SpringDashpotSetup* dem = springs_of(s);
   const double steps = std::max(t.steps, 1);
   std::string text;

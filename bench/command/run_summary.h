@@ -3,16 +3,16 @@
 #include <string>
 
 #include "bench/report/json.h"
-#include "bench/scenes/scene_run.h"
+#include "solvers/simulation/scene_run.h"
 
 namespace bipot {
 
 /// What `bipot run` says of a run when it is over.
 template <int D>
 struct RunSummary {
-  const SceneIn<D>& scene;
-  const StateIn<D>& state;  ///< at the end
-  const SceneRunIn<D>& run;
+  const Scene<D>& scene;
+  const State<D>& state;  ///< at the end
+  const SceneRun<D>& run;
   std::string status;
   int exit_code = 0;
   double wall_seconds = 0;  ///< of the whole command

@@ -11,13 +11,13 @@
 
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
+#include "bench/problems/several_picture.h"
 #include "bench/report/json_output.h"
 #include "bench/report/several_report.h"
-#include "bench/scenes/several_picture.h"
-#include "core/file_error.h"
-#include "core/files/fclib_file.h"
-#include "core/version.h"
-#include "solvers/several_answers.h"
+#include "core/base/file_error.h"
+#include "core/base/version.h"
+#include "core/problem_files/fclib_file.h"
+#include "solvers/analysis/several_answers.h"
 
 namespace bipot {
 namespace {

@@ -9,7 +9,7 @@
 #include "bench/command/watched_trade.h"
 #include "bench/report/chart.h"
 #include "bench/report/json_output.h"
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 
 namespace bipot {
 

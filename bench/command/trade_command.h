@@ -3,7 +3,7 @@
 #include <string>
 
 #include "bench/command/command_line.h"
-#include "bench/trade/trade_request.h"
+#include "bench/tradeoff/trade_request.h"
 
 namespace bipot {
 

@@ -11,10 +11,10 @@
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
+#include "bench/experiments/validation_report.h"
 #include "bench/report/chart.h"
-#include "bench/validate/validation_report.h"
-#include "core/file_error.h"
-#include "core/nearest_name.h"
+#include "core/base/file_error.h"
+#include "core/base/nearest_name.h"
 #include "solvers/registry.h"
 
 namespace bipot {

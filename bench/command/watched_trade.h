@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/trade/trade_request.h"
+#include "bench/tradeoff/trade_request.h"
 
 namespace bipot {
 

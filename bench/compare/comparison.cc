@@ -16,7 +16,7 @@
 #include "bench/measure/true_error.h"
 #include "bench/measure/warm_up.h"
 #include "bench/report/build_info.h"
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 #include "core/motion/time_stepping.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"

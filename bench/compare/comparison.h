@@ -7,7 +7,7 @@
 
 #include "bench/measure/problem_target.h"
 #include "bench/measure/reference_solution.h"
-#include "core/types.h"
+#include "core/base/types.h"
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -67,7 +67,7 @@ struct ProblemSummary {
   /// stand below 1e-9; NaN when there are fewer than two.
   double velocity_spread = kNaN;
   /// Exact answers that are known to be distinct, of attempts and rows alike; 0: no reference below
-  /// 1e-9. More than one proves that there are several (solvers/distinct_answers.h).
+  /// 1e-9. More than one proves that there are several (solvers/analysis/distinct_answers.h).
   int answers = 0;
   AnswerSpread spread;  ///< between them
   bool several_velocities() const { return answers > 1; }

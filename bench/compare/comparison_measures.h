@@ -7,7 +7,7 @@
 
 #include "bench/compare/comparison.h"
 #include "bench/measure/statistics.h"
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 

@@ -8,8 +8,8 @@
 
 #include "bench/compare/comparison_rows.h"
 #include "bench/report/json.h"
-#include "core/file_error.h"
-#include "core/files/fclib_file.h"
+#include "core/base/file_error.h"
+#include "core/problem_files/fclib_file.h"
 
 namespace bipot {
 namespace {

@@ -9,7 +9,7 @@
 
 #include "bench/compare/comparison_measures.h"
 #include "bench/report/csv_text.h"
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 namespace {

@@ -9,10 +9,10 @@
 #include <stdexcept>
 
 #include "bench/measure/moving_problems.h"
+#include "bench/problems/moving_scene.h"
+#include "bench/problems/settled_pile.h"
+#include "bench/problems/sphere_problems.h"
 #include "bench/report/json_output.h"
-#include "bench/scenes/moving_scene.h"
-#include "bench/scenes/settled_pile.h"
-#include "bench/scenes/sphere_problems.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
@@ -53,7 +53,7 @@ GrowthRow empty_row(const GrowthScene& scene, const GrowthProblem& problem,
   row.method = method.name;
   row.tol = tol;
   row.side = problem.side;
-  row.disks = problem.disks;
+  row.bodies = problem.bodies;
   row.contacts = problem.problem.num_contacts();
   return row;
 }
@@ -87,7 +87,7 @@ GrowthProblem make_growth_problem(const GrowthScene& scene, int side) {
         moving_problems({scene.family, side, options, moving_steps(scene.family, side, 1)})
             .front()
             .problem;
-    made.disks = to_size(side) * to_size(side);
+    made.bodies = to_size(side) * to_size(side);
     return made;
   }
   if (is_sphere_family(scene.family)) {
@@ -95,11 +95,11 @@ GrowthProblem make_growth_problem(const GrowthScene& scene, int side) {
       throw std::invalid_argument(scene.family + ": the spheres have one mass");
     }
     made.problem = sphere_family(scene.family, side, scene.mu, scene.tilt_degrees);
-    made.disks = to_size(std::lround(spheres_in(scene.family, side)));
+    made.bodies = to_size(std::lround(spheres_in(scene.family, side)));
     return made;
   }
-  Scene disks;
-  State state;
+  Scene<2> disks;
+  State<2> state;
   if (scene.family == "pile") {
     SettledPile pile = settle_pile({.count = side * side, .mu = scene.mu, .seed = scene.seed});
     disks = std::move(pile.scene);
@@ -114,7 +114,7 @@ GrowthProblem make_growth_problem(const GrowthScene& scene, int side) {
                                .seed = scene.seed});
     state = initial_state(disks);
   }
-  made.disks = disks.disks.size();
+  made.bodies = disks.bodies.size();
   made.problem = step_problem(disks, state, false);
   return made;
 }
@@ -184,7 +184,7 @@ std::vector<GrowthFit> fit_growth(std::span<const GrowthRow> rows, double least_
       fits.push_back(std::move(fit));
       members.emplace_back();
     }
-    if (static_cast<double>(row.disks) >= least_disks) members[k][row.disks] = &row;
+    if (static_cast<double>(row.bodies) >= least_disks) members[k][row.bodies] = &row;
   }
   for (std::size_t k = 0; k < fits.size(); ++k) {
     std::vector<double> disks, iterations, seconds;
@@ -225,7 +225,7 @@ Json to_json(const GrowthRow& row) {
             {"method", row.method},
             {"tol", row.tol},
             {"side", row.side},
-            {"disks", row.disks},
+            {"disks", row.bodies},
             {"contacts", row.contacts},
             {"status", to_string(row.status)},
             {"iterations", row.iterations},

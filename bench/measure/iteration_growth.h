@@ -30,7 +30,7 @@ struct GrowthScene {
 struct GrowthProblem {
   ContactProblem problem;
   int side = 0;
-  std::size_t disks = 0;
+  std::size_t bodies = 0;
 };
 /// Throws std::invalid_argument for an unknown family.
 GrowthProblem make_growth_problem(const GrowthScene& scene, int side);
@@ -48,7 +48,7 @@ struct GrowthRow {
   std::string family, method;
   double tol = 0;
   int side = 0;
-  std::size_t disks = 0;
+  std::size_t bodies = 0;
   int contacts = 0;
   SolveStatus status = SolveStatus::kNotRun;
   int iterations = 0;

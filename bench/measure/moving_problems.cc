@@ -7,12 +7,12 @@
 #include <cstdlib>
 #include <optional>
 
+#include "bench/problems/moving_run.h"
+#include "bench/problems/moving_scene.h"
 #include "bench/report/build_info.h"
-#include "bench/scenes/moving_run.h"
-#include "bench/scenes/moving_scene.h"
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 #include "core/files/atomic_file.h"
-#include "core/files/fclib_file.h"
+#include "core/problem_files/fclib_file.h"
 
 namespace bipot {
 namespace {
@@ -96,14 +96,14 @@ std::vector<int> moving_steps(const std::string& family, int side, int count) {
 }
 
 std::vector<TestProblem> moving_problems(const MovingRunRequest& request) {
-  const Scene scene = make_moving_scene(request.family, request.side, request.options);
+  const Scene<2> scene = make_moving_scene(request.family, request.side, request.options);
   // What is changed and not yet committed has no name of its own: its files are not believed.
   const bool trusted = !build_info().commit.ends_with("-dirty");
   const bool complete =
       trusted && std::all_of(request.steps.begin(), request.steps.end(),
                              [&](int step) { return read_step(request, step).has_value(); });
   if (!complete) {
-    run_moving_scene(scene, request.steps, [&](const SceneStep& step) {
+    run_moving_scene(scene, request.steps, [&](const SceneStep<2>& step) {
       write_step(request, step.report.step, step.problem, step.start);
     });
   }

@@ -18,19 +18,19 @@
 #include <variant>
 
 #include "bench/measure/moving_problems.h"
-#include "bench/scenes/moving_scene.h"
-#include "bench/scenes/scene_catalogue.h"
-#include "bench/scenes/scene_run.h"
-#include "bench/scenes/settled_pile.h"
-#include "bench/scenes/sphere_problems.h"
-#include "core/files/problem_file.h"
-#include "core/files/scene_file.h"
+#include "bench/problems/moving_scene.h"
+#include "bench/problems/scene_catalogue.h"
+#include "bench/problems/settled_pile.h"
+#include "bench/problems/sphere_problems.h"
+#include "core/base/nearest_name.h"
+#include "core/base/types.h"
 #include "core/motion/time_stepping.h"
-#include "core/nearest_name.h"
+#include "core/problem_files/problem_file.h"
 #include "core/scene/scene_family.h"
-#include "core/types.h"
+#include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
-#include "solvers/step_solver.h"
+#include "solvers/simulation/scene_run.h"
+#include "solvers/simulation/step_solver.h"
 
 namespace bipot {
 namespace {
@@ -111,8 +111,8 @@ double parse_number(const std::string& target, const std::string& text) {
 
 /// NaN (not known) for a scene without bodies.
 template <int D>
-double smallest_radius_of(const SceneIn<D>& scene) {
-  return scene.disks.empty() ? kNaN : smallest_radius(scene);
+double smallest_radius_of(const Scene<D>& scene) {
+  return scene.bodies.empty() ? kNaN : smallest_radius(scene);
 }
 
 /// Settling takes longer than most solves: each pile settles once.
@@ -210,30 +210,30 @@ Family parse_family(const std::string& target) {
 
 /// A disk like the others that comes down on the middle of a settled pile at 20 m/s and touches it
 /// in the middle of the coming step. Positions and velocities of the state; the scene has the disk.
-void throw_disk(Scene& scene, State& state) {
+void throw_disk(Scene<2>& scene, State<2>& state) {
   constexpr double kSpeed = 20;
-  Disk disk = state.disks.front();
+  Disk disk = state.bodies.front();
   disk.radius = 0.5;
   disk.mass = 1;
   disk.inertia = 0.5 * disk.mass * disk.radius * disk.radius;
   disk.v = Vec2(0, -kSpeed);
   disk.angle = disk.spin = 0;
   double left = std::numeric_limits<double>::infinity(), right = -left;
-  for (const Disk& d : state.disks) {
+  for (const Disk& d : state.bodies) {
     left = std::min(left, d.x.x());
     right = std::max(right, d.x.x());
   }
   disk.x.x() = 0.5 * (left + right);
   double height = 0;
-  for (const Disk& d : state.disks) {
+  for (const Disk& d : state.bodies) {
     const double reach = disk.radius + d.radius, aside = d.x.x() - disk.x.x();
     if (std::abs(aside) < reach) {
       height = std::max(height, d.x.y() + std::sqrt(reach * reach - aside * aside));
     }
   }
   disk.x.y() = height + 0.5 * scene.step * kSpeed;
-  state.disks.push_back(disk);
-  scene.disks.push_back(disk);
+  state.bodies.push_back(disk);
+  scene.bodies.push_back(disk);
 }
 
 TestProblem make_family_problem(const Family& family, Piles& piles) {
@@ -248,14 +248,14 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
     made.smallest_radius = 0.5;
     return made;
   }
-  Scene scene;
-  State state;
+  Scene<2> scene;
+  State<2> state;
   if (is_pile(family)) {
     const SettledPile& pile =
         piles.get({.count = family.side * family.side, .mu = o.mu, .seed = o.seed});
     scene = pile.scene;
     state = pile.state;
-    made.origin = fmt::format("{} disks {} after {} steps", scene.disks.size(),
+    made.origin = fmt::format("{} disks {} after {} steps", scene.bodies.size(),
                               pile.at_rest ? "at rest" : "still moving", pile.steps);
     // A tilted pile settles level; then gravity turns and the pile starts to flow.
     const double angle = o.tilt_degrees * std::acos(-1.0) / 180;
@@ -270,7 +270,7 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
   } else {
     scene = make_family_scene(family.name, family.side, o);
     state = initial_state(scene);
-    made.origin = fmt::format("family {}, {} disks, first step", family.name, scene.disks.size());
+    made.origin = fmt::format("family {}, {} disks, first step", family.name, scene.bodies.size());
   }
   made.origin += fmt::format(", mu = {:g}, tilt {:g} degrees, mass ratio {:g}, e = {:g}, seed {}",
                              o.mu, o.tilt_degrees, o.mass_ratio, o.e_n, o.seed);
@@ -284,7 +284,7 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
 template <int D>
 class ProblemRun {
  public:
-  ProblemRun(SceneIn<D> scene, std::vector<int> steps)
+  ProblemRun(Scene<D> scene, std::vector<int> steps)
       : scene_(std::move(scene)), steps_(std::move(steps)) {}
 
   TestProblem at(int step) {
@@ -296,11 +296,11 @@ class ProblemRun {
   void run() {
     SolverOptions options;
     options.tol = scene_.solver.tol;
-    StateIn<D> state = initial_state(scene_);
-    SceneRunOptionsIn<D> to_last;
+    State<D> state = initial_state(scene_);
+    SceneRunOptions<D> to_last;
     to_last.steps = steps_.back();
     to_last.solver = make_step_solver(require_solver("auto"), options);
-    to_last.on_step = [this](const SceneStepIn<D>& step) {
+    to_last.on_step = [this](const SceneStep<D>& step) {
       const int k = step.report.step;
       if (!std::binary_search(steps_.begin(), steps_.end(), k)) return true;
       TestProblem& made = problems_[k];
@@ -313,11 +313,11 @@ class ProblemRun {
       made.smallest_radius = smallest_radius_of(scene_);
       return true;
     };
-    const SceneRunIn<D> run = run_scene(scene_, state, to_last);
+    const SceneRun<D> run = run_scene(scene_, state, to_last);
     if (run.failure) throw *run.failure;
   }
 
-  SceneIn<D> scene_;
+  Scene<D> scene_;
   std::vector<int> steps_;
   std::map<int, TestProblem> problems_;
 };
@@ -373,7 +373,7 @@ void add_folder(const std::string& target, std::vector<ProblemSource>& sources) 
 }
 
 template <int D>
-void add_steps(const std::string& target, const fs::path& path, SceneIn<D>&& scene,
+void add_steps(const std::string& target, const fs::path& path, Scene<D>&& scene,
                const TargetOptions& options, std::vector<ProblemSource>& sources) {
   const int last = std::min(scene.num_steps, options.scene_steps);
   std::set<int> steps;

@@ -7,11 +7,11 @@
 #include "bench/measure/cpu_limit.h"
 #include "bench/report/json.h"
 #include "bench/report/json_output.h"
-#include "core/file_error.h"
+#include "core/base/file_error.h"
+#include "core/base/types.h"
 #include "core/files/atomic_file.h"
 #include "core/problem/delassus.h"
 #include "core/problem/energy_norm.h"
-#include "core/types.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "bench/measure/test_problem.h"
-#include "core/problem/contact_error.h"
-#include "core/types.h"
-#include "solvers/distinct_answers.h"
+#include "core/base/types.h"
+#include "core/criterion/contact_error.h"
+#include "solvers/analysis/distinct_answers.h"
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -39,7 +39,7 @@ struct ReferenceSolution {
   /// Largest ‖v - v*‖_A / ‖v* - v_free‖_A between attempts that both stand below kTrusted; NaN with
   /// fewer than two of them.
   double velocity_spread = std::numeric_limits<double>::quiet_NaN();
-  /// Exact answers that are distinct from s and from each other (solvers/distinct_answers.h), in the
+  /// Exact answers that are distinct from s and from each other (solvers/analysis/distinct_answers.h), in the
   /// order in which they were found: their being there proves that the problem has several.
   std::vector<Vector> others;
   AnswerSpread spread;  ///< between s and the others

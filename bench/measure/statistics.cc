@@ -4,7 +4,7 @@
 #include <cmath>
 #include <unsupported/Eigen/SpecialFunctions>
 
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 

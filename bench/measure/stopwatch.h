@@ -2,7 +2,7 @@
 
 #include <ctime>
 
-#include "core/stopwatch.h"  // time on the wall
+#include "core/base/stopwatch.h"  // time on the wall
 
 namespace bipot {
 

@@ -2,8 +2,8 @@
 
 #include <string>
 
+#include "core/base/types.h"
 #include "core/problem/contact_problem.h"
-#include "core/types.h"
 
 namespace bipot {
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/linear/dense_factor.h"
+#include "core/linear/sparse_factor.h"
 #include "core/problem/delassus.h"
-#include "core/problem/dense_factor.h"
 #include "core/problem/energy_norm.h"
-#include "core/problem/sparse_factor.h"
 
 namespace bipot {
 namespace {

@@ -4,9 +4,9 @@
 
 #include "bench/measure/reference_solution.h"
 #include "bench/measure/test_problem.h"
+#include "core/base/types.h"
+#include "core/criterion/contact_error.h"
 #include "core/problem/body_rows.h"
-#include "core/problem/contact_error.h"
-#include "core/types.h"
 
 namespace bipot {
 

@@ -3,12 +3,12 @@
 #include <string>
 #include <vector>
 
-#include "bench/advise/advice_json.h"
-#include "bench/advise/advise.h"
+#include "bench/problems/scene_catalogue.h"
 #include "bench/python/bindings.h"
 #include "bench/python/python_watch.h"
-#include "bench/scenes/scene_catalogue.h"
-#include "core/files/scene_file.h"
+#include "bench/tradeoff/advice_json.h"
+#include "bench/tradeoff/advise.h"
+#include "core/scene_files/scene_file.h"
 
 namespace bipot {
 namespace {
@@ -29,7 +29,7 @@ std::string advise_scene(const std::string& name, double force, double penetrati
   options.fresh = fresh;
   options.keep_step = keep_step;
   options.interrupted = [&watch] { return watch.stopped(); };
-  const Scene scene = read_scene(find_scene(name));
+  const Scene<2> scene = read_scene(find_scene(name));
   std::string json;
   {
     const py::gil_scoped_release release;

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 

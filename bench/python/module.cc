@@ -3,10 +3,10 @@
 #include <pybind11/stl.h>
 
 #include "bench/python/bindings.h"
-#include "core/file_error.h"
-#include "core/files/scene_file.h"
-#include "core/nearest_name.h"
-#include "core/version.h"
+#include "core/base/file_error.h"
+#include "core/base/nearest_name.h"
+#include "core/base/version.h"
+#include "core/scene_files/scene_file.h"
 
 namespace py = pybind11;
 

@@ -11,11 +11,11 @@
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"
 #include "bench/python/python_problem.h"
-#include "core/file_error.h"
-#include "core/files/fclib_file.h"
-#include "core/files/problem_file.h"
-#include "core/nearest_name.h"
+#include "core/base/file_error.h"
+#include "core/base/nearest_name.h"
 #include "core/problem/delassus.h"
+#include "core/problem_files/fclib_file.h"
+#include "core/problem_files/problem_file.h"
 
 namespace bipot {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/types.h"
 #include "core/problem/contact_problem.h"
-#include "core/types.h"
 
 namespace bipot {
 

@@ -13,17 +13,17 @@
 #include <variant>
 #include <vector>
 
+#include "bench/problems/scene_catalogue.h"
 #include "bench/python/arrays.h"
 #include "bench/python/bindings.h"
 #include "bench/python/callable_solver.h"
 #include "bench/python/python_problem.h"
 #include "bench/python/python_watch.h"
-#include "bench/scenes/scene_catalogue.h"
-#include "bench/scenes/scene_stepper.h"
-#include "core/files/scene_file.h"
-#include "core/nearest_name.h"
+#include "core/base/nearest_name.h"
+#include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
-#include "solvers/step_solver.h"
+#include "solvers/simulation/scene_stepper.h"
+#include "solvers/simulation/step_solver.h"
 
 namespace bipot {
 namespace {
@@ -42,14 +42,14 @@ struct SphereContactRow {
   std::int64_t status;
 };
 
-ContactRow row_of(const ContactOutcome& c) {
+ContactRow row_of(const ContactOutcome<2>& c) {
   return {c.contact.i,     c.contact.j,
           c.contact.n.x(), c.contact.n.y(),
           c.contact.gap,   c.s_n,
           c.s_t,           c.u_n,
           c.u_t,           static_cast<std::int64_t>(c.status)};
 }
-SphereContactRow row_of(const ContactOutcomeIn<3>& c) {
+SphereContactRow row_of(const ContactOutcome<3>& c) {
   const Vec3& n = c.contact.n;
   return {c.contact.i,   c.contact.j, n.x(),     n.y(),     n.z(),
           c.contact.gap, c.s_n,       c.s_t.x(), c.s_t.y(), c.s_t.z(),
@@ -73,17 +73,17 @@ py::dtype contact_type() {
 }
 
 template <int D>
-py::array contacts_of(const StateIn<D>& state) {
+py::array contacts_of(const State<D>& state) {
   using Row = std::conditional_t<D == 2, ContactRow, SphereContactRow>;
   std::vector<Row> rows;
   rows.reserve(state.contacts.size());
-  for (const ContactOutcomeIn<D>& c : state.contacts) rows.push_back(row_of(c));
+  for (const ContactOutcome<D>& c : state.contacts) rows.push_back(row_of(c));
   return py::array(contact_type<Row>(), {static_cast<py::ssize_t>(rows.size())}, rows.data());
 }
 
 template <int D>
-std::string name_of(typename WallIn<D>::Motion motion) {
-  using Motion = typename WallIn<D>::Motion;
+std::string name_of(typename Wall<D>::Motion motion) {
+  using Motion = typename Wall<D>::Motion;
   switch (motion) {
     case Motion::kFixed:
       return "fixed";
@@ -96,8 +96,8 @@ std::string name_of(typename WallIn<D>::Motion motion) {
 }
 
 template <int D>
-std::string name_of(typename WallIn<D>::Shape shape) {
-  using Shape = typename WallIn<D>::Shape;
+std::string name_of(typename Wall<D>::Shape shape) {
+  using Shape = typename Wall<D>::Shape;
   switch (shape) {
     case Shape::kHalfPlane:
       return D == 2 ? "half-plane" : "half-space";
@@ -112,15 +112,15 @@ std::string name_of(typename WallIn<D>::Shape shape) {
 }
 
 template <int D>
-py::list walls_of(const StateIn<D>& state) {
-  const auto numbers = [](const VecIn<D>& x) {
+py::list walls_of(const State<D>& state) {
+  const auto numbers = [](const Vec<D>& x) {
     py::tuple tuple(D);
     for (int k = 0; k < D; ++k) tuple[to_size(k)] = x[k];
     return tuple;
   };
   py::list walls;
-  for (const WallIn<D>& wall : state.walls) {
-    using Shape = typename WallIn<D>::Shape;
+  for (const Wall<D>& wall : state.walls) {
+    using Shape = typename Wall<D>::Shape;
     const bool segment = wall.shape == Shape::kSegment;
     const bool directed = wall.shape == Shape::kHalfPlane || (D == 3 && wall.is_circle());
     py::dict row;
@@ -141,14 +141,14 @@ py::list walls_of(const StateIn<D>& state) {
 /// Where everything is between two steps: a snapshot that nothing changes any more.
 template <int D>
 struct PythonState {
-  StateIn<D> state;
+  State<D> state;
 };
 
 /// One step that was taken, likewise.
 template <int D>
 struct PythonStep {
-  StateIn<D> state;
-  StepReportIn<D> report;
+  State<D> state;
+  StepReport<D> report;
   std::shared_ptr<PythonProblem> problem;
 };
 template <int D>
@@ -169,15 +169,15 @@ struct SimulationChoice {
 template <int D>
 class PythonSimulation {
  public:
-  PythonSimulation(SceneIn<D> scene, const SimulationChoice& choice) : scene_(std::move(scene)) {
+  PythonSimulation(Scene<D> scene, const SimulationChoice& choice) : scene_(std::move(scene)) {
     choose(choice);
     state_ = initial_state(scene_);
   }
   PythonSimulation(const PythonSimulation&) = delete;  // the stepper looks at the scene
   PythonSimulation& operator=(const PythonSimulation&) = delete;
 
-  const SceneIn<D>& scene() const { return scene_; }
-  const StateIn<D>& state() const {
+  const Scene<D>& scene() const { return scene_; }
+  const State<D>& state() const {
     require_rest();
     return state_;
   }
@@ -209,7 +209,7 @@ class PythonSimulation {
   }
 
   /// The wall of that name or number. Throws std::invalid_argument.
-  WallIn<D>& wall(const py::object& which) {
+  Wall<D>& wall(const py::object& which) {
     require_rest();
     if (py::isinstance<py::int_>(which)) {
       const auto k = which.cast<std::int64_t>();
@@ -221,7 +221,7 @@ class PythonSimulation {
     }
     const auto name = which.cast<std::string>();
     std::vector<std::string> names;
-    for (WallIn<D>& wall : state_.walls) {
+    for (Wall<D>& wall : state_.walls) {
       if (wall.name == name) return wall;
       names.push_back(wall.name);
     }
@@ -279,19 +279,19 @@ class PythonSimulation {
                      chosen_.entry.needs_delassus);
   }
 
-  SceneIn<D> scene_;
-  StateIn<D> state_;
+  Scene<D> scene_;
+  State<D> state_;
   bool stepping_ = false;  // read and written with Python's lock held
   PythonWatch watch_;
   ChosenSolver chosen_;
-  std::optional<SceneStepperIn<D>> stepper_;
+  std::optional<SceneStepper<D>> stepper_;
 };
 
 template <int D>
 void set_wall(PythonSimulation<D>& self, const py::object& which, const py::object& velocity,
               const py::object& force) {
-  WallIn<D>& wall = self.wall(which);
-  using Motion = typename WallIn<D>::Motion;
+  Wall<D>& wall = self.wall(which);
+  using Motion = typename Wall<D>::Motion;
   const auto require = [&](Motion motion, const char* what, const char* key) {
     if (wall.motion == motion) return;
     throw std::invalid_argument(
@@ -318,26 +318,26 @@ void set_wall(PythonSimulation<D>& self, const py::object& which, const py::obje
 /// Arrays over the disks or spheres of a state.
 template <int D, class Class>
 void bind_bodies(Class& bound) {
-  using Body = BodyIn<D>;
-  const auto scalars = [](double Body::*field) {
+  const auto scalars = [](double Body<D>::*field) {
     return [field](const typename Class::holder_type& self) {
-      const std::vector<Body>& bodies = self->state.disks;
+      const std::vector<Body<D>>& bodies = self->state.bodies;
       const double* first = bodies.empty() ? nullptr : &(bodies.front().*field);
-      return view_of(first, static_cast<Eigen::Index>(bodies.size()), py::cast(self), sizeof(Body));
+      return view_of(first, static_cast<Eigen::Index>(bodies.size()), py::cast(self),
+                     sizeof(Body<D>));
     };
   };
-  const auto vectors = [](VecIn<D> Body::*field) {
+  const auto vectors = [](Vec<D> Body<D>::*field) {
     return [field](const typename Class::holder_type& self) {
-      const std::vector<Body>& bodies = self->state.disks;
+      const std::vector<Body<D>>& bodies = self->state.bodies;
       const double* first = bodies.empty() ? nullptr : (bodies.front().*field).data();
-      return view_of_rows(first, static_cast<Eigen::Index>(bodies.size()), D, sizeof(Body),
+      return view_of_rows(first, static_cast<Eigen::Index>(bodies.size()), D, sizeof(Body<D>),
                           py::cast(self));
     };
   };
-  bound.def_property_readonly("positions", vectors(&Body::x), "(n, 2), in space (n, 3) [m]")
-      .def_property_readonly("velocities", vectors(&Body::v), "(n, 2), in space (n, 3) [m/s]")
-      .def_property_readonly("radii", scalars(&Body::radius), "(n,) [m]")
-      .def_property_readonly("masses", scalars(&Body::mass), "(n,) [kg]");
+  bound.def_property_readonly("positions", vectors(&Body<D>::x), "(n, 2), in space (n, 3) [m]")
+      .def_property_readonly("velocities", vectors(&Body<D>::v), "(n, 2), in space (n, 3) [m/s]")
+      .def_property_readonly("radii", scalars(&Body<D>::radius), "(n,) [m]")
+      .def_property_readonly("masses", scalars(&Body<D>::mass), "(n,) [kg]");
   if constexpr (D == 2) {
     bound.def_property_readonly("angles", scalars(&Disk::angle), "(n,) [rad]")
         .def_property_readonly("spins", scalars(&Disk::spin), "(n,) [rad/s]");
@@ -346,7 +346,7 @@ void bind_bodies(Class& bound) {
         .def_property_readonly(
             "orientations",
             [](const typename Class::holder_type& self) {
-              const std::vector<Sphere>& spheres = self->state.disks;
+              const std::vector<Sphere>& spheres = self->state.bodies;
               py::array_t<double> rows({static_cast<py::ssize_t>(spheres.size()), py::ssize_t{4}});
               auto to = rows.template mutable_unchecked<2>();
               for (std::size_t k = 0; k < spheres.size(); ++k) {
@@ -394,27 +394,26 @@ void bind_state(py::module_& module) {
 
 template <int D>
 void bind_step(py::module_& module) {
-  using StepReport = StepReportIn<D>;
   using PythonStep = PythonStep<D>;
   py::class_<PythonStep, Step<D>> step(module, D == 2 ? "Step" : "SphereStep",
                                        "One step that was taken.");
   bind_bodies<D>(step);
-  const auto of_report = [](auto StepReport::*field) {
+  const auto of_report = [](auto StepReport<D>::*field) {
     return [field](const PythonStep& s) { return s.report.*field; };
   };
   const auto of_error = [](auto ContactError::*field) {
     return [field](const PythonStep& s) { return s.report.error.*field; };
   };
-  step.def_property_readonly("step", of_report(&StepReport::step), "Number of the step.")
-      .def_property_readonly("time", of_report(&StepReport::time), "At its end [s].")
-      .def_property_readonly("converged", of_report(&StepReport::converged),
+  step.def_property_readonly("step", of_report(&StepReport<D>::step), "Number of the step.")
+      .def_property_readonly("time", of_report(&StepReport<D>::time), "At its end [s].")
+      .def_property_readonly("converged", of_report(&StepReport<D>::converged),
                              "Whether the solve met its tolerance.")
-      .def_property_readonly("message", of_report(&StepReport::message),
+      .def_property_readonly("message", of_report(&StepReport<D>::message),
                              "How the solve ended, in words.")
-      .def_property_readonly("iterations", of_report(&StepReport::iterations), "Of the solver.")
-      .def_property_readonly("penetration", of_report(&StepReport::penetration),
+      .def_property_readonly("iterations", of_report(&StepReport<D>::iterations), "Of the solver.")
+      .def_property_readonly("penetration", of_report(&StepReport<D>::penetration),
                              "Largest overlap at mid-step [m].")
-      .def_property_readonly("solve_seconds", of_report(&StepReport::solve_seconds),
+      .def_property_readonly("solve_seconds", of_report(&StepReport<D>::solve_seconds),
                              "Wall time of the solve [s].")
       .def_property_readonly("epsilon", of_error(&ContactError::epsilon),
                              "Guarded form of the paper's (42).")
@@ -470,7 +469,7 @@ py::object make_simulation(const std::string& scene, const py::object& solver,
                                 .friction = friction,
                                 .num_steps = num_steps};
   return std::visit(
-      [&]<int D>(SceneIn<D>&& read) {
+      [&]<int D>(Scene<D>&& read) {
         return py::cast(std::make_unique<PythonSimulation<D>>(std::move(read), choice));
       },
       read_any_scene(find_scene(scene)));

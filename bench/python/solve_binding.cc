@@ -14,8 +14,8 @@
 #include "bench/python/python_watch.h"
 #include "core/problem/delassus.h"
 #include "solvers/registry.h"
+#include "solvers/simulation/step_solver.h"
 #include "solvers/solve.h"
-#include "solvers/step_solver.h"
 
 namespace bipot {
 namespace {

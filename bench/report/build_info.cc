@@ -5,7 +5,7 @@
 #include <thread>
 
 #include "build_commit.h"
-#include "core/version.h"
+#include "core/base/version.h"
 
 namespace bipot {
 

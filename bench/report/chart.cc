@@ -12,7 +12,7 @@
 
 #include "bench/report/csv_text.h"
 #include "bench/report/gnuplot.h"
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 #include "core/files/atomic_file.h"
 
 namespace bipot {

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 
 namespace bipot {
 

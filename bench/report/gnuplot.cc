@@ -12,7 +12,7 @@
 #include <cstring>
 #include <memory>
 
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 
 extern char** environ;
 

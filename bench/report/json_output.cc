@@ -5,7 +5,7 @@
 #include <fstream>
 #include <iostream>
 
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 
 namespace bipot {
 namespace {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "bench/report/json.h"
-#include "core/problem/contact_error.h"
+#include "core/criterion/contact_error.h"
 
 namespace bipot {
 

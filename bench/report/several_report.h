@@ -3,7 +3,7 @@
 #include <string>
 
 #include "bench/report/json.h"
-#include "solvers/several_answers.h"
+#include "solvers/analysis/several_answers.h"
 
 namespace bipot {
 

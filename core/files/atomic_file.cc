@@ -4,7 +4,7 @@
 #include <system_error>
 #include <utility>
 
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 
 namespace bipot {
 

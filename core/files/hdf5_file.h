@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 
 namespace bipot {
 

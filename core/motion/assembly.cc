@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/large_pages.h"
-#include "core/parallel.h"
+#include "core/base/large_pages.h"
+#include "core/base/parallel.h"
 #include "core/problem/delassus.h"
 #include "core/scene/wall_motion.h"
 
@@ -13,10 +13,10 @@ namespace bipot {
 /// What the rows of a contact are made from.
 template <int D>
 struct StepInput {
-  const SceneIn<D>& scene;
-  std::span<const BodyIn<D>> disks;
-  std::span<const WallIn<D>> walls;
-  std::span<const VecIn<D>> disk_v_free;
+  const Scene<D>& scene;
+  std::span<const Body<D>> bodies;
+  std::span<const Wall<D>> walls;
+  std::span<const Vec<D>> disk_v_free;
   std::span<const double> wall_v_free;
   CellInput cell;  // of cells that deform only
   ClusterInput clusters;
@@ -27,14 +27,14 @@ namespace {
 
 /// The wall that a contact acts on: that of a disk which is glued to it, too; -1 for a free disk.
 template <int D>
-int wall_of(const ContactIn<D>& contact, std::span<const BodyIn<D>> disks) {
+int wall_of(const Contact<D>& contact, std::span<const Body<D>> disks) {
   const std::size_t j = to_size(contact.j);
   return j < disks.size() ? disks[j].wall : static_cast<int>(j - disks.size());
 }
 
 /// First dofs of the disks that take part (marked by 0), where clusters have one set for all of theirs.
 template <int D>
-void number_clusters(std::span<const BodyIn<D>> disks, std::size_t clusters, DofMap& dofs) {
+void number_clusters(std::span<const Body<D>> disks, std::size_t clusters, DofMap& dofs) {
   std::vector<int> of_cluster(clusters, -1);
   for (std::size_t i = 0; i < disks.size(); ++i) {
     if (dofs.disk[i] < 0) continue;
@@ -49,19 +49,19 @@ void number_clusters(std::span<const BodyIn<D>> disks, std::size_t clusters, Dof
 }
 
 template <int D>
-DofMap number_dofs(bool friction, std::span<const BodyIn<D>> disks,
-                   std::span<const WallIn<D>> walls, std::span<const ContactIn<D>> contacts,
-                   const PeriodicCell* cell, std::size_t clusters) {
+DofMap number_dofs(bool friction, std::span<const Body<D>> disks, std::span<const Wall<D>> walls,
+                   std::span<const Contact<D>> contacts, const PeriodicCell* cell,
+                   std::size_t clusters) {
   DofMap dofs;
   dofs.per_disk = friction || clusters > 0 ? D + kSpins<D> : D;
   dofs.disk.assign(disks.size(), -1);
   dofs.wall.assign(walls.size(), -1);
-  for (const ContactIn<D>& c : contacts) {
+  for (const Contact<D>& c : contacts) {
     dofs.disk[to_size(c.i)] = 0;
     const int w = wall_of<D>(c, disks);
     if (w < 0) {
       dofs.disk[to_size(c.j)] = 0;
-    } else if (walls[to_size(w)].motion == WallIn<D>::Motion::kDriven) {
+    } else if (walls[to_size(w)].motion == Wall<D>::Motion::kDriven) {
       dofs.wall[to_size(w)] = 0;
     }
   }
@@ -117,7 +117,7 @@ SparseMatrix diagonal_matrix(const Vector& diagonal) {
 
 /// Degrees of freedom of the cell that a contact has entries at.
 template <int D>
-int sides_of(const ContactIn<D>& contact, const DofMap& dofs) {
+int sides_of(const Contact<D>& contact, const DofMap& dofs) {
   int count = 0;
   for (int k = 0; k < 3; ++k) {
     if (dofs.side[k] >= 0 && (k == 0 ? contact.image_x : contact.image_y) != 0) ++count;
@@ -127,8 +127,8 @@ int sides_of(const ContactIn<D>& contact, const DofMap& dofs) {
 
 /// Velocity of the image of j against j: before the step, and without contacts.
 template <int D>
-void add_image_velocity(const CellInput& input, const ContactIn<D>& contact, VecIn<D>& before,
-                        VecIn<D>& free) {
+void add_image_velocity(const CellInput& input, const Contact<D>& contact, Vec<D>& before,
+                        Vec<D>& free) {
   if (input.cell == nullptr || !contact.with_image()) return;
   PeriodicCell cell = *input.cell;
   before += in_dimensions<D>(cell.shift_velocity(contact.image_x, contact.image_y));
@@ -154,7 +154,7 @@ void add_spin(ColumnWriter& columns, int row, double arm, const Vec3& n, const V
 
 /// Entries of H in the columns of a contact.
 template <int D>
-int entries_of(const ContactIn<D>& contact, std::span<const BodyIn<D>> disks, const DofMap& dofs,
+int entries_of(const Contact<D>& contact, std::span<const Body<D>> disks, const DofMap& dofs,
                int d) {
   int of_disk = D + (d - 1) * (D + kSpins<D>);
   const int w = wall_of<D>(contact, disks);
@@ -170,7 +170,7 @@ int entries_of(const ContactIn<D>& contact, std::span<const BodyIn<D>> disks, co
 /// How fast the centre of a disk goes along the axis when its cluster turns about its centre of mass with
 /// spin 1: (e3 x c)·axis.
 template <int D>
-double lever(const ClusterInput& clusters, const BodyIn<D>& disk, const VecIn<D>& axis) {
+double lever(const ClusterInput& clusters, const Body<D>& disk, const Vec<D>& axis) {
   if constexpr (D == 3) {
     return 0.0;
   } else {
@@ -181,30 +181,30 @@ double lever(const ClusterInput& clusters, const BodyIn<D>& disk, const VecIn<D>
 
 /// The columns and rows of contact c.
 template <int D>
-void write_contact(const StepInput<D>& in, const ContactIn<D>& contact, int c,
-                   ColumnWriter& columns, AssembledStep& step) {
+void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, ColumnWriter& columns,
+                   AssembledStep& step) {
   const DofMap& dofs = step.dofs;
   ContactProblem& p = step.problem;
   const int d = in.dim;
   const std::size_t i = to_size(contact.i), j = to_size(contact.j);
-  const int at_wall = wall_of<D>(contact, in.disks);
+  const int at_wall = wall_of<D>(contact, in.bodies);
   const bool with_disk = at_wall < 0;
   const std::size_t w = with_disk ? 0 : to_size(at_wall);
-  const BodyIn<D>& a = in.disks[i];
-  const BodyIn<D>* b = with_disk ? &in.disks[j] : nullptr;
-  const WallIn<D>* wall = with_disk ? nullptr : &in.walls[w];
+  const Body<D>& a = in.bodies[i];
+  const Body<D>* b = with_disk ? &in.bodies[j] : nullptr;
+  const Wall<D>* wall = with_disk ? nullptr : &in.walls[w];
   const ContactLaw& law =
-      in.scene.law(a.material, j < in.disks.size() ? in.disks[j].material : wall->material);
+      in.scene.law(a.material, j < in.bodies.size() ? in.bodies[j].material : wall->material);
   const double r_n = std::sqrt(1 + law.e_n), r_t = std::sqrt(1 + law.e_t);
   p.mu[c] = d > 1 ? law.mu * r_t / r_n : 0.0;
 
-  VecIn<D> other_before, other_free;
+  Vec<D> other_before, other_free;
   if (with_disk) {
     other_before = b->v;
     other_free = in.disk_v_free[j];
   } else {
-    const bool driven = wall->motion == WallIn<D>::Motion::kDriven;
-    const VecIn<D> free = driven ? driven_velocity(*wall, in.wall_v_free[w]) : wall->v;
+    const bool driven = wall->motion == Wall<D>::Motion::kDriven;
+    const Vec<D> free = driven ? driven_velocity(*wall, in.wall_v_free[w]) : wall->v;
     other_before = surface_velocity(*wall, wall->v, contact.n);
     other_free = surface_velocity(*wall, free, contact.n);
   }
@@ -214,7 +214,7 @@ void write_contact(const StepInput<D>& in, const ContactIn<D>& contact, int c,
   const auto frame = contact_frame<D>(contact.n);
   const bool turns_a = a.cluster >= 0, turns_b = with_disk && b->cluster >= 0;
   for (int row = 0; row < d; ++row) {
-    const VecIn<D>& axis = frame[to_size(row)];
+    const Vec<D>& axis = frame[to_size(row)];
     const double e = row == 0 ? law.e_n : law.e_t;
     const double r = row == 0 ? r_n : r_t;
     const double arm_a = row == 0 ? 0 : -a.radius;
@@ -274,11 +274,11 @@ void fill_clusters(std::span<const Disk> disks, const ClusterInput& clusters, co
 }  // namespace
 
 template <int D>
-AssembledStep assemble_step(const SceneIn<D>& scene,
-                            std::span<const std::type_identity_t<BodyIn<D>>> disks,
-                            std::span<const std::type_identity_t<WallIn<D>>> walls,
-                            std::span<const std::type_identity_t<ContactIn<D>>> contacts,
-                            std::span<const std::type_identity_t<VecIn<D>>> disk_v_free,
+AssembledStep assemble_step(const Scene<D>& scene,
+                            std::span<const std::type_identity_t<Body<D>>> disks,
+                            std::span<const std::type_identity_t<Wall<D>>> walls,
+                            std::span<const std::type_identity_t<Contact<D>>> contacts,
+                            std::span<const std::type_identity_t<Vec<D>>> disk_v_free,
                             std::span<const double> wall_v_free, bool explicit_delassus,
                             int threads, CellInput cell, ClusterInput clusters) {
   if (cell.cell != nullptr && !cell.cell->deforms()) cell = {};  // its images stand still
@@ -347,12 +347,12 @@ AssembledStep assemble_step(const SceneIn<D>& scene,
   return step;
 }
 
-template AssembledStep assemble_step<2>(const Scene&, std::span<const Disk>, std::span<const Wall>,
-                                        std::span<const Contact>, std::span<const Vec2>,
-                                        std::span<const double>, bool, int, CellInput,
-                                        ClusterInput);
-template AssembledStep assemble_step<3>(const SceneIn<3>&, std::span<const Sphere>,
-                                        std::span<const WallIn<3>>, std::span<const ContactIn<3>>,
+template AssembledStep assemble_step<2>(const Scene<2>&, std::span<const Disk>,
+                                        std::span<const Wall<2>>, std::span<const Contact<2>>,
+                                        std::span<const Vec2>, std::span<const double>, bool, int,
+                                        CellInput, ClusterInput);
+template AssembledStep assemble_step<3>(const Scene<3>&, std::span<const Sphere>,
+                                        std::span<const Wall<3>>, std::span<const Contact<3>>,
                                         std::span<const Vec3>, std::span<const double>, bool, int,
                                         CellInput, ClusterInput);
 

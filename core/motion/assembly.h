@@ -66,11 +66,11 @@ struct AssembledStep {
 /// degree of freedom, moving ones stand in the right-hand side. Restitution applies to every
 /// candidate alike. [ours, data/method.md §3]
 template <int D>
-AssembledStep assemble_step(const SceneIn<D>& scene,
-                            std::span<const std::type_identity_t<BodyIn<D>>> disks,
-                            std::span<const std::type_identity_t<WallIn<D>>> walls,
-                            std::span<const std::type_identity_t<ContactIn<D>>> contacts,
-                            std::span<const std::type_identity_t<VecIn<D>>> disk_v_free,
+AssembledStep assemble_step(const Scene<D>& scene,
+                            std::span<const std::type_identity_t<Body<D>>> disks,
+                            std::span<const std::type_identity_t<Wall<D>>> walls,
+                            std::span<const std::type_identity_t<Contact<D>>> contacts,
+                            std::span<const std::type_identity_t<Vec<D>>> disk_v_free,
                             std::span<const double> wall_v_free, bool explicit_delassus,
                             int threads = 1, CellInput cell = {}, ClusterInput clusters = {});
 

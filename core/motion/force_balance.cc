@@ -11,15 +11,15 @@ namespace {
 
 /// Adds what the disks of each cluster carry; the lever of a disk is its arm at mid-step, its length scale the
 /// radius of a disk of the same area.
-void balance_clusters(const Scene& scene, const State& state, const std::vector<Vec2>& force,
-                      const std::vector<double>& moment, ForceBalance& balance) {
+void balance_clusters(const Scene<2>& scene, const State<2>& state, const std::vector<Vec2>& force,
+                      const std::vector<double>& moment, ForceBalance<2>& balance) {
   for (std::size_t c = 0; c < state.clusters.bodies.size(); ++c) {
     Cluster cluster = state.clusters.bodies[c];
     drift(cluster, -0.5 * scene.step);
     Vec2 sum = cluster.mass * scene.gravity;
     double turned = 0;
-    for (std::size_t i = 0; i < state.disks.size(); ++i) {
-      if (state.disks[i].cluster != static_cast<int>(c)) continue;
+    for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+      if (state.bodies[i].cluster != static_cast<int>(c)) continue;
       const Vec2 arm = turned_arm(cluster, state.clusters.arms[i]);
       sum += force[i];
       turned += moment[i] + arm[0] * force[i][1] - arm[1] * force[i][0];
@@ -35,28 +35,28 @@ void balance_clusters(const Scene& scene, const State& state, const std::vector<
 }  // namespace
 
 template <int D>
-ForceBalanceIn<D> force_balance(const SceneIn<D>& scene, const StateIn<D>& state) {
-  const std::size_t disks = state.disks.size();
-  std::vector<VecIn<D>> force(disks);
-  std::vector<SpinIn<D>> moment(disks, no_turn<D>());
-  ForceBalanceIn<D> balance;
-  balance.wall.assign(state.walls.size(), VecIn<D>::Zero());
+ForceBalance<D> force_balance(const Scene<D>& scene, const State<D>& state) {
+  const std::size_t disks = state.bodies.size();
+  std::vector<Vec<D>> force(disks);
+  std::vector<Spin<D>> moment(disks, no_turn<D>());
+  ForceBalance<D> balance;
+  balance.wall.assign(state.walls.size(), Vec<D>::Zero());
   for (std::size_t i = 0; i < disks; ++i) {
-    force[i] = state.disks[i].mass * scene.gravity;
+    force[i] = state.bodies[i].mass * scene.gravity;
     balance.weight += force[i].norm();
   }
-  for (const ContactOutcomeIn<D>& c : state.contacts) {
-    const VecIn<D>& n = c.contact.n;
-    const VecIn<D> f = (c.s_n * n + tangent_vector(n, c.s_t)) / scene.step;
-    const SpinIn<D> turned = turning(n, c.s_t);
+  for (const ContactOutcome<D>& c : state.contacts) {
+    const Vec<D>& n = c.contact.n;
+    const Vec<D> f = (c.s_n * n + tangent_vector(n, c.s_t)) / scene.step;
+    const Spin<D> turned = turning(n, c.s_t);
     const std::size_t i = static_cast<std::size_t>(c.contact.i);
     const std::size_t j = static_cast<std::size_t>(c.contact.j);
     // The lever from the centre of i to the contact is -a n, from that of j +a n.
     force[i] += f;
-    moment[i] -= state.disks[i].radius * turned / scene.step;
+    moment[i] -= state.bodies[i].radius * turned / scene.step;
     if (j < disks) {
       force[j] -= f;
-      moment[j] -= state.disks[j].radius * turned / scene.step;
+      moment[j] -= state.bodies[j].radius * turned / scene.step;
     } else {
       balance.wall[j - disks] += f;
       balance.walls += f;
@@ -66,16 +66,16 @@ ForceBalanceIn<D> force_balance(const SceneIn<D>& scene, const StateIn<D>& state
     if (!state.clusters.empty()) balance_clusters(scene, state, force, moment, balance);
   }
   for (std::size_t i = 0; i < disks; ++i) {
-    if (state.disks[i].wall >= 0 || state.disks[i].cluster >= 0) continue;  // held by others
-    const double weight = state.disks[i].mass * scene.gravity.norm();
+    if (state.bodies[i].wall >= 0 || state.bodies[i].cluster >= 0) continue;  // held by others
+    const double weight = state.bodies[i].mass * scene.gravity.norm();
     balance.force = std::max(balance.force, force[i].norm() / weight);
     balance.moment =
-        std::max(balance.moment, magnitude(moment[i]) / (weight * state.disks[i].radius));
+        std::max(balance.moment, magnitude(moment[i]) / (weight * state.bodies[i].radius));
   }
   return balance;
 }
 
-template ForceBalance force_balance(const Scene&, const State&);
-template ForceBalanceIn<3> force_balance(const SceneIn<3>&, const StateIn<3>&);
+template ForceBalance<2> force_balance(const Scene<2>&, const State<2>&);
+template ForceBalance<3> force_balance(const Scene<3>&, const State<3>&);
 
 }  // namespace bipot

@@ -12,13 +12,13 @@ namespace bipot {
 namespace {
 
 /// Velocities without contact impulses of the clusters, and of the disks in them: gravity turns nothing.
-void free_clusters(Midpoint& mid, double h) {
+void free_clusters(Midpoint<2>& mid, double h) {
   if (mid.clusters.empty()) return;
   for (const Cluster& cluster : mid.clusters.bodies) {
     mid.cluster_v_free.emplace_back(cluster.v + h * mid.gravity);
   }
-  for (std::size_t i = 0; i < mid.disks.size(); ++i) {
-    const Disk& d = mid.disks[i];
+  for (std::size_t i = 0; i < mid.bodies.size(); ++i) {
+    const Disk& d = mid.bodies[i];
     if (d.cluster < 0) continue;
     const Vec2 arm = d.x - mid.clusters.bodies[to_size(d.cluster)].x;
     mid.disk_v_free[i] = mid.cluster_v_free[to_size(d.cluster)] + d.spin * Vec2(-arm[1], arm[0]);
@@ -27,13 +27,13 @@ void free_clusters(Midpoint& mid, double h) {
 
 /// Largest speed of a body or wall before the step, or without contacts after it.
 template <int D>
-double largest_speed(const MidpointIn<D>& mid, double h) {
+double largest_speed(const Midpoint<D>& mid, double h) {
   double speed = 0;
-  for (const BodyIn<D>& d : mid.disks) {
+  for (const Body<D>& d : mid.bodies) {
     speed = std::max({speed, d.v.norm(), (d.v + h * mid.gravity).norm()});
   }
-  for (const WallIn<D>& w : mid.walls) {
-    const bool driven = w.motion == WallIn<D>::Motion::kDriven;
+  for (const Wall<D>& w : mid.walls) {
+    const bool driven = w.motion == Wall<D>::Motion::kDriven;
     speed = std::max(speed, w.v.norm() + (driven ? h * std::abs(w.force) / w.mass : 0));
   }
   return speed;
@@ -42,15 +42,15 @@ double largest_speed(const MidpointIn<D>& mid, double h) {
 /// Of pairs that are not in touch, keeps those that may meet before they are looked at again, a step
 /// from now.
 template <int D>
-void keep_those_who_may_meet(const SceneIn<D>& scene, MidpointIn<D>& mid) {
+void keep_those_who_may_meet(const Scene<D>& scene, Midpoint<D>& mid) {
   const auto speed = [&](std::size_t body) {
-    if (body < mid.disks.size()) {
-      return std::max(mid.disks[body].v.norm(), mid.disk_v_free[body].norm());
+    if (body < mid.bodies.size()) {
+      return std::max(mid.bodies[body].v.norm(), mid.disk_v_free[body].norm());
     }
-    const std::size_t w = body - mid.disks.size();
+    const std::size_t w = body - mid.bodies.size();
     return std::max(mid.walls[w].v.norm(), std::abs(mid.wall_v_free[w]));
   };
-  std::erase_if(mid.contacts, [&](const ContactIn<D>& c) {
+  std::erase_if(mid.contacts, [&](const Contact<D>& c) {
     return c.gap > scene.contact_distance &&
            c.gap > scene.step * (speed(to_size(c.i)) + speed(to_size(c.j)));
   });
@@ -58,22 +58,22 @@ void keep_those_who_may_meet(const SceneIn<D>& scene, MidpointIn<D>& mid) {
 
 /// Velocities of disks and walls after the step without contact impulses.
 template <int D>
-void free_bodies(const SceneIn<D>& scene, MidpointIn<D>& mid) {
+void free_bodies(const Scene<D>& scene, Midpoint<D>& mid) {
   const double h = scene.step;
-  mid.disk_v_free.resize(mid.disks.size());
-  for (std::size_t i = 0; i < mid.disks.size(); ++i) {
-    mid.disk_v_free[i] = mid.disks[i].v + h * mid.gravity;
+  mid.disk_v_free.resize(mid.bodies.size());
+  for (std::size_t i = 0; i < mid.bodies.size(); ++i) {
+    mid.disk_v_free[i] = mid.bodies[i].v + h * mid.gravity;
   }
   mid.wall_v_free.assign(mid.walls.size(), 0.0);
   for (std::size_t w = 0; w < mid.walls.size(); ++w) {
-    const WallIn<D>& wall = mid.walls[w];
-    if (wall.motion != WallIn<D>::Motion::kDriven) continue;
+    const Wall<D>& wall = mid.walls[w];
+    if (wall.motion != Wall<D>::Motion::kDriven) continue;
     mid.wall_v_free[w] = driven_speed(wall) + h * wall.force / wall.mass;
   }
-  for (std::size_t i = 0; i < mid.disks.size(); ++i) {
-    if (mid.disks[i].wall < 0) continue;
-    const std::size_t w = to_size(mid.disks[i].wall);
-    const bool driven = mid.walls[w].motion == WallIn<D>::Motion::kDriven;
+  for (std::size_t i = 0; i < mid.bodies.size(); ++i) {
+    if (mid.bodies[i].wall < 0) continue;
+    const std::size_t w = to_size(mid.bodies[i].wall);
+    const bool driven = mid.walls[w].motion == Wall<D>::Motion::kDriven;
     mid.disk_v_free[i] =
         driven ? driven_velocity(mid.walls[w], mid.wall_v_free[w]) : mid.walls[w].v;
   }
@@ -83,30 +83,30 @@ void free_bodies(const SceneIn<D>& scene, MidpointIn<D>& mid) {
 
 /// Everything at mid-step in its place, with the velocities before the step.
 template <int D>
-void place_bodies(const SceneIn<D>& scene, const StateIn<D>& state, MidpointIn<D>& mid) {
+void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid) {
   const double h = scene.step;
-  mid.disks = state.disks;
+  mid.bodies = state.bodies;
   const double middle = state.time + 0.5 * h;
   mid.walls = walls_at(scene.walls, state.walls, middle);
   mid.gravity = gravity_at(scene, middle);
-  for (BodyIn<D>& d : mid.disks) {
+  for (Body<D>& d : mid.bodies) {
     if (d.wall >= 0) d.v = mid.walls[to_size(d.wall)].v;  // which may have started or stopped
     drift(d, 0.5 * h);
   }
   if (!state.clusters.empty()) {
     mid.clusters = state.clusters;
     for (Cluster& cluster : mid.clusters.bodies) drift(cluster, 0.5 * h);
-    place_members(mid.clusters, mid.disks);
+    place_members(mid.clusters, mid.bodies);
   }
-  for (WallIn<D>& w : mid.walls) {
+  for (Wall<D>& w : mid.walls) {
     w.a += 0.5 * h * w.v;
     w.b += 0.5 * h * w.v;
   }
 }
 
 template <int D>
-MidpointIn<D> free_midpoint(const SceneIn<D>& scene, const StateIn<D>& state) {
-  MidpointIn<D> mid;
+Midpoint<D> free_midpoint(const Scene<D>& scene, const State<D>& state) {
+  Midpoint<D> mid;
   place_bodies(scene, state, mid);
   free_bodies(scene, mid);
   if constexpr (D == 2) free_clusters(mid, scene.step);
@@ -114,10 +114,10 @@ MidpointIn<D> free_midpoint(const SceneIn<D>& scene, const StateIn<D>& state) {
 }
 
 template <int D>
-MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads,
-                            KeptContactsIn<D>* kept) {
+Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int threads,
+                          KeptContacts<D>* kept) {
   const double h = scene.step;
-  MidpointIn<D> mid;
+  Midpoint<D> mid;
   place_bodies(scene, state, mid);
   if (state.cell.periodic()) {
     mid.cell = state.cell;
@@ -130,14 +130,14 @@ MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, in
       }
     }
     mid.contacts =
-        detect_periodic_contacts(mid.disks, mid.walls, mid.cell, scene.contact_distance, threads);
+        detect_periodic_contacts(mid.bodies, mid.walls, mid.cell, scene.contact_distance, threads);
   } else if (scene.predict_gaps) {
     const double reach = std::max(scene.contact_distance, 2 * h * largest_speed<D>(mid, h));
-    mid.contacts = detect_contacts<D>(mid.disks, mid.walls, reach, threads);
+    mid.contacts = detect_contacts<D>(mid.bodies, mid.walls, reach, threads);
   } else if (kept != nullptr) {
-    mid.contacts = (*kept)(mid.disks, mid.walls, scene.contact_distance, threads);
+    mid.contacts = (*kept)(mid.bodies, mid.walls, scene.contact_distance, threads);
   } else {
-    mid.contacts = detect_contacts<D>(mid.disks, mid.walls, scene.contact_distance, threads);
+    mid.contacts = detect_contacts<D>(mid.bodies, mid.walls, scene.contact_distance, threads);
   }
 
   free_bodies(scene, mid);
@@ -147,20 +147,20 @@ MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, in
 }
 
 template <int D>
-AssembledStep assemble_step(const SceneIn<D>& scene, const MidpointIn<D>& mid,
-                            bool explicit_delassus, int threads) {
-  return assemble_step(scene, mid.disks, mid.walls, mid.contacts, mid.disk_v_free, mid.wall_v_free,
+AssembledStep assemble_step(const Scene<D>& scene, const Midpoint<D>& mid, bool explicit_delassus,
+                            int threads) {
+  return assemble_step(scene, mid.bodies, mid.walls, mid.contacts, mid.disk_v_free, mid.wall_v_free,
                        explicit_delassus, threads, {&mid.cell, mid.side_v_free},
                        {mid.clusters.bodies, mid.cluster_v_free});
 }
 
-template void place_bodies(const Scene&, const State&, Midpoint&);
-template void place_bodies(const SceneIn<3>&, const StateIn<3>&, MidpointIn<3>&);
-template Midpoint free_midpoint(const Scene&, const State&);
-template MidpointIn<3> free_midpoint(const SceneIn<3>&, const StateIn<3>&);
-template Midpoint make_midpoint(const Scene&, const State&, int, KeptContacts*);
-template MidpointIn<3> make_midpoint(const SceneIn<3>&, const StateIn<3>&, int, KeptContactsIn<3>*);
-template AssembledStep assemble_step(const Scene&, const Midpoint&, bool, int);
-template AssembledStep assemble_step(const SceneIn<3>&, const MidpointIn<3>&, bool, int);
+template void place_bodies(const Scene<2>&, const State<2>&, Midpoint<2>&);
+template void place_bodies(const Scene<3>&, const State<3>&, Midpoint<3>&);
+template Midpoint<2> free_midpoint(const Scene<2>&, const State<2>&);
+template Midpoint<3> free_midpoint(const Scene<3>&, const State<3>&);
+template Midpoint<2> make_midpoint(const Scene<2>&, const State<2>&, int, KeptContacts<2>*);
+template Midpoint<3> make_midpoint(const Scene<3>&, const State<3>&, int, KeptContacts<3>*);
+template AssembledStep assemble_step(const Scene<2>&, const Midpoint<2>&, bool, int);
+template AssembledStep assemble_step(const Scene<3>&, const Midpoint<3>&, bool, int);
 
 }  // namespace bipot

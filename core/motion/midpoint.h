@@ -12,36 +12,35 @@ namespace bipot {
 
 /// A step before its contact problem: everything at the mid-point q_m = q + h/2 v (38).
 template <int D>
-struct MidpointIn {
-  std::vector<BodyIn<D>> disks;         ///< positions at the mid-point, velocities before the step
-  Clusters clusters;                    ///< likewise
-  std::vector<Vec2> cluster_v_free;     ///< of their centres of mass, without contacts        [m/s]
-  std::vector<WallIn<D>> walls;         ///< likewise, as they are at that time (wall_motion.h)
-  PeriodicCell cell;                    ///< likewise
-  double side_v_free[3] = {0, 0, 0};    ///< of a cell's driven sides, without contacts        [m/s]
-  std::vector<ContactIn<D>> contacts;   ///< candidates at the mid-point, sorted by (i, j)
-  std::vector<VecIn<D>> disk_v_free;    ///< v + h g, without contact impulses                 [m/s]
-  std::vector<double> wall_v_free;      ///< of driven walls: along their direction, else 0    [m/s]
-  VecIn<D> gravity = VecIn<D>::Zero();  ///< of the step: that of its middle                  [m/s²]
+struct Midpoint {
+  std::vector<Body<D>> bodies;        ///< positions at the mid-point, velocities before the step
+  Clusters clusters;                  ///< likewise
+  std::vector<Vec2> cluster_v_free;   ///< of their centres of mass, without contacts        [m/s]
+  std::vector<Wall<D>> walls;         ///< likewise, as they are at that time (wall_motion.h)
+  PeriodicCell cell;                  ///< likewise
+  double side_v_free[3] = {0, 0, 0};  ///< of a cell's driven sides, without contacts        [m/s]
+  std::vector<Contact<D>> contacts;   ///< candidates at the mid-point, sorted by (i, j)
+  std::vector<Vec<D>> disk_v_free;    ///< v + h g, without contact impulses                 [m/s]
+  std::vector<double> wall_v_free;    ///< of driven walls: along their direction, else 0    [m/s]
+  Vec<D> gravity = Vec<D>::Zero();    ///< of the step: that of its middle                  [m/s²]
 };
-using Midpoint = MidpointIn<2>;
 
 /// Sets bodies, walls and clusters once more, for a midpoint whose `disks` were let go of.
 template <int D>
-void place_bodies(const SceneIn<D>& scene, const StateIn<D>& state, MidpointIn<D>& mid);
+void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid);
 
 /// The same without contacts: places, velocities and forces alone. Not for periodic scenes.
 template <int D>
-MidpointIn<D> free_midpoint(const SceneIn<D>& scene, const StateIn<D>& state);
+Midpoint<D> free_midpoint(const Scene<D>& scene, const State<D>& state);
 
 /// `kept`: lists of the steps before, which change no bit.
 template <int D>
-MidpointIn<D> make_midpoint(const SceneIn<D>& scene, const StateIn<D>& state, int threads = 1,
-                            KeptContactsIn<D>* kept = nullptr);
+Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int threads = 1,
+                          KeptContacts<D>* kept = nullptr);
 
 /// The step's contact problem, see core/motion/assembly.h.
 template <int D>
-AssembledStep assemble_step(const SceneIn<D>& scene, const MidpointIn<D>& mid,
-                            bool explicit_delassus, int threads = 1);
+AssembledStep assemble_step(const Scene<D>& scene, const Midpoint<D>& mid, bool explicit_delassus,
+                            int threads = 1);
 
 }  // namespace bipot

@@ -12,8 +12,8 @@ namespace bipot {
 /// and are removed, gravity turns.
 template <int D>
 struct OutsideChanges {
-  double work = 0;                      ///< [J]
-  VecIn<D> impulse = VecIn<D>::Zero();  ///< on disks and driven walls                       [N s]
+  double work = 0;                  ///< [J]
+  Vec<D> impulse = Vec<D>::Zero();  ///< on disks and driven walls                       [N s]
 };
 
 /// `before`: the state before the step; `walls`: as they are in the step, with their speeds before
@@ -23,9 +23,9 @@ struct OutsideChanges {
 /// box the other way would take. The potential energy of a state is that of gravity at its time,
 /// the step's gravity that of its middle, so it turns at both ends of a step.
 template <int D>
-OutsideChanges<D> outside_changes(const SceneIn<D>& scene, const StateIn<D>& before,
-                                  const std::vector<WallIn<D>>& walls,
-                                  const std::type_identity_t<VecIn<D>>& gravity,
-                                  const StateIn<D>& after, double time);
+OutsideChanges<D> outside_changes(const Scene<D>& scene, const State<D>& before,
+                                  const std::vector<Wall<D>>& walls,
+                                  const std::type_identity_t<Vec<D>>& gravity,
+                                  const State<D>& after, double time);
 
 }  // namespace bipot

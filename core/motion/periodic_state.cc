@@ -5,8 +5,8 @@
 namespace bipot {
 
 template <int D>
-StateIn<D> wrapped_state(const StateIn<D>& state) {
-  StateIn<D> inside = state;
+State<D> wrapped_state(const State<D>& state) {
+  State<D> inside = state;
   const PeriodicCell& cell = state.cell;
   if (!cell.periodic()) return inside;
   // A cluster stays whole: its disks go where its centre of mass does.
@@ -17,14 +17,14 @@ StateIn<D> wrapped_state(const StateIn<D>& state) {
     c.x -= cell.shift(kx, ky);
     if (cell.deforms()) c.v -= cell.shift_velocity(kx, ky);
   }
-  for (BodyIn<D>& d : inside.disks) {
+  for (Body<D>& d : inside.bodies) {
     numbers.push_back(d.cluster >= 0 ? of_cluster[to_size(d.cluster)]
                                      : cell_number(cell, d.x.template head<2>()));
     const auto [kx, ky] = numbers.back();
     d.x -= in_dimensions<D>(cell.shift(kx, ky));
     if (cell.deforms()) d.v -= in_dimensions<D>(cell.shift_velocity(kx, ky));
   }
-  for (ContactOutcomeIn<D>& o : inside.contacts) {
+  for (ContactOutcome<D>& o : inside.contacts) {
     const CellNumber a = numbers[to_size(o.contact.i)];
     const std::size_t j = to_size(o.contact.j);
     const CellNumber b = j < numbers.size() ? numbers[j] : CellNumber{};
@@ -35,23 +35,23 @@ StateIn<D> wrapped_state(const StateIn<D>& state) {
 }
 
 template <int D>
-std::pair<VecIn<D>, VecIn<D>> drawn_branch(const StateIn<D>& state, const ContactIn<D>& contact) {
-  const BodyIn<D>& i = state.disks[to_size(contact.i)];
+std::pair<Vec<D>, Vec<D>> drawn_branch(const State<D>& state, const Contact<D>& contact) {
+  const Body<D>& i = state.bodies[to_size(contact.i)];
   const std::size_t j = to_size(contact.j);
-  if (j >= state.disks.size()) return {i.x, i.x - i.radius * contact.n};
-  VecIn<D> other = state.disks[j].x;
+  if (j >= state.bodies.size()) return {i.x, i.x - i.radius * contact.n};
+  Vec<D> other = state.bodies[j].x;
   if (contact.with_image()) {
     other += in_dimensions<D>(state.cell.shift(contact.image_x, contact.image_y));
   }
   return {i.x, other};
 }
 
-template State wrapped_state(const State&);
-template StateIn<3> wrapped_state(const StateIn<3>&);
-template std::pair<Vec2, Vec2> drawn_branch(const State&, const Contact&);
-template std::pair<Vec3, Vec3> drawn_branch(const StateIn<3>&, const ContactIn<3>&);
+template State<2> wrapped_state(const State<2>&);
+template State<3> wrapped_state(const State<3>&);
+template std::pair<Vec2, Vec2> drawn_branch(const State<2>&, const Contact<2>&);
+template std::pair<Vec3, Vec3> drawn_branch(const State<3>&, const Contact<3>&);
 
-std::vector<std::pair<Vec2, Vec2>> cell_outline(const PeriodicCell& cell, const Box& box) {
+std::vector<std::pair<Vec2, Vec2>> cell_outline(const PeriodicCell& cell, const Box<2>& box) {
   if (!cell.periodic()) return {};
   const Vec2 p_x = cell.shift(1, 0);
   if (!cell.in_y) {
@@ -62,7 +62,7 @@ std::vector<std::pair<Vec2, Vec2>> cell_outline(const PeriodicCell& cell, const 
   return {{zero, p_x}, {p_x, p_x + up}, {p_x + up, up}, {up, zero}};
 }
 
-std::vector<std::pair<Vec3, Vec3>> cell_outline(const PeriodicCell& cell, const BoxIn<3>& box) {
+std::vector<std::pair<Vec3, Vec3>> cell_outline(const PeriodicCell& cell, const Box<3>& box) {
   std::vector<std::pair<Vec3, Vec3>> lines;
   if (!cell.periodic()) return lines;
   const double from_y = cell.in_y ? 0 : box.lower[1];

@@ -12,18 +12,18 @@ namespace bipot {
 /// profiles, and with the velocity that the image there has. Images of contacts are those between the bodies in their new places. A state that is
 /// not periodic comes back as it is.
 template <int D>
-StateIn<D> wrapped_state(const StateIn<D>& state);
+State<D> wrapped_state(const State<D>& state);
 
 /// The line of a contact in a drawing: from the centre of disk i to that of j, or of the image of j
 /// that it touches, or to the point where it touches a wall.                               [m]
 template <int D>
-std::pair<VecIn<D>, VecIn<D>> drawn_branch(const StateIn<D>& state, const ContactIn<D>& contact);
+std::pair<Vec<D>, Vec<D>> drawn_branch(const State<D>& state, const Contact<D>& contact);
 
 /// The edges of the rectangle in which wrapped_state() leaves the disks, [0, width) x [0, height); of one that is periodic in x alone, two lines as high as the box.
-std::vector<std::pair<Vec2, Vec2>> cell_outline(const PeriodicCell& cell, const Box& box);
+std::vector<std::pair<Vec2, Vec2>> cell_outline(const PeriodicCell& cell, const Box<2>& box);
 /// In space: the twelve edges of the block over the cell, as high as the box; of one that is periodic in x alone, two rectangles
 /// as wide and high as the box.
-std::vector<std::pair<Vec3, Vec3>> cell_outline(const PeriodicCell& cell, const BoxIn<3>& box);
+std::vector<std::pair<Vec3, Vec3>> cell_outline(const PeriodicCell& cell, const Box<3>& box);
 
 /// The shifts of the images of the cell that may reach into it: none but zero in a scene that is
 /// not periodic.                                                                            [m]

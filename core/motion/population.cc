@@ -20,7 +20,7 @@ double spin_energy(const Disk& d) { return 0.5 * d.inertia * d.spin * d.spin; }
 double spin_energy(const Sphere& s) { return 0.5 * s.inertia * s.spin.squaredNorm(); }
 
 template <int D>
-void book(const BodyIn<D>& body, const VecIn<D>& gravity, GateFlowIn<D>& flow) {
+void book(const Body<D>& body, const Vec<D>& gravity, GateFlow<D>& flow) {
   ++flow.count;
   flow.mass += body.mass;
   flow.last_mass += body.mass;
@@ -54,7 +54,7 @@ class KeyedRandom {
 
 /// Body number k of an inlet, but for its place.
 template <int D>
-BodyIn<D> body_due(const InletIn<D>& inlet, int k) {
+Body<D> body_due(const Inlet<D>& inlet, int k) {
   KeyedRandom random(inlet.seed, k, -1);
   const double drawn =
       random.uniform() * std::accumulate(inlet.shares.begin(), inlet.shares.end(), 0.0);
@@ -62,7 +62,7 @@ BodyIn<D> body_due(const InletIn<D>& inlet, int k) {
   for (double upto = inlet.shares[0]; drawn >= upto && chosen + 1 < inlet.radii.size();) {
     upto += inlet.shares[++chosen];
   }
-  BodyIn<D> body;
+  Body<D> body;
   body.radius = inlet.radii[chosen];
   const double square = body.radius * body.radius;
   const double size =
@@ -77,11 +77,11 @@ BodyIn<D> body_due(const InletIn<D>& inlet, int k) {
 
 /// Bodies that may be in the way of what appears in an inlet.
 template <int D>
-std::vector<BodyIn<D>> bodies_near(const InletIn<D>& inlet, const std::vector<BodyIn<D>>& bodies,
-                                   double distance) {
-  std::vector<BodyIn<D>> near;
-  for (const BodyIn<D>& b : bodies) {
-    const VecIn<D> inside = b.x.cwiseMax(inlet.lower).cwiseMin(inlet.upper);
+std::vector<Body<D>> bodies_near(const Inlet<D>& inlet, const std::vector<Body<D>>& bodies,
+                                 double distance) {
+  std::vector<Body<D>> near;
+  for (const Body<D>& b : bodies) {
+    const Vec<D> inside = b.x.cwiseMax(inlet.lower).cwiseMin(inlet.upper);
     const double reach = b.radius + distance;
     if ((b.x - inside).squaredNorm() <= reach * reach) near.push_back(b);
   }
@@ -89,14 +89,14 @@ std::vector<BodyIn<D>> bodies_near(const InletIn<D>& inlet, const std::vector<Bo
 }
 
 template <int D>
-bool has_room(const BodyIn<D>& body, const std::vector<BodyIn<D>>& near,
-              const std::vector<WallIn<D>>& walls, double distance) {
-  for (const BodyIn<D>& b : near) {
+bool has_room(const Body<D>& body, const std::vector<Body<D>>& near,
+              const std::vector<Wall<D>>& walls, double distance) {
+  for (const Body<D>& b : near) {
     const double reach = body.radius + b.radius + distance;
     if ((b.x - body.x).squaredNorm() <= reach * reach) return false;
   }
-  std::vector<ContactIn<D>> touched;
-  for (const WallIn<D>& wall : walls) {
+  std::vector<Contact<D>> touched;
+  for (const Wall<D>& wall : walls) {
     if (!wall.present) continue;
     try {
       find_wall_contact<D>(body, 0, wall, 0, distance, touched);
@@ -110,11 +110,11 @@ bool has_room(const BodyIn<D>& body, const std::vector<BodyIn<D>>& near,
 
 /// Puts a body somewhere into the inlet's box; false where nothing is free.
 template <int D>
-bool find_place(const InletIn<D>& inlet, int k, int step, const std::vector<BodyIn<D>>& near,
-                const std::vector<WallIn<D>>& walls, double distance, BodyIn<D>& body) {
+bool find_place(const Inlet<D>& inlet, int k, int step, const std::vector<Body<D>>& near,
+                const std::vector<Wall<D>>& walls, double distance, Body<D>& body) {
   KeyedRandom random(inlet.seed, k, step);
-  const VecIn<D> low = inlet.lower + VecIn<D>::Constant(body.radius);
-  const VecIn<D> room = inlet.upper - inlet.lower - VecIn<D>::Constant(2 * body.radius);
+  const Vec<D> low = inlet.lower + Vec<D>::Constant(body.radius);
+  const Vec<D> room = inlet.upper - inlet.lower - Vec<D>::Constant(2 * body.radius);
   for (int tried = 0; tried < kTries; ++tried) {
     for (int axis = 0; axis < D; ++axis) body.x[axis] = low[axis] + random.uniform() * room[axis];
     if (has_room(body, near, walls, distance)) return true;
@@ -124,7 +124,7 @@ bool find_place(const InletIn<D>& inlet, int k, int step, const std::vector<Body
 
 /// How many bodies of an inlet are due at a time.
 template <int D>
-int number_due(const InletIn<D>& inlet, double time) {
+int number_due(const Inlet<D>& inlet, double time) {
   if (time < inlet.starts || time >= inlet.stops) return 0;
   // A body that is due at a step's very time is not to be missed by rounding.
   const double due = std::floor((time - inlet.starts) * inlet.rate + 1e-9) + 1;
@@ -139,18 +139,18 @@ Disk as_body(const Cluster& c) {
 
 /// The outlet that a place lies in; as many as there are outlets for none.
 template <int D>
-std::size_t outlet_at(const SceneIn<D>& scene, const StateIn<D>& state, VecIn<D> x) {
+std::size_t outlet_at(const Scene<D>& scene, const State<D>& state, Vec<D> x) {
   if (state.cell.periodic()) {
     const CellNumber cell = cell_number(state.cell, Vec2(x.template head<2>()));
     x -= in_dimensions<D>(state.cell.shift(cell.kx, cell.ky));
   }
   const auto found = std::find_if(scene.outlets.begin(), scene.outlets.end(),
-                                  [&](const OutletIn<D>& outlet) { return outlet.takes(x); });
+                                  [&](const Outlet<D>& outlet) { return outlet.takes(x); });
   return static_cast<std::size_t>(found - scene.outlets.begin());
 }
 
 /// Clusters leave by their centres of mass. New numbers of the clusters, -1: gone.
-std::vector<int> let_clusters_out(const Scene& scene, const Vec2& gravity, State& state) {
+std::vector<int> let_clusters_out(const Scene<2>& scene, const Vec2& gravity, State<2>& state) {
   std::vector<Cluster>& clusters = state.clusters.bodies;
   std::vector<int> new_number(clusters.size(), -1);
   int kept = 0;
@@ -168,14 +168,14 @@ std::vector<int> let_clusters_out(const Scene& scene, const Vec2& gravity, State
 }
 
 template <int D>
-void let_out(const SceneIn<D>& scene, const VecIn<D>& gravity, StateIn<D>& state,
+void let_out(const Scene<D>& scene, const Vec<D>& gravity, State<D>& state,
              std::vector<int>& new_index) {
   std::vector<int> new_cluster;
   if constexpr (D == 2) new_cluster = let_clusters_out(scene, gravity, state);
   std::vector<Vec2>& arms = state.clusters.arms;
   std::size_t kept = 0;
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    BodyIn<D> body = state.disks[i];
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    Body<D> body = state.bodies[i];
     if (body.cluster >= 0) {
       body.cluster = new_cluster[to_size(body.cluster)];
       if (body.cluster < 0) continue;
@@ -189,25 +189,25 @@ void let_out(const SceneIn<D>& scene, const VecIn<D>& gravity, StateIn<D>& state
     new_index[i] = static_cast<int>(kept);
     state.population.numbers[kept] = state.population.numbers[i];
     if (!arms.empty()) arms[kept] = arms[i];
-    state.disks[kept++] = body;
+    state.bodies[kept++] = body;
   }
   if (!arms.empty()) arms.resize(kept);
-  state.disks.resize(kept);
+  state.bodies.resize(kept);
   state.population.numbers.resize(kept);
 }
 
 template <int D>
-void let_in(const SceneIn<D>& scene, const VecIn<D>& gravity, StateIn<D>& state) {
-  int number = static_cast<int>(scene.disks.size());
-  for (const GateFlowIn<D>& flow : state.population.inlets) number += flow.count;
+void let_in(const Scene<D>& scene, const Vec<D>& gravity, State<D>& state) {
+  int number = static_cast<int>(scene.bodies.size());
+  for (const GateFlow<D>& flow : state.population.inlets) number += flow.count;
   for (std::size_t g = 0; g < scene.inlets.size(); ++g) {
-    const InletIn<D>& inlet = scene.inlets[g];
-    GateFlowIn<D>& flow = state.population.inlets[g];
+    const Inlet<D>& inlet = scene.inlets[g];
+    GateFlow<D>& flow = state.population.inlets[g];
     const int due = number_due(inlet, state.time);
     if (flow.count >= due) continue;
-    std::vector<BodyIn<D>> near = bodies_near(inlet, state.disks, scene.contact_distance);
+    std::vector<Body<D>> near = bodies_near(inlet, state.bodies, scene.contact_distance);
     while (flow.count < due) {
-      BodyIn<D> body = body_due(inlet, flow.count);
+      Body<D> body = body_due(inlet, flow.count);
       if (!find_place(inlet, flow.count, state.step, near, state.walls, scene.contact_distance,
                       body)) {
         ++flow.waiting;
@@ -215,7 +215,7 @@ void let_in(const SceneIn<D>& scene, const VecIn<D>& gravity, StateIn<D>& state)
       }
       book<D>(body, gravity, flow);
       near.push_back(body);
-      state.disks.push_back(body);
+      state.bodies.push_back(body);
       if (!state.clusters.arms.empty()) state.clusters.arms.push_back(Vec2::Zero());
       state.population.numbers.push_back(number++);
     }
@@ -224,15 +224,15 @@ void let_in(const SceneIn<D>& scene, const VecIn<D>& gravity, StateIn<D>& state)
 
 /// The contacts of the last step under the new numbers; `before`: how many bodies there were.
 template <int D>
-void renumber_contacts(const std::vector<int>& new_index, StateIn<D>& state) {
+void renumber_contacts(const std::vector<int>& new_index, State<D>& state) {
   const int before = static_cast<int>(new_index.size());
-  const int now = static_cast<int>(state.disks.size());
+  const int now = static_cast<int>(state.bodies.size());
   const auto renumbered = [&](int body) {
     return body < before ? new_index[to_size(body)] : body - before + now;
   };
   std::size_t kept = 0;
-  for (const ContactOutcomeIn<D>& outcome : state.contacts) {
-    ContactOutcomeIn<D> moved = outcome;
+  for (const ContactOutcome<D>& outcome : state.contacts) {
+    ContactOutcome<D> moved = outcome;
     moved.contact.i = renumbered(outcome.contact.i);
     moved.contact.j = renumbered(outcome.contact.j);
     if (moved.contact.i < 0 || moved.contact.j < 0) continue;
@@ -244,10 +244,10 @@ void renumber_contacts(const std::vector<int>& new_index, StateIn<D>& state) {
 }  // namespace
 
 template <int D>
-PopulationIn<D> initial_population(const SceneIn<D>& scene) {
-  PopulationIn<D> population;
+Population<D> initial_population(const Scene<D>& scene) {
+  Population<D> population;
   if (!scene.has_gates()) return population;
-  population.numbers.resize(scene.disks.size());
+  population.numbers.resize(scene.bodies.size());
   std::iota(population.numbers.begin(), population.numbers.end(), 0);
   population.outlets.resize(scene.outlets.size());
   population.inlets.resize(scene.inlets.size());
@@ -255,45 +255,45 @@ PopulationIn<D> initial_population(const SceneIn<D>& scene) {
 }
 
 template <int D>
-bool change_population(const SceneIn<D>& scene, StateIn<D>& state) {
-  PopulationIn<D>& population = state.population;
-  if (population.numbers.size() != state.disks.size() ||
+bool change_population(const Scene<D>& scene, State<D>& state) {
+  Population<D>& population = state.population;
+  if (population.numbers.size() != state.bodies.size() ||
       population.outlets.size() != scene.outlets.size() ||
       population.inlets.size() != scene.inlets.size()) {
     throw std::invalid_argument("the state's population is not one of the scene");
   }
   for (auto* flows : {&population.outlets, &population.inlets}) {
-    for (GateFlowIn<D>& flow : *flows) flow.last_mass = 0;
+    for (GateFlow<D>& flow : *flows) flow.last_mass = 0;
   }
-  const VecIn<D> gravity = gravity_at(scene, state.time);
-  const std::size_t before = state.disks.size();
+  const Vec<D> gravity = gravity_at(scene, state.time);
+  const std::size_t before = state.bodies.size();
   std::vector<int> new_index(before, -1);
   let_out(scene, gravity, state, new_index);
-  const std::size_t left = before - state.disks.size();
+  const std::size_t left = before - state.bodies.size();
   let_in(scene, gravity, state);
-  const bool changed = left > 0 || state.disks.size() != before;
+  const bool changed = left > 0 || state.bodies.size() != before;
   if (changed) renumber_contacts(new_index, state);
   return changed;
 }
 
 template <int D>
-StateIn<D> with_changed_population(const SceneIn<D>& scene, const StateIn<D>& state) {
-  StateIn<D> changed = state;
+State<D> with_changed_population(const Scene<D>& scene, const State<D>& state) {
+  State<D> changed = state;
   if (scene.has_gates()) change_population(scene, changed);
   return changed;
 }
 
 template <int D>
-int body_number(const StateIn<D>& state, int index) {
+int body_number(const State<D>& state, int index) {
   const std::vector<int>& numbers = state.population.numbers;
   return numbers.empty() ? index : numbers.at(to_size(index));
 }
 
 template <int D>
-int body_index(const StateIn<D>& state, int number) {
+int body_index(const State<D>& state, int number) {
   const std::vector<int>& numbers = state.population.numbers;
   if (state.population.outlets.empty() && state.population.inlets.empty()) {
-    return number < static_cast<int>(state.disks.size()) ? number : -1;
+    return number < static_cast<int>(state.bodies.size()) ? number : -1;
   }
   const auto found = std::lower_bound(numbers.begin(), numbers.end(), number);
   const bool there = found != numbers.end() && *found == number;
@@ -301,34 +301,34 @@ int body_index(const StateIn<D>& state, int number) {
 }
 
 template <int D>
-double energy_passed(const StateIn<D>& state) {
+double energy_passed(const State<D>& state) {
   double sum = 0;
-  for (const GateFlowIn<D>& flow : state.population.inlets) sum += flow.energy;
-  for (const GateFlowIn<D>& flow : state.population.outlets) sum -= flow.energy;
+  for (const GateFlow<D>& flow : state.population.inlets) sum += flow.energy;
+  for (const GateFlow<D>& flow : state.population.outlets) sum -= flow.energy;
   return sum;
 }
 
 template <int D>
-VecIn<D> momentum_passed(const StateIn<D>& state) {
-  VecIn<D> sum = VecIn<D>::Zero();
-  for (const GateFlowIn<D>& flow : state.population.inlets) sum += flow.momentum;
-  for (const GateFlowIn<D>& flow : state.population.outlets) sum -= flow.momentum;
+Vec<D> momentum_passed(const State<D>& state) {
+  Vec<D> sum = Vec<D>::Zero();
+  for (const GateFlow<D>& flow : state.population.inlets) sum += flow.momentum;
+  for (const GateFlow<D>& flow : state.population.outlets) sum -= flow.momentum;
   return sum;
 }
 
-template PopulationIn<2> initial_population(const Scene&);
-template PopulationIn<3> initial_population(const SceneIn<3>&);
-template bool change_population(const Scene&, State&);
-template bool change_population(const SceneIn<3>&, StateIn<3>&);
-template State with_changed_population(const Scene&, const State&);
-template StateIn<3> with_changed_population(const SceneIn<3>&, const StateIn<3>&);
-template int body_number(const State&, int);
-template int body_number(const StateIn<3>&, int);
-template int body_index(const State&, int);
-template int body_index(const StateIn<3>&, int);
-template double energy_passed(const State&);
-template double energy_passed(const StateIn<3>&);
-template Vec2 momentum_passed(const State&);
-template Vec3 momentum_passed(const StateIn<3>&);
+template Population<2> initial_population(const Scene<2>&);
+template Population<3> initial_population(const Scene<3>&);
+template bool change_population(const Scene<2>&, State<2>&);
+template bool change_population(const Scene<3>&, State<3>&);
+template State<2> with_changed_population(const Scene<2>&, const State<2>&);
+template State<3> with_changed_population(const Scene<3>&, const State<3>&);
+template int body_number(const State<2>&, int);
+template int body_number(const State<3>&, int);
+template int body_index(const State<2>&, int);
+template int body_index(const State<3>&, int);
+template double energy_passed(const State<2>&);
+template double energy_passed(const State<3>&);
+template Vec2 momentum_passed(const State<2>&);
+template Vec3 momentum_passed(const State<3>&);
 
 }  // namespace bipot

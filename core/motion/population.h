@@ -7,7 +7,7 @@ namespace bipot {
 
 /// The population of a scene before its first step; empty without outlets and inlets.
 template <int D>
-PopulationIn<D> initial_population(const SceneIn<D>& scene);
+Population<D> initial_population(const Scene<D>& scene);
 
 /// What happens to a state in between two steps: bodies whose centre lies in an outlet leave, and those that
 /// are due in inlets come in where there is room (core/scene/gates.h). The others keep their order, what comes
@@ -19,24 +19,24 @@ PopulationIn<D> initial_population(const SceneIn<D>& scene);
 /// Depends on nothing but the scene and the state. Returns whether bodies came or went. Throws
 /// std::invalid_argument for a state whose population is not one of the scene.
 template <int D>
-bool change_population(const SceneIn<D>& scene, StateIn<D>& state);
+bool change_population(const Scene<D>& scene, State<D>& state);
 
 /// The state that the next step starts from.
 template <int D>
-StateIn<D> with_changed_population(const SceneIn<D>& scene, const StateIn<D>& state);
+State<D> with_changed_population(const Scene<D>& scene, const State<D>& state);
 
 /// The number of a body, which it keeps while others come and go: its index where none do.
 template <int D>
-int body_number(const StateIn<D>& state, int index);
+int body_number(const State<D>& state, int index);
 /// The index of the body of that number; -1 where it is not there.
 template <int D>
-int body_index(const StateIn<D>& state, int number);
+int body_index(const State<D>& state, int number);
 
 /// Energy that has come in less what has left, since step 0.                                [J]
 template <int D>
-double energy_passed(const StateIn<D>& state);
+double energy_passed(const State<D>& state);
 /// The same of momentum.                                                              [kg m/s]
 template <int D>
-VecIn<D> momentum_passed(const StateIn<D>& state);
+Vec<D> momentum_passed(const State<D>& state);
 
 }  // namespace bipot

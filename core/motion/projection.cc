@@ -16,8 +16,8 @@ constexpr double kLeaving = 10;
 
 /// The scene's materials without friction and restitution: a row a contact, no rotations.
 template <int D>
-SceneIn<D> frictionless(const SceneIn<D>& scene) {
-  SceneIn<D> flat;
+Scene<D> frictionless(const Scene<D>& scene) {
+  Scene<D> flat;
   flat.materials = scene.materials;
   flat.laws.assign(scene.laws.size(), ContactLaw{});
   flat.step = scene.step;
@@ -25,16 +25,16 @@ SceneIn<D> frictionless(const SceneIn<D>& scene) {
 }
 
 template <int D>
-void displace(const AssembledStep& assembled, const Vector& way, StateIn<D>& state,
+void displace(const AssembledStep& assembled, const Vector& way, State<D>& state,
               double& wall_work) {
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
     const int k = assembled.dofs.disk[i];
-    if (k >= 0) state.disks[i].x += way.segment<D>(k);
+    if (k >= 0) state.bodies[i].x += way.segment<D>(k);
   }
   for (std::size_t w = 0; w < state.walls.size(); ++w) {
     const int k = assembled.dofs.wall[w];
     if (k < 0) continue;
-    WallIn<D>& wall = state.walls[w];
+    Wall<D>& wall = state.walls[w];
     wall.a += way[k] * wall.direction;
     wall.b += way[k] * wall.direction;
     wall_work += way[k] * wall.force;
@@ -44,21 +44,21 @@ void displace(const AssembledStep& assembled, const Vector& way, StateIn<D>& sta
 }  // namespace
 
 template <int D>
-Projection project_overlaps(const SceneIn<D>& scene, const StepSolver& solver,
-                            bool explicit_delassus, int threads, StateIn<D>& state) {
+Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, bool explicit_delassus,
+                            int threads, State<D>& state) {
   Projection result;
-  const std::vector<ContactIn<D>> contacts =
-      detect_contacts<D>(state.disks, state.walls, scene.contact_distance, threads);
-  const bool overlap = std::any_of(contacts.begin(), contacts.end(), [&](const ContactIn<D>& c) {
+  const std::vector<Contact<D>> contacts =
+      detect_contacts<D>(state.bodies, state.walls, scene.contact_distance, threads);
+  const bool overlap = std::any_of(contacts.begin(), contacts.end(), [&](const Contact<D>& c) {
     return c.gap < -scene.contact_distance;
   });
   if (!overlap) return result;
 
-  const SceneIn<D> flat = frictionless(scene);
-  const std::vector<VecIn<D>> still(state.disks.size(), VecIn<D>::Zero());
+  const Scene<D> flat = frictionless(scene);
+  const std::vector<Vec<D>> still(state.bodies.size(), Vec<D>::Zero());
   const std::vector<double> still_walls(state.walls.size(), 0.0);
   // With the state's velocities, so that u_before says which pairs move apart.
-  AssembledStep assembled = assemble_step<D>(flat, state.disks, state.walls, contacts, still,
+  AssembledStep assembled = assemble_step<D>(flat, state.bodies, state.walls, contacts, still,
                                              still_walls, explicit_delassus, threads);
   ContactProblem& p = assembled.problem;
   p.v_free.setZero();
@@ -79,7 +79,7 @@ Projection project_overlaps(const SceneIn<D>& scene, const StepSolver& solver,
   return result;
 }
 
-template Projection project_overlaps(const Scene&, const StepSolver&, bool, int, State&);
-template Projection project_overlaps(const SceneIn<3>&, const StepSolver&, bool, int, StateIn<3>&);
+template Projection project_overlaps(const Scene<2>&, const StepSolver&, bool, int, State<2>&);
+template Projection project_overlaps(const Scene<3>&, const StepSolver&, bool, int, State<3>&);
 
 }  // namespace bipot

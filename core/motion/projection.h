@@ -25,7 +25,7 @@ struct Projection {
 /// by validate()) take no part. It is a contact problem without friction in metres instead of m/s,
 /// for the step's own solver. Not in the scheme of the paper. [ours]
 template <int D>
-Projection project_overlaps(const SceneIn<D>& scene, const StepSolver& solver,
-                            bool explicit_delassus, int threads, StateIn<D>& state);
+Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, bool explicit_delassus,
+                            int threads, State<D>& state);
 
 }  // namespace bipot

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/types.h"
 #include "core/motion/periodic_state.h"
 #include "core/scene/scene_box.h"
-#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -45,13 +45,13 @@ std::vector<Vec2> clip(const std::vector<Vec2>& polygon, const Vec2& point, cons
 
 /// Of a periodic cell at mid-step; where it is not periodic in y, as high as the half-planes leave
 /// room, or the disks reach.
-double cell_area(const State& state, double step, const Box& disks) {
+double cell_area(const State<2>& state, double step, const Box<2>& disks) {
   PeriodicCell cell = state.cell;
   move_cell(cell, -0.5 * step);
   if (cell.in_y) return cell.width.length * cell.height.length;
   double low = -kInfinity, high = kInfinity;
-  for (const Wall& w : state.walls) {
-    if (w.shape != Wall::Shape::kHalfPlane || !w.present) continue;
+  for (const Wall<2>& w : state.walls) {
+    if (w.shape != Wall<2>::Shape::kHalfPlane || !w.present) continue;
     const double at = w.a[1] - 0.5 * step * w.v[1];
     if (w.normal[1] > 0) low = std::max(low, at);
     if (w.normal[1] < 0) high = std::min(high, at);
@@ -63,13 +63,13 @@ double cell_area(const State& state, double step, const Box& disks) {
 
 /// Area of the smallest hollow circle that holds all disks, less what solid circles take of it; NaN
 /// without one. Half-planes have no part in it.
-double drum_area(const State& state, double step) {
+double drum_area(const State<2>& state, double step) {
   double smallest = kInfinity;
   Vec2 centre = Vec2::Zero();
-  for (const Wall& w : state.walls) {
-    if (w.shape != Wall::Shape::kHollowCircle || !w.present || !(w.radius < smallest)) continue;
+  for (const Wall<2>& w : state.walls) {
+    if (w.shape != Wall<2>::Shape::kHollowCircle || !w.present || !(w.radius < smallest)) continue;
     const Vec2 at = w.a - 0.5 * step * w.v;
-    const bool holds = std::all_of(state.disks.begin(), state.disks.end(), [&](const Disk& d) {
+    const bool holds = std::all_of(state.bodies.begin(), state.bodies.end(), [&](const Disk& d) {
       return (centre_at_middle(d, step) - at).norm() < w.radius;
     });
     if (!holds) continue;
@@ -77,10 +77,10 @@ double drum_area(const State& state, double step) {
     centre = at;
   }
   double area = std::numbers::pi * smallest * smallest;
-  for (const Wall& w : state.walls) {
-    const bool half_plane = w.shape == Wall::Shape::kHalfPlane && w.present;
+  for (const Wall<2>& w : state.walls) {
+    const bool half_plane = w.shape == Wall<2>::Shape::kHalfPlane && w.present;
     if (half_plane) return kNaN;
-    if (w.shape != Wall::Shape::kSolidCircle || !w.present) continue;
+    if (w.shape != Wall<2>::Shape::kSolidCircle || !w.present) continue;
     const double reach = (w.a - 0.5 * step * w.v - centre).norm() + w.radius;
     if (reach <= smallest) area -= std::numbers::pi * w.radius * w.radius;
   }
@@ -88,16 +88,16 @@ double drum_area(const State& state, double step) {
 }
 
 /// Area that the half-planes enclose; NaN where they leave the sample open, or leave disks out.
-double enclosed_area(const State& state, double step, const Box& disks) {
+double enclosed_area(const State<2>& state, double step, const Box<2>& disks) {
   constexpr double kFar = 1e3;  // an enclosure this many times as wide as the disks counts as none
-  Box far = disks;
+  Box<2> far = disks;
   far.widen(kFar * disks.size().maxCoeff());
   std::vector<Vec2> polygon = {far.lower, Vec2(far.upper[0], far.lower[1]), far.upper,
                                Vec2(far.lower[0], far.upper[1])};
-  for (const Wall& w : state.walls) {
-    if (w.shape != Wall::Shape::kHalfPlane || !w.present) continue;
+  for (const Wall<2>& w : state.walls) {
+    if (w.shape != Wall<2>::Shape::kHalfPlane || !w.present) continue;
     const Vec2 point = w.a - 0.5 * step * w.v;
-    for (const Disk& d : state.disks) {
+    for (const Disk& d : state.bodies) {
       if ((centre_at_middle(d, step) - point).dot(w.normal) < 0) return kNaN;
     }
     polygon = clip(polygon, point, w.normal);
@@ -110,13 +110,13 @@ double enclosed_area(const State& state, double step, const Box& disks) {
 }
 
 /// The disk that reaches farthest in a direction, the first of several.
-std::size_t farthest_disk(const State& state, double step, const Vec2& direction,
+std::size_t farthest_disk(const State<2>& state, double step, const Vec2& direction,
                           const std::vector<std::size_t>& among) {
   std::size_t farthest = 0;
   double reach = -kInfinity;
   for (const std::size_t k : among) {
     const double here =
-        centre_at_middle(state.disks[k], step).dot(direction) + state.disks[k].radius;
+        centre_at_middle(state.bodies[k], step).dot(direction) + state.bodies[k].radius;
     if (here > reach) {
       reach = here;
       farthest = k;
@@ -127,16 +127,16 @@ std::size_t farthest_disk(const State& state, double step, const Vec2& direction
 
 /// Disks that may reach farthest in some direction, in their order: all but those that lie within a
 /// polygon of sixteen points of the hull, by more than rounding.
-std::vector<std::size_t> outer_candidates(const State& state, double step, const Box& box) {
+std::vector<std::size_t> outer_candidates(const State<2>& state, double step, const Box<2>& box) {
   constexpr int kCorners = 16;
   constexpr double kRounding = 1e-9;
-  std::vector<std::size_t> all(state.disks.size());
+  std::vector<std::size_t> all(state.bodies.size());
   std::iota(all.begin(), all.end(), std::size_t{0});
   std::array<Vec2, kCorners> corners;  // anticlockwise
   for (int k = 0; k < kCorners; ++k) {
     const double angle = 2 * std::numbers::pi * k / kCorners;
     const Vec2 direction(std::cos(angle), std::sin(angle));
-    const Disk& d = state.disks[farthest_disk(state, step, direction, all)];
+    const Disk& d = state.bodies[farthest_disk(state, step, direction, all)];
     corners[static_cast<std::size_t>(k)] = centre_at_middle(d, step) + d.radius * direction;
   }
   struct Side {
@@ -151,8 +151,8 @@ std::vector<std::size_t> outer_candidates(const State& state, double step, const
   const double margin = kRounding * box.size().maxCoeff();
   std::vector<std::size_t> candidates;
   for (const std::size_t k : all) {
-    const Vec2 x = centre_at_middle(state.disks[k], step);
-    const double room = state.disks[k].radius + margin;
+    const Vec2 x = centre_at_middle(state.bodies[k], step);
+    const double room = state.bodies[k].radius + margin;
     const bool within = sides.size() >= 3 && std::all_of(sides.begin(), sides.end(), [&](auto& s) {
                           return (x - s.from).dot(s.inward) > room;
                         });
@@ -185,10 +185,10 @@ double hull_area(std::vector<Vec2> points) {
 
 }  // namespace
 
-double sample_area(const State& state, double step) {
-  if (state.disks.empty()) return 0;
-  Box box;
-  for (const Disk& d : state.disks) {
+double sample_measure(const State<2>& state, double step) {
+  if (state.bodies.empty()) return 0;
+  Box<2> box;
+  for (const Disk& d : state.bodies) {
     box.include(centre_at_middle(d, step) - Vec2::Constant(d.radius));
     box.include(centre_at_middle(d, step) + Vec2::Constant(d.radius));
   }
@@ -213,7 +213,8 @@ double sample_area(const State& state, double step) {
   std::vector<Vec2> rim;
   for (const std::size_t k : outer) {
     for (const Vec2& direction : directions) {
-      rim.emplace_back(centre_at_middle(state.disks[k], step) + state.disks[k].radius * direction);
+      rim.emplace_back(centre_at_middle(state.bodies[k], step) +
+                       state.bodies[k].radius * direction);
     }
   }
   return hull_area(std::move(rim));

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <utility>
 
+#include "core/base/types.h"
 #include "core/scene/scene_box.h"
-#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -48,7 +48,7 @@ struct Ball {
 /// Spheres that may reach farthest in some direction: all but those that lie within the hull of 26 others
 /// far out and near 26 rays. The hull of their centres need not be known for that:
 /// it contains the tetrahedra between the mean of the 26 and three that are neighbours by direction.
-std::vector<Ball> outer_spheres(const std::vector<Ball>& all, const BoxIn<3>& box) {
+std::vector<Ball> outer_spheres(const std::vector<Ball>& all, const Box<3>& box) {
   constexpr double kInside = 1 - 1e-3, kFlat = 1e-3;
   const auto at = [](const Vec3& ways) {
     const Eigen::Vector3i k = ways.cast<int>() + Eigen::Vector3i::Ones();
@@ -119,10 +119,10 @@ std::vector<Ball> outer_spheres(const std::vector<Ball>& all, const BoxIn<3>& bo
 }
 
 /// Of a periodic cell, between the walls; where these leave it open, as far as the spheres reach.
-double cell_volume(const StateIn<3>& state, double step, const BoxIn<3>& spheres) {
+double cell_volume(const State<3>& state, double step, const Box<3>& spheres) {
   constexpr double kFar = 1e3;
   const PeriodicCell& cell = state.cell;
-  BoxIn<3> far = spheres;
+  Box<3> far = spheres;
   far.widen(kFar * spheres.size().maxCoeff());
   far.lower[0] = 0;
   far.upper[0] = cell.width.length;
@@ -131,11 +131,11 @@ double cell_volume(const StateIn<3>& state, double step, const BoxIn<3>& spheres
     far.upper[1] = cell.height.length;
   }
   ConvexBody body(far.lower, far.upper);
-  for (const WallIn<3>& w : state.walls) {
+  for (const Wall<3>& w : state.walls) {
     if (!w.present) continue;
     const Vec3 point = w.a - 0.5 * step * w.v;
-    if (w.shape == WallIn<3>::Shape::kHalfPlane) body.clip(point, w.normal);
-    if (w.shape == WallIn<3>::Shape::kHollowCircle) clip_by_cylinder(body, point, w);
+    if (w.shape == Wall<3>::Shape::kHalfPlane) body.clip(point, w.normal);
+    if (w.shape == Wall<3>::Shape::kHollowCircle) clip_by_cylinder(body, point, w);
   }
   for (int axis = cell.in_y ? 2 : 1; axis < 3; ++axis) {
     for (const int sign : {-1, 1}) {
@@ -153,25 +153,25 @@ double cell_volume(const StateIn<3>& state, double step, const BoxIn<3>& spheres
 }
 
 /// Volume that the walls enclose; NaN where they leave the sample open, or leave spheres out.
-double enclosed_volume(const StateIn<3>& state, double step, const BoxIn<3>& spheres) {
+double enclosed_volume(const State<3>& state, double step, const Box<3>& spheres) {
   constexpr double kFar =
       1e3;  // an enclosure this many times as wide as the spheres counts as none
   const double width = spheres.size().maxCoeff();
-  BoxIn<3> far = spheres;
+  Box<3> far = spheres;
   far.widen(kFar * width);
   ConvexBody body(far.lower, far.upper);
-  for (const WallIn<3>& w : state.walls) {
+  for (const Wall<3>& w : state.walls) {
     if (!w.present) continue;
     const Vec3 point = w.a - 0.5 * step * w.v;
-    if (w.shape == WallIn<3>::Shape::kHollowCircle) {
-      for (const Sphere& s : state.disks) {
+    if (w.shape == Wall<3>::Shape::kHollowCircle) {
+      for (const Sphere& s : state.bodies) {
         const Vec3 d = centre_at_middle(s, step) - point;
         if (!(d.cross(w.normal).norm() < w.radius)) return kNaN;
       }
       clip_by_cylinder(body, point, w);
     }
-    if (w.shape != WallIn<3>::Shape::kHalfPlane) continue;
-    for (const Sphere& s : state.disks) {
+    if (w.shape != Wall<3>::Shape::kHalfPlane) continue;
+    for (const Sphere& s : state.bodies) {
       if ((centre_at_middle(s, step) - point).dot(w.normal) < 0) return kNaN;
     }
     body.clip(point, w.normal);
@@ -256,7 +256,7 @@ double ConvexBody::volume() const {
   return sum;
 }
 
-void clip_by_cylinder(ConvexBody& body, const Vec3& point, const WallIn<3>& wall) {
+void clip_by_cylinder(ConvexBody& body, const Vec3& point, const Wall<3>& wall) {
   const auto frame = contact_frame<3>(wall.normal);
   // A polygon of n sides whose sides lie at a distance d has the area n d² tan(pi/n).
   const double turn = 2 * std::numbers::pi / kPrism;
@@ -268,10 +268,10 @@ void clip_by_cylinder(ConvexBody& body, const Vec3& point, const WallIn<3>& wall
   }
 }
 
-double sample_area(const StateIn<3>& state, double step) {
-  if (state.disks.empty()) return 0;
-  BoxIn<3> box;
-  for (const Sphere& s : state.disks) {
+double sample_measure(const State<3>& state, double step) {
+  if (state.bodies.empty()) return 0;
+  Box<3> box;
+  for (const Sphere& s : state.bodies) {
     box.include(centre_at_middle(s, step) - Vec3::Constant(s.radius));
     box.include(centre_at_middle(s, step) + Vec3::Constant(s.radius));
   }
@@ -281,8 +281,8 @@ double sample_area(const StateIn<3>& state, double step) {
   }
   ConvexBody body(box.lower, box.upper);
   std::vector<Ball> all;
-  all.reserve(state.disks.size());
-  for (const Sphere& s : state.disks) all.push_back({centre_at_middle(s, step), s.radius});
+  all.reserve(state.bodies.size());
+  for (const Sphere& s : state.bodies) all.push_back({centre_at_middle(s, step), s.radius});
   const std::vector<Ball> outer = outer_spheres(all, box);
   for (int k = 0; k < kSides; ++k) {
     const Vec3 out = side(k);

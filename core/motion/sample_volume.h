@@ -22,12 +22,12 @@ class ConvexBody {
 
 /// Leaves what lies in a prism of 64 sides with the cylinder's axis, through `point`, and cross-section: exact where planes
 /// close it across the axis.
-void clip_by_cylinder(ConvexBody& body, const Vec3& point, const WallIn<3>& wall);
+void clip_by_cylinder(ConvexBody& body, const Vec3& point, const Wall<3>& wall);
 
 /// Volume of the sample, for the mean stress: what the walls enclose (half-spaces, hollow cylinders),
 /// where they do and the spheres lie in it; else what the planes that touch the sample from 256
 /// sides enclose, 1 to 4 % more than its convex hull where that is round. At mid-step. 0 without
 /// spheres.                                                                               [m³]
-double sample_area(const StateIn<3>& state, double step);
+double sample_measure(const State<3>& state, double step);
 
 }  // namespace bipot

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/stopwatch.h"
+#include "core/base/types.h"
 #include "core/motion/outside_changes.h"
 #include "core/scene/contact_detection.h"
 #include "core/scene/wall_motion.h"
-#include "core/stopwatch.h"
-#include "core/types.h"
 
 namespace bipot {
 namespace {
@@ -26,19 +26,19 @@ bool before(int i, int j, int other_i, int other_j) {
 
 }  // namespace
 
-SpringDashpotStepper::SpringDashpotStepper(const Scene& scene, std::function<bool()> cut_short,
+SpringDashpotStepper::SpringDashpotStepper(const Scene<2>& scene, std::function<bool()> cut_short,
                                            SpringDashpotLimits limits)
     : scene_(scene),
       setup_(spring_dashpot_setup(scene)),
       cut_short_(std::move(cut_short)),
       limits_(limits) {
-  skin_ = scene.disks.empty() ? 0 : kSkin * smallest_radius(scene);
+  skin_ = scene.bodies.empty() ? 0 : kSkin * smallest_radius(scene);
 }
 
-void SpringDashpotStepper::load(const State& state) {
-  bodies_.resize(state.disks.size());
+void SpringDashpotStepper::load(const State<2>& state) {
+  bodies_.resize(state.bodies.size());
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
-    const Disk& d = state.disks[k];
+    const Disk& d = state.bodies[k];
     bodies_[k] = {.x = d.x[0],
                   .y = d.x[1],
                   .angle = d.angle,
@@ -56,7 +56,7 @@ void SpringDashpotStepper::load(const State& state) {
   wall_push_.assign(walls_.size(), 0.0);
   // The springs of the state; find_pairs() takes them over.
   pairs_.clear();
-  for (const ContactOutcome& c : state.contacts) {
+  for (const ContactOutcome<2>& c : state.contacts) {
     if (c.spring == 0) continue;
     pairs_.push_back(make_pair(c.contact.i, c.contact.j));
     pairs_.back().spring = c.spring;
@@ -77,12 +77,12 @@ SpringDashpotStepper::Pair SpringDashpotStepper::make_pair(int i, int j) const {
     const Body& b = bodies_[static_cast<std::size_t>(j)];
     normal += b.inv_mass;
     rim += b.inv_mass + b.radius * b.radius * b.inv_inertia;
-    material = scene_.disks[static_cast<std::size_t>(j)].material;
+    material = scene_.bodies[static_cast<std::size_t>(j)].material;
   } else {
-    const Wall& w = walls_[static_cast<std::size_t>(j - n)];
+    const Wall<2>& w = walls_[static_cast<std::size_t>(j - n)];
     // A driven wall gives way along its direction only; its mass enters in full, which
     // damps the other direction a little more.
-    if (w.motion == Wall::Motion::kDriven) {
+    if (w.motion == Wall<2>::Motion::kDriven) {
       normal += 1 / w.mass;
       rim += 1 / w.mass;
     }
@@ -90,7 +90,7 @@ SpringDashpotStepper::Pair SpringDashpotStepper::make_pair(int i, int j) const {
   }
   const auto count = scene_.materials.size();
   const std::size_t law =
-      static_cast<std::size_t>(scene_.disks[static_cast<std::size_t>(i)].material) * count +
+      static_cast<std::size_t>(scene_.bodies[static_cast<std::size_t>(i)].material) * count +
       static_cast<std::size_t>(material);
   const double zeta = setup_.damping[law];
   return {.i = i,
@@ -101,18 +101,18 @@ SpringDashpotStepper::Pair SpringDashpotStepper::make_pair(int i, int j) const {
 }
 
 /// A new neighbour list; pairs in use keep what they carry.
-void SpringDashpotStepper::find_pairs(const State& state) {
+void SpringDashpotStepper::find_pairs(const State<2>& state) {
   // Detection looks at centres and radii alone.
-  std::vector<Disk> disks = state.disks;
+  std::vector<Disk> disks = state.bodies;
   for (std::size_t k = 0; k < disks.size(); ++k) disks[k].x = Vec2(bodies_[k].x, bodies_[k].y);
-  const std::vector<Contact> near = detect_contacts(disks, walls_, skin_);
+  const std::vector<Contact<2>> near = detect_contacts(disks, walls_, skin_);
   fresh_.clear();
   auto old = pairs_.begin();
   const auto keep_old = [&] {
     if (old->touched || old->spring != 0) fresh_.push_back(*old);
     ++old;
   };
-  for (const Contact& c : near) {
+  for (const Contact<2>& c : near) {
     while (old != pairs_.end() && before(old->i, old->j, c.i, c.j)) keep_old();
     if (old != pairs_.end() && old->i == c.i && old->j == c.j) {
       fresh_.push_back(*old++);
@@ -135,13 +135,13 @@ SpringDashpotStepper::Geometry SpringDashpotStepper::geometry(const Pair& pair) 
     dy = a.y - b.y;
     reach += b.radius;
   } else {
-    const Wall& w = walls_[j - bodies_.size()];
-    if (w.shape == Wall::Shape::kHalfPlane) {
+    const Wall<2>& w = walls_[j - bodies_.size()];
+    if (w.shape == Wall<2>::Shape::kHalfPlane) {
       const double height = w.normal[0] * (a.x - w.a[0]) + w.normal[1] * (a.y - w.a[1]);
       return {w.normal, height - reach};
     }
     if (w.is_circle()) {
-      const bool hollow = w.shape == Wall::Shape::kHollowCircle;
+      const bool hollow = w.shape == Wall<2>::Shape::kHollowCircle;
       const Vec2 d = hollow ? Vec2(w.a - Vec2(a.x, a.y)) : Vec2(Vec2(a.x, a.y) - w.a);
       const double length = d.norm();
       return {d / length, (hollow ? w.radius - length : length - w.radius) - reach};
@@ -166,7 +166,7 @@ Vec2 SpringDashpotStepper::relative_velocity(const Pair& pair, const Vec2& n) co
     vy -= b.vy;
     rim += b.radius * b.spin;
   } else {
-    const Wall& w = walls_[j - bodies_.size()];
+    const Wall<2>& w = walls_[j - bodies_.size()];
     const Vec2 v = surface_velocity(w, w.v, n);
     vx -= v[0];
     vy -= v[1];
@@ -180,7 +180,7 @@ void SpringDashpotStepper::drift(double dt) {
     b.y += dt * b.vy;
     b.angle += dt * b.spin;
   }
-  for (Wall& w : walls_) {
+  for (Wall<2>& w : walls_) {
     w.a += dt * w.v;
     w.b += dt * w.v;
   }
@@ -248,8 +248,8 @@ void SpringDashpotStepper::apply_contacts(double dt) {
       b.torque -= b.radius * f_t;
       continue;
     }
-    const Wall& w = walls_[j - num_disks];
-    if (w.motion == Wall::Motion::kDriven) {
+    const Wall<2>& w = walls_[j - num_disks];
+    if (w.motion == Wall<2>::Motion::kDriven) {
       // What acts across the direction is taken by the wall's guide.
       const double along = fx * w.direction[0] + fy * w.direction[1];
       wall_push_[j - num_disks] -= along;
@@ -271,8 +271,8 @@ void SpringDashpotStepper::kick(double dt) {
     b.fx = b.fy = b.torque = 0;
   }
   for (std::size_t k = 0; k < walls_.size(); ++k) {
-    Wall& w = walls_[k];
-    if (w.motion != Wall::Motion::kDriven) continue;
+    Wall<2>& w = walls_[k];
+    if (w.motion != Wall<2>::Motion::kDriven) continue;
     const Vec2 v = w.v + dt * (w.force + wall_push_[k]) / w.mass * w.direction;
     wall_work_ += dt * w.force * w.direction.dot(0.5 * (w.v + v));
     w.v = v;
@@ -304,12 +304,12 @@ SpringDashpotStepper::Elastic SpringDashpotStepper::elastic_energy() const {
 double SpringDashpotStepper::path_per_substep(double dt) const {
   double disk2 = 0, wall2 = 0;
   for (const Body& b : bodies_) disk2 = std::max(disk2, b.vx * b.vx + b.vy * b.vy);
-  for (const Wall& w : walls_) wall2 = std::max(wall2, w.v.squaredNorm());
+  for (const Wall<2>& w : walls_) wall2 = std::max(wall2, w.v.squaredNorm());
   return dt * (std::sqrt(disk2) + std::sqrt(std::max(disk2, wall2)));
 }
 
 /// All substeps of a step.
-void SpringDashpotStepper::integrate(const State& state, StepReport& report) {
+void SpringDashpotStepper::integrate(const State<2>& state, StepReport<2>& report) {
   const double dt = setup_.substep;
   using Kind = StepFailure::Kind;
   for (int k = 0; k < setup_.substeps; ++k) {
@@ -342,15 +342,15 @@ void SpringDashpotStepper::integrate(const State& state, StepReport& report) {
 }
 
 /// Bodies, walls and contacts after the last substep.
-State SpringDashpotStepper::state_after(const State& state) const {
-  State next;
+State<2> SpringDashpotStepper::state_after(const State<2>& state) const {
+  State<2> next;
   next.step = state.step + 1;
   next.time = time_after_step(state, scene_.step);
-  next.disks = state.disks;
+  next.bodies = state.bodies;
   next.walls = walls_;
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
     const Body& b = bodies_[k];
-    Disk& d = next.disks[k];
+    Disk& d = next.bodies[k];
     d.x = Vec2(b.x, b.y);
     d.angle = b.angle;
     d.v = Vec2(b.vx, b.vy);
@@ -372,8 +372,8 @@ State SpringDashpotStepper::state_after(const State& state) const {
 }
 
 /// Accumulated work of the state after the step, and the balances of energy and momentum.
-void SpringDashpotStepper::close_ledger(const State& state, const Elastic& elastic_before,
-                                        State& next, StepReport& report) {
+void SpringDashpotStepper::close_ledger(const State<2>& state, const Elastic& elastic_before,
+                                        State<2>& next, StepReport<2>& report) {
   const Elastic elastic_after = elastic_energy();
   const double friction_loss = -work_t_ - (elastic_after.tangential - elastic_before.tangential);
   const double shock_loss = -work_n_ - (elastic_after.normal - elastic_before.normal);
@@ -411,25 +411,25 @@ void SpringDashpotStepper::close_ledger(const State& state, const Elastic& elast
                     created / in_play, setup_.substep, setup_.stiffness));
   }
   double mass = 0;
-  for (const Disk& d : next.disks) mass += d.mass;
+  for (const Disk& d : next.bodies) mass += d.mass;
   external_ += scene_.step * mass * gravity_;
-  for (const Wall& w : next.walls) {
-    if (w.motion == Wall::Motion::kDriven) external_ += scene_.step * w.force * w.direction;
+  for (const Wall<2>& w : next.walls) {
+    if (w.motion == Wall<2>::Motion::kDriven) external_ += scene_.step * w.force * w.direction;
   }
   report.momentum = now.momentum;
   report.momentum_imbalance = report.momentum - then.momentum - external_;
 }
 
-StepReport SpringDashpotStepper::advance(State& state) {
-  StepReport report;
+StepReport<2> SpringDashpotStepper::advance(State<2>& state) {
+  StepReport<2> report;
   const Stopwatch watch;
   load(state);
   report.detection_seconds = watch.seconds();
   const Elastic elastic_before = elastic_energy();
   integrate(state, report);
-  State next = state_after(state);
+  State<2> next = state_after(state);
   close_ledger(state, elastic_before, next, report);
-  for (const ContactOutcome& c : next.contacts) report.active += c.s_n > 0 ? 1 : 0;
+  for (const ContactOutcome<2>& c : next.contacts) report.active += c.s_n > 0 ? 1 : 0;
   report.step = next.step;
   report.time = next.time;
   report.contacts = static_cast<int>(next.contacts.size());

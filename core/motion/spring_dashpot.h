@@ -42,13 +42,13 @@ class SpringDashpotStepper {
  public:
   /// The scene must outlive the stepper. `cut_short` is polled every few substeps; true leaves the
   /// step for another run. Throws std::invalid_argument as spring_dashpot_setup() does.
-  explicit SpringDashpotStepper(const Scene& scene, std::function<bool()> cut_short = {},
+  explicit SpringDashpotStepper(const Scene<2>& scene, std::function<bool()> cut_short = {},
                                 SpringDashpotLimits limits = {});
 
   /// Throws StepFailure, leaving the state at the end of the step before, when overlap or energy
   /// grow beyond the limits, anything is not finite, or it was cut short. Substeps allocate nothing
   /// but where neighbours are searched anew.
-  StepReport advance(State& state);
+  StepReport<2> advance(State<2>& state);
 
   const SpringDashpotSetup& setup() const { return setup_; }
 
@@ -77,8 +77,8 @@ class SpringDashpotStepper {
     double sum() const { return normal + tangential; }
   };
 
-  void load(const State& state);
-  void find_pairs(const State& state);
+  void load(const State<2>& state);
+  void find_pairs(const State<2>& state);
   Pair make_pair(int i, int j) const;
   Geometry geometry(const Pair& pair) const;
   Vec2 relative_velocity(const Pair& pair, const Vec2& n) const;  // (u_n, u_t)
@@ -87,20 +87,20 @@ class SpringDashpotStepper {
   void kick(double dt);
   void close_work(double dt);
   Elastic elastic_energy() const;
-  void integrate(const State& state, StepReport& report);
-  State state_after(const State& state) const;
-  void close_ledger(const State& state, const Elastic& elastic_before, State& next,
-                    StepReport& report);
+  void integrate(const State<2>& state, StepReport<2>& report);
+  State<2> state_after(const State<2>& state) const;
+  void close_ledger(const State<2>& state, const Elastic& elastic_before, State<2>& next,
+                    StepReport<2>& report);
   double path_per_substep(double dt) const;
 
-  const Scene& scene_;
+  const Scene<2>& scene_;
   SpringDashpotSetup setup_;
   std::function<bool()> cut_short_;
   SpringDashpotLimits limits_;
 
   std::vector<Body> bodies_;
-  std::vector<Wall> walls_, walls_before_;  // now; as they begin the step
-  Vec2 gravity_ = Vec2::Zero();             // of the step
+  std::vector<Wall<2>> walls_, walls_before_;  // now; as they begin the step
+  Vec2 gravity_ = Vec2::Zero();                // of the step
   std::vector<double> wall_push_;    // force on driven walls along their direction, this substep
   std::vector<Pair> pairs_, fresh_;  // sorted by (i, j)
   double skin_ = 0, path_ = 0;       // of the neighbour list: its reach, and what is used of it

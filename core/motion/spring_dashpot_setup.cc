@@ -9,16 +9,16 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "core/base/types.h"
 #include "core/scene/contact_detection.h"
-#include "core/types.h"
 
 namespace bipot {
 namespace {
 
 /// Extent of the disks along a unit vector.
-double extent(const Scene& scene, const Vec2& axis) {
+double extent(const Scene<2>& scene, const Vec2& axis) {
   double low = kInfinity, high = -kInfinity;
-  for (const Disk& d : scene.disks) {
+  for (const Disk& d : scene.bodies) {
     low = std::min(low, axis.dot(d.x) - d.radius);
     high = std::max(high, axis.dot(d.x) + d.radius);
   }
@@ -31,19 +31,19 @@ struct Load {
 };
 
 /// How far gravity takes disks down before they lie densely (0.8 of the area filled).
-double fall(const Scene& scene, const Vec2& up, double width) {
+double fall(const Scene<2>& scene, const Vec2& up, double width) {
   double area = 0, lowest = kInfinity;
-  for (const Disk& d : scene.disks) {
+  for (const Disk& d : scene.bodies) {
     area += std::numbers::pi * d.radius * d.radius;
     lowest = std::min(lowest, up.dot(d.x) - d.radius);
   }
   double result = 0, least = kInfinity;
-  for (const Disk& d : scene.disks) {
+  for (const Disk& d : scene.bodies) {
     double height = up.dot(d.x) - d.radius - lowest;
     bool floor = false;
-    for (const Wall& w : scene.walls) {
+    for (const Wall<2>& w : scene.walls) {
       const double slope = w.normal.dot(up);
-      if (w.shape != Wall::Shape::kHalfPlane || slope < 1e-9) continue;
+      if (w.shape != Wall<2>::Shape::kHalfPlane || slope < 1e-9) continue;
       const double above = std::max(0.0, (w.normal.dot(d.x - w.a) - d.radius) / slope);
       height = floor ? std::min(height, above) : above;
       floor = true;
@@ -56,27 +56,27 @@ double fall(const Scene& scene, const Vec2& up, double width) {
 }
 
 /// How fast a disk may hit something: a single disk among half-planes cannot hit one sideways.
-double impact_speed(const Scene& scene, const Disk& disk) {
-  if (scene.disks.size() > 1) return disk.v.norm();
+double impact_speed(const Scene<2>& scene, const Disk& disk) {
+  if (scene.bodies.size() > 1) return disk.v.norm();
   double speed = 0;
-  for (const Wall& w : scene.walls) {
-    if (w.shape != Wall::Shape::kHalfPlane) return disk.v.norm();
+  for (const Wall<2>& w : scene.walls) {
+    if (w.shape != Wall<2>::Shape::kHalfPlane) return disk.v.norm();
     speed = std::max(speed, -w.normal.dot(disk.v));
   }
   return speed;
 }
 
-Load estimate_load(const Scene& scene, double smallest) {
+Load estimate_load(const Scene<2>& scene, double smallest) {
   Load load;
   double mass = 0, diameters = 0, area = 0, disk_speed = 0, wall_speed = 0;
-  for (const Disk& d : scene.disks) {
+  for (const Disk& d : scene.bodies) {
     mass += d.mass;
     diameters += 2 * d.radius;
     area += std::numbers::pi * d.radius * d.radius;
     disk_speed = std::max(disk_speed, impact_speed(scene, d));
   }
-  for (const Wall& w : scene.walls) wall_speed = std::max(wall_speed, w.v.norm());
-  const double diameter = diameters / static_cast<double>(scene.disks.size());
+  for (const Wall<2>& w : scene.walls) wall_speed = std::max(wall_speed, w.v.norm());
+  const double diameter = diameters / static_cast<double>(scene.bodies.size());
   const bool supported = supported_by_walls(scene, 1e-3 * smallest);
   double speed2 = (disk_speed + wall_speed) * (disk_speed + wall_speed);
   const double g = scene.gravity.norm();
@@ -86,8 +86,8 @@ Load estimate_load(const Scene& scene, double smallest) {
     load.force = mass * g / std::max(1.0, width / diameter);
     if (!supported) speed2 += 2 * g * fall(scene, up, width);
   }
-  for (const Wall& w : scene.walls) {
-    if (w.motion != Wall::Motion::kDriven || w.force == 0) continue;
+  for (const Wall<2>& w : scene.walls) {
+    if (w.motion != Wall<2>::Motion::kDriven || w.force == 0) continue;
     const double across = extent(scene, Vec2(-w.direction[1], w.direction[0]));
     load.force =
         std::max(load.force, std::abs(w.force) / std::max(1.0, std::floor(across / diameter)));
@@ -108,10 +108,10 @@ struct CriticalStep {
   }
 };
 
-double critical_step(const Scene& scene, double k_n, double k_t, double zeta) {
+double critical_step(const Scene<2>& scene, double k_n, double k_t, double zeta) {
   double smallest = kInfinity, heaviest = 0, least_mobile = kInfinity;
   const auto mobility = [](const Disk& d) { return 1 / d.mass + d.radius * d.radius / d.inertia; };
-  for (const Disk& d : scene.disks) {
+  for (const Disk& d : scene.bodies) {
     smallest = std::min(smallest, d.radius);
     heaviest = std::max(heaviest, d.mass);
     least_mobile = std::min(least_mobile, mobility(d));
@@ -123,10 +123,10 @@ double critical_step(const Scene& scene, double k_n, double k_t, double zeta) {
                             std::max(std::sqrt(k_n / (inv_m + other_inv_m)) * inv_m,
                                      rim > 0 ? std::sqrt(k_t / (rim + other_rim)) * rim : 0.0)};
   };
-  const int others = static_cast<int>(scene.disks.size()) - 1;
+  const int others = static_cast<int>(scene.bodies.size()) - 1;
   const int walls = static_cast<int>(scene.walls.size());
   double step = kInfinity;
-  for (const Disk& d : scene.disks) {
+  for (const Disk& d : scene.bodies) {
     const double half_angle = std::asin(smallest / (d.radius + smallest));
     const int around = static_cast<int>(std::floor(std::numbers::pi / half_angle + 1e-9));
     const int disks = std::min(around, others);
@@ -137,11 +137,11 @@ double critical_step(const Scene& scene, double k_n, double k_t, double zeta) {
                                        2 * disks * pair.chi + at_walls * wall.chi}
                               .step());
   }
-  for (const Wall& w : scene.walls) {
-    if (w.motion != Wall::Motion::kDriven || scene.disks.empty()) continue;
+  for (const Wall<2>& w : scene.walls) {
+    if (w.motion != Wall<2>::Motion::kDriven || scene.bodies.empty()) continue;
     const double across = extent(scene, Vec2(-w.direction[1], w.direction[0]));
     const double along =
-        std::min(static_cast<double>(scene.disks.size()), std::floor(across / (2 * smallest)) + 1);
+        std::min(static_cast<double>(scene.bodies.size()), std::floor(across / (2 * smallest)) + 1);
     CriticalStep c = contact(1 / w.mass, 0, 1 / heaviest, 0);
     // A driven wall moves along one direction only, normal and tangential parts included.
     c.kappa = std::max(k_n, k_t) / w.mass;
@@ -152,16 +152,16 @@ double critical_step(const Scene& scene, double k_n, double k_t, double zeta) {
 }
 
 /// Half of the shortest period of two bodies in contact.
-double shortest_half_period(const Scene& scene, double k_n, double k_t) {
+double shortest_half_period(const Scene<2>& scene, double k_n, double k_t) {
   double normal = 0, rim = 0;
-  for (const Disk& d : scene.disks) {
+  for (const Disk& d : scene.bodies) {
     normal = std::max(normal, 1 / d.mass);
     rim = std::max(rim, 1 / d.mass + d.radius * d.radius / d.inertia);
   }
-  double other_normal = scene.disks.size() > 1 ? normal : 0;
-  double other_rim = scene.disks.size() > 1 ? rim : 0;
-  for (const Wall& w : scene.walls) {
-    if (w.motion != Wall::Motion::kDriven) continue;
+  double other_normal = scene.bodies.size() > 1 ? normal : 0;
+  double other_rim = scene.bodies.size() > 1 ? rim : 0;
+  for (const Wall<2>& w : scene.walls) {
+    if (w.motion != Wall<2>::Motion::kDriven) continue;
     other_normal = std::max(other_normal, 1 / w.mass);
     other_rim = std::max(other_rim, 1 / w.mass);
   }
@@ -171,15 +171,15 @@ double shortest_half_period(const Scene& scene, double k_n, double k_t) {
 
 }  // namespace
 
-bool supported_by_walls(const Scene& scene, double touching) {
-  const std::size_t n = scene.disks.size();
+bool supported_by_walls(const Scene<2>& scene, double touching) {
+  const std::size_t n = scene.bodies.size();
   std::vector<std::size_t> parent(n + 1);  // the last: all walls together
   std::iota(parent.begin(), parent.end(), std::size_t{0});
   const auto root = [&](std::size_t i) {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   };
-  for (const Contact& c : detect_contacts(scene.disks, scene.walls, touching)) {
+  for (const Contact<2>& c : detect_contacts(scene.bodies, scene.walls, touching)) {
     parent[root(static_cast<std::size_t>(c.i))] = root(std::min(static_cast<std::size_t>(c.j), n));
   }
   for (std::size_t i = 0; i < n; ++i) {
@@ -207,14 +207,14 @@ double damping_of_restitution(double e_n) {
   return low;
 }
 
-SpringDashpotSetup spring_dashpot_setup(const Scene& scene) {
+SpringDashpotSetup spring_dashpot_setup(const Scene<2>& scene) {
   if (scene.cell.periodic()) {
     throw std::invalid_argument("dem: periodic scenes are for rigid contacts only");
   }
-  for (const Disk& d : scene.disks) {
+  for (const Disk& d : scene.bodies) {
     if (d.wall >= 0) throw std::invalid_argument("dem: rough walls are for rigid contacts only");
   }
-  for (const Wall& w : scene.walls) {
+  for (const Wall<2>& w : scene.walls) {
     if (w.removed == kInfinity) continue;
     throw std::invalid_argument(fmt::format(
         "dem: wall '{}' is removed at {:g} s; what springs at it hold then is not accounted for, so "
@@ -224,14 +224,14 @@ SpringDashpotSetup spring_dashpot_setup(const Scene& scene) {
   const SpringDashpotChoice& choice = scene.dem;
   SpringDashpotSetup setup;
   double smallest = kInfinity, heaviest = 0;
-  for (const Disk& d : scene.disks) {
+  for (const Disk& d : scene.bodies) {
     smallest = std::min(smallest, d.radius);
     heaviest = std::max(heaviest, d.mass);
   }
-  if (scene.disks.empty()) smallest = 0;
+  if (scene.bodies.empty()) smallest = 0;
 
   setup.stiffness = choice.stiffness;
-  if (setup.stiffness == 0 && !scene.disks.empty()) {
+  if (setup.stiffness == 0 && !scene.bodies.empty()) {
     const Load load = estimate_load(scene, smallest);
     setup.load_force = load.force;
     setup.load_speed = load.speed;

@@ -21,7 +21,7 @@ inline constexpr double kMaxDamping = 2;  ///< e = 0.048: 0.2 % of the energy co
 
 /// True when a chain of bodies that touch (gap <= touching, in m) leads from every disk to a wall:
 /// nothing falls freely.
-bool supported_by_walls(const Scene& scene, double touching);
+bool supported_by_walls(const Scene<2>& scene, double touching);
 
 /// The numbers of the spring-dashpot model of a scene. They depend on the scene alone, not on the
 /// state: a restarted run goes on with the same ones.
@@ -58,6 +58,6 @@ struct SpringDashpotSetup {
 
 /// Throws std::invalid_argument when a substep above the critical one is asked for, or nothing in
 /// the scene says how stiff its contacts must be.
-SpringDashpotSetup spring_dashpot_setup(const Scene& scene);
+SpringDashpotSetup spring_dashpot_setup(const Scene<2>& scene);
 
 }  // namespace bipot

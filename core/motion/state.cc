@@ -19,9 +19,9 @@ Vec3 arm_times(const Vec3& x, const Vec3& p) { return x.cross(p); }
 }  // namespace
 
 template <int D>
-StateIn<D> initial_state(const SceneIn<D>& scene) {
-  StateIn<D> state;
-  state.disks = scene.disks;
+State<D> initial_state(const Scene<D>& scene) {
+  State<D> state;
+  state.bodies = scene.bodies;
   state.walls = walls_at(scene.walls, scene.walls, 0.5 * scene.step);
   state.clusters = scene.clusters;
   state.cell = scene.cell;
@@ -30,30 +30,30 @@ StateIn<D> initial_state(const SceneIn<D>& scene) {
 }
 
 template <int D>
-double time_after_step(const StateIn<D>& state, double h) {
+double time_after_step(const State<D>& state, double h) {
   const bool multiple = std::abs(state.time - state.step * h) <= 1e-6 * h;
   return multiple ? (state.step + 1) * h : state.time + h;
 }
 
 template <int D>
-void add_to_sums(std::span<const std::type_identity_t<BodyIn<D>>> disks,
-                 std::span<const std::type_identity_t<WallIn<D>>> walls,
-                 const std::type_identity_t<VecIn<D>>& gravity, StateSums<D>& sums) {
-  for (const BodyIn<D>& d : disks) {
+void add_to_sums(std::span<const std::type_identity_t<Body<D>>> disks,
+                 std::span<const std::type_identity_t<Wall<D>>> walls,
+                 const std::type_identity_t<Vec<D>>& gravity, StateSums<D>& sums) {
+  for (const Body<D>& d : disks) {
     sums.kinetic += 0.5 * d.mass * d.v.squaredNorm() + turning_energy(d);
     sums.potential -= d.mass * gravity.dot(d.x);
     sums.momentum += d.mass * d.v;
   }
-  for (const WallIn<D>& w : walls) {
+  for (const Wall<D>& w : walls) {
     sums.kinetic += wall_kinetic_energy(w);
     sums.momentum += wall_momentum(w);
   }
 }
 
 template <int D>
-StateSums<D> state_sums(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity) {
+StateSums<D> state_sums(const State<D>& state, const std::type_identity_t<Vec<D>>& gravity) {
   StateSums<D> sums;
-  add_to_sums<D>(state.disks, {}, gravity, sums);
+  add_to_sums<D>(state.bodies, {}, gravity, sums);
   if constexpr (D == 2) {
     for (const Cluster& c : state.clusters.bodies) {
       sums.kinetic += 0.5 * c.mass * c.v.squaredNorm() + 0.5 * c.inertia * c.spin * c.spin;
@@ -67,10 +67,10 @@ StateSums<D> state_sums(const StateIn<D>& state, const std::type_identity_t<VecI
 }
 
 template <int D>
-SpinIn<D> angular_momentum(const StateIn<D>& state) {
-  SpinIn<D> sum = no_turn<D>();
-  for (const BodyIn<D>& d : state.disks) {
-    sum += arm_times(d.x, VecIn<D>(d.mass * d.v)) + d.inertia * d.spin;
+Spin<D> angular_momentum(const State<D>& state) {
+  Spin<D> sum = no_turn<D>();
+  for (const Body<D>& d : state.bodies) {
+    sum += arm_times(d.x, Vec<D>(d.mass * d.v)) + d.inertia * d.spin;
   }
   if constexpr (D == 2) {
     for (const Cluster& c : state.clusters.bodies) {
@@ -81,22 +81,22 @@ SpinIn<D> angular_momentum(const StateIn<D>& state) {
 }
 
 template <int D>
-std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state) {
-  const PopulationIn<D>& there = state.population;
+std::string restart_mismatch(const Scene<D>& scene, const State<D>& state) {
+  const Population<D>& there = state.population;
   if (there.outlets.size() != scene.outlets.size() || there.inlets.size() != scene.inlets.size()) {
     return fmt::format("it has {} outlets and {} inlets, the scene has {} and {}",
                        there.outlets.size(), there.inlets.size(), scene.outlets.size(),
                        scene.inlets.size());
   }
-  if ((!scene.has_gates() && state.disks.size() != scene.disks.size()) ||
+  if ((!scene.has_gates() && state.bodies.size() != scene.bodies.size()) ||
       state.walls.size() != scene.walls.size()) {
-    return fmt::format("it has {} {}s and {} walls, the scene has {} and {}", state.disks.size(),
-                       kBodyName<D>, state.walls.size(), scene.disks.size(), scene.walls.size());
+    return fmt::format("it has {} {}s and {} walls, the scene has {} and {}", state.bodies.size(),
+                       kBodyName<D>, state.walls.size(), scene.bodies.size(), scene.walls.size());
   }
-  for (std::size_t k = 0; k < state.disks.size(); ++k) {
+  for (std::size_t k = 0; k < state.bodies.size(); ++k) {
     const std::size_t i = scene.has_gates() ? to_size(there.numbers[k]) : k;
-    if (i >= scene.disks.size()) break;  // came in
-    const BodyIn<D>&a = state.disks[k], &b = scene.disks[i];
+    if (i >= scene.bodies.size()) break;  // came in
+    const Body<D>&a = state.bodies[k], &b = scene.bodies[i];
     const auto differs = [&](const char* field, double x, double y) {
       return fmt::format("{} {}: {} is {}, in the scene {}", kBodyName<D>, i, field, x, y);
     };
@@ -117,7 +117,7 @@ std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state) {
     }
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
-    const WallIn<D>&a = state.walls[i], &b = scene.walls[i];
+    const Wall<D>&a = state.walls[i], &b = scene.walls[i];
     const char* field = a.shape != b.shape                         ? "shape"
                         : a.motion != b.motion && !has_schedule(b) ? "motion"
                         : a.radius != b.radius                     ? "radius"
@@ -126,8 +126,8 @@ std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state) {
                         : a.mass != b.mass                         ? "mass"
                         : a.force != b.force                       ? "force"
                         : a.direction != b.direction               ? "direction"
-                        : a.shape == WallIn<D>::Shape::kHalfPlane && a.normal != b.normal ? "normal"
-                                                                                          : nullptr;
+                        : a.shape == Wall<D>::Shape::kHalfPlane && a.normal != b.normal ? "normal"
+                                                                                        : nullptr;
     if (field != nullptr) {
       return fmt::format("wall {}: {} is not that of wall '{}' of the scene", i, field, b.name);
     }
@@ -144,19 +144,19 @@ std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state) {
   return {};
 }
 
-template State initial_state(const Scene&);
-template double time_after_step(const State&, double);
-template void add_to_sums<2>(std::span<const Disk>, std::span<const Wall>, const Vec2&,
+template State<2> initial_state(const Scene<2>&);
+template double time_after_step(const State<2>&, double);
+template void add_to_sums<2>(std::span<const Disk>, std::span<const Wall<2>>, const Vec2&,
                              StateSums<2>&);
-template void add_to_sums<3>(std::span<const Sphere>, std::span<const WallIn<3>>, const Vec3&,
+template void add_to_sums<3>(std::span<const Sphere>, std::span<const Wall<3>>, const Vec3&,
                              StateSums<3>&);
-template StateSums<2> state_sums<2>(const State&, const Vec2&);
-template double angular_momentum(const State&);
-template std::string restart_mismatch(const Scene&, const State&);
-template StateIn<3> initial_state(const SceneIn<3>&);
-template double time_after_step(const StateIn<3>&, double);
-template StateSums<3> state_sums<3>(const StateIn<3>&, const Vec3&);
-template Vec3 angular_momentum(const StateIn<3>&);
-template std::string restart_mismatch(const SceneIn<3>&, const StateIn<3>&);
+template StateSums<2> state_sums<2>(const State<2>&, const Vec2&);
+template double angular_momentum(const State<2>&);
+template std::string restart_mismatch(const Scene<2>&, const State<2>&);
+template State<3> initial_state(const Scene<3>&);
+template double time_after_step(const State<3>&, double);
+template StateSums<3> state_sums<3>(const State<3>&, const Vec3&);
+template Vec3 angular_momentum(const State<3>&);
+template std::string restart_mismatch(const Scene<3>&, const State<3>&);
 
 }  // namespace bipot

@@ -12,82 +12,81 @@ namespace bipot {
 
 /// What has gone through an outlet or an inlet since step 0, and how much of it last.
 template <int D>
-struct GateFlowIn {
-  int count = 0;      ///< bodies
-  double mass = 0;    ///< [kg]
-  double energy = 0;  ///< kinetic, and potential at the time                  [J]
-  VecIn<D> momentum = VecIn<D>::Zero();  ///< [kg m/s]
-  int waiting = 0;                       ///< inlets: steps that found no room for what was due
-  double last_mass = 0;  ///< in the last step                                    [kg]
+struct GateFlow {
+  int count = 0;                     ///< bodies
+  double mass = 0;                   ///< [kg]
+  double energy = 0;                 ///< kinetic, and potential at the time                  [J]
+  Vec<D> momentum = Vec<D>::Zero();  ///< [kg m/s]
+  int waiting = 0;                   ///< inlets: steps that found no room for what was due
+  double last_mass = 0;              ///< in the last step                                    [kg]
 };
 
 /// Who is there, in scenes with outlets or inlets; empty in all others.
 template <int D>
-struct PopulationIn {
+struct Population {
   /// Of each body, increasing: those of the scene keep their numbers, what comes in gets the next ones.
   std::vector<int> numbers;
-  std::vector<GateFlowIn<D>> outlets, inlets;  ///< as many as the scene has
+  std::vector<GateFlow<D>> outlets, inlets;  ///< as many as the scene has
 };
 
 /// The moving part of a scene: all that a restart needs.
 template <int D>
-struct StateIn {
-  double time = 0;               ///< [s]
-  int step = 0;                  ///< steps done
-  std::vector<BodyIn<D>> disks;  ///< in space: spheres
-  Clusters clusters;             ///< of disks that are joined rigidly; in the plane
-  std::vector<WallIn<D>> walls;
-  PeriodicCell cell;                          ///< of periodic scenes
-  PopulationIn<D> population;                 ///< of scenes with outlets or inlets
-  std::vector<ContactOutcomeIn<D>> contacts;  ///< of the last step, sorted by (i, j); warm start
+struct State {
+  double time = 0;  ///< [s]
+  int step = 0;     ///< steps done
+  std::vector<Body<D>> bodies;
+  Clusters clusters;  ///< of disks that are joined rigidly; in the plane
+  std::vector<Wall<D>> walls;
+  PeriodicCell cell;                        ///< of periodic scenes
+  Population<D> population;                 ///< of scenes with outlets or inlets
+  std::vector<ContactOutcome<D>> contacts;  ///< of the last step, sorted by (i, j); warm start
   /// Accumulated since step 0, for the ledger                                  [J]
   double wall_work = 0, friction_loss = 0, shock_loss = 0;
 };
-using State = StateIn<2>;
 
 template <int D>
-StateIn<D> initial_state(const SceneIn<D>& scene);
+State<D> initial_state(const Scene<D>& scene);
 
 /// The time after one more step of size h: a multiple of h, which has no drift, unless the step
 /// size was another one before a restart.
 template <int D>
-double time_after_step(const StateIn<D>& state, double h);
+double time_after_step(const State<D>& state, double h);
 
 /// What a state's bodies add up to, in one pass over them.
 template <int D>
 struct StateSums {
-  double kinetic = 0;                    ///< disks, driven walls and sides of a cell  [J]
-  double potential = 0;                  ///< zero at the origin                       [J]
-  VecIn<D> momentum = VecIn<D>::Zero();  ///< disks and driven walls                   [kg m/s]
+  double kinetic = 0;                ///< disks, driven walls and sides of a cell  [J]
+  double potential = 0;              ///< zero at the origin                       [J]
+  Vec<D> momentum = Vec<D>::Zero();  ///< disks and driven walls                   [kg m/s]
 };
 /// Adds what these disks and these walls have; clusters and a cell have no part in it.
 template <int D>
-void add_to_sums(std::span<const std::type_identity_t<BodyIn<D>>> disks,
-                 std::span<const std::type_identity_t<WallIn<D>>> walls,
-                 const std::type_identity_t<VecIn<D>>& gravity, StateSums<D>& sums);
+void add_to_sums(std::span<const std::type_identity_t<Body<D>>> disks,
+                 std::span<const std::type_identity_t<Wall<D>>> walls,
+                 const std::type_identity_t<Vec<D>>& gravity, StateSums<D>& sums);
 template <int D>
-StateSums<D> state_sums(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity);
+StateSums<D> state_sums(const State<D>& state, const std::type_identity_t<Vec<D>>& gravity);
 /// One of them; each is a pass of its own.
 template <int D>
-double kinetic_energy(const StateIn<D>& state) {
-  return state_sums(state, VecIn<D>::Zero()).kinetic;
+double kinetic_energy(const State<D>& state) {
+  return state_sums(state, Vec<D>::Zero()).kinetic;
 }
 template <int D>
-double potential_energy(const StateIn<D>& state, const std::type_identity_t<VecIn<D>>& gravity) {
+double potential_energy(const State<D>& state, const std::type_identity_t<Vec<D>>& gravity) {
   return state_sums(state, gravity).potential;
 }
 template <int D>
-VecIn<D> momentum(const StateIn<D>& state) {
-  return state_sums(state, VecIn<D>::Zero()).momentum;
+Vec<D> momentum(const State<D>& state) {
+  return state_sums(state, Vec<D>::Zero()).momentum;
 }
 /// Of the disks about the origin, their spins included.                      [N m s]
 template <int D>
-SpinIn<D> angular_momentum(const StateIn<D>& state);
+Spin<D> angular_momentum(const State<D>& state);
 
 /// Empty when a state can go on under a scene: same disks (radius, mass, inertia, material), of those that
 /// have not left, outlets, inlets and walls (shape, motion, force, mass, direction, material); else one sentence that names the
 /// difference.
 template <int D>
-std::string restart_mismatch(const SceneIn<D>& scene, const StateIn<D>& state);
+std::string restart_mismatch(const Scene<D>& scene, const State<D>& state);
 
 }  // namespace bipot

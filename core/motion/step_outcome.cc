@@ -38,8 +38,8 @@ ContactValues<D> contact_values(const ContactProblem& p, const AssembledStep& as
 
 /// The tangential part of a contact's values.
 template <int D>
-TangentIn<D> tangential(const std::array<double, to_size(D)>& values,
-                        const std::array<VecIn<D>, to_size(D)>& frame) {
+Tangent<D> tangential(const std::array<double, to_size(D)>& values,
+                      const std::array<Vec<D>, to_size(D)>& frame) {
   if constexpr (D == 2) {
     return values[1];
   } else {
@@ -49,9 +49,9 @@ TangentIn<D> tangential(const std::array<double, to_size(D)>& values,
 
 /// What a wall's impulse on a disk means for the world outside.
 template <int D>
-void add_wall_impulse(const WallIn<D>& wall, const VecIn<D>& n, const VecIn<D>& impulse,
-                      StepOutcomeIn<D>& outcome) {
-  if (wall.motion == WallIn<D>::Motion::kDriven) {
+void add_wall_impulse(const Wall<D>& wall, const Vec<D>& n, const Vec<D>& impulse,
+                      StepOutcome<D>& outcome) {
+  if (wall.motion == Wall<D>::Motion::kDriven) {
     // What acts across the direction is taken by the wall's guide.
     outcome.external += impulse - impulse.dot(wall.direction) * wall.direction;
   } else {
@@ -62,7 +62,7 @@ void add_wall_impulse(const WallIn<D>& wall, const VecIn<D>& n, const VecIn<D>& 
 
 /// Velocity of an image by the sides of the cell that no force moves.
 template <int D>
-Vec2 prescribed_shift_velocity(const PeriodicCell& cell, const ContactIn<D>& contact) {
+Vec2 prescribed_shift_velocity(const PeriodicCell& cell, const Contact<D>& contact) {
   PeriodicCell prescribed = cell;
   for (int k = 0; k < 3; ++k) {
     CellSide& side = prescribed.side(k);
@@ -79,28 +79,27 @@ ContactStatus contact_status(double s_n, double s_t, double mu) {
 }
 
 template <int D>
-StepOutcomeIn<D> contact_outcomes(const SceneIn<D>& scene, const MidpointIn<D>& mid,
-                                  std::span<const std::type_identity_t<BodyIn<D>>> disks,
-                                  const AssembledStep& assembled, const Vector& s,
-                                  const Vector& v) {
+StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
+                                std::span<const std::type_identity_t<Body<D>>> disks,
+                                const AssembledStep& assembled, const Vector& s, const Vector& v) {
   const ContactProblem& p = assembled.problem;
   const std::size_t num_disks = disks.size();
-  StepOutcomeIn<D> outcome;
+  StepOutcome<D> outcome;
   outcome.contacts.resize(mid.contacts.size());
   Vector u = p.num_rows() > 0 ? Vector(p.H.transpose() * (v - p.v_free)) : Vector();
   u += p.u_free;
   if (assembled.gap_rate.size() > 0) u -= assembled.gap_rate;
   for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
-    const ContactIn<D>& contact = mid.contacts[c];
+    const Contact<D>& contact = mid.contacts[c];
     const std::size_t i = to_size(contact.i), j = to_size(contact.j);
     const bool with_disk = j < num_disks;
     const int w = with_disk ? disks[j].wall : static_cast<int>(j - num_disks);
-    const WallIn<D>* wall = w < 0 ? nullptr : &mid.walls[to_size(w)];
+    const Wall<D>* wall = w < 0 ? nullptr : &mid.walls[to_size(w)];
     const ContactLaw& law =
         scene.law(disks[i].material, with_disk ? disks[j].material : wall->material);
     const ContactValues<D> values = contact_values<D>(p, assembled, law, static_cast<int>(c), s, u);
     const auto frame = contact_frame<D>(contact.n);
-    const TangentIn<D> s_t = tangential<D>(values.s, frame);
+    const Tangent<D> s_t = tangential<D>(values.s, frame);
     outcome.contacts[c] = {.contact = contact,
                            .s_n = values.s[0],
                            .s_t = s_t,
@@ -111,7 +110,7 @@ StepOutcomeIn<D> contact_outcomes(const SceneIn<D>& scene, const MidpointIn<D>& 
     outcome.shock_loss -= values.s[0] * values.mean[0];
     for (std::size_t k = 1; k < D; ++k) outcome.friction_loss -= values.s[k] * values.mean[k];
     if (contact.with_image() && mid.cell.deforms()) {
-      const VecIn<D> impulse = values.s[0] * contact.n + tangent_vector(contact.n, s_t);
+      const Vec<D> impulse = values.s[0] * contact.n + tangent_vector(contact.n, s_t);
       outcome.wall_work +=
           impulse.dot(in_dimensions<D>(prescribed_shift_velocity<D>(mid.cell, contact)));
     }
@@ -123,27 +122,27 @@ StepOutcomeIn<D> contact_outcomes(const SceneIn<D>& scene, const MidpointIn<D>& 
 }
 
 template <int D>
-void add_driving_forces(double step, std::span<const std::type_identity_t<WallIn<D>>> walls,
-                        std::span<const std::type_identity_t<WallIn<D>>> walls_after,
-                        StepOutcomeIn<D>& outcome) {
+void add_driving_forces(double step, std::span<const std::type_identity_t<Wall<D>>> walls,
+                        std::span<const std::type_identity_t<Wall<D>>> walls_after,
+                        StepOutcome<D>& outcome) {
   for (std::size_t w = 0; w < walls.size(); ++w) {
-    const WallIn<D>& wall = walls[w];
-    if (wall.motion != WallIn<D>::Motion::kDriven) continue;
-    const VecIn<D> push = step * wall.force * wall.direction;
+    const Wall<D>& wall = walls[w];
+    if (wall.motion != Wall<D>::Motion::kDriven) continue;
+    const Vec<D> push = step * wall.force * wall.direction;
     outcome.external += push;
     outcome.wall_work += push.dot(0.5 * (wall.v + walls_after[w].v));
   }
 }
 
 template <int D>
-StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
-                              std::span<const std::type_identity_t<BodyIn<D>>> disks,
-                              const AssembledStep& assembled, const Vector& s, const Vector& v,
-                              std::span<const std::type_identity_t<WallIn<D>>> walls_after,
-                              const PeriodicCell& cell_after) {
+StepOutcome<D> step_outcome(const Scene<D>& scene, const Midpoint<D>& mid,
+                            std::span<const std::type_identity_t<Body<D>>> disks,
+                            const AssembledStep& assembled, const Vector& s, const Vector& v,
+                            std::span<const std::type_identity_t<Wall<D>>> walls_after,
+                            const PeriodicCell& cell_after) {
   const double h = scene.step;
-  StepOutcomeIn<D> outcome = contact_outcomes<D>(scene, mid, disks, assembled, s, v);
-  for (const BodyIn<D>& d : disks) outcome.external += h * d.mass * mid.gravity;
+  StepOutcome<D> outcome = contact_outcomes<D>(scene, mid, disks, assembled, s, v);
+  for (const Body<D>& d : disks) outcome.external += h * d.mass * mid.gravity;
   if constexpr (D == 2) {
     for (const Cluster& c : mid.clusters.bodies) outcome.external += h * c.mass * mid.gravity;
   }
@@ -157,21 +156,22 @@ StepOutcomeIn<D> step_outcome(const SceneIn<D>& scene, const MidpointIn<D>& mid,
   return outcome;
 }
 
-template StepOutcome contact_outcomes<2>(const Scene&, const Midpoint&, std::span<const Disk>,
-                                         const AssembledStep&, const Vector&, const Vector&);
-template StepOutcomeIn<3> contact_outcomes<3>(const SceneIn<3>&, const MidpointIn<3>&,
-                                              std::span<const Sphere>, const AssembledStep&,
-                                              const Vector&, const Vector&);
-template void add_driving_forces<2>(double, std::span<const Wall>, std::span<const Wall>,
-                                    StepOutcome&);
-template void add_driving_forces<3>(double, std::span<const WallIn<3>>, std::span<const WallIn<3>>,
-                                    StepOutcomeIn<3>&);
-template StepOutcome step_outcome<2>(const Scene&, const Midpoint&, std::span<const Disk>,
-                                     const AssembledStep&, const Vector&, const Vector&,
-                                     std::span<const Wall>, const PeriodicCell&);
-template StepOutcomeIn<3> step_outcome<3>(const SceneIn<3>&, const MidpointIn<3>&,
-                                          std::span<const Sphere>, const AssembledStep&,
-                                          const Vector&, const Vector&, std::span<const WallIn<3>>,
-                                          const PeriodicCell&);
+template StepOutcome<2> contact_outcomes<2>(const Scene<2>&, const Midpoint<2>&,
+                                            std::span<const Disk>, const AssembledStep&,
+                                            const Vector&, const Vector&);
+template StepOutcome<3> contact_outcomes<3>(const Scene<3>&, const Midpoint<3>&,
+                                            std::span<const Sphere>, const AssembledStep&,
+                                            const Vector&, const Vector&);
+template void add_driving_forces<2>(double, std::span<const Wall<2>>, std::span<const Wall<2>>,
+                                    StepOutcome<2>&);
+template void add_driving_forces<3>(double, std::span<const Wall<3>>, std::span<const Wall<3>>,
+                                    StepOutcome<3>&);
+template StepOutcome<2> step_outcome<2>(const Scene<2>&, const Midpoint<2>&, std::span<const Disk>,
+                                        const AssembledStep&, const Vector&, const Vector&,
+                                        std::span<const Wall<2>>, const PeriodicCell&);
+template StepOutcome<3> step_outcome<3>(const Scene<3>&, const Midpoint<3>&,
+                                        std::span<const Sphere>, const AssembledStep&,
+                                        const Vector&, const Vector&, std::span<const Wall<3>>,
+                                        const PeriodicCell&);
 
 }  // namespace bipot

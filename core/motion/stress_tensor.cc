@@ -5,21 +5,21 @@
 #include <numbers>
 #include <vector>
 
+#include "core/base/types.h"
 #include "core/motion/periodic_state.h"
 #include "core/scene/cluster_motion.h"
-#include "core/types.h"
 
 namespace bipot {
 namespace {
 
 /// The matrix of w × (in the plane w e3 ×, a quarter turn counter-clockwise).
 Mat2 cross_matrix(double w) { return (Mat2() << 0, -w, w, 0).finished(); }
-MatIn<3> cross_matrix(const Vec3& w) {
-  return (MatIn<3>() << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0).finished();
+Mat<3> cross_matrix(const Vec3& w) {
+  return (Mat<3>() << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0).finished();
 }
 
 template <int D>
-VecIn<D> middle(const BodyIn<D>& d, double step) {
+Vec<D> middle(const Body<D>& d, double step) {
   return d.x - 0.5 * step * d.v;
 }
 
@@ -31,34 +31,34 @@ double extent(const Sphere& s) { return 4 * std::numbers::pi / 3 * s.radius * s.
 template <int D>
 struct Link {
   int i = 0, j = -1;   // j < 0: a wall
-  VecIn<D> from, to;   // ends of the branch: centre of i; centre of j or point of the wall
+  Vec<D> from, to;     // ends of the branch: centre of i; centre of j or point of the wall
   double share_i = 1;  // of disk i in the branch
-  MatIn<D> symmetric = MatIn<D>::Zero();  // [N m]
-  SpinIn<D> arms = no_turn<D>();          // (a_i + a_j) n × s_t / h             [N m]
-  VecIn<D> force = VecIn<D>::Zero();      // on i                                  [N]
-  MatIn<D> lever = MatIn<D>::Zero();      // beside the tensor, where it ends in clusters [N m]
-  MatIn<D> tensor() const { return symmetric + cross_matrix(0.5 * arms); }
+  Mat<D> symmetric = Mat<D>::Zero();  // [N m]
+  Spin<D> arms = no_turn<D>();        // (a_i + a_j) n × s_t / h             [N m]
+  Vec<D> force = Vec<D>::Zero();      // on i                                  [N]
+  Mat<D> lever = Mat<D>::Zero();      // beside the tensor, where it ends in clusters [N m]
+  Mat<D> tensor() const { return symmetric + cross_matrix(0.5 * arms); }
 };
 
 template <int D>
-std::vector<Link<D>> collect_links(const StateIn<D>& state, double step) {
+std::vector<Link<D>> collect_links(const State<D>& state, double step) {
   std::vector<Link<D>> links;
   links.reserve(state.contacts.size());
-  const int num_disks = static_cast<int>(state.disks.size());
-  for (const ContactOutcomeIn<D>& o : state.contacts) {
+  const int num_disks = static_cast<int>(state.bodies.size());
+  for (const ContactOutcome<D>& o : state.contacts) {
     if (o.s_n == 0 && o.s_t == no_turn<D>()) continue;
-    const BodyIn<D>& a = state.disks[static_cast<std::size_t>(o.contact.i)];
+    const Body<D>& a = state.bodies[static_cast<std::size_t>(o.contact.i)];
     Link<D> link;
     link.i = o.contact.i;
     link.from = middle(a, step);
     double arms = a.radius;
     if (o.contact.j < num_disks) {
-      const BodyIn<D>& b = state.disks[static_cast<std::size_t>(o.contact.j)];
+      const Body<D>& b = state.bodies[static_cast<std::size_t>(o.contact.j)];
       link.j = o.contact.j;
       arms += b.radius;
       link.share_i = a.radius / arms;
     }
-    const VecIn<D>& n = o.contact.n;
+    const Vec<D>& n = o.contact.n;
     const double length = arms + o.contact.gap;
     link.to = link.from - length * n;
     if constexpr (D == 2) {
@@ -79,29 +79,29 @@ std::vector<Link<D>> collect_links(const StateIn<D>& state, double step) {
 }
 
 template <int D>
-VecIn<D> mean_velocity(std::span<const BodyIn<D>> disks) {
-  VecIn<D> momentum = VecIn<D>::Zero();
+Vec<D> mean_velocity(std::span<const Body<D>> disks) {
+  Vec<D> momentum = Vec<D>::Zero();
   double mass = 0;
-  for (const BodyIn<D>& d : disks) {
+  for (const Body<D>& d : disks) {
     momentum += d.mass * d.v;
     mass += d.mass;
   }
-  return mass > 0 ? VecIn<D>(momentum / mass) : VecIn<D>(VecIn<D>::Zero());
+  return mass > 0 ? Vec<D>(momentum / mass) : Vec<D>(Vec<D>::Zero());
 }
 
 template <int D>
-MatIn<D> kinetic_part(const BodyIn<D>& d, const VecIn<D>& mean) {
-  const VecIn<D> v = d.v - mean;
+Mat<D> kinetic_part(const Body<D>& d, const Vec<D>& mean) {
+  const Vec<D> v = d.v - mean;
   return d.mass * v * v.transpose();
 }
 
 /// The disks with the velocities that they have beyond the deformation of their periodic cell.
 template <int D>
-const std::vector<BodyIn<D>>& without_deformation(const StateIn<D>& state,
-                                                  std::vector<BodyIn<D>>& disks) {
-  if (!state.cell.deforms()) return state.disks;
-  disks = state.disks;
-  for (BodyIn<D>& d : disks) {
+const std::vector<Body<D>>& without_deformation(const State<D>& state,
+                                                std::vector<Body<D>>& disks) {
+  if (!state.cell.deforms()) return state.bodies;
+  disks = state.bodies;
+  for (Body<D>& d : disks) {
     d.v -= in_dimensions<D>(homogeneous_velocity(state.cell, d.x.template head<2>()));
   }
   return disks;
@@ -111,14 +111,14 @@ const std::vector<BodyIn<D>>& without_deformation(const StateIn<D>& state,
 /// a force f on a disk that lies c from it -f ⊗ c to the contact part, and its moment c × f to the spin part.
 /// `add(disk, contact, spin)`.                                                            [N m]
 template <class Add>
-void add_levers(const State& state, double step, const Add& add) {
-  const int num_disks = static_cast<int>(state.disks.size());
-  for (const ContactOutcome& o : state.contacts) {
+void add_levers(const State<2>& state, double step, const Add& add) {
+  const int num_disks = static_cast<int>(state.bodies.size());
+  for (const ContactOutcome<2>& o : state.contacts) {
     const Vec2 f = (o.s_n * o.contact.n + tangent_vector(o.contact.n, o.s_t)) / step;
     for (const auto& [body, force] :
          {std::pair<int, Vec2>(o.contact.i, f), std::pair<int, Vec2>(o.contact.j, -f)}) {
-      if (body >= num_disks || state.disks[to_size(body)].cluster < 0) continue;
-      Cluster cluster = state.clusters.bodies[to_size(state.disks[to_size(body)].cluster)];
+      if (body >= num_disks || state.bodies[to_size(body)].cluster < 0) continue;
+      Cluster cluster = state.clusters.bodies[to_size(state.bodies[to_size(body)].cluster)];
       drift(cluster, -0.5 * step);  // to mid-step
       const Vec2 c = turned_arm(cluster, state.clusters.arms[to_size(body)]);
       add(to_size(body), Mat2(-force * c.transpose()),
@@ -128,7 +128,7 @@ void add_levers(const State& state, double step, const Add& add) {
 }
 
 /// The clusters as bodies that have nothing but mass and motion, beyond the deformation of the cell.
-std::vector<Disk> clusters_as_disks(const State& state) {
+std::vector<Disk> clusters_as_disks(const State<2>& state) {
   std::vector<Disk> disks;
   for (const Cluster& c : state.clusters.bodies) {
     disks.push_back({.x = c.x, .v = c.v, .mass = c.mass});
@@ -139,8 +139,7 @@ std::vector<Disk> clusters_as_disks(const State& state) {
 
 /// The disks as without_deformation() has them, and the clusters after them.
 template <int D>
-const std::vector<BodyIn<D>>& with_clusters(const StateIn<D>& state,
-                                            std::vector<BodyIn<D>>& disks) {
+const std::vector<Body<D>>& with_clusters(const State<D>& state, std::vector<Body<D>>& disks) {
   if constexpr (D == 2) {
     if (!state.clusters.empty()) {
       disks = without_deformation(state, disks);
@@ -158,7 +157,7 @@ auto spin_part(const Spin& moment, double step) {
 }
 
 template <int D>
-void divide(MeanStressIn<D>& stress, double area) {
+void divide(MeanStress<D>& stress, double area) {
   stress.area = area;
   stress.contact /= area;
   stress.kinetic /= area;
@@ -166,19 +165,19 @@ void divide(MeanStressIn<D>& stress, double area) {
 }
 
 /// Gives each disk of a cluster the mean stress of the whole cluster over the area of its union.
-void gather_clusters(const State& state, double step, const Vec2& mean,
-                     std::vector<MeanStress>& stresses) {
+void gather_clusters(const State<2>& state, double step, const Vec2& mean,
+                     std::vector<MeanStress<2>>& stresses) {
   add_levers(state, step, [&](std::size_t disk, const Mat2& contact, const Mat2& spin) {
     stresses[disk].contact += contact;
     stresses[disk].spin += spin;
   });
-  std::vector<MeanStress> of_cluster(state.clusters.bodies.size());
+  std::vector<MeanStress<2>> of_cluster(state.clusters.bodies.size());
   const std::vector<Disk> bodies = clusters_as_disks(state);
   for (std::size_t c = 0; c < bodies.size(); ++c) {
     of_cluster[c].kinetic = kinetic_part<2>(bodies[c], mean);
   }
   for (std::size_t k = 0; k < stresses.size(); ++k) {
-    const int cluster = state.disks[k].cluster;
+    const int cluster = state.bodies[k].cluster;
     if (cluster < 0) continue;
     of_cluster[to_size(cluster)].contact += stresses[k].contact;
     of_cluster[to_size(cluster)].spin += stresses[k].spin;
@@ -187,7 +186,7 @@ void gather_clusters(const State& state, double step, const Vec2& mean,
     divide(of_cluster[c], state.clusters.bodies[c].area);
   }
   for (std::size_t k = 0; k < stresses.size(); ++k) {
-    const int cluster = state.disks[k].cluster;
+    const int cluster = state.bodies[k].cluster;
     if (cluster >= 0) stresses[k] = of_cluster[to_size(cluster)];
   }
 }
@@ -195,11 +194,11 @@ void gather_clusters(const State& state, double step, const Vec2& mean,
 /// Of links that end in clusters: the branch from and to their centres of mass, and the tensor that goes with it; what the
 /// contacts turn the clusters with goes to the moments of theirs. `arms`: from the centre of mass of its cluster to each
 /// disk at mid-step.
-void end_in_clusters(const State& state, std::vector<Link<2>>& links,
+void end_in_clusters(const State<2>& state, std::vector<Link<2>>& links,
                      const std::vector<Vec2>& arms) {
   for (Link<2>& link : links) {
-    const int joined[2] = {state.disks[to_size(link.i)].cluster,
-                           link.j < 0 ? -1 : state.disks[to_size(link.j)].cluster};
+    const int joined[2] = {state.bodies[to_size(link.i)].cluster,
+                           link.j < 0 ? -1 : state.bodies[to_size(link.j)].cluster};
     if (joined[0] >= 0) {
       const Vec2& c = arms[to_size(link.i)];
       link.from -= c;
@@ -214,11 +213,11 @@ void end_in_clusters(const State& state, std::vector<Link<2>>& links,
 }
 
 /// The arms of end_in_clusters(), zero of disks in no cluster.
-std::vector<Vec2> arms_at_middle(const State& state, double step) {
-  std::vector<Vec2> arms(state.disks.size(), Vec2::Zero());
+std::vector<Vec2> arms_at_middle(const State<2>& state, double step) {
+  std::vector<Vec2> arms(state.bodies.size(), Vec2::Zero());
   for (std::size_t k = 0; k < arms.size(); ++k) {
-    if (state.disks[k].cluster < 0) continue;
-    Cluster cluster = state.clusters.bodies[to_size(state.disks[k].cluster)];
+    if (state.bodies[k].cluster < 0) continue;
+    Cluster cluster = state.clusters.bodies[to_size(state.bodies[k].cluster)];
     drift(cluster, -0.5 * step);
     arms[k] = turned_arm(cluster, state.clusters.arms[k]);
   }
@@ -228,18 +227,18 @@ std::vector<Vec2> arms_at_middle(const State& state, double step) {
 /// Where what is measured of a body counts: its motion and its moment.
 template <int D>
 struct Centre {
-  BodyIn<D> body;  // x at mid-step
-  SpinIn<D> moment = no_turn<D>();
+  Body<D> body;  // x at mid-step
+  Spin<D> moment = no_turn<D>();
 };
 
 template <int D>
-std::vector<Centre<D>> centres(const StateIn<D>& state, double step,
-                               std::span<const std::type_identity_t<SpinIn<D>>> moments) {
+std::vector<Centre<D>> centres(const State<D>& state, double step,
+                               std::span<const std::type_identity_t<Spin<D>>> moments) {
   std::vector<Centre<D>> list;
-  for (std::size_t k = 0; k < state.disks.size(); ++k) {
-    if (state.disks[k].cluster >= 0) continue;
-    list.push_back({state.disks[k], moments[k]});
-    list.back().body.x = middle(state.disks[k], step);
+  for (std::size_t k = 0; k < state.bodies.size(); ++k) {
+    if (state.bodies[k].cluster >= 0) continue;
+    list.push_back({state.bodies[k], moments[k]});
+    list.back().body.x = middle(state.bodies[k], step);
   }
   if constexpr (D == 2) {
     if (state.clusters.empty()) return list;
@@ -247,14 +246,14 @@ std::vector<Centre<D>> centres(const StateIn<D>& state, double step,
     for (const Cluster& c : state.clusters.bodies) {
       list.push_back({Disk{.x = c.x - 0.5 * step * c.v, .v = c.v, .mass = c.mass}});
     }
-    for (std::size_t k = 0; k < state.disks.size(); ++k) {
-      const int c = state.disks[k].cluster;
+    for (std::size_t k = 0; k < state.bodies.size(); ++k) {
+      const int c = state.bodies[k].cluster;
       if (c >= 0) list[first + to_size(c)].moment += moments[k];
     }
     const std::vector<Vec2> arms = arms_at_middle(state, step);
     for (const Link<2>& link : collect_links(state, step)) {
       for (const auto& [disk, sign] : {std::pair(link.i, 1.0), std::pair(link.j, -1.0)}) {
-        const int c = disk < 0 ? -1 : state.disks[to_size(disk)].cluster;
+        const int c = disk < 0 ? -1 : state.bodies[to_size(disk)].cluster;
         if (c < 0) continue;
         const Vec2& arm = arms[to_size(disk)];
         const Vec2 force = sign * link.force;
@@ -267,7 +266,7 @@ std::vector<Centre<D>> centres(const StateIn<D>& state, double step,
 
 /// Length share of the segment from a to b with lower <= x < upper in every coordinate.
 template <int D>
-double share_inside(const VecIn<D>& a, const VecIn<D>& b, const BoxIn<D>& box) {
+double share_inside(const Vec<D>& a, const Vec<D>& b, const Box<D>& box) {
   double first = 0, last = 1;
   for (int k = 0; k < D; ++k) {
     const double slope = b[k] - a[k];
@@ -285,39 +284,39 @@ double share_inside(const VecIn<D>& a, const VecIn<D>& b, const BoxIn<D>& box) {
 }  // namespace
 
 template <int D>
-std::vector<SpinIn<D>> contact_moments(const StateIn<D>& state) {
-  std::vector<SpinIn<D>> moments(state.disks.size(), no_turn<D>());
-  const int num_disks = static_cast<int>(state.disks.size());
-  for (const ContactOutcomeIn<D>& o : state.contacts) {
-    const SpinIn<D> turned = turning(o.contact.n, o.s_t);
+std::vector<Spin<D>> contact_moments(const State<D>& state) {
+  std::vector<Spin<D>> moments(state.bodies.size(), no_turn<D>());
+  const int num_disks = static_cast<int>(state.bodies.size());
+  for (const ContactOutcome<D>& o : state.contacts) {
+    const Spin<D> turned = turning(o.contact.n, o.s_t);
     for (const int body : {o.contact.i, o.contact.j}) {
       if (body >= num_disks) continue;
       const auto k = static_cast<std::size_t>(body);
-      moments[k] -= state.disks[k].radius * turned;
+      moments[k] -= state.bodies[k].radius * turned;
     }
   }
   return moments;
 }
 
 template <int D>
-std::vector<SpinIn<D>> spin_changes(const StateIn<D>& before, const StateIn<D>& after) {
-  std::vector<SpinIn<D>> changes(after.disks.size());
+std::vector<Spin<D>> spin_changes(const State<D>& before, const State<D>& after) {
+  std::vector<Spin<D>> changes(after.bodies.size());
   for (std::size_t k = 0; k < changes.size(); ++k) {
-    changes[k] = after.disks[k].inertia * (after.disks[k].spin - before.disks[k].spin);
+    changes[k] = after.bodies[k].inertia * (after.bodies[k].spin - before.bodies[k].spin);
   }
   return changes;
 }
 
 template <int D>
-MeanStressIn<D> sample_stress(const StateIn<D>& state, double step, double area,
-                              std::span<const std::type_identity_t<SpinIn<D>>> moments) {
-  MeanStressIn<D> stress;
+MeanStress<D> sample_stress(const State<D>& state, double step, double area,
+                            std::span<const std::type_identity_t<Spin<D>>> moments) {
+  MeanStress<D> stress;
   for (const Link<D>& link : collect_links(state, step)) stress.contact += link.tensor();
-  std::vector<BodyIn<D>> relative;
-  const std::vector<BodyIn<D>>& disks = with_clusters(state, relative);
-  const VecIn<D> mean = mean_velocity<D>(disks);
-  for (const BodyIn<D>& d : disks) stress.kinetic += kinetic_part(d, mean);
-  for (std::size_t k = 0; k < state.disks.size(); ++k) stress.spin += spin_part(moments[k], step);
+  std::vector<Body<D>> relative;
+  const std::vector<Body<D>>& disks = with_clusters(state, relative);
+  const Vec<D> mean = mean_velocity<D>(disks);
+  for (const Body<D>& d : disks) stress.kinetic += kinetic_part(d, mean);
+  for (std::size_t k = 0; k < state.bodies.size(); ++k) stress.spin += spin_part(moments[k], step);
   if constexpr (D == 2) {
     if (!state.clusters.empty()) {
       add_levers(state, step, [&](std::size_t, const Mat2& contact, const Mat2& spin) {
@@ -331,9 +330,9 @@ MeanStressIn<D> sample_stress(const StateIn<D>& state, double step, double area,
 }
 
 template <int D>
-MeanStressIn<D> window_stress(const StateIn<D>& state, double step, const BoxIn<D>& window,
-                              std::span<const std::type_identity_t<SpinIn<D>>> moments) {
-  MeanStressIn<D> stress;
+MeanStress<D> window_stress(const State<D>& state, double step, const Box<D>& window,
+                            std::span<const std::type_identity_t<Spin<D>>> moments) {
+  MeanStress<D> stress;
   const std::vector<Vec2> shifts = image_shifts(state.cell);
   std::vector<Link<D>> links = collect_links(state, step);
   if constexpr (D == 2) {
@@ -341,41 +340,40 @@ MeanStressIn<D> window_stress(const StateIn<D>& state, double step, const BoxIn<
   }
   for (const Link<D>& link : links) {
     for (const Vec2& image : shifts) {
-      const VecIn<D> shift = in_dimensions<D>(image);
+      const Vec<D> shift = in_dimensions<D>(image);
       const double share = share_inside<D>(link.from + shift, link.to + shift, window);
       if (share > 0) stress.contact += share * (link.tensor() + link.lever);
     }
   }
-  std::vector<BodyIn<D>> inside;
+  std::vector<Body<D>> inside;
   for (const Centre<D>& centre : centres(state, step, moments)) {
-    const VecIn<D>& x = centre.body.x;
+    const Vec<D>& x = centre.body.x;
     const bool in =
         (x.array() >= window.lower.array()).all() && (x.array() < window.upper.array()).all();
     if (!in) continue;
     inside.push_back(centre.body);
     stress.spin += spin_part(centre.moment, step);
   }
-  const VecIn<D> mean = mean_velocity<D>(inside);
-  for (const BodyIn<D>& d : inside) stress.kinetic += kinetic_part(d, mean);
+  const Vec<D> mean = mean_velocity<D>(inside);
+  for (const Body<D>& d : inside) stress.kinetic += kinetic_part(d, mean);
   divide(stress, window.size().prod());
   return stress;
 }
 
 template <int D>
-std::vector<MeanStressIn<D>> disk_stresses(
-    const StateIn<D>& state, double step,
-    std::span<const std::type_identity_t<SpinIn<D>>> moments) {
-  std::vector<MeanStressIn<D>> stresses(state.disks.size());
+std::vector<MeanStress<D>> disk_stresses(const State<D>& state, double step,
+                                         std::span<const std::type_identity_t<Spin<D>>> moments) {
+  std::vector<MeanStress<D>> stresses(state.bodies.size());
   for (const Link<D>& link : collect_links(state, step)) {
-    const MatIn<D> tensor = link.tensor();
+    const Mat<D> tensor = link.tensor();
     stresses[static_cast<std::size_t>(link.i)].contact += link.share_i * tensor;
     if (link.j >= 0) {
       stresses[static_cast<std::size_t>(link.j)].contact += (1 - link.share_i) * tensor;
     }
   }
-  std::vector<BodyIn<D>> relative;
-  const std::vector<BodyIn<D>>& disks = with_clusters(state, relative);
-  const VecIn<D> mean = mean_velocity<D>(disks);
+  std::vector<Body<D>> relative;
+  const std::vector<Body<D>>& disks = with_clusters(state, relative);
+  const Vec<D> mean = mean_velocity<D>(disks);
   for (std::size_t k = 0; k < stresses.size(); ++k) {
     stresses[k].kinetic = kinetic_part(disks[k], mean);
     stresses[k].spin = spin_part(moments[k], step);
@@ -384,22 +382,22 @@ std::vector<MeanStressIn<D>> disk_stresses(
     if (!state.clusters.empty()) gather_clusters(state, step, mean, stresses);
   }
   for (std::size_t k = 0; k < stresses.size(); ++k) {
-    const BodyIn<D>& d = state.disks[k];
+    const Body<D>& d = state.bodies[k];
     if (d.cluster < 0) divide(stresses[k], extent(d));
   }
   return stresses;
 }
 
 template <int D>
-MatIn<D> fabric_tensor(const StateIn<D>& state) {
-  MatIn<D> sum = MatIn<D>::Zero();
+Mat<D> fabric_tensor(const State<D>& state) {
+  Mat<D> sum = Mat<D>::Zero();
   int loaded = 0;
-  for (const ContactOutcomeIn<D>& o : state.contacts) {
+  for (const ContactOutcome<D>& o : state.contacts) {
     if (!(o.s_n > 0)) continue;
     sum += o.contact.n * o.contact.n.transpose();
     ++loaded;
   }
-  return loaded > 0 ? MatIn<D>(sum / loaded) : sum;
+  return loaded > 0 ? Mat<D>(sum / loaded) : sum;
 }
 
 double anisotropy(const Mat2& tensor) {
@@ -414,19 +412,21 @@ double asymmetry(const Mat2& tensor) {
   return trace == 0 ? kNaN : std::abs(tensor(0, 1) - tensor(1, 0)) / std::abs(trace);
 }
 
-template std::vector<double> contact_moments(const State&);
-template std::vector<double> spin_changes(const State&, const State&);
-template MeanStress sample_stress<2>(const State&, double, double, std::span<const double>);
-template std::vector<MeanStress> disk_stresses<2>(const State&, double, std::span<const double>);
-template MeanStress window_stress<2>(const State&, double, const Box&, std::span<const double>);
-template MeanStressIn<3> window_stress<3>(const StateIn<3>&, double, const BoxIn<3>&,
-                                          std::span<const Vec3>);
-template Mat2 fabric_tensor(const State&);
-template std::vector<Vec3> contact_moments(const StateIn<3>&);
-template std::vector<Vec3> spin_changes(const StateIn<3>&, const StateIn<3>&);
-template MeanStressIn<3> sample_stress<3>(const StateIn<3>&, double, double, std::span<const Vec3>);
-template std::vector<MeanStressIn<3>> disk_stresses<3>(const StateIn<3>&, double,
-                                                       std::span<const Vec3>);
-template MatIn<3> fabric_tensor(const StateIn<3>&);
+template std::vector<double> contact_moments(const State<2>&);
+template std::vector<double> spin_changes(const State<2>&, const State<2>&);
+template MeanStress<2> sample_stress<2>(const State<2>&, double, double, std::span<const double>);
+template std::vector<MeanStress<2>> disk_stresses<2>(const State<2>&, double,
+                                                     std::span<const double>);
+template MeanStress<2> window_stress<2>(const State<2>&, double, const Box<2>&,
+                                        std::span<const double>);
+template MeanStress<3> window_stress<3>(const State<3>&, double, const Box<3>&,
+                                        std::span<const Vec3>);
+template Mat2 fabric_tensor(const State<2>&);
+template std::vector<Vec3> contact_moments(const State<3>&);
+template std::vector<Vec3> spin_changes(const State<3>&, const State<3>&);
+template MeanStress<3> sample_stress<3>(const State<3>&, double, double, std::span<const Vec3>);
+template std::vector<MeanStress<3>> disk_stresses<3>(const State<3>&, double,
+                                                     std::span<const Vec3>);
+template Mat<3> fabric_tensor(const State<3>&);
 
 }  // namespace bipot

@@ -43,32 +43,30 @@ using Mat2 = Eigen::Matrix2d;
 /// nothing overlaps. Hence two identities hold to round-off at every step, for any impulses: the
 /// symmetry of `total`, and the virial theorem (d/dt Σ m v ⊗ x against the forces of the walls).
 template <int D>
-struct MeanStressIn {
-  using Mat = MatIn<D>;
-  double area = 0;            ///< V, > 0: an area, in space a volume              [m² | m³]
-  Mat contact = Mat::Zero();  ///<                                                      [Pa]
-  Mat kinetic = Mat::Zero();
-  Mat spin = Mat::Zero();
-  Mat total() const { return contact + kinetic + spin; }
+struct MeanStress {
+  double area = 0;                  ///< V, > 0: an area, in space a volume              [m² | m³]
+  Mat<D> contact = Mat<D>::Zero();  ///<                                                      [Pa]
+  Mat<D> kinetic = Mat<D>::Zero();
+  Mat<D> spin = Mat<D>::Zero();
+  Mat<D> total() const { return contact + kinetic + spin; }
   /// The mean of the principal stresses of the total.
   double pressure() const { return total().trace() / D; }
 };
-using MeanStress = MeanStressIn<2>;
 
 /// dL of each disk over the step of a state, as the contacts' moments give it           [N m s]
 template <int D>
-std::vector<SpinIn<D>> contact_moments(const StateIn<D>& state);
+std::vector<Spin<D>> contact_moments(const State<D>& state);
 /// The same as the spins have changed, I (ω⁺ - ω⁻). Equal to the contacts' moments to round-off
 /// when `after` was made from `before` by one step.
 template <int D>
-std::vector<SpinIn<D>> spin_changes(const StateIn<D>& before, const StateIn<D>& after);
+std::vector<Spin<D>> spin_changes(const State<D>& before, const State<D>& after);
 
 /// Of the whole sample. `step`: h > 0; `area`: see sample_area.h and sample_volume.h; `moments`: dL of each disk.
 /// Velocities are those at the end of the step; the mean of kinetic parts at its two ends is what
 /// the virial theorem asks for, and what an average over steps gives.
 template <int D>
-MeanStressIn<D> sample_stress(const StateIn<D>& state, double step, double area,
-                              std::span<const std::type_identity_t<SpinIn<D>>> moments);
+MeanStress<D> sample_stress(const State<D>& state, double step, double area,
+                            std::span<const std::type_identity_t<Spin<D>>> moments);
 
 /// Over a rectangle, in space a box: each contact counts by the share of its branch that lies in the window
 /// (indicator function in Goldhirsch's coarse graining, Granular Matter 12, 2010), disks by their
@@ -77,20 +75,20 @@ MeanStressIn<D> sample_stress(const StateIn<D>& state, double step, double area,
 /// wrapped (core/motion/periodic_state.h), and branches that cross the cell's edge count on both sides: the contact parts of windows that tile
 /// the sample add up to the sample's. Branches that a window cuts leave an antisymmetric part.
 template <int D = 2>
-MeanStressIn<D> window_stress(const StateIn<D>& state, double step, const BoxIn<D>& window,
-                              std::span<const std::type_identity_t<SpinIn<D>>> moments);
+MeanStress<D> window_stress(const State<D>& state, double step, const Box<D>& window,
+                            std::span<const std::type_identity_t<Spin<D>>> moments);
 
 /// Of each disk over its own area π a² (in space: volume): the mean stress of its material, with the kinetic part of
 /// its motion about the sample's mean velocity. A contact goes to its two disks in proportion to
 /// their radii. Σ π a² σ_i = V σ of the sample, part by part. The disks of a cluster all have that of the cluster over
 /// the area of its union, which counts once.
 template <int D>
-std::vector<MeanStressIn<D>> disk_stresses(
-    const StateIn<D>& state, double step, std::span<const std::type_identity_t<SpinIn<D>>> moments);
+std::vector<MeanStress<D>> disk_stresses(const State<D>& state, double step,
+                                         std::span<const std::type_identity_t<Spin<D>>> moments);
 
 /// Mean of n ⊗ n over the contacts that carry force; trace 1, zero without any.
 template <int D>
-MatIn<D> fabric_tensor(const StateIn<D>& state);
+Mat<D> fabric_tensor(const State<D>& state);
 
 /// (σ₁ - σ₂)/(σ₁ + σ₂) of the symmetric part: 0 isotropic, 1 uniaxial. NaN where the trace is 0.
 double anisotropy(const Mat2& tensor);

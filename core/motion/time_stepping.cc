@@ -7,6 +7,8 @@
 #include <optional>
 #include <utility>
 
+#include "core/base/release.h"
+#include "core/base/stopwatch.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/outside_changes.h"
 #include "core/motion/population.h"
@@ -14,18 +16,16 @@
 #include "core/motion/update_bodies.h"
 #include "core/motion/warm_start.h"
 #include "core/problem/delassus.h"
-#include "core/release.h"
 #include "core/scene/wall_motion.h"
-#include "core/stopwatch.h"
 
 namespace bipot {
 namespace {
 
 /// Accumulated work of the state after the step, and the balances of energy and momentum.
 template <int D>
-void close_ledger(const SceneIn<D>& scene, const StateIn<D>& before,
-                  const StepOutcomeIn<D>& outcome, StateIn<D>& next, StepReportIn<D>& report) {
-  const VecIn<D> gravity = gravity_at(scene, next.time);
+void close_ledger(const Scene<D>& scene, const State<D>& before, const StepOutcome<D>& outcome,
+                  State<D>& next, StepReport<D>& report) {
+  const Vec<D> gravity = gravity_at(scene, next.time);
   next.wall_work = before.wall_work + outcome.wall_work;
   next.friction_loss = before.friction_loss + outcome.friction_loss;
   next.shock_loss = before.shock_loss + outcome.shock_loss;
@@ -50,8 +50,8 @@ void close_ledger(const SceneIn<D>& scene, const StateIn<D>& before,
 }  // namespace
 
 template <int D>
-TimeStepperIn<D>::TimeStepperIn(const SceneIn<D>& scene, StepSolver solver, bool explicit_delassus,
-                                int threads)
+TimeStepper<D>::TimeStepper(const Scene<D>& scene, StepSolver solver, bool explicit_delassus,
+                            int threads)
     : scene_(scene),
       solver_(std::move(solver)),
       explicit_delassus_(explicit_delassus),
@@ -62,18 +62,17 @@ StepFailure::StepFailure(Kind k, int steps_before, double time_before, const std
                   fmt::format("step {} at t = {:.9g} s: {}", steps_before + 1, time_before, why)) {}
 
 template <int D>
-ContactProblem step_problem(const SceneIn<D>& scene, const StateIn<D>& state,
-                            bool explicit_delassus) {
+ContactProblem step_problem(const Scene<D>& scene, const State<D>& state, bool explicit_delassus) {
   if (scene.has_gates()) {
-    const StateIn<D> start = with_changed_population(scene, state);
+    const State<D> start = with_changed_population(scene, state);
     return assemble_step(scene, make_midpoint(scene, start), explicit_delassus).problem;
   }
   return assemble_step(scene, make_midpoint(scene, state), explicit_delassus).problem;
 }
 
 template <int D>
-Vector take_solution(StepSolution solution, bool usable, const StateIn<D>& before,
-                     StepReportIn<D>& report) {
+Vector take_solution(StepSolution solution, bool usable, const State<D>& before,
+                     StepReport<D>& report) {
   using Kind = StepFailure::Kind;
   if (solution.refused) throw StepFailure(Kind::kInvalidInput, before, solution.message);
   if (solution.cut_short) throw StepFailure(Kind::kCutShort, before, solution.message);
@@ -88,14 +87,13 @@ Vector take_solution(StepSolution solution, bool usable, const StateIn<D>& befor
   report.error = solution.error;
   return std::move(solution.s);
 }
-template Vector take_solution(StepSolution, bool, const State&, StepReport&);
-template Vector take_solution(StepSolution, bool, const StateIn<3>&, StepReportIn<3>&);
+template Vector take_solution(StepSolution, bool, const State<2>&, StepReport<2>&);
+template Vector take_solution(StepSolution, bool, const State<3>&, StepReport<3>&);
 
 /// The impulses of the step, in the problem's variables.
 template <int D>
-Vector TimeStepperIn<D>::solve_contacts(const StateIn<D>& state,
-                                        std::span<const ContactIn<D>> contacts,
-                                        StepReportIn<D>& report) {
+Vector TimeStepper<D>::solve_contacts(const State<D>& state, std::span<const Contact<D>> contacts,
+                                      StepReport<D>& report) {
   const ContactProblem& p = assembled_.problem;
   Vector s0 = scene_.solver.warm_start ? warm_start<D>(state.contacts, contacts, p) : Vector();
   StepSolution solution = solver_(p, std::move(s0));
@@ -105,9 +103,9 @@ Vector TimeStepperIn<D>::solve_contacts(const StateIn<D>& state,
 
 /// What lifts the bodies out of each other is what their shocks took too much: it is booked there.
 template <int D>
-void TimeStepperIn<D>::take_out_overlaps(StateIn<D>& next, StepOutcomeIn<D>& outcome,
-                                         StepReportIn<D>& report) {
-  const VecIn<D> gravity = gravity_at(scene_, next.time);
+void TimeStepper<D>::take_out_overlaps(State<D>& next, StepOutcome<D>& outcome,
+                                       StepReport<D>& report) {
+  const Vec<D> gravity = gravity_at(scene_, next.time);
   const double before = potential_energy(next, gravity);
   const Projection done = project_overlaps(scene_, solver_, explicit_delassus_, threads_, next);
   report.iterations += done.iterations;
@@ -120,31 +118,31 @@ void TimeStepperIn<D>::take_out_overlaps(StateIn<D>& next, StepOutcomeIn<D>& out
 }
 
 template <int D>
-StepReportIn<D> TimeStepperIn<D>::advance(StateIn<D>& state) {
-  StepReportIn<D> report;
+StepReport<D> TimeStepper<D>::advance(State<D>& state) {
+  StepReport<D> report;
   Stopwatch watch;
-  std::optional<StateIn<D>> changed;
+  std::optional<State<D>> changed;
   if (scene_.has_gates()) {
     changed = state;
     if (change_population(scene_, *changed)) kept_ = {};
   }
-  const StateIn<D>& start = changed ? *changed : state;
-  MidpointIn<D> mid = make_midpoint(scene_, start, threads_, &kept_);
+  const State<D>& start = changed ? *changed : state;
+  Midpoint<D> mid = make_midpoint(scene_, start, threads_, &kept_);
   report.detection_seconds = watch.lap();
   assembled_ = assemble_step(scene_, mid, explicit_delassus_, threads_);
   report.assembly_seconds = watch.lap();
-  release(mid.disks);  // a tenth of a run's memory where the solver takes the most
+  release(mid.bodies);  // a tenth of a run's memory where the solver takes the most
   const Vector s = solve_contacts(start, mid.contacts, report);
   report.solve_seconds = watch.lap();
 
   const ContactProblem& p = assembled_.problem;
   const Vector v = p.num_dofs() > 0 ? body_velocities(p, s) : Vector();
   place_bodies(scene_, start, mid);
-  StateIn<D> next = update_bodies(mid, assembled_.dofs, v, scene_.step);
+  State<D> next = update_bodies(mid, assembled_.dofs, v, scene_.step);
   next.step = start.step + 1;
   next.time = time_after_step(start, scene_.step);
-  StepOutcomeIn<D> outcome =
-      step_outcome<D>(scene_, mid, next.disks, assembled_, s, v, next.walls, next.cell);
+  StepOutcome<D> outcome =
+      step_outcome<D>(scene_, mid, next.bodies, assembled_, s, v, next.walls, next.cell);
   const OutsideChanges<D> changes =
       outside_changes(scene_, start, mid.walls, mid.gravity, next, next.time);
   outcome.wall_work += changes.work;
@@ -158,15 +156,15 @@ StepReportIn<D> TimeStepperIn<D>::advance(StateIn<D>& state) {
   report.time = next.time;
   report.contacts = static_cast<int>(mid.contacts.size());
   report.active = outcome.active;
-  for (const ContactIn<D>& c : mid.contacts)
+  for (const Contact<D>& c : mid.contacts)
     report.penetration = std::max(report.penetration, -c.gap);
   state = std::move(next);
   return report;
 }
 
-template class TimeStepperIn<2>;
-template class TimeStepperIn<3>;
-template ContactProblem step_problem(const Scene&, const State&, bool);
-template ContactProblem step_problem(const SceneIn<3>&, const StateIn<3>&, bool);
+template class TimeStepper<2>;
+template class TimeStepper<3>;
+template ContactProblem step_problem(const Scene<2>&, const State<2>&, bool);
+template ContactProblem step_problem(const Scene<3>&, const State<3>&, bool);
 
 }  // namespace bipot

@@ -6,10 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "core/criterion/contact_error.h"
 #include "core/motion/assembly.h"
 #include "core/motion/state.h"
 #include "core/motion/step_outcome.h"
-#include "core/problem/contact_error.h"
 #include "core/problem/contact_problem.h"
 #include "core/scene/contact_detection.h"
 #include "core/scene/scene.h"
@@ -47,7 +47,7 @@ struct StepSolution {
 using StepSolver = std::function<StepSolution(const ContactProblem&, Vector s0)>;
 
 template <int D>
-struct StepReportIn {
+struct StepReport {
   int step = 0;
   double time = 0;
   int contacts = 0, active = 0;  ///< candidates; with s_n > 0
@@ -56,26 +56,24 @@ struct StepReportIn {
   int iterations = 0;
   ContactError error;
   EnergyLedger energy;
-  VecIn<D> momentum = VecIn<D>::Zero();            ///< of disks and driven walls        [kg m/s]
-  VecIn<D> momentum_imbalance = VecIn<D>::Zero();  ///< change - gravity - wall impulses [kg m/s]
-  double penetration = 0;                          ///< largest overlap at mid-step      [m]
+  Vec<D> momentum = Vec<D>::Zero();            ///< of disks and driven walls        [kg m/s]
+  Vec<D> momentum_imbalance = Vec<D>::Zero();  ///< change - gravity - wall impulses [kg m/s]
+  double penetration = 0;                      ///< largest overlap at mid-step      [m]
   double detection_seconds = 0, assembly_seconds = 0, solve_seconds = 0;
 
   /// Adds the iterations and times of another part of the step, or of an attempt at it that was not
   /// taken.
-  void add_cost(const StepReportIn& other) {
+  void add_cost(const StepReport& other) {
     iterations += other.iterations;
     detection_seconds += other.detection_seconds;
     assembly_seconds += other.assembly_seconds;
     solve_seconds += other.solve_seconds;
   }
 };
-using StepReport = StepReportIn<2>;
 
 /// The contact problem of the step that would come next; bodies that are to leave or come in before have.
 template <int D>
-ContactProblem step_problem(const SceneIn<D>& scene, const StateIn<D>& state,
-                            bool explicit_delassus);
+ContactProblem step_problem(const Scene<D>& scene, const State<D>& state, bool explicit_delassus);
 
 /// A step that was not taken; the message says why.
 struct StepFailure : std::runtime_error {
@@ -83,7 +81,7 @@ struct StepFailure : std::runtime_error {
   StepFailure(Kind k, const std::string& message) : std::runtime_error(message), kind(k) {}
   /// Names the step that comes after the state `before`.
   template <int D>
-  StepFailure(Kind k, const StateIn<D>& before, const std::string& why)
+  StepFailure(Kind k, const State<D>& before, const std::string& why)
       : StepFailure(k, before.step, before.time, why) {}
   Kind kind;
 
@@ -95,40 +93,38 @@ struct StepFailure : std::runtime_error {
 /// report. Throws StepFailure where it refused, was cut short or failed, and where they are not
 /// `usable`: finite and of the problem's size.
 template <int D>
-Vector take_solution(StepSolution solution, bool usable, const StateIn<D>& before,
-                     StepReportIn<D>& report);
+Vector take_solution(StepSolution solution, bool usable, const State<D>& before,
+                     StepReport<D>& report);
 
 /// Advances a state by the mid-point scheme (38)-(43), after bodies have left and come in where the scene has
 /// outlets and inlets (core/motion/population.h):
 ///   q_m = q + h/2 v, contacts at q_m, one contact problem, q <- q_m + h/2 v⁺.
 template <int D>
-class TimeStepperIn {
+class TimeStepper {
  public:
   /// The scene must outlive the stepper. `explicit_delassus`: assemble W for every step. `threads`:
   /// of detection and assembly; they change no bit.
-  TimeStepperIn(const SceneIn<D>& scene, StepSolver solver, bool explicit_delassus,
-                int threads = 1);
+  TimeStepper(const Scene<D>& scene, StepSolver solver, bool explicit_delassus, int threads = 1);
 
   /// Takes one step. Throws StepFailure, leaving the state at the end of the step before, when the
   /// solver failed, refused or was cut short, or when anything comes out not finite.
-  StepReportIn<D> advance(StateIn<D>& state);
+  StepReport<D> advance(State<D>& state);
 
   /// The contact problem of the last step.
   const ContactProblem& problem() const { return assembled_.problem; }
 
  private:
-  Vector solve_contacts(const StateIn<D>& state, std::span<const ContactIn<D>> contacts,
-                        StepReportIn<D>& report);
+  Vector solve_contacts(const State<D>& state, std::span<const Contact<D>> contacts,
+                        StepReport<D>& report);
 
-  void take_out_overlaps(StateIn<D>& next, StepOutcomeIn<D>& outcome, StepReportIn<D>& report);
+  void take_out_overlaps(State<D>& next, StepOutcome<D>& outcome, StepReport<D>& report);
 
-  const SceneIn<D>& scene_;
+  const Scene<D>& scene_;
   StepSolver solver_;
   bool explicit_delassus_;
   int threads_;
-  KeptContactsIn<D> kept_;
+  KeptContacts<D> kept_;
   AssembledStep assembled_;
 };
-using TimeStepper = TimeStepperIn<2>;
 
 }  // namespace bipot

@@ -8,6 +8,6 @@ namespace bipot {
 /// degrees of freedom of the problem; whoever has none there goes on without contact impulses.
 /// Disks, clusters, walls and cell of the state are set; takes the disks of the middle.
 template <int D>
-StateIn<D> update_bodies(MidpointIn<D>& mid, const DofMap& dofs, const Vector& v, double h);
+State<D> update_bodies(Midpoint<D>& mid, const DofMap& dofs, const Vector& v, double h);
 
 }  // namespace bipot

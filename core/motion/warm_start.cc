@@ -3,13 +3,13 @@
 namespace bipot {
 
 template <int D>
-Vector warm_start(const std::vector<ContactOutcomeIn<D>>& before,
-                  std::span<const std::type_identity_t<ContactIn<D>>> contacts,
+Vector warm_start(const std::vector<ContactOutcome<D>>& before,
+                  std::span<const std::type_identity_t<Contact<D>>> contacts,
                   const ContactProblem& p) {
   Vector s0 = Vector::Zero(p.num_rows());
   auto old = before.begin();
   for (std::size_t c = 0; c < contacts.size(); ++c) {
-    const auto less = [&](const ContactOutcomeIn<D>& o) {
+    const auto less = [&](const ContactOutcome<D>& o) {
       return o.contact.i < contacts[c].i ||
              (o.contact.i == contacts[c].i && o.contact.j < contacts[c].j);
     };
@@ -32,9 +32,9 @@ Vector warm_start(const std::vector<ContactOutcomeIn<D>>& before,
   return s0;
 }
 
-template Vector warm_start<2>(const std::vector<ContactOutcome>&, std::span<const Contact>,
+template Vector warm_start<2>(const std::vector<ContactOutcome<2>>&, std::span<const Contact<2>>,
                               const ContactProblem&);
-template Vector warm_start<3>(const std::vector<ContactOutcomeIn<3>>&,
-                              std::span<const ContactIn<3>>, const ContactProblem&);
+template Vector warm_start<3>(const std::vector<ContactOutcome<3>>&, std::span<const Contact<3>>,
+                              const ContactProblem&);
 
 }  // namespace bipot

@@ -13,8 +13,8 @@ namespace bipot {
 /// problem's variables (row_scale). `contacts` are those of `problem`; both lists are sorted by
 /// (i, j), as detection leaves them.
 template <int D>
-Vector warm_start(const std::vector<ContactOutcomeIn<D>>& before,
-                  std::span<const std::type_identity_t<ContactIn<D>>> contacts,
+Vector warm_start(const std::vector<ContactOutcome<D>>& before,
+                  std::span<const std::type_identity_t<Contact<D>>> contacts,
                   const ContactProblem& problem);
 
 }  // namespace bipot

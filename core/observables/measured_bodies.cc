@@ -14,12 +14,12 @@ double whole(const Sphere& s) { return 4 * std::numbers::pi / 3 * s.radius * s.r
 }  // namespace
 
 template <int D>
-MeasuredBodies<D> measured_bodies(const StateIn<D>& state) {
+MeasuredBodies<D> measured_bodies(const State<D>& state) {
   MeasuredBodies<D> bodies;
-  bodies.of_disk.assign(state.disks.size(), -1);
+  bodies.of_disk.assign(state.bodies.size(), -1);
   std::vector<int> of_cluster(state.clusters.bodies.size(), -1);
-  for (std::size_t i = 0; i < state.disks.size(); ++i) {
-    const BodyIn<D>& d = state.disks[i];
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    const Body<D>& d = state.bodies[i];
     if (d.wall >= 0) continue;
     int& body = d.cluster < 0 ? bodies.of_disk[i] : of_cluster[to_size(d.cluster)];
     if (body < 0) {
@@ -38,14 +38,14 @@ MeasuredBodies<D> measured_bodies(const StateIn<D>& state) {
 }
 
 template <int D>
-double part_in_box(const StateIn<D>& state, const MeasuredBodyIn<D>& body, const VecIn<D>& shift,
-                   const VecIn<D>& low, const VecIn<D>& high) {
-  const BodyIn<D>& first = state.disks[body.parts.front()];
+double part_in_box(const State<D>& state, const MeasuredBody<D>& body, const Vec<D>& shift,
+                   const Vec<D>& low, const Vec<D>& high) {
+  const Body<D>& first = state.bodies[body.parts.front()];
   if (body.parts.size() == 1) return part_in_box(first.x + shift, first.radius, low, high);
   if constexpr (D == 2) {
     std::vector<Circle> circles;
     for (const std::size_t i : body.parts) {
-      circles.push_back({state.disks[i].x + shift, state.disks[i].radius});
+      circles.push_back({state.bodies[i].x + shift, state.bodies[i].radius});
     }
     return union_area_in(circles, low, high);
   } else {
@@ -53,11 +53,11 @@ double part_in_box(const StateIn<D>& state, const MeasuredBodyIn<D>& body, const
   }
 }
 
-template MeasuredBodies<2> measured_bodies(const State&);
-template MeasuredBodies<3> measured_bodies(const StateIn<3>&);
-template double part_in_box<2>(const State&, const MeasuredBodyIn<2>&, const Vec2&, const Vec2&,
+template MeasuredBodies<2> measured_bodies(const State<2>&);
+template MeasuredBodies<3> measured_bodies(const State<3>&);
+template double part_in_box<2>(const State<2>&, const MeasuredBody<2>&, const Vec2&, const Vec2&,
                                const Vec2&);
-template double part_in_box<3>(const StateIn<3>&, const MeasuredBodyIn<3>&, const Vec3&,
-                               const Vec3&, const Vec3&);
+template double part_in_box<3>(const State<3>&, const MeasuredBody<3>&, const Vec3&, const Vec3&,
+                               const Vec3&);
 
 }  // namespace bipot

@@ -17,16 +17,16 @@ namespace bipot {
 namespace {
 
 template <int D>
-bool in_window(const ObservableChoiceIn<D>& choice, const std::type_identity_t<VecIn<D>>& x) {
+bool in_window(const ObservableChoice<D>& choice, const std::type_identity_t<Vec<D>>& x) {
   return !choice.window || ((x.array() >= choice.window->first.array()).all() &&
                             (x.array() < choice.window->second.array()).all());
 }
 
 /// The point where a contact touches, in the cell.
 template <int D>
-VecIn<D> touching_point(const StateIn<D>& placed, const ContactIn<D>& contact) {
-  const BodyIn<D>& d = placed.disks[to_size(contact.i)];
-  VecIn<D> point = d.x - d.radius * contact.n;
+Vec<D> touching_point(const State<D>& placed, const Contact<D>& contact) {
+  const Body<D>& d = placed.bodies[to_size(contact.i)];
+  Vec<D> point = d.x - d.radius * contact.n;
   if (placed.cell.periodic()) {
     point.template head<2>() = wrapped(placed.cell, point.template head<2>());
   }
@@ -35,24 +35,24 @@ VecIn<D> touching_point(const StateIn<D>& placed, const ContactIn<D>& contact) {
 
 /// The states's disks where they can be compared with places.
 template <int D>
-StateIn<D> in_place(const StateIn<D>& state) {
+State<D> in_place(const State<D>& state) {
   return state.cell.periodic() ? wrapped_state(state) : state;
 }
 
 /// Least squares fit v = v0 + L x.
 template <int D>
-MatIn<D> fitted_gradient(const std::vector<const MeasuredBodyIn<D>*>& disks) {
-  const MatIn<D> undefined = MatIn<D>::Constant(kNaN);
+Mat<D> fitted_gradient(const std::vector<const MeasuredBody<D>*>& disks) {
+  const Mat<D> undefined = Mat<D>::Constant(kNaN);
   if (disks.size() < D + 1) return undefined;
-  VecIn<D> x_mean = VecIn<D>::Zero(), v_mean = VecIn<D>::Zero();
+  Vec<D> x_mean = Vec<D>::Zero(), v_mean = Vec<D>::Zero();
   const double count = static_cast<double>(disks.size());
-  for (const MeasuredBodyIn<D>* d : disks) {
+  for (const MeasuredBody<D>* d : disks) {
     x_mean += d->x / count;
     v_mean += d->v / count;
   }
-  MatIn<D> xx = MatIn<D>::Zero(), vx = MatIn<D>::Zero();
-  for (const MeasuredBodyIn<D>* d : disks) {
-    const VecIn<D> x = d->x - x_mean;
+  Mat<D> xx = Mat<D>::Zero(), vx = Mat<D>::Zero();
+  for (const MeasuredBody<D>* d : disks) {
+    const Vec<D> x = d->x - x_mean;
     xx += x * x.transpose();
     vx += (d->v - v_mean) * x.transpose();
   }
@@ -63,14 +63,14 @@ MatIn<D> fitted_gradient(const std::vector<const MeasuredBodyIn<D>*>& disks) {
 }
 
 /// Mean diameter and density of the spheres; in the plane neither is asked for.
-void observe_grains(const State& /*placed*/, const ObservableChoice& /*choice*/,
-                    Observables& /*seen*/) {}
-void observe_grains(const StateIn<3>& placed, const ObservableChoiceIn<3>& choice,
-                    ObservablesIn<3>& seen) {
+void observe_grains(const State<2>& /*placed*/, const ObservableChoice<2>& /*choice*/,
+                    Observables<2>& /*seen*/) {}
+void observe_grains(const State<3>& placed, const ObservableChoice<3>& choice,
+                    Observables<3>& seen) {
   double mass = 0, volume = 0;
-  for (const MeasuredBodyIn<3>& body : measured_bodies(placed).list) {
+  for (const MeasuredBody<3>& body : measured_bodies(placed).list) {
     if (!in_window<3>(choice, body.x)) continue;
-    seen.mean_diameter += 2 * placed.disks[body.parts.front()].radius / seen.disks;
+    seen.mean_diameter += 2 * placed.bodies[body.parts.front()].radius / seen.bodies;
     mass += body.mass;
     volume += body.size;
   }
@@ -79,10 +79,10 @@ void observe_grains(const StateIn<3>& placed, const ObservableChoiceIn<3>& choic
 
 /// What the bodies take up of the window.
 template <int D>
-double disks_area(const StateIn<D>& placed, const MeasuredBodies<D>& bodies,
-                  const ObservableChoiceIn<D>& choice) {
+double disks_area(const State<D>& placed, const MeasuredBodies<D>& bodies,
+                  const ObservableChoice<D>& choice) {
   double sum = 0;
-  for (const MeasuredBodyIn<D>& body : bodies.list) {
+  for (const MeasuredBody<D>& body : bodies.list) {
     if (!choice.window) {
       sum += body.size;
       continue;
@@ -97,23 +97,23 @@ double disks_area(const StateIn<D>& placed, const MeasuredBodies<D>& bodies,
 
 /// Contacts: coordination, sliding, fabric.
 template <int D>
-void observe_contacts(const StateIn<D>& placed, const MeasuredBodies<D>& bodies,
-                      const ObservableChoiceIn<D>& choice, const std::vector<bool>& rattles,
-                      ObservablesIn<D>& seen) {
-  std::vector<bool> counted(placed.disks.size());
-  for (const MeasuredBodyIn<D>& body : bodies.list) {
+void observe_contacts(const State<D>& placed, const MeasuredBodies<D>& bodies,
+                      const ObservableChoice<D>& choice, const std::vector<bool>& rattles,
+                      Observables<D>& seen) {
+  std::vector<bool> counted(placed.bodies.size());
+  for (const MeasuredBody<D>& body : bodies.list) {
     if (!in_window<D>(choice, body.x)) continue;
     for (const std::size_t i : body.parts) counted[i] = true;
-    ++seen.disks;
+    ++seen.bodies;
     seen.rattlers += rattles[body.parts.front()] ? 1 : 0;
     seen.mean_mass += body.mass;
   }
-  seen.mean_mass /= seen.disks;
+  seen.mean_mass /= seen.bodies;
   int ends = 0, held_ends = 0;
-  for (const ContactOutcomeIn<D>& o : placed.contacts) {
+  for (const ContactOutcome<D>& o : placed.contacts) {
     if (!(o.s_n > 0)) continue;
     const std::size_t i = to_size(o.contact.i), j = to_size(o.contact.j);
-    const bool with_disk = j < placed.disks.size();
+    const bool with_disk = j < placed.bodies.size();
     const bool loose = rattles[i] || (with_disk && rattles[j]);
     const int here = (counted[i] ? 1 : 0) + (with_disk && counted[j] ? 1 : 0);
     ends += here;
@@ -123,8 +123,8 @@ void observe_contacts(const StateIn<D>& placed, const MeasuredBodies<D>& bodies,
     seen.sliding += o.status == ContactStatus::kSlip ? 1 : 0;
     seen.fabric += o.contact.n * o.contact.n.transpose();
   }
-  const int held = seen.disks - seen.rattlers;
-  seen.coordination = seen.disks > 0 ? static_cast<double>(ends) / seen.disks : kNaN;
+  const int held = seen.bodies - seen.rattlers;
+  seen.coordination = seen.bodies > 0 ? static_cast<double>(ends) / seen.bodies : kNaN;
   seen.coordination_without = held > 0 ? static_cast<double>(held_ends) / held : kNaN;
   if (seen.contacts > 0) {
     seen.fabric /= seen.contacts;
@@ -135,16 +135,15 @@ void observe_contacts(const StateIn<D>& placed, const MeasuredBodies<D>& bodies,
 
 /// Where the bins of a profile end across its axis: as the window, the cell, what half-planes leave, or the disks.
 template <int D>
-BoxIn<D> profile_section(const StateIn<D>& placed, double step,
-                         const ObservableChoiceIn<D>& choice) {
+Box<D> profile_section(const State<D>& placed, double step, const ObservableChoice<D>& choice) {
   if (choice.window) return {.lower = choice.window->first, .upper = choice.window->second};
-  VecIn<D> low = VecIn<D>::Constant(kInfinity), high = VecIn<D>::Constant(-kInfinity);
-  for (const BodyIn<D>& d : placed.disks) {
-    low = low.cwiseMin(d.x - VecIn<D>::Constant(d.radius));
-    high = high.cwiseMax(d.x + VecIn<D>::Constant(d.radius));
+  Vec<D> low = Vec<D>::Constant(kInfinity), high = Vec<D>::Constant(-kInfinity);
+  for (const Body<D>& d : placed.bodies) {
+    low = low.cwiseMin(d.x - Vec<D>::Constant(d.radius));
+    high = high.cwiseMax(d.x + Vec<D>::Constant(d.radius));
   }
-  for (const WallIn<D>& w : placed.walls) {
-    if (w.shape != WallIn<D>::Shape::kHalfPlane || !w.present) continue;
+  for (const Wall<D>& w : placed.walls) {
+    if (w.shape != Wall<D>::Shape::kHalfPlane || !w.present) continue;
     for (int k = 0; k < D; ++k) {
       if (std::abs(w.normal[k]) < 1 - 1e-12) continue;
       const double at = w.a[k] - 0.5 * step * w.v[k];
@@ -161,10 +160,10 @@ BoxIn<D> profile_section(const StateIn<D>& placed, double step,
 }
 
 /// What hollow cylinders leave of a bin.
-double cut_size(const StateIn<3>& placed, double step, const BoxIn<3>& bin) {
+double cut_size(const State<3>& placed, double step, const Box<3>& bin) {
   ConvexBody body(bin.lower, bin.upper);
-  for (const WallIn<3>& w : placed.walls) {
-    if (w.present && w.shape == WallIn<3>::Shape::kHollowCircle) {
+  for (const Wall<3>& w : placed.walls) {
+    if (w.present && w.shape == Wall<3>::Shape::kHollowCircle) {
       clip_by_cylinder(body, w.a - 0.5 * step * w.v, w);
     }
   }
@@ -174,59 +173,59 @@ double cut_size(const StateIn<3>& placed, double step, const BoxIn<3>& bin) {
 }  // namespace
 
 template <int D>
-double ObservablesIn<D>::sliding_share() const {
+double Observables<D>::sliding_share() const {
   return contacts > 0 ? static_cast<double>(sliding) / contacts : kNaN;
 }
 
 template <int D>
-double ObservablesIn<D>::shear_rate() const {
-  const MatIn<D> rate = 0.5 * (velocity_gradient + velocity_gradient.transpose());
-  const MatIn<D> deviator = rate - rate.trace() / D * MatIn<D>::Identity();
+double Observables<D>::shear_rate() const {
+  const Mat<D> rate = 0.5 * (velocity_gradient + velocity_gradient.transpose());
+  const Mat<D> deviator = rate - rate.trace() / D * Mat<D>::Identity();
   return std::sqrt(2 * deviator.squaredNorm());
 }
 
 template <int D>
-double ObservablesIn<D>::inertial_number() const {
+double Observables<D>::inertial_number() const {
   if (D == 2) return shear_rate() * std::sqrt(mean_mass / stress.pressure());
   return shear_rate() * mean_diameter * std::sqrt(density / stress.pressure());
 }
 
 template <int D>
-double ObservablesIn<D>::friction() const {
+double Observables<D>::friction() const {
   return stress_ratio<D>(stress.total());
 }
 
 template <int D>
-double stress_ratio(const MatIn<D>& stress) {
+double stress_ratio(const Mat<D>& stress) {
   if constexpr (D == 2) {
     return anisotropy(stress);
   } else {
     const double pressure = stress.trace() / 3;
     if (pressure == 0) return kNaN;
-    const MatIn<3> deviator = 0.5 * (stress + stress.transpose()) - pressure * MatIn<3>::Identity();
+    const Mat<3> deviator = 0.5 * (stress + stress.transpose()) - pressure * Mat<3>::Identity();
     return std::sqrt(0.5 * deviator.squaredNorm()) / std::abs(pressure);
   }
 }
 
 template <int D>
-std::vector<bool> find_rattlers(const SceneIn<D>& scene, const StateIn<D>& state) {
+std::vector<bool> find_rattlers(const Scene<D>& scene, const State<D>& state) {
   const bool gravity = !scene.gravity.isZero(0);
   const int needed = scene.has_friction() ? 2 : gravity ? D : D + 1;
   const MeasuredBodies<D> bodies = measured_bodies(state);
   std::vector<int> held(bodies.list.size(), 0);
   std::vector<std::vector<std::size_t>> neighbours(bodies.list.size());
-  for (const ContactOutcomeIn<D>& o : state.contacts) {
+  for (const ContactOutcome<D>& o : state.contacts) {
     if (!(o.s_n > 0)) continue;
     const std::size_t j = to_size(o.contact.j);
     const int a = bodies.of_disk[to_size(o.contact.i)];
-    const int b = j < state.disks.size() ? bodies.of_disk[j] : -1;
+    const int b = j < state.bodies.size() ? bodies.of_disk[j] : -1;
     for (const auto& [one, other] : {std::pair(a, b), std::pair(b, a)}) {
       if (one < 0) continue;
       ++held[to_size(one)];
       if (other >= 0) neighbours[to_size(one)].push_back(to_size(other));
     }
   }
-  std::vector<bool> rattles(state.disks.size(), false);
+  std::vector<bool> rattles(state.bodies.size(), false);
   std::vector<std::size_t> loose;
   const auto let_go = [&](std::size_t body) {
     const std::vector<std::size_t>& parts = bodies.list[body].parts;
@@ -247,29 +246,29 @@ std::vector<bool> find_rattlers(const SceneIn<D>& scene, const StateIn<D>& state
 }
 
 template <int D>
-ObservablesIn<D> observe(const SceneIn<D>& scene, const StateIn<D>& state,
-                         const std::type_identity_t<ObservableChoiceIn<D>>& choice) {
-  ObservablesIn<D> seen;
-  const StateIn<D> placed = in_place(state);
+Observables<D> observe(const Scene<D>& scene, const State<D>& state,
+                       const std::type_identity_t<ObservableChoice<D>>& choice) {
+  Observables<D> seen;
+  const State<D> placed = in_place(state);
   const MeasuredBodies<D> bodies = measured_bodies(placed);
   observe_contacts<D>(placed, bodies, choice, find_rattlers(scene, state), seen);
   observe_grains(placed, choice, seen);
-  const std::vector<SpinIn<D>> moments = contact_moments(state);
+  const std::vector<Spin<D>> moments = contact_moments(state);
   double area = 0;
   if (choice.window) {
-    const BoxIn<D> window{.lower = choice.window->first, .upper = choice.window->second};
+    const Box<D> window{.lower = choice.window->first, .upper = choice.window->second};
     area = window.size().prod();
     if (!(window.size().minCoeff() > 0)) {
       throw std::invalid_argument(D == 2 ? "the window has no area" : "the window has no volume");
     }
     seen.stress = window_stress<D>(placed, scene.step, window, moments);
   } else {
-    area = sample_area(state, scene.step);
+    area = sample_measure(state, scene.step);
     seen.stress = sample_stress<D>(state, scene.step, area, moments);
   }
   seen.solid_fraction = disks_area<D>(placed, bodies, choice) / area;
-  std::vector<const MeasuredBodyIn<D>*> measured;
-  for (const MeasuredBodyIn<D>& body : bodies.list) {
+  std::vector<const MeasuredBody<D>*> measured;
+  for (const MeasuredBody<D>& body : bodies.list) {
     if (in_window<D>(choice, body.x)) measured.push_back(&body);
   }
   seen.velocity_gradient = fitted_gradient<D>(measured);
@@ -277,40 +276,40 @@ ObservablesIn<D> observe(const SceneIn<D>& scene, const StateIn<D>& state,
 }
 
 template <int D>
-ProfileIn<D> observe_profile(const StateIn<D>& state, double step,
-                             const std::type_identity_t<ObservableChoiceIn<D>>& choice) {
+Profile<D> observe_profile(const State<D>& state, double step,
+                           const std::type_identity_t<ObservableChoice<D>>& choice) {
   const ProfileChoice& chosen = choice.profile.value();
-  const StateIn<D> placed = in_place(state);
+  const State<D> placed = in_place(state);
   const double width = (chosen.high - chosen.low) / chosen.bins;
-  const BoxIn<D> section = profile_section(placed, step, choice);
+  const Box<D> section = profile_section(placed, step, choice);
   const auto a = static_cast<Eigen::Index>(chosen.axis);
   const auto box_of = [&](int bin) {
-    BoxIn<D> box = section;
+    Box<D> box = section;
     box.lower[a] = chosen.low + bin * width;
     box.upper[a] = box.lower[a] + width;
     return box;
   };
-  ProfileIn<D> profile;
+  Profile<D> profile;
   const std::size_t bins = to_size(chosen.bins);
   std::vector<double> area(bins, 0.0), square(bins, 0.0);
-  profile.velocity.assign(bins, VecIn<D>::Zero());
+  profile.velocity.assign(bins, Vec<D>::Zero());
   profile.spin.assign(bins, no_turn<D>());
   const auto bin_at = [&](double at) {
     const double bin = std::floor((at - chosen.low) / width);
     return static_cast<int>(std::clamp(bin, -1.0, static_cast<double>(chosen.bins)));
   };
-  for (const MeasuredBodyIn<D>& body : measured_bodies(placed).list) {
+  for (const MeasuredBody<D>& body : measured_bodies(placed).list) {
     double lowest = kInfinity, highest = -kInfinity;
     for (const std::size_t i : body.parts) {
-      lowest = std::min(lowest, placed.disks[i].x[a] - placed.disks[i].radius);
-      highest = std::max(highest, placed.disks[i].x[a] + placed.disks[i].radius);
+      lowest = std::min(lowest, placed.bodies[i].x[a] - placed.bodies[i].radius);
+      highest = std::max(highest, placed.bodies[i].x[a] + placed.bodies[i].radius);
     }
     for (const Vec2& image : image_shifts(placed.cell)) {
-      const VecIn<D> shift = in_dimensions<D>(image);
+      const Vec<D> shift = in_dimensions<D>(image);
       const int first = std::max(0, bin_at(lowest + shift[a]));
       const int last = std::min(chosen.bins - 1, bin_at(highest + shift[a]));
       for (int bin = first; bin <= last; ++bin) {
-        const BoxIn<D> box = box_of(bin);
+        const Box<D> box = box_of(bin);
         const double part = part_in_box<D>(placed, body, shift, box.lower, box.upper);
         const std::size_t b = to_size(bin);
         area[b] += part;
@@ -320,10 +319,10 @@ ProfileIn<D> observe_profile(const StateIn<D>& state, double step,
       }
     }
   }
-  const std::vector<SpinIn<D>> moments = contact_moments(state);
+  const std::vector<Spin<D>> moments = contact_moments(state);
   for (std::size_t b = 0; b < bins; ++b) {
-    const BoxIn<D> box = box_of(static_cast<int>(b));
-    VecIn<D> extent = box.size();
+    const Box<D> box = box_of(static_cast<int>(b));
+    Vec<D> extent = box.size();
     extent[a] = width;
     double size = extent.prod();
     if constexpr (D == 3) {
@@ -343,18 +342,18 @@ ProfileIn<D> observe_profile(const StateIn<D>& state, double step,
   return profile;
 }
 
-double mass_flux(const State& state, const FluxLine& line) {
-  const State placed = in_place(state);
+double mass_flux(const State<2>& state, const FluxLine& line) {
+  const State<2> placed = in_place(state);
   const Vec2 along = (line.b - line.a).normalized();
   const Vec2 left(-along[1], along[0]);
   const double length = (line.b - line.a).norm();
   double flux = 0;
   std::vector<std::pair<double, double>> chords;  // of the line in the body's disks
-  for (const MeasuredBodyIn<2>& body : measured_bodies(placed).list) {
+  for (const MeasuredBody<2>& body : measured_bodies(placed).list) {
     for (const Vec2& shift : image_shifts(placed.cell)) {
       chords.clear();
       for (const std::size_t i : body.parts) {
-        const Disk& d = placed.disks[i];
+        const Disk& d = placed.bodies[i];
         const Vec2 x = d.x + shift - line.a;
         const double off = x.dot(left);
         if (std::abs(off) >= d.radius) continue;
@@ -384,8 +383,8 @@ double mass_flux(const State& state, const FluxLine& line) {
   return flux;
 }
 
-double mass_flux(const StateIn<3>& state, const FluxFace& face) {
-  const StateIn<3> placed = in_place(state);
+double mass_flux(const State<3>& state, const FluxFace& face) {
+  const State<3> placed = in_place(state);
   const Vec3 across = face.normal.cross(face.along);
   Vec2 high = 0.5 * face.size, low = -high;
   if (face.shape == FluxFace::Shape::kPlane) {
@@ -403,7 +402,7 @@ double mass_flux(const StateIn<3>& state, const FluxFace& face) {
     }
   }
   double flux = 0;
-  for (const Sphere& s : placed.disks) {
+  for (const Sphere& s : placed.bodies) {
     for (const Vec2& shift : image_shifts(placed.cell)) {
       const Vec3 x = s.x + in_dimensions<3>(shift) - face.point;
       const double off = x.dot(face.normal);
@@ -421,13 +420,13 @@ double mass_flux(const StateIn<3>& state, const FluxFace& face) {
 }
 
 template <int D>
-ForceDistribution observe_forces(const StateIn<D>& state, double step,
-                                 const std::type_identity_t<ObservableChoiceIn<D>>& choice) {
+ForceDistribution observe_forces(const State<D>& state, double step,
+                                 const std::type_identity_t<ObservableChoice<D>>& choice) {
   ForceDistribution forces;
   forces.counts.assign(to_size(choice.force_bins), 0);
-  const StateIn<D> placed = in_place(state);
+  const State<D> placed = in_place(state);
   std::vector<double> loaded;
-  for (const ContactOutcomeIn<D>& o : placed.contacts) {
+  for (const ContactOutcome<D>& o : placed.contacts) {
     if (!(o.s_n > 0)) continue;
     if (!in_window<D>(choice, touching_point(placed, o.contact))) continue;
     loaded.push_back(o.s_n / step);
@@ -442,18 +441,17 @@ ForceDistribution observe_forces(const StateIn<D>& state, double step,
   return forces;
 }
 
-template struct ObservablesIn<2>;
-template struct ObservablesIn<3>;
+template struct Observables<2>;
+template struct Observables<3>;
 template double stress_ratio<2>(const Mat2&);
-template double stress_ratio<3>(const MatIn<3>&);
-template Observables observe(const Scene&, const State&, const ObservableChoice&);
-template ObservablesIn<3> observe(const SceneIn<3>&, const StateIn<3>&,
-                                  const ObservableChoiceIn<3>&);
-template std::vector<bool> find_rattlers(const Scene&, const State&);
-template std::vector<bool> find_rattlers(const SceneIn<3>&, const StateIn<3>&);
-template Profile observe_profile(const State&, double, const ObservableChoice&);
-template ProfileIn<3> observe_profile(const StateIn<3>&, double, const ObservableChoiceIn<3>&);
-template ForceDistribution observe_forces(const State&, double, const ObservableChoice&);
-template ForceDistribution observe_forces(const StateIn<3>&, double, const ObservableChoiceIn<3>&);
+template double stress_ratio<3>(const Mat<3>&);
+template Observables<2> observe(const Scene<2>&, const State<2>&, const ObservableChoice<2>&);
+template Observables<3> observe(const Scene<3>&, const State<3>&, const ObservableChoice<3>&);
+template std::vector<bool> find_rattlers(const Scene<2>&, const State<2>&);
+template std::vector<bool> find_rattlers(const Scene<3>&, const State<3>&);
+template Profile<2> observe_profile(const State<2>&, double, const ObservableChoice<2>&);
+template Profile<3> observe_profile(const State<3>&, double, const ObservableChoice<3>&);
+template ForceDistribution observe_forces(const State<2>&, double, const ObservableChoice<2>&);
+template ForceDistribution observe_forces(const State<3>&, double, const ObservableChoice<3>&);
 
 }  // namespace bipot

@@ -34,23 +34,22 @@ View view_of(const Vec3& gravity) {
 /// Walls that a plane picture can show: half-spaces that are seen edge-on, and of cylinders the circle
 /// that one looks along, or the two sides between which a hollow one that is seen from the side
 /// holds what is `off` from its axis.
-void add_wall(const WallIn<3>& w, const View& view, double off, FlatView& flat) {
-  Wall wall;
+void add_wall(const Wall<3>& w, const View& view, double off, FlatView& flat) {
+  Wall<2> wall;
   wall.name = w.name;
   wall.a = view(w.a);
   if (!w.present) return;
   const double away = std::abs(w.normal.dot(view.away));
-  if (w.shape == WallIn<3>::Shape::kHalfPlane) {
+  if (w.shape == Wall<3>::Shape::kHalfPlane) {
     if (away > 1e-9) return;
     wall.normal = view(w.normal).normalized();
     flat.state.walls.push_back(wall);
   } else if (away > 1 - 1e-9) {
-    wall.shape = w.shape == WallIn<3>::Shape::kHollowCircle ? Wall::Shape::kHollowCircle
-                                                            : Wall::Shape::kSolidCircle;
+    wall.shape = w.shape == Wall<3>::Shape::kHollowCircle ? Wall<2>::Shape::kHollowCircle
+                                                          : Wall<2>::Shape::kSolidCircle;
     wall.radius = w.radius;
     flat.state.walls.push_back(wall);
-  } else if (away < 1e-9 && w.shape == WallIn<3>::Shape::kHollowCircle &&
-             std::abs(off) < w.radius) {
+  } else if (away < 1e-9 && w.shape == Wall<3>::Shape::kHollowCircle && std::abs(off) < w.radius) {
     const Vec2 axis = view(w.normal);
     const double half = std::sqrt(w.radius * w.radius - off * off);
     for (const double to : {-half, half}) {
@@ -63,7 +62,7 @@ void add_wall(const WallIn<3>& w, const View& view, double off, FlatView& flat) 
 
 /// What both views share: everything but the disks and the contacts. `depth`: of the cut; of the view of
 /// all, nothing: walls are shown by their outlines.
-FlatView frame_of(const SceneIn<3>& scene, const StateIn<3>& state, const View& view,
+FlatView frame_of(const Scene<3>& scene, const State<3>& state, const View& view,
                   std::optional<double> depth) {
   FlatView flat;
   flat.scene.title = scene.title;
@@ -74,7 +73,7 @@ FlatView frame_of(const SceneIn<3>& scene, const StateIn<3>& state, const View& 
   flat.scene.laws = scene.laws;
   flat.state.step = state.step;
   flat.state.time = state.time;
-  for (const WallIn<3>& w : state.walls) {
+  for (const Wall<3>& w : state.walls) {
     add_wall(w, view, depth ? *depth - view.away.dot(w.a) : 0, flat);
   }
   flat.scene.walls = flat.state.walls;
@@ -87,18 +86,18 @@ FlatView frame_of(const SceneIn<3>& scene, const StateIn<3>& state, const View& 
 }
 
 /// Contacts of the spheres that have a disk.
-void add_contacts(const StateIn<3>& state, const View& view, FlatView& flat) {
-  const int spheres = static_cast<int>(state.disks.size());
+void add_contacts(const State<3>& state, const View& view, FlatView& flat) {
+  const int spheres = static_cast<int>(state.bodies.size());
   const int disks = static_cast<int>(flat.bodies.size());
-  std::vector<int> disk_of(state.disks.size(), -1);
+  std::vector<int> disk_of(state.bodies.size(), -1);
   for (int k = 0; k < disks; ++k) disk_of[to_size(flat.bodies[to_size(k)])] = k;
-  for (const ContactOutcomeIn<3>& o : state.contacts) {
+  for (const ContactOutcome<3>& o : state.contacts) {
     const int i = disk_of[to_size(o.contact.i)];
     // All walls stand behind the disks: the picture only asks whether it is one.
     const int j = o.contact.j < spheres ? disk_of[to_size(o.contact.j)] : disks;
     if (i < 0 || j < 0) continue;
     if (o.contact.image_x != 0 && !flat.state.cell.periodic()) continue;  // it has no place to end
-    ContactOutcome shown;
+    ContactOutcome<2> shown;
     shown.contact = {i, j, view(o.contact.n), o.contact.gap, o.contact.image_x};
     shown.s_n = o.s_n;
     shown.s_t = o.s_t.norm();
@@ -109,48 +108,48 @@ void add_contacts(const StateIn<3>& state, const View& view, FlatView& flat) {
 
 }  // namespace
 
-FlatView project(const SceneIn<3>& scene, const StateIn<3>& any) {
-  const StateIn<3> state = wrapped_state(any);
+FlatView project(const Scene<3>& scene, const State<3>& any) {
+  const State<3> state = wrapped_state(any);
   const View view = view_of(scene.gravity);
   FlatView flat = frame_of(scene, state, view, std::nullopt);
-  flat.bodies.resize(state.disks.size());
+  flat.bodies.resize(state.bodies.size());
   std::iota(flat.bodies.begin(), flat.bodies.end(), 0);
-  const auto depth = [&](int k) { return view.away.dot(state.disks[to_size(k)].x); };
+  const auto depth = [&](int k) { return view.away.dot(state.bodies[to_size(k)].x); };
   std::stable_sort(flat.bodies.begin(), flat.bodies.end(),
                    [&](int a, int b) { return depth(a) > depth(b); });
   for (const int k : flat.bodies) {
-    const Sphere& s = state.disks[to_size(k)];
+    const Sphere& s = state.bodies[to_size(k)];
     Disk disk;
     disk.x = view(s.x);
     disk.radius = s.radius;
-    flat.state.disks.push_back(disk);
+    flat.state.bodies.push_back(disk);
   }
-  flat.scene.disks = flat.state.disks;
+  flat.scene.bodies = flat.state.bodies;
   add_contacts(state, view, flat);
   return flat;
 }
 
-FlatView slice(const SceneIn<3>& scene, const StateIn<3>& any) {
-  const StateIn<3> state = wrapped_state(any);
+FlatView slice(const Scene<3>& scene, const State<3>& any) {
+  const State<3> state = wrapped_state(any);
   const View view = view_of(scene.gravity);
   double near = kInfinity, far = -kInfinity;
-  for (const Sphere& s : state.disks) {
+  for (const Sphere& s : state.bodies) {
     near = std::min(near, view.away.dot(s.x) - s.radius);
     far = std::max(far, view.away.dot(s.x) + s.radius);
   }
-  const double middle = state.disks.empty() ? 0 : 0.5 * (near + far);
+  const double middle = state.bodies.empty() ? 0 : 0.5 * (near + far);
   FlatView flat = frame_of(scene, state, view, middle);
-  for (std::size_t k = 0; k < state.disks.size(); ++k) {
-    const Sphere& s = state.disks[k];
+  for (std::size_t k = 0; k < state.bodies.size(); ++k) {
+    const Sphere& s = state.bodies[k];
     const double off = view.away.dot(s.x) - middle;
     if (!(std::abs(off) < s.radius)) continue;
     Disk disk;
     disk.x = view(s.x);
     disk.radius = std::sqrt(s.radius * s.radius - off * off);
-    flat.state.disks.push_back(disk);
+    flat.state.bodies.push_back(disk);
     flat.bodies.push_back(static_cast<int>(k));
   }
-  flat.scene.disks = flat.state.disks;
+  flat.scene.bodies = flat.state.bodies;
   add_contacts(state, view, flat);
   return flat;
 }

@@ -9,18 +9,18 @@ namespace bipot {
 
 /// Spheres as disks in a plane, so that the pictures of the plane show them.
 struct FlatView {
-  Scene scene;              ///< step, title and laws; walls that are seen edge-on, and cylinders
-  State state;              ///< disks; contacts between them with the normal forces of space
+  Scene<2> scene;           ///< step, title and laws; walls that are seen edge-on, and cylinders
+  State<2> state;           ///< disks; contacts between them with the normal forces of space
   std::vector<int> bodies;  ///< the sphere that each disk is
 };
 
 /// What one sees along a horizontal line, gravity downwards (without gravity: the third axis
 /// upwards): all spheres, the near ones drawn last, and all contacts. Branches are foreshortened,
 /// the normal forces are not.
-FlatView project(const SceneIn<3>& scene, const StateIn<3>& state);
+FlatView project(const Scene<3>& scene, const State<3>& state);
 
 /// The cut through the middle of the spheres, seen along the same line: each sphere that is cut, as
 /// the disk that it leaves there, and the contacts between two of them or with a wall.
-FlatView slice(const SceneIn<3>& scene, const StateIn<3>& state);
+FlatView slice(const Scene<3>& scene, const State<3>& state);
 
 }  // namespace bipot

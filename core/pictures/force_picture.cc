@@ -16,7 +16,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 #include "core/files/atomic_file.h"
 #include "core/motion/periodic_state.h"
 #include "core/pictures/colour_map.h"
@@ -199,16 +199,16 @@ void draw_mark(cairo_t* c, const Vec2& at) {
 
 class Picture {
  public:
-  Picture(const Scene& scene, const State& state, const std::string& caption,
+  Picture(const Scene<2>& scene, const State<2>& state, const std::string& caption,
           const ForcePictureOptions& options)
       : scene_(scene), state_(state), options_(options), friction_(scene.has_friction()) {
-    box_ = view_box(state.disks, state.walls);
+    box_ = view_box(state.bodies, state.walls);
     for (const auto& [a, b] : cell_outline(state.cell, box_)) {
       box_.include(a);
       box_.include(b);
     }
     double largest = 0;
-    for (const Disk& d : state.disks) largest = std::max(largest, d.radius);
+    for (const Disk& d : state.bodies) largest = std::max(largest, d.radius);
     const double width = std::max(largest * (options.width - 2 * kMargin) / kLargestDisk,
                                   kNarrowest * box_.size()[1]);
     const double height = kFlattest * std::max(width, box_.size()[0]);
@@ -222,9 +222,9 @@ class Picture {
     map_.origin =
         Vec2(corner_[0] - map_.scale * box_.lower[0], corner_[1] + map_.scale * box_.upper[1]);
     bottom_ = corner_[1] + size[1];
-    if (!options.fill.values.empty() && options.fill.values.size() != state.disks.size()) {
-      throw std::invalid_argument(
-          fmt::format("{} values colour {} disks", options.fill.values.size(), state.disks.size()));
+    if (!options.fill.values.empty() && options.fill.values.size() != state.bodies.size()) {
+      throw std::invalid_argument(fmt::format("{} values colour {} disks",
+                                              options.fill.values.size(), state.bodies.size()));
     }
     full_fill_ = options.fill.high;
     if (!(full_fill_ > 0) && !options.fill.values.empty()) {
@@ -260,8 +260,8 @@ class Picture {
   double width_of(double force) const { return widest_ * force / full_force_; }
 
   void collect_segments() {
-    const auto& disks = state_.disks;
-    for (const ContactOutcome& o : state_.contacts) {
+    const auto& disks = state_.bodies;
+    for (const ContactOutcome<2>& o : state_.contacts) {
       Segment s;
       const auto j = static_cast<std::size_t>(o.contact.j);
       const auto [from, to] = drawn_branch(state_, o.contact);
@@ -289,14 +289,14 @@ class Picture {
 
   /// Where contact k touches, in points.
   Vec2 touching_point(int k) const {
-    const Contact& contact = state_.contacts.at(to_size(k)).contact;
-    const Disk& i = state_.disks[to_size(contact.i)];
+    const Contact<2>& contact = state_.contacts.at(to_size(k)).contact;
+    const Disk& i = state_.bodies[to_size(contact.i)];
     return map_(Vec2(i.x - i.radius * contact.n));
   }
 
   void choose_widths() {
     std::vector<double> radii;
-    for (const Disk& d : state_.disks) radii.push_back(map_.scale * d.radius);
+    for (const Disk& d : state_.bodies) radii.push_back(map_.scale * d.radius);
     if (!radii.empty()) {
       const auto middle = radii.begin() + static_cast<std::ptrdiff_t>(radii.size() / 2);
       std::nth_element(radii.begin(), middle, radii.end());
@@ -328,7 +328,7 @@ class Picture {
 
   /// From the centre of mass of each cluster to its disks.
   void draw_joints(cairo_t* c, const Vec2& shift) const {
-    for (const Disk& d : state_.disks) {
+    for (const Disk& d : state_.bodies) {
       if (d.cluster < 0 || (shift != Vec2::Zero() && !near(d.x + shift, d.radius))) continue;
       const Vec2& centre = state_.clusters.bodies[to_size(d.cluster)].x;
       const double width = std::clamp(0.2 * map_.scale * d.radius, 0.6, 6.0);
@@ -339,8 +339,8 @@ class Picture {
   /// The disks, or an image of them as far as it is in the picture.
   void draw_image(cairo_t* c, const Vec2& shift) const {
     const std::vector<double>& fill = options_.fill.values;
-    for (std::size_t k = 0; k < state_.disks.size(); ++k) {
-      const Disk& d = state_.disks[k];
+    for (std::size_t k = 0; k < state_.bodies.size(); ++k) {
+      const Disk& d = state_.bodies[k];
       if (shift != Vec2::Zero() && !near(d.x + shift, d.radius)) continue;
       const Vec2 x = map_(d.x + shift);
       const double radius = map_.scale * d.radius;
@@ -359,14 +359,14 @@ class Picture {
   void draw_walls(cairo_t* c) const {
     const auto lines = wall_lines(state_.walls, box_);
     for (std::size_t k = 0; k < lines.size(); ++k) {
-      const Wall& w = state_.walls[k];
+      const Wall<2>& w = state_.walls[k];
       if (!w.present) continue;
       if (w.is_circle()) {
-        draw_circle(c, map_(w.a), map_.scale * w.radius, w.shape == Wall::Shape::kHollowCircle);
+        draw_circle(c, map_(w.a), map_.scale * w.radius, w.shape == Wall<2>::Shape::kHollowCircle);
         continue;
       }
       const Vec2 a = map_(lines[k].first), b = map_(lines[k].second);
-      if (w.shape == Wall::Shape::kHalfPlane) {
+      if (w.shape == Wall<2>::Shape::kHalfPlane) {
         draw_hatching(c, a, b, Vec2(w.normal[0], -w.normal[1]));
         stroke_line(c, a, b, 2, kWall);
       } else {
@@ -503,11 +503,11 @@ class Picture {
 
   static constexpr double kSample = 44;  // length of the legend's segments
 
-  const Scene& scene_;
-  const State& state_;
+  const Scene<2>& scene_;
+  const State<2>& state_;
   const ForcePictureOptions& options_;
   bool friction_;
-  Box box_;
+  Box<2> box_;
   Mapping map_;
   Vec2 corner_ = Vec2::Zero();
   double bottom_ = 0;
@@ -549,13 +549,14 @@ std::string with_prefix(double value, const std::string& unit) {
                      kPrefixes[static_cast<std::size_t>(index + 4)], unit);
 }
 
-void draw_force_picture(const std::filesystem::path& path, const Scene& scene, const State& state,
-                        const std::string& caption, const ForcePictureOptions& options) {
+void draw_force_picture(const std::filesystem::path& path, const Scene<2>& scene,
+                        const State<2>& state, const std::string& caption,
+                        const ForcePictureOptions& options) {
   const std::string format = path.extension().string();
   if (format != ".svg" && format != ".png") {
     throw FileError(path, "", "the name of a picture ends in .svg or .png");
   }
-  const State inside = state.cell.periodic() ? wrapped_state(state) : State();
+  const State<2> inside = state.cell.periodic() ? wrapped_state(state) : State<2>();
   const Picture picture(scene, state.cell.periodic() ? inside : state, caption, options);
   AtomicFile target(path);
   const double width = options.width, height = picture.height();

@@ -33,8 +33,9 @@ struct ForcePictureOptions {
 /// scene there is one kind. Below: scale bar, force scale, legend and `caption`, whose lines are
 /// wrapped. The name's end, .svg or .png, chooses the format; the drawing is the same.
 /// Throws FileError.
-void draw_force_picture(const std::filesystem::path& path, const Scene& scene, const State& state,
-                        const std::string& caption, const ForcePictureOptions& options = {});
+void draw_force_picture(const std::filesystem::path& path, const Scene<2>& scene,
+                        const State<2>& state, const std::string& caption,
+                        const ForcePictureOptions& options = {});
 
 /// The largest of 1, 2, 5 times a power of ten that is at most x > 0: lengths and forces of scales.
 double round_below(double x);

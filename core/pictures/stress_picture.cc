@@ -21,9 +21,9 @@ double round_above(double x) {
 
 }  // namespace
 
-void draw_stress_picture(const std::filesystem::path& path, const Scene& scene, const State& state,
-                         const std::vector<double>& pressures, const std::string& caption,
-                         ForcePictureOptions options) {
+void draw_stress_picture(const std::filesystem::path& path, const Scene<2>& scene,
+                         const State<2>& state, const std::vector<double>& pressures,
+                         const std::string& caption, ForcePictureOptions options) {
   options.forces = false;
   options.fill.values = pressures;
   options.fill.label = "pressure in the disk";
@@ -41,7 +41,7 @@ double colour_bar_end(std::vector<double> values) {
 }
 
 template <int D>
-std::vector<double> disk_pressures(const StateIn<D>& state, double step) {
+std::vector<double> disk_pressures(const State<D>& state, double step) {
   std::vector<double> pressures;
   for (const auto& stress : disk_stresses<D>(state, step, contact_moments(state))) {
     pressures.push_back(stress.pressure());
@@ -49,7 +49,7 @@ std::vector<double> disk_pressures(const StateIn<D>& state, double step) {
   return pressures;
 }
 
-template std::vector<double> disk_pressures(const State&, double);
-template std::vector<double> disk_pressures(const StateIn<3>&, double);
+template std::vector<double> disk_pressures(const State<2>&, double);
+template std::vector<double> disk_pressures(const State<3>&, double);
 
 }  // namespace bipot

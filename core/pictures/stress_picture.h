@@ -14,9 +14,9 @@ namespace bipot {
 /// `pressures`: of each disk [Pa], for instance disk_pressures(). The bar ends at
 /// options.fill.high, or at colour_bar_end(); what lies beyond has the last colour, and the bar
 /// says so.
-void draw_stress_picture(const std::filesystem::path& path, const Scene& scene, const State& state,
-                         const std::vector<double>& pressures, const std::string& caption,
-                         ForcePictureOptions options = {});
+void draw_stress_picture(const std::filesystem::path& path, const Scene<2>& scene,
+                         const State<2>& state, const std::vector<double>& pressures,
+                         const std::string& caption, ForcePictureOptions options = {});
 
 /// A round number that 98 % of the values are below: few disks carry much more than the others, and
 /// a bar as long as the largest would leave all others pale. 0 where no value is positive.
@@ -24,6 +24,6 @@ double colour_bar_end(std::vector<double> values);
 
 /// Pressure of each disk over its own area, spins from the contacts' moments (stress_tensor.h).
 template <int D>
-std::vector<double> disk_pressures(const StateIn<D>& state, double step);
+std::vector<double> disk_pressures(const State<D>& state, double step);
 
 }  // namespace bipot

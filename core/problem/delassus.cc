@@ -6,10 +6,10 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/large_pages.h"
-#include "core/parallel.h"
+#include "core/base/large_pages.h"
+#include "core/base/parallel.h"
+#include "core/linear/sparse_factor.h"
 #include "core/problem/coulomb_cone.h"
-#include "core/problem/sparse_factor.h"
 
 namespace bipot {
 namespace {

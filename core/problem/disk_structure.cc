@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 namespace {

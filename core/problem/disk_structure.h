@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "core/large_pages.h"
+#include "core/base/large_pages.h"
 #include "core/problem/contact_problem.h"
 
 namespace bipot {

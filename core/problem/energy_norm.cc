@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 
@@ -40,8 +40,8 @@ struct PeriodicCell {
 
 /// A shift or velocity of an image; in space its third component is 0.
 template <int D>
-VecIn<D> in_dimensions(const Vec2& x) {
-  VecIn<D> y = VecIn<D>::Zero();
+Vec<D> in_dimensions(const Vec2& x) {
+  Vec<D> y = Vec<D>::Zero();
   y.template head<2>() = x;
   return y;
 }

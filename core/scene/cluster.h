@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 
@@ -17,7 +17,7 @@ struct Cluster {
   double area = 0;        ///< > 0, of the union of its disks         [m²]
 };
 
-/// The clusters of a scene or a state. A disk that belongs to one (BodyIn::cluster) has no mass of its own;
+/// The clusters of a scene or a state. A disk that belongs to one (Body::cluster) has no mass of its own;
 /// where it is and how it moves follows from its cluster (core/scene/cluster_motion.h).
 struct Clusters {
   std::vector<Cluster> bodies;

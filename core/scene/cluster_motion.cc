@@ -16,7 +16,7 @@ Vec2 turned_arm(const Cluster& cluster, const Vec2& arm) {
 }
 
 template <int D>
-void place_members(const Clusters& clusters, std::vector<BodyIn<D>>& disks) {
+void place_members(const Clusters& clusters, std::vector<Body<D>>& disks) {
   if constexpr (D == 2) {
     if (clusters.empty()) return;
     for (std::size_t i = 0; i < disks.size(); ++i) {
@@ -32,16 +32,16 @@ void place_members(const Clusters& clusters, std::vector<BodyIn<D>>& disks) {
   }
 }
 
-void join_disks(Scene& scene, std::size_t count, const ClusterMass& given) {
-  const std::size_t first = scene.disks.size() - count;
+void join_disks(Scene<2>& scene, std::size_t count, const ClusterMass& given) {
+  const std::size_t first = scene.bodies.size() - count;
   std::vector<Circle> circles;
-  for (std::size_t i = first; i < scene.disks.size(); ++i) {
+  for (std::size_t i = first; i < scene.bodies.size(); ++i) {
     for (const Circle& other : circles) {
-      if (other.centre == scene.disks[i].x) {
+      if (other.centre == scene.bodies[i].x) {
         throw std::invalid_argument("two disks of a cluster have the same centre");
       }
     }
-    circles.push_back({scene.disks[i].x, scene.disks[i].radius});
+    circles.push_back({scene.bodies[i].x, scene.bodies[i].radius});
   }
   const UnionMoments moments = union_moments(circles);
   Cluster body;
@@ -50,24 +50,24 @@ void join_disks(Scene& scene, std::size_t count, const ClusterMass& given) {
   body.mass = given.mass > 0 ? given.mass : given.density * moments.area;
   body.inertia = given.inertia > 0 ? given.inertia : body.mass * moments.polar / moments.area;
   if (count == 1) {
-    Disk& disk = scene.disks.back();
+    Disk& disk = scene.bodies.back();
     const double a = disk.radius;  // to the bit what [[disks]] gives
     disk.mass = given.mass > 0 ? given.mass : given.density * std::numbers::pi * a * a;
     disk.inertia = given.inertia > 0 ? given.inertia : 0.5 * disk.mass * a * a;
-    if (!scene.clusters.empty()) scene.clusters.arms.resize(scene.disks.size(), Vec2::Zero());
+    if (!scene.clusters.empty()) scene.clusters.arms.resize(scene.bodies.size(), Vec2::Zero());
     return;
   }
-  scene.clusters.arms.resize(scene.disks.size(), Vec2::Zero());
-  for (std::size_t i = first; i < scene.disks.size(); ++i) {
-    scene.disks[i].mass = scene.disks[i].inertia = 0;
-    scene.disks[i].cluster = static_cast<int>(scene.clusters.bodies.size());
-    scene.clusters.arms[i] = scene.disks[i].x - body.x;
+  scene.clusters.arms.resize(scene.bodies.size(), Vec2::Zero());
+  for (std::size_t i = first; i < scene.bodies.size(); ++i) {
+    scene.bodies[i].mass = scene.bodies[i].inertia = 0;
+    scene.bodies[i].cluster = static_cast<int>(scene.clusters.bodies.size());
+    scene.clusters.arms[i] = scene.bodies[i].x - body.x;
   }
   scene.clusters.bodies.push_back(body);
 }
 
 template <int D>
-std::string check_cluster_lengths(const std::vector<BodyIn<D>>& disks, const PeriodicCell& cell,
+std::string check_cluster_lengths(const std::vector<Body<D>>& disks, const PeriodicCell& cell,
                                   double eta) {
   const double period = shortest_period(cell);
   std::vector<std::vector<std::size_t>> members;
@@ -89,20 +89,20 @@ std::string check_cluster_lengths(const std::vector<BodyIn<D>>& disks, const Per
 }
 
 template <int D>
-std::string check_clusters(const SceneIn<D>& scene) {
+std::string check_clusters(const Scene<D>& scene) {
   const Clusters& clusters = scene.clusters;
   const int count = static_cast<int>(clusters.bodies.size());
-  for (std::size_t i = 0; i < scene.disks.size(); ++i) {
-    const BodyIn<D>& d = scene.disks[i];
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    const Body<D>& d = scene.bodies[i];
     if (d.cluster < 0) continue;
     if (D == 3) return fmt::format("sphere {}: there are clusters of disks alone", i);
     if (d.cluster >= count) return fmt::format("disk {}: there is no cluster {}", i, d.cluster);
     if (d.wall >= 0) return fmt::format("disk {} is in a cluster and glued to a wall", i);
   }
   if (count == 0) return {};
-  if (clusters.arms.size() != scene.disks.size()) {
+  if (clusters.arms.size() != scene.bodies.size()) {
     return fmt::format("{} arms of clusters for {} disks", clusters.arms.size(),
-                       scene.disks.size());
+                       scene.bodies.size());
   }
   for (int k = 0; k < count; ++k) {
     const Cluster& c = clusters.bodies[to_size(k)];
@@ -116,7 +116,7 @@ std::string check_clusters(const SceneIn<D>& scene) {
     }
   }
   if (scene.cell.periodic()) {
-    if (auto e = check_cluster_lengths<D>(scene.disks, scene.cell, scene.contact_distance);
+    if (auto e = check_cluster_lengths<D>(scene.bodies, scene.cell, scene.contact_distance);
         !e.empty()) {
       return e;
     }
@@ -133,7 +133,7 @@ template std::string check_cluster_lengths<2>(const std::vector<Disk>&, const Pe
                                               double);
 template std::string check_cluster_lengths<3>(const std::vector<Sphere>&, const PeriodicCell&,
                                               double);
-template std::string check_clusters(const Scene&);
-template std::string check_clusters(const SceneIn<3>&);
+template std::string check_clusters(const Scene<2>&);
+template std::string check_clusters(const Scene<3>&);
 
 }  // namespace bipot

@@ -24,7 +24,7 @@ inline void drift(Cluster& cluster, double h) {
 
 /// Puts the disks of the clusters where these are: place, angle, velocity and spin. In space nothing.
 template <int D>
-void place_members(const Clusters& clusters, std::vector<BodyIn<D>>& disks);
+void place_members(const Clusters& clusters, std::vector<Body<D>>& disks);
 
 /// Joins the last `count` disks of a scene, whose place, radius and material are set, to a cluster at rest with the
 /// mass, or density, and inertia given; without inertia, that of their union as a homogeneous body. One disk
@@ -34,15 +34,15 @@ struct ClusterMass {
   double density = 0;  ///< of the union, where no mass is given               [kg/m³]
   double inertia = 0;  ///< about the centre of mass; 0: homogeneous               [kg m²]
 };
-void join_disks(Scene& scene, std::size_t count, const ClusterMass& given);
+void join_disks(Scene<2>& scene, std::size_t count, const ClusterMass& given);
 
 /// Empty where no cluster is so long that it may touch an image of itself, else what is wrong.
 template <int D>
-std::string check_cluster_lengths(const std::vector<BodyIn<D>>& disks, const PeriodicCell& cell,
+std::string check_cluster_lengths(const std::vector<Body<D>>& disks, const PeriodicCell& cell,
                                   double eta);
 
 /// Empty for sound clusters, else one sentence that names the entry and its value.
 template <int D>
-std::string check_clusters(const SceneIn<D>& scene);
+std::string check_clusters(const Scene<D>& scene);
 
 }  // namespace bipot

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "core/parallel.h"
+#include "core/base/parallel.h"
 
 namespace bipot {
 namespace {
@@ -57,7 +57,7 @@ struct Level {
   double cell = 0;
   std::vector<CellEntry> entries;
 
-  typename Grid<D>::PeriodicCell cell_of(const VecIn<D>& x) const {
+  typename Grid<D>::PeriodicCell cell_of(const Vec<D>& x) const {
     constexpr double kMost = Grid<D>::kMaxCell;
     typename Grid<D>::PeriodicCell index;
     for (int k = 0; k < D; ++k) {
@@ -69,11 +69,11 @@ struct Level {
 };
 
 template <int D>
-std::vector<Level<D>> build_levels(std::span<const BodyIn<D>> disks, double eta) {
+std::vector<Level<D>> build_levels(std::span<const Body<D>> disks, double eta) {
   std::vector<Level<D>> levels;
   if (disks.empty()) return levels;
   double smallest = disks[0].radius;
-  for (const BodyIn<D>& d : disks) smallest = std::min(smallest, d.radius);
+  for (const Body<D>& d : disks) smallest = std::min(smallest, d.radius);
   std::vector<std::vector<int>> members;
   for (int i = 0; i < static_cast<int>(disks.size()); ++i) {
     int exponent = 0;
@@ -102,23 +102,23 @@ std::vector<Level<D>> build_levels(std::span<const BodyIn<D>> disks, double eta)
 
 /// True where disks are glued to walls or joined: one test for both, where both are -1.
 template <int D>
-bool any_joined(std::span<const BodyIn<D>> disks) {
+bool any_joined(std::span<const Body<D>> disks) {
   return std::any_of(disks.begin(), disks.end(),
-                     [](const BodyIn<D>& d) { return (d.wall & d.cluster) != -1; });
+                     [](const Body<D>& d) { return (d.wall & d.cluster) != -1; });
 }
 
 /// Of pairs of disks: what is glued to a wall comes second, and two of that kind do not see each other,
 /// nor two of one cluster.
 template <int D>
-void sort_joined(std::span<const BodyIn<D>> disks, std::vector<ContactIn<D>>& contacts) {
-  const auto body = [&](int k) -> const BodyIn<D>& { return disks[to_size(k)]; };
-  const auto is_pair = [&](const ContactIn<D>& c) { return to_size(c.j) < disks.size(); };
-  std::erase_if(contacts, [&](const ContactIn<D>& c) {
+void sort_joined(std::span<const Body<D>> disks, std::vector<Contact<D>>& contacts) {
+  const auto body = [&](int k) -> const Body<D>& { return disks[to_size(k)]; };
+  const auto is_pair = [&](const Contact<D>& c) { return to_size(c.j) < disks.size(); };
+  std::erase_if(contacts, [&](const Contact<D>& c) {
     if (!is_pair(c)) return false;
-    const BodyIn<D>&a = body(c.i), &b = body(c.j);
+    const Body<D>&a = body(c.i), &b = body(c.j);
     return (a.wall >= 0 && b.wall >= 0) || (a.cluster >= 0 && a.cluster == b.cluster);
   });
-  for (ContactIn<D>& c : contacts) {
+  for (Contact<D>& c : contacts) {
     if (!is_pair(c) || body(c.i).wall < 0) continue;
     std::swap(c.i, c.j);
     c.n = -c.n;
@@ -133,11 +133,11 @@ template <int D>
 
 /// Inlined by order: as a call it costs a tenth of the whole detection.
 template <int D>
-[[gnu::always_inline]] inline void test_pair(std::span<const BodyIn<D>> disks, int i, int j,
-                                             double eta, std::vector<ContactIn<D>>& out) {
+[[gnu::always_inline]] inline void test_pair(std::span<const Body<D>> disks, int i, int j,
+                                             double eta, std::vector<Contact<D>>& out) {
   if (i > j) std::swap(i, j);
-  const BodyIn<D>&a = disks[to_size(i)], &b = disks[to_size(j)];
-  const VecIn<D> d = a.x - b.x;
+  const Body<D>&a = disks[to_size(i)], &b = disks[to_size(j)];
+  const Vec<D> d = a.x - b.x;
   const double reach = a.radius + b.radius + eta;
   const double distance2 = d.squaredNorm();
   if (distance2 > reach * reach) return;
@@ -147,8 +147,8 @@ template <int D>
 }
 
 template <int D>
-void test_half_plane(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int j, double eta,
-                     std::vector<ContactIn<D>>& out) {
+void test_half_plane(const Body<D>& disk, int i, const Wall<D>& wall, int j, double eta,
+                     std::vector<Contact<D>>& out) {
   const double gap = wall.normal.dot(disk.x - wall.a) - disk.radius;
   if (gap <= eta && disk.wall < 0) out.push_back({i, j, wall.normal, gap});
 }
@@ -164,8 +164,8 @@ Entries::const_iterator first_from(const Entries& entries, std::uint64_t key) {
 /// cell to the right and the three of each row beside it that comes later. Each pair is met once.
 /// All places that are looked at move on as the entries do.
 template <int D>
-void find_within(std::span<const BodyIn<D>> disks, const Level<D>& level, int begin, int end,
-                 double eta, std::vector<ContactIn<D>>& out) {
+void find_within(std::span<const Body<D>> disks, const Level<D>& level, int begin, int end,
+                 double eta, std::vector<Contact<D>>& out) {
   const Entries& entries = level.entries;
   constexpr auto kRowsAfter = Grid<D>::rows_after();
   std::array<Entries::const_iterator, kRowsAfter.size()> after;
@@ -190,8 +190,8 @@ void find_within(std::span<const BodyIn<D>> disks, const Level<D>& level, int be
 
 /// Contacts of a disk with the entries of three cells side by side, in the middle `cell`.
 template <int D>
-void find_in_row(std::span<const BodyIn<D>> disks, int disk, const Level<D>& coarse,
-                 typename Grid<D>::PeriodicCell cell, double eta, std::vector<ContactIn<D>>& out) {
+void find_in_row(std::span<const Body<D>> disks, int disk, const Level<D>& coarse,
+                 typename Grid<D>::PeriodicCell cell, double eta, std::vector<Contact<D>>& out) {
   const std::uint64_t middle = Grid<D>::key(cell);
   auto it = first_from(coarse.entries, middle - 1);
   for (; it != coarse.entries.end() && it->key <= middle + 1; ++it) {
@@ -201,8 +201,8 @@ void find_in_row(std::span<const BodyIn<D>> disks, int disk, const Level<D>& coa
 
 /// Contacts of the entries [begin, end) of a level with the larger disks of another.
 template <int D>
-void find_between(std::span<const BodyIn<D>> disks, const Level<D>& fine, const Level<D>& coarse,
-                  int begin, int end, double eta, std::vector<ContactIn<D>>& out) {
+void find_between(std::span<const Body<D>> disks, const Level<D>& fine, const Level<D>& coarse,
+                  int begin, int end, double eta, std::vector<Contact<D>>& out) {
   for (int k = begin; k < end; ++k) {
     const int disk = fine.entries[to_size(k)].disk;
     const auto cell = coarse.cell_of(disks[to_size(disk)].x);
@@ -223,40 +223,40 @@ void find_between(std::span<const BodyIn<D>> disks, const Level<D>& fine, const 
 /// Calls find(begin, end, found) for pieces of the items, on threads, and appends what the pieces
 /// found in their order.
 template <int D, class Find>
-void collect(int threads, int items, std::vector<ContactIn<D>>& out, const Find& find) {
-  std::vector<std::vector<ContactIn<D>>> found(to_size((items + kPieceItems - 1) / kPieceItems));
+void collect(int threads, int items, std::vector<Contact<D>>& out, const Find& find) {
+  std::vector<std::vector<Contact<D>>> found(to_size((items + kPieceItems - 1) / kPieceItems));
   run_pieces(threads, items, [&](int begin, int end) {
-    std::vector<ContactIn<D>>& piece = found[to_size(begin / kPieceItems)];
+    std::vector<Contact<D>>& piece = found[to_size(begin / kPieceItems)];
     piece.reserve((D == 2 ? 3 : 6) * to_size(end - begin));
     find(begin, end, piece);
   });
   std::size_t total = out.size();
-  for (const std::vector<ContactIn<D>>& piece : found) total += piece.size();
+  for (const std::vector<Contact<D>>& piece : found) total += piece.size();
   out.reserve(total);
-  for (const std::vector<ContactIn<D>>& piece : found)
+  for (const std::vector<Contact<D>>& piece : found)
     out.insert(out.end(), piece.begin(), piece.end());
 }
 
 /// By i, then by j: counted into the lists of each i, which are short.
 template <int D>
-std::vector<ContactIn<D>> sorted(const std::vector<ContactIn<D>>& contacts, int num_disks) {
+std::vector<Contact<D>> sorted(const std::vector<Contact<D>>& contacts, int num_disks) {
   std::vector<int> start(to_size(num_disks) + 1, 0);
-  for (const ContactIn<D>& c : contacts) ++start[to_size(c.i) + 1];
+  for (const Contact<D>& c : contacts) ++start[to_size(c.i) + 1];
   std::partial_sum(start.begin(), start.end(), start.begin());
   std::vector<int> next(start.begin(), start.end() - 1);
-  std::vector<ContactIn<D>> out(contacts.size());
-  for (const ContactIn<D>& c : contacts) out[to_size(next[to_size(c.i)]++)] = c;
+  std::vector<Contact<D>> out(contacts.size());
+  for (const Contact<D>& c : contacts) out[to_size(next[to_size(c.i)]++)] = c;
   for (int i = 0; i < num_disks; ++i) {
     std::sort(out.begin() + start[to_size(i)], out.begin() + start[to_size(i) + 1],
-              [](const ContactIn<D>& a, const ContactIn<D>& b) { return a.j < b.j; });
+              [](const Contact<D>& a, const Contact<D>& b) { return a.j < b.j; });
   }
   return out;
 }
 
 template <int D>
-std::vector<ContactIn<D>> all_contacts(std::span<const BodyIn<D>> disks,
-                                       std::span<const WallIn<D>> walls, double eta, int threads) {
-  std::vector<ContactIn<D>> contacts;
+std::vector<Contact<D>> all_contacts(std::span<const Body<D>> disks, std::span<const Wall<D>> walls,
+                                     double eta, int threads) {
+  std::vector<Contact<D>> contacts;
   const std::vector<Level<D>> levels = build_levels(disks, eta);
   for (std::size_t fine = 0; fine < levels.size(); ++fine) {
     const int entries = static_cast<int>(levels[fine].entries.size());
@@ -272,11 +272,11 @@ std::vector<ContactIn<D>> all_contacts(std::span<const BodyIn<D>> disks,
   if (any_joined(disks)) sort_joined(disks, contacts);
   const int num_disks = static_cast<int>(disks.size());
   for (int w = 0; w < static_cast<int>(walls.size()); ++w) {
-    const WallIn<D>& wall = walls[to_size(w)];
+    const Wall<D>& wall = walls[to_size(w)];
     if (!wall.present) continue;
     for (int i = 0; i < num_disks; ++i) {
-      const BodyIn<D>& disk = disks[to_size(i)];
-      if (wall.shape == WallIn<D>::Shape::kHalfPlane) {
+      const Body<D>& disk = disks[to_size(i)];
+      if (wall.shape == Wall<D>::Shape::kHalfPlane) {
         test_half_plane<D>(disk, i, wall, num_disks + w, eta, contacts);
       } else {
         find_wall_contact<D>(disk, i, wall, num_disks + w, eta, contacts);
@@ -289,16 +289,16 @@ std::vector<ContactIn<D>> all_contacts(std::span<const BodyIn<D>> disks,
 }  // namespace
 
 template <int D>
-void find_wall_contact(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int j, double eta,
-                       std::vector<ContactIn<D>>& out) {
+void find_wall_contact(const Body<D>& disk, int i, const Wall<D>& wall, int j, double eta,
+                       std::vector<Contact<D>>& out) {
   if (disk.wall >= 0) return;
-  if (wall.shape == WallIn<D>::Shape::kHalfPlane) {
+  if (wall.shape == Wall<D>::Shape::kHalfPlane) {
     test_half_plane<D>(disk, i, wall, j, eta, out);
     return;
   }
   if (wall.is_circle()) {
-    const bool hollow = wall.shape == WallIn<D>::Shape::kHollowCircle;
-    VecIn<D> d = hollow ? VecIn<D>(wall.a - disk.x) : VecIn<D>(disk.x - wall.a);
+    const bool hollow = wall.shape == Wall<D>::Shape::kHollowCircle;
+    Vec<D> d = hollow ? Vec<D>(wall.a - disk.x) : Vec<D>(disk.x - wall.a);
     if constexpr (D == 3) d -= d.dot(wall.normal) * wall.normal;
     const double distance = d.norm();
     const double gap = (hollow ? wall.radius - distance : distance - wall.radius) - disk.radius;
@@ -312,9 +312,9 @@ void find_wall_contact(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int 
     out.push_back({i, j, d / distance, gap});
     return;
   }
-  const VecIn<D> along = wall.b - wall.a;
+  const Vec<D> along = wall.b - wall.a;
   const double t = std::clamp((disk.x - wall.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
-  const VecIn<D> d = disk.x - (wall.a + t * along);
+  const Vec<D> d = disk.x - (wall.a + t * along);
   const double distance = d.norm();
   if (distance - disk.radius > eta) return;
   if (distance == 0) {
@@ -326,15 +326,15 @@ void find_wall_contact(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int 
 }
 
 template <int D>
-std::vector<ContactIn<D>> detect_contacts(std::span<const BodyIn<D>> disks,
-                                          std::span<const WallIn<D>> walls, double eta,
-                                          int threads) {
+std::vector<Contact<D>> detect_contacts(std::span<const Body<D>> disks,
+                                        std::span<const Wall<D>> walls, double eta, int threads) {
   return all_contacts(disks, walls, eta, threads);
 }
 
-template void find_wall_contact(const Disk&, int, const Wall&, int, double, std::vector<Contact>&);
-template void find_wall_contact(const Sphere&, int, const WallIn<3>&, int, double,
-                                std::vector<ContactIn<3>>&);
+template void find_wall_contact(const Disk&, int, const Wall<2>&, int, double,
+                                std::vector<Contact<2>>&);
+template void find_wall_contact(const Sphere&, int, const Wall<3>&, int, double,
+                                std::vector<Contact<3>>&);
 
 namespace {
 
@@ -347,8 +347,8 @@ constexpr int kWorthwhile = 3, kPause = 16;
 }  // namespace
 
 template <int D>
-bool KeptContactsIn<D>::hold(std::span<const BodyIn<D>> disks, std::span<const WallIn<D>> walls,
-                             double eta) const {
+bool KeptContacts<D>::hold(std::span<const Body<D>> disks, std::span<const Wall<D>> walls,
+                           double eta) const {
   if (disks_.empty() || disks.size() != disks_.size() || walls.size() != walls_.size() ||
       eta != eta_) {
     return false;
@@ -359,7 +359,7 @@ bool KeptContactsIn<D>::hold(std::span<const BodyIn<D>> disks, std::span<const W
     if (!((disks[k].x - disks_[k].x).squaredNorm() < most2)) return false;
   }
   for (std::size_t k = 0; k < walls.size(); ++k) {
-    const WallIn<D>&now = walls[k], &then = walls_[k];
+    const Wall<D>&now = walls[k], &then = walls_[k];
     if (now.shape != then.shape || now.normal != then.normal || now.radius != then.radius ||
         now.present != then.present) {
       return false;
@@ -371,27 +371,27 @@ bool KeptContactsIn<D>::hold(std::span<const BodyIn<D>> disks, std::span<const W
 }
 
 template <int D>
-void KeptContactsIn<D>::keep(std::span<const BodyIn<D>> disks, std::span<const WallIn<D>> walls,
-                             double eta, int threads) {
+void KeptContacts<D>::keep(std::span<const Body<D>> disks, std::span<const Wall<D>> walls,
+                           double eta, int threads) {
   disks_.clear();  // no list, should the search throw
   double smallest = kInfinity;
-  for (const BodyIn<D>& d : disks) smallest = std::min(smallest, d.radius);
+  for (const Body<D>& d : disks) smallest = std::min(smallest, d.radius);
   skin_ = kSkin * smallest;
   pairs_.clear();
-  for (const ContactIn<D>& c : all_contacts(disks, walls, eta + skin_, threads)) {
+  for (const Contact<D>& c : all_contacts(disks, walls, eta + skin_, threads)) {
     pairs_.push_back({c.i, c.j});
   }
   disks_.reserve(disks.size());
-  for (const BodyIn<D>& d : disks) disks_.push_back({d.x, d.radius});
+  for (const Body<D>& d : disks) disks_.push_back({d.x, d.radius});
   walls_.assign(walls.begin(), walls.end());
   eta_ = eta;
   lasted_ = 0;
 }
 
 template <int D>
-std::vector<ContactIn<D>> KeptContactsIn<D>::operator()(std::span<const BodyIn<D>> disks,
-                                                        std::span<const WallIn<D>> walls,
-                                                        double eta, int threads) {
+std::vector<Contact<D>> KeptContacts<D>::operator()(std::span<const Body<D>> disks,
+                                                    std::span<const Wall<D>> walls, double eta,
+                                                    int threads) {
   if (!hold(disks, walls, eta)) {
     if (!disks_.empty() && lasted_ < kWorthwhile) pause_ = kPause;
     disks_.clear();
@@ -408,10 +408,10 @@ std::vector<ContactIn<D>> KeptContactsIn<D>::operator()(std::span<const BodyIn<D
     }
   }
   ++lasted_;
-  std::vector<ContactIn<D>> contacts;
+  std::vector<Contact<D>> contacts;
   const int num_disks = static_cast<int>(disks.size());
   collect(threads, static_cast<int>(pairs_.size()), contacts,
-          [&](int begin, int end, std::vector<ContactIn<D>>& found) {
+          [&](int begin, int end, std::vector<Contact<D>>& found) {
             for (int k = begin; k < end; ++k) {
               const Pair& pair = pairs_[to_size(k)];
               if (pair.j < num_disks) {
@@ -426,12 +426,12 @@ std::vector<ContactIn<D>> KeptContactsIn<D>::operator()(std::span<const BodyIn<D
   return contacts;
 }
 
-template class KeptContactsIn<2>;
-template class KeptContactsIn<3>;
+template class KeptContacts<2>;
+template class KeptContacts<3>;
 
-template std::vector<Contact> detect_contacts<2>(std::span<const Disk>, std::span<const Wall>,
-                                                 double, int);
-template std::vector<ContactIn<3>> detect_contacts<3>(std::span<const Sphere>,
-                                                      std::span<const WallIn<3>>, double, int);
+template std::vector<Contact<2>> detect_contacts<2>(std::span<const Disk>, std::span<const Wall<2>>,
+                                                    double, int);
+template std::vector<Contact<3>> detect_contacts<3>(std::span<const Sphere>,
+                                                    std::span<const Wall<3>>, double, int);
 
 }  // namespace bipot

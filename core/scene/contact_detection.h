@@ -15,56 +15,54 @@ namespace bipot {
 /// Deterministic, with the same bits for any number of threads. Throws std::invalid_argument for
 /// disks with coincident centres (no normal).
 template <int D>
-std::vector<ContactIn<D>> detect_contacts(std::span<const BodyIn<D>> disks,
-                                          std::span<const WallIn<D>> walls, double eta,
-                                          int threads = 1);
-inline std::vector<Contact> detect_contacts(std::span<const Disk> disks,
-                                            std::span<const Wall> walls, double eta,
-                                            int threads = 1) {
+std::vector<Contact<D>> detect_contacts(std::span<const Body<D>> disks,
+                                        std::span<const Wall<D>> walls, double eta,
+                                        int threads = 1);
+inline std::vector<Contact<2>> detect_contacts(std::span<const Disk> disks,
+                                               std::span<const Wall<2>> walls, double eta,
+                                               int threads = 1) {
   return detect_contacts<2>(disks, walls, eta, threads);
 }
 
 /// Appends the contact of disk i with the wall of body number j where its gap is at most eta.
 template <int D>
-void find_wall_contact(const BodyIn<D>& disk, int i, const WallIn<D>& wall, int j, double eta,
-                       std::vector<ContactIn<D>>& out);
+void find_wall_contact(const Body<D>& disk, int i, const Wall<D>& wall, int j, double eta,
+                       std::vector<Contact<D>>& out);
 
 /// Appends the contact of disk i with the wall of body number j where its gap is at most eta.
-void find_wall_contact(const Disk& disk, int i, const Wall& wall, int j, double eta,
-                       std::vector<Contact>& out);
+void find_wall_contact(const Disk& disk, int i, const Wall<2>& wall, int j, double eta,
+                       std::vector<Contact<2>>& out);
 
 /// The contacts of the same bodies step after step, bit for bit those of detect_contacts(), without
 /// a search at each: pairs up to a skin farther apart than eta are kept, and only their gaps are
 /// computed anew, for as long as nothing has moved by more than half the skin since the search
 /// (Verlet 1967). Where bodies move so fast that lists do not last, it searches at each step.
 template <int D>
-class KeptContactsIn {
+class KeptContacts {
  public:
-  std::vector<ContactIn<D>> operator()(std::span<const BodyIn<D>> disks,
-                                       std::span<const WallIn<D>> walls, double eta,
-                                       int threads = 1);
+  std::vector<Contact<D>> operator()(std::span<const Body<D>> disks, std::span<const Wall<D>> walls,
+                                     double eta, int threads = 1);
   int searches() const { return searches_; }
 
  private:
-  bool hold(std::span<const BodyIn<D>> disks, std::span<const WallIn<D>> walls, double eta) const;
-  void keep(std::span<const BodyIn<D>> disks, std::span<const WallIn<D>> walls, double eta,
+  bool hold(std::span<const Body<D>> disks, std::span<const Wall<D>> walls, double eta) const;
+  void keep(std::span<const Body<D>> disks, std::span<const Wall<D>> walls, double eta,
             int threads);
 
   struct Pair {
     int i, j;
   };
   struct Place {
-    VecIn<D> x;
+    Vec<D> x;
     double radius;
   };
   std::vector<Pair> pairs_;   // sorted by (i, j)
   std::vector<Place> disks_;  // at the search; none: there is no list
-  std::vector<WallIn<D>> walls_;
+  std::vector<Wall<D>> walls_;
   double eta_ = 0, skin_ = 0;
   int lasted_ = 0;  // calls that the list has served
   int pause_ = 0;   // calls to come that make no list
   int searches_ = 0;
 };
-using KeptContacts = KeptContactsIn<2>;
 
 }  // namespace bipot

@@ -4,14 +4,14 @@
 #include <array>
 #include <cmath>
 
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 
 /// What acts along a contact's tangents (an impulse, a velocity): its component along t = e3 x n in
 /// the plane; the whole vector, across n, in space, where no one tangent is special.
 template <int D>
-using TangentIn = std::conditional_t<D == 2, double, Vec3>;
+using Tangent = std::conditional_t<D == 2, double, Vec3>;
 
 /// The local frame of a contact with unit normal n, right-handed: (n, t), t = e3 x n, in the plane;
 /// (n, t1, t2), t2 = n x t1, in space. There t1 is that of Duff et al., "Building an Orthonormal
@@ -19,7 +19,7 @@ using TangentIn = std::conditional_t<D == 2, double, Vec3>;
 /// to rounding everywhere; it jumps where n_z changes its sign, so that nothing may be carried from
 /// step to step in components along t1 and t2.
 template <int D>
-std::array<VecIn<D>, to_size(D)> contact_frame(const VecIn<D>& n) {
+std::array<Vec<D>, to_size(D)> contact_frame(const Vec<D>& n) {
   if constexpr (D == 2) {
     return {n, Vec2(-n[1], n[0])};
   } else {
@@ -42,9 +42,9 @@ inline double magnitude(const Vec3& x) { return x.norm(); }
 inline double turning(const Vec2& /*n*/, double along) { return along; }
 inline Vec3 turning(const Vec3& n, const Vec3& vector) { return n.cross(vector); }
 
-/// Zero of a SpinIn or TangentIn.
+/// Zero of a Spin or Tangent.
 template <int D>
-SpinIn<D> no_turn() {
+Spin<D> no_turn() {
   if constexpr (D == 2) {
     return 0.0;
   } else {

@@ -13,7 +13,7 @@ bool is_positive(double x) { return std::isfinite(x) && x > 0; }
 }  // namespace
 
 template <int D>
-std::string check_outlet(const OutletIn<D>& outlet) {
+std::string check_outlet(const Outlet<D>& outlet) {
   if (outlet.box) {
     const bool sound = outlet.lower.allFinite() && outlet.upper.allFinite() &&
                        (outlet.lower.array() < outlet.upper.array()).all();
@@ -24,7 +24,7 @@ std::string check_outlet(const OutletIn<D>& outlet) {
 }
 
 template <int D>
-std::string check_inlet(const InletIn<D>& inlet, int materials) {
+std::string check_inlet(const Inlet<D>& inlet, int materials) {
   const auto defect = [&](const std::string& what) {
     return fmt::format("inlet '{}': {}", inlet.name, what);
   };
@@ -56,9 +56,9 @@ std::string check_inlet(const InletIn<D>& inlet, int materials) {
   return {};
 }
 
-template std::string check_outlet(const OutletIn<2>&);
-template std::string check_outlet(const OutletIn<3>&);
-template std::string check_inlet(const InletIn<2>&, int);
-template std::string check_inlet(const InletIn<3>&, int);
+template std::string check_outlet(const Outlet<2>&);
+template std::string check_outlet(const Outlet<3>&);
+template std::string check_inlet(const Inlet<2>&, int);
+template std::string check_inlet(const Inlet<3>&, int);
 
 }  // namespace bipot

@@ -3,57 +3,55 @@
 #include <string>
 #include <vector>
 
+#include "core/base/types.h"
 #include "core/scene/contact_frame.h"
-#include "core/types.h"
 
 namespace bipot {
 
 /// Where bodies leave the scene: a half-plane (in space a half-space), or a box along the axes. A body whose
 /// centre lies in it at the end of a step takes no part in the next one.
 template <int D>
-struct OutletIn {
-  using Vec = VecIn<D>;
+struct Outlet {
   std::string name;
   bool box = false;
-  Vec point = Vec::Zero();                       ///< half-planes: on the edge                 [m]
-  Vec normal = Vec::Unit(D - 1);                 ///< half-planes: unit, out of the outlet
-  Vec lower = Vec::Zero(), upper = Vec::Zero();  ///< boxes, edges included                    [m]
+  Vec<D> point = Vec<D>::Zero();        ///< half-planes: on the edge                 [m]
+  Vec<D> normal = Vec<D>::Unit(D - 1);  ///< half-planes: unit, out of the outlet
+  Vec<D> lower = Vec<D>::Zero(),
+         upper = Vec<D>::Zero();  ///< boxes, edges included                    [m]
 
-  bool takes(const Vec& x) const {
+  bool takes(const Vec<D>& x) const {
     if (!box) return normal.dot(x - point) <= 0;
     return (x.array() >= lower.array()).all() && (x.array() <= upper.array()).all();
   }
 };
-using Outlet = OutletIn<2>;
 
 /// Where bodies come in: the k-th (k = 0, 1, ...) is due at starts + k / rate. It appears, with the given
 /// velocity, at a place in the box that is drawn until there is room for it; where there is none it waits for
 /// the next step, and all that come after it do too. What is drawn depends on the seed, k and the step alone.
 template <int D>
-struct InletIn {
-  using Vec = VecIn<D>;
+struct Inlet {
   std::string name;
-  Vec lower = Vec::Zero(), upper = Vec::Zero();  ///< bodies appear wholly inside              [m]
-  double rate = 0;                               ///< > 0                                     [1/s]
-  std::vector<double> radii;                     ///< one of each class, > 0                   [m]
-  std::vector<double> shares;                    ///< probability of each class, relative
-  double mass = 0;                               ///< of each body; 0: by density             [kg]
-  double density = 0;                            ///< where no mass is given     [kg/m³]
-  double inertia = 0;                            ///< of each body; 0: homogeneous         [kg m²]
-  Vec v = Vec::Zero();                           ///< [m/s]
-  SpinIn<D> spin = no_turn<D>();                 ///< [rad/s]
+  Vec<D> lower = Vec<D>::Zero(),
+         upper = Vec<D>::Zero();  ///< bodies appear wholly inside              [m]
+  double rate = 0;                ///< > 0                                     [1/s]
+  std::vector<double> radii;      ///< one of each class, > 0                   [m]
+  std::vector<double> shares;     ///< probability of each class, relative
+  double mass = 0;                ///< of each body; 0: by density             [kg]
+  double density = 0;             ///< where no mass is given     [kg/m³]
+  double inertia = 0;             ///< of each body; 0: homogeneous         [kg m²]
+  Vec<D> v = Vec<D>::Zero();      ///< [m/s]
+  Spin<D> spin = no_turn<D>();    ///< [rad/s]
   int material = 0;
   int seed = 1;
   int count = -1;            ///< no more than so many; -1: no limit
   double starts = 0;         ///< [s]
   double stops = kInfinity;  ///< from then on nothing comes, nor what waits                   [s]
 };
-using Inlet = InletIn<2>;
 
 /// Empty for sound gates, else one sentence that names the entry and its value.
 template <int D>
-std::string check_outlet(const OutletIn<D>& outlet);
+std::string check_outlet(const Outlet<D>& outlet);
 template <int D>
-std::string check_inlet(const InletIn<D>& inlet, int materials);
+std::string check_inlet(const Inlet<D>& inlet, int materials);
 
 }  // namespace bipot

@@ -5,26 +5,26 @@
 #include <utility>
 #include <vector>
 
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 
 /// What mass may cross: a line in the plane, a plane face in space.
 template <int D>
-struct CrossingIn;
+struct FluxSurface;
 
 /// A line. Flux is positive to its left, seen from a to b.
 template <>
-struct CrossingIn<2> {
+struct FluxSurface<2> {
   std::string name;
   Vec2 a = Vec2::Zero(), b = Vec2::Zero();  ///< different                              [m]
 };
-using FluxLine = CrossingIn<2>;
+using FluxLine = FluxSurface<2>;
 
 /// A face: a disk, a rectangle, or the plane without ends, in a periodic cell what of it lies in the cell. Flux is
 /// positive along the normal.
 template <>
-struct CrossingIn<3> {
+struct FluxSurface<3> {
   enum class Shape { kPlane, kDisk, kRectangle };
   std::string name;
   Shape shape = Shape::kPlane;
@@ -34,7 +34,7 @@ struct CrossingIn<3> {
   Vec3 along = Vec3::UnitX();   ///< of the first side of a rectangle: unit, across the normal
   Vec2 size = Vec2::Zero();     ///< of a rectangle: its sides, > 0                      [m]
 };
-using FluxFace = CrossingIn<3>;
+using FluxFace = FluxSurface<3>;
 
 /// Bins across one axis, equal in width.
 struct ProfileChoice {
@@ -45,17 +45,16 @@ struct ProfileChoice {
 
 /// What a run measures besides its ledger (core/observables); nothing where it is not asked for.
 template <int D>
-struct ObservableChoiceIn {
+struct ObservableChoice {
   int every = 10;     ///< steps between measurements, > 0
   double starts = 0;  ///< averages begin here                                          [s]
   /// Rectangle, in space box, that everything but flux is measured in; else the whole sample. [m]
-  std::optional<std::pair<VecIn<D>, VecIn<D>>> window;
+  std::optional<std::pair<Vec<D>, Vec<D>>> window;
   std::optional<ProfileChoice> profile;
-  std::vector<CrossingIn<D>> crossings;
+  std::vector<FluxSurface<D>> crossings;
   int force_bins = 30;  ///< of the distribution of normal forces, > 0
   double force_limit =
       6;  ///< its end, in mean forces, > 0; what is beyond is counted in the last bin
 };
-using ObservableChoice = ObservableChoiceIn<2>;
 
 }  // namespace bipot

@@ -16,7 +16,7 @@ namespace {
 /// The disks in the cell (0, 0), followed by those images of them that can touch one.
 template <int D>
 struct CellCopy {
-  std::vector<BodyIn<D>> disks;
+  std::vector<Body<D>> bodies;
   std::vector<int> original;      // of each disk in the list
   std::vector<CellNumber> image;  // of each disk in the list: it was moved by shift(image)
 };
@@ -24,15 +24,15 @@ struct CellCopy {
 /// Images by half of the lattice, (kx, 0) with kx > 0 and (any, 1): of two disks that touch across
 /// the cell's edge one has the other's image beside it, and only one.
 template <int D>
-CellCopy<D> copy_with_images(const std::vector<BodyIn<D>>& disks, const PeriodicCell& cell,
+CellCopy<D> copy_with_images(const std::vector<Body<D>>& disks, const PeriodicCell& cell,
                              double eta) {
   CellCopy<D> copy;
   double largest = 0;
-  for (const BodyIn<D>& d : disks) largest = std::max(largest, d.radius);
+  for (const Body<D>& d : disks) largest = std::max(largest, d.radius);
   for (std::size_t k = 0; k < disks.size(); ++k) {
     const CellNumber number = cell_number(cell, disks[k].x.template head<2>());
-    copy.disks.push_back(disks[k]);
-    copy.disks.back().x -= in_dimensions<D>(cell.shift(number.kx, number.ky));
+    copy.bodies.push_back(disks[k]);
+    copy.bodies.back().x -= in_dimensions<D>(cell.shift(number.kx, number.ky));
     copy.original.push_back(static_cast<int>(k));
     copy.image.push_back({-number.kx, -number.ky});
   }
@@ -42,15 +42,15 @@ CellCopy<D> copy_with_images(const std::vector<BodyIn<D>>& disks, const Periodic
   const std::size_t count = disks.size();
   for (int ky = 0; ky <= (cell.in_y ? 1 : 0); ++ky) {
     for (int kx = (ky == 0 ? 1 : -whole - 2); kx <= (ky == 0 ? 1 : -whole + 1); ++kx) {
-      const VecIn<D> shift = in_dimensions<D>(cell.shift(kx, ky));
+      const Vec<D> shift = in_dimensions<D>(cell.shift(kx, ky));
       for (std::size_t k = 0; k < count; ++k) {
-        BodyIn<D> image = copy.disks[k];
+        Body<D> image = copy.bodies[k];
         image.x += shift;
         const double reach = image.radius + largest + eta;
         const Vec2 beyond(image.x[0] - cell.width.length,
                           cell.in_y ? image.x[1] - cell.height.length : 0.0);
         if (beyond[0] > reach || image.x[0] < -reach || beyond[1] > reach) continue;
-        copy.disks.push_back(image);
+        copy.bodies.push_back(image);
         copy.original.push_back(copy.original[k]);
         copy.image.push_back({copy.image[k].kx + kx, copy.image[k].ky + ky});
       }
@@ -61,14 +61,14 @@ CellCopy<D> copy_with_images(const std::vector<BodyIn<D>>& disks, const Periodic
 
 /// The pair by original numbers, the smaller one first; the image is that of j as seen from i.
 template <int D>
-ContactIn<D> between_originals(const ContactIn<D>& found, const CellCopy<D>& copy) {
+Contact<D> between_originals(const Contact<D>& found, const CellCopy<D>& copy) {
   const std::size_t a = to_size(found.i), b = to_size(found.j);
-  ContactIn<D> contact = found;
+  Contact<D> contact = found;
   contact.i = copy.original[a];
   contact.j = copy.original[b];
   contact.image_x = copy.image[b].kx - copy.image[a].kx;
   contact.image_y = copy.image[b].ky - copy.image[a].ky;
-  if (contact.i < contact.j || copy.disks[b].wall >= 0) return contact;
+  if (contact.i < contact.j || copy.bodies[b].wall >= 0) return contact;
   std::swap(contact.i, contact.j);
   contact.n = -contact.n;
   contact.image_x = -contact.image_x;
@@ -77,29 +77,29 @@ ContactIn<D> between_originals(const ContactIn<D>& found, const CellCopy<D>& cop
 }
 
 template <int D>
-VecIn<D> middle_of(const WallIn<D>& wall) {
-  return wall.shape == WallIn<D>::Shape::kSegment ? VecIn<D>(0.5 * (wall.a + wall.b)) : wall.a;
+Vec<D> middle_of(const Wall<D>& wall) {
+  return wall.shape == Wall<D>::Shape::kSegment ? Vec<D>(0.5 * (wall.a + wall.b)) : wall.a;
 }
 
 /// Contacts of the disks with one wall, the image with the smallest gap of each.
 template <int D>
-void find_at_wall(const std::vector<BodyIn<D>>& disks, const WallIn<D>& wall, int j,
-                  const PeriodicCell& cell, double eta, std::vector<ContactIn<D>>& out) {
+void find_at_wall(const std::vector<Body<D>>& disks, const Wall<D>& wall, int j,
+                  const PeriodicCell& cell, double eta, std::vector<Contact<D>>& out) {
   if (!wall.present) return;
-  std::vector<ContactIn<D>> found;
+  std::vector<Contact<D>> found;
   for (std::size_t i = 0; i < disks.size(); ++i) {
     if (disks[i].wall >= 0) continue;
     found.clear();
-    if (wall.shape == WallIn<D>::Shape::kHalfPlane) {
+    if (wall.shape == Wall<D>::Shape::kHalfPlane) {
       find_wall_contact<D>(disks[i], static_cast<int>(i), wall, j, eta, found);
     } else {
-      const VecIn<D> from = disks[i].x - middle_of(wall);
+      const Vec<D> from = disks[i].x - middle_of(wall);
       const int ky = cell.in_y ? static_cast<int>(std::lround(from[1] / cell.height.length)) : 0;
       const int kx =
           static_cast<int>(std::lround((from[0] - ky * cell.offset.length) / cell.width.length));
       for (int dy = cell.in_y ? -1 : 0; dy <= (cell.in_y ? 1 : 0); ++dy) {
         for (int dx = -1; dx <= 1; ++dx) {
-          BodyIn<D> seen = disks[i];
+          Body<D> seen = disks[i];
           seen.x -= in_dimensions<D>(cell.shift(kx + dx, ky + dy));
           const std::size_t before = found.size();
           find_wall_contact<D>(seen, static_cast<int>(i), wall, j, eta, found);
@@ -118,12 +118,12 @@ void find_at_wall(const std::vector<BodyIn<D>>& disks, const WallIn<D>& wall, in
 }  // namespace
 
 template <int D>
-std::vector<ContactIn<D>> detect_periodic_contacts(const std::vector<BodyIn<D>>& disks,
-                                                   const std::vector<WallIn<D>>& walls,
-                                                   const PeriodicCell& cell, double eta,
-                                                   int threads) {
+std::vector<Contact<D>> detect_periodic_contacts(const std::vector<Body<D>>& disks,
+                                                 const std::vector<Wall<D>>& walls,
+                                                 const PeriodicCell& cell, double eta,
+                                                 int threads) {
   double largest = 0;
-  for (const BodyIn<D>& d : disks) largest = std::max(largest, d.radius);
+  for (const Body<D>& d : disks) largest = std::max(largest, d.radius);
   if (!(shortest_period(cell) > 4 * largest + 2 * eta)) {
     throw std::invalid_argument(fmt::format(
         "the cell repeats itself after {:.6g} m: it must be longer than two of the largest "
@@ -134,9 +134,9 @@ std::vector<ContactIn<D>> detect_periodic_contacts(const std::vector<BodyIn<D>>&
     throw std::invalid_argument(e);
   }
   const CellCopy<D> copy = copy_with_images<D>(disks, cell, eta);
-  std::vector<ContactIn<D>> contacts;
+  std::vector<Contact<D>> contacts;
   const int count = static_cast<int>(disks.size());
-  for (const ContactIn<D>& found : detect_contacts<D>(copy.disks, {}, eta, threads)) {
+  for (const Contact<D>& found : detect_contacts<D>(copy.bodies, {}, eta, threads)) {
     if (found.i >= count && found.j >= count)
       continue;  // both are images: their originals are met as well
     contacts.push_back(between_originals<D>(found, copy));
@@ -149,11 +149,11 @@ std::vector<ContactIn<D>> detect_periodic_contacts(const std::vector<BodyIn<D>>&
   return contacts;
 }
 
-template std::vector<Contact> detect_periodic_contacts(const std::vector<Disk>&,
-                                                       const std::vector<Wall>&,
-                                                       const PeriodicCell&, double, int);
-template std::vector<ContactIn<3>> detect_periodic_contacts(const std::vector<Sphere>&,
-                                                            const std::vector<WallIn<3>>&,
-                                                            const PeriodicCell&, double, int);
+template std::vector<Contact<2>> detect_periodic_contacts(const std::vector<Disk>&,
+                                                          const std::vector<Wall<2>>&,
+                                                          const PeriodicCell&, double, int);
+template std::vector<Contact<3>> detect_periodic_contacts(const std::vector<Sphere>&,
+                                                          const std::vector<Wall<3>>&,
+                                                          const PeriodicCell&, double, int);
 
 }  // namespace bipot

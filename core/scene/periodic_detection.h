@@ -16,9 +16,9 @@ namespace bipot {
 /// circles the image with the smallest gap counts. O(N log N), deterministic for any number of
 /// threads.
 template <int D>
-std::vector<ContactIn<D>> detect_periodic_contacts(const std::vector<BodyIn<D>>& disks,
-                                                   const std::vector<WallIn<D>>& walls,
-                                                   const PeriodicCell& cell, double eta,
-                                                   int threads = 1);
+std::vector<Contact<D>> detect_periodic_contacts(const std::vector<Body<D>>& disks,
+                                                 const std::vector<Wall<D>>& walls,
+                                                 const PeriodicCell& cell, double eta,
+                                                 int threads = 1);
 
 }  // namespace bipot

@@ -39,7 +39,7 @@ std::string check_turn(const Sphere& s, std::size_t i) {
 }
 
 template <int D>
-std::string check_body(const BodyIn<D>& d, std::size_t i, int materials) {
+std::string check_body(const Body<D>& d, std::size_t i, int materials) {
   const char* what = kBodyName<D>;
   if (auto e = check_finite(what, i, "position", d.x); !e.empty()) return e;
   if (auto e = check_finite(what, i, "velocity", d.v); !e.empty()) return e;
@@ -66,10 +66,10 @@ std::string check_unit(const char* field, std::size_t i, const Vec& x) {
 }
 
 template <int D>
-std::string check_wall(const WallIn<D>& w, std::size_t i, int materials) {
+std::string check_wall(const Wall<D>& w, std::size_t i, int materials) {
   if (auto e = check_finite("wall", i, "point", w.a); !e.empty()) return e;
   if (auto e = check_finite("wall", i, "velocity", w.v); !e.empty()) return e;
-  if (w.shape == WallIn<D>::Shape::kSegment) {
+  if (w.shape == Wall<D>::Shape::kSegment) {
     if (auto e = check_finite("wall", i, "end point", w.b); !e.empty()) return e;
     if (w.a == w.b) return fmt::format("wall {}: the segment's two ends coincide", i);
   } else if (w.is_circle()) {
@@ -81,7 +81,7 @@ std::string check_wall(const WallIn<D>& w, std::size_t i, int materials) {
   } else if (auto e = check_unit("normal", i, w.normal); !e.empty()) {
     return e;
   }
-  if (w.motion == WallIn<D>::Motion::kDriven) {
+  if (w.motion == Wall<D>::Motion::kDriven) {
     if (auto e = check_positive("wall", i, "mass", w.mass); !e.empty()) return e;
     if (auto e = check_unit("direction", i, w.direction); !e.empty()) return e;
     if (!std::isfinite(w.force)) {
@@ -104,13 +104,13 @@ std::string check_wall(const WallIn<D>& w, std::size_t i, int materials) {
 
 /// A wall that turns would carry its disks around, one that goes leaves them behind: neither is there.
 template <int D>
-std::string check_glued(const SceneIn<D>& scene, std::size_t i) {
-  const int w = scene.disks[i].wall;
+std::string check_glued(const Scene<D>& scene, std::size_t i) {
+  const int w = scene.bodies[i].wall;
   if (w < 0) return {};
   if (w >= static_cast<int>(scene.walls.size())) {
     return fmt::format("{} {}: there is no wall {}", kBodyName<D>, i, w);
   }
-  const WallIn<D>& wall = scene.walls[to_size(w)];
+  const Wall<D>& wall = scene.walls[to_size(w)];
   if (wall.spin == 0 && wall.removed == kInfinity) return {};
   return fmt::format("{} {} is glued to wall '{}', which turns or is removed", kBodyName<D>, i,
                      wall.name);
@@ -118,13 +118,13 @@ std::string check_glued(const SceneIn<D>& scene, std::size_t i) {
 
 /// What a periodic scene may have besides its bodies.
 template <int D>
-std::string check_periodic(const SceneIn<D>& scene) {
+std::string check_periodic(const Scene<D>& scene) {
   const PeriodicCell& cell = scene.cell;
   if (!cell.periodic()) return {};
   if (auto e = check_cell(cell); !e.empty()) return e;
   if (D == 3 && cell.deforms()) return "cell: in space it cannot deform";
   double largest = 0;
-  for (const BodyIn<D>& d : scene.disks) largest = std::max(largest, d.radius);
+  for (const Body<D>& d : scene.bodies) largest = std::max(largest, d.radius);
   if (!(shortest_period(cell) > 4 * largest + 2 * scene.contact_distance)) {
     return fmt::format(
         "the cell repeats itself after {} m: it must be longer than two of the largest diameters, "
@@ -135,8 +135,8 @@ std::string check_periodic(const SceneIn<D>& scene) {
     return "gravity has no place in a cell that is periodic in x and y: gravity = [0, 0]";
   }
   for (std::size_t w = 0; w < scene.walls.size(); ++w) {
-    const WallIn<D>& wall = scene.walls[w];
-    const bool plane = wall.shape == WallIn<D>::Shape::kHalfPlane;
+    const Wall<D>& wall = scene.walls[w];
+    const bool plane = wall.shape == Wall<D>::Shape::kHalfPlane;
     const bool across = wall.normal[0] != 0 || (cell.in_y && wall.normal[1] != 0);
     if (plane && across) {
       return fmt::format(
@@ -164,7 +164,7 @@ std::string check_periodic(const SceneIn<D>& scene) {
 
 /// Outlets and inlets, and what does not go with them.
 template <int D>
-std::string check_gates(const SceneIn<D>& scene) {
+std::string check_gates(const Scene<D>& scene) {
   if (!scene.has_gates()) return {};
   if (scene.model == Model::kSpringDashpot) {
     return "outlets and inlets do not go with the model \"dem\"";
@@ -172,10 +172,10 @@ std::string check_gates(const SceneIn<D>& scene) {
   if (!scene.inlets.empty() && scene.cell.periodic()) {
     return "inlets have no place in a periodic cell";
   }
-  for (const OutletIn<D>& outlet : scene.outlets) {
+  for (const Outlet<D>& outlet : scene.outlets) {
     if (auto e = check_outlet(outlet); !e.empty()) return e;
   }
-  for (const InletIn<D>& inlet : scene.inlets) {
+  for (const Inlet<D>& inlet : scene.inlets) {
     if (auto e = check_inlet(inlet, static_cast<int>(scene.materials.size())); !e.empty()) return e;
     if (inlet.rate * scene.step > 1e5) {  // a slip of the keyboard that would take all memory
       return fmt::format("inlet '{}': {:.3g} bodies a step, at most 1e5 are possible", inlet.name,
@@ -196,7 +196,7 @@ void drift(Sphere& sphere, double h) {
 }
 
 template <int D>
-bool SceneIn<D>::has_friction() const {
+bool Scene<D>::has_friction() const {
   for (const ContactLaw& law : laws) {
     if (law.mu > 0) return true;
   }
@@ -204,30 +204,30 @@ bool SceneIn<D>::has_friction() const {
 }
 
 template <int D>
-VecIn<D> gravity_at(const SceneIn<D>& scene, double time) {
+Vec<D> gravity_at(const Scene<D>& scene, double time) {
   const Tilt& tilt = scene.tilt;
   if (tilt.rate == 0) return scene.gravity;
   const double turned = std::clamp(time, tilt.starts, tilt.stops) - tilt.starts;
   const Vec2 plane =
       Eigen::Rotation2D<double>(tilt.rate * turned) * Vec2(scene.gravity[0], scene.gravity[D - 1]);
-  VecIn<D> gravity = scene.gravity;
+  Vec<D> gravity = scene.gravity;
   gravity[0] = plane[0];
   gravity[D - 1] = plane[1];
   return gravity;
 }
 
 template <int D>
-double smallest_radius(const SceneIn<D>& scene) {
+double smallest_radius(const Scene<D>& scene) {
   double smallest = kInfinity;
-  for (const BodyIn<D>& d : scene.disks) smallest = std::min(smallest, d.radius);
-  for (const InletIn<D>& inlet : scene.inlets) {
+  for (const Body<D>& d : scene.bodies) smallest = std::min(smallest, d.radius);
+  for (const Inlet<D>& inlet : scene.inlets) {
     for (const double radius : inlet.radii) smallest = std::min(smallest, radius);
   }
   return smallest;
 }
 
 template <int D>
-std::string validate(const SceneIn<D>& scene) {
+std::string validate(const Scene<D>& scene) {
   const int materials = static_cast<int>(scene.materials.size());
   if (!scene.gravity.allFinite()) return "gravity is not finite";
   if (!std::isfinite(scene.tilt.rate) || !(scene.tilt.starts >= 0) ||
@@ -275,8 +275,8 @@ std::string validate(const SceneIn<D>& scene) {
                          scene.materials[k % scene.materials.size()], law.mu, law.e_n, law.e_t);
     }
   }
-  for (std::size_t i = 0; i < scene.disks.size(); ++i) {
-    if (auto e = check_body(scene.disks[i], i, materials); !e.empty()) return e;
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    if (auto e = check_body(scene.bodies[i], i, materials); !e.empty()) return e;
     if (auto e = check_glued(scene, i); !e.empty()) return e;
   }
   for (std::size_t i = 0; i < scene.walls.size(); ++i) {
@@ -296,20 +296,20 @@ std::string validate(const SceneIn<D>& scene) {
         dem.stiffness, dem.overlap, dem.tangential_ratio, dem.substep, dem.safety);
   }
   for (int i : scene.output.track) {
-    if (i < 0 || i >= static_cast<int>(scene.disks.size())) {
+    if (i < 0 || i >= static_cast<int>(scene.bodies.size())) {
       return fmt::format("output.track: there is no {} {}", kBodyName<D>, i);
     }
   }
   return {};
 }
 
-template struct SceneIn<2>;
-template struct SceneIn<3>;
-template Vec2 gravity_at(const SceneIn<2>&, double);
-template Vec3 gravity_at(const SceneIn<3>&, double);
-template double smallest_radius(const SceneIn<2>&);
-template double smallest_radius(const SceneIn<3>&);
-template std::string validate(const SceneIn<2>&);
-template std::string validate(const SceneIn<3>&);
+template struct Scene<2>;
+template struct Scene<3>;
+template Vec2 gravity_at(const Scene<2>&, double);
+template Vec3 gravity_at(const Scene<3>&, double);
+template double smallest_radius(const Scene<2>&);
+template double smallest_radius(const Scene<3>&);
+template std::string validate(const Scene<2>&);
+template std::string validate(const Scene<3>&);
 
 }  // namespace bipot

@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
+#include "core/base/types.h"
 #include "core/scene/cell.h"
 #include "core/scene/cluster.h"
 #include "core/scene/gates.h"
 #include "core/scene/observable_choice.h"
-#include "core/types.h"
 
 namespace bipot {
 
@@ -23,11 +23,11 @@ struct ContactLaw {
 
 /// A round body: a disk in the plane, a sphere in space.
 template <int D>
-struct BodyIn;
+struct Body;
 
 /// A rigid disk (a cylinder of unit length where a density gave the mass).
 template <>
-struct BodyIn<2> {
+struct Body<2> {
   Vec2 x = Vec2::Zero();  ///< centre                                 [m]
   double angle = 0;       ///< rotation since the start               [rad]
   Vec2 v = Vec2::Zero();  ///< velocity of the centre                 [m/s]
@@ -41,11 +41,11 @@ struct BodyIn<2> {
            ///< acts on the wall; -1: free
   int cluster = -1;  ///< part of this one of the clusters, without mass of its own; -1: of none
 };
-using Disk = BodyIn<2>;
+using Disk = Body<2>;
 
 /// A rigid sphere. Nothing in the mechanics needs its orientation: it is for output and pictures.
 template <>
-struct BodyIn<3> {
+struct Body<3> {
   Vec3 x = Vec3::Zero();  ///< centre                                 [m]
   /// Unit; turns the sphere from how it stood at the start.
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
@@ -54,11 +54,11 @@ struct BodyIn<3> {
   double radius = 0;         ///< > 0                                    [m]
   double mass = 0;           ///< > 0                                    [kg]
   double inertia = 0;        ///< > 0; 2/5 m a² for a homogeneous sphere [kg m²]
-  int material = 0;          ///< index into SceneIn::materials
+  int material = 0;          ///< index into Scene::materials
   int wall = -1;             ///< as of a disk
   int cluster = -1;          ///< in space there are none: -1
 };
-using Sphere = BodyIn<3>;
+using Sphere = Body<3>;
 
 /// What messages call a body.
 template <int D>
@@ -77,7 +77,7 @@ void drift(Sphere& sphere, double h);
 /// the line through a along `normal` for circles. Walls translate; only circles turn, about their
 /// centre or axis. What a wall is at a time: core/scene/wall_motion.h.
 template <int D>
-struct WallIn {
+struct Wall {
   enum class Shape { kHalfPlane, kSegment, kHollowCircle, kSolidCircle };
   enum class Motion {
     kFixed,
@@ -87,17 +87,17 @@ struct WallIn {
   std::string name;
   Shape shape = Shape::kHalfPlane;
   Motion motion = Motion::kFixed;
-  using Vec = VecIn<D>;
-  Vec a = Vec::Zero(), b = Vec::Zero();  ///< b: segments only     [m]
-  Vec normal = Vec::Unit(D - 1);         ///< unit; half-planes, in space also cylinders: axis
-  Vec v = Vec::Zero();                   ///< current velocity     [m/s]
-  Vec direction = Vec::Zero();           ///< unit; driven walls only
-  double force = 0;                      ///< along direction      [N]
-  double mass = 0;                       ///< driven walls only    [kg]
+  Vec<D> a = Vec<D>::Zero(), b = Vec<D>::Zero();  ///< b: segments only     [m]
+  Vec<D> normal = Vec<D>::Unit(D - 1);  ///< unit; half-planes, in space also cylinders: axis
+  Vec<D> v = Vec<D>::Zero();            ///< current velocity     [m/s]
+  Vec<D> direction = Vec<D>::Zero();    ///< unit; driven walls only
+  double force = 0;                     ///< along direction      [N]
+  double mass = 0;                      ///< driven walls only    [kg]
   int material = 0;
-  double radius = 0;         ///< circles only, > 0                                      [m]
-  double spin = 0;           ///< circles only: counter-clockwise, in space about `normal` [rad/s]
-  Vec across = Vec::Zero();  ///< driven walls only: prescribed velocity, normal to direction [m/s]
+  double radius = 0;  ///< circles only, > 0                                      [m]
+  double spin = 0;    ///< circles only: counter-clockwise, in space about `normal` [rad/s]
+  Vec<D> across =
+      Vec<D>::Zero();        ///< driven walls only: prescribed velocity, normal to direction [m/s]
   double starts = 0;         ///< before that it stands still                            [s]
   double stops = kInfinity;  ///< from then on it stands still                           [s]
   double removed = kInfinity;  ///< from then on it is not there                           [s]
@@ -105,7 +105,6 @@ struct WallIn {
 
   bool is_circle() const { return shape == Shape::kHollowCircle || shape == Shape::kSolidCircle; }
 };
-using Wall = WallIn<2>;
 
 /// Gravity that turns, in the plane of the first and the last axis, from the first to the last: counter-clockwise
 /// in the plane.
@@ -151,17 +150,17 @@ struct OutputChoice {
 
 /// Everything that a scene file says, ready to run, in D dimensions. SI units.
 template <int D>
-struct SceneIn {
+struct Scene {
   std::string title;
-  std::string source;                   ///< file name, or "generated"
-  VecIn<D> gravity = VecIn<D>::Zero();  ///< before it turns        [m/s²]
+  std::string source;               ///< file name, or "generated"
+  Vec<D> gravity = Vec<D>::Zero();  ///< before it turns        [m/s²]
   Tilt tilt;
-  PeriodicCell cell;             ///< periodic scenes
-  std::vector<BodyIn<D>> disks;  ///< in space: spheres
-  Clusters clusters;             ///< of disks that are joined rigidly; in the plane
-  std::vector<WallIn<D>> walls;
-  std::vector<OutletIn<D>> outlets;    ///< where bodies leave
-  std::vector<InletIn<D>> inlets;      ///< where bodies come in
+  PeriodicCell cell;  ///< periodic scenes
+  std::vector<Body<D>> bodies;
+  Clusters clusters;  ///< of disks that are joined rigidly; in the plane
+  std::vector<Wall<D>> walls;
+  std::vector<Outlet<D>> outlets;      ///< where bodies leave
+  std::vector<Inlet<D>> inlets;        ///< where bodies come in
   std::vector<std::string> materials;  ///< names
   std::vector<ContactLaw> laws;        ///< materials² entries, symmetric, row-major
   double step = 0;                     ///< h > 0                    [s]
@@ -176,7 +175,7 @@ struct SceneIn {
   SolverChoice solver;      ///< nonsmooth model only
   SpringDashpotChoice dem;  ///< spring-dashpot model only
   OutputChoice output;
-  std::optional<ObservableChoiceIn<D>> observables;
+  std::optional<ObservableChoice<D>> observables;
 
   const ContactLaw& law(int material_a, int material_b) const {
     return laws[to_size(material_a) * materials.size() + to_size(material_b)];
@@ -186,18 +185,17 @@ struct SceneIn {
   /// True when some pair of materials has friction: the contact dimension is then D, else 1.
   bool has_friction() const;
 };
-using Scene = SceneIn<2>;
 
 /// Gravity at a time; that of a step counts at its middle.         [m/s²]
 template <int D>
-VecIn<D> gravity_at(const SceneIn<D>& scene, double time);
+Vec<D> gravity_at(const Scene<D>& scene, double time);
 
 /// Radius of the smallest disk, of those that inlets bring too [m]; infinite in a scene without disks.
 template <int D>
-double smallest_radius(const SceneIn<D>& scene);
+double smallest_radius(const Scene<D>& scene);
 
 /// Empty for a sound scene, else one sentence that names the entry, its index and its value.
 template <int D>
-std::string validate(const SceneIn<D>& scene);
+std::string validate(const Scene<D>& scene);
 
 }  // namespace bipot

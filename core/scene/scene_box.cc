@@ -5,11 +5,11 @@
 namespace bipot {
 namespace {
 
-Vec2 tangent(const Wall& wall) { return Vec2(-wall.normal[1], wall.normal[0]); }
+Vec2 tangent(const Wall<2>& wall) { return Vec2(-wall.normal[1], wall.normal[0]); }
 
 /// The point of a wall that is nearest to x.
-Vec2 nearest_point(const Wall& wall, const Vec2& x) {
-  if (wall.shape == Wall::Shape::kHalfPlane) {
+Vec2 nearest_point(const Wall<2>& wall, const Vec2& x) {
+  if (wall.shape == Wall<2>::Shape::kHalfPlane) {
     return x - (x - wall.a).dot(wall.normal) * wall.normal;
   }
   if (wall.is_circle()) {
@@ -23,7 +23,7 @@ Vec2 nearest_point(const Wall& wall, const Vec2& x) {
   return wall.a + std::clamp(t, 0.0, 1.0) * along;
 }
 
-void include_circle(const Wall& wall, Box& box) {
+void include_circle(const Wall<2>& wall, Box<2>& box) {
   if (!wall.is_circle()) return;
   box.include(wall.a - Vec2::Constant(wall.radius));
   box.include(wall.a + Vec2::Constant(wall.radius));
@@ -31,8 +31,8 @@ void include_circle(const Wall& wall, Box& box) {
 
 }  // namespace
 
-Box view_box(std::span<const Disk> disks, std::span<const Wall> walls) {
-  Box box;
+Box<2> view_box(std::span<const Disk> disks, std::span<const Wall<2>> walls) {
+  Box<2> box;
   double largest = 0;
   for (const Disk& d : disks) {
     box.include(d.x + Vec2::Constant(d.radius));
@@ -40,19 +40,19 @@ Box view_box(std::span<const Disk> disks, std::span<const Wall> walls) {
     largest = std::max(largest, d.radius);
   }
   if (box.empty()) {
-    for (const Wall& w : walls) {
+    for (const Wall<2>& w : walls) {
       box.include(w.a);
       include_circle(w, box);
-      if (w.shape == Wall::Shape::kSegment) box.include(w.b);
+      if (w.shape == Wall<2>::Shape::kSegment) box.include(w.b);
     }
     if (box.empty()) box.include(Vec2::Zero());
     const double width = box.size().maxCoeff();
     box.widen(width > 0 ? 0.1 * width : 1.0);
     return box;
   }
-  const Box of_disks = box;
+  const Box<2> of_disks = box;
   const double reach = std::max(of_disks.size().maxCoeff(), 12 * largest);
-  for (const Wall& w : walls) {
+  for (const Wall<2>& w : walls) {
     if (!w.present) continue;
     // A circle that holds the disks, or lies among them, is shown whole.
     if (w.is_circle() &&
@@ -71,14 +71,14 @@ Box view_box(std::span<const Disk> disks, std::span<const Wall> walls) {
   return box;
 }
 
-std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall> walls, const Box& box) {
+std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall<2>> walls, const Box<2>& box) {
   std::vector<std::pair<Vec2, Vec2>> lines;
-  for (const Wall& wall : walls) {
+  for (const Wall<2>& wall : walls) {
     if (wall.is_circle() || !wall.present) {
       lines.emplace_back(wall.a, wall.a);
       continue;
     }
-    if (wall.shape == Wall::Shape::kSegment) {
+    if (wall.shape == Wall<2>::Shape::kSegment) {
       lines.emplace_back(wall.a, wall.b);
       continue;
     }
@@ -90,8 +90,8 @@ std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall> walls, const
       last = std::max(last, (corner - wall.a).dot(t));
     }
     double seen_first = first, seen_last = last;
-    for (const Wall& other : walls) {
-      if (&other == &wall || other.shape != Wall::Shape::kHalfPlane || !other.present) continue;
+    for (const Wall<2>& other : walls) {
+      if (&other == &wall || other.shape != Wall<2>::Shape::kHalfPlane || !other.present) continue;
       // Height above the other one at the parameter x: height + slope x.
       const double height = (wall.a - other.a).dot(other.normal);
       const double slope = t.dot(other.normal);

@@ -10,12 +10,11 @@ namespace bipot {
 
 /// Axes-parallel box; empty (lower > upper) until something is put in.                       [m]
 template <int D>
-struct BoxIn {
-  using Vec = VecIn<D>;
-  Vec lower = Vec::Constant(1e300), upper = Vec::Constant(-1e300);
+struct Box {
+  Vec<D> lower = Vec<D>::Constant(1e300), upper = Vec<D>::Constant(-1e300);
 
   bool empty() const { return !(lower.array() <= upper.array()).all(); }
-  void include(const Vec& x) {
+  void include(const Vec<D>& x) {
     lower = lower.cwiseMin(x);
     upper = upper.cwiseMax(x);
   }
@@ -23,18 +22,17 @@ struct BoxIn {
     lower.array() -= by;
     upper.array() += by;
   }
-  Vec size() const { return upper - lower; }
-  Vec centre() const { return 0.5 * (lower + upper); }
+  Vec<D> size() const { return upper - lower; }
+  Vec<D> centre() const { return 0.5 * (lower + upper); }
 };
-using Box = BoxIn<2>;
 
 /// What a picture of disks and walls should show: the disks, the parts of walls beside them, and
 /// walls that are about as near as the disks are wide. Never empty.
-Box view_box(std::span<const Disk> disks, std::span<const Wall> walls);
+Box<2> view_box(std::span<const Disk> disks, std::span<const Wall<2>> walls);
 
 /// The two ends of each wall as it is drawn: of a segment its own, of a half-plane's line as far as
 /// the box reaches in its direction and no other half-plane covers it. Circles and walls that are
 /// not present have no line: both ends are one point.
-std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall> walls, const Box& box);
+std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall<2>> walls, const Box<2>& box);
 
 }  // namespace bipot

@@ -5,7 +5,7 @@
 #include <random>
 #include <stdexcept>
 
-#include "core/nearest_name.h"
+#include "core/base/nearest_name.h"
 #include "core/scene/generators.h"
 
 namespace bipot {
@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kRadius = 0.5;
 
-Wall half_plane(const char* name, const Vec2& point, const Vec2& normal) {
-  Wall wall;
+Wall<2> half_plane(const char* name, const Vec2& point, const Vec2& normal) {
+  Wall<2> wall;
   wall.name = name;
   wall.a = point;
   wall.normal = normal;
@@ -27,8 +27,8 @@ std::vector<std::string> family_names() {
   return {"square", "triangular", "diluted", "pyramid", "random"};
 }
 
-Scene make_family_scene(const std::string& family, int side, const FamilyOptions& options) {
-  Scene scene;
+Scene<2> make_family_scene(const std::string& family, int side, const FamilyOptions& options) {
+  Scene<2> scene;
   scene.title = family + " " + std::to_string(side);
   scene.source = "generated";
   const double tilt = options.tilt_degrees * std::numbers::pi / 180;
@@ -43,28 +43,28 @@ Scene make_family_scene(const std::string& family, int side, const FamilyOptions
   double width = 2 * kRadius * side;
   bool box = true;
   if (family == "square") {
-    scene.disks = rectangular_lattice(side, side, kRadius, corner);
+    scene.bodies = rectangular_lattice(side, side, kRadius, corner);
   } else if (family == "triangular") {
-    scene.disks = triangular_lattice(side, side, kRadius, corner);
+    scene.bodies = triangular_lattice(side, side, kRadius, corner);
   } else if (family == "diluted") {
     // Every disk keeps its place; which ones are missing is drawn without the standard library's
     // distributions, which differ between platforms.
     std::mt19937_64 engine(options.seed);
     for (const Disk& d : triangular_lattice(side, side, kRadius, corner)) {
-      if (engine() % 10 != 0) scene.disks.push_back(d);
+      if (engine() % 10 != 0) scene.bodies.push_back(d);
     }
   } else if (family == "pyramid") {
-    scene.disks = pyramid(side, kRadius, corner);
+    scene.bodies = pyramid(side, kRadius, corner);
     box = false;
   } else if (family == "random") {
     width = 2.2 * kRadius * side;
-    scene.disks = random_filling(side * side, {{0.4, 0.25}, {0.5, 0.5}, {0.6, 0.25}}, width, 0.02,
-                                 options.seed, corner);
+    scene.bodies = random_filling(side * side, {{0.4, 0.25}, {0.5, 0.5}, {0.6, 0.25}}, width, 0.02,
+                                  options.seed, corner);
   } else {
     throw std::invalid_argument(unknown_name_message("scene family", family, family_names()));
   }
   std::mt19937_64 engine(options.seed);
-  for (Disk& d : scene.disks) {
+  for (Disk& d : scene.bodies) {
     const double uniform = static_cast<double>(engine() >> 11) * 0x1.0p-53;
     d.mass = std::pow(options.mass_ratio, uniform);
     d.inertia = 0.5 * d.mass * d.radius * d.radius;

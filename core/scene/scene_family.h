@@ -22,7 +22,7 @@ struct FamilyOptions {
 /// "diluted": the same less a tenth of the disks, drawn by the seed: contacts without order;
 /// "pyramid": side rows on a floor; "random": side x side disks of three radii (0.4, 0.5, 0.6 m),
 /// loose, in a box. Throws std::invalid_argument for another name.
-Scene make_family_scene(const std::string& family, int side, const FamilyOptions& options = {});
+Scene<2> make_family_scene(const std::string& family, int side, const FamilyOptions& options = {});
 std::vector<std::string> family_names();
 
 }  // namespace bipot

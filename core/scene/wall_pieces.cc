@@ -15,7 +15,7 @@ struct Reach {
   double first = kInfinity, last = -kInfinity;
 };
 
-Reach reach_along(const BoxIn<3>& box, const Vec3& point, const Vec3& direction) {
+Reach reach_along(const Box<3>& box, const Vec3& point, const Vec3& direction) {
   Reach reach;
   for (int corner = 0; corner < 8; ++corner) {
     Vec3 x = box.lower;
@@ -29,7 +29,7 @@ Reach reach_along(const BoxIn<3>& box, const Vec3& point, const Vec3& direction)
   return reach;
 }
 
-std::array<Vec3, 4> plane_corners(const WallIn<3>& wall, const BoxIn<3>& box) {
+std::array<Vec3, 4> plane_corners(const Wall<3>& wall, const Box<3>& box) {
   // Along the axes of space where the plane is: its piece of a box is then a face of it.
   int least = 0;
   for (int k = 1; k < 3; ++k) {
@@ -45,16 +45,16 @@ std::array<Vec3, 4> plane_corners(const WallIn<3>& wall, const BoxIn<3>& box) {
 
 }  // namespace
 
-std::size_t num_wall_pieces(std::span<const WallIn<3>> walls) {
+std::size_t num_wall_pieces(std::span<const Wall<3>> walls) {
   std::size_t pieces = 0;
-  for (const WallIn<3>& w : walls) pieces += w.is_circle() ? to_size(kPrismSides) : 1;
+  for (const Wall<3>& w : walls) pieces += w.is_circle() ? to_size(kPrismSides) : 1;
   return pieces;
 }
 
-std::vector<WallPiece> wall_pieces(std::span<const WallIn<3>> walls, const BoxIn<3>& box) {
+std::vector<WallPiece> wall_pieces(std::span<const Wall<3>> walls, const Box<3>& box) {
   std::vector<WallPiece> pieces;
   for (std::size_t k = 0; k < walls.size(); ++k) {
-    const WallIn<3>& wall = walls[k];
+    const Wall<3>& wall = walls[k];
     const int index = static_cast<int>(k);
     if (!wall.is_circle()) {
       pieces.push_back({index, wall.present ? plane_corners(wall, box)
@@ -78,14 +78,14 @@ std::vector<WallPiece> wall_pieces(std::span<const WallIn<3>> walls, const BoxIn
   return pieces;
 }
 
-BoxIn<3> view_box(std::span<const Sphere> spheres, std::span<const WallIn<3>> walls) {
-  BoxIn<3> box;
+Box<3> view_box(std::span<const Sphere> spheres, std::span<const Wall<3>> walls) {
+  Box<3> box;
   for (const Sphere& s : spheres) {
     box.include(s.x + Vec3::Constant(s.radius));
     box.include(s.x - Vec3::Constant(s.radius));
   }
   if (!box.empty()) return box;
-  for (const WallIn<3>& w : walls) box.include(w.a);
+  for (const Wall<3>& w : walls) box.include(w.a);
   if (box.empty()) box.include(Vec3::Zero());
   const double width = box.size().maxCoeff();
   box.widen(width > 0 ? 0.1 * width : 1.0);

@@ -20,12 +20,12 @@ struct WallPiece {
 
 /// Of each half-space one piece, the plane as far as the box reaches; of each cylinder kPrismSides,
 /// as long as the box. Walls that are not present keep theirs, as points.
-std::vector<WallPiece> wall_pieces(std::span<const WallIn<3>> walls, const BoxIn<3>& box);
+std::vector<WallPiece> wall_pieces(std::span<const Wall<3>> walls, const Box<3>& box);
 
 /// How many of them these walls have.
-std::size_t num_wall_pieces(std::span<const WallIn<3>> walls);
+std::size_t num_wall_pieces(std::span<const Wall<3>> walls);
 
 /// What a drawing of spheres should show: the spheres, or without any the walls' points.
-BoxIn<3> view_box(std::span<const Sphere> spheres, std::span<const WallIn<3>> walls);
+Box<3> view_box(std::span<const Sphere> spheres, std::span<const Wall<3>> walls);
 
 }  // namespace bipot

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/problem/contact_problem.h"
-#include "solvers/kernels/body_pattern.h"
+#include "solvers/systems/body_pattern.h"
 
 namespace bipot {
 

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
-#include "core/problem/block_pattern.h"
-#include "core/release.h"
+#include "core/base/release.h"
+#include "core/linear/block_pattern.h"
 
 namespace bipot {
 namespace {

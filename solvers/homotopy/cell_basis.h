@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "core/problem/eight_right_sides.h"
-#include "core/problem/frontal_lu.h"
-#include "core/problem/sparse_factor.h"
+#include "core/linear/eight_right_sides.h"
+#include "core/linear/frontal_lu.h"
+#include "core/linear/sparse_factor.h"
 #include "solvers/homotopy/cell_matrix.h"
 #include "solvers/homotopy/cell_velocities.h"
 #include "solvers/homotopy/exchanged_columns.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "core/release.h"
+#include "core/base/release.h"
 
 namespace bipot {
 namespace {

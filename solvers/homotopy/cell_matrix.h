@@ -4,7 +4,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/problem/frontal_lu.h"
+#include "core/linear/frontal_lu.h"
 #include "solvers/homotopy/law_point.h"
 
 namespace bipot {

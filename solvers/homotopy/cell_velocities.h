@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/problem/frontal_lu.h"
+#include "core/linear/frontal_lu.h"
 #include "solvers/homotopy/law_point.h"
 
 namespace bipot {

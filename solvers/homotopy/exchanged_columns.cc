@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "solvers/kernels/subtract_columns.h"
+#include "solvers/systems/subtract_columns.h"
 
 namespace bipot {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "solvers/kernels/every_width.h"
+#include "solvers/systems/every_width.h"
 
 namespace bipot {
 namespace {

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/types.h"
 #include "core/problem/coulomb_cone.h"
-#include "core/types.h"
 
 namespace bipot {
 

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "solvers/interior/contact_jordan.h"
-#include "solvers/kernels/shifted_delassus.h"
+#include "solvers/systems/shifted_delassus.h"
 
 namespace bipot {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "solvers/interior/interior_run.h"
-#include "solvers/kernels/shifted_delassus.h"
+#include "solvers/systems/shifted_delassus.h"
 
 namespace bipot {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/types.h"
+#include "core/base/types.h"
 #include "solvers/kernels/contact_scaling.h"
 
 namespace bipot {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "core/base/types.h"
 #include "core/problem/coulomb_cone.h"
-#include "core/types.h"
 
 namespace bipot {
 

@@ -4,10 +4,10 @@
 
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
+#include "solvers/disks/tiled_gradient.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/gradient_iteration.h"
 #include "solvers/kernels/spectral_estimate.h"
-#include "solvers/kernels/tiled_gradient.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
 

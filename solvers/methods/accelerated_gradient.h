@@ -44,7 +44,7 @@ inline constexpr ParameterSpec kAcceleratedGradientParameters[] = {
 ///
 /// Deviations from the source: equilibrated variables, split map, no line search on the objective
 /// (with friction there is none), velocities at y from those at x and x⁻. Disks run in vectors and on
-/// threads (solvers/kernels/tiled_gradient.h), with the same bits for any number of them.
+/// threads (solvers/disks/tiled_gradient.h), with the same bits for any number of them.
 SolveResult solve_accelerated_gradient(const ContactProblem& problem, const SolverOptions& options);
 
 }  // namespace bipot

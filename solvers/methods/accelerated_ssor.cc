@@ -4,12 +4,12 @@
 #include <cmath>
 #include <utility>
 
+#include "solvers/disks/deflated_sweep.h"
+#include "solvers/disks/symmetric_sweep.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/kernels/deflated_sweep.h"
 #include "solvers/kernels/gradient_kernel.h"
 #include "solvers/kernels/local_updates.h"
 #include "solvers/kernels/patience.h"
-#include "solvers/kernels/symmetric_sweep.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
 

@@ -61,11 +61,11 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
 /// [ours] What is left when the error is below 0.5 on packings of 20 000 disks' contacts and more is
 /// mostly smooth stresses, which make its iterations O(N^1/4): from there on conjugate gradients with
 /// sweeps as preconditioner (omega = 1.5, m = 4 whatever was asked for), deflated by stress fields on a grid of cells of twelve
-/// disks (solvers/kernels/deflated_sweep.h): 30 to 60 iterations for 180 to 540 on lattices of 100 to 563
+/// disks (solvers/disks/deflated_sweep.h): 30 to 60 iterations for 180 to 540 on lattices of 100 to 563
 /// rows. Where 24 of them do not halve the error the iteration above goes on.
 ///
 /// With friction there is no proof of convergence. Disks run in vectors, contacts along the
-/// rows or, where that leaves vectors empty, as they fill them (solvers/kernels/contact_tiles.h), with
+/// rows or, where that leaves vectors empty, as they fill them (solvers/disks/contact_tiles.h), with
 /// the same bits from every path and for any number of threads; other problems contact after contact
 /// in the given order on one.
 SolveResult solve_accelerated_ssor(const ContactProblem& problem, const SolverOptions& options);

@@ -10,14 +10,14 @@
 #include <utility>
 #include <vector>
 
+#include "core/linear/frontal_cholesky.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
-#include "core/problem/frontal_cholesky.h"
-#include "solvers/kernels/body_columns.h"
 #include "solvers/kernels/contact_penalties.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
+#include "solvers/systems/body_columns.h"
 
 namespace bipot {
 namespace {

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "core/problem/delassus.h"
+#include "solvers/disks/tiled_sweep.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/kernels/frozen_contacts.h"
 #include "solvers/kernels/local_updates.h"
-#include "solvers/kernels/tiled_sweep.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
 

@@ -59,7 +59,7 @@ inline constexpr ParameterSpec kGaussSeidelParameters[] = {
 /// on K_mu; where the exact solution fails its own check, one round of projection. Disks have
 /// diagonal blocks: one round with omega = 1 is exact there, and both choices are the same.
 ///
-/// order = tiled: a sweep over disks in vectors and on threads (solvers/kernels/tiled_sweep.h), with
+/// order = tiled: a sweep over disks in vectors and on threads (solvers/disks/tiled_sweep.h), with
 /// the same bits for any number of them; other problems take their contacts as they stand.
 ///
 /// freeze = N: contacts whose impulse changes by no more than rounding are left out of N sweeps

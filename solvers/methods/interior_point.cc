@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/problem/contact_error.h"
+#include "core/criterion/contact_error.h"
 #include "solvers/interior/active_set.h"
 #include "solvers/interior/equal_product_start.h"
 #include "solvers/interior/interior_state.h"

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/problem/system_factor.h"
+#include "core/linear/system_factor.h"
 #include "solvers/solver.h"
 
 namespace bipot {

@@ -7,7 +7,7 @@
 #include <limits>
 #include <random>
 
-#include "core/problem/dense_factor.h"
+#include "core/linear/dense_factor.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/monitor.h"
 

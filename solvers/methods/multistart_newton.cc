@@ -8,8 +8,8 @@
 #include <random>
 #include <vector>
 
-#include "core/problem/dense_factor.h"
-#include "solvers/cancel_rounding.h"
+#include "core/linear/dense_factor.h"
+#include "solvers/analysis/cancel_rounding.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/methods/gauss_seidel.h"
 #include "solvers/monitor.h"

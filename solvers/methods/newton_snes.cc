@@ -57,7 +57,7 @@ constexpr double kSame = 1e-13;
 // is a solution at round-off.
 constexpr double kSolvedAtRoundOff = 1e-8, kRounding = 1e-13;
 
-PetscErrorCode form_function(SNES, Vec z, Vec f, void* context) {
+PetscErrorCode form_function(SNES, ::Vec z, ::Vec f, void* context) {
   const auto* run = static_cast<Run*>(context);
   const PetscScalar* in = nullptr;
   PetscScalar* out = nullptr;
@@ -69,7 +69,7 @@ PetscErrorCode form_function(SNES, Vec z, Vec f, void* context) {
   return 0;
 }
 
-PetscErrorCode form_jacobian(SNES, Vec z, Mat, Mat J, void* context) {
+PetscErrorCode form_jacobian(SNES, ::Vec z, ::Mat, ::Mat J, void* context) {
   const auto* run = static_cast<Run*>(context);
   const PetscScalar* in = nullptr;
   PetscScalar* values = nullptr;
@@ -91,7 +91,7 @@ PetscErrorCode test_convergence(SNES snes, PetscInt iteration, PetscReal, PetscR
     *reason = SNES_DIVERGED_FNORM_NAN;
     return 0;
   }
-  Vec z = nullptr;
+  ::Vec z = nullptr;
   const PetscScalar* values = nullptr;
   PetscCall(SNESGetSolution(snes, &z));
   PetscCall(VecGetArrayRead(z, &values));
@@ -153,7 +153,7 @@ class FactorElsewhere {
     return *static_cast<FactorElsewhere*>(self);
   }
   static PetscErrorCode set_up(PC pc) {
-    Mat J = nullptr;
+    ::Mat J = nullptr;
     PetscCall(PCGetOperators(pc, nullptr, &J));
     PetscInt n = 0;
     const PetscInt *starts = nullptr, *columns = nullptr;
@@ -170,7 +170,7 @@ class FactorElsewhere {
     PetscCall(MatRestoreRowIJ(J, 0, PETSC_FALSE, PETSC_FALSE, &n, &starts, &columns, &done));
     return failed;
   }
-  static PetscErrorCode apply(PC pc, Vec right, Vec solution) {
+  static PetscErrorCode apply(PC pc, ::Vec right, ::Vec solution) {
     const PetscScalar* in = nullptr;
     PetscScalar* out = nullptr;
     PetscCall(VecGetArrayRead(right, &in));
@@ -336,8 +336,8 @@ class Snes {
 
   Run& run_;
   SNES snes_ = nullptr;
-  Mat J_ = nullptr;
-  Vec z_ = nullptr, f_ = nullptr, lower_ = nullptr, upper_ = nullptr;
+  ::Mat J_ = nullptr;
+  ::Vec z_ = nullptr, f_ = nullptr, lower_ = nullptr, upper_ = nullptr;
   std::optional<FactorElsewhere> elsewhere_;
 };
 

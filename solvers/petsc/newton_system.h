@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "core/linear/sparse_factor.h"
 #include "core/problem/contact_problem.h"
-#include "core/problem/sparse_factor.h"
 #include "solvers/kernels/contact_residual.h"
 #include "solvers/kernels/contact_scaling.h"
 

@@ -1,7 +1,7 @@
 // Another project's program: reads a contact problem and solves it.
 #include <cstdio>
 
-#include "core/files/problem_file.h"
+#include "core/problem_files/problem_file.h"
 #include "solvers/solve.h"
 
 int main(int, char** arguments) {

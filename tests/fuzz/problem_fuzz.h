@@ -9,8 +9,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/file_error.h"
-#include "core/files/problem_file.h"
+#include "core/base/file_error.h"
+#include "core/problem_files/problem_file.h"
 
 /// Any bytes as a problem file: a problem that validates, or a FileError that names the file.
 inline int read_fuzzed_problem(const std::uint8_t* data, std::size_t size) {

@@ -5,7 +5,7 @@
 #include <string>
 #include <variant>
 
-#include "core/files/scene_file.h"
+#include "core/scene_files/scene_file.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   try {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/problem/contact_error.h"
+#include "core/criterion/contact_error.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"

@@ -7,7 +7,7 @@
 #include <map>
 #include <vector>
 
-#include "core/files/scene_file.h"
+#include "core/scene_files/scene_file.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/source_folder.h"
 
@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kG = 9.81;
 
-Scene shipped(const std::string& name) {
+Scene<2> shipped(const std::string& name) {
   return read_scene(source_folder().string() + "/data/scenes/" + name + ".toml");
 }
 
@@ -28,14 +28,14 @@ struct Bounces {
 };
 
 Bounces bounce(double e_n, double h) {
-  Scene scene = shipped("bouncing_ball");
+  Scene<2> scene = shipped("bouncing_ball");
   scene.laws[0].e_n = e_n;
   scene.step = h;
   scene.num_steps = static_cast<int>(std::ceil(0.5 / h));
   Bounces result;
   bool touched = false;
-  run_scene(scene, [&](const State& state, const StepReport& report) {
-    const Disk& ball = state.disks[0];
+  run_scene(scene, [&](const State<2>& state, const StepReport<2>& report) {
+    const Disk& ball = state.bodies[0];
     const double gap = ball.x[1] - ball.radius;
     if (report.active > 0) {
       touched = true;
@@ -78,24 +78,24 @@ TEST(Table1, HeightConvergesWithTheTimeStep) {
 }
 
 TEST(Table2, CylinderSlidesThenRollsAtTwoThirds) {
-  Scene scene = shipped("sliding_cylinder");
+  Scene<2> scene = shipped("sliding_cylinder");
   double rolls_from = -1;
-  const State end = run_scene(scene, [&](const State& state, const StepReport&) {
+  const State<2> end = run_scene(scene, [&](const State<2>& state, const StepReport<2>&) {
     if (rolls_from < 0 && state.contacts.at(0).status == ContactStatus::kStick) {
       rolls_from = state.time;
     }
   });
-  EXPECT_NEAR(end.disks[0].v[0], 2.0 / 3.0, 1e-6);
-  EXPECT_NEAR(end.disks[0].v[0], -end.disks[0].spin * 0.01, 1e-9);  // rolling: v = -a w
+  EXPECT_NEAR(end.bodies[0].v[0], 2.0 / 3.0, 1e-6);
+  EXPECT_NEAR(end.bodies[0].v[0], -end.bodies[0].spin * 0.01, 1e-9);  // rolling: v = -a w
   EXPECT_NEAR(rolls_from, 1 / (3 * 0.5 * kG), 1e-4);
 }
 
 TEST(SquareLattice, FrictionlessColumnsCarryTheirWeight) {
-  const Scene scene = shipped("square_lattice");
-  const double weight = scene.disks[0].mass * kG;
-  const State end = run_scene(scene, [&](const State& state, const StepReport& report) {
+  const Scene<2> scene = shipped("square_lattice");
+  const double weight = scene.bodies[0].mass * kG;
+  const State<2> end = run_scene(scene, [&](const State<2>& state, const StepReport<2>& report) {
     EXPECT_EQ(report.contacts, 10 * 10 + 10 * 9 + 2 * 10);
-    for (const ContactOutcome& c : state.contacts) {
+    for (const ContactOutcome<2>& c : state.contacts) {
       const bool vertical = std::abs(c.contact.n[1]) > 0.5;
       if (!vertical) continue;
       // Contact i of row r (from the bottom) carries the disks of rows r.. above it.
@@ -104,21 +104,21 @@ TEST(SquareLattice, FrictionlessColumnsCarryTheirWeight) {
       EXPECT_NEAR(c.s_n / scene.step / (carried * weight), 1, 1e-6) << "disk " << upper;
     }
   });
-  for (std::size_t i = 0; i < scene.disks.size(); ++i) {
-    EXPECT_LT((end.disks[i].x - scene.disks[i].x).norm(), 1e-9 * scene.disks[i].radius);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    EXPECT_LT((end.bodies[i].x - scene.bodies[i].x).norm(), 1e-9 * scene.bodies[i].radius);
   }
 }
 
 TEST(SquareLattice, WithFrictionEveryDiskIsInEquilibrium) {
-  Scene scene = shipped("square_lattice");
+  Scene<2> scene = shipped("square_lattice");
   scene.laws[0].mu = 0.3;
   scene.num_steps = 1;
-  const State end = run_scene(scene);
-  const double load = scene.disks[0].mass * kG * scene.step;
-  std::vector<Vec2> force(scene.disks.size(), Vec2(0, -load));
-  std::vector<double> moment(scene.disks.size(), 0.0);
+  const State<2> end = run_scene(scene);
+  const double load = scene.bodies[0].mass * kG * scene.step;
+  std::vector<Vec2> force(scene.bodies.size(), Vec2(0, -load));
+  std::vector<double> moment(scene.bodies.size(), 0.0);
   Vec2 walls = Vec2::Zero();
-  for (const ContactOutcome& c : end.contacts) {
+  for (const ContactOutcome<2>& c : end.contacts) {
     const Vec2 t(-c.contact.n[1], c.contact.n[0]);
     const Vec2 impulse = c.s_n * c.contact.n + c.s_t * t;
     force[c.contact.i] += impulse;
@@ -141,21 +141,21 @@ TEST(SquareLattice, WithFrictionEveryDiskIsInEquilibrium) {
 
 TEST(Ledger, EnergyAndMomentumCloseToRoundOff) {
   // A loose sample falls, shocks and slides between a fixed, a moving and a driven wall.
-  Scene scene = shipped("compaction");
+  Scene<2> scene = shipped("compaction");
   scene.num_steps = 150;
   scene.solver.tol = 1e-3;
-  scene.walls[1].motion = Wall::Motion::kMoving;
+  scene.walls[1].motion = Wall<2>::Motion::kMoving;
   scene.walls[1].v = Vec2(0.02, 0.0);
-  scene.walls[2].motion = Wall::Motion::kDriven;
+  scene.walls[2].motion = Wall<2>::Motion::kDriven;
   scene.walls[2].direction = Vec2(-1, 0);
   scene.walls[2].mass = 0.5;
   scene.walls[2].force = 3.0;
   double scale = 0, momentum_scale = 0;
   int active = 0;
-  const State start = initial_state(scene);
+  const State<2> start = initial_state(scene);
   double initial = 0;
-  for (const Disk& d : start.disks) initial += d.mass * kG * d.x[1];
-  run_scene(scene, [&](const State&, const StepReport& r) {
+  for (const Disk& d : start.bodies) initial += d.mass * kG * d.x[1];
+  run_scene(scene, [&](const State<2>&, const StepReport<2>& r) {
     scale = std::max({scale, r.energy.kinetic, std::abs(r.energy.potential)});
     momentum_scale = std::max(momentum_scale, r.momentum.norm());
     active = std::max(active, r.active);

@@ -17,37 +17,37 @@ namespace bipot {
 namespace {
 
 /// A tilted triangular lattice with restitution: stick, slip and take-off. Small enough for lemke.
-Scene lattice() {
+Scene<2> lattice() {
   return make_family_scene("triangular", 6, {.mu = 0.3, .e_n = 0.2, .tilt_degrees = 10});
 }
 
 /// The same scene with all lengths, masses and times given in other units.
-Scene in_units(Scene scene, double length, double mass, double time) {
+Scene<2> in_units(Scene<2> scene, double length, double mass, double time) {
   scene.gravity *= length / (time * time);
   scene.step *= time;
   scene.contact_distance *= length;
-  for (Disk& d : scene.disks) {
+  for (Disk& d : scene.bodies) {
     d.x *= length;
     d.radius *= length;
     d.mass *= mass;
     d.inertia *= mass * length * length;
   }
-  for (Wall& w : scene.walls) w.a *= length;
+  for (Wall<2>& w : scene.walls) w.a *= length;
   return scene;
 }
 
-Scene turned(Scene scene, double degrees) {
+Scene<2> turned(Scene<2> scene, double degrees) {
   const Eigen::Rotation2D<double> turn(degrees * std::numbers::pi / 180);
   scene.gravity = turn * scene.gravity;
-  for (Disk& d : scene.disks) d.x = turn * d.x;
-  for (Wall& w : scene.walls) {
+  for (Disk& d : scene.bodies) d.x = turn * d.x;
+  for (Wall<2>& w : scene.walls) {
     w.a = turn * w.a;
     w.normal = turn * w.normal;
   }
   return scene;
 }
 
-SolveResult solve_first_step(const std::string& solver, const Scene& scene) {
+SolveResult solve_first_step(const std::string& solver, const Scene<2>& scene) {
   SolverOptions options;
   options.tol = 1e-6;
   return solve(solver, step_problem(scene, initial_state(scene), false), options);
@@ -64,13 +64,13 @@ void expect_same(const SolveResult& a, const SolveResult& b) {
 
 TEST_P(Invariance, UnitsDoNotMatter) {
   // mm, g, ms: a length of 1 m is 1000, a mass of 1 kg is 1000, a time of 1 s is 1000.
-  const Scene scene = lattice();
+  const Scene<2> scene = lattice();
   expect_same(solve_first_step(GetParam(), scene),
               solve_first_step(GetParam(), in_units(scene, 1e3, 1e3, 1e3)));
 }
 
 TEST_P(Invariance, DirectionDoesNotMatter) {
-  const Scene scene = lattice();
+  const Scene<2> scene = lattice();
   expect_same(solve_first_step(GetParam(), scene), solve_first_step(GetParam(), turned(scene, 37)));
 }
 

@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "core/problem/extended_error.h"
-#include "core/problem/rounding_bound.h"
+#include "core/criterion/extended_error.h"
+#include "core/criterion/rounding_bound.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
 

@@ -12,9 +12,9 @@
 #include <string>
 #include <vector>
 
-#include "core/files/problem_file.h"
-#include "core/problem/contact_error.h"
+#include "core/criterion/contact_error.h"
 #include "core/problem/delassus.h"
+#include "core/problem_files/problem_file.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/naive_error.h"

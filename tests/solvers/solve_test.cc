@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/types.h"
+#include "core/base/types.h"
 #include "solvers/monitor.h"
 #include "solvers/registry.h"
 #include "tests/support/manufactured.h"

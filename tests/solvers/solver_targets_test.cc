@@ -6,14 +6,14 @@
 #include <cmath>
 #include <string>
 
-#include "bench/scenes/settled_pile.h"
+#include "bench/problems/settled_pile.h"
 #include "core/scene/scene_family.h"
 #include "solvers/solve.h"
 
 namespace bipot {
 namespace {
 
-ContactProblem first_step(const Scene& scene) {
+ContactProblem first_step(const Scene<2>& scene) {
   return step_problem(scene, initial_state(scene), false);
 }
 

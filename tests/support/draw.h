@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <random>
 
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 

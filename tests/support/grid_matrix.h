@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/types.h"
+#include "core/base/types.h"
 #include "tests/support/draw.h"
 
 namespace bipot {

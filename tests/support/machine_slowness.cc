@@ -4,8 +4,8 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/problem/sparse_factor.h"
-#include "core/stopwatch.h"
+#include "core/base/stopwatch.h"
+#include "core/linear/sparse_factor.h"
 
 namespace bipot {
 namespace {

@@ -5,7 +5,7 @@
 #include <initializer_list>
 #include <string>
 
-#include "core/files/scene_file.h"
+#include "core/scene_files/scene_file.h"
 
 namespace bipot {
 

@@ -2,8 +2,8 @@
 
 namespace bipot {
 
-Wall half_plane(const Vec2& point, const Vec2& normal) {
-  Wall wall;
+Wall<2> half_plane(const Vec2& point, const Vec2& normal) {
+  Wall<2> wall;
   wall.a = point;
   wall.normal = normal;
   return wall;
@@ -20,8 +20,8 @@ Disk cylinder(const Vec2& x, double radius, const Vec2& v, double mass, double s
   return d;
 }
 
-WallIn<3> half_space(const Vec3& point, const Vec3& normal) {
-  WallIn<3> wall;
+Wall<3> half_space(const Vec3& point, const Vec3& normal) {
+  Wall<3> wall;
   wall.a = point;
   wall.normal = normal;
   return wall;
@@ -38,15 +38,15 @@ Sphere ball(const Vec3& x, double radius, const Vec3& v, double mass, const Vec3
   return s;
 }
 
-SceneIn<3> one_law_in_space(const ContactLaw& law) {
-  SceneIn<3> scene;
+Scene<3> one_law_in_space(const ContactLaw& law) {
+  Scene<3> scene;
   scene.materials = {"m"};
   scene.laws = {law};
   return scene;
 }
 
-Scene one_law(const ContactLaw& law) {
-  Scene scene;
+Scene<2> one_law(const ContactLaw& law) {
+  Scene<2> scene;
   scene.materials = {"m"};
   scene.laws = {law};
   return scene;

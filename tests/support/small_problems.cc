@@ -3,8 +3,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "core/files/problem_file.h"
 #include "core/problem/delassus.h"
+#include "core/problem_files/problem_file.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/source_folder.h"
 

@@ -10,9 +10,9 @@
 #include <string>
 #include <vector>
 
-#include "bench/measure/blas_kernels.h"
-#include "core/files/run_reader.h"
-#include "core/problem/contact_error.h"
+#include "bench/command/blas_kernels.h"
+#include "core/criterion/contact_error.h"
+#include "core/run_files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"
 #include "tests/support/source_folder.h"
 
@@ -109,15 +109,15 @@ TEST_F(Command, RestartContinuesBitForBit) {
       bipot("run compaction --steps 25 --restart " + path("first/run.h5") + flags + path("second"))
           .exit_code,
       0);
-  const State whole = read_state(path("whole/run.h5"));
-  const State parts = read_state(path("second/run.h5"));
-  ASSERT_EQ(whole.disks.size(), parts.disks.size());
+  const State<2> whole = read_state(path("whole/run.h5"));
+  const State<2> parts = read_state(path("second/run.h5"));
+  ASSERT_EQ(whole.bodies.size(), parts.bodies.size());
   EXPECT_EQ(whole.step, parts.step);
   EXPECT_EQ(whole.friction_loss, parts.friction_loss);
-  for (std::size_t i = 0; i < whole.disks.size(); ++i) {
-    EXPECT_EQ(whole.disks[i].x, parts.disks[i].x);
-    EXPECT_EQ(whole.disks[i].v, parts.disks[i].v);
-    EXPECT_EQ(whole.disks[i].spin, parts.disks[i].spin);
+  for (std::size_t i = 0; i < whole.bodies.size(); ++i) {
+    EXPECT_EQ(whole.bodies[i].x, parts.bodies[i].x);
+    EXPECT_EQ(whole.bodies[i].v, parts.bodies[i].v);
+    EXPECT_EQ(whole.bodies[i].spin, parts.bodies[i].spin);
   }
 }
 
@@ -145,16 +145,16 @@ TEST_F(Command, RestartGoesOnToTheScenesPlannedEnd) {
   EXPECT_EQ(j["steps"], 140);
   EXPECT_EQ(j["steps_planned"], 140);
   EXPECT_EQ(j["last_step"], 400);
-  const State whole = read_state(path("whole")), parts = read_state(path("parts"));
+  const State<2> whole = read_state(path("whole")), parts = read_state(path("parts"));
   EXPECT_EQ(parts.step, 400);
   EXPECT_EQ(whole.time, parts.time);
   EXPECT_EQ(whole.friction_loss, parts.friction_loss);
   EXPECT_GT(whole.friction_loss, 0);  // something slid
-  ASSERT_EQ(whole.disks.size(), parts.disks.size());
-  for (std::size_t i = 0; i < whole.disks.size(); ++i) {
-    EXPECT_EQ(whole.disks[i].x, parts.disks[i].x);
-    EXPECT_EQ(whole.disks[i].v, parts.disks[i].v);
-    EXPECT_EQ(whole.disks[i].spin, parts.disks[i].spin);
+  ASSERT_EQ(whole.bodies.size(), parts.bodies.size());
+  for (std::size_t i = 0; i < whole.bodies.size(); ++i) {
+    EXPECT_EQ(whole.bodies[i].x, parts.bodies[i].x);
+    EXPECT_EQ(whole.bodies[i].v, parts.bodies[i].v);
+    EXPECT_EQ(whole.bodies[i].spin, parts.bodies[i].spin);
   }
   EXPECT_EQ(content(path("whole/ledger.csv")), content(path("parts/ledger.csv")));
 
@@ -228,8 +228,8 @@ TEST_F(Command, InterruptedRunLeavesAReadableState) {
   const std::string out = path("out");
   const Outcome run = interrupted("run compaction --tol 1e-3 --out " + out);
   EXPECT_EQ(run.exit_code, 5);
-  const State state = read_state(out + "/run.h5");
-  EXPECT_EQ(state.disks.size(), 342u);
+  const State<2> state = read_state(out + "/run.h5");
+  EXPECT_EQ(state.bodies.size(), 342u);
   EXPECT_GT(state.step, 0);
   EXPECT_EQ(json::parse(content(out + "/summary.json"))["status"], "interrupted");
 }
@@ -398,10 +398,10 @@ TEST_F(Command, SpringDashpotModelRunsTheSameScene) {
                   " --out " + path("b"))
                 .exit_code,
             0);
-  const State whole = read_state(path("a")), parts = read_state(path("b"));
-  for (std::size_t i = 0; i < whole.disks.size(); ++i) {
-    EXPECT_EQ(whole.disks[i].x, parts.disks[i].x);
-    EXPECT_EQ(whole.disks[i].v, parts.disks[i].v);
+  const State<2> whole = read_state(path("a")), parts = read_state(path("b"));
+  for (std::size_t i = 0; i < whole.bodies.size(); ++i) {
+    EXPECT_EQ(whole.bodies[i].x, parts.bodies[i].x);
+    EXPECT_EQ(whole.bodies[i].v, parts.bodies[i].v);
   }
   EXPECT_EQ(content(path("a/ledger.csv")), content(path("b/ledger.csv")));
   // Unstable substeps, flags of the other model and a stiffness that gives way are refused.

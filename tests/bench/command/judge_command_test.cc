@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/files/problem_file.h"
+#include "core/problem_files/problem_file.h"
 #include "solvers/solve.h"
 #include "tests/support/command_line.h"
 #include "tests/support/source_folder.h"

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/files/run_reader.h"
+#include "core/run_files/run_reader.h"
 #include "tests/bench/command/command_fixture.h"
 #include "tests/support/source_folder.h"
 
@@ -236,10 +236,10 @@ every = 10
 )";
 
 /// Largest distance between the places of the same disks.
-double farthest(const State& a, const State& b) {
-  double most = a.disks.size() == b.disks.size() ? 0 : 1e300;
-  for (std::size_t k = 0; k < std::min(a.disks.size(), b.disks.size()); ++k) {
-    most = std::max(most, (a.disks[k].x - b.disks[k].x).norm());
+double farthest(const State<2>& a, const State<2>& b) {
+  double most = a.bodies.size() == b.bodies.size() ? 0 : 1e300;
+  for (std::size_t k = 0; k < std::min(a.bodies.size(), b.bodies.size()); ++k) {
+    most = std::max(most, (a.bodies[k].x - b.bodies[k].x).norm());
   }
   return most;
 }
@@ -252,7 +252,7 @@ TEST_F(MpiCommand, AStateOnSeveralProcessesLeavesTheFilesOfOne) {
   EXPECT_EQ(count(four.out, "processes    4, state distributed"), 1) << four.out;
   EXPECT_EQ(files_in(path("four")), files_in(path("one")));
   // Impulses agree to the tolerance, places to what it moves in 25 steps.
-  const State one = read_state<2>(path("one")), many = read_state<2>(path("four"));
+  const State<2> one = read_state<2>(path("one")), many = read_state<2>(path("four"));
   EXPECT_EQ(many.step, 25);
   EXPECT_LE(farthest(one, many), 1e-6);
   EXPECT_NEAR(one.walls[3].a[1], many.walls[3].a[1], 1e-6);
@@ -291,8 +291,8 @@ TEST_F(MpiCommand, AStateOnSeveralProcessesLeavesTheFilesOfOne) {
   }
   const json j = json::parse(content(path("four/summary.json")));
   EXPECT_EQ(j["state"], "distributed");
-  EXPECT_EQ(j["disks"], one.disks.size());
-  EXPECT_LT(j["domains"]["most_bodies"].get<double>(), 0.6 * one.disks.size());
+  EXPECT_EQ(j["disks"], one.bodies.size());
+  EXPECT_LT(j["domains"]["most_bodies"].get<double>(), 0.6 * one.bodies.size());
   EXPECT_GT(j["domains"]["a_step"]["detection"]["messages"].get<double>(), 0);
   EXPECT_EQ(j["domains"]["gathers"], 26);  // a row each step, and the end
 }
@@ -338,7 +338,7 @@ TEST_F(MpiCommand, AKilledRunGoesOnWithAnotherNumberOfProcesses) {
   ASSERT_GE(left, 10);
   ASSERT_EQ(on(2, run + " --restart " + path("several") + " --steps 9").exit_code, 0);
   ASSERT_EQ(on(3, run + " --restart " + path("several") + " --steps 7").exit_code, 0);
-  const State several = read_state<2>(path("several"));
+  const State<2> several = read_state<2>(path("several"));
   EXPECT_EQ(several.step, left + 16);
   ASSERT_EQ(bipot("run " + scene + " --tol 1e-6 -q --steps " + std::to_string(left + 16) +
                   " --out " + path("one"))

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/files/problem_file.h"
-#include "core/problem/contact_error.h"
+#include "core/criterion/contact_error.h"
+#include "core/problem_files/problem_file.h"
 #include "tests/bench/command/command_fixture.h"
 #include "tests/support/source_folder.h"
 

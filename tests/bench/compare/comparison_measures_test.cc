@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "bench/compare/comparison_charts.h"
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 namespace {

@@ -9,7 +9,7 @@
 #include "bench/compare/comparison_measures.h"
 #include "bench/compare/comparison_report.h"
 #include "bench/measure/true_error.h"
-#include "core/files/fclib_file.h"
+#include "core/problem_files/fclib_file.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/several_problems.h"
@@ -138,7 +138,7 @@ TEST(ReferenceSolution, LearnsOnlyWhatIsExactAndElsewhere) {
   const TrueErrorEvaluator errors(given, reference);
   EXPECT_EQ(errors(several.answers[2]).nearest, 2);
   EXPECT_LE(errors(several.answers[2]).velocity, 1e-8);
-  // sqrt(19): tests/solvers/distinct_answers_test.cc
+  // sqrt(19): tests/solvers/analysis/distinct_answers_test.cc
   EXPECT_NEAR(errors.spread().velocity, std::sqrt(19.0), 1e-7);
 }
 

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "bench/compare/comparison_charts.h"
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 namespace {

@@ -17,7 +17,7 @@ TEST(IterationGrowth, SideIsTheNearest) {
   EXPECT_EQ(side_of("square", 1), 1);
   for (const char* family : {"square", "triangular", "pyramid"}) {
     const GrowthProblem problem = make_growth_problem({.family = family}, 7);
-    EXPECT_EQ(side_of(family, static_cast<double>(problem.disks)), 7) << family;
+    EXPECT_EQ(side_of(family, static_cast<double>(problem.bodies)), 7) << family;
   }
   EXPECT_THROW(make_growth_problem({.family = "simplex"}, 3), std::invalid_argument);
 }
@@ -26,7 +26,7 @@ TEST(IterationGrowth, DilutedLatticeLacksATenthOfItsDisks) {
   const GrowthProblem some = make_growth_problem({.family = "diluted", .seed = 1}, 40);
   const GrowthProblem other = make_growth_problem({.family = "diluted", .seed = 2}, 40);
   // 1580 places, each empty with probability 1/10: 1422 ± 12 disks, four standard deviations.
-  EXPECT_NEAR(static_cast<double>(some.disks), 1422, 48);
+  EXPECT_NEAR(static_cast<double>(some.bodies), 1422, 48);
   EXPECT_NE(some.problem.num_contacts(), other.problem.num_contacts());
 }
 
@@ -70,7 +70,7 @@ TEST(IterationGrowth, FitLeavesOutSmallAndUnmetRows) {
     row.family = "square";
     row.method = "pgs";
     row.tol = 1e-4;
-    row.disks = static_cast<std::size_t>(disks);
+    row.bodies = static_cast<std::size_t>(disks);
     row.status = disks == 10000 ? SolveStatus::kTimeLimit : SolveStatus::kConverged;
     row.iterations = disks == 10 ? 1 : 3 * disks * disks;
     row.solve_seconds = disks;

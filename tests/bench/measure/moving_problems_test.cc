@@ -8,8 +8,8 @@
 
 #include "bench/measure/iteration_growth.h"
 #include "bench/measure/problem_target.h"
-#include "bench/scenes/moving_scene.h"
-#include "core/problem/contact_error.h"
+#include "bench/problems/moving_scene.h"
+#include "core/criterion/contact_error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -35,18 +35,18 @@ class OwnCache {
 
 TEST(MovingScene, IsLooseHeavyAndAboveTheFloor) {
   for (const std::string& family : moving_family_names()) {
-    const Scene scene = make_moving_scene(family, 6, {});
+    const Scene<2> scene = make_moving_scene(family, 6, {});
     EXPECT_EQ(validate(scene), "") << family;
-    EXPECT_GE(scene.disks.size(), 36u) << family;
-    for (std::size_t i = 0; i < scene.disks.size(); ++i) {
-      const Disk& a = scene.disks[i];
+    EXPECT_GE(scene.bodies.size(), 36u) << family;
+    for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+      const Disk& a = scene.bodies[i];
       EXPECT_GE(a.x.y(), a.radius) << family;
       for (std::size_t j = 0; j < i; ++j) {
-        const Disk& b = scene.disks[j];
+        const Disk& b = scene.bodies[j];
         EXPECT_GE((a.x - b.x).norm(), (a.radius + b.radius) * (1 - 1e-12)) << family;
       }
     }
-    const Disk& first = scene.disks.front();
+    const Disk& first = scene.bodies.front();
     EXPECT_NEAR(first.mass, 1000 * std::numbers::pi * first.radius * first.radius, 1e-9);
   }
   EXPECT_EQ(make_moving_scene("collapse", 6, {}).walls.size(), 1u);
@@ -118,7 +118,7 @@ TEST(MovingProblems, AreTargetsAndFamilies) {
     EXPECT_THROW(expand_targets({bad}), std::invalid_argument) << bad;
   }
   const GrowthProblem growth = make_growth_problem({.family = "pour"}, 5);
-  EXPECT_EQ(growth.disks, 25u);
+  EXPECT_EQ(growth.bodies, 25u);
   EXPECT_GT(growth.problem.num_contacts(), 0);
 }
 

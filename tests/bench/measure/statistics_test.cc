@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/types.h"
+#include "core/base/types.h"
 
 namespace bipot {
 namespace {

@@ -10,8 +10,8 @@
 #include <string_view>
 
 #include "bench/report/gnuplot.h"
-#include "core/file_error.h"
-#include "core/types.h"
+#include "core/base/file_error.h"
+#include "core/base/types.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

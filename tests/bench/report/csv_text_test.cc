@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

@@ -6,7 +6,7 @@
 #include <iterator>
 #include <string>
 
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 #include "tests/support/source_folder.h"
 #include "tests/support/temporary_folder.h"
 

@@ -20,7 +20,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/files/rehearsed_read.h"
+#include "core/problem_files/rehearsed_read.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {

@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "core/problem/contact_error.h"
+#include "core/criterion/contact_error.h"
 #include "core/problem/delassus.h"
 #include "core/scene/contact_detection.h"
 #include "solvers/solve.h"
@@ -16,8 +16,8 @@
 namespace bipot {
 namespace {
 
-Scene unit_step_scene(double mu, double e_n, double e_t) {
-  Scene scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
+Scene<2> unit_step_scene(double mu, double e_n, double e_t) {
+  Scene<2> scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.step = 1;
   return scene;
 }
@@ -40,41 +40,41 @@ SolverOptions tolerance(double tol) {
 }
 
 struct Bodies {
-  std::vector<Disk> disks;
-  std::vector<Wall> walls;
+  std::vector<Disk> bodies;
+  std::vector<Wall<2>> walls;
   std::vector<Vec2> v_free;
   std::vector<double> wall_free;
 
-  AssembledStep assemble(const Scene& scene, double eta = 0, bool with_delassus = true) {
+  AssembledStep assemble(const Scene<2>& scene, double eta = 0, bool with_delassus = true) {
     if (v_free.empty()) {
-      for (const Disk& d : disks) v_free.push_back(d.v);
+      for (const Disk& d : bodies) v_free.push_back(d.v);
     }
     if (wall_free.empty()) {
-      for (const Wall& w : walls) wall_free.push_back(w.v.dot(w.direction));
+      for (const Wall<2>& w : walls) wall_free.push_back(w.v.dot(w.direction));
     }
-    return assemble_step(scene, disks, walls, detect_contacts(disks, walls, eta), v_free, wall_free,
-                         with_delassus);
+    return assemble_step(scene, bodies, walls, detect_contacts(bodies, walls, eta), v_free,
+                         wall_free, with_delassus);
   }
 };
 
-/// Overlapping disks between a fixed half-plane, a driven half-plane and a driven segment.
+/// Overlapping bodies between a fixed half-plane, a driven half-plane and a driven segment.
 Bodies crowd(unsigned seed) {
   Draw draw(seed);
   Bodies b;
   for (int k = 0; k < 25; ++k) {
-    b.disks.push_back(disk_at(draw.uniform(), draw.uniform(), draw.between(0.08, 0.16),
-                              Vec2(draw.symmetric(), draw.symmetric()), draw.symmetric()));
-    b.disks.back().mass = draw.between(0.5, 2);
-    b.v_free.emplace_back(b.disks.back().v + Vec2(0, -0.2));
+    b.bodies.push_back(disk_at(draw.uniform(), draw.uniform(), draw.between(0.08, 0.16),
+                               Vec2(draw.symmetric(), draw.symmetric()), draw.symmetric()));
+    b.bodies.back().mass = draw.between(0.5, 2);
+    b.v_free.emplace_back(b.bodies.back().v + Vec2(0, -0.2));
   }
   b.walls.push_back(half_plane(Vec2(0, 0.1), Vec2(0, 1)));
   b.walls.push_back(half_plane(Vec2(0.1, 0), Vec2(0.8, 0.6)));
-  b.walls[1].motion = Wall::Motion::kDriven;
+  b.walls[1].motion = Wall<2>::Motion::kDriven;
   b.walls[1].direction = Vec2(0.8, 0.6);
   b.walls[1].mass = 4;
   b.walls[1].v = 0.3 * b.walls[1].direction;
   b.walls.push_back(b.walls[1]);
-  b.walls[2].shape = Wall::Shape::kSegment;
+  b.walls[2].shape = Wall<2>::Shape::kSegment;
   b.walls[2].a = Vec2(0.9, -1);
   b.walls[2].b = Vec2(0.95, 2);
   b.walls[2].direction = Vec2(-0.6, 0.8);
@@ -86,11 +86,11 @@ Bodies crowd(unsigned seed) {
 /// Moves every body by the rates in v over a small time.
 Bodies moved(const Bodies& b, const DofMap& dofs, const Vector& v, double dt) {
   Bodies out = b;
-  for (std::size_t i = 0; i < out.disks.size(); ++i) {
+  for (std::size_t i = 0; i < out.bodies.size(); ++i) {
     const int k = dofs.disk[i];
     if (k < 0) continue;
-    out.disks[i].x += dt * v.segment<2>(k);
-    if (dofs.per_disk == 3) out.disks[i].angle += dt * v[k + 2];
+    out.bodies[i].x += dt * v.segment<2>(k);
+    if (dofs.per_disk == 3) out.bodies[i].angle += dt * v[k + 2];
   }
   for (std::size_t w = 0; w < out.walls.size(); ++w) {
     if (dofs.wall[w] < 0) continue;
@@ -101,7 +101,7 @@ Bodies moved(const Bodies& b, const DofMap& dofs, const Vector& v, double dt) {
 }
 
 TEST(Assembly, NormalRowIsTheRateOfTheGap) {
-  const Scene scene = unit_step_scene(0.3, 0, 0);
+  const Scene<2> scene = unit_step_scene(0.3, 0, 0);
   Bodies b = crowd(1);
   const AssembledStep step = b.assemble(scene);
   const int contacts = step.problem.num_contacts();
@@ -110,16 +110,16 @@ TEST(Assembly, NormalRowIsTheRateOfTheGap) {
   const Vector u = step.problem.H.transpose() * v;
   const double dt = 1e-6;
   const Bodies before = moved(b, step.dofs, v, -dt), after = moved(b, step.dofs, v, dt);
-  const auto gaps_before = detect_contacts(before.disks, before.walls, 1e-3);
-  const auto gaps_after = detect_contacts(after.disks, after.walls, 1e-3);
-  const auto gap_of = [](const std::vector<Contact>& all, const Contact& c) {
-    for (const Contact& other : all) {
+  const auto gaps_before = detect_contacts(before.bodies, before.walls, 1e-3);
+  const auto gaps_after = detect_contacts(after.bodies, after.walls, 1e-3);
+  const auto gap_of = [](const std::vector<Contact<2>>& all, const Contact<2>& c) {
+    for (const Contact<2>& other : all) {
       if (other.i == c.i && other.j == c.j) return other.gap;
     }
     ADD_FAILURE() << "contact lost";
     return 0.0;
   };
-  const auto now = detect_contacts(b.disks, b.walls, 0);
+  const auto now = detect_contacts(b.bodies, b.walls, 0);
   for (int c = 0; c < contacts; ++c) {
     const double rate = (gap_of(gaps_after, now[c]) - gap_of(gaps_before, now[c])) / (2 * dt);
     EXPECT_NEAR(u[2 * c], rate, 1e-8) << now[c].i << ' ' << now[c].j;
@@ -128,26 +128,26 @@ TEST(Assembly, NormalRowIsTheRateOfTheGap) {
 
 TEST(Assembly, TangentialRowIsTheRateOfTheContactPointsShift) {
   // Material points fixed to the two bodies at the contact, turned and shifted with them.
-  const Scene scene = unit_step_scene(0.3, 0, 0);
+  const Scene<2> scene = unit_step_scene(0.3, 0, 0);
   Bodies b = crowd(1);
   const AssembledStep step = b.assemble(scene);
   const Vector v = random_vector(step.problem.num_dofs(), 2);
   const Vector u = step.problem.H.transpose() * v;
   const double dt = 1e-6;
-  const auto now = detect_contacts(b.disks, b.walls, 0);
-  const int num_disks = static_cast<int>(b.disks.size());
+  const auto now = detect_contacts(b.bodies, b.walls, 0);
+  const int num_disks = static_cast<int>(b.bodies.size());
   for (std::size_t c = 0; c < now.size(); ++c) {
     const Vec2 t(-now[c].n[1], now[c].n[0]);
     const auto material_point = [&](const Bodies& at, int body, const Vec2& arm) -> Vec2 {
       if (body >= num_disks) return at.walls[body - num_disks].a;
-      const Eigen::Rotation2D<double> turn(at.disks[body].angle - b.disks[body].angle);
-      return at.disks[body].x + turn * arm;
+      const Eigen::Rotation2D<double> turn(at.bodies[body].angle - b.bodies[body].angle);
+      return at.bodies[body].x + turn * arm;
     };
     const auto shift = [&](double time) {
       const Bodies at = moved(b, step.dofs, v, time);
-      const Vec2 arm_i = -b.disks[now[c].i].radius * now[c].n;
+      const Vec2 arm_i = -b.bodies[now[c].i].radius * now[c].n;
       const Vec2 arm_j =
-          now[c].j < num_disks ? Vec2(b.disks[now[c].j].radius * now[c].n) : Vec2(0, 0);
+          now[c].j < num_disks ? Vec2(b.bodies[now[c].j].radius * now[c].n) : Vec2(0, 0);
       return t.dot(material_point(at, now[c].i, arm_i) - material_point(at, now[c].j, arm_j));
     };
     EXPECT_NEAR(u[2 * c + 1], (shift(dt) - shift(-dt)) / (2 * dt), 1e-8);
@@ -156,7 +156,7 @@ TEST(Assembly, TangentialRowIsTheRateOfTheContactPointsShift) {
 
 TEST(Assembly, PowerOfImpulsesIsPowerOfWrenches) {
   // u·s = v·(H s), Hᵀ v formed contact by contact from the bodies' velocities.
-  const Scene scene = unit_step_scene(0.3, 0.5, 0.2);
+  const Scene<2> scene = unit_step_scene(0.3, 0.5, 0.2);
   Bodies b = crowd(3);
   b.v_free.clear();
   b.wall_free = {0, 0.3, -0.1};  // the velocities before the step: u_free = (1 + e)/r u⁻ = r u⁻
@@ -169,7 +169,7 @@ TEST(Assembly, PowerOfImpulsesIsPowerOfWrenches) {
 }
 
 TEST(Assembly, OperatorIsThatOfTheBodies) {
-  const Scene scene = unit_step_scene(0.3, 0.5, 0.2);
+  const Scene<2> scene = unit_step_scene(0.3, 0.5, 0.2);
   Bodies b = crowd(3);
   const ContactProblem p = b.assemble(scene).problem;
   EXPECT_EQ(validate(p), "");
@@ -181,11 +181,11 @@ TEST(Assembly, OperatorIsThatOfTheBodies) {
 
 TEST(Assembly, OneDiskOnAFloorHasItsKnownOperator) {
   // m = 2, a = 0.5, I = m a²/2: W = diag(1/m, 1/m + a²/I) = diag(1, 3)/m.
-  const Scene scene = unit_step_scene(0.3, 0, 0);
+  const Scene<2> scene = unit_step_scene(0.3, 0, 0);
   Bodies b;
-  b.disks = {disk_at(0, 0.5, 0.5, Vec2(3, -1), 4)};
-  b.disks[0].mass = 2;
-  b.disks[0].inertia = 0.25;
+  b.bodies = {disk_at(0, 0.5, 0.5, Vec2(3, -1), 4)};
+  b.bodies[0].mass = 2;
+  b.bodies[0].inertia = 0.25;
   b.walls = {half_plane(Vec2(0, 0), Vec2(0, 1))};
   const ContactProblem p = b.assemble(scene).problem;
   Eigen::MatrixXd W(2, 2), H(3, 2);
@@ -201,16 +201,16 @@ TEST(Assembly, OneDiskOnAFloorHasItsKnownOperator) {
 TEST(Assembly, RestitutionReversesOneContact) {
   // u_n⁺ = -e_n u_n⁻ for a head-on shock of two disks, whatever the masses.
   for (const double e_n : {0.0, 0.3, 1.0}) {
-    const Scene scene = unit_step_scene(0, e_n, 0);
+    const Scene<2> scene = unit_step_scene(0, e_n, 0);
     Bodies b;
-    b.disks = {disk_at(0, 0, 0.5, Vec2(2, 0)), disk_at(1.2, 0, 0.7, Vec2(-1, 0))};
+    b.bodies = {disk_at(0, 0, 0.5, Vec2(2, 0)), disk_at(1.2, 0, 0.7, Vec2(-1, 0))};
     const AssembledStep step = b.assemble(scene);
     const SolveResult r = solve("pgs", step.problem, tolerance(1e-12));
     ASSERT_EQ(r.status, SolveStatus::kConverged);
     const Vector v = body_velocities(step.problem, r.s);
     EXPECT_DOUBLE_EQ(step.u_before[0], -3);
     EXPECT_NEAR(v[2] - v[0], 3 * e_n, 1e-11);  // from -3 to +3 e_n, n = (-1, 0)
-    EXPECT_NEAR(b.disks[0].mass * v[0] + b.disks[1].mass * v[2], 1.5 * 2 - 1.7, 1e-12);
+    EXPECT_NEAR(b.bodies[0].mass * v[0] + b.bodies[1].mass * v[2], 1.5 * 2 - 1.7, 1e-12);
   }
 }
 
@@ -218,12 +218,12 @@ TEST(Assembly, UnequalRestitutionsSolveThePhysicalLaw) {
   // Solve the symmetric form, go back, and check Moreau's law on (36) in physical variables.
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const double e_n = 0.2, e_t = 0.9, mu = 0.4;
-    const Scene scene = unit_step_scene(mu, e_n, e_t);
+    const Scene<2> scene = unit_step_scene(mu, e_n, e_t);
     Bodies b;
     Draw draw(seed);
     for (int k = 0; k < 5; ++k) {  // a chain on a floor
-      b.disks.push_back(disk_at(k * 0.98, 0.5 + 0.1 * (k % 2), 0.5,
-                                Vec2(draw.symmetric(), -draw.uniform()), 3 * draw.symmetric()));
+      b.bodies.push_back(disk_at(k * 0.98, 0.5 + 0.1 * (k % 2), 0.5,
+                                 Vec2(draw.symmetric(), -draw.uniform()), 3 * draw.symmetric()));
     }
     b.walls = {half_plane(Vec2(0, 0.12), Vec2(0.0, 1.0))};
     const AssembledStep step = b.assemble(scene);
@@ -232,17 +232,17 @@ TEST(Assembly, UnequalRestitutionsSolveThePhysicalLaw) {
     ASSERT_EQ(r.status, SolveStatus::kConverged) << r.message;
     const Vector v = body_velocities(p, r.s);
     const Vector s = r.s.cwiseQuotient(p.row_scale);
-    const auto contacts = detect_contacts(b.disks, b.walls, 0);
+    const auto contacts = detect_contacts(b.bodies, b.walls, 0);
     int touching = 0;
     for (std::size_t c = 0; c < contacts.size(); ++c) {
       // u⁺ from the body velocities, by the formulas of the header.
       const Vec2 n = contacts[c].n, t(-n[1], n[0]);
       const int i = contacts[c].i, j = contacts[c].j;
       Vec2 relative = v.segment<2>(step.dofs.disk[i]);
-      double spins = b.disks[i].radius * v[step.dofs.disk[i] + 2];
+      double spins = b.bodies[i].radius * v[step.dofs.disk[i] + 2];
       if (j < 5) {
         relative -= v.segment<2>(step.dofs.disk[j]);
-        spins += b.disks[j].radius * v[step.dofs.disk[j] + 2];
+        spins += b.bodies[j].radius * v[step.dofs.disk[j] + 2];
       }
       const double after_n = n.dot(relative), after_t = t.dot(relative) - spins;
       const double u_n = (after_n + e_n * step.u_before[2 * c]) / (1 + e_n);
@@ -260,12 +260,12 @@ TEST(Assembly, UnequalRestitutionsSolveThePhysicalLaw) {
 }
 
 TEST(Assembly, MovingWallsStandInTheRightHandSide) {
-  const Scene scene = unit_step_scene(0.5, 0.25, 0);
+  const Scene<2> scene = unit_step_scene(0.5, 0.25, 0);
   Bodies b;
-  b.disks = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
+  b.bodies = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
   b.v_free = {Vec2(1, -3)};
   b.walls = {half_plane(Vec2(0, 0), Vec2(0, 1))};
-  b.walls[0].motion = Wall::Motion::kMoving;
+  b.walls[0].motion = Wall<2>::Motion::kMoving;
   b.walls[0].v = Vec2(4, 5);
   const AssembledStep step = b.assemble(scene);
   EXPECT_EQ(step.problem.num_dofs(), 3);
@@ -280,11 +280,11 @@ TEST(Assembly, MovingWallsStandInTheRightHandSide) {
 }
 
 TEST(Assembly, DrivenWallsHaveOneDegreeOfFreedom) {
-  const Scene scene = unit_step_scene(0.5, 0, 0);
+  const Scene<2> scene = unit_step_scene(0.5, 0, 0);
   Bodies b;
-  b.disks = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
+  b.bodies = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
   b.walls = {half_plane(Vec2(0, 0), Vec2(0, 1))};
-  b.walls[0].motion = Wall::Motion::kDriven;
+  b.walls[0].motion = Wall<2>::Motion::kDriven;
   b.walls[0].direction = Vec2(0.6, 0.8);
   b.walls[0].mass = 4;
   b.walls[0].v = 5 * b.walls[0].direction;
@@ -303,7 +303,7 @@ TEST(Assembly, DrivenWallsHaveOneDegreeOfFreedom) {
 }
 
 TEST(Assembly, WithoutFrictionThereAreNoTangentsAndNoSpins) {
-  const Scene scene = unit_step_scene(0, 0.5, 0.7);
+  const Scene<2> scene = unit_step_scene(0, 0.5, 0.7);
   Bodies b = crowd(1);
   const AssembledStep step = b.assemble(scene);
   EXPECT_EQ(step.problem.dim, 1);
@@ -320,18 +320,18 @@ TEST(Assembly, WithoutFrictionThereAreNoTangentsAndNoSpins) {
 }
 
 TEST(Assembly, BodiesWithoutContactsDoNotEnter) {
-  const Scene scene = unit_step_scene(0.3, 0, 0);
+  const Scene<2> scene = unit_step_scene(0.3, 0, 0);
   Bodies b;
-  b.disks = {disk_at(50, 50, 0.5), disk_at(0, 0, 0.5), disk_at(-50, 7, 0.5), disk_at(1, 0, 0.5)};
+  b.bodies = {disk_at(50, 50, 0.5), disk_at(0, 0, 0.5), disk_at(-50, 7, 0.5), disk_at(1, 0, 0.5)};
   b.walls = {half_plane(Vec2(0, -80), Vec2(0, 1)), half_plane(Vec2(0, -90), Vec2(0, 1))};
-  b.walls[1].motion = Wall::Motion::kDriven;
+  b.walls[1].motion = Wall<2>::Motion::kDriven;
   b.walls[1].direction = Vec2(0, 1);
   b.walls[1].mass = 1;
   const AssembledStep step = b.assemble(scene);
   EXPECT_EQ(step.problem.num_dofs(), 6);
   EXPECT_EQ(step.dofs.disk, (std::vector<int>{-1, 0, -1, 3}));
   EXPECT_EQ(step.dofs.wall, (std::vector<int>{-1, -1}));
-  b.disks = {disk_at(0, 0, 0.5)};
+  b.bodies = {disk_at(0, 0, 0.5)};
   b.v_free.clear();
   const AssembledStep none = b.assemble(scene);
   EXPECT_EQ(none.problem.num_contacts(), 0);
@@ -340,14 +340,14 @@ TEST(Assembly, BodiesWithoutContactsDoNotEnter) {
 }
 
 TEST(Assembly, EveryPairOfMaterialsHasItsLaw) {
-  Scene scene = unit_step_scene(0.3, 0, 0);
+  Scene<2> scene = unit_step_scene(0.3, 0, 0);
   scene.materials = {"steel", "wood"};
   const ContactLaw steel{.mu = 0.1, .e_n = 1}, mixed{.mu = 0.2, .e_n = 0.5},
       wood{.mu = 0.4, .e_n = 0};
   scene.laws = {steel, mixed, mixed, wood};
   Bodies b;
-  b.disks = {disk_at(0, 0, 0.5), disk_at(1, 0, 0.5), disk_at(2, 0, 0.5), disk_at(3, 0, 0.5)};
-  b.disks[2].material = b.disks[3].material = 1;
+  b.bodies = {disk_at(0, 0, 0.5), disk_at(1, 0, 0.5), disk_at(2, 0, 0.5), disk_at(3, 0, 0.5)};
+  b.bodies[2].material = b.bodies[3].material = 1;
   const ContactProblem p = b.assemble(scene).problem;
   ASSERT_EQ(p.num_contacts(), 3);
   EXPECT_DOUBLE_EQ(p.mu[0] * std::sqrt(2.0), 0.1);

@@ -7,7 +7,6 @@
 #include <random>
 #include <string>
 
-#include "core/files/scene_file.h"
 #include "core/motion/force_balance.h"
 #include "core/motion/midpoint.h"
 #include "core/motion/sample_area.h"
@@ -15,8 +14,9 @@
 #include "core/motion/time_stepping.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/disk_union.h"
+#include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
-#include "solvers/step_solver.h"
+#include "solvers/simulation/step_solver.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/scene_run.h"
 
@@ -24,34 +24,34 @@ namespace bipot {
 namespace {
 
 /// Joins circles to a cluster of a scene.
-void add_cluster(Scene& scene, const std::vector<Circle>& parts, double density, const Vec2& v,
+void add_cluster(Scene<2>& scene, const std::vector<Circle>& parts, double density, const Vec2& v,
                  double spin) {
   for (const Circle& part : parts) {
     Disk disk;
     disk.x = part.centre;
     disk.radius = part.radius;
-    scene.disks.push_back(disk);
+    scene.bodies.push_back(disk);
   }
   join_disks(scene, parts.size(), {.density = density});
   scene.clusters.bodies.back().v = v;
   scene.clusters.bodies.back().spin = spin;
-  place_members(scene.clusters, scene.disks);
+  place_members(scene.clusters, scene.bodies);
 }
 
 TEST(Cluster, ADumbbellFallsOnAParabolaAndTurnsEvenly) {
   // Disks of 0.1 and 0.2 m, 0.25 m apart. Without contacts the mid-point scheme is exact: after time t the centre
   // of mass is at x0 + v0 t - g t²/2, the dumbbell turned by w t, and each disk where a rigid body has it.
-  Scene scene = one_law({.mu = 0.5});
+  Scene<2> scene = one_law({.mu = 0.5});
   scene.gravity = Vec2(0, -kGravity);
   scene.step = 1e-2;
   add_cluster(scene, {{Vec2(0, 0), 0.1}, {Vec2(0.25, 0), 0.2}}, 100, Vec2(1, 3), 7);
   ASSERT_EQ(validate(scene), "");
   const Cluster begin = scene.clusters.bodies[0];
-  State state = initial_state(scene);
+  State<2> state = initial_state(scene);
   const double energy = kinetic_energy(state) + potential_energy(state, scene.gravity);
-  TimeStepper stepper(scene, make_step_solver(*find_solver("pgs"), {}), false);
+  TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), {}), false);
   while (state.step < 100) {
-    const StepReport r = stepper.advance(state);
+    const StepReport<2> r = stepper.advance(state);
     EXPECT_EQ(r.contacts, 0);
     EXPECT_NEAR(r.energy.kinetic + r.energy.potential, energy, 1e-11);
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-12);
@@ -60,24 +60,24 @@ TEST(Cluster, ADumbbellFallsOnAParabolaAndTurnsEvenly) {
   EXPECT_LT((state.clusters.bodies[0].x - x).norm(), 1e-12);
   EXPECT_NEAR(state.clusters.bodies[0].angle, 7, 1e-12);
   for (std::size_t i = 0; i < 2; ++i) {
-    const Vec2 arm = scene.disks[i].x - begin.x;
+    const Vec2 arm = scene.bodies[i].x - begin.x;
     const Vec2 there = Eigen::Rotation2D<double>(7) * arm;
-    EXPECT_LT((state.disks[i].x - x - there).norm(), 1e-12);
+    EXPECT_LT((state.bodies[i].x - x - there).norm(), 1e-12);
     const Vec2 v = Vec2(1, 3) + scene.gravity + 7 * Vec2(-there[1], there[0]);
-    EXPECT_LT((state.disks[i].v - v).norm(), 1e-11);
+    EXPECT_LT((state.bodies[i].v - v).norm(), 1e-11);
   }
 }
 
 /// Clusters of three unequal disks, and single ones, with random velocities that fly at each other.
-Scene cloud_of_clusters(const ContactLaw& law) {
-  Scene scene = one_law(law);
+Scene<2> cloud_of_clusters(const ContactLaw& law) {
+  Scene<2> scene = one_law(law);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int k = 0; k < 16; ++k) {
     const Vec2 x(0.8 * (k % 4 - 1.5), 0.8 * (k / 4 - 1.5));
     const Vec2 v(unit(random), unit(random));
     if (k % 5 == 4) {
-      scene.disks.push_back(cylinder(x, 0.2, v - 2 * x, 3, unit(random)));
+      scene.bodies.push_back(cylinder(x, 0.2, v - 2 * x, 3, unit(random)));
       if (!scene.clusters.empty()) scene.clusters.arms.emplace_back(Vec2::Zero());
       continue;
     }
@@ -94,28 +94,28 @@ Scene cloud_of_clusters(const ContactLaw& law) {
 
 // The velocities of the touching points, by v + w x r alone; H gives the same, with the masses of the bodies.
 TEST(Cluster, RelativeVelocityIsThatOfTheTouchingPoints) {
-  Scene scene = cloud_of_clusters({.mu = 0.4, .e_n = 0.3, .e_t = 0.1});
+  Scene<2> scene = cloud_of_clusters({.mu = 0.4, .e_n = 0.3, .e_t = 0.1});
   scene.contact_distance = 0.4;  // many candidates
   ASSERT_EQ(validate(scene), "");
-  const Midpoint mid = make_midpoint(scene, initial_state(scene));
+  const Midpoint<2> mid = make_midpoint(scene, initial_state(scene));
   const AssembledStep step = assemble_step(scene, mid, true);
   const ContactProblem& p = step.problem;
   ASSERT_GT(mid.contacts.size(), 20u);
   Vector v = Vector::Zero(p.num_dofs());
-  for (std::size_t i = 0; i < mid.disks.size(); ++i) {
+  for (std::size_t i = 0; i < mid.bodies.size(); ++i) {
     const int k = step.dofs.disk[i];
     if (k < 0) continue;
-    const int c = mid.disks[i].cluster;
+    const int c = mid.bodies[i].cluster;
     const Cluster body = c >= 0 ? mid.clusters.bodies[to_size(c)] : Cluster{};
-    v.segment<3>(k) << (c >= 0 ? body.v : mid.disks[i].v), mid.disks[i].spin;
-    EXPECT_EQ(p.A.coeff(k, k), c >= 0 ? body.mass : mid.disks[i].mass);
-    EXPECT_EQ(p.A.coeff(k + 2, k + 2), c >= 0 ? body.inertia : mid.disks[i].inertia);
+    v.segment<3>(k) << (c >= 0 ? body.v : mid.bodies[i].v), mid.bodies[i].spin;
+    EXPECT_EQ(p.A.coeff(k, k), c >= 0 ? body.mass : mid.bodies[i].mass);
+    EXPECT_EQ(p.A.coeff(k + 2, k + 2), c >= 0 ? body.inertia : mid.bodies[i].inertia);
   }
   const Vector u = p.H.transpose() * v;
   const Vector free = p.H.transpose() * p.v_free;
   for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
-    const Contact& contact = mid.contacts[c];
-    const Disk &a = mid.disks[to_size(contact.i)], &b = mid.disks[to_size(contact.j)];
+    const Contact<2>& contact = mid.contacts[c];
+    const Disk &a = mid.bodies[to_size(contact.i)], &b = mid.bodies[to_size(contact.j)];
     EXPECT_TRUE(a.cluster < 0 || a.cluster != b.cluster);
     const auto point_velocity = [&](const Disk& d, const Vec2& x) -> Vec2 {
       const bool joined = d.cluster >= 0;
@@ -142,21 +142,21 @@ TEST(Cluster, RelativeVelocityIsThatOfTheTouchingPoints) {
 // motion: V σ = Σ m (v⁺ - v⁻) ⊗ x / h, here the symmetric part; and the stress is symmetric.
 TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
   for (const double mu : {0.0, 0.4}) {
-    const Scene scene = cloud_of_clusters({.mu = mu, .e_n = 0.5, .e_t = 0.2});
-    State state = initial_state(scene);
-    TimeStepper stepper(scene, make_step_solver(*find_solver("pgs"), to_options(scene.solver)),
-                        false);
+    const Scene<2> scene = cloud_of_clusters({.mu = mu, .e_n = 0.5, .e_t = 0.2});
+    State<2> state = initial_state(scene);
+    TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), to_options(scene.solver)),
+                           false);
     const Vec2 whole = momentum(state);
     const double energy = kinetic_energy(state);
     int touched = 0;
     while (state.step < scene.num_steps) {
-      const State before = state;
-      const StepReport r = stepper.advance(state);
+      const State<2> before = state;
+      const StepReport<2> r = stepper.advance(state);
       ASSERT_TRUE(r.converged) << r.message;
       EXPECT_LT(std::abs(r.energy.imbalance), 1e-11 * energy);
       double couples = 0;
       Mat2 virial = Mat2::Zero();
-      for (const ContactOutcome& o : state.contacts) {
+      for (const ContactOutcome<2>& o : state.contacts) {
         couples += o.contact.gap * o.s_t;
         touched += o.s_n > 0 ? 1 : 0;
       }
@@ -165,16 +165,16 @@ TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
         const Vec2 middle = x - 0.5 * scene.step * v;
         virial += mass / scene.step * (v - v_before) * middle.transpose();
       };
-      for (std::size_t i = 0; i < state.disks.size(); ++i) {
-        const Disk& d = state.disks[i];
-        if (d.cluster < 0) add(d.mass, d.x, d.v, before.disks[i].v);
+      for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+        const Disk& d = state.bodies[i];
+        if (d.cluster < 0) add(d.mass, d.x, d.v, before.bodies[i].v);
       }
       for (std::size_t c = 0; c < state.clusters.bodies.size(); ++c) {
         const Cluster& b = state.clusters.bodies[c];
         add(b.mass, b.x, b.v, before.clusters.bodies[c].v);
       }
       const auto moments = contact_moments(state);
-      const MeanStress stress = sample_stress(state, scene.step, 1.0, moments);
+      const MeanStress<2> stress = sample_stress(state, scene.step, 1.0, moments);
       const double scale = 1 + virial.norm();
       EXPECT_LT((0.5 * (stress.contact + stress.contact.transpose() - virial - virial.transpose()))
                     .norm(),
@@ -182,10 +182,10 @@ TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
       EXPECT_LT(std::abs(stress.total()(0, 1) - stress.total()(1, 0)), 1e-11 * scale);
       // The disks' stresses, each cluster once, add up to the sample's.
       Mat2 sum = Mat2::Zero();
-      const std::vector<MeanStress> of_disks = disk_stresses(state, scene.step, moments);
+      const std::vector<MeanStress<2>> of_disks = disk_stresses(state, scene.step, moments);
       std::vector<bool> seen(state.clusters.bodies.size());
-      for (std::size_t i = 0; i < state.disks.size(); ++i) {
-        const Disk& d = state.disks[i];
+      for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+        const Disk& d = state.bodies[i];
         if (d.cluster >= 0 && seen[to_size(d.cluster)]) continue;
         if (d.cluster >= 0) seen[to_size(d.cluster)] = true;
         sum += of_disks[i].area * of_disks[i].total();
@@ -198,8 +198,8 @@ TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
 }
 
 /// Two disks of radius 0.1 side by side, b to both sides, touching the floor, and a third on top.
-Scene stool(double b, double top, double shift) {
-  Scene scene = one_law({.mu = 3});
+Scene<2> stool(double b, double top, double shift) {
+  Scene<2> scene = one_law({.mu = 3});
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
   add_cluster(scene, {{Vec2(-b, 0.1), 0.1}, {Vec2(b, 0.1), 0.1}, {Vec2(shift, top), 0.12}}, 100,
               Vec2::Zero(), 0);
@@ -213,7 +213,7 @@ Scene stool(double b, double top, double shift) {
 TEST(Cluster, ItTopplesIffItsCentreOfMassPassesTheSupport) {
   // On a slope of angle θ the line through the centre of mass, h above the floor, passes the lower foot, at b, iff
   // tan θ > b / h. Friction (μ = 3) is no limit there. Just below it stands, just above it falls, to the lower side.
-  Scene scene = stool(0.1, 0.5, 0);
+  Scene<2> scene = stool(0.1, 0.5, 0);
   const double h = scene.clusters.bodies[0].x[1];
   EXPECT_NEAR(scene.clusters.bodies[0].x[0], 0, 1e-15);
   EXPECT_GT(h, 0.2);
@@ -221,7 +221,7 @@ TEST(Cluster, ItTopplesIffItsCentreOfMassPassesTheSupport) {
     for (const double factor : {0.98, 1.02}) {
       const double tangent = factor * 0.1 / h;
       scene.gravity = kGravity / std::hypot(1, tangent) * Vec2(side * tangent, -1);
-      const State end = run_scene(scene);
+      const State<2> end = run_scene(scene);
       if (factor < 1) {
         EXPECT_LT(kinetic_energy(end), 1e-12);
         EXPECT_NEAR(end.clusters.bodies[0].angle, 0, 1e-9);
@@ -235,17 +235,17 @@ TEST(Cluster, ItTopplesIffItsCentreOfMassPassesTheSupport) {
 
 TEST(Cluster, ThreeDisksStandOnTwoFeetWithTheForcesOfALever) {
   // Feet at ±0.3, centre of mass at x: the right foot carries (x + 0.3)/0.6 of the weight.
-  Scene scene = stool(0.3, 0.35, 0.2);
+  Scene<2> scene = stool(0.3, 0.35, 0.2);
   scene.gravity = Vec2(0, -kGravity);
   const Cluster& body = scene.clusters.bodies[0];
   EXPECT_GT(body.x[0], 0.02);
   const double weight = body.mass * kGravity;
-  const State end = run_scene(scene);
+  const State<2> end = run_scene(scene);
   ASSERT_EQ(end.contacts.size(), 2u);
   EXPECT_EQ(end.contacts[0].contact.i, 0);
   EXPECT_NEAR(end.contacts[1].s_n / scene.step, weight * (body.x[0] + 0.3) / 0.6, 1e-8 * weight);
   EXPECT_NEAR(end.contacts[0].s_n / scene.step, weight * (0.3 - body.x[0]) / 0.6, 1e-8 * weight);
-  const ForceBalance balance = force_balance(scene, end);
+  const ForceBalance<2> balance = force_balance(scene, end);
   EXPECT_LT(balance.force, 1e-8);
   EXPECT_LT(balance.moment, 1e-8);
   EXPECT_NEAR(balance.weight, weight, 1e-12 * weight);
@@ -256,12 +256,12 @@ TEST(Cluster, OneDiskJoinedToNothingIsThatDisk) {
       "[contact]\nmu = 0.4\ne_n = 0.3\n[[walls]]\npoint = [0, 0]\nnormal = [0.1, 1]\n"
       "[time]\nstep = 1e-3\nsteps = 300\n[solver]\nname = 'pgs'\ntol = 1e-9\n";
   const std::string motion = "density = 300\nvelocity = [1, -0.3]\nspin = 4\n";
-  const Scene disk =
+  const Scene<2> disk =
       parse_scene("[[disks]]\nposition = [0, 0.31]\nradius = 0.2\n" + motion + rest, "disk.toml");
-  const Scene cluster = parse_scene(
+  const Scene<2> cluster = parse_scene(
       "[[clusters]]\nposition = [0, 0.3]\nparts = [[0, 0.01, 0.2]]\n" + motion + rest, "one.toml");
-  Scene inside = disk;  // the same as a cluster with one member, which no file asks for
-  const Disk& d = disk.disks[0];
+  Scene<2> inside = disk;  // the same as a cluster with one member, which no file asks for
+  const Disk& d = disk.bodies[0];
   inside.clusters.bodies = {{.x = d.x,
                              .v = d.v,
                              .spin = d.spin,
@@ -269,16 +269,16 @@ TEST(Cluster, OneDiskJoinedToNothingIsThatDisk) {
                              .inertia = d.inertia,
                              .area = std::numbers::pi * 0.04}};
   inside.clusters.arms = {Vec2::Zero()};
-  inside.disks[0].mass = inside.disks[0].inertia = 0;
-  inside.disks[0].cluster = 0;
+  inside.bodies[0].mass = inside.bodies[0].inertia = 0;
+  inside.bodies[0].cluster = 0;
   ASSERT_EQ(validate(inside), "");
-  const State a = run_scene(disk), b = run_scene(cluster), c = run_scene(inside);
-  EXPECT_EQ(a.disks[0].x, b.disks[0].x);
-  EXPECT_EQ(a.disks[0].v, b.disks[0].v);
-  EXPECT_EQ(a.disks[0].angle, b.disks[0].angle);
+  const State<2> a = run_scene(disk), b = run_scene(cluster), c = run_scene(inside);
+  EXPECT_EQ(a.bodies[0].x, b.bodies[0].x);
+  EXPECT_EQ(a.bodies[0].v, b.bodies[0].v);
+  EXPECT_EQ(a.bodies[0].angle, b.bodies[0].angle);
   EXPECT_EQ(a.friction_loss, b.friction_loss);
-  EXPECT_EQ(a.disks[0].x, c.disks[0].x);
-  EXPECT_EQ(a.disks[0].spin, c.disks[0].spin);
+  EXPECT_EQ(a.bodies[0].x, c.bodies[0].x);
+  EXPECT_EQ(a.bodies[0].spin, c.bodies[0].spin);
   EXPECT_GT(a.friction_loss, 0);
 }
 
@@ -294,31 +294,31 @@ TEST(Cluster, ASceneFileSaysPartsAndPlaces) {
   };
   const std::string two = "[[clusters]]\nparts = [[0, 0, 0.1], [0.3, 0, 0.1]]\n";
   // A quarter turn puts the second disk above the first.
-  const Scene turned =
+  const Scene<2> turned =
       parse_scene(two + "position = [1, 2]\ndegrees = 90\nmass = 3\ninertia = 5\n" + time, "t");
-  EXPECT_LT((turned.disks[0].x - Vec2(1, 2)).norm(), 1e-15);
-  EXPECT_LT((turned.disks[1].x - Vec2(1, 2.3)).norm(), 1e-15);
+  EXPECT_LT((turned.bodies[0].x - Vec2(1, 2)).norm(), 1e-15);
+  EXPECT_LT((turned.bodies[1].x - Vec2(1, 2.3)).norm(), 1e-15);
   EXPECT_LT((turned.clusters.bodies[0].x - Vec2(1, 2.15)).norm(), 1e-15);
   EXPECT_EQ(turned.clusters.bodies[0].mass, 3);
   EXPECT_EQ(turned.clusters.bodies[0].inertia, 5);
   // By density, two disks apart: 2 ρ π a²; inertia of both, ½ m a² + m (0.15)².
-  const Scene dense = parse_scene(two + "position = [0, 0]\ndensity = 100\n" + time, "t");
+  const Scene<2> dense = parse_scene(two + "position = [0, 0]\ndensity = 100\n" + time, "t");
   const double mass = 200 * std::numbers::pi * 0.01;
   EXPECT_NEAR(dense.clusters.bodies[0].mass, mass, 1e-13);
   EXPECT_NEAR(dense.clusters.bodies[0].inertia, mass * (0.005 + 0.0225), 1e-14);
   // A group in a lattice of cells that hold a cluster however it is turned: 0.5 m; nothing touches.
-  const Scene many =
+  const Scene<2> many =
       parse_scene(two +
                       "arrangement = 'random'\ncount = 20\nwidth = 3\nseed = 4\n"
                       "density = 9\n[[disks]]\nposition = [9, 9]\nradius = 1\nmass = 1\n" +
                       time,
                   "t");
-  EXPECT_EQ(many.disks.size(), 41u);
+  EXPECT_EQ(many.bodies.size(), 41u);
   EXPECT_EQ(many.clusters.arms.size(), 41u);
-  EXPECT_EQ(many.disks[0].cluster, -1);
-  EXPECT_TRUE(detect_contacts(many.disks, many.walls, 0).empty());
+  EXPECT_EQ(many.bodies[0].cluster, -1);
+  EXPECT_TRUE(detect_contacts(many.bodies, many.walls, 0).empty());
   EXPECT_NE(many.clusters.bodies[0].x, many.clusters.bodies[1].x);
-  const Scene rows = parse_scene(
+  const Scene<2> rows = parse_scene(
       two + "arrangement = 'rectangular'\ncolumns = 2\nrows = 3\nmass = 1\n" + time, "t");
   EXPECT_EQ(rows.clusters.bodies.size(), 6u);
   EXPECT_LT((rows.clusters.bodies[1].x - Vec2(0.75, 0.25)).norm(), 1e-15);
@@ -338,23 +338,24 @@ TEST(Cluster, ASceneFileSaysPartsAndPlaces) {
 // Each contact counts by the share of the branch between the centres of mass, each body by its centre: what windows that tile
 // the sample have adds up to what the sample has.
 TEST(Cluster, WindowsThatTileTheSampleAddUpToItsStress) {
-  const Scene scene = cloud_of_clusters({.mu = 0.4, .e_n = 0.5, .e_t = 0.2});
-  State state = initial_state(scene);
-  TimeStepper stepper(scene, make_step_solver(*find_solver("pgs"), to_options(scene.solver)),
-                      false);
+  const Scene<2> scene = cloud_of_clusters({.mu = 0.4, .e_n = 0.5, .e_t = 0.2});
+  State<2> state = initial_state(scene);
+  TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), to_options(scene.solver)),
+                         false);
   int loaded = 0;
   while (state.step < scene.num_steps) {
     ASSERT_TRUE(stepper.advance(state).converged);
     const auto moments = contact_moments(state);
-    const MeanStress whole = sample_stress(state, scene.step, 1.0, moments);
+    const MeanStress<2> whole = sample_stress(state, scene.step, 1.0, moments);
     if (whole.contact.norm() == 0) continue;
-    for (const ContactOutcome& o : state.contacts) loaded += o.s_n > 0 ? 1 : 0;
+    for (const ContactOutcome<2>& o : state.contacts) loaded += o.s_n > 0 ? 1 : 0;
     Mat2 contact = Mat2::Zero(), spin = Mat2::Zero();
     const double edge[] = {-9, -0.4, 0.1, 0.7, 9};
     for (int a = 0; a < 4; ++a) {
       for (int b = 0; b < 4; ++b) {
-        const Box window{.lower = Vec2(edge[a], edge[b]), .upper = Vec2(edge[a + 1], edge[b + 1])};
-        const MeanStress part = window_stress(state, scene.step, window, moments);
+        const Box<2> window{.lower = Vec2(edge[a], edge[b]),
+                            .upper = Vec2(edge[a + 1], edge[b + 1])};
+        const MeanStress<2> part = window_stress(state, scene.step, window, moments);
         contact += part.area * part.contact;
         spin += part.area * part.spin;
       }
@@ -366,8 +367,8 @@ TEST(Cluster, WindowsThatTileTheSampleAddUpToItsStress) {
 }
 
 /// Clusters of three disks in a cell that is periodic in both directions, squeezed and sheared, so many times side by side.
-Scene sheared_clusters(int copies, bool far_away) {
-  Scene scene = one_law({});
+Scene<2> sheared_clusters(int copies, bool far_away) {
+  Scene<2> scene = one_law({});
   constexpr double kWidth = 1.35;
   scene.cell.in_x = scene.cell.in_y = true;
   scene.cell.width = {.motion = CellSide::Motion::kFixed, .length = copies * kWidth};
@@ -392,17 +393,17 @@ Scene sheared_clusters(int copies, bool far_away) {
 }
 
 /// The velocity beyond that of the cell.
-Vec2 homogeneous_free(const State& state, const Cluster& c) {
+Vec2 homogeneous_free(const State<2>& state, const Cluster& c) {
   return c.v - homogeneous_velocity(state.cell, c.x);
 }
 
-State run_to_end(const Scene& scene, int& loaded) {
-  State state = initial_state(scene);
-  TimeStepper stepper(scene, make_step_solver(*find_solver("pgs"), {.tol = 1e-11}), false);
+State<2> run_to_end(const Scene<2>& scene, int& loaded) {
+  State<2> state = initial_state(scene);
+  TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), {.tol = 1e-11}), false);
   while (state.step < scene.num_steps) {
-    const StepReport r = stepper.advance(state);
+    const StepReport<2> r = stepper.advance(state);
     EXPECT_TRUE(r.converged) << r.message;
-    for (const ContactOutcome& o : state.contacts) loaded += o.s_n > 0 && o.contact.with_image();
+    for (const ContactOutcome<2>& o : state.contacts) loaded += o.s_n > 0 && o.contact.with_image();
   }
   return state;
 }
@@ -410,14 +411,14 @@ State run_to_end(const Scene& scene, int& loaded) {
 // Velocities without friction are unique. A run in two cells side by side is that of one, and so is a run whose
 // clusters are given by images of theirs.
 TEST(Cluster, InAPeriodicCellImagesAreAsGoodAsTheirs) {
-  const Scene one = sheared_clusters(1, false);
+  const Scene<2> one = sheared_clusters(1, false);
   ASSERT_EQ(validate(one), "");
   int loaded = 0, ignored = 0;
-  const State end = run_to_end(one, loaded);
+  const State<2> end = run_to_end(one, loaded);
   EXPECT_GT(loaded, 15);
-  const State twice = run_to_end(sheared_clusters(2, false), ignored);
-  const State far = run_to_end(sheared_clusters(1, true), ignored);
-  const auto expect_same = [&](const Cluster& a, const Cluster& b, const State& other) {
+  const State<2> twice = run_to_end(sheared_clusters(2, false), ignored);
+  const State<2> far = run_to_end(sheared_clusters(1, true), ignored);
+  const auto expect_same = [&](const Cluster& a, const Cluster& b, const State<2>& other) {
     EXPECT_LT((homogeneous_free(end, a) - homogeneous_free(other, b)).norm(), 1e-7);
     EXPECT_NEAR(a.spin, b.spin, 1e-6);
     EXPECT_NEAR(a.angle, b.angle, 1e-7);
@@ -428,8 +429,9 @@ TEST(Cluster, InAPeriodicCellImagesAreAsGoodAsTheirs) {
     expect_same(end.clusters.bodies[c], far.clusters.bodies[c], far);
   }
   // The stress is the same in one cell and in two.
-  const auto stress = [&](const State& state, const Scene& scene) {
-    return sample_stress(state, scene.step, sample_area(state, scene.step), contact_moments(state))
+  const auto stress = [&](const State<2>& state, const Scene<2>& scene) {
+    return sample_stress(state, scene.step, sample_measure(state, scene.step),
+                         contact_moments(state))
         .total();
   };
   const Mat2 of_one = stress(end, one);

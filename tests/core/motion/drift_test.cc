@@ -11,7 +11,7 @@
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
-#include "solvers/step_solver.h"
+#include "solvers/simulation/step_solver.h"
 #include "tests/support/scene_parts.h"
 
 namespace bipot {
@@ -26,7 +26,7 @@ constexpr double kDrumSeconds = 20;
 #endif
 
 struct Drift {
-  State end;
+  State<2> end;
   double penetration = 0;                   // largest, [m]
   double lowest = kInfinity, highest = -1;  // energy, [J]
   double imbalance = 0;                     // largest of a step, [J]
@@ -34,14 +34,14 @@ struct Drift {
 };
 
 /// `steps` of the scene, or fewer: until `shocks` steps had an active contact.
-Drift run(const Scene& scene, int steps, int shocks = std::numeric_limits<int>::max()) {
-  State state = initial_state(scene);
+Drift run(const Scene<2>& scene, int steps, int shocks = std::numeric_limits<int>::max()) {
+  State<2> state = initial_state(scene);
   const SolverEntry& entry = require_solver(scene.solver.name);
-  TimeStepper stepper(scene, make_step_solver(entry, to_options(scene.solver)),
-                      entry.needs_delassus);
+  TimeStepper<2> stepper(scene, make_step_solver(entry, to_options(scene.solver)),
+                         entry.needs_delassus);
   Drift drift;
   for (int k = 0; k < steps && drift.shocks < shocks; ++k) {
-    const StepReport r = stepper.advance(state);
+    const StepReport<2> r = stepper.advance(state);
     EXPECT_TRUE(r.converged) << "step " << r.step << ": " << r.message;
     if (!r.converged) break;
     drift.penetration = std::max(drift.penetration, r.penetration);
@@ -56,10 +56,10 @@ Drift run(const Scene& scene, int steps, int shocks = std::numeric_limits<int>::
 }
 
 /// Farthest way of a disk from its start.
-double farthest(const Scene& scene, const State& end) {
+double farthest(const Scene<2>& scene, const State<2>& end) {
   double way = 0;
-  for (std::size_t i = 0; i < end.disks.size(); ++i) {
-    way = std::max(way, (end.disks[i].x - scene.disks[i].x).norm());
+  for (std::size_t i = 0; i < end.bodies.size(); ++i) {
+    way = std::max(way, (end.bodies[i].x - scene.bodies[i].x).norm());
   }
   return way;
 }
@@ -73,9 +73,9 @@ double farthest(const Scene& scene, const State& end) {
 // by the same rate.
 TEST(Drift, APileAtRestDoesNotCreep) {
   for (const char* family : {"square", "triangular"}) {
-    const Scene scene = make_family_scene(family, 4, {.mu = 0.3});
+    const Scene<2> scene = make_family_scene(family, 4, {.mu = 0.3});
     ASSERT_EQ(scene.solver.tol, 1e-8);
-    const double radius = scene.disks[0].radius;
+    const double radius = scene.bodies[0].radius;
     const Drift drift = run(scene, kSteps);
     RecordProperty(family, std::to_string(farthest(scene, drift.end) / (radius * kSteps)));
     EXPECT_LE(farthest(scene, drift.end), 1e-9 * radius * kSteps) << family;
@@ -85,12 +85,12 @@ TEST(Drift, APileAtRestDoesNotCreep) {
 }
 
 /// A ball of 1 kg and radius 0.5 m that falls 1 m onto a floor.
-Scene elastic_ball(double e_n, double step) {
-  Scene scene = one_law({.mu = 0, .e_n = e_n});
+Scene<2> elastic_ball(double e_n, double step) {
+  Scene<2> scene = one_law({.mu = 0, .e_n = e_n});
   scene.gravity = Vec2(0, -kGravity);
   scene.step = step;
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.disks = {cylinder(Vec2(0, 1.5), 0.5, Vec2::Zero(), 1)};
+  scene.bodies = {cylinder(Vec2(0, 1.5), 0.5, Vec2::Zero(), 1)};
   return scene;
 }
 
@@ -98,7 +98,7 @@ Scene elastic_ball(double e_n, double step) {
 // step in which it lands, by the way of half a step at most, v h / 2 with v = sqrt(2 g · 1 m) = 4.43 m/s.
 TEST(Drift, AnElasticBallKeepsItsEnergy) {
   for (const bool project : {false, true}) {
-    Scene scene = elastic_ball(1, 1e-2);
+    Scene<2> scene = elastic_ball(1, 1e-2);
     scene.project_overlaps = project;
     const Drift drift = run(scene, 1000000, 1000);
     EXPECT_EQ(drift.shocks, 1000);
@@ -112,18 +112,18 @@ TEST(Drift, AnElasticBallKeepsItsEnergy) {
 }
 
 /// A disk of radius 0.5 m in a drum of radius 2 m: its centre moves on a circle of 1.5 m.
-Scene drum(double mu, double spin, double speed, double step) {
-  Scene scene = one_law({.mu = mu});
+Scene<2> drum(double mu, double spin, double speed, double step) {
+  Scene<2> scene = one_law({.mu = mu});
   scene.step = step;
   scene.contact_distance = 1e-6;
-  Wall wall;
+  Wall<2> wall;
   wall.name = "drum";
-  wall.shape = Wall::Shape::kHollowCircle;
-  wall.motion = spin != 0 ? Wall::Motion::kMoving : Wall::Motion::kFixed;
+  wall.shape = Wall<2>::Shape::kHollowCircle;
+  wall.motion = spin != 0 ? Wall<2>::Motion::kMoving : Wall<2>::Motion::kFixed;
   wall.radius = 2;
   wall.spin = spin;
   scene.walls = {wall};
-  scene.disks = {cylinder(Vec2(0, -1.5), 0.5, Vec2(speed, 0), 1)};
+  scene.bodies = {cylinder(Vec2(0, -1.5), 0.5, Vec2(speed, 0), 1)};
   return scene;
 }
 
@@ -133,11 +133,11 @@ Scene drum(double mu, double spin, double speed, double step) {
 // L stays, here 3 m²/s, and d(r²)/dt = v² h = L² h / r² gives r⁴ = r₀⁴ + 2 L² h t: 0.216 m too deep at h = 0.01 s after 20 s.
 TEST(Drift, ADiskInADrumDriftsThroughItsWallAsTheSchemePredicts) {
   for (const double h : {1e-2, 1e-3}) {
-    const Scene scene = drum(0, 0, 2, h);
+    const Scene<2> scene = drum(0, 0, 2, h);
     const Drift drift = run(scene, static_cast<int>(std::lround(20 / h)));
     const double predicted = std::pow(std::pow(1.5, 4) + 2 * 9 * h * 20, 0.25);
-    EXPECT_NEAR(drift.end.disks[0].x.norm() - 1.5, predicted - 1.5, 0.02 * (predicted - 1.5)) << h;
-    EXPECT_NEAR(drift.end.disks[0].v.norm(), 3 / predicted, 1e-3 * 3 / predicted) << h;
+    EXPECT_NEAR(drift.end.bodies[0].x.norm() - 1.5, predicted - 1.5, 0.02 * (predicted - 1.5)) << h;
+    EXPECT_NEAR(drift.end.bodies[0].v.norm(), 3 / predicted, 1e-3 * 3 / predicted) << h;
   }
 }
 
@@ -145,13 +145,13 @@ TEST(Drift, ADiskInADrumDriftsThroughItsWallAsTheSchemePredicts) {
 // and a half. r stays, and the law takes ½ (v² h / r)² of v² / 2 a step: d(1/v²)/dt = h / r², of the first order in h.
 TEST(Drift, ProjectionKeepsADiskInItsDrum) {
   for (const double h : {1e-2, 1e-3}) {
-    Scene scene = drum(0, 0, 2, h);
+    Scene<2> scene = drum(0, 0, 2, h);
     scene.project_overlaps = true;
     const Drift drift = run(scene, static_cast<int>(std::lround(kDrumSeconds / h)));
     const double one_step = 4 * h * h / 3;
     EXPECT_LE(drift.penetration, 1.5 * one_step + scene.contact_distance) << h;
     const double predicted = 1 / std::sqrt(0.25 + h * kDrumSeconds / (1.5 * 1.5));
-    EXPECT_NEAR(drift.end.disks[0].v.norm(), predicted, 0.002 * predicted) << h;
+    EXPECT_NEAR(drift.end.bodies[0].v.norm(), predicted, 0.002 * predicted) << h;
     EXPECT_LE(drift.imbalance, 1e-10);
   }
 }
@@ -160,18 +160,18 @@ TEST(Drift, ProjectionKeepsADiskInItsDrum) {
 // 2 m · 1 rad/s = 0.5 m · spin. Under gravity what is left of its swinging is small at first and grows smaller.
 TEST(Drift, ADiskRollsInADrumThatTurns) {
   for (const bool project : {false, true}) {
-    Scene scene = drum(0.5, 1, 0, 1e-2);
+    Scene<2> scene = drum(0.5, 1, 0, 1e-2);
     scene.gravity = Vec2(0, -kGravity);
     scene.project_overlaps = project;
     const Drift drift = run(scene, static_cast<int>(kDrumSeconds / scene.step));
-    const double depth = drift.end.disks[0].x.norm() - 1.5;
+    const double depth = drift.end.bodies[0].x.norm() - 1.5;
     if (project) {
       // Speeds below 1.5 m/s: an overlap below (1.5 h)² / 3 a step, and a half of it in its middle.
       EXPECT_LE(drift.penetration, 1.2e-4);
     } else {
       EXPECT_GT(depth, 0.005);
     }
-    EXPECT_NEAR(drift.end.disks[0].spin, 4, 1.3) << project;
+    EXPECT_NEAR(drift.end.bodies[0].spin, 4, 1.3) << project;
   }
 }
 
@@ -179,13 +179,13 @@ TEST(Drift, ADiskRollsInADrumThatTurns) {
 TEST(Drift, ProjectionTakesOutWhatAFallLeaves) {
   double left[2];
   for (const bool project : {false, true}) {
-    Scene scene = elastic_ball(0, 1.1e-2);
-    scene.disks.push_back(cylinder(Vec2(0, 2.6), 0.5, Vec2::Zero(), 1));
+    Scene<2> scene = elastic_ball(0, 1.1e-2);
+    scene.bodies.push_back(cylinder(Vec2(0, 2.6), 0.5, Vec2::Zero(), 1));
     scene.project_overlaps = project;
-    State state = initial_state(scene);
-    TimeStepper stepper(scene, make_step_solver(require_solver("auto"), to_options(scene.solver)),
-                        false);
-    StepReport r;
+    State<2> state = initial_state(scene);
+    TimeStepper<2> stepper(
+        scene, make_step_solver(require_solver("auto"), to_options(scene.solver)), false);
+    StepReport<2> r;
     double imbalance = 0;
     for (int k = 0; k < 100; ++k) {
       r = stepper.advance(state);

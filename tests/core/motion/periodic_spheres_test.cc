@@ -10,17 +10,17 @@
 #include <string>
 #include <tuple>
 
-#include "core/files/run_output.h"
-#include "core/files/run_reader.h"
-#include "core/files/scene_file.h"
 #include "core/motion/periodic_state.h"
 #include "core/motion/sample_volume.h"
 #include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"
 #include "core/pictures/flat_view.h"
+#include "core/run_files/run_output.h"
+#include "core/run_files/run_reader.h"
 #include "core/scene/periodic_detection.h"
+#include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
-#include "solvers/step_solver.h"
+#include "solvers/simulation/step_solver.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/temporary_folder.h"
@@ -62,7 +62,7 @@ TEST(PeriodicSpheres, EveryPairOfImagesIsMetOnce) {
         }
       }
     }
-    for (const ContactIn<3>& c : found) {
+    for (const Contact<3>& c : found) {
       EXPECT_TRUE(seen.insert({c.i, c.j, c.image_x, c.image_y}).second);
       const Sphere &a = spheres[to_size(c.i)], &b = spheres[to_size(c.j)];
       const Vec3 d = a.x - b.x - Vec3(c.image_x * 1.1, c.image_y * depth, 0);
@@ -107,23 +107,23 @@ tol = 1e-6
 
 TEST(PeriodicSpheres, WhereTheCellBeginsChangesNothing) {
   // All spheres moved by half a cell, and by whole cells: the same impulses, other images.
-  auto scene = std::get<SceneIn<3>>(parse_any_scene(kLayer, "layer.toml"));
-  for (std::size_t i = 0; i < scene.disks.size(); ++i) {
+  auto scene = std::get<Scene<3>>(parse_any_scene(kLayer, "layer.toml"));
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
     const double k = static_cast<double>(i);
-    scene.disks[i].v = Vec3(std::sin(3 * k), std::cos(5 * k), 0);
+    scene.bodies[i].v = Vec3(std::sin(3 * k), std::cos(5 * k), 0);
   }
-  SceneIn<3> moved = scene;
-  for (std::size_t i = 0; i < moved.disks.size(); ++i) {
-    moved.disks[i].x += Vec3(0.2 + 0.43 * (static_cast<double>(i % 3) - 1), 0.3 + 0.57 * 2, 0);
+  Scene<3> moved = scene;
+  for (std::size_t i = 0; i < moved.bodies.size(); ++i) {
+    moved.bodies[i].x += Vec3(0.2 + 0.43 * (static_cast<double>(i % 3) - 1), 0.3 + 0.57 * 2, 0);
   }
-  StateIn<3> a = initial_state(scene), b = initial_state(moved);
+  State<3> a = initial_state(scene), b = initial_state(moved);
   SolverOptions options;
   options.tol = 1e-9;
   const auto pgs = make_step_solver(*find_solver("pgs"), options);
-  TimeStepperIn<3> at(scene, pgs, false), bt(moved, pgs, false);
+  TimeStepper<3> at(scene, pgs, false), bt(moved, pgs, false);
   bool across_x = false, across_y = false;
   while (a.step < 60) {
-    const StepReportIn<3> r = at.advance(a);
+    const StepReport<3> r = at.advance(a);
     bt.advance(b);
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-10);
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-11);
@@ -135,74 +135,75 @@ TEST(PeriodicSpheres, WhereTheCellBeginsChangesNothing) {
   EXPECT_TRUE(across_x && across_y);
   EXPECT_LT((momentum(a) - momentum(b)).norm(), 1e-5 * momentum(a).norm());
   EXPECT_NEAR(kinetic_energy(a), kinetic_energy(b), 1e-5 * kinetic_energy(a));
-  const double volume = sample_area(a, scene.step);
+  const double volume = sample_measure(a, scene.step);
   const double plate = a.walls[1].a[2] - 0.5 * scene.step * a.walls[1].v[2];
   EXPECT_NEAR(volume, 0.43 * 0.57 * plate, 1e-12);
-  EXPECT_NEAR(sample_area(b, scene.step), volume, 1e-6);
-  const MatIn<3> stress = sample_stress<3>(a, scene.step, volume, contact_moments(a)).total();
+  EXPECT_NEAR(sample_measure(b, scene.step), volume, 1e-6);
+  const Mat<3> stress = sample_stress<3>(a, scene.step, volume, contact_moments(a)).total();
   EXPECT_LT((stress - stress.transpose()).norm(), 1e-10 * stress.norm());
 }
 
 TEST(PeriodicSpheres, VolumeIsThatOfTheCellAndOfWhatClosesIt) {
   // Without planes as high as the spheres reach; in a cell of x alone as deep as they reach.
-  StateIn<3> state;
+  State<3> state;
   state.cell = block(2, 3);
-  state.disks = {ball(Vec3(0.5, 0.5, 1), 0.5), ball(Vec3(9, 1.5, 2), 0.25)};
-  EXPECT_NEAR(sample_area(state, 0), 2 * 3 * (2.25 - 0.5), 1e-9);
+  state.bodies = {ball(Vec3(0.5, 0.5, 1), 0.5), ball(Vec3(9, 1.5, 2), 0.25)};
+  EXPECT_NEAR(sample_measure(state, 0), 2 * 3 * (2.25 - 0.5), 1e-9);
   state.walls = {half_space(Vec3::Zero(), Vec3::UnitZ())};
-  EXPECT_NEAR(sample_area(state, 0), 2 * 3 * 2.25, 1e-9);
+  EXPECT_NEAR(sample_measure(state, 0), 2 * 3 * 2.25, 1e-9);
   state.cell = block(2, 0);
-  EXPECT_NEAR(sample_area(state, 0), 2 * (1.75 - 0) * 2.25, 1e-9);
+  EXPECT_NEAR(sample_measure(state, 0), 2 * (1.75 - 0) * 2.25, 1e-9);
 }
 
 TEST(PeriodicSpheres, ASphereRollsOnThroughTheEdge) {
   // Thrown along the floor it ends at 5/7 of its speed, wherever cells begin, and keeps its coordinates; in the
   // wrapped state it lies in the cell.
-  SceneIn<3> scene = one_law_in_space({.mu = 0.4});
+  Scene<3> scene = one_law_in_space({.mu = 0.4});
   scene.gravity = Vec3(0, 0, -kGravity);
   scene.cell = block(0.5, 0.7);
   scene.walls = {half_space(Vec3::Zero(), Vec3::UnitZ())};
-  scene.disks = {ball(Vec3(0.1, 0.1, 0.1), 0.1, Vec3(2, -1, 0))};
+  scene.bodies = {ball(Vec3(0.1, 0.1, 0.1), 0.1, Vec3(2, -1, 0))};
   scene.contact_distance = 1e-9;
   scene.step = 1e-3;
   scene.num_steps = 800;
   scene.solver.tol = 1e-11;
   ASSERT_EQ(validate(scene), "");
-  const StateIn<3> end = run_scene(scene);
-  EXPECT_LT((end.disks[0].v - 5.0 / 7 * Vec3(2, -1, 0)).norm(), 1e-7);
-  EXPECT_GT(end.disks[0].x[0], 1);
-  const StateIn<3> inside = wrapped_state(end);
-  EXPECT_GE(inside.disks[0].x[0], 0);
-  EXPECT_LT(inside.disks[0].x[0], 0.5);
-  EXPECT_GE(inside.disks[0].x[1], 0);
-  EXPECT_LT(inside.disks[0].x[1], 0.7);
+  const State<3> end = run_scene(scene);
+  EXPECT_LT((end.bodies[0].v - 5.0 / 7 * Vec3(2, -1, 0)).norm(), 1e-7);
+  EXPECT_GT(end.bodies[0].x[0], 1);
+  const State<3> inside = wrapped_state(end);
+  EXPECT_GE(inside.bodies[0].x[0], 0);
+  EXPECT_LT(inside.bodies[0].x[0], 0.5);
+  EXPECT_GE(inside.bodies[0].x[1], 0);
+  EXPECT_LT(inside.bodies[0].x[1], 0.7);
 }
 
 TEST(PeriodicSpheres, ARunGoesOnBitForBitAndIsDrawn) {
-  const auto scene = std::get<SceneIn<3>>(parse_any_scene(kLayer, "layer.toml"));
+  const auto scene = std::get<Scene<3>>(parse_any_scene(kLayer, "layer.toml"));
   const TemporaryFolder folder;
   const auto pgs = make_step_solver(*find_solver("pgs"), to_options(scene.solver));
-  const auto run = [&](StateIn<3> state, RunWriterIn<3>* writer) {
-    TimeStepperIn<3> stepper(scene, pgs, false);
+  const auto run = [&](State<3> state, RunWriter<3>* writer) {
+    TimeStepper<3> stepper(scene, pgs, false);
     while (state.step < 60) {
       stepper.advance(state);
       if (writer != nullptr && state.step % 20 == 0) writer->frame(state);
     }
     return state;
   };
-  RunWriterIn<3> writer(folder / "out", scene, kLayer);
-  const StateIn<3> end = run(initial_state(scene), &writer);
+  RunWriter<3> writer(folder / "out", scene, kLayer);
+  const State<3> end = run(initial_state(scene), &writer);
   writer.close();
-  const StateIn<3> middle = read_state<3>(folder / "out", 40);
+  const State<3> middle = read_state<3>(folder / "out", 40);
   EXPECT_EQ(restart_mismatch(scene, middle), "");
-  const StateIn<3> again = run(middle, nullptr);
-  for (std::size_t i = 0; i < end.disks.size(); ++i) EXPECT_EQ(end.disks[i].x, again.disks[i].x);
+  const State<3> again = run(middle, nullptr);
+  for (std::size_t i = 0; i < end.bodies.size(); ++i) EXPECT_EQ(end.bodies[i].x, again.bodies[i].x);
   // The picture repeats itself to the right, and shows contacts with the image there.
   const FlatView all = project(scene, end);
   EXPECT_TRUE(all.state.cell.in_x && !all.state.cell.in_y);
   EXPECT_EQ(all.state.contacts.size(), end.contacts.size());
   int with_image = 0;
-  for (const ContactOutcome& c : all.state.contacts) with_image += c.contact.image_x != 0 ? 1 : 0;
+  for (const ContactOutcome<2>& c : all.state.contacts)
+    with_image += c.contact.image_x != 0 ? 1 : 0;
   EXPECT_GT(with_image, 0);
 }
 

@@ -27,8 +27,8 @@ PeriodicCell cell_of(double width, double height, double offset) {
   return cell;
 }
 
-Scene periodic_scene(const PeriodicCell& cell, const ContactLaw& law) {
-  Scene scene = one_law(law);
+Scene<2> periodic_scene(const PeriodicCell& cell, const ContactLaw& law) {
+  Scene<2> scene = one_law(law);
   scene.cell = cell;
   scene.step = 1e-3;
   scene.solver.name = "pgs";
@@ -65,7 +65,7 @@ TEST(Periodic, ImagesAreThoseOfEveryPairAndEveryImage) {
         }
       }
     }
-    for (const Contact& c : detect_periodic_contacts(disks, {}, cell, 0.01)) {
+    for (const Contact<2>& c : detect_periodic_contacts(disks, {}, cell, 0.01)) {
       found.insert({c.i, c.j, c.image_x, c.image_y});
       const Vec2 d =
           disks[to_size(c.i)].x - disks[to_size(c.j)].x - cell.shift(c.image_x, c.image_y);
@@ -105,11 +105,11 @@ TEST(Periodic, ATooSmallCellIsRefused) {
 
 TEST(Periodic, WallsAreSeenFromTheNearestImage) {
   const PeriodicCell cell = cell_of(2, 0, 0);
-  Wall step;
-  step.shape = Wall::Shape::kSegment;
+  Wall<2> step;
+  step.shape = Wall<2>::Shape::kSegment;
   step.a = Vec2(1.9, 0);
   step.b = Vec2(2.2, 0);  // across the edge
-  const std::vector<Wall> walls = {half_plane(Vec2(0, -1), Vec2(0, 1)), step};
+  const std::vector<Wall<2>> walls = {half_plane(Vec2(0, -1), Vec2(0, 1)), step};
   // 3 widths to the right of the segment's end at x = 0.2, touching it from above.
   const std::vector<Disk> disks = {cylinder(Vec2(6.15, 0.1), 0.1), cylinder(Vec2(-9, -0.9), 0.1)};
   const auto contacts = detect_periodic_contacts(disks, walls, cell, 1e-9);
@@ -125,35 +125,35 @@ TEST(Periodic, AShockAcrossTheEdge) {
   // Two disks fly apart, through the edges of the cell, and meet on the other side: e = 1, so they
   // exchange velocities. They meet when 2 - 0.4 - 2 (0.1) - ... : gap 2 - 0.4 - 0.2 = 1.4 m closes
   // at 1 m/s; then each has gone 0.7 m.
-  Scene scene = periodic_scene(cell_of(2, 0, 0), {.e_n = 1});
+  Scene<2> scene = periodic_scene(cell_of(2, 0, 0), {.e_n = 1});
   scene.contact_distance = 0;
-  scene.disks = {cylinder(Vec2(0.8, 0), 0.1, Vec2(-0.5, 0)),
-                 cylinder(Vec2(1.2, 0), 0.1, Vec2(0.5, 0))};
+  scene.bodies = {cylinder(Vec2(0.8, 0), 0.1, Vec2(-0.5, 0)),
+                  cylinder(Vec2(1.2, 0), 0.1, Vec2(0.5, 0))};
   scene.num_steps = 1500;
-  const State end = run_scene(scene);
-  EXPECT_NEAR(end.disks[0].v[0], 0.5, 1e-12);
-  EXPECT_NEAR(end.disks[1].v[0], -0.5, 1e-12);
-  EXPECT_NEAR(end.disks[0].x[0], 0.8 - 0.7 + 0.05, 1e-3);
-  EXPECT_NEAR(end.disks[1].x[0], 1.2 + 0.7 - 0.05, 1e-3);
+  const State<2> end = run_scene(scene);
+  EXPECT_NEAR(end.bodies[0].v[0], 0.5, 1e-12);
+  EXPECT_NEAR(end.bodies[1].v[0], -0.5, 1e-12);
+  EXPECT_NEAR(end.bodies[0].x[0], 0.8 - 0.7 + 0.05, 1e-3);
+  EXPECT_NEAR(end.bodies[1].x[0], 1.2 + 0.7 - 0.05, 1e-3);
 }
 
 TEST(Periodic, ARingOfDisksSharesItsMomentum) {
   // 10 disks touch around the cell. No contact can open without another closing, so all normal
   // velocities vanish and everybody gets a tenth of the first one's velocity.
-  Scene scene = periodic_scene(cell_of(2, 0, 0), {});
-  for (int k = 0; k < 10; ++k) scene.disks.push_back(cylinder(Vec2(0.1 + 0.2 * k, 0.3), 0.1));
-  scene.disks[3].v = Vec2(1, 0);
+  Scene<2> scene = periodic_scene(cell_of(2, 0, 0), {});
+  for (int k = 0; k < 10; ++k) scene.bodies.push_back(cylinder(Vec2(0.1 + 0.2 * k, 0.3), 0.1));
+  scene.bodies[3].v = Vec2(1, 0);
   scene.contact_distance = 1e-3;  // behind the first one a gap opens by half a step of its velocity
   scene.num_steps = 1;
-  const State end = run_scene(scene, [](const State&, const StepReport& r) {
+  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_EQ(r.contacts, 10);
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-14);
   });
-  for (const Disk& d : end.disks) EXPECT_NEAR(d.v[0], 0.1, 1e-9);
-  State far = end;
-  far.disks[9].x[0] += 6;
-  const State inside = wrapped_state(far);
-  for (const Disk& d : inside.disks) EXPECT_TRUE(d.x[0] >= 0 && d.x[0] < 2);
+  for (const Disk& d : end.bodies) EXPECT_NEAR(d.v[0], 0.1, 1e-9);
+  State<2> far = end;
+  far.bodies[9].x[0] += 6;
+  const State<2> inside = wrapped_state(far);
+  for (const Disk& d : inside.bodies) EXPECT_TRUE(d.x[0] >= 0 && d.x[0] < 2);
 }
 
 TEST(Periodic, PressureOnARow) {
@@ -161,16 +161,16 @@ TEST(Periodic, PressureOnARow) {
   // 30 x 0.5 N, the sample's stress is 30 Pa along x and nothing else.
   PeriodicCell cell = cell_of(2, 0.5, 0);
   cell.width = {.motion = CellSide::Motion::kDriven, .length = 2, .stress = 30, .mass = 3};
-  Scene scene = periodic_scene(cell, {.mu = 0.3});
-  for (int k = 0; k < 10; ++k) scene.disks.push_back(cylinder(Vec2(0.1 + 0.2 * k, 0.1), 0.1));
+  Scene<2> scene = periodic_scene(cell, {.mu = 0.3});
+  for (int k = 0; k < 10; ++k) scene.bodies.push_back(cylinder(Vec2(0.1 + 0.2 * k, 0.1), 0.1));
   scene.num_steps = 5;
-  const State end = run_scene(scene, [](const State&, const StepReport& r) {
+  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-13);
   });
   ASSERT_EQ(end.contacts.size(), 10u);
-  for (const ContactOutcome& c : end.contacts) EXPECT_NEAR(c.s_n / scene.step, 15, 1e-8);
+  for (const ContactOutcome<2>& c : end.contacts) EXPECT_NEAR(c.s_n / scene.step, 15, 1e-8);
   EXPECT_NEAR(end.cell.width.length, 2, 1e-12);
-  const double area = sample_area(end, scene.step);
+  const double area = sample_measure(end, scene.step);
   EXPECT_NEAR(area, 1, 1e-12);
   const Mat2 stress = sample_stress(end, scene.step, area, contact_moments(end)).total();
   EXPECT_NEAR(stress(0, 0), 30, 1e-7);
@@ -181,10 +181,10 @@ TEST(Periodic, AnEmptyCellFollowsItsStress) {
   // Nothing resists: width speed = -p_x height t / mass; the work is its kinetic energy.
   PeriodicCell cell = cell_of(2, 0.5, 0);
   cell.width = {.motion = CellSide::Motion::kDriven, .length = 2, .stress = 30, .mass = 3};
-  Scene scene = periodic_scene(cell, {.mu = 0.3});
-  scene.disks = {cylinder(Vec2(0.3, 0.2), 0.1)};
+  Scene<2> scene = periodic_scene(cell, {.mu = 0.3});
+  scene.bodies = {cylinder(Vec2(0.3, 0.2), 0.1)};
   scene.num_steps = 10;
-  const State end = run_scene(scene);
+  const State<2> end = run_scene(scene);
   EXPECT_NEAR(end.cell.width.speed, -30 * 0.5 * 0.01 / 3, 1e-14);
   EXPECT_NEAR(end.cell.width.length, 2 - 0.5 * 5 * 1e-4, 1e-12);
   EXPECT_NEAR(end.wall_work, 0.5 * 3 * 0.05 * 0.05, 1e-14);
@@ -201,25 +201,25 @@ TEST(Periodic, ThreeDisksUnderShearRollAsTheLawSays) {
   PeriodicCell cell = cell_of(0.5, 0.6, 0);
   cell.height = {.motion = CellSide::Motion::kDriven, .length = 0.6, .stress = pressure, .mass = 3};
   cell.offset = {.motion = CellSide::Motion::kMoving, .speed = shear};
-  Scene scene = periodic_scene(cell, {.mu = 0.9});
-  for (int k = 0; k < 3; ++k) scene.disks.push_back(cylinder(Vec2(0.2, 0.1 + 0.2 * k), rim));
+  Scene<2> scene = periodic_scene(cell, {.mu = 0.9});
+  for (int k = 0; k < 3; ++k) scene.bodies.push_back(cylinder(Vec2(0.2, 0.1 + 0.2 * k), rim));
   scene.num_steps = 1;
-  const State end = run_scene(scene, [](const State&, const StepReport& r) {
+  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-15);
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-15);
   });
   // The contact across the cell has turned by 1/2 h s / 2a = 2.5e-5 rad: four digits are exact.
-  EXPECT_NEAR(end.disks[0].v[0] / shear, -0.2, 1e-4);
-  EXPECT_NEAR(end.disks[1].v[0] / shear, 0, 1e-4);
-  EXPECT_NEAR(end.disks[2].v[0] / shear, 0.2, 1e-4);
-  EXPECT_NEAR(end.disks[0].spin * rim / shear, -0.3, 1e-4);
-  EXPECT_NEAR(end.disks[1].spin * rim / shear, 0.1, 1e-4);
-  EXPECT_NEAR(end.disks[2].spin * rim / shear, -0.3, 1e-4);
+  EXPECT_NEAR(end.bodies[0].v[0] / shear, -0.2, 1e-4);
+  EXPECT_NEAR(end.bodies[1].v[0] / shear, 0, 1e-4);
+  EXPECT_NEAR(end.bodies[2].v[0] / shear, 0.2, 1e-4);
+  EXPECT_NEAR(end.bodies[0].spin * rim / shear, -0.3, 1e-4);
+  EXPECT_NEAR(end.bodies[1].spin * rim / shear, 0.1, 1e-4);
+  EXPECT_NEAR(end.bodies[2].spin * rim / shear, -0.3, 1e-4);
   // Shear works with f_C against s: 7/40 m s², half of which the shock takes.
   EXPECT_NEAR(end.wall_work / (mass * shear * shear), 7.0 / 40, 1e-4);
   // Each contact carries pressure x width; the sums of f_x and f_y over branches of 2a.
-  const double area = sample_area(end, scene.step);
-  const MeanStress stress = sample_stress(end, scene.step, area, contact_moments(end));
+  const double area = sample_measure(end, scene.step);
+  const MeanStress<2> stress = sample_stress(end, scene.step, area, contact_moments(end));
   EXPECT_NEAR(stress.contact(1, 1) / pressure, 1, 1e-4);
   EXPECT_NEAR(stress.contact(0, 1), -5.0 / 40 * mass * shear / scene.step * 2 * rim / 0.3, 2e-3);
 }
@@ -230,26 +230,26 @@ TEST(Periodic, MovingASceneByPeriodsChangesNothing) {
   PeriodicCell cell = cell_of(1, 1, 0.2);
   cell.width = {.motion = CellSide::Motion::kMoving, .length = 1, .speed = 0.3};
   cell.offset = {.motion = CellSide::Motion::kMoving, .length = 0.2, .speed = 0.5};
-  Scene scene = periodic_scene(cell, {.mu = 0.5});
+  Scene<2> scene = periodic_scene(cell, {.mu = 0.5});
   Draw draw(8);
   for (int k = 0; k < 16; ++k) {
     const Vec2 x(0.125 + 0.25 * (k % 4), 0.125 + 0.25 * (k / 4));
-    scene.disks.push_back(cylinder(x + 0.01 * Vec2(draw.symmetric(), draw.symmetric()), 0.12,
-                                   Vec2(draw.symmetric(), draw.symmetric()), 2, draw.symmetric()));
+    scene.bodies.push_back(cylinder(x + 0.01 * Vec2(draw.symmetric(), draw.symmetric()), 0.12,
+                                    Vec2(draw.symmetric(), draw.symmetric()), 2, draw.symmetric()));
   }
   scene.contact_distance = 0.01;
   scene.num_steps = 3;
-  const State one = run_scene(scene);
-  for (Disk& d : scene.disks) {
+  const State<2> one = run_scene(scene);
+  for (Disk& d : scene.bodies) {
     const int kx = static_cast<int>(5 * draw.symmetric()),
               ky = static_cast<int>(5 * draw.symmetric());
     d.x += cell.shift(kx, ky);
     d.v += cell.shift_velocity(kx, ky);
   }
-  const State other = run_scene(scene);
+  const State<2> other = run_scene(scene);
   ASSERT_EQ(one.contacts.size(), other.contacts.size());
   EXPECT_GT(one.contacts.size(), 8u);
-  const State inside_one = wrapped_state(one), inside = wrapped_state(other);
+  const State<2> inside_one = wrapped_state(one), inside = wrapped_state(other);
   for (std::size_t c = 0; c < one.contacts.size(); ++c) {
     EXPECT_EQ(inside.contacts[c].contact.image_x, inside_one.contacts[c].contact.image_x);
     EXPECT_EQ(inside.contacts[c].contact.image_y, inside_one.contacts[c].contact.image_y);
@@ -257,10 +257,10 @@ TEST(Periodic, MovingASceneByPeriodsChangesNothing) {
     EXPECT_NEAR(other.contacts[c].u_t, one.contacts[c].u_t, 1e-6);
     EXPECT_NEAR(other.contacts[c].u_n, one.contacts[c].u_n, 1e-6);
   }
-  for (std::size_t i = 0; i < scene.disks.size(); ++i) {
-    EXPECT_NEAR((inside.disks[i].x - inside_one.disks[i].x).norm(), 0, 1e-7);
-    const Vec2 a = one.disks[i].v - homogeneous_velocity(one.cell, one.disks[i].x);
-    const Vec2 b = other.disks[i].v - homogeneous_velocity(other.cell, other.disks[i].x);
+  for (std::size_t i = 0; i < scene.bodies.size(); ++i) {
+    EXPECT_NEAR((inside.bodies[i].x - inside_one.bodies[i].x).norm(), 0, 1e-7);
+    const Vec2 a = one.bodies[i].v - homogeneous_velocity(one.cell, one.bodies[i].x);
+    const Vec2 b = other.bodies[i].v - homogeneous_velocity(other.cell, other.bodies[i].x);
     EXPECT_NEAR((a - b).norm(), 0, 1e-5);
   }
 }

@@ -9,12 +9,12 @@
 #include <sstream>
 #include <string>
 
-#include "core/files/run_output.h"
-#include "core/files/run_reader.h"
-#include "core/files/scene_file.h"
 #include "core/motion/time_stepping.h"
+#include "core/run_files/run_output.h"
+#include "core/run_files/run_reader.h"
+#include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
-#include "solvers/step_solver.h"
+#include "solvers/simulation/step_solver.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/temporary_folder.h"
 
@@ -30,20 +30,20 @@ StepSolver sweeps(double tol = 1e-6) {
 }
 
 template <int D>
-SceneIn<D> falling_scene() {
-  SceneIn<D> scene;
+Scene<D> falling_scene() {
+  Scene<D> scene;
   scene.materials = {"default"};
   scene.laws = {{}};
-  scene.gravity = -10 * VecIn<D>::Unit(D - 1);
+  scene.gravity = -10 * Vec<D>::Unit(D - 1);
   scene.step = kPopulationStep;
   return scene;
 }
 
 template <int D>
-OutletIn<D> below(double height) {
-  OutletIn<D> outlet;
+Outlet<D> below(double height) {
+  Outlet<D> outlet;
   outlet.name = "bottom";
-  outlet.point = height * VecIn<D>::Unit(D - 1);
+  outlet.point = height * Vec<D>::Unit(D - 1);
   return outlet;
 }
 
@@ -52,28 +52,28 @@ OutletIn<D> below(double height) {
 /// they are missing from the states after steps 21, 31, 41. Each takes m g y0 of energy and -m g t of momentum.
 template <int D>
 void bodies_leave_when_and_as_they_should() {
-  SceneIn<D> scene = falling_scene<D>();
+  Scene<D> scene = falling_scene<D>();
   // A hair below, so that rounding does not decide.
   const double heights[] = {0.2 - 1e-6, 0.45 - 1e-6, 0.8 - 1e-6};
   for (int k = 0; k < 3; ++k) {
-    const VecIn<D> x = heights[k] * VecIn<D>::Unit(D - 1) + k * VecIn<D>::Unit(0);
+    const Vec<D> x = heights[k] * Vec<D>::Unit(D - 1) + k * Vec<D>::Unit(0);
     if constexpr (D == 2) {
-      scene.disks.push_back(cylinder(x, 0.05, Vec2::Zero(), k + 1));
+      scene.bodies.push_back(cylinder(x, 0.05, Vec2::Zero(), k + 1));
     } else {
-      scene.disks.push_back(ball(x, 0.05, Vec3::Zero(), k + 1));
+      scene.bodies.push_back(ball(x, 0.05, Vec3::Zero(), k + 1));
     }
   }
   scene.outlets = {below<D>(0)};
-  StateIn<D> state = initial_state(scene);
+  State<D> state = initial_state(scene);
   const double initial = potential_energy<D>(state, scene.gravity);
-  TimeStepperIn<D> stepper(scene, sweeps(), false);
-  VecIn<D> pushed = VecIn<D>::Zero();
+  TimeStepper<D> stepper(scene, sweeps(), false);
+  Vec<D> pushed = Vec<D>::Zero();
   while (state.step < 50) {
-    const StepReportIn<D> r = stepper.advance(state);
+    const StepReport<D> r = stepper.advance(state);
     const int left = state.step > 40 ? 3 : state.step > 30 ? 2 : state.step > 20 ? 1 : 0;
-    const GateFlowIn<D>& out = state.population.outlets[0];
+    const GateFlow<D>& out = state.population.outlets[0];
     ASSERT_EQ(out.count, left) << state.step;
-    ASSERT_EQ(state.disks.size(), to_size(3 - left)) << state.step;
+    ASSERT_EQ(state.bodies.size(), to_size(3 - left)) << state.step;
     if (left < 3) {
       EXPECT_EQ(body_number(state, 0), left);
       EXPECT_EQ(body_index(state, left), 0);
@@ -85,11 +85,11 @@ void bodies_leave_when_and_as_they_should() {
                              : state.step == 31 ? 2.0
                              : state.step == 41 ? 3.0
                                                 : 0.0);
-    for (const BodyIn<D>& b : state.disks) pushed += kPopulationStep * b.mass * scene.gravity;
+    for (const Body<D>& b : state.bodies) pushed += kPopulationStep * b.mass * scene.gravity;
     EXPECT_LT((momentum(state) - pushed - momentum_passed(state)).norm(), 1e-12);
     EXPECT_NEAR(r.energy.kinetic + r.energy.potential, initial + r.energy.passed, 1e-12);
   }
-  const GateFlowIn<D>& out = state.population.outlets[0];
+  const GateFlow<D>& out = state.population.outlets[0];
   EXPECT_EQ(out.mass, 6);
   double taken = 0;
   for (int k = 0; k < 3; ++k) taken += (k + 1) * 10 * heights[k];
@@ -101,13 +101,13 @@ TEST(Population, DisksLeaveWhenAndAsTheyShould) { bodies_leave_when_and_as_they_
 TEST(Population, SpheresLeaveWhenAndAsTheyShould) { bodies_leave_when_and_as_they_should<3>(); }
 
 TEST(Population, AnOutletIsAHalfPlaneOrABoxAndHoldsItsEdge) {
-  Outlet plane;
+  Outlet<2> plane;
   plane.point = Vec2(1, 0);
   plane.normal = Vec2(1, 0);  // out of the outlet: what is left of x = 1 leaves
   EXPECT_TRUE(plane.takes(Vec2(1, 7)));
   EXPECT_TRUE(plane.takes(Vec2(0.9, -7)));
   EXPECT_FALSE(plane.takes(Vec2(1.1, 0)));
-  Outlet box;
+  Outlet<2> box;
   box.box = true;
   box.lower = Vec2(0, 0);
   box.upper = Vec2(2, 1);
@@ -116,8 +116,8 @@ TEST(Population, AnOutletIsAHalfPlaneOrABoxAndHoldsItsEdge) {
   EXPECT_FALSE(box.takes(Vec2(1, -0.1)));
 }
 
-Inlet square_inlet(double side, double rate) {
-  Inlet inlet;
+Inlet<2> square_inlet(double side, double rate) {
+  Inlet<2> inlet;
   inlet.name = "inlet";
   inlet.upper = Vec2(side, side);
   inlet.rate = rate;
@@ -131,30 +131,30 @@ TEST(Population, BodiesComeInAtTheirTimes) {
   // Body k is due at 0.05 s + k / 20: those of t = 0.05, 0.10, ... appear in the steps that start there,
   // so after step n there are floor((n - 1 - 5) / 5) + 1 of them, no more than 6 in all. They then fall freely:
   // after its step of 0.01 s a body has v = v0 - 10 · 0.01.
-  Scene scene = falling_scene<2>();
-  Inlet inlet = square_inlet(9, 20);
+  Scene<2> scene = falling_scene<2>();
+  Inlet<2> inlet = square_inlet(9, 20);
   inlet.starts = 0.05;
   inlet.count = 6;
   inlet.v = Vec2(0.5, -1);
   inlet.spin = 3;
   scene.inlets = {inlet};
   ASSERT_EQ(validate(scene), "");
-  State state = initial_state(scene);
-  TimeStepper stepper(scene, sweeps(), false);
+  State<2> state = initial_state(scene);
+  TimeStepper<2> stepper(scene, sweeps(), false);
   while (state.step < 60) {
     stepper.advance(state);
     const int due = state.step < 6 ? 0 : std::min(6, (state.step - 6) / 5 + 1);
-    ASSERT_EQ(state.disks.size(), to_size(due)) << state.step;
+    ASSERT_EQ(state.bodies.size(), to_size(due)) << state.step;
     ASSERT_EQ(state.population.inlets[0].count, due);
     if (state.step == 6) {
-      EXPECT_LT((state.disks[0].v - Vec2(0.5, -1.1)).norm(), 1e-15);
-      EXPECT_EQ(state.disks[0].spin, 3);
+      EXPECT_LT((state.bodies[0].v - Vec2(0.5, -1.1)).norm(), 1e-15);
+      EXPECT_EQ(state.bodies[0].spin, 3);
     }
   }
   EXPECT_EQ(state.population.inlets[0].waiting, 0);
   const double mass = 100 * std::numbers::pi * 0.01;
   EXPECT_NEAR(state.population.inlets[0].mass, 6 * mass, 1e-12);
-  EXPECT_NEAR(state.disks[3].inertia, 0.5 * mass * 0.01, 1e-15);
+  EXPECT_NEAR(state.bodies[3].inertia, 0.5 * mass * 0.01, 1e-15);
   EXPECT_NEAR(state.population.inlets[0].momentum[0], 6 * mass * 0.5, 1e-12);
 }
 
@@ -162,14 +162,14 @@ TEST(Population, WhatFindsNoRoomWaits) {
   // The box has room for one disk alone, in its middle. It moves out with 1 m/s, without gravity; the next fits
   // when the first has gone by more than its diameter, 0.2 m (plus the contact distance): after 21
   // steps of 0.01 s. One is due in every step, so from the second on somebody always waits.
-  Scene scene = falling_scene<2>();
+  Scene<2> scene = falling_scene<2>();
   scene.gravity.setZero();
   scene.contact_distance = 1e-6;
-  Inlet inlet = square_inlet(0.2, 100);
+  Inlet<2> inlet = square_inlet(0.2, 100);
   inlet.v = Vec2(1, 0);
   scene.inlets = {inlet};
-  State state = initial_state(scene);
-  TimeStepper stepper(scene, sweeps(), false);
+  State<2> state = initial_state(scene);
+  TimeStepper<2> stepper(scene, sweeps(), false);
   int entered_at = 0;
   while (state.step < 64) {
     const int before = state.population.inlets[0].count;
@@ -184,23 +184,23 @@ TEST(Population, WhatFindsNoRoomWaits) {
 TEST(Population, AnInletMindsWallsAndDrawsItsClassesByTheirShares) {
   // The floor cuts the box: no disk lies less than its radius above it. Of 400 draws with probability 1/4
   // a share of 100 ± 4 · sqrt(400 · 3/16) = 100 ± 35 is the smaller class.
-  Scene scene = falling_scene<2>();
+  Scene<2> scene = falling_scene<2>();
   scene.gravity.setZero();
   scene.walls = {half_plane(Vec2(0, 10), Vec2(0, 1))};
-  Inlet inlet = square_inlet(20, 40000);
+  Inlet<2> inlet = square_inlet(20, 40000);
   inlet.radii = {0.1, 0.05};
   inlet.shares = {3, 1};
   inlet.count = 400;
   scene.inlets = {inlet};
-  State state = initial_state(scene);
+  State<2> state = initial_state(scene);
   change_population(scene, state);  // one is due at time 0
-  EXPECT_EQ(state.disks.size(), 1u);
+  EXPECT_EQ(state.bodies.size(), 1u);
   state.time = kPopulationStep;
   change_population(scene, state);
-  ASSERT_EQ(state.disks.size(), 400u);
+  ASSERT_EQ(state.bodies.size(), 400u);
   int small = 0;
   std::set<double> places;
-  for (const Disk& d : state.disks) {
+  for (const Disk& d : state.bodies) {
     small += d.radius == 0.05 ? 1 : 0;
     EXPECT_GT(d.x[1] - d.radius, 10);
     EXPECT_LE(d.x[1] + d.radius, 20);
@@ -209,14 +209,14 @@ TEST(Population, AnInletMindsWallsAndDrawsItsClassesByTheirShares) {
   }
   EXPECT_EQ(places.size(), 400u);
   EXPECT_NEAR(small, 100, 35);
-  EXPECT_TRUE(detect_contacts(state.disks, state.walls, 0).empty());
+  EXPECT_TRUE(detect_contacts(state.bodies, state.walls, 0).empty());
   // Another seed draws other places, the same seed the same.
-  State other = initial_state(scene), same = initial_state(scene);
+  State<2> other = initial_state(scene), same = initial_state(scene);
   change_population(scene, same);
-  EXPECT_EQ(same.disks[0].x, state.disks[0].x);
+  EXPECT_EQ(same.bodies[0].x, state.bodies[0].x);
   scene.inlets[0].seed = 2;
   change_population(scene, other);
-  EXPECT_NE(other.disks[0].x, state.disks[0].x);
+  EXPECT_NE(other.bodies[0].x, state.bodies[0].x);
 }
 
 /// A small silo: disks in a funnel fall out of it and are gone, others come in at the top.
@@ -270,18 +270,18 @@ std::string text_of_file(const std::filesystem::path& path) {
 }
 
 TEST(Population, WhatCameInIsInsideOrHasLeftAndTheBooksClose) {
-  const Scene scene = parse_scene(kSilo, "silo.toml");
-  State state = initial_state(scene);
+  const Scene<2> scene = parse_scene(kSilo, "silo.toml");
+  State<2> state = initial_state(scene);
   double mass0 = 0, gained = 0;
-  for (const Disk& d : state.disks) mass0 += d.mass;
+  for (const Disk& d : state.bodies) mass0 += d.mass;
   const double initial = potential_energy(state, scene.gravity);
-  TimeStepper stepper(scene, sweeps(), false);
+  TimeStepper<2> stepper(scene, sweeps(), false);
   while (state.step < scene.num_steps) {
-    const StepReport r = stepper.advance(state);
+    const StepReport<2> r = stepper.advance(state);
     double mass = 0;
-    for (const Disk& d : state.disks) mass += d.mass;
-    const GateFlowIn<2>&out = state.population.outlets[0], &in = state.population.inlets[0];
-    EXPECT_EQ(state.disks.size(), to_size(25 + in.count - out.count));
+    for (const Disk& d : state.bodies) mass += d.mass;
+    const GateFlow<2>&out = state.population.outlets[0], &in = state.population.inlets[0];
+    EXPECT_EQ(state.bodies.size(), to_size(25 + in.count - out.count));
     EXPECT_NEAR(mass0 + in.mass, mass + out.mass, 1e-12);
     gained += r.energy.imbalance;
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-12);
@@ -296,15 +296,15 @@ TEST(Population, WhatCameInIsInsideOrHasLeftAndTheBooksClose) {
 TEST(Population, KeptContactsAndWarmStartsFollowTheNumbers) {
   // A stepper that forgets everything between steps, and one that keeps lists: the same bits. And what the
   // solver starts from are the impulses of the same two bodies in the step before.
-  const Scene scene = parse_scene(kSilo, "silo.toml");
-  State kept = initial_state(scene), fresh = kept;
-  TimeStepper stepper(scene, sweeps(), false);
+  const Scene<2> scene = parse_scene(kSilo, "silo.toml");
+  State<2> kept = initial_state(scene), fresh = kept;
+  TimeStepper<2> stepper(scene, sweeps(), false);
   int changes = 0, started = 0;
   while (kept.step < scene.num_steps) {
     stepper.advance(kept);
-    const State before = fresh;
+    const State<2> before = fresh;
     Vector start;
-    TimeStepper once(
+    TimeStepper<2> once(
         scene,
         [&](const ContactProblem& p, const Vector& s0) {
           start = s0;
@@ -312,19 +312,19 @@ TEST(Population, KeptContactsAndWarmStartsFollowTheNumbers) {
         },
         false);
     once.advance(fresh);
-    ASSERT_EQ(kept.disks.size(), fresh.disks.size());
-    for (std::size_t i = 0; i < kept.disks.size(); ++i)
-      ASSERT_EQ(kept.disks[i].x, fresh.disks[i].x);
+    ASSERT_EQ(kept.bodies.size(), fresh.bodies.size());
+    for (std::size_t i = 0; i < kept.bodies.size(); ++i)
+      ASSERT_EQ(kept.bodies[i].x, fresh.bodies[i].x);
     if (fresh.population.numbers == before.population.numbers) continue;
     ++changes;
-    const auto name = [](const State& s, int body) {
-      const int disks = static_cast<int>(s.disks.size());
+    const auto name = [](const State<2>& s, int body) {
+      const int disks = static_cast<int>(s.bodies.size());
       return body < disks ? body_number(s, body) : -1 - (body - disks);
     };
     for (std::size_t c = 0; c < fresh.contacts.size(); ++c) {
-      const Contact& now = fresh.contacts[c].contact;
+      const Contact<2>& now = fresh.contacts[c].contact;
       double expected = 0;
-      for (const ContactOutcome& old : before.contacts) {
+      for (const ContactOutcome<2>& old : before.contacts) {
         if (name(before, old.contact.i) == name(fresh, now.i) &&
             name(before, old.contact.j) == name(fresh, now.j)) {
           expected = old.s_n;
@@ -339,33 +339,33 @@ TEST(Population, KeptContactsAndWarmStartsFollowTheNumbers) {
 }
 
 TEST(Population, ARunGoesOnBitForBitAndItsFramesSayWhoIsThere) {
-  const Scene scene = parse_scene(kSilo, "silo.toml");
+  const Scene<2> scene = parse_scene(kSilo, "silo.toml");
   const TemporaryFolder folder;
-  const auto run = [&](State state, int until, RunWriter& writer) {
-    TimeStepper stepper(scene, sweeps(), false);
+  const auto run = [&](State<2> state, int until, RunWriter<2>& writer) {
+    TimeStepper<2> stepper(scene, sweeps(), false);
     writer.frame(state);
     while (state.step < until) {
-      const StepReport r = stepper.advance(state);
+      const StepReport<2> r = stepper.advance(state);
       writer.step(state, r);
       if (state.step % 20 == 0) writer.frame(state);
     }
     writer.close();
     return state;
   };
-  RunWriter whole(folder / "whole", scene, kSilo);
-  const State end = run(initial_state(scene), 200, whole);
-  RunWriter first(folder / "parts", scene, kSilo);
+  RunWriter<2> whole(folder / "whole", scene, kSilo);
+  const State<2> end = run(initial_state(scene), 200, whole);
+  RunWriter<2> first(folder / "parts", scene, kSilo);
   run(initial_state(scene), 100, first);
-  const State middle = read_state(folder / "parts");
+  const State<2> middle = read_state(folder / "parts");
   EXPECT_EQ(middle.step, 100);
   EXPECT_EQ(restart_mismatch(scene, middle), "");
   EXPECT_GT(middle.population.outlets[0].count, 0);
-  RunWriter second(folder / "parts", scene, kSilo, 100);
-  const State again = run(middle, 200, second);
-  ASSERT_EQ(end.disks.size(), again.disks.size());
-  for (std::size_t i = 0; i < end.disks.size(); ++i) {
-    EXPECT_EQ(end.disks[i].x, again.disks[i].x);
-    EXPECT_EQ(end.disks[i].mass, again.disks[i].mass);
+  RunWriter<2> second(folder / "parts", scene, kSilo, 100);
+  const State<2> again = run(middle, 200, second);
+  ASSERT_EQ(end.bodies.size(), again.bodies.size());
+  for (std::size_t i = 0; i < end.bodies.size(); ++i) {
+    EXPECT_EQ(end.bodies[i].x, again.bodies[i].x);
+    EXPECT_EQ(end.bodies[i].mass, again.bodies[i].mass);
   }
   EXPECT_EQ(end.population.numbers, again.population.numbers);
   for (const char* file : {"gates.csv", "ledger.csv", "run.xdmf", "frames/00000200.h5"}) {
@@ -374,13 +374,13 @@ TEST(Population, ARunGoesOnBitForBitAndItsFramesSayWhoIsThere) {
   // The index has as many points a frame as there are bodies.
   const std::string index = text_of_file(folder / "whole" / "run.xdmf");
   for (const int step : {0, 100, 200}) {
-    const State frame = read_state(folder / "whole", step);
-    EXPECT_NE(index.find("NumberOfElements=\"" + std::to_string(frame.disks.size()) +
+    const State<2> frame = read_state(folder / "whole", step);
+    EXPECT_NE(index.find("NumberOfElements=\"" + std::to_string(frame.bodies.size()) +
                          "\" NodesPerElement=\"1\"><DataItem Dimensions=\"" +
-                         std::to_string(frame.disks.size())),
+                         std::to_string(frame.bodies.size())),
               std::string::npos);
   }
-  State wrong = again;
+  State<2> wrong = again;
   wrong.population.outlets.clear();
   EXPECT_NE(restart_mismatch(scene, wrong), "");
 }
@@ -414,21 +414,21 @@ TEST(Population, ASceneFileSaysWhereAndContradictionsAreRefused) {
   refused("[[outlets]]\nlower = [0, 0]\nupper = [1, 0]\n", "test.toml:3");
   refused("[[outlets]]\nname = 'a'\npoint = [0, 0]\nnormal = [0, 1]\n" + inlet + "name = 'a'\n",
           "must differ");
-  const Scene turned = parse_scene(
+  const Scene<2> turned = parse_scene(
       "rotate_degrees = 90\n[[outlets]]\npoint = [1, 0]\nnormal = [0, 2]\n" + time, "test.toml");
   EXPECT_LT((turned.outlets[0].point - Vec2(0, 1)).norm(), 1e-15);
   EXPECT_LT((turned.outlets[0].normal - Vec2(-1, 0)).norm(), 1e-15);
-  const auto space = std::get<SceneIn<3>>(parse_any_scene(
+  const auto space = std::get<Scene<3>>(parse_any_scene(
       "dim = 3\n[[inlets]]\nlower = [0, 0, 0]\nupper = [1, 1, 1]\nrate = 5\nradii = [0.1]\n"
       "density = 3\nspin = [0, 1, 0]\n" +
           time,
       "test.toml"));
-  StateIn<3> state = initial_state(space);
+  State<3> state = initial_state(space);
   change_population(space, state);
-  ASSERT_EQ(state.disks.size(), 1u);
-  EXPECT_NEAR(state.disks[0].mass, 3 * 4 / 3.0 * std::numbers::pi * 1e-3, 1e-15);
-  EXPECT_NEAR(state.disks[0].inertia, 0.4 * state.disks[0].mass * 0.01, 1e-18);
-  EXPECT_EQ(state.disks[0].spin, Vec3(0, 1, 0));
+  ASSERT_EQ(state.bodies.size(), 1u);
+  EXPECT_NEAR(state.bodies[0].mass, 3 * 4 / 3.0 * std::numbers::pi * 1e-3, 1e-15);
+  EXPECT_NEAR(state.bodies[0].inertia, 0.4 * state.bodies[0].mass * 0.01, 1e-18);
+  EXPECT_EQ(state.bodies[0].spin, Vec3(0, 1, 0));
 }
 
 }  // namespace

@@ -23,11 +23,11 @@ namespace bipot {
 namespace {
 
 /// A sphere of radius 0.5 m that touches the plane z = 0.
-SceneIn<3> sphere_on_floor(double mu) {
-  SceneIn<3> scene = one_law_in_space({.mu = mu});
+Scene<3> sphere_on_floor(double mu) {
+  Scene<3> scene = one_law_in_space({.mu = mu});
   scene.gravity = Vec3(0, 0, -kGravity);
   scene.walls = {half_space(Vec3::Zero(), Vec3::UnitZ())};
-  scene.disks = {ball(Vec3(0, 0, 0.5), 0.5)};
+  scene.bodies = {ball(Vec3(0, 0, 0.5), 0.5)};
   scene.contact_distance = 1e-9;
   scene.step = 1e-3;
   scene.solver.tol = 1e-12;
@@ -35,15 +35,15 @@ SceneIn<3> sphere_on_floor(double mu) {
 }
 
 /// Spheres of two sizes with random velocities and spins that fly at each other about the origin.
-SceneIn<3> cloud_that_collides(int count, const ContactLaw& law) {
-  SceneIn<3> scene = one_law_in_space(law);
+Scene<3> cloud_that_collides(int count, const ContactLaw& law) {
+  Scene<3> scene = one_law_in_space(law);
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(-1, 1);
   const auto any = [&] { return Vec3(unit(random), unit(random), unit(random)); };
   for (int k = 0; k < count; ++k) {
     // Cells of 0.5 m around the origin, spheres of at most 0.2 m.
     const Vec3 x = 0.5 * Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1) + 0.04 * any();
-    scene.disks.push_back(ball(x, k % 2 == 0 ? 0.2 : 0.15, any() - 3 * x, 1 + k % 3, 5 * any()));
+    scene.bodies.push_back(ball(x, k % 2 == 0 ? 0.2 : 0.15, any() - 3 * x, 1 + k % 3, 5 * any()));
   }
   scene.step = 2e-3;
   scene.num_steps = 150;
@@ -54,11 +54,11 @@ SceneIn<3> cloud_that_collides(int count, const ContactLaw& law) {
 // The velocities of the touching points, by v + w x r alone, in the frame of the contact; H gives
 // the same.
 TEST(Spheres, RelativeVelocityIsThatOfTheTouchingPoints) {
-  SceneIn<3> scene = one_law_in_space({.mu = 0.4, .e_n = 0.3, .e_t = 0.1});
-  scene.disks = {ball(Vec3(0.1, 0.2, 0.3), 0.5, Vec3(1, -2, 3), 2, Vec3(4, 5, -6)),
-                 ball(Vec3(0.9, -0.1, 0.7), 0.4, Vec3(-1, 0.5, 2), 3, Vec3(-3, 2, 1))};
-  WallIn<3> lid = half_space(Vec3(0, 0, 1.2), Vec3(0.6, 0, -0.8));
-  lid.motion = WallIn<3>::Motion::kMoving;
+  Scene<3> scene = one_law_in_space({.mu = 0.4, .e_n = 0.3, .e_t = 0.1});
+  scene.bodies = {ball(Vec3(0.1, 0.2, 0.3), 0.5, Vec3(1, -2, 3), 2, Vec3(4, 5, -6)),
+                  ball(Vec3(0.9, -0.1, 0.7), 0.4, Vec3(-1, 0.5, 2), 3, Vec3(-3, 2, 1))};
+  Wall<3> lid = half_space(Vec3(0, 0, 1.2), Vec3(0.6, 0, -0.8));
+  lid.motion = Wall<3>::Motion::kMoving;
   lid.v = Vec3(0.2, 0.3, -0.1);
   scene.walls = {lid};
   scene.contact_distance = 1;
@@ -68,16 +68,16 @@ TEST(Spheres, RelativeVelocityIsThatOfTheTouchingPoints) {
   ASSERT_EQ(mid.contacts.size(), 3u);
   Vector v(12);
   for (int k = 0; k < 2; ++k) {
-    v.segment<3>(6 * k) = scene.disks[to_size(k)].v;
-    v.segment<3>(6 * k + 3) = scene.disks[to_size(k)].spin;
+    v.segment<3>(6 * k) = scene.bodies[to_size(k)].v;
+    v.segment<3>(6 * k + 3) = scene.bodies[to_size(k)].spin;
   }
   const Vector from_h = step.problem.H.transpose() * v;
   for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
-    const ContactIn<3>& contact = mid.contacts[c];
-    const Sphere& a = scene.disks[to_size(contact.i)];
+    const Contact<3>& contact = mid.contacts[c];
+    const Sphere& a = scene.bodies[to_size(contact.i)];
     Vec3 u = a.v + a.spin.cross(-a.radius * contact.n);
     if (contact.j < 2) {
-      const Sphere& b = scene.disks[to_size(contact.j)];
+      const Sphere& b = scene.bodies[to_size(contact.j)];
       u -= b.v + b.spin.cross(b.radius * contact.n);
     } else {
       u -= lid.v;
@@ -96,18 +96,18 @@ TEST(Spheres, RelativeVelocityIsThatOfTheTouchingPoints) {
 // m a v0 = m a v + I v/a, I = 2/5 m a², hence v = 5/7 v0. Rolling towards +x turns about +y. Friction
 // takes ½ m v0² (1 - 5/7) = m v0²/7.
 TEST(Spheres, AThrownSphereEndsRollingAtFiveSevenths) {
-  SceneIn<3> scene = sphere_on_floor(0.3);
-  scene.disks[0].v = Vec3(0.7, 0, 0);
+  Scene<3> scene = sphere_on_floor(0.3);
+  scene.bodies[0].v = Vec3(0.7, 0, 0);
   scene.num_steps = 120;  // it slides for 2 v0 / (7 mu g) = 0.068 s
-  StepReportIn<3> last;
+  StepReport<3> last;
   const auto end = run_scene(scene, [&](const auto&, const auto& r) { last = r; });
-  EXPECT_NEAR(end.disks[0].v[0], 0.5, 1e-9);
-  EXPECT_NEAR(end.disks[0].spin[1], 0.5 / 0.5, 1e-9);
-  EXPECT_LT(Vec3(end.disks[0].v[1], end.disks[0].v[2], end.disks[0].spin[0]).norm(), 1e-9);
+  EXPECT_NEAR(end.bodies[0].v[0], 0.5, 1e-9);
+  EXPECT_NEAR(end.bodies[0].spin[1], 0.5 / 0.5, 1e-9);
+  EXPECT_LT(Vec3(end.bodies[0].v[1], end.bodies[0].v[2], end.bodies[0].spin[0]).norm(), 1e-9);
   EXPECT_NEAR(last.energy.friction_loss, 2 * 0.49 / 7, 1e-9);
   EXPECT_EQ(end.contacts[0].status, ContactStatus::kStick);
   // It has turned about y by the way over the radius once it rolls: the orientation follows.
-  const Vec3 top = end.disks[0].orientation * Vec3::UnitZ();
+  const Vec3 top = end.bodies[0].orientation * Vec3::UnitZ();
   EXPECT_GT(top[0], 0.01);
   EXPECT_NEAR(top[1], 0, 1e-12);
 }
@@ -117,21 +117,21 @@ TEST(Spheres, AThrownSphereEndsRollingAtFiveSevenths) {
 TEST(Spheres, OnASlopeTheyRollUpToSevenHalvesMu) {
   const double mu = 0.2, limit = std::atan(3.5 * mu);
   for (const double angle : {0.5 * limit, 0.99 * limit, 1.01 * limit, 1.3 * limit}) {
-    SceneIn<3> scene = sphere_on_floor(mu);
+    Scene<3> scene = sphere_on_floor(mu);
     scene.gravity = kGravity * Vec3(0.6 * std::sin(angle), 0.8 * std::sin(angle), -std::cos(angle));
     scene.num_steps = 100;
     const auto end = run_scene(scene);
     const double rolling = 5.0 / 7 * kGravity * std::sin(angle);
     const double sliding = kGravity * (std::sin(angle) - mu * std::cos(angle));
     const double expected = angle < limit ? rolling : sliding;
-    EXPECT_LT((end.disks[0].v - 0.1 * expected * Vec3(0.6, 0.8, 0)).norm(), 1e-9) << angle;
+    EXPECT_LT((end.bodies[0].v - 0.1 * expected * Vec3(0.6, 0.8, 0)).norm(), 1e-9) << angle;
     EXPECT_EQ(end.contacts[0].status, angle < limit ? ContactStatus::kStick : ContactStatus::kSlip);
   }
 }
 
 /// Three touching spheres on a floor and one in their hollow.
-SceneIn<3> tetrahedron(double mu_between, double mu_floor) {
-  SceneIn<3> scene;
+Scene<3> tetrahedron(double mu_between, double mu_floor) {
+  Scene<3> scene;
   scene.materials = {"sphere", "floor"};
   scene.laws = {{.mu = mu_between}, {.mu = mu_floor}, {.mu = mu_floor}, {.mu = 0}};
   scene.gravity = Vec3(0, 0, -kGravity);
@@ -140,9 +140,9 @@ SceneIn<3> tetrahedron(double mu_between, double mu_floor) {
   const double a = 0.5, ring = 2 * a / std::sqrt(3.0);
   for (int k = 0; k < 3; ++k) {
     const double angle = 2 * std::numbers::pi / 3 * k;
-    scene.disks.push_back(ball(Vec3(ring * std::cos(angle), ring * std::sin(angle), a), a));
+    scene.bodies.push_back(ball(Vec3(ring * std::cos(angle), ring * std::sin(angle), a), a));
   }
-  scene.disks.push_back(ball(Vec3(0, 0, a + 2 * a * std::sqrt(2.0 / 3)), a));
+  scene.bodies.push_back(ball(Vec3(0, 0, a + 2 * a * std::sqrt(2.0 / 3)), a));
   scene.contact_distance = 1e-9;
   scene.step = 1e-3;
   scene.num_steps = 200;
@@ -163,8 +163,8 @@ TEST(Spheres, FourSpheresStandFromTheFrictionThatGeometryAsksFor) {
   const double between = std::tan(phi / 2), floor = between / 4;
   EXPECT_NEAR(between, 0.3178, 1e-4);
   EXPECT_NEAR(floor, 0.0795, 1e-4);
-  const auto drop = [](const SceneIn<3>& scene) {
-    return scene.disks[3].x[2] - run_scene(scene).disks[3].x[2];
+  const auto drop = [](const Scene<3>& scene) {
+    return scene.bodies[3].x[2] - run_scene(scene).bodies[3].x[2];
   };
   EXPECT_LT(std::abs(drop(tetrahedron(1.01 * between, 1.01 * floor))), 1e-7);
   EXPECT_GT(drop(tetrahedron(0.98 * between, 1.5 * floor)), 1e-4);
@@ -174,7 +174,7 @@ TEST(Spheres, FourSpheresStandFromTheFrictionThatGeometryAsksFor) {
 // The forces of the pile that stands: the floor's normal force on each is 4/3 of a weight, friction
 // makes the rest hold. Newton and Euler of every sphere, from the contacts alone.
 TEST(Spheres, ForcesOfTheTetrahedronBalance) {
-  SceneIn<3> scene = tetrahedron(0.5, 0.2);
+  Scene<3> scene = tetrahedron(0.5, 0.2);
   const auto end = run_scene(scene);
   const auto balance = force_balance(scene, end);
   EXPECT_LT(balance.force, 1e-6);
@@ -195,11 +195,11 @@ TEST(Spheres, ForcesOfTheTetrahedronBalance) {
 // none.
 TEST(Spheres, MomentaAndEnergyCloseToRounding) {
   for (const double mu : {0.0, 0.6}) {
-    SceneIn<3> scene = cloud_that_collides(27, {.mu = mu, .e_n = 0.4, .e_t = 0.2});
-    StateIn<3> before = initial_state(scene);
+    Scene<3> scene = cloud_that_collides(27, {.mu = mu, .e_n = 0.4, .e_t = 0.2});
+    State<3> before = initial_state(scene);
     int struck = 0;
     double couples = 0;
-    run_scene(scene, [&](const StateIn<3>& state, const StepReportIn<3>& report) {
+    run_scene(scene, [&](const State<3>& state, const StepReport<3>& report) {
       Vec3 couple = Vec3::Zero();
       for (const auto& c : state.contacts) couple += c.contact.gap * c.contact.n.cross(c.s_t);
       EXPECT_LT((momentum(state) - momentum(before)).norm(), 1e-13 * 100);
@@ -223,13 +223,13 @@ TEST(Spheres, MomentaAndEnergyCloseToRounding) {
 // impulses that are turned as well. Tangents of contacts do not turn with it, so this also says that
 // nothing depends on them.
 TEST(Spheres, TurningTheWholeSceneChangesNothing) {
-  SceneIn<3> scene = cloud_that_collides(27, {.mu = 0.5, .e_n = 0.2, .e_t = 0.2});
+  Scene<3> scene = cloud_that_collides(27, {.mu = 0.5, .e_n = 0.2, .e_t = 0.2});
   scene.gravity = Vec3(0, 0, -kGravity);
   scene.walls = {half_space(Vec3(0, 0, -0.9), Vec3::UnitZ()),
                  half_space(Vec3(-0.8, 0, 0), Vec3::UnitX()),
                  half_space(Vec3(0, 0.8, 0), -Vec3::UnitY())};
-  WallIn<3> plate = half_space(Vec3(0.8, 0, 0), -Vec3::UnitX());
-  plate.motion = WallIn<3>::Motion::kDriven;
+  Wall<3> plate = half_space(Vec3(0.8, 0, 0), -Vec3::UnitX());
+  plate.motion = Wall<3>::Motion::kDriven;
   plate.direction = plate.normal;
   plate.force = 30;
   plate.mass = 2;
@@ -239,14 +239,14 @@ TEST(Spheres, TurningTheWholeSceneChangesNothing) {
   scene.solver.name = "pgs";
   scene.solver.tol = 1e-6;
   const Eigen::Quaterniond turn(Eigen::AngleAxisd(1.1, Vec3(1, 2, -3).normalized()));
-  SceneIn<3> turned = scene;
+  Scene<3> turned = scene;
   turned.gravity = turn * scene.gravity;
-  for (Sphere& s : turned.disks) {
+  for (Sphere& s : turned.bodies) {
     s.x = turn * s.x;
     s.v = turn * s.v;
     s.spin = turn * s.spin;
   }
-  for (WallIn<3>& w : turned.walls) {
+  for (Wall<3>& w : turned.walls) {
     w.a = turn * w.a;
     w.normal = turn * w.normal;
     w.direction = turn * w.direction;
@@ -259,10 +259,10 @@ TEST(Spheres, TurningTheWholeSceneChangesNothing) {
   EXPECT_EQ(iterations, iterations_turned);
   ASSERT_GT(end.contacts.size(), 10u);
   ASSERT_EQ(end.contacts.size(), other.contacts.size());
-  for (std::size_t k = 0; k < end.disks.size(); ++k) {
-    EXPECT_LT((turn * end.disks[k].x - other.disks[k].x).norm(), 1e-9);
-    EXPECT_LT((turn * end.disks[k].v - other.disks[k].v).norm(), 1e-7);
-    EXPECT_LT((turn * end.disks[k].spin - other.disks[k].spin).norm(), 1e-6);
+  for (std::size_t k = 0; k < end.bodies.size(); ++k) {
+    EXPECT_LT((turn * end.bodies[k].x - other.bodies[k].x).norm(), 1e-9);
+    EXPECT_LT((turn * end.bodies[k].v - other.bodies[k].v).norm(), 1e-7);
+    EXPECT_LT((turn * end.bodies[k].spin - other.bodies[k].spin).norm(), 1e-6);
   }
   for (std::size_t k = 0; k < end.contacts.size(); ++k) {
     EXPECT_NEAR(end.contacts[k].s_n, other.contacts[k].s_n, 1e-7);
@@ -275,10 +275,10 @@ TEST(Spheres, TurningTheWholeSceneChangesNothing) {
 // mean stress over the space between the plates is F d / V along z, V the enclosed volume: walls
 // around that do not touch.
 TEST(Spheres, APlateIsDrivenByItsForce) {
-  SceneIn<3> scene = sphere_on_floor(0.3);
+  Scene<3> scene = sphere_on_floor(0.3);
   scene.gravity = Vec3::Zero();
-  WallIn<3> plate = half_space(Vec3(0, 0, 1), -Vec3::UnitZ());
-  plate.motion = WallIn<3>::Motion::kDriven;
+  Wall<3> plate = half_space(Vec3(0, 0, 1), -Vec3::UnitZ());
+  plate.motion = Wall<3>::Motion::kDriven;
   plate.direction = -Vec3::UnitZ();
   plate.force = 50;
   plate.mass = 3;
@@ -288,10 +288,10 @@ TEST(Spheres, APlateIsDrivenByItsForce) {
   }
   scene.num_steps = 20;
   const auto end = run_scene(scene);
-  EXPECT_LT(end.disks[0].v.norm(), 1e-12);
+  EXPECT_LT(end.bodies[0].v.norm(), 1e-12);
   ASSERT_EQ(end.contacts.size(), 2u);
   for (const auto& c : end.contacts) EXPECT_NEAR(c.s_n / scene.step, 50, 1e-9);
-  const double volume = sample_area(end, scene.step);
+  const double volume = sample_measure(end, scene.step);
   EXPECT_NEAR(volume, 4 * 4 * 1, 1e-9);
   const auto stress = sample_stress(end, scene.step, volume, contact_moments(end));
   Eigen::Matrix3d expected = Eigen::Matrix3d::Zero();
@@ -304,10 +304,10 @@ TEST(Spheres, APlateIsDrivenByItsForce) {
 // contacts' moments), and the stresses of the single spheres, weighted by their volumes, add up to
 // the sample's: contacts between spheres only.
 TEST(Spheres, StressIsSymmetricAndAddsUp) {
-  SceneIn<3> scene = cloud_that_collides(27, {.mu = 0.6, .e_n = 0.4, .e_t = 0.2});
-  StateIn<3> before = initial_state(scene);
+  Scene<3> scene = cloud_that_collides(27, {.mu = 0.6, .e_n = 0.4, .e_t = 0.2});
+  State<3> before = initial_state(scene);
   int seen = 0;
-  run_scene(scene, [&](const StateIn<3>& state, const StepReportIn<3>& report) {
+  run_scene(scene, [&](const State<3>& state, const StepReport<3>& report) {
     const auto moments = spin_changes(before, state);
     const auto sample = sample_stress(state, scene.step, 2.0, moments);
     const Eigen::Matrix3d total = sample.total();
@@ -329,17 +329,17 @@ TEST(Spheres, StressIsSymmetricAndAddsUp) {
 // by friction in the drum's bottom, r = -R z, sees w R along -x; on top of a roller, r = R z, along +x.
 // Gaps: R - |r| - a inside, |r| - R - a outside, |r| the distance from the axis.
 TEST(Spheres, CylindersTouchAndTurnAboutTheirAxes) {
-  SceneIn<3> scene = one_law_in_space({.mu = 0.5});
-  WallIn<3> drum;
-  drum.shape = WallIn<3>::Shape::kHollowCircle;
+  Scene<3> scene = one_law_in_space({.mu = 0.5});
+  Wall<3> drum;
+  drum.shape = Wall<3>::Shape::kHollowCircle;
   drum.normal = Vec3::UnitY();
   drum.radius = 3;
   drum.spin = 0.7;
-  WallIn<3> roller = drum;
-  roller.shape = WallIn<3>::Shape::kSolidCircle;
+  Wall<3> roller = drum;
+  roller.shape = Wall<3>::Shape::kSolidCircle;
   roller.radius = 1;
   scene.walls = {drum, roller};
-  scene.disks = {ball(Vec3(0, 77, -2.5), 0.5), ball(Vec3(0, -5, 1.5), 0.5)};
+  scene.bodies = {ball(Vec3(0, 77, -2.5), 0.5), ball(Vec3(0, -5, 1.5), 0.5)};
   scene.contact_distance = 1e-9;
   scene.step = 1e-9;
   const auto mid = make_midpoint(scene, initial_state(scene));
@@ -349,7 +349,7 @@ TEST(Spheres, CylindersTouchAndTurnAboutTheirAxes) {
   EXPECT_EQ(mid.contacts[1].j, 3);
   const Vec3 expected[] = {Vec3(-0.7 * 3, 0, 0), Vec3(0.7 * 1, 0, 0)};
   for (int c = 0; c < 2; ++c) {
-    const ContactIn<3>& contact = mid.contacts[to_size(c)];
+    const Contact<3>& contact = mid.contacts[to_size(c)];
     EXPECT_LT((contact.n - Vec3::UnitZ()).norm(), 1e-15);
     EXPECT_NEAR(contact.gap, 0, 1e-15);
     const auto frame = contact_frame<3>(contact.n);
@@ -362,15 +362,15 @@ TEST(Spheres, CylindersTouchAndTurnAboutTheirAxes) {
 // What a contact carries goes on to the next step though its tangents jump where n_z changes its
 // sign: the start is the last impulse, turned into the new frame.
 TEST(Spheres, AWarmStartKeepsTheImpulseWhereTheFrameJumps) {
-  SceneIn<3> scene = sphere_on_floor(0.5);
-  scene.disks[0].x = Vec3(0.5, 0, 0);
+  Scene<3> scene = sphere_on_floor(0.5);
+  scene.bodies[0].x = Vec3(0.5, 0, 0);
   scene.gravity = Vec3(-kGravity, 2, 1);
   scene.walls[0].normal = Vec3(1, 0, 1e-12).normalized();
   scene.num_steps = 3;
-  StateIn<3> state = run_scene(scene);
+  State<3> state = run_scene(scene);
   ASSERT_EQ(state.contacts.size(), 1u);
   EXPECT_GT(state.contacts[0].s_t.norm(), 1e-4);
-  std::vector<ContactIn<3>> contacts = {state.contacts[0].contact};
+  std::vector<Contact<3>> contacts = {state.contacts[0].contact};
   contacts[0].n = Vec3(1, 0, -1e-12).normalized();
   ContactProblem p;
   p.dim = 3;

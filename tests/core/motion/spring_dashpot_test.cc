@@ -7,8 +7,8 @@
 #include <functional>
 #include <numbers>
 
-#include "core/files/run_output.h"
-#include "core/files/run_reader.h"
+#include "core/run_files/run_output.h"
+#include "core/run_files/run_reader.h"
 #include "core/scene/generators.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/temporary_folder.h"
@@ -18,20 +18,20 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-Scene spring_scene(double mu, double e_n, double e_t = 0) {
-  Scene scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
+Scene<2> spring_scene(double mu, double e_n, double e_t = 0) {
+  Scene<2> scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.model = Model::kSpringDashpot;
   scene.gravity = Vec2(0, -kGravity);
   scene.step = 1e-3;
   return scene;
 }
 
-State run(const Scene& scene,
-          const std::function<void(const State&, const StepReport&)>& on_step = {}) {
+State<2> run(const Scene<2>& scene,
+             const std::function<void(const State<2>&, const StepReport<2>&)>& on_step = {}) {
   SpringDashpotStepper stepper(scene);
-  State state = initial_state(scene);
+  State<2> state = initial_state(scene);
   for (int step = 0; step < scene.num_steps; ++step) {
-    const StepReport report = stepper.advance(state);
+    const StepReport<2> report = stepper.advance(state);
     EXPECT_TRUE(report.converged);
     EXPECT_EQ(report.iterations, stepper.setup().substeps);
     if (on_step) on_step(state, report);
@@ -40,12 +40,12 @@ State run(const Scene& scene,
 }
 
 /// Two disks of 1 and 3 kg meet head-on at 2 m/s; ends after they have parted.
-Scene head_on(double e_n, double stiffness) {
-  Scene scene = spring_scene(0.3, e_n);
+Scene<2> head_on(double e_n, double stiffness) {
+  Scene<2> scene = spring_scene(0.3, e_n);
   scene.gravity = Vec2::Zero();
   scene.dem.stiffness = stiffness;
-  scene.disks = {cylinder(Vec2(0, 0), 0.1, Vec2(1.5, 0), 1),
-                 cylinder(Vec2(0.2001, 0), 0.1, Vec2(-0.5, 0), 3)};
+  scene.bodies = {cylinder(Vec2(0, 0), 0.1, Vec2(1.5, 0), 1),
+                  cylinder(Vec2(0.2001, 0), 0.1, Vec2(-0.5, 0), 3)};
   scene.step = 1e-5;
   scene.num_steps = 800;
   return scene;
@@ -71,8 +71,8 @@ TEST(SpringDashpot, HeadOnImpactGivesTheRestitutionAndTheDuration) {
   const double k = 1e6, w = std::sqrt(k / 0.75);
   for (const double e : {1.0, 0.9, 0.5, 0.2, 0.1}) {
     int first = -1, last = -1;
-    const Scene scene = head_on(e, k);
-    const State end = run(scene, [&](const State& state, const StepReport& r) {
+    const Scene<2> scene = head_on(e, k);
+    const State<2> end = run(scene, [&](const State<2>& state, const StepReport<2>& r) {
       if (r.active > 0) {
         if (first < 0) first = state.step;
         last = state.step;
@@ -81,13 +81,13 @@ TEST(SpringDashpot, HeadOnImpactGivesTheRestitutionAndTheDuration) {
       EXPECT_NEAR(r.momentum[0], 0, 1e-12);
     });
     EXPECT_TRUE(end.contacts.empty());
-    EXPECT_NEAR((end.disks[1].v[0] - end.disks[0].v[0]) / 2, e, 0.01) << "e " << e;
+    EXPECT_NEAR((end.bodies[1].v[0] - end.bodies[0].v[0]) / 2, e, 0.01) << "e " << e;
     const double zeta = damping_of_restitution(e);
     const double duration = zeta < 1 ? 2 * std::acos(zeta) / (w * std::sqrt(1 - zeta * zeta))
                                      : 2 * std::acosh(zeta) / (w * std::sqrt(zeta * zeta - 1));
     EXPECT_NEAR((last - first + 1) * scene.step / duration, 1, 0.015) << "e " << e;
     // What was lost: m_eff v²/2 (1 - e²), by the normal force alone.
-    const double measured = (end.disks[1].v[0] - end.disks[0].v[0]) / 2;
+    const double measured = (end.bodies[1].v[0] - end.bodies[0].v[0]) / 2;
     EXPECT_NEAR(end.shock_loss, 0.5 * 0.75 * 4 * (1 - measured * measured), 1e-9);
     EXPECT_EQ(end.friction_loss, 0);
   }
@@ -100,13 +100,13 @@ TEST(SpringDashpot, ConvergesWithTheSubstep) {
   const auto error = [](double e, double substep) {
     double sum = 0;
     for (int k = 0; k < 128; ++k) {
-      Scene scene = head_on(e, 1e6 * (1 + 0.3 * (k / 16) / 8));
+      Scene<2> scene = head_on(e, 1e6 * (1 + 0.3 * (k / 16) / 8));
       scene.step = substep;
       scene.dem.substep = substep;
-      scene.disks[1].x[0] += 2 * substep * (k % 16) / 16;
+      scene.bodies[1].x[0] += 2 * substep * (k % 16) / 16;
       scene.num_steps = static_cast<int>(std::lround(4e-3 / substep));
-      const State end = run(scene);
-      const double difference = (end.disks[1].v[0] - end.disks[0].v[0]) / 2 - e;
+      const State<2> end = run(scene);
+      const double difference = (end.bodies[1].v[0] - end.bodies[0].v[0]) / 2 - e;
       sum += difference * difference;
     }
     return std::sqrt(sum / 128);
@@ -116,19 +116,19 @@ TEST(SpringDashpot, ConvergesWithTheSubstep) {
 }
 
 TEST(SpringDashpot, DiskAtRestOverlapsByItsWeightOverTheStiffness) {
-  Scene scene = spring_scene(0.4, 0.3);
+  Scene<2> scene = spring_scene(0.4, 0.3);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
   scene.num_steps = 3000;
   const SpringDashpotSetup setup = spring_dashpot_setup(scene);
   // The default stiffness: weight over 1e-3 of the radius.
   EXPECT_NEAR(setup.stiffness, 2 * kGravity / 1e-4, 1e-6 * setup.stiffness);
-  const State end = run(scene);
+  const State<2> end = run(scene);
   EXPECT_NEAR(end.contacts.at(0).contact.gap, -1e-4, 1e-12);
   EXPECT_NEAR(end.contacts.at(0).s_n / scene.step, 2 * kGravity, 1e-9);
   EXPECT_EQ(end.contacts.at(0).s_t, 0);
-  EXPECT_EQ(end.disks[0].x[0], 0);
-  EXPECT_NEAR(end.disks[0].v[1], 0, 1e-13);
+  EXPECT_EQ(end.bodies[0].x[0], 0);
+  EXPECT_NEAR(end.bodies[0].v[1], 0, 1e-13);
   // It came down by d = mg/k and lost half of mg d, the other half is in the spring.
   EXPECT_NEAR(end.shock_loss / (2 * kGravity * 1e-4), 0.5, 1e-3);
 }
@@ -137,20 +137,20 @@ TEST(SpringDashpot, BouncingBallReachesTheHeightsOfTable1) {
   // h_p = h0 e^2p, flights 2 e^p √(2 h0/g). Where in a substep the dashpot sets in moves e = 0.9 by
   // up to 0.006, which is 1.3 % of a height.
   for (const double e : {1.0, 0.9}) {
-    Scene scene = spring_scene(0, e);
+    Scene<2> scene = spring_scene(0, e);
     scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-    scene.disks = {cylinder(Vec2(0, 0.11), 0.01, Vec2::Zero(), 1)};
+    scene.bodies = {cylinder(Vec2(0, 0.11), 0.01, Vec2::Zero(), 1)};
     scene.step = 1e-4;
     scene.num_steps = 8000;
     std::vector<double> heights, impacts;
     double height = 0;
     bool touched = false;
-    run(scene, [&](const State& state, const StepReport& r) {
+    run(scene, [&](const State<2>& state, const StepReport<2>& r) {
       if (r.active > 0 && !touched) impacts.push_back(state.time);
       if (r.active > 0 && !touched && impacts.size() > 1) heights.push_back(height);
       if (r.active > 0) height = 0;
       touched = r.active > 0;
-      height = std::max(height, state.disks[0].x[1] - 0.01);
+      height = std::max(height, state.bodies[0].x[1] - 0.01);
     });
     ASSERT_GE(heights.size(), 2u);
     const double fall = std::sqrt(2 * 0.1 / kGravity);
@@ -164,31 +164,31 @@ TEST(SpringDashpot, BouncingBallReachesTheHeightsOfTable1) {
 }
 
 TEST(SpringDashpot, SlidingCylinderRollsAtTwoThirdsOfItsSpeed) {
-  Scene scene = spring_scene(0.5, 0);
+  Scene<2> scene = spring_scene(0.5, 0);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.disks = {cylinder(Vec2(0, 0.01), 0.01, Vec2(1, 0), 1)};
+  scene.bodies = {cylinder(Vec2(0, 0.01), 0.01, Vec2(1, 0), 1)};
   scene.step = 1e-4;
   scene.num_steps = 1500;
   double rolls_from = -1;
-  const State end = run(scene, [&](const State& state, const StepReport&) {
+  const State<2> end = run(scene, [&](const State<2>& state, const StepReport<2>&) {
     if (state.contacts.at(0).status == ContactStatus::kStick && rolls_from < 0 &&
         state.time > 0.01) {
       rolls_from = state.time;
     }
   });
-  EXPECT_NEAR(end.disks[0].v[0], 2.0 / 3, 1e-4);
-  EXPECT_NEAR(end.disks[0].spin * 0.01, -2.0 / 3, 1e-4);
+  EXPECT_NEAR(end.bodies[0].v[0], 2.0 / 3, 1e-4);
+  EXPECT_NEAR(end.bodies[0].spin * 0.01, -2.0 / 3, 1e-4);
   EXPECT_NEAR(rolls_from, 1 / (3 * 0.5 * kGravity), 2e-3);
   // From m v0²/2 to 3/4 m (2/3 v0)²: m v0²/6.
   EXPECT_NEAR(end.friction_loss, 1.0 / 6, 1e-4);
 }
 
 /// A cylinder on a plane at the given angle, gravity vertical; the plane falls to the right.
-Scene spring_incline(double angle, double mu) {
-  Scene scene = spring_scene(mu, 0.2);
+Scene<2> spring_incline(double angle, double mu) {
+  Scene<2> scene = spring_scene(mu, 0.2);
   const Vec2 n(std::sin(angle), std::cos(angle));
   scene.walls = {half_plane(Vec2::Zero(), n)};
-  scene.disks = {cylinder(0.1 * n, 0.1)};
+  scene.bodies = {cylinder(0.1 * n, 0.1)};
   scene.num_steps = 400;
   return scene;
 }
@@ -198,43 +198,43 @@ TEST(SpringDashpot, RollsWithoutSlipUpToTheThreshold) {
   const double angle = 0.5;
   const Vec2 down(std::cos(angle), -std::sin(angle));
   const double time = 0.4;
-  const State rolls = run(spring_incline(angle, std::tan(angle) / 3 * 1.05));
+  const State<2> rolls = run(spring_incline(angle, std::tan(angle) / 3 * 1.05));
   EXPECT_EQ(rolls.contacts.at(0).status, ContactStatus::kStick);
-  EXPECT_NEAR(rolls.disks[0].v.dot(down) / (2.0 / 3 * kGravity * std::sin(angle) * time), 1, 2e-3);
+  EXPECT_NEAR(rolls.bodies[0].v.dot(down) / (2.0 / 3 * kGravity * std::sin(angle) * time), 1, 2e-3);
   EXPECT_NEAR(rolls.contacts[0].s_t / (2 * kGravity * 1e-3 * std::sin(angle) / 3), 1, 1e-3);
   const double mu = std::tan(angle) / 3 * 0.95;
-  const State slips = run(spring_incline(angle, mu));
+  const State<2> slips = run(spring_incline(angle, mu));
   EXPECT_EQ(slips.contacts.at(0).status, ContactStatus::kSlip);
   EXPECT_NEAR(
-      slips.disks[0].v.dot(down) / (kGravity * (std::sin(angle) - mu * std::cos(angle)) * time), 1,
+      slips.bodies[0].v.dot(down) / (kGravity * (std::sin(angle) - mu * std::cos(angle)) * time), 1,
       2e-3);
 }
 
 TEST(SpringDashpot, AStickingContactHoldsItsPlaceAndPullsBack) {
   // A disk that cannot turn (huge inertia) is pulled aside by 0.3 of its weight on mu = 0.5: the
   // tangential spring carries it, x = F/k_t, and it stays there.
-  Scene scene = spring_scene(0.5, 0.2);
+  Scene<2> scene = spring_scene(0.5, 0.2);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1)};
-  scene.disks[0].inertia = 1e9;
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.bodies[0].inertia = 1e9;
   scene.gravity = Vec2(0.3 * kGravity, -kGravity);
   scene.num_steps = 2000;
-  const State end = run(scene);
+  const State<2> end = run(scene);
   const SpringDashpotSetup setup = spring_dashpot_setup(scene);
   const double pull = 2 * 0.3 * kGravity;
   EXPECT_EQ(end.contacts.at(0).status, ContactStatus::kStick);
   EXPECT_NEAR(end.contacts.at(0).s_t / scene.step / pull, 1, 1e-9);
   EXPECT_NEAR(end.contacts.at(0).spring / (-pull / setup.tangential_stiffness), 1, 1e-9);
-  EXPECT_NEAR(end.disks[0].v.norm(), 0, 1e-9);
+  EXPECT_NEAR(end.bodies[0].v.norm(), 0, 1e-9);
   // t = e3 x n points to -x; the disk's own way is in the spring, but for what slipped before the
   // disk was pressed on.
-  EXPECT_GT(end.disks[0].x[0], 0.99 * -end.contacts[0].spring);
+  EXPECT_GT(end.bodies[0].x[0], 0.99 * -end.contacts[0].spring);
 }
 
-Scene lattice(int columns, int rows, double mu) {
-  Scene scene = spring_scene(mu, 0.1);
+Scene<2> lattice(int columns, int rows, double mu) {
+  Scene<2> scene = spring_scene(mu, 0.1);
   for (const Disk& d : rectangular_lattice(columns, rows, 0.01, Vec2::Zero())) {
-    scene.disks.push_back(cylinder(d.x, d.radius, Vec2::Zero(), 0.6));
+    scene.bodies.push_back(cylinder(d.x, d.radius, Vec2::Zero(), 0.6));
   }
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), half_plane(Vec2::Zero(), Vec2(1, 0)),
                  half_plane(Vec2(0.02 * columns, 0), Vec2(-1, 0))};
@@ -242,15 +242,15 @@ Scene lattice(int columns, int rows, double mu) {
 }
 
 TEST(SpringDashpot, SquareLatticeCarriesTheWeightAboveEachDisk) {
-  Scene scene = lattice(3, 8, 0);
+  Scene<2> scene = lattice(3, 8, 0);
   scene.num_steps = 500;
-  const State end = run(scene);
+  const State<2> end = run(scene);
   int columns = 0;
-  for (const ContactOutcome& c : end.contacts) {
+  for (const ContactOutcome<2>& c : end.contacts) {
     if (std::abs(c.contact.n[1]) < 0.5) continue;
     // The disk above the contact and those on it: rows of height 0.02 m.
-    const double top =
-        std::max(end.disks[c.contact.i].x[1], c.contact.j < 24 ? end.disks[c.contact.j].x[1] : 0.0);
+    const double top = std::max(end.bodies[c.contact.i].x[1],
+                                c.contact.j < 24 ? end.bodies[c.contact.j].x[1] : 0.0);
     const double above = 8 - std::floor(top / 0.02);
     EXPECT_NEAR(c.s_n / scene.step / (above * 0.6 * kGravity), 1, 1e-6);
     EXPECT_LT(-c.contact.gap, 1.2e-3 * 0.01);  // the overlap aimed at is that of the floor
@@ -262,48 +262,48 @@ TEST(SpringDashpot, SquareLatticeCarriesTheWeightAboveEachDisk) {
 TEST(SpringDashpot, TheCriticalStepIsStable) {
   // One undamped disk on a plane: 2/w = 2 √(m/k). Pressed lattices with friction at 0.99 of the
   // critical step come to rest with the right weight: the bound holds for six contacts at once.
-  Scene one = spring_scene(0, 1);
+  Scene<2> one = spring_scene(0, 1);
   one.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  one.disks = {cylinder(Vec2(0, 0.1), 0.1)};
+  one.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
   one.dem.stiffness = 1e5;
   EXPECT_NEAR(spring_dashpot_setup(one).critical_step, 2 * std::sqrt(2 / 1e5), 1e-15);
   for (const bool triangular : {false, true}) {
-    Scene scene = lattice(6, 6, 0.4);
+    Scene<2> scene = lattice(6, 6, 0.4);
     if (triangular) {
-      scene.disks.clear();
+      scene.bodies.clear();
       for (const Disk& d : triangular_lattice(6, 6, 0.01, Vec2::Zero())) {
-        scene.disks.push_back(cylinder(d.x, d.radius, Vec2::Zero(), 0.6));
+        scene.bodies.push_back(cylinder(d.x, d.radius, Vec2::Zero(), 0.6));
       }
     }
     scene.dem.substep = 0.99 * spring_dashpot_setup(scene).critical_step;
     scene.step = scene.dem.substep;
     scene.num_steps = 15000;
     double kinetic = 0;
-    const State end =
-        run(scene, [&](const State&, const StepReport& r) { kinetic = r.energy.kinetic; });
+    const State<2> end =
+        run(scene, [&](const State<2>&, const StepReport<2>& r) { kinetic = r.energy.kinetic; });
     EXPECT_LT(kinetic, 1e-12);
     double floor = 0;
-    for (const ContactOutcome& c : end.contacts) {
-      if (c.contact.j == static_cast<int>(scene.disks.size())) floor += c.s_n / scene.step;
+    for (const ContactOutcome<2>& c : end.contacts) {
+      if (c.contact.j == static_cast<int>(scene.bodies.size())) floor += c.s_n / scene.step;
     }
     double walls = 0;  // friction at the side walls carries the rest
-    for (const ContactOutcome& c : end.contacts) {
-      if (c.contact.j > static_cast<int>(scene.disks.size())) {
+    for (const ContactOutcome<2>& c : end.contacts) {
+      if (c.contact.j > static_cast<int>(scene.bodies.size())) {
         walls += c.s_t * c.contact.n[0] / scene.step;
       }
     }
-    EXPECT_NEAR((floor + walls) / (0.6 * kGravity * static_cast<double>(scene.disks.size())), 1,
+    EXPECT_NEAR((floor + walls) / (0.6 * kGravity * static_cast<double>(scene.bodies.size())), 1,
                 1e-6);
   }
 }
 
 /// 60 disks fall into a box; lengths, masses and times in other units.
-Scene springs_in_a_falling_box(double length, double mass, double time) {
-  Scene scene = spring_scene(0.3, 0.3, 0.5);
+Scene<2> springs_in_a_falling_box(double length, double mass, double time) {
+  Scene<2> scene = spring_scene(0.3, 0.3, 0.5);
   scene.gravity = Vec2(0, -kGravity * length / (time * time));
   scene.step = 5e-4 * time;
   for (const Disk& d : random_filling(60, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 5, Vec2::Zero())) {
-    scene.disks.push_back(
+    scene.bodies.push_back(
         cylinder(d.x * length, d.radius * length, Vec2(0.1, -0.5) * length / time, 2 * mass));
   }
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), half_plane(Vec2::Zero(), Vec2(1, 0)),
@@ -313,12 +313,12 @@ Scene springs_in_a_falling_box(double length, double mass, double time) {
 }
 
 TEST(SpringDashpot, TheLedgerCloses) {
-  const Scene scene = springs_in_a_falling_box(1, 1, 1);
-  const State start = initial_state(scene);
+  const Scene<2> scene = springs_in_a_falling_box(1, 1, 1);
+  const State<2> start = initial_state(scene);
   const double initial = kinetic_energy(start) + potential_energy(start, scene.gravity);
   double shock = 0, friction = 0;
   int contacts = 0;
-  run(scene, [&](const State& state, const StepReport& r) {
+  run(scene, [&](const State<2>& state, const StepReport<2>& r) {
     const EnergyLedger& e = r.energy;
     EXPECT_LT(std::abs(e.imbalance), 1e-5 * initial);
     EXPECT_NEAR(e.kinetic + e.potential + e.elastic + e.friction_loss + e.shock_loss - e.wall_work,
@@ -328,7 +328,7 @@ TEST(SpringDashpot, TheLedgerCloses) {
     EXPECT_GT(e.friction_loss, friction - 1e-4 * initial);
     shock = e.shock_loss;
     friction = e.friction_loss;
-    for (const ContactOutcome& c : state.contacts) {
+    for (const ContactOutcome<2>& c : state.contacts) {
       EXPECT_GE(c.s_n, 0);
       EXPECT_LE(std::abs(c.s_t), 0.3 * c.s_n * (1 + 1e-12));
     }
@@ -342,11 +342,11 @@ TEST(SpringDashpot, TheLedgerCloses) {
 TEST(SpringDashpot, ElasticDisksKeepTheirEnergy) {
   // No friction, e = 1: after 300 steps of 0.5 ms and hundreds of impacts, what the integration
   // itself lost stands in shock_loss.
-  Scene scene = springs_in_a_falling_box(1, 1, 1);
+  Scene<2> scene = springs_in_a_falling_box(1, 1, 1);
   scene.laws = {{.mu = 0, .e_n = 1, .e_t = 0}};
-  const State start = initial_state(scene);
+  const State<2> start = initial_state(scene);
   const double kinetic = kinetic_energy(start);
-  const State end = run(scene);
+  const State<2> end = run(scene);
   EXPECT_LT(std::abs(end.shock_loss), 0.01 * kinetic);
   EXPECT_EQ(end.friction_loss, 0);
 }
@@ -354,31 +354,31 @@ TEST(SpringDashpot, ElasticDisksKeepTheirEnergy) {
 TEST(SpringDashpot, UnitsDoNotChangeTheBits) {
   // Powers of two keep the mantissas (of time and length both even, for the square roots).
   const double length = 1024, mass = 0x1p-10, time = 128;
-  const State a = run(springs_in_a_falling_box(1, 1, 1)),
-              b = run(springs_in_a_falling_box(length, mass, time));
+  const State<2> a = run(springs_in_a_falling_box(1, 1, 1)),
+                 b = run(springs_in_a_falling_box(length, mass, time));
   ASSERT_EQ(a.contacts.size(), b.contacts.size());
   EXPECT_GT(a.contacts.size(), 40u);
-  for (std::size_t k = 0; k < a.disks.size(); ++k) {
-    EXPECT_EQ(a.disks[k].x * length, b.disks[k].x);
-    EXPECT_EQ(a.disks[k].v * (length / time), b.disks[k].v);
-    EXPECT_EQ(a.disks[k].spin / time, b.disks[k].spin);
+  for (std::size_t k = 0; k < a.bodies.size(); ++k) {
+    EXPECT_EQ(a.bodies[k].x * length, b.bodies[k].x);
+    EXPECT_EQ(a.bodies[k].v * (length / time), b.bodies[k].v);
+    EXPECT_EQ(a.bodies[k].spin / time, b.bodies[k].spin);
   }
   for (std::size_t k = 0; k < a.contacts.size(); ++k) {
     EXPECT_EQ(a.contacts[k].s_n * (mass * length / time), b.contacts[k].s_n);
   }
 }
 
-void expect_same(const State& a, const State& b) {
+void expect_same(const State<2>& a, const State<2>& b) {
   ASSERT_EQ(a.contacts.size(), b.contacts.size());
   const auto same = [](double x, double y) {
     return std::bit_cast<std::uint64_t>(x) == std::bit_cast<std::uint64_t>(y);
   };
-  for (std::size_t k = 0; k < a.disks.size(); ++k) {
+  for (std::size_t k = 0; k < a.bodies.size(); ++k) {
     for (int c : {0, 1}) {
-      EXPECT_TRUE(same(a.disks[k].x[c], b.disks[k].x[c]));
-      EXPECT_TRUE(same(a.disks[k].v[c], b.disks[k].v[c]));
+      EXPECT_TRUE(same(a.bodies[k].x[c], b.bodies[k].x[c]));
+      EXPECT_TRUE(same(a.bodies[k].v[c], b.bodies[k].v[c]));
     }
-    EXPECT_TRUE(same(a.disks[k].spin, b.disks[k].spin));
+    EXPECT_TRUE(same(a.bodies[k].spin, b.bodies[k].spin));
   }
   for (std::size_t k = 0; k < a.contacts.size(); ++k) {
     EXPECT_TRUE(same(a.contacts[k].s_n, b.contacts[k].s_n));
@@ -391,15 +391,15 @@ void expect_same(const State& a, const State& b) {
 
 TEST(SpringDashpot, RestartGoesOnWithTheSameBits) {
   const TemporaryFolder folder;
-  Scene scene = springs_in_a_falling_box(1, 1, 1);
+  Scene<2> scene = springs_in_a_falling_box(1, 1, 1);
   scene.num_steps = 250;
-  const State whole = run(scene);
+  const State<2> whole = run(scene);
   scene.num_steps = 200;
-  State state = run(scene);
+  State<2> state = run(scene);
   int stretched = 0;
-  for (const ContactOutcome& c : state.contacts) stretched += c.spring != 0;
+  for (const ContactOutcome<2>& c : state.contacts) stretched += c.spring != 0;
   EXPECT_GT(stretched, 20);
-  RunWriter writer(folder.path() / "run", scene, "text");
+  RunWriter<2> writer(folder.path() / "run", scene, "text");
   writer.frame(state);
   writer.close();
   state = read_state(folder.path() / "run");
@@ -411,52 +411,52 @@ TEST(SpringDashpot, RestartGoesOnWithTheSameBits) {
 TEST(SpringDashpot, MovingAndDrivenWallsDoTheirWork) {
   // A floor that moves up at 0.5 m/s lifts 2 kg by 0.5 m; 6 N on a wall of 1 kg and a disk of
   // 2 kg: a = 2 m/s², 4 N between them, and the wall's force does 6 N x 0.25 m in 0.5 s.
-  Scene lift = spring_scene(0, 0.1);
+  Scene<2> lift = spring_scene(0, 0.1);
   lift.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  lift.walls[0].motion = Wall::Motion::kMoving;
+  lift.walls[0].motion = Wall<2>::Motion::kMoving;
   lift.walls[0].v = Vec2(0, 0.5);
-  lift.disks = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 0.5))};
+  lift.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 0.5))};
   lift.num_steps = 1000;
-  const State lifted = run(lift);
+  const State<2> lifted = run(lift);
   EXPECT_NEAR(lifted.walls[0].a[1], 0.5, 1e-12);
   EXPECT_NEAR(lifted.wall_work / (2 * kGravity * 0.5), 1, 1e-3);
 
-  Scene push = spring_scene(0, 0.1);
+  Scene<2> push = spring_scene(0, 0.1);
   push.gravity = Vec2::Zero();
   push.walls = {half_plane(Vec2::Zero(), Vec2(1, 0))};
-  push.walls[0].motion = Wall::Motion::kDriven;
+  push.walls[0].motion = Wall<2>::Motion::kDriven;
   push.walls[0].direction = Vec2(1, 0);
   push.walls[0].mass = 1;
   push.walls[0].force = 6;
-  push.disks = {cylinder(Vec2(0.1, 0), 0.1)};
+  push.bodies = {cylinder(Vec2(0.1, 0), 0.1)};
   push.num_steps = 500;
-  const State pushed = run(push, [](const State&, const StepReport& r) {
+  const State<2> pushed = run(push, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-13);
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-12);
   });
-  EXPECT_NEAR(pushed.disks[0].v[0], 1, 1e-3);
+  EXPECT_NEAR(pushed.bodies[0].v[0], 1, 1e-3);
   EXPECT_NEAR(pushed.walls[0].v[0], 1, 1e-3);
   EXPECT_NEAR(pushed.contacts.at(0).s_n / push.step, 4, 1e-6);
   EXPECT_NEAR(pushed.wall_work, 6 * 0.25, 2e-3);
 }
 
 TEST(SpringDashpot, SegmentsArePushedOffOnBothSides) {
-  Scene scene = spring_scene(0, 0.5);
+  Scene<2> scene = spring_scene(0, 0.5);
   scene.gravity = Vec2::Zero();
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.walls[0].shape = Wall::Shape::kSegment;
+  scene.walls[0].shape = Wall<2>::Shape::kSegment;
   scene.walls[0].a = Vec2(-1, 0);
   scene.walls[0].b = Vec2(1, 0);
-  scene.disks = {cylinder(Vec2(0, 0.11), 0.1, Vec2(0, -1)),
-                 cylinder(Vec2(0.5, -0.11), 0.1, Vec2(0, 1))};
+  scene.bodies = {cylinder(Vec2(0, 0.11), 0.1, Vec2(0, -1)),
+                  cylinder(Vec2(0.5, -0.11), 0.1, Vec2(0, 1))};
   scene.num_steps = 40;
-  const State end = run(scene);
-  EXPECT_NEAR(end.disks[0].v[1], 0.5, 0.01);
-  EXPECT_NEAR(end.disks[1].v[1], -0.5, 0.01);
+  const State<2> end = run(scene);
+  EXPECT_NEAR(end.bodies[0].v[1], 0.5, 0.01);
+  EXPECT_NEAR(end.bodies[1].v[1], -0.5, 0.01);
 }
 
 TEST(SpringDashpot, AnUnstableSubstepIsRefused) {
-  Scene scene = head_on(0.5, 1e6);
+  Scene<2> scene = head_on(0.5, 1e6);
   scene.dem.substep = 1.01 * spring_dashpot_setup(scene).critical_step;
   try {
     spring_dashpot_setup(scene);
@@ -469,8 +469,8 @@ TEST(SpringDashpot, AnUnstableSubstepIsRefused) {
 }
 
 TEST(SpringDashpot, ASceneWithoutLoadNeedsAStiffness) {
-  Scene scene = head_on(0.5, 0);
-  for (Disk& d : scene.disks) d.v = Vec2::Zero();
+  Scene<2> scene = head_on(0.5, 0);
+  for (Disk& d : scene.bodies) d.v = Vec2::Zero();
   EXPECT_THROW(spring_dashpot_setup(scene), std::invalid_argument);
   scene.dem.stiffness = 1;
   EXPECT_EQ(spring_dashpot_setup(scene).stiffness, 1);
@@ -478,7 +478,7 @@ TEST(SpringDashpot, ASceneWithoutLoadNeedsAStiffness) {
 
 TEST(SpringDashpot, SaysWhatItCannotRepresent) {
   EXPECT_TRUE(spring_dashpot_setup(head_on(0.5, 1e6)).departures.empty());
-  Scene scene = head_on(0, 1e6);
+  Scene<2> scene = head_on(0, 1e6);
   scene.laws[0].e_t = 0.7;
   const auto departures = spring_dashpot_setup(scene).departures;
   ASSERT_EQ(departures.size(), 2u);
@@ -486,10 +486,11 @@ TEST(SpringDashpot, SaysWhatItCannotRepresent) {
   EXPECT_NE(departures[1].find("e_t = 0.7"), std::string::npos);
 }
 
-void expect_failure(const Scene& scene, SpringDashpotLimits limits, std::function<bool()> cut_short,
-                    StepFailure::Kind kind, const std::string& message) {
+void expect_failure(const Scene<2>& scene, SpringDashpotLimits limits,
+                    std::function<bool()> cut_short, StepFailure::Kind kind,
+                    const std::string& message) {
   SpringDashpotStepper stepper(scene, std::move(cut_short), limits);
-  State state = initial_state(scene);
+  State<2> state = initial_state(scene);
   try {
     for (int k = 0; k < scene.num_steps; ++k) stepper.advance(state);
     ADD_FAILURE() << "no failure: " << message;
@@ -503,16 +504,16 @@ void expect_failure(const Scene& scene, SpringDashpotLimits limits, std::functio
 
 TEST(SpringDashpot, FailuresNameTheRemedy) {
   // 2 m/s on 100 N/m: the overlap v √(m/k) would be 0.17 m.
-  Scene soft = head_on(0.5, 100);
+  Scene<2> soft = head_on(0.5, 100);
   soft.step = 1e-3;
   expect_failure(soft, {}, {}, StepFailure::Kind::kNumerical, "too low for this load, raise it");
   // An elastic impact in few substeps makes and loses energy on its way.
-  Scene coarse = head_on(1, 1e6);
+  Scene<2> coarse = head_on(1, 1e6);
   coarse.step = coarse.dem.substep = 0.9 * spring_dashpot_setup(coarse).critical_step;
-  coarse.disks[1].x[0] = 0.2;
+  coarse.bodies[1].x[0] = 0.2;
   expect_failure(coarse, {.created_energy = 1e-3}, {}, StepFailure::Kind::kNumerical,
                  "shorten them");
-  Scene many = head_on(0.5, 1e6);
+  Scene<2> many = head_on(0.5, 1e6);
   many.step = 1e-3;
   many.dem.substep = 1e-6;
   expect_failure(

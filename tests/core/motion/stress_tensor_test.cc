@@ -12,7 +12,7 @@
 #include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
-#include "solvers/step_solver.h"
+#include "solvers/simulation/step_solver.h"
 #include "tests/support/scene_parts.h"
 
 namespace bipot {
@@ -30,8 +30,8 @@ Disk disk(double x, double y, double radius, double mass = 1) {
 }
 
 /// A contact with the force f on disk i.
-ContactOutcome contact(int i, int j, const Vec2& n, const Vec2& force, double gap = 0) {
-  ContactOutcome o;
+ContactOutcome<2> contact(int i, int j, const Vec2& n, const Vec2& force, double gap = 0) {
+  ContactOutcome<2> o;
   o.contact = {.i = i, .j = j, .n = n, .gap = gap};
   o.s_n = kStep * force.dot(n);
   o.s_t = kStep * force.dot(Vec2(-n[1], n[0]));
@@ -44,15 +44,15 @@ void expect_equal(const Mat2& a, const Mat2& b, double tolerance) {
 }
 
 /// Takes steps of a scene, tightly solved, and shows the states before and after each.
-void run_steps(const Scene& scene, int steps, double tol,
-               const std::function<void(const State&, const State&)>& show) {
+void run_steps(const Scene<2>& scene, int steps, double tol,
+               const std::function<void(const State<2>&, const State<2>&)>& show) {
   SolverOptions options;
   options.tol = tol;
   options.max_iterations = 20000;
-  TimeStepper stepper(scene, make_step_solver(*find_solver("apgd"), options), false);
-  State state = initial_state(scene);
+  TimeStepper<2> stepper(scene, make_step_solver(*find_solver("apgd"), options), false);
+  State<2> state = initial_state(scene);
   for (int k = 0; k < steps; ++k) {
-    const State before = state;
+    const State<2> before = state;
     stepper.advance(state);
     show(before, state);
   }
@@ -60,15 +60,15 @@ void run_steps(const Scene& scene, int steps, double tol,
 
 /// Disks of three sizes in a small box whose four walls are pushed inwards: fast, overlapping,
 /// sliding and turning.
-Scene pushed_box() {
-  Scene scene;
+Scene<2> pushed_box() {
+  Scene<2> scene;
   scene.materials = {"stone"};
   scene.laws = {{0.4, 0.1, 0.5}};
   scene.gravity = Vec2(0.3, -1);
   scene.step = 2e-3;
-  scene.disks = random_filling(30, {{0.04, 1}, {0.05, 1}, {0.06, 1}}, 0.7, 0.02, 3, Vec2::Zero());
-  for (std::size_t k = 0; k < scene.disks.size(); ++k) {
-    Disk& d = scene.disks[k];
+  scene.bodies = random_filling(30, {{0.04, 1}, {0.05, 1}, {0.06, 1}}, 0.7, 0.02, 3, Vec2::Zero());
+  for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+    Disk& d = scene.bodies[k];
     d.mass = 100 * d.radius * d.radius;
     d.inertia = 0.5 * d.mass * d.radius * d.radius;
     d.v = Vec2(0.1 * static_cast<double>(k % 3), 0.05);
@@ -77,8 +77,8 @@ Scene pushed_box() {
                                       {Vec2(0, 0), Vec2(1, 0)},
                                       {Vec2(0.7, 0), Vec2(-1, 0)},
                                       {Vec2(0, 0.7), Vec2(0, -1)}}) {
-    Wall wall = half_plane(point, normal);
-    wall.motion = Wall::Motion::kDriven;
+    Wall<2> wall = half_plane(point, normal);
+    wall.motion = Wall<2>::Motion::kDriven;
     wall.direction = normal;
     wall.force = 20;
     wall.mass = 2;
@@ -89,21 +89,21 @@ Scene pushed_box() {
 
 TEST(StressTensor, OfTwoDisksSqueezedBetweenWallsIsForceOverHeight) {
   // Radii 1 and 2 between x = -1 and x = 5, F = 7 N: Σ F l = F 6, over the box 6 × 4: σ_xx = F / 4.
-  State state;
-  state.disks = {disk(0, 0, 1), disk(3, 0, 2)};
+  State<2> state;
+  state.bodies = {disk(0, 0, 1), disk(3, 0, 2)};
   state.walls = {half_plane(Vec2(-1, 0), Vec2(1, 0)), half_plane(Vec2(5, 0), Vec2(-1, 0)),
                  half_plane(Vec2(0, -2), Vec2(0, 1)), half_plane(Vec2(0, 2), Vec2(0, -1))};
   state.contacts = {contact(0, 1, Vec2(-1, 0), Vec2(-7, 0)), contact(0, 2, Vec2(1, 0), Vec2(7, 0)),
                     contact(1, 3, Vec2(-1, 0), Vec2(-7, 0))};
-  const double area = sample_area(state, kStep);
+  const double area = sample_measure(state, kStep);
   EXPECT_DOUBLE_EQ(area, 24);
   const std::vector<double> moments = contact_moments(state);
-  const MeanStress stress = sample_stress(state, kStep, area, moments);
+  const MeanStress<2> stress = sample_stress(state, kStep, area, moments);
   expect_equal(stress.total(), Vec2(7.0 / 4, 0).asDiagonal(), 1e-14);
   EXPECT_DOUBLE_EQ(stress.pressure(), 7.0 / 8);
   EXPECT_DOUBLE_EQ(anisotropy(stress.total()), 1);
   // In a disk of radius a: Σ f r = F 2a over π a².
-  const std::vector<MeanStress> disks = disk_stresses(state, kStep, moments);
+  const std::vector<MeanStress<2>> disks = disk_stresses(state, kStep, moments);
   EXPECT_DOUBLE_EQ(disks[0].contact(0, 0), 7 * 2 / std::numbers::pi);
   EXPECT_DOUBLE_EQ(disks[1].contact(0, 0), 7 * 4 / (4 * std::numbers::pi));
   // Between x = 0 and x = 3 there is a chain throughout, one of the four metres high: F / 4 again;
@@ -118,20 +118,20 @@ TEST(StressTensor, OfTwoDisksSqueezedBetweenWallsIsForceOverHeight) {
 TEST(StressTensor, OfASquareLatticeUnderPressureIsForceOverDiameter) {
   // All contacts carry F = 3 N, disks of radius 0.5 m: σ = F / 2a in both directions.
   const int side = 4;
-  State state;
-  state.disks = rectangular_lattice(side, side, 0.5, Vec2::Zero());
-  for (Disk& d : state.disks) d.mass = d.inertia = 1;
+  State<2> state;
+  state.bodies = rectangular_lattice(side, side, 0.5, Vec2::Zero());
+  for (Disk& d : state.bodies) d.mass = d.inertia = 1;
   state.walls = {half_plane(Vec2(0, 0), Vec2(0, 1)), half_plane(Vec2(0, 0), Vec2(1, 0)),
                  half_plane(Vec2(side, 0), Vec2(-1, 0)), half_plane(Vec2(0, side), Vec2(0, -1))};
-  for (const Contact& c : detect_contacts(state.disks, state.walls, 1e-9)) {
+  for (const Contact<2>& c : detect_contacts(state.bodies, state.walls, 1e-9)) {
     state.contacts.push_back(contact(c.i, c.j, c.n, 3 * c.n));
   }
   EXPECT_EQ(state.contacts.size(), 2u * side * (side + 1));
   const auto moments = contact_moments(state);
-  const double area = sample_area(state, kStep);
+  const double area = sample_measure(state, kStep);
   EXPECT_DOUBLE_EQ(area, side * side);
   expect_equal(sample_stress(state, kStep, area, moments).total(), 3 * Mat2::Identity(), 1e-13);
-  for (const MeanStress& s : disk_stresses(state, kStep, moments)) {
+  for (const MeanStress<2>& s : disk_stresses(state, kStep, moments)) {
     expect_equal(s.contact, 3 * 4 / std::numbers::pi * Mat2::Identity(), 1e-13);
   }
   expect_equal(fabric_tensor(state), 0.5 * Mat2::Identity(), 1e-15);
@@ -142,28 +142,28 @@ TEST(StressTensor, OfALatticeUnderGravityIsTheWeightAbove) {
   // Row k from the top carries (k - 1) m g above and k m g below: in a window over the row
   // σ_yy = (k - ½) m g / 2a = ρ g depth with ρ = m / (2a)².
   const int side = 6;
-  Scene scene = make_family_scene("square", side, {.mu = 0.0});
-  run_steps(scene, 1, 1e-12, [&](const State&, const State& state) {
+  Scene<2> scene = make_family_scene("square", side, {.mu = 0.0});
+  run_steps(scene, 1, 1e-12, [&](const State<2>&, const State<2>& state) {
     const auto moments = contact_moments(state);
     for (int k = 1; k <= side; ++k) {
       const double top = side - k + 1;
-      const MeanStress stress =
+      const MeanStress<2> stress =
           window_stress(state, scene.step, {Vec2(0, top - 1), Vec2(side, top)}, moments);
       EXPECT_NEAR(stress.contact(1, 1), (k - 0.5) * 9.81, 1e-5) << "row " << k;
     }
-    const MeanStress whole = sample_stress(state, scene.step, side * side, moments);
+    const MeanStress<2> whole = sample_stress(state, scene.step, side * side, moments);
     EXPECT_NEAR(whole.contact(1, 1), 0.5 * side * 9.81, 1e-5);
   });
 }
 
 TEST(StressTensor, OfAGasIsMassTimesVelocityFluctuationsOverArea) {
-  State state;
-  state.disks = {disk(0, 0, 0.1, 2), disk(1, 0, 0.1, 2), disk(0, 1, 0.1, 2)};
-  state.disks[0].v = Vec2(5 + 1, 7);
-  state.disks[1].v = Vec2(5 - 1, 7 + 2);
-  state.disks[2].v = Vec2(5, 7 - 2);
-  state.disks[0].spin = 100;  // the ω² of rotation cancels against the disk's own stress
-  const MeanStress stress = sample_stress(state, kStep, 3, contact_moments(state));
+  State<2> state;
+  state.bodies = {disk(0, 0, 0.1, 2), disk(1, 0, 0.1, 2), disk(0, 1, 0.1, 2)};
+  state.bodies[0].v = Vec2(5 + 1, 7);
+  state.bodies[1].v = Vec2(5 - 1, 7 + 2);
+  state.bodies[2].v = Vec2(5, 7 - 2);
+  state.bodies[0].spin = 100;  // the ω² of rotation cancels against the disk's own stress
+  const MeanStress<2> stress = sample_stress(state, kStep, 3, contact_moments(state));
   // Mean (5, 7): Σ m v' v' = 2 [(1, 0)² + (-1, 2)² + (0, -2)²], over 3 m².
   expect_equal(stress.total(), 2.0 / 3 * (Mat2() << 2, -2, -2, 8).finished(), 1e-13);
   EXPECT_EQ(stress.contact.norm(), 0);
@@ -176,27 +176,27 @@ TEST(StressTensor, OfAGasIsMassTimesVelocityFluctuationsOverArea) {
 }
 
 TEST(StressTensor, TurnsWithTheSample) {
-  const Scene scene = pushed_box();
+  const Scene<2> scene = pushed_box();
   const Eigen::Rotation2D<double> turn(0.7);
   const Mat2 R = turn.toRotationMatrix();
-  run_steps(scene, 60, 1e-3, [&](const State&, const State& state) {
+  run_steps(scene, 60, 1e-3, [&](const State<2>&, const State<2>& state) {
     if (state.step % 20 != 0) return;
-    State turned = state;
-    for (Disk& d : turned.disks) {
+    State<2> turned = state;
+    for (Disk& d : turned.bodies) {
       d.x = turn * d.x;
       d.v = turn * d.v;
     }
-    for (Wall& w : turned.walls) {
+    for (Wall<2>& w : turned.walls) {
       w.a = turn * w.a;
       w.v = turn * w.v;
       w.normal = turn * w.normal;
     }
-    for (ContactOutcome& o : turned.contacts) o.contact.n = turn * o.contact.n;
-    const double area = sample_area(state, scene.step);
-    EXPECT_NEAR(sample_area(turned, scene.step), area, 1e-12 * area);
+    for (ContactOutcome<2>& o : turned.contacts) o.contact.n = turn * o.contact.n;
+    const double area = sample_measure(state, scene.step);
+    EXPECT_NEAR(sample_measure(turned, scene.step), area, 1e-12 * area);
     const auto moments = contact_moments(state);
-    const MeanStress a = sample_stress(state, scene.step, area, moments);
-    const MeanStress b = sample_stress(turned, scene.step, area, moments);
+    const MeanStress<2> a = sample_stress(state, scene.step, area, moments);
+    const MeanStress<2> b = sample_stress(turned, scene.step, area, moments);
     EXPECT_GT(a.pressure(), 1);
     const double tolerance = 1e-12 * a.pressure();
     expect_equal(b.contact, R * a.contact * R.transpose(), tolerance);
@@ -208,15 +208,15 @@ TEST(StressTensor, TurnsWithTheSample) {
 }
 
 TEST(StressTensor, OfTheDisksAndOfWindowsAddUpToTheSamples) {
-  const Scene scene = pushed_box();
-  run_steps(scene, 60, 1e-3, [&](const State& before, const State& state) {
+  const Scene<2> scene = pushed_box();
+  run_steps(scene, 60, 1e-3, [&](const State<2>& before, const State<2>& state) {
     if (state.step % 20 != 0) return;
     const auto moments = spin_changes(before, state);
-    const double area = sample_area(state, scene.step);
-    const MeanStress whole = sample_stress(state, scene.step, area, moments);
-    MeanStress sum;
+    const double area = sample_measure(state, scene.step);
+    const MeanStress<2> whole = sample_stress(state, scene.step, area, moments);
+    MeanStress<2> sum;
     const auto disks = disk_stresses(state, scene.step, moments);
-    for (const MeanStress& s : disks) {
+    for (const MeanStress<2>& s : disks) {
       sum.contact += s.area / area * s.contact;
       sum.kinetic += s.area / area * s.kinetic;
       sum.spin += s.area / area * s.spin;
@@ -226,12 +226,12 @@ TEST(StressTensor, OfTheDisksAndOfWindowsAddUpToTheSamples) {
     expect_equal(sum.kinetic, whole.kinetic, tolerance);
     expect_equal(sum.spin, whole.spin, tolerance);
     // 7 × 5 windows over more than the sample.
-    MeanStress tiled;
+    MeanStress<2> tiled;
     for (int i = 0; i < 7; ++i) {
       for (int j = 0; j < 5; ++j) {
-        const Box window{Vec2(-0.1 + 0.13 * i, -0.1 + 0.19 * j),
-                         Vec2(-0.1 + 0.13 * (i + 1), -0.1 + 0.19 * (j + 1))};
-        const MeanStress s = window_stress(state, scene.step, window, moments);
+        const Box<2> window{Vec2(-0.1 + 0.13 * i, -0.1 + 0.19 * j),
+                            Vec2(-0.1 + 0.13 * (i + 1), -0.1 + 0.19 * (j + 1))};
+        const MeanStress<2> s = window_stress(state, scene.step, window, moments);
         tiled.contact += s.area / area * s.contact;
         tiled.spin += s.area / area * s.spin;
       }
@@ -242,14 +242,14 @@ TEST(StressTensor, OfTheDisksAndOfWindowsAddUpToTheSamples) {
 }
 
 TEST(StressTensor, IsSymmetricInMotionOnceTheSpinsAreCounted) {
-  const Scene scene = pushed_box();
+  const Scene<2> scene = pushed_box();
   double largest = 0;
-  run_steps(scene, 60, 1e-3, [&](const State& before, const State& state) {
-    const MeanStress stress = sample_stress(state, scene.step, 1, spin_changes(before, state));
+  run_steps(scene, 60, 1e-3, [&](const State<2>& before, const State<2>& state) {
+    const MeanStress<2> stress = sample_stress(state, scene.step, 1, spin_changes(before, state));
     if (stress.contact.norm() == 0) return;
     EXPECT_LE(asymmetry(stress.total()), 1e-13) << "step " << state.step;
     largest = std::max(largest, asymmetry(stress.contact));
-    for (const MeanStress& s : disk_stresses(state, scene.step, spin_changes(before, state))) {
+    for (const MeanStress<2>& s : disk_stresses(state, scene.step, spin_changes(before, state))) {
       const Mat2 t = s.total();
       EXPECT_LE(std::abs(t(0, 1) - t(1, 0)), 1e-9);
     }
@@ -263,11 +263,11 @@ TEST(StressTensor, IsSymmetricInMotionOnceTheSpinsAreCounted) {
 TEST(StressTensor, OfContactsIsSymmetricAtRest) {
   // A tilted triangular lattice, held by friction; the moments balance as well as the step is
   // solved.
-  const Scene scene = make_family_scene("triangular", 6, {.mu = 0.6, .tilt_degrees = 10});
+  const Scene<2> scene = make_family_scene("triangular", 6, {.mu = 0.6, .tilt_degrees = 10});
   for (const double tol : {1e-4, 1e-12}) {
-    run_steps(scene, 1, tol, [&](const State&, const State& state) {
-      const MeanStress stress =
-          sample_stress(state, scene.step, sample_area(state, scene.step), contact_moments(state));
+    run_steps(scene, 1, tol, [&](const State<2>&, const State<2>& state) {
+      const MeanStress<2> stress = sample_stress(
+          state, scene.step, sample_measure(state, scene.step), contact_moments(state));
       EXPECT_GT(std::abs(stress.contact(0, 1)), 1e-2 * stress.pressure());
       EXPECT_LT(asymmetry(stress.contact), tol > 1e-8 ? 1e-2 : 1e-9);
     });
@@ -279,25 +279,25 @@ TEST(StressTensor, BalancesTheForcesOfTheWallsAtEveryStep) {
   //   (G⁺ - G⁻)/h = Σ_contacts f ⊗ l + Σ_walls f ⊗ p + Σ m g ⊗ x_m + ½ Σ m (v⁻ ⊗ v⁻ + v⁺ ⊗ v⁺),
   // p the wall's point; the symmetric part to round-off, the antisymmetric one but for the couple
   // of overlaps, Σ f_t gap.
-  const Scene scene = pushed_box();
+  const Scene<2> scene = pushed_box();
   double largest_couple = 0;
-  run_steps(scene, 60, 1e-2, [&](const State& before, const State& state) {
+  run_steps(scene, 60, 1e-2, [&](const State<2>& before, const State<2>& state) {
     const double h = scene.step;
-    const MeanStress stress = sample_stress(state, h, 1, contact_moments(state));
+    const MeanStress<2> stress = sample_stress(state, h, 1, contact_moments(state));
     Mat2 change = Mat2::Zero(), kinetic = Mat2::Zero(), outside = Mat2::Zero();
-    for (std::size_t k = 0; k < state.disks.size(); ++k) {
-      const Disk &a = before.disks[k], &b = state.disks[k];
+    for (std::size_t k = 0; k < state.bodies.size(); ++k) {
+      const Disk &a = before.bodies[k], &b = state.bodies[k];
       change += b.mass / h * (b.v * b.x.transpose() - a.v * a.x.transpose());
       kinetic += 0.5 * b.mass * (a.v * a.v.transpose() + b.v * b.v.transpose());
       outside += b.mass * scene.gravity * (b.x - 0.5 * h * b.v).transpose();
     }
     double couple = 0;
-    for (const ContactOutcome& o : state.contacts) {
+    for (const ContactOutcome<2>& o : state.contacts) {
       const Vec2& n = o.contact.n;
       const Vec2 force = (o.s_n * n + o.s_t * Vec2(-n[1], n[0])) / h;
       couple += o.s_t * o.contact.gap / h;
-      if (o.contact.j < static_cast<int>(state.disks.size())) continue;
-      const Disk& d = state.disks[static_cast<std::size_t>(o.contact.i)];
+      if (o.contact.j < static_cast<int>(state.bodies.size())) continue;
+      const Disk& d = state.bodies[static_cast<std::size_t>(o.contact.i)];
       const Vec2 point = d.x - 0.5 * h * d.v - (d.radius + o.contact.gap) * n;
       outside += force * point.transpose();
     }
@@ -311,29 +311,29 @@ TEST(StressTensor, BalancesTheForcesOfTheWallsAtEveryStep) {
 }
 
 TEST(SampleArea, IsThatOfTheWallsWhereTheyEncloseTheDisksElseOfTheHull) {
-  State state;
-  EXPECT_EQ(sample_area(state, kStep), 0);
-  state.disks = {disk(0, 0, 2)};
+  State<2> state;
+  EXPECT_EQ(sample_measure(state, kStep), 0);
+  state.bodies = {disk(0, 0, 2)};
   const double circle = 4 * std::numbers::pi;
-  EXPECT_NEAR(sample_area(state, kStep), circle, 2e-4 * circle);
+  EXPECT_NEAR(sample_measure(state, kStep), circle, 2e-4 * circle);
   // Hull of two disks of radius 2, six apart: the circle and the rectangle 6 × 4 between.
-  state.disks.push_back(disk(6, 0, 2));
-  EXPECT_NEAR(sample_area(state, kStep), circle + 24, 2e-4 * circle);
+  state.bodies.push_back(disk(6, 0, 2));
+  EXPECT_NEAR(sample_measure(state, kStep), circle + 24, 2e-4 * circle);
   // A smaller disk in between changes nothing; a box open at the top neither.
-  state.disks.push_back(disk(3, 1, 0.5));
+  state.bodies.push_back(disk(3, 1, 0.5));
   state.walls = {half_plane(Vec2(0, -2), Vec2(0, 1)), half_plane(Vec2(-2, 0), Vec2(1, 0)),
                  half_plane(Vec2(8, 0), Vec2(-1, 0))};
-  EXPECT_NEAR(sample_area(state, kStep), circle + 24, 2e-4 * circle);
+  EXPECT_NEAR(sample_measure(state, kStep), circle + 24, 2e-4 * circle);
   // A sloping lid, y + x/10 <= 5: heights 7.2 at x = -2 and 6.2 at x = 8 over the floor.
   state.walls.push_back(half_plane(Vec2(0, 5), Vec2(-0.1, -1).normalized()));
-  EXPECT_NEAR(sample_area(state, kStep), 67, 1e-10);
+  EXPECT_NEAR(sample_measure(state, kStep), 67, 1e-10);
   // At mid-step: the lid has moved 2 m/s · h / 2 beyond it.
   state.walls[3].v = Vec2(0, 2);
-  EXPECT_NEAR(sample_area(state, 1.0), 67 - 10, 1e-10);
+  EXPECT_NEAR(sample_measure(state, 1.0), 67 - 10, 1e-10);
   // Walls that leave a disk out enclose nothing.
   state.walls[3].v.setZero();
-  state.disks.push_back(disk(3, 20, 1));
-  EXPECT_GT(sample_area(state, kStep), 80);
+  state.bodies.push_back(disk(3, 20, 1));
+  EXPECT_GT(sample_measure(state, kStep), 80);
 }
 
 TEST(Tensors, AnisotropyAndAsymmetryAreRelativeToTheTrace) {
@@ -342,7 +342,7 @@ TEST(Tensors, AnisotropyAndAsymmetryAreRelativeToTheTrace) {
   EXPECT_DOUBLE_EQ(asymmetry(tensor), 0.5 / 4);
   EXPECT_TRUE(std::isnan(anisotropy(Mat2::Zero())));
   EXPECT_TRUE(std::isnan(asymmetry(Mat2::Zero())));
-  EXPECT_EQ(fabric_tensor(State{}).norm(), 0);
+  EXPECT_EQ(fabric_tensor(State<2>{}).norm(), 0);
 }
 
 }  // namespace

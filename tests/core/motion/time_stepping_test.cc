@@ -9,8 +9,8 @@
 
 #include "core/scene/generators.h"
 #include "solvers/registry.h"
+#include "solvers/simulation/step_solver.h"
 #include "solvers/solve.h"
-#include "solvers/step_solver.h"
 #include "tests/support/draw.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/scene_run.h"
@@ -18,8 +18,8 @@
 namespace bipot {
 namespace {
 
-Scene one_material(double mu, double e_n = 0, double e_t = 0) {
-  Scene scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
+Scene<2> one_material(double mu, double e_n = 0, double e_t = 0) {
+  Scene<2> scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.gravity = Vec2(0, -kGravity);
   scene.step = 1e-3;
   scene.solver.name = "pgs";
@@ -28,11 +28,11 @@ Scene one_material(double mu, double e_n = 0, double e_t = 0) {
 }
 
 /// A cylinder on a plane at the given angle, gravity vertical; the plane falls to the right.
-Scene incline(double angle, double mu) {
-  Scene scene = one_material(mu);
+Scene<2> incline(double angle, double mu) {
+  Scene<2> scene = one_material(mu);
   const Vec2 n(std::sin(angle), std::cos(angle));
   scene.walls = {half_plane(Vec2::Zero(), n)};
-  scene.disks = {cylinder(0.1 * n, 0.1)};
+  scene.bodies = {cylinder(0.1 * n, 0.1)};
   scene.contact_distance = 1e-6;
   scene.num_steps = 200;
   return scene;
@@ -40,44 +40,45 @@ Scene incline(double angle, double mu) {
 
 TEST(TimeStepping, FreeFlightIsExact) {
   // The mid-point rule is exact for a parabola.
-  Scene scene = one_material(0.3);
-  scene.disks = {cylinder(Vec2(1, 2), 0.1, Vec2(3, 4), 2, 5)};
+  Scene<2> scene = one_material(0.3);
+  scene.bodies = {cylinder(Vec2(1, 2), 0.1, Vec2(3, 4), 2, 5)};
   scene.num_steps = 1000;
-  const State end = run_scene(scene);
+  const State<2> end = run_scene(scene);
   EXPECT_DOUBLE_EQ(end.time, 1);
-  EXPECT_NEAR(end.disks[0].x[0], 1 + 3, 1e-12);
-  EXPECT_NEAR(end.disks[0].x[1], 2 + 4 - kGravity / 2, 1e-12);
-  EXPECT_NEAR(end.disks[0].v[1], 4 - kGravity, 1e-12);
-  EXPECT_NEAR(end.disks[0].angle, 5, 1e-12);
-  EXPECT_EQ(end.disks[0].spin, 5);
+  EXPECT_NEAR(end.bodies[0].x[0], 1 + 3, 1e-12);
+  EXPECT_NEAR(end.bodies[0].x[1], 2 + 4 - kGravity / 2, 1e-12);
+  EXPECT_NEAR(end.bodies[0].v[1], 4 - kGravity, 1e-12);
+  EXPECT_NEAR(end.bodies[0].angle, 5, 1e-12);
+  EXPECT_EQ(end.bodies[0].spin, 5);
 }
 
 TEST(TimeStepping, DiskLeavesThePlane) {
-  Scene scene = one_material(0.5);
+  Scene<2> scene = one_material(0.5);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 1), 2, 3)};
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 1), 2, 3)};
   scene.contact_distance = 0.01;
   scene.num_steps = 1;
-  const State end = run_scene(scene, [](const State&, const StepReport& r) {
+  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_EQ(r.contacts, 1);
     EXPECT_EQ(r.active, 0);
     EXPECT_EQ(r.iterations, 0);
   });
   EXPECT_EQ(end.contacts[0].status, ContactStatus::kTakeOff);
-  EXPECT_DOUBLE_EQ(end.disks[0].v[1], 1 - kGravity * 1e-3);
-  EXPECT_EQ(end.disks[0].spin, 3);
+  EXPECT_DOUBLE_EQ(end.bodies[0].v[1], 1 - kGravity * 1e-3);
+  EXPECT_EQ(end.bodies[0].spin, 3);
 }
 
 TEST(TimeStepping, CylinderRollsDownAShallowIncline) {
   // tan(angle) < 3 mu: a = 2/3 g sin(angle), friction g sin/3 per unit mass < mu g cos.
   const double angle = 0.5, mu = std::tan(angle) / 3 * 1.05;
-  const State end = run_scene(incline(angle, mu), [](const State& state, const StepReport&) {
-    EXPECT_EQ(state.contacts.at(0).status, ContactStatus::kStick);
-  });
+  const State<2> end =
+      run_scene(incline(angle, mu), [](const State<2>& state, const StepReport<2>&) {
+        EXPECT_EQ(state.contacts.at(0).status, ContactStatus::kStick);
+      });
   const Vec2 down(std::cos(angle), -std::sin(angle));
   const double speed = 2.0 / 3.0 * kGravity * std::sin(angle) * 0.2;
-  EXPECT_NEAR(end.disks[0].v.dot(down) / speed, 1, 1e-8);
-  EXPECT_NEAR(end.disks[0].spin * 0.1, -speed, 1e-8);  // clockwise, without slip
+  EXPECT_NEAR(end.bodies[0].v.dot(down) / speed, 1, 1e-8);
+  EXPECT_NEAR(end.bodies[0].spin * 0.1, -speed, 1e-8);  // clockwise, without slip
   // Force per step: s_n = m g h cos, s_t = m g h sin / 3 up the slope (t = e3 x n is up).
   EXPECT_NEAR(end.contacts[0].s_n / (2 * kGravity * 1e-3 * std::cos(angle)), 1, 1e-8);
   EXPECT_NEAR(end.contacts[0].s_t / (2 * kGravity * 1e-3 * std::sin(angle) / 3), 1, 1e-8);
@@ -86,54 +87,55 @@ TEST(TimeStepping, CylinderRollsDownAShallowIncline) {
 TEST(TimeStepping, CylinderSlipsDownASteepIncline) {
   // tan(angle) > 3 mu: a = g (sin - mu cos), angular acceleration 2 mu g cos / radius.
   const double angle = 0.5, mu = std::tan(angle) / 3 * 0.95;
-  const State end = run_scene(incline(angle, mu), [](const State& state, const StepReport&) {
-    EXPECT_EQ(state.contacts.at(0).status, ContactStatus::kSlip);
-  });
+  const State<2> end =
+      run_scene(incline(angle, mu), [](const State<2>& state, const StepReport<2>&) {
+        EXPECT_EQ(state.contacts.at(0).status, ContactStatus::kSlip);
+      });
   const Vec2 down(std::cos(angle), -std::sin(angle));
   EXPECT_NEAR(
-      end.disks[0].v.dot(down) / (kGravity * (std::sin(angle) - mu * std::cos(angle)) * 0.2), 1,
+      end.bodies[0].v.dot(down) / (kGravity * (std::sin(angle) - mu * std::cos(angle)) * 0.2), 1,
       1e-8);
-  EXPECT_NEAR(end.disks[0].spin / (-2 * mu * kGravity * std::cos(angle) / 0.1 * 0.2), 1, 1e-8);
+  EXPECT_NEAR(end.bodies[0].spin / (-2 * mu * kGravity * std::cos(angle) / 0.1 * 0.2), 1, 1e-8);
 }
 
 TEST(TimeStepping, SpinningDiskSetOnAPlaneSpinsDownAndRollsOff) {
   // mu m g acts on the rim: a = mu g, spin falls by 2 mu g / radius; rolling at v = |w| radius / 3
   // after t = |w| radius / (3 mu g).
-  Scene scene = one_material(0.2);
+  Scene<2> scene = one_material(0.2);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1, Vec2::Zero(), 2, -20)};
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2::Zero(), 2, -20)};
   scene.contact_distance = 1e-6;
   scene.num_steps = 400;
   double rolls_from = -1;
-  const State end = run_scene(scene, [&](const State& state, const StepReport&) {
+  const State<2> end = run_scene(scene, [&](const State<2>& state, const StepReport<2>&) {
     const bool slips = state.contacts.at(0).status == ContactStatus::kSlip;
     if (!slips && rolls_from < 0) rolls_from = state.time;
     if (slips) {
-      EXPECT_NEAR(state.disks[0].v[0], 0.2 * kGravity * state.time, 1e-8);
+      EXPECT_NEAR(state.bodies[0].v[0], 0.2 * kGravity * state.time, 1e-8);
     }
   });
   EXPECT_NEAR(rolls_from, 20 * 0.1 / (3 * 0.2 * kGravity), 2e-3);
-  EXPECT_NEAR(end.disks[0].v[0], 2.0 / 3, 1e-8);
-  EXPECT_NEAR(end.disks[0].spin, -20.0 / 3, 1e-7);
+  EXPECT_NEAR(end.bodies[0].v[0], 2.0 / 3, 1e-8);
+  EXPECT_NEAR(end.bodies[0].spin, -20.0 / 3, 1e-7);
 }
 
-Scene row_of_disks(int count, double e_n, const Vec2& first_velocity) {
-  Scene scene = one_material(0, e_n);
+Scene<2> row_of_disks(int count, double e_n, const Vec2& first_velocity) {
+  Scene<2> scene = one_material(0, e_n);
   scene.gravity = Vec2::Zero();
   scene.step = 1e-3;
-  for (int k = 0; k < count; ++k) scene.disks.push_back(cylinder(Vec2(0.2 * k, 0), 0.1));
-  scene.disks[0].v = first_velocity;
+  for (int k = 0; k < count; ++k) scene.bodies.push_back(cylinder(Vec2(0.2 * k, 0), 0.1));
+  scene.bodies[0].v = first_velocity;
   scene.contact_distance = 1e-6;
   return scene;
 }
 
 TEST(TimeStepping, ElasticHeadOnShockExchangesVelocities) {
-  Scene scene = row_of_disks(2, 1, Vec2(1, 0));
-  scene.disks[1].v = Vec2(-0.5, 0);
+  Scene<2> scene = row_of_disks(2, 1, Vec2(1, 0));
+  scene.bodies[1].v = Vec2(-0.5, 0);
   scene.num_steps = 5;
-  const State end = run_scene(scene);
-  EXPECT_NEAR(end.disks[0].v[0], -0.5, 1e-9);
-  EXPECT_NEAR(end.disks[1].v[0], 1, 1e-9);
+  const State<2> end = run_scene(scene);
+  EXPECT_NEAR(end.bodies[0].v[0], -0.5, 1e-9);
+  EXPECT_NEAR(end.bodies[1].v[0], 1, 1e-9);
   EXPECT_NEAR(end.shock_loss, 0, 1e-9);
 }
 
@@ -142,77 +144,77 @@ TEST(TimeStepping, NewtonsCradleFollowsMoreausLaw) {
   // once: the mean velocities (u⁺ + u⁻)/2 must vanish at both, so u_1⁺ = +1 and u_2⁺ = 0. With
   // momentum 1: v = (-1/3, 2/3, 2/3). Energy is conserved; that only the last ball flies off, as
   // in a cradle, would need the shocks one after the other.
-  Scene scene = row_of_disks(3, 1, Vec2(1, 0));
+  Scene<2> scene = row_of_disks(3, 1, Vec2(1, 0));
   scene.num_steps = 1;
-  const State end = run_scene(scene);
-  EXPECT_NEAR(end.disks[0].v[0], -1.0 / 3, 1e-9);
-  EXPECT_NEAR(end.disks[1].v[0], 2.0 / 3, 1e-9);
-  EXPECT_NEAR(end.disks[2].v[0], 2.0 / 3, 1e-9);
+  const State<2> end = run_scene(scene);
+  EXPECT_NEAR(end.bodies[0].v[0], -1.0 / 3, 1e-9);
+  EXPECT_NEAR(end.bodies[1].v[0], 2.0 / 3, 1e-9);
+  EXPECT_NEAR(end.bodies[2].v[0], 2.0 / 3, 1e-9);
   EXPECT_NEAR(end.shock_loss, 0, 1e-9);
 }
 
 TEST(TimeStepping, RowJammedBetweenTwoWallsHasASolution) {
   // Fixed walls, one e: v⁺ = -e v⁻ solves every contact at once (all mean velocities vanish).
   for (const double e_n : {0.0, 0.5, 1.0}) {
-    Scene scene = row_of_disks(6, e_n, Vec2::Zero());
+    Scene<2> scene = row_of_disks(6, e_n, Vec2::Zero());
     scene.walls = {half_plane(Vec2(-0.1, 0), Vec2(1, 0)), half_plane(Vec2(1.1, 0), Vec2(-1, 0))};
     Draw draw(3);
-    for (Disk& d : scene.disks) d.v = Vec2(1e-4 * draw.symmetric(), 0);
+    for (Disk& d : scene.bodies) d.v = Vec2(1e-4 * draw.symmetric(), 0);
     // A little overlap everywhere keeps all seven contacts candidates at mid-step.
     scene.contact_distance = 1e-5;
     scene.num_steps = 1;
-    const State end = run_scene(scene, [](const State&, const StepReport& r) {
+    const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
       EXPECT_EQ(r.contacts, 7);
       EXPECT_LE(r.error.guarded(), 1e-10);
     });
-    for (std::size_t k = 0; k < scene.disks.size(); ++k) {
-      EXPECT_NEAR(end.disks[k].v[0], -e_n * scene.disks[k].v[0], 1e-4 * 1e-6) << "e_n " << e_n;
+    for (std::size_t k = 0; k < scene.bodies.size(); ++k) {
+      EXPECT_NEAR(end.bodies[k].v[0], -e_n * scene.bodies[k].v[0], 1e-4 * 1e-6) << "e_n " << e_n;
     }
   }
 }
 
 TEST(TimeStepping, MovingWallCarriesADisk) {
-  Scene scene = one_material(0);
+  Scene<2> scene = one_material(0);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.walls[0].motion = Wall::Motion::kMoving;
+  scene.walls[0].motion = Wall<2>::Motion::kMoving;
   scene.walls[0].v = Vec2(0, 0.5);
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 0.5))};
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 0.5))};
   scene.contact_distance = 1e-6;
   scene.num_steps = 100;
-  const State end = run_scene(scene);
-  EXPECT_NEAR(end.disks[0].x[1], 0.1 + 0.05, 1e-12);
+  const State<2> end = run_scene(scene);
+  EXPECT_NEAR(end.bodies[0].x[1], 0.1 + 0.05, 1e-12);
   EXPECT_NEAR(end.walls[0].a[1], 0.05, 1e-14);
   EXPECT_NEAR(end.wall_work, 2 * kGravity * 0.05, 1e-8);  // lifts m g
 }
 
 TEST(TimeStepping, DrivenWallAcceleratesWithWhatItPushes) {
   // 6 N on a wall of 1 kg and a disk of 2 kg, no gravity: a = 2 m/s².
-  Scene scene = one_material(0);
+  Scene<2> scene = one_material(0);
   scene.gravity = Vec2::Zero();
   scene.walls = {half_plane(Vec2::Zero(), Vec2(1, 0))};
-  scene.walls[0].motion = Wall::Motion::kDriven;
+  scene.walls[0].motion = Wall<2>::Motion::kDriven;
   scene.walls[0].direction = Vec2(1, 0);
   scene.walls[0].mass = 1;
   scene.walls[0].force = 6;
-  scene.disks = {cylinder(Vec2(0.1, 0), 0.1)};
+  scene.bodies = {cylinder(Vec2(0.1, 0), 0.1)};
   scene.contact_distance = 1e-6;
   scene.num_steps = 500;
-  const State end = run_scene(scene);
-  EXPECT_NEAR(end.disks[0].v[0], 1, 1e-8);
+  const State<2> end = run_scene(scene);
+  EXPECT_NEAR(end.bodies[0].v[0], 1, 1e-8);
   EXPECT_NEAR(end.walls[0].v[0], 1, 1e-8);
-  EXPECT_NEAR(end.disks[0].x[0], 0.1 + 0.25, 1e-8);
+  EXPECT_NEAR(end.bodies[0].x[0], 0.1 + 0.25, 1e-8);
   EXPECT_NEAR(end.wall_work, 6 * 0.25, 1e-7);
   EXPECT_NEAR(end.contacts[0].s_n / scene.step, 4, 1e-7);
 }
 
 TEST(TimeStepping, FrictionDissipatesWhatTheSlidingCylinderLoses) {
   // From v0 to 2/3 v0 with the rolling energy: loss m v0²/2 - 3/4 m (2/3 v0)² = m v0²/6.
-  Scene scene = one_material(0.5);
+  Scene<2> scene = one_material(0.5);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1, Vec2(1, 0))};
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(1, 0))};
   scene.contact_distance = 1e-6;
   scene.num_steps = 150;
-  const State end = run_scene(scene);
+  const State<2> end = run_scene(scene);
   EXPECT_NEAR(end.friction_loss, 2.0 / 6, 1e-8);
   EXPECT_NEAR(end.shock_loss, 0, 1e-8);
 }
@@ -220,20 +222,20 @@ TEST(TimeStepping, FrictionDissipatesWhatTheSlidingCylinderLoses) {
 TEST(TimeStepping, WarmStartIsCarriedByPair) {
   // The solver sees, at every step, the impulses of the step before at the contacts that stay:
   // also when others come and go and the contacts' numbers shift.
-  Scene scene = one_material(0.4, 0.2, 0.6);
+  Scene<2> scene = one_material(0.4, 0.2, 0.6);
   const std::vector<Disk> filling =
       random_filling(60, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 3, Vec2::Zero());
   for (const Disk& d : filling) {
-    scene.disks.push_back(cylinder(d.x, d.radius, Vec2(0, -0.5)));
+    scene.bodies.push_back(cylinder(d.x, d.radius, Vec2(0, -0.5)));
   }
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), half_plane(Vec2::Zero(), Vec2(1, 0)),
                  half_plane(Vec2(0.2, 0), Vec2(-1, 0))};
-  State state = initial_state(scene);
+  State<2> state = initial_state(scene);
   SolverOptions options;
   options.tol = 1e-4;
   Vector start;
   const StepSolver inner = make_step_solver(*find_solver("pgs"), options);
-  TimeStepper stepper(
+  TimeStepper<2> stepper(
       scene,
       [&](const ContactProblem& p, const Vector& s0) {
         start = p.row_scale.size() == 0 ? s0 : Vector(s0.cwiseQuotient(p.row_scale));
@@ -243,14 +245,14 @@ TEST(TimeStepping, WarmStartIsCarriedByPair) {
   int carried = 0, fresh = 0, lost = 0;
   for (int step = 0; step < 150; ++step) {
     std::map<std::pair<int, int>, Vec2> before;
-    for (const ContactOutcome& c : state.contacts) {
+    for (const ContactOutcome<2>& c : state.contacts) {
       before[{c.contact.i, c.contact.j}] = Vec2(c.s_n, c.s_t);
     }
     stepper.advance(state);
     ASSERT_EQ(start.size(), 2 * static_cast<Eigen::Index>(state.contacts.size()));
     int found = 0;
     for (std::size_t c = 0; c < state.contacts.size(); ++c) {
-      const Contact& contact = state.contacts[c].contact;
+      const Contact<2>& contact = state.contacts[c].contact;
       const auto it = before.find({contact.i, contact.j});
       const Vec2 expected = it == before.end() ? Vec2(0, 0) : it->second;
       EXPECT_LT((start.segment<2>(2 * static_cast<Eigen::Index>(c)) - expected).norm(),
@@ -270,10 +272,10 @@ TEST(TimeStepping, WarmStartIsCarriedByPair) {
 }
 
 TEST(TimeStepping, WithoutWarmStartTheSolverGetsNoStart) {
-  Scene scene = row_of_disks(2, 0, Vec2(1, 0));
+  Scene<2> scene = row_of_disks(2, 0, Vec2(1, 0));
   scene.solver.warm_start = false;
-  State state = initial_state(scene);
-  TimeStepper stepper(
+  State<2> state = initial_state(scene);
+  TimeStepper<2> stepper(
       scene,
       [](const ContactProblem& p, const Vector& s0) {
         EXPECT_EQ(s0.size(), 0);
@@ -288,11 +290,11 @@ TEST(TimeStepping, WithoutWarmStartTheSolverGetsNoStart) {
 }
 
 TEST(TimeStepping, FailureLeavesTheStateAsItWas) {
-  const Scene scene = row_of_disks(3, 0, Vec2(1, 0));
-  State state = initial_state(scene);
+  const Scene<2> scene = row_of_disks(3, 0, Vec2(1, 0));
+  State<2> state = initial_state(scene);
   state.step = 7;
   const auto expect_failure = [&](const StepSolver& solver, const std::string& message) {
-    TimeStepper stepper(scene, solver, false);
+    TimeStepper<2> stepper(scene, solver, false);
     try {
       stepper.advance(state);
       ADD_FAILURE() << "no failure";
@@ -304,8 +306,8 @@ TEST(TimeStepping, FailureLeavesTheStateAsItWas) {
     EXPECT_EQ(state.time, 0);
     EXPECT_TRUE(state.contacts.empty());
     for (std::size_t k = 0; k < 3; ++k) {
-      EXPECT_EQ(state.disks[k].x, scene.disks[k].x);
-      EXPECT_EQ(state.disks[k].v, scene.disks[k].v);
+      EXPECT_EQ(state.bodies[k].x, scene.bodies[k].x);
+      EXPECT_EQ(state.bodies[k].v, scene.bodies[k].v);
     }
   };
   expect_failure(
@@ -334,42 +336,42 @@ TEST(TimeStepping, FailureLeavesTheStateAsItWas) {
 }
 
 TEST(TimeStepping, AStepThatDidNotConvergeIsTakenAndSaysSo) {
-  Scene scene = row_of_disks(8, 0, Vec2(1, 0));
+  Scene<2> scene = row_of_disks(8, 0, Vec2(1, 0));
   SolverOptions options;
   options.max_iterations = 1;
-  State state = initial_state(scene);
-  TimeStepper stepper(scene, make_step_solver(*find_solver("pgs"), options), false);
-  const StepReport report = stepper.advance(state);
+  State<2> state = initial_state(scene);
+  TimeStepper<2> stepper(scene, make_step_solver(*find_solver("pgs"), options), false);
+  const StepReport<2> report = stepper.advance(state);
   EXPECT_FALSE(report.converged);
   EXPECT_NE(report.message.find("iteration limit"), std::string::npos) << report.message;
   EXPECT_GT(report.error.guarded(), options.tol);
   EXPECT_EQ(state.step, 1);
 }
 
-std::uint64_t hash_of(const State& state) {
+std::uint64_t hash_of(const State<2>& state) {
   std::uint64_t hash = 0xcbf29ce484222325u;
   const auto mix = [&](double value) {
     hash = (hash ^ std::bit_cast<std::uint64_t>(value)) * 0x100000001b3u;
   };
-  for (const Disk& d : state.disks) {
+  for (const Disk& d : state.bodies) {
     for (double x : {d.x[0], d.x[1], d.angle, d.v[0], d.v[1], d.spin}) mix(x);
   }
-  for (const ContactOutcome& c : state.contacts) {
+  for (const ContactOutcome<2>& c : state.contacts) {
     for (double x : {c.s_n, c.s_t, c.u_n, c.u_t, c.contact.gap}) mix(x);
   }
   return hash;
 }
 
 /// 80 disks fall into a box; lengths, masses and times in other units.
-Scene falling_box(double length, double mass, double time) {
-  Scene scene = one_material(0.3, 0.2, 0.5);
+Scene<2> falling_box(double length, double mass, double time) {
+  Scene<2> scene = one_material(0.3, 0.2, 0.5);
   scene.gravity = Vec2(0, -kGravity * length / (time * time));
   scene.step = 5e-4 * time;
   for (const Disk& d : random_filling(80, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 5, Vec2::Zero())) {
     Disk disk = cylinder(d.x * length, d.radius * length, Vec2(0, -0.5 * length / time));
     disk.mass = 2 * mass;
     disk.inertia = 0.5 * disk.mass * disk.radius * disk.radius;
-    scene.disks.push_back(disk);
+    scene.bodies.push_back(disk);
   }
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), half_plane(Vec2::Zero(), Vec2(1, 0)),
                  half_plane(Vec2(0.2 * length, 0), Vec2(-1, 0))};
@@ -380,8 +382,8 @@ Scene falling_box(double length, double mass, double time) {
 }
 
 TEST(TimeStepping, TheSameSceneGivesTheSameBits) {
-  const Scene scene = falling_box(1, 1, 1);
-  const State first = run_scene(scene);
+  const Scene<2> scene = falling_box(1, 1, 1);
+  const State<2> first = run_scene(scene);
   EXPECT_GT(first.contacts.size(), 50u);
   EXPECT_EQ(hash_of(first), hash_of(run_scene(scene)));
 }
@@ -393,10 +395,10 @@ TEST(TimeStepping, UnitsDoNotChangeTheIterations) {
     double energy[2] = {0, 0};
     const double length = 1024, mass = 0x1p-10, time = 128;
     for (int k : {0, 1}) {
-      const Scene scene = k == 0 ? falling_box(1, 1, 1) : falling_box(length, mass, time);
+      const Scene<2> scene = k == 0 ? falling_box(1, 1, 1) : falling_box(length, mass, time);
       run_scene(
           scene,
-          [&](const State&, const StepReport& r) {
+          [&](const State<2>&, const StepReport<2>& r) {
             iterations[k].push_back(r.iterations);
             energy[k] = r.energy.kinetic;
           },
@@ -412,10 +414,11 @@ TEST(TimeStepping, UnitsOfAnotherBaseChangeTheIterationsByOneAtMost) {
   // m, kg, s -> mm, g, ms on the first, impact-rich steps, before rounding can grow.
   std::vector<int> iterations[2];
   for (int k : {0, 1}) {
-    Scene scene = k == 0 ? falling_box(1, 1, 1) : falling_box(1000, 1000, 1000);
+    Scene<2> scene = k == 0 ? falling_box(1, 1, 1) : falling_box(1000, 1000, 1000);
     scene.num_steps = 30;
-    run_scene(scene,
-              [&](const State&, const StepReport& r) { iterations[k].push_back(r.iterations); });
+    run_scene(scene, [&](const State<2>&, const StepReport<2>& r) {
+      iterations[k].push_back(r.iterations);
+    });
   }
   for (std::size_t step = 0; step < iterations[0].size(); ++step) {
     EXPECT_NEAR(iterations[0][step], iterations[1][step], 1) << step;
@@ -423,13 +426,14 @@ TEST(TimeStepping, UnitsOfAnotherBaseChangeTheIterationsByOneAtMost) {
 }
 
 TEST(TimeStepping, PenetrationIsThatOfTheMidPoint) {
-  Scene scene = one_material(0);
+  Scene<2> scene = one_material(0);
   scene.gravity = Vec2::Zero();
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, -1))};
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, -1))};
   scene.num_steps = 1;
-  run_scene(scene,
-            [](const State&, const StepReport& r) { EXPECT_NEAR(r.penetration, 5e-4, 1e-15); });
+  run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+    EXPECT_NEAR(r.penetration, 5e-4, 1e-15);
+  });
 }
 
 }  // namespace

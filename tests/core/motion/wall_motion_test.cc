@@ -17,8 +17,8 @@ namespace {
 
 constexpr double kPull = 9.81;  // m/s²
 
-Scene rough_scene(double mu) {
-  Scene scene = one_law({.mu = mu});
+Scene<2> rough_scene(double mu) {
+  Scene<2> scene = one_law({.mu = mu});
   scene.step = 1e-3;
   scene.solver.name = "pgs";
   scene.solver.tol = 1e-11;
@@ -27,9 +27,9 @@ Scene rough_scene(double mu) {
 }
 
 /// A plate on top of the disk that is pressed down with `force` and moved along x with `speed`.
-Wall pressed_plate(double height, double force, double speed) {
-  Wall plate = half_plane(Vec2(0, height), Vec2(0, -1));
-  plate.motion = Wall::Motion::kDriven;
+Wall<2> pressed_plate(double height, double force, double speed) {
+  Wall<2> plate = half_plane(Vec2(0, height), Vec2(0, -1));
+  plate.motion = Wall<2>::Motion::kDriven;
   plate.direction = Vec2(0, -1);
   plate.force = force;
   plate.mass = 4;
@@ -41,7 +41,7 @@ Wall pressed_plate(double height, double force, double speed) {
 /// Worst imbalances of a run, relative to the energy and momentum that it handles.
 struct Books {
   double energy = 0, momentum = 0;
-  void add(const StepReport& r) {
+  void add(const StepReport<2>& r) {
     energy = std::max(energy, std::abs(r.energy.imbalance));
     momentum = std::max(momentum, r.momentum_imbalance.norm());
   }
@@ -53,18 +53,19 @@ TEST(WallMotion, AMovedAndPressedPlateRollsADiskAtHalfItsSpeed) {
   // they slide, in the same direction (+x) at the top, and against the floor's sliding at the
   // bottom. At rest the floor contact does not slide. The disk ends rolling: velocity 0.15 m/s,
   // spin -0.15/0.1 (its top moves with the plate, its bottom stands).
-  Scene scene = rough_scene(0.4);
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1)};
+  Scene<2> scene = rough_scene(0.4);
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.2, 50, 0.3)};
   scene.num_steps = 100;
   Books books;
-  const State end = run_scene(scene, [&](const State&, const StepReport& r) { books.add(r); });
-  EXPECT_NEAR(end.disks[0].v[0], 0.15, 1e-9);
-  EXPECT_NEAR(end.disks[0].spin, -1.5, 1e-8);
+  const State<2> end =
+      run_scene(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
+  EXPECT_NEAR(end.bodies[0].v[0], 0.15, 1e-9);
+  EXPECT_NEAR(end.bodies[0].spin, -1.5, 1e-8);
   EXPECT_NEAR(end.walls[1].v[0], 0.3, 1e-15);
   EXPECT_NEAR(end.walls[1].a[0], 0.03, 1e-14);
   EXPECT_NEAR(end.walls[1].a[1], 0.2, 1e-8);  // pressed, but the disk does not give way
-  for (const ContactOutcome& c : end.contacts) EXPECT_NEAR(c.s_n / scene.step, 50, 1e-6);
+  for (const ContactOutcome<2>& c : end.contacts) EXPECT_NEAR(c.s_n / scene.step, 50, 1e-6);
   // What the plate did is the disk's energy and what slid: 1/2 m v² (1 + 1/2) in the end.
   EXPECT_NEAR(end.wall_work - end.friction_loss - end.shock_loss, 0.75 * 2 * 0.15 * 0.15, 1e-9);
   EXPECT_GT(end.friction_loss, 0);
@@ -77,24 +78,24 @@ TEST(WallMotion, AMovedPlateDoesTheWorkOfItsFriction) {
   // by friction mu 50 N = 10 N. All else frictionless, so the disk turns: its spin grows by
   // mu N a / I = 10 * 0.1 / 0.01 = 100 rad/s², until its rim has the plate's 0.3 m/s at t = 0.03 s.
   // In the 20 steps before that the plate does the work 10 N * 0.3 m/s * 0.02 s.
-  Scene scene = rough_scene(0);
+  Scene<2> scene = rough_scene(0);
   scene.materials = {"smooth", "rough"};
   scene.laws = {{.mu = 0}, {.mu = 0.2}, {.mu = 0.2}, {.mu = 0}};
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.2, 50, 0.3),
                  half_plane(Vec2(0.1, 0), Vec2(-1, 0))};
   scene.walls[1].material = 1;
   scene.num_steps = 20;
-  const State end = run_scene(scene);
-  EXPECT_NEAR(end.disks[0].spin, -100 * 0.02, 1e-8);
+  const State<2> end = run_scene(scene);
+  EXPECT_NEAR(end.bodies[0].spin, -100 * 0.02, 1e-8);
   EXPECT_NEAR(end.wall_work, 10 * 0.3 * 0.02, 1e-9);
 }
 
 TEST(WallMotion, ThePlatesOwnMotionAcrossIsNotItsEnergy) {
-  const Wall plate = pressed_plate(0, 1, 0.3);
+  const Wall<2> plate = pressed_plate(0, 1, 0.3);
   EXPECT_EQ(wall_kinetic_energy(plate), 0);
   EXPECT_EQ(wall_momentum(plate), Vec2::Zero());
-  Wall falling = plate;
+  Wall<2> falling = plate;
   falling.v = driven_velocity(plate, 2);
   EXPECT_EQ(falling.v, Vec2(0.3, -2));
   EXPECT_EQ(driven_speed(falling), 2);
@@ -106,21 +107,22 @@ TEST(WallMotion, ARoughPlateLiesOnWhatItsDisksTouch) {
   // A plate of 4 kg, pressed down with 50 N, carries a glued disk of radius 0.1, which stands on
   // a free disk of the same size straight above the floor: both contacts carry 50 N (no gravity),
   // and the plate stays. Momentum and energy close.
-  Scene scene = rough_scene(0.4);
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1), cylinder(Vec2(0, 0.3), 0.1)};
+  Scene<2> scene = rough_scene(0.4);
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1), cylinder(Vec2(0, 0.3), 0.1)};
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.35, 50, 0)};
-  scene.disks[1].mass = scene.disks[1].inertia = 0;
-  scene.disks[1].wall = 1;
+  scene.bodies[1].mass = scene.bodies[1].inertia = 0;
+  scene.bodies[1].wall = 1;
   ASSERT_EQ(validate(scene), "");
   scene.num_steps = 20;
   Books books;
-  const State end = run_scene(scene, [&](const State&, const StepReport& r) { books.add(r); });
+  const State<2> end =
+      run_scene(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
   ASSERT_EQ(end.contacts.size(), 2u);
-  for (const ContactOutcome& c : end.contacts) {
+  for (const ContactOutcome<2>& c : end.contacts) {
     EXPECT_EQ(c.contact.i, 0);
     EXPECT_NEAR(c.s_n / scene.step, 50, 1e-7);
   }
-  EXPECT_NEAR(end.disks[1].x[1], 0.3, 1e-8);
+  EXPECT_NEAR(end.bodies[1].x[1], 0.3, 1e-8);
   EXPECT_LT(books.energy, 1e-13);
   EXPECT_LT(books.momentum, 1e-13);
 }
@@ -128,24 +130,24 @@ TEST(WallMotion, ARoughPlateLiesOnWhatItsDisksTouch) {
 TEST(WallMotion, ARoughPlateFallsWithItsDisks) {
   // Nothing below: plate and glued disk fall with 50/4 m/s² together, and no contact is seen
   // between the two glued disks, which overlap, nor between them and their wall.
-  Scene scene = rough_scene(0.4);
-  scene.disks = {cylinder(Vec2(0, 1), 0.1), cylinder(Vec2(0.1, 1), 0.1)};
+  Scene<2> scene = rough_scene(0.4);
+  scene.bodies = {cylinder(Vec2(0, 1), 0.1), cylinder(Vec2(0.1, 1), 0.1)};
   scene.walls = {pressed_plate(1, 50, 0.3)};
-  for (Disk& d : scene.disks) {
+  for (Disk& d : scene.bodies) {
     d.mass = d.inertia = 0;
     d.wall = 0;
   }
   scene.num_steps = 10;
-  const State end = run_scene(scene, [](const State&, const StepReport& r) {
+  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_EQ(r.contacts, 0);
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-14);
   });
   EXPECT_NEAR(end.walls[0].v[1], -12.5 * 0.01, 1e-14);
-  for (const Disk& d : end.disks) {
+  for (const Disk& d : end.bodies) {
     EXPECT_NEAR(d.x[1] - end.walls[0].a[1], 0, 1e-15);
     EXPECT_NEAR(d.v[0], 0.3, 1e-15);
   }
-  EXPECT_NEAR(end.disks[0].x[0], 0.003, 1e-15);
+  EXPECT_NEAR(end.bodies[0].x[0], 0.003, 1e-15);
 }
 
 TEST(WallMotion, ARoughWallHoldsADiskThatASmoothOneLetsSlide) {
@@ -154,24 +156,24 @@ TEST(WallMotion, ARoughWallHoldsADiskThatASmoothOneLetsSlide) {
   // contacts with s_n = m g h cos(30 -+ 20)/sin(60), by the triangle of forces. The walls carry
   // the weight.
   const double angle = std::numbers::pi / 9, third = std::numbers::pi / 3;
-  Scene scene = rough_scene(0);
+  Scene<2> scene = rough_scene(0);
   scene.gravity = kPull * Vec2(std::sin(angle), -std::cos(angle));
   const double rise = 0.1 * std::sqrt(3.0);
-  scene.disks = {cylinder(Vec2(-0.1, 0), 0.1), cylinder(Vec2(0.1, 0), 0.1),
-                 cylinder(Vec2(0, rise), 0.1)};
+  scene.bodies = {cylinder(Vec2(-0.1, 0), 0.1), cylinder(Vec2(0.1, 0), 0.1),
+                  cylinder(Vec2(0, rise), 0.1)};
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
   for (std::size_t k = 0; k < 2; ++k) {
-    scene.disks[k].mass = scene.disks[k].inertia = 0;
-    scene.disks[k].wall = 0;
+    scene.bodies[k].mass = scene.bodies[k].inertia = 0;
+    scene.bodies[k].wall = 0;
   }
   scene.num_steps = 50;
-  const State end = run_scene(scene, [](const State&, const StepReport& r) {
+  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-14);
   });
-  EXPECT_NEAR((end.disks[2].x - Vec2(0, rise)).norm(), 0, 1e-7);
+  EXPECT_NEAR((end.bodies[2].x - Vec2(0, rise)).norm(), 0, 1e-7);
   ASSERT_EQ(end.contacts.size(), 2u);
   // Normals at +-30 degrees from the upright; f_0 (sin 30, cos 30) + f_1 (-sin 30, cos 30) = -m g.
-  for (const ContactOutcome& c : end.contacts) {
+  for (const ContactOutcome<2>& c : end.contacts) {
     EXPECT_EQ(c.contact.i, 2);
     const double side = c.contact.j == 0 ? -1 : 1;  // of the disk that is uphill: less
     const double lean = std::sin(third / 2 + side * angle) / std::sin(third);
@@ -180,8 +182,8 @@ TEST(WallMotion, ARoughWallHoldsADiskThatASmoothOneLetsSlide) {
 }
 
 TEST(WallMotion, SurfacesOfCirclesTurnCounterClockwise) {
-  Wall drum;
-  drum.shape = Wall::Shape::kHollowCircle;
+  Wall<2> drum;
+  drum.shape = Wall<2>::Shape::kHollowCircle;
   drum.radius = 2;
   drum.spin = 3;
   // At the lowest point of a hollow circle the normal points up; counter-clockwise is +x there.
@@ -189,14 +191,14 @@ TEST(WallMotion, SurfacesOfCirclesTurnCounterClockwise) {
   // At its right: the normal points to the left, counter-clockwise is up.
   EXPECT_EQ(surface_velocity(drum, Vec2::Zero(), Vec2(-1, 0)), Vec2(0, 6));
   drum.shape =
-      Wall::Shape::kSolidCircle;  // on top of a solid one: the normal points up, it moves -x
+      Wall<2>::Shape::kSolidCircle;  // on top of a solid one: the normal points up, it moves -x
   EXPECT_EQ(surface_velocity(drum, Vec2::Zero(), Vec2(0, 1)), Vec2(-6, 0));
 }
 
-Scene drum_scene(double spin, double mu) {
-  Scene scene = rough_scene(mu);
-  Wall drum;
-  drum.shape = Wall::Shape::kHollowCircle;
+Scene<2> drum_scene(double spin, double mu) {
+  Scene<2> scene = rough_scene(mu);
+  Wall<2> drum;
+  drum.shape = Wall<2>::Shape::kHollowCircle;
   drum.radius = 1;
   drum.spin = spin;
   scene.walls = {drum};
@@ -207,15 +209,16 @@ TEST(WallMotion, ADrumSpinsADiskUpToItsOwnSurface) {
   // A disk at the bottom of a slowly turning drum, gravity down. Steady: no force along the
   // surface, so the disk stays at the bottom and its rim moves with the drum: spin = Omega R / a,
   // counter-clockwise as the drum.
-  Scene scene = drum_scene(0.2, 0.5);
+  Scene<2> scene = drum_scene(0.2, 0.5);
   scene.gravity = Vec2(0, -kPull);
-  scene.disks = {cylinder(Vec2(0, -0.9), 0.1)};
-  scene.disks[0].spin = 2;
+  scene.bodies = {cylinder(Vec2(0, -0.9), 0.1)};
+  scene.bodies[0].spin = 2;
   scene.num_steps = 300;
   Books books;
-  const State end = run_scene(scene, [&](const State&, const StepReport& r) { books.add(r); });
-  EXPECT_NEAR(end.disks[0].spin, 2, 1e-8);
-  EXPECT_NEAR(end.disks[0].x[0], 0, 1e-8);
+  const State<2> end =
+      run_scene(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
+  EXPECT_NEAR(end.bodies[0].spin, 2, 1e-8);
+  EXPECT_NEAR(end.bodies[0].x[0], 0, 1e-8);
   EXPECT_LT(books.energy, 1e-12);
   EXPECT_LT(books.momentum, 1e-12);
 }
@@ -226,95 +229,95 @@ TEST(WallMotion, ADrumThatStartsDragsADiskWithFriction) {
   // (g/l) mu g t³/6 with l = 0.9 m; spin = mu g t m a / I = 2 mu g t / a; and the drum has done the
   // work mu m g Omega R t.
   const double mu = 0.1, t = 0.01;
-  Scene scene = drum_scene(1, mu);
+  Scene<2> scene = drum_scene(1, mu);
   scene.gravity = Vec2(0, -kPull);
-  scene.disks = {cylinder(Vec2(0, -0.9), 0.1)};
+  scene.bodies = {cylinder(Vec2(0, -0.9), 0.1)};
   scene.num_steps = 10;
-  const State end = run_scene(scene);
-  EXPECT_NEAR(end.disks[0].v[0], mu * kPull * t * (1 - kPull / 0.9 * t * t / 6), 1e-7);
-  EXPECT_NEAR(end.disks[0].spin, 2 * mu * kPull * t / 0.1, 1e-5);
+  const State<2> end = run_scene(scene);
+  EXPECT_NEAR(end.bodies[0].v[0], mu * kPull * t * (1 - kPull / 0.9 * t * t / 6), 1e-7);
+  EXPECT_NEAR(end.bodies[0].spin, 2 * mu * kPull * t / 0.1, 1e-5);
   EXPECT_NEAR(end.wall_work, mu * 2 * kPull * 1 * t, 1e-6);
 }
 
 TEST(WallMotion, ADiskSwingsInAHollowCircleAsAPendulum) {
   // No friction: a pendulum of length R - a = 0.9 m. From 0.1 rad at rest it passes the bottom
   // after a quarter of the period 2 pi sqrt(l/g) (1 + angle²/16).
-  Scene scene = drum_scene(0, 0);
+  Scene<2> scene = drum_scene(0, 0);
   scene.gravity = Vec2(0, -kPull);
   scene.step = 1e-4;
-  scene.disks = {cylinder(0.9 * Vec2(std::sin(0.1), -std::cos(0.1)), 0.1)};
+  scene.bodies = {cylinder(0.9 * Vec2(std::sin(0.1), -std::cos(0.1)), 0.1)};
   const double quarter = 0.5 * std::numbers::pi * std::sqrt(0.9 / kPull) * (1 + 0.1 * 0.1 / 16);
   scene.num_steps = 6000;
   double passed = 0;
-  run_scene(scene, [&](const State& state, const StepReport&) {
-    if (passed == 0 && state.disks[0].x[0] <= 0) passed = state.time;
+  run_scene(scene, [&](const State<2>& state, const StepReport<2>&) {
+    if (passed == 0 && state.bodies[0].x[0] <= 0) passed = state.time;
   });
   EXPECT_NEAR(passed / quarter, 1, 2e-3);
 }
 
 TEST(WallMotion, ADiskLiesOnASolidCircleAndRollsOff) {
   // On the very top it stays; the circle carries its weight.
-  Scene scene = rough_scene(0.5);
-  Wall hill;
-  hill.shape = Wall::Shape::kSolidCircle;
+  Scene<2> scene = rough_scene(0.5);
+  Wall<2> hill;
+  hill.shape = Wall<2>::Shape::kSolidCircle;
   hill.radius = 1;
   scene.walls = {hill};
   scene.gravity = Vec2(0, -kPull);
-  scene.disks = {cylinder(Vec2(0, 1.1), 0.1)};
+  scene.bodies = {cylinder(Vec2(0, 1.1), 0.1)};
   scene.num_steps = 50;
-  const State end = run_scene(scene);
-  EXPECT_NEAR(end.disks[0].x[1], 1.1, 1e-9);
+  const State<2> end = run_scene(scene);
+  EXPECT_NEAR(end.bodies[0].x[1], 1.1, 1e-9);
   EXPECT_NEAR(end.contacts.at(0).s_n / scene.step, 2 * kPull, 1e-6);
   EXPECT_EQ(end.contacts[0].contact.n, Vec2(0, 1));
 }
 
 TEST(WallMotion, AWallThatIsRemovedLetsTheDiskFall) {
   // The floor goes at 10 ms: from then on free fall. Steps 1 to 10 have their middles before.
-  Scene scene = rough_scene(0.5);
+  Scene<2> scene = rough_scene(0.5);
   scene.gravity = Vec2(0, -kPull);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
   scene.walls[0].removed = 0.01;
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
   scene.num_steps = 30;
   Books books;
-  const State end = run_scene(scene, [&](const State& state, const StepReport& r) {
+  const State<2> end = run_scene(scene, [&](const State<2>& state, const StepReport<2>& r) {
     books.add(r);
     EXPECT_EQ(r.contacts, r.step <= 10 ? 1 : 0);
     EXPECT_EQ(state.walls[0].present, r.step <= 10);
   });
-  EXPECT_NEAR(end.disks[0].v[1], -kPull * 0.02, 1e-12);
-  EXPECT_NEAR(end.disks[0].x[1], 0.1 - 0.5 * kPull * 0.02 * 0.02, 1e-9);
+  EXPECT_NEAR(end.bodies[0].v[1], -kPull * 0.02, 1e-12);
+  EXPECT_NEAR(end.bodies[0].x[1], 0.1 - 0.5 * kPull * 0.02 * 0.02, 1e-9);
   EXPECT_LT(books.energy, 1e-13);
 }
 
 TEST(WallMotion, AWallStartsAndStops) {
   // A floor that lifts a disk with 0.5 m/s from 5 ms to 15 ms: 10 steps of it. When it stops, the
   // disk flies on.
-  Scene scene = rough_scene(0);
+  Scene<2> scene = rough_scene(0);
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.walls[0].motion = Wall::Motion::kMoving;
+  scene.walls[0].motion = Wall<2>::Motion::kMoving;
   scene.walls[0].v = Vec2(0, 0.5);
   scene.walls[0].starts = 0.005;
   scene.walls[0].stops = 0.015;
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
   scene.num_steps = 25;
-  const State end = run_scene(scene, [](const State& state, const StepReport& r) {
+  const State<2> end = run_scene(scene, [](const State<2>& state, const StepReport<2>& r) {
     const bool moves = r.step > 5 && r.step <= 15;
     EXPECT_EQ(state.walls[0].v[1], moves ? 0.5 : 0.0) << r.step;
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-14);
   });
   EXPECT_NEAR(end.walls[0].a[1], 0.005, 1e-15);
-  EXPECT_NEAR(end.disks[0].v[1], 0.5, 1e-10);
-  EXPECT_NEAR(end.disks[0].x[1], 0.1 + 0.5 * 0.02 - 0.5 * 0.5 * 1e-3, 1e-9);  // first step: half
+  EXPECT_NEAR(end.bodies[0].v[1], 0.5, 1e-10);
+  EXPECT_NEAR(end.bodies[0].x[1], 0.1 + 0.5 * 0.02 - 0.5 * 0.5 * 1e-3, 1e-9);  // first step: half
 }
 
 TEST(WallMotion, ADrivenWallThatStopsGivesItsEnergyToWhatStopsIt) {
   // 8 N on 4 kg for 10 ms: 0.02 m/s. What stops it takes 1/2 4 0.02² J and 0.08 N s.
-  Scene scene = rough_scene(0);
+  Scene<2> scene = rough_scene(0);
   scene.walls = {pressed_plate(10, 8, 0)};
   scene.walls[0].stops = 0.01;
   scene.num_steps = 12;
-  const State end = run_scene(scene, [](const State&, const StepReport& r) {
+  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-16);
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-16);
     EXPECT_NEAR(r.momentum[1], r.step <= 10 ? -8e-3 * r.step : 0, 1e-15);
@@ -328,29 +331,30 @@ TEST(WallMotion, TiltedDiskSlidesWhenTheSlopeExceedsFriction) {
   // acceleration: a disk rolls down with 2/3 g sin(angle), angle = rate (t - starts), hence
   // v = 2/3 g (1 - cos(rate (t - starts)))/rate.
   const double rate = 0.5;
-  Scene scene = rough_scene(1);
+  Scene<2> scene = rough_scene(1);
   scene.gravity = Vec2(0, -kPull);
   scene.tilt = {.rate = rate, .starts = 0.05};
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.disks = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
   scene.num_steps = 250;
   Books books;
-  const State end = run_scene(scene, [&](const State&, const StepReport& r) { books.add(r); });
+  const State<2> end =
+      run_scene(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
   // Turned counter-clockwise, gravity (0, -g) gains a part along +x.
   const double speed = 2.0 / 3 * kPull * (1 - std::cos(rate * 0.2)) / rate;
-  EXPECT_NEAR(end.disks[0].v[0] / speed, 1, 1e-6);
+  EXPECT_NEAR(end.bodies[0].v[0] / speed, 1, 1e-6);
   EXPECT_LT(books.energy, 1e-13);
   EXPECT_LT(books.momentum, 1e-13);
   // The energy of a body in turned gravity, from nothing but the work of turning and of rolling:
   // kinetic + potential = initial potential + work.
   const double angle = rate * 0.2;
   const Vec2 g = kPull * Vec2(std::sin(angle), -std::cos(angle));
-  const double potential = -2 * g.dot(end.disks[0].x);
+  const double potential = -2 * g.dot(end.bodies[0].x);
   EXPECT_NEAR(0.75 * 2 * speed * speed + potential, 2 * kPull * 0.1 + end.wall_work, 1e-5);
 }
 
 TEST(WallMotion, GravityStopsTurning) {
-  Scene scene = one_law({});
+  Scene<2> scene = one_law({});
   scene.gravity = Vec2(0, -2);
   scene.tilt = {.rate = std::numbers::pi, .starts = 1, .stops = 1.5};
   EXPECT_EQ(gravity_at(scene, 0.5), Vec2(0, -2));
@@ -360,28 +364,28 @@ TEST(WallMotion, GravityStopsTurning) {
 
 // The same scenes with springs. Their books close to the order of the substeps, not to round-off.
 TEST(WallMotion, SpringsKnowPlatesDrumsAndTilts) {
-  Scene plate = rough_scene(0.4);
-  plate.disks = {cylinder(Vec2(0, 0.1), 0.1)};
+  Scene<2> plate = rough_scene(0.4);
+  plate.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
   plate.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.2, 50, 0.3)};
-  Scene drum = drum_scene(0.2, 0.5);
+  Scene<2> drum = drum_scene(0.2, 0.5);
   drum.gravity = Vec2(0, -kPull);
   drum.tilt = {.rate = 0.1, .starts = 0.05};
-  drum.disks = {cylinder(Vec2(0, -0.9), 0.1, Vec2::Zero(), 2, 2)};
-  for (Scene* scene : {&plate, &drum}) {
+  drum.bodies = {cylinder(Vec2(0, -0.9), 0.1, Vec2::Zero(), 2, 2)};
+  for (Scene<2>* scene : {&plate, &drum}) {
     scene->model = Model::kSpringDashpot;
     scene->dem.stiffness = 1e6;
     SpringDashpotStepper stepper(*scene);
-    State state = initial_state(*scene);
+    State<2> state = initial_state(*scene);
     for (int step = 0; step < 100; ++step) {
-      const StepReport r = stepper.advance(state);
+      const StepReport<2> r = stepper.advance(state);
       EXPECT_LT(std::abs(r.energy.imbalance), 1e-7);  // of 0.03 J
       EXPECT_LT(r.momentum_imbalance.norm(), 1e-11);
     }
     if (scene == &plate) {
-      EXPECT_NEAR(state.disks[0].v[0], 0.15, 1e-3);
-      EXPECT_NEAR(state.disks[0].spin, -1.5, 1e-2);
+      EXPECT_NEAR(state.bodies[0].v[0], 0.15, 1e-3);
+      EXPECT_NEAR(state.bodies[0].spin, -1.5, 1e-2);
     } else {
-      EXPECT_NEAR(state.disks[0].spin, 2, 0.1);
+      EXPECT_NEAR(state.bodies[0].spin, 2, 0.1);
     }
   }
   plate.walls[0].removed = 1;
@@ -389,13 +393,14 @@ TEST(WallMotion, SpringsKnowPlatesDrumsAndTilts) {
 }
 
 TEST(WallMotion, AreaOfADrumIsTheSamplesArea) {
-  Scene scene = drum_scene(0, 0);
-  scene.disks = {cylinder(Vec2(0, 0.5), 0.1), cylinder(Vec2(0, -0.5), 0.1)};
-  Wall core;
-  core.shape = Wall::Shape::kSolidCircle;
+  Scene<2> scene = drum_scene(0, 0);
+  scene.bodies = {cylinder(Vec2(0, 0.5), 0.1), cylinder(Vec2(0, -0.5), 0.1)};
+  Wall<2> core;
+  core.shape = Wall<2>::Shape::kSolidCircle;
   core.radius = 0.2;
   scene.walls.push_back(core);
-  EXPECT_NEAR(sample_area(initial_state(scene), scene.step), std::numbers::pi * (1 - 0.04), 1e-14);
+  EXPECT_NEAR(sample_measure(initial_state(scene), scene.step), std::numbers::pi * (1 - 0.04),
+              1e-14);
 }
 
 }  // namespace

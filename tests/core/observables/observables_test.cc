@@ -6,27 +6,27 @@
 #include <fstream>
 #include <numbers>
 
-#include "core/files/observable_output.h"
-#include "core/files/run_output.h"
-#include "core/files/scene_file.h"
+#include "core/run_files/observable_output.h"
+#include "core/run_files/run_output.h"
 #include "core/scene/cluster_motion.h"
+#include "core/scene_files/scene_file.h"
 #include "tests/support/scene_parts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
 namespace {
 
-ContactOutcome touching(int i, int j, const Vec2& n, double s_n,
-                        ContactStatus status = ContactStatus::kStick) {
+ContactOutcome<2> touching(int i, int j, const Vec2& n, double s_n,
+                           ContactStatus status = ContactStatus::kStick) {
   return {.contact = {.i = i, .j = j, .n = n}, .s_n = s_n, .status = status};
 }
 
 /// Three disks on a floor in a row, the middle one on top of nothing: 0 touches the floor and 1, 1
 /// touches the floor, 0 and 2; 2 touches 1 alone; 3 touches nothing.
-Scene row_scene(State& state) {
-  Scene scene = one_law({.mu = 0.3});
+Scene<2> row_scene(State<2>& state) {
+  Scene<2> scene = one_law({.mu = 0.3});
   scene.step = 0.5;
-  for (int k = 0; k < 4; ++k) scene.disks.push_back(cylinder(Vec2(0.2 * k, 0.1), 0.1));
+  for (int k = 0; k < 4; ++k) scene.bodies.push_back(cylinder(Vec2(0.2 * k, 0.1), 0.1));
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
   state = initial_state(scene);
   const Vec2 left(-1, 0), up(0, 1);
@@ -38,10 +38,10 @@ Scene row_scene(State& state) {
 TEST(Observables, CoordinationWithAndWithoutRattlers) {
   // Loaded ends: disk 0 has 2, disk 1 has 3, disk 2 has 1, disk 3 none: mean 6/4. With friction two
   // contacts hold a disk: 2 and 3 rattle; without them 0 has 2 and 1 has 2: mean 2.
-  State state;
-  const Scene scene = row_scene(state);
-  const Observables seen = observe(scene, state, {});
-  EXPECT_EQ(seen.disks, 4);
+  State<2> state;
+  const Scene<2> scene = row_scene(state);
+  const Observables<2> seen = observe(scene, state, {});
+  EXPECT_EQ(seen.bodies, 4);
   EXPECT_EQ(seen.rattlers, 2);
   EXPECT_EQ(seen.coordination, 1.5);
   EXPECT_EQ(seen.coordination_without, 2);
@@ -53,9 +53,9 @@ TEST(Observables, CoordinationWithAndWithoutRattlers) {
 
 TEST(Observables, RattlersFallOneAfterTheOther) {
   // A free chain without friction or gravity: three contacts are needed, so the ends go, then all.
-  Scene scene = one_law({});
-  for (int k = 0; k < 5; ++k) scene.disks.push_back(cylinder(Vec2(0.2 * k, 0), 0.1));
-  State state = initial_state(scene);
+  Scene<2> scene = one_law({});
+  for (int k = 0; k < 5; ++k) scene.bodies.push_back(cylinder(Vec2(0.2 * k, 0), 0.1));
+  State<2> state = initial_state(scene);
   for (int k = 0; k < 4; ++k) state.contacts.push_back(touching(k, k + 1, Vec2(-1, 0), 1));
   for (const bool rattles : find_rattlers(scene, state)) EXPECT_TRUE(rattles);
   // With gravity two are enough in the middle, but not at the ends: they still fall one by one.
@@ -68,28 +68,28 @@ TEST(Observables, RattlersFallOneAfterTheOther) {
 
 TEST(Observables, SolidFractionOfAWindow) {
   // A square lattice: pi/4 in any window of whole cells, wherever it begins.
-  Scene scene = one_law({});
+  Scene<2> scene = one_law({});
   for (int a = 0; a < 6; ++a) {
-    for (int b = 0; b < 6; ++b) scene.disks.push_back(cylinder(Vec2(a, b), 0.5));
+    for (int b = 0; b < 6; ++b) scene.bodies.push_back(cylinder(Vec2(a, b), 0.5));
   }
   scene.step = 1;
-  ObservableChoice choice;
+  ObservableChoice<2> choice;
   choice.window = {Vec2(0.7, 1.3), Vec2(3.7, 4.3)};
   EXPECT_NEAR(observe(scene, initial_state(scene), choice).solid_fraction, std::numbers::pi / 4,
               1e-13);
-  EXPECT_EQ(observe(scene, initial_state(scene), choice).disks, 9);
+  EXPECT_EQ(observe(scene, initial_state(scene), choice).bodies, 9);
 }
 
 TEST(Observables, ShearRateInertialNumberAndFriction) {
   // v = 3 y e_x + a translation: simple shear of rate 3. Stress by hand: sigma_1 = 5, sigma_2 = 3,
   // pressure 4, mass 2: I = 3 sqrt(2/4), tau/P = 2/8.
-  Scene scene = one_law({});
+  Scene<2> scene = one_law({});
   scene.step = 1;
   for (int k = 0; k < 9; ++k) {
     const Vec2 x(k % 3, k / 3 + 0.1 * k);
-    scene.disks.push_back(cylinder(x, 0.1, Vec2(7 + 3 * x[1], -2)));
+    scene.bodies.push_back(cylinder(x, 0.1, Vec2(7 + 3 * x[1], -2)));
   }
-  Observables seen = observe(scene, initial_state(scene), {});
+  Observables<2> seen = observe(scene, initial_state(scene), {});
   EXPECT_NEAR(seen.shear_rate(), 3, 1e-12);
   EXPECT_NEAR((seen.velocity_gradient - (Mat2() << 0, 3, 0, 0).finished()).norm(), 0, 1e-12);
   seen.stress.contact << 5, 0, 0, 3;
@@ -102,16 +102,16 @@ TEST(Observables, ShearRateInertialNumberAndFriction) {
 TEST(Observables, ProfileOfShear) {
   // Disks of radius 0.1 in two rows, in bins 0.2 high between the walls x = 0 and x = 1: each bin holds five
   // whole disks, solid fraction 5 pi 0.01/0.2; the third bin is empty.
-  Scene scene = one_law({});
+  Scene<2> scene = one_law({});
   scene.step = 1;
   for (int k = 0; k < 10; ++k) {
     const Vec2 x(0.1 + 0.2 * (k % 5), 0.1 + 0.2 * (k / 5));
-    scene.disks.push_back(cylinder(x, 0.1, Vec2(k / 5, k % 2 == 0 ? 1 : -1), 2, 4));
+    scene.bodies.push_back(cylinder(x, 0.1, Vec2(k / 5, k % 2 == 0 ? 1 : -1), 2, 4));
   }
   scene.walls = {half_plane(Vec2::Zero(), Vec2(1, 0)), half_plane(Vec2(1, 0), Vec2(-1, 0))};
-  ObservableChoice choice;
+  ObservableChoice<2> choice;
   choice.profile = ProfileChoice{.axis = 1, .bins = 3, .low = 0, .high = 0.6};
-  const Profile p = observe_profile(initial_state(scene), 1, choice);
+  const Profile<2> p = observe_profile(initial_state(scene), 1, choice);
   for (std::size_t b = 0; b < 2; ++b) {
     EXPECT_NEAR(p.position[b], 0.1 + 0.2 * static_cast<double>(b), 1e-15);
     EXPECT_NEAR(p.solid_fraction[b], 5 * std::numbers::pi * 0.01 / 0.2, 1e-12);
@@ -130,12 +130,12 @@ TEST(Observables, FluxThroughALineIsTheMassThatCrosses) {
   // from a to b, left is up.
   for (const double end : {1.0, 0.0}) {
     const FluxLine line{.name = "l", .a = Vec2(-1, 0), .b = Vec2(end, 0)};
-    State state;
-    state.disks = {cylinder(Vec2::Zero(), 0.1, Vec2(0, 2))};
+    State<2> state;
+    state.bodies = {cylinder(Vec2::Zero(), 0.1, Vec2(0, 2))};
     double crossed = 0;
     constexpr int kSteps = 10000;
     for (int k = 0; k < kSteps; ++k) {
-      state.disks[0].x[1] = -0.2 + 0.4 * (k + 0.5) / kSteps;
+      state.bodies[0].x[1] = -0.2 + 0.4 * (k + 0.5) / kSteps;
       crossed += mass_flux(state, line) * 0.2 / kSteps;  // 0.4 m at 2 m/s
     }
     EXPECT_NEAR(crossed, end > 0 ? 2 : 1, 1e-5);
@@ -143,8 +143,8 @@ TEST(Observables, FluxThroughALineIsTheMassThatCrosses) {
 }
 
 TEST(Observables, ForcesOverTheirMean) {
-  State state;
-  const Scene scene = row_scene(state);
+  State<2> state;
+  const Scene<2> scene = row_scene(state);
   // 3, 1, 2, 2 N s in 0.5 s: mean 4 N. Over the mean 1.5, 0.5, 1, 1; bins of 0.5 up to 1.5: the
   // last holds what lies at its end and beyond.
   const ForceDistribution forces =
@@ -156,23 +156,23 @@ TEST(Observables, ForcesOverTheirMean) {
 TEST(Observables, OfAPeriodicRowAreThoseOfEveryCell) {
   // A row of touching disks around a cell: everybody has two neighbours; and a window at the edge
   // sees the contact across it.
-  Scene scene = one_law({.mu = 0.3});
+  Scene<2> scene = one_law({.mu = 0.3});
   scene.step = 1;
   scene.cell.in_x = true;
   scene.cell.width.length = 1;
   for (int k = 0; k < 5; ++k)
-    scene.disks.push_back(cylinder(Vec2(0.1 + 0.2 * k + (k == 2 ? 3 : 0), 0.1), 0.1));
-  State state = initial_state(scene);
+    scene.bodies.push_back(cylinder(Vec2(0.1 + 0.2 * k + (k == 2 ? 3 : 0), 0.1), 0.1));
+  State<2> state = initial_state(scene);
   for (int k = 0; k < 4; ++k) {
     state.contacts.push_back(touching(k, k + 1, Vec2(-1, 0), 1));
     state.contacts.back().contact.image_x = k == 1 ? -3 : k == 2 ? 3 : 0;
   }
   state.contacts.insert(state.contacts.begin() + 1, touching(0, 4, Vec2(1, 0), 1));
   state.contacts[1].contact.image_x = -1;
-  ObservableChoice whole, edge;
+  ObservableChoice<2> whole, edge;
   whole.window = {Vec2(0, 0), Vec2(1, 0.2)};
   edge.window = {Vec2(0, 0), Vec2(0.05, 0.2)};
-  const Observables all = observe(scene, state, whole), part = observe(scene, state, edge);
+  const Observables<2> all = observe(scene, state, whole), part = observe(scene, state, edge);
   EXPECT_EQ(all.coordination, 2);
   EXPECT_NEAR(all.solid_fraction, 5 * std::numbers::pi * 0.01 / 0.2, 1e-12);
   // 1 N s in 1 s along x at each of 5 contacts, branches of 0.2 m: 5 (1)(0.2)/(1 x 0.2) Pa, the
@@ -190,14 +190,14 @@ TEST(Observables, FilesAndTheirMeans) {
       "[observables]\nevery = 2\nstarts = 2\nprofile = 'y'\nprofile_range = [0, 0.2]\n"
       "profile_bins = 2\nforce_bins = 2\nforce_limit = 2\n"
       "[[observables.lines]]\nname = 'gate'\nfrom = [0, -1]\nto = [0, 1]\n";
-  const Scene scene = parse_scene(text, "test.toml");
-  State state = initial_state(scene);
+  const Scene<2> scene = parse_scene(text, "test.toml");
+  State<2> state = initial_state(scene);
   {
-    RunWriter writer(folder / "out", scene, text);
+    RunWriter<2> writer(folder / "out", scene, text);
     for (state.step = 1; state.step <= 8; ++state.step) {
       state.time = 0.5 * state.step;
       state.contacts = {touching(0, 1, Vec2(0, 1), state.step)};
-      state.disks[0].v[0] = state.step;
+      state.bodies[0].v[0] = state.step;
       writer.step(state, {});
     }
     state.step = 8;
@@ -229,11 +229,11 @@ TEST(Observables, FilesAndTheirMeans) {
 
 /// Eight unit spheres of 5 kg in a box that they fill as a cubic lattice; each of the 12 contacts between them and the
 /// 24 with the walls carries 1 N. All move with v = (2 z, 0, 0) 1/s.
-StateIn<3> filled_box() {
-  StateIn<3> state;
+State<3> filled_box() {
+  State<3> state;
   for (int k = 0; k < 8; ++k) {
     const Vec3 x(1 + 2 * (k % 2), 1 + 2 * (k / 2 % 2), 1 + 2 * (k / 4));
-    state.disks.push_back(ball(x, 1, Vec3(2 * x[2], 0, 0), 5));
+    state.bodies.push_back(ball(x, 1, Vec3(2 * x[2], 0, 0), 5));
   }
   for (int axis = 0; axis < 3; ++axis) {
     state.walls.push_back(half_space(Vec3::Zero(), Vec3::Unit(axis)));
@@ -259,19 +259,19 @@ TEST(Observables, OfSpheresInACubicLatticeAreKnown) {
   // Six contacts each, a third of the normals along each axis, π/6 of space. Four columns of 1 N press on 16 m²: 0.25
   // Pa; the shear adds ρ v'² : v' = ±2 m/s of 5 kg, 8 · 5 · 4 / 64 = 2.5 Pa in xx. Its rate is 2 1/s, and with d = 2 m, ρ
   // = 5/(4π/3) the inertial number 2 · 2 √(ρ/P).
-  SceneIn<3> scene = one_law_in_space({.mu = 0.5});
+  Scene<3> scene = one_law_in_space({.mu = 0.5});
   scene.step = 1;
-  StateIn<3> state = filled_box();
-  for (Sphere& s : state.disks) s.x += 0.5 * s.v;  // so that mid-step is where they touch
-  ObservablesIn<3> seen = observe<3>(scene, state, {});
-  EXPECT_EQ(seen.disks, 8);
+  State<3> state = filled_box();
+  for (Sphere& s : state.bodies) s.x += 0.5 * s.v;  // so that mid-step is where they touch
+  Observables<3> seen = observe<3>(scene, state, {});
+  EXPECT_EQ(seen.bodies, 8);
   EXPECT_EQ(seen.rattlers, 0);
   EXPECT_EQ(seen.contacts, 36);
   EXPECT_NEAR(seen.sliding_share(), 24.0 / 36, 1e-15);
   EXPECT_NEAR(seen.coordination, 6, 1e-15);
-  EXPECT_LT((seen.fabric - MatIn<3>::Identity() / 3).norm(), 1e-15);
+  EXPECT_LT((seen.fabric - Mat<3>::Identity() / 3).norm(), 1e-15);
   EXPECT_NEAR(seen.solid_fraction, std::numbers::pi / 6, 1e-12);
-  MatIn<3> stress = 0.25 * MatIn<3>::Identity();
+  Mat<3> stress = 0.25 * Mat<3>::Identity();
   stress(0, 0) += 2.5;
   EXPECT_LT((seen.stress.total() - stress).norm(), 1e-12);
   state = filled_box();  // for the fit, places at the end of the step as the field has them
@@ -283,8 +283,8 @@ TEST(Observables, OfSpheresInACubicLatticeAreKnown) {
   EXPECT_NEAR(seen.inertial_number() * std::sqrt(seen.stress.pressure()), 4 * std::sqrt(density),
               1e-11);
   // A loose sphere is a rattler, and lowers the coordination of all but not that of the others.
-  state.disks.push_back(ball(Vec3(2, 2, 2), 0.1));
-  for (ContactOutcomeIn<3>& o : state.contacts) {
+  state.bodies.push_back(ball(Vec3(2, 2, 2), 0.1));
+  for (ContactOutcome<3>& o : state.contacts) {
     if (o.contact.j >= 8) ++o.contact.j;
   }
   seen = observe<3>(scene, state, {});
@@ -298,13 +298,13 @@ TEST(Observables, OfAWindowInALatticeOfSpheresAreThoseOfTheLattice) {
   // A cubic lattice of 4 x 4 x 4 unit spheres, 1 N at each of its contacts. A window of 2 x 2 x 2 cells, wherever it
   // begins, has π/6 of solid; one that begins in a sphere's middle less a half has 8 spheres of 6 contacts each.
   // Every unit of area across an axis carries 1 N / 4 m².
-  SceneIn<3> scene = one_law_in_space({.mu = 0.5});
+  Scene<3> scene = one_law_in_space({.mu = 0.5});
   scene.step = 1;
-  StateIn<3> state;
+  State<3> state;
   const auto number = [](int a, int b, int c) { return a + 4 * b + 16 * c; };
   for (int c = 0; c < 4; ++c) {
     for (int b = 0; b < 4; ++b) {
-      for (int a = 0; a < 4; ++a) state.disks.push_back(ball(Vec3(2 * a, 2 * b, 2 * c), 1));
+      for (int a = 0; a < 4; ++a) state.bodies.push_back(ball(Vec3(2 * a, 2 * b, 2 * c), 1));
     }
   }
   for (int i = 0; i < 64; ++i) {
@@ -315,18 +315,18 @@ TEST(Observables, OfAWindowInALatticeOfSpheresAreThoseOfTheLattice) {
       state.contacts.push_back({.contact = {.i = i, .j = j, .n = -Vec3::Unit(axis)}, .s_n = 1});
     }
   }
-  ObservableChoiceIn<3> choice;
+  ObservableChoice<3> choice;
   choice.window = {Vec3(1.3, 0.6, 1.9), Vec3(5.3, 4.6, 5.9)};
-  ObservablesIn<3> seen = observe<3>(scene, state, choice);
+  Observables<3> seen = observe<3>(scene, state, choice);
   EXPECT_NEAR(seen.solid_fraction, std::numbers::pi / 6, 1e-13);
-  EXPECT_LT((seen.stress.total() - 0.25 * MatIn<3>::Identity()).norm(), 1e-13);
+  EXPECT_LT((seen.stress.total() - 0.25 * Mat<3>::Identity()).norm(), 1e-13);
   choice.window = {Vec3(1, 1, 1), Vec3(5, 5, 5)};
   seen = observe<3>(scene, state, choice);
-  EXPECT_EQ(seen.disks, 8);
+  EXPECT_EQ(seen.bodies, 8);
   EXPECT_EQ(seen.coordination, 6);
   // Contacts at 1, 3 and 5 along one axis, of which 5 is outside, and at 2 and 4 along the others: 2 x 2 x 2 x 3.
   EXPECT_EQ(seen.contacts, 24);
-  EXPECT_LT((seen.fabric - MatIn<3>::Identity() / 3).norm(), 1e-15);
+  EXPECT_LT((seen.fabric - Mat<3>::Identity() / 3).norm(), 1e-15);
   EXPECT_EQ(observe_forces<3>(state, 1, choice).counts[5],
             24);  // of 30 bins up to 6 times the mean
   EXPECT_NEAR(seen.mean_diameter, 2, 1e-15);
@@ -337,17 +337,17 @@ TEST(Observables, OfAWindowInALatticeOfSpheresAreThoseOfTheLattice) {
 TEST(Observables, ProfileOfSpheresIsCutExactly) {
   // Unit spheres at z = 1 and z = 3 in a shaft of 2 x 2, in bins from 0 to 0.5, ... 4. The slice of a sphere between two
   // planes: caps of height h have π h² (3 - h)/3, so that 0.5 gives 5 π/24 and 1 gives 16 π/24.
-  SceneIn<3> scene = one_law_in_space({});
-  StateIn<3> state;
-  state.disks = {ball(Vec3(0, 0, 1), 1, Vec3(1, 2, 3), 2, Vec3(4, 5, 6)),
-                 ball(Vec3(0, 0, 3), 1, Vec3(-1, 2, 3))};
+  Scene<3> scene = one_law_in_space({});
+  State<3> state;
+  state.bodies = {ball(Vec3(0, 0, 1), 1, Vec3(1, 2, 3), 2, Vec3(4, 5, 6)),
+                  ball(Vec3(0, 0, 3), 1, Vec3(-1, 2, 3))};
   for (int axis = 0; axis < 2; ++axis) {
     state.walls.push_back(half_space(-Vec3::Unit(axis), Vec3::Unit(axis)));
     state.walls.push_back(half_space(Vec3::Unit(axis), -Vec3::Unit(axis)));
   }
-  ObservableChoiceIn<3> choice;
+  ObservableChoice<3> choice;
   choice.profile = ProfileChoice{.axis = 2, .bins = 8, .low = 0, .high = 4};
-  ProfileIn<3> p = observe_profile<3>(state, 1e-9, choice);
+  Profile<3> p = observe_profile<3>(state, 1e-9, choice);
   const double pi = std::numbers::pi;
   for (std::size_t b = 0; b < 8; ++b) {
     const bool end = b % 4 == 0 || b % 4 == 3;
@@ -362,23 +362,23 @@ TEST(Observables, ProfileOfSpheresIsCutExactly) {
   EXPECT_NEAR(p.temperature[0], 1.0 / 3, 1e-12);
   EXPECT_NEAR(p.solid_fraction[0], pi / 6, 1e-13);
   // In a pipe of radius 1 instead: 8/3 π of 4 π.
-  WallIn<3> pipe;
-  pipe.shape = WallIn<3>::Shape::kHollowCircle;
+  Wall<3> pipe;
+  pipe.shape = Wall<3>::Shape::kHollowCircle;
   pipe.normal = Vec3::UnitZ();
   pipe.radius = 1;
   state.walls = {pipe};
   EXPECT_NEAR(observe_profile<3>(state, 1e-9, choice).solid_fraction[0], 2.0 / 3, 1e-3);
-  state.disks.push_back(
-      ball(Vec3(5, 0, 1), 4));  // reaches beyond the pipe: its box leaves the whole circle
-  state.disks.back().wall = 0;  // and does not count itself
+  state.bodies.push_back(
+      ball(Vec3(5, 0, 1), 4));   // reaches beyond the pipe: its box leaves the whole circle
+  state.bodies.back().wall = 0;  // and does not count itself
   EXPECT_NEAR(observe_profile<3>(state, 1e-9, choice).solid_fraction[0], 2.0 / 3, 1e-12);
 }
 
 TEST(Observables, StressOfABinIsTheWeightAboveIt) {
   // Three unit spheres on top of each other in a shaft of 2 x 2, that of weight w at the top: the contacts at z = 0, 2 and
   // 4 carry 3, 2 and 1 w. Branches from 1 to the floor, 3 to 1, 5 to 3: over bins of 1 m, σ_zz = 3, 2, 2, 1, 1, 0 w/4.
-  StateIn<3> state;
-  for (int k = 0; k < 3; ++k) state.disks.push_back(ball(Vec3(0, 0, 1 + 2 * k), 1));
+  State<3> state;
+  for (int k = 0; k < 3; ++k) state.bodies.push_back(ball(Vec3(0, 0, 1 + 2 * k), 1));
   for (int axis = 0; axis < 2; ++axis) {
     state.walls.push_back(half_space(-Vec3::Unit(axis), Vec3::Unit(axis)));
     state.walls.push_back(half_space(Vec3::Unit(axis), -Vec3::Unit(axis)));
@@ -388,12 +388,12 @@ TEST(Observables, StressOfABinIsTheWeightAboveIt) {
   state.contacts = {{.contact = {.i = 0, .j = 1, .n = -Vec3::UnitZ()}, .s_n = 2 * weight * step},
                     {.contact = {.i = 0, .j = 7, .n = Vec3::UnitZ()}, .s_n = 3 * weight * step},
                     {.contact = {.i = 1, .j = 2, .n = -Vec3::UnitZ()}, .s_n = weight * step}};
-  ObservableChoiceIn<3> choice;
+  ObservableChoice<3> choice;
   choice.profile = ProfileChoice{.axis = 2, .bins = 6, .low = 0, .high = 6};
-  const ProfileIn<3> p = observe_profile<3>(state, step, choice);
+  const Profile<3> p = observe_profile<3>(state, step, choice);
   const double expected[] = {3, 2, 2, 1, 1, 0};
   for (std::size_t b = 0; b < 6; ++b) {
-    MatIn<3> stress = MatIn<3>::Zero();
+    Mat<3> stress = Mat<3>::Zero();
     stress(2, 2) = expected[b] * weight / 4;
     EXPECT_LT((p.stress[b] - stress).norm(), 1e-12) << b;
   }
@@ -405,12 +405,12 @@ TEST(Observables, FluxThroughAFaceIsTheMassThatCrosses) {
   // beside them; half of it through a rectangle whose edge its centre meets, and against the normal negative.
   const Vec3 way = Vec3(1, 1, 0).normalized(), up = Vec3::UnitZ();
   const auto crossed = [&](const FluxFace& face) {
-    StateIn<3> state;
-    state.disks = {ball(Vec3::Zero(), 0.1, 3 * way)};
+    State<3> state;
+    state.bodies = {ball(Vec3::Zero(), 0.1, 3 * way)};
     double mass = 0;
     constexpr int kSteps = 10000;
     for (int k = 0; k < kSteps; ++k) {
-      state.disks[0].x = (-0.2 + 0.4 * (k + 0.5) / kSteps) * way;
+      state.bodies[0].x = (-0.2 + 0.4 * (k + 0.5) / kSteps) * way;
       mass += mass_flux(state, face) * 0.4 / 3 / kSteps;  // 0.4 m at 3 m/s
     }
     return mass;
@@ -438,10 +438,10 @@ TEST(Observables, FluxThroughAFaceIsTheMassThatCrosses) {
 TEST(Observables, FluxThroughAPlaneInAPeriodicCellCountsEachSphereOnce) {
   // A sphere in the corner of the cell, falling: its section with the plane z = 0 is a circle of radius √(1 - 0.36) = 0.8
   // in four parts. Along x, it leaves at x = 4 and comes in at x = 0, the same place.
-  StateIn<3> state;
+  State<3> state;
   state.cell.in_x = state.cell.in_y = true;
   state.cell.width.length = state.cell.height.length = 4;
-  state.disks = {ball(Vec3(4, 8, 0.6), 1, Vec3(3, 0, -5))};
+  state.bodies = {ball(Vec3(4, 8, 0.6), 1, Vec3(3, 0, -5))};
   const double density = 2 / (4 * std::numbers::pi / 3), pi = std::numbers::pi;
   EXPECT_NEAR(mass_flux(state, FluxFace{}), -5 * density * 0.64 * pi, 1e-12);
   const FluxFace across{.point = Vec3(4, 0, 0), .normal = Vec3::UnitX(), .along = Vec3::UnitY()};
@@ -449,12 +449,12 @@ TEST(Observables, FluxThroughAPlaneInAPeriodicCellCountsEachSphereOnce) {
 }
 
 /// A dumbbell of two touching disks of radius 1 and 6 kg on a floor, and a disk of 2 kg that lies on both.
-Scene dumbbell_scene(State& state) {
-  Scene scene = one_law({.mu = 0.3});
+Scene<2> dumbbell_scene(State<2>& state) {
+  Scene<2> scene = one_law({.mu = 0.3});
   scene.step = 0.5;
-  scene.disks = {cylinder(Vec2(1, 1), 1), cylinder(Vec2(3, 1), 1)};
+  scene.bodies = {cylinder(Vec2(1, 1), 1), cylinder(Vec2(3, 1), 1)};
   join_disks(scene, 2, {.mass = 6});
-  scene.disks.push_back(cylinder(Vec2(2, 1 + std::sqrt(3.0)), 1));
+  scene.bodies.push_back(cylinder(Vec2(2, 1 + std::sqrt(3.0)), 1));
   scene.clusters.arms.emplace_back(Vec2::Zero());
   scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
   state = initial_state(scene);
@@ -467,24 +467,24 @@ Scene dumbbell_scene(State& state) {
 TEST(Observables, AClusterIsOneBody) {
   // Two bodies, four contacts; the dumbbell has all four, the disk two: mean 3. Mean mass (6 + 2)/2. Both are held: the
   // disk by two contacts, though each of the dumbbell's disks alone has two as well.
-  State state;
-  const Scene scene = dumbbell_scene(state);
+  State<2> state;
+  const Scene<2> scene = dumbbell_scene(state);
   ASSERT_EQ(validate(scene), "");
-  Observables seen = observe(scene, state, {});
-  EXPECT_EQ(seen.disks, 2);
+  Observables<2> seen = observe(scene, state, {});
+  EXPECT_EQ(seen.bodies, 2);
   EXPECT_EQ(seen.rattlers, 0);
   EXPECT_EQ(seen.contacts, 4);
   EXPECT_EQ(seen.coordination, 3);
   EXPECT_EQ(seen.mean_mass, 4);
   // Over the right half there are the right disk, π, and half of the upper one; a window that begins just left of the
   // middle has both centres, one just right of it none.
-  ObservableChoice choice;
+  ObservableChoice<2> choice;
   choice.window = {Vec2(2, 0), Vec2(4, 4)};
   EXPECT_NEAR(observe(scene, state, choice).solid_fraction, 1.5 * std::numbers::pi / 8, 1e-13);
   choice.window->first[0] = 1.99;
-  EXPECT_EQ(observe(scene, state, choice).disks, 2);
+  EXPECT_EQ(observe(scene, state, choice).bodies, 2);
   choice.window->first[0] = 2.01;
-  EXPECT_EQ(observe(scene, state, choice).disks, 0);
+  EXPECT_EQ(observe(scene, state, choice).bodies, 0);
   // With one contact left the dumbbell rattles, and then the disk does.
   state.contacts.resize(1);
   seen = observe(scene, state, {});
@@ -495,21 +495,21 @@ TEST(Observables, AClusterIsOneBody) {
 TEST(Observables, WhatTwoDisksOfAClusterCoverCountsOnce) {
   // Two unit disks, one through the centre of the other: 2 π - (2 π/3 - √3/2), over bins that hold all of it, and
   // half of it on either side of x = 0.5.
-  Scene scene = one_law({});
+  Scene<2> scene = one_law({});
   scene.step = 1;
-  scene.disks = {cylinder(Vec2(0, 0), 1), cylinder(Vec2(1, 0), 1)};
+  scene.bodies = {cylinder(Vec2(0, 0), 1), cylinder(Vec2(1, 0), 1)};
   join_disks(scene, 2, {.mass = 1});
   scene.clusters.bodies[0].v = Vec2(3, 4);
   scene.clusters.bodies[0].spin = 5;
-  place_members(scene.clusters, scene.disks);
-  const State state = initial_state(scene);
+  place_members(scene.clusters, scene.bodies);
+  const State<2> state = initial_state(scene);
   const double area = 4 * std::numbers::pi / 3 + std::sqrt(0.75);
-  ObservableChoice choice;
+  ObservableChoice<2> choice;
   choice.window = {Vec2(-1, -1), Vec2(2, 1)};
   EXPECT_NEAR(observe(scene, state, choice).solid_fraction, area / 6, 1e-14);
   EXPECT_NEAR(observe(scene, state, {}).mean_mass, 1, 0);
   choice.profile = ProfileChoice{.axis = 0, .bins = 3, .low = -2.5, .high = 6.5};
-  const Profile p = observe_profile(state, 1, choice);
+  const Profile<2> p = observe_profile(state, 1, choice);
   for (const std::size_t b : {0u, 1u}) {
     EXPECT_NEAR(p.solid_fraction[b], area / 2 / 6, 1e-14);
     EXPECT_LT((p.velocity[b] - Vec2(3, 4)).norm(), 1e-13);  // of the centre of mass
@@ -521,21 +521,21 @@ TEST(Observables, WhatTwoDisksOfAClusterCoverCountsOnce) {
 TEST(Observables, FluxOfATurningClusterIsItsMass) {
   // Three disks that overlap, of 3 kg, fall and turn through a line; the flux's integral (midpoint rule) is the mass, which
   // it would not be without the spin, nor if what two disks cover counted twice.
-  Scene scene = one_law({});
+  Scene<2> scene = one_law({});
   scene.step = 1;
-  scene.disks = {cylinder(Vec2(0, 0), 0.3), cylinder(Vec2(0.4, 0), 0.2),
-                 cylinder(Vec2(0.2, 0.3), 0.2)};
+  scene.bodies = {cylinder(Vec2(0, 0), 0.3), cylinder(Vec2(0.4, 0), 0.2),
+                  cylinder(Vec2(0.2, 0.3), 0.2)};
   join_disks(scene, 3, {.mass = 3});
   scene.clusters.bodies[0].v = Vec2(0.3, -2);
   scene.clusters.bodies[0].spin = 4;
-  place_members(scene.clusters, scene.disks);
-  State state = initial_state(scene);
+  place_members(scene.clusters, scene.bodies);
+  State<2> state = initial_state(scene);
   const FluxLine line{.name = "l", .a = Vec2(5, -1), .b = Vec2(-5, -1)};  // its left is down
   double crossed = 0;
   constexpr int kSteps = 20000;
   for (int k = 0; k < kSteps; ++k) {
     drift(state.clusters.bodies[0], 0.5 / kSteps);
-    place_members(state.clusters, state.disks);
+    place_members(state.clusters, state.bodies);
     crossed += mass_flux(state, line) / kSteps;
     drift(state.clusters.bodies[0], 0.5 / kSteps);
   }
@@ -544,15 +544,15 @@ TEST(Observables, FluxOfATurningClusterIsItsMass) {
 
 TEST(Observables, AClusterAcrossTheEdgeOfACellIsSeenWhole) {
   // A dumbbell along x whose centre of mass lies on the edge of the cell, two periods away.
-  Scene scene = one_law({});
+  Scene<2> scene = one_law({});
   scene.step = 1;
   scene.cell.in_x = true;
   scene.cell.width.length = 5;
-  scene.disks = {cylinder(Vec2(9, 1), 1), cylinder(Vec2(11, 1), 1)};
+  scene.bodies = {cylinder(Vec2(9, 1), 1), cylinder(Vec2(11, 1), 1)};
   join_disks(scene, 2, {.mass = 1});
   ASSERT_EQ(validate(scene), "");
-  const State state = initial_state(scene);
-  ObservableChoice choice;
+  const State<2> state = initial_state(scene);
+  ObservableChoice<2> choice;
   choice.window = {Vec2(0, 0), Vec2(5, 2)};
   EXPECT_NEAR(observe(scene, state, choice).solid_fraction, 2 * std::numbers::pi / 10, 1e-13);
   choice.window = {Vec2(4, 0), Vec2(5, 2)};  // half of the disk at x = 4
@@ -560,7 +560,7 @@ TEST(Observables, AClusterAcrossTheEdgeOfACellIsSeenWhole) {
 }
 
 TEST(Observables, StressRatioOfSimpleShearIsShearOverPressure) {
-  MatIn<3> stress = 4 * MatIn<3>::Identity();
+  Mat<3> stress = 4 * Mat<3>::Identity();
   stress(0, 2) = stress(2, 0) = 1.2;
   EXPECT_NEAR(stress_ratio<3>(stress), 0.3, 1e-15);
   Mat2 plane = 4 * Mat2::Identity();
@@ -569,9 +569,9 @@ TEST(Observables, StressRatioOfSimpleShearIsShearOverPressure) {
 }
 
 TEST(Observables, WithoutFrictionASphereNeedsThreeContactsUnderGravityAndFourWithout) {
-  SceneIn<3> scene = one_law_in_space({});
-  StateIn<3> state;
-  state.disks = {ball(Vec3::Zero(), 1)};
+  Scene<3> scene = one_law_in_space({});
+  State<3> state;
+  state.bodies = {ball(Vec3::Zero(), 1)};
   state.walls.resize(4, half_space(Vec3::Zero(), Vec3::UnitZ()));
   for (int contacts = 1; contacts <= 4; ++contacts) {
     state.contacts.push_back({.contact = {.i = 0, .j = contacts}, .s_n = 1});
@@ -619,10 +619,10 @@ radius = 0.5
 step = 1e-3
 steps = 2
 )";
-  const auto scene = std::get<SceneIn<3>>(parse_any_scene(text, "test.toml"));
+  const auto scene = std::get<Scene<3>>(parse_any_scene(text, "test.toml"));
   const TemporaryFolder folder;
-  RunWriterIn<3> writer(folder / "out", scene, text);
-  StateIn<3> state = initial_state(scene);
+  RunWriter<3> writer(folder / "out", scene, text);
+  State<3> state = initial_state(scene);
   for (state.step = 1; state.step <= 2; ++state.step) {
     state.time = 1e-3 * state.step;
     writer.step(state, {.step = state.step, .time = state.time});

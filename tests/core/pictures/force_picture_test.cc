@@ -10,7 +10,7 @@
 #include <regex>
 #include <stdexcept>
 
-#include "core/file_error.h"
+#include "core/base/file_error.h"
 #include "core/pictures/colour_map.h"
 #include "core/scene/cluster_motion.h"
 #include "tests/support/temporary_folder.h"
@@ -23,8 +23,8 @@ constexpr const char* kSlipRim = "stroke:rgb\\(42%,24%,0%\\)";
 constexpr const char* kTakeOff = "stroke:rgb\\(55%,55%,55%\\)";
 
 /// A column of `disks` disks of radius 1 cm on a floor, nothing touches yet.
-Scene column(int disks, double mu) {
-  Scene scene;
+Scene<2> column(int disks, double mu) {
+  Scene<2> scene;
   scene.materials = {"stone"};
   scene.laws = {{mu, 0, 0}};
   scene.step = 1e-3;
@@ -33,14 +33,14 @@ Scene column(int disks, double mu) {
     d.x = Vec2(0, 0.01 + 0.02 * k);
     d.radius = 0.01;
     d.mass = d.inertia = 1;
-    scene.disks.push_back(d);
+    scene.bodies.push_back(d);
   }
   scene.walls.emplace_back();  // the half-plane y < 0
   return scene;
 }
 
-ContactOutcome contact(int i, int j, double force, ContactStatus status) {
-  ContactOutcome c;
+ContactOutcome<2> contact(int i, int j, double force, ContactStatus status) {
+  ContactOutcome<2> c;
   c.contact = {.i = i, .j = j, .n = Vec2(0, i < j && j < 3 ? -1 : 1), .gap = 0};
   c.s_n = force * 1e-3;  // step 1e-3 s
   c.status = status;
@@ -48,8 +48,8 @@ ContactOutcome contact(int i, int j, double force, ContactStatus status) {
 }
 
 /// 3 N on the floor, 2 N and 1 N above; the middle one slides; one candidate carries nothing.
-State loaded_column(const Scene& scene) {
-  State state = initial_state(scene);
+State<2> loaded_column(const Scene<2>& scene) {
+  State<2> state = initial_state(scene);
   state.contacts = {contact(0, 1, 2, ContactStatus::kSlip), contact(0, 3, 3, ContactStatus::kStick),
                     contact(1, 2, 1, ContactStatus::kStick),
                     contact(1, 3, 0, ContactStatus::kTakeOff)};
@@ -58,8 +58,8 @@ State loaded_column(const Scene& scene) {
 
 class ForcePicture : public testing::Test {
  protected:
-  std::string svg(const Scene& scene, const State& state, const std::string& caption = "caption",
-                  const ForcePictureOptions& options = {}) {
+  std::string svg(const Scene<2>& scene, const State<2>& state,
+                  const std::string& caption = "caption", const ForcePictureOptions& options = {}) {
     const auto path = folder_ / "picture.svg";
     draw_force_picture(path, scene, state, caption, options);
     std::ifstream in(path);
@@ -84,7 +84,7 @@ class ForcePicture : public testing::Test {
 };
 
 TEST_F(ForcePicture, HasASegmentForEachContactOfAWidthInProportionToTheForce) {
-  const Scene scene = column(3, 0.5);
+  const Scene<2> scene = column(3, 0.5);
   const std::string picture = svg(scene, loaded_column(scene));
   // Stick: 1 N, 3 N (the widest, 22 points) and two samples: the force scale (2 N) and the kind
   // (6).
@@ -102,7 +102,7 @@ TEST_F(ForcePicture, HasASegmentForEachContactOfAWidthInProportionToTheForce) {
 }
 
 TEST_F(ForcePicture, AGivenFullForceMakesPicturesComparable) {
-  const Scene scene = column(3, 0.5);
+  const Scene<2> scene = column(3, 0.5);
   ForcePictureOptions options;
   options.full_force = 6;
   const std::vector<double> stick = widths(svg(scene, loaded_column(scene), "", options), kStick);
@@ -113,14 +113,14 @@ TEST_F(ForcePicture, AGivenFullForceMakesPicturesComparable) {
 }
 
 TEST_F(ForcePicture, WithoutFrictionThereIsOneKindOfLoadedContact) {
-  const Scene scene = column(3, 0.0);
+  const Scene<2> scene = column(3, 0.0);
   const std::string picture = svg(scene, loaded_column(scene));
   EXPECT_EQ(widths(picture, kStick).size(), 3u + 2u);
   EXPECT_EQ(widths(picture, kSlipRim).size(), 0u);
 }
 
 TEST_F(ForcePicture, DisksAreFilledByTheirNumberAndNoForceIsDrawnIfNoneIsWanted) {
-  const Scene scene = column(3, 0.5);
+  const Scene<2> scene = column(3, 0.5);
   ForcePictureOptions options;
   options.forces = false;
   options.fill = {.values = {0, 1, 4}, .label = "heat", .unit = "Pa", .high = 2};
@@ -147,8 +147,8 @@ TEST_F(ForcePicture, DisksAreFilledByTheirNumberAndNoForceIsDrawnIfNoneIsWanted)
 }
 
 TEST_F(ForcePicture, MarkedContactsHaveARingAndAnEntryInTheLegend) {
-  const Scene scene = column(3, 0.5);
-  const State state = loaded_column(scene);
+  const Scene<2> scene = column(3, 0.5);
+  const State<2> state = loaded_column(scene);
   constexpr const char* kMark = "stroke:rgb\\(80%,5%,35%\\)";
   EXPECT_TRUE(widths(svg(scene, state), kMark).empty());
   ForcePictureOptions options;
@@ -161,15 +161,15 @@ TEST_F(ForcePicture, MarkedContactsHaveARingAndAnEntryInTheLegend) {
 }
 
 TEST_F(ForcePicture, DrawsWhatThereIsWhenNothingTouches) {
-  const Scene one = column(1, 0.5);
+  const Scene<2> one = column(1, 0.5);
   EXPECT_TRUE(widths(svg(one, initial_state(one)), kStick).empty());
-  const Scene three = column(3, 0.5);
-  State unloaded = loaded_column(three);
-  for (ContactOutcome& c : unloaded.contacts) c.s_n = 0;
+  const Scene<2> three = column(3, 0.5);
+  State<2> unloaded = loaded_column(three);
+  for (ContactOutcome<2>& c : unloaded.contacts) c.s_n = 0;
   const std::string picture = svg(three, unloaded);
   EXPECT_TRUE(widths(picture, kStick).empty());
   EXPECT_EQ(widths(picture, kTakeOff).size(), 4u + 1u);
-  Scene empty = column(0, 0.5);
+  Scene<2> empty = column(0, 0.5);
   svg(empty, initial_state(empty));
   empty.walls.clear();
   svg(empty, initial_state(empty));
@@ -177,7 +177,7 @@ TEST_F(ForcePicture, DrawsWhatThereIsWhenNothingTouches) {
 }
 
 TEST_F(ForcePicture, PngsAreWrittenWithTheChosenResolution) {
-  const Scene scene = column(3, 0.5);
+  const Scene<2> scene = column(3, 0.5);
   ForcePictureOptions options;
   options.width = 400;
   options.resolution = 1.5;
@@ -191,7 +191,7 @@ TEST_F(ForcePicture, PngsAreWrittenWithTheChosenResolution) {
 }
 
 TEST_F(ForcePicture, ALongCaptionMakesThePictureHigher) {
-  const Scene scene = column(3, 0.5);
+  const Scene<2> scene = column(3, 0.5);
   const auto height = [&](const std::string& caption) {
     const std::string text = svg(scene, loaded_column(scene), caption);
     std::smatch match;
@@ -205,8 +205,8 @@ TEST_F(ForcePicture, ALongCaptionMakesThePictureHigher) {
 }
 
 TEST_F(ForcePicture, OtherFormatsAndUnwritablePlacesAreRefused) {
-  const Scene scene = column(3, 0.5);
-  const State state = loaded_column(scene);
+  const Scene<2> scene = column(3, 0.5);
+  const State<2> state = loaded_column(scene);
   EXPECT_THROW(draw_force_picture(folder_ / "picture.pdf", scene, state, ""), FileError);
   EXPECT_THROW(draw_force_picture(folder_ / "no/picture.png", scene, state, ""), FileError);
   EXPECT_THROW(draw_force_picture(folder_ / "no/picture.svg", scene, state, ""), FileError);
@@ -229,7 +229,7 @@ TEST(Scales, AreRoundAndNotTooLong) {
 }
 
 TEST_F(ForcePicture, JointsLeadFromTheCentreOfMassToEachDisk) {
-  Scene scene = column(2, 0.5);
+  Scene<2> scene = column(2, 0.5);
   join_disks(scene, 2, {.mass = 1});
   const std::string picture = svg(scene, initial_state(scene));
   EXPECT_EQ(widths(picture, "stroke:rgb\\(62%,68%,62%\\)").size(), 2u);

@@ -21,12 +21,12 @@ std::string text_of(const std::filesystem::path& path) {
 }
 
 TEST(StressPicture, TheBarEndsWhereAllButTwoInAHundredDisksAre) {
-  Scene scene;
+  Scene<2> scene;
   scene.materials = {"stone"};
   scene.laws = {{}};
   scene.step = 1e-3;
-  scene.disks = rectangular_lattice(10, 10, 0.01, Vec2::Zero());
-  const State state = initial_state(scene);
+  scene.bodies = rectangular_lattice(10, 10, 0.01, Vec2::Zero());
+  const State<2> state = initial_state(scene);
   std::vector<double> pressures(100, 1900.0);
   pressures[7] = 1e6;
   const TemporaryFolder folder;
@@ -58,14 +58,14 @@ TEST(StressPicture, EndsOfColourBarsAreRound) {
 
 TEST(StressPicture, PressuresAreThoseOfTheDisksOwnAreas) {
   // A disk of radius 2 squeezed with 7 N: Σ F r = 7 · 4 in xx, half of it over π 2².
-  State state;
+  State<2> state;
   Disk d;
   d.radius = 2;
   d.mass = d.inertia = 1;
-  state.disks = {d};
+  state.bodies = {d};
   state.walls.resize(2);
   for (int k = 0; k < 2; ++k) {
-    ContactOutcome o;
+    ContactOutcome<2> o;
     o.contact = {.i = 0, .j = 1 + k, .n = Vec2(k == 0 ? 1 : -1, 0)};
     o.s_n = 7e-3;
     state.contacts.push_back(o);

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/types.h"
+#include "core/base/types.h"
 #include "tests/support/manufactured.h"
 
 namespace bipot {

@@ -50,10 +50,10 @@ std::vector<Disk> power_law_disks(int count, double ratio, double exponent, unsi
 
 void expect_all_found(const std::vector<Disk>& disks, double eta) {
   const std::vector<Pair> expected = brute_force(disks, eta);
-  const std::vector<Contact> found = detect_contacts(disks, {}, eta);
+  const std::vector<Contact<2>> found = detect_contacts(disks, {}, eta);
   ASSERT_EQ(found.size(), expected.size());
   for (std::size_t k = 0; k < found.size(); ++k) {
-    const Contact& c = found[k];
+    const Contact<2>& c = found[k];
     ASSERT_EQ(c.i, expected[k].i);
     ASSERT_EQ(c.j, expected[k].j);
     const double size = disks[c.i].radius + disks[c.j].radius;
@@ -80,7 +80,7 @@ TEST(Detection, FindsOneSmallDiskOnALargeOne) {
   disks[1].radius = disks[2].radius = 1;
   disks[1].x = Vec2(0, 1000.5);
   disks[2].x = Vec2(0, -1001.5);
-  const std::vector<Contact> contacts = detect_contacts(disks, {}, 0);
+  const std::vector<Contact<2>> contacts = detect_contacts(disks, {}, 0);
   ASSERT_EQ(contacts.size(), 1u);
   EXPECT_EQ(contacts[0].i, 0);
   EXPECT_EQ(contacts[0].j, 1);
@@ -101,7 +101,7 @@ TEST(Detection, RadiiAtPowersOfTwoOfTheSmallest) {
       x += d.radius;
       disks.push_back(d);
     }
-    const std::vector<Contact> contacts = detect_contacts(disks, {}, 1e-9);
+    const std::vector<Contact<2>> contacts = detect_contacts(disks, {}, 1e-9);
     ASSERT_EQ(contacts.size(), 8u);
     for (int k = 0; k < 8; ++k) EXPECT_EQ(contacts[k].j, k + 1);
   }
@@ -132,11 +132,11 @@ TEST(Detection, TheOrderOfTheDisksDoesNotMatter) {
   }
   std::vector<Disk> shuffled;
   for (int k : order) shuffled.push_back(disks[k]);
-  const std::vector<Contact> reference = detect_contacts(disks, {}, 0.1);
-  std::vector<Contact> back = detect_contacts(shuffled, {}, 0.1);
+  const std::vector<Contact<2>> reference = detect_contacts(disks, {}, 0.1);
+  std::vector<Contact<2>> back = detect_contacts(shuffled, {}, 0.1);
   ASSERT_EQ(back.size(), reference.size());
   ASSERT_GT(back.size(), 300u);
-  for (Contact& c : back) {
+  for (Contact<2>& c : back) {
     c.i = order[c.i];
     c.j = order[c.j];
     if (c.i > c.j) {
@@ -144,7 +144,7 @@ TEST(Detection, TheOrderOfTheDisksDoesNotMatter) {
       c.n = -c.n;
     }
   }
-  std::sort(back.begin(), back.end(), [](const Contact& a, const Contact& b) {
+  std::sort(back.begin(), back.end(), [](const Contact<2>& a, const Contact<2>& b) {
     return std::pair(a.i, a.j) < std::pair(b.i, b.j);
   });
   for (std::size_t k = 0; k < back.size(); ++k) {
@@ -175,11 +175,11 @@ std::vector<Disk> one_disk(const Vec2& x, double radius) {
 }
 
 TEST(Detection, HalfPlaneActsAlongItsNormal) {
-  Wall wall;
+  Wall<2> wall;
   wall.a = Vec2(5, 1);
   wall.normal = Vec2(0.6, 0.8);
   // Distance of the centre from the line: 0.6 * (8 - 5) + 0.8 * (2 - 1) = 2.6.
-  const std::vector<Contact> contacts =
+  const std::vector<Contact<2>> contacts =
       detect_contacts(one_disk(Vec2(8, 2), 3), std::span(&wall, 1), 0);
   ASSERT_EQ(contacts.size(), 1u);
   EXPECT_EQ(contacts[0].i, 0);
@@ -193,11 +193,11 @@ TEST(Detection, HalfPlaneActsAlongItsNormal) {
 }
 
 TEST(Detection, SegmentHasTwoSidesAndTwoEnds) {
-  Wall wall;
-  wall.shape = Wall::Shape::kSegment;
+  Wall<2> wall;
+  wall.shape = Wall<2>::Shape::kSegment;
   wall.a = Vec2(0, 0);
   wall.b = Vec2(4, 0);
-  const std::span<const Wall> walls(&wall, 1);
+  const std::span<const Wall<2>> walls(&wall, 1);
   const auto only = [&](const Vec2& x) { return detect_contacts(one_disk(x, 1), walls, 0).at(0); };
   EXPECT_EQ(only(Vec2(2, 0.75)).n, Vec2(0, 1));
   EXPECT_EQ(only(Vec2(2, -0.75)).n, Vec2(0, -1));
@@ -213,15 +213,15 @@ TEST(Detection, SegmentHasTwoSidesAndTwoEnds) {
 
 TEST(Detection, DisksAndWallsAreSortedByPair) {
   const std::vector<Disk> disks = rectangular_lattice(4, 3, 0.5, Vec2::Zero());
-  std::vector<Wall> walls(2);
+  std::vector<Wall<2>> walls(2);
   walls[1].normal = Vec2(1, 0);
-  const std::vector<Contact> contacts = detect_contacts(disks, walls, 1e-9);
+  const std::vector<Contact<2>> contacts = detect_contacts(disks, walls, 1e-9);
   EXPECT_EQ(contacts.size(), 3u * 3 + 4 * 2 + 4 + 3);
-  EXPECT_TRUE(
-      std::is_sorted(contacts.begin(), contacts.end(), [](const Contact& a, const Contact& b) {
-        return std::pair(a.i, a.j) < std::pair(b.i, b.j);
-      }));
-  for (const Contact& c : contacts) EXPECT_LT(c.i, c.j);
+  EXPECT_TRUE(std::is_sorted(contacts.begin(), contacts.end(),
+                             [](const Contact<2>& a, const Contact<2>& b) {
+                               return std::pair(a.i, a.j) < std::pair(b.i, b.j);
+                             }));
+  for (const Contact<2>& c : contacts) EXPECT_LT(c.i, c.j);
 }
 
 TEST(Detection, RefusesCoincidentCentres) {
@@ -229,8 +229,8 @@ TEST(Detection, RefusesCoincidentCentres) {
   disks[0].radius = 1;
   disks[1].radius = 200;
   EXPECT_THROW(detect_contacts(disks, {}, 0), std::invalid_argument);
-  Wall wall;
-  wall.shape = Wall::Shape::kSegment;
+  Wall<2> wall;
+  wall.shape = Wall<2>::Shape::kSegment;
   wall.a = Vec2(-1, 0);
   wall.b = Vec2(1, 0);
   EXPECT_THROW(detect_contacts(one_disk(Vec2(0.5, 0), 1), std::span(&wall, 1), 0),
@@ -239,7 +239,7 @@ TEST(Detection, RefusesCoincidentCentres) {
 
 TEST(Detection, NothingThereIsNothingFound) {
   EXPECT_TRUE(detect_contacts({}, {}, 0).empty());
-  const Wall wall;
+  const Wall<2> wall;
   EXPECT_TRUE(detect_contacts({}, std::span(&wall, 1), 0).empty());
 }
 

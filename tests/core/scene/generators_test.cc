@@ -28,7 +28,8 @@ std::uint64_t hash_of(const std::vector<Disk>& disks) {
 
 double lowest_gap(const std::vector<Disk>& disks) {
   double gap = 1e300;
-  for (const Contact& c : detect_contacts(disks, {}, disks[0].radius)) gap = std::min(gap, c.gap);
+  for (const Contact<2>& c : detect_contacts(disks, {}, disks[0].radius))
+    gap = std::min(gap, c.gap);
   return gap;
 }
 

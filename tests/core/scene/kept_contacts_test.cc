@@ -11,10 +11,10 @@ namespace {
 
 /// Bodies of radii 0.5 to 1 in a box of that many radii, drawn; they overlap here and there.
 template <int D>
-std::vector<BodyIn<D>> crowd(int count, double width, unsigned seed) {
+std::vector<Body<D>> crowd(int count, double width, unsigned seed) {
   Draw draw(seed);
-  std::vector<BodyIn<D>> bodies(to_size(count));
-  for (BodyIn<D>& b : bodies) {
+  std::vector<Body<D>> bodies(to_size(count));
+  for (Body<D>& b : bodies) {
     for (int k = 0; k < D; ++k) b.x[k] = draw.between(0, width);
     b.radius = draw.between(0.5, 1);
   }
@@ -22,7 +22,7 @@ std::vector<BodyIn<D>> crowd(int count, double width, unsigned seed) {
 }
 
 template <int D>
-void expect_same(const std::vector<ContactIn<D>>& kept, const std::vector<ContactIn<D>>& found) {
+void expect_same(const std::vector<Contact<D>>& kept, const std::vector<Contact<D>>& found) {
   ASSERT_EQ(kept.size(), found.size());
   for (std::size_t k = 0; k < kept.size(); ++k) {
     EXPECT_EQ(kept[k].i, found[k].i);
@@ -34,10 +34,10 @@ void expect_same(const std::vector<ContactIn<D>>& kept, const std::vector<Contac
 
 /// A floor, and in the plane a segment, which move as well.
 template <int D>
-std::vector<WallIn<D>> two_walls() {
-  std::vector<WallIn<D>> walls(D == 2 ? 2 : 1);
+std::vector<Wall<D>> two_walls() {
+  std::vector<Wall<D>> walls(D == 2 ? 2 : 1);
   if constexpr (D == 2) {
-    walls[1].shape = Wall::Shape::kSegment;
+    walls[1].shape = Wall<2>::Shape::kSegment;
     walls[1].a = Vec2(2, 2);
     walls[1].b = Vec2(12, 7);
   }
@@ -47,19 +47,19 @@ std::vector<WallIn<D>> two_walls() {
 /// Moves all at random by at most `step` along each axis, 150 times; returns the searches.
 template <int D>
 int searches_of_a_walk(double step, int threads) {
-  std::vector<BodyIn<D>> bodies = crowd<D>(D == 2 ? 300 : 500, D == 2 ? 24 : 12, 7);
-  std::vector<WallIn<D>> walls = two_walls<D>();
-  KeptContactsIn<D> kept;
+  std::vector<Body<D>> bodies = crowd<D>(D == 2 ? 300 : 500, D == 2 ? 24 : 12, 7);
+  std::vector<Wall<D>> walls = two_walls<D>();
+  KeptContacts<D> kept;
   Draw draw(5);
   for (int k = 0; k < 150; ++k) {
     const double eta = 0.05;
     expect_same<D>(kept(bodies, walls, eta, threads),
                    detect_contacts<D>(bodies, walls, eta, threads));
     if (::testing::Test::HasFailure()) return -1;
-    for (BodyIn<D>& b : bodies) {
+    for (Body<D>& b : bodies) {
       for (int axis = 0; axis < D; ++axis) b.x[axis] += step * draw.symmetric();
     }
-    for (WallIn<D>& w : walls) {
+    for (Wall<D>& w : walls) {
       for (int axis = 0; axis < D; ++axis) {
         const double move = step * draw.symmetric();
         w.a[axis] += move;
@@ -85,8 +85,8 @@ TEST(KeptContacts, FastBodiesAreSearchedEveryTime) {
 
 TEST(KeptContacts, ChangesOfTheBodiesEndTheList) {
   std::vector<Disk> disks = crowd<2>(200, 20, 3);
-  std::vector<Wall> walls = two_walls<2>();
-  KeptContacts kept;
+  std::vector<Wall<2>> walls = two_walls<2>();
+  KeptContacts<2> kept;
   const auto expect_right = [&](double eta) {
     expect_same<2>(kept(disks, walls, eta), detect_contacts(disks, walls, eta));
   };
@@ -105,7 +105,7 @@ TEST(KeptContacts, ChangesOfTheBodiesEndTheList) {
   for (int k = 0; k < 5; ++k) expect_right(0.5);
   EXPECT_EQ(kept.searches(), 5);
   walls.push_back({});
-  walls.back().shape = Wall::Shape::kHollowCircle;
+  walls.back().shape = Wall<2>::Shape::kHollowCircle;
   walls.back().a = Vec2(10, 10);
   walls.back().radius = 11;
   for (int k = 0; k < 5; ++k) expect_right(0.5);
@@ -125,8 +125,8 @@ TEST(KeptContacts, ChangesOfTheBodiesEndTheList) {
 
 TEST(KeptContacts, CoincidentCentresAreRefusedAsByASearch) {
   std::vector<Disk> disks = crowd<2>(20, 20, 3);
-  const std::vector<Wall> walls = two_walls<2>();
-  KeptContacts kept;
+  const std::vector<Wall<2>> walls = two_walls<2>();
+  KeptContacts<2> kept;
   kept(disks, walls, 0.05);
   const Vec2 place = disks[4].x;
   disks[4].x = disks[5].x;

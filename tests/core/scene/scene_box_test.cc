@@ -23,8 +23,8 @@ bool spans(const std::pair<Vec2, Vec2>& line, const Vec2& a, const Vec2& b) {
 }
 
 TEST(ViewBox, HasTheDisksAndTheWallsNearThem) {
-  std::vector<Wall> walls(1);  // the half-plane y < 0
-  const Box box = view_box(column(), walls);
+  std::vector<Wall<2>> walls(1);  // the half-plane y < 0
+  const Box<2> box = view_box(column(), walls);
   EXPECT_LT(box.lower[1], 0);
   EXPECT_GT(box.upper[1], 0.06);
   EXPECT_LT(box.upper[1], 0.1);
@@ -37,20 +37,20 @@ TEST(ViewBox, HasTheDisksAndTheWallsNearThem) {
 TEST(ViewBox, IsNeverEmpty) {
   EXPECT_FALSE(view_box({}, {}).empty());
   EXPECT_GT(view_box({}, {}).size().minCoeff(), 0);
-  const std::vector<Wall> walls(1);
+  const std::vector<Wall<2>> walls(1);
   EXPECT_GT(view_box({}, walls).size().minCoeff(), 0);
 }
 
 TEST(WallLines, EndWhereAnotherHalfPlaneBegins) {
-  Box box;
+  Box<2> box;
   box.include(Vec2(-1, -1));
   box.include(Vec2(3, 2));
-  Wall floor, side, post;  // floor y < 0, side x < 0
+  Wall<2> floor, side, post;  // floor y < 0, side x < 0
   side.normal = Vec2(1, 0);
-  post.shape = Wall::Shape::kSegment;
+  post.shape = Wall<2>::Shape::kSegment;
   post.a = Vec2(1, 0);
   post.b = Vec2(1, 1);
-  const auto lines = wall_lines(std::vector<Wall>{floor, side, post}, box);
+  const auto lines = wall_lines(std::vector<Wall<2>>{floor, side, post}, box);
   ASSERT_EQ(lines.size(), 3u);
   EXPECT_TRUE(spans(lines[0], Vec2(0, 0), Vec2(3, 0)));
   EXPECT_TRUE(spans(lines[1], Vec2(0, 0), Vec2(0, 2)));
@@ -58,16 +58,16 @@ TEST(WallLines, EndWhereAnotherHalfPlaneBegins) {
 }
 
 TEST(WallLines, ABuriedLineIsShownWhole) {
-  Box box;
+  Box<2> box;
   box.include(Vec2(-1, -1));
   box.include(Vec2(1, 1));
-  Wall left, right, deep;  // x < 0.2 and x > -0.2 are solid: nothing of y = -0.5 is free
+  Wall<2> left, right, deep;  // x < 0.2 and x > -0.2 are solid: nothing of y = -0.5 is free
   left.a = Vec2(0.2, 0);
   left.normal = Vec2(1, 0);
   right.a = Vec2(-0.2, 0);
   right.normal = Vec2(-1, 0);
   deep.a = Vec2(0, -0.5);
-  const auto lines = wall_lines(std::vector<Wall>{left, right, deep}, box);
+  const auto lines = wall_lines(std::vector<Wall<2>>{left, right, deep}, box);
   EXPECT_TRUE(spans(lines[2], Vec2(-1, -0.5), Vec2(1, -0.5)));
 }
 

@@ -6,11 +6,11 @@ namespace bipot {
 namespace {
 
 TEST(Scene, SmallestRadiusIsThatOfAllDisks) {
-  Scene scene;
+  Scene<2> scene;
   EXPECT_EQ(smallest_radius(scene), kInfinity);
   for (const double radius : {0.3, 0.1, 0.2}) {
-    scene.disks.emplace_back();
-    scene.disks.back().radius = radius;
+    scene.bodies.emplace_back();
+    scene.bodies.back().radius = radius;
   }
   EXPECT_EQ(smallest_radius(scene), 0.1);
 }

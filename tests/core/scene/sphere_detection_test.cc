@@ -26,9 +26,9 @@ std::vector<Sphere> cloud(int count, double ratio, double width, const Vec3& cen
   return spheres;
 }
 
-std::vector<ContactIn<3>> by_brute_force(const std::vector<Sphere>& spheres,
-                                         const std::vector<WallIn<3>>& walls, double eta) {
-  std::vector<ContactIn<3>> found;
+std::vector<Contact<3>> by_brute_force(const std::vector<Sphere>& spheres,
+                                       const std::vector<Wall<3>>& walls, double eta) {
+  std::vector<Contact<3>> found;
   const int count = static_cast<int>(spheres.size());
   for (int i = 0; i < count; ++i) {
     const Sphere& a = spheres[to_size(i)];
@@ -48,8 +48,8 @@ std::vector<ContactIn<3>> by_brute_force(const std::vector<Sphere>& spheres,
 // Equal spheres, sizes that fill several levels of the grid, negative coordinates, and coordinates
 // far beyond the cells that a key can tell apart: 2^20 cells of 2 m in each direction.
 TEST(SphereDetection, FindsWhatBruteForceFinds) {
-  const std::vector<WallIn<3>> walls = {half_space(Vec3(0, 0, -9), Vec3::UnitZ()),
-                                        half_space(Vec3(8, 8, 0), Vec3(-1, -1, 0).normalized())};
+  const std::vector<Wall<3>> walls = {half_space(Vec3(0, 0, -9), Vec3::UnitZ()),
+                                      half_space(Vec3(8, 8, 0), Vec3(-1, -1, 0).normalized())};
   for (const double ratio : {1.0, 3.0, 40.0}) {
     for (const double far : {0.0, 1e7}) {
       const auto spheres = cloud(400, ratio, 20 * std::sqrt(ratio), Vec3(far, -far, far), 7);
@@ -69,7 +69,7 @@ TEST(SphereDetection, FindsWhatBruteForceFinds) {
 
 TEST(SphereDetection, ThreadsChangeNoBit) {
   const auto spheres = cloud(5000, 4, 60, Vec3::Zero(), 3);
-  const std::vector<WallIn<3>> walls = {half_space(Vec3(0, 0, -20), Vec3::UnitZ())};
+  const std::vector<Wall<3>> walls = {half_space(Vec3(0, 0, -20), Vec3::UnitZ())};
   const auto one = detect_contacts<3>(spheres, walls, 0.2, 1);
   const auto many = detect_contacts<3>(spheres, walls, 0.2, 4);
   ASSERT_EQ(one.size(), many.size());

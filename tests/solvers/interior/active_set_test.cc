@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/problem/contact_error.h"
+#include "core/criterion/contact_error.h"
 #include "solvers/monitor.h"
 #include "tests/support/manufactured.h"
 

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "core/problem/contact_error.h"
+#include "core/criterion/contact_error.h"
 
 namespace bipot {
 namespace {

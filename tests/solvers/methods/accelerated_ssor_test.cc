@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "core/problem/contact_error.h"
+#include "core/criterion/contact_error.h"
 #include "solvers/solve.h"
 #include "tests/support/small_problems.h"
 

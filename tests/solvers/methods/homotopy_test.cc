@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/files/problem_file.h"
+#include "core/problem_files/problem_file.h"
 #include "solvers/homotopy/path_follower.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"

@@ -10,9 +10,9 @@
 #include "core/motion/time_stepping.h"
 #include "core/scene/generators.h"
 #include "solvers/interior/interior_state.h"
-#include "solvers/kernels/shifted_delassus.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "solvers/systems/shifted_delassus.h"
 #include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
@@ -28,7 +28,7 @@ SolverOptions with(std::map<std::string, std::string> parameters, double tol = 1
 }
 
 /// The problem of the first step of a scene at rest.
-ContactProblem first_problem(const Scene& scene) {
+ContactProblem first_problem(const Scene<2>& scene) {
   ContactProblem problem;
   const StepSolver copy = [&](const ContactProblem& p, const Vector&) {
     problem = p;
@@ -37,23 +37,23 @@ ContactProblem first_problem(const Scene& scene) {
     solution.s = Vector::Zero(p.num_rows());
     return solution;
   };
-  State state = initial_state(scene);
-  TimeStepper(scene, copy, false).advance(state);
+  State<2> state = initial_state(scene);
+  TimeStepper<2>(scene, copy, false).advance(state);
   return problem;
 }
 
-Scene scene_of(std::vector<Disk> disks, double mu, double tilt_degrees) {
+Scene<2> scene_of(std::vector<Disk> disks, double mu, double tilt_degrees) {
   constexpr double kGravity = 9.81, kDensity = 1000;
   const double tilt = tilt_degrees * std::numbers::pi / 180;
-  Scene scene;
+  Scene<2> scene;
   scene.gravity = kGravity * Vec2(std::sin(tilt), -std::cos(tilt));
   scene.materials = {"grain"};
   scene.laws = {ContactLaw{mu, 0, 0}};
   scene.step = 1e-3;
   scene.num_steps = 1;
   scene.contact_distance = 1e-8;
-  scene.disks = std::move(disks);
-  for (Disk& d : scene.disks) {
+  scene.bodies = std::move(disks);
+  for (Disk& d : scene.bodies) {
     d.mass = kDensity * std::numbers::pi * d.radius * d.radius;
     d.inertia = d.mass * d.radius * d.radius / 2;
   }
@@ -61,8 +61,8 @@ Scene scene_of(std::vector<Disk> disks, double mu, double tilt_degrees) {
   return scene;
 }
 
-Wall side_wall(double x, double normal) {
-  Wall wall{.name = "side"};
+Wall<2> side_wall(double x, double normal) {
+  Wall<2> wall{.name = "side"};
   wall.a = Vec2(x, 0);
   wall.normal = Vec2(normal, 0);
   return wall;
@@ -71,9 +71,9 @@ Wall side_wall(double x, double normal) {
 constexpr double kRadius = 0.01;
 
 ContactProblem lattice(bool triangular, int n, double mu, double tilt) {
-  Scene scene = scene_of(triangular ? triangular_lattice(n, n, kRadius, Vec2::Zero())
-                                    : rectangular_lattice(n, n, kRadius, Vec2::Zero()),
-                         mu, tilt);
+  Scene<2> scene = scene_of(triangular ? triangular_lattice(n, n, kRadius, Vec2::Zero())
+                                       : rectangular_lattice(n, n, kRadius, Vec2::Zero()),
+                            mu, tilt);
   scene.walls.push_back(side_wall(0, 1));
   scene.walls.push_back(side_wall(2 * kRadius * n, -1));
   return first_problem(scene);
@@ -354,9 +354,9 @@ TEST(InteriorPoint, FreePyramidsAreReached) {
 
 TEST(InteriorPoint, RandomPilesAreReachedFromStartsOfAnyScale) {
   // A loose filling that falls and settles; then the problem of one more step.
-  Scene scene = scene_of(random_filling(80, {{0.7 * kRadius, 0.4}, {kRadius, 0.6}}, 20 * kRadius,
-                                        0.02, 7, Vec2::Zero()),
-                         0.5, 0);
+  Scene<2> scene = scene_of(random_filling(80, {{0.7 * kRadius, 0.4}, {kRadius, 0.6}}, 20 * kRadius,
+                                           0.02, 7, Vec2::Zero()),
+                            0.5, 0);
   scene.walls.push_back(side_wall(0, 1));
   scene.walls.push_back(side_wall(20 * kRadius, -1));
   const StepSolver step = [&](const ContactProblem& p, const Vector& s0) {
@@ -369,8 +369,8 @@ TEST(InteriorPoint, RandomPilesAreReachedFromStartsOfAnyScale) {
     solution.s = r.s;
     return solution;
   };
-  State state = initial_state(scene);
-  TimeStepper stepper(scene, step, false);
+  State<2> state = initial_state(scene);
+  TimeStepper<2> stepper(scene, step, false);
   for (int k = 0; k < 400; ++k) stepper.advance(state);
   ContactProblem p = stepper.problem();
   ASSERT_GT(p.num_contacts(), 100);

@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "core/problem/contact_error.h"
-#include "core/problem/sparse_factor.h"
-#include "core/problem/system_factor.h"
+#include "core/criterion/contact_error.h"
+#include "core/linear/sparse_factor.h"
+#include "core/linear/system_factor.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"

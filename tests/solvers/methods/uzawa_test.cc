@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "core/problem/contact_error.h"
+#include "core/criterion/contact_error.h"
 #include "solvers/solve.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/small_problems.h"

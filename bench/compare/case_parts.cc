@@ -1,0 +1,95 @@
+#include "bench/compare/case_parts.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/motion/midpoint.h"
+#include "core/motion/state.h"
+#include "core/motion/time_stepping.h"
+
+namespace bipot {
+
+Wall<2> plane(const char* name, const Vec2& point, const Vec2& normal) {
+  Wall<2> wall;
+  wall.name = name;
+  wall.a = point;
+  wall.normal = normal;
+  return wall;
+}
+
+Disk disk(const Vec2& x, double radius, double mass, double inertia) {
+  Disk d;
+  d.x = x;
+  d.radius = radius;
+  d.mass = mass;
+  d.inertia = inertia * 0.5 * mass * radius * radius;
+  return d;
+}
+
+Scene<2> empty_scene(double mu, double e_n, double e_t) {
+  Scene<2> scene;
+  scene.source = "generated";
+  scene.gravity = Vec2(0, -9.81);
+  scene.materials = {"m"};
+  scene.laws = {{.mu = mu, .e_n = e_n, .e_t = e_t}};
+  scene.step = 0.01;
+  scene.num_steps = 1;
+  scene.contact_distance = 1e-9;
+  return scene;
+}
+
+ContactProblem first_step(const Scene<2>& scene) {
+  return step_problem(scene, initial_state(scene), false);
+}
+
+Scene<2> tower(const std::vector<double>& masses, const std::vector<double>& radii, double mu) {
+  Scene<2> scene = empty_scene(mu);
+  double top = 0;
+  for (std::size_t k = 0; k < masses.size(); ++k) {
+    const double a = radii[k % radii.size()];
+    scene.bodies.push_back(disk(Vec2(0, top + a), a, masses[k]));
+    top += 2 * a;
+  }
+  scene.walls = {plane("floor", Vec2::Zero(), Vec2(0, 1))};
+  return scene;
+}
+
+double relative_difference(const Vector& x, const Vector& y) {
+  return (x - y).cwiseAbs().maxCoeff() / y.cwiseAbs().maxCoeff();
+}
+
+Vector tower_impulses(const Scene<2>& scene) {
+  const Midpoint<2> mid = make_midpoint(scene, initial_state(scene));
+  const int dim = scene.has_friction() ? 2 : 1;
+  Vector s = Vector::Zero(static_cast<Eigen::Index>(mid.contacts.size()) * dim);
+  for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
+    // The upper one of the pair and all above it; disks are numbered from the bottom.
+    const Contact<2>& contact = mid.contacts[c];
+    const bool floor = to_size(contact.j) >= scene.bodies.size();
+    double mass = 0;
+    for (std::size_t k = to_size(floor ? contact.i : std::max(contact.i, contact.j));
+         k < scene.bodies.size(); ++k) {
+      mass += scene.bodies[k].mass;
+    }
+    s[static_cast<Eigen::Index>(c) * dim] = scene.step * scene.gravity.norm() * mass;
+  }
+  return s;
+}
+
+double motion_left(const Scene<2>& scene, const Vector& u) {
+  return u.cwiseAbs().maxCoeff() / (scene.step * scene.gravity.norm());
+}
+
+double push_on_wall(const Scene<2>& scene, std::size_t wall, const Vector& s) {
+  const Midpoint<2> mid = make_midpoint(scene, initial_state(scene));
+  const int dim = scene.has_friction() ? 2 : 1;
+  double sum = 0;
+  for (std::size_t c = 0; c < mid.contacts.size(); ++c) {
+    if (to_size(mid.contacts[c].j) == scene.bodies.size() + wall) {
+      sum += s[static_cast<Eigen::Index>(c) * dim];
+    }
+  }
+  return sum;
+}
+
+}  // namespace bipot

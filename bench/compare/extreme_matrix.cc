@@ -1,0 +1,335 @@
+#include "bench/compare/extreme_matrix.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "bench/compare/isolated_jobs.h"
+#include "bench/measure/limited_solve.h"
+#include "bench/measure/second_opinion.h"
+#include "bench/measure/stopwatch.h"
+#include "bench/report/json.h"
+#include "core/base/nearest_name.h"
+#include "solvers/registry.h"
+#include "solvers/simulation/force_energy.h"
+#include "solvers/simulation/scene_run.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kEnergyGrace = 1e-6;  // of the energy moved: what the tolerance leaves
+
+/// NaN and infinity, which JSON cannot say, as text.
+Json number(double x) { return std::isfinite(x) ? Json(x) : Json(fmt::format("{}", x)); }
+double number(const Json& j) {
+  return j.is_number() ? j.get<double>() : std::stod(j.get<std::string>());
+}
+
+std::string to_json(const ExtremeCell& c) {
+  return Json{{"end", static_cast<int>(c.end)},
+              {"status", c.status},
+              {"message", c.message},
+              {"guarded", number(c.guarded)},
+              {"true_error", number(c.true_error)},
+              {"energy_error", number(c.energy_error)},
+              {"iterations", c.iterations},
+              {"cpu_seconds", c.cpu_seconds},
+              {"steps_solved", c.steps_solved},
+              {"steps", c.steps}}
+      .dump();
+}
+
+void from_json(const std::string& text, ExtremeCell& c) {
+  const Json j = Json::parse(text);
+  c.end = static_cast<CellEnd>(j["end"].get<int>());
+  c.status = j["status"].get<std::string>();
+  c.message = j["message"].get<std::string>();
+  c.guarded = number(j["guarded"]);
+  c.true_error = number(j["true_error"]);
+  c.energy_error = number(j["energy_error"]);
+  c.iterations = j["iterations"].get<int>();
+  c.cpu_seconds = j["cpu_seconds"].get<double>();
+  c.steps_solved = j["steps_solved"].get<int>();
+  c.steps = j["steps"].get<int>();
+}
+
+/// Work of the impulses on the mean velocities, which the law makes a loss, where it is a gain;
+/// over the energy that they move.
+double energy_created(const Vector& s, const Vector& u, const ContactProblem& p) {
+  double gain = 0, moved = 0;
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    const auto sc = s.segment(c * p.dim, p.dim), uc = u.segment(c * p.dim, p.dim);
+    gain += sc.dot(uc);
+    moved += 0.5 * std::abs(sc.dot(uc - p.u_free.segment(c * p.dim, p.dim)));
+  }
+  return moved > 0 ? std::max(gain, 0.0) / moved : 0;
+}
+
+double limit_of(const ExtremeCase& of, const MatrixOptions& options) {
+  return std::max(options.time_limit, of.least_seconds);
+}
+
+ExtremeCell solve_problem(const ExtremeCase& of, const std::string& solver,
+                          const MatrixOptions& options, Existence verdict, double floor) {
+  ExtremeCell cell;
+  ContactProblem problem;
+  try {
+    problem = of.problem();
+  } catch (const std::invalid_argument& e) {
+    cell.end = of.expect == ExtremeCase::Expect::kRefused ? CellEnd::kRefused : CellEnd::kWrong;
+    cell.status = "refused";
+    cell.message = e.what();
+    return cell;
+  }
+  const SolverEntry& entry = require_solver(solver);
+  const double begin = cpu_seconds();
+  const SolveResult r = solve_within(solver, problem, options.tol, limit_of(of, options));
+  cell.cpu_seconds = cpu_seconds() - begin;
+  cell.status = to_string(r.status);
+  cell.message = r.message;
+  cell.iterations = r.iterations;
+  if (r.status == SolveStatus::kInvalidInput) {
+    const bool beyond = problem.dim > entry.max_dim || problem.num_contacts() > entry.max_contacts;
+    const bool may_be = of.expect == ExtremeCase::Expect::kOpen;
+    cell.end = beyond ? CellEnd::kNotForIt : may_be ? CellEnd::kRefused : CellEnd::kUnsolved;
+    return cell;
+  }
+  const SecondOpinion opinion = second_opinion(problem, r.s);
+  cell.guarded = opinion.guarded;
+  const bool finite = r.s.allFinite() && r.u.allFinite();
+  if (finite) {
+    cell.energy_error = energy_created(r.s, r.u, problem);
+    if (of.true_error) cell.true_error = of.true_error(problem, r.s, r.u);
+  }
+  const bool claimed = is_success(r.status);
+  // Where an energy underflows, no figure exists in double precision, nor is one claimed.
+  const bool confirmed = opinion.confirms(options.tol);
+  if (!finite || (claimed && !confirmed) || (claimed && verdict == Existence::kNone)) {
+    cell.end = CellEnd::kWrong;
+    if (finite) cell.message += fmt::format(" (second opinion {:.2e})", opinion.guarded);
+  } else if (claimed) {
+    cell.end = CellEnd::kSolved;
+  } else {
+    cell.end = verdict == Existence::kNone ? CellEnd::kNone
+               : floor > options.tol       ? CellEnd::kBeyond
+                                           : CellEnd::kUnsolved;
+  }
+  return cell;
+}
+
+ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
+                     const MatrixOptions& options) {
+  ExtremeCell cell;
+  cell.steps = of.steps;
+  cell.guarded = 0;
+  cell.energy_error = 0;
+  const Scene<2> scene = of.scene();
+  SceneRunOptions<2> run;
+  run.steps = of.steps;
+  run.explicit_delassus = require_solver(solver).needs_delassus;
+  bool wrong = false, beyond = false;
+  const auto fail = [&](bool is_wrong, const std::string& status, const std::string& message) {
+    if (cell.message.empty() || (is_wrong && !wrong)) {
+      cell.status = status;
+      cell.message = message;
+    }
+    wrong = wrong || is_wrong;
+  };
+  const double begin = cpu_seconds();
+  run.solver = [&](const ContactProblem& p, const Vector& s0) {
+    const double left = std::max(1e-3, limit_of(of, options) - (cpu_seconds() - begin));
+    const SolveResult r = solve_within(solver, p, options.tol, left, s0);
+    cell.iterations += r.iterations;
+    StepSolution step;
+    step.converged = is_success(r.status);
+    step.refused = r.status == SolveStatus::kInvalidInput;
+    step.message = r.message;
+    step.s = r.s;
+    step.error = r.error;
+    if (step.refused) {
+      beyond = true;
+      fail(false, std::string(to_string(r.status)), r.message);
+      return step;
+    }
+    const double guarded = p.num_contacts() == 0 ? 0 : second_opinion(p, r.s).guarded;
+    if (!(guarded <= cell.guarded)) cell.guarded = guarded;
+    if (!r.s.allFinite()) fail(true, "not finite", r.message);
+    if (step.converged && !(guarded <= options.tol)) {
+      fail(true, "false claim", fmt::format("{} (second opinion {:.2e})", r.message, guarded));
+    } else if (step.converged) {
+      ++cell.steps_solved;
+    } else {
+      fail(false, std::string(to_string(r.status)), r.message);
+    }
+    return step;
+  };
+  State<2> state = initial_state(scene);
+  const double initial = kinetic_energy(state);
+  double loss = 0;
+  run.on_step = [&](const SceneStep<2>& s) {
+    const EnergyLedger& e = s.report.energy;
+    const double now = e.friction_loss + e.shock_loss;
+    const double scale = std::max({initial, e.kinetic, std::abs(now)});
+    const double allowed = force_energy(scene, s.state);
+    const double created = scale > 0 ? (loss - now - allowed) / scale : 0;
+    cell.energy_error = std::max(cell.energy_error, of.must_conserve ? std::abs(created) : created);
+    if (of.must_dissipate && s.report.converged &&
+        (of.must_conserve ? std::abs(created) : created) > kEnergyGrace) {
+      fail(true, "energy",
+           fmt::format("step {}: the contacts changed the energy by {:.2e} of it", s.report.step,
+                       created));
+    }
+    loss = now;
+    return true;
+  };
+  const SceneRun<2> done = run_scene(scene, state, run);
+  cell.cpu_seconds = cpu_seconds() - begin;
+  if (done.failure && !beyond) fail(false, "failed", done.failure->what());
+  if (wrong) {
+    cell.end = CellEnd::kWrong;
+  } else if (beyond) {
+    cell.end = CellEnd::kNotForIt;
+  } else if (cell.steps_solved == of.steps) {
+    cell.end = CellEnd::kSolved;
+    cell.status = "converged";
+    cell.message = fmt::format("{} steps", of.steps);
+  } else {
+    cell.end = CellEnd::kUnsolved;
+  }
+  return cell;
+}
+
+/// Proves what can be proved of each case, before any solver.
+void certify(ExtremeMatrix& matrix) {
+  for (const ExtremeCase& c : matrix.cases) {
+    Existence verdict = Existence::kUndecided;
+    std::string text;
+    double floor = kNaN;
+    if (c.problem) {
+      try {
+        const ContactProblem p = c.problem();
+        if (const std::string defect = validate(p); !defect.empty()) {
+          text = "refused: " + defect;
+        } else {
+          const ExistenceCertificate certificate = certify_existence(p);
+          verdict = certificate.verdict;
+          text = to_text(certificate);
+          if (c.solution) floor = second_opinion(p, c.solution()).guarded;
+        }
+      } catch (const std::invalid_argument& e) {
+        text = std::string("refused: ") + e.what();
+      }
+    }
+    matrix.verdicts.push_back(verdict);
+    matrix.existence.push_back(text);
+    matrix.floors.push_back(floor);
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(CellEnd end) {
+  switch (end) {
+    case CellEnd::kSolved:
+      return "solved";
+    case CellEnd::kUnsolved:
+      return "not solved";
+    case CellEnd::kBeyond:
+      return "beyond double";
+    case CellEnd::kNone:
+      return "no solution";
+    case CellEnd::kRefused:
+      return "refused";
+    case CellEnd::kNotForIt:
+      return "not for it";
+    default:
+      return "wrong";
+  }
+}
+
+const ExtremeCell* ExtremeMatrix::find(const std::string& name, const std::string& solver) const {
+  for (const ExtremeCell& c : cells) {
+    if (c.name == name && c.solver == solver) return &c;
+  }
+  return nullptr;
+}
+
+ExtremeMatrix measure_extremes(const MatrixOptions& options) {
+  ExtremeMatrix matrix;
+  matrix.solvers = options.solvers;
+  for (const std::string& name : options.solvers) require_solver(name);
+  std::vector<std::string> names;
+  for (ExtremeCase& c : extreme_cases()) {
+    names.push_back(c.name);
+    if (options.quick && c.large) continue;
+    if (c.name == options.only) {  // a whole name is that case alone
+      matrix.cases = {c};
+      break;
+    }
+    if (c.name.starts_with(options.only)) matrix.cases.push_back(std::move(c));
+  }
+  if (matrix.cases.empty()) {
+    throw std::invalid_argument(unknown_name_message("case", options.only, names));
+  }
+  certify(matrix);
+  const int solvers = static_cast<int>(matrix.solvers.size());
+  const auto of = [&](int k) -> const ExtremeCase& { return matrix.cases[to_size(k / solvers)]; };
+  IsolatedJobs jobs;
+  jobs.count = static_cast<int>(matrix.cases.size()) * solvers;
+  jobs.seconds = std::max(30.0, 10 * options.time_limit);
+  jobs.job = [&](int k) {
+    const std::string& solver = matrix.solvers[to_size(k % solvers)];
+    return to_json(of(k).scene ? run_case(of(k), solver, options)
+                               : solve_problem(of(k), solver, options,
+                                               matrix.verdicts[to_size(k / solvers)],
+                                               matrix.floors[to_size(k / solvers)]));
+  };
+  jobs.on_end = [&](int k, const JobEnd& end) {
+    ExtremeCell cell;
+    if (end.kind == JobEnd::Kind::kDone) {
+      from_json(end.text, cell);
+    } else {
+      cell.status = end.kind == JobEnd::Kind::kHung ? "hung" : "crashed";
+      cell.message = end.text;
+    }
+    cell.name = of(k).name;
+    cell.solver = matrix.solvers[to_size(k % solvers)];
+    cell.time_limit = limit_of(of(k), options);
+    matrix.cells.push_back(cell);
+    if (options.on_cell) options.on_cell(cell, k + 1, jobs.count);
+  };
+  jobs.interrupted = options.interrupted;
+  run_isolated(jobs);
+  matrix.complete = static_cast<int>(matrix.cells.size()) == jobs.count;
+  return matrix;
+}
+
+CellCounts count_cells(const ExtremeMatrix& matrix, const std::string& solver) {
+  CellCounts counts;
+  for (const ExtremeCell& c : matrix.cells) {
+    if (!solver.empty() && c.solver != solver) continue;
+    ++(c.end == CellEnd::kSolved     ? counts.solved
+       : c.end == CellEnd::kUnsolved ? counts.unsolved
+       : c.end == CellEnd::kBeyond   ? counts.beyond
+       : c.end == CellEnd::kNone     ? counts.none
+       : c.end == CellEnd::kRefused  ? counts.refused
+       : c.end == CellEnd::kNotForIt ? counts.not_for_it
+                                     : counts.wrong);
+  }
+  return counts;
+}
+
+std::vector<std::string> solved_by_others(const ExtremeMatrix& matrix, const std::string& name,
+                                          const std::string& missed) {
+  const ExtremeCell* first = matrix.find(name, missed);
+  if (first == nullptr || first->end == CellEnd::kSolved) return {};
+  std::vector<std::string> others;
+  for (const ExtremeCell& c : matrix.cells) {
+    if (c.name == name && c.end == CellEnd::kSolved) others.push_back(c.solver);
+  }
+  return others;
+}
+
+}  // namespace bipot

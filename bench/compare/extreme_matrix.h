@@ -1,0 +1,74 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/compare/extreme_case.h"
+#include "solvers/analysis/existence.h"
+
+namespace bipot {
+
+/// What became of one solver at one case.
+enum class CellEnd {
+  kSolved,    ///< claimed, and confirmed by the second opinion
+  kUnsolved,  ///< not solved, and says why
+  kBeyond,    ///< not solved, and the known solution itself misses the tolerance once it is rounded
+  kNone,      ///< not solved, and it is proved that no solution exists
+  kRefused,   ///< the data were refused, as they must be
+  kNotForIt,  ///< beyond the solver's dimension or size
+  kWrong      ///< false claim, not finite, energy against theory, crash, hang
+};
+std::string_view to_string(CellEnd end);
+
+struct ExtremeCell {
+  std::string name, solver;  ///< of the case, of the solver
+  CellEnd end = CellEnd::kWrong;
+  std::string status, message;
+  double guarded = kNaN;     ///< by bench/measure/second_opinion.h; of runs the worst step's   [-]
+  double true_error = kNaN;  ///< against what is known beforehand; NaN: nothing is        [-]
+  double energy_error = kNaN;  ///< energy that the contacts create, over what they move     [-]
+  int iterations = 0;
+  double cpu_seconds = 0;
+  double time_limit = kNaN;         ///< CPU seconds that it had
+  int steps_solved = 0, steps = 1;  ///< runs
+};
+
+struct ExtremeMatrix {
+  std::vector<ExtremeCase> cases;
+  std::vector<std::string> solvers;
+  std::vector<ExtremeCell> cells;      ///< case by case, solver by solver
+  std::vector<std::string> existence;  ///< of each case, in words; empty for runs
+  std::vector<Existence> verdicts;     ///< likewise
+  std::vector<double> floors;          ///< error of the known solution, rounded; NaN: not known
+  bool complete = false;
+
+  const ExtremeCell* find(const std::string& name, const std::string& solver) const;
+};
+
+struct MatrixOptions {
+  std::vector<std::string> solvers;
+  std::string only;    ///< a case, or the beginning of its name; empty: all
+  bool quick = false;  ///< without large cases
+  double tol = 1e-8;
+  double time_limit = 2;  ///< CPU seconds of a cell, at least its case's least_seconds
+  std::function<void(const ExtremeCell&, int done, int total)> on_cell;
+  std::function<bool()> interrupted;
+};
+
+/// Measures every cell in a child process (isolated_jobs.h). Throws std::invalid_argument for an
+/// unknown solver and where `only` names no case.
+ExtremeMatrix measure_extremes(const MatrixOptions& options);
+
+/// Of the cells of one solver, or of all where `solver` is empty.
+struct CellCounts {
+  int solved = 0, unsolved = 0, beyond = 0, none = 0, refused = 0, not_for_it = 0, wrong = 0;
+};
+CellCounts count_cells(const ExtremeMatrix& matrix, const std::string& solver = {});
+
+/// The solvers that solved a case which `missed` was tried on and did not; empty where it did, or nobody
+/// did.
+std::vector<std::string> solved_by_others(const ExtremeMatrix& matrix, const std::string& name,
+                                          const std::string& missed = "auto");
+
+}  // namespace bipot

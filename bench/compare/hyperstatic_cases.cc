@@ -1,0 +1,149 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "bench/compare/case_parts.h"
+#include "bench/compare/extreme_case.h"
+#include "core/scene/generators.h"
+#include "core/scene/scene_family.h"
+
+namespace bipot {
+namespace {
+
+constexpr const char* kHyperstatic = "more forces than equations";
+
+void drive(Wall<2>& wall, double force) {
+  wall.motion = Wall<2>::Motion::kDriven;
+  wall.direction = wall.normal;
+  wall.force = force;
+  wall.mass = 1;
+}
+
+/// Rest is a solution: then each driven wall is in equilibrium, Σ s_n = h F on it.
+void add_pressed(std::vector<ExtremeCase>& cases, const std::string& name, const std::string& what,
+                 const Scene<2>& scene) {
+  cases.push_back(
+      {.name = name,
+       .group = kHyperstatic,
+       .what = what,
+       .known =
+           "rest obeys the law, and on each driven wall at rest the normal impulses add up to h F",
+       .problem = [scene] { return first_step(scene); },
+       .true_error =
+           [scene](const ContactProblem&, const Vector& s, const Vector&) {
+             double worst = 0;
+             for (std::size_t w = 0; w < scene.walls.size(); ++w) {
+               if (scene.walls[w].motion != Wall<2>::Motion::kDriven) continue;
+               const double push = scene.step * scene.walls[w].force;
+               worst = std::max(worst, std::abs(push_on_wall(scene, w, s) / push - 1));
+             }
+             return worst;
+           }});
+}
+
+void add_at_rest(std::vector<ExtremeCase>& cases, const std::string& name, const std::string& what,
+                 const std::string& known, const Scene<2>& scene) {
+  cases.push_back({.name = name,
+                   .group = kHyperstatic,
+                   .what = what,
+                   .known = known + "; the error is the motion left, |u| / (h g)",
+                   .problem = [scene] { return first_step(scene); },
+                   .true_error = [scene](const ContactProblem&, const Vector&,
+                                         const Vector& u) { return motion_left(scene, u); }});
+}
+
+/// Rows of 4, 5, 6, 7, 6, 5, 4 touching disks, pressed by six walls along the normals of the sides.
+Scene<2> hexagon() {
+  Scene<2> scene = empty_scene(0.3);
+  scene.gravity.setZero();
+  const double a = 0.5, rise = std::sqrt(3.0) * a;
+  for (int row = -3; row <= 3; ++row) {
+    const int count = 7 - std::abs(row);
+    for (int k = 0; k < count; ++k) {
+      scene.bodies.push_back(disk(Vec2(2 * a * k - a * (count - 1), rise * row), a, 1));
+    }
+  }
+  // Centres of a side lie on a line at the distance 3 rise from the middle.
+  const char* names[] = {"w0", "w1", "w2", "w3", "w4", "w5"};
+  for (int k = 0; k < 6; ++k) {
+    const double angle = std::numbers::pi / 2 + k * std::numbers::pi / 3;
+    const Vec2 inward(-std::cos(angle), -std::sin(angle));
+    scene.walls.push_back(plane(names[k], -(3 * rise + a) * inward, inward));
+    drive(scene.walls.back(), 100);
+  }
+  return scene;
+}
+
+/// Equal disks on an inverted catenary: contact k carries (T, V_k) with V_k = (k - n/2) m g, which
+/// is the direction of the line between its two centres. Two planes across the end links bear it.
+Scene<2> arch(int disks) {
+  Scene<2> scene = empty_scene(0.3);
+  const double a = 0.5, weight = 9.81, thrust = 1.5 * weight;
+  const auto link = [&](int k) { return Vec2(thrust, weight * (0.5 * disks - k)).normalized(); };
+  Vec2 x = Vec2::Zero();
+  for (int k = 0; k < disks; ++k) {
+    scene.bodies.push_back(disk(x, a, 1));
+    x += 2 * a * link(k + 1);
+  }
+  scene.walls.push_back(plane("left", -a * link(0), link(0)));
+  scene.walls.push_back(plane("right", scene.bodies.back().x + a * link(disks), -link(disks)));
+  return scene;
+}
+
+}  // namespace
+
+void add_hyperstatic_cases(std::vector<ExtremeCase>& cases) {
+  Scene<2> box = make_family_scene("square", 6);
+  drive(box.walls[2], 1000);
+  add_pressed(cases, "prestressed_lattice",
+              "a square lattice of 36 disks in a box whose right wall presses with 1000 N", box);
+  Scene<2> chain = empty_scene(0.3);
+  chain.gravity.setZero();
+  chain.bodies = rectangular_lattice(8, 4, 0.5, Vec2::Zero());
+  for (Disk& d : chain.bodies) d = disk(d.x, d.radius, 1);
+  chain.walls = {plane("left", Vec2::Zero(), Vec2(1, 0)), plane("right", Vec2(8, 0), Vec2(-1, 0))};
+  drive(chain.walls[1], 1000);
+  add_pressed(cases, "redundant_chains",
+              "four touching rows of 8 disks between a wall and one that presses with 1000 N",
+              chain);
+  add_pressed(cases, "hexagon",
+              "a hexagonal block of 37 disks pressed by six walls with 100 N each", hexagon());
+  Scene<2> wedge = empty_scene(1);
+  const double half = std::numbers::pi / 6;
+  wedge.bodies = {disk(Vec2(0, 1), 0.5, 1)};
+  for (const double side : {1.0, -1.0}) {
+    const Vec2 n(side * std::cos(half), std::sin(half));
+    wedge.walls.push_back(plane(side > 0 ? "left" : "right", wedge.bodies[0].x - 0.5 * n, n));
+  }
+  add_at_rest(cases, "jammed_wedge",
+              "a disk in a wedge of 60 degrees with mu = 1: it can be pressed in without a load",
+              "two normal impulses and no friction hold the weight: rest obeys the law", wedge);
+  add_at_rest(cases, "arch", "an arch of 11 equal disks on an inverted catenary between two planes",
+              "impulses along the centres balance every weight: rest obeys the law", arch(11));
+  Scene<2> row = empty_scene(0.3);
+  row.bodies = rectangular_lattice(10, 1, 0.5, Vec2::Zero());
+  for (Disk& d : row.bodies) d = disk(d.x, d.radius, 1);
+  row.walls = {plane("floor", Vec2::Zero(), Vec2(0, 1)), plane("push", Vec2::Zero(), Vec2(1, 0))};
+  drive(row.walls[1], 50);
+  cases.push_back(
+      {.name = "pushed_row",
+       .group = kHyperstatic,
+       .what = "ten touching disks on a plane, the first pushed with 50 N",
+       .known = "floor and wall bear no self-stress (the far end is free): a solution exists. "
+                "All friction of the floor is at most mu 10 m g = 29.4 N",
+       .problem = [row] { return first_step(row); }});
+  ExtremeCase tall{.name = "column_1000",
+                   .group = kHyperstatic,
+                   .what = "a column of 1000 equal disks",
+                   .known = "contact k carries k weights, without friction; W is regular",
+                   .large = true};
+  const Scene<2> column = tower(std::vector<double>(1000, 1.0), {0.5});
+  tall.problem = [column] { return first_step(column); };
+  tall.true_error = [column](const ContactProblem&, const Vector& s, const Vector&) {
+    return relative_difference(s, tower_impulses(column));
+  };
+  cases.push_back(tall);
+}
+
+}  // namespace bipot

@@ -1,0 +1,220 @@
+// Forces that are not determined: how far the admissible ones lie apart.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "bench/experiments/force_range.h"
+#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/validation_experiments.h"
+#include "bench/measure/statistics.h"
+#include "core/scene/generators.h"
+#include "solvers/solve.h"
+
+namespace bipot {
+namespace {
+
+const std::string kIndeterminacy = "indeterminacy of forces";
+constexpr double kWeight = 9.81;
+
+/// A disk of 1 kg in a groove of two planes that rise by 45° to both sides. By symmetry of moments the two
+/// frictions T are equal, as are the forces N: 2 (N cos α + T sin α) = w with |T| <= mu N leaves
+/// N in w/2 [1/(cos α + mu sin α), 1/(cos α - mu sin α)].
+Scene<2> groove(double mu, double tol, const ValidationContext& context) {
+  Scene<2> scene = empty_scene<2>({.mu = mu}, 1e-2, tol, context);
+  const double half = std::sqrt(0.5);
+  scene.gravity = Vec2(0, -kWeight);
+  scene.bodies = {round_body<2>(Vec2(0, std::sqrt(2.0)), 1, 1)};
+  scene.walls = {plane_wall("left", Vec2(0, 0), Vec2(half, half)),
+                 plane_wall("right", Vec2(0, 0), Vec2(-half, half))};
+  return scene;
+}
+
+constexpr double kGrooveMu = 0.3;
+double groove_end(double sign) {
+  return 0.5 * std::sqrt(2.0) / (1 + sign * kGrooveMu);  // over the weight
+}
+
+ValidationExperiment groove_forces() {
+  ValidationExperiment e;
+  e.rows = {
+      {.name = "groove_interval",
+       .group = kIndeterminacy,
+       .quantity = "width of the interval of admissible normal forces of a disk in a groove of "
+                   "90°, μ = 0.3, over the weight",
+       .source = "statics, derived in indeterminacy_experiments.cc; measured by linear "
+                 "programmes (CLP): no tolerance of a solver enters",
+       .formula = "[1/(cos α − μ sin α) − 1/(cos α + μ sin α)]/2 = 0.466",
+       .expected = Expectation::equal(groove_end(-1) - groove_end(1)),
+       .allowed = 1e-7,
+       .allowed_why = "tolerance of the programmes, 1e-9",
+       .bar = "none"},
+      {.name = "groove_force",
+       .group = kIndeterminacy,
+       .quantity = "how far outside that interval a solver's force is, over the weight; worst of "
+                   "random starts",
+       .source = "the same interval",
+       .formula = "at most 0",
+       .expected = Expectation::at_most(0, 1),
+       .allowed = 1e-6,
+       .allowed_why = "a hundred times the tightest tolerance",
+       .bar = "none: the worst of all"}};
+  e.tols = e.quick_tols = decades(-1, 8);
+  e.run = [](double tol, const ValidationContext& context) {
+    ExperimentOutcome outcome;
+    const Scene<2> scene = groove(kGrooveMu, tol, context);
+    const ContactProblem problem = step_problem(scene, initial_state(scene), false);
+    const double weight = kWeight * scene.step;
+    const std::vector<ForceRange> ranges = admissible_forces(problem);
+    if (ranges.size() != 2) throw std::runtime_error("the groove has two contacts");
+    outcome.seen = {{(ranges[0].high - ranges[0].low) / weight}};
+    const int starts = context.quick ? 30 : 300;
+    double outside = 0, least = kInfinity, most = 0;
+    std::mt19937_64 draw(1);
+    const auto uniform = [&draw] { return std::ldexp(static_cast<double>(draw() >> 11), -53); };
+    SolverOptions options;
+    options.tol = tol;
+    options.max_iterations = context.max_iterations;
+    options.parameters = {{"islands", "off"}};
+    for (int k = 0; k < starts; ++k) {
+      options.s0 = Vector::Zero(4);
+      for (const int row : {0, 2}) {
+        options.s0[row] = 2 * weight * uniform();
+        options.s0[row + 1] = kGrooveMu * options.s0[row] * (2 * uniform() - 1);
+      }
+      const SolveResult result = solve(context.solver, problem, options);
+      ++outcome.steps;
+      if (!is_success(result.status)) ++outcome.unsolved;
+      for (const int row : {0, 2}) {
+        const double force = result.s[row] / weight;
+        outside = std::max({outside, groove_end(1) - force, force - groove_end(-1)});
+        least = std::min(least, force);
+        most = std::max(most, force);
+      }
+    }
+    outcome.seen.push_back(
+        {outside, 0, fmt::format("{} starts gave {:.3f} to {:.3f}", starts, least, most)});
+    return outcome;
+  };
+  return e;
+}
+
+/// Disks that fell into a box without friction and came to rest; walls and disks of law 0.
+Scene<2> small_pile(int count, std::uint64_t seed, double mu, double tol,
+                    const ValidationContext& context) {
+  Scene<2> scene = empty_scene<2>({.mu = mu}, 5e-3, tol, context);
+  const double width = 6;
+  scene.gravity = Vec2(0, -kWeight);
+  scene.bodies =
+      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, width, 0.05, seed, Vec2::Zero());
+  for (Disk& d : scene.bodies) {
+    d.mass = d.radius * d.radius;
+    d.inertia = 0.5 * d.mass * d.radius * d.radius;
+  }
+  scene.walls = {plane_wall("floor", Vec2(0, 0), Vec2(0, 1)),
+                 plane_wall("left", Vec2(0, 0), Vec2(1, 0)),
+                 plane_wall("right", Vec2(width, 0), Vec2(-1, 0))};
+  scene.num_steps = 1500;
+  return scene;
+}
+
+/// Spread of the admissible forces that hold a settled pile still, at its contacts but with friction `mu`.
+double spread_of(Scene<2> scene, State<2> state, double mu) {
+  scene.laws[0].mu = mu;
+  for (Disk& d : state.bodies) {
+    d.v.setZero();
+    d.spin = 0;
+  }
+  return force_spread(admissible_forces(step_problem(scene, state, false)));
+}
+
+/// Without friction a generic pile has as many contacts as equations, so its forces are determined. With a
+/// small mu the tangential forces are free within mu n, and the normal ones answer linearly: spread ~ mu. A
+/// larger mu allows all that a smaller one does: for a given geometry the spread never falls.
+ValidationExperiment spread() {
+  ValidationExperiment e;
+  e.rows = {
+      {.name = "spread_small_mu",
+       .group = kIndeterminacy,
+       .quantity = "exponent of the spread of admissible forces against μ (1e-4 to 1e-2), in a "
+                   "pile that came to rest without friction",
+       .source = "as many contacts as equations at μ = 0, linear beside it (derived); Unger, "
+                 "Kertész and Wolf, PRL 94, 178001 (2005): spread → 0 with μ",
+       .formula = "1",
+       .expected = Expectation::equal(1),
+       .allowed = 0.05,
+       .allowed_why = "the least μ is not 0",
+       .bar = "95 % over piles (seeds)"},
+      {.name = "spread_nested",
+       .group = kIndeterminacy,
+       .quantity = "largest fall of that spread from one μ to a larger one (1e-4 to 1), over "
+                   "the larger spread",
+       .source = "sets of admissible forces are nested (derived)",
+       .formula = "at most 0",
+       .expected = Expectation::at_most(0, 1),
+       .allowed = 1e-6,
+       .allowed_why = "tolerance of the linear programmes",
+       .bar = "none: the worst of all"}};
+  e.tols = {10, 1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8};
+  e.quick_tols = {10, 1, 1e-1, 1e-4};
+  e.run = [](double tol, const ValidationContext& context) {
+    ExperimentOutcome outcome;
+    const std::vector<double> small = {1e-4, 1e-3, 1e-2}, large = {0.03, 0.1, 0.3, 1};
+    const int seeds = context.quick ? 2 : 6;
+    std::vector<double> exponents;
+    double fall = kNaN;  // of nothing compared
+    std::string extra;
+    ValidationFigure figure;
+    figure.name = "spread";
+    figure.group = kIndeterminacy;
+    figure.caption =
+        "Spread of the admissible normal forces (mean width of their intervals over the mean force) in piles "
+        "of 25 disks that came to rest without friction, against the friction that is then allowed.";
+    figure.chart.title = "Spread of admissible forces";
+    figure.chart.x = {.label = "μ", .kind = ChartAxis::Kind::kLog};
+    figure.chart.y = {.label = "spread", .kind = ChartAxis::Kind::kLog};
+    for (int seed = 1; seed <= seeds; ++seed) {
+      const Scene<2> scene = small_pile(25, to_size(seed), 0, tol, context);
+      const auto run = run_from_start<2>(scene, context);
+      if (!count_steps(run, outcome)) return outcome;
+      std::vector<double> mus, spreads;
+      ChartSeries series;
+      series.name = fmt::format("pile {}", seed);
+      series.style = seed - 1;
+      for (const std::vector<double>* some : {&small, &large}) {
+        for (const double mu : *some) {
+          const double s = spread_of(scene, run.state, mu);
+          if (!std::isfinite(s)) {
+            extra = fmt::format("pile {}: no bounded equilibrium at μ = {}", seed, mu);
+            continue;
+          }
+          if (!spreads.empty()) fall = std::fmax(std::fmax(fall, 0), 1 - s / spreads.back());
+          mus.push_back(mu);
+          spreads.push_back(s);
+          series.points.push_back({mu, s});
+        }
+      }
+      figure.chart.series.push_back(std::move(series));
+      const std::size_t few = std::min(small.size(), mus.size());
+      exponents.push_back(fit_power_law({mus.begin(), mus.begin() + static_cast<long>(few)},
+                                        {spreads.begin(), spreads.begin() + static_cast<long>(few)})
+                              .exponent);
+    }
+    const MeanValue mean = mean_value(exponents);
+    outcome.seen = {{mean.mean, std::isfinite(mean.confidence) ? mean.confidence : 0, extra},
+                    {fall, 0, extra}};
+    outcome.figures = {figure};
+    return outcome;
+  };
+  return e;
+}
+
+}  // namespace
+
+std::vector<ValidationExperiment> indeterminacy_experiments() {
+  return {groove_forces(), spread()};
+}
+
+}  // namespace bipot

@@ -1,0 +1,263 @@
+// Packings under isotropic pressure: how many contacts hold them, how densely.
+//
+// N' bodies that take part (no rattlers) and M loaded contacts. Without friction a contact is one force,
+// a body D equations; generic packings at rest have no more forces than equations (else radii would have
+// to fit by chance) and no fewer (else they move): M = D N' + driven sides - what a rigid shift
+// leaves free. With friction D forces a contact, D (D + 1)/2 equations a body: D M >= D(D+1)/2 N' + ...,
+// and sliding contacts have one force less.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/validation_experiments.h"
+#include "bench/measure/statistics.h"
+#include "core/observables/observables.h"
+#include "core/scene/generators.h"
+#include "core/scene/sphere_generators.h"
+
+namespace bipot {
+namespace {
+
+const std::string kPackings = "packings";
+constexpr double kPressure = 1000, kDensity = 1000;
+/// In equal shares: no skewness; their ratio is above 0.743.
+const std::vector<RadiusClass> kSizes = {{0.044, 1}, {0.05, 1}, {0.056, 1}};
+
+/// Disks of three radii about 0.05 m in a cell that is pressed from both sides.
+Scene<2> pressed_cell(int count, double mu, std::uint64_t seed, double tol,
+                      const ValidationContext& context) {
+  Scene<2> scene = empty_scene<2>({.mu = mu}, 2e-3, tol, context);
+  const double width = 0.12 * std::sqrt(count);
+  scene.bodies = random_filling(count, kSizes, width, 0.02, seed, Vec2::Zero());
+  double top = 0;
+  for (Disk& d : scene.bodies) {
+    d.mass = kDensity * std::numbers::pi * d.radius * d.radius;
+    d.inertia = 0.5 * d.mass * d.radius * d.radius;
+    top = std::max(top, d.x[1] + d.radius);
+  }
+  scene.cell.in_x = scene.cell.in_y = true;
+  scene.cell.width.length = width;
+  scene.cell.height.length = top * 1.01;
+  for (CellSide* side : {&scene.cell.width, &scene.cell.height}) {
+    side->motion = CellSide::Motion::kDriven;
+    side->stress = kPressure;
+    side->mass = 2.0 * count;
+  }
+  scene.contact_distance = 1e-7;
+  scene.num_steps = context.quick ? 900 : 1500;
+  return scene;
+}
+
+/// A packing at rest, counted.
+struct Counted {
+  int bodies = 0, contacts = 0, sliding = 0;  ///< without rattlers
+  double coordination = 0, fraction = 0;
+};
+
+Counted count_packing(const Scene<2>& scene, const State<2>& state) {
+  const Observables<2> seen = observe(scene, state, {});
+  const std::vector<bool> rattler = find_rattlers(scene, state);
+  Counted counted;
+  const int disks = static_cast<int>(state.bodies.size());
+  counted.bodies = disks - static_cast<int>(std::count(rattler.begin(), rattler.end(), true));
+  for (const ContactOutcome<2>& o : state.contacts) {
+    if (!(o.s_n > 0) || rattler[to_size(o.contact.i)]) continue;
+    if (o.contact.j < disks && rattler[to_size(o.contact.j)]) continue;
+    ++counted.contacts;
+    if (o.status == ContactStatus::kSlip) ++counted.sliding;
+  }
+  counted.coordination = seen.coordination_without;
+  counted.fraction = seen.solid_fraction;
+  return counted;
+}
+
+Observation over_seeds(const std::vector<double>& values, std::string note = "") {
+  const MeanValue mean = mean_value(values);
+  return {mean.mean, std::isfinite(mean.confidence) ? mean.confidence : 0, std::move(note)};
+}
+
+ValidationRow packing_row(std::string name, std::string quantity, std::string source,
+                          std::string formula, Expectation expected, double allowed,
+                          std::string why) {
+  return validation_row(kPackings, std::move(name), std::move(quantity), std::move(source),
+                        std::move(formula), expected, allowed, std::move(why),
+                        "95 % over packings (seeds)");
+}
+
+ValidationExperiment plane_packings() {
+  const std::string counting =
+      "counting of forces and equations, derived in packing_experiments.cc";
+  ValidationExperiment e;
+  e.rows = {
+      packing_row("disks_frictionless",
+                  "coordination of disks without friction, without rattlers, periodic cell pressed "
+                  "from two sides",
+                  counting, "4: M = 2N' + 2 sides − 2 shifts", Expectation::equal(4), 1e-2,
+                  "contacts at the edge of being loaded"),
+      packing_row("disks_rough", "the same with μ = 10", counting,
+                  "at least 3 (2M ≥ 3N' + 2 − 2), below 4; 3 for μ → ∞",
+                  Expectation::between(3, 4, 3), 0, "none"),
+      packing_row(
+          "sliding_contacts",
+          "sliding contacts less 2M − 3N', over N': packings of μ = 0.3 at rest",
+          "McNamara and Herrmann 2004 (read in an abstract), and counting: each sliding contact "
+          "has one force less",
+          "at most 0", Expectation::at_most(0, 1), 1e-9, "a count"),
+      packing_row(
+          "fraction_falls", "solid fraction without friction less that with μ = 10",
+          "friction holds looser packings (trend; the figures .76 to .80 are from memory, not "
+          "tested)",
+          "at least 0", Expectation::at_least(0, 1), 0, "none"),
+      packing_row(
+          "fraction_close", "solid fraction without friction, three radii in equal shares",
+          "Meer, Galoustian, de Falco Manuel and Weeks 2024 (abstract of arXiv 2404.02316): "
+          "0.840 for size distributions without skewness, whatever their width",
+          "0.840", Expectation::equal(0.840), 1.5e-2,
+          "64 disks (--quick: 25); overlaps count twice"),
+      packing_row("fraction_bound", "the same, as a bound",
+                  "Blind 1969 (read in the abstract of arXiv 1907.03652): disks of radii within "
+                  "0.743 of each other pack no denser than equal ones",
+                  "at most π/√12 = 0.9069",
+                  Expectation::at_most(std::numbers::pi / std::sqrt(12.0), 1), 0, "none")};
+  e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
+  e.quick_tols = {1, 1e-1, 1e-3};
+  e.run = [](double tol, const ValidationContext& context) {
+    ExperimentOutcome outcome;
+    const int count = context.quick ? 25 : 64, seeds = context.quick ? 3 : 5;
+    std::vector<double> smooth, rough, excess, falls, fractions;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      double fraction[2] = {0, 0};
+      for (const double mu : {0.0, 0.3, 10.0}) {
+        const Scene<2> scene = pressed_cell(count, mu, to_size(seed), tol, context);
+        const auto run = run_from_start<2>(scene, context);
+        if (!count_steps(run, outcome)) return outcome;
+        const Counted counted = count_packing(scene, run.state);
+        if (mu == 0) {
+          smooth.push_back(counted.coordination);
+          fraction[0] = counted.fraction;
+        } else if (mu == 10) {
+          rough.push_back(counted.coordination);
+          fraction[1] = counted.fraction;
+        } else {
+          excess.push_back(
+              static_cast<double>(counted.sliding - 2 * counted.contacts + 3 * counted.bodies) /
+              std::max(1, counted.bodies));
+        }
+      }
+      falls.push_back(fraction[0] - fraction[1]);
+      fractions.push_back(fraction[0]);
+    }
+    Observation worst = over_seeds(excess);
+    worst.value = *std::max_element(excess.begin(), excess.end());
+    worst.bar = 0;
+    outcome.seen = {over_seeds(smooth), over_seeds(rough),     worst,
+                    over_seeds(falls),  over_seeds(fractions), over_seeds(fractions)};
+    return outcome;
+  };
+  return e;
+}
+
+/// Spheres in a box whose three upper planes press.
+Scene<3> pressed_box(int count, double mu, std::uint64_t seed, double tol,
+                     const ValidationContext& context) {
+  Scene<3> scene = empty_scene<3>({.mu = mu}, 2e-3, tol, context);
+  const double side = 0.12 * std::cbrt(count);
+  scene.bodies = random_spheres(count, kSizes, Vec2(side, side), 0.02, seed, Vec3::Zero());
+  Vec3 top = Vec3::Zero();
+  for (Sphere& s : scene.bodies) {
+    s.mass = kDensity * 4 / 3 * std::numbers::pi * std::pow(s.radius, 3);
+    s.inertia = 0.4 * s.mass * s.radius * s.radius;
+    top = top.cwiseMax(s.x + Vec3::Constant(s.radius));
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const double sign : {1.0, -1.0}) {
+      Wall<3> wall;
+      wall.name = fmt::format("{}{}", sign > 0 ? "low" : "high", axis);
+      wall.normal = sign * Vec3::Unit(axis);
+      if (sign < 0) {
+        wall.a = top[axis] * Vec3::Unit(axis);
+        wall.motion = Wall<3>::Motion::kDriven;
+        wall.direction = wall.normal;
+        wall.force = kPressure * side * side;
+        wall.mass = 0.2 * count;
+      }
+      scene.walls.push_back(wall);
+    }
+  }
+  scene.contact_distance = 1e-7;
+  scene.num_steps = 1500;
+  return scene;
+}
+
+/// Loaded contacts and spheres without rattlers: those with fewer than `least` contacts with others that are none.
+Counted count_spheres(const State<3>& state, int least) {
+  const int spheres = static_cast<int>(state.bodies.size());
+  std::vector<bool> rattler(to_size(spheres), false);
+  Counted counted;
+  for (bool changed = true; changed;) {
+    std::vector<int> ends(to_size(spheres), 0);
+    counted.contacts = 0;
+    const auto is_out = [&](int body) { return body < spheres && rattler[to_size(body)]; };
+    for (const ContactOutcome<3>& o : state.contacts) {
+      if (!(o.s_n > 0) || is_out(o.contact.i) || is_out(o.contact.j)) continue;
+      ++counted.contacts;
+      ++ends[to_size(o.contact.i)];
+      if (o.contact.j < spheres) ++ends[to_size(o.contact.j)];
+    }
+    changed = false;
+    for (int k = 0; k < spheres; ++k) {
+      if (rattler[to_size(k)] || ends[to_size(k)] >= least) continue;
+      rattler[to_size(k)] = true;
+      changed = true;
+    }
+  }
+  counted.bodies = static_cast<int>(std::count(rattler.begin(), rattler.end(), false));
+  return counted;
+}
+
+ValidationExperiment space_packings() {
+  ValidationExperiment e;
+  e.rows = {
+      packing_row("spheres_frictionless",
+                  "twice the loaded contacts of spheres without friction, over the number that "
+                  "hold each other; walls count as bodies do, three of them driven",
+                  "counting of forces and equations, derived in packing_experiments.cc",
+                  "6: M = 3N' + 3 walls, so 2(M − 3)/N'", Expectation::equal(6), 1e-2,
+                  "contacts at the edge of being loaded"),
+      packing_row("spheres_rough", "the same with μ = 10",
+                  "counting; Silbert 2010 (abstract of arXiv 1108.0012): → 4 for μ → ∞",
+                  "at least 4 (3M ≥ 6N' + 3), below 6", Expectation::between(4, 6, 4), 0, "none")};
+  e.tols = {10, 1, 1e-1, 1e-2, 1e-3};
+  e.quick_tols = {1, 1e-1, 1e-3};
+  e.run = [](double tol, const ValidationContext& context) {
+    ExperimentOutcome outcome;
+    const int count = context.quick ? 27 : 100, seeds = context.quick ? 3 : 4;
+    std::vector<double> smooth, rough;
+    for (int seed = 1; seed <= seeds; ++seed) {
+      for (const double mu : {0.0, 10.0}) {
+        const Scene<3> scene = pressed_box(count, mu, to_size(seed), tol, context);
+        const auto run = run_from_start<3>(scene, context);
+        if (!count_steps(run, outcome)) return outcome;
+        const Counted counted = count_spheres(run.state, mu == 0 ? 4 : 2);
+        const double walls = mu == 0 ? 3 : 1;
+        (mu == 0 ? smooth : rough)
+            .push_back(2 * (counted.contacts - walls) / std::max(1, counted.bodies));
+      }
+    }
+    outcome.seen = {over_seeds(smooth), over_seeds(rough)};
+    return outcome;
+  };
+  return e;
+}
+
+}  // namespace
+
+std::vector<ValidationExperiment> packing_experiments() {
+  return {plane_packings(), space_packings()};
+}
+
+}  // namespace bipot

@@ -1,0 +1,572 @@
+// Fig. 10: equal disks at rest in regular arrays, against what statics says of them.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "bench/experiments/gravity.h"
+#include "bench/experiments/paper_items.h"
+#include "bench/experiments/static_equilibrium.h"
+#include "core/criterion/contact_error.h"
+#include "core/linear/dense_factor.h"
+#include "core/motion/force_balance.h"
+#include "core/motion/time_stepping.h"
+#include "core/pictures/force_picture.h"
+#include "core/problem/delassus.h"
+#include "core/scene/scene_family.h"
+#include "solvers/registry.h"
+#include "solvers/simulation/scene_run.h"
+#include "solvers/simulation/step_solver.h"
+#include "solvers/solve.h"
+
+namespace bipot {
+namespace {
+
+/// Friction of the pyramid that is drawn: above what any size needs (tan 30° = 0.577).
+constexpr double kStandingMu = 0.6;
+
+/// A step from rest: the state after it, with the contacts' forces.
+struct Rest {
+  Scene<2> scene;
+  State<2> state;
+  int iterations = 0;
+};
+
+Rest one_step(const std::string& family, int side, double mu, const std::string& solver) {
+  Rest rest{make_family_scene(family, side, {.mu = mu}), {}};
+  SolverOptions options;
+  options.tol = 1e-10;
+  options.max_iterations = 200000;
+  const SolverEntry& entry = require_solver(solver);
+  TimeStepper<2> stepper(rest.scene, make_step_solver(entry, options), entry.needs_delassus);
+  rest.state = initial_state(rest.scene);
+  const StepReport<2> report = stepper.advance(rest.state);
+  if (!report.converged) {
+    throw std::runtime_error(
+        fmt::format("{} {}, mu = {:g}, {}: {}", family, side, mu, solver, report.message));
+  }
+  rest.iterations = report.iterations;
+  return rest;
+}
+
+/// Largest error of a vertical contact force of a square lattice over what stands above it.
+double column_error(const Rest& rest, int side) {
+  double worst = 0;
+  for (const ContactOutcome<2>& c : rest.state.contacts) {
+    if (std::abs(c.contact.n[1]) < 0.5) continue;
+    const int upper = c.contact.j < side * side ? std::max(c.contact.i, c.contact.j) : c.contact.i;
+    const double carried = (side - upper / side) * kGravity;  // every disk has 1 kg
+    worst = std::max(worst, std::abs(c.s_n / rest.scene.step / carried - 1));
+  }
+  return worst;
+}
+
+/// Dimension of the impulses that move nothing: rows of s less the rank of H, whose entries are
+/// cosines and radii, so that it shows in the pivots.
+int self_stresses(const ContactProblem& problem) {
+  return problem.num_rows() - numerical_rank(Eigen::MatrixXd(problem.H), 1e-10);
+}
+
+Scene<2> pyramid_scene(int rows, double mu, double mu_floor) {
+  Scene<2> scene = make_family_scene("pyramid", rows, {.mu = mu});
+  scene.materials = {"disk", "floor"};
+  scene.laws = {{.mu = mu}, {.mu = mu_floor}, {.mu = mu_floor}, {.mu = mu}};
+  scene.walls[0].material = 1;
+  return scene;
+}
+
+ContactProblem pyramid_problem(int rows, double mu, double mu_floor) {
+  const Scene<2> scene = pyramid_scene(rows, mu, mu_floor);
+  return step_problem(scene, initial_state(scene), false);
+}
+
+/// The contacts of a pyramid at rest, with the impulses that hold it.
+State<2> held_pyramid(const Scene<2>& scene, const StaticEquilibrium& equilibrium) {
+  StepSolver held = [&](const ContactProblem&, const Vector&) {
+    StepSolution solution;
+    solution.converged = true;
+    solution.s = equilibrium.s;
+    return solution;
+  };
+  State<2> state = initial_state(scene);
+  TimeStepper<2> stepper(scene, held, false);
+  stepper.advance(state);
+  return state;
+}
+
+double kinetic_ratio(const ContactProblem& problem, const Vector& s) {
+  const Vector v = body_velocities(problem, s);
+  return std::sqrt(v.dot(problem.A * v) / problem.v_free.dot(problem.A * problem.v_free));
+}
+
+class Fig10 {
+ public:
+  explicit Fig10(const PaperContext& context) : context_(context) {}
+
+  PaperResult run() {
+    result_.paper =
+        "Three arrays of equal disks under gravity, segments between centres as wide as the normal "
+        "force: in the rectangular array the force grows with depth, in the triangular one the "
+        "walls carry load (the values agree with an analytical computation of the paper's "
+        "reference 14), the cannon-ball array stands by friction alone. Sizes and friction "
+        "coefficients are not given.";
+    rectangular();
+    triangular();
+    pyramids();
+    return std::move(result_);
+  }
+
+ private:
+  void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
+
+  /// Behind the paragraph `after`.
+  void picture(const std::string& name, const Scene<2>& scene, const State<2>& state,
+               std::size_t after, const std::string& caption) {
+    const std::string file = name + ".svg";
+    ForcePictureOptions options;
+    options.take_off = false;
+    options.width = 560;  // letters of a readable size in half a page
+    draw_force_picture(context_.out / file, scene, state, "", options);
+    result_.figures.push_back(
+        {.name = name, .caption = caption, .file = file, .after = static_cast<int>(after)});
+  }
+
+  std::vector<int> sides() const {
+    return context_.quick ? std::vector<int>{10} : std::vector<int>{10, 50};
+  }
+
+  void rectangular() {
+    for (const int side : sides()) {
+      if (context_.stopped()) return;
+      context_.report(fmt::format("rectangular {0} × {0}", side));
+      const Rest rest = one_step("square", side, 0, "auto");
+      const std::string id = fmt::format("rectangular{}", side);
+      const double error = column_error(rest, side),
+                   balance = force_balance(rest.scene, rest.state).force;
+      number({.name = id + "_columns",
+              .value = error,
+              .meaning = fmt::format("rectangular {0} × {0}, μ = 0: largest relative error of a "
+                                     "vertical contact force",
+                                     side),
+              .expected = "0 against k m g under the k-th disk from the top",
+              .holds = error <= 1e-8,
+              .digits = 2});
+      number(
+          {.name = id + "_balance",
+           .value = balance,
+           .unit = "m g",
+           .meaning = fmt::format("rectangular {0} × {0}: largest residual force of a disk", side),
+           .expected = "at most 1e-8 m g",
+           .holds = balance <= 1e-8,
+           .digits = 2});
+      picture("fig10_" + id, rest.scene, rest.state, result_.ours.size(),
+              fmt::format("Rectangular, {0} × {0}, μ = 0: the force under the k-th disk is k m g.",
+                          side));
+    }
+    for (const char* solver : {"auto", "ipm"}) {
+      const Rest rest = one_step("square", 10, 0, solver);
+      double side_force = 0;
+      for (const ContactOutcome<2>& c : rest.state.contacts) {
+        if (std::abs(c.contact.n[1]) < 0.5) side_force = std::max(side_force, c.s_n);
+      }
+      number({.name = fmt::format("side_{}", solver),
+              .value = side_force / rest.scene.step / kGravity,
+              .unit = "m g",
+              .meaning =
+                  fmt::format("rectangular 10 × 10, μ = 0, `{}`: largest horizontal force", solver),
+              .digits = 3});
+    }
+    result_.ours.emplace_back(
+        "Rectangular, μ = 0. The vertical forces are k m g to {rectangular10_columns}. Only they "
+        "are compared: a row between two walls can be pre-stressed by any force, so the horizontal "
+        "forces are not unique. `auto` returns at most {side_auto}, `ipm`, which stays inside the "
+        "cones, {side_ipm}; both solve the law.");
+  }
+
+  void triangular() {
+    for (const double mu : {0.0, 0.3}) {
+      for (const int side : sides()) {
+        if (context_.stopped()) return;
+        context_.report(fmt::format("triangular {0} × {0}, μ = {1:g}", side, mu));
+        const Rest rest = one_step("triangular", side, mu, "auto");
+        const ForceBalance<2> b = force_balance(rest.scene, rest.state);
+        const std::string id = fmt::format("triangular{}{}", side, mu > 0 ? "_friction" : "");
+        const std::string what = fmt::format("triangular {0} × {0}, μ = {1:g}", side, mu);
+        number({.name = id + "_balance",
+                .value = std::max(b.force, b.moment),
+                .unit = "m g",
+                .meaning = what + ": largest residual force, or moment over the radius, of a disk",
+                .expected = "at most 1e-8 m g",
+                .holds = std::max(b.force, b.moment) <= 1e-8,
+                .digits = 2});
+        const double load = std::abs(b.walls[1] / b.weight - 1);
+        number({.name = id + "_load",
+                .value = load,
+                .meaning = what + ": floor and walls together over the weight, less 1",
+                .expected = "0",
+                .holds = load <= 1e-8,
+                .digits = 2});
+        if (mu == 0) {
+          const double side_load = b.wall[1][0] / b.weight;
+          number({.name = id + "_wall",
+                  .value = 100 * side_load,
+                  .unit = "%",
+                  .meaning = what + ": push of a side wall, of the weight",
+                  .expected = "the same on both sides",
+                  .holds = std::abs(b.wall[1][0] + b.wall[2][0]) <= 1e-8 * b.weight});
+        }
+        picture("fig10_" + id, rest.scene, rest.state, result_.ours.size(),
+                fmt::format("Triangular, {0} × {0}, μ = {1:g}: the walls carry load{2}.", side, mu,
+                            mu > 0 ? ", also upwards by friction" : ""));
+      }
+    }
+    // The same scene, two solvers: both in equilibrium, with other forces.
+    const Rest a = one_step("triangular", 10, 0.3, "apgd"),
+               b = one_step("triangular", 10, 0.3, "ipm");
+    double difference = 0, largest = 0;
+    for (std::size_t k = 0; k < a.state.contacts.size(); ++k) {
+      difference =
+          std::max(difference, std::abs(a.state.contacts[k].s_n - b.state.contacts[k].s_n));
+      largest = std::max(largest, a.state.contacts[k].s_n);
+    }
+    number({.name = "self_stresses",
+            .value = static_cast<double>(
+                self_stresses(step_problem(a.scene, initial_state(a.scene), false))),
+            .meaning =
+                "triangular 10 × 10, μ = 0.3: independent sets of contact forces that balance "
+                "without any load"});
+    number({.name = "force_difference",
+            .value = 100 * difference / largest,
+            .unit = "%",
+            .meaning = "triangular 10 × 10, μ = 0.3: largest difference of a normal force between "
+                       "`apgd` and `ipm`, of the largest force",
+            .digits = 2});
+    for (const auto& [solver, rest] : {std::pair{"apgd", &a}, std::pair{"ipm", &b}}) {
+      const ForceBalance<2> f = force_balance(rest->scene, rest->state);
+      number({.name = fmt::format("base_{}", solver),
+              .value = 100 * f.wall[0][1] / f.weight,
+              .unit = "%",
+              .meaning = fmt::format(
+                  "triangular 10 × 10, μ = 0.3: share of the weight on the floor, `{}`", solver)});
+    }
+    result_.ours.emplace_back(
+        "Triangular. Every disk is in equilibrium and floor and walls carry the weight. The single "
+        "forces are not unique: the 10 × 10 array has {self_stresses} independent self-stresses, "
+        "and two solvers that both meet 1e-10 differ by {force_difference} of the largest force; "
+        "with friction not even the floor's share is determined ({base_apgd} with `apgd`, "
+        "{base_ipm} with `ipm`). So what is compared is the resultant on each disk and on the box, "
+        "which is unique.");
+  }
+
+  void pyramids() {
+    three_disks();
+    if (context_.stopped()) return;
+    curve();
+    if (context_.stopped()) return;
+    pictures();
+    if (context_.stopped()) return;
+    selection();
+    if (context_.stopped()) return;
+    falling();
+  }
+
+  // Two disks on the floor, touching, a third on top; a the radius, W the weight of one disk.
+  //
+  // Top disk: by symmetry it is held by two forces with vertical part W/2 each. Lower disk: besides
+  // its weight and the floor's reaction, whose lines pass through the floor contact F, it feels the
+  // top disk's push Q and its neighbour's push N >= 0, horizontal, outwards, at the height of the
+  // centre. (The neighbour's friction: equilibria form a convex set, so the mean of one and its
+  // mirror image is one too, and there it vanishes.) The contact with the top disk lies at
+  // (a/2, √3 a/2) from the centre, (a/2, a (1 + √3/2)) from F. With Q = (H outwards, W/2 downwards)
+  // moments about F give H (1 + √3/2) + N = W/4: hence H <= W/4 / (1 + √3/2) = (W/2) tan 15°.
+  // The normal there leans 30° from the vertical. Q leans atan(2H/W) <= 15°, so it needs the
+  // friction tan(30° - 15°) = 2 - √3 at least, with equality for N = 0. The floor takes H + N
+  // sideways, least for N = 0, and 3W/2 down: (2 - √3)/3.
+  void three_disks() {
+    context_.report("pyramid of 3 disks");
+    const double tan15 = 2 - std::sqrt(3.0);
+    const auto check = [&](const char* name, const char* what, double exact, const char* formula,
+                           auto&& problem) {
+      const double found = critical_friction(problem, 0.01, 10);
+      number({.name = name,
+              .value = found,
+              .meaning = fmt::format("3 disks: least friction {}", what),
+              .expected = fmt::format("{} = {:.6f}, met within 0.1 %", formula, exact),
+              .holds = std::abs(found / exact - 1) <= 1e-3,
+              .digits = 7});
+    };
+    check("mu_disks", "between disks, on a rough floor (μ = 10)", tan15, "tan 15° = 2 − √3",
+          [](double mu) { return pyramid_problem(2, mu, 10); });
+    check("mu_floor", "on the floor, disks rough (μ = 10)", tan15 / 3, "(2 − √3)/3",
+          [](double mu) { return pyramid_problem(2, 10, mu); });
+    check("mu_3", "everywhere", tan15, "2 − √3, the larger of the two",
+          [](double mu) { return pyramid_problem(2, mu, mu); });
+    result_.ours.emplace_back(
+        "Cannon-ball, three disks, by hand. The top disk hands each lower one half its weight. Of "
+        "the forces on a lower disk, its weight and the floor's reaction pass through the floor "
+        "contact; so must the third, the push from the top disk, when the lower disks touch "
+        "without pressing (pressing only makes more friction necessary at both places). That line "
+        "leans 15° from the vertical, the contact's normal 30°: the disks need μ ≥ tan 15° = 2 − "
+        "√3 among each other. The floor carries three halves of a weight and is pushed sideways by "
+        "half a weight times tan 15°: it needs (2 − √3)/3. Found by bisection: {mu_disks} and "
+        "{mu_floor}.");
+    result_.ours.emplace_back(
+        "Whether a pyramid can stand is decided by existence: are there forces within the friction "
+        "cones that hold every disk? In the plane that is a linear question (limit analysis). "
+        "Either such forces are found, or a motion that opens every contact at least as fast as "
+        "friction dilates it and gains power from gravity, which proves that there are none.");
+  }
+
+  void curve() {
+    Chart chart;
+    chart.title = "Least friction coefficient with which a pyramid can stand, against its rows";
+    chart.x = {"rows", ChartAxis::Kind::kLinear, 0.0, context_.quick ? 12.0 : 24.0};
+    chart.y = {"least friction coefficient", ChartAxis::Kind::kLinear, 0.2, 0.6};
+    chart.y_line = std::tan(std::numbers::pi / 6);
+    chart.y_line_label = "tan 30°";
+    chart.key = Chart::Key::kNone;
+    ChartSeries series{"disks and floor alike", 0, {}};
+    for (const int rows : {2, 3, 4, 5, 6, 8, 10, 14, 20}) {
+      if (context_.quick && rows > 10) break;
+      if (context_.stopped()) return;
+      context_.report(fmt::format("least friction of {} rows", rows));
+      const double mu =
+          critical_friction([&](double m) { return pyramid_problem(rows, m, m); }, 0.1, 1, 1e-6);
+      series.points.push_back({static_cast<double>(rows), mu, false, fmt::format("{:.6f}", mu)});
+      if (rows < 10) continue;
+      number({.name = fmt::format("mu_{}rows", rows),
+              .value = mu,
+              .meaning = fmt::format("{} rows: least friction, disks and floor alike", rows),
+              .digits = 6});
+      if (rows != 10 && rows != 20) continue;
+      // Just above and just below, on the contact law itself.
+      const ContactProblem above = pyramid_problem(rows, 1.001 * mu, 1.001 * mu);
+      const StaticEquilibrium stands = static_equilibrium(above);
+      const double error = contact_error(above, stands.s).guarded();
+      number({.name = fmt::format("stands_{}", rows),
+              .value = error,
+              .meaning = fmt::format("{} rows, 1.001 μ_c: ε of the forces that hold it", rows),
+              .expected = "at most 1e-8: rest solves the contact law",
+              .holds = stands.exists && error <= 1e-8,
+              .digits = 2});
+      const StaticEquilibrium falls =
+          static_equilibrium(pyramid_problem(rows, 0.999 * mu, 0.999 * mu));
+      number({.name = fmt::format("falls_{}", rows),
+              .value = falls.motion,
+              .unit = "g h",
+              .meaning = fmt::format("{} rows, 0.999 μ_c: the slowest motion that forces in the "
+                                     "cones can leave (energy mean)",
+                                     rows),
+              .expected = "more than 0, proven by a motion admissible to 1e-9 of it",
+              .holds = !falls.exists && falls.dual_violation <= 1e-9 * falls.motion,
+              .digits = 3});
+    }
+    chart.series = {series};
+    result_.figures.push_back(
+        {.name = "fig10_critical_friction",
+         .caption =
+             "Least friction with which a pyramid can stand. From tan 30° on (dotted) a disk "
+             "could hand its load straight down through both contacts below it.",
+         .chart = chart,
+         .after = static_cast<int>(result_.ours.size()) - 1});
+  }
+
+  void pictures() {
+    for (const int rows : sides()) {
+      if (context_.stopped()) return;
+      context_.report(fmt::format("pyramid of {} rows", rows));
+      const Scene<2> scene = make_family_scene("pyramid", rows, {.mu = kStandingMu});
+      const StaticEquilibrium equilibrium =
+          static_equilibrium(step_problem(scene, initial_state(scene), false));
+      if (!equilibrium.exists) throw std::runtime_error("no equilibrium of the drawn pyramid");
+      const State<2> state = held_pyramid(scene, equilibrium);
+      const ForceBalance<2> b = force_balance(scene, state);
+      number(
+          {.name = fmt::format("pyramid{}_balance", rows),
+           .value = std::max(b.force, b.moment),
+           .unit = "m g",
+           .meaning = fmt::format("pyramid of {} rows, μ = {:g}: largest residual force, or moment "
+                                  "over the radius, of a disk",
+                                  rows, kStandingMu),
+           .expected = "at most 1e-8 m g",
+           .holds = std::max(b.force, b.moment) <= 1e-8,
+           .digits = 2});
+      picture(
+          fmt::format("fig10_pyramid{}", rows), scene, state, result_.ours.size() - 1,
+          fmt::format("Cannon-ball, {} rows, μ = {:g}: forces that hold it.", rows, kStandingMu));
+    }
+  }
+
+  /// What each solver's answer to the first step makes of a pyramid that could stand.
+  void selection() {
+    const std::vector<double> mus = {0.545, 0.6, 0.8, 1, 2, 4};
+    for (const int rows : {10, 20}) {
+      if (context_.quick && rows > 10) break;
+      PaperTable table;
+      table.name = fmt::format("selection_{}", rows);
+      table.caption = fmt::format(
+          "Pyramid of {} rows from rest, one step to ε ≤ 1e-8 from zero impulses: stands, or falls "
+          "with this mean velocity over g h. A dash: no answer within {} iterations ({} of `ipm` "
+          "and `newton`).",
+          rows, kFirstOrder, kSecondOrder);
+      table.columns = {"solver"};
+      for (const double mu : mus) table.columns.push_back(fmt::format("μ = {:g}", mu));
+      // Of the answers: the largest mu at which one falls; extremes of motion where forces that
+      // hold exist.
+      double last_fall = 0, least = 1e300, most = 0;
+      for (const char* solver :
+           {"uzawa", "classical", "pgs", "apgd", "anderson", "admm", "newton", "ipm", "auto"}) {
+        const SolverEntry* entry = find_solver(solver);
+        if (entry == nullptr) continue;  // built without PETSc
+        table.rows.push_back({fmt::format("`{}`", solver)});
+        for (const double mu : mus) {
+          if (context_.stopped()) return;
+          context_.report(fmt::format("{} rows, {}, μ = {:g}", rows, solver, mu));
+          const Scene<2> scene = make_family_scene("pyramid", rows, {.mu = mu});
+          const ContactProblem problem =
+              step_problem(scene, initial_state(scene), entry->needs_delassus);
+          SolverOptions options;
+          const bool second = entry->name == "ipm" || entry->name == "newton";
+          options.max_iterations = second ? kSecondOrder : kFirstOrder;
+          options.cancelled = context_.interrupted;
+          const SolveResult solved = solve(*entry, problem, options);
+          const double motion = kinetic_ratio(problem, solved.s);
+          const bool answered = is_success(solved.status);
+          if (answered && motion > 1e-6) last_fall = std::max(last_fall, mu);
+          if (answered && mu == kStandingMu) {
+            least = std::min(least, motion);
+            most = std::max(most, motion);
+          }
+          table.rows.back().push_back(!answered        ? "–"
+                                      : motion <= 1e-6 ? "stands"
+                                                       : fmt::format("falls, {:.3f}", motion));
+        }
+      }
+      result_.tables.push_back(std::move(table));
+      number({.name = fmt::format("last_fall_{}", rows),
+              .value = last_fall,
+              .meaning =
+                  fmt::format("{} rows: largest μ of the table with an answer that falls", rows)});
+      number({.name = fmt::format("least_motion_{}", rows),
+              .value = least <= most ? least : std::nan(""),
+              .unit = "g h",
+              .meaning = fmt::format("{} rows, μ = {:g}: least motion of an answer with ε ≤ 1e-8",
+                                     rows, kStandingMu),
+              .digits = 3});
+      number(
+          {.name = fmt::format("most_motion_{}", rows),
+           .value = most,
+           .unit = "g h",
+           .meaning = fmt::format("{} rows, μ = {:g}: greatest motion of an answer with ε ≤ 1e-8",
+                                  rows, kStandingMu),
+           .digits = 3});
+    }
+    result_.ours.emplace_back(
+        "Existence is one thing, what a time step does another. Below the curve no forces hold the "
+        "pyramid, and it falls whatever the solver. Above it rest solves the contact law, but "
+        "motions may solve it too: the law does not decide between them, and which one comes out "
+        "depends on the way there. The tables below show one step from zero impulses, in which "
+        "every answer satisfies the law to 1e-8. With 10 rows and μ = 0.6 the mean velocity of the "
+        "answers lies between {least_motion_10} and {most_motion_10}; the largest μ of the table "
+        "with an answer that falls is {last_fall_10}.");
+  }
+
+  /// Height of the top disk over time.
+  void falling() {
+    struct Case {
+      const char* name;
+      double mu;
+      const char* solver;
+      bool held;
+    };
+    Chart chart;
+    chart.title = "Height lost by the top disk of a pyramid of 10 rows against time";
+    chart.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, 1.0};
+    chart.y = {"height lost by the top disk (radii)", ChartAxis::Kind::kLinear, 0.0, {}};
+    int style = 0;
+    for (const Case& c :
+         {Case{"μ = 0.5, pgs", 0.5, "pgs", false}, Case{"μ = 0.6, pgs", kStandingMu, "pgs", false},
+          Case{"μ = 0.6, ipm", kStandingMu, "ipm", false},
+          Case{"μ = 0.6, pgs, given forces", kStandingMu, "pgs", true}}) {
+      if (context_.stopped()) return;
+      Scene<2> scene = make_family_scene("pyramid", 10, {.mu = c.mu});
+      State<2> state = initial_state(scene);
+      if (c.held) {
+        state = held_pyramid(scene,
+                             static_equilibrium(step_problem(scene, initial_state(scene), false)));
+      }
+      const SolverEntry& entry = require_solver(c.solver);
+      SolverOptions options;
+      options.tol = 1e-6;
+      options.max_iterations = 200000;
+      options.cancelled = context_.interrupted;
+      ChartSeries series{c.name, style++, {{0, 0}}};
+      const double top = state.bodies.back().x[1];
+      const int steps = context_.quick ? 20 : 100;
+      SceneRunOptions<2> fall;
+      fall.steps = steps;
+      fall.solver = make_step_solver(entry, options);
+      fall.explicit_delassus = entry.needs_delassus;
+      fall.cancelled = context_.interrupted;
+      fall.before_step = [&](const State<2>&) {
+        context_.report(fmt::format("{}, step {}", c.name, series.points.size()));
+      };
+      fall.on_step = [&](const SceneStep<2>& step) {
+        const auto taken = static_cast<int>(series.points.size());  // the first point is the start
+        series.points.push_back({step.report.time, (top - step.state.bodies.back().x[1]) / 0.5,
+                                 false, "", taken % (steps / 5) == 0});
+        return true;
+      };
+      const SceneRun<2> run = run_scene(scene, state, fall);
+      if (run.failure) throw *run.failure;
+      const int unsolved = run.totals.steps - run.totals.converged;
+      if (context_.stopped()) return;
+      const std::string id =
+          fmt::format("drop_{}{}_{}", c.mu == 0.5 ? "05" : "06", c.held ? "_held" : "", c.solver);
+      const bool must_fall = c.mu == 0.5;
+      number({.name = id,
+              .value = (top - state.bodies.back().x[1]) / 0.5,
+              .unit = "radii",
+              .meaning = fmt::format(
+                  "10 rows, {}: drop of the top disk in {} steps of 0.01 s{}", c.name, steps,
+                  unsolved > 0 ? fmt::format(" ({} steps above 1e-6)", unsolved) : std::string()),
+              .expected = must_fall ? "falls (below μ_c)"
+                          : c.held  ? "stands: rest is a solution"
+                                    : "",
+              .holds = must_fall ? std::optional<bool>(series.points.back().y > 0.01)
+                       : c.held  ? std::optional<bool>(std::abs(series.points.back().y) < 1e-4)
+                                 : std::nullopt,
+              .digits = 3});
+      chart.series.push_back(std::move(series));
+      if (must_fall) fallen_ = {scene, state};
+    }
+    result_.figures.push_back(
+        {.name = "fig10_fall",
+         .caption = "Top disk of a pyramid of 10 rows. At μ = 0.5 no forces hold it. At μ = 0.6 "
+                    "there are some; `given forces`: they are the start of the first step.",
+         .chart = chart,
+         .after = static_cast<int>(result_.ours.size())});
+    picture("fig10_fallen", fallen_.first, fallen_.second, result_.ours.size(),
+            fmt::format("The pyramid of 10 rows at μ = 0.5 after {:.1f} s.", fallen_.second.time));
+    result_.ours.emplace_back(
+        "Over many steps: at μ = 0.5 the top disk of 10 rows drops by {drop_05_pgs}. At μ = 0.6, "
+        "above the least coefficient {mu_10rows}, it drops by {drop_06_pgs} with `pgs` from a cold "
+        "start, by {drop_06_ipm} with `ipm`, and by {drop_06_held_pgs} with `pgs` when the first "
+        "step is given the forces that hold.");
+  }
+
+  static constexpr int kFirstOrder = 50000, kSecondOrder = 500;
+
+  const PaperContext& context_;
+  PaperResult result_;
+  std::pair<Scene<2>, State<2>> fallen_;
+};
+
+}  // namespace
+
+PaperResult run_fig10(const PaperContext& context) { return Fig10(context).run(); }
+
+}  // namespace bipot

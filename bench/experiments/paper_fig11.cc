@@ -1,0 +1,627 @@
+// Fig. 11: 342 disks of three sizes fall into a box and come to rest.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <numbers>
+
+#include "bench/experiments/packing.h"
+#include "bench/experiments/paper_items.h"
+#include "bench/measure/statistics.h"
+#include "bench/problems/scene_catalogue.h"
+#include "core/pictures/force_picture.h"
+#include "core/scene/generators.h"
+#include "core/scene_files/scene_file.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kRestEnergy = 1e-9;  // kinetic energy at rest, relative to what the fall released
+constexpr int kQuietSteps = 100;      // at rest for as long
+constexpr double kLatest = 0.5;  // a packing that is not at rest by then is not waited for     [s]
+constexpr double kSample = 0.2;  // duration of the packings that only give forces            [s]
+constexpr double kTailFrom = 1.5;       // the tail of P begins at this multiple of the mean force
+constexpr double kDiameter = 1.525e-3;  // mean of the three sizes                               [m]
+
+/// What a packing does until it is at rest.
+struct Settling {
+  Scene<2> scene;
+  State<2> state;
+  double initial = 0, final = 0;  ///< potential energy                                       [J]
+  double kinetic = 0;             ///< mean of the last kQuietSteps steps                     [J]
+  double displacement = 0;        ///< the same of displacement_energy()                      [J]
+  double floor = 0, sides = 0;    ///< mean upward force in these steps over the weight
+  double side_limit = 0;          ///< mu times the side walls' normal force over the weight
+  bool at_rest = false;
+  PackingRun run;
+  std::vector<ChartPoint> history;  ///< kinetic energy over the energy released, against time
+
+  double released() const { return initial - final; }
+};
+
+struct Variant {
+  double e_t = 1;
+  bool rough_sides = true;
+  int seed = 1;
+  double step = 1e-4;       // [s]
+  double latest = kLatest;  // [s]
+};
+
+double weight(const Scene<2>& scene) {
+  double sum = 0;
+  for (const Disk& d : scene.bodies) sum -= d.mass * scene.gravity[1];
+  return sum;
+}
+
+Scene<2> fig11_scene(const Variant& v) {
+  Scene<2> scene = read_scene(find_scene("compaction"));
+  const double density = scene.bodies[0].mass / std::pow(scene.bodies[0].radius, 2);
+  scene.bodies = random_filling(static_cast<int>(scene.bodies.size()),
+                                {{0.65e-3, 0.25}, {0.75e-3, 0.5}, {0.9e-3, 0.25}}, 0.03, 0.05,
+                                static_cast<std::uint64_t>(v.seed), Vec2::Zero());
+  for (Disk& d : scene.bodies) {
+    d.mass = density * d.radius * d.radius;
+    d.inertia = 0.5 * d.mass * d.radius * d.radius;
+  }
+  scene.laws[0].e_t = v.e_t;
+  if (!v.rough_sides) {
+    ContactLaw smooth = scene.laws[0];
+    smooth.mu = 0;
+    scene.materials = {"disk", "smooth"};
+    scene.laws = {scene.laws[0], smooth, smooth, smooth};
+    for (Wall<2>& w : scene.walls) {
+      if (w.name != "floor") w.material = 1;
+    }
+  }
+  scene.step = v.step;
+  scene.num_steps = static_cast<int>(std::lround(v.latest / v.step));
+  scene.solver.name = "apgd";
+  scene.solver.tol = 1e-4;
+  scene.solver.max_iterations = 1000;
+  return scene;
+}
+
+/// Goes on until the mean energy of the last kQuietSteps steps is below kRestEnergy of what the fall
+/// released, that of the displacing velocities or the kinetic one.
+void settle(Settling& s, const PaperContext& context, bool by_displacement) {
+  const double total = weight(s.scene);
+  double released = s.initial;
+  struct Row {
+    double kinetic, displacement, floor, sides, limit;
+  };
+  std::deque<Row> last;
+  const auto mean = [&last](double Row::*member) {
+    double sum = 0;
+    for (const Row& row : last) sum += row.*member;
+    return sum / static_cast<double>(last.size());
+  };
+  const double mu = s.scene.laws[0].mu;
+  s.run = run_packing(
+      s.scene, s.state, context.interrupted,
+      [&](const State<2>& before, const State<2>& after, const StepReport<2>& r) {
+        released = s.initial - r.energy.potential;
+        if (r.step % 10 == 0) {
+          s.history.push_back({r.time, r.energy.kinetic / released, false, "", false});
+        }
+        const double h = s.scene.step;
+        const Vec2 left = force_on_wall(after, h, 1), right = force_on_wall(after, h, 2);
+        const double pressed = std::abs(left[0]) + std::abs(right[0]);
+        last.push_back({r.energy.kinetic, displacement_energy(before, after),
+                        -force_on_wall(after, h, 0)[1] / total, -(left[1] + right[1]) / total,
+                        mu * pressed / total});
+        if (last.size() > kQuietSteps) last.pop_front();
+        // The start is quiet too: nothing has fallen yet.
+        if (last.size() < kQuietSteps || r.contacts < static_cast<int>(after.bodies.size())) {
+          return true;
+        }
+        s.at_rest =
+            mean(by_displacement ? &Row::displacement : &Row::kinetic) < kRestEnergy * released;
+        return !s.at_rest;
+      });
+  s.final = s.initial - released;
+  s.kinetic = mean(&Row::kinetic);
+  s.displacement = mean(&Row::displacement);
+  s.floor = mean(&Row::floor);
+  s.sides = mean(&Row::sides);
+  s.side_limit = mean(&Row::limit);
+}
+
+Settling settled(const Variant& v, const PaperContext& context) {
+  Settling s;
+  s.scene = fig11_scene(v);
+  s.state = initial_state(s.scene);
+  for (const Disk& d : s.scene.bodies) s.initial -= d.mass * s.scene.gravity.dot(d.x);
+  settle(s, context, v.e_t == 1);
+  return s;
+}
+
+/// What a period-two motion at rest can hold: with stuck contacts (u_n = 0) and tangential
+/// velocities that e_t = 1 reverses at every step, the alternating velocity w has
+/// w·A w = ½ Σ s_t u_t(w), |s_t| <= mu s_n, so by Cauchy and Schwarz ½ w·A w is at most
+/// ⅛ z·W z for tangential impulses z <= mu s_n, and that at most 3/8 Σ_i (mu Σ_c s_n)² / m_i.
+double alternating_bound(const Settling& s) {
+  std::vector<double> normal(s.state.bodies.size(), 0.0);
+  for (const ContactOutcome<2>& o : s.state.contacts) {
+    for (const int body : {o.contact.i, o.contact.j}) {
+      if (body < static_cast<int>(normal.size())) normal[static_cast<std::size_t>(body)] += o.s_n;
+    }
+  }
+  double sum = 0;
+  for (std::size_t k = 0; k < normal.size(); ++k) {
+    sum += std::pow(s.scene.laws[0].mu * normal[k], 2) / s.state.bodies[k].mass;
+  }
+  return 0.375 * sum;
+}
+
+/// Normal forces over their mean; over the mean of their layer with `layers` > 1 (layers of equal
+/// height, contacts by their points).
+std::vector<double> relative_forces(const State<2>& state, int layers) {
+  double top = 0;
+  for (const Disk& d : state.bodies) top = std::max(top, d.x[1]);
+  std::vector<std::vector<double>> forces(static_cast<std::size_t>(layers));
+  for (const ContactOutcome<2>& o : state.contacts) {
+    if (!(o.s_n > 0)) continue;
+    const Disk& d = state.bodies[static_cast<std::size_t>(o.contact.i)];
+    const double y = d.x[1] - d.radius * o.contact.n[1];
+    const int layer = std::clamp(static_cast<int>(layers * y / top), 0, layers - 1);
+    forces[static_cast<std::size_t>(layer)].push_back(o.s_n);
+  }
+  std::vector<double> relative;
+  for (const std::vector<double>& layer : forces) {
+    double sum = 0;
+    for (double f : layer) sum += f;
+    for (double f : layer) relative.push_back(f * static_cast<double>(layer.size()) / sum);
+  }
+  return relative;
+}
+
+ChartSeries histogram(const std::string& name, int style, const std::vector<double>& x) {
+  constexpr double kBin = 0.25;
+  std::vector<int> counts;
+  for (double value : x) {
+    const auto bin = static_cast<std::size_t>(value / kBin);
+    if (bin >= counts.size()) counts.resize(bin + 1);
+    ++counts[bin];
+  }
+  ChartSeries series;
+  series.name = name;
+  series.style = style;
+  series.kind = ChartSeries::Kind::kPoints;
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    if (counts[k] == 0) continue;
+    const double density = counts[k] / (kBin * static_cast<double>(x.size()));
+    series.points.push_back({(static_cast<double>(k) + 0.5) * kBin, density, false,
+                             fmt::format("{} forces", counts[k])});
+  }
+  return series;
+}
+
+/// The fitted tail of a histogram of x.
+ChartSeries tail_line(const std::string& name, int style, const std::vector<double>& x) {
+  const ExponentialTail tail = fit_exponential_tail(x, kTailFrom);
+  ChartSeries series;
+  series.name = name;
+  series.style = style;
+  series.kind = ChartSeries::Kind::kLine;
+  const double share = tail.points / static_cast<double>(x.size());
+  const double last = *std::max_element(x.begin(), x.end());
+  for (const double at : {kTailFrom, last}) {
+    series.points.push_back({at, share * tail.rate * std::exp(-tail.rate * (at - kTailFrom))});
+  }
+  return series;
+}
+
+double degrees(double radians) { return radians * 180 / std::numbers::pi; }
+
+/// What is measured in several packings, one entry a packing, and their forces together.
+struct Samples {
+  std::vector<double> roughness;           ///< rms deviation of the surface over kDiameter
+  std::vector<double> slopes, heaps;       ///< of the surface, degrees
+  std::vector<double> sides;               ///< upward friction of the side walls over the weight
+  std::vector<double> rates, layer_rates;  ///< of the tails of the forces
+  std::vector<double> forces, layered;     ///< over the mean of the packing, of the layer
+
+  void add(const Settling& s) {
+    const Surface surface = measure_surface(s.state, 0, 0.03, 20);
+    roughness.push_back(surface.roughness / kDiameter);
+    slopes.push_back(degrees(std::atan(surface.slope)));
+    heaps.push_back(degrees(std::atan(surface.heap)));
+    const Vec2 walls =
+        force_on_wall(s.state, s.scene.step, 1) + force_on_wall(s.state, s.scene.step, 2);
+    sides.push_back(-walls[1] / weight(s.scene));
+    const std::vector<double> f = relative_forces(s.state, 1), g = relative_forces(s.state, 8);
+    rates.push_back(fit_exponential_tail(f, kTailFrom).rate);
+    layer_rates.push_back(fit_exponential_tail(g, kTailFrom).rate);
+    forces.insert(forces.end(), f.begin(), f.end());
+    layered.insert(layered.end(), g.begin(), g.end());
+  }
+};
+
+class Fig11 {
+ public:
+  explicit Fig11(const PaperContext& context) : context_(context) {
+    step_ = context.quick ? 2e-4 : 1e-4;
+  }
+
+  PaperResult run() {
+    result_.paper =
+        "342 disks (25 % of radius 0.65 mm, 50 % of 0.75 mm, 25 % of 0.9 mm; μ = 0.1 everywhere, "
+        "e_n = 0.1, e_t = 1) fall into a box. Force chains with large fluctuations from contact to "
+        "contact; the top is flat, no conical heap.";
+    context_.report("e_t = 1 until at rest");
+    Settling main = settled({.step = step_}, context_);
+    if (context_.stopped()) return std::move(result_);
+    context_.report("e_t = 0 until at rest");
+    const Settling inelastic = settled({.e_t = 0, .step = step_}, context_);
+    if (context_.stopped()) return std::move(result_);
+    context_.report("smooth side walls");
+    const Settling smooth = settled({.rough_sides = false, .step = step_}, context_);
+    if (context_.stopped()) return std::move(result_);
+    picture(main);
+    load(main, smooth);
+    const Samples samples = sample(main);
+    surface(samples, degrees(std::atan(main.scene.laws[0].mu)));
+    forces(samples);
+    distribution_chart(samples);
+    if (context_.stopped()) return std::move(result_);
+    rest(std::move(main), inelastic);
+    return std::move(result_);
+  }
+
+ private:
+  void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
+
+  void picture(const Settling& main) {
+    ForcePictureOptions options;
+    options.take_off = false;
+    options.width = 600;  // the page shows it about as large
+    draw_force_picture(context_.out / "fig11_forces.svg", main.scene, main.state,
+                       fmt::format("342 disks at rest, t = {:.3f} s", main.state.time), options);
+    result_.figures.push_back({.name = "fig11_forces",
+                               .caption = "Force chains at rest: segments between centres as wide "
+                                          "as the normal force.",
+                               .file = "fig11_forces.svg",
+                               .after = 0});
+  }
+
+  void load(const Settling& main, const Settling& smooth) {
+    const double both = main.floor + main.sides;
+    number({.name = "vertical_load",
+            .value = both,
+            .meaning = "floor and side walls together over the weight, mean of the last 100 steps",
+            .expected = "1 within 1 % (momentum)",
+            .holds = main.at_rest && std::abs(both - 1) <= 0.01,
+            .digits = 6});
+    number({.name = "floor_load",
+            .value = main.floor,
+            .meaning = "floor alone over the weight, side walls with μ = 0.1"});
+    number({.name = "side_load",
+            .value = main.sides,
+            .meaning = "upward friction of both side walls over the weight (negative: downward)"});
+    number({.name = "side_limit",
+            .value = main.side_limit,
+            .meaning = "most that the side walls' friction could carry, μ times their normal "
+                       "force over the weight",
+            .expected = "at least the side walls' share",
+            .holds = std::abs(main.sides) <= main.side_limit});
+    number({.name = "floor_load_smooth",
+            .value = smooth.floor,
+            .meaning = "floor over the weight, frictionless side walls",
+            .expected = "1 within 1 %",
+            .holds = smooth.at_rest && std::abs(smooth.floor - 1) <= 0.01,
+            .digits = 6});
+    result_.ours.emplace_back(
+        "Base load. Floor and side walls carry {vertical_load} of the weight together. Friction on "
+        "the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory the "
+        "walls take load off the floor once the grains slide down along them; here they could take "
+        "at most {side_limit}, and what they do take depends on how the packing came to rest "
+        "({side_least} to {side_most} in {packings} packings; negative: they press it down). With "
+        "frictionless side walls the floor carries {floor_load_smooth}.");
+  }
+
+  /// The packing of the figure and others from different random starts.
+  Samples sample(const Settling& main) const {
+    Samples samples;
+    samples.add(main);
+    const int seeds = context_.quick ? 2 : 5;
+    for (int seed = 2; seed <= seeds && !context_.stopped(); ++seed) {
+      context_.report(fmt::format("packing {} of {}", seed, seeds));
+      samples.add(settled({.seed = seed, .step = step_, .latest = kSample}, context_));
+    }
+    return samples;
+  }
+
+  /// `steepest`: slope that friction can hold, degrees.
+  void surface(const Samples& samples, double steepest) {
+    const MeanValue rough = mean_value(samples.roughness), slope = mean_value(samples.slopes),
+                    heap = mean_value(samples.heaps);
+    number({.name = "packings",
+            .value = static_cast<double>(samples.roughness.size()),
+            .meaning = "packings, from different random starts"});
+    number({.name = "side_least",
+            .value = *std::min_element(samples.sides.begin(), samples.sides.end()),
+            .meaning = "least share of the side walls' upward friction in the weight, last step of "
+                       "the packings",
+            .digits = 2});
+    number({.name = "side_most",
+            .value = *std::max_element(samples.sides.begin(), samples.sides.end()),
+            .meaning = "largest",
+            .digits = 2});
+    number({.name = "roughness",
+            .value = rough.mean,
+            .unit = "diameters",
+            .meaning = "rms deviation of the surface from its mean height",
+            .expected = "flat: below one diameter",
+            .holds = rough.mean < 1,
+            .digits = 2});
+    number({.name = "slope",
+            .value = slope.mean,
+            .unit = "°",
+            .meaning = "slope of the surface, mean of the packings",
+            .expected = fmt::format("below {:.1f}° = arctan μ; heaps are steeper", steepest),
+            .holds = std::abs(slope.mean) < steepest,
+            .digits = 2});
+    number({.name = "slope_confidence",
+            .value = slope.confidence,
+            .unit = "°",
+            .meaning = "half width of its 95 % confidence interval",
+            .digits = 2});
+    number({.name = "heap",
+            .value = heap.mean,
+            .unit = "°",
+            .meaning = "fall of the surface from the middle to the sides",
+            .expected = fmt::format("no heap (the paper): below {:.1f}° = arctan μ", steepest),
+            .holds = std::abs(heap.mean) < steepest,
+            .digits = 2});
+    number({.name = "heap_confidence",
+            .value = heap.confidence,
+            .unit = "°",
+            .meaning = "half width of its 95 % confidence interval",
+            .digits = 2});
+    result_.ours.emplace_back(
+        "Flat top. Over {packings} packings the surface deviates by {roughness} (rms) from its "
+        "mean height; its slope is {slope} ± {slope_confidence}, its fall from the middle to the "
+        "sides {heap} ± {heap_confidence}. The start may leave a slope to the right, where its "
+        "last row has three free places.");
+  }
+
+  void forces(const Samples& samples) {
+    const MeanValue rate = mean_value(samples.rates), layer_rate = mean_value(samples.layer_rates);
+    const ExponentialTail pooled = fit_exponential_tail(samples.forces, kTailFrom);
+    // Lilliefors' test of an exponential with a fitted mean: 1 % points at 1.308 / sqrt(n).
+    const double critical = 1.308 / std::sqrt(static_cast<double>(pooled.points));
+    number({.name = "tail_rate",
+            .value = rate.mean,
+            .meaning = "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, mean of the packings",
+            .digits = 2});
+    number({.name = "tail_confidence",
+            .value = rate.confidence,
+            .meaning = "half width of its 95 % confidence interval, from the packings",
+            .digits = 1});
+    number({.name = "tail_forces",
+            .value = static_cast<double>(pooled.points),
+            .meaning = "forces in these tails"});
+    number({.name = "tail_distance",
+            .value = pooled.distance,
+            .meaning = "largest distance between the distributions of the tail and of the fit",
+            .expected = fmt::format("at most {:.3f} (Lilliefors' test, 1 %)", critical),
+            .holds = pooled.distance <= critical,
+            .digits = 2});
+    number({.name = "tail_rate_layers",
+            .value = layer_rate.mean,
+            .meaning = "β with ⟨f⟩ of each of eight layers",
+            .digits = 2});
+    number({.name = "tail_layers_confidence",
+            .value = layer_rate.confidence,
+            .meaning = "half width of its 95 % confidence interval",
+            .digits = 1});
+    result_.ours.emplace_back(
+        "Forces. The normal forces above 1.5 times their mean fall off exponentially, β = "
+        "{tail_rate} ± {tail_confidence}. Part of that spread is depth: relative to the mean of "
+        "their layer, β is {tail_rate_layers} ± {tail_layers_confidence}, and weak forces are "
+        "about equally frequent down to zero.");
+  }
+
+  void distribution_chart(const Samples& samples) {
+    Chart chart;
+    chart.title = "Distribution of the normal forces";
+    chart.x = {"f/⟨f⟩", ChartAxis::Kind::kLinear, 0.0, {}};
+    chart.y = {"P(f/⟨f⟩)", ChartAxis::Kind::kLog, {}, {}};
+    const auto add = [&chart](const char* name, int style, const std::vector<double>& x) {
+      const double rate = fit_exponential_tail(x, kTailFrom).rate;
+      chart.series.push_back(histogram(name, style, x));
+      chart.series.push_back(tail_line(fmt::format("exp(−{:.2f} f/⟨f⟩)", rate), style + 1, x));
+    };
+    add("mean of the packing", 0, samples.forces);
+    add("mean of the layer", 2, samples.layered);
+    result_.figures.push_back({.name = "fig11_distribution",
+                               .caption = fmt::format("Normal forces of {} packings, relative to "
+                                                      "their mean, and exponentials fitted from "
+                                                      "1.5 on.",
+                                                      samples.roughness.size()),
+                               .chart = chart,
+                               .after = 2});
+  }
+
+  /// How the packing comes to rest; takes `main` further with smaller steps.
+  void rest(Settling main, const Settling& inelastic) {
+    energy_numbers(main, inelastic);
+    const double released = main.released();
+    const GoingOn going_on = go_on(main);
+    level_numbers(going_on, released);
+    solve_numbers(main, inelastic);
+    result_.ours.emplace_back(
+        "Rest. With e_t = 0 the kinetic energy falls to {kinetic_inelastic} of what the fall "
+        "released. With e_t = 1 it stays at {kinetic}: e_t = 1 turns the tangential velocity of "
+        "every sticking contact round at each step, which loses no energy, and friction can do so "
+        "as long as the impulse is inside the cone. Only sliding dissipates, so what remains is "
+        "bounded by μ h times the forces, {bound} here, in proportion to h². The disks do not move "
+        "by it: the mean of the velocities before and after a step, which displaces them, has "
+        "{moving}. Going on with smaller steps lowers the level, to {kinetic_smallest} for h = "
+        "{smallest_step}.");
+    result_.ours.emplace_back(
+        "Cost. Steps at rest with e_t = 1 are hard to solve: {met} of all steps met 1e-4 within "
+        "1000 iterations of `apgd` (with e_t = 0: {met_inelastic}); the others were taken with "
+        "what was reached, ε = {error} in the mean. Balance of momentum holds in any case. The "
+        "largest overlap, {overlap} of the smallest radius, is the way of a falling disk during "
+        "half a step of {step}.");
+    decay_chart(main.history, inelastic.history);
+    level_chart(going_on);
+  }
+
+  void energy_numbers(const Settling& main, const Settling& inelastic) {
+    const double released = main.released();
+    number({.name = "step", .value = step_, .unit = "s", .meaning = "time step h"});
+    number({.name = "kinetic",
+            .value = main.kinetic / released,
+            .meaning = "kinetic energy at rest over the energy that the fall released, e_t = 1",
+            .digits = 2});
+    number({.name = "moving",
+            .value = main.displacement / released,
+            .meaning = "the same of the velocities that displace the disks, e_t = 1",
+            .expected = "below 1e-9",
+            .holds = main.at_rest,
+            .digits = 2});
+    number({.name = "kinetic_inelastic",
+            .value = inelastic.kinetic / inelastic.released(),
+            .meaning = "kinetic energy at rest over the energy released, e_t = 0",
+            .expected = "below 1e-9",
+            .holds = inelastic.at_rest,
+            .digits = 2});
+  }
+
+  /// A packing at rest with e_t = 1, taken further with smaller and smaller steps.
+  struct GoingOn {
+    /// Kinetic energy, and what friction can hold, over the energy released, against the step.
+    ChartSeries levels{"kinetic energy at rest", 0, {}}, bounds{"bound", 1, {}};
+    bool below = true;         ///< each level its bound
+    double last = 0;           ///< kinetic energy with the smallest step                    [J]
+    double smallest_step = 0;  // [s]
+
+    void add(const Settling& s, double kinetic, double released) {
+      last = kinetic;
+      smallest_step = s.scene.step;
+      below = below && kinetic <= alternating_bound(s);
+      levels.points.push_back({s.scene.step, kinetic / released});
+      bounds.points.push_back({s.scene.step, alternating_bound(s) / released});
+    }
+  };
+
+  GoingOn go_on(Settling& main) const {
+    GoingOn going_on;
+    going_on.bounds.kind = ChartSeries::Kind::kLine;
+    const double released = main.released();
+    going_on.add(main, main.kinetic, released);
+    const int rounds = context_.quick ? 2 : 4;
+    for (int k = 0; k < rounds && !context_.stopped(); ++k) {
+      main.scene.step /= 4;
+      main.scene.num_steps = 120;
+      context_.report(fmt::format("at rest with h = {:.1e} s", main.scene.step));
+      double kinetic = 0;
+      int done = 0;
+      run_packing(main.scene, main.state, context_.interrupted,
+                  [&](const State<2>&, const State<2>&, const StepReport<2>& r) {
+                    if (++done > main.scene.num_steps / 2) {
+                      kinetic = std::max(kinetic, r.energy.kinetic);
+                    }
+                    return true;
+                  });
+      going_on.add(main, kinetic, released);
+    }
+    return going_on;
+  }
+
+  void level_numbers(const GoingOn& going_on, double released) {
+    number({.name = "bound",
+            .value = going_on.bounds.points[0].y,
+            .meaning = "what friction can hold: 3/8 (μ h)² Σ (Σ f_n)²/m over the energy released",
+            .expected = "above the kinetic energy at rest, for each step",
+            .holds = going_on.below,
+            .digits = 2});
+    number({.name = "smallest_step",
+            .value = going_on.smallest_step,
+            .unit = "s",
+            .meaning = "smallest step at rest",
+            .digits = 2});
+    PaperNumber smallest{.name = "kinetic_smallest",
+                         .value = going_on.last / released,
+                         .meaning =
+                             "kinetic energy at rest over the energy released, e_t = 1, "
+                             "smallest step",
+                         .digits = 2};
+    if (!context_.quick) {
+      smallest.expected = "below 1e-9";
+      smallest.holds = going_on.last < kRestEnergy * released;
+    }
+    number(smallest);
+  }
+
+  void solve_numbers(const Settling& main, const Settling& inelastic) {
+    double overlap = 0;
+    for (const ContactOutcome<2>& o : main.state.contacts)
+      overlap = std::max(overlap, -o.contact.gap);
+    number({.name = "overlap",
+            .value = overlap / 0.65e-3,
+            .meaning = "largest overlap at rest over the smallest radius (one step of the fall, "
+                       "never pushed back)",
+            .digits = 2});
+    number({.name = "met",
+            .value = static_cast<double>(main.run.converged) / main.run.steps,
+            .meaning = "share of the steps that met the tolerance 1e-4 within 1000 iterations, "
+                       "e_t = 1",
+            .digits = 2});
+    number({.name = "error",
+            .value = main.run.mean_error,
+            .meaning = "ε of the steps, geometric mean, e_t = 1",
+            .digits = 2});
+    number({.name = "met_inelastic",
+            .value = static_cast<double>(inelastic.run.converged) / inelastic.run.steps,
+            .meaning = "share of the steps that met it, e_t = 0",
+            .digits = 2});
+  }
+
+  void decay_chart(const std::vector<ChartPoint>& elastic,
+                   const std::vector<ChartPoint>& inelastic) {
+    Chart decay;
+    decay.title = "Kinetic energy against time";
+    decay.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}};
+    decay.y = {"kinetic energy / energy released", ChartAxis::Kind::kLog, 1e-12, 1.0};
+    decay.series = {{"e_t = 1", 0, elastic}, {"e_t = 0", 1, inelastic}};
+    for (ChartSeries& series : decay.series) series.kind = ChartSeries::Kind::kLine;
+    decay.y_line = kRestEnergy;
+    decay.y_line_label = "1e-9";
+    result_.figures.push_back({.name = "fig11_rest",
+                               .caption = "Kinetic energy over the energy that the fall has "
+                                          "released so far.",
+                               .chart = decay,
+                               .after = 3});
+  }
+
+  void level_chart(const GoingOn& going_on) {
+    Chart level;
+    level.title = "Kinetic energy at rest against time step, e_t = 1";
+    level.x = {"time step h (s)", ChartAxis::Kind::kLog, {}, {}};
+    level.y = {"kinetic energy / energy released", ChartAxis::Kind::kLog, {}, {}};
+    level.series = {going_on.levels, going_on.bounds};
+    level.y_line = kRestEnergy;
+    level.y_line_label = "1e-9";
+    result_.figures.push_back({.name = "fig11_level",
+                               .caption =
+                                   "The packing with e_t = 1, at rest, taken further with "
+                                   "smaller and smaller steps; bound: 3/8 (μ h)² Σ (Σ f_n)²/m.",
+                               .chart = level,
+                               .after = 3});
+  }
+
+  const PaperContext& context_;
+  double step_ = 0;
+  PaperResult result_;
+};
+
+}  // namespace
+
+PaperResult run_fig11(const PaperContext& context) { return Fig11(context).run(); }
+
+}  // namespace bipot

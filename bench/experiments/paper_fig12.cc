@@ -1,0 +1,517 @@
+// Fig. 12: 2470 disks pressed by four walls that are driven by forces.
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/experiments/compression_run.h"
+#include "bench/experiments/paper_items.h"
+#include "core/pictures/force_picture.h"
+
+namespace bipot {
+namespace {
+
+/// A row of the table of variations.
+struct Variation {
+  std::string name;
+  Compression result;
+};
+
+Compression compressed(const CompressionOptions& options, double step_factor, double tol, int cap,
+                       const PaperContext& context) {
+  Scene<2> scene = compression_scene(options);
+  scene.step *= step_factor;
+  scene.solver.tol = tol;
+  scene.solver.max_iterations = cap;
+  return run_compression(scene, context.interrupted);
+}
+
+double at_lag(const CompressionPhase& phase, std::size_t lag) {
+  return lag < phase.correlation.size() ? phase.correlation[lag] : std::nan("");
+}
+
+double overlap(const Compression& c) {
+  double largest = 0;
+  for (const ContactOutcome<2>& o : c.state.contacts) largest = std::max(largest, -o.contact.gap);
+  return largest / 0.8e-3;
+}
+
+double mean_overlap(const Compression& c) {
+  double sum = 0;
+  int loaded = 0;
+  for (const ContactOutcome<2>& o : c.state.contacts) {
+    if (!(o.s_n > 0)) continue;
+    sum += std::max(0.0, -o.contact.gap);
+    ++loaded;
+  }
+  return sum / std::max(loaded, 1) / 0.8e-3;
+}
+
+std::vector<std::string> row(const Variation& v) {
+  const Compression& c = v.result;
+  const CompressionPhase& j = c.jammed;
+  return {v.name,
+          fmt::format("{:.4f}", c.solid_fraction),
+          fmt::format("{:.2f}", c.coordination),
+          fmt::format("{:.4f}", j.wall_pressure / j.applied_pressure),
+          fmt::format("{:.4f}", 0.5 * j.stress.trace() / j.wall_pressure),
+          fmt::format("{:.3f}", anisotropy(j.stress)),
+          fmt::format("{:.3f}", at_lag(j, 1)),
+          fmt::format("{:.3f}", at_lag(j, 2)),
+          fmt::format("{:.2f}", overlap(c)),
+          fmt::format("{} of {}", c.jammed_run.converged, c.jammed_run.steps),
+          fmt::format("{:.1e}", c.jammed_run.mean_error),
+          fmt::format("{}", c.run.iterations)};
+}
+
+constexpr double kCompressionTol = 1e-2;
+constexpr int kCap = 3000;  // iterations
+
+struct WantedVariation {
+  const char* name;
+  CompressionOptions options;
+  double step_factor, tol;
+  bool choice;  ///< one of the paper's open choices: density or mass
+};
+
+/// What the variations have in common and what sets some of them apart.
+struct VariationExtremes {
+  // Over the paper's open choices.
+  double least_fraction = 1, most_fraction = 0, most_anisotropy = 0;
+  double least_coordination = 1e9, most_coordination = 0;
+  double least_turn = 1;  ///< of the correlation over two steps above that over one
+  // Of single runs.
+  double ratio_smooth = std::nan("");       ///< pressure over wall pressure, smooth walls
+  double inelastic = std::nan("");          ///< correlation of consecutive steps, e_t = 0
+  std::vector<double> same_step_fractions;  ///< solid fractions of other densities, same step
+
+  void add(const Compression& c) {
+    least_fraction = std::min(least_fraction, c.solid_fraction);
+    most_fraction = std::max(most_fraction, c.solid_fraction);
+    least_coordination = std::min(least_coordination, c.coordination);
+    most_coordination = std::max(most_coordination, c.coordination);
+    most_anisotropy = std::max(most_anisotropy, anisotropy(c.jammed.stress));
+    least_turn = std::min(least_turn, at_lag(c.jammed, 2) - at_lag(c.jammed, 1));
+  }
+};
+
+class Fig12 {
+ public:
+  explicit Fig12(const PaperContext& context) : context_(context) {}
+
+  PaperResult run() {
+    result_.paper =
+        "2470 disks (25 % of radius 0.8 mm, 50 % of 0.9 mm, 25 % of 1.0 mm; μ = 0.1, e_n = 0, "
+        "e_t = 1) between four movable walls, each pushed by 5000 N, 300 steps of 7e-5 s. After "
+        "the last step the large forces stand on the right-hand side of the sample; an average "
+        "over a longer time is homogeneous, because the configuration of forces changes very "
+        "fast. Density, walls' mass and the start are not given, the average is not shown.";
+    const int count = context_.quick ? 617 : 2470;
+    context_.report(fmt::format("{} disks", count));
+    const Compression main = compressed({.count = count}, 1, kCompressionTol, kCap, context_);
+    if (context_.stopped()) return std::move(result_);
+    pictures(main);
+    falling_numbers(main);
+    jammed_numbers(main);
+    homogeneity_text();
+    correlation_chart(main);
+    walls(main);
+    variations(main);
+    return std::move(result_);
+  }
+
+ private:
+  void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
+
+  void pictures(const Compression& main) {
+    const State<2> mean = main.jammed.contacts.in(main.state);
+    double largest = 0;
+    for (const State<2>* state : {&main.previous, &main.state, &mean}) {
+      for (const ContactOutcome<2>& o : state->contacts) {
+        largest = std::max(largest, o.s_n / main.scene.step);
+      }
+    }
+    ForcePictureOptions options;
+    options.take_off = false;
+    options.full_force = largest;
+    options.width = 600;  // the page shows it about as large
+    const auto draw = [&](const char* name, const State<2>& state, const std::string& caption) {
+      const std::string file = std::string(name) + ".svg";
+      draw_force_picture(context_.out / file, main.scene, state, "", options);
+      result_.figures.push_back({.name = name, .caption = caption, .file = file, .after = 1});
+    };
+    draw("fig12_before", main.previous, "Force chains after 299 steps.");
+    draw("fig12_end", main.state, "Force chains after 300 steps, one later. Same scale.");
+    draw("fig12_mean", mean,
+         fmt::format("Mean forces of the last {} steps, drawn at the disks' last places. Same "
+                     "scale. Stick and slip are those of the last step of each contact.",
+                     main.jammed.steps));
+  }
+
+  void falling_numbers(const Compression& main) {
+    const CompressionPhase& flow = main.flow;
+    number({.name = "disks",
+            .value = static_cast<double>(main.state.bodies.size()),
+            .meaning = "disks; density 7800 kg/m³, a wall has 20 kg for 2470 disks"});
+    number({.name = "solid_fraction",
+            .value = main.solid_fraction,
+            .meaning = "solid fraction at the end"});
+    number({.name = "coordination",
+            .value = main.coordination,
+            .meaning = "loaded contacts of a disk, mean of the last 100 steps",
+            .digits = 3});
+    number({.name = "flow_steps",
+            .value = static_cast<double>(flow.steps),
+            .meaning = "steps of the fall: kinetic energy above a tenth of its largest value"});
+    number({.name = "flow_lag1",
+            .value = at_lag(flow, 1),
+            .meaning = "correlation of the forces of consecutive steps, during the fall",
+            .digits = 2});
+    number(
+        {.name = "flow_variation",
+         .value = flow.variation,
+         .meaning = "variation of the pressure over 8 × 8 windows, single steps of the fall, mean",
+         .digits = 2});
+    number({.name = "flow_variation_mean",
+            .value = flow.mean_windows.variation,
+            .meaning = "the same of the mean over the fall",
+            .expected = "less than of the single steps",
+            .holds = flow.mean_windows.variation < flow.variation,
+            .digits = 2});
+    number(
+        {.name = "flow_side",
+         .value = flow.horizontal,
+         .meaning = "(right half − left half)/sum of the pressure, rms over the steps of the fall",
+         .digits = 2});
+    number({.name = "flow_side_mean",
+            .value = std::abs(flow.mean_windows.horizontal),
+            .meaning = "the same of the mean over the fall, absolute",
+            .expected = "less than of the single steps",
+            .holds = std::abs(flow.mean_windows.horizontal) < flow.horizontal,
+            .digits = 2});
+  }
+
+  void jammed_numbers(const Compression& main) {
+    const CompressionPhase& jam = main.jammed;
+    number({.name = "jam_lag1",
+            .value = at_lag(jam, 1),
+            .meaning = "correlation of the forces of consecutive steps, last 100 steps",
+            .digits = 3});
+    number({.name = "jam_lag2",
+            .value = at_lag(jam, 2),
+            .meaning = "of steps that are two apart",
+            .expected = "above that of consecutive steps: e_t = 1 repeats every second step",
+            .holds = at_lag(jam, 2) > at_lag(jam, 1),
+            .digits = 3});
+    number({.name = "stress_anisotropy",
+            .value = jam.anisotropy,
+            .meaning = "(σ₁ − σ₂)/(σ₁ + σ₂) of single steps, mean of the last 100",
+            .digits = 2});
+    number({.name = "stress_anisotropy_mean",
+            .value = anisotropy(jam.stress),
+            .meaning = "of the mean stress of the last 100 steps",
+            .expected = "at most that of the single steps",
+            .holds = anisotropy(jam.stress) <= jam.anisotropy,
+            .digits = 2});
+    const double mean_fabric = anisotropy(fabric_tensor(jam.contacts.in(main.state)));
+    number({.name = "fabric_anisotropy",
+            .value = jam.fabric_anisotropy,
+            .meaning = "the same of the fabric Σ n ⊗ n / N of the loaded contacts, single steps",
+            .digits = 2});
+    number({.name = "fabric_anisotropy_mean",
+            .value = mean_fabric,
+            .meaning = "of all contacts that were loaded in the last 100 steps",
+            .digits = 2});
+    number({.name = "jam_variation",
+            .value = jam.variation,
+            .meaning = "variation of the pressure over the windows, single steps, last 100",
+            .digits = 3});
+    number({.name = "jam_variation_mean",
+            .value = jam.mean_windows.variation,
+            .meaning = "of the mean over them",
+            .expected = "less than of the single steps",
+            .holds = jam.mean_windows.variation < jam.variation,
+            .digits = 3});
+    number({.name = "jam_side",
+            .value = jam.horizontal,
+            .meaning = "(right half − left half)/sum, single steps, rms of the last 100",
+            .digits = 2});
+    number({.name = "jam_side_mean",
+            .value = std::abs(jam.mean_windows.horizontal),
+            .meaning = "of the mean over them, absolute",
+            .digits = 2});
+  }
+
+  void homogeneity_text() {
+    result_.ours.emplace_back(
+        "There are two regimes. While the walls fall inwards ({flow_steps} steps) the forces of "
+        "one step have little to do with those of the next (correlation {flow_lag1}); the "
+        "windows' pressures vary by {flow_variation} of their mean in a single step, by "
+        "{flow_variation_mean} in the average; one half of the sample carries {flow_side} more "
+        "than the other (relative to both, rms), in the average {flow_side_mean}. That is what the "
+        "paper describes.");
+    result_.ours.emplace_back(
+        "Once the sample is jammed (solid fraction {solid_fraction}, coordination {coordination}), "
+        "the chains still change from one step to the next, correlation {jam_lag1}, but two steps "
+        "on they are back, {jam_lag2}: e_t = 1 turns the tangential velocity of sticking contacts "
+        "round at each step, and with it the frictional forces, so that two networks take turns. "
+        "An average over an even number of steps removes that; the variation over the windows "
+        "falls from {jam_variation} to {jam_variation_mean} only, because the packing itself is "
+        "uneven. Stress and fabric are isotropic to {stress_anisotropy} and {fabric_anisotropy} "
+        "at each step, to {stress_anisotropy_mean} and {fabric_anisotropy_mean} in the average.");
+  }
+
+  void correlation_chart(const Compression& main) {
+    Chart chart;
+    chart.title = "Correlation of the contact forces against the number of steps between";
+    chart.x = {"steps between", ChartAxis::Kind::kLinear, 0.0, 20.0};
+    chart.y = {"correlation", ChartAxis::Kind::kLinear, {}, 1.0};
+    const auto series = [&](const std::string& name, int style, const CompressionPhase& phase) {
+      ChartSeries s{name, style, {}};
+      for (std::size_t lag = 0; lag < phase.correlation.size() && lag <= 20; ++lag) {
+        s.points.push_back({static_cast<double>(lag), phase.correlation[lag]});
+      }
+      return s;
+    };
+    chart.series = {series("falling", 0, main.flow), series("jammed", 1, main.jammed)};
+    result_.figures.push_back({.name = "fig12_correlation",
+                               .caption = "Correlation of the normal forces of two steps, pair by "
+                                          "pair, mean over all such steps.",
+                               .chart = chart,
+                               .after = 1});
+  }
+
+  void walls(const Compression& main) {
+    const CompressionPhase& jam = main.jammed;
+    number({.name = "wall_balance",
+            .value = main.wall_balance,
+            .meaning =
+                "largest |contact force on a wall − (5000 N − mass × acceleration)| over the "
+                "applied force, all steps",
+            .expected = "round-off",
+            .holds = main.wall_balance <= 1e-9,
+            .digits = 2});
+    const double normal = jam.wall_pressure / jam.applied_pressure;
+    number({.name = "wall_pressure",
+            .value = normal,
+            .meaning = "normal contact force of the walls over the applied force, mean of the last "
+                       "100 steps",
+            .expected = "1 within 1 %",
+            .holds = std::abs(normal - 1) <= 0.01,
+            .digits = 5});
+    const double traction = (jam.stress - jam.walls).norm() / jam.walls.norm();
+    number({.name = "traction_difference",
+            .value = traction,
+            .meaning = "mean stress against the walls' forces, normal and tangential, Σ f ⊗ p / V: "
+                       "relative difference, last 100 steps",
+            .expected = "at most 1 %",
+            .holds = traction <= 0.01,
+            .digits = 2});
+    const double ratio = 0.5 * jam.stress.trace() / jam.wall_pressure;
+    number({.name = "pressure_ratio",
+            .value = ratio,
+            .meaning = "pressure in the sample over the walls' normal pressure, last 100 steps",
+            .expected = "within 5 % = μ/2, what friction along the walls can add",
+            .holds = std::abs(ratio - 1) <= 0.05,
+            .digits = 5});
+    result_.ours.emplace_back(
+        "Wall pressure. Applied force, contact force and inertia of the walls balance to "
+        "{wall_balance}. At the end the walls carry {wall_pressure} of the applied force, and the "
+        "mean stress (item stress) equals what the walls do to the sample to "
+        "{traction_difference}. Its pressure is {pressure_ratio} of the normal pressure alone, "
+        "because friction along the walls presses the sample as well; without friction there it is "
+        "{ratio_smooth} (table).");
+    number({.name = "jam_met",
+            .value = static_cast<double>(main.jammed_run.converged),
+            .meaning =
+                "of the last 100 steps, those that met the tolerance 1e-2 within 3000 iterations"});
+    number({.name = "jam_error",
+            .value = main.jammed_run.mean_error,
+            .meaning = "ε of the last 100 steps, geometric mean",
+            .digits = 2});
+    number({.name = "far_starts",
+            .value = static_cast<double>(main.run.far_starts),
+            .meaning = "steps whose solve began with the impulses of two steps before"});
+    number({.name = "overlap",
+            .value = overlap(main),
+            .meaning = "largest overlap at the end over the smallest radius",
+            .digits = 2});
+    number({.name = "overlap_mean",
+            .value = mean_overlap(main),
+            .meaning = "mean overlap of the loaded contacts over the smallest radius",
+            .digits = 2});
+    result_.ours.emplace_back(
+        "Cost. Jammed steps with e_t = 1 are hard: {jam_met} of the last 100 met 1e-2 within 3000 "
+        "iterations of `apgd`, the others reached ε = {jam_error} (mean of all). A solve begins "
+        "with the impulses of two steps before where the last forces are more like those than like "
+        "the ones of one step before ({far_starts} of 300 steps). The walls arrive fast, so that "
+        "disks overlap by {overlap_mean} of the smallest radius in the mean, {overlap} at most; "
+        "overlaps are not pushed back.");
+    Chart chart;
+    chart.title = "Pressure against time";
+    chart.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, {}};
+    chart.y = {"pressure (Pa)", ChartAxis::Kind::kLinear, 0.0, {}};
+    const auto series = [&](const char* name, int style, const std::vector<double>& values) {
+      ChartSeries s{name, style, {}};
+      s.kind = ChartSeries::Kind::kLine;
+      for (std::size_t k = 0; k < values.size(); ++k) {
+        s.points.push_back({main.time[k], values[k], false, "", false});
+      }
+      return s;
+    };
+    chart.series = {series("mean stress", 0, main.pressure),
+                    series("walls, contact forces", 1, main.wall_pressure),
+                    series("walls, applied forces", 2, main.applied_pressure)};
+    result_.figures.push_back({.name = "fig12_pressure",
+                               .caption = "Pressure in the sample (contacts and velocity "
+                                          "fluctuations), of the contacts on the walls, and of the "
+                                          "driving forces.",
+                               .chart = chart,
+                               .after = 2});
+  }
+
+  /// The paper's open choices, and solver and restitution, one changed at a time.
+  static std::vector<WantedVariation> wanted_variations(int count) {
+    const CompressionOptions base = {.count = count};
+    const auto with = [&](auto&& change) {
+      CompressionOptions options = base;
+      change(options);
+      return options;
+    };
+    return {
+        {"7800 kg/m³, 20 kg, 7e-5 s, 1e-2", base, 1, kCompressionTol, true},
+        {"walls' mass / 4", with([](auto& o) { o.wall_mass /= 4; }), 1, kCompressionTol, true},
+        {"walls' mass × 4", with([](auto& o) { o.wall_mass *= 4; }), 1, kCompressionTol, true},
+        {"density / 4, step / 2", with([](auto& o) { o.density /= 4; }), 0.5, kCompressionTol,
+         true},
+        {"density / 4", with([](auto& o) { o.density /= 4; }), 1, kCompressionTol, false},
+        {"density × 4", with([](auto& o) { o.density *= 4; }), 1, kCompressionTol, false},
+        {"another start", with([](auto& o) { o.seed = 2; }), 1, kCompressionTol, false},
+        {"tolerance 1e-1", base, 1, 1e-1, false},
+        {"tolerance 1e-3", base, 1, 1e-3, false},
+        {"e_t = 0", with([](auto& o) { o.e_t = 0; }), 1, kCompressionTol, false},
+        {"smooth walls", with([](auto& o) { o.smooth_walls = true; }), 1, kCompressionTol, false}};
+  }
+
+  /// Density, walls' mass, tolerance and restitution at a quarter of the size.
+  void variations(const Compression& main) {
+    const int count = context_.quick ? 154 : 617;
+    const CompressionOptions base = {.count = count};
+    PaperTable table = variations_table(main, count);
+    VariationExtremes found;
+    for (const WantedVariation& w : wanted_variations(count)) {
+      if (context_.stopped()) return;
+      context_.report(fmt::format("{} disks: {}", count, w.name));
+      const Compression c = compressed(w.options, w.step_factor, w.tol, kCap, context_);
+      if (context_.stopped()) return;
+      table.rows.push_back(row({w.name, c}));
+      if (w.options.e_t == 0) found.inelastic = at_lag(c.jammed, 1);
+      if (w.options.smooth_walls) {
+        found.ratio_smooth = 0.5 * c.jammed.stress.trace() / c.jammed.wall_pressure;
+      }
+      if (w.options.density != base.density && w.step_factor == 1) {
+        found.same_step_fractions.push_back(c.solid_fraction);
+      }
+      if (w.choice) found.add(c);
+    }
+    variation_numbers(found, main, count);
+    result_.tables.push_back(std::move(table));
+    result_.ours.emplace_back(
+        "Choices. Steel-like 7800 kg/m³ and walls of 20 kg. With the walls' mass by factors 1/4 "
+        "and 4 the solid fraction changes by {fraction_spread}, the coordination by "
+        "{coordination_spread}, the mean stress is isotropic to {anisotropy_most}, and the "
+        "networks take turns in all. Density sets the unit of time: with the step in proportion to "
+        "its root, a change of density is one of the walls' mass (two rows of the table are "
+        "equal). With the same step for all densities the solid fraction changes by "
+        "{fraction_step} from density / 4 to density × 4: a faster fall overlaps more in a step. "
+        "Another start, and tolerances from 1e-1 to 1e-3, lead to other networks but the same "
+        "picture. With e_t = 0 the jammed network stands still, correlation {inelastic_lag1}.");
+  }
+
+  /// With its first row, the run of the figure.
+  static PaperTable variations_table(const Compression& main, int count) {
+    PaperTable table;
+    table.name = "fig12_variations";
+    table.caption = fmt::format(
+        "First row: as above, {} disks. The others: {} disks, box and forces half as large for a "
+        "quarter of the disks (the same pressure), masses of the walls in the ratio of the disks' "
+        "number, {} iterations at most. Means of the last 100 steps.",
+        main.state.bodies.size(), count, kCap);
+    table.columns = {"",
+                     "solid fraction",
+                     "coordination",
+                     "wall / applied force",
+                     "pressure / wall pressure",
+                     "stress anisotropy of the mean",
+                     "correlation, 1 step",
+                     "2 steps",
+                     "largest overlap / smallest radius",
+                     "steps that met the tolerance",
+                     "ε, geometric mean",
+                     "iterations, all steps"};
+    table.rows.push_back(row({fmt::format("{} disks", main.state.bodies.size()), main}));
+    return table;
+  }
+
+  void variation_numbers(const VariationExtremes& found, const Compression& main, int count) {
+    number({.name = "ratio_smooth",
+            .value = found.ratio_smooth,
+            .meaning = fmt::format("pressure in the sample over the walls' normal pressure, smooth "
+                                   "walls, {} disks",
+                                   count),
+            .expected = "1 within 1 %",
+            .holds = std::abs(found.ratio_smooth - 1) <= 0.01,
+            .digits = 5});
+    number(
+        {.name = "fraction_spread",
+         .value = (found.most_fraction - found.least_fraction) / found.most_fraction,
+         .meaning = "spread of the solid fraction over density and walls' mass, each by 1/4 and 4",
+         .expected = "at most 2 %",
+         .holds = (found.most_fraction - found.least_fraction) / found.most_fraction <= 0.02,
+         .digits = 2});
+    number({.name = "fraction_step",
+            .value = std::abs(found.same_step_fractions[1] - found.same_step_fractions[0]) /
+                     found.same_step_fractions[0],
+            .meaning = "change of the solid fraction from density / 4 to density × 4 with the same "
+                       "step of 7e-5 s",
+            .digits = 2});
+    number(
+        {.name = "coordination_spread",
+         .value = (found.most_coordination - found.least_coordination) / found.most_coordination,
+         .meaning = "the same of the coordination",
+         .expected = "at most 10 %",
+         .holds =
+             (found.most_coordination - found.least_coordination) / found.most_coordination <= 0.1,
+         .digits = 2});
+    number({.name = "anisotropy_most",
+            .value = found.most_anisotropy,
+            .meaning = "largest anisotropy of the mean stress among them",
+            .expected = "at most 0.1",
+            .holds = found.most_anisotropy <= 0.1,
+            .digits = 2});
+    number(
+        {.name = "turn_least",
+         .value = found.least_turn,
+         .meaning = "least excess of the correlation over two steps over that of one, among them",
+         .expected = "above 0: networks take turns",
+         .holds = found.least_turn > 0,
+         .digits = 2});
+    number({.name = "inelastic_lag1",
+            .value = found.inelastic,
+            .meaning = fmt::format(
+                "correlation of the forces of consecutive steps, e_t = 0, {} disks", count),
+            .expected = "above that with e_t = 1",
+            .holds = found.inelastic > at_lag(main.jammed, 1),
+            .digits = 4});
+  }
+
+  const PaperContext& context_;
+  PaperResult result_;
+};
+
+}  // namespace
+
+PaperResult run_fig12(const PaperContext& context) { return Fig12(context).run(); }
+
+}  // namespace bipot

@@ -1,0 +1,204 @@
+// One body on a floor: what rigid-body mechanics says by hand.
+//
+// With inertia c m a² (disk c = 1/2, sphere 2/5) on a slope of angle θ, friction f up the slope:
+//   m dv/dt = m g sin θ - f,   c m a dw/dt = f;   rolling, v = a w:  dv/dt = g sin θ / (1 + c),
+// f = m g sin θ c/(1 + c) <= mu m g cos θ  iff  tan θ <= mu (1 + c)/c. Thrown without spin on a flat
+// floor, m v + c m a w is what friction leaves alone: rolling at v0/(1 + c).
+// The scheme's velocities are exact where forces are constant, and its places then too: only the
+// step in which sliding ends is rounded.
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "bench/experiments/gravity.h"
+#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/validation_experiments.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kSlope = 20 * std::numbers::pi / 180;
+constexpr double kHuge = 1e9;  // inertia of a block over m a²: it does not turn
+const std::string kExact = "exact cases: one body";
+const std::string kMechanics = "rigid-body mechanics, derived in slope_experiments.cc";
+
+template <int D>
+double share() {
+  return D == 2 ? 0.5 : 0.4;
+}
+template <int D>
+const char* body_name() {
+  return D == 2 ? "disk" : "sphere";
+}
+
+/// A body of radius 1 m and 1 kg that touches the floor; gravity leans by `slope` towards +x.
+template <int D>
+Scene<D> on_floor(double slope, double mu, double step, double tol,
+                  const ValidationContext& context) {
+  Scene<D> scene = empty_scene<D>({.mu = mu}, step, tol, context);
+  scene.gravity =
+      kGravity * (std::sin(slope) * Vec<D>::Unit(0) - std::cos(slope) * Vec<D>::Unit(D - 1));
+  scene.bodies = {round_body<D>(Vec<D>::Unit(D - 1), 1, 1)};
+  scene.walls = {flat_floor<D>()};
+  return scene;
+}
+
+/// Velocity of the point of contact along x: clockwise turning rolls forwards; in space about +y.
+double slip(const Disk& d) { return d.v[0] + d.radius * d.spin; }
+double slip(const Sphere& s) { return s.v[0] - s.radius * s.spin[1]; }
+
+ValidationRow exact_row(std::string name, std::string quantity, std::string formula, double value) {
+  return {.name = std::move(name),
+          .group = kExact,
+          .quantity = std::move(quantity),
+          .source = kMechanics,
+          .formula = std::move(formula),
+          .expected = Expectation::equal(value),
+          .allowed = 1e-6,
+          .allowed_why = "the scheme is exact here; a hundred times the tightest tolerance",
+          .bar = "none: one deterministic run"};
+}
+
+template <int D>
+ValidationExperiment rolling() {
+  const double c = share<D>();
+  ValidationExperiment e;
+  e.rows = {exact_row(fmt::format("{}_rolls", body_name<D>()),
+                      fmt::format("acceleration of a {} that rolls down 20°, over g sin θ",
+                                  body_name<D>()),
+                      D == 2 ? "1/(1 + 1/2) = 2/3" : "1/(1 + 2/5) = 5/7", 1 / (1 + c)),
+            exact_row(fmt::format("{}_slips", body_name<D>()),
+                      fmt::format("the same with μ = 0.05, sliding, over g (sin θ − μ cos θ)",
+                                  body_name<D>()),
+                      "1", 1)};
+  e.tols = e.quick_tols = decades(-1, 8);
+  e.run = [](double tol, const ValidationContext& context) {
+    ExperimentOutcome outcome;
+    for (const double mu : {0.5, 0.05}) {
+      Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, tol, context);
+      scene.num_steps = 50;
+      const auto run = run_from_start<D>(scene, context);
+      if (!count_steps(run, outcome)) return outcome;
+      const double free = mu == 0.5 ? std::sin(kSlope) : std::sin(kSlope) - mu * std::cos(kSlope);
+      outcome.seen.push_back({run.state.bodies[0].v[0] / (kGravity * free * run.state.time)});
+    }
+    return outcome;
+  };
+  return e;
+}
+
+/// The least mu at which a body on the slope does not slide. Below it the contact slides away with
+/// g sin θ (1 - mu/mu_c), so "slides by more than 1e-3 of free fall" puts it at (1 - 1e-3) mu_c.
+template <int D>
+ValidationExperiment threshold(bool block) {
+  const double c = share<D>();
+  const double critical = std::tan(kSlope) * (block ? 1 : c / (1 + c));
+  ValidationExperiment e;
+  const std::string name = block ? "block" : body_name<D>();
+  ValidationRow row = exact_row(
+      name + "_threshold",
+      block ? "least μ at which a block (a disk that cannot turn) stays on a slope of 20°"
+            : fmt::format("least μ at which a {} rolls down 20° without sliding", name),
+      block ? "tan θ = 0.3640" : (D == 2 ? "tan θ / 3 = 0.1213" : "2/7 tan θ = 0.1040"), critical);
+  row.allowed = 2e-3;
+  row.allowed_why = "sliding is told from rolling at 1e-3 of free fall; bisection 1e-4";
+  row.bar = "none: bisection to 1e-4";
+  e.rows = {row};
+  e.tols = e.quick_tols = decades(-1, 8);
+  e.run = [critical, block](double tol, const ValidationContext& context) {
+    ExperimentOutcome outcome;
+    Observation found = find_threshold(0.5 * critical, 1.5 * critical, [&](double mu) {
+      Scene<D> scene = on_floor<D>(kSlope, mu, 0.01, tol, context);
+      if (block) scene.bodies[0].inertia = kHuge;
+      scene.num_steps = 10;
+      const auto run = run_from_start<D>(scene, context);
+      count_steps(run, outcome);
+      return std::abs(slip(run.state.bodies[0])) <=
+             1e-3 * kGravity * std::sin(kSlope) * run.state.time;
+    });
+    outcome.seen = {found};
+    return outcome;
+  };
+  return e;
+}
+
+template <int D>
+ValidationExperiment thrown() {
+  const double c = share<D>();
+  ValidationExperiment e;
+  e.rows = {exact_row(
+      fmt::format("{}_thrown", body_name<D>()),
+      fmt::format("speed at which a {} thrown without spin ends rolling, over v0", body_name<D>()),
+      D == 2 ? "2/3" : "5/7", 1 / (1 + c))};
+  e.tols = e.quick_tols = decades(-1, 8);
+  e.run = [](double tol, const ValidationContext& context) {
+    ExperimentOutcome outcome;
+    Scene<D> scene = on_floor<D>(0, 0.3, 0.01, tol, context);
+    scene.bodies[0].v[0] = 1;
+    scene.num_steps = 60;  // rolls from v0 / (mu g (1 + 1/c)) < 0.12 s on
+    const auto run = run_from_start<D>(scene, context);
+    count_steps(run, outcome);
+    outcome.seen = {{run.state.bodies[0].v[0]}};
+    return outcome;
+  };
+  return e;
+}
+
+ValidationExperiment belt() {
+  ValidationExperiment e;
+  e.rows = {exact_row("disk_on_belt",
+                      "speed of a disk put down on a belt, once it rolls, over the belt's",
+                      "1/3: thrown at −V seen from the belt, where it keeps 2/3", 1.0 / 3)};
+  e.tols = e.quick_tols = decades(-1, 8);
+  e.run = [](double tol, const ValidationContext& context) {
+    ExperimentOutcome outcome;
+    Scene<2> scene = on_floor<2>(0, 0.3, 0.01, tol, context);
+    scene.walls[0].motion = Wall<2>::Motion::kMoving;
+    scene.walls[0].v = Vec2(1, 0);
+    scene.num_steps = 60;
+    const auto run = run_from_start<2>(scene, context);
+    count_steps(run, outcome);
+    outcome.seen = {{run.state.bodies[0].v[0]}};
+    return outcome;
+  };
+  return e;
+}
+
+ValidationExperiment braking() {
+  constexpr double kBrakeMu = 0.3, kSpeed = 3, kStep = 0.01;
+  constexpr double kBrake = kBrakeMu * kGravity;
+  ValidationExperiment e;
+  ValidationRow row =
+      exact_row("block_stops", "way of a block thrown at 3 m/s on μ = 0.3 until it stands [m]",
+                "v0²/(2 μ g) = 1.529 m", kSpeed * kSpeed / (2 * kBrake));
+  // In the step that stops it the speed falls from v <= a h to 0 in h, not in v/a: the way v h/2
+  // instead of v²/2a, at most a h²/8 more.
+  row.allowed = std::pow(kBrake * kStep / kSpeed, 2) / 4 + 1e-6;
+  row.allowed_why = "the step that stops it: (μ g h/v0)²/4";
+  e.rows = {row};
+  e.tols = e.quick_tols = decades(-1, 8);
+  e.run = [](double tol, const ValidationContext& context) {
+    ExperimentOutcome outcome;
+    Scene<2> scene = on_floor<2>(0, kBrakeMu, kStep, tol, context);
+    scene.bodies[0].inertia = kHuge;
+    scene.bodies[0].v[0] = kSpeed;
+    scene.num_steps = 130;
+    const auto run = run_from_start<2>(scene, context);
+    count_steps(run, outcome);
+    outcome.seen = {{run.state.bodies[0].x[0]}};
+    return outcome;
+  };
+  return e;
+}
+
+}  // namespace
+
+std::vector<ValidationExperiment> slope_experiments() {
+  return {rolling<2>(), threshold<2>(false), rolling<3>(), threshold<3>(false),
+          thrown<2>(),  thrown<3>(),         belt(),       threshold<2>(true),
+          braking()};
+}
+
+}  // namespace bipot

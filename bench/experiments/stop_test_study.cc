@@ -1,0 +1,115 @@
+#include "bench/experiments/stop_test_study.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bench/measure/statistics.h"
+#include "bench/measure/true_error.h"
+#include "solvers/solve.h"
+
+namespace bipot {
+namespace {
+
+/// Largest approach velocity at s = 0, physical.
+double free_approach(const ContactProblem& p) {
+  double largest = 0;
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    const double scale = p.row_scale.size() != 0 ? p.row_scale[c * p.dim] : 1.0;
+    largest = std::max(largest, -p.u_free[c * p.dim] / scale);
+  }
+  return largest;
+}
+
+}  // namespace
+
+std::vector<StopTestRow> study_stop_tests(const StopTestScene& scene,
+                                          const ReferenceSolution& reference,
+                                          const StopTestOptions& options) {
+  const TrueErrorEvaluator true_error(scene.given, reference);
+  const double approach = free_approach(scene.given.problem);
+  std::vector<StopTestRow> rows;
+  for (const SolverVariant& variant : options.solvers) {
+    for (StopTest stop : options.stops) {
+      bool out_of_reach = false;
+      for (double tol : options.tols) {
+        if (options.interrupted && options.interrupted()) return {};
+        StopTestRow row;
+        if (out_of_reach) row = rows.back();
+        row.scene = scene.name;
+        row.dynamic = scene.dynamic;
+        row.solver = variant.label;
+        row.stop = stop;
+        row.tol = tol;
+        if (!out_of_reach) {
+          SolverOptions solver;
+          solver.tol = tol;
+          solver.stop = stop;
+          solver.max_iterations = options.max_iterations;
+          solver.parameters = variant.parameters;
+          const SolveResult result = solve(variant.solver, scene.given.problem, solver);
+          row.status = result.status;
+          row.met = is_success(result.status);
+          row.iterations = result.iterations;
+          row.guarded = result.error.guarded();
+          const TrueError error = true_error(result.s);
+          row.velocity = error.velocity;
+          row.force = error.force;
+          if (approach > 0) row.penetration = error.penetration_velocity / approach;
+          out_of_reach = !row.met;
+        }
+        rows.push_back(row);
+      }
+    }
+  }
+  return rows;
+}
+
+Prediction predict(const std::vector<StopTestRow>& rows,
+                   const std::function<double(const StopTestRow&)>& error) {
+  Prediction p;
+  double sum = 0, squares = 0;
+  int counted = 0;
+  std::vector<double> slopes, tols, errors;
+  const auto fit = [&] {
+    if (tols.size() >= 3) slopes.push_back(fit_power_law(tols, errors).exponent);
+    tols.clear();
+    errors.clear();
+  };
+  const StopTestRow* before = nullptr;
+  for (const StopTestRow& row : rows) {
+    if (before != nullptr &&
+        (row.scene != before->scene || row.solver != before->solver || row.stop != before->stop)) {
+      fit();
+    }
+    before = &row;
+    ++p.asked;
+    if (!row.met) continue;
+    ++p.met;
+    const double ratio = error(row) / row.tol;
+    if (!std::isfinite(ratio)) continue;
+    if (ratio > 10) ++p.too_early;
+    if (ratio < 0.1) ++p.too_late;
+    if (!(ratio > 0)) continue;
+    ++counted;
+    tols.push_back(row.tol);
+    errors.push_back(error(row));
+    sum += std::log(ratio);
+    squares += std::log(ratio) * std::log(ratio);
+    p.smallest = std::fmin(p.smallest, ratio);
+    p.largest = std::fmax(p.largest, ratio);
+  }
+  fit();
+  if (!slopes.empty()) {
+    std::sort(slopes.begin(), slopes.end());
+    const std::size_t half = slopes.size() / 2;
+    p.slope = slopes.size() % 2 == 1 ? slopes[half] : 0.5 * (slopes[half - 1] + slopes[half]);
+  }
+  if (counted > 0) p.factor = std::exp(sum / counted);
+  if (counted > 1) {
+    const double mean = sum / counted;
+    p.spread = std::exp(std::sqrt(std::max(0.0, squares / counted - mean * mean)));
+  }
+  return p;
+}
+
+}  // namespace bipot

@@ -1,0 +1,55 @@
+#include "bench/experiments/validation_row.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "bench/experiments/validation_experiments.h"
+
+namespace bipot {
+
+double Expectation::error(double value) const {
+  if (std::isnan(value)) return kNaN;
+  return std::max({low - value, value - high, 0.0}) / scale;
+}
+
+ValidationRow validation_row(std::string group, std::string name, std::string quantity,
+                             std::string source, std::string formula, Expectation expected,
+                             double allowed, std::string allowed_why, std::string bar) {
+  return {.name = std::move(name),
+          .group = std::move(group),
+          .quantity = std::move(quantity),
+          .source = std::move(source),
+          .formula = std::move(formula),
+          .expected = expected,
+          .allowed = allowed,
+          .allowed_why = std::move(allowed_why),
+          .bar = std::move(bar)};
+}
+
+SolverChoice ValidationContext::choice(double tol) const {
+  SolverChoice choice;
+  choice.name = solver;
+  choice.tol = tol;
+  choice.max_iterations = max_iterations;
+  choice.parameters = {{"islands", "off"}};
+  return choice;
+}
+
+std::vector<double> decades(int first, int last) {
+  std::vector<double> tols;
+  for (int k = first; k <= last; ++k) tols.push_back(std::pow(10.0, -k));
+  return tols;
+}
+
+std::vector<ValidationExperiment> validation_experiments() {
+  std::vector<ValidationExperiment> all;
+  for (const auto& group : {slope_experiments(), standing_experiments(), impact_experiments(),
+                            chain_experiments(), indeterminacy_experiments(), packing_experiments(),
+                            force_experiments(), flow_experiments(), silo_experiments()}) {
+    all.insert(all.end(), group.begin(), group.end());
+  }
+  return all;
+}
+
+}  // namespace bipot

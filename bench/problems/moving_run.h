@@ -1,0 +1,20 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "solvers/simulation/scene_run.h"
+
+namespace bipot {
+
+/// Runs a moving scene (moving_scene.h) up to the last of `steps`, increasing from 1, by `apgd` to
+/// 1e-2 with at most kMovingIterations a step, warm started: fixed, so that its steps are the same
+/// problems whatever becomes of the other solvers. `on_step` sees those of `steps` that have
+/// contacts. Throws StepFailure.
+void run_moving_scene(const Scene<2>& scene, const std::vector<int>& steps,
+                      const std::function<void(const SceneStep<2>&)>& on_step);
+
+inline constexpr double kMovingTolerance = 1e-2;
+inline constexpr int kMovingIterations = 1000;
+
+}  // namespace bipot

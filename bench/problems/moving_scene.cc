@@ -1,0 +1,98 @@
+#include "bench/problems/moving_scene.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "core/base/nearest_name.h"
+#include "core/scene/generators.h"
+
+namespace bipot {
+namespace {
+
+constexpr int kSide = 32;  // of the scenes that the numbers below are for
+
+struct MovingFamily {
+  const char* name;
+  double width;  // over the side                                              [m]
+  double step;   // [s]
+  int steps;
+  bool box;
+};
+constexpr MovingFamily kFamilies[] = {{"pour", 1, 0.005, 600, true},
+                                      {"collapse", 0.63, 0.005, 900, false},
+                                      {"tilt", 1, 0.005, 700, true},
+                                      {"strike", 1, 0.002, 1500, true}};
+
+void give_mass(Disk& disk, double density) {
+  disk.mass = density * std::numbers::pi * disk.radius * disk.radius;
+  disk.inertia = 0.5 * disk.mass * disk.radius * disk.radius;
+}
+
+Wall<2> half_plane(const char* name, const Vec2& point, const Vec2& normal) {
+  Wall<2> wall;
+  wall.name = name;
+  wall.a = point;
+  wall.normal = normal;
+  return wall;
+}
+
+/// The heavy disk that follows the others.
+Disk striker(double side, double width, double height) {
+  Disk disk;
+  disk.radius = side / 16;
+  disk.x = Vec2(0.5 * width, height + 5 * disk.radius);
+  disk.v = Vec2(0, -60 * std::sqrt(side / kSide));
+  give_mass(disk, 5000);
+  return disk;
+}
+
+}  // namespace
+
+std::vector<std::string> moving_family_names() {
+  std::vector<std::string> names;
+  for (const MovingFamily& family : kFamilies) names.emplace_back(family.name);
+  return names;
+}
+
+Scene<2> make_moving_scene(const std::string& name, int side, const FamilyOptions& options) {
+  const auto* family = std::find_if(std::begin(kFamilies), std::end(kFamilies),
+                                    [&](const MovingFamily& f) { return name == f.name; });
+  if (family == std::end(kFamilies)) {
+    throw std::invalid_argument(unknown_name_message("moving family", name, moving_family_names()));
+  }
+  Scene<2> scene;
+  scene.title = fmt::format("{} {}", name, side);
+  scene.source = "generated";
+  const bool tilted = name == "tilt";
+  const double degrees = tilted && options.tilt_degrees == 0 ? 30 : options.tilt_degrees;
+  const double tilt = degrees * std::numbers::pi / 180;
+  scene.gravity = 9.81 * Vec2(std::sin(tilt), -std::cos(tilt));
+  scene.materials = {"default"};
+  scene.laws = {{.mu = options.mu, .e_n = options.e_n, .e_t = options.e_t}};
+  scene.step = family->step;
+  scene.num_steps =
+      static_cast<int>(std::lround(family->steps * std::sqrt(static_cast<double>(side) / kSide)));
+  // Two of the largest disks side by side at least.
+  const double width = std::max(family->width * side, 2.6);
+  scene.bodies = random_filling(side * side, {{0.4, 1.0 / 3}, {0.5, 1.0 / 3}, {0.6, 1.0 / 3}},
+                                width, 0.05, options.seed, Vec2::Zero());
+  double height = 0;
+  for (Disk& disk : scene.bodies) {
+    give_mass(disk, 1000);
+    height = std::max(height, disk.x.y() + disk.radius);
+  }
+  if (name == "strike") scene.bodies.push_back(striker(side, width, height));
+  scene.contact_distance = 1e-6 * smallest_radius(scene);
+  scene.walls.push_back(half_plane("floor", Vec2::Zero(), Vec2(0, 1)));
+  if (family->box) {
+    scene.walls.push_back(half_plane("left", Vec2::Zero(), Vec2(1, 0)));
+    scene.walls.push_back(half_plane("right", Vec2(width, 0), Vec2(-1, 0)));
+  }
+  return scene;
+}
+
+}  // namespace bipot

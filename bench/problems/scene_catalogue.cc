@@ -1,0 +1,59 @@
+#include "bench/problems/scene_catalogue.h"
+
+#include <dlfcn.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <stdexcept>
+
+#include "core/base/nearest_name.h"
+
+namespace bipot {
+namespace {
+
+/// What bin/ of an installed command lies in; of an installed module, which is a shared object in
+/// lib/python3.11/dist-packages/bipot, likewise.
+std::filesystem::path install_prefix() {
+  std::error_code none;
+  Dl_info self{};
+  if (dladdr(reinterpret_cast<const void*>(&data_folder), &self) != 0) {
+    const std::filesystem::path object = std::filesystem::absolute(self.dli_fname, none);
+    if (object.extension() == ".so") {
+      return (object.parent_path() / "../../../..").lexically_normal();
+    }
+  }
+  return std::filesystem::read_symlink("/proc/self/exe", none).parent_path().parent_path();
+}
+
+}  // namespace
+
+std::filesystem::path data_folder() {
+  if (const char* folder = std::getenv("BIPOT_DATA")) return folder;
+  std::error_code none;
+  std::filesystem::path installed = install_prefix() / "share/bipot";
+  if (std::filesystem::is_directory(installed, none)) return installed;
+  return std::filesystem::path(BIPOT_SOURCE_DIR) / "data";
+}
+
+std::vector<std::filesystem::path> shipped_scenes() {
+  std::vector<std::filesystem::path> scenes;
+  std::error_code none;
+  for (const auto& entry : std::filesystem::directory_iterator(data_folder() / "scenes", none)) {
+    if (entry.path().extension() == ".toml") scenes.push_back(entry.path());
+  }
+  std::sort(scenes.begin(), scenes.end());
+  return scenes;
+}
+
+std::filesystem::path find_scene(const std::string& path_or_name) {
+  if (std::filesystem::is_regular_file(path_or_name)) return path_or_name;
+  std::vector<std::string> names;
+  for (const std::filesystem::path& scene : shipped_scenes()) {
+    names.push_back(scene.stem().string());
+    if (names.back() == path_or_name) return scene;
+  }
+  throw std::invalid_argument(path_or_name + ": no such file; " +
+                              unknown_name_message("shipped scene", path_or_name, names));
+}
+
+}  // namespace bipot

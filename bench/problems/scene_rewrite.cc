@@ -1,0 +1,263 @@
+#include "bench/problems/scene_rewrite.h"
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <sstream>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "core/scene_files/scene_file.h"
+
+namespace bipot {
+namespace {
+
+/// A text by lines, edited from the bottom up so that positions stay valid.
+class Lines {
+ public:
+  explicit Lines(const std::string& text) {
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) lines_.push_back(line);
+  }
+  std::string& at(std::size_t line) { return lines_.at(line - 1); }  // counted from 1, as TOML does
+  void insert_above(std::size_t line, const std::string& text) {
+    lines_.insert(lines_.begin() + static_cast<std::ptrdiff_t>(line - 1), text);
+  }
+  void append(const std::string& text) { lines_.push_back(text); }
+  std::size_t count() const { return lines_.size(); }
+  std::string text() const {
+    std::string all;
+    for (const std::string& line : lines_) all += line + '\n';
+    return all;
+  }
+
+ private:
+  std::vector<std::string> lines_;
+};
+
+/// TOML counts columns in characters, strings in bytes.
+std::size_t byte_of(const std::string& line, std::size_t column) {
+  std::size_t byte = 0;
+  for (std::size_t characters = 1; characters < column && byte < line.size(); ++characters) {
+    ++byte;
+    while (byte < line.size() && (static_cast<unsigned char>(line[byte]) & 0xC0) == 0x80) ++byte;
+  }
+  return byte;
+}
+
+std::string indent_of(const std::string& line) {
+  return line.substr(0, std::min(line.find_first_not_of(" \t"), line.size()));
+}
+
+std::string quoted(const std::string& text) { return '"' + text + '"'; }  // names have no quotes
+
+std::string parameters_text(const std::map<std::string, std::string>& parameters) {
+  std::string text = "{";
+  for (const auto& [name, value] : parameters) {
+    text += fmt::format("{} {} = {}", text.size() > 1 ? "," : "", name, quoted(value));
+  }
+  return text + (parameters.empty() ? "}" : " }");
+}
+
+/// A key of a table with its new value.
+struct Edit {
+  const char *table, *key;
+  std::string value;
+  bool only_if_present = false;
+};
+
+class Editor {
+ public:
+  Editor(const std::string& text, std::string comment)
+      : lines_(text), comment_(std::move(comment)) {}
+
+  void apply(const Edit& edit) {
+    // Parsed anew each time: positions move.
+    const toml::table root = toml::parse(lines_.text());
+    const toml::table* table = root[edit.table].as_table();
+    const toml::node* node = table != nullptr ? table->get(edit.key) : nullptr;
+    if (node != nullptr) return replace(edit, *node);
+    if (edit.only_if_present) return;
+    if (table == nullptr) return append_table(edit);
+    insert(edit, *table);
+  }
+
+  std::string text() const { return lines_.text(); }
+
+ private:
+  [[noreturn]] static void give_up(const Edit& edit, std::size_t line) {
+    throw std::runtime_error(fmt::format(
+        "line {}: [{}] {} is laid out in a way that cannot be rewritten; write it on one line",
+        line, edit.table, edit.key));
+  }
+
+  /// What stood there, above the line.
+  void comment(std::size_t line, const std::string& was) {
+    const std::string indent = indent_of(lines_.at(line));
+    lines_.insert_above(line, fmt::format("{}# {}; {}", indent, comment_, was));
+  }
+
+  void replace(const Edit& edit, const toml::node& node) {
+    const toml::source_region& at = node.source();
+    const bool sub_table = node.is_table() && !node.as_table()->is_inline();
+    if (at.begin.line != at.end.line || sub_table) give_up(edit, at.begin.line);
+    std::string& line = lines_.at(at.begin.line);
+    const std::size_t begin = byte_of(line, at.begin.column), end = byte_of(line, at.end.column);
+    const std::string old = line.substr(begin, end - begin);
+    if (old == edit.value) return;
+    line.replace(begin, end - begin, edit.value);
+    comment(at.begin.line, fmt::format("{} was {}", edit.key, old));
+  }
+
+  /// Beside the table's other keys: the same prefix ("solver." or none) and indentation.
+  void insert(const Edit& edit, const toml::table& table) {
+    if (table.is_inline()) {
+      const toml::source_region& at = table.source();
+      std::string& line = lines_.at(at.begin.line);
+      const std::size_t brace = byte_of(line, at.begin.column);
+      if (at.begin.line != at.end.line || brace >= line.size() || line[brace] != '{') {
+        give_up(edit, at.begin.line);
+      }
+      line.insert(brace + 1,
+                  fmt::format(" {} = {}{}", edit.key, edit.value, table.empty() ? " " : ","));
+      comment(at.begin.line, fmt::format("{} was not set", edit.key));
+      return;
+    }
+    const toml::node* last = nullptr;
+    std::string last_key;
+    for (const auto& [key, node] : table) {
+      if (node.is_table() && !node.as_table()->is_inline()) continue;
+      if (last == nullptr || node.source().begin.line > last->source().begin.line) {
+        last = &node;
+        last_key = key.str();
+      }
+    }
+    if (last == nullptr) {  // an empty [table]
+      insert_below(table.source().begin.line, fmt::format("{} = {}", edit.key, edit.value));
+      comment(table.source().begin.line + 1, fmt::format("{} was not set", edit.key));
+      return;
+    }
+    const std::size_t line = last->source().begin.line, below = last->source().end.line;
+    const std::string& text = lines_.at(line);
+    const std::size_t key = text.find(last_key);
+    if (key == std::string::npos || key > text.find('=')) give_up(edit, line);
+    insert_below(below, fmt::format("{}{} = {}", text.substr(0, key), edit.key, edit.value));
+    comment(below + 1, fmt::format("{} was not set", edit.key));
+  }
+
+  void insert_below(std::size_t line, const std::string& text) {
+    if (line < lines_.count()) {
+      lines_.insert_above(line + 1, text);
+    } else {
+      lines_.append(text);
+    }
+  }
+
+  void append_table(const Edit& edit) {
+    lines_.append("");
+    lines_.append(fmt::format("[{}]", edit.table));
+    lines_.append(fmt::format("{} = {}", edit.key, edit.value));
+    comment(lines_.count(), fmt::format("{} was not set", edit.key));
+  }
+
+  Lines lines_;
+  std::string comment_;
+};
+
+/// Empty where all but time and solver is the same, else what differs.
+std::string difference(const Scene<2>& a, const Scene<2>& b) {
+  if (a.title != b.title) return "title";
+  if (a.model != b.model) return "model";
+  if (a.gravity != b.gravity || a.tilt.rate != b.tilt.rate || a.tilt.starts != b.tilt.starts ||
+      a.tilt.stops != b.tilt.stops) {
+    return "gravity";
+  }
+  for (int k = 0; k < 3; ++k) {
+    const CellSide &x = a.cell.side(k), &y = b.cell.side(k);
+    if (x.motion != y.motion || x.length != y.length || x.speed != y.speed ||
+        x.stress != y.stress || x.mass != y.mass) {
+      return "cell";
+    }
+  }
+  if (a.cell.in_x != b.cell.in_x || a.cell.in_y != b.cell.in_y) return "cell";
+  if (a.contact_distance != b.contact_distance) return "contact distance";
+  if (a.travel != b.travel) return "travel";
+  if (a.project_overlaps != b.project_overlaps || a.predict_gaps != b.predict_gaps) {
+    return "overlaps";
+  }
+  if (a.materials != b.materials || a.laws.size() != b.laws.size()) return "materials";
+  for (std::size_t i = 0; i < a.laws.size(); ++i) {
+    if (a.laws[i].mu != b.laws[i].mu || a.laws[i].e_n != b.laws[i].e_n ||
+        a.laws[i].e_t != b.laws[i].e_t) {
+      return "contact laws";
+    }
+  }
+  if (a.bodies.size() != b.bodies.size()) return "disks";
+  for (std::size_t i = 0; i < a.bodies.size(); ++i) {
+    const Disk &x = a.bodies[i], &y = b.bodies[i];
+    if (x.x != y.x || x.v != y.v || x.spin != y.spin || x.radius != y.radius || x.mass != y.mass ||
+        x.inertia != y.inertia || x.material != y.material || x.wall != y.wall) {
+      return "disks";
+    }
+  }
+  if (a.walls.size() != b.walls.size()) return "walls";
+  for (std::size_t i = 0; i < a.walls.size(); ++i) {
+    const Wall<2>&x = a.walls[i], &y = b.walls[i];
+    if (x.name != y.name || x.shape != y.shape || x.motion != y.motion || x.a != y.a ||
+        x.b != y.b || x.normal != y.normal || x.v != y.v || x.direction != y.direction ||
+        x.force != y.force || x.mass != y.mass || x.material != y.material ||
+        x.radius != y.radius || x.spin != y.spin || x.across != y.across || x.starts != y.starts ||
+        x.stops != y.stops || x.removed != y.removed) {
+      return "walls";
+    }
+  }
+  const OutputChoice &x = a.output, &y = b.output;
+  if (x.every != y.every || x.ledger_every != y.ledger_every || x.picture != y.picture ||
+      x.stress_picture != y.stress_picture || x.track != y.track) {
+    return "output";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::string rewrite_scene(const std::string& text, const std::string& source,
+                          const SceneChanges& changes) {
+  const Scene<2> before = parse_scene(text, source);
+  Editor editor(text, changes.comment);
+  if (changes.step != before.step) {
+    editor.apply({"time", "step", fmt::format("{}", changes.step)});
+    editor.apply({"time", "steps", fmt::format("{}", changes.num_steps), true});
+  }
+  if (changes.solver != before.solver.name) {
+    editor.apply({"solver", "name", quoted(changes.solver)});
+  }
+  if (changes.tol != before.solver.tol) {
+    editor.apply({"solver", "tol", fmt::format("{}", changes.tol)});
+  }
+  if (changes.warm_start != before.solver.warm_start) {
+    editor.apply({"solver", "warm_start", changes.warm_start ? "true" : "false"});
+  }
+  if (before.solver.stop != "guarded") editor.apply({"solver", "stop", quoted("guarded")});
+  if (changes.parameters != before.solver.parameters) {
+    editor.apply({"solver", "parameters", parameters_text(changes.parameters)});
+  }
+
+  const Scene<2> after = parse_scene(editor.text(), source);
+  const SolverChoice& s = after.solver;
+  if (const std::string what = difference(before, after); !what.empty()) {
+    throw std::runtime_error(fmt::format("{}: rewriting would change the {}", source, what));
+  }
+  if (after.step != changes.step || s.name != changes.solver || s.tol != changes.tol ||
+      s.warm_start != changes.warm_start || s.parameters != changes.parameters ||
+      s.stop != "guarded" || s.max_iterations != before.solver.max_iterations) {
+    throw std::runtime_error(source + ": the scene could not be rewritten");
+  }
+  return editor.text();
+}
+
+}  // namespace bipot

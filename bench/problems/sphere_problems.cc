@@ -1,0 +1,136 @@
+#include "bench/problems/sphere_problems.h"
+
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+#include <vector>
+
+#include "core/base/nearest_name.h"
+
+namespace bipot {
+namespace {
+
+using Vec3 = Eigen::Vector3d;
+
+constexpr double kRadius = 0.5, kMass = 1, kGravity = 9.81, kStep = 0.01;
+constexpr int kDofs = 6;
+
+struct Plane {
+  Vec3 point, normal;
+};
+
+struct SphereContact {
+  int i = -1, j = -1;  // j = -1: a plane
+  Vec3 n;              // towards i
+};
+
+/// All touching pairs, sphere-sphere first for each sphere. Quadratic: the packings are small.
+std::vector<SphereContact> touching(const std::vector<Vec3>& x, const std::vector<Plane>& planes) {
+  constexpr double kTouch = 2 * kRadius * (1 + 1e-9);
+  std::vector<SphereContact> contacts;
+  for (int i = 0; i < static_cast<int>(x.size()); ++i) {
+    for (int j = i + 1; j < static_cast<int>(x.size()); ++j) {
+      const Vec3 d = x[i] - x[j];
+      if (d.norm() <= kTouch) contacts.push_back({i, j, d.normalized()});
+    }
+    for (const Plane& p : planes) {
+      if (p.normal.dot(x[i] - p.point) <= kTouch / 2) contacts.push_back({i, -1, p.normal});
+    }
+  }
+  return contacts;
+}
+
+ContactProblem assemble(const std::vector<Vec3>& x, const std::vector<Plane>& planes, double mu,
+                        double tilt_degrees) {
+  const int n = kDofs * static_cast<int>(x.size());
+  const double tilt = tilt_degrees * std::numbers::pi / 180;
+  const Vec3 fall = kStep * kGravity * Vec3(std::sin(tilt), 0, -std::cos(tilt));
+  const std::vector<SphereContact> contacts = touching(x, planes);
+
+  ContactProblem p;
+  p.dim = 3;
+  std::vector<Eigen::Triplet<double>> a, h;
+  p.v_free = Vector::Zero(n);
+  for (int i = 0; i < static_cast<int>(x.size()); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      a.emplace_back(kDofs * i + k, kDofs * i + k, kMass);
+      a.emplace_back(kDofs * i + 3 + k, kDofs * i + 3 + k, 0.4 * kMass * kRadius * kRadius);
+    }
+    p.v_free.segment<3>(kDofs * i) = fall;
+  }
+  for (int c = 0; c < static_cast<int>(contacts.size()); ++c) {
+    const SphereContact& contact = contacts[c];
+    const Vec3 helper = std::abs(contact.n[0]) < 0.9 ? Vec3::UnitX() : Vec3::UnitY();
+    const Vec3 t = contact.n.cross(helper).normalized();
+    const Vec3 axes[3] = {contact.n, t, contact.n.cross(t)};
+    for (int r = 0; r < 3; ++r) {
+      // The contact point lies at -a n from the centre of i and at +a n from that of j:
+      // velocity v + w x (∓a n), hence the spin's part is (∓a n) x axis.
+      const Vec3 spin = (kRadius * contact.n).cross(axes[r]);
+      for (int k = 0; k < 3; ++k) {
+        h.emplace_back(kDofs * contact.i + k, 3 * c + r, axes[r][k]);
+        if (r > 0) h.emplace_back(kDofs * contact.i + 3 + k, 3 * c + r, -spin[k]);
+        if (contact.j < 0) continue;
+        h.emplace_back(kDofs * contact.j + k, 3 * c + r, -axes[r][k]);
+        if (r > 0) h.emplace_back(kDofs * contact.j + 3 + k, 3 * c + r, -spin[k]);
+      }
+    }
+  }
+  p.A.resize(n, n);
+  p.A.setFromTriplets(a.begin(), a.end());
+  p.H.resize(n, 3 * static_cast<int>(contacts.size()));
+  p.H.setFromTriplets(h.begin(), h.end());
+  p.u_free = p.H.transpose() * p.v_free;
+  p.mu = Vector::Constant(static_cast<int>(contacts.size()), mu);
+  return p;
+}
+
+const Plane kFloor{Vec3::Zero(), Vec3::UnitZ()};
+
+}  // namespace
+
+ContactProblem sphere_pyramid(int layers, double mu, double tilt_degrees) {
+  std::vector<Vec3> x;
+  for (int k = 0; k < layers; ++k) {
+    for (int i = 0; i < layers - k; ++i) {
+      for (int j = 0; j < layers - k; ++j) {
+        // Centres of a layer lie sqrt(2) a above those of the layer below.
+        x.emplace_back(kRadius * Vec3(2 * i + k, 2 * j + k, 1 + std::numbers::sqrt2 * k));
+      }
+    }
+  }
+  return assemble(x, {kFloor}, mu, tilt_degrees);
+}
+
+ContactProblem sphere_box(int side, double mu, double tilt_degrees) {
+  std::vector<Vec3> x;
+  for (int k = 0; k < side; ++k) {
+    for (int j = 0; j < side; ++j) {
+      for (int i = 0; i < side; ++i)
+        x.emplace_back(kRadius * Vec3(2 * i + 1, 2 * j + 1, 2 * k + 1));
+    }
+  }
+  const double width = 2 * kRadius * side;
+  const std::vector<Plane> planes = {kFloor,
+                                     {Vec3::Zero(), Vec3::UnitX()},
+                                     {Vec3::Zero(), Vec3::UnitY()},
+                                     {Vec3(width, 0, 0), -Vec3::UnitX()},
+                                     {Vec3(0, width, 0), -Vec3::UnitY()}};
+  return assemble(x, planes, mu, tilt_degrees);
+}
+
+ContactProblem sphere_family(const std::string& name, int side, double mu, double tilt_degrees) {
+  if (name == "cannonballs") return sphere_pyramid(side, mu, tilt_degrees);
+  if (name == "cubic") return sphere_box(side, mu, tilt_degrees);
+  throw std::invalid_argument(unknown_name_message("family", name, sphere_family_names()));
+}
+
+std::vector<std::string> sphere_family_names() { return {"cannonballs", "cubic"}; }
+
+double spheres_in(const std::string& family, int side) {
+  const double n = side;
+  return family == "cubic" ? n * n * n : n * (n + 1) * (2 * n + 1) / 6;
+}
+
+}  // namespace bipot

@@ -1,0 +1,351 @@
+// The linear systems of the interior point, K = A + H R Hᵀ of the early, the middle and the late
+// iterations, by every factorisation at hand on the same matrices: analysis, factor and one solve in
+// CPU seconds of one thread (median of --repeat), numbers kept, the backward error of the plain
+// solution ‖K x - b‖ / (‖K‖ ‖x‖ + ‖b‖), and how many more solves bring it to 1e-14. Tables in
+// Markdown on standard output: data/speed.md has one.
+//   factor_bench [--family=triangular,square] [--side=83] [--at=2,6,10] [--repeat=3]
+
+#include <fmt/format.h>
+#include <klu.h>
+
+#include <CLI/CLI.hpp>
+#include <Eigen/QR>
+#include <algorithm>
+#include <ctime>
+#include <functional>
+#include <string>
+#include <vector>
+
+#ifdef BIPOT_WITH_PETSC
+#include <petscksp.h>
+
+#include "solvers/petsc/petsc_session.h"
+#endif
+
+#include "bench/command/blas_kernels.h"
+#include "bench/measure/iteration_growth.h"
+#include "core/linear/frontal_cholesky.h"
+#include "core/linear/frontal_lu.h"
+#include "core/linear/sparse_factor.h"
+#include "solvers/interior/equal_product_start.h"
+#include "solvers/interior/interior_run.h"
+#include "solvers/interior/interior_state.h"
+#include "solvers/interior/proximal_interior_point.h"
+#include "solvers/monitor.h"
+
+namespace bipot {
+namespace {
+
+/// A matrix of an interior point, and the one without the coupling of the tangent to the normal
+/// (the lower left of each block of R): symmetric where K is not.
+struct System {
+  SparseMatrix K, symmetric;
+  int iterations = 0;
+  double error = 0;
+};
+
+/// After `iterations` of the proximal interior point from its own start.
+System system_of(const ContactProblem& p, int iterations) {
+  SolverOptions options;
+  options.max_iterations = iterations;
+  options.tol = 1e-14;
+  IterationMonitor monitor(p, options);
+  monitor.judge_every_iteration();
+  InteriorSystem<2> system(p, monitor.evaluator().delassus(), ShiftedDelassus::Form::kBody);
+  const double energy = spring_energy(system);
+  InteriorRun run(monitor);
+  ProximalInteriorPointOptions stage;
+  stage.far_iterations = iterations;
+  InteriorState<2> z = cold_start(system, energy, 1), best = z;
+  (void)proximal_interior_point(system, z, run, stage, best);
+  if (!system.linearise(z, 0)) throw std::runtime_error("the matrix is singular");
+  System out{
+      .K = system.shifted().matrix(), .iterations = run.iteration, .error = monitor.last_error()};
+  std::vector<double> R = system.shifted().blocks();
+  for (std::size_t k = 0; k < R.size(); k += 4) R[k + 1] = R[k + 2] = 0;
+  if (!system.shifted().factor(R)) throw std::runtime_error("the symmetric matrix is singular");
+  out.symmetric = system.shifted().matrix();
+  return out;
+}
+
+/// One way to factor. Where `analyse` is empty the first factor() analyses as well. solve: x of b.
+struct Method {
+  std::string name;
+  std::function<bool()> analyse, factor;
+  std::function<void(const Vector&, Vector&)> solve;
+  std::function<std::size_t()> entries;
+};
+
+double backward_error(const SparseMatrix& K, const Vector& x, const Vector& b) {
+  return (K * x - b).norm() / (K.norm() * x.norm() + b.norm());
+}
+
+/// x + dx, dx from `steps` iterations of GMRES on K dx = r, preconditioned from the left by `solve`.
+void gmres(const SparseMatrix& K, const Vector& r, const Method& method, int steps, Vector& x) {
+  Vector w;
+  method.solve(r, w);
+  Eigen::MatrixXd basis(r.size(), steps + 1), hessenberg = Eigen::MatrixXd::Zero(steps + 1, steps);
+  const double beta = w.norm();
+  basis.col(0) = w / beta;
+  for (int k = 0; k < steps; ++k) {
+    method.solve(K * basis.col(k), w);
+    for (int i = 0; i <= k; ++i) {
+      hessenberg(i, k) = basis.col(i).dot(w);
+      w -= hessenberg(i, k) * basis.col(i);
+    }
+    hessenberg(k + 1, k) = w.norm();
+    basis.col(k + 1) = w / hessenberg(k + 1, k);
+  }
+  const Vector right = beta * Vector::Unit(steps + 1, 0);
+  x += basis.leftCols(steps) * hessenberg.householderQr().solve(right);
+}
+
+/// Solves after the first one until the backward error is 1e-14: plain refinement where it does
+/// with three; else GMRES, begun anew from the residual after every ten.
+std::string iterations_needed(const SparseMatrix& K, const Vector& b, const Method& method) {
+  constexpr double kGoal = 1e-14;
+  Vector first, dx;
+  method.solve(b, first);
+  Vector x = first;
+  for (int k = 0; k <= 3; ++k) {
+    if (backward_error(K, x, b) <= kGoal) return std::to_string(k);
+    method.solve(b - K * x, dx);
+    x += dx;
+  }
+  x = first;
+  for (int k = 10; k <= 60; k += 10) {
+    gmres(K, b - K * x, method, 10, x);
+    if (backward_error(K, x, b) <= kGoal) return fmt::format("GMRES {}", k);
+  }
+  return "GMRES > 60";
+}
+
+double seconds_of(int repeat, const std::function<bool()>& run, bool& fine) {
+  std::vector<double> seconds;
+  for (int k = 0; k < repeat; ++k) {
+    const std::clock_t before = std::clock();
+    fine = run() && fine;
+    seconds.push_back(static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC);
+  }
+  std::nth_element(seconds.begin(), seconds.begin() + repeat / 2, seconds.end());
+  return seconds[static_cast<std::size_t>(repeat / 2)];
+}
+
+void row(const Method& method, const System& system, int repeat) {
+  bool fine = true;
+  double analysis = method.analyse ? seconds_of(1, method.analyse, fine) : 0;
+  // The first call takes memory too.
+  const double first = fine ? seconds_of(1, method.factor, fine) : 0;
+  const double factor = fine ? seconds_of(repeat, method.factor, fine) : 0;
+  if (!fine) {
+    fmt::print("| {} | | fails | | | | |\n", method.name);
+    return;
+  }
+  if (!method.analyse) analysis = first - factor;
+  const Vector b = system.K * Vector::LinSpaced(system.K.cols(), -1, 1);
+  Vector x;
+  const double solve = seconds_of(
+      std::max(repeat, 5),
+      [&] {
+        method.solve(b, x);
+        return true;
+      },
+      fine);
+  fmt::print("| {} | {:.3f} | {:.4f} | {:.4f} | {:.1f} | {:.0e} | {} |\n", method.name, analysis,
+             factor, solve, 1e-6 * static_cast<double>(method.entries()),
+             backward_error(system.K, x, b), iterations_needed(system.K, b, method));
+  std::fflush(stdout);
+}
+
+template <class Real>
+Method by_fronts(const SparseMatrix& K, const char* name) {
+  auto lu = std::make_shared<FrontalLU<Real>>();
+  return {name, [&K] { return FrontalTree::analyse(K) != nullptr; },
+          [&K, lu] { return lu->factor(K); }, [lu](const Vector& b, Vector& x) { lu->solve(b, x); },
+          [lu] { return lu->num_entries(); }};
+}
+
+Method by_umfpack(const SparseMatrix& K) {
+  auto lu = std::make_shared<SparseLU>(SparseLU::Strategy::kSymmetric);
+  return {"UMFPACK, METIS",
+          {},
+          [&K, lu] { return lu->factor(K); },
+          [lu](const Vector& b, Vector& x) { x = lu->solve(b); },
+          [lu] { return lu->num_entries(); }};
+}
+
+Method by_cholmod(const SparseMatrix& S) {
+  auto llt = std::make_shared<SparseCholesky>();
+  return {"CHOLMOD of the symmetric part",
+          {},
+          [&S, llt] { return llt->factor(S); },
+          [llt](const Vector& b, Vector& x) { x = llt->solve(b); },
+          [llt] { return llt->num_entries(); }};
+}
+
+Method by_cholesky_fronts(const SparseMatrix& S) {
+  auto llt = std::make_shared<FrontalCholesky<double>>();
+  return {"fronts (`admm`), Cholesky of the symmetric part",
+          [&S] { return FrontalTree::analyse(S) != nullptr; }, [&S, llt] { return llt->factor(S); },
+          [llt](const Vector& b, Vector& x) { llt->solve(b, x); },
+          [llt] { return llt->num_entries(); }};
+}
+
+/// KLU with AMD's order: made for circuits, without dense kernels.
+struct Klu {
+  klu_common common;
+  klu_symbolic* symbolic = nullptr;
+  klu_numeric* numeric = nullptr;
+  Klu() {
+    klu_defaults(&common);
+    common.btf = 0;
+    common.tol = 1e-3;
+  }
+  ~Klu() {
+    klu_free_numeric(&numeric, &common);
+    klu_free_symbolic(&symbolic, &common);
+  }
+  Klu(const Klu&) = delete;
+  Klu& operator=(const Klu&) = delete;
+};
+
+Method by_klu(SparseMatrix& K) {
+  auto klu = std::make_shared<Klu>();
+  return {"KLU, AMD",
+          [&K, klu] {
+            klu->symbolic = klu_analyze(static_cast<int>(K.cols()), K.outerIndexPtr(),
+                                        K.innerIndexPtr(), &klu->common);
+            return klu->symbolic != nullptr;
+          },
+          [&K, klu] {
+            klu_free_numeric(&klu->numeric, &klu->common);
+            klu->numeric = klu_factor(K.outerIndexPtr(), K.innerIndexPtr(), K.valuePtr(),
+                                      klu->symbolic, &klu->common);
+            return klu->numeric != nullptr;
+          },
+          [klu](const Vector& b, Vector& x) {
+            x = b;
+            klu_solve(klu->symbolic, klu->numeric, static_cast<int>(b.size()), 1, x.data(),
+                      &klu->common);
+          },
+          [klu] { return to_size(klu->numeric->lnz) + to_size(klu->numeric->unz); }};
+}
+
+#ifdef BIPOT_WITH_PETSC
+/// MUMPS through PETSc, in METIS's order.
+struct Mumps {
+  SparseRows rows;
+  ::Mat matrix = nullptr, factor = nullptr;
+  ::Vec b = nullptr, x = nullptr;
+  MatFactorInfo info;
+
+  explicit Mumps(const SparseMatrix& K) : rows(K) {
+    const auto n = static_cast<PetscInt>(rows.rows());
+    check_petsc(MatCreateSeqAIJWithArrays(PETSC_COMM_SELF, n, n, rows.outerIndexPtr(),
+                                          rows.innerIndexPtr(), rows.valuePtr(), &matrix),
+                "MatCreateSeqAIJWithArrays");
+    check_petsc(MatCreateVecs(matrix, &x, &b), "MatCreateVecs");
+    check_petsc(MatFactorInfoInitialize(&info), "MatFactorInfoInitialize");
+  }
+  ~Mumps() {
+    MatDestroy(&factor);
+    MatDestroy(&matrix);
+    VecDestroy(&b);
+    VecDestroy(&x);
+  }
+  Mumps(const Mumps&) = delete;
+  Mumps& operator=(const Mumps&) = delete;
+
+  bool analyse() {
+    check_petsc(MatGetFactor(matrix, MATSOLVERMUMPS, MAT_FACTOR_LU, &factor), "MatGetFactor");
+    check_petsc(MatMumpsSetIcntl(factor, 7, 5), "MatMumpsSetIcntl");     // METIS
+    check_petsc(MatMumpsSetIcntl(factor, 14, 200), "MatMumpsSetIcntl");  // room for exchanges
+    check_petsc(MatLUFactorSymbolic(factor, matrix, nullptr, nullptr, &info),
+                "MatLUFactorSymbolic");
+    return true;
+  }
+  bool numeric() {
+    check_petsc(MatLUFactorNumeric(factor, matrix, &info), "MatLUFactorNumeric");
+    PetscInt status = 0;
+    check_petsc(MatMumpsGetInfog(factor, 1, &status), "MatMumpsGetInfog");
+    return status == 0;
+  }
+  void solve(const Vector& right, Vector& out) {
+    PetscScalar* data = nullptr;
+    check_petsc(VecGetArray(b, &data), "VecGetArray");
+    std::copy(right.begin(), right.end(), data);
+    check_petsc(VecRestoreArray(b, &data), "VecRestoreArray");
+    check_petsc(MatSolve(factor, b, x), "MatSolve");
+    check_petsc(VecGetArray(x, &data), "VecGetArray");
+    out = Eigen::Map<const Vector>(data, right.size());
+    check_petsc(VecRestoreArray(x, &data), "VecRestoreArray");
+  }
+  std::size_t entries() {
+    PetscInt millions = 0;
+    check_petsc(MatMumpsGetInfog(factor, 29, &millions), "MatMumpsGetInfog");
+    return millions < 0 ? to_size(-millions) * 1000000 : to_size(millions);
+  }
+};
+
+Method by_mumps(const SparseMatrix& K) {
+  auto mumps = std::make_shared<Mumps>(K);
+  return {"MUMPS through PETSc, METIS", [mumps] { return mumps->analyse(); },
+          [mumps] { return mumps->numeric(); },
+          [mumps](const Vector& b, Vector& x) { mumps->solve(b, x); },
+          [mumps] { return mumps->entries(); }};
+}
+#endif
+
+void table(const std::string& family, int side, int at, int repeat) {
+  const GrowthProblem made = make_growth_problem({.family = family, .tilt_degrees = 10}, side);
+  System system = system_of(made.problem, at);
+  fmt::print(
+      "\n**{} {}**, {} contacts, {} unknowns, {} numbers in K, after {} iterations (error {:.0e})\n\n",
+      family, side, made.problem.num_contacts(), system.K.cols(), system.K.nonZeros(),
+      system.iterations, system.error);
+  fmt::print(
+      "| | analysis [s] | factor [s] | solve [s] | numbers kept [10⁶] | backward error | solves to 1e-14 |\n"
+      "| --- | --- | --- | --- | --- | --- | --- |\n");
+  row(by_fronts<double>(system.K, "fronts (`ipm`)"), system, repeat);
+  row(by_fronts<float>(system.K, "fronts, single precision"), system, repeat);
+  row(by_umfpack(system.K), system, repeat);
+#ifdef BIPOT_WITH_PETSC
+  row(by_mumps(system.K), system, repeat);
+#endif
+  row(by_cholesky_fronts(system.symmetric), system, repeat);
+  row(by_cholmod(system.symmetric), system, repeat);
+  row(by_klu(system.K), system, repeat);
+}
+
+}  // namespace
+}  // namespace bipot
+
+int main(int argc, char** argv) {
+  bipot::take_kernels_of_this_processor(argv);
+  using namespace bipot;
+  std::vector<std::string> families{"triangular", "square"};
+  std::vector<int> sides{83}, at{2, 6, 10};
+  int repeat = 3;
+  CLI::App app{"The interior point's matrices by every factorisation at hand"};
+  app.add_option("--family", families, "Scene families in the plane, pile among them")
+      ->delimiter(',');
+  app.add_option("--side", sides, "Disks along a side")->delimiter(',');
+  app.add_option("--at", at, "Iterations of the interior point before")->delimiter(',');
+  app.add_option("--repeat", repeat, "Factorisations of which the median is taken")
+      ->check(CLI::PositiveNumber);
+  CLI11_PARSE(app, argc, argv);
+  try {
+#ifdef BIPOT_WITH_PETSC
+    const PetscSession session(bipot::PetscOptions("", ""));
+#endif
+    for (const std::string& family : families) {
+      for (const int side : sides) {
+        for (const int k : at) table(family, side, k, repeat);
+      }
+    }
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "factor_bench: {}\n", e.what());
+    return 4;
+  }
+  return 0;
+}

@@ -1,0 +1,186 @@
+// Nanoseconds per contact of one sweep, one gradient step, one evaluation of the criterion, one
+// detection and one assembly, beside the bandwidth of this machine in the same run. Own flags beside
+// --benchmark_*:
+//   --side=100 (rows of a triangular packing, about 3 side² contacts)   --threads=1,2
+//   --path=portable,avx2,avx512 (those that the machine has)   --family=triangular
+// Counters: ns (per contact and iteration), B and flop (per contact, what an iteration alone would
+// stream; several in flight share it), GB_s. data/speed.md says how they are counted and has the
+// tables. Rows of different kernels are interleaved by --benchmark_enable_random_interleaving.
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <memory>
+
+#include "bench/programs/measured_kernel.h"
+#include "core/base/parallel.h"
+#include "core/criterion/contact_error.h"
+#include "core/motion/midpoint.h"
+#include "core/motion/time_stepping.h"
+#include "core/scene/contact_detection.h"
+#include "solvers/kernels/local_updates.h"
+
+namespace bipot {
+namespace {
+
+void report(benchmark::State& state, double contacts, int iterations, const KernelWork& work) {
+  const double visits = contacts * iterations * static_cast<double>(state.iterations());
+  state.counters["contacts"] = contacts;
+  // Inverted: Google Benchmark divides by the time that it measured.
+  state.counters["ns"] =
+      benchmark::Counter(visits * 1e-9, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  if (work.bytes > 0) {
+    state.counters["B"] = work.bytes;
+    state.counters["GB_s"] =
+        benchmark::Counter(1e-9 * visits * work.bytes, benchmark::Counter::kIsRate);
+  }
+  if (work.flops > 0) state.counters["flop"] = work.flops;
+}
+
+void run(benchmark::State& state, const MeasuredKernel& kernel) {
+  for ([[maybe_unused]] auto _ : state) kernel.call();
+  report(state, kernel.contacts, kernel.iterations, kernel.work);
+}
+
+void sweep_explicit(benchmark::State& state, const Packing& p) {
+  ContactProblem with = p.problem;
+  with.W = assemble_delassus(with.A, with.H, with.dim);
+  const DelassusOperator delassus(with);
+  LocalUpdates<2> update(with, delassus, {});
+  ExplicitSweep<2> sweep(with);
+  for ([[maybe_unused]] auto _ : state) {
+    for (int c = 0; c < with.num_contacts(); ++c) update(c, sweep);
+  }
+  const double row = static_cast<double>(with.W.nonZeros()) / with.num_contacts();
+  report(state, with.num_contacts(), 1, explicit_sweep_work(row));
+}
+
+void criterion(benchmark::State& state, const Packing& p, int threads) {
+  ContactErrorEvaluator evaluate(p.problem, threads);
+  const Vector s = p.start();
+  for ([[maybe_unused]] auto _ : state) benchmark::DoNotOptimize(evaluate(s));
+  report(state, p.problem.num_contacts(), 1, {});
+}
+
+void tiling(benchmark::State& state, const Packing& p) {
+  for ([[maybe_unused]] auto _ : state) {
+    DiskTiles<2> tiles(p.problem, *p.delassus.disks(), p.scaling);
+    benchmark::DoNotOptimize(tiles);
+  }
+  report(state, p.problem.num_contacts(), 1, {});
+}
+
+void detection(benchmark::State& state, const Packing& p, int threads) {
+  for ([[maybe_unused]] auto _ : state)
+    benchmark::DoNotOptimize(make_midpoint(p.scene, p.state, threads));
+  report(state, p.problem.num_contacts(), 1, {});
+}
+
+void assembly(benchmark::State& state, const Packing& p, int threads) {
+  const Midpoint<2> mid = make_midpoint(p.scene, p.state);
+  for ([[maybe_unused]] auto _ : state)
+    benchmark::DoNotOptimize(assemble_step(p.scene, mid, false, threads));
+  report(state, p.problem.num_contacts(), 1, {});
+}
+
+/// a <- b + 3 c, as STREAM's triad: 24 bytes an item.
+void triad(benchmark::State& state, int threads, double bytes) {
+  const int n = static_cast<int>(bytes / 24);
+  std::vector<double> a(to_size(n), 0.0), b(to_size(n), 1.0), c(to_size(n), 2.0);
+  constexpr int kItems = 1 << 14;
+  for ([[maybe_unused]] auto _ : state) {
+    run_tasks(threads, (n + kItems - 1) / kItems, [&](int piece) {
+      const int first = piece * kItems, last = std::min(n, first + kItems);
+      for (int k = first; k < last; ++k) a[to_size(k)] = b[to_size(k)] + 3 * c[to_size(k)];
+    });
+    benchmark::ClobberMemory();
+  }
+  state.counters["GB_s"] = benchmark::Counter(24e-9 * n * static_cast<double>(state.iterations()),
+                                              benchmark::Counter::kIsRate);
+}
+
+struct Flags {
+  std::string family = "triangular";
+  std::vector<int> sides = {100}, threads = {1};
+  std::vector<std::string> paths;
+};
+
+template <class F>
+void add(const std::string& name, int threads, const F& run) {
+  auto* row = benchmark::RegisterBenchmark(name.c_str(), run)->Unit(benchmark::kMillisecond);
+  // One thread: its own CPU time, which other work on the machine disturbs least.
+  if (threads > 1) row->UseRealTime();
+}
+
+void add_rows(const Flags& flags, int side, const std::vector<SimdPath>& paths) {
+  const auto name = [&](const std::string& what) { return fmt::format("{}/{}", what, side); };
+  const auto get = [family = flags.family, side] { return tilted_packing(family, side); };
+  add(name("sweep_given_order/scalar/1"), 1, [=](auto& s) {
+    const auto p = get();
+    run(s, given_order_sweep(*p));
+  });
+  add(name("sweep_explicit_W/scalar/1"), 1, [=](auto& s) { sweep_explicit(s, *get()); });
+  add(name("tiling/scalar/1"), 1, [=](auto& s) { tiling(s, *get()); });
+  for (const int threads : flags.threads) {
+    for (const SimdPath path : paths) {
+      const Execution e{threads, path};
+      const std::string how = fmt::format("{}/{}", to_string(path), threads);
+      add(name("sweep_tiled/" + how), threads, [=](auto& s) {
+        const auto p = get();
+        run(s, tiled_sweep(*p, e));
+      });
+      add(name("gradient/" + how), threads, [=](auto& s) {
+        const auto p = get();
+        run(s, tiled_gradient(*p, e));
+      });
+    }
+    const std::string how = fmt::format("scalar/{}", threads);
+    add(name("criterion/" + how), threads, [=](auto& s) { criterion(s, *get(), threads); });
+    add(name("detection/" + how), threads, [=](auto& s) { detection(s, *get(), threads); });
+    add(name("assembly/" + how), threads, [=](auto& s) { assembly(s, *get(), threads); });
+  }
+}
+
+}  // namespace
+}  // namespace bipot
+
+int main(int argc, char** argv) {
+  using namespace bipot;
+  Flags flags;
+  CLI::App app{"Kernel benchmark: nanoseconds per contact, beside the machine's bandwidth"};
+  app.allow_extras();  // Google Benchmark's own
+  app.add_option("--family", flags.family, "Scene family (disks with friction)");
+  app.add_option("--side", flags.sides, "Disks along a side")->delimiter(',');
+  app.add_option("--threads", flags.threads, "Numbers of threads")->delimiter(',');
+  app.add_option("--path", flags.paths, "portable, avx2, avx512; all that the machine has")
+      ->delimiter(',');
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : 2;
+  }
+  std::vector<SimdPath> paths;
+  for (const SimdPath path : {SimdPath::kPortable, SimdPath::kAvx2, SimdPath::kAvx512}) {
+    const bool wanted = flags.paths.empty() || std::find(flags.paths.begin(), flags.paths.end(),
+                                                         to_string(path)) != flags.paths.end();
+    if (wanted && has_path(path)) paths.push_back(path);
+  }
+  for (const int threads : flags.threads) {
+    for (const double megabytes : {0.5, 3.0, 300.0}) {
+      add(fmt::format("triad/{:g}MB/{}", megabytes, threads), threads,
+          [=](auto& s) { triad(s, threads, 1e6 * megabytes); });
+    }
+  }
+  for (const int side : flags.sides) add_rows(flags, side, paths);
+  std::vector<std::string> rest = app.remaining();
+  std::vector<char*> arguments{argv[0]};
+  for (std::string& text : rest) arguments.push_back(text.data());
+  int count = static_cast<int>(arguments.size());
+  benchmark::Initialize(&count, arguments.data());
+  if (benchmark::ReportUnrecognizedArguments(count, arguments.data())) return 2;
+  benchmark::RunSpecifiedBenchmarks();
+  benchmark::Shutdown();
+  return 0;
+}

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "bench/report/json.h"
+#include "bench/tradeoff/advice.h"
+#include "core/scene/scene.h"
+
+namespace bipot {
+
+/// All that an advice holds, with the scene and the program that it goes for. Keys:
+/// data/formats.md. Undefined numbers are null.
+Json to_json(const Scene<2>& scene, const Advice& advice);
+
+}  // namespace bipot

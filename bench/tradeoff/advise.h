@@ -1,0 +1,13 @@
+#pragma once
+
+#include "bench/tradeoff/advice.h"
+#include "core/scene/scene.h"
+
+namespace bipot {
+
+/// Tries solvers, tolerances and time steps on the scene's own steps and recommends the cheapest
+/// that meets the goal. Times decide, so that two runs may differ in close calls; errors do not
+/// depend on them. Throws std::invalid_argument for a goal or options that make no sense.
+Advice advise(const Scene<2>& scene, const AdviseOptions& options);
+
+}  // namespace bipot

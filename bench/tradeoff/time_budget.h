@@ -1,0 +1,28 @@
+#pragma once
+
+#include <algorithm>
+
+#include "core/base/stopwatch.h"
+
+namespace bipot {
+
+/// The wall time that an advice may take, and the parts of it after which a stage must be done.
+class TimeBudget {
+ public:
+  static constexpr double kTightRunEnd = 0.06, kRunEnd = 0.25, kStepsEnd = 0.52,
+                          kReferencesEnd = 0.66, kTrialsEnd = 0.8, kStretchesEnd = 0.92;
+
+  /// Counts from now; `limit` in seconds.
+  explicit TimeBudget(double limit) : limit_(limit) {}
+  /// Spent so far [s].
+  double seconds() const { return watch_.seconds(); }
+  /// Seconds until that part of the limit is spent; never below a millisecond.
+  double until(double part) const { return std::max(1e-3, part * limit_ - seconds()); }
+  bool past(double part) const { return seconds() >= part * limit_; }
+
+ private:
+  Stopwatch watch_;
+  double limit_;
+};
+
+}  // namespace bipot

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "bench/tradeoff/trade_outcome.h"
+#include "core/base/types.h"
+#include "core/scene/scene.h"
+
+namespace bipot {
+
+/// How one whole simulation is run. Numbers that do not apply are NaN.
+struct TradeSetting {
+  Model model = Model::kNonsmooth;
+  std::string solver;       ///< nonsmooth
+  double tol = kNaN;        ///< nonsmooth
+  double step_factor = 1;   ///< time step over the scene's
+  double overlap = kNaN;    ///< springs: aimed at, of the smallest radius, or
+  double stiffness = kNaN;  ///< springs: given                                 [N/m]
+
+  bool dem() const { return model == Model::kSpringDashpot; }
+  /// Same run, replicas aside.
+  bool operator==(const TradeSetting& other) const;
+  /// "auto, tol 1e-3, h" or "springs, overlap 1e-3".
+  std::string label() const;
+};
+
+/// One whole simulation.
+struct TradeRow {
+  std::string scene;
+  TradeSetting setting;
+  int replica = 0;
+  std::string status = "not run", message;  ///< "completed" alone is a result
+  double step = kNaN;                       ///< h                                   [s]
+  int steps = 0, steps_planned = 0, steps_converged = 0;
+  double simulated = 0;         ///< time reached                                    [s]
+  double cpu = kNaN;            ///< of this process                                 [s]
+  double iterations = kNaN;     ///< mean per step; springs: substeps per step
+  double worst_guarded = kNaN;  ///< largest guarded error of a step; nonsmooth
+  double stiffness = kNaN;      ///< springs: k_n                                    [N/m]
+  double penetration = kNaN;    ///< largest of the run over the smallest radius
+  std::vector<double> values;   ///< of the scene's quantities; NaN unless completed
+
+  bool completed() const { return status == "completed"; }
+  double cpu_per_second() const { return simulated > 0 ? cpu / simulated : kNaN; }
+};
+
+/// What is known of a scene before it is run.
+struct TradeScene {
+  std::string name, target, title;
+  Scene<2> scene;
+  int replicas = 1;
+  std::vector<TradeQuantity> quantities;
+};
+
+struct TradeOptions {
+  std::vector<std::string> targets;  ///< scene file or shipped name, ":steps=N" behind it
+  std::vector<std::string> solvers = {"auto"};
+  std::vector<double> tols = {1e-1, 1e-2, 1e-3, 1e-4, 1e-6};
+  std::vector<double> step_factors = {2, 1, 0.5, 0.25};
+  std::vector<double> overlaps = {1e-2, 1e-3, 1e-4};  ///< of the springs' rows, or
+  std::vector<double> stiffness;                      ///< these instead            [N/m]
+  double time_limit = 20;                             ///< CPU seconds of one run
+  /// Relative error of an outcome below which nobody looks: no solver has to beat it.
+  double accuracy = 1e-4;
+  /// Runs once more at the tightest tolerance that the first solver completed: where steps have
+  /// several exact answers, solvers choose different ones. Empty, or one of `solvers`: nobody.
+  std::string witness;
+  int replicas = 3;  ///< of scenes whose disks fly freely: runs that differ in tiny kicks
+  std::function<void(const TradeRow&)> on_row;
+  std::function<bool()> interrupted;
+};
+
+struct Trade {
+  std::vector<TradeScene> scenes;
+  std::vector<TradeRow> rows;
+  double accuracy = 0;  ///< of the options
+  bool complete = false;
+};
+
+/// The default targets, and those of --quick.
+std::vector<std::string> trade_targets(bool quick);
+
+/// Runs whole simulations, scene by scene:
+///   1. every solver at every tolerance, loose to tight, with the scene's time step, and the witness
+///      at the tightest;
+///   2. the first solver at every other time step, at the tightest tolerance that was completed and
+///      whose cost promises to fit the time limit at the shortest step;
+///   3. the spring-dashpot model at every stiffness, with the scene's step.
+/// Where disks fly freely, nearby runs drift apart: each setting is run `replicas` times, the first
+/// as the scene says, the others with random velocities of 1e-3 √(a r) added to each disk
+/// (acceleration a of gravity or driven walls, smallest radius r), the same for every setting.
+/// A run that fails or runs out of time is a row that says so; what would cost more (tighter
+/// tolerance, further replicas, stiffer springs) is then not run, and says so. Throws
+/// std::invalid_argument and SceneFileError for targets, solvers and stiffness that cannot be.
+Trade run_trade(const TradeOptions& options);
+
+}  // namespace bipot

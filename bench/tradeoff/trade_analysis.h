@@ -1,0 +1,94 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bench/tradeoff/trade.h"
+#include "core/base/types.h"
+
+namespace bipot {
+
+/// All replicas of one setting on one scene.
+struct TradeCell {
+  TradeSetting setting;
+  int runs = 0, completed = 0;
+  std::string status;         ///< "completed", or that of the first replica that was not
+  std::string message;        ///< of that replica
+  std::vector<double> means;  ///< of the scene's quantities over the replicas; NaN unless all done
+  double cpu = kNaN;          ///< mean of a run                                       [s]
+  double cpu_per_second = kNaN;  ///< of simulated time
+  double iterations = kNaN, penetration = kNaN, worst_guarded = kNaN, stiffness = kNaN;
+
+  bool done() const { return runs > 0 && completed == runs; }
+};
+
+/// The three scales of error of one outcome, each relative to TradeQuantity::scale.
+struct TradeQuantityErrors {
+  double reference = kNaN;  ///< exact, or at the shortest step completed
+  std::string reference_kind;
+  /// What the scene's time step costs: against the exact value; by Richardson extrapolation where
+  /// three steps halved twice shrink the differences like a power of h; else the largest difference
+  /// to shorter steps; else that to twice the step.
+  double step_error = kNaN;
+  std::string step_error_kind;
+  /// Twice the standard error of the difference of two means over the replicas: what nearby runs
+  /// differ by anyway. 0 with a single replica.
+  double noise = 0;
+  /// Largest difference of another solver's outcome at the tightest tolerance: solvers that solve
+  /// every step to it and still end elsewhere chose other answers where steps have several. 0 where
+  /// no other solver completed it.
+  double choice = 0;
+  std::vector<double> solver_error;  ///< of each tolerance of SceneTrade::tols, to the tightest
+  double accuracy = 0;               ///< of TradeOptions
+  /// What the solver's error is compared with: max(step_error, noise, accuracy, choice); NaN where
+  /// step_error is.
+  double bound() const;
+  /// Loosest tolerance from which on every solver error is below the bound.
+  std::optional<double> sufficient_tol;
+};
+
+/// What the rows say of one scene.
+struct SceneTrade {
+  const TradeScene* scene = nullptr;
+  std::vector<TradeCell> cells;  ///< in the order of the rows
+  std::string solver;            ///< the first one
+  std::vector<double> tols;      ///< that it completed with the scene's step, loose to tight
+  double step_tol = kNaN;        ///< of the runs at other time steps
+  std::vector<TradeQuantityErrors> quantities;
+  /// The tightest of the quantities' sufficient tolerances; none where the errors are unknown.
+  std::optional<double> sufficient_tol;
+  std::string decided_by;                             ///< the quantity
+  std::string other_solver;                           ///< behind the largest choice; empty: none
+  double cpu_sufficient = kNaN, cpu_tightest = kNaN;  ///< per simulated second
+
+  const TradeCell* find(const TradeSetting& setting) const;
+  /// At the tolerance that is enough, else at the tightest; null where none was completed.
+  const TradeCell* sufficient_cell() const;
+  /// Error of a cell's outcome q against the reference; NaN where either is missing.
+  double error(const TradeCell& cell, std::size_t q) const;
+  /// The largest of them, and its quantity.
+  double worst_error(const TradeCell& cell, std::size_t* which = nullptr) const;
+  /// The answer in a sentence or two.
+  std::string answer() const;
+
+ private:
+  std::string choice_sentence() const;
+};
+
+/// The scene and the trade must outlive the result.
+std::vector<SceneTrade> analyse_trade(const Trade& trade);
+
+/// A trade with what its rows say, found once for all reports. The analysis points into the trade:
+/// both are moved together and never copied.
+struct AnalysedTrade {
+  explicit AnalysedTrade(Trade whole) : trade(std::move(whole)), scenes(analyse_trade(trade)) {}
+  AnalysedTrade(AnalysedTrade&&) = default;
+  AnalysedTrade& operator=(AnalysedTrade&&) = default;
+
+  Trade trade;
+  std::vector<SceneTrade> scenes;
+};
+
+}  // namespace bipot

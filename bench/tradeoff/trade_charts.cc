@@ -1,0 +1,137 @@
+#include "bench/tradeoff/trade_charts.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include "bench/report/labels.h"
+
+namespace bipot {
+namespace {
+
+Chart ratio_chart(const SceneTrade& s) {
+  Chart ratio;
+  ratio.title = "Solver error over the others, " + s.scene->name;
+  ratio.x = {"tolerance", ChartAxis::Kind::kLog};
+  ratio.y = {"solver's error / other errors", ChartAxis::Kind::kLog, 1e-4};
+  ratio.y_line = 1;
+  ratio.y_line_label = "as large as the others";
+  bool any = false;  // else there is nothing to see
+  for (std::size_t q = 0; q < s.quantities.size(); ++q) {
+    const TradeQuantityErrors& e = s.quantities[q];
+    const double other = e.bound();
+    if (!(other > 0)) continue;
+    ChartSeries series{s.scene->quantities[q].name, static_cast<int>(q), {}};
+    // The tightest is the reference of the others.
+    for (std::size_t k = 0; k + 1 < s.tols.size(); ++k) {
+      series.points.push_back({s.tols[k], e.solver_error[k] / other, false,
+                               fmt::format("{} at {}: solver {:.1e}, others {:.1e}", series.name,
+                                           tolerance_label(s.tols[k]), e.solver_error[k], other)});
+    }
+    any |=
+        std::any_of(e.solver_error.begin(), e.solver_error.end(), [](double x) { return x > 0; });
+    ratio.series.push_back(std::move(series));
+  }
+  if (!any) ratio.series.clear();
+  return ratio;
+}
+
+/// Settings that one line of a chart joins.
+struct Family {
+  std::string name;
+  int style;
+  std::function<bool(const TradeSetting&)> has;
+};
+
+std::vector<Family> families_of(const SceneTrade& s) {
+  std::vector<Family> families;
+  std::vector<std::string> solvers;
+  for (const TradeCell& cell : s.cells) {
+    const std::string& name = cell.setting.solver;
+    if (!name.empty() && std::find(solvers.begin(), solvers.end(), name) == solvers.end()) {
+      solvers.push_back(name);
+    }
+  }
+  for (const std::string& name : solvers) {
+    families.push_back(
+        {name + ", tolerances", static_cast<int>(families.size()), [name](const TradeSetting& x) {
+           return !x.dem() && x.solver == name && x.step_factor == 1;
+         }});
+  }
+  families.push_back(
+      {s.solver + ", time steps", static_cast<int>(families.size()), [&s](const TradeSetting& x) {
+         return !x.dem() && x.solver == s.solver && x.tol == s.step_tol;
+       }});
+  families.push_back({"springs, stiffness", static_cast<int>(families.size()),
+                      [](const TradeSetting& x) { return x.dem(); }});
+  return families;
+}
+
+/// Error of the outcome, and penetration, against cost.
+std::pair<Chart, Chart> cost_charts(const SceneTrade& s) {
+  Chart error, depth;
+  error.title = "Error of the outcome against cost, " + s.scene->name;
+  error.x = {"CPU time per simulated second", ChartAxis::Kind::kLogSeconds};
+  error.y = {"worst error of an outcome", ChartAxis::Kind::kLog};
+  depth.title = "Penetration against cost, " + s.scene->name;
+  depth.x = error.x;
+  depth.y = {"largest overlap / smallest radius", ChartAxis::Kind::kLog};
+  double noise = 0;
+  for (const TradeQuantityErrors& e : s.quantities) noise = std::max(noise, e.noise);
+  for (const Family& family : families_of(s)) {
+    ChartSeries in_error{family.name, family.style, {}}, in_depth = in_error;
+    std::vector<const TradeCell*> cells;
+    for (const TradeCell& cell : s.cells) {
+      if (family.has(cell.setting) && cell.done()) cells.push_back(&cell);
+    }
+    // Along the family's own parameter, not in the order of the runs.
+    std::stable_sort(cells.begin(), cells.end(), [](const TradeCell* a, const TradeCell* b) {
+      return a->setting.step_factor > b->setting.step_factor;
+    });
+    for (const TradeCell* cell : cells) {
+      std::size_t q = 0;
+      const double worst = s.worst_error(*cell, &q);
+      const std::string note = fmt::format("{}: {} per simulated second", cell->setting.label(),
+                                           seconds_label(cell->cpu_per_second));
+      if (worst > 0) {
+        in_error.points.push_back(
+            {cell->cpu_per_second, worst, false,
+             note + fmt::format(", {} {:.1e}", s.scene->quantities[q].name, worst)});
+      }
+      if (cell->penetration > 0) {
+        in_depth.points.push_back({cell->cpu_per_second, cell->penetration, false,
+                                   note + fmt::format(", overlap {:.1e}", cell->penetration)});
+      }
+    }
+    if (!in_error.points.empty()) error.series.push_back(std::move(in_error));
+    if (!in_depth.points.empty()) depth.series.push_back(std::move(in_depth));
+  }
+  if (noise > 0) {
+    error.y_line = noise;
+    error.y_line_label = "nearby runs";
+  }
+  return {std::move(error), std::move(depth)};
+}
+
+}  // namespace
+
+std::vector<CaptionedChart> trade_charts(const SceneTrade& scene) {
+  auto [error, depth] = cost_charts(scene);
+  std::vector<CaptionedChart> charts;
+  charts.push_back(
+      {ratio_chart(scene), "Below the line the solver is better than the outcome needs."});
+  charts.push_back(
+      {std::move(error),
+       "What cost buys: the outcome that is furthest from the reference. The reference "
+       "itself has no marker."});
+  charts.push_back({std::move(depth), "How deep bodies enter each other, and what that costs."});
+  std::erase_if(charts, [](const CaptionedChart& c) {
+    return std::all_of(c.chart.series.begin(), c.chart.series.end(),
+                       [](const ChartSeries& series) { return series.points.empty(); });
+  });
+  return charts;
+}
+
+}  // namespace bipot

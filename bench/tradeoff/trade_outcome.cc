@@ -1,0 +1,296 @@
+#include "bench/tradeoff/trade_outcome.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "core/base/types.h"
+#include "core/motion/sample_area.h"
+#include "core/motion/stress_tensor.h"
+#include "core/observables/measured_bodies.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kWindow = 0.1;    // of the duration
+constexpr double kCarries = 1e-3;  // of the mean force: less does not carry
+
+/// Lowest and highest point of the disks along a direction.
+std::pair<double, double> span_along(const std::vector<Disk>& disks, const Vec2& up) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Disk& d : disks) {
+    low = std::min(low, up.dot(d.x) - d.radius);
+    high = std::max(high, up.dot(d.x) + d.radius);
+  }
+  return {low, high};
+}
+
+}  // namespace
+
+double TradeQuantity::scale(double reference) const {
+  const double s = std::max(std::abs(reference), least_scale);
+  return s > 0 ? s : 1;
+}
+
+OutcomeRecorder::OutcomeRecorder(const Scene<2>& scene) : scene_(scene) {
+  g_ = scene.gravity.norm();
+  if (g_ > 0) up_ = -scene.gravity / g_;
+  end_ = scene.num_steps * scene.step;
+  for (const auto& body : measured_bodies(initial_state(scene)).list) weight_ += body.mass * g_;
+  if (scene.bodies.size() == 1 && scene.walls.size() == 1 && g_ > 0 &&
+      scene.walls[0].shape == Wall<2>::Shape::kHalfPlane &&
+      scene.walls[0].motion == Wall<2>::Motion::kFixed &&
+      scene.walls[0].normal.dot(up_) > 1 - 1e-12) {
+    const Disk& d = scene.bodies[0];
+    const Wall<2>& w = scene.walls[0];
+    const double gap = w.normal.dot(d.x - w.a) - d.radius;
+    const ContactLaw& law = scene.law(d.material, w.material);
+    floor_ = up_.dot(w.a);
+    if (gap > 1e-3 * d.radius && d.v.norm() == 0 && d.spin == 0 && law.e_n > 0) {
+      plan_ball(gap);
+    } else if (std::abs(gap) <= 1e-6 * d.radius && std::abs(d.v.dot(up_)) <= 1e-12 * d.v.norm() &&
+               d.v.norm() > 0 && d.spin == 0 && law.mu > 0) {
+      plan_slider();
+    }
+  }
+  if (quantities_.empty()) plan_sample();
+}
+
+void OutcomeRecorder::plan_ball(double gap) {
+  const double e = scene_.law(scene_.bodies[0].material, scene_.walls[0].material).e_n;
+  const double fall = std::sqrt(2 * gap / g_);
+  double impact = fall;
+  for (int p = 1; p <= 2; ++p) {
+    const double flight = 2 * std::pow(e, p) * fall;
+    impact += flight;
+    if (impact > end_) break;
+    kind_ = Kind::kBall;
+    const std::string number = std::to_string(p);
+    quantities_.push_back({.name = "height " + number,
+                           .unit = "m",
+                           .meaning = "height of bounce " + number,
+                           .exact = gap * std::pow(e, 2 * p)});
+    quantities_.push_back({.name = "flight " + number,
+                           .unit = "s",
+                           .meaning = "time between the impacts of bounce " + number,
+                           .exact = flight});
+  }
+}
+
+void OutcomeRecorder::plan_slider() {
+  // m v' = -mu m g, I w' = -mu m g a until v = -a w.
+  const Disk& d = scene_.bodies[0];
+  const double mu = scene_.law(d.material, scene_.walls[0].material).mu;
+  const double turn = 1 + d.mass * d.radius * d.radius / d.inertia;
+  const double t1 = d.v.norm() / (mu * g_ * turn);
+  if (t1 > end_) return;
+  kind_ = Kind::kSlider;
+  quantities_ = {{.name = "v1",
+                  .unit = "m/s",
+                  .meaning = "speed at the end, rolling",
+                  .exact = d.v.norm() * (1 - 1 / turn)},
+                 {.name = "t1", .unit = "s", .meaning = "time from which it rolls", .exact = t1}};
+}
+
+void OutcomeRecorder::plan_sample() {
+  double mean_radius = 0;
+  for (const Disk& d : scene_.bodies) mean_radius += d.radius;
+  mean_radius /= std::max<double>(1, static_cast<double>(scene_.bodies.size()));
+  if (g_ > 0) {
+    quantities_.push_back(
+        {.name = "height", .unit = "m", .meaning = "of the sample at the end, bottom to top"});
+    quantities_.push_back({.name = "centre of mass",
+                           .unit = "m",
+                           .meaning = "its height above the lowest point at the end"});
+  }
+  quantities_.push_back(
+      {.name = "pressure", .unit = "Pa", .meaning = "mean pressure of the sample, last tenth"});
+  for (const Wall<2>& w : scene_.walls) {
+    has_floor_ |= g_ > 0 && w.shape == Wall<2>::Shape::kHalfPlane && w.normal.dot(up_) > 0.5;
+    has_driven_ |= w.motion == Wall<2>::Motion::kDriven;
+  }
+  if (has_floor_) {
+    quantities_.push_back({.name = "floor load",
+                           .unit = "",
+                           .meaning = "vertical force on the floor over the weight, last tenth"});
+  }
+  const double energy = weight_ * mean_radius;
+  quantities_.push_back({.name = "energy lost",
+                         .unit = "J",
+                         .meaning = "in contacts by the end",
+                         .least_scale = energy});
+  if (scene_.has_friction()) {
+    quantities_.push_back({.name = "to friction",
+                           .unit = "J",
+                           .meaning = "of it, by tangential forces",
+                           .least_scale = energy});
+  }
+  quantities_.push_back(
+      {.name = "contacts",
+       .unit = "",
+       .meaning = "contacts that carry more than 1e-3 of the mean force, last tenth",
+       .least_scale = 1});
+  if (g_ > 0) {
+    speed_scale_ = std::sqrt(g_ * mean_radius);
+    quantities_.push_back({.name = "speed",
+                           .unit = "",
+                           .meaning = "root mean square over √(g r), r the mean radius, last tenth",
+                           .least_scale = 1});
+  }
+  if (has_driven_) {
+    quantities_.push_back(
+        {.name = "wall travel", .unit = "m", .meaning = "of the driven walls by the end, mean"});
+  }
+  find_columns();
+  if (!load_above_.empty()) {
+    quantities_.push_back({.name = "column force",
+                           .unit = "",
+                           .meaning = "worst contact of a column against the weight above it, over "
+                                      "the heaviest column; mean over the last tenth",
+                           .exact = 0,
+                           .least_scale = 1});
+  }
+}
+
+/// Without friction, disks that stand on each other in straight columns on a floor load each
+/// contact with the weight above it, whatever the walls do.
+void OutcomeRecorder::find_columns() {
+  if (scene_.has_friction() || !has_floor_ || scene_.bodies.size() < 2) return;
+  if (!scene_.clusters.empty()) return;
+  const Vec2 side(up_[1], -up_[0]);
+  const double floor = span_along(scene_.bodies, up_).first;
+  const double smallest = smallest_radius(scene_), close = 1e-3 * smallest;
+  std::map<long, std::vector<int>> columns;
+  for (int i = 0; i < static_cast<int>(scene_.bodies.size()); ++i) {
+    if (scene_.bodies[i].v.norm() > 0) return;
+    columns[std::lround(side.dot(scene_.bodies[i].x) / (10 * close))].push_back(i);
+  }
+  std::vector<double> above(scene_.bodies.size(), 0.0);
+  for (auto& [x, column] : columns) {
+    std::sort(column.begin(), column.end(), [&](int a, int b) {
+      return up_.dot(scene_.bodies[a].x) > up_.dot(scene_.bodies[b].x);
+    });
+    double load = 0;
+    for (std::size_t k = 0; k < column.size(); ++k) {
+      const Disk& d = scene_.bodies[column[k]];
+      load += d.mass * g_;
+      above[column[k]] = load;
+      const bool last = k + 1 == column.size();
+      const double below =
+          last ? floor
+               : up_.dot(scene_.bodies[column[k + 1]].x) + scene_.bodies[column[k + 1]].radius;
+      if (std::abs(up_.dot(d.x) - d.radius - below) > close) return;
+      if (!last && std::abs(side.dot(d.x - scene_.bodies[column[k + 1]].x)) > 1e-9 * smallest) {
+        return;
+      }
+    }
+    base_load_ = std::max(base_load_, load);
+  }
+  load_above_ = std::move(above);
+}
+
+void OutcomeRecorder::step(const State<2>& state, const StepReport<2>& report) {
+  if (kind_ == Kind::kBall) {
+    const bool touches = report.active > 0;
+    if (touches && !touched_) {
+      if (!impacts_.empty()) tops_.push_back(top_);
+      impacts_.push_back(report.time - 0.5 * scene_.step);
+    }
+    if (touches) top_ = 0;
+    touched_ = touches;
+    top_ = std::max(top_, up_.dot(state.bodies[0].x) - state.bodies[0].radius - floor_);
+    return;
+  }
+  if (kind_ == Kind::kSlider) {
+    const bool sticks =
+        !state.contacts.empty() && state.contacts[0].status == ContactStatus::kStick;
+    slid_ |= !state.contacts.empty() && state.contacts[0].status == ContactStatus::kSlip;
+    if (sticks && slid_ && std::isnan(rolls_from_)) rolls_from_ = report.time - 0.5 * scene_.step;
+    if (state.step >= scene_.num_steps) last_ = state;
+    return;
+  }
+  friction_loss_ = report.energy.friction_loss;
+  lost_ = report.energy.friction_loss + report.energy.shock_loss;
+  if (state.step >= scene_.num_steps) last_ = state;
+  if (state.step <= (1 - kWindow) * scene_.num_steps) return;
+  ++window_steps_;
+  const std::size_t n = state.bodies.size();
+  double load = 0, worst = 0, impulses = 0, speed2 = 0;
+  std::size_t bodies = state.clusters.bodies.size();
+  for (const Cluster& c : state.clusters.bodies) speed2 += c.v.squaredNorm();
+  for (const Disk& d : state.bodies) {
+    if (d.cluster >= 0) continue;
+    speed2 += d.v.squaredNorm();
+    ++bodies;
+  }
+  speed2_ += speed2 / static_cast<double>(bodies);
+  std::vector<double> below(load_above_.size(), 0.0);
+  for (const ContactOutcome<2>& c : state.contacts) {
+    const auto j = static_cast<std::size_t>(c.contact.j);
+    const double force = c.s_n / scene_.step;
+    impulses += c.s_n;
+    const double rise = c.contact.n.dot(up_);
+    if (j >= n && rise > 0.5) {
+      const Vec2 t(-c.contact.n[1], c.contact.n[0]);
+      load += force * rise + c.s_t / scene_.step * t.dot(up_);
+    }
+    if (!below.empty() && std::abs(rise) > 0.5) {
+      below[rise > 0 ? static_cast<std::size_t>(c.contact.i) : j] += force;
+    }
+  }
+  if (report.active > 0) {
+    const double least = kCarries * impulses / report.active;
+    for (const ContactOutcome<2>& c : state.contacts) contacts_ += c.s_n > least ? 1 : 0;
+  }
+  // Over one square metre; values() knows the area.
+  pressure_ += sample_stress(state, scene_.step, 1, contact_moments(state)).pressure();
+  floor_load_ += weight_ > 0 ? load / weight_ : 0;
+  for (std::size_t k = 0; k < below.size(); ++k) {
+    worst = std::max(worst, std::abs(below[k] - load_above_[k]) / base_load_);
+  }
+  column_error_ += worst;
+}
+
+std::vector<double> OutcomeRecorder::values() const {
+  std::vector<double> values;
+  if (kind_ == Kind::kBall) {
+    for (std::size_t p = 0; p < quantities_.size() / 2; ++p) {
+      values.push_back(p < tops_.size() ? tops_[p] : kNaN);
+      values.push_back(p + 1 < impacts_.size() ? impacts_[p + 1] - impacts_[p] : kNaN);
+    }
+    return values;
+  }
+  if (last_.bodies.empty()) return std::vector<double>(quantities_.size(), kNaN);
+  if (kind_ == Kind::kSlider) return {last_.bodies[0].v.norm(), rolls_from_};
+  const double count = window_steps_;
+  if (g_ > 0) {
+    const auto [low, high] = span_along(last_.bodies, up_);
+    double moment = 0;
+    for (const auto& body : measured_bodies(last_).list) {
+      moment += body.mass * g_ * (up_.dot(body.x) - low);
+    }
+    values.push_back(high - low);
+    values.push_back(moment / weight_);
+  }
+  values.push_back(pressure_ / count / sample_measure(last_, scene_.step));
+  if (has_floor_) values.push_back(floor_load_ / count);
+  values.push_back(lost_);
+  if (scene_.has_friction()) values.push_back(friction_loss_);
+  values.push_back(contacts_ / count);
+  if (g_ > 0) values.push_back(std::sqrt(speed2_ / count) / speed_scale_);
+  if (has_driven_) {
+    double travel = 0;
+    int driven = 0;
+    for (std::size_t k = 0; k < last_.walls.size(); ++k) {
+      if (last_.walls[k].motion != Wall<2>::Motion::kDriven) continue;
+      travel += (last_.walls[k].a - scene_.walls[k].a).norm();
+      ++driven;
+    }
+    values.push_back(travel / driven);
+  }
+  if (!load_above_.empty()) values.push_back(column_error_ / count);
+  return values;
+}
+
+}  // namespace bipot

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/base/types.h"
+#include "core/motion/time_stepping.h"
+
+namespace bipot {
+
+/// A number that a whole simulation is run for.
+struct TradeQuantity {
+  std::string name, unit;
+  std::string meaning;     ///< one line
+  double exact = kNaN;     ///< where theory knows it
+  double least_scale = 0;  ///< errors are divided by max(|reference|, least_scale)
+  double scale(double reference) const;
+};
+
+/// Takes a run's quantities as it goes by. Which ones depends on the bodies alone, not on the time
+/// step or the model:
+///   a ball above a floor     heights and durations of its first two bounces (Table 1, exact)
+///   a disk that slides       speed and time from which it rolls (Table 2, exact)
+///   anything else            height of the sample and of its centre of mass, mean pressure, load
+///                            on the floor over the weight, energy lost, what of it went to
+///                            friction, contacts that carry force, speed that is left, travel of
+///                            driven walls
+///   frictionless columns     besides, the worst force in a column against the weight above it
+/// Loads, pressure, contacts and speed are means over the last tenth of the run.
+class OutcomeRecorder {
+ public:
+  explicit OutcomeRecorder(const Scene<2>& scene);
+  const std::vector<TradeQuantity>& quantities() const { return quantities_; }
+
+  void step(const State<2>& state, const StepReport<2>& report);
+  /// In the order of quantities(); NaN for what the run did not come to.
+  std::vector<double> values() const;
+
+ private:
+  enum class Kind { kBall, kSlider, kSample };
+  void plan_ball(double gap);
+  void plan_slider();
+  void plan_sample();
+  void find_columns();
+
+  const Scene<2>& scene_;
+  Kind kind_ = Kind::kSample;
+  std::vector<TradeQuantity> quantities_;
+  Vec2 up_ = Vec2::Zero();
+  double g_ = 0, weight_ = 0;
+  double end_ = 0;  // duration of the run
+
+  // Ball: middles of the steps of impact, tops between them. Slider: first step without sliding.
+  std::vector<double> impacts_, tops_;
+  double top_ = 0, floor_ = 0, rolls_from_ = kNaN;
+  bool touched_ = false, slid_ = false;
+  // Sample.
+  int window_steps_ = 0;
+  double pressure_ = 0, floor_load_ = 0, contacts_ = 0, speed2_ = 0, column_error_ = 0;
+  double speed_scale_ = 0;  // √(g r)
+  double friction_loss_ = 0, lost_ = 0;
+  bool has_floor_ = false, has_driven_ = false;
+  std::vector<double> load_above_;  // weight on the lower contact of each disk; empty: no columns
+  double base_load_ = 0;
+  State<2> last_;
+};
+
+}  // namespace bipot

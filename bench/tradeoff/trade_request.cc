@@ -1,0 +1,107 @@
+#include "bench/tradeoff/trade_request.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "bench/report/build_info.h"
+#include "bench/report/json_output.h"
+#include "bench/report/labels.h"
+#include "bench/tradeoff/trade_page.h"
+#include "core/files/atomic_file.h"
+
+namespace bipot {
+namespace {
+
+std::string numbers(const char* flag, const std::vector<double>& values) {
+  if (values.empty()) return {};
+  std::vector<std::string> words;
+  for (const double x : values) words.push_back(tolerance_label(x));
+  return fmt::format(" {} {}", flag, fmt::join(words, ","));
+}
+
+/// The command as it was typed, results aside.
+std::string command_line(const std::string& scenes, const TradeRequest& request) {
+  std::string line = "bipot trade";
+  if (!scenes.empty()) line += " " + scenes;
+  if (request.quick) line += " --quick";
+  if (request.solvers != TradeRequest{}.solvers) {
+    line += fmt::format(" --solvers {}", fmt::join(request.solvers, ","));
+  }
+  line += numbers("--tols", request.tols) + numbers("--step-sizes", request.step_sizes) +
+          numbers("--overlaps", request.overlaps) + numbers("--stiffness", request.stiffness);
+  if (request.time_limit) line += fmt::format(" --time-limit {:g}", *request.time_limit);
+  if (request.accuracy) line += fmt::format(" --accuracy {}", tolerance_label(*request.accuracy));
+  if (request.witness != TradeRequest{}.witness) {
+    line += fmt::format(" --witness {}", request.witness.empty() ? "none" : request.witness);
+  }
+  if (request.replicas) line += fmt::format(" --replicas {}", *request.replicas);
+  return line;
+}
+
+TradeOptions options_of(const TradeRequest& request) {
+  TradeOptions options;
+  options.targets = request.scenes.empty() ? trade_targets(request.quick) : request.scenes;
+  options.solvers = request.solvers;
+  if (request.quick) {
+    options.tols = {1e-1, 1e-3};
+    options.step_factors = {2, 1, 0.5};
+    options.overlaps = {1e-2, 1e-3};
+    options.time_limit = 5;
+    options.replicas = 2;
+  }
+  if (!request.tols.empty()) options.tols = request.tols;
+  if (!request.step_sizes.empty()) options.step_factors = request.step_sizes;
+  if (!request.overlaps.empty()) options.overlaps = request.overlaps;
+  options.stiffness = request.stiffness;
+  if (!request.overlaps.empty() && !request.stiffness.empty()) {
+    throw std::invalid_argument("give --overlaps or --stiffness: one decides the other");
+  }
+  if (std::any_of(options.overlaps.begin(), options.overlaps.end(),
+                  [](double x) { return x >= 0.1; })) {
+    throw std::invalid_argument("--overlaps: contacts that overlap by a tenth of the radius fail");
+  }
+  if (request.time_limit) options.time_limit = *request.time_limit;
+  if (request.accuracy) options.accuracy = *request.accuracy;
+  if (request.replicas) options.replicas = *request.replicas;
+  options.witness = request.witness;
+  return options;
+}
+
+}  // namespace
+
+FinishedTrade run_trade(const TradeRequest& request, const TradeWatch& watch) {
+  TradeOptions options = options_of(request);
+  options.interrupted = watch.interrupted;
+  const std::size_t springs =
+      options.stiffness.empty() ? options.overlaps.size() : options.stiffness.size();
+  const std::size_t settings = options.solvers.size() * options.tols.size() +
+                               options.step_factors.size() + springs +
+                               (options.witness.empty() ? 0 : 1);
+  const long total = static_cast<long>(settings * options.targets.size());
+  long done = 0;
+  if (watch.progress) watch.progress(done, total, "");
+  options.on_row = [&](const TradeRow& row) {
+    if (row.replica == 0) ++done;
+    if (!watch.progress) return;
+    watch.progress(done, total,
+                   fmt::format("{}: {}, run {}", row.scene, row.setting.label(), row.replica + 1));
+  };
+  return {AnalysedTrade(run_trade(options)),
+          {.command = command_line(fmt::format("{}", fmt::join(request.scenes, " ")), request),
+           .command_of_scene = command_line("{}", request),
+           .time_limit = options.time_limit,
+           .build = build_info(),
+           .date = date_and_time()}};
+}
+
+void write_trade(const std::filesystem::path& folder, const FinishedTrade& finished) {
+  write_text_file(folder / "trade.csv", to_csv(finished.analysed.trade));
+  write_json(to_json(finished.analysed, finished.context), (folder / "trade.json").string());
+  write_text_file(folder / "trade.html", trade_page(finished.analysed, finished.context));
+}
+
+}  // namespace bipot

@@ -1,0 +1,238 @@
+#include "core/criterion/contact_error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "core/base/large_pages.h"
+#include "core/base/parallel.h"
+#include "core/base/types.h"
+#include "core/criterion/error_terms.h"
+#include "core/criterion/plane_error.h"
+#include "core/problem/coulomb_cone.h"
+
+namespace bipot {
+namespace {
+
+Vector zeros(int size) {
+  Vector v = large_vector(size);
+  v.setZero();
+  return v;
+}
+
+/// 0/0 is 0 (nothing moves and nothing is violated), x/0 is infinite.
+double ratio(double numerator, double denominator) {
+  if (numerator == 0) return 0;
+  if (denominator == 0) return kInfinity;
+  return numerator / denominator;
+}
+
+}  // namespace
+
+ErrorSums& ErrorSums::operator+=(const ErrorSums& more) {
+  friction += more.friction;
+  gap += more.gap;
+  gap_clipped += more.gap_clipped;
+  penetration += more.penetration;
+  natural += more.natural;
+  moved += more.moved;
+  natural_rel += more.natural_rel;
+  impulse2 += more.impulse2;
+  free_energy += more.free_energy;
+  free_impulse2 += more.free_impulse2;
+  return *this;
+}
+
+ContactError error_of(const ErrorSums& total) {
+  ContactError e;
+  e.friction_power = total.friction;
+  e.energy = std::max(0.5 * total.moved, total.free_energy);
+  const double denominator = std::max(total.friction, kTheta * e.energy);
+  e.epsilon = ratio(total.gap + total.penetration, denominator);
+  e.eta = std::sqrt(ratio(total.natural, denominator));
+  e.raw42 = total.friction > 0 ? total.gap_clipped / total.friction : kNaN;
+  e.natural_map = ratio(std::sqrt(total.natural_rel),
+                        std::max(std::sqrt(total.impulse2), std::sqrt(total.free_impulse2)));
+  return e;
+}
+
+ContactError error_of(const ErrorSums& part, const ErrorShare& share) {
+  ErrorSums whole = part;
+  whole += share.others;
+  ContactError e = error_of(whole);
+  e.epsilon /= share.share;
+  e.eta /= share.share;
+  if (share.alone > 0) {
+    const ContactError own = error_of(part);
+    // Written so that NaN stays NaN.
+    if (!(e.epsilon <= share.alone * own.epsilon)) e.epsilon = share.alone * own.epsilon;
+    if (!(e.eta <= share.alone * own.eta)) e.eta = share.alone * own.eta;
+  }
+  return e;
+}
+
+/// What is made of the problem once.
+struct ContactErrorEvaluator::Prepared {
+  ErrorWeights weights;
+  ErrorSums free;  ///< the terms that do not depend on s
+
+  Prepared(const ContactProblem& p, const Vector& delassus_diagonal)
+      : weights(error_weights(p, delassus_diagonal)) {
+    for (int c = 0; c < p.num_contacts(); ++c) add_free_terms(p, weights, c, free);
+  }
+};
+
+ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem, int threads,
+                                             const ErrorShare& share)
+    : problem_(problem),
+      threads_(threads),
+      delassus_(problem, DelassusOperator::Form::kAuto, threads),
+      prepared_(std::make_shared<const Prepared>(problem, delassus_.diagonal())),
+      share_(share),
+      s_(zeros(problem.num_rows())),
+      u_(zeros(problem.num_rows())) {}
+
+ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made,
+                                             const ErrorShare& share)
+    : problem_(made.problem_),
+      threads_(made.threads_),
+      delassus_(made.delassus_),
+      prepared_(made.prepared_),
+      share_(share),
+      s_(zeros(problem_.num_rows())),
+      u_(zeros(problem_.num_rows())) {}
+
+void ContactErrorEvaluator::rest() {
+  s_.resize(0);
+  u_.resize(0);
+  delassus_.rest();
+}
+
+double ContactErrorEvaluator::energy_at_rest() const {
+  return error_of(prepared_->free, share_).energy;
+}
+
+ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s) {
+  if (s_.size() != problem_.num_rows()) {
+    s_ = zeros(problem_.num_rows());
+    u_ = zeros(problem_.num_rows());
+  }
+  const bool scaled = problem_.row_scale.size() != 0;
+  return dispatch_dim(problem_.dim, [&](auto d) {
+    return scaled ? evaluate<d(), true>(s) : evaluate<d(), false>(s);
+  });
+}
+
+/// s <- its projection on the cones of the contacts [begin, end).
+template <int D, bool kScaled>
+void ContactErrorEvaluator::project(int begin, int end) {
+  for (int c = begin; c < end; ++c) project_physically<D, kScaled>(problem_, c, s_);
+}
+
+template <int D, bool kScaled>
+PieceSums ContactErrorEvaluator::sums(int begin, int end) const {
+  const auto& [w_nn, rho_nn, rho_nat] = prepared_->weights;
+  PieceSums e;
+  for (int c = begin; c < end; ++c) {
+    const ContactTerms terms =
+        add_error_terms<D, kScaled>(problem_, c, s_, u_, w_nn[c], rho_nn[c], rho_nat[c], e);
+    if (terms.violation > e.worst_gap) {
+      e.worst_gap = terms.violation;
+      e.worst_epsilon = c;
+    }
+    if (terms.natural > e.worst_natural) {
+      e.worst_natural = terms.natural;
+      e.worst_eta = c;
+    }
+  }
+  return e;
+}
+
+PlaneContacts ContactErrorEvaluator::plane_contacts() const {
+  const auto& [w_nn, rho_nn, rho_nat] = prepared_->weights;
+  const double* const row_scale =
+      problem_.row_scale.size() == 0 ? nullptr : problem_.row_scale.data();
+  return {s_.data(),          u_.data(),   problem_.u_free.data(), row_scale,
+          problem_.mu.data(), w_nn.data(), rho_nn.data(),          rho_nat.data()};
+}
+
+template <int D, bool kScaled>
+ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) {
+  // What a piece needs stays in the cache from one step to the next: on large problems the memory is
+  // what all this waits for.
+  const int contacts = problem_.num_contacts();
+  run_pieces(threads_, contacts, [&](int begin, int end) {
+    s_.segment(begin * D, (end - begin) * D) = s.segment(begin * D, (end - begin) * D);
+    if constexpr (D == 2) {
+      project_on_plane_cones(plane_contacts(), begin, end, s_.data());
+    } else {
+      project<D, kScaled>(begin, end);
+    }
+  });
+  const bool disks = delassus_.disks().has_value();
+  if (disks) {
+    delassus_.move_disks(s_);
+  } else {
+    delassus_.velocity(s_, u_);
+  }
+  std::vector<PieceSums> pieces(to_size((contacts + kPieceItems - 1) / kPieceItems));
+  run_pieces(threads_, contacts, [&](int begin, int end) {
+    if (disks) delassus_.disk_velocity(begin, end, u_);
+    PieceSums& piece = pieces[to_size(begin / kPieceItems)];
+    if constexpr (D == 2) {
+      piece = sum_plane_errors(plane_contacts(), begin, end);
+    } else {
+      piece = sums<D, kScaled>(begin, end);
+    }
+  });
+  PieceSums total;
+  for (const PieceSums& piece : pieces) total.add(piece);
+
+  total.free_energy = prepared_->free.free_energy;
+  total.free_impulse2 = prepared_->free.free_impulse2;
+
+  sums_ = total;
+  ContactError e = error_of(total, share_);
+  e.worst_epsilon = total.worst_epsilon;
+  e.worst_eta = total.worst_eta;
+  return e;
+}
+
+ErrorSums ContactErrorEvaluator::part(int contact) const {
+  const bool scaled = problem_.row_scale.size() != 0;
+  ErrorSums part = dispatch_dim(problem_.dim, [&](auto d) -> ErrorSums {
+    return scaled ? sums<d(), true>(contact, contact + 1) : sums<d(), false>(contact, contact + 1);
+  });
+  const int first = contact * problem_.dim;
+  for (int k = 0; k < problem_.dim; ++k) {
+    const double b = problem_.u_free[first + k] / physical_row_scale(problem_, first + k);
+    const double rho = prepared_->weights.rho_nat[contact];
+    part.free_impulse2 += rho * rho * b * b;
+    if (k == 0 && b < 0) part.free_energy = 0.5 * prepared_->weights.rho_nn[contact] * b * b;
+  }
+  return part;
+}
+
+ContactError contact_error(const ContactProblem& problem, const Eigen::Ref<const Vector>& s) {
+  return ContactErrorEvaluator(problem)(s);
+}
+
+ContactCount count_contacts(const ContactProblem& p, const Eigen::Ref<const Vector>& s) {
+  ContactCount count;
+  dispatch_dim(p.dim, [&](auto d) {
+    constexpr int D = d();
+    for (int c = 0; c < p.num_contacts(); ++c) {
+      const Local<D> x = local<D>(s, c);
+      if (x[0] <= 0) {
+        ++count.take_off;
+      } else if (D == 1 || tangential_norm<D>(x) < kConeEdge * p.mu[c] * x[0]) {
+        ++count.stick;
+      } else {
+        ++count.slip;
+      }
+    }
+  });
+  return count;
+}
+
+}  // namespace bipot

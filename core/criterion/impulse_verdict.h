@@ -1,0 +1,77 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/types.h"
+#include "core/criterion/contact_error.h"
+#include "core/problem/contact_problem.h"
+
+namespace bipot {
+
+/// A way in which one contact breaks the law, with the energy that it takes in the criterion.
+struct ContactFault {
+  enum class Kind {
+    kPulls,          ///< s_n < 0 as given; size s_n                                       [N s]
+    kOutsideCone,    ///< |s_t| > mu s_n as given; size |s_t| - mu s_n                     [N s]
+    kPenetrates,     ///< u_n < 0; size u_n                                                [m/s]
+    kActsAcrossGap,  ///< s_n > 0 where u_n > 0; size u_n                                  [m/s]
+    kSlidesInside,   ///< |u_t| > 0 where |s_t| < mu s_n; size |u_t|                       [m/s]
+    kNotOpposed      ///< on the cone's edge, but s_t does not oppose u_t; size |u_t|      [m/s]
+  };
+  Kind kind;
+  double size = 0;
+  double energy = 0;  ///< > 0                                                              [J]
+};
+std::string_view to_string(ContactFault::Kind kind);
+
+/// One contact under judgement, physical variables (row_scale taken out).
+struct JudgedContact {
+  int contact = -1;
+  double mu = 0;     ///< physical friction coefficient                                     [-]
+  Vector s;          ///< d, impulse as given                                             [N s]
+  Vector u;          ///< d, velocity that the impulses give, see ImpulseVerdict          [m/s]
+  double share = 0;  ///< of all contacts' energy in the criterion (and off the cone), 0 to 1 [-]
+  std::vector<ContactFault> faults;  ///< from the largest energy down
+};
+
+/// "contact 12: penetrates at 3.2e-03 m/s; slides at 1.0e-02 m/s inside the cone (...)".
+std::string sentence(const JudgedContact& contact);
+
+/// What can be said of an impulse, whoever computed it. But for `cone`, `cone_violation`,
+/// `siconos_map` and what JudgedContact has as given, everything is that of the impulse projected
+/// on K_mu, as the criterion wants it (data/criterion.md).
+struct ImpulseVerdict {
+  ContactError error;
+  /// How far the impulse as given lies from K_mu, in the measure of eta, which does not see it:
+  /// sqrt(Σ ½ W_nn |s - P_K(s)|² / max(D, theta E)). 0 inside; a solver's own result is inside.
+  double cone = kNaN;
+  /// ‖s - P_K(s - û)‖ / max(‖b‖, ‖s‖, ‖u‖) in the problem's variables, of the impulse as given:
+  /// what Siconos Numerics 4.4 stops on. Not independent of units: it adds N s to m/s.
+  double siconos_map = kNaN;
+  double penetration_velocity = 0;  ///< largest -u_n, 0: nothing approaches              [m/s]
+  int penetration_contact = -1;     ///< where
+  double cone_violation = 0;        ///< largest |s - P_K(s)| of a contact                 [N s]
+  int cone_contact = -1;
+  ContactCount count;
+  std::vector<JudgedContact> worst;  ///< from the worst down, those with a fault alone
+  Vector s;                          ///< projected, the problem's variables              [N s]
+  Vector u;                          ///< W s + u_free, the problem's variables           [m/s]
+
+  /// max(epsilon, eta, cone): what a tolerance is held against.
+  double guarded() const;
+};
+
+/// Judges any impulse of a sound problem: s has m finite entries, the problem's variables. Names at
+/// most `worst` contacts, ranked as ContactError ranks its worst one, by terms of epsilon or of
+/// eta², whichever of epsilon and eta is larger. Throws std::invalid_argument for a wrong size or
+/// an entry that is not finite.
+ImpulseVerdict judge(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,
+                     int worst = 5);
+
+/// The verdict in words: "within the tolerance 1e-08: error 3.1e-09", or "not within ...: ...; " and
+/// the worst contact.
+std::string sentence(const ImpulseVerdict& verdict, double tol);
+
+}  // namespace bipot

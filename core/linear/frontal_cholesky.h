@@ -1,0 +1,71 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include "core/base/types.h"
+#include "core/linear/frontal_tree.h"
+#include "core/linear/supernodal_solve.h"
+
+namespace bipot {
+
+/// Where the entries of a column of the matrix go in the front that eliminates it.
+struct FrontColumn {
+  const int* place;     ///< of each row of the matrix in the order of elimination
+  const int* position;  ///< of these in the front
+  int first;            ///< the front's first; rows before were taken by other fronts
+  double* value;        ///< the column in the front
+
+  bool takes(int row) const { return place[row] >= first; }
+  double& operator[](int row) const { return value[position[place[row]]]; }
+};
+
+/// Sparse Cholesky factorisation A = L Lᵀ by dense fronts (multifrontal method: Duff and Reid 1983,
+/// Liu 1992), for matrices that are factored dozens of times with one pattern and solved with after
+/// each a hundred times: the analysis is kept (FrontalTree), and solves go through SupernodalSolve.
+///
+/// Real is what the factor is kept in: it is computed in double precision, and float takes half the
+/// memory and time of a solve, for solutions good to 1e-6 at best.
+template <class Real>
+class FrontalCholesky {
+ public:
+  /// The symbolic analysis alone, for callers who look at their clock between it and the first
+  /// factor(). False: memory ran out.
+  [[nodiscard]] bool analyse(const SymmetricPattern& A);
+  /// A: symmetric, both triangles stored, compressed, rows ascending, with the diagonal in its
+  /// pattern. False when A is not positive definite or not finite, or memory ran out.
+  [[nodiscard]] bool factor(const SparseMatrix& A);
+  /// The same of a matrix that is nowhere stored, of the pattern that was analysed: `add(j, to)` adds
+  /// the entries (i, j) with to.takes(i) to to[i], which are 0 before; each column once.
+  using AddColumn = std::function<void(int column, const FrontColumn& to)>;
+  [[nodiscard]] bool factor(const AddColumn& add);
+  /// Rows and columns are multiplied by these, powers of two, before they are eliminated: floats reach
+  /// no farther than 1e-38 to 1e38. After an analysis; none for an empty vector.
+  void scale_by(const Vector& scale);
+  /// x = A⁻¹ b; x may be b. Requires a successful factor(). No allocation after the first call.
+  void solve(const Vector& b, Vector& x) const;
+  /// Numbers kept of L. Requires a successful factor().
+  std::size_t num_entries() const { return entries_; }
+
+ private:
+  bool eliminate(const AddColumn& add);
+  void assemble(int front, const AddColumn& add, double* panel);
+
+  std::shared_ptr<const FrontalTree> tree_;
+  std::vector<int> place_;     // of each column of A in the tree's order
+  std::vector<int> position_;  // scratch of a front
+  std::vector<double> panel_;  // scratch of a front
+  std::vector<double> stack_;  // contributions
+  bool factored_ = false;
+  std::size_t entries_ = 0;
+  std::vector<double> scale_;      // of each column in the tree's order; empty: 1
+  std::vector<double> row_scale_;  // scratch of a front
+  mutable SupernodalSolve<Real> supernodes_;
+  mutable std::vector<Real> permuted_;
+};
+
+extern template class FrontalCholesky<double>;
+extern template class FrontalCholesky<float>;
+
+}  // namespace bipot

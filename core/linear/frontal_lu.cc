@@ -1,0 +1,644 @@
+#include "core/linear/frontal_lu.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <new>
+#include <stdexcept>
+#include <type_traits>
+
+#include "core/base/large_pages.h"
+#include "core/base/mapped_memory.h"
+#include "core/base/release.h"
+#include "core/linear/block_pattern.h"
+#include "core/linear/eight_right_sides.h"
+#include "core/linear/frontal_kernels.h"
+
+extern "C" {
+void dgemm_(const char*, const char*, const int*, const int*, const int*, const double*,
+            const double*, const int*, const double*, const int*, const double*, double*,
+            const int*);
+}
+
+namespace bipot {
+namespace {
+
+// Of the largest entry that a diagonal pivot must have: below, rows are exchanged. Loose, so that
+// ties and the rounding of the scales decide nothing.
+constexpr double kDiagonalIsGood = 0.1;
+// Largest entry of a matrix that the diagonal has scaled to about one, where these scales stay.
+constexpr double kDiagonalScales = 1e3;
+// Numbers of a factor from which on fronts are fetched ahead: 8 MB, more than a core's own cache.
+constexpr std::size_t kFetchFrom = std::size_t{1} << 20;
+constexpr int kBlock = 16;  // columns that are eliminated by vectors before a matrix product
+
+/// C = beta C - A op(B), m x n, inner size k.
+void subtract_product(bool transposed, int m, int n, int k, const double* A, int lda,
+                      const double* B, int ldb, double beta, double* C, int ldc) {
+  const double alpha = -1;
+  dgemm_("N", transposed ? "T" : "N", &m, &n, &k, &alpha, A, &lda, B, &ldb, &beta, C, &ldc);
+}
+/// A front as it stands in the factor: the panel of `rows` x `columns`, by columns, the inverses of
+/// the pivots on its diagonal, and below it the transpose of what stands right of the pivots,
+/// `rows - columns` x `columns`.
+template <class Real>
+struct Front {
+  int columns, rows;
+  Real* panel;
+  Real* upper;
+
+  int height() const { return rows - columns; }
+  Real* column(int j) const { return panel + static_cast<std::ptrdiff_t>(j) * rows; }
+  Real* right_of(int j) const { return upper + static_cast<std::ptrdiff_t>(j) * height(); }
+};
+
+/// Asks for numbers that are needed soon: fronts are too short for the machine to foresee the next.
+template <class Real>
+void fetch(const Real* begin, const Real* end) {
+  constexpr std::ptrdiff_t kLine = 64 / sizeof(Real);
+  for (; begin < end; begin += kLine) __builtin_prefetch(begin, 0, 2);
+}
+
+/// Eliminates the columns begin .. end - 1 of a panel, of whose rows the first `columns` may be
+/// exchanged, as exchange[] tells; the inverse of a pivot takes its place. Largest multiplier in the
+/// rows below the pivots'; a negative number: no pivot.
+double eliminate_columns(const Front<double>& f, int begin, int end, int* exchange) {
+  double factors[kBlock], largest = 0;
+  for (int j = begin; j < end; ++j) {
+    double* column = f.column(j);
+    // The rows begin .. j - 1 of U.
+    solve_unit_lower(j - begin, f.column(begin) + begin, f.rows, column + begin);
+    std::copy_n(column + begin, j - begin, factors);
+    subtract_columns(f.rows - j, j - begin, factors, f.column(begin) + j, f.rows, column + j);
+    int pivot = j;
+    for (int i = j + 1; i < f.columns; ++i) {
+      if (std::abs(column[i]) > std::abs(column[pivot])) pivot = i;
+    }
+    if (std::abs(column[j]) >= kDiagonalIsGood * std::abs(column[pivot])) pivot = j;
+    exchange[j] = pivot;
+    if (pivot != j) {
+      for (int k = 0; k < f.columns; ++k) std::swap(f.column(k)[j], f.column(k)[pivot]);
+      std::swap_ranges(f.right_of(j), f.right_of(j) + f.height(), f.right_of(pivot));
+    }
+    const double inverse = 1 / column[j];
+    if (!(std::abs(inverse) > 0) || !std::isfinite(inverse)) return -1;
+    for (int i = j + 1; i < f.columns; ++i) column[i] *= inverse;
+    const double size = scale_column(f.height(), inverse, column + f.columns);
+    if (!(size <= largest)) largest = size;
+    column[j] = inverse;
+  }
+  return largest;
+}
+
+/// Eliminates the columns of a front. Largest multiplier in the rows below the pivots'; a negative
+/// number: no pivot.
+double eliminate(const Front<double>& f, int* exchange) {
+  double factors[kBlock], largest = 0;
+  for (int begin = 0; begin < f.columns; begin += kBlock) {
+    const int end = std::min(begin + kBlock, f.columns);
+    const double size = eliminate_columns(f, begin, end, exchange);
+    if (size < 0) return -1;
+    if (!(size <= largest)) largest = size;
+    // The same for what stands right of the pivots, whose columns are rows of the front.
+    for (int k = begin + 1; f.height() > 0 && k < end; ++k) {
+      for (int j = begin; j < k; ++j) factors[j - begin] = f.column(j)[k];
+      subtract_columns(f.height(), k - begin, factors, f.right_of(begin), f.height(),
+                       f.right_of(k));
+    }
+    const int rest = f.columns - end;
+    if (rest == 0) continue;
+    for (int k = end; k < f.columns; ++k) {
+      double* other = f.column(k);
+      solve_unit_lower(end - begin, f.column(begin) + begin, f.rows, other + begin);
+    }
+    subtract_product(false, f.rows - end, rest, end - begin, f.column(begin) + end, f.rows,
+                     f.column(end) + begin, f.rows, 1, f.column(end) + end, f.rows);
+    if (f.height() > 0) {
+      subtract_product(true, f.height(), rest, end - begin, f.right_of(begin), f.height(),
+                       f.column(begin) + end, f.rows, 1, f.right_of(end), f.height());
+    }
+  }
+  return largest;
+}
+
+/// Adds the part of a child's contribution (n x n) that the pivots of the front see. Number of the
+/// child's rows that are pivots.
+int add_to_pivots(const double* block, int n, const int* relative, const Front<double>& f) {
+  const int pivots =
+      static_cast<int>(std::lower_bound(relative, relative + n, f.columns) - relative);
+  for (int j = 0; j < n; ++j, block += n) {
+    if (j < pivots) {
+      double* column = f.column(relative[j]);
+      for (int i = 0; i < n; ++i) column[relative[i]] += block[i];
+    } else {
+      for (int i = 0; i < pivots; ++i) {
+        f.right_of(relative[i])[relative[j] - f.columns] += block[i];
+      }
+    }
+  }
+  return pivots;
+}
+
+/// Adds the rest to the front's own contribution.
+void add_to_contribution(const double* block, int n, const int* relative, int pivots,
+                         const Front<double>& f, double* contribution) {
+  for (int j = pivots; j < n; ++j) {
+    const double* from = block + static_cast<std::ptrdiff_t>(j) * n;
+    double* to = contribution + static_cast<std::ptrdiff_t>(relative[j] - f.columns) * f.height() -
+                 f.columns;
+    for (int i = pivots; i < n; ++i) to[relative[i]] += from[i];
+  }
+}
+
+/// The power of two next to 1 / sqrt(size) by exponents; nothing where size is zero or not finite.
+double inverse_root(double size) {
+  constexpr int kDigits = std::numeric_limits<double>::digits - 1, kBias = 1023;
+  const auto bits = std::bit_cast<std::uint64_t>(size) >> kDigits;
+  // Exponents of 0 and of 0x7ff, or a sign: zero, subnormal, not finite, negative.
+  const bool usual = bits > 0 && bits < 0x7ff;
+  if (!usual && !(size > 0 && std::isfinite(size))) return 0;
+  const int exponent = usual ? static_cast<int>(bits) - kBias : std::ilogb(size);
+  const int half = (exponent + 1) >> 1;  // towards minus infinity
+  return std::bit_cast<double>(static_cast<std::uint64_t>(kBias - half) << kDigits);
+}
+
+}  // namespace
+
+/// Where the values of a matrix of symmetric pattern have the entry (j, i) of each entry (i, j), and the
+/// diagonal.
+struct StoredPositions {
+  std::vector<int> transposed, diagonal;
+
+  StoredPositions() = default;
+  explicit StoredPositions(const SparseMatrix& A) : transposed(to_size(A.nonZeros())) {
+    const int n = static_cast<int>(A.cols());
+    std::vector<int> next(A.outerIndexPtr(), A.outerIndexPtr() + n);
+    diagonal.reserve(to_size(n));
+    for (int j = 0; j < n; ++j) {
+      diagonal.push_back(value_position(A, j, j));
+      for (int k = A.outerIndexPtr()[j]; k < A.outerIndexPtr()[j + 1]; ++k) {
+        transposed[to_size(next[to_size(A.innerIndexPtr()[k])]++)] = k;
+      }
+    }
+  }
+};
+
+namespace {
+
+/// A compressed matrix of symmetric pattern, line by line.
+class StoredMatrix final : public MatrixByLines {
+ public:
+  StoredMatrix(const SparseMatrix& A, const StoredPositions& positions)
+      : start_(A.outerIndexPtr()),
+        row_(A.innerIndexPtr()),
+        value_(A.valuePtr()),
+        positions_(positions) {}
+
+  double diagonal(int j) const override { return value_[positions_.diagonal[to_size(j)]]; }
+  void add_column(int j, FrontLine& to) const override {
+    for (int k = start_[j]; k < start_[j + 1]; ++k) to.add(row_[k], value_[k]);
+  }
+  void add_row(int i, FrontLine& to) const override {
+    const int* const transposed = positions_.transposed.data();
+    for (int k = start_[i]; k < start_[i + 1]; ++k) {
+      if (to.takes(row_[k])) to.add(row_[k], value_[transposed[k]]);
+    }
+  }
+
+ private:
+  const int* start_;
+  const int* row_;
+  const double* value_;
+  const StoredPositions& positions_;
+};
+
+}  // namespace
+
+template <class Real>
+struct FrontalLU<Real>::Impl {
+  std::shared_ptr<const FrontalTree> tree;
+  MappedVector<Real> factor;
+  std::vector<double> stack, working;  // contributions; a front, where the factor is in floats
+  std::vector<double> scale;           // by column of A
+  std::vector<int> place;              // of each column of A in the tree's order
+  std::vector<int> position;           // of the same in a front, -1: eliminated
+  StoredPositions positions;           // of a stored A
+  std::vector<int> exchange;
+  std::vector<int> relative;  // places of the rows of a front's children in it, child by child
+  int sign = 0;               // 0: no factor
+  double largest = 0;
+  std::vector<Real> x, below;
+  // Rows of kRightSides numbers; made where they are needed first.
+  std::vector<Real, LargePageAllocator<Real>> several, several_below;
+
+  Front<Real> front(int s) {
+    const FrontalTree& t = *tree;
+    Real* panel = factor.data() + t.node_start[to_size(s)];
+    return {t.columns(s), t.rows(s), panel,
+            panel + static_cast<std::ptrdiff_t>(t.columns(s)) * t.rows(s)};
+  }
+
+  /// Where the front is made: in its place, if that is in double precision.
+  Front<double> working_front(int s) {
+    if constexpr (std::is_same_v<Real, double>) {
+      return front(s);
+    } else {
+      const FrontalTree& t = *tree;
+      working.resize(std::max(working.size(), front_size(s)));
+      return {t.columns(s), t.rows(s), working.data(),
+              working.data() + static_cast<std::ptrdiff_t>(t.columns(s)) * t.rows(s)};
+    }
+  }
+  std::size_t front_size(int s) const {
+    return static_cast<std::size_t>(tree->node_start[to_size(s) + 1] -
+                                    tree->node_start[to_size(s)]);
+  }
+  /// Puts it there, rounded.
+  void keep(int s) {
+    if constexpr (std::is_same_v<Real, float>) {
+      std::transform(working.begin(), working.begin() + static_cast<std::ptrdiff_t>(front_size(s)),
+                     front(s).panel, [](double value) { return static_cast<float>(value); });
+    }
+  }
+
+  bool fetches() const { return tree->factor_size >= kFetchFrom; }
+  /// What the pass forward, the pass backward reads of a front, where there is one.
+  void fetch_forward(int s) {
+    if (!fetches() || s >= tree->num_fronts()) return;
+    const Front<Real> f = front(s);
+    fetch(f.panel, f.upper);
+  }
+  void fetch_backward(int s) {
+    if (!fetches() || s < 0) return;
+    const Front<Real> f = front(s);
+    for (int j = 0; j < f.columns; ++j) fetch(f.column(j), f.column(j) + j + 1);
+    fetch(f.upper, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height());
+  }
+
+  bool analyse(const SymmetricPattern& pattern);
+  bool scale_by_diagonal(const MatrixByLines& A);
+  bool scale_by_largest(const MatrixByLines& A);
+  bool look_at_entries(const MatrixByLines& A, double most, double* sizes);
+  bool assemble(const MatrixByLines& A, double most, int s, const Front<double>& f);
+  bool run(const MatrixByLines& A, double most);
+  void substitute_forward();
+  void substitute_backward();
+  void substitute_several_forward() requires std::is_same_v<Real, double>;
+  void substitute_several_backward() requires std::is_same_v<Real, double>;
+};
+
+template <class Real>
+bool FrontalLU<Real>::Impl::analyse(const SymmetricPattern& pattern) {
+  sign = 0;
+  if (tree && tree->is_of(pattern)) return true;
+  positions = {};
+  tree = FrontalTree::of(pattern);
+  if (!tree) return false;
+  const std::size_t n = to_size(tree->size());
+  factor.clear();
+  try {
+    scale.resize(n);
+    place.resize(n);
+    position.resize(n);
+    exchange.resize(n);
+    x.resize(n);
+    below.resize(n);
+  } catch (const std::bad_alloc&) {
+    tree = nullptr;
+    return false;
+  }
+  for (std::size_t k = 0; k < n; ++k) place[to_size(tree->order[k])] = static_cast<int>(k);
+  return true;
+}
+
+/// Whether none of the scaled entries is larger than `most`, or not a number; `sizes`, where given:
+/// raised to the largest of each row and column.
+template <class Real>
+bool FrontalLU<Real>::Impl::look_at_entries(const MatrixByLines& A, double most, double* sizes) {
+  FrontLine line;
+  line.scales_ = scale.data();
+  line.largest_ = sizes;
+  line.most_ = most;
+  for (int j = 0; j < tree->size(); ++j) {
+    line.line_ = j;
+    line.scale_ = scale[to_size(j)];
+    A.add_column(j, line);
+  }
+  return line.within_;
+}
+
+/// Powers of two near 1 / sqrt of the diagonal, which change with the units of rows and columns as A
+/// does. False: there are none.
+template <class Real>
+bool FrontalLU<Real>::Impl::scale_by_diagonal(const MatrixByLines& A) {
+  for (int j = 0; j < tree->size(); ++j) {
+    scale[to_size(j)] = inverse_root(std::abs(A.diagonal(j)));
+    if (scale[to_size(j)] == 0) return false;
+  }
+  return true;
+}
+
+/// The same of the largest entry in row or column. False: a row of zeros, an entry is not finite.
+template <class Real>
+bool FrontalLU<Real>::Impl::scale_by_largest(const MatrixByLines& A) {
+  std::fill(scale.begin(), scale.end(), 1.0);
+  std::vector<double> sizes(scale.size(), 0.0);
+  if (!look_at_entries(A, std::numeric_limits<double>::max(), sizes.data())) return false;
+  std::transform(sizes.begin(), sizes.end(), scale.begin(), inverse_root);
+  return std::find(scale.begin(), scale.end(), 0.0) == scale.end();
+}
+
+/// The entries that the front takes. False: one is larger than `most`, or not a number.
+template <class Real>
+bool FrontalLU<Real>::Impl::assemble(const MatrixByLines& A, double most, int s,
+                                     const Front<double>& f) {
+  const FrontalTree& t = *tree;
+  std::fill(f.panel, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height(), 0.0);
+  const int begin = t.first[to_size(s)];
+  const int* const own = t.order.data() + begin;
+  for (int k = 0; k < f.columns; ++k) position[to_size(own[k])] = k;
+  const int* const below_rows = t.below.data() + t.below_start[to_size(s)];
+  for (int k = 0; k < f.height(); ++k) {
+    position[to_size(t.order[to_size(below_rows[k])])] = f.columns + k;
+  }
+  FrontLine line;
+  line.position_ = position.data();
+  line.scales_ = scale.data();
+  line.most_ = most;
+  for (int j = 0; j < f.columns; ++j) {
+    const int column = own[j];
+    line.scale_ = scale[to_size(column)];
+    line.least_ = 0;
+    line.value_ = f.column(j);
+    A.add_column(column, line);
+    if (f.height() == 0) continue;
+    line.least_ = f.columns;
+    line.value_ = f.right_of(j) - f.columns;
+    A.add_row(column, line);
+  }
+  for (int k = 0; k < f.columns; ++k) position[to_size(own[k])] = -1;
+  return line.within_;
+}
+
+/// All fronts, children before parents. False: a pivot is zero or not finite, a scaled entry larger
+/// than `most`.
+template <class Real>
+bool FrontalLU<Real>::Impl::run(const MatrixByLines& A, double most) {
+  const FrontalTree& t = *tree;
+  std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
+  std::size_t top = 0;
+  int minus = 0;
+  largest = 0;
+  for (int s = 0; s < t.num_fronts(); ++s) {
+    const Front<double> f = working_front(s);
+    if (!assemble(A, most, s, f)) return false;
+    const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
+    const std::size_t bottom = base < held.size() ? held[base].second : top;
+    relative.clear();
+    for (std::size_t k = base; k < held.size(); ++k) {
+      const int n = t.height(held[k].first);
+      const std::size_t begin = relative.size();
+      relative.resize(begin + to_size(n));
+      t.place_child(held[k].first, s, relative.data() + begin);
+      add_to_pivots(stack.data() + held[k].second, n, relative.data() + begin, f);
+    }
+    int* own_exchange = exchange.data() + t.first[to_size(s)];
+    const double multiplier = eliminate(f, own_exchange);
+    if (!(multiplier >= 0)) return false;
+    largest = std::max(largest, multiplier);
+    for (int j = 0; j < f.columns; ++j) {
+      minus += (f.column(j)[j] < 0) != (own_exchange[j] != j);
+    }
+    const int h = f.height();
+    if (h > 0) {
+      double* contribution = stack.data() + top;
+      subtract_product(true, h, h, f.columns, f.panel + f.columns, f.rows, f.upper, h, 0.0,
+                       contribution, h);
+      const int* places = relative.data();
+      for (std::size_t k = base; k < held.size(); ++k) {
+        const int n = t.height(held[k].first);
+        const int pivots =
+            static_cast<int>(std::lower_bound(places, places + n, f.columns) - places);
+        add_to_contribution(stack.data() + held[k].second, n, places, pivots, f, contribution);
+        places += n;
+      }
+      if (bottom != top) {
+        std::memmove(stack.data() + bottom, contribution, sizeof(double) * to_size(h) * to_size(h));
+      }
+    }
+    keep(s);
+    held.resize(base);
+    top = bottom + to_size(h) * to_size(h);
+    if (h > 0) held.emplace_back(s, bottom);
+  }
+  if (!std::isfinite(largest)) return false;
+  sign = minus % 2 == 0 ? 1 : -1;
+  return true;
+}
+
+template <class Real>
+FrontalLU<Real>::FrontalLU() : impl_(std::make_unique<Impl>()) {}
+template <class Real>
+FrontalLU<Real>::~FrontalLU() = default;
+template <class Real>
+FrontalLU<Real>::FrontalLU(FrontalLU&&) noexcept = default;
+template <class Real>
+FrontalLU<Real>& FrontalLU<Real>::operator=(FrontalLU&&) noexcept = default;
+
+template <class Real>
+bool FrontalLU<Real>::analyse(const SymmetricPattern& pattern) {
+  return impl_->analyse(pattern);
+}
+
+template <class Real>
+bool FrontalLU<Real>::factor(const MatrixByLines& A) {
+  Impl& f = *impl_;
+  if (!f.tree) throw std::logic_error("FrontalLU::factor without an analysis");
+  f.sign = 0;
+  try {
+    f.factor.resize(f.tree->factor_size);
+    f.stack.resize(f.tree->stack_size);
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+  const bool by_diagonal = f.scale_by_diagonal(A);
+  if (by_diagonal && f.run(A, kDiagonalScales)) {
+    if constexpr (std::is_same_v<Real, float>) {  // memory is why it is floats
+      release(f.stack);
+      release(f.working);
+    }
+    return true;
+  }
+  // A pivot alone is no reason for other scales.
+  if (by_diagonal && f.look_at_entries(A, kDiagonalScales, nullptr)) return false;
+  return f.scale_by_largest(A) && f.run(A, kInfinity);
+}
+
+template <class Real>
+bool FrontalLU<Real>::factor(const SparseMatrix& A) {
+  Impl& f = *impl_;
+  if (!f.analyse(A)) return false;
+  if (f.positions.diagonal.empty()) f.positions = StoredPositions(A);
+  return factor(StoredMatrix(A, f.positions));
+}
+
+template <class Real>
+void FrontalLU<Real>::Impl::substitute_forward() {
+  const FrontalTree& t = *tree;
+  for (int s = 0; s < t.num_fronts(); ++s) {
+    const Front<Real> f = front(s);
+    Real* own = x.data() + t.first[to_size(s)];
+    // A right side of few numbers stays away from most fronts.
+    if (std::all_of(own, own + f.columns, [](Real value) { return value == 0; })) continue;
+    fetch_forward(s + 1);
+    const int* swaps = exchange.data() + t.first[to_size(s)];
+    for (int j = 0; j < f.columns; ++j) std::swap(own[j], own[swaps[j]]);
+    const int h = f.height();
+    solve_unit_lower(f.columns, f.panel, f.rows, own);
+    if (h == 0) continue;
+    std::fill(below.begin(), below.begin() + h, Real(0));
+    subtract_columns(h, f.columns, own, f.panel + f.columns, f.rows, below.data());
+    const int* rows = t.below.data() + t.below_start[to_size(s)];
+    for (int i = 0; i < h; ++i) x[to_size(rows[i])] += below[to_size(i)];
+  }
+}
+
+template <class Real>
+void FrontalLU<Real>::Impl::substitute_backward() {
+  const FrontalTree& t = *tree;
+  for (int s = t.num_fronts() - 1; s >= 0; --s) {
+    const Front<Real> f = front(s);
+    fetch_backward(s - 1);
+    Real* own = x.data() + t.first[to_size(s)];
+    const int h = f.height();
+    const int* rows = t.below.data() + t.below_start[to_size(s)];
+    for (int i = 0; i < h; ++i) below[to_size(i)] = x[to_size(rows[i])];
+    if (h > 0) subtract_products(h, f.columns, f.upper, h, below.data(), own);
+    solve_upper(f.columns, f.panel, f.rows, own);
+  }
+}
+
+template <class Real>
+void FrontalLU<Real>::Impl::substitute_several_forward() requires std::is_same_v<Real, double> {
+  const FrontalTree& t = *tree;
+  for (int s = 0; s < t.num_fronts(); ++s) {
+    const Front<Real> f = front(s);
+    Real* own = several.data() + t.first[to_size(s)] * kRightSides;
+    const int numbers = f.columns * kRightSides;
+    if (std::all_of(own, own + numbers, [](Real value) { return value == 0; })) continue;
+    fetch_forward(s + 1);
+    const int* swaps = exchange.data() + t.first[to_size(s)];
+    for (int j = 0; j < f.columns; ++j) {
+      if (swaps[j] == j) continue;
+      Real *one = own + j * kRightSides, *other = own + swaps[j] * kRightSides;
+      std::swap_ranges(one, one + kRightSides, other);
+    }
+    const int h = f.height();
+    solve_unit_lower_of_eight(f.columns, f.panel, f.rows, own);
+    if (h == 0) continue;
+    std::fill_n(several_below.begin(), h * kRightSides, Real(0));
+    subtract_columns_of_eight(h, f.columns, f.panel + f.columns, f.rows, own, several_below.data());
+    const int* rows = t.below.data() + t.below_start[to_size(s)];
+    for (int i = 0; i < h; ++i) {
+      Real* row = several.data() + rows[i] * kRightSides;
+      for (int c = 0; c < kRightSides; ++c) row[c] += several_below[to_size(i * kRightSides + c)];
+    }
+  }
+}
+
+template <class Real>
+void FrontalLU<Real>::Impl::substitute_several_backward() requires std::is_same_v<Real, double> {
+  const FrontalTree& t = *tree;
+  for (int s = t.num_fronts() - 1; s >= 0; --s) {
+    const Front<Real> f = front(s);
+    fetch_backward(s - 1);
+    Real* own = several.data() + t.first[to_size(s)] * kRightSides;
+    const int h = f.height();
+    const int* rows = t.below.data() + t.below_start[to_size(s)];
+    for (int i = 0; i < h; ++i) {
+      std::copy_n(several.data() + rows[i] * kRightSides, kRightSides,
+                  several_below.data() + i * kRightSides);
+    }
+    if (h > 0) {
+      subtract_products_of_eight(h, f.columns, f.upper, h, several_below.data(), own);
+    }
+    solve_upper_of_eight(f.columns, f.panel, f.rows, own);
+  }
+}
+
+template <class Real>
+void FrontalLU<Real>::solve(const SparseColumns& B,
+                            Vector* solution) const requires std::is_same_v<Real, double> {
+  Impl& f = *impl_;
+  const std::size_t count = B.start.size() - 1;
+  if (f.sign == 0) throw std::logic_error("FrontalLU::solve without a factor");
+  if (count > kRightSides) throw std::logic_error("FrontalLU::solve for too many right sides");
+  const FrontalTree& t = *f.tree;
+  f.several.assign(to_size(t.size()) * kRightSides, 0.0);
+  f.several_below.resize(f.several.size());
+  for (std::size_t c = 0; c < count; ++c) {
+    for (std::size_t k = to_size(B.start[c]); k < to_size(B.start[c + 1]); ++k) {
+      const std::size_t j = to_size(B.row[k]);
+      f.several[to_size(f.place[j]) * kRightSides + c] = B.value[k] * f.scale[j];
+    }
+    solution[c].resize(t.size());
+  }
+  f.substitute_several_forward();
+  f.substitute_several_backward();
+  // Row by row of the solutions: a line of several is read once and whole.
+  double* x[kRightSides];
+  for (std::size_t c = 0; c < count; ++c) x[c] = solution[c].data();
+  for (std::size_t j = 0; j < to_size(t.size()); ++j) {
+    const double* row = f.several.data() + to_size(f.place[j]) * kRightSides;
+    for (std::size_t c = 0; c < count; ++c) x[c][j] = row[c] * f.scale[j];
+  }
+}
+
+template <class Real>
+void FrontalLU<Real>::solve(const Vector& b, Vector& solution) const {
+  Impl& f = *impl_;
+  if (f.sign == 0) throw std::logic_error("FrontalLU::solve without a factor");
+  const FrontalTree& t = *f.tree;
+  double largest = 0;
+  if constexpr (std::is_same_v<Real, float>) {
+    // Floats reach down to 1e-38 only.
+    for (int j = 0; j < t.size(); ++j) {
+      largest = std::max(largest, std::abs(b[j]) * f.scale[to_size(j)]);
+    }
+  }
+  const double unit = largest > 0 ? largest : 1;
+  for (int k = 0; k < t.size(); ++k) {
+    const std::size_t j = to_size(t.order[to_size(k)]);
+    f.x[to_size(k)] = static_cast<Real>(b[t.order[to_size(k)]] * f.scale[j] / unit);
+  }
+  f.substitute_forward();
+  f.substitute_backward();
+  solution.resize(t.size());
+  for (int j = 0; j < t.size(); ++j) {
+    const std::size_t k = to_size(f.place[to_size(j)]);
+    solution[j] = static_cast<double>(f.x[k]) * f.scale[to_size(j)] * unit;
+  }
+}
+
+template <class Real>
+int FrontalLU<Real>::determinant_sign() const {
+  if (impl_->sign == 0) throw std::logic_error("FrontalLU::determinant_sign without a factor");
+  return impl_->sign;
+}
+
+template <class Real>
+double FrontalLU<Real>::largest_multiplier() const {
+  return impl_->largest;
+}
+
+template <class Real>
+std::size_t FrontalLU<Real>::num_entries() const {
+  return impl_->tree ? impl_->tree->factor_size : 0;
+}
+
+template class FrontalLU<double>;
+template class FrontalLU<float>;
+
+}  // namespace bipot

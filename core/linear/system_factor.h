@@ -1,0 +1,46 @@
+#pragma once
+
+#include "core/linear/frontal_lu.h"
+#include "core/linear/sparse_factor.h"
+
+namespace bipot {
+
+/// A factorisation of a sparse square matrix, wherever it is done: by this process alone
+/// (LocalFactor), or by several together (solvers/parallel/mumps_crew.h).
+class SystemFactor {
+ public:
+  virtual ~SystemFactor() = default;
+  SystemFactor(const SystemFactor&) = delete;
+  SystemFactor& operator=(const SystemFactor&) = delete;
+
+  /// A: compressed, rows ascending; for LocalFactor of symmetric pattern with the diagonal. False:
+  /// singular to working precision, not finite, or memory ran out.
+  [[nodiscard]] virtual bool factor(const SparseMatrix& A) = 0;
+  /// x = A⁻¹ b without refinement. Requires a successful factor().
+  virtual void solve(const Vector& b, Vector& x) = 0;
+  /// -1 or +1: sign of det A. Requires a successful factor().
+  virtual int determinant_sign() const = 0;
+
+ protected:
+  SystemFactor() = default;
+};
+
+/// By fronts (frontal_lu.h), by UMFPACK where their pivots are too small.
+class LocalFactor final : public SystemFactor {
+ public:
+  /// `strategy`: of UMFPACK.
+  explicit LocalFactor(SparseLU::Strategy strategy) : lu_(strategy) {}
+
+  [[nodiscard]] bool factor(const SparseMatrix& A) override;
+  void solve(const Vector& b, Vector& x) override;
+  int determinant_sign() const override;
+  /// Whether the last factor is one by fronts.
+  bool by_fronts() const { return by_fronts_; }
+
+ private:
+  FrontalLU<double> fronts_;
+  SparseLU lu_;
+  bool by_fronts_ = false;
+};
+
+}  // namespace bipot

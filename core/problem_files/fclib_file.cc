@@ -1,0 +1,464 @@
+#include "core/problem_files/fclib_file.h"
+
+#include <fmt/format.h>
+
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "core/base/file_error.h"
+#include "core/files/atomic_file.h"
+#include "core/files/hdf5_file.h"
+#include "core/problem/delassus.h"
+#include "core/problem_files/rehearsed_read.h"
+
+namespace bipot {
+namespace {
+
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+constexpr int kCompressedColumns = -1;
+constexpr int kCompressedRows = -2;
+
+std::span<const double> span(const Vector& x) {
+  return {x.data(), static_cast<std::size_t>(x.size())};
+}
+
+Vector read_vector(const Hdf5File& file, const std::string& name) {
+  const std::vector<double> values = file.read_doubles(name);
+  return Eigen::Map<const Vector>(values.data(), static_cast<Eigen::Index>(values.size()));
+}
+
+std::string read_optional_string(const Hdf5File& file, const std::string& name) {
+  return file.exists(name) ? file.read_string(name) : std::string();
+}
+
+/// A stored matrix, storage resolved.
+struct SparseGroup {
+  int rows = 0, columns = 0;
+  Triplets entries;
+
+  template <class Sparse>
+  Sparse build() const {
+    Sparse matrix(rows, columns);
+    matrix.setFromTriplets(entries.begin(), entries.end());  // sums duplicates
+    return matrix;
+  }
+};
+
+SparseGroup read_matrix(const Hdf5File& file, const std::string& group) {
+  const auto refuse = [&](const std::string& reason) {
+    throw FileError(file.path(), group, reason);
+  };
+  if (!file.exists(group)) refuse("missing");
+  SparseGroup matrix;
+  matrix.rows = file.read_int(group + "/m");
+  matrix.columns = file.read_int(group + "/n");
+  const int nz = file.read_int(group + "/nz");
+  if (matrix.rows < 0 || matrix.columns < 0) {
+    refuse(fmt::format("m = {}, n = {}", matrix.rows, matrix.columns));
+  }
+  if (nz < kCompressedRows) {
+    refuse(
+        fmt::format("nz = {} is neither a number of triplets nor -1 (columns) nor -2 (rows)", nz));
+  }
+  const std::vector<int> p = file.read_ints(group + "/p");
+  const std::vector<int> i = file.read_ints(group + "/i");
+  const std::vector<double> x = file.read_doubles(group + "/x");
+
+  const auto add = [&](int row, int column, std::size_t k) {
+    if (row < 0 || row >= matrix.rows || column < 0 || column >= matrix.columns) {
+      refuse(fmt::format("entry {} at ({}, {}) of a {} x {} matrix", k, row, column, matrix.rows,
+                         matrix.columns));
+    }
+    matrix.entries.emplace_back(row, column, x[k]);
+  };
+  const auto require_length = [&](const char* name, std::size_t have, std::size_t need) {
+    if (have < need) refuse(fmt::format("{} has {} elements, {} are needed", name, have, need));
+  };
+  if (nz >= 0) {
+    const auto count = static_cast<std::size_t>(nz);
+    require_length("p", p.size(), count);
+    require_length("i", i.size(), count);
+    require_length("x", x.size(), count);
+    for (std::size_t k = 0; k < count; ++k) add(i[k], p[k], k);
+    return matrix;
+  }
+  const bool by_rows = nz == kCompressedRows;
+  const int lines = by_rows ? matrix.rows : matrix.columns;
+  require_length("p", p.size(), static_cast<std::size_t>(lines) + 1);
+  if (p[0] != 0) refuse(fmt::format("p[0] = {}, expected 0", p[0]));
+  for (std::size_t line = 0; line < to_size(lines); ++line) {
+    if (p[line + 1] < p[line]) {
+      refuse(
+          fmt::format("p[{}] = {} is less than p[{}] = {}", line + 1, p[line + 1], line, p[line]));
+    }
+  }
+  const auto count = to_size(p[to_size(lines)]);
+  require_length("i", i.size(), count);
+  require_length("x", x.size(), count);
+  for (int line = 0; line < lines; ++line) {
+    const std::size_t end = to_size(p[to_size(line) + 1]);
+    for (std::size_t k = to_size(p[to_size(line)]); k < end; ++k) {
+      add(by_rows ? line : i[k], by_rows ? i[k] : line, k);
+    }
+  }
+  return matrix;
+}
+
+/// Bilateral constraints belong to another problem.
+void refuse_constraints(const Hdf5File& file, const std::string& root,
+                        std::initializer_list<const char*> matrices, const char* vector) {
+  for (const char* name : matrices) {
+    const std::string group = root + "/" + name;
+    if (file.exists(group) && file.read_int(group + "/m") > 0 && file.read_int(group + "/n") > 0) {
+      throw FileError(file.path(), group, "bilateral (equality) constraints are not supported");
+    }
+  }
+  const std::string name = root + "/vectors/" + vector;
+  if (file.exists(name) && file.size(name) > 0) {
+    throw FileError(file.path(), name, "bilateral (equality) constraints are not supported");
+  }
+}
+
+/// Before the matrix is built: a wrong size could ask for more memory than there is.
+void require_shape(const Hdf5File& file, const std::string& group, const SparseGroup& matrix,
+                   Eigen::Index rows, Eigen::Index columns) {
+  if (matrix.rows == rows && matrix.columns == columns) return;
+  throw FileError(file.path(), group,
+                  fmt::format("is {} x {}, expected {} x {} from spacedim and the sizes of the "
+                              "vectors",
+                              matrix.rows, matrix.columns, rows, columns));
+}
+
+Vector every_other(const Vector& x) {
+  return Eigen::Map<const Vector, 0, Eigen::InnerStride<2>>(x.data(), x.size() / 2);
+}
+
+/// Undoes the spacedim-2 form of a frictionless problem, see the header.
+ContactProblem without_tangents(const ContactProblem& p, int dofs) {
+  ContactProblem q;
+  q.dim = 1;
+  q.mu = p.mu;
+  q.u_free = every_other(p.u_free);
+  if (p.has_velocities()) {
+    q.v_free = p.v_free.head(dofs);
+    q.A = p.A.topLeftCorner(dofs, dofs);
+    Triplets entries;
+    for (int c = 0; c < p.num_contacts(); ++c) {
+      for (SparseMatrix::InnerIterator it(p.H, 2 * c); it; ++it) {
+        if (it.row() < dofs) entries.emplace_back(static_cast<int>(it.row()), c, it.value());
+      }
+    }
+    q.H.resize(dofs, p.num_contacts());
+    q.H.setFromTriplets(entries.begin(), entries.end());
+    if (p.has_delassus()) q.W = assemble_delassus(q.A, q.H, 1);
+  } else {
+    Triplets entries;
+    for (int c = 0; c < p.num_contacts(); ++c) {
+      for (SparseRows::InnerIterator it(p.W, 2 * c); it; ++it) {
+        if (it.col() % 2 == 0) entries.emplace_back(c, static_cast<int>(it.col()) / 2, it.value());
+      }
+    }
+    q.W.resize(p.num_contacts(), p.num_contacts());
+    q.W.setFromTriplets(entries.begin(), entries.end());
+  }
+  return q;
+}
+
+/// The spacedim-2 form of a frictionless problem, see the header.
+ContactProblem with_inert_tangents(const ContactProblem& p) {
+  const int contacts = p.num_contacts();
+  const int dofs = p.num_dofs();
+  const Vector w_nn = DelassusOperator(p).diagonal();
+  ContactProblem q;
+  q.dim = 2;
+  q.mu = Vector::Zero(contacts);
+  q.u_free = Vector::Zero(2 * contacts);
+  for (int c = 0; c < contacts; ++c) q.u_free[2 * c] = p.u_free[c];
+  if (p.has_velocities()) {
+    Triplets mass, wrench;
+    for (int k = 0; k < p.A.outerSize(); ++k) {
+      for (SparseMatrix::InnerIterator it(p.A, k); it; ++it) {
+        mass.emplace_back(static_cast<int>(it.row()), k, it.value());
+      }
+    }
+    for (int c = 0; c < contacts; ++c) {
+      for (SparseMatrix::InnerIterator it(p.H, c); it; ++it) {
+        wrench.emplace_back(static_cast<int>(it.row()), 2 * c, it.value());
+      }
+      mass.emplace_back(dofs + c, dofs + c, 1 / w_nn[c]);
+      wrench.emplace_back(dofs + c, 2 * c + 1, 1.0);
+    }
+    q.A.resize(dofs + contacts, dofs + contacts);
+    q.A.setFromTriplets(mass.begin(), mass.end());
+    q.H.resize(dofs + contacts, 2 * contacts);
+    q.H.setFromTriplets(wrench.begin(), wrench.end());
+    q.v_free = Vector::Zero(dofs + contacts);
+    q.v_free.head(dofs) = p.v_free;
+  } else {
+    Triplets entries;
+    for (int c = 0; c < contacts; ++c) {
+      for (SparseRows::InnerIterator it(p.W, c); it; ++it) {
+        entries.emplace_back(2 * c, 2 * static_cast<int>(it.col()), it.value());
+      }
+      entries.emplace_back(2 * c + 1, 2 * c + 1, w_nn[c]);
+    }
+    q.W.resize(2 * contacts, 2 * contacts);
+    q.W.setFromTriplets(entries.begin(), entries.end());
+  }
+  return q;
+}
+
+/// Rows with the tangential ones of with_inert_tangents() put in as zeros.
+Vector spread(const Vector& x) {
+  Vector y = Vector::Zero(2 * x.size());
+  for (Eigen::Index k = 0; k < x.size(); ++k) y[2 * k] = x[k];
+  return y;
+}
+
+template <class Sparse>
+void write_matrix(Hdf5File& file, const std::string& group, Sparse matrix) {
+  matrix.makeCompressed();
+  const auto count = static_cast<std::size_t>(matrix.nonZeros());
+  file.write(group + "/nzmax", static_cast<int>(count));
+  file.write(group + "/m", static_cast<int>(matrix.rows()));
+  file.write(group + "/n", static_cast<int>(matrix.cols()));
+  file.write(group + "/nz", Sparse::IsRowMajor ? kCompressedRows : kCompressedColumns);
+  file.write(group + "/p", std::span<const int>(matrix.outerIndexPtr(),
+                                                static_cast<std::size_t>(matrix.outerSize()) + 1));
+  file.write(group + "/i", std::span<const int>(matrix.innerIndexPtr(), count));
+  file.write(group + "/x", std::span<const double>(matrix.valuePtr(), count));
+}
+
+/// FCLIB's form: number_of_guesses, and a group 1, 2, ... with u, r (and v) for each. `p`: as it
+/// stands in the file, with the inert tangents of a frictionless problem.
+void write_guesses(Hdf5File& file, const ContactProblem& p, bool frictionless,
+                   const std::vector<Vector>& guesses) {
+  if (guesses.empty()) return;
+  file.write("/guesses/number_of_guesses", static_cast<int>(guesses.size()));
+  const DelassusOperator delassus(p);
+  for (std::size_t k = 0; k < guesses.size(); ++k) {
+    const std::string group = fmt::format("/guesses/{}", k + 1);
+    const Vector r = frictionless ? spread(guesses[k]) : guesses[k];
+    Vector u;
+    delassus.velocity(r, u);
+    if (p.has_velocities()) file.write(group + "/v", span(body_velocities(p, r)));
+    file.write(group + "/u", span(u));
+    file.write(group + "/r", span(r));
+  }
+}
+
+/// f = A v.
+Vector momentum(const ContactProblem& p) { return p.A * p.v_free; }
+
+/// Sizes of a problem as it stands in the file.
+struct Stored {
+  int rows = 0;
+  int dofs = 0;  // global form only
+};
+
+/// The problem in the form that out.global says, with what the file calls spacedim.
+Stored read_form(const Hdf5File& file, const std::string& root, int dim, ProblemFile& out) {
+  Vector mu = read_vector(file, root + "/vectors/mu");
+  const Eigen::Index rows = dim * mu.size();
+  Stored stored;
+  try {
+    if (!out.global) {
+      refuse_constraints(file, root, {"V", "R"}, "s");
+      const SparseGroup W = read_matrix(file, root + "/W");
+      require_shape(file, root + "/W", W, rows, rows);
+      out.problem = from_local_form(dim, W.build<SparseRows>(),
+                                    read_vector(file, root + "/vectors/q"), std::move(mu));
+    } else {
+      refuse_constraints(file, root, {"G"}, "b");
+      const SparseGroup M = read_matrix(file, root + "/M");
+      const SparseGroup H = read_matrix(file, root + "/H");
+      const Vector f = read_vector(file, root + "/vectors/f");
+      require_shape(file, root + "/M", M, f.size(), f.size());
+      require_shape(file, root + "/H", H, f.size(), rows);
+      stored.dofs = M.rows;
+      out.problem = from_global_form(dim, M.build<SparseMatrix>(), H.build<SparseMatrix>(), f,
+                                     read_vector(file, root + "/vectors/w"), std::move(mu));
+    }
+  } catch (const std::invalid_argument& e) {
+    throw FileError(file.path(), root, e.what());
+  }
+  stored.rows = out.problem.num_rows();
+  return stored;
+}
+
+/// Takes the tangents of a frictionless problem away. Returns its number of degrees of freedom.
+int restore_dim(const Hdf5File& file, int dim, int stored_dofs, ProblemFile& out) {
+  if (!file.exists("/bipot/dim")) return stored_dofs;
+  const int true_dim = file.read_int("/bipot/dim");
+  const bool frictionless = true_dim == 1 && dim == 2;
+  if (!frictionless && true_dim != dim) {
+    throw FileError(file.path(), "/bipot/dim", fmt::format("{} with spacedim {}", true_dim, dim));
+  }
+  if (!frictionless) return stored_dofs;
+  const int dofs = out.global ? file.read_int("/bipot/dofs") : stored_dofs;
+  if (out.problem.mu.size() > 0 && out.problem.mu.maxCoeff() > 0) {
+    throw FileError(file.path(), "/bipot/dim", "1, but there is friction");
+  }
+  if (out.global && dofs != stored_dofs - out.problem.num_contacts()) {
+    throw FileError(
+        file.path(), "/bipot/dofs",
+        fmt::format("{} of {} with {} contacts", dofs, stored_dofs, out.problem.num_contacts()));
+  }
+  out.problem = without_tangents(out.problem, dofs);
+  return dofs;
+}
+
+/// Reference solution and guesses, where the file has them.
+void read_impulses(const Hdf5File& file, const Stored& stored, int dofs, ProblemFile& out) {
+  // In the file a frictionless problem has tangents.
+  const bool with_tangents = out.problem.num_rows() < stored.rows;
+  const auto read_rows = [&](const std::string& name, int size) {
+    Vector x = read_vector(file, name);
+    if (x.size() != size) {
+      throw FileError(file.path(), name,
+                      fmt::format("has {} elements, expected {}", x.size(), size));
+    }
+    if (!x.allFinite()) throw FileError(file.path(), name, "not finite");
+    return x;
+  };
+  if (file.exists("/solution")) {
+    out.r = read_rows("/solution/r", stored.rows);
+    out.u = read_rows("/solution/u", stored.rows);
+    if (with_tangents) {
+      out.r = every_other(*out.r);
+      out.u = every_other(*out.u);
+    }
+    if (out.global && file.exists("/solution/v")) {
+      out.v = read_rows("/solution/v", stored.dofs).head(dofs).eval();
+    }
+  }
+  if (file.exists("/guesses/number_of_guesses")) {
+    const int guesses = file.read_int("/guesses/number_of_guesses");
+    for (int k = 1; k <= guesses; ++k) {
+      const Vector r = read_rows(fmt::format("/guesses/{}/r", k), stored.rows);
+      out.guesses.push_back(with_tangents ? every_other(r) : r);
+    }
+  }
+}
+
+ProblemFile read_fclib_here(const std::filesystem::path& path) {
+  const Hdf5File file(path, Hdf5File::Mode::kRead);
+  ProblemFile out;
+  const bool local = file.exists("/fclib_local");
+  out.global = file.exists("/fclib_global");
+  if (local == out.global) {
+    throw FileError(path, "",
+                    local ? "both /fclib_local and /fclib_global are present"
+                          : "neither /fclib_local nor /fclib_global is present: not a problem");
+  }
+  const std::string root = local ? "/fclib_local" : "/fclib_global";
+  const int dim = file.read_int(root + "/spacedim");
+  if (dim != 2 && dim != 3) {
+    throw FileError(path, root + "/spacedim", fmt::format("{} is neither 2 nor 3", dim));
+  }
+  out.info.title = read_optional_string(file, root + "/info/title");
+  out.info.description = read_optional_string(file, root + "/info/description");
+  out.info.math_info = read_optional_string(file, root + "/info/math_info");
+  const Stored stored = read_form(file, root, dim, out);
+  const int dofs = restore_dim(file, dim, stored.dofs, out);
+  if (file.exists("/bipot/row_scale")) {
+    out.problem.row_scale = read_vector(file, "/bipot/row_scale");
+  }
+  if (std::string defect = validate(out.problem); !defect.empty()) {
+    throw FileError(path, root, defect);
+  }
+  read_impulses(file, stored, dofs, out);
+  return out;
+}
+
+}  // namespace
+
+ProblemFile read_fclib(const std::filesystem::path& path) {
+  return rehearsed_read(path, [&path] { return read_fclib_here(path); });
+}
+
+void write_fclib(const std::filesystem::path& path, const ContactProblem& problem,
+                 const ProblemInfo& info, const std::vector<Vector>& guesses) {
+  if (std::string defect = validate(problem); !defect.empty()) {
+    throw FileError(path, "", "refused to write: " + defect);
+  }
+  if (problem.num_contacts() == 0) throw FileError(path, "", "refused to write: no contacts");
+  for (const Vector& r : guesses) {
+    if (r.size() == problem.num_rows() && r.allFinite()) continue;
+    throw FileError(path, "/guesses", "refused to write: of another size, or not finite");
+  }
+  const bool frictionless = problem.dim == 1;
+  const ContactProblem p = frictionless ? with_inert_tangents(problem) : problem;
+  AtomicFile target(path);
+  Hdf5File file(target.draft(), Hdf5File::Mode::kCreate);
+  const std::string root = p.has_velocities() ? "/fclib_global" : "/fclib_local";
+  file.write(root + "/spacedim", p.dim);
+  if (p.has_velocities()) {
+    write_matrix(file, root + "/M", p.A);
+    write_matrix(file, root + "/H", p.H);
+    file.write(root + "/vectors/f", span(momentum(p)));
+    file.write(root + "/vectors/w", span(Vector(p.u_free - p.H.transpose() * p.v_free)));
+  } else {
+    write_matrix(file, root + "/W", p.W);
+    file.write(root + "/vectors/q", span(p.u_free));
+  }
+  file.write(root + "/vectors/mu", span(p.mu));
+  file.write(root + "/info/title", info.title);
+  file.write(root + "/info/description", info.description);
+  file.write(root + "/info/math_info", info.math_info);
+  if (frictionless) {
+    file.write("/bipot/dim", 1);
+    if (p.has_velocities()) file.write("/bipot/dofs", problem.num_dofs());
+  }
+  if (problem.row_scale.size() > 0) file.write("/bipot/row_scale", span(problem.row_scale));
+  write_guesses(file, p, frictionless, guesses);
+  file.close();
+  target.commit();
+}
+
+void write_fclib_solution(const std::filesystem::path& path, const Vector& r, const Vector& u,
+                          const std::optional<Vector>& v) {
+  const ProblemFile stored = read_fclib(path);
+  const ContactProblem& p = stored.problem;
+  const auto check = [&](const char* name, const Vector& x, int size) {
+    if (x.size() != size) {
+      throw FileError(path, std::string("/solution/") + name,
+                      fmt::format("refused to write {} elements, expected {}", x.size(), size));
+    }
+    if (!x.allFinite()) {
+      throw FileError(path, std::string("/solution/") + name, "refused to write: not finite");
+    }
+  };
+  check("r", r, p.num_rows());
+  check("u", u, p.num_rows());
+  std::optional<Vector> velocities = v;
+  if (stored.global && !velocities) velocities = body_velocities(p, r);
+  if (velocities) {
+    if (!stored.global) throw FileError(path, "/solution/v", "a local problem has no velocities");
+    check("v", *velocities, p.num_dofs());
+  }
+  const bool frictionless = p.dim == 1;
+  AtomicFile target(path);
+  std::error_code error;
+  std::filesystem::copy_file(path, target.draft(),
+                             std::filesystem::copy_options::overwrite_existing, error);
+  if (error) throw FileError(path, "", "cannot write beside it: " + error.message());
+  Hdf5File file(target.draft(), Hdf5File::Mode::kAppend);
+  if (file.exists("/solution")) file.remove("/solution");
+  if (velocities) {
+    Vector x = Vector::Zero(p.num_dofs() + (frictionless ? p.num_contacts() : 0));
+    x.head(p.num_dofs()) = *velocities;
+    file.write("/solution/v", span(x));
+  }
+  file.write("/solution/u", span(frictionless ? spread(u) : u));
+  file.write("/solution/r", span(frictionless ? spread(r) : r));
+  file.close();
+  target.commit();
+}
+
+}  // namespace bipot

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <vector>
+
+#include "core/problem_files/problem_form.h"
+
+namespace bipot {
+
+/// FCLIB's HDF5 layout (Acary, Brémond, Koziara, Pérignon, FCLIB: a collection of discrete 3D
+/// frictional contact problems, 2014): one problem, local (W, q, mu) or global (M, H, f, w, mu), of
+/// spacedim 2 or 3, with an optional /solution and optional /guesses. Sparse matrices by rows
+/// (nz = -2), by columns (-1) or as nz triplets, where `i` is the row and `p` the column;
+/// duplicates are summed, order and explicit zeros do not matter, arrays may be longer than used.
+///
+/// What FCLIB cannot say stands in a group of its own, which other readers pass over:
+///   /bipot/row_scale  r = sqrt(1 + e) of each row, where ContactProblem has one. W, q and mu of
+///                     the file are those of the scaled problem, a problem of FCLIB's kind in its
+///                     own right;
+///   /bipot/dim        1 for a frictionless problem. FCLIB has no such form: it is written with
+///                     spacedim 2, mu = 0 and tangential rows that nothing else depends on, with
+///                     W_tt = W_nn. For a global problem an extra degree of freedom of mass 1/W_nn
+///                     for each contact, after the others, does that;
+///   /bipot/dofs       number of degrees of freedom of a global problem with dim = 1, without
+///                     these.
+///
+/// Refused, with the reason: bilateral constraints (V, R, s; G, b), sizes that do not fit, missing
+/// data, values that are not finite, what validate() refuses. Throws FileError.
+ProblemFile read_fclib(const std::filesystem::path& path);
+
+/// Writes a new file, in global form where A and H are given (W is then not stored), else in local
+/// form. The information becomes /fclib_*/info. The problem must be sound. Each guess (an impulse r
+/// to start from) is written into /guesses with the u (and v) that it gives.
+void write_fclib(const std::filesystem::path& path, const ContactProblem& problem,
+                 const ProblemInfo& info, const std::vector<Vector>& guesses = {});
+
+/// Writes /solution of an existing problem file, in place of the one that is there. r and u in the
+/// problem's variables. v: velocities of a global problem; computed from r where it is not given.
+void write_fclib_solution(const std::filesystem::path& path, const Vector& r, const Vector& u,
+                          const std::optional<Vector>& v = std::nullopt);
+
+}  // namespace bipot

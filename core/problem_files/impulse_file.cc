@@ -1,0 +1,211 @@
+#include "core/problem_files/impulse_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/base/file_error.h"
+#include "core/files/hdf5_file.h"
+#include "core/problem_files/npy_file.h"
+#include "core/problem_files/rehearsed_read.h"
+
+namespace bipot {
+namespace {
+
+/// Numbers with the rows and columns in which they stand; columns 1: no rows to speak of.
+struct TextTable {
+  std::vector<double> values;  // row by row
+  std::size_t columns = 1;
+
+  std::size_t rows() const { return columns == 0 ? 0 : values.size() / columns; }
+};
+
+std::optional<double> number_of(std::string_view word) {
+  if (word.starts_with('+')) word.remove_prefix(1);
+  double x = 0;
+  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), x);
+  if (error != std::errc() || end != word.data() + word.size()) return std::nullopt;
+  return x;
+}
+
+std::vector<std::string_view> words_of(std::string_view line) {
+  constexpr std::string_view kSeparators = " \t\r,;";
+  std::vector<std::string_view> words;
+  while (true) {
+    const std::size_t begin = line.find_first_not_of(kSeparators);
+    if (begin == std::string_view::npos) return words;
+    line.remove_prefix(begin);
+    const std::size_t end = std::min(line.find_first_of(kSeparators), line.size());
+    words.push_back(line.substr(0, end));
+    line.remove_prefix(end);
+  }
+}
+
+/// The numbers of "size = 6; data= [1, 2, ...]"; other text as it is.
+std::string_view without_brackets(const std::filesystem::path& path, std::string_view text) {
+  if (!text.starts_with("size")) return text;
+  const std::size_t open = text.find('['), close = text.rfind(']');
+  if (open == std::string_view::npos || close == std::string_view::npos || close < open) {
+    throw FileError(path, "", "begins with 'size', but has no [...] with numbers");
+  }
+  return text.substr(open + 1, close - open - 1);
+}
+
+TextTable read_text(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  if (!in) throw FileError(path, "", "cannot open");
+  const std::string content((std::istreambuf_iterator<char>(in)), {});
+  if (content.find('\0') != std::string::npos) {
+    throw FileError(path, "", "neither a text file nor .npy nor HDF5");
+  }
+  const std::string_view text = without_brackets(path, content);
+  TextTable table;
+  bool even = true;
+  std::size_t columns = 0, number = 0;
+  for (std::string_view rest = text; !rest.empty();) {
+    const std::size_t end = std::min(rest.find('\n'), rest.size());
+    const std::vector<std::string_view> words = words_of(rest.substr(0, end));
+    rest.remove_prefix(std::min(end + 1, rest.size()));
+    ++number;
+    if (words.empty() || words.front().starts_with('#')) continue;
+    if (table.values.empty() && !number_of(words.front())) continue;  // a line of names
+    if (columns == 0) columns = words.size();
+    even = even && words.size() == columns;
+    for (const std::string_view word : words) {
+      const std::optional<double> x = number_of(word);
+      if (!x) {
+        throw FileError(path, fmt::format("line {}", number),
+                        fmt::format("'{}' is not a number", word));
+      }
+      table.values.push_back(*x);
+    }
+  }
+  if (even) table.columns = std::max<std::size_t>(1, columns);
+  return table;
+}
+
+TextTable read_table(const std::filesystem::path& path) {
+  if (is_npy(path)) {
+    NpyArray array = read_npy(path);
+    if (array.shape.size() > 2) {
+      throw FileError(path, "", fmt::format("{} dimensions, expected 1 or 2", array.shape.size()));
+    }
+    const std::size_t columns = array.shape.size() == 2 ? array.shape[1] : 1;
+    return {std::move(array.values), columns};
+  }
+  if (Hdf5File::is_hdf5(path)) {
+    return rehearsed_read(path, [&path]() -> TextTable {
+      const Hdf5File file(path, Hdf5File::Mode::kRead);
+      if (!file.exists("/solution/r")) {
+        throw FileError(path, "/solution/r", "is missing: the file has no impulses");
+      }
+      return {file.read_doubles("/solution/r"), 1};
+    });
+  }
+  return read_text(path);
+}
+
+/// Whether the first column counts from 0 or 1.
+bool counts(const TextTable& table) {
+  const double first = table.values.empty() ? -1 : table.values[0];
+  if (first != 0 && first != 1) return false;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    if (table.values[row * table.columns] != first + static_cast<double>(row)) return false;
+  }
+  return true;
+}
+
+/// Takes away what is no impulse: a column of contact numbers, a leading size.
+void strip(TextTable& table, std::size_t contacts, std::size_t dim) {
+  std::vector<double>& x = table.values;
+  const std::size_t size = contacts * dim;
+  if (table.columns == dim + 1 && table.rows() == contacts && counts(table)) {
+    TextTable impulses{{}, dim};
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      if (k % table.columns != 0) impulses.values.push_back(x[k]);
+    }
+    table = std::move(impulses);
+  } else if (x.size() == size + 1 && !x.empty() && x[0] == static_cast<double>(size)) {
+    x.erase(x.begin());
+    table.columns = 1;
+  }
+}
+
+/// Place in the file of component k (0: normal) of a contact, from the letters of the layout.
+std::vector<std::size_t> component_places(const ImpulseLayout& layout, std::size_t dim) {
+  const std::string standard = std::string("nts").substr(0, dim);
+  const std::string letters = layout.components.empty() ? standard : layout.components;
+  if (!std::is_permutation(letters.begin(), letters.end(), standard.begin(), standard.end())) {
+    throw std::invalid_argument(fmt::format(
+        "components '{}': expected the letters of '{}' in some order", letters, standard));
+  }
+  for (const char c : layout.negated) {
+    if (standard.find(c) == std::string::npos) {
+      throw std::invalid_argument(fmt::format("negated components '{}': expected letters of '{}'",
+                                              layout.negated, standard));
+    }
+  }
+  std::vector<std::size_t> places;
+  for (const char c : standard) places.push_back(letters.find(c));
+  return places;
+}
+
+Vector arrange(const TextTable& table, std::size_t contacts, std::size_t dim,
+               const ImpulseLayout& layout) {
+  const std::vector<std::size_t> place = component_places(layout, dim);
+  bool by_contact = layout.order == ImpulseLayout::Order::kContact;
+  // A table says it by its shape.
+  if (table.columns == dim && dim != 1 && contacts != dim) by_contact = true;
+  if (table.columns == contacts && contacts != 1 && contacts != dim) by_contact = false;
+  Vector s(static_cast<Eigen::Index>(contacts * dim));
+  for (std::size_t c = 0; c < contacts; ++c) {
+    for (std::size_t k = 0; k < dim; ++k) {
+      const bool negated = layout.negated.find("nts"[k]) != std::string::npos;
+      const std::size_t from = by_contact ? c * dim + place[k] : place[k] * contacts + c;
+      s[static_cast<Eigen::Index>(c * dim + k)] =
+          (negated ? -1 : 1) * layout.factor * table.values[from];
+    }
+  }
+  return s;
+}
+
+}  // namespace
+
+Vector read_impulses(const std::filesystem::path& path, const ContactProblem& problem,
+                     const ImpulseLayout& layout) {
+  if (!std::filesystem::exists(path)) throw FileError(path, "", "no such file");
+  if (std::filesystem::is_directory(path)) throw FileError(path, "", "is a folder");
+  TextTable table = read_table(path);
+  const std::size_t contacts = to_size(problem.num_contacts()), dim = to_size(problem.dim);
+  const bool with_tangents = dim == 1 && table.values.size() >= 2 * contacts && contacts > 0;
+  const std::size_t file_dim = with_tangents ? 2 : dim;
+  strip(table, contacts, file_dim);
+  if (table.values.size() != contacts * file_dim) {
+    throw FileError(path, "",
+                    fmt::format("s has size {}, expected {} = {} contacts x {}",
+                                table.values.size(), problem.num_rows(), contacts, dim));
+  }
+  Vector s = arrange(table, contacts, file_dim, layout);
+  if (!with_tangents) return s;
+  Vector normals(problem.num_rows());
+  for (Eigen::Index c = 0; c < normals.size(); ++c) {
+    if (s[2 * c + 1] != 0) {
+      throw FileError(path, "",
+                      fmt::format("contact {} of a frictionless problem has the tangential impulse "
+                                  "{}, expected 0",
+                                  c, s[2 * c + 1]));
+    }
+    normals[c] = s[2 * c];
+  }
+  return normals;
+}
+
+}  // namespace bipot

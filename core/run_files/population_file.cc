@@ -1,0 +1,214 @@
+#include "core/run_files/population_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+
+namespace bipot {
+namespace {
+
+template <int D, class Get>
+std::vector<double> of_bodies(const std::vector<Body<D>>& bodies, const Get& get) {
+  std::vector<double> values;
+  for (const Body<D>& body : bodies) values.push_back(get(body));
+  return values;
+}
+
+template <int D>
+void write_flows(Hdf5File& file, const std::string& group, bool inlets,
+                 const std::vector<GateFlow<D>>& flows) {
+  std::vector<int> count, waiting;
+  std::vector<double> mass, energy, momentum, last;
+  for (const GateFlow<D>& flow : flows) {
+    count.push_back(flow.count);
+    waiting.push_back(flow.waiting);
+    mass.push_back(flow.mass);
+    energy.push_back(flow.energy);
+    momentum.insert(momentum.end(), flow.momentum.begin(), flow.momentum.end());
+    last.push_back(flow.last_mass);
+  }
+  file.write(group + "/count", count);
+  if (inlets) file.write(group + "/waiting", waiting);
+  file.write(group + "/mass", mass);
+  file.write_attribute(group + "/mass", "unit", "kg");
+  file.write(group + "/energy", energy);
+  file.write_attribute(group + "/energy", "unit", "J");
+  file.write_rows(group + "/momentum", momentum, D);
+  file.write_attribute(group + "/momentum", "unit", "kg m/s");
+  file.write(group + "/last_mass", last);
+  file.write_attribute(group + "/last_mass", "unit", "kg");
+}
+
+void require_count(const Hdf5File& file, const std::string& name, std::size_t found,
+                   std::size_t expected) {
+  if (found == expected) return;
+  throw FileError(file.path(), name, fmt::format("has {} elements, expected {}", found, expected));
+}
+
+std::vector<double> doubles_of(const Hdf5File& file, const std::string& name, std::size_t size) {
+  std::vector<double> values = file.read_doubles(name);
+  require_count(file, name, values.size(), size);
+  return values;
+}
+
+std::vector<int> ints_of(const Hdf5File& file, const std::string& name, std::size_t size) {
+  std::vector<int> values = file.read_ints(name);
+  require_count(file, name, values.size(), size);
+  return values;
+}
+
+template <int D>
+std::vector<GateFlow<D>> read_flows(const Hdf5File& file, const std::string& group, bool inlets) {
+  const std::vector<int> count = file.read_ints(group + "/count");
+  const std::size_t n = count.size();
+  const auto waiting = inlets ? ints_of(file, group + "/waiting", n) : std::vector<int>(n, 0);
+  const auto mass = doubles_of(file, group + "/mass", n);
+  const auto energy = doubles_of(file, group + "/energy", n);
+  const auto momentum = doubles_of(file, group + "/momentum", D * n);
+  const auto last = doubles_of(file, group + "/last_mass", n);
+  std::vector<GateFlow<D>> flows(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    flows[k] = {.count = count[k],
+                .mass = mass[k],
+                .energy = energy[k],
+                .momentum = Eigen::Map<const Vec<D>>(momentum.data() + D * k),
+                .waiting = waiting[k],
+                .last_mass = last[k]};
+  }
+  return flows;
+}
+
+void add_columns(std::string& line, std::initializer_list<double> values) {
+  for (const double x : values) fmt::format_to(std::back_inserter(line), ",{:.17g}", x);
+}
+
+}  // namespace
+
+template <int D>
+void write_population(Hdf5File& frame, const State<D>& state) {
+  const std::vector<Body<D>>& bodies = state.bodies;
+  frame.write("/disks/number", state.population.numbers);
+  const auto write = [&](const std::string& name, const char* unit, double Body<D>::*member) {
+    frame.write(name, of_bodies<D>(bodies, [&](const Body<D>& b) { return b.*member; }));
+    frame.write_attribute(name, "unit", unit);
+  };
+  write("/disks/radius", "m", &Body<D>::radius);
+  write("/disks/mass", "kg", &Body<D>::mass);
+  write("/disks/inertia", "kg m2", &Body<D>::inertia);
+  std::vector<int> material, wall, points(bodies.size());
+  for (const Body<D>& b : bodies) {
+    material.push_back(b.material);
+    wall.push_back(b.wall);
+  }
+  std::iota(points.begin(), points.end(), 0);
+  frame.write("/disks/material", material);
+  frame.write("/disks/wall", wall);
+  frame.write("/disks/points", points);
+  write_flows<D>(frame, "/outlets", false, state.population.outlets);
+  write_flows<D>(frame, "/inlets", true, state.population.inlets);
+}
+
+template <int D>
+bool read_population(const Hdf5File& frame, std::vector<Body<D>>& bodies,
+                     Population<D>& population) {
+  if (!frame.exists("/disks/number")) return false;
+  population.numbers = frame.read_ints("/disks/number");
+  const std::size_t n = population.numbers.size();
+  const bool increases =
+      std::adjacent_find(population.numbers.begin(), population.numbers.end(),
+                         [](int a, int b) { return a >= b; }) == population.numbers.end();
+  if (!increases || (n > 0 && population.numbers.front() < 0)) {
+    throw FileError(frame.path(), "/disks/number", "not increasing from 0 on");
+  }
+  const auto radius = doubles_of(frame, "/disks/radius", n);
+  const auto mass = doubles_of(frame, "/disks/mass", n);
+  const auto inertia = doubles_of(frame, "/disks/inertia", n);
+  const auto material = ints_of(frame, "/disks/material", n);
+  const auto wall = ints_of(frame, "/disks/wall", n);
+  bodies.assign(n, {});
+  for (std::size_t k = 0; k < n; ++k) {
+    bodies[k].radius = radius[k];
+    bodies[k].mass = mass[k];
+    bodies[k].inertia = inertia[k];
+    bodies[k].material = material[k];
+    bodies[k].wall = wall[k];
+  }
+  population.outlets = read_flows<D>(frame, "/outlets", false);
+  population.inlets = read_flows<D>(frame, "/inlets", true);
+  return true;
+}
+
+template <int D>
+void write_no_body(Hdf5File& file, const Vec<D>& x) {
+  const std::vector<double> zeros(6, 0.0);
+  const auto rows = [&](const char* name, std::span<const double> values) {
+    file.write_rows(std::string("/no_body/") + name, values, values.size());
+  };
+  rows("x", std::span<const double>(x.data(), to_size(D)));
+  rows("x_in_cell", std::span<const double>(x.data(), to_size(D)));
+  rows("v", std::span(zeros).first(3));
+  rows("stress", zeros);
+  if (D == 2) {
+    file.write("/no_body/spin", 0.0);
+    file.write("/no_body/angle", 0.0);
+  } else {
+    rows("spin", std::span(zeros).first(3));
+  }
+  for (const char* name : {"radius", "mass", "pressure"}) {
+    file.write(std::string("/no_body/") + name, 0.0);
+  }
+  file.write("/no_body/material", 0);
+  file.write("/no_body/cluster", -1);
+  file.write("/no_body/points", 0);
+}
+
+template <int D>
+std::string gates_header(const Scene<D>& scene) {
+  std::string line = fmt::format("step,time [s],{}s,mass [kg]", kBodyName<D>);
+  const auto add = [&](const std::string& name) {
+    line += fmt::format(",{0}_count,{0}_mass [kg],{0}_flux [kg/s],{0}_energy [J]", name);
+    for (const char* axis : {"x", "y", "z"}) {
+      if (D == 3 || *axis != 'z') line += fmt::format(",{}_momentum_{} [kg m/s]", name, axis);
+    }
+  };
+  for (const Outlet<D>& outlet : scene.outlets) add(outlet.name);
+  for (const Inlet<D>& inlet : scene.inlets) {
+    add(inlet.name);
+    line += fmt::format(",{}_waiting", inlet.name);
+  }
+  return line;
+}
+
+template <int D>
+std::string gates_row(const Scene<D>& scene, const State<D>& state) {
+  std::string line = fmt::format("{},{:.17g},{}", state.step, state.time, state.bodies.size());
+  double inside = 0;
+  for (const Body<D>& body : state.bodies) inside += body.mass;
+  add_columns(line, {inside});
+  const auto add = [&](const GateFlow<D>& flow) {
+    fmt::format_to(std::back_inserter(line), ",{}", flow.count);
+    add_columns(line, {flow.mass, flow.last_mass / scene.step, flow.energy});
+    for (int k = 0; k < D; ++k) add_columns(line, {flow.momentum[k]});
+  };
+  for (const GateFlow<D>& flow : state.population.outlets) add(flow);
+  for (const GateFlow<D>& flow : state.population.inlets) {
+    add(flow);
+    fmt::format_to(std::back_inserter(line), ",{}", flow.waiting);
+  }
+  return line;
+}
+
+template void write_population(Hdf5File&, const State<2>&);
+template void write_population(Hdf5File&, const State<3>&);
+template bool read_population(const Hdf5File&, std::vector<Disk>&, Population<2>&);
+template bool read_population(const Hdf5File&, std::vector<Sphere>&, Population<3>&);
+template void write_no_body<2>(Hdf5File&, const Vec2&);
+template void write_no_body<3>(Hdf5File&, const Vec3&);
+template std::string gates_header(const Scene<2>&);
+template std::string gates_header(const Scene<3>&);
+template std::string gates_row(const Scene<2>&, const State<2>&);
+template std::string gates_row(const Scene<3>&, const State<3>&);
+
+}  // namespace bipot

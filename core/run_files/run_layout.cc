@@ -1,0 +1,43 @@
+#include "core/run_files/run_layout.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <charconv>
+#include <system_error>
+
+namespace bipot {
+
+namespace fs = std::filesystem;
+
+fs::path run_folder(const fs::path& run) {
+  if (fs::is_directory(run)) return run;
+  if (run.filename() != "run.h5") {
+    throw FileError(run, "", "a run is named by its folder or by the run.h5 in it");
+  }
+  return run.has_parent_path() ? run.parent_path() : fs::path(".");
+}
+
+std::string frame_name(int step) { return fmt::format("{:08d}", step); }
+
+fs::path frame_path(const fs::path& folder, int step) {
+  return folder / "frames" / (frame_name(step) + ".h5");
+}
+
+std::vector<int> steps_in_folder(const fs::path& folder) {
+  std::vector<int> steps;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder / "frames", error)) {
+    if (entry.path().extension() != ".h5") continue;
+    const std::string stem = entry.path().stem().string();
+    int step = 0;
+    const auto [end, failure] = std::from_chars(stem.data(), stem.data() + stem.size(), step);
+    if (failure == std::errc() && end == stem.data() + stem.size()) steps.push_back(step);
+  }
+  std::sort(steps.begin(), steps.end());
+  return steps;
+}
+
+std::vector<int> frame_steps(const fs::path& run) { return steps_in_folder(run_folder(run)); }
+
+}  // namespace bipot

@@ -1,0 +1,670 @@
+#include "core/run_files/run_output.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+#include <span>
+#include <stdexcept>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+
+#include "core/base/version.h"
+#include "core/files/atomic_file.h"
+#include "core/files/hdf5_file.h"
+#include "core/motion/periodic_state.h"
+#include "core/motion/population.h"
+#include "core/motion/sample_area.h"
+#include "core/motion/sample_volume.h"
+#include "core/motion/spring_dashpot_setup.h"
+#include "core/motion/stress_tensor.h"
+#include "core/run_files/cell_file.h"
+#include "core/run_files/cluster_file.h"
+#include "core/run_files/population_file.h"
+#include "core/run_files/run_layout.h"
+#include "core/scene/scene_box.h"
+#include "core/scene/wall_motion.h"
+#include "core/scene/wall_pieces.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kIndexShare = 32;  // see RunWriter
+
+/// Collects one column of numbers, or several, row by row.
+class Column {
+ public:
+  explicit Column(std::size_t reserve) { values_.reserve(reserve); }
+  void add(double x) { values_.push_back(x); }
+  template <int D>
+  void add(const Eigen::Matrix<double, D, 1>& x) {
+    values_.insert(values_.end(), x.begin(), x.end());
+  }
+  std::span<const double> values() const { return values_; }
+
+ private:
+  std::vector<double> values_;
+};
+
+template <class Range, class Get>
+void write_doubles(Hdf5File& file, const std::string& name, const char* unit, const Range& range,
+                   Get&& get) {
+  Column column(range.size());
+  for (const auto& item : range) column.add(static_cast<double>(get(item)));
+  file.write(name, column.values());
+  file.write_attribute(name, "unit", unit);
+}
+
+template <class Range, class Get>
+void write_vectors(Hdf5File& file, const std::string& name, const char* unit, const Range& range,
+                   Get&& get) {
+  using Vec = std::remove_cvref_t<decltype(get(*range.begin()))>;
+  constexpr std::size_t kWidth = Vec::RowsAtCompileTime;
+  Column column(kWidth * range.size());
+  for (const auto& item : range) column.add(Vec(get(item)));
+  file.write_rows(name, column.values(), kWidth);
+  file.write_attribute(name, "unit", unit);
+}
+
+/// Numbers in the plane, vectors in space.
+template <class Range, class Get>
+void write_turns(Hdf5File& file, const std::string& name, const char* unit, const Range& range,
+                 Get&& get) {
+  if constexpr (std::is_convertible_v<decltype(get(*range.begin())), double>) {
+    write_doubles(file, name, unit, range, get);
+  } else {
+    write_vectors(file, name, unit, range, get);
+  }
+}
+
+/// How the bodies have turned: angles in the plane, unit quaternions (w, x, y, z) in space.
+void write_orientations(Hdf5File& file, const std::vector<Disk>& disks) {
+  write_doubles(file, "/disks/angle", "rad", disks, [](const Disk& d) { return d.angle; });
+}
+void write_orientations(Hdf5File& file, const std::vector<Sphere>& spheres) {
+  write_vectors(file, "/disks/orientation", "1", spheres, [](const Sphere& s) {
+    const auto& q = s.orientation;
+    return Eigen::Vector4d(q.w(), q.x(), q.y(), q.z());
+  });
+}
+
+/// ParaView's symmetric tensors: xx, xy, xz, yy, yz, zz.
+template <int D>
+std::array<double, 6> six_components(const Mat<D>& s) {
+  const double xy = 0.5 * (s(0, 1) + s(1, 0));
+  if constexpr (D == 2) {
+    return {s(0, 0), xy, 0.0, s(1, 1), 0.0, 0.0};
+  } else {
+    return {s(0, 0), xy, 0.5 * (s(0, 2) + s(2, 0)), s(1, 1), 0.5 * (s(1, 2) + s(2, 1)), s(2, 2)};
+  }
+}
+
+template <class Range, class Get>
+void write_ints(Hdf5File& file, const std::string& name, const Range& range, Get&& get) {
+  std::vector<int> column;
+  column.reserve(range.size());
+  for (const auto& item : range) column.push_back(static_cast<int>(get(item)));
+  file.write(name, column);
+}
+
+/// Mean stress of the sample and its area; not a number without disks, for then there is none.
+template <int D>
+MeanStress<D> stress_of_sample(const State<D>& state, double step) {
+  return sample_stress<D>(state, step, sample_measure(state, step), contact_moments(state));
+}
+
+/// Stress of each disk and of the sample, spins from the contacts' moments (stress_tensor.h).
+template <int D>
+void write_stresses(Hdf5File& file, const State<D>& state, double step,
+                    const MeanStress<D>& sample) {
+  const std::vector<Spin<D>> moments = contact_moments(state);
+  const std::vector<MeanStress<D>> disks = disk_stresses<D>(state, step, moments);
+  Column tensors(6 * disks.size());
+  for (const MeanStress<D>& stress : disks) {
+    for (const double x : six_components<D>(stress.total())) tensors.add(x);
+  }
+  file.write_rows("/disks/stress", tensors.values(), 6);
+  file.write_attribute("/disks/stress", "unit", "Pa");
+  write_doubles(file, "/disks/pressure", "Pa", disks,
+                [](const MeanStress<D>& s) { return s.pressure(); });
+  const char* size = D == 2 ? "/sample/area" : "/sample/volume";
+  file.write(size, sample.area);
+  file.write_attribute(size, "unit", D == 2 ? "m2" : "m3");
+  if (!(sample.area > 0)) return;
+  for (const auto& [name, part] : {std::pair{"/sample/contact_stress", &sample.contact},
+                                   {"/sample/kinetic_stress", &sample.kinetic},
+                                   {"/sample/spin_stress", &sample.spin}}) {
+    const Eigen::Matrix<double, D, D, Eigen::RowMajor> rows = *part;
+    file.write_rows(name, std::vector<double>(rows.data(), rows.data() + D * D), D);
+    file.write_attribute(name, "unit", "Pa");
+  }
+}
+
+/// 0, 1, 2, ...: ParaView's readers want to be told which points make a cell.
+void write_point_numbers(Hdf5File& file, const std::string& name, std::size_t points) {
+  std::vector<int> numbers(points);
+  for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = static_cast<int>(k);
+  file.write(name, numbers);
+}
+
+/// What does not change of the walls. Circles and walls moved across a force add datasets of their own.
+template <int D>
+void write_wall_definitions(Hdf5File& file, const std::vector<Wall<D>>& walls) {
+  const auto any = [&](const auto& is) { return std::any_of(walls.begin(), walls.end(), is); };
+  std::vector<std::string> names;
+  for (const Wall<D>& w : walls) names.push_back(w.name);
+  file.write("/walls/name", names);
+  write_ints(file, "/walls/shape", walls,
+             [](const Wall<D>& w) { return static_cast<int>(w.shape); });
+  write_ints(file, "/walls/motion", walls,
+             [](const Wall<D>& w) { return static_cast<int>(w.motion); });
+  write_ints(file, "/walls/material", walls, [](const Wall<D>& w) { return w.material; });
+  write_vectors(file, "/walls/normal", "1", walls, [](const Wall<D>& w) { return w.normal; });
+  write_vectors(file, "/walls/direction", "1", walls, [](const Wall<D>& w) { return w.direction; });
+  write_doubles(file, "/walls/force", "N", walls, [](const Wall<D>& w) { return w.force; });
+  write_doubles(file, "/walls/mass", "kg", walls, [](const Wall<D>& w) { return w.mass; });
+  if (any([](const Wall<D>& w) { return w.is_circle(); })) {
+    write_doubles(file, "/walls/radius", "m", walls, [](const Wall<D>& w) { return w.radius; });
+    write_doubles(file, "/walls/spin", "rad/s", walls, [](const Wall<D>& w) { return w.spin; });
+  }
+  if (any([](const Wall<D>& w) { return !w.across.isZero(0); })) {
+    write_vectors(file, "/walls/across", "m/s", walls, [](const Wall<D>& w) { return w.across; });
+  }
+}
+
+/// Walls as what is drawn: lines, circles by their rims; in space four-cornered pieces.
+void write_wall_shapes(Hdf5File& file, const std::vector<Wall<2>>& walls, const Box<2>& view) {
+  Column lines(4 * walls.size());
+  for (const auto& [first, last] : wall_lines(walls, view)) {
+    lines.add(first);
+    lines.add(last);
+  }
+  file.write_rows("/walls/segment", lines.values(), 2);
+  write_point_numbers(file, "/walls/points", 2 * walls.size());
+}
+void write_wall_shapes(Hdf5File& file, const std::vector<Wall<3>>& walls, const Box<3>& view) {
+  Column corners(12 * walls.size());
+  for (const WallPiece& piece : wall_pieces(walls, view)) {
+    for (const Vec3& corner : piece.corners) corners.add(corner);
+  }
+  file.write_rows("/walls/piece", corners.values(), 3);
+  write_point_numbers(file, "/walls/points", corners.values().size() / 3);
+}
+
+/// What the spring-dashpot model made of the scene.
+void write_springs(Hdf5File& file, const Scene<2>& scene) {
+  const SpringDashpotSetup setup = spring_dashpot_setup(scene);
+  file.write("/dem/stiffness", setup.stiffness);
+  file.write_attribute("/dem/stiffness", "unit", "N/m");
+  file.write("/dem/tangential_stiffness", setup.tangential_stiffness);
+  file.write_attribute("/dem/tangential_stiffness", "unit", "N/m");
+  file.write("/dem/substep", setup.substep);
+  file.write_attribute("/dem/substep", "unit", "s");
+  file.write("/dem/critical_step", setup.critical_step);
+  file.write_attribute("/dem/critical_step", "unit", "s");
+}
+
+/// Circles as polygons, closed: kRimPoints points each.
+void write_rims(Hdf5File& file, const std::vector<Wall<2>>& walls) {
+  Column rim(0);
+  for (const Wall<2>& w : walls) {
+    if (!w.is_circle()) continue;
+    for (int k = 0; k < kRimPoints; ++k) {
+      const double angle = 2 * std::numbers::pi * k / (kRimPoints - 1);
+      const double radius = w.present ? w.radius : 0;
+      rim.add(Vec2(w.a + radius * Vec2(std::cos(angle), std::sin(angle))));
+    }
+  }
+  if (rim.values().empty()) return;
+  file.write_rows("/walls/rim", rim.values(), 2);
+  file.write_attribute("/walls/rim", "unit", "m");
+  write_point_numbers(file, "/walls/rim_points", rim.values().size() / 2);
+}
+
+XdmfIndex make_index(const Scene<2>& scene) {
+  XdmfIndex index(scene.bodies.size(), scene.walls.size(),
+                  to_size(std::count_if(scene.walls.begin(), scene.walls.end(),
+                                        [](const Wall<2>& w) { return w.is_circle(); })),
+                  scene.cell.in_y   ? 4
+                  : scene.cell.in_x ? 2
+                                    : 0);
+  if (scene.has_gates()) index.let_bodies_change();
+  if (!scene.clusters.empty()) index.let_disks_be_joined();
+  return index;
+}
+XdmfIndex make_index(const Scene<3>& scene) {
+  const std::size_t lines = scene.cell.in_y ? 12 : scene.cell.in_x ? 8 : 0;
+  XdmfIndex index = XdmfIndex::in_space(scene.bodies.size(), num_wall_pieces(scene.walls), lines);
+  if (scene.has_gates()) index.let_bodies_change();
+  return index;
+}
+
+/// A place for what stands in for nothing.
+template <int D>
+Vec<D> some_place(const Scene<D>& scene) {
+  if (!scene.bodies.empty()) return scene.bodies.front().x;
+  return scene.inlets.empty() ? Vec<D>(Vec<D>::Zero()) : scene.inlets.front().lower;
+}
+
+/// Names and units of the columns of the ledger.
+template <int D>
+std::string ledger_header(bool dem, bool gates) {
+  const std::string passed =
+      !gates ? ""
+             : std::string(",passed [J],momentum_passed_x [kg m/s],momentum_passed_y [kg m/s]") +
+                   (D == 3 ? ",momentum_passed_z [kg m/s]" : "");
+  if constexpr (D == 3) {
+    return "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
+           "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
+           "shock_loss [J],imbalance [J],momentum_x [kg m/s],momentum_y [kg m/s],"
+           "momentum_z [kg m/s],momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],"
+           "momentum_imbalance_z [kg m/s],penetration [m],volume [m3],stress_xx [Pa],"
+           "stress_yy [Pa],stress_zz [Pa],stress_xy [Pa],stress_xz [Pa],stress_yz [Pa],"
+           "kinetic_pressure [Pa]" +
+           passed;
+  }
+  return std::string(
+             "step,time [s],contacts,active,iterations,converged,epsilon,eta,raw42,"
+             "natural_map,kinetic [J],potential [J],wall_work [J],friction_loss [J],"
+             "shock_loss [J],imbalance [J],momentum_x [kg m/s],momentum_y [kg m/s],"
+             "momentum_imbalance_x [kg m/s],momentum_imbalance_y [kg m/s],penetration [m],"
+             "area [m2],stress_xx [Pa],stress_yy [Pa],stress_xy [Pa],"
+             "kinetic_pressure [Pa]") +
+         (dem ? ",elastic [J]" : "") + passed;
+}
+
+template <class... Values>
+void add_numbers(std::string& line, const Values&... values) {
+  (fmt::format_to(std::back_inserter(line), ",{:.17g}", values), ...);
+}
+
+/// A row of the ledger; `stress` is the sample's mean.
+template <int D>
+std::string ledger_row(const StepReport<D>& r, const MeanStress<D>& stress, bool dem) {
+  const EnergyLedger& e = r.energy;
+  std::string line = fmt::format("{}", r.step);
+  add_numbers(line, r.time);
+  fmt::format_to(std::back_inserter(line), ",{},{},{},{}", r.contacts, r.active, r.iterations,
+                 r.converged ? 1 : 0);
+  add_numbers(line, r.error.epsilon, r.error.eta, r.error.raw42, r.error.natural_map, e.kinetic,
+              e.potential, e.wall_work, e.friction_loss, e.shock_loss, e.imbalance);
+  for (int k = 0; k < D; ++k) add_numbers(line, r.momentum[k]);
+  for (int k = 0; k < D; ++k) add_numbers(line, r.momentum_imbalance[k]);
+  add_numbers(line, r.penetration, stress.area);
+  const Mat<D> total = stress.total();
+  for (int k = 0; k < D; ++k) add_numbers(line, total(k, k));
+  for (int k = 0; k < D; ++k) {
+    for (int l = k + 1; l < D; ++l) add_numbers(line, 0.5 * (total(k, l) + total(l, k)));
+  }
+  add_numbers(line, stress.kinetic.trace() / D);
+  if (dem) add_numbers(line, e.elastic);
+  return line;
+}
+
+template <int D>
+const char* trajectory_header() {
+  return D == 2 ? "step,time [s],disk,x [m],y [m],angle [rad],vx [m/s],vy [m/s],spin [rad/s]"
+                : "step,time [s],sphere,x [m],y [m],z [m],vx [m/s],vy [m/s],vz [m/s],"
+                  "spin_x [rad/s],spin_y [rad/s],spin_z [rad/s]";
+}
+
+void add_motion(std::string& line, const Disk& d) {
+  add_numbers(line, d.x[0], d.x[1], d.angle, d.v[0], d.v[1], d.spin);
+}
+void add_motion(std::string& line, const Sphere& s) {
+  for (const Vec3* part : {&s.x, &s.v, &s.spin}) {
+    add_numbers(line, (*part)[0], (*part)[1], (*part)[2]);
+  }
+}
+
+/// What a contact holds where there is none: zeros.
+void write_no_contact(Hdf5File& file, const Vec2& x) {
+  file.write_rows("/no_contact/segment", std::vector<double>{x[0], x[1], x[0], x[1]}, 2);
+  for (const char* name : {"gap", "s_n", "s_t", "u_n", "u_t", "force_n", "force_t"}) {
+    file.write(std::string("/no_contact/") + name, 0.0);
+  }
+}
+void write_no_contact(Hdf5File& file, const Vec3& x) {
+  file.write_rows("/no_contact/segment", std::vector<double>{x[0], x[1], x[2], x[0], x[1], x[2]},
+                  3);
+  for (const char* name : {"gap", "s_n", "u_n", "force_n"}) {
+    file.write(std::string("/no_contact/") + name, 0.0);
+  }
+  for (const char* name : {"s_t", "u_t", "force_t"}) {
+    file.write_rows(std::string("/no_contact/") + name, std::vector<double>(3, 0.0), 3);
+  }
+}
+
+/// Velocities with three components, as ParaView's vectors have them.
+template <int D>
+void write_velocities(Hdf5File& file, const std::vector<Body<D>>& bodies) {
+  Column velocity(3 * bodies.size());
+  for (const Body<D>& b : bodies) {
+    velocity.add(b.v);
+    if constexpr (D == 2) velocity.add(0.0);
+  }
+  file.write_rows("/disks/v", velocity.values(), 3);
+  file.write_attribute("/disks/v", "unit", "m/s");
+}
+
+}  // namespace
+
+template <int D>
+RunWriter<D>::RunWriter(fs::path folder, const Scene<D>& scene, std::string scene_text,
+                        int resume_after)
+    : folder_(std::move(folder)),
+      scene_(scene),
+      scene_text_(std::move(scene_text)),
+      xdmf_(make_index(scene)) {
+  for (int disk : scene_.output.track) {
+    if (disk < 0 || disk >= static_cast<int>(scene_.bodies.size())) {
+      throw std::invalid_argument(fmt::format("there is no {} {} to track", kBodyName<D>, disk));
+    }
+  }
+  std::error_code error;
+  fs::create_directories(folder_ / "frames", error);
+  if (error) throw FileError(folder_, "", "cannot create: " + error.message());
+  for (int step : steps_in_folder(folder_)) {
+    if (step > resume_after) {
+      fs::remove(frame_path(folder_, step), error);
+      if (error) {
+        throw FileError(frame_path(folder_, step), "", "cannot remove: " + error.message());
+      }
+      continue;
+    }
+    const Hdf5File file(frame_path(folder_, step), Hdf5File::Mode::kRead);
+    add_frame({step, file.read_double("/time"), file.size("/contacts/i"),
+               file.exists("/disks/stress"), file.size("/disks/spin") / to_size(kSpins<D>)});
+  }
+  write_index();
+  if (scene_.output.ledger_every > 0) {
+    const bool dem = scene_.model == Model::kSpringDashpot;
+    ledger_.emplace(folder_ / "ledger.csv", ledger_header<D>(dem, scene_.has_gates()),
+                    resume_after);
+    if (scene_.has_gates()) {
+      gates_.emplace(folder_ / "gates.csv", gates_header(scene_), resume_after);
+    }
+  }
+  if (scene_.observables) observables_.emplace(folder_, scene_, resume_after);
+  if (!scene_.output.track.empty()) {
+    trajectory_.emplace(folder_ / "trajectory.csv", trajectory_header<D>(), resume_after);
+  }
+}
+
+template <int D>
+RunWriter<D>::~RunWriter() {
+  try {
+    close();
+  } catch (const std::exception&) {
+    // A destructor cannot report; close() does.
+  }
+}
+
+template <int D>
+void RunWriter<D>::write_run_file() const {
+  AtomicFile target(folder_ / "run.h5");
+  Hdf5File file(target.draft(), Hdf5File::Mode::kCreate);
+  file.write("/format", kRunFormat);
+  file.write("/format_version", kRunFormatVersion);
+  file.write("/version", program_version());
+  file.write("/title", scene_.title);
+  file.write("/source", scene_.source);
+  file.write("/scene", scene_text_);
+  if (D == 3) file.write("/dimensions", D);
+  file.write("/gravity", std::vector<double>(scene_.gravity.begin(), scene_.gravity.end()));
+  file.write_attribute("/gravity", "unit", "m/s2");
+  file.write("/time_step", scene_.step);
+  file.write_attribute("/time_step", "unit", "s");
+  file.write("/num_steps", scene_.num_steps);
+  file.write("/contact_distance", scene_.contact_distance);
+  file.write_attribute("/contact_distance", "unit", "m");
+  const bool dem = scene_.model == Model::kSpringDashpot;
+  file.write("/model", dem ? "dem" : "nscd");
+  if constexpr (D == 2) {
+    if (dem) write_springs(file, scene_);
+  }
+  file.write("/solver/name", scene_.solver.name);
+  file.write("/solver/tol", scene_.solver.tol);
+  file.write("/solver/stop", scene_.solver.stop);
+  file.write("/solver/max_iterations", scene_.solver.max_iterations);
+  file.write("/solver/warm_start", scene_.solver.warm_start ? 1 : 0);
+  for (const auto& [name, value] : scene_.solver.parameters) {
+    file.write("/solver/parameters/" + name, value);
+  }
+  file.write("/materials/name", scene_.materials);
+  const std::size_t materials = std::max<std::size_t>(1, scene_.materials.size());
+  const auto write_law = [&](const char* name, double ContactLaw::*member) {
+    std::vector<double> table;
+    for (const ContactLaw& law : scene_.laws) table.push_back(law.*member);
+    file.write_rows(std::string("/materials/") + name, table, materials);
+  };
+  write_law("mu", &ContactLaw::mu);
+  write_law("e_n", &ContactLaw::e_n);
+  write_law("e_t", &ContactLaw::e_t);
+
+  const auto& disks = scene_.bodies;
+  write_doubles(file, "/disks/radius", "m", disks, [](const Body<D>& d) { return d.radius; });
+  write_doubles(file, "/disks/mass", "kg", disks, [](const Body<D>& d) { return d.mass; });
+  write_doubles(file, "/disks/inertia", "kg m2", disks, [](const Body<D>& d) { return d.inertia; });
+  write_ints(file, "/disks/material", disks, [](const Body<D>& d) { return d.material; });
+  if (std::any_of(disks.begin(), disks.end(), [](const Body<D>& d) { return d.wall >= 0; })) {
+    write_ints(file, "/disks/wall", disks, [](const Body<D>& d) { return d.wall; });
+  }
+  write_point_numbers(file, "/disks/points", disks.size());
+  write_wall_definitions(file, scene_.walls);
+  if (scene_.cell.periodic()) write_cell_definition(file, scene_.cell);
+  if (scene_.has_gates()) write_no_body<D>(file, some_place(scene_));
+  if (!disks.empty() || scene_.has_gates()) {
+    write_no_contact(file, some_place(scene_));
+    write_point_numbers(file, "/no_contact/points", 2);
+    for (const char* name : {"i", "j"}) file.write(std::string("/no_contact/") + name, -1);
+    file.write("/no_contact/status", static_cast<int>(ContactStatus::kTakeOff));
+  }
+  file.create_group("/frames");
+  for (const FrameEntry& frame : frames_) {
+    const std::string name = frame_name(frame.step);
+    file.link("/frames/" + name, "frames/" + name + ".h5", "/");
+  }
+  file.close();
+  target.commit();
+}
+
+template <int D>
+void RunWriter<D>::write_frame_file(const State<D>& state, const MeanStress<D>& stress) const {
+  AtomicFile target(frame_path(folder_, state.step));
+  Hdf5File file(target.draft(), Hdf5File::Mode::kCreate);
+  file.write("/step", state.step);
+  file.write("/time", state.time);
+  file.write_attribute("/time", "unit", "s");
+  file.write("/wall_work", state.wall_work);
+  file.write("/friction_loss", state.friction_loss);
+  file.write("/shock_loss", state.shock_loss);
+  for (const char* name : {"/wall_work", "/friction_loss", "/shock_loss"}) {
+    file.write_attribute(name, "unit", "J");
+  }
+
+  const auto& disks = state.bodies;
+  write_vectors(file, "/disks/x", "m", disks, [](const Body<D>& d) { return d.x; });
+  write_orientations(file, disks);
+  write_velocities<D>(file, disks);
+  write_turns(file, "/disks/spin", "rad/s", disks, [](const Body<D>& d) { return d.spin; });
+
+  if (scene_.has_gates()) write_population(file, state);
+  if constexpr (D == 2) {
+    if (!scene_.clusters.empty()) write_clusters(file, state);
+  }
+
+  State<D> inside;
+  if (state.cell.periodic()) {
+    inside = wrapped_state(state);
+    write_cell(file, inside);
+  }
+  const State<D>& drawn = state.cell.periodic() ? inside : state;
+  const auto& walls = state.walls;
+  write_vectors(file, "/walls/a", "m", walls, [](const Wall<D>& w) { return w.a; });
+  write_vectors(file, "/walls/b", "m", walls, [](const Wall<D>& w) { return w.b; });
+  write_vectors(file, "/walls/v", "m/s", walls, [](const Wall<D>& w) { return w.v; });
+  write_wall_shapes(file, walls, view_box(drawn.bodies, walls));
+  if (std::any_of(scene_.walls.begin(), scene_.walls.end(), has_schedule<D>)) {
+    write_ints(file, "/walls/motion", walls,
+               [](const Wall<D>& w) { return static_cast<int>(w.motion); });
+    write_ints(file, "/walls/present", walls, [](const Wall<D>& w) { return w.present ? 1 : 0; });
+  }
+  if constexpr (D == 2) write_rims(file, walls);
+
+  const auto& contacts = state.contacts;
+  using Outcome = ContactOutcome<D>;
+  write_ints(file, "/contacts/i", contacts, [](const Outcome& c) { return c.contact.i; });
+  write_ints(file, "/contacts/j", contacts, [](const Outcome& c) { return c.contact.j; });
+  write_ints(file, "/contacts/status", contacts,
+             [](const Outcome& c) { return static_cast<int>(c.status); });
+  write_vectors(file, "/contacts/n", "1", contacts, [](const Outcome& c) { return c.contact.n; });
+  write_doubles(file, "/contacts/gap", "m", contacts,
+                [](const Outcome& c) { return c.contact.gap; });
+  write_doubles(file, "/contacts/s_n", "N s", contacts, [](const Outcome& c) { return c.s_n; });
+  write_turns(file, "/contacts/s_t", "N s", contacts, [](const Outcome& c) { return c.s_t; });
+  write_doubles(file, "/contacts/u_n", "m/s", contacts, [](const Outcome& c) { return c.u_n; });
+  write_turns(file, "/contacts/u_t", "m/s", contacts, [](const Outcome& c) { return c.u_t; });
+  if (state.cell.periodic()) {
+    write_ints(file, "/contacts/image_x", contacts,
+               [](const Outcome& c) { return c.contact.image_x; });
+    write_ints(file, "/contacts/image_y", contacts,
+               [](const Outcome& c) { return c.contact.image_y; });
+  }
+  if (scene_.model == Model::kSpringDashpot) {
+    write_doubles(file, "/contacts/spring", "m", contacts,
+                  [](const Outcome& c) { return c.spring; });
+  }
+  const double h = scene_.step;
+  write_doubles(file, "/contacts/force_n", "N", contacts,
+                [&](const Outcome& c) { return c.s_n / h; });
+  write_turns(file, "/contacts/force_t", "N", contacts,
+              [&](const Outcome& c) { return Tangent<D>(c.s_t / h); });
+  Column branch(2 * D * contacts.size());
+  for (const Outcome& c : contacts) {
+    const auto [a, b] = drawn_branch(drawn, c.contact);
+    branch.add(a);
+    branch.add(b);
+  }
+  file.write_rows("/contacts/segment", branch.values(), D);
+  write_point_numbers(file, "/contacts/points", 2 * contacts.size());
+  write_stresses(file, state, h, stress);
+  if (scene_.observables) write_observables(file, scene_, state);
+  file.close();
+  target.commit();
+}
+
+template <int D>
+void RunWriter<D>::write_row(const State<D>& state, const StepReport<D>& r) {
+  known_stress_ = {state.step, stress_of_sample(state, scene_.step)};
+  std::string line = ledger_row(r, known_stress_.second, scene_.model == Model::kSpringDashpot);
+  if (gates_) {
+    add_numbers(line, r.energy.passed);
+    for (const double p : momentum_passed(state)) add_numbers(line, p);
+  }
+  ledger_->row(line);
+  if (gates_) gates_->row(gates_row(scene_, state));
+}
+
+template <int D>
+void RunWriter<D>::step(const State<D>& state, const StepReport<D>& r) {
+  beside_.check();
+  if (ledger_) {
+    if (r.step % scene_.output.ledger_every == 0) {
+      write_row(state, r);
+      left_out_.reset();
+    } else {
+      left_out_ = r;
+    }
+  }
+  if (observables_) observables_->step(state);
+  for (int disk : scene_.output.track) {
+    const int index = body_index(state, disk);
+    if (index < 0) continue;  // it has left
+    std::string line = fmt::format("{},{:.17g},{}", state.step, state.time, disk);
+    add_motion(line, state.bodies.at(to_size(index)));
+    trajectory_->row(line);
+  }
+}
+
+/// Whether the frame is still to be written, once the one before is.
+template <int D>
+bool RunWriter<D>::is_due(const State<D>& state) {
+  beside_.finish();
+  if ((!scene_.has_gates() && state.bodies.size() != scene_.bodies.size()) ||
+      state.population.numbers.size() != (scene_.has_gates() ? state.bodies.size() : 0) ||
+      state.walls.size() != scene_.walls.size()) {
+    throw std::invalid_argument("the state is not one of this scene");
+  }
+  if (frames_.empty() || frames_.back().step < state.step) return true;
+  if (frames_.back().step == state.step) return false;
+  throw std::invalid_argument(
+      fmt::format("frame of step {} after that of step {}", state.step, frames_.back().step));
+}
+
+template <int D>
+void RunWriter<D>::frame(const State<D>& state) {
+  if (is_due(state)) write_frame(state, stress_if_known(state));
+}
+
+template <int D>
+void RunWriter<D>::frame_beside(const State<D>& state) {
+  if (!is_due(state)) return;
+  beside_.begin(
+      [this, copy = state, stress = stress_if_known(state)] { write_frame(copy, stress); });
+}
+
+/// Of the row of the same step, which has just been written.
+template <int D>
+std::optional<MeanStress<D>> RunWriter<D>::stress_if_known(const State<D>& state) const {
+  if (known_stress_.first != state.step) return std::nullopt;
+  return known_stress_.second;
+}
+
+template <int D>
+void RunWriter<D>::write_frame(const State<D>& state, const std::optional<MeanStress<D>>& stress) {
+  write_frame_file(state, stress ? *stress : stress_of_sample(state, scene_.step));
+  add_frame({state.step, state.time, state.contacts.size(), true, state.bodies.size()});
+  if (frames_.size() - indexed_ >= 1 + frames_.size() / kIndexShare) write_index();
+}
+
+template <int D>
+void RunWriter<D>::finish(const State<D>& last) {
+  beside_.finish();
+  if (left_out_ && left_out_->step == last.step) write_row(last, *left_out_);
+  left_out_.reset();
+  close();
+}
+
+template <int D>
+void RunWriter<D>::close() {
+  if (closed_) return;
+  beside_.finish();
+  closed_ = true;
+  if (observables_) observables_->close();
+  write_index();
+}
+
+template <int D>
+void RunWriter<D>::add_frame(const FrameEntry& frame) {
+  frames_.push_back(frame);
+  xdmf_.add(frame);
+}
+
+template <int D>
+void RunWriter<D>::write_index() {
+  write_run_file();
+  xdmf_.write(folder_ / "run.xdmf");
+  indexed_ = frames_.size();
+}
+
+template class RunWriter<2>;
+template class RunWriter<3>;
+
+}  // namespace bipot

@@ -1,0 +1,280 @@
+#include "core/run_files/run_reader.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "core/files/hdf5_file.h"
+#include "core/problem_files/rehearsed_read.h"
+#include "core/run_files/cluster_file.h"
+#include "core/run_files/population_file.h"
+
+namespace bipot {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Numbers of a dataset whose size must be right.
+std::vector<double> read_sized(const Hdf5File& file, const std::string& name, std::size_t size) {
+  std::vector<double> values = file.read_doubles(name);
+  if (values.size() != size) {
+    throw FileError(file.path(), name,
+                    fmt::format("has {} elements, expected {}", values.size(), size));
+  }
+  return values;
+}
+
+std::vector<int> read_sized_ints(const Hdf5File& file, const std::string& name, std::size_t size) {
+  std::vector<int> values = file.read_ints(name);
+  if (values.size() != size) {
+    throw FileError(file.path(), name,
+                    fmt::format("has {} elements, expected {}", values.size(), size));
+  }
+  return values;
+}
+
+/// An enumerator read from a file.
+template <class Enum>
+Enum checked_enum(const Hdf5File& file, const std::string& name, int value, int last) {
+  if (value < 0 || value > last) {
+    throw FileError(file.path(), name, fmt::format("{} is not one of 0 to {}", value, last));
+  }
+  return static_cast<Enum>(value);
+}
+
+/// Row k of a dataset with D columns.
+template <int D>
+Vec<D> row_of(const std::vector<double>& values, std::size_t k) {
+  return Eigen::Map<const Vec<D>>(values.data() + D * k);
+}
+
+/// What does not change of the disks of a scene.
+template <int D>
+std::vector<Body<D>> read_fixed_disks(const Hdf5File& fixed) {
+  const std::vector<double> radius = fixed.read_doubles("/disks/radius");
+  const std::size_t n = radius.size();
+  const auto mass = read_sized(fixed, "/disks/mass", n);
+  const auto inertia = read_sized(fixed, "/disks/inertia", n);
+  const auto material = read_sized_ints(fixed, "/disks/material", n);
+  // Only rough walls write which disks are theirs.
+  const auto wall = fixed.exists("/disks/wall") ? read_sized_ints(fixed, "/disks/wall", n)
+                                                : std::vector<int>(n, -1);
+  std::vector<Body<D>> disks(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    disks[k].radius = radius[k];
+    disks[k].mass = mass[k];
+    disks[k].inertia = inertia[k];
+    disks[k].material = material[k];
+    disks[k].wall = wall[k];
+  }
+  return disks;
+}
+
+/// `fixed`: run.h5; `frame`: the frame's file, which says all of the disks where some come or go.
+template <int D>
+std::vector<Body<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame,
+                                Population<D>& population) {
+  std::vector<Body<D>> disks;
+  if (!read_population(frame, disks, population)) disks = read_fixed_disks<D>(fixed);
+  const std::size_t n = disks.size();
+  const auto x = read_sized(frame, "/disks/x", D * n);
+  const auto turned = D == 2 ? read_sized(frame, "/disks/angle", n)
+                             : read_sized(frame, "/disks/orientation", 4 * n);
+  const auto v = read_sized(frame, "/disks/v", 3 * n);
+  const auto spin = read_sized(frame, "/disks/spin", to_size(kSpins<D>) * n);
+  for (std::size_t k = 0; k < n; ++k) {
+    Body<D>& d = disks[k];
+    d.x = row_of<D>(x, k);
+    d.v = row_of<3>(v, k).template head<D>();
+    if constexpr (D == 2) {
+      d.angle = turned[k];
+      d.spin = spin[k];
+    } else {
+      d.orientation = Eigen::Quaterniond(turned[4 * k], turned[4 * k + 1], turned[4 * k + 2],
+                                         turned[4 * k + 3]);
+      d.spin = row_of<3>(spin, k);
+    }
+  }
+  return disks;
+}
+
+template <int D>
+std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
+  const std::vector<std::string> names = fixed.read_strings("/walls/name");
+  const std::size_t count = names.size();
+  const auto shape = read_sized_ints(fixed, "/walls/shape", count);
+  const auto motion = read_sized_ints(fixed, "/walls/motion", count);
+  const auto wall_material = read_sized_ints(fixed, "/walls/material", count);
+  const auto normal = read_sized(fixed, "/walls/normal", D * count);
+  const auto direction = read_sized(fixed, "/walls/direction", D * count);
+  const auto force = read_sized(fixed, "/walls/force", count);
+  const auto wall_mass = read_sized(fixed, "/walls/mass", count);
+  const auto a = read_sized(frame, "/walls/a", D * count);
+  const auto b = read_sized(frame, "/walls/b", D * count);
+  const auto wall_v = read_sized(frame, "/walls/v", D * count);
+  // Written where a scene has circles, walls moved across a force, walls that start or go.
+  const auto optional = [&](const Hdf5File& file, const char* name, std::size_t size) {
+    return file.exists(name) ? read_sized(file, name, size) : std::vector<double>(size, 0.0);
+  };
+  const auto radius = optional(fixed, "/walls/radius", count);
+  const auto spin = optional(fixed, "/walls/spin", count);
+  const auto across = optional(fixed, "/walls/across", D * count);
+  const bool changes = frame.exists("/walls/present");
+  const auto present =
+      changes ? read_sized_ints(frame, "/walls/present", count) : std::vector<int>(count, 1);
+  const auto motion_now = changes ? read_sized_ints(frame, "/walls/motion", count) : motion;
+  std::vector<Wall<D>> walls(count);
+  for (std::size_t k = 0; k < count; ++k) {
+    const auto at = [&](const std::vector<double>& y) { return row_of<D>(y, k); };
+    walls[k] = {
+        .name = names[k],
+        .shape = checked_enum<typename Wall<D>::Shape>(fixed, "/walls/shape", shape[k], 3),
+        .motion = checked_enum<typename Wall<D>::Motion>(fixed, "/walls/motion", motion_now[k], 2),
+        .a = at(a),
+        .b = at(b),
+        .normal = at(normal),
+        .v = at(wall_v),
+        .direction = at(direction),
+        .force = force[k],
+        .mass = wall_mass[k],
+        .material = wall_material[k],
+        .radius = radius[k],
+        .spin = spin[k],
+        .across = at(across),
+        .present = present[k] != 0};
+  }
+  return walls;
+}
+
+/// The cell of a periodic scene; none where there is none.
+PeriodicCell read_state_cell(const Hdf5File& fixed, const Hdf5File& frame) {
+  PeriodicCell cell;
+  if (!fixed.exists("/cell/periodic")) return cell;
+  const auto periodic = read_sized_ints(fixed, "/cell/periodic", 2);
+  cell.in_x = periodic[0] != 0;
+  cell.in_y = periodic[1] != 0;
+  const auto motion = read_sized_ints(fixed, "/cell/motion", 3);
+  const auto stress = read_sized(fixed, "/cell/stress", 3);
+  const auto mass = read_sized(fixed, "/cell/mass", 3);
+  const auto lengths = read_sized(frame, "/cell/lengths", 3);
+  const auto speeds = read_sized(frame, "/cell/speeds", 3);
+  for (int k = 0; k < 3; ++k) {
+    const std::size_t at = to_size(k);
+    cell.side(k) = {.motion = checked_enum<CellSide::Motion>(fixed, "/cell/motion", motion[at], 2),
+                    .length = lengths[at],
+                    .speed = speeds[at],
+                    .stress = stress[at],
+                    .mass = mass[at]};
+  }
+  return cell;
+}
+
+/// Throws FileError where a contact joins bodies that the run does not have.
+template <int D>
+std::vector<ContactOutcome<D>> read_contacts(const Hdf5File& file, std::size_t disks,
+                                             std::size_t walls) {
+  const std::vector<int> i = file.read_ints("/contacts/i");
+  const std::size_t c = i.size();
+  const auto j = read_sized_ints(file, "/contacts/j", c);
+  const auto status = read_sized_ints(file, "/contacts/status", c);
+  const auto contact_n = read_sized(file, "/contacts/n", D * c);
+  const auto gap = read_sized(file, "/contacts/gap", c);
+  const auto s_n = read_sized(file, "/contacts/s_n", c);
+  const auto s_t = read_sized(file, "/contacts/s_t", to_size(kSpins<D>) * c);
+  const auto u_n = read_sized(file, "/contacts/u_n", c);
+  const auto u_t = read_sized(file, "/contacts/u_t", to_size(kSpins<D>) * c);
+  // Only the spring-dashpot model writes springs.
+  const auto spring = file.exists("/contacts/spring") ? read_sized(file, "/contacts/spring", c)
+                                                      : std::vector<double>(c, 0.0);
+  // Only periodic scenes write images.
+  const bool images = file.exists("/contacts/image_x");
+  const auto image_x = images ? read_sized_ints(file, "/contacts/image_x", c) : std::vector<int>(c);
+  const auto image_y = images ? read_sized_ints(file, "/contacts/image_y", c) : std::vector<int>(c);
+  const auto tangential = [](const std::vector<double>& values, std::size_t k) -> Tangent<D> {
+    if constexpr (D == 2) {
+      return values[k];
+    } else {
+      return row_of<3>(values, k);
+    }
+  };
+  std::vector<ContactOutcome<D>> contacts(c);
+  for (std::size_t k = 0; k < c; ++k) {
+    if (i[k] < 0 || i[k] >= static_cast<int>(disks) || j[k] < 0 ||
+        j[k] >= static_cast<int>(disks + walls)) {
+      throw FileError(file.path(), "/contacts",
+                      fmt::format("contact {} joins the bodies {} and {}", k, i[k], j[k]));
+    }
+    contacts[k] = {.contact = {.i = i[k],
+                               .j = j[k],
+                               .n = row_of<D>(contact_n, k),
+                               .gap = gap[k],
+                               .image_x = image_x[k],
+                               .image_y = image_y[k]},
+                   .s_n = s_n[k],
+                   .s_t = tangential(s_t, k),
+                   .u_n = u_n[k],
+                   .u_t = tangential(u_t, k),
+                   .status = checked_enum<ContactStatus>(file, "/contacts/status", status[k], 2),
+                   .spring = spring[k]};
+  }
+  return contacts;
+}
+
+template <int D>
+State<D> read_state_here(const fs::path& run, int step) {
+  const fs::path folder = run_folder(run);
+  const Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
+  if (!fixed.exists("/format") || fixed.read_string("/format") != kRunFormat) {
+    throw FileError(fixed.path(), "", "not the output of a run");
+  }
+  if (const int version = fixed.read_int("/format_version"); version != kRunFormatVersion) {
+    throw FileError(fixed.path(), "/format_version",
+                    fmt::format("{} is not known, this program writes and reads {}", version,
+                                kRunFormatVersion));
+  }
+  if (const int in = fixed.exists("/dimensions") ? fixed.read_int("/dimensions") : 2; in != D) {
+    throw FileError(fixed.path(), "/dimensions",
+                    fmt::format("a run in {} dimensions, expected one in {}", in, D));
+  }
+  const std::vector<int> steps = steps_in_folder(folder);
+  if (steps.empty()) throw FileError(folder, "frames", "no frame has been written");
+  if (step < 0) step = steps.back();
+  if (!std::binary_search(steps.begin(), steps.end(), step)) {
+    throw FileError(folder, "frames",
+                    fmt::format("there is no frame of step {}; the first is of step {}, the last "
+                                "of step {}",
+                                step, steps.front(), steps.back()));
+  }
+  const Hdf5File file(frame_path(folder, step), Hdf5File::Mode::kRead);
+  State<D> state;
+  state.step = file.read_int("/step");
+  state.time = file.read_double("/time");
+  state.wall_work = file.read_double("/wall_work");
+  state.friction_loss = file.read_double("/friction_loss");
+  state.shock_loss = file.read_double("/shock_loss");
+  state.bodies = read_disks<D>(fixed, file, state.population);
+  if constexpr (D == 2) read_clusters(file, state);
+  state.walls = read_walls<D>(fixed, file);
+  state.cell = read_state_cell(fixed, file);
+  state.contacts = read_contacts<D>(file, state.bodies.size(), state.walls.size());
+  return state;
+}
+
+}  // namespace
+
+std::string read_scene_text(const fs::path& run) {
+  const fs::path path = run_folder(run) / "run.h5";
+  return rehearsed_read(
+      path, [&] { return Hdf5File(path, Hdf5File::Mode::kRead).read_string("/scene"); });
+}
+
+template <int D>
+State<D> read_state(const fs::path& run, int step) {
+  return rehearsed_read(run, [&] { return read_state_here<D>(run, step); });
+}
+
+template State<2> read_state<2>(const fs::path&, int);
+template State<3> read_state<3>(const fs::path&, int);
+
+}  // namespace bipot

@@ -1,0 +1,150 @@
+#include "core/run_files/xdmf_index.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <string_view>
+#include <utility>
+
+#include "core/base/types.h"
+#include "core/files/atomic_file.h"
+#include "core/run_files/run_layout.h"
+
+namespace bipot {
+namespace {
+
+std::string data_item(const std::string& where, std::size_t rows, int columns, bool integer) {
+  const std::string extents =
+      columns == 1 ? fmt::format("{}", rows) : fmt::format("{} {}", rows, columns);
+  const char* type =
+      integer ? "NumberType=\"Int\" Precision=\"4\"" : "NumberType=\"Float\" Precision=\"8\"";
+  return fmt::format("<DataItem Dimensions=\"{}\" {} Format=\"HDF\">{}</DataItem>", extents, type,
+                     where);
+}
+
+std::string attribute(const char* name, const std::string& where, std::size_t rows,
+                      const char* centre, int columns = 1, bool integer = false) {
+  return fmt::format(
+      "      <Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">{}</Attribute>\n", name,
+      columns == 1   ? "Scalar"
+      : columns == 6 ? "Tensor6"
+                     : "Vector",
+      centre, data_item(where, rows, columns, integer));
+}
+
+std::string geometry(const std::string& where, std::size_t points, int dimensions = 2) {
+  return fmt::format("      <Geometry GeometryType=\"{}\">{}</Geometry>\n",
+                     dimensions == 2 ? "XY" : "XYZ", data_item(where, points, dimensions, false));
+}
+
+/// Line segments of two points each.
+std::string segments(const std::string& where, std::size_t count, int dimensions = 2) {
+  return fmt::format(
+             "      <Topology TopologyType=\"Polyline\" NumberOfElements=\"{}\" "
+             "NodesPerElement=\"2\">{}</Topology>\n",
+             count, data_item(where + "/points", count, 2, true)) +
+         geometry(where + "/segment", 2 * count, dimensions);
+}
+
+/// Pieces of walls with four corners each.
+std::string pieces(const std::string& where, std::size_t count) {
+  return fmt::format(
+             "      <Topology TopologyType=\"Quadrilateral\" "
+             "NumberOfElements=\"{}\">{}</Topology>\n",
+             count, data_item(where + "/points", count, 4, true)) +
+         geometry(where + "/piece", 4 * count, 3);
+}
+
+}  // namespace
+
+void XdmfIndex::add(const FrameEntry& frame) {
+  const std::string file = "frames/" + frame_name(frame.step) + ".h5:";
+  const auto grid = [&](const std::string& content) {
+    return fmt::format(
+        "    <Grid GridType=\"Uniform\">\n      <Time Value=\"{:.17g}\"/>\n{}    </Grid>\n",
+        frame.time, content);
+  };
+  const int turns = dimensions_ == 2 ? 1 : 3;  // components of spins and tangential parts
+  if (num_disks_ > 0 || bodies_change_) {
+    // What does not change lies in run.h5, unless the bodies do; none at all are one of radius 0.
+    const bool none = bodies_change_ && frame.bodies == 0;
+    const std::size_t n = none ? 1 : bodies_change_ ? frame.bodies : num_disks_;
+    const std::string moving = none ? "run.h5:/no_body/" : file + "/disks/";
+    const std::string fixed = bodies_change_ ? moving : "run.h5:/disks/";
+    disks_ += grid(
+        fmt::format("      <Topology TopologyType=\"Polyvertex\" NumberOfElements=\"{}\" "
+                    "NodesPerElement=\"1\">{}</Topology>\n",
+                    n, data_item(fixed + "points", n, 1, true)) +
+        geometry(moving + (num_cell_lines_ > 0 ? "x_in_cell" : "x"), n, dimensions_) +
+        attribute("radius", fixed + "radius", n, "Node") +
+        attribute("mass", fixed + "mass", n, "Node") +
+        attribute("material", fixed + "material", n, "Node", 1, true) +
+        (clusters_ ? attribute("cluster", moving + "cluster", n, "Node", 1, true) : std::string()) +
+        attribute("velocity", moving + "v", n, "Node", 3) +
+        attribute("spin", moving + "spin", n, "Node", turns) +
+        (dimensions_ == 2 ? attribute("angle", moving + "angle", n, "Node") : std::string()) +
+        (frame.stress ? attribute("stress", moving + "stress", n, "Node", 6) +
+                            attribute("pressure", moving + "pressure", n, "Node")
+                      : std::string()));
+  }
+  // ParaView's readers stumble over empty grids and over collections with gaps: a frame without
+  // contacts shows run.h5:/no_contact, a segment of no length and no force.
+  const std::size_t contacts = std::max<std::size_t>(1, frame.contacts);
+  const std::string group = frame.contacts > 0 ? file + "/contacts" : "run.h5:/no_contact";
+  std::string content = segments(group, contacts, dimensions_);
+  for (const auto& [name, dataset] : {std::pair{"normal force", "force_n"},
+                                      {"tangential force", "force_t"},
+                                      {"normal impulse", "s_n"},
+                                      {"tangential impulse", "s_t"},
+                                      {"normal velocity", "u_n"},
+                                      {"tangential velocity", "u_t"},
+                                      {"gap", "gap"}}) {
+    const bool tangential = std::string_view(dataset).ends_with("_t");
+    content +=
+        attribute(name, group + "/" + dataset, contacts, "PeriodicCell", tangential ? turns : 1);
+  }
+  for (const auto& [name, dataset] :
+       {std::pair{"status", "status"}, {"body i", "i"}, {"body j", "j"}}) {
+    content += attribute(name, group + "/" + dataset, contacts, "PeriodicCell", 1, true);
+  }
+  if (num_disks_ > 0 || bodies_change_) contacts_ += grid(content);
+  if (num_walls_ > 0 && dimensions_ == 3) walls_ += grid(pieces(file + "/walls", num_walls_));
+  if (num_walls_ > 0 && dimensions_ == 2) {
+    walls_ +=
+        grid(segments(file + "/walls", num_walls_) +
+             attribute("material", "run.h5:/walls/material", num_walls_, "PeriodicCell", 1, true));
+  }
+  if (num_cell_lines_ > 0) cell_ += grid(segments(file + "/cell", num_cell_lines_, dimensions_));
+  if (num_circles_ > 0) {
+    const std::size_t points = num_circles_ * to_size(kRimPoints);
+    circles_ +=
+        grid(fmt::format("      <Topology TopologyType=\"Polyline\" NumberOfElements=\"{}\" "
+                         "NodesPerElement=\"{}\">{}</Topology>\n",
+                         num_circles_, kRimPoints,
+                         data_item(file + "/walls/rim_points", num_circles_, kRimPoints, true)) +
+             geometry(file + "/walls/rim", points));
+  }
+}
+
+void XdmfIndex::write(const std::filesystem::path& path) const {
+  AtomicFile target(path);
+  std::ofstream out(target.draft(), std::ios::binary);
+  out << "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n";
+  for (const auto& [name, grids] : {std::pair{"disks", &disks_},
+                                    {"contacts", &contacts_},
+                                    {"walls", &walls_},
+                                    {"circular walls", &circles_},
+                                    {"cell", &cell_}}) {
+    if (grids->empty()) continue;
+    out << fmt::format("  <Grid Name=\"{}\" GridType=\"Collection\" CollectionType=\"Temporal\">\n",
+                       name)
+        << *grids << "  </Grid>\n";
+  }
+  out << "</Domain>\n</Xdmf>\n";
+  out.close();
+  if (!out) throw FileError(target.draft(), "", "cannot write");
+  target.commit();
+}
+
+}  // namespace bipot

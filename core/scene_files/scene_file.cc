@@ -1,0 +1,386 @@
+#include "core/scene_files/scene_file.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <numbers>
+#include <optional>
+#include <set>
+#include <sstream>
+#include <utility>
+
+#include "core/base/nearest_name.h"
+#include "core/base/types.h"
+#include "core/scene/generators.h"
+#include "core/scene_files/scene_cell.h"
+#include "core/scene_files/scene_clusters.h"
+#include "core/scene_files/scene_gates.h"
+#include "core/scene_files/scene_groups.h"
+#include "core/scene_files/scene_observables.h"
+#include "core/scene_files/scene_spheres.h"
+#include "core/scene_files/scene_table.h"
+#include "core/scene_files/scene_walls.h"
+
+namespace bipot {
+namespace {
+
+ContactLaw read_law(const SceneTable& table) {
+  return {
+      .mu = table.number("mu", 0), .e_n = table.number("e_n", 0), .e_t = table.number("e_t", 0)};
+}
+
+template <int D>
+void read_materials(const SceneTable& root, Scene<D>& scene) {
+  ContactLaw base;
+  if (const auto table = root.table("contact")) {
+    base = read_law(*table);
+    if (const auto distance = table->maybe_number("distance")) {
+      if (*distance < 0) table->fail("distance", "expected a number >= 0");
+      scene.contact_distance = *distance;
+    }
+    const std::string overlaps = table->one_of("overlaps", "keep", {"keep", "project", "predict"});
+    scene.project_overlaps = overlaps == "project";
+    scene.predict_gaps = overlaps == "predict";
+    table->finish();
+  }
+  scene.materials = root.words("materials");
+  if (scene.materials.empty()) scene.materials = {"default"};
+  const std::size_t count = scene.materials.size();
+  if (std::set<std::string>(scene.materials.begin(), scene.materials.end()).size() != count) {
+    root.fail("materials", "names must differ");
+  }
+  scene.laws.assign(count * count, base);
+  for (const SceneTable& table : root.tables("pairs")) {
+    const std::vector<std::string> between = table.words("between");
+    if (between.size() != 2) table.fail("between", "expected two material names");
+    std::array<std::size_t, 2> index{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const auto it = std::find(scene.materials.begin(), scene.materials.end(), between[k]);
+      if (it == scene.materials.end()) {
+        table.fail("between", unknown_name_message("material", between[k], scene.materials));
+      }
+      index[k] = static_cast<std::size_t>(it - scene.materials.begin());
+    }
+    ContactLaw law = base;
+    law.mu = table.number("mu", base.mu);
+    law.e_n = table.number("e_n", base.e_n);
+    law.e_t = table.number("e_t", base.e_t);
+    scene.laws[index[0] * count + index[1]] = scene.laws[index[1] * count + index[0]] = law;
+    table.finish();
+  }
+}
+
+/// The wall that a group of disks is glued to.
+int wall_index(const Scene<2>& scene, const SceneTable& table) {
+  const std::string name = table.word("wall", "");
+  std::vector<std::string> names;
+  for (const Wall<2>& w : scene.walls) names.push_back(w.name);
+  const auto it = std::find(names.begin(), names.end(), name);
+  if (it == names.end()) table.fail("wall", unknown_name_message("wall", name, names));
+  return static_cast<int>(it - names.begin());
+}
+
+/// Mass, inertia, initial motion and material of a group's disks.
+void read_common(const SceneTable& table, const Scene<2>& scene, std::vector<Disk>& disks) {
+  const int material = material_index(scene, table, "material");
+  if (table.has("wall")) {
+    for (const char* key : {"mass", "density", "inertia", "velocity", "spin"}) {
+      if (table.has(key)) table.fail(key, "belongs to disks that are not glued to a wall");
+    }
+    const int wall = wall_index(scene, table);
+    for (Disk& d : disks) {
+      d.material = material;
+      d.wall = wall;
+      d.v = scene.walls[to_size(wall)].v;
+    }
+    return;
+  }
+  const GroupMass group = read_group_mass(table);
+  const Vec2 v = table.vec2("velocity", Vec2::Zero());
+  const double spin = table.number("spin", 0);
+  for (Disk& d : disks) {
+    d.mass = group.mass ? *group.mass : *group.density * std::numbers::pi * d.radius * d.radius;
+    d.inertia = group.inertia.value_or(0.5 * d.mass * d.radius * d.radius);
+    d.v = v;
+    d.spin = spin;
+    d.material = material;
+  }
+}
+
+std::vector<Disk> read_group(const SceneTable& table) {
+  static const std::vector<std::string> kArrangements = {"single", "rectangular", "triangular",
+                                                         "pyramid", "random"};
+  const std::string arrangement = table.one_of("arrangement", "single", kArrangements);
+  if (arrangement == "single") {
+    Disk disk;
+    const auto position = table.maybe_vec2("position");
+    if (!position) table.fail("position", "is missing");
+    disk.x = *position;
+    disk.radius = table.positive("radius");
+    return {disk};
+  }
+  const Vec2 corner = table.vec2("corner", Vec2::Zero());
+  if (arrangement == "random") {
+    const int seed = table.integer("seed", 1);
+    if (seed < 0) table.fail("seed", "expected a non-negative integer");
+    const int count = table.natural("count");
+    require_possible(table, "count", count, "disks");
+    const double width = table.positive("width");
+    const double spacing = table.number("spacing", 0.1);
+    try {
+      return random_filling(count, read_radius_classes(table), width, spacing,
+                            static_cast<std::uint64_t>(seed), corner);
+    } catch (const std::invalid_argument& e) {
+      table.fail("arrangement", e.what());
+    }
+  }
+  const double radius = table.positive("radius");
+  const int rows = table.natural("rows");
+  if (arrangement == "pyramid") {
+    require_possible(table, "rows", 0.5 * rows * (rows + 1.0), "disks");
+    return pyramid(rows, radius, corner);
+  }
+  const int columns = table.natural("columns");
+  require_possible(table, "rows", static_cast<double>(rows) * columns, "disks");
+  return arrangement == "rectangular" ? rectangular_lattice(columns, rows, radius, corner)
+                                      : triangular_lattice(columns, rows, radius, corner);
+}
+
+template <int D>
+void read_time(const SceneTable& root, Scene<D>& scene) {
+  const auto table = root.table("time");
+  if (!table) root.fail("time", "the table [time] is missing");
+  scene.step = table->positive("step");
+  scene.travel = table->number("travel", 0);
+  const bool by_count = table->has("steps"), by_duration = table->has("duration");
+  if (by_count == by_duration) table->fail("steps", "give either steps or duration [s]");
+  if (by_count) {
+    scene.num_steps = table->natural("steps");
+  } else {
+    const double steps = std::round(table->positive("duration") / scene.step);
+    if (!(steps < std::numeric_limits<int>::max())) table->fail("duration", "is too many steps");
+    scene.num_steps = static_cast<int>(steps);
+  }
+  table->finish();
+}
+
+template <int D>
+void read_solver(const SceneTable& root, Scene<D>& scene) {
+  const auto table = root.table("solver");
+  if (!table) return;
+  SolverChoice& s = scene.solver;
+  s.name = table->word("name", s.name);
+  s.tol = table->number("tol", s.tol);
+  if (!(s.tol > 0)) table->fail("tol", "expected a positive number");
+  s.stop = table->one_of("stop", s.stop, {"guarded", "raw42", "impulse"});
+  s.max_iterations = table->integer("max_iterations", s.max_iterations);
+  if (s.max_iterations < 0) table->fail("max_iterations", "expected a non-negative integer");
+  s.warm_start = table->boolean("warm_start", s.warm_start);
+  if (const auto parameters = table->table("parameters")) s.parameters = parameters->texts();
+  table->finish();
+}
+
+template <int D>
+void read_model(const SceneTable& root, Scene<D>& scene) {
+  const std::string model = root.one_of("model", "nscd", {"nscd", "dem"});
+  scene.model = model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
+  const auto table = root.table("dem");
+  if (!table) return;
+  SpringDashpotChoice& d = scene.dem;
+  if (table->has("stiffness")) d.stiffness = table->positive("stiffness");
+  d.overlap = table->number("overlap", d.overlap);
+  d.tangential_ratio = table->number("tangential_ratio", d.tangential_ratio);
+  if (table->has("substep")) d.substep = table->positive("substep");
+  d.safety = table->number("safety", d.safety);
+  table->finish();
+}
+
+template <int D>
+void read_output(const SceneTable& root, Scene<D>& scene) {
+  const auto table = root.table("output");
+  if (!table) return;
+  OutputChoice& o = scene.output;
+  o.every = table->integer("every", o.every);
+  o.ledger_every = table->integer("ledger_every", o.ledger_every);
+  if (o.every < 0) table->fail("every", "expected a non-negative integer");
+  if (o.ledger_every < 0) table->fail("ledger_every", "expected a non-negative integer");
+  o.picture = table->boolean("picture", o.picture);
+  o.stress_picture = table->boolean("stress_picture", o.stress_picture);
+  for (double x : table->numbers("track")) {
+    const bool is_index = x >= 0 && x <= std::numeric_limits<int>::max() && x == std::floor(x);
+    if (!is_index)
+      table->fail("track", D == 2 ? "expected disk numbers" : "expected sphere numbers");
+    o.track.push_back(static_cast<int>(x));
+  }
+  table->finish();
+}
+
+template <int D>
+void read_tilt(const SceneTable& root, Scene<D>& scene) {
+  const auto table = root.table("tilt");
+  if (!table) return;
+  Tilt& tilt = scene.tilt;
+  tilt.rate = table->number("degrees_per_second") * std::numbers::pi / 180;
+  tilt.starts = table->number("starts", tilt.starts);
+  if (!(tilt.starts >= 0)) table->fail("starts", "expected a number >= 0");
+  tilt.stops = table->number("stops", tilt.stops);
+  if (!(tilt.stops > tilt.starts)) table->fail("stops", "must be later than starts");
+  table->finish();
+}
+
+/// Turns bodies and walls about the origin; gravity stays: a tilted box.
+void rotate(Scene<2>& scene, double degrees) {
+  const Eigen::Rotation2D<double> turn(degrees * std::numbers::pi / 180);
+  for (Disk& d : scene.bodies) {
+    d.x = turn * d.x;
+    d.v = turn * d.v;
+  }
+  for (Cluster& cluster : scene.clusters.bodies) {
+    cluster.x = turn * cluster.x;
+    cluster.v = turn * cluster.v;
+  }
+  for (Vec2& arm : scene.clusters.arms) arm = turn * arm;
+  for (Outlet<2>& outlet : scene.outlets) {
+    outlet.point = turn * outlet.point;
+    outlet.normal = turn * outlet.normal;
+  }
+  for (Wall<2>& w : scene.walls) {
+    w.a = turn * w.a;
+    w.b = turn * w.b;
+    w.normal = turn * w.normal;
+    w.v = turn * w.v;
+    w.direction = turn * w.direction;
+    if (w.across != Vec2::Zero()) w.across = turn * w.across;
+  }
+}
+
+/// Touching lattices have gaps of rounding size: the default distance covers them, and is far below
+/// anything that matters.
+template <int D>
+double default_contact_distance(const Scene<D>& scene) {
+  const double smallest = smallest_radius(scene);
+  return std::isfinite(smallest) ? 1e-6 * smallest : 0;
+}
+
+/// [[disks]], the cell, and what turns them.
+void read_bodies(const SceneTable& root, Scene<2>& scene) {
+  for (const SceneTable& table : root.tables("disks")) {
+    std::vector<Disk> disks = read_group(table);
+    read_common(table, scene, disks);
+    table.finish();
+    scene.bodies.insert(scene.bodies.end(), disks.begin(), disks.end());
+  }
+  read_clusters(root, scene);
+}
+
+void read_bodies(const SceneTable& root, Scene<3>& scene) {
+  for (const SceneTable& table : root.tables("spheres")) {
+    const std::vector<Sphere> spheres = read_spheres(table, scene);
+    table.finish();
+    scene.bodies.insert(scene.bodies.end(), spheres.begin(), spheres.end());
+  }
+}
+
+void read_cell_and_turn(const SceneTable& root, Scene<2>& scene) {
+  scene.cell = read_cell(root);
+  if (const auto degrees = root.maybe_number("rotate_degrees")) {
+    if (scene.cell.periodic()) root.fail("rotate_degrees", "a periodic cell does not turn");
+    rotate(scene, *degrees);
+  }
+}
+
+template <int D>
+Scene<D> parse_in(const SceneTable& root, const std::string& source) {
+  Scene<D> scene;
+  scene.source = source;
+  scene.title = root.word("title", "");
+  scene.gravity = root.maybe_vec<D>("gravity").value_or(-9.81 * Vec<D>::Unit(D - 1));
+  scene.contact_distance = -1;
+  read_materials(root, scene);
+  // Disks may name walls.
+  for (const SceneTable& table : root.tables("walls")) {
+    scene.walls.push_back(read_wall(table, scene, scene.walls.size()));
+    table.finish();
+  }
+  read_bodies(root, scene);
+  read_gates(root, D == 2 && root.has("rotate_degrees"), scene);
+  if constexpr (D == 2) {
+    read_cell_and_turn(root, scene);
+  } else {
+    scene.cell = read_cell_in_space(root);
+  }
+  read_tilt(root, scene);
+  read_time(root, scene);
+  read_model(root, scene);
+  if (D == 3 && scene.model == Model::kSpringDashpot) {
+    root.fail("model", "'dem' simulates disks, not spheres");
+  }
+  if (scene.has_gates() && scene.model == Model::kSpringDashpot) {
+    root.fail("model", "'dem' has no outlets and inlets");
+  }
+  read_solver(root, scene);
+  read_output(root, scene);
+  if constexpr (D == 2) {
+    scene.observables = read_observables(root);
+  } else {
+    scene.observables = read_observables_in_space(root, scene.cell);
+  }
+  root.finish();
+  if (scene.contact_distance < 0) {
+    scene.contact_distance = default_contact_distance(scene);
+  }
+  if (auto defect = validate(scene); !defect.empty()) {
+    throw SceneFileError(fmt::format("{}: {}", source, defect));
+  }
+  return scene;
+}
+
+std::string text_of(const std::filesystem::path& path) {
+  std::ifstream file(path);
+  if (!file) throw SceneFileError(fmt::format("{}: cannot be opened", path.string()));
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+}  // namespace
+
+AnyScene parse_any_scene(const std::string& text, const std::string& source) {
+  toml::table parsed;
+  try {
+    parsed = toml::parse(text, source);
+  } catch (const toml::parse_error& e) {
+    throw SceneFileError(fmt::format("{}:{}: {}", source, e.source().begin.line, e.description()));
+  }
+  const SceneTable root(parsed, "", source);
+  const bool spheres = parsed.contains("spheres");
+  const int dim = root.integer("dim", spheres ? 3 : 2);
+  if (dim != 2 && dim != 3) root.fail("dim", fmt::format("expected 2 or 3, got {}", dim));
+  if (dim == 2 && spheres) root.fail("spheres", "are in space: dim = 3");
+  if (dim == 3) return parse_in<3>(root, source);
+  return parse_in<2>(root, source);
+}
+
+Scene<2> parse_scene(const std::string& text, const std::string& source) {
+  AnyScene scene = parse_any_scene(text, source);
+  if (auto* flat = std::get_if<Scene<2>>(&scene)) return std::move(*flat);
+  throw SceneFileError(
+      fmt::format("{}: a scene in space (dim = 3); only 'bipot run' takes those", source));
+}
+
+Scene<2> read_scene(const std::filesystem::path& path) {
+  return parse_scene(text_of(path), path.string());
+}
+
+AnyScene read_any_scene(const std::filesystem::path& path) {
+  return parse_any_scene(text_of(path), path.string());
+}
+
+}  // namespace bipot

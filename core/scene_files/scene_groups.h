@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "core/scene/generators.h"
+#include "core/scene_files/scene_table.h"
+
+namespace bipot {
+
+/// `radii` [m] and `fractions` of a random filling. Throws SceneFileError.
+std::vector<RadiusClass> read_radius_classes(const SceneTable& table);
+
+/// A slip of the keyboard is refused before it takes all memory: `count` bodies of the kind named,
+/// which the value of `key` asks for. Throws SceneFileError.
+void require_possible(const SceneTable& table, std::string_view key, double count,
+                      std::string_view bodies);
+
+/// What a group of bodies says of its masses.
+struct GroupMass {
+  std::optional<double> mass;     ///< of each body                                    [kg]
+  std::optional<double> density;  ///< where no mass is given                          [kg/m³]
+  std::optional<double> inertia;  ///< of each body, instead of the homogeneous one's  [kg m²]
+};
+
+/// `mass` or `density`, one of them, and `inertia`. Throws SceneFileError.
+GroupMass read_group_mass(const SceneTable& table);
+
+}  // namespace bipot

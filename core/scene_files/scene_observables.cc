@@ -1,0 +1,210 @@
+#include "core/scene_files/scene_observables.h"
+
+#include "core/scene/contact_frame.h"
+
+namespace bipot {
+namespace {
+
+int at_least_one(const SceneTable& table, std::string_view key, int fallback) {
+  const int value = table.integer(key, fallback);
+  if (value < 1) table.fail(key, fmt::format("expected a positive integer, got {}", value));
+  return value;
+}
+
+template <int D>
+void read_window(const SceneTable& table, ObservableChoice<D>& choice) {
+  const std::vector<double> window = table.numbers("window");
+  if (!table.has("window")) return;
+  bool sound = window.size() == 2 * D;
+  for (std::size_t k = 0; sound && k < D; ++k) sound = window[k] < window[D + k];
+  if (!sound) {
+    table.fail("window", D == 2 ? "expected [left, bottom, right, top] [m]"
+                                : "expected [x, y, z, x, y, z] of two opposite corners, the lower "
+                                  "ones first [m]");
+  }
+  choice.window = {Vec<D>(window.data()), Vec<D>(window.data() + D)};
+}
+
+template <int D>
+void read_profile(const SceneTable& table, ObservableChoice<D>& choice) {
+  if (!table.has("profile")) {
+    for (const char* key : {"profile_bins", "profile_range"}) {
+      if (table.has(key)) table.fail(key, "belongs to a profile");
+    }
+    return;
+  }
+  ProfileChoice profile;
+  const std::vector<std::string> axes =
+      D == 2 ? std::vector<std::string>{"x", "y"} : std::vector<std::string>{"x", "y", "z"};
+  profile.axis = table.one_of("profile", "y", axes)[0] - 'x';
+  profile.bins = at_least_one(table, "profile_bins", profile.bins);
+  const std::vector<double> range = table.numbers("profile_range");
+  if (range.size() != 2 || !(range[0] < range[1])) {
+    table.fail("profile_range", "expected two numbers, the lower one first [m]");
+  }
+  profile.low = range[0];
+  profile.high = range[1];
+  choice.profile = profile;
+}
+
+/// Of a line or face; it names a column.
+template <int D>
+std::string read_name(const SceneTable& table, const char* kind,
+                      const ObservableChoice<D>& choice) {
+  std::string name = table.word("name", fmt::format("{}{}", kind, choice.crossings.size()));
+  const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || c == '_' || c == '-';
+  });
+  if (!plain || name.empty()) table.fail("name", "expected letters, digits, _ and - alone");
+  for (const FluxSurface<D>& other : choice.crossings) {
+    if (other.name == name) table.fail("name", "names must differ");
+  }
+  return name;
+}
+
+void read_crossings(const SceneTable& table, ObservableChoice<2>& choice) {
+  if (table.has("faces")) table.fail("faces", "belongs to scenes in space: in the plane, lines");
+  for (const SceneTable& line : table.tables("lines")) {
+    FluxLine read;
+    read.name = read_name(line, "line", choice);
+    const auto from = line.maybe_vec2("from"), to = line.maybe_vec2("to");
+    if (!from || !to || *from == *to) line.fail("from", "give from and to, two different points");
+    read.a = *from;
+    read.b = *to;
+    line.finish();
+    choice.crossings.push_back(read);
+  }
+}
+
+bool along_axis(const Vec3& direction) { return (direction.array() != 0).count() == 1; }
+
+/// The first side of a rectangle: given, or along the first axis that lies in the plane.
+Vec3 first_side(const SceneTable& face, const Vec3& normal) {
+  if (const auto along = face.maybe_vec<3>("along")) {
+    const Vec3 across = *along - along->dot(normal) * normal;
+    if (!(across.norm() > 1e-9 * along->norm())) {
+      face.fail("along", "expected a direction that does not lie along the normal");
+    }
+    return across.normalized();
+  }
+  if (!along_axis(normal)) {
+    face.fail("along", "is missing: the normal is no axis, so that the sides may lie anyhow");
+  }
+  return normal[0] != 0 ? Vec3::UnitY() : Vec3::UnitX();
+}
+
+FluxFace read_face(const SceneTable& face) {
+  using Shape = FluxFace::Shape;
+  FluxFace read;
+  const auto point = face.maybe_vec<3>("point"), normal = face.maybe_vec<3>("normal");
+  if (!point) face.fail("point", "is missing");
+  if (!normal || normal->isZero(0)) face.fail("normal", "expected a direction that is not zero");
+  read.point = *point;
+  read.normal = along_axis(*normal) ? Vec3(normal->cwiseSign()) : Vec3(normal->normalized());
+  if (face.has("radius") && face.has("size")) {
+    face.fail("size", "a face has a radius (a disk), or a size (a rectangle)");
+  }
+  if (face.has("along") && !face.has("size")) {
+    face.fail("along", "belongs to a rectangle, which has a size");
+  }
+  if (face.has("radius")) {
+    read.shape = Shape::kDisk;
+    read.radius = face.positive("radius");
+  } else if (const auto size = face.maybe_vec2("size")) {
+    if (!(size->minCoeff() > 0)) face.fail("size", "expected two positive numbers [m]");
+    read.shape = Shape::kRectangle;
+    read.size = *size;
+  }
+  // A disk and a plane look the same from all sides: any frame will do.
+  read.along = read.shape == Shape::kRectangle || along_axis(read.normal)
+                   ? first_side(face, read.normal)
+                   : contact_frame<3>(read.normal)[1];
+  return read;
+}
+
+/// How far a face reaches from its middle along an axis.
+double reach(const FluxFace& face, int axis) {
+  if (face.shape == FluxFace::Shape::kDisk) {
+    return face.radius * std::sqrt(std::max(0.0, 1 - face.normal[axis] * face.normal[axis]));
+  }
+  const Vec3 across = face.normal.cross(face.along);
+  return 0.5 * (face.size[0] * std::abs(face.along[axis]) + face.size[1] * std::abs(across[axis]));
+}
+
+/// Images are counted where they reach into the cell: what is measured lies in it.
+void require_in_cell(const SceneTable& table, const char* key, const PeriodicCell& cell, int axis,
+                     double low, double high) {
+  if (axis == 0 ? !cell.in_x : axis == 1 ? !cell.in_y : true) return;
+  const double length = cell.side(axis).length;
+  if (low < -1e-12 * length || high > (1 + 1e-12) * length) {
+    table.fail(key, fmt::format("reaches from {} = {:.12g} to {:.12g} m, out of the periodic cell "
+                                "(0 to {:.12g} m)",
+                                "xyz"[axis], low, high, length));
+  }
+}
+
+void read_crossings(const SceneTable& table, const PeriodicCell& cell,
+                    ObservableChoice<3>& choice) {
+  if (table.has("lines")) table.fail("lines", "belongs to scenes in the plane: in space, faces");
+  for (const SceneTable& face : table.tables("faces")) {
+    const std::string name = read_name(face, "face", choice);
+    FluxFace read = read_face(face);
+    read.name = name;
+    if (read.shape == FluxFace::Shape::kPlane && cell.periodic() && !along_axis(read.normal)) {
+      face.fail("normal", "a face without ends in a periodic cell has a normal along an axis");
+    }
+    for (int axis = 0; axis < 2; ++axis) {
+      const double half = read.shape == FluxFace::Shape::kPlane ? 0 : reach(read, axis);
+      if (half == 0 && read.normal[axis] == 0) continue;  // without ends
+      require_in_cell(face, "point", cell, axis, read.point[axis] - half, read.point[axis] + half);
+    }
+    face.finish();
+    choice.crossings.push_back(read);
+  }
+}
+
+/// What scenes in the plane and in space have in common.
+template <int D>
+ObservableChoice<D> read_choice(const SceneTable& table) {
+  ObservableChoice<D> choice;
+  choice.every = at_least_one(table, "every", choice.every);
+  choice.starts = table.number("starts", choice.starts);
+  read_window<D>(table, choice);
+  read_profile<D>(table, choice);
+  choice.force_bins = at_least_one(table, "force_bins", choice.force_bins);
+  if (table.has("force_limit")) choice.force_limit = table.positive("force_limit");
+  return choice;
+}
+
+}  // namespace
+
+std::optional<ObservableChoice<2>> read_observables(const SceneTable& root) {
+  const auto table = root.table("observables");
+  if (!table) return std::nullopt;
+  ObservableChoice<2> choice = read_choice<2>(*table);
+  read_crossings(*table, choice);
+  table->finish();
+  return choice;
+}
+
+std::optional<ObservableChoice<3>> read_observables_in_space(const SceneTable& root,
+                                                             const PeriodicCell& cell) {
+  const auto table = root.table("observables");
+  if (!table) return std::nullopt;
+  ObservableChoice<3> choice = read_choice<3>(*table);
+  for (int axis = 0; axis < 2; ++axis) {
+    if (choice.window) {
+      require_in_cell(*table, "window", cell, axis, choice.window->first[axis],
+                      choice.window->second[axis]);
+    }
+    if (choice.profile && choice.profile->axis == axis) {
+      require_in_cell(*table, "profile_range", cell, axis, choice.profile->low,
+                      choice.profile->high);
+    }
+  }
+  read_crossings(*table, cell, choice);
+  table->finish();
+  return choice;
+}
+
+}  // namespace bipot

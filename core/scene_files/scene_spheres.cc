@@ -1,0 +1,68 @@
+#include "core/scene_files/scene_spheres.h"
+
+#include <numbers>
+
+#include "core/scene/sphere_generators.h"
+#include "core/scene_files/scene_groups.h"
+#include "core/scene_files/scene_walls.h"
+
+namespace bipot {
+namespace {
+
+std::vector<Sphere> read_arrangement(const SceneTable& table) {
+  static const std::vector<std::string> kArrangements = {"single", "cubic", "pyramid", "random"};
+  const std::string arrangement = table.one_of("arrangement", "single", kArrangements);
+  if (arrangement == "single") {
+    Sphere sphere;
+    const auto position = table.maybe_vec<3>("position");
+    if (!position) table.fail("position", "is missing");
+    sphere.x = *position;
+    sphere.radius = table.positive("radius");
+    return {sphere};
+  }
+  const Vec3 corner = table.maybe_vec<3>("corner").value_or(Vec3::Zero());
+  if (arrangement == "random") {
+    const int seed = table.integer("seed", 1);
+    if (seed < 0) table.fail("seed", "expected a non-negative integer");
+    const int count = table.natural("count");
+    require_possible(table, "count", count, "spheres");
+    const double width = table.positive("width");
+    const double depth = table.has("depth") ? table.positive("depth") : width;
+    try {
+      return random_spheres(count, read_radius_classes(table), Vec2(width, depth),
+                            table.number("spacing", 0.1), static_cast<std::uint64_t>(seed), corner);
+    } catch (const std::invalid_argument& e) {
+      table.fail("arrangement", e.what());
+    }
+  }
+  const double radius = table.positive("radius");
+  const int rows = table.natural("rows");
+  if (arrangement == "pyramid") {
+    require_possible(table, "rows", rows * (rows + 1.0) * (2.0 * rows + 1) / 6, "spheres");
+    return sphere_pyramid(rows, radius, corner);
+  }
+  const int columns = table.natural("columns"), layers = table.natural("layers");
+  require_possible(table, "layers", static_cast<double>(columns) * rows * layers, "spheres");
+  return cubic_lattice(columns, rows, layers, radius, corner);
+}
+
+}  // namespace
+
+std::vector<Sphere> read_spheres(const SceneTable& table, const Scene<3>& scene) {
+  std::vector<Sphere> spheres = read_arrangement(table);
+  const GroupMass group = read_group_mass(table);
+  const Vec3 v = table.maybe_vec<3>("velocity").value_or(Vec3::Zero());
+  const Vec3 spin = table.maybe_vec<3>("spin").value_or(Vec3::Zero());
+  const int material = material_index(scene, table, "material");
+  for (Sphere& s : spheres) {
+    const double volume = 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius;
+    s.mass = group.mass ? *group.mass : *group.density * volume;
+    s.inertia = group.inertia.value_or(0.4 * s.mass * s.radius * s.radius);
+    s.v = v;
+    s.spin = spin;
+    s.material = material;
+  }
+  return spheres;
+}
+
+}  // namespace bipot

@@ -1,0 +1,205 @@
+#pragma once
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/base/nearest_name.h"
+#include "core/base/types.h"
+#include "core/scene_files/scene_file.h"
+
+namespace bipot {
+
+/// A TOML table that knows its name and which keys were asked for: what is left over is unknown.
+class SceneTable {
+ public:
+  SceneTable(const toml::table& table, std::string name, const std::string& source)
+      : table_(table), name_(std::move(name)), source_(source) {}
+
+  /// Refuses keys that nothing asked for. Call after the last access.
+  void finish() const {
+    for (const auto& [key, node] : table_) {
+      const std::string text(key.str());
+      if (known_.contains(text)) continue;
+      fail_at(node, unknown_name_message("key", text, {known_.begin(), known_.end()}));
+    }
+  }
+
+  [[noreturn]] void fail(std::string_view key, const std::string& message) const {
+    const toml::node* node = table_.get(key);
+    const std::string text = fmt::format("'{}': {}", key, message);
+    if (node != nullptr) fail_at(*node, text);
+    throw SceneFileError(
+        fmt::format("{}: [{}] {}", source_, name_.empty() ? "top level" : name_, text));
+  }
+
+  bool has(std::string_view key) const {
+    known_.emplace(key);
+    return table_.contains(key);
+  }
+
+  std::optional<double> maybe_number(std::string_view key) const {
+    if (!has(key)) return std::nullopt;
+    return number_of(key, *table_.get(key));
+  }
+  double number(std::string_view key, double fallback) const {
+    return maybe_number(key).value_or(fallback);
+  }
+  double number(std::string_view key) const {
+    if (!has(key)) fail(key, "is missing");
+    return *maybe_number(key);
+  }
+  double positive(std::string_view key) const {
+    const double x = number(key);
+    if (!(x > 0)) fail(key, fmt::format("expected a positive number, got {}", x));
+    return x;
+  }
+  int integer(std::string_view key, int fallback) const {
+    if (!has(key)) return fallback;
+    const auto value = table_.get(key)->value_exact<std::int64_t>();
+    if (!value) fail(key, "expected an integer");
+    if (*value < std::numeric_limits<int>::min() || *value > std::numeric_limits<int>::max()) {
+      fail(key, fmt::format("{} is out of range", *value));
+    }
+    return static_cast<int>(*value);
+  }
+  int natural(std::string_view key) const {
+    if (!has(key)) fail(key, "is missing");
+    const int value = integer(key, 0);
+    if (value < 0) fail(key, fmt::format("expected a non-negative integer, got {}", value));
+    return value;
+  }
+  bool boolean(std::string_view key, bool fallback) const {
+    if (!has(key)) return fallback;
+    const auto value = table_.get(key)->value_exact<bool>();
+    if (!value) fail(key, "expected true or false");
+    return *value;
+  }
+  std::string word(std::string_view key, std::string_view fallback) const {
+    if (!has(key)) return std::string(fallback);
+    const auto value = table_.get(key)->value_exact<std::string>();
+    if (!value) fail(key, "expected a string");
+    return *value;
+  }
+  std::string one_of(std::string_view key, std::string_view fallback,
+                     const std::vector<std::string>& choices) const {
+    std::string value = word(key, fallback);
+    if (std::find(choices.begin(), choices.end(), value) == choices.end()) {
+      fail(key, unknown_name_message("value", value, choices));
+    }
+    return value;
+  }
+  template <int D>
+  std::optional<Vec<D>> maybe_vec(std::string_view key) const {
+    if (!has(key)) return std::nullopt;
+    const std::vector<double> values = numbers(key);
+    if (values.size() != D) fail(key, fmt::format("expected {} numbers, got {}", D, values.size()));
+    return Vec<D>(values.data());
+  }
+  std::optional<Vec2> maybe_vec2(std::string_view key) const { return maybe_vec<2>(key); }
+  Vec2 vec2(std::string_view key, const Vec2& fallback) const {
+    return maybe_vec2(key).value_or(fallback);
+  }
+  std::vector<double> numbers(std::string_view key) const {
+    std::vector<double> values;
+    if (!has(key)) return values;
+    const toml::array* array = table_.get(key)->as_array();
+    if (array == nullptr) fail(key, "expected an array of numbers");
+    for (const toml::node& node : *array) values.push_back(number_of(key, node));
+    return values;
+  }
+  std::vector<std::string> words(std::string_view key) const {
+    std::vector<std::string> values;
+    if (!has(key)) return values;
+    const toml::array* array = table_.get(key)->as_array();
+    if (array == nullptr) fail(key, "expected an array of strings");
+    for (const toml::node& node : *array) {
+      const auto value = node.value_exact<std::string>();
+      if (!value) fail(key, "expected an array of strings");
+      values.push_back(*value);
+    }
+    return values;
+  }
+  /// An array of rows of so many numbers.
+  std::vector<std::vector<double>> rows(std::string_view key, std::size_t columns) const {
+    std::vector<std::vector<double>> result;
+    if (!has(key)) return result;
+    const std::string expected = fmt::format("expected an array of rows of {} numbers", columns);
+    const toml::array* array = table_.get(key)->as_array();
+    if (array == nullptr) fail(key, expected);
+    for (const toml::node& node : *array) {
+      const toml::array* row = node.as_array();
+      if (row == nullptr || row->size() != columns) fail(key, expected);
+      result.emplace_back();
+      for (const toml::node& number : *row) result.back().push_back(number_of(key, number));
+    }
+    return result;
+  }
+  std::optional<SceneTable> table(std::string_view key) const {
+    if (!has(key)) return std::nullopt;
+    const toml::table* table = table_.get(key)->as_table();
+    if (table == nullptr) fail(key, "expected a table");
+    return SceneTable(*table, child_name(key), source_);
+  }
+  std::vector<SceneTable> tables(std::string_view key) const {
+    std::vector<SceneTable> result;
+    if (!has(key)) return result;
+    const toml::array* array = table_.get(key)->as_array();
+    if (array == nullptr) fail(key, fmt::format("expected an array of tables: [[{}]]", key));
+    for (const toml::node& node : *array) {
+      const toml::table* table = node.as_table();
+      if (table == nullptr) fail(key, "expected an array of tables");
+      result.emplace_back(*table, fmt::format("{}[{}]", child_name(key), result.size()), source_);
+    }
+    return result;
+  }
+  /// Every key with its value as text: parameters of a solver.
+  std::map<std::string, std::string> texts() const {
+    std::map<std::string, std::string> result;
+    for (const auto& [key, node] : table_) {
+      known_.emplace(key.str());
+      if (const auto word = node.value_exact<std::string>()) {
+        result[std::string(key.str())] = *word;
+      } else if (const auto number = node.value<double>()) {
+        result[std::string(key.str())] = fmt::format("{}", *number);
+      } else {
+        fail_at(node, "expected a string or a number");
+      }
+    }
+    return result;
+  }
+  const std::string& name() const { return name_; }
+
+ private:
+  std::string child_name(std::string_view key) const {
+    return name_.empty() ? std::string(key) : fmt::format("{}.{}", name_, key);
+  }
+  double number_of(std::string_view key, const toml::node& node) const {
+    const bool numeric = node.is_integer() || node.is_floating_point();
+    const std::optional<double> value = numeric ? node.value<double>() : std::nullopt;
+    if (!value || !std::isfinite(*value)) fail(key, "expected a finite number");
+    return *value;
+  }
+  [[noreturn]] void fail_at(const toml::node& node, const std::string& message) const {
+    throw SceneFileError(fmt::format("{}:{}: [{}] {}", source_, node.source().begin.line,
+                                     name_.empty() ? "top level" : name_, message));
+  }
+
+  const toml::table& table_;
+  std::string name_;
+  const std::string& source_;
+  mutable std::set<std::string, std::less<>> known_;
+};
+
+}  // namespace bipot

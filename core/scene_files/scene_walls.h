@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string_view>
+
+#include "core/scene/scene.h"
+#include "core/scene_files/scene_table.h"
+
+namespace bipot {
+
+/// Index of the material that the key names; of the first one where it is missing.
+template <int D>
+int material_index(const Scene<D>& scene, const SceneTable& table, std::string_view key);
+
+/// One table of [[walls]], the one with this index. Throws SceneFileError.
+template <int D>
+Wall<D> read_wall(const SceneTable& table, const Scene<D>& scene, std::size_t index);
+
+}  // namespace bipot

@@ -1,7 +1,0 @@
-#include "core/version.h"
-
-namespace bipot {
-
-std::string program_version() { return BIPOT_VERSION; }
-
-}  // namespace bipot

@@ -1,0 +1,328 @@
+#include "solvers/analysis/existence.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "core/base/stopwatch.h"
+#include "core/linear/sparse_factor.h"
+#include "solvers/analysis/case_exclusion.h"
+#include "solvers/analysis/certificate_check.h"
+#include "solvers/analysis/linear_programme.h"
+
+namespace bipot {
+namespace {
+
+constexpr int kEdges = 16;           // of the widened cone in space
+constexpr double kZero = 1e-9;       // of an optimum that should be 0: what the pivoting resolves
+constexpr double kRounding = 1e-12;  // relative change of the data that still counts as rounding
+constexpr double kLeastSpeed = 1e6;  // of a motion that a self-stress leaves possible
+
+/// The edges of a contact's cone (in space: of one with kEdges edges around it), normal part 1.
+std::vector<std::vector<double>> edges_of(int dim, double mu) {
+  if (dim == 1) return {{1}};
+  if (dim == 2 && mu == 0) return {{1, 0}};
+  if (dim == 2) return {{1, mu}, {1, -mu}};
+  if (mu == 0) return {{1, 0, 0}};
+  std::vector<std::vector<double>> edges;
+  const double wide = mu / std::cos(std::numbers::pi / kEdges);
+  for (int k = 0; k < kEdges; ++k) {
+    const double angle = 2 * std::numbers::pi * k / kEdges;
+    edges.push_back({1, wide * std::cos(angle), wide * std::sin(angle)});
+  }
+  return edges;
+}
+
+/// The programmes of one problem, equilibrated: rows by the square root of the masses (or of the
+/// diagonal of W), columns to unit length.
+class Search {
+ public:
+  Search(const ContactProblem& problem, double seconds) : p_(problem), seconds_(seconds) {
+    wrench_ = p_.has_velocities() ? p_.H : SparseMatrix(p_.W);
+    const Vector diagonal = p_.has_velocities() ? Vector(p_.A.diagonal()) : Vector(p_.W.diagonal());
+    row_scale_ = Vector::Ones(diagonal.size());
+    for (Eigen::Index i = 0; i < diagonal.size(); ++i) {
+      if (diagonal[i] > 0) row_scale_[i] = 1 / std::sqrt(diagonal[i]);
+    }
+  }
+
+  ExistenceCertificate run() {
+    ExistenceCertificate found;
+    std::string why = defect();
+    if (why.empty()) why = try_programmes(found);
+    if (found.verdict == Existence::kUndecided) try_cases(found);
+    if (found.verdict == Existence::kUndecided) found.reason = why;
+    return found;
+  }
+
+ private:
+  /// 1 to 3; why nothing was proved.
+  std::string try_programmes(ExistenceCertificate& found) const {
+    std::string why = try_opening(found);
+    if (found.verdict != Existence::kUndecided) return {};
+    if (p_.dim <= 2 && try_undoing(found)) return {};
+    if (const std::string more = try_obstruction(found); !more.empty()) why = more;
+    if (found.verdict != Existence::kUndecided) return {};
+    if (p_.dim <= 2) {
+      if (const std::string more = try_reachable(found); !more.empty()) why = more;
+    }
+    return why;
+  }
+
+  void try_cases(ExistenceCertificate& found) const {
+    const CaseExclusion all = exclude_cases(p_, seconds_left());
+    if (!all.complete) return;
+    found.verdict = Existence::kNone;
+    found.margin = 1 / all.reach;
+    found.cases = static_cast<int>(all.cases.size());
+    found.reason = fmt::format(
+        "open, sticking or slipping, no case of its {} contacts is possible: {} exclusions",
+        p_.num_contacts(), found.cases);
+  }
+
+  double seconds_left() const { return std::max(1e-3, seconds_ - watch_.seconds()); }
+
+  /// Why the theory says nothing of this W.
+  std::string defect() const {
+    if (p_.has_velocities()) return {};
+    const SparseMatrix W(p_.W), skew = W - SparseMatrix(W.transpose());
+    const Vector diagonal = W.diagonal();
+    for (int k = 0; k < skew.outerSize(); ++k) {
+      for (SparseMatrix::InnerIterator it(skew, k); it; ++it) {
+        const double scale = std::sqrt(std::abs(diagonal[it.row()] * diagonal[it.col()]));
+        if (std::abs(it.value()) > kRounding * scale) {
+          return fmt::format("W is not symmetric: W({0}, {1}) - W({1}, {0}) = {2:.3g}", it.row(),
+                             it.col(), it.value());
+        }
+      }
+    }
+    SparseMatrix shifted = 0.5 * (W + SparseMatrix(W.transpose()));
+    const double most = diagonal.maxCoeff();
+    for (Eigen::Index i = 0; i < diagonal.size(); ++i) {
+      shifted.coeffRef(i, i) += kRounding * (diagonal[i] > 0 ? diagonal[i] : most);
+    }
+    shifted.makeCompressed();
+    SparseCholesky factor;
+    return factor.factor(shifted) ? "" : "W is not positive semidefinite";
+  }
+
+  /// The columns of wrench_ times the edges of the cones (`normals_only`: times the normals);
+  /// `work` what they do on the data, r·w over work_scale_; `contact` and `scale` of each column.
+  SparseMatrix columns(bool normals_only, Vector& work, std::vector<int>& contact,
+                       std::vector<double>& scale) const {
+    std::vector<Eigen::Triplet<double>> entries;
+    std::vector<double> works;
+    int column = 0;
+    Vector sum = Vector::Zero(wrench_.rows());
+    for (int c = 0; c < p_.num_contacts(); ++c) {
+      for (const auto& edge : edges_of(p_.dim, normals_only ? 0.0 : p_.mu[c])) {
+        double norm2 = 0, w = 0;
+        std::vector<Eigen::Index> touched;
+        for (int k = 0; k < p_.dim; ++k) {
+          const Eigen::Index row = static_cast<Eigen::Index>(c) * p_.dim + k;
+          w += edge[to_size(k)] * p_.u_free[row];
+          for (SparseMatrix::InnerIterator it(wrench_, row); it; ++it) {
+            if (sum[it.row()] == 0) touched.push_back(it.row());
+            sum[it.row()] += edge[to_size(k)] * it.value() * row_scale_[it.row()];
+          }
+        }
+        for (const Eigen::Index i : touched) norm2 += sum[i] * sum[i];
+        const double by = norm2 > 0 ? 1 / std::sqrt(norm2) : 1;
+        for (const Eigen::Index i : touched) {
+          if (sum[i] != 0) entries.emplace_back(static_cast<int>(i), column, by * sum[i]);
+          sum[i] = 0;
+        }
+        works.push_back(by * w);
+        contact.push_back(c);
+        scale.push_back(by);
+        ++column;
+      }
+    }
+    work = Eigen::Map<const Vector>(works.data(), column);
+    const double most = work.cwiseAbs().maxCoeff();
+    if (most > 0) work /= most;
+    work_scale_ = most > 0 ? most : 1;
+    SparseMatrix result(wrench_.rows(), column);
+    result.setFromTriplets(entries.begin(), entries.end());
+    return result;
+  }
+
+  /// Programme 1.
+  std::string try_opening(ExistenceCertificate& found) const {
+    LinearProgramme lp;
+    Vector work;
+    std::vector<int> contact;
+    std::vector<double> scale;
+    const SparseMatrix stress = columns(false, work, contact, scale);
+    const Eigen::Index n = stress.cols(), k = stress.rows();
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int c = 0; c < stress.outerSize(); ++c) {
+      for (SparseMatrix::InnerIterator it(stress, c); it; ++it) {
+        entries.emplace_back(it.row(), it.col(), it.value());
+      }
+      if (work[c] != 0) entries.emplace_back(static_cast<int>(k), c, work[c]);
+    }
+    entries.emplace_back(static_cast<int>(k), static_cast<int>(n), 1.0);  // slack: r·w <= 0
+    lp.A.resize(k + 1, n + 1);
+    lp.A.setFromTriplets(entries.begin(), entries.end());
+    lp.cost = -Vector::Ones(n + 1);
+    lp.cost[n] = 0;
+    lp.upper = Vector::Ones(n + 1);
+    lp.upper[n] = kInfinity;
+    const LinearOptimum best = solve(lp, seconds_left());
+    if (!best.found) return best.message;
+    if (best.value < -0.5) {  // 0, or at least 1: a self-stress can grow until one share is 1
+      return "there is a self-stress in the friction cones: contacts can be jammed";
+    }
+    Vector y = -best.y.head(k).cwiseProduct(row_scale_);
+    double weight = std::max(0.0, -best.y[k]) / work_scale_;
+    // Powers of two, so that nothing is rounded: figures near 1 keep clear of the range's ends.
+    const double most = std::max(y.cwiseAbs().maxCoeff(), weight);
+    const double unit = most > 0 && std::isfinite(most) ? std::exp2(-std::ilogb(most)) : 1;
+    y *= unit;
+    weight *= unit;
+    const double margin = opening_margin(p_, y, weight);
+    if (!(margin > 0)) {
+      return fmt::format(
+          "no self-stress was found, but the motion that should open every contact does not "
+          "survive the check in extended precision (margin {:.1e})",
+          margin);
+    }
+    found.verdict = Existence::kExists;
+    found.margin = margin;
+    found.motion = y;
+    found.weight = weight;
+    found.reason = "there is no self-stress in the friction cones: a motion opens every contact";
+    return {};
+  }
+
+  /// Programme 2.
+  std::string try_obstruction(ExistenceCertificate& found) const {
+    LinearProgramme lp;
+    std::vector<int> contact;
+    std::vector<double> scale;
+    lp.A = columns(true, lp.cost, contact, scale);
+    lp.upper = Vector::Ones(lp.cost.size());
+    const LinearOptimum best = solve(lp, seconds_left());
+    if (!best.found) return best.message;
+    if (!(best.value < -kZero)) return {};
+    Vector stress = Vector::Zero(p_.num_contacts());
+    for (std::size_t k = 0; k < contact.size(); ++k) {
+      const double x = best.x[static_cast<Eigen::Index>(k)];
+      if (x > 1e-12) stress[contact[k]] = x * scale[k];
+    }
+    stress /= std::exp2(std::ilogb(stress.maxCoeff()));
+    const Obstruction proof = obstruction(p_, stress);
+    if (!(proof.strength > kRounding) || !(proof.speed > kLeastSpeed)) {
+      return fmt::format(
+          "a normal self-stress works against the data, but by rounding only (share {:.1e}, "
+          "speed {:.1e})",
+          proof.strength, proof.speed);
+    }
+    found.verdict = Existence::kNone;
+    found.margin = 1 / proof.speed;
+    found.stress = stress;
+    found.reason = fmt::format(
+        "{} contacts are driven together: a normal self-stress does the work {:.2g} of its size on "
+        "the data",
+        (stress.array() > 0).count(), -proof.strength);
+    return {};
+  }
+
+  /// The motion that undoes the one that the data came from, where they came from one: Hᵀ v = -w.
+  bool try_undoing(ExistenceCertificate& found) const {
+    if (!p_.has_velocities() || p_.v_free.size() != p_.H.rows()) return false;
+    return accept_reachable(-p_.v_free, "the data are those of a motion, which can be undone",
+                            found);
+  }
+
+  bool accept_reachable(const Vector& y, const char* reason, ExistenceCertificate& found) const {
+    const double margin = opening_margin(p_, y, 1);
+    if (!(margin > -kRounding)) return false;
+    found.verdict = Existence::kExistsNearby;
+    found.margin = std::max(-margin, 0.0);
+    found.motion = y;
+    found.weight = 1;
+    found.reason = reason;
+    return true;
+  }
+
+  /// Programme 3.
+  std::string try_reachable(ExistenceCertificate& found) const {
+    LinearProgramme lp;
+    std::vector<int> contact;
+    std::vector<double> scale;
+    lp.A = columns(false, lp.cost, contact, scale);
+    lp.upper = Vector::Ones(lp.cost.size());
+    const LinearOptimum best = solve(lp, seconds_left());
+    if (!best.found) return best.message;
+    if (best.value < -kZero) return "a self-stress in the friction cones works against the data";
+    const Vector y = -work_scale_ * best.y.cwiseProduct(row_scale_);
+    accept_reachable(y,
+                     "no self-stress in the friction cones works against the data: a motion leaves "
+                     "every contact",
+                     found);
+    return {};
+  }
+
+  const ContactProblem& p_;
+  double seconds_;
+  Stopwatch watch_;
+  SparseMatrix wrench_;
+  Vector row_scale_;
+  mutable double work_scale_ = 1;
+};
+
+}  // namespace
+
+std::string_view to_string(Existence verdict) {
+  switch (verdict) {
+    case Existence::kExists:
+      return "exists";
+    case Existence::kExistsNearby:
+      return "exists within rounding";
+    case Existence::kNone:
+      return "none";
+    default:
+      return "undecided";
+  }
+}
+
+ExistenceCertificate certify_existence(const ContactProblem& problem, double seconds) {
+  const Stopwatch watch;
+  ExistenceCertificate found;
+  if (problem.num_contacts() == 0) {
+    found.verdict = Existence::kExists;
+    found.margin = 1;
+    found.reason = "there are no contacts";
+  } else {
+    found = Search(problem, seconds).run();
+  }
+  found.seconds = watch.seconds();
+  return found;
+}
+
+std::string to_text(const ExistenceCertificate& c) {
+  switch (c.verdict) {
+    case Existence::kExists:
+      return fmt::format("a solution exists (proved, margin {:.1e}: {})", c.margin, c.reason);
+    case Existence::kExistsNearby:
+      return fmt::format(
+          "a solution exists for data within {:.1e} of these (proved up to rounding: {})", c.margin,
+          c.reason);
+    case Existence::kNone:
+      return fmt::format(
+          "no solution exists (proved, {}: {})",
+          c.margin > 0
+              ? fmt::format("none {} {:.1e} times the data",
+                            c.cases > 0 ? "with impulses below" : "slower than", 1 / c.margin)
+              : "exactly",
+          c.reason);
+    default:
+      return "whether a solution exists is undecided: " + c.reason;
+  }
+}
+
+}  // namespace bipot

@@ -1,0 +1,428 @@
+#include "solvers/analysis/several_answers.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <numeric>
+#include <optional>
+#include <random>
+#include <utility>
+
+#include "core/problem/body_rows.h"
+#include "core/problem/coulomb_cone.h"
+#include "core/problem/delassus.h"
+#include "solvers/registry.h"
+#include "solvers/solve.h"
+
+namespace bipot {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+// Iterations of a start's own solver; what it leaves is finished by exact ones.
+struct Recipe {
+  const char* solver;
+  int iterations;
+  std::map<std::string, std::string> parameters = {};
+};
+constexpr int kSweeps = 2000, kGradients = 5000, kSplittings = 3000, kNewtons = 400;
+constexpr int kPivots = 30000, kInteriors = 400;
+constexpr double kPerturbation = 0.01;
+// Answers that are perturbed: each costs a solve.
+constexpr int kPerturbed = 12;
+// Impulses and velocities below this part of the mean are nothing, in the statuses.
+constexpr double kNothing = 1e-6;
+
+/// Uniform in [-1, 1), the same on every platform.
+double symmetric(std::mt19937_64& engine) {
+  return 2 * (static_cast<double>(engine() >> 11) * 0x1.0p-53) - 1;
+}
+
+/// Each contact's impulse times 1 + amount * uniform(-1, 1): still on the cone.
+Vector random_multiples(const Vector& s, int dim, double amount, std::mt19937_64& engine) {
+  Vector r = s;
+  for (Eigen::Index row = 0; row < s.size(); row += dim) {
+    r.segment(row, dim) *= 1 + amount * symmetric(engine);
+  }
+  return r;
+}
+
+std::vector<ContactStatus> statuses(const ContactProblem& p, const Vector& s, const Vector& u) {
+  const int contacts = p.num_contacts();
+  const double impulse = kNothing * s.cwiseAbs().sum() / std::max(1, contacts);
+  const double speed = kNothing * u.cwiseAbs().sum() / std::max(1, contacts);
+  std::vector<ContactStatus> all(to_size(contacts), ContactStatus::kStick);
+  dispatch_dim(p.dim, [&](auto d) {
+    constexpr int D = d();
+    for (int c = 0; c < contacts; ++c) {
+      const Local<D> x = s.segment<D>(c * D), v = u.segment<D>(c * D);
+      if (x[0] <= impulse) {
+        all[to_size(c)] = ContactStatus::kTakeOff;
+      } else if (D > 1 && tangential_norm<D>(v) > speed) {
+        all[to_size(c)] = ContactStatus::kSlip;
+      }
+    }
+  });
+  return all;
+}
+
+/// The search for one problem.
+class AnswerSearch {
+ public:
+  AnswerSearch(const ContactProblem& p, const SeveralOptions& options)
+      : p_(p), options_(options), distinct_(p), begin_(Clock::now()), engine_(options.seed) {}
+
+  SeveralAnswers run() {
+    for (int k = 0; k < options_.starts && !stopped(); ++k) {
+      const Clock::time_point start = Clock::now();
+      AnswerStart made = begin_start(k);
+      if (invalid_) break;
+      if (stopped() && made.answer < 0) break;  // cut short: says nothing
+      made.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+      found_.starts.push_back(std::move(made));
+    }
+    if (!invalid_) {
+      describe_answers();
+      perturb_answers();
+      join_answers();
+      measure();
+    }
+    close();
+    return std::move(found_);
+  }
+
+ private:
+  double seconds() const { return std::chrono::duration<double>(Clock::now() - begin_).count(); }
+  bool cancelled() const { return options_.cancelled && options_.cancelled(); }
+  bool stopped() const { return cancelled() || seconds() >= options_.time_limit; }
+
+  bool usable(std::string_view name) const {
+    const SolverEntry* entry = find_solver(name);
+    return entry != nullptr && p_.dim <= entry->max_dim && p_.num_contacts() <= entry->max_contacts;
+  }
+
+  SolveResult attempt(std::string_view solver, const Vector& s0, int iterations,
+                      std::map<std::string, std::string> parameters) const {
+    SolverOptions options;
+    options.tol = options_.tol;
+    options.s0 = s0;
+    options.max_iterations = iterations;
+    options.time_limit = std::max(1e-9, options_.time_limit - seconds());
+    options.cancelled = options_.cancelled;
+    options.parameters = std::move(parameters);
+    return solve(solver, p_, options);
+  }
+
+  /// Solver and start number k.
+  AnswerStart begin_start(int k) {
+    AnswerStart made;
+    made.from = "zero";
+    Vector s0;
+    Recipe recipe = recipe_of(k, made.from, s0);
+    made.solver = recipe.solver;
+    if (const auto order = recipe.parameters.find("order"); order != recipe.parameters.end()) {
+      made.solver += ", " + order->second;
+    }
+    drive(recipe, s0, made);
+    return made;
+  }
+
+  /// The solvers of the list from zero, then the guess, then shuffled orders and random multiples
+  /// in turn.
+  Recipe recipe_of(int k, std::string& from, Vector& s0) {
+    if (!options_.solver.empty()) {
+      const Recipe own{options_.solver.c_str(), kSweeps + kGradients, options_.parameters};
+      if (k > 0) s0 = start_away(k, from);
+      return own;
+    }
+    std::vector<Recipe> list;
+    for (const Recipe& r :
+         {Recipe{"pgs", kSweeps}, Recipe{"apgd", kGradients}, Recipe{"ipm", kInteriors},
+          Recipe{"newton", kNewtons}, Recipe{"admm", kSplittings}, Recipe{"homotopy", kPivots},
+          Recipe{"anderson", kSweeps}}) {
+      if (usable(r.solver)) list.push_back(r);
+    }
+    const int solvers = static_cast<int>(list.size());
+    if (k < solvers) return list[to_size(k)];
+    k -= solvers;
+    if (options_.guess.size() > 0 && k < 2) {
+      from = "guess";
+      s0 = options_.guess;
+      return list[to_size(k)];
+    }
+    if (options_.guess.size() > 0) k -= 2;
+    if (k % 3 == 0) {
+      return {"pgs",
+              kSweeps,
+              {{"order", "shuffled"}, {"seed", std::to_string(1 + engine_() % 1000000)}}};
+    }
+    s0 = start_away(k, from);
+    return list[k % 3 == 1 ? 1 : 0];
+  }
+
+  /// Random multiples of an answer's impulses: by 10 % and by 50 %.
+  Vector start_away(int k, std::string& from) {
+    const auto& answers = distinct_.answers();
+    if (answers.empty()) return {};
+    const double amount = k % 2 == 0 ? 0.5 : 0.1;
+    const std::size_t of = to_size(k) % answers.size();
+    from = fmt::format("multiples of answer {}, {:g} %", of + 1, 100 * amount);
+    return random_multiples(answers[of].s, p_.dim, amount, engine_);
+  }
+
+  /// The start's own solver, then exact ones from what it leaves, until one is trusted.
+  void drive(const Recipe& recipe, const Vector& s0, AnswerStart& made) {
+    SolveResult result = attempt(recipe.solver, s0, recipe.iterations, recipe.parameters);
+    if (result.status == SolveStatus::kInvalidInput) {
+      invalid_ = true;
+      found_.message = result.message;
+      return;
+    }
+    std::string by = recipe.solver;
+    const auto better = [&](const char* solver, int iterations,
+                            std::map<std::string, std::string> parameters) {
+      if (result.error.guarded() <= options_.tol || stopped() || !usable(solver)) return;
+      SolveResult next = attempt(solver, result.s, iterations, std::move(parameters));
+      if (!(next.error.guarded() < result.error.guarded())) return;
+      result = std::move(next);
+      by = solver;
+    };
+    better("homotopy", kPivots, {{"start_tol", "1"}});
+    if (!(result.error.guarded() <= DistinctAnswers::kTrusted)) better("homotopy", kPivots, {});
+    if (!(result.error.guarded() <= DistinctAnswers::kTrusted)) better("newton", kNewtons, {});
+    if (!(result.error.guarded() <= DistinctAnswers::kTrusted)) better("ipm", kInteriors, {});
+    made.finished_by = by;
+    made.error = result.error;
+    made.message = result.message;
+    made.answer = distinct_.add(result.s, made.solver);
+  }
+
+  void describe_answers() {
+    while (found_.answers.size() < distinct_.answers().size()) {
+      Answer answer;
+      answer.impulse = distinct_.answers()[found_.answers.size()];
+      const DelassusOperator delassus(p_);
+      delassus.velocity(answer.impulse.s, answer.u);
+      answer.status = statuses(p_, answer.impulse.s, answer.u);
+      for (const ContactStatus status : answer.status) {
+        answer.take_off += status == ContactStatus::kTakeOff ? 1 : 0;
+        answer.stick += status == ContactStatus::kStick ? 1 : 0;
+        answer.slip += status == ContactStatus::kSlip ? 1 : 0;
+      }
+      if (p_.has_velocities()) {
+        const Vector v = body_velocities(p_, answer.impulse.s);
+        answer.kinetic = 0.5 * v.dot(p_.A * v);
+      }
+      found_.answers.push_back(std::move(answer));
+    }
+    for (std::size_t k = 0; k < found_.starts.size(); ++k) {
+      if (found_.starts[k].answer >= 0) {
+        found_.answers[to_size(found_.starts[k].answer)].starts.push_back(static_cast<int>(k));
+      }
+    }
+  }
+
+  /// Exact at 1/4, 1/2 and 3/4 between two exact answers.
+  bool joined(const Vector& a, const Vector& b) {
+    for (const double t : {0.25, 0.5, 0.75}) {
+      const double error = distinct_.judge((1 - t) * a + t * b, "").error.guarded();
+      if (!(error <= DistinctAnswers::kTrusted)) return false;
+    }
+    return true;
+  }
+
+  void perturb_answers() {
+    const std::size_t count = std::min(found_.answers.size(), to_size(kPerturbed));
+    for (std::size_t k = 0; k < count && !stopped(); ++k) {
+      Answer& answer = found_.answers[k];
+      const Vector& s = answer.impulse.s;
+      const Vector away = random_multiples(s, p_.dim, kPerturbation, engine_);
+      AnswerStart made;
+      Recipe recipe{"pgs", kSweeps};
+      SolveResult back = attempt(recipe.solver, away, recipe.iterations, {});
+      if (!(back.error.guarded() <= options_.tol) && usable("homotopy") && !stopped()) {
+        SolveResult next = attempt("homotopy", back.s, kPivots, {{"start_tol", "1"}});
+        if (next.error.guarded() < back.error.guarded()) back = std::move(next);
+      }
+      const VerifiedAnswer found = distinct_.judge(back.s, "");
+      if (!(found.error.guarded() <= DistinctAnswers::kTrusted)) continue;
+      answer.perturbed = distinct_.relative(distinct_.distance(away, s));
+      answer.came_back_to = distinct_.relative(distinct_.distance(found.s, s));
+      answer.kind = !distinct_.are_distinct(found, answer.impulse) ? AnswerKind::kIsolated
+                    : joined(found.s, s)                           ? AnswerKind::kFamily
+                                                                   : AnswerKind::kLeft;
+    }
+  }
+
+  /// Numbers the sets of joined answers.
+  void join_answers() {
+    std::vector<Answer>& all = found_.answers;
+    for (std::size_t k = 0; k < all.size(); ++k) all[k].set = static_cast<int>(k);
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        if (all[i].set == all[j].set || cancelled()) continue;
+        if (!joined(all[i].impulse.s, all[j].impulse.s)) continue;
+        all[i].kind = all[j].kind = AnswerKind::kFamily;
+        const int from = std::max(all[i].set, all[j].set), to = std::min(all[i].set, all[j].set);
+        for (Answer& answer : all) {
+          if (answer.set == from) answer.set = to;
+        }
+      }
+    }
+    std::vector<int> seen;
+    for (Answer& answer : all) {
+      const auto at = std::find(seen.begin(), seen.end(), answer.set);
+      const int number = static_cast<int>(at - seen.begin());
+      if (at == seen.end()) seen.push_back(answer.set);
+      answer.set = number;
+    }
+    found_.sets = static_cast<int>(seen.size());
+  }
+
+  /// Velocities and resultants of the bodies, one column a body.
+  struct Bodies {
+    Eigen::MatrixXd velocity, resultant;
+  };
+  std::optional<Bodies> bodies_of(const Vector& s) const {
+    if (!rows_) return std::nullopt;
+    const Vector v = body_velocities(p_, s), x = p_.H * s;
+    Bodies made;
+    made.velocity.resize(rows_->translations, rows_->bodies);
+    made.resultant.resize(rows_->translations, rows_->bodies);
+    for (int b = 0; b < rows_->bodies; ++b) {
+      made.velocity.col(b) = v.segment(b * rows_->per_body, rows_->translations);
+      made.resultant.col(b) = x.segment(b * rows_->per_body, rows_->translations);
+    }
+    return made;
+  }
+
+  AnswerDifference difference(const Answer& a, const Answer& b) const {
+    AnswerDifference d;
+    d.velocity = distinct_.relative(distinct_.distance(a.impulse.s, b.impulse.s));
+    const double kinetic = std::abs(a.kinetic - b.kinetic);
+    if (kinetic == 0 || found_.answers.front().kinetic > 0) {
+      d.kinetic = kinetic == 0 ? 0 : kinetic / found_.answers.front().kinetic;
+    }
+    const auto x = bodies_of(a.impulse.s), y = bodies_of(b.impulse.s);
+    if (x && y && rows_->bodies > 0) {
+      const double speed = x->velocity.colwise().norm().maxCoeff();
+      const double mean = x->resultant.colwise().norm().mean();
+      if (speed > 0) {
+        d.body_velocity = (x->velocity - y->velocity).colwise().norm().maxCoeff() / speed;
+      }
+      if (mean > 0) d.force = (x->resultant - y->resultant).colwise().norm().maxCoeff() / mean;
+      const double total = x->resultant.rowwise().sum().norm();
+      if (total > 0) {
+        d.total = (x->resultant - y->resultant).rowwise().sum().norm() / total;
+      }
+    }
+    for (std::size_t c = 0; c < a.status.size(); ++c) {
+      d.contacts += a.status[c] != b.status[c] ? 1 : 0;
+    }
+    return d;
+  }
+
+  void measure() {
+    std::vector<Answer>& all = found_.answers;
+    if (all.empty()) return;
+    rows_ = find_body_rows(p_);
+    double explained = 0;
+    for (Answer& answer : all) {
+      answer.from_first = difference(all.front(), answer);
+      explained = std::max(explained, answer.impulse.explained);
+    }
+    found_.resolution = distinct_.relative(2 * DistinctAnswers::kFactor * explained);
+    found_.spread = all.front().from_first;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        found_.spread = larger_of(found_.spread, difference(all[j], all[i]));
+      }
+    }
+    for (std::size_t c = 0; c < all.front().status.size(); ++c) {
+      const bool differs = std::any_of(all.begin(), all.end(), [&](const Answer& answer) {
+        return answer.status[c] != all.front().status[c];
+      });
+      if (differs) found_.differing_contacts.push_back(static_cast<int>(c));
+    }
+  }
+
+  void close() {
+    found_.seconds = seconds();
+    const auto exact =
+        static_cast<int>(std::count_if(found_.starts.begin(), found_.starts.end(),
+                                       [](const AnswerStart& s) { return s.answer >= 0; }));
+    const int made = static_cast<int>(found_.starts.size());
+    if (invalid_) {
+      found_.status = SolveStatus::kInvalidInput;
+      return;
+    }
+    found_.message = fmt::format("{} of {} starts reached an exact answer", exact, made);
+    if (cancelled()) {
+      found_.status = SolveStatus::kInterrupted;
+      found_.message += fmt::format("; interrupted, {} starts asked for", options_.starts);
+    } else if (seconds() >= options_.time_limit) {
+      found_.status = SolveStatus::kTimeLimit;
+      found_.message += fmt::format("; time limit {} s reached, {} starts asked for",
+                                    options_.time_limit, options_.starts);
+    } else {
+      found_.status = exact == made ? SolveStatus::kConverged : SolveStatus::kStalled;
+    }
+  }
+
+  const ContactProblem& p_;
+  const SeveralOptions& options_;
+  DistinctAnswers distinct_;
+  const Clock::time_point begin_;
+  std::mt19937_64 engine_;
+  std::optional<BodyRows> rows_;
+  SeveralAnswers found_;
+  bool invalid_ = false;
+};
+
+double larger(double a, double b) { return std::fmax(a, b); }
+
+}  // namespace
+
+std::string_view to_string(AnswerKind kind) {
+  switch (kind) {
+    case AnswerKind::kIsolated:
+      return "isolated";
+    case AnswerKind::kFamily:
+      return "family";
+    case AnswerKind::kLeft:
+      return "left";
+    case AnswerKind::kUnknown:
+      break;
+  }
+  return "unknown";
+}
+
+AnswerDifference larger_of(const AnswerDifference& a, const AnswerDifference& b) {
+  return {larger(a.velocity, b.velocity), larger(a.body_velocity, b.body_velocity),
+          larger(a.kinetic, b.kinetic),   larger(a.force, b.force),
+          larger(a.total, b.total),       std::max(a.contacts, b.contacts)};
+}
+
+SeveralAnswers find_several_answers(const ContactProblem& problem, const SeveralOptions& options) {
+  SeveralAnswers refused;
+  refused.status = SolveStatus::kInvalidInput;
+  if (refused.message = validate(problem); !refused.message.empty()) return refused;
+  if (options.starts < 1) {
+    refused.message = fmt::format("starts = {}, expected at least 1", options.starts);
+    return refused;
+  }
+  if (options.guess.size() != 0 && options.guess.size() != problem.num_rows()) {
+    refused.message =
+        fmt::format("guess has size {}, expected {}", options.guess.size(), problem.num_rows());
+    return refused;
+  }
+  if (!options.solver.empty() && find_solver(options.solver) == nullptr) {
+    refused.message = unknown_solver_message(options.solver);
+    return refused;
+  }
+  return AnswerSearch(problem, options).run();
+}
+
+}  // namespace bipot

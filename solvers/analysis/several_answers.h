@@ -1,0 +1,103 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/types.h"
+#include "core/scene/contact.h"
+#include "solvers/analysis/distinct_answers.h"
+#include "solvers/solver.h"
+
+namespace bipot {
+
+struct SeveralOptions {
+  int starts = 10;         ///< >= 1
+  std::uint64_t seed = 1;  ///< of orders, multiples and perturbations
+  double tol = 1e-11;      ///< guarded error that every start is driven to
+  double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds of everything
+  Vector guess;        ///< impulse of the step before, one more kind of start; empty: none   [N s]
+  std::string solver;  ///< every start by this one; empty: by several
+  std::map<std::string, std::string> parameters;  ///< of that one
+  std::function<bool()> cancelled;                ///< true ends the search
+};
+
+/// One attempt at an answer.
+struct AnswerStart {
+  std::string solver, from;  ///< "pgs", "zero"; "apgd", "multiples of answer 1, 50 %"
+  std::string finished_by;   ///< the solver whose impulse counts
+  ContactError error;        ///< of the best impulse
+  int answer = -1;           ///< index into SeveralAnswers::answers; -1: no exact one was reached
+  double seconds = 0;        ///< wall
+  std::string message;       ///< of the solver that came last
+};
+
+/// Whether other answers lie next to an answer.
+enum class AnswerKind {
+  kIsolated,  ///< every solve from 1 % away came back to it
+  kFamily,    ///< joined by exact answers to another one: velocities vary continuously
+  kLeft,      ///< a solve from 1 % away ended at another answer, not joined to this one
+  kUnknown    ///< no solve from 1 % away reached an exact answer, or time was up
+};
+std::string_view to_string(AnswerKind kind);
+
+/// What two answers of a problem differ by. NaN where a measure is not defined: those of bodies need
+/// the rows of rigid bodies in H (body_rows.h).
+struct AnswerDifference {
+  double velocity = kNaN;  ///< ‖v - v'‖_A / ‖v - v_free‖_A of the first answer      [-]
+  double body_velocity = kNaN;  ///< largest |v_b - v_b'| over the largest |v_b|, translations [-]
+  double kinetic = kNaN;  ///< |½ vᵀA v - ½ v'ᵀA v'| over that of the first answer        [-]
+  double force =
+      kNaN;  ///< largest |R_b - R_b'| over the mean |R_b|, R_b the resultant contact impulse
+  /// Of the sum of all R_b, what walls give, over that of the first answer  [-]
+  double total = kNaN;
+  int contacts = 0;  ///< whose status differs
+};
+/// The larger of each.
+AnswerDifference larger_of(const AnswerDifference& a, const AnswerDifference& b);
+
+struct Answer {
+  VerifiedAnswer impulse;
+  Vector u;                           ///< local velocities                              [m/s]
+  std::vector<ContactStatus> status;  ///< of each contact
+  int take_off = 0, stick = 0, slip = 0;
+  double kinetic = kNaN;    ///< ½ vᵀ A v after the step; NaN for a problem given by W [J]
+  std::vector<int> starts;  ///< that ended here
+  AnswerKind kind = AnswerKind::kUnknown;
+  int set = 0;                  ///< joined answers have the same number, from 0
+  double perturbed = kNaN;      ///< relative distance of the perturbed impulse           [-]
+  double came_back_to = kNaN;   ///< relative distance of the answer found from there     [-]
+  AnswerDifference from_first;  ///< to answer 0
+};
+
+struct SeveralAnswers {
+  SolveStatus status = SolveStatus::kNotRun;
+  std::string message;
+  std::vector<AnswerStart> starts;
+  std::vector<Answer> answers;  ///< in the order in which they were found
+  int sets = 0;                 ///< isolated answers and families together
+  AnswerDifference spread;      ///< largest over all pairs
+  /// Least relative distance at which answers of the largest error here count as two.
+  double resolution = kNaN;
+  std::vector<int> differing_contacts;  ///< whose status is not the same in all answers
+  double seconds = 0;                   ///< wall
+};
+
+/// Looks for several exact answers of one problem: solvers from s = 0, other orders of contacts,
+/// random multiples of the impulses of an answer, each driven by its own solver and finished by
+/// exact ones (`homotopy` for d <= 2 from the impulse as it is, `ipm`, `newton`). What reaches
+/// DistinctAnswers::kTrusted is told apart by DistinctAnswers. From each answer, an impulse 1 % away
+/// is solved again; answers whose segment at 1/4, 1/2, 3/4 is exact as well form a family. (For
+/// d <= 2 and equal statuses the law is linear along the segment, and the three points prove it.)
+///
+/// The number of answers is a lower bound. Limits are in iterations, so that the same seed gives the
+/// same bits as long as the time limit does not bind. Status: kConverged when every start reached an
+/// exact answer, kStalled when only some did, kTimeLimit, kInterrupted, kInvalidInput with the
+/// reason, kNothingToDo.
+SeveralAnswers find_several_answers(const ContactProblem& problem, const SeveralOptions& options);
+
+}  // namespace bipot

@@ -1,0 +1,111 @@
+#include "solvers/auto/contact_islands.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace bipot {
+namespace {
+
+/// Disjoint sets of 0 ... n - 1; the smallest member stands for its set.
+class DisjointSets {
+ public:
+  explicit DisjointSets(int n) : parent_(to_size(n)) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  int find(int k) {
+    while (parent_[to_size(k)] != k) {
+      int& up = parent_[to_size(k)];
+      up = parent_[to_size(up)];
+      k = up;
+    }
+    return k;
+  }
+  void unite(int a, int b) {
+    a = find(a);
+    b = find(b);
+    if (a < b) {
+      parent_[to_size(b)] = a;
+    } else {
+      parent_[to_size(a)] = b;
+    }
+  }
+
+ private:
+  std::vector<int> parent_;
+};
+
+/// Rows of a contact in which impulses may stand.
+int live_rows(const ContactProblem& p, int contact) { return p.mu[contact] > 0 ? p.dim : 1; }
+
+/// Contacts first, then degrees of freedom.
+DisjointSets through_bodies(const ContactProblem& p) {
+  const int contacts = p.num_contacts();
+  DisjointSets sets(contacts + p.num_dofs());
+  for (int c = 0; c < contacts; ++c) {
+    for (int k = 0; k < live_rows(p, c); ++k) {
+      for (SparseMatrix::InnerIterator it(p.H, c * p.dim + k); it; ++it) {
+        if (it.value() != 0) sets.unite(c, contacts + static_cast<int>(it.row()));
+      }
+    }
+  }
+  for (int column = 0; column < p.A.outerSize(); ++column) {
+    for (SparseMatrix::InnerIterator it(p.A, column); it; ++it) {
+      if (it.row() != column && it.value() != 0) {
+        sets.unite(contacts + column, contacts + static_cast<int>(it.row()));
+      }
+    }
+  }
+  return sets;
+}
+
+DisjointSets through_delassus(const ContactProblem& p) {
+  DisjointSets sets(p.num_contacts());
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    for (int k = 0; k < live_rows(p, c); ++k) {
+      for (SparseRows::InnerIterator it(p.W, c * p.dim + k); it; ++it) {
+        const int other = static_cast<int>(it.col()) / p.dim;
+        const int row = static_cast<int>(it.col()) % p.dim;
+        if (other != c && it.value() != 0 && row < live_rows(p, other)) sets.unite(c, other);
+      }
+    }
+  }
+  return sets;
+}
+
+}  // namespace
+
+ContactIslands contact_islands(const ContactProblem& p) {
+  const int contacts = p.num_contacts();
+  ContactIslands islands;
+  islands.start.push_back(0);
+  if (contacts == 0) return islands;
+  DisjointSets sets = p.has_velocities() ? through_bodies(p) : through_delassus(p);
+
+  // A set is known by its smallest member, which is a contact: numbers come by first contact.
+  std::vector<int> number(to_size(contacts), -1), sizes;
+  std::vector<int> island_of(to_size(contacts));
+  for (int c = 0; c < contacts; ++c) {
+    int& island = number[to_size(sets.find(c))];
+    if (island < 0) {
+      island = static_cast<int>(sizes.size());
+      sizes.push_back(0);
+    }
+    island_of[to_size(c)] = island;
+    ++sizes[to_size(island)];
+  }
+  std::vector<int> order(sizes.size()), place(sizes.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return sizes[to_size(a)] < sizes[to_size(b)]; });
+  for (const int island : order) {
+    place[to_size(island)] = islands.start.back();
+    islands.start.push_back(islands.start.back() + sizes[to_size(island)]);
+  }
+  islands.contacts.resize(to_size(contacts));
+  for (int c = 0; c < contacts; ++c) {
+    islands.contacts[to_size(place[to_size(island_of[to_size(c)])]++)] = c;
+  }
+  return islands;
+}
+
+}  // namespace bipot

@@ -1,0 +1,228 @@
+#include "solvers/disks/body_blocks.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <tuple>
+#include <utility>
+
+#include "solvers/disks/wavefront.h"
+
+namespace bipot {
+namespace {
+
+/// With fewer bodies in a tile a kernel begins and ends too often: 0.95 of the time that 96 take.
+constexpr int kLeastBodies = 200;
+/// With fewer lanes in use the contacts of a batch are loose.
+constexpr int kLeastLanes = 5;
+/// Windows after which loose contacts do not wait for more of them.
+constexpr int kPatience = 1;
+constexpr int kWindowBodies = kWindowBlocks * kLanes;
+
+/// Where the bodies stand before they are sorted within their windows.
+struct Places {
+  std::vector<int> position, starts, tile;  // of bodies; of tiles; of positions
+
+  explicit Places(const DiskStructure& disks)
+      : position(body_rows(disks)),
+        starts(tile_starts(disks, position, kLeastBodies)),
+        tile(to_size(disks.surroundings())) {
+    for (int t = 0; t < num_tiles(); ++t) {
+      std::fill(tile.begin() + starts[to_size(t)], tile.begin() + starts[to_size(t) + 1], t);
+    }
+  }
+  int num_tiles() const { return static_cast<int>(starts.size()) - 1; }
+  int window(int at) const { return (at - starts[to_size(tile[to_size(at)])]) / kWindowBodies; }
+  int turn(int t) const { return turn_of_tile(t, num_tiles()); }
+};
+
+struct Owned {
+  int contact, other;  ///< position of the other body; -1: the surroundings
+};
+
+/// The contacts of each position.
+class Owners {
+ public:
+  Owners(const DiskStructure& disks, const Places& places)
+      : disks_(disks), places_(places), start_(to_size(disks.surroundings()) + 1, 0) {
+    const int contacts = static_cast<int>(disks.contacts.size());
+    std::vector<int> owner(to_size(contacts)), count(to_size(disks.surroundings()), 0);
+    std::vector<int> open;
+    for (int c = 0; c < contacts; ++c) {
+      const auto [i, j] = ends(c);
+      owner[to_size(c)] = j < 0 ? i : later(i, j);
+      if (owner[to_size(c)] < 0) {
+        open.push_back(c);
+      } else {
+        ++count[to_size(owner[to_size(c)])];
+      }
+    }
+    for (const int c : open) {
+      const auto [i, j] = ends(c);
+      const auto fewer = [&](int at) { return std::tuple(count[to_size(at)], -at); };
+      owner[to_size(c)] = fewer(i) < fewer(j) ? i : j;
+      ++count[to_size(owner[to_size(c)])];
+    }
+    for (std::size_t at = 0; at < count.size(); ++at) start_[at + 1] = start_[at] + count[at];
+    owned_.resize(to_size(contacts));
+    std::vector<int> next(start_.begin(), start_.end() - 1);
+    for (int c = 0; c < contacts; ++c) {
+      const auto [i, j] = ends(c);
+      const int at = owner[to_size(c)];
+      owned_[to_size(next[to_size(at)]++)] = {c, at == i ? j : i};
+    }
+    // Alike from body to body: its own tile first, so that what is pushed to rows of the block itself is
+    // long written when the block's sum is added to them; the surroundings last.
+    for (std::size_t at = 0; at < count.size(); ++at) {
+      const auto key = [&](const Owned& o) {
+        const int kind = o.other < 0 ? 2 : places.tile[to_size(o.other)] == places.tile[at] ? 0 : 1;
+        return std::tuple(kind, o.other, o.contact);
+      };
+      std::sort(owned_.begin() + start_[at], owned_.begin() + start_[at + 1],
+                [&](const Owned& a, const Owned& b) { return key(a) < key(b); });
+    }
+  }
+  int count(int at) const { return start_[to_size(at) + 1] - start_[to_size(at)]; }
+  const Owned& operator()(int at, int k) const { return owned_[to_size(start_[to_size(at)] + k)]; }
+
+ private:
+  std::pair<int, int> ends(int c) const {
+    const DiskStructure::Contact& contact = disks_.contacts[to_size(c)];
+    return {places_.position[to_size(contact.i)],
+            contact.j == disks_.surroundings() ? -1 : places_.position[to_size(contact.j)]};
+  }
+  /// The one that the sweep comes to later, -1 in one window.
+  int later(int a, int b) const {
+    const auto turn = [&](int at) {
+      return std::pair(places_.turn(places_.tile[to_size(at)]), places_.window(at));
+    };
+    return turn(a) == turn(b) ? -1 : turn(a) > turn(b) ? a : b;
+  }
+
+  const DiskStructure& disks_;
+  const Places& places_;
+  std::vector<int> start_;
+  std::vector<Owned> owned_;
+};
+
+class BlockWriter {
+ public:
+  BlockWriter(const Owners& owners, BodyBlocks& out) : owners_(owners), out_(out) {}
+
+  void begin_tile() { out_.first_block.push_back(static_cast<int>(out_.blocks.size())); }
+  void write_block(int row, const std::vector<int>& bodies, int window) {
+    BodyBlock block;
+    block.row = row_offset(row);
+    block.first = out_.tiles.num_batches();
+    for (int k = 0; k < owners_.count(bodies.front()); ++k) {
+      int used = 0;
+      for (const int at : bodies) used += k < owners_.count(at) ? 1 : 0;
+      if (used < kLeastLanes) {
+        for (const int at : bodies) {
+          for (int n = k; n < owners_.count(at); ++n) loose_.push_back({owners_(at, n), window});
+        }
+        break;
+      }
+      begin_batch(row);
+      others_.clear();
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const auto at = to_size(kRowOfLane[lane]);
+        if (at >= bodies.size() || k >= owners_.count(bodies[at])) continue;
+        const Owned& owned = owners_(bodies[at], k);
+        if (std::find(others_.begin(), others_.end(), owned.other) != others_.end()) {
+          loose_.push_back({owned, window});  // no second body twice in a batch
+          continue;
+        }
+        put(lane, owned);
+        if (owned.other >= 0) others_.push_back(owned.other);
+      }
+    }
+    block.loose = out_.tiles.num_batches();
+    out_.blocks.push_back(block);
+  }
+  /// Loose contacts after the last block: full batches, and those that have waited.
+  void write_loose(int window, bool last) {
+    std::size_t done = 0;
+    while (done < loose_.size() &&
+           (last || loose_.size() - done >= kLanes || window - loose_[done].window >= kPatience)) {
+      begin_batch(-1);
+      for (int lane = 0; lane < kLanes && done < loose_.size(); ++lane, ++done) {
+        put(lane, loose_[done].owned);
+      }
+    }
+    loose_.erase(loose_.begin(), loose_.begin() + static_cast<std::ptrdiff_t>(done));
+  }
+  void end() {
+    BodyBlock end;
+    end.first = end.loose = out_.tiles.num_batches();
+    out_.first_block.push_back(static_cast<int>(out_.blocks.size()));
+    out_.blocks.push_back(end);
+  }
+
+ private:
+  struct Loose {
+    Owned owned;
+    int window;
+  };
+  void begin_batch(int block_row) {
+    out_.tiles.contact.resize(out_.tiles.contact.size() + kLanes, -1);
+    out_.tiles.block_row.push_back(block_row);
+  }
+  void put(int lane, const Owned& owned) {
+    out_.tiles.contact[out_.tiles.contact.size() - kLanes + to_size(lane)] = owned.contact;
+  }
+
+  const Owners& owners_;
+  BodyBlocks& out_;
+  std::vector<Loose> loose_;
+  std::vector<int> others_;  // second bodies of a batch
+};
+
+}  // namespace
+
+BodyBlocks block_contacts(const DiskStructure& disks) {
+  BodyBlocks out;
+  const Places places(disks);
+  const Owners owners(disks, places);
+  const int bodies = disks.surroundings();
+  std::vector<int> at_row(to_size(bodies));  // row of each position
+  out.tiles.outside_rows = kLanes;
+  out.tiles.contact.reserve(disks.contacts.size() + disks.contacts.size() / 4);
+  BlockWriter writer(owners, out);
+  std::vector<int> window, block;
+  for (int t = 0; t < places.num_tiles(); ++t) {
+    const int first = places.starts[to_size(t)], last = places.starts[to_size(t) + 1];
+    ContactTiles::Tile tile;
+    tile.first_row = out.tiles.num_rows;
+    tile.first_batch = out.tiles.num_batches();
+    writer.begin_tile();
+    int row = tile.first_row;
+    for (int begin = first, w = 0; begin < last; begin += kWindowBodies, ++w) {
+      const int end = std::min(last, begin + kWindowBodies);
+      window.clear();
+      for (int at = begin; at < end; ++at) window.push_back(at);
+      std::stable_sort(window.begin(), window.end(),
+                       [&](int a, int b) { return owners.count(a) > owners.count(b); });
+      for (std::size_t k = 0; k < window.size(); k += kLanes, row += kLanes) {
+        block.assign(window.begin() + static_cast<std::ptrdiff_t>(k),
+                     window.begin() +
+                         static_cast<std::ptrdiff_t>(std::min(window.size(), k + to_size(kLanes))));
+        for (std::size_t n = 0; n < block.size(); ++n) {
+          at_row[to_size(block[n])] = row + static_cast<int>(n);
+        }
+        writer.write_block(row, block, w);
+      }
+      writer.write_loose(w, end == last);
+    }
+    tile.last_row = out.tiles.num_rows = row + kLanes;
+    tile.last_batch = out.tiles.num_batches();
+    out.tiles.tiles.push_back(tile);
+  }
+  writer.end();
+  out.tiles.row.resize(to_size(bodies));
+  for (int body = 0; body < bodies; ++body) {
+    out.tiles.row[to_size(body)] = at_row[to_size(places.position[to_size(body)])];
+  }
+  return out;
+}
+
+}  // namespace bipot

@@ -1,0 +1,114 @@
+#include "solvers/disks/deflated_sweep.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/parallel.h"
+
+namespace bipot {
+namespace {
+
+/// Iterations until it is looked at whether other contacts carry stresses now.
+constexpr int kRenewal = 20;
+
+double sum(const double (&parts)[4]) { return (parts[0] + parts[1]) + (parts[2] + parts[3]); }
+
+}  // namespace
+
+DeflatedSweep::DeflatedSweep(SymmetricSweep<2>& sweep, const DiskStructure& disks,
+                             const Execution& options)
+    : sweep_(sweep),
+      options_(options),
+      kernels_(stress_kernels(options.path)),
+      modes_(sweep.disks(), disks),
+      mass_(to_size(sweep.disks().num_rows())),
+      direction_(mass_.size()),
+      stress_(mass_.size()),
+      momentum_(mass_.size()),
+      sums_((mass_.size() + kPieceItems - 1) / kPieceItems) {
+  for (std::size_t row = 0; row < mass_.size(); ++row) {
+    for (int k = 0; k < 4; ++k) {
+      const double inverse = sweep.disks().inverse()[row].value[k];
+      mass_[row].value[k] = inverse > 0 ? 1 / inverse : 0;
+    }
+  }
+}
+
+bool DeflatedSweep::reset(const Vector& s) {
+  sweep_.reset(s);
+  std::fill(direction_.begin(), direction_.end(), BodyRow{});
+  pp_ = 0;
+  at_ = sweep_.sweep();
+  std::fill(at_.spare.begin(), at_.spare.end(), ImpulseBatch<2>{});
+  since_renewal_ = 0;
+  carried_ = modes_.renew(at_.swept);
+  return carried_;
+}
+
+const Vector& DeflatedSweep::impulse() {
+  sweep_.disks().unpack(at_.swept, s_);
+  return s_;
+}
+
+bool DeflatedSweep::iterate() {
+  if (!carried_) return false;
+  const DiskTiles<2>& disks = sweep_.disks();
+  const auto& tile = disks.tile(0);
+  const int batches = disks.num_batches(), rows = disks.num_rows();
+  std::fill(stress_.begin(), stress_.end(), BodyRow{});
+  kernels_.rates({batches, disks.contacts(tile), disks.law_numbers(tile), disks.laws(),
+                  modes_.share(), at_.swept_velocity.data(), stress_.data()});
+  if (!modes_.relax(stress_)) return false;
+  std::fill(momentum_.begin(), momentum_.end(), BodyRow{});
+  LoadSums load;
+  kernels_.impulse(
+      {batches, disks.contacts(tile), disks.law_numbers(tile), disks.laws(), modes_.share(),
+       stress_.data(), at_.y.data(), at_.swept.data(), momentum_.data()},
+      load);
+  run_pieces(options_.threads, rows, [&](int first, int last) {
+    kernels_.conjugate(
+        {last - first, disks.inverse() + first, mass_.data() + first, momentum_.data() + first,
+         at_.velocity.data() + first, direction_.data() + first, at_.swept_velocity.data() + first},
+        sums_[to_size(first / kPieceItems)]);
+  });
+  double yz = 0, zz = 0, zp = 0;
+  for (const ConjugateSums& part : sums_) {
+    yz += sum(part.yz);
+    zz += sum(part.zz);
+    zp += sum(part.zp);
+  }
+  for (const double lane : load.load) yz += lane;  // now g·z
+
+  // y = y⁻ + alpha⁻ p⁻ with p⁻ = z⁻ + beta⁻ p⁻⁻: g·z⁻ from the products before. The direction before is
+  // conjugate: g·p⁻ = 0.
+  double beta = 0;
+  if (pp_ > 0) {
+    const double before = gz_ + alpha_ * (zz_ + beta_ * zp_);
+    beta = std::max(0.0, (yz - before) / gz_);
+  }
+  const double pp = zz + beta * (2 * zp + beta * pp_), alpha = -yz / pp;
+  if (!(pp > 0) || !std::isfinite(alpha) || !std::isfinite(beta)) return false;
+  zz_ = zz;
+  zp_ = zp;
+  pp_ = pp;
+  gz_ = yz;
+  alpha_ = alpha;
+  beta_ = beta;
+
+  run_pieces(options_.threads, rows, [&](int first, int last) {
+    kernels_.follow_rows({last - first, alpha, beta, at_.swept_velocity.data() + first,
+                          direction_.data() + first, at_.velocity.data() + first});
+  });
+  run_pieces(options_.threads, batches, [&](int first, int last) {
+    kernels_.follow({last - first, alpha, beta, at_.swept.data() + first, at_.spare.data() + first,
+                     at_.y.data() + first});
+  });
+  at_ = sweep_.sweep();
+  if (++since_renewal_ == kRenewal) {
+    since_renewal_ = 0;
+    carried_ = modes_.renew(at_.swept);  // else the next iteration says so: this one is done
+  }
+  return true;
+}
+
+}  // namespace bipot

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "solvers/disks/disk_kernels.h"
+#include "solvers/disks/stress_kernels.h"
+
+namespace bipot {
+
+/// One instantiation of disk_kernel_body.h and stress_kernel_body.h, compiled for one set of
+/// instructions.
+struct DiskKernelTable {
+  DiskKernels<1> one;
+  DiskKernels<2> two;
+  StressKernels stress;
+};
+extern const DiskKernelTable kPortableDiskKernels;
+extern const DiskKernelTable kAvx2DiskKernels;
+extern const DiskKernelTable kAvx512DiskKernels;
+
+}  // namespace bipot

@@ -1,0 +1,151 @@
+#pragma once
+
+#include "core/base/execution.h"
+
+namespace bipot {
+
+/// Values of one body: x, a ω, y and one that is not used. In this order a single instruction
+/// (addsub) subtracts x and y and adds a ω.
+struct alignas(32) BodyRow {
+  double value[4] = {0, 0, 0, 0};
+};
+inline constexpr int kRowX = 0, kRowSpin = 1, kRowY = 2, kRowLast = 3;
+
+/// Where a row stands, in bytes behind the first one.
+inline unsigned row_offset(int row) {
+  return static_cast<unsigned>(sizeof(BodyRow)) * static_cast<unsigned>(row);
+}
+
+/// The wrench map of kLanes contacts of disks (core/problem/disk_structure.h) in variables that the
+/// caller has scaled: with the bodies' rows v,
+///
+///     w_n = g·(V_i - V_j) + b_n,     w_t = ratio g x (V_i - V_j) - spin (w_i + w_j) + b_t.
+///
+/// A lane without a contact has g = spin = b = 0 and the surroundings as both bodies.
+template <int D>
+struct alignas(64) ContactBatch {
+  unsigned i[kLanes], j[kLanes];  ///< rows, counted in bytes: see row_offset()
+  double gx[kLanes], gy[kLanes];
+  double spin[kLanes];
+  double b[static_cast<unsigned>(D)][kLanes];
+};
+/// Impulses of a batch in the scaled variables.
+template <int D>
+struct alignas(64) ImpulseBatch {
+  double x[static_cast<unsigned>(D)][kLanes] = {};
+};
+/// What contacts of the same materials share: few of these serve all batches.
+struct alignas(64) LawBatch {
+  double ratio[kLanes] = {};
+  double mu[kLanes] = {};
+  double cone[kLanes] = {};  ///< 1 / (1 + mu²)
+};
+
+/// One sweep of projected Gauss-Seidel over the batches of a tile:
+/// x_n <- max(0, x_n - ω w_n), x_t <- x_t - ω w_t cut off at mu x_n, velocities after each batch.
+template <int D>
+struct SweepTask {
+  int batches = 0;
+  bool ask_ahead = false;  ///< for what is streamed: it is not in the core's own cache
+  double omega = 1;
+  const ContactBatch<D>* contact = nullptr;
+  const int* law = nullptr;  ///< of each batch
+  const LawBatch* laws = nullptr;
+  ImpulseBatch<D>* impulse = nullptr;
+  BodyRow* velocity = nullptr;       ///< all rows
+  const BodyRow* inverse = nullptr;  ///< all rows: 1/m, a²/I, 1/m, 0
+};
+
+/// kLanes rows that follow each other, and batches whose lanes have one of these as their first body
+/// each (body_blocks.h: which one); then batches with any bodies, up to the next block's.
+struct BodyBlock {
+  unsigned row = 0;          ///< offset of the first one
+  int first = 0, loose = 0;  ///< batches
+};
+/// The row in a block of the body of each lane: this makes pairs of rows that kernels of eight lanes
+/// transpose by the fewest shuffles.
+inline constexpr int kRowOfLane[kLanes] = {0, 2, 1, 3, 4, 6, 5, 7};
+/// Blocks whose rows a step of the gradient begins before their contacts: these may touch all of them.
+inline constexpr int kWindowBlocks = 4;
+
+/// One step of an accelerated projected gradient over blocks, windows after each other: velocities of
+/// their bodies at the extrapolated momentum, then x⁺ = P(y - w(y)) with y = x + beta (x - x⁻), added
+/// to the next momentum. Of all bodies elsewhere that these contacts touch the velocities are there and
+/// the next momenta begun. P: solvers/methods/accelerated_gradient.h.
+template <int D>
+struct GradientTask {
+  const BodyBlock *begin = nullptr, *end = nullptr;  ///< windows; there is one more at the end
+  bool ask_ahead = false;
+  bool cone = false;
+  double beta = 0;
+  // Of all batches and rows.
+  const ContactBatch<D>* contact = nullptr;
+  const int* law = nullptr;
+  const LawBatch* laws = nullptr;
+  const ImpulseBatch<D>*now = nullptr, *before = nullptr;  ///< x, x⁻
+  ImpulseBatch<D>* next = nullptr;                         ///< x⁺, may be `before`
+  // The value that rows do not use otherwise says the inverse: 1/m in a velocity, a²/I in a momentum.
+  // Rows for it would be another fifth of what bodies stream.
+  const BodyRow *momentum = nullptr, *momentum_before = nullptr;  ///< of x, x⁻
+  BodyRow* velocity = nullptr;
+  BodyRow* next_momentum = nullptr;  ///< of x⁺, may be that of x⁻
+};
+/// Partial sums of one tile, lane by lane: to be added in a fixed order.
+struct alignas(64) GradientSums {
+  double along[kLanes] = {};    ///< (x - x⁻)·(x⁺ - x)
+  double change2[kLanes] = {};  ///< ‖x⁺ - x‖²
+  double energy[8] = {};  ///< ‖momentum - momentum before‖² in 1/mass, of two rows at once
+};
+
+/// Velocities of y = x + beta (x - x⁻), which are linear in the impulses: `before` of x⁻ becomes
+/// now + beta (now - before).
+struct ExtrapolationTask {
+  int rows = 0;
+  bool ask_ahead = false;
+  double beta = 0;
+  const BodyRow* now = nullptr;
+  BodyRow* before = nullptr;
+};
+
+/// A sweep forth or back of symmetric Gauss-Seidel with momentum over some of the batches, all of
+/// which the lists hold. `next` is updated in place, but that the first sweep forth starts from
+/// y = x + beta (x - x⁻) and writes it. Velocities after each batch.
+template <int D>
+struct SymmetricTask {
+  int first_batch = 0, last_batch = 0;  ///< half open
+  bool outer = true;       ///< the first sweep forth of an iteration, the last sweep back
+  bool ask_ahead = false;  ///< for lists, and rows in a sweep back
+  double beta = 0, omega = 1;
+  const ContactBatch<D>* contact = nullptr;
+  const int* law = nullptr;
+  const LawBatch* laws = nullptr;
+  const ImpulseBatch<D>*now = nullptr, *before = nullptr;  ///< x, x⁻
+  ImpulseBatch<D>* next = nullptr;                         ///< x⁺
+  BodyRow* velocity = nullptr;                             ///< all rows
+  const BodyRow* inverse = nullptr;                        ///< all rows
+  /// Row offsets, one a line of the cache, that a sweep back comes to after these batches.
+  const unsigned* coming = nullptr;
+  int num_coming = 0;
+};
+/// Partial sums lane by lane of (y - x⁺)·(x⁺ - x).
+struct alignas(64) TurnSums {
+  double turn[kLanes] = {};
+};
+
+template <int D>
+struct DiskKernels {
+  void (*sweep)(const SweepTask<D>& task);
+  void (*gradient)(const GradientTask<D>& task, GradientSums& sums);
+  void (*extrapolate_velocity)(const ExtrapolationTask& task);
+  void (*sweep_forth)(const SymmetricTask<D>& task);
+  /// Adds to the sums where it is the last one.
+  void (*sweep_back)(const SymmetricTask<D>& task, TurnSums& sums);
+};
+
+/// The kernels of one path. Every path gives the same bits: a lane does the same operations in the
+/// same order, products and sums are never contracted, and each lane has its own partial sum.
+/// Throws std::invalid_argument for a path that this machine does not have.
+template <int D>
+const DiskKernels<D>& disk_kernels(SimdPath path);
+
+}  // namespace bipot

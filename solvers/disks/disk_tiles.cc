@@ -1,0 +1,236 @@
+#include "solvers/disks/disk_tiles.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "core/base/large_pages.h"
+
+namespace bipot {
+namespace {
+
+constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
+constexpr std::size_t kDeepest = 16;
+constexpr std::size_t kMostPlaces = 4;  // of a wave
+
+/// Bytes of a cache as the system says, `otherwise` where it does not. What follows from it decides
+/// what runs when, and changes no bit.
+std::size_t cache_bytes(int level, std::size_t otherwise) {
+  long bytes = 0;
+#if defined(_SC_LEVEL2_CACHE_SIZE) && defined(_SC_LEVEL3_CACHE_SIZE)
+  bytes = sysconf(level == 2 ? _SC_LEVEL2_CACHE_SIZE : _SC_LEVEL3_CACHE_SIZE);
+#endif
+  return bytes > 0 ? static_cast<std::size_t>(bytes) : otherwise;
+}
+
+/// The cache of one core.
+std::size_t own_cache() {
+  static const std::size_t bytes = cache_bytes(2, std::size_t{1} << 20);
+  return bytes;
+}
+
+/// A quarter of the next one, which others use too but which is several times as fast as memory; half
+/// of it serves two threads. Where
+/// several of them serve a processor, the system may tell their sum: 32 MiB are common for one.
+std::size_t shared_cache() {
+  static const std::size_t bytes = std::min(cache_bytes(3, 0), std::size_t{32} << 20) / 4;
+  return bytes;
+}
+
+/// Gives numbers that are equal to rounding the same bits: those of the first of them.
+class Snap {
+ public:
+  double operator()(double x) {
+    for (const double known : known_) {
+      if (std::abs(x - known) <= kRounding * std::abs(known)) return known;
+    }
+    if (known_.size() < kMost) known_.push_back(x);
+    return x;
+  }
+
+ private:
+  static constexpr std::size_t kMost = 16;  // beyond, numbers stay as they are
+  std::vector<double> known_;
+};
+
+}  // namespace
+
+template <int D>
+DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
+                        const ContactScaling& scaling, ContactTiles tiles)
+    : tiles_(std::move(tiles)),
+      impulse_scale_(large_copy(scaling.impulse)),
+      velocity_scale_(large_copy(scaling.velocity)),
+      contacts_(to_size(tiles_.num_batches()) + 1),
+      law_(to_size(tiles_.num_batches())),
+      inverse_(to_size(tiles_.num_rows)) {
+  for (int body = 0; body < disks.surroundings(); ++body) {
+    const DiskStructure::Body& from = disks.bodies[to_size(body)];
+    BodyRow& inverse = inverse_[to_size(tiles_.row[to_size(body)])];
+    inverse.value[kRowX] = inverse.value[kRowY] = from.inverse_mass;
+    inverse.value[kRowSpin] = from.inverse_inertia;
+  }
+  Snap snap_ratio, snap_mu;
+  for (const Tile& tile : tiles_.tiles) {
+    for (int batch = tile.first_batch; batch < tile.last_batch; ++batch) {
+      ContactBatch<D>& to = contacts_[to_size(batch)];
+      LawBatch law;
+      for (int lane = 0; lane < kLanes; ++lane) {
+        const int c = tiles_.contact[to_size(batch * kLanes + lane)];
+        const unsigned outside = row_offset(tile.last_row - 1 - lane % tiles_.outside_rows);
+        const int own = tiles_.first_body_row(batch, lane);
+        to.i[lane] = own >= 0 ? row_offset(own) : outside;
+        to.j[lane] = outside;
+        to.gx[lane] = to.gy[lane] = to.spin[lane] = 0;
+        for (int k = 0; k < D; ++k) to.b[k][lane] = 0;
+        // An empty lane takes the law of its neighbour: one LawBatch less.
+        if (c < 0) {
+          law.ratio[lane] = law.ratio[0];
+          law.mu[lane] = law.mu[0];
+          law.cone[lane] = law.cone[0];
+          continue;
+        }
+        const DiskStructure::Contact& from = disks.contacts[to_size(c)];
+        const double normal = from.normal * scaling.velocity[c * D];
+        to.i[lane] = row_offset(tiles_.row[to_size(from.i)]);
+        if (from.j != disks.surroundings()) {
+          to.j[lane] = row_offset(tiles_.row[to_size(from.j)]);
+        }
+        to.gx[lane] = normal * from.n[0];
+        to.gy[lane] = normal * from.n[1];
+        if (own >= 0 && to.i[lane] != row_offset(own)) {
+          std::swap(to.i[lane], to.j[lane]);
+          to.gx[lane] = -to.gx[lane];
+          to.gy[lane] = -to.gy[lane];
+        }
+        for (int k = 0; k < D; ++k) {
+          to.b[k][lane] = scaling.velocity[c * D + k] * p.u_free[c * D + k];
+        }
+        if constexpr (D == 2) {
+          to.spin[lane] = from.tangential * scaling.velocity[c * D + 1];
+          law.ratio[lane] = snap_ratio(to.spin[lane] / normal);
+        }
+        law.mu[lane] = snap_mu(scaling.mu[c]);
+        law.cone[lane] = 1 / (1 + law.mu[lane] * law.mu[lane]);
+      }
+      law_[to_size(batch)] = law_number(law);
+    }
+  }
+}
+
+/// The number of an equal LawBatch among the last ones, or of a new one.
+template <int D>
+int DiskTiles<D>::law_number(const LawBatch& law) {
+  constexpr std::size_t kLook = 32;
+  for (std::size_t k = laws_.size(); k > 0 && k + kLook > laws_.size(); --k) {
+    if (std::memcmp(&laws_[k - 1], &law, sizeof(LawBatch)) == 0) return static_cast<int>(k) - 1;
+  }
+  laws_.push_back(law);
+  return static_cast<int>(laws_.size()) - 1;
+}
+
+template <int D>
+void DiskTiles<D>::rescale(double factor) {
+  for (ContactBatch<D>& batch : contacts_) {
+    for (int lane = 0; lane < kLanes; ++lane) {
+      batch.gx[lane] *= factor;
+      batch.gy[lane] *= factor;
+      batch.spin[lane] *= factor;
+      for (int k = 0; k < D; ++k) batch.b[k][lane] *= factor;
+    }
+  }
+  velocity_scale_ *= factor;
+  impulse_scale_ /= factor;
+}
+
+template <int D>
+void DiskTiles<D>::pack(const Vector& s, std::span<ImpulseBatch<D>> x) const {
+  for (int lane = 0; lane < num_batches() * kLanes; ++lane) {
+    const int c = contact(lane);
+    for (int k = 0; k < D; ++k) {
+      x[to_size(lane / kLanes)].x[k][lane % kLanes] =
+          c < 0 ? 0 : impulse_scale_[c * D + k] * s[c * D + k];
+    }
+  }
+}
+
+template <int D>
+void DiskTiles<D>::push(std::span<const ImpulseBatch<D>> x, std::span<BodyRow> momentum) const {
+  std::fill(momentum.begin(), momentum.end(), BodyRow{});
+  for (int batch = 0; batch < num_batches(); ++batch) {
+    const ContactBatch<D>& contact = contacts_[to_size(batch)];
+    const LawBatch& law = laws_[to_size(law_[to_size(batch)])];
+    const ImpulseBatch<D>& impulse = x[to_size(batch)];
+    for (int lane = 0; lane < kLanes; ++lane) {
+      const double normal = impulse.x[0][lane];
+      double px = contact.gx[lane] * normal, py = contact.gy[lane] * normal, spin = 0;
+      if constexpr (D == 2) {
+        const double tangential = law.ratio[lane] * impulse.x[1][lane];
+        px -= contact.gy[lane] * tangential;
+        py += contact.gx[lane] * tangential;
+        spin = contact.spin[lane] * impulse.x[1][lane];
+      }
+      double* const i = momentum[contact.i[lane] / sizeof(BodyRow)].value;
+      double* const j = momentum[contact.j[lane] / sizeof(BodyRow)].value;
+      i[kRowX] += px;
+      i[kRowY] += py;
+      i[kRowSpin] -= spin;
+      j[kRowX] -= px;
+      j[kRowY] -= py;
+      j[kRowSpin] -= spin;
+    }
+  }
+}
+
+template <int D>
+void DiskTiles<D>::velocities(std::span<const ImpulseBatch<D>> x,
+                              std::span<BodyRow> velocity) const {
+  push(x, velocity);
+  for (std::size_t row = 0; row < velocity.size(); ++row) {
+    for (int k = 0; k < 4; ++k) velocity[row].value[k] *= inverse_[row].value[k];
+  }
+}
+
+template <int D>
+void DiskTiles<D>::unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const {
+  if (s.size() != impulse_scale_.size()) s = large_vector(impulse_scale_.size());
+  for (int batch = 0; batch < num_batches(); ++batch) {
+    for (int lane = batch * kLanes; lane < (batch + 1) * kLanes; ++lane) {
+      if (contact(lane) >= 0) s.template segment<D>(contact(lane) * D) = impulse(x, lane);
+    }
+  }
+}
+
+template <int D>
+std::size_t DiskTiles<D>::in_all(Streamed bytes) const {
+  return to_size(num_batches()) * bytes.batch + to_size(num_rows()) * bytes.row;
+}
+
+template <int D>
+bool DiskTiles<D>::asks_ahead(Streamed bytes) const {
+  return in_all(bytes) > std::max(own_cache(), shared_cache());
+}
+
+template <int D>
+Pipeline DiskTiles<D>::pipeline(int threads, Streamed bytes) const {
+  const std::size_t team = to_size(std::max(threads, 1));
+  const std::size_t all = in_all(bytes);
+  if (all <= own_cache() * team) return {};
+  // What comes from the shared cache anyway gains by iterations in the core's own one only.
+  const std::size_t share = std::min(shared_cache(), 2 * shared_cache() / team);
+  const std::size_t cache = all <= shared_cache() ? own_cache() : std::max(own_cache(), share);
+  const std::size_t tile = std::max<std::size_t>(all / to_size(num_tiles()), 1);
+  const std::size_t places = std::clamp<std::size_t>(own_cache() / tile, 2, kMostPlaces);
+  const std::size_t others = places - 1;  // beside one of each iteration
+  const std::size_t depth = std::clamp(cache / tile, 2 + others, kDeepest + others) - others;
+  return {static_cast<int>(depth), static_cast<int>(places)};
+}
+
+template class DiskTiles<1>;
+template class DiskTiles<2>;
+
+}  // namespace bipot

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/base/large_pages.h"
+#include "core/problem/contact_problem.h"
+#include "core/problem/disk_structure.h"
+#include "solvers/disks/contact_tiles.h"
+#include "solvers/disks/disk_kernels.h"
+#include "solvers/disks/wavefront.h"
+#include "solvers/kernels/contact_scaling.h"
+
+namespace bipot {
+
+/// A problem of disks packed for the vector kernels, tile by tile: 64 bytes a contact and 32 a body
+/// that never change. Lists of kernels' own values are indexed by batch and by row.
+template <int D>
+class DiskTiles {
+ public:
+  /// `scaling`: the variables x = impulse ∘ s of the kernels. Ratios and friction coefficients that
+  /// are equal to rounding (16 ε) are taken as equal, so that few LawBatch serve all.
+  DiskTiles(const ContactProblem& problem, const DiskStructure& disks,
+            const ContactScaling& scaling)
+      : DiskTiles(problem, disks, scaling, tile_contacts(disks)) {}
+  /// The same in other tiles.
+  DiskTiles(const ContactProblem& problem, const DiskStructure& disks,
+            const ContactScaling& scaling, ContactTiles tiles);
+
+  using Tile = ContactTiles::Tile;
+  int num_tiles() const { return static_cast<int>(tiles_.tiles.size()); }
+  const Tile& tile(int t) const { return tiles_.tiles[to_size(t)]; }
+  int num_rows() const { return tiles_.num_rows; }
+  int num_batches() const { return tiles_.num_batches(); }
+
+  const ContactBatch<D>* contacts() const { return contacts_.data(); }
+  const ContactBatch<D>* contacts(const Tile& t) const {
+    return &contacts_[to_size(t.first_batch)];
+  }
+  const int* law_numbers() const { return law_.data(); }
+  const int* law_numbers(const Tile& t) const { return &law_[to_size(t.first_batch)]; }
+  const LawBatch* laws() const { return laws_.data(); }
+  const BodyRow* inverse() const { return inverse_.data(); }
+  int row(int body) const { return tiles_.row[to_size(body)]; }
+  /// The contact in a lane, kLanes a batch; -1: none.
+  int contact(int lane) const { return tiles_.contact[to_size(lane)]; }
+  /// s of the contact in a lane.
+  Eigen::Matrix<double, D, 1> impulse(std::span<const ImpulseBatch<D>> x, int lane) const {
+    const int c = contact(lane);
+    Eigen::Matrix<double, D, 1> s;
+    for (int k = 0; k < D; ++k) {
+      s[k] = x[to_size(lane / kLanes)].x[k][lane % kLanes] * velocity_scale_[c * D + k];
+    }
+    return s;
+  }
+
+  /// Variables that are `factor` times smaller from now on: x, the impulses of this packing, too.
+  void rescale(double factor);
+
+  /// x = impulse ∘ s into the lanes.
+  void pack(const Vector& s, std::span<ImpulseBatch<D>> x) const;
+  /// Σ ± g x into the rows.
+  void push(std::span<const ImpulseBatch<D>> x, std::span<BodyRow> momentum) const;
+  /// The same times inverse().
+  void velocities(std::span<const ImpulseBatch<D>> x, std::span<BodyRow> velocity) const;
+  /// s = x / impulse.
+  void unpack(std::span<const ImpulseBatch<D>> x, Vector& s) const;
+
+  /// Bytes that an iteration streams, for each batch and for each row.
+  struct Streamed {
+    std::size_t batch, row;
+  };
+  /// Whether they come from so far that they should be asked for ahead. Nearer by, asking costs more
+  /// than it saves.
+  bool asks_ahead(Streamed bytes) const;
+  /// What fits the caches.
+  Pipeline pipeline(int threads, Streamed bytes) const;
+
+ private:
+  int law_number(const LawBatch& law);
+  std::size_t in_all(Streamed bytes) const;
+
+  ContactTiles tiles_;
+  Vector impulse_scale_, velocity_scale_;
+  LargeVector<ContactBatch<D>> contacts_;
+  std::vector<int> law_;
+  std::vector<LawBatch> laws_;
+  LargeVector<BodyRow> inverse_;
+};
+
+}  // namespace bipot

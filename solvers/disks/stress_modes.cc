@@ -1,0 +1,355 @@
+#include "solvers/disks/stress_modes.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "solvers/disks/disk_positions.h"
+
+namespace bipot {
+namespace {
+
+/// Mean diameters along a cell of the grid. From 8 to 16 iterations hardly change; fewer nodes are
+/// cheaper.
+constexpr double kCellDiameters = 12;
+/// Largest arms along a cell: all neighbours of a body are then in two cells each way.
+constexpr double kCellArms = 4.2;
+/// Cells from the first body to where numbers of cells end.
+constexpr double kFarthest = 1e8;
+/// Bodies of a packing that has stresses: less than a cell's worth is in balance at once.
+constexpr int kFewestCompanions = 400;
+/// Keeps PᵀWP definite where stresses move no body, as a uniform one in a packing without walls.
+constexpr double kShift = 1e-10;
+/// The part of what the stresses gain that the shift may have.
+constexpr double kIdle = 0.1;
+
+/// One contact in so many may carry stresses where it should not, or not where it should.
+constexpr std::size_t kUnchanged = 100;
+
+constexpr int kPatch = 3;  ///< nodes each way around a body and its neighbours
+constexpr int kReach = 2;  ///< nodes between two that the same body joins
+
+int stencil(int dx, int dy) { return dx + kReach + (2 * kReach + 1) * (dy + kReach); }
+
+/// Where a row has σ_xx, σ_xy, σ_yy, or their rates.
+constexpr int kSlots[] = {kRowX, kRowSpin, kRowY};
+
+int row_at(unsigned offset) { return static_cast<int>(offset / sizeof(BodyRow)); }
+
+bool is_fixed(const DiskTiles<2>& tiles, int row) { return tiles.inverse()[row].value[kRowX] == 0; }
+
+}  // namespace
+
+std::array<double, 4> StressModes::Place::weights() const {
+  const double fx = x, fy = y;
+  return {(1 - fx) * (1 - fy), fx * (1 - fy), (1 - fx) * fy, fx * fy};
+}
+
+StressModes::StressModes(const DiskTiles<2>& tiles, const DiskStructure& disks)
+    : tiles_(tiles), place_(to_size(tiles.num_rows())), share_(to_size(tiles.num_batches())) {
+  place_bodies(disks);
+  list_contacts();
+  set_pattern();
+}
+
+/// Cells and nodes of the grid, those that bodies need, in ascending order.
+void StressModes::place_bodies(const DiskStructure& disks) {
+  const int bodies = disks.surroundings();
+  double sum = 0, largest = 0;
+  int touching = 0;  // bodies without contacts have no arm
+  for (int k = 0; k < bodies; ++k) {
+    const double arm = std::abs(disks.bodies[to_size(k)].arm);  // negative in a hollow drum
+    sum += arm;
+    largest = std::max(largest, arm);
+    if (arm > 0) ++touching;
+  }
+  const double cell =
+      std::max(2 * kCellDiameters * sum / std::max(touching, 1), kCellArms * largest);
+  if (!(cell > 0) || !std::isfinite(cell)) return;
+  const DiskPositions positions = disk_positions(disks, 2 * cell);
+  std::vector<Node> corner(to_size(bodies)), cells;  // the first of each cell
+  for (int k = 0; k < bodies; ++k) {
+    if (positions.companions[to_size(k)] < kFewestCompanions) continue;
+    const Vec2 at = positions.centre[to_size(k)] / cell;
+    const double x = std::floor(at.x()), y = std::floor(at.y());
+    if (!(std::max(std::abs(x), std::abs(y)) < kFarthest)) continue;
+    corner[to_size(k)] = {static_cast<int>(x), static_cast<int>(y)};
+    Place& place = place_[to_size(tiles_.row(k))];
+    place.cell = 0;
+    place.x = static_cast<float>(at.x() - x);
+    place.y = static_cast<float>(at.y() - y);
+    // Bodies come along the packing, mostly several of one cell behind each other.
+    if (cells.empty() || cells.back() != corner[to_size(k)]) cells.push_back(corner[to_size(k)]);
+  }
+  const auto make_unique = [](std::vector<Node>& list) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  };
+  const auto find = [](const std::vector<Node>& list, Node node) {
+    return static_cast<int>(std::lower_bound(list.begin(), list.end(), node) - list.begin());
+  };
+  make_unique(cells);
+  for (const Node& c : cells) {
+    for (const int dy : {0, 1}) {
+      for (const int dx : {0, 1}) nodes_.push_back({c.x + dx, c.y + dy});
+    }
+  }
+  make_unique(nodes_);
+  for (const Node& c : cells) {
+    cells_.push_back({find(nodes_, c), find(nodes_, {c.x + 1, c.y}), find(nodes_, {c.x, c.y + 1}),
+                      find(nodes_, {c.x + 1, c.y + 1})});
+  }
+  for (int k = 0; k < bodies; ++k) {
+    Place& place = place_[to_size(tiles_.row(k))];
+    if (place.cell == 0) place.cell = find(cells, corner[to_size(k)]);
+  }
+}
+
+/// The contacts of each row that may carry. Where neighbours of a body are not in two cells each way,
+/// as in packings that come back to themselves through a periodic side, its contacts may not.
+void StressModes::list_contacts() {
+  const int rows = tiles_.num_rows();
+  const ContactBatch<2>* const contacts = tiles_.contacts(tiles_.tile(0));
+  const auto each_lane = [&](auto&& visit) {
+    for (int lane = 0; lane < tiles_.num_batches() * kLanes; ++lane) {
+      if (tiles_.contact(lane) < 0) continue;
+      const ContactBatch<2>& c = contacts[lane / kLanes];
+      visit(lane, row_at(c.i[lane % kLanes]), row_at(c.j[lane % kLanes]));
+    }
+  };
+  const auto corner = [&](int row) {
+    return nodes_[to_size(cells_[to_size(place_[to_size(row)].cell)][0])];
+  };
+  struct Range {
+    Node low{0, 0}, high{0, 0};
+    void add(Node n) {
+      low = {std::min(low.x, n.x), std::min(low.y, n.y)};
+      high = {std::max(high.x, n.x), std::max(high.y, n.y)};
+    }
+    bool wide() const { return high.x - low.x > 1 || high.y - low.y > 1; }
+  };
+  std::vector<Range> range(to_size(rows));
+  const auto placed = [&](int row) { return place_[to_size(row)].cell >= 0; };
+  for (int row = 0; row < rows; ++row) {
+    if (placed(row)) range[to_size(row)] = {corner(row), corner(row)};
+  }
+  each_lane([&](int, int i, int j) {
+    if (!placed(i) || !placed(j)) return;
+    range[to_size(i)].add(corner(j));
+    range[to_size(j)].add(corner(i));
+  });
+  const auto may_carry = [&](int i, int j) {
+    if (!placed(i) || range[to_size(i)].wide()) return false;
+    return is_fixed(tiles_, j) || (placed(j) && !range[to_size(j)].wide());
+  };
+  first_.assign(to_size(rows) + 1, 0);
+  each_lane([&](int, int i, int j) {
+    if (!may_carry(i, j)) return;
+    ++first_[to_size(i) + 1];
+    if (!is_fixed(tiles_, j)) ++first_[to_size(j) + 1];
+  });
+  for (int row = 0; row < rows; ++row) first_[to_size(row) + 1] += first_[to_size(row)];
+  lane_.resize(to_size(first_.back()));
+  std::vector<int> next(first_.begin(), first_.end() - 1);
+  each_lane([&](int lane, int i, int j) {
+    if (!may_carry(i, j)) return;
+    lane_[to_size(next[to_size(i)]++)] = lane;
+    if (!is_fixed(tiles_, j)) lane_[to_size(next[to_size(j)]++)] = lane;
+  });
+}
+
+void StressModes::set_pattern() {
+  const int nodes = num_nodes();
+  std::vector<int> rows, per_column(to_size(nodes), 0);
+  neighbours_.resize(to_size(nodes));
+  for (int b = 0; b < nodes; ++b) {
+    Neighbours& known = neighbours_[to_size(b)];
+    known.fill(-1);
+    // In the order of the nodes: x before y.
+    for (int dx = -kReach; dx <= kReach; ++dx) {
+      for (int dy = -kReach; dy <= kReach; ++dy) {
+        const Node at{nodes_[to_size(b)].x + dx, nodes_[to_size(b)].y + dy};
+        const auto found = std::lower_bound(nodes_.begin(), nodes_.end(), at);
+        if (found == nodes_.end() || *found != at) continue;
+        known[to_size(stencil(dx, dy))] = per_column[to_size(b)]++;
+        rows.push_back(static_cast<int>(found - nodes_.begin()));
+      }
+    }
+  }
+  matrix_.resize(3 * nodes, 3 * nodes);
+  matrix_.resizeNonZeros(static_cast<Eigen::Index>(9 * rows.size()));
+  int entry = 0, neighbour = 0;
+  for (int b = 0; b < nodes; ++b) {
+    for (int k = 0; k < 3; ++k) {
+      matrix_.outerIndexPtr()[3 * b + k] = entry;
+      for (int n = 0; n < per_column[to_size(b)]; ++n) {
+        for (int r = 0; r < 3; ++r) {
+          matrix_.innerIndexPtr()[entry++] = 3 * rows[to_size(neighbour + n)] + r;
+        }
+      }
+    }
+    neighbour += per_column[to_size(b)];
+  }
+  matrix_.outerIndexPtr()[3 * nodes] = entry;
+}
+
+bool StressModes::renew(std::span<const ImpulseBatch<2>> x) {
+  if (lane_.empty()) return false;
+  const ContactBatch<2>* const contacts = tiles_.contacts(tiles_.tile(0));
+  const int* const law = tiles_.law_numbers(tiles_.tile(0));
+  const auto share_at = [&](int lane) {
+    const int batch = lane / kLanes, at = lane % kLanes;
+    const double normal = x[to_size(batch)].x[0][at], tangential = x[to_size(batch)].x[1][at];
+    const bool within =
+        normal > 0 && std::abs(tangential) < tiles_.laws()[law[batch]].mu[at] * normal;
+    const bool pair = !is_fixed(tiles_, row_at(contacts[batch].j[at]));
+    return !within ? 0 : pair ? 0.5 : 1;
+  };
+  std::size_t changed = 0;
+  for (const int lane : lane_) {
+    if (share_at(lane) != share_[to_size(lane / kLanes)].share[lane % kLanes]) ++changed;
+  }
+  if (factored_ && changed * kUnchanged < lane_.size()) return true;
+  for (const int lane : lane_) {
+    share_[to_size(lane / kLanes)].share[lane % kLanes] = share_at(lane);
+  }
+  assemble();
+  factored_ = factor_.factor(matrix_);
+  return factored_;
+}
+
+void StressModes::assemble() {
+  std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
+  for (int row = 0; row < tiles_.num_rows(); ++row) {
+    if (first_[to_size(row)] == first_[to_size(row) + 1]) continue;
+    const BodyRow& inverse = tiles_.inverse()[row];
+    add_body(row, {inverse.value[kRowX], inverse.value[kRowSpin], inverse.value[kRowY]});
+  }
+  shift_ = kShift * matrix_.diagonal().maxCoeff();
+  for (int k = 0; k < matrix_.rows(); ++k) matrix_.coeffRef(k, k) += shift_;
+}
+
+/// Adds (wrench of P)ᵀ inverse (wrench of P) of one body.
+void StressModes::add_body(int row, const std::array<double, 3>& inverse) {
+  const ContactBatch<2>* const contacts = tiles_.contacts(tiles_.tile(0));
+  const int* const law = tiles_.law_numbers(tiles_.tile(0));
+  const Place& own = place_[to_size(row)];
+  const std::array<double, 4> own_weights = own.weights();
+  const auto cell = [&](const Place& place) -> const Cell& { return cells_[to_size(place.cell)]; };
+  Node low = nodes_[to_size(cell(own)[0])];
+  const auto place_of_other = [&](int lane) -> const Place& {
+    const ContactBatch<2>& c = contacts[lane / kLanes];
+    const int i = row_at(c.i[lane % kLanes]), j = row_at(c.j[lane % kLanes]);
+    return place_[to_size(i == row ? j : i)];
+  };
+  for (int k = first_[to_size(row)]; k < first_[to_size(row) + 1]; ++k) {
+    const Place& other = place_of_other(lane_[to_size(k)]);
+    if (other.cell < 0) continue;  // fixed
+    const Node corner = nodes_[to_size(cell(other)[0])];
+    low = {std::min(low.x, corner.x), std::min(low.y, corner.y)};
+  }
+  // Sums over the contacts of weight n_x, n_y, n_x n_y, n_x² - n_y² for each node around.
+  struct Moments {
+    int node = -1;
+    double x = 0, y = 0, product = 0, difference = 0;
+  };
+  std::array<Moments, kPatch * kPatch> patch;
+  const auto add = [&](const Place& place, const std::array<double, 4>& weights,
+                       const Moments& carried) {
+    const Cell& corners = cell(place);
+    const Node first = nodes_[to_size(corners[0])];
+    for (int k = 0; k < 4; ++k) {
+      Moments& to = patch[to_size(first.x - low.x + k % 2 + kPatch * (first.y - low.y + k / 2))];
+      to.node = corners[to_size(k)];
+      to.x += weights[to_size(k)] * carried.x;
+      to.y += weights[to_size(k)] * carried.y;
+      to.product += weights[to_size(k)] * carried.product;
+      to.difference += weights[to_size(k)] * carried.difference;
+    }
+  };
+  Moments all;
+  for (int k = first_[to_size(row)]; k < first_[to_size(row) + 1]; ++k) {
+    const int lane = lane_[to_size(k)], at = lane % kLanes;
+    const ContactBatch<2>& c = contacts[lane / kLanes];
+    const double share = share_[to_size(lane / kLanes)].share[at];
+    if (share == 0) continue;
+    const double length = tiles_.laws()[law[lane / kLanes]].ratio[at] / c.spin[at];
+    const double nx = length * c.gx[at], ny = length * c.gy[at];
+    const double sign = row_at(c.i[at]) == row ? share : -share;
+    const Moments carried{-1, sign * nx, sign * ny, share * nx * ny, share * (nx * nx - ny * ny)};
+    all.x += carried.x;
+    all.y += carried.y;
+    all.product += carried.product;
+    all.difference += carried.difference;
+    const Place& other = place_of_other(lane);
+    if (other.cell >= 0) add(other, other.weights(), carried);
+  }
+  add(own, own_weights, all);
+
+  // The wrench on the body (force, moment / a with the opposite sign, which the square does not see) of
+  // the stresses xx, xy, yy of a node.
+  using Wrench = Eigen::Matrix3d;
+  const auto wrench = [](const Moments& m) {
+    Wrench w;
+    w << m.x, m.y, 0,                         //
+        -m.product, m.difference, m.product,  //
+        0, m.x, m.y;
+    return w;
+  };
+  const Vec3 weight(inverse[0], inverse[1], inverse[2]);
+  double* const values = matrix_.valuePtr();
+  const int* const starts = matrix_.outerIndexPtr();
+  for (int b = 0; b < kPatch * kPatch; ++b) {
+    const Moments& of_b = patch[to_size(b)];
+    if (of_b.node < 0) continue;
+    const Wrench weighed = weight.asDiagonal() * wrench(of_b);
+    for (int a = 0; a < kPatch * kPatch; ++a) {
+      const Moments& of_a = patch[to_size(a)];
+      if (of_a.node < 0) continue;
+      const Eigen::Matrix3d block = wrench(of_a).transpose() * weighed;
+      const int dx = a % kPatch - b % kPatch, dy = a / kPatch - b / kPatch;
+      const int before = neighbours_[to_size(of_b.node)][to_size(stencil(dx, dy))];
+      for (int k = 0; k < 3; ++k) {
+        double* const to = values + starts[3 * of_b.node + k] + 3 * before;
+        for (int r = 0; r < 3; ++r) to[r] += block(r, k);
+      }
+    }
+  }
+}
+
+bool StressModes::relax(std::span<BodyRow> rows) const {
+  Vector rates = Vector::Zero(matrix_.rows());
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    const Place& place = place_[row];
+    if (place.cell < 0) continue;
+    const std::array<double, 4> weights = place.weights();
+    const Cell& corners = cells_[to_size(place.cell)];
+    for (int k = 0; k < 4; ++k) {
+      for (int r = 0; r < 3; ++r) {
+        rates[3 * corners[to_size(k)] + r] += weights[to_size(k)] * rows[row].value[kSlots[r]];
+      }
+    }
+  }
+  const Vector stress = -factor_.solve(rates);
+  const double gained = -stress.dot(rates), shifted = shift_ * stress.squaredNorm();
+  interpolate(stress, rows);
+  return shifted <= kIdle * gained;
+}
+
+void StressModes::interpolate(const Vector& nodes, std::span<BodyRow> rows) const {
+  for (std::size_t row = 0; row < rows.size(); ++row) {
+    BodyRow stress;
+    const Place& place = place_[row];
+    if (place.cell >= 0) {
+      const std::array<double, 4> weights = place.weights();
+      const Cell& corners = cells_[to_size(place.cell)];
+      for (int k = 0; k < 4; ++k) {
+        for (int r = 0; r < 3; ++r) {
+          stress.value[kSlots[r]] += weights[to_size(k)] * nodes[3 * corners[to_size(k)] + r];
+        }
+      }
+    }
+    rows[row] = stress;
+  }
+}
+
+}  // namespace bipot

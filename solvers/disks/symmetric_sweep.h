@@ -1,0 +1,69 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/base/large_pages.h"
+#include "solvers/disks/disk_tiles.h"
+#include "solvers/disks/following_sweeps.h"
+#include "solvers/disks/quicker_team.h"
+#include "solvers/disks/tile_links.h"
+
+namespace bipot {
+
+/// Symmetric Gauss-Seidel with momentum for disks, vectorised, in the order of symmetric_order():
+/// in large packings eight rows that follow each other are in the lanes of a vector, each some
+/// contacts behind the one before it. What each contact and body sees are the sweeps contact after
+/// contact.
+/// At most as many threads work as there are sweeps each way; any number and the paths of
+/// disk_kernels.h give the same bits.
+template <int D>
+class SymmetricSweep {
+ public:
+  /// `sweeps`: each way in one iteration.
+  SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
+                 const ContactScaling& equilibrated, double omega, int sweeps,
+                 const Execution& options);
+
+  void reset(const Vector& s);
+  /// The relaxation of the local updates and the sweeps each way, from here on.
+  void relax(double omega, int sweeps) {
+    omega_ = omega;
+    sweeps_ = sweeps;
+  }
+  /// Without momentum from here; velocities are taken from the impulses anew, as rounding adds up.
+  void refresh();
+  const Vector& impulse();
+  /// Forth and back from y = x + beta (x - x⁻). Returns (y - x⁺)·(x⁺ - x) in the scaled variables.
+  double iterate(double beta);
+
+  /// What iterations of another kind begin and end with. Valid until the next call of a member.
+  struct Swept {
+    std::span<ImpulseBatch<D>> y, swept, spare;   ///< y, S(y), and one that nobody uses
+    std::span<BodyRow> velocity, swept_velocity;  ///< of y, of S(y)
+  };
+  /// Forth and back from y = the impulse, which stays; so do its velocities.
+  Swept sweep();
+
+  const DiskTiles<D>& disks() const { return disks_; }
+
+ private:
+  SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
+                 const ContactScaling& equilibrated, double omega, int sweeps,
+                 const Execution& options, ContactTiles order);
+  double sweep_from(double beta, const ImpulseBatch<D>* before);
+
+  TileLinks links_;  // of the order that the tiles then take over
+  DiskTiles<D> disks_;
+  const DiskKernels<D>& kernels_;
+  double omega_;
+  int sweeps_;
+  QuickerTeam team_;
+  bool asks_ahead_;
+  FollowingSweeps forth_, back_;
+  LargeVector<ImpulseBatch<D>> now_, before_, next_;
+  LargeVector<BodyRow> velocity_, velocity_before_;
+  Vector s_;
+};
+
+}  // namespace bipot

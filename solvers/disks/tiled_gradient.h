@@ -1,0 +1,79 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/base/large_pages.h"
+#include "solvers/disks/body_blocks.h"
+#include "solvers/disks/disk_tiles.h"
+#include "solvers/kernels/gradient_kernel.h"
+
+namespace bipot {
+
+/// The contacts of the same bodies that are elsewhere. Collective: every process calls.
+template <int D>
+class GradientNeighbours {
+ public:
+  virtual ~GradientNeighbours() = default;
+  /// What the impulses elsewhere push is added to the momentum (the rows of `tiles`, in the scale of
+  /// DiskTiles::push); `x`: the scaled impulses here, all its batches.
+  virtual void complete(const DiskTiles<D>& tiles, std::span<const ImpulseBatch<D>> x,
+                        std::span<BodyRow> momentum) = 0;
+  /// Sums of all, from those of the contacts and bodies here. `now`, `before`: the momenta that
+  /// `here.energy` was taken from.
+  virtual GradientProgress total(const DiskTiles<D>& tiles, const GradientProgress& here,
+                                 std::span<const BodyRow> now, std::span<const BodyRow> before) = 0;
+};
+
+/// The accelerated projected gradient for disks, vectorised, by blocks of bodies (body_blocks.h).
+///
+/// Whether an iteration restarts momentum depends on sums over all contacts of the one before. So
+/// that several iterations can be in flight (wavefront.h), they are computed as if there was no
+/// restart; where the sums then ask for one, the iterations behind it are thrown away and those
+/// before it done again from what was kept. The results are those of one iteration after the other.
+template <int D>
+class TiledGradient final : public GradientKernel {
+ public:
+  /// With neighbours, which are kept by reference, one iteration at a time.
+  TiledGradient(const ContactProblem& problem, const DiskStructure& disks,
+                const ContactScaling& scaling, const Execution& options,
+                GradientNeighbours<D>* neighbours = nullptr);
+
+  /// Starts from s without momentum.
+  void reset(const Vector& s) override;
+  const Vector& impulse() override;
+  void advance(int iterations, GradientControl& control) override;
+
+ private:
+  static constexpr typename DiskTiles<D>::Streamed kStreamed{
+      sizeof(ContactBatch<D>) + 4 * sizeof(ImpulseBatch<D>), 5 * sizeof(BodyRow)};
+  /// Buffers of x and of the momentum by number; iteration k of a group reads two and writes one.
+  struct Roles {
+    int now = 0, before = 1, free[2] = {2, 3};
+  };
+  void set_step(double rho);
+  int before_restart() const;
+  Roles after(int iterations) const;
+  void run(int iterations, const std::vector<double>& beta, const GradientControl& control);
+  GradientProgress totals(int iteration, double beta) const;
+
+  BodyBlocks blocks_;  // without its tiles, which disks_ has
+  DiskTiles<D> disks_;
+  const DiskKernels<D>& kernels_;
+  GradientNeighbours<D>* const neighbours_;
+  int threads_;
+  Pipeline pipeline_;
+  bool asks_ahead_;
+  int group_;  // iterations between two looks at the sums
+  LargeVector<ImpulseBatch<D>> impulse_[4];
+  LargeVector<BodyRow> momentum_[4], velocity_;
+  std::vector<GradientSums> sums_;  // of every iteration in flight and tile
+  Roles roles_;
+  double rho_ = 1;                 // step that the variables are scaled by
+  double beta_ = 0, change2_ = 0;  // of the next iteration; of the last one
+  int since_restart_ = 0, interval_ = 0;
+  double turn_ = 0, turn_before_ = 0;  // of the last two iterations, if so many since the restart
+  Vector s_;
+};
+
+}  // namespace bipot

@@ -1,0 +1,53 @@
+#include "solvers/disks/tiled_sweep.h"
+
+#include "solvers/disks/wavefront.h"
+
+namespace bipot {
+
+template <int D>
+TiledSweep<D>::TiledSweep(const ContactProblem& problem, const DiskStructure& disks,
+                          const ContactScaling& equilibrated, double omega,
+                          const Execution& options)
+    : disks_(problem, disks, equilibrated),
+      kernels_(disk_kernels<D>(options.path)),
+      omega_(omega),
+      threads_(options.threads),
+      pipeline_(disks_.pipeline(threads_, kStreamed)),
+      asks_ahead_(disks_.asks_ahead(kStreamed)),
+      impulse_(to_size(disks_.num_batches())),
+      velocity_(to_size(disks_.num_rows())) {}
+
+template <int D>
+void TiledSweep<D>::reset(const Vector& s) {
+  disks_.pack(s, impulse_);
+  disks_.velocities(impulse_, velocity_);
+}
+
+template <int D>
+const Vector& TiledSweep<D>::impulse() {
+  disks_.unpack(impulse_, s_);
+  return s_;
+}
+
+template <int D>
+void TiledSweep<D>::advance(int sweeps) {
+  run_wavefront(threads_, disks_.num_tiles(), sweeps, pipeline_, [&](int, int t) {
+    const ContactTiles::Tile& tile = disks_.tile(t);
+    SweepTask<D> task;
+    task.batches = tile.last_batch - tile.first_batch;
+    task.ask_ahead = asks_ahead_;
+    task.omega = omega_;
+    task.contact = disks_.contacts(tile);
+    task.law = disks_.law_numbers(tile);
+    task.laws = disks_.laws();
+    task.impulse = &impulse_[to_size(tile.first_batch)];
+    task.velocity = velocity_.data();
+    task.inverse = disks_.inverse();
+    kernels_.sweep(task);
+  });
+}
+
+template class TiledSweep<1>;
+template class TiledSweep<2>;
+
+}  // namespace bipot

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/large_pages.h"
+#include "solvers/disks/disk_tiles.h"
+
+namespace bipot {
+
+/// Projected Gauss-Seidel for disks, vectorised, in the order of DiskTiles. Several sweeps are in
+/// flight at once (wavefront.h): the sequence of updates that every contact and body sees is that
+/// of one sweep after the other.
+template <int D>
+class TiledSweep {
+ public:
+  TiledSweep(const ContactProblem& problem, const DiskStructure& disks,
+             const ContactScaling& equilibrated, double omega, const Execution& options);
+
+  void reset(const Vector& s);
+  const Vector& impulse();
+  void advance(int sweeps);
+
+ private:
+  static constexpr typename DiskTiles<D>::Streamed kStreamed{
+      sizeof(ContactBatch<D>) + sizeof(ImpulseBatch<D>), 2 * sizeof(BodyRow)};
+  DiskTiles<D> disks_;
+  const DiskKernels<D>& kernels_;
+  double omega_;
+  int threads_;
+  Pipeline pipeline_;
+  bool asks_ahead_;
+  LargeVector<ImpulseBatch<D>> impulse_;
+  LargeVector<BodyRow> velocity_;
+  Vector s_;
+};
+
+}  // namespace bipot

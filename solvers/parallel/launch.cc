@@ -1,0 +1,68 @@
+#include "solvers/parallel/launch.h"
+
+#include <charconv>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+
+#ifdef BIPOT_WITH_PETSC
+#include "solvers/parallel/petsc_group.h"
+#endif
+
+namespace bipot {
+namespace {
+
+/// A number in the environment, or -1.
+int from_environment(const char* name) {
+  const char* text = std::getenv(name);
+  int value = -1;
+  if (text == nullptr) return -1;
+  const char* end = text + std::strlen(text);
+  const auto [last, error] = std::from_chars(text, end, value);
+  return error == std::errc() && last == end ? value : -1;
+}
+
+/// Open MPI; MPICH and its relatives; Slurm, where it speaks to MPI itself.
+struct Launcher {
+  const char *size, *rank;
+};
+constexpr Launcher kLaunchers[] = {{"OMPI_COMM_WORLD_SIZE", "OMPI_COMM_WORLD_RANK"},
+                                   {"PMI_SIZE", "PMI_RANK"},
+                                   {"SLURM_NTASKS", "PMIX_RANK"}};
+
+}  // namespace
+
+int launched_processes() {
+  for (const Launcher& launcher : kLaunchers) {
+    const int size = from_environment(launcher.size);
+    if (size > 0 && from_environment(launcher.rank) >= 0) return size;
+  }
+  return 1;
+}
+
+int launched_rank() {
+  for (const Launcher& launcher : kLaunchers) {
+    const int rank = from_environment(launcher.rank);
+    if (rank >= 0 && from_environment(launcher.size) > 0) return rank;
+  }
+  return 0;
+}
+
+std::unique_ptr<ProcessGroup> launched_group() {
+  if (launched_processes() == 1) return lone_process();
+#ifdef BIPOT_WITH_PETSC
+  return petsc_group();
+#else
+  throw std::invalid_argument(
+      "this build has no PETSc (BIPOT_WITH_PETSC=OFF): it runs on one process");
+#endif
+}
+
+void end_all_processes(int exit_code) {
+#ifdef BIPOT_WITH_PETSC
+  abort_mpi(exit_code);
+#endif
+  std::exit(exit_code);
+}
+
+}  // namespace bipot

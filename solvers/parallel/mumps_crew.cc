@@ -1,0 +1,302 @@
+#include "solvers/parallel/mumps_crew.h"
+
+// The deprecated C++ bindings would need a library of their own.
+#define OMPI_SKIP_MPICXX 1
+#define MPICH_SKIP_MPICXX 1
+#include <petscmat.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <exception>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <type_traits>
+#include <vector>
+
+#include "solvers/petsc/petsc_session.h"
+
+namespace bipot {
+namespace {
+
+static_assert(std::is_same_v<PetscInt, int>, "PETSc with 32-bit indices is needed");
+
+constexpr auto kNap = std::chrono::microseconds(20);
+// MUMPS's workspace beyond its estimate, per cent, and the most that is tried.
+constexpr int kFirstWorkspace = 50, kMostWorkspace = 1600;
+constexpr int kWorkspaceTooSmall = -9, kIndicesTooMany = -8;  // MUMPS's INFOG(1)
+
+void must_succeed(int code, const char* what) {
+  if (code != MPI_SUCCESS) throw std::runtime_error(std::string("MPI: ") + what + " failed");
+}
+
+/// What the first process asks the others for.
+struct Order {
+  enum Kind : int { kFactor, kSolve, kDone, kFailed };
+  int kind = kDone;
+  int size = 0;   ///< kFactor: unknowns; kFailed: length of the text
+  int fresh = 0;  ///< kFactor: whether the pattern is another one than before
+};
+
+/// The part of each process in factorisations and solves. The matrix that PETSc has is Aᵀ: a column
+/// of A is a row of its own.
+class Crew {
+ public:
+  explicit Crew(Traffic& traffic) : traffic_(traffic) {
+    MPI_Comm_rank(PETSC_COMM_WORLD, &rank_);
+    MPI_Comm_size(PETSC_COMM_WORLD, &processes_);
+  }
+  ~Crew() { clear(); }
+  Crew(const Crew&) = delete;
+  Crew& operator=(const Crew&) = delete;
+
+  int rank() const { return rank_; }
+
+  /// From the first process to all. The others wait without using a core.
+  Order give(Order order) {
+    MPI_Request request = MPI_REQUEST_NULL;
+    must_succeed(MPI_Ibcast(&order, 3, MPI_INT, 0, PETSC_COMM_WORLD, &request), "MPI_Ibcast");
+    for (int over = 0; over == 0;) {
+      must_succeed(MPI_Test(&request, &over, MPI_STATUS_IGNORE), "MPI_Test");
+      if (over == 0 && rank_ != 0) std::this_thread::sleep_for(kNap);
+    }
+    count(sizeof(Order));
+    return order;
+  }
+  std::string give_text(std::string text, int size) {
+    text.resize(to_size(size));
+    must_succeed(MPI_Bcast(text.data(), size, MPI_CHAR, 0, PETSC_COMM_WORLD), "MPI_Bcast");
+    return text;
+  }
+
+  /// `A`: on the first process alone.
+  bool factor(const Order& order, const SparseMatrix* A) {
+    if (order.fresh != 0) take_pattern(order.size, A);
+    const int mine = starts_.back();
+    values_.resize(to_size(mine));
+    scatter(A == nullptr ? nullptr : A->valuePtr(), entry_counts_, entry_firsts_, values_);
+    const auto finite = [](double x) { return std::isfinite(x); };
+    int good = std::all_of(values_.begin(), values_.end(), finite) ? 1 : 0;
+    must_succeed(MPI_Allreduce(MPI_IN_PLACE, &good, 1, MPI_INT, MPI_MIN, PETSC_COMM_WORLD),
+                 "MPI_Allreduce");
+    if (good == 0) return false;
+    if (matrix_ == nullptr) {
+      check_petsc(MatCreateMPIAIJWithArrays(PETSC_COMM_WORLD, rows(), rows(), size_, size_,
+                                            starts_.data(), rows_.data(), values_.data(), &matrix_),
+                  "MatCreateMPIAIJWithArrays");
+      check_petsc(MatCreateVecs(matrix_, &right_, &left_), "MatCreateVecs");
+    } else {
+      check_petsc(MatUpdateMPIAIJWithArray(matrix_, values_.data()), "MatUpdateMPIAIJWithArray");
+    }
+    while (true) {
+      if (factor_ == nullptr) analyse();
+      if (!analysed_) return false;
+      MatFactorInfo info;
+      check_petsc(MatFactorInfoInitialize(&info), "MatFactorInfoInitialize");
+      check_petsc(MatLUFactorNumeric(factor_, matrix_, &info), "MatLUFactorNumeric");
+      PetscInt said = 0;
+      check_petsc(MatMumpsGetInfog(factor_, 1, &said), "MatMumpsGetInfog");
+      if (said >= 0) break;
+      if (said != kWorkspaceTooSmall && said != kIndicesTooMany) return drop_factor();
+      if (workspace_ >= kMostWorkspace) return drop_factor();
+      workspace_ *= 2;
+      drop_factor();
+    }
+    PetscReal determinant = 0;  // its mantissa
+    check_petsc(MatMumpsGetRinfog(factor_, 12, &determinant), "MatMumpsGetRinfog");
+    sign_ = determinant < 0 ? -1 : 1;
+    return determinant != 0 && std::isfinite(determinant);
+  }
+  int determinant_sign() const { return sign_; }
+
+  /// b and x: on the first process alone.
+  void solve(const Vector* b, Vector* x) {
+    PetscScalar* values = nullptr;
+    const double* const source = b == nullptr ? nullptr : b->data();
+    check_petsc(VecGetArray(left_, &values), "VecGetArray");
+    scatter(source, column_counts_, column_firsts_, {values, to_size(rows())});
+    check_petsc(VecRestoreArray(left_, &values), "VecRestoreArray");
+    check_petsc(MatSolveTranspose(factor_, left_, right_), "MatSolveTranspose");
+    const PetscScalar* solved = nullptr;
+    check_petsc(VecGetArrayRead(right_, &solved), "VecGetArrayRead");
+    if (x != nullptr) x->resize(size_);
+    must_succeed(
+        MPI_Gatherv(solved, rows(), MPI_DOUBLE, x == nullptr ? nullptr : x->data(),
+                    column_counts_.data(), column_firsts_.data(), MPI_DOUBLE, 0, PETSC_COMM_WORLD),
+        "MPI_Gatherv");
+    check_petsc(VecRestoreArrayRead(right_, &solved), "VecRestoreArrayRead");
+    count(to_size(rank_ == 0 ? 0 : rows()) * sizeof(double));
+  }
+
+ private:
+  int rows() const { return column_counts_[to_size(rank_)]; }
+
+  /// Which columns and entries each process has, and the pattern of this one's.
+  void take_pattern(int size, const SparseMatrix* A) {
+    clear();
+    size_ = size;
+    column_firsts_.assign(1, 0);
+    column_counts_.clear();
+    for (int r = 0; r < processes_; ++r) {
+      const auto next = static_cast<int>(std::int64_t{size} * (r + 1) / processes_);
+      column_counts_.push_back(next - column_firsts_.back());
+      column_firsts_.push_back(next);
+    }
+    std::vector<int> with_end = column_counts_;
+    for (int& columns : with_end) ++columns;
+    starts_.resize(to_size(rows() + 1));
+    scatter(A == nullptr ? nullptr : A->outerIndexPtr(), with_end, column_firsts_, starts_);
+    const int first = starts_.front();
+    for (int& start : starts_) start -= first;
+    entry_counts_.assign(to_size(processes_), 0);
+    entry_firsts_.assign(to_size(processes_), 0);
+    const int mine = starts_.back();
+    must_succeed(
+        MPI_Gather(&mine, 1, MPI_INT, entry_counts_.data(), 1, MPI_INT, 0, PETSC_COMM_WORLD),
+        "MPI_Gather");
+    for (std::size_t r = 1; r < entry_firsts_.size(); ++r) {
+      entry_firsts_[r] = entry_firsts_[r - 1] + entry_counts_[r - 1];
+    }
+    rows_.resize(to_size(mine));
+    scatter(A == nullptr ? nullptr : A->innerIndexPtr(), entry_counts_, entry_firsts_, rows_);
+  }
+
+  template <class T>
+  void scatter(const T* all, const std::vector<int>& counts, const std::vector<int>& firsts,
+               std::span<T> mine) {
+    const MPI_Datatype type = std::is_same_v<T, int> ? MPI_INT : MPI_DOUBLE;
+    must_succeed(MPI_Scatterv(all, counts.data(), firsts.data(), type, mine.data(),
+                              static_cast<int>(mine.size()), type, 0, PETSC_COMM_WORLD),
+                 "MPI_Scatterv");
+    std::size_t sent = 0;
+    if (rank_ == 0) {
+      for (std::size_t r = 1; r < counts.size(); ++r) sent += to_size(counts[r]);
+      traffic_.messages += processes_ - 1;
+    }
+    traffic_.bytes += static_cast<std::int64_t>(sent * sizeof(T));
+  }
+  template <class T>
+  void scatter(const T* all, const std::vector<int>& counts, const std::vector<int>& firsts,
+               std::vector<T>& mine) {
+    scatter(all, counts, firsts, std::span<T>(mine));
+  }
+  void count(std::size_t bytes) {
+    ++traffic_.reductions;
+    traffic_.reduced_bytes += static_cast<std::int64_t>(bytes);
+  }
+
+  void analyse() {
+    analysed_ = false;
+    check_petsc(MatGetFactor(matrix_, MATSOLVERMUMPS, MAT_FACTOR_LU, &factor_), "MatGetFactor");
+    check_petsc(MatMumpsSetIcntl(factor_, 33, 1), "MatMumpsSetIcntl");  // the determinant
+    check_petsc(MatMumpsSetIcntl(factor_, 14, workspace_), "MatMumpsSetIcntl");
+    MatFactorInfo info;
+    check_petsc(MatFactorInfoInitialize(&info), "MatFactorInfoInitialize");
+    check_petsc(MatLUFactorSymbolic(factor_, matrix_, nullptr, nullptr, &info),
+                "MatLUFactorSymbolic");
+    PetscInt said = 0;
+    check_petsc(MatMumpsGetInfog(factor_, 1, &said), "MatMumpsGetInfog");
+    analysed_ = said >= 0;
+    if (!analysed_) drop_factor();
+  }
+  bool drop_factor() {
+    MatDestroy(&factor_);
+    return false;
+  }
+  void clear() {
+    drop_factor();
+    MatDestroy(&matrix_);
+    VecDestroy(&left_);
+    VecDestroy(&right_);
+  }
+
+  Traffic& traffic_;
+  int rank_ = 0, processes_ = 1, size_ = 0, workspace_ = kFirstWorkspace, sign_ = 1;
+  std::vector<int> column_counts_, column_firsts_, entry_counts_, entry_firsts_;
+  std::vector<PetscInt> starts_, rows_;
+  std::vector<double> values_;
+  ::Mat matrix_ = nullptr, factor_ = nullptr;
+  ::Vec left_ = nullptr, right_ = nullptr;
+  bool analysed_ = false;
+};
+
+/// The crew as its first process sees it.
+class CrewFactor final : public SystemFactor {
+ public:
+  explicit CrewFactor(Crew& crew) : crew_(crew) {}
+
+  [[nodiscard]] bool factor(const SparseMatrix& A) override {
+    const int* const starts = A.outerIndexPtr();
+    const int* const rows = A.innerIndexPtr();
+    const bool same = to_size(A.cols() + 1) == starts_.size() &&
+                      std::equal(starts_.begin(), starts_.end(), starts) &&
+                      std::equal(rows_.begin(), rows_.end(), rows);
+    if (!same) {
+      starts_.assign(starts, starts + A.cols() + 1);
+      rows_.assign(rows, rows + A.nonZeros());
+    }
+    const Order order{Order::kFactor, static_cast<int>(A.cols()), same ? 0 : 1};
+    return crew_.factor(crew_.give(order), &A);
+  }
+  void solve(const Vector& b, Vector& x) override {
+    crew_.give({.kind = Order::kSolve});
+    crew_.solve(&b, &x);
+  }
+  int determinant_sign() const override { return crew_.determinant_sign(); }
+
+ private:
+  Crew& crew_;
+  std::vector<int> starts_, rows_;
+};
+
+void lead(Crew& crew, const std::function<void(SystemFactor&)>& work) {
+  std::string failure;
+  try {
+    CrewFactor factor(crew);
+    work(factor);
+  } catch (const std::exception& e) {
+    failure = e.what();
+    if (failure.empty()) failure = "failed without a reason";
+  }
+  if (failure.empty()) {
+    crew.give({.kind = Order::kDone});
+    return;
+  }
+  const int length = static_cast<int>(failure.size());
+  crew.give({.kind = Order::kFailed, .size = length});
+  throw CommonFailure(crew.give_text(failure, length));
+}
+
+void serve(Crew& crew) {
+  while (true) {
+    const Order order = crew.give({});
+    switch (order.kind) {
+      case Order::kFactor:
+        (void)crew.factor(order, nullptr);  // the first process knows the outcome as well
+        break;
+      case Order::kSolve:
+        crew.solve(nullptr, nullptr);
+        break;
+      case Order::kFailed:
+        throw CommonFailure(crew.give_text({}, order.size));
+      default:
+        return;
+    }
+  }
+}
+
+}  // namespace
+
+void mumps_crew(const std::function<void(SystemFactor&)>& work, Traffic& traffic) {
+  Crew crew(traffic);
+  if (crew.rank() == 0) {
+    lead(crew, work);
+  } else {
+    serve(crew);
+  }
+}
+
+}  // namespace bipot

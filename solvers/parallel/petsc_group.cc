@@ -1,0 +1,266 @@
+#include "solvers/parallel/petsc_group.h"
+
+// The deprecated C++ bindings would need a library of their own.
+#define OMPI_SKIP_MPICXX 1
+#define MPICH_SKIP_MPICXX 1
+#include <petscsf.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+#include <string>
+
+#include "core/base/types.h"
+#include "solvers/parallel/mumps_crew.h"
+#include "solvers/petsc/petsc_session.h"
+
+namespace bipot {
+namespace {
+
+void check_mpi(int code, const char* what) {
+  if (code != MPI_SUCCESS) throw std::runtime_error(std::string("MPI: ") + what + " failed");
+}
+
+/// Items of `block` doubles.
+class BlockType {
+ public:
+  explicit BlockType(int block) {
+    check_mpi(MPI_Type_contiguous(block, MPI_DOUBLE, &type_), "MPI_Type_contiguous");
+    check_mpi(MPI_Type_commit(&type_), "MPI_Type_commit");
+  }
+  ~BlockType() { MPI_Type_free(&type_); }
+  BlockType(const BlockType&) = delete;
+  BlockType& operator=(const BlockType&) = delete;
+  MPI_Datatype get() const { return type_; }
+
+ private:
+  MPI_Datatype type_ = MPI_DATATYPE_NULL;
+};
+
+class ForestExchange : public Exchange {
+ public:
+  ForestExchange(int originals, std::span<const RemoteItem> copies,
+                 std::shared_ptr<Traffic> traffic)
+      : traffic_(std::move(traffic)) {
+    check_petsc(PetscSFCreate(PETSC_COMM_WORLD, &forest_), "PetscSFCreate");
+    std::vector<PetscSFNode> remote;
+    for (const RemoteItem& item : copies) remote.push_back({item.owner, item.original});
+    check_petsc(PetscSFSetGraph(forest_, originals, static_cast<PetscInt>(remote.size()), nullptr,
+                                PETSC_COPY_VALUES, remote.data(), PETSC_COPY_VALUES),
+                "PetscSFSetGraph");
+    check_petsc(PetscSFSetUp(forest_), "PetscSFSetUp");
+    int rank = 0;
+    MPI_Comm_rank(PETSC_COMM_WORLD, &rank);
+    const PetscMPIInt* ranks = nullptr;
+    const PetscInt* offsets = nullptr;
+    PetscMPIInt count = 0;
+    check_petsc(PetscSFGetLeafRanks(forest_, &count, &ranks, &offsets, nullptr),
+                "PetscSFGetLeafRanks");
+    for (int k = 0; k < count; ++k) add_partner(ranks[k] != rank, offsets, k, copies_out_);
+    check_petsc(PetscSFGetRootRanks(forest_, &count, &ranks, &offsets, nullptr, nullptr),
+                "PetscSFGetRootRanks");
+    for (int k = 0; k < count; ++k) add_partner(ranks[k] != rank, offsets, k, sums_out_);
+  }
+  ~ForestExchange() override { PetscSFDestroy(&forest_); }
+
+  void copy(std::span<const double> originals, std::span<double> copies, int block) override {
+    const MPI_Datatype type = type_of(block);
+    check_petsc(PetscSFBcastBegin(forest_, type, originals.data(), copies.data(), MPI_REPLACE),
+                "PetscSFBcastBegin");
+    check_petsc(PetscSFBcastEnd(forest_, type, originals.data(), copies.data(), MPI_REPLACE),
+                "PetscSFBcastEnd");
+    count(copies_out_, block);
+  }
+  void add(std::span<const double> copies, std::span<double> originals, int block) override {
+    const MPI_Datatype type = type_of(block);
+    check_petsc(PetscSFReduceBegin(forest_, type, copies.data(), originals.data(), MPI_SUM),
+                "PetscSFReduceBegin");
+    check_petsc(PetscSFReduceEnd(forest_, type, copies.data(), originals.data(), MPI_SUM),
+                "PetscSFReduceEnd");
+    count(sums_out_, block);
+  }
+
+ private:
+  struct Outgoing {
+    std::int64_t messages = 0, items = 0;
+  };
+  static void add_partner(bool other, const PetscInt* offsets, int k, Outgoing& out) {
+    if (!other || offsets[k + 1] == offsets[k]) return;
+    ++out.messages;
+    out.items += offsets[k + 1] - offsets[k];
+  }
+  void count(const Outgoing& out, int block) {
+    traffic_->messages += out.messages;
+    traffic_->bytes += out.items * block * static_cast<std::int64_t>(sizeof(double));
+  }
+  /// The forest keeps the packing of each type that it has seen.
+  MPI_Datatype type_of(int block) {
+    if (block == 1) return MPI_DOUBLE;
+    while (types_.size() < to_size(block)) {
+      types_.push_back(std::make_unique<BlockType>(static_cast<int>(types_.size()) + 1));
+    }
+    return types_[to_size(block) - 1]->get();
+  }
+
+  PetscSF forest_ = nullptr;
+  std::shared_ptr<Traffic> traffic_;
+  Outgoing copies_out_, sums_out_;
+  std::vector<std::unique_ptr<BlockType>> types_;
+};
+
+class PetscGroup : public ProcessGroup {
+ public:
+  PetscGroup() {
+    MPI_Comm_rank(PETSC_COMM_WORLD, &rank_);
+    MPI_Comm_size(PETSC_COMM_WORLD, &size_);
+  }
+  int rank() const override { return rank_; }
+  int size() const override { return size_; }
+
+  // Gathered and added by rank here: MPI_Allreduce may add in another order another time.
+  void sum(std::span<double> values) override {
+    gather_blocks(values, MPI_DOUBLE);
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      double total = 0;
+      for (std::size_t r = 0; r < to_size(size_); ++r) total += blocks_[r * values.size() + k];
+      values[k] = total;
+    }
+  }
+  void sum(std::span<std::int64_t> values) override {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()),
+                            MPI_INT64_T, MPI_SUM, PETSC_COMM_WORLD),
+              "MPI_Allreduce");
+    count(values.size_bytes());
+  }
+  void largest(std::span<double> values) override {
+    check_mpi(MPI_Allreduce(MPI_IN_PLACE, values.data(), static_cast<int>(values.size()),
+                            MPI_DOUBLE, MPI_MAX, PETSC_COMM_WORLD),
+              "MPI_Allreduce");
+    count(values.size_bytes());
+  }
+  std::vector<double> gather(std::span<const double> mine) override {
+    const std::vector<int> counts = counts_of(mine.size());
+    const std::vector<int> starts = starts_of(counts);
+    std::vector<double> all(to_size(starts.back()));
+    check_mpi(MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_DOUBLE, all.data(),
+                             counts.data(), starts.data(), MPI_DOUBLE, PETSC_COMM_WORLD),
+              "MPI_Allgatherv");
+    count(mine.size_bytes());
+    return all;
+  }
+  std::vector<Parcel> deliver(std::vector<Parcel> parcels) override {
+    std::vector<int> sizes(to_size(size_), 0), coming(to_size(size_), 0);
+    for (std::size_t r = 0; r < sizes.size(); ++r) {
+      if (parcels.at(r).size() > to_size(std::numeric_limits<int>::max())) {
+        throw std::runtime_error("MPI: more than 2^31 values in a message");
+      }
+      sizes[r] = static_cast<int>(parcels[r].size());
+    }
+    check_mpi(MPI_Alltoall(sizes.data(), 1, MPI_INT, coming.data(), 1, MPI_INT, PETSC_COMM_WORLD),
+              "MPI_Alltoall");
+    count(to_size(size_) * sizeof(int));
+    std::vector<Parcel> received(to_size(size_));
+    std::vector<MPI_Request> requests;
+    for (int r = 0; r < size_; ++r) {
+      Parcel& from = received[to_size(r)];
+      if (r == rank_) {
+        from = std::move(parcels[to_size(r)]);
+      } else if (coming[to_size(r)] > 0) {
+        from.resize(to_size(coming[to_size(r)]));
+        check_mpi(MPI_Irecv(from.data(), coming[to_size(r)], MPI_DOUBLE, r, kParcelTag,
+                            PETSC_COMM_WORLD, &requests.emplace_back()),
+                  "MPI_Irecv");
+      }
+    }
+    for (int r = 0; r < size_; ++r) {
+      const Parcel& to = parcels[to_size(r)];
+      if (r == rank_ || to.empty()) continue;
+      check_mpi(MPI_Isend(to.data(), sizes[to_size(r)], MPI_DOUBLE, r, kParcelTag, PETSC_COMM_WORLD,
+                          &requests.emplace_back()),
+                "MPI_Isend");
+      ++traffic_->messages;
+      traffic_->bytes += static_cast<std::int64_t>(to.size() * sizeof(double));
+    }
+    check_mpi(MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE),
+              "MPI_Waitall");
+    return received;
+  }
+  std::string first_text(const std::string& mine) override {
+    const std::vector<int> counts = counts_of(mine.size());
+    const std::vector<int> starts = starts_of(counts);
+    std::string all(to_size(starts.back()), ' ');
+    check_mpi(MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_CHAR, all.data(),
+                             counts.data(), starts.data(), MPI_CHAR, PETSC_COMM_WORLD),
+              "MPI_Allgatherv");
+    count(mine.size());
+    for (std::size_t r = 0; r < counts.size(); ++r) {
+      if (counts[r] > 0) return all.substr(to_size(starts[r]), to_size(counts[r]));
+    }
+    return {};
+  }
+  std::unique_ptr<Exchange> make_exchange(int originals,
+                                          std::span<const RemoteItem> copies) override {
+    return std::make_unique<ForestExchange>(originals, copies, traffic_);
+  }
+  void lend_hands(const std::function<void(SystemFactor&)>& work) override {
+    mumps_crew(work, *traffic_);
+  }
+
+ private:
+  void count(std::size_t bytes) {
+    ++traffic_->reductions;
+    traffic_->reduced_bytes += static_cast<std::int64_t>(bytes);
+  }
+  void gather_blocks(std::span<double> values, MPI_Datatype type) {
+    blocks_.resize(values.size() * to_size(size_));
+    const int items = static_cast<int>(values.size());
+    check_mpi(
+        MPI_Allgather(values.data(), items, type, blocks_.data(), items, type, PETSC_COMM_WORLD),
+        "MPI_Allgather");
+    count(values.size_bytes());
+  }
+  std::vector<int> counts_of(std::size_t mine) {
+    if (mine > to_size(std::numeric_limits<int>::max())) {
+      throw std::runtime_error("MPI: more than 2^31 values of one process");
+    }
+    std::vector<int> counts(to_size(size_));
+    const int own = static_cast<int>(mine);
+    check_mpi(MPI_Allgather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, PETSC_COMM_WORLD),
+              "MPI_Allgather");
+    return counts;
+  }
+  /// Where each rank's values begin, and the end.
+  static std::vector<int> starts_of(const std::vector<int>& counts) {
+    std::vector<int> starts{0};
+    std::int64_t end = 0;
+    for (const int count : counts) {
+      end += count;
+      if (end > std::numeric_limits<int>::max()) {
+        throw std::runtime_error("MPI: more than 2^31 values to gather");
+      }
+      starts.push_back(static_cast<int>(end));
+    }
+    return starts;
+  }
+
+  static constexpr int kParcelTag = 4711;  // PETSc takes its tags from a communicator of its own
+  int rank_ = 0, size_ = 1;
+  std::vector<double> blocks_;
+};
+
+}  // namespace
+
+std::unique_ptr<ProcessGroup> petsc_group() {
+  // PETSc stays once it is there; the session's lock goes, for solvers that use PETSc alone.
+  { const PetscSession start(PetscOptions("", "")); }
+  return std::make_unique<PetscGroup>();
+}
+
+void abort_mpi(int exit_code) {
+  int alive = 0, finalised = 0;
+  MPI_Initialized(&alive);
+  MPI_Finalized(&finalised);
+  if (alive && !finalised) MPI_Abort(MPI_COMM_WORLD, exit_code);
+}
+
+}  // namespace bipot

@@ -1,0 +1,282 @@
+#include "solvers/parallel/whole_problem.h"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+
+namespace bipot {
+namespace {
+
+/// What a process tells of its contacts: their problem, and where they stand in the whole.
+Parcel to_parcel(const ProblemPiece& piece) {
+  const ContactProblem& p = piece.own;
+  const int d = p.dim;
+  const bool scaled = p.row_scale.size() != 0;
+  Parcel parcel{static_cast<double>(d), static_cast<double>(p.num_dofs()),
+                static_cast<double>(p.num_contacts()), scaled ? 1.0 : 0.0};
+  const Vector mass = p.A.diagonal();
+  for (int k = 0; k < p.num_dofs(); ++k) {
+    parcel.insert(parcel.end(),
+                  {static_cast<double>(piece.dof_number[to_size(k)]), mass[k], p.v_free[k]});
+  }
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    parcel.insert(parcel.end(), {static_cast<double>(piece.number[to_size(c)]), p.mu[c]});
+    for (int row = c * d; row < (c + 1) * d; ++row) {
+      const int entries = p.H.outerIndexPtr()[row + 1] - p.H.outerIndexPtr()[row];
+      parcel.insert(parcel.end(),
+                    {p.u_free[row], scaled ? p.row_scale[row] : 1.0, static_cast<double>(entries)});
+      for (SparseMatrix::InnerIterator it(p.H, row); it; ++it) {
+        parcel.insert(parcel.end(), {static_cast<double>(it.row()), it.value()});
+      }
+    }
+  }
+  return parcel;
+}
+
+/// Reads the parcels of all processes on the first one.
+class WholeReader {
+ public:
+  explicit WholeReader(const std::vector<Parcel>& parcels) : parcels_(parcels) {}
+
+  ContactProblem read(std::vector<std::vector<int>>& number) {
+    read_heads();
+    read_dofs();
+    number.assign(parcels_.size(), {});
+    ContactProblem p;
+    p.dim = dim_;
+    p.mu.resize(contacts_);
+    p.u_free.resize(contacts_ * dim_);
+    if (scaled_) p.row_scale.resize(contacts_ * dim_);
+    std::vector<Eigen::Triplet<double>> entries;
+    for (std::size_t r = 0; r < parcels_.size(); ++r) {
+      std::size_t at = kHead + kOfDof * to_size(dofs_of_[r]);
+      for (int k = 0; k < contacts_of_[r]; ++k) {
+        const int c = static_cast<int>(parcels_[r][at++]);
+        number[r].push_back(c);
+        p.mu[c] = parcels_[r][at++];
+        for (int row = c * dim_; row < (c + 1) * dim_; ++row) {
+          p.u_free[row] = parcels_[r][at++];
+          if (scaled_) p.row_scale[row] = parcels_[r][at];
+          ++at;
+          const int count = static_cast<int>(parcels_[r][at++]);
+          for (int e = 0; e < count; ++e, at += 2) {
+            const std::size_t dof = to_size(static_cast<int>(parcels_[r][at]));
+            entries.emplace_back(place_[r][dof], row, parcels_[r][at + 1]);
+          }
+        }
+      }
+    }
+    p.H.resize(mass_.size(), contacts_ * dim_);
+    p.H.setFromTriplets(entries.begin(), entries.end());
+    p.A = SparseMatrix(mass_.asDiagonal());
+    p.v_free = v_free_;
+    return p;
+  }
+
+ private:
+  static constexpr std::size_t kHead = 4, kOfDof = 3;
+
+  void read_heads() {
+    for (const Parcel& parcel : parcels_) {
+      dofs_of_.push_back(static_cast<int>(parcel.at(1)));
+      contacts_of_.push_back(static_cast<int>(parcel.at(2)));
+      contacts_ += contacts_of_.back();
+      // Who has no contacts may know nothing of the others' rows.
+      if (contacts_of_.back() == 0) continue;
+      dim_ = static_cast<int>(parcel[0]);
+      scaled_ = parcel[3] > 0;
+    }
+  }
+  /// A body in contacts of several processes has its rows once.
+  void read_dofs() {
+    std::vector<int> keys;
+    const auto key = [&](std::size_t r, int k) {
+      return static_cast<int>(parcels_[r][kHead + kOfDof * to_size(k)]);
+    };
+    for (std::size_t r = 0; r < parcels_.size(); ++r) {
+      for (int k = 0; k < dofs_of_[r]; ++k) keys.push_back(key(r, k));
+    }
+    std::sort(keys.begin(), keys.end());
+    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    mass_.resize(static_cast<Eigen::Index>(keys.size()));
+    v_free_.resize(mass_.size());
+    place_.resize(parcels_.size());
+    for (std::size_t r = 0; r < parcels_.size(); ++r) {
+      for (int k = 0; k < dofs_of_[r]; ++k) {
+        const auto at = std::lower_bound(keys.begin(), keys.end(), key(r, k)) - keys.begin();
+        place_[r].push_back(static_cast<int>(at));
+        const std::size_t from = kHead + kOfDof * to_size(k);
+        mass_[at] = parcels_[r][from + 1];
+        v_free_[at] = parcels_[r][from + 2];
+      }
+    }
+  }
+
+  const std::vector<Parcel>& parcels_;
+  int dim_ = 2, contacts_ = 0;
+  bool scaled_ = false;
+  std::vector<int> dofs_of_, contacts_of_;
+  std::vector<std::vector<int>> place_;
+  Vector mass_, v_free_;
+};
+
+/// Everything to the first process.
+std::vector<Parcel> to_first(ProcessGroup& group, Parcel parcel) {
+  std::vector<Parcel> parcels(to_size(group.size()));
+  parcels[0] = std::move(parcel);
+  return group.deliver(std::move(parcels));
+}
+
+ContactProblem gather_with_numbers(const ProblemPiece& piece, ProcessGroup& group,
+                                   std::vector<std::vector<int>>& number) {
+  const std::vector<Parcel> parcels = to_first(group, to_parcel(piece));
+  return group.rank() == 0 ? WholeReader(parcels).read(number) : ContactProblem{};
+}
+
+}  // namespace
+
+Vector KnownWhole::join(const Vector& part) {
+  const int d = whole_.dim;
+  const std::vector<double> all = group_.gather({part.data(), to_size(part.size())});
+  std::vector<std::size_t> next(to_size(owners_.processes), 0);
+  for (int r = 1; r < owners_.processes; ++r) {
+    next[to_size(r)] =
+        next[to_size(r) - 1] + to_size(owners_.contacts[to_size(r) - 1]) * to_size(d);
+  }
+  Vector whole(whole_.num_rows());
+  for (int c = 0; c < whole_.num_contacts(); ++c) {
+    std::size_t& from = next[to_size(owners_.owner[to_size(c)])];
+    for (int k = 0; k < d; ++k) whole[c * d + k] = all[from++];
+  }
+  return whole;
+}
+
+Vector KnownWhole::mine(const Vector& whole) const {
+  const int d = whole_.dim, rank = group_.rank();
+  Vector part(static_cast<Eigen::Index>(owners_.contacts[to_size(rank)]) * d);
+  Eigen::Index next = 0;
+  for (int c = 0; c < whole_.num_contacts(); ++c) {
+    if (owners_.owner[to_size(c)] != rank) continue;
+    part.segment(next, d) = whole.segment(c * d, d);
+    next += d;
+  }
+  return part;
+}
+
+Vector KnownWhole::part(const Vector& whole) {
+  const bool first = group_.rank() == 0;
+  const std::vector<double> all =
+      group_.gather(first ? std::span<const double>(whole.data(), to_size(whole.size()))
+                          : std::span<const double>());
+  return mine(Eigen::Map<const Vector>(all.data(), static_cast<Eigen::Index>(all.size())));
+}
+
+const ContactProblem& GatheredWhole::on_first() {
+  if (!whole_) whole_ = gather_with_numbers(space_.piece(), space_.group(), number_);
+  return *whole_;
+}
+
+Vector GatheredWhole::join(const Vector& part) {
+  on_first();
+  const int d = space_.problem().dim;
+  const std::vector<Parcel> parcels =
+      to_first(space_.group(), Parcel(part.data(), part.data() + part.size()));
+  Vector whole(whole_->num_rows());
+  for (std::size_t r = 0; r < number_.size(); ++r) {
+    for (std::size_t c = 0; c < number_[r].size(); ++c) {
+      for (int k = 0; k < d; ++k) {
+        whole[number_[r][c] * d + k] = parcels[r].at(c * to_size(d) + to_size(k));
+      }
+    }
+  }
+  return whole;
+}
+
+Vector GatheredWhole::part(const Vector& whole) {
+  on_first();
+  const int d = space_.problem().dim;
+  std::vector<Parcel> parcels(to_size(space_.group().size()));
+  for (std::size_t r = 0; r < number_.size(); ++r) {
+    for (const int c : number_[r]) {
+      for (int k = 0; k < d; ++k) parcels[r].push_back(whole[c * d + k]);
+    }
+  }
+  const Parcel mine = space_.group().deliver(std::move(parcels)).front();
+  return Eigen::Map<const Vector>(mine.data(), static_cast<Eigen::Index>(mine.size()));
+}
+
+ProvedClaim GatheredWhole::claim(const SolverOptions& options, const Vector& s,
+                                 const ContactError& error) {
+  ProvedClaim claim;
+  if (options.stop != StopTest::kGuarded) return claim;
+  if (error.guarded() + distributed_rounding_bound(space_, s).guarded() <= options.tol) {
+    return claim;
+  }
+  const ContactProblem& whole = on_first();
+  const Vector all = join(s);
+  double words[2] = {0, 0};
+  const bool first = space_.group().rank() == 0;
+  if (first) {
+    claim = prove_claim(whole, options, all, error);
+    words[0] = claim.holds ? 1 : 0;
+    words[1] = claim.error;
+  }
+  const std::vector<double> said =
+      space_.group().gather(first ? std::span<const double>(words) : std::span<const double>());
+  claim.holds = said[0] > 0;
+  claim.error = said[1];
+  return claim;
+}
+
+ContactProblem gather_problem(const ProblemPiece& piece, ProcessGroup& group) {
+  std::vector<std::vector<int>> number;
+  return gather_with_numbers(piece, group, number);
+}
+
+RoundingBound distributed_rounding_bound(DistributedSpace& space, const Vector& s) {
+  const ProblemPiece& piece = space.piece();
+  const ContactProblem& own = piece.own;
+  Vector all;
+  space.with_halo(s, all);
+  const RoundedMomentum halo = rounded_momentum(piece.with_halo, all);
+  RoundedMomentum pushed{Vector::Zero(own.num_dofs()), Vector::Zero(own.num_dofs()),
+                         Vector::Zero(own.num_dofs())};
+  for (int dof = 0; dof < own.num_dofs(); ++dof) {
+    const int at = piece.dof_with_halo[to_size(dof)];
+    if (at < 0) continue;
+    pushed.momentum[dof] = halo.momentum[at];
+    pushed.size[dof] = halo.size[at];
+    pushed.count[dof] = halo.count[at];
+  }
+  // Degrees of freedom that every process has: momentum, size and count of all.
+  const std::size_t common = piece.everywhere_inverse_mass.size();
+  std::vector<double> of_common(3 * common, 0.0);
+  for (const ProblemPiece::EverywhereEntry& e : piece.everywhere) {
+    if (s[e.row] == 0) continue;
+    const std::size_t k = 3 * to_size(e.dof);
+    of_common[k] += e.value * s[e.row];
+    of_common[k + 1] += std::abs(e.value * s[e.row]);
+    of_common[k + 2] += 1;
+  }
+  if (common > 0) space.sum(of_common);
+  for (std::size_t k = 0; k < common; ++k) {
+    const int dof = piece.everywhere_own_dof[k];
+    if (dof < 0) continue;
+    pushed.momentum[dof] = of_common[3 * k];
+    pushed.size[dof] = of_common[3 * k + 1];
+    pushed.count[dof] = of_common[3 * k + 2];
+  }
+  RoundedSums sums;
+  if (own.num_contacts() > 0) sums = rounded_sums(own, s, pushed);
+  ErrorSums& value = sums.value;
+  double* const fields[] = {&value.friction, &value.gap,         &value.penetration, &value.natural,
+                            &value.moved,    &value.free_energy, &sums.gap,          &sums.friction,
+                            &sums.moved,     &sums.free_energy,  &sums.natural};
+  std::array<double, std::size(fields)> totals{};
+  for (std::size_t k = 0; k < totals.size(); ++k) totals[k] = *fields[k];
+  space.sum(totals);
+  for (std::size_t k = 0; k < totals.size(); ++k) *fields[k] = totals[k];
+  return rounding_bound(sums, piece.whole_contacts, Precision::kDouble);
+}
+
+}  // namespace bipot

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <vector>
+
+#include "core/motion/state.h"
+#include "solvers/parallel/process_group.h"
+
+namespace bipot {
+
+/// Takes the numbers of a parcel one after the other. Throws std::out_of_range past the end.
+class ParcelReader {
+ public:
+  explicit ParcelReader(const Parcel& parcel) : parcel_(parcel) {}
+  bool at_end() const { return next_ == parcel_.size(); }
+  double number() { return parcel_.at(next_++); }
+  int integer() { return static_cast<int>(number()); }
+  template <int N>
+  Eigen::Matrix<double, N, 1> vector() {
+    Eigen::Matrix<double, N, 1> x;
+    for (int k = 0; k < N; ++k) x[k] = number();
+    return x;
+  }
+
+ private:
+  const Parcel& parcel_;
+  std::size_t next_ = 0;
+};
+
+/// A body and its number in the whole.
+template <int D>
+struct NumberedBody {
+  int number = -1;
+  Body<D> body;
+};
+
+/// Appends all of a body, of which clusters are no part.
+template <int D>
+void put(int number, const Body<D>& body, Parcel& parcel);
+template <int D>
+NumberedBody<D> take_body(ParcelReader& parcel);
+
+/// Appends all that a nonsmooth step leaves at a contact outside a periodic cell.
+template <int D>
+void put(const ContactOutcome<D>& contact, Parcel& parcel);
+template <int D>
+ContactOutcome<D> take_contact(ParcelReader& parcel);
+
+/// By i, then by j.
+template <int D>
+void sort_by_bodies(std::vector<ContactOutcome<D>>& contacts);
+
+}  // namespace bipot

@@ -1,0 +1,71 @@
+#pragma once
+
+#include "core/linear/frontal_cholesky.h"
+#include "core/problem/contact_problem.h"
+#include "core/problem/coulomb_cone.h"
+#include "solvers/systems/body_pattern.h"
+
+namespace bipot {
+
+/// K = A + G R Gᵀ in all degrees of freedom, G = H diag(scale) and R block-diagonal, as of BodySystem,
+/// for a factorisation that takes its columns one by one: K is nowhere stored, and G is read out of H.
+class BodyColumns {
+ public:
+  /// Keeps references to both. The problem must have A and H. `scale`: m, of the columns of H.
+  BodyColumns(const ContactProblem& problem, const Vector& scale);
+  BodyColumns(ContactProblem&&, const Vector&) = delete;  // would dangle
+  BodyColumns(const ContactProblem&, Vector&&) = delete;
+
+  /// Of K, zeros included.
+  BodyPattern pattern() const;
+  /// Adds to `to` what it takes of column j, for the blocks of R, row-major, contact after contact.
+  void add(int j, const double* blocks, const FrontColumn& to) const;
+
+  /// g = G s - A v, with s = impulse(contact, Gᵀ v of it), in one pass over H.
+  template <int D, class Impulse>
+  void residual(const Vector& v, const Impulse& impulse, Vector& g) const;
+  /// g = G s: m -> n. No allocation where g has its size.
+  void momentum(const Vector& s, Vector& g) const;
+  /// The rows of Gᵀ v of one contact; D is the problem's.
+  template <int D>
+  Local<D> velocity(int contact, const Vector& v) const {
+    Local<D> u;
+    for (int a = 0; a < D; ++a) {
+      double sum = 0;
+      for (SparseMatrix::InnerIterator it(problem_.H, contact * D + a); it; ++it) {
+        sum += it.value() * v[it.row()];
+      }
+      u[a] = scale_[contact * D + a] * sum;
+    }
+    return u;
+  }
+
+ private:
+  template <int D>
+  void add_contacts(int j, const double* blocks, const FrontColumn& to) const;
+
+  const ContactProblem& problem_;
+  const Vector& scale_;
+  ContactsOfDofs contacts_;
+};
+
+template <int D, class Impulse>
+void BodyColumns::residual(const Vector& v, const Impulse& impulse, Vector& g) const {
+  g.setZero(v.size());
+  for (int j = 0; j < problem_.num_dofs(); ++j) {
+    for (SparseMatrix::InnerIterator it(problem_.A, j); it; ++it) {
+      g[it.row()] -= it.value() * v[j];
+    }
+  }
+  for (int c = 0; c < problem_.num_contacts(); ++c) {
+    const Local<D> s = impulse(c, velocity<D>(c, v));
+    for (int a = 0; a < D; ++a) {
+      const double push = scale_[c * D + a] * s[a];
+      for (SparseMatrix::InnerIterator it(problem_.H, c * D + a); it; ++it) {
+        g[it.row()] += it.value() * push;
+      }
+    }
+  }
+}
+
+}  // namespace bipot

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "core/base/mapped_memory.h"
+#include "core/linear/frontal_tree.h"
+#include "core/problem/contact_problem.h"
+
+namespace bipot {
+
+/// The contacts that act on each degree of freedom, ascending: those of dof k are
+/// contact[start[k] .. start[k + 1] - 1].
+struct ContactsOfDofs {
+  std::vector<int> start, contact;
+
+  explicit ContactsOfDofs(const ContactProblem& problem);
+};
+
+/// The pattern of A + H R Hᵀ, R of one d x d block a contact, with its diagonal, in the degrees of
+/// freedom `dofs` (ascending; those that contacts act on among them): row and column i are dofs[i].
+/// What A couples with others is left out.
+struct BodyPattern {
+  MappedVector<int> start, row;
+
+  BodyPattern(const ContactProblem& problem, const ContactsOfDofs& contacts,
+              const std::vector<int>& dofs);
+  operator SymmetricPattern() const {  // NOLINT(google-explicit-constructor)
+    return {static_cast<int>(start.size()) - 1, start.data(), row.data()};
+  }
+};
+
+}  // namespace bipot

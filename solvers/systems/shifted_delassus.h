@@ -1,0 +1,69 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "core/linear/system_factor.h"
+#include "core/problem/delassus.h"
+#include "solvers/systems/body_system.h"
+
+namespace bipot {
+
+/// Solves (I + R W) x = g for a block-diagonal R (one d x d block per contact, not symmetric, may
+/// be singular), the linear system of every Newton method on the contact law.
+///
+/// Two forms of the same system:
+///   - body: the contacts are eliminated, x = g - R Hᵀ K⁻¹ H g with K = A + H R Hᵀ in the degrees
+///     of freedom that contacts touch. Needs a diagonal A. Sparse and small for packings of disks,
+///     but x is a difference of large numbers where R W is large.
+///   - contact: I + R W itself, in the rows of the contacts. Any W, symmetric or not.
+/// Either matrix is factored here (LocalFactor), or by another that the caller brings along.
+/// kAuto takes the body form unless it is not available or has more than twice as many unknowns.
+/// The determinants of the two forms have the same sign, det K = det A det(I + R W).
+class ShiftedDelassus {
+ public:
+  enum class Form { kAuto, kBody, kContact };
+
+  /// Keeps a reference to the problem, and to `elsewhere`, which factors where it is given. Throws
+  /// std::invalid_argument for an impossible form.
+  explicit ShiftedDelassus(const ContactProblem& problem, Form form = Form::kAuto,
+                           SystemFactor* elsewhere = nullptr);
+  ~ShiftedDelassus();
+
+  /// R: row-major d x d blocks, contact after contact, [kg]. False: singular to working precision.
+  [[nodiscard]] bool factor(const std::vector<double>& R);
+  /// x = (I + R W)⁻¹ g.
+  void solve(const Vector& g, Vector& x) const;
+  /// Sign of det(I + R W).
+  int determinant_sign() const { return factor_->determinant_sign(); }
+  /// Whether the last factor is one by fronts.
+  bool by_fronts() const { return here_ && here_->by_fronts(); }
+  /// The matrix that was factored last: K or I + R W.
+  const SparseMatrix& matrix() const { return body_form_ ? body_->matrix() : matrix_; }
+  /// The blocks that it was made of.
+  const std::vector<double>& blocks() const { return R_; }
+  /// Which form was taken, for those who asked for kAuto.
+  bool body_form() const { return body_form_; }
+
+ private:
+  void build_contact_pattern();
+  void assemble_contact_form();
+
+  const ContactProblem& problem_;
+  bool body_form_ = false;
+  std::optional<BodySystem> body_;     // of the body form
+  SparseMatrix matrix_;                // I + R W of the contact form, fixed pattern
+  std::unique_ptr<LocalFactor> here_;  // null where another factors
+  SystemFactor* factor_ = nullptr;
+  std::vector<double> R_;
+  mutable Vector wrench_, velocity_, change_;
+
+  // Contact form. Block row c of W as a dense d x k block on the columns column_[start..).
+  SparseRows own_delassus_;
+  std::vector<int> row_start_;     // c + 1, into the columns of the block rows
+  std::vector<double> row_block_;  // d values per column
+  std::vector<int> row_slot_;      // d positions per column in matrix_
+};
+
+}  // namespace bipot

@@ -1,0 +1,41 @@
+// Items of `bipot paper` whose checks hold at every size, small. Label "long".
+
+#include "bench/experiments/paper_items.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "bench/experiments/paper_report.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+class PaperItemsQuick : public ::testing::TestWithParam<std::string_view> {};
+
+TEST_P(PaperItemsQuick, ChecksHold) {
+  const TemporaryFolder folder;
+  PaperContext context;
+  context.out = folder.path();
+  context.quick = true;
+  const auto& items = paper_items();
+  const auto item = std::find_if(items.begin(), items.end(),
+                                 [](const PaperItem& i) { return i.name == GetParam(); });
+  ASSERT_NE(item, items.end());
+  PaperResult result = item->run(context);
+  complete(result, "bipot paper");
+  EXPECT_FALSE(result.paper.empty());
+  EXPECT_FALSE(result.ours.empty());
+  EXPECT_FALSE(result.numbers.empty());
+  for (const PaperNumber& n : result.numbers) {
+    EXPECT_NE(n.holds, std::optional<bool>(false)) << n.meaning << ": " << n.value;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, PaperItemsQuick,
+                         ::testing::Values("table1", "table2", "fig10", "fig13", "fig14"),
+                         [](const auto& tested) { return std::string(tested.param); });
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,151 @@
+#include "bench/experiments/paper_report.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <limits>
+#include <set>
+
+#include "bench/experiments/paper_items.h"
+#include "bench/experiments/paper_page.h"
+#include "core/base/file_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+PaperNumber number(const std::string& name, double value, const std::string& unit = "") {
+  return {.name = name, .value = value, .unit = unit, .meaning = "meaning of " + name};
+}
+
+PaperReport one_entry(PaperResult result) {
+  PaperEntry entry;
+  entry.name = "table9";
+  entry.title = "Table 9: of nothing";
+  entry.command = "bipot paper --only table9";
+  entry.status = PaperEntry::Status::kDone;
+  entry.quick = true;
+  entry.wall_seconds = 1.5;
+  entry.build.commit = "0123abc";
+  entry.date = "2002-05-02 12:00 UTC";
+  complete(result, entry.command);
+  entry.result = std::move(result);
+  return {"bipot paper", {entry}};
+}
+
+bool has(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(PaperReport, PlaceholdersBecomeNumbersWithUnits) {
+  PaperResult result;
+  result.numbers = {number("load", 0.123456, "N"), number("contacts", 12345), number("none", NAN)};
+  result.ours = {"The base carries {load} over {contacts} contacts; raw is {none}."};
+  complete(result, "bipot paper");
+  EXPECT_EQ(result.ours[0],
+            "The base carries 0.1235\u00a0N over 12\u202f345 contacts; raw is undefined.");
+  EXPECT_EQ(result.numbers[0].command, "bipot paper");
+}
+
+TEST(PaperReport, MistakesInAnItemAreRefused) {
+  const auto refused = [](PaperResult result) {
+    EXPECT_THROW(complete(result, "c"), std::invalid_argument);
+  };
+  PaperResult unknown, open, twice, both;
+  unknown.ours = {"no {such} number"};
+  refused(unknown);
+  open.numbers = {number("a", 1)};
+  open.ours = {"{a} and {a"};
+  refused(open);
+  twice.numbers = {number("a", 1), number("a", 2)};
+  refused(twice);
+  both.figures = {{.name = "f"}};  // neither chart nor file
+  refused(both);
+  both.figures = {{.name = "f", .chart = Chart{}, .file = "f.svg"}};
+  refused(both);
+}
+
+TEST(PaperReport, NumbersAreWrittenForReading) {
+  EXPECT_EQ(to_text(1.5e-9, "", 4), "1.5e-9");
+  EXPECT_EQ(to_text(-2.5, "%", 4), "−2.5\u00a0%");
+  EXPECT_EQ(to_text(1000, "", 2), "1000");
+  EXPECT_EQ(to_text(1234567, "", 2), "1\u202f234\u202f567");
+  EXPECT_EQ(to_text(0, "", 4), "0");
+  EXPECT_EQ(to_text(0.26795, "", 3), "0.268");
+  EXPECT_EQ(to_text(-INFINITY, "", 3), "−∞");
+}
+
+TEST(PaperReport, ResultsAreReadBackAsTheyWere) {
+  PaperResult result;
+  result.paper = "a \"quoted\" sentence";
+  result.numbers = {number("x", 0.1, "s"), number("nan", NAN)};
+  result.numbers[0].holds = false;
+  result.numbers[0].digits = 7;
+  Chart chart;
+  chart.title = "t";
+  chart.x = {"N", ChartAxis::Kind::kLog, 1.0, {}};
+  chart.y = {"s", ChartAxis::Kind::kLogSeconds};
+  chart.series = {{"a", 3, {{1, 2, true, "note"}, {2, NAN}, {3, 4, false, "", false}}}};
+  chart.series[0].kind = ChartSeries::Kind::kSteps;
+  chart.series[0].points[0].y_low = 1;
+  chart.x_lines = {{3, "three"}};
+  chart.key = Chart::Key::kRight;
+  chart.width = 300;
+  chart.y_line = 5;
+  result.figures = {{.name = "f", .caption = "c", .chart = chart},
+                    {.name = "g", .file = "g.svg", .wide = true, .after = 0}};
+  result.tables = {{"t", "caption", "", {"a", "b"}, {{"1", "2"}}}};
+  const PaperReport report = one_entry(result);
+  const TemporaryFolder folder;
+  const auto json = to_json(report);
+  EXPECT_TRUE(json["items"][0]["numbers"][1]["value"].is_null());
+  std::ofstream(folder / "results.json") << json.dump();
+  const PaperReport again{report.command, read_entries(folder / "results.json")};
+  EXPECT_EQ(to_json(again).dump(), json.dump());
+  EXPECT_EQ(to_html(again), to_html(report));
+  std::ofstream(folder / "other.json") << "{\"items\": [1]}";
+  EXPECT_THROW(read_entries(folder / "other.json"), FileError);
+  EXPECT_TRUE(read_entries(folder / "missing.json").empty());
+}
+
+TEST(PaperPage, MarksChecksAndEscapesMarkup) {
+  PaperResult result;
+  result.paper = "P(f/<f>) & so on";
+  result.ours = {"see `bipot list <x>`"};
+  result.numbers = {number("good", 1), number("bad", 2), number("open", 3)};
+  result.numbers[0].holds = true;
+  result.numbers[1].holds = false;
+  result.numbers[1].command = "bipot run <scene>";
+  const PaperReport report = one_entry(result);
+  EXPECT_EQ(report.entries[0].checks(), 2);
+  EXPECT_EQ(report.entries[0].held(), 1);
+  const std::string page = to_html(report);
+  EXPECT_TRUE(has(page, "P(f/&lt;f&gt;) &amp; so on"));
+  EXPECT_TRUE(has(page, "<code>bipot list &lt;x&gt;</code>"));
+  EXPECT_TRUE(has(page, "bipot run &lt;scene&gt;"));
+  EXPECT_TRUE(has(page, "✓ holds"));
+  EXPECT_TRUE(has(page, "✗ does not hold"));
+  EXPECT_TRUE(has(page, "✗ 1 of 2 hold"));
+  EXPECT_TRUE(has(page, "0123abc"));
+  EXPECT_FALSE(has(page, "<script"));
+  EXPECT_FALSE(has(page, "src=\"http"));
+}
+
+TEST(PaperPage, AFailedItemSaysWhy) {
+  PaperReport report = one_entry({});
+  report.entries[0].status = PaperEntry::Status::kFailed;
+  report.entries[0].message = "step 3: <stalled>";
+  const std::string page = to_html(report);
+  EXPECT_TRUE(has(page, "This item is failed: step 3: &lt;stalled&gt;"));
+  EXPECT_FALSE(to_json(report)["all_items_done"].get<bool>());
+}
+
+TEST(PaperItems, HaveNamesOfTheirOwn) {
+  std::set<std::string_view> names;
+  for (const PaperItem& item : paper_items()) EXPECT_TRUE(names.insert(item.name).second);
+  EXPECT_TRUE(names.contains("table1"));
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,262 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+#include <stdexcept>
+
+#include "bench/experiments/force_range.h"
+#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/validation_experiments.h"
+#include "bench/experiments/validation_page.h"
+#include "bench/experiments/validation_report.h"
+#include "bench/experiments/validation_run.h"
+#include "core/scene/scene_family.h"
+
+namespace bipot {
+namespace {
+
+ValidationVerdict verdict_of(const Expectation& expected, double allowed,
+                             std::vector<ValidationPoint> points) {
+  ValidationVerdict verdict;
+  verdict.row.name = "row";
+  verdict.row.expected = expected;
+  verdict.row.allowed = allowed;
+  verdict.points = std::move(points);
+  judge(verdict);
+  return verdict;
+}
+
+ValidationPoint point(double tol, double value, double bar = 0, long unsolved = 0) {
+  ValidationPoint p;
+  p.tol = tol;
+  p.seen = {value, bar};
+  p.steps = 100;
+  p.unsolved = unsolved;
+  return p;
+}
+
+TEST(Validate, ErrorsAreDistancesFromWhatIsExpected) {
+  EXPECT_DOUBLE_EQ(Expectation::equal(4).error(5), 0.25);
+  EXPECT_DOUBLE_EQ(Expectation::equal(0).error(-0.5), 0.5);
+  EXPECT_EQ(Expectation::at_most(1, 2).error(0.5), 0);
+  EXPECT_DOUBLE_EQ(Expectation::at_most(1, 2).error(2), 0.5);
+  EXPECT_DOUBLE_EQ(Expectation::at_least(1, 2).error(0), 0.5);
+  EXPECT_DOUBLE_EQ(Expectation::between(1, 2, 1).error(2.25), 0.25);
+  EXPECT_TRUE(std::isnan(Expectation::equal(1).error(kNaN)));
+}
+
+// Errors 0.5, 0.005, 0.3, 0.004, 1e-9 at falling tolerances: right to 1 % from the fourth on, as the
+// third is not right.
+TEST(Validate, TheLoosestToleranceIsThatFromWhichAllTighterOnesAreRight) {
+  const std::vector<ValidationPoint> points = {point(1, 1.5), point(0.1, 1.005), point(0.01, 1.3),
+                                               point(1e-3, 1.004), point(1e-4, 1 + 1e-9)};
+  const ValidationVerdict verdict = verdict_of(Expectation::equal(1), 1e-6, points);
+  EXPECT_TRUE(verdict.holds);
+  EXPECT_EQ(verdict.best, 4);
+  EXPECT_EQ(verdict.loosest, 1e-3);
+  // The verdict is that of the tightest one, to what the row allows and not to 1 %.
+  const ValidationVerdict strict = verdict_of(Expectation::equal(1 + 1e-5), 1e-6, points);
+  EXPECT_FALSE(strict.holds);
+  EXPECT_NE(strict.reason.find("off by 1.0e-5"), std::string::npos) << strict.reason;
+  EXPECT_EQ(strict.loosest, 1e-3);
+}
+
+TEST(Validate, ARunThatMissesItsToleranceDoesNotCount) {
+  const ValidationVerdict verdict =
+      verdict_of(Expectation::equal(1), 1e-3, {point(0.1, 1), point(0.01, 3, 0, 2)});
+  EXPECT_TRUE(verdict.holds);
+  EXPECT_EQ(verdict.best, 0);
+  const ValidationVerdict none =
+      verdict_of(Expectation::equal(1), 1e-3, {point(0.1, kNaN), point(0.01, 1, 0, 2)});
+  EXPECT_FALSE(none.holds);
+  EXPECT_TRUE(std::isnan(none.loosest));
+  EXPECT_NE(none.reason.find("undefined"), std::string::npos) << none.reason;
+}
+
+TEST(Validate, ABarWidensWhatIsAllowed) {
+  EXPECT_FALSE(verdict_of(Expectation::equal(1), 0, {point(0.1, 1.2)}).holds);
+  EXPECT_TRUE(verdict_of(Expectation::equal(1), 0, {point(0.1, 1.2, 0.3)}).holds);
+  // But one that is wider than half the scale says nothing, and nothing is right for its sake.
+  const ValidationVerdict wide = verdict_of(Expectation::equal(1), 0, {point(0.1, 1.2, 0.6)});
+  EXPECT_FALSE(wide.holds);
+  EXPECT_TRUE(wide.undecided);
+  EXPECT_TRUE(std::isnan(wide.loosest));
+  EXPECT_NE(wide.reason.find("too few samples"), std::string::npos) << wide.reason;
+}
+
+TEST(Validate, WhatAnExperimentThrowsIsTheReason) {
+  ValidationExperiment broken;
+  broken.rows.resize(2);
+  broken.tols = broken.quick_tols = {0.1};
+  broken.run = [](double, const ValidationContext&) -> ExperimentOutcome {
+    throw std::runtime_error("no disks at all");
+  };
+  const ExperimentResult result = run_experiment(broken, {});
+  ASSERT_EQ(result.verdicts.size(), 2u);
+  EXPECT_FALSE(result.verdicts[1].holds);
+  EXPECT_NE(result.verdicts[1].reason.find("no disks at all"), std::string::npos);
+  // One observation for two rows is a fault of the experiment.
+  broken.run = [](double, const ValidationContext&) {
+    ExperimentOutcome outcome;
+    outcome.seen = {{1}};
+    return outcome;
+  };
+  EXPECT_NE(run_experiment(broken, {}).verdicts[0].reason.find("1 observations for 2 rows"),
+            std::string::npos);
+}
+
+TEST(Validate, AThresholdIsFoundAndItsLackIsNotHidden) {
+  const Observation found = find_threshold(0, 1, [](double x) { return x >= 0.3; });
+  EXPECT_NEAR(found.value, 0.3, 1e-4);
+  EXPECT_TRUE(found.note.empty());
+  const Observation always = find_threshold(0.2, 1, [](double) { return true; });
+  EXPECT_EQ(always.value, 0.2);
+  EXPECT_FALSE(always.note.empty());
+  const Observation never = find_threshold(0, 1, [](double) { return false; });
+  EXPECT_EQ(never.value, 1);
+  EXPECT_FALSE(never.note.empty());
+}
+
+TEST(Validate, EveryRowSaysWhatItIs) {
+  std::set<std::string> names;
+  for (const ValidationExperiment& e : validation_experiments()) {
+    for (const ValidationRow& row : e.rows) {
+      EXPECT_TRUE(names.insert(row.name).second) << row.name;
+      for (const std::string* text :
+           {&row.group, &row.quantity, &row.source, &row.formula, &row.allowed_why, &row.bar}) {
+        EXPECT_FALSE(text->empty()) << row.name;
+      }
+      EXPECT_GT(row.expected.scale, 0) << row.name;
+      EXPECT_TRUE(std::isfinite(row.expected.low) || std::isfinite(row.expected.high)) << row.name;
+    }
+    for (const auto* tols : {&e.tols, &e.quick_tols}) {
+      EXPECT_GE(tols->size(), e.rows[0].takes_tolerance ? 2u : 1u) << e.rows[0].name;
+      EXPECT_TRUE(std::is_sorted(tols->rbegin(), tols->rend())) << e.rows[0].name;
+    }
+  }
+  EXPECT_GE(names.size(), 20u);
+}
+
+/// Rows whose answer is known by hand hold at the tightest tolerance; with an expected value that is 20 % off (or a
+/// bound that is moved by a tenth of its scale past what was measured) each of them does not.
+class ExactRows : public testing::TestWithParam<std::vector<ValidationExperiment> (*)()> {};
+
+TEST_P(ExactRows, HoldAndWouldNotHoldWithAnotherValue) {
+  ValidationContext context;
+  context.quick = true;
+  for (ValidationExperiment e : GetParam()()) {
+    e.quick_tols = {e.quick_tols.back()};
+    for (ValidationVerdict& v : run_experiment(e, context).verdicts) {
+      EXPECT_TRUE(v.holds) << v.row.name << ": " << v.reason;
+      ASSERT_NE(v.measured(), nullptr) << v.row.name;
+      const Observation seen = v.measured()->seen;
+      const double moved = 0.1 * v.row.expected.scale + 2 * seen.bar;
+      v.row.expected = v.row.expected.low == v.row.expected.high && v.row.expected.low != 0
+                           ? Expectation::equal(1.2 * v.row.expected.low + 2 * seen.bar)
+                           : Expectation::at_least(seen.value + moved, v.row.expected.scale);
+      judge(v);
+      EXPECT_FALSE(v.holds) << v.row.name;
+      EXPECT_FALSE(v.reason.empty()) << v.row.name;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Validate, ExactRows,
+                         testing::Values(&slope_experiments, &standing_experiments,
+                                         &impact_experiments, &chain_experiments,
+                                         &indeterminacy_experiments));
+
+// A solver that may not iterate reaches no tolerance, and no row holds by luck.
+TEST(Validate, WithoutIterationsNothingThatNeedsThemHolds) {
+  ValidationContext context;
+  context.quick = true;
+  context.max_iterations = 1;
+  for (ValidationExperiment e : standing_experiments()) {
+    e.quick_tols = {1e-8};
+    for (const ValidationVerdict& v : run_experiment(e, context).verdicts) {
+      EXPECT_FALSE(v.holds) << v.row.name;
+      EXPECT_NE(v.reason.find("did not reach"), std::string::npos) << v.reason;
+    }
+  }
+}
+
+/// All rows at one tolerance, as --quick measures them.
+ValidationPage small_page() {
+  ValidationContext context;
+  context.quick = true;
+  ValidationPage page;
+  page.command = "bipot validate --quick";
+  page.solver = context.solver;
+  page.quick = true;
+  for (ValidationExperiment e : validation_experiments()) {
+    e.quick_tols = {1e-1};
+    ExperimentResult result = run_experiment(e, context);
+    for (ValidationVerdict& v : result.verdicts) page.verdicts.push_back(std::move(v));
+    for (ValidationFigure& f : result.figures) page.figures.push_back(std::move(f));
+  }
+  return page;
+}
+
+TEST(Validate, TheQuickPageHasEveryRowAndNoNaN) {
+  const ValidationPage page = small_page();
+  const std::string html = to_html(page), text = to_text(page), csv = to_csv(page),
+                    verdicts = verdicts_csv(page);
+  std::size_t rows = 0;
+  for (const ValidationExperiment& e : validation_experiments()) {
+    for (const ValidationRow& row : e.rows) {
+      ++rows;
+      EXPECT_NE(html.find("<tr id=\"" + row.name + "\">"), std::string::npos) << row.name;
+      EXPECT_NE(text.find("  " + row.name + " "), std::string::npos) << row.name;
+      EXPECT_NE(csv.find("," + row.name + ","), std::string::npos) << row.name;
+    }
+  }
+  EXPECT_EQ(page.verdicts.size(), rows);
+  for (const ValidationVerdict& v : page.verdicts) {
+    ASSERT_EQ(v.points.size(), 1u);
+    EXPECT_TRUE(v.points[0].failure.empty()) << v.row.name << ": " << v.points[0].failure;
+    EXPECT_TRUE(std::isfinite(v.points[0].seen.value)) << v.row.name;
+    EXPECT_TRUE(std::isfinite(v.points[0].seen.bar)) << v.row.name;
+    EXPECT_GT(v.points[0].steps, 0) << v.row.name;
+  }
+  for (const std::string* all : {&html, &text, &csv, &verdicts}) {
+    EXPECT_EQ(all->find("nan"), std::string::npos);
+  }
+  EXPECT_EQ(std::count(verdicts.begin(), verdicts.end(), '\n'), static_cast<long>(rows) + 1);
+  for (const std::string& group : groups_of(page)) {
+    EXPECT_FALSE(error_chart(page, group).series.empty()) << group;
+  }
+}
+
+ContactProblem three_disks(double mu) {
+  const Scene<2> scene = make_family_scene("pyramid", 2, {.mu = mu});
+  return step_problem(scene, initial_state(scene), false);
+}
+
+// Three disks stand iff mu >= tan 15° = 0.268. At that mu the force between the top disk and a lower one is on the
+// cone's edge: the interval is one point, w/2 over cos(30° - 15°), its normal part w/2.
+TEST(AdmissibleForces, OfThreeDisksAreNoneThenOneThenMany) {
+  const double tan15 = 2 - std::sqrt(3.0), weight = 9.81 * 0.01;
+  EXPECT_TRUE(admissible_forces(three_disks(tan15 * (1 - 1e-3))).empty());
+  const std::vector<ForceRange> one = admissible_forces(three_disks(tan15 * (1 + 1e-9)));
+  ASSERT_FALSE(one.empty());
+  const std::vector<ForceRange> many = admissible_forces(three_disks(0.6));
+  ASSERT_EQ(one.size(), many.size());
+  double least = kInfinity;
+  for (std::size_t k = 0; k < one.size(); ++k) {
+    EXPECT_GE(one[k].low, many[k].low - 1e-9 * weight);
+    EXPECT_LE(one[k].high, many[k].high + 1e-9 * weight);
+    if (one[k].high > 0.1 * weight) least = std::min(least, one[k].high / weight);
+  }
+  EXPECT_NEAR(least, 0.5, 1e-5);
+  EXPECT_LE(force_spread(one), 1e-4);
+  EXPECT_GT(force_spread(many), 0.01);
+}
+
+TEST(AdmissibleForces, AreRefusedForAnotherForm) {
+  ContactProblem problem = three_disks(0.5);
+  problem.row_scale = Vector::Constant(problem.num_rows(), 1.2);
+  EXPECT_THROW(admissible_forces(problem), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,152 @@
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <variant>
+
+#include "bench/problems/scene_catalogue.h"
+#include "core/files/hdf5_file.h"
+#include "core/run_files/run_reader.h"
+#include "core/scene_files/scene_file.h"
+#include "solvers/simulation/run_folder.h"
+#include "solvers/simulation/scene_run.h"
+#include "tests/support/scene_parts.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+/// Spheres that fall into a turning drum and onto each other, with a plate that comes down.
+Scene<3> spheres_in_a_drum(int steps) {
+  Scene<3> scene = one_law_in_space({.mu = 0.4, .e_n = 0.1, .e_t = 0.1});
+  scene.title = "drum";
+  scene.gravity = Vec3(0, 0, -9.81);
+  for (int k = 0; k < 12; ++k) {
+    scene.bodies.push_back(ball(Vec3(0.3 * (k % 3 - 1), 0.3 * (k / 3 % 2), 0.35 * (k / 6) - 0.4),
+                                k % 2 == 0 ? 0.14 : 0.12, Vec3(0, 0, -1), 1, Vec3(3, 1, k)));
+  }
+  Wall<3> drum;
+  drum.name = "drum";
+  drum.shape = Wall<3>::Shape::kHollowCircle;
+  drum.normal = Vec3::UnitY();
+  drum.radius = 0.8;
+  drum.spin = 1;
+  Wall<3> plate = half_space(Vec3(0, 0, 0.3), -Vec3::UnitZ());
+  plate.name = "plate";
+  plate.motion = Wall<3>::Motion::kDriven;
+  plate.direction = -Vec3::UnitZ();
+  plate.force = 20;
+  plate.mass = 3;
+  scene.walls = {drum, half_space(Vec3(0, -0.2, 0), Vec3::UnitY()),
+                 half_space(Vec3(0, 0.5, 0), -Vec3::UnitY()), plate};
+  scene.step = 2e-3;
+  scene.num_steps = steps;
+  scene.contact_distance = 1e-7;
+  scene.solver.name = "pgs";
+  scene.solver.tol = 1e-6;
+  scene.output.every = 50;
+  scene.output.track = {3};
+  scene.output.stress_picture = true;
+  return scene;
+}
+
+void expect_same(const State<3>& a, const State<3>& b) {
+  EXPECT_EQ(a.step, b.step);
+  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a.friction_loss, b.friction_loss);
+  EXPECT_EQ(a.wall_work, b.wall_work);
+  ASSERT_EQ(a.bodies.size(), b.bodies.size());
+  for (std::size_t k = 0; k < a.bodies.size(); ++k) {
+    EXPECT_EQ(a.bodies[k].x, b.bodies[k].x);
+    EXPECT_EQ(a.bodies[k].v, b.bodies[k].v);
+    EXPECT_EQ(a.bodies[k].spin, b.bodies[k].spin);
+    EXPECT_EQ(a.bodies[k].orientation.coeffs(), b.bodies[k].orientation.coeffs());
+  }
+  ASSERT_EQ(a.contacts.size(), b.contacts.size());
+  for (std::size_t k = 0; k < a.contacts.size(); ++k) {
+    EXPECT_EQ(a.contacts[k].contact.n, b.contacts[k].contact.n);
+    EXPECT_EQ(a.contacts[k].s_n, b.contacts[k].s_n);
+    EXPECT_EQ(a.contacts[k].s_t, b.contacts[k].s_t);
+    EXPECT_EQ(a.contacts[k].u_t, b.contacts[k].u_t);
+  }
+  for (std::size_t k = 0; k < a.walls.size(); ++k) EXPECT_EQ(a.walls[k].a, b.walls[k].a);
+}
+
+// The ledger closes though the drum does work, and what comes back from the files goes on bit for bit.
+TEST(SphereRun, GoesOnFromItsFilesBitForBit) {
+  const TemporaryFolder folder;
+  const Scene<3> scene = spheres_in_a_drum(200);
+  State<3> whole = initial_state(scene);
+  double imbalance = 0, momentum_imbalance = 0;
+  SceneRunOptions<3> options;
+  options.on_step = [&](const SceneStep<3>& step) {
+    imbalance = std::max(imbalance, std::abs(step.report.energy.imbalance));
+    momentum_imbalance = std::max(momentum_imbalance, step.report.momentum_imbalance.norm());
+    return true;
+  };
+  const auto done = run_scene(scene, whole, options);
+  EXPECT_EQ(done.totals.converged, 200);
+  EXPECT_GT(done.totals.max_contacts, 12);
+  EXPECT_LT(imbalance, 1e-11);
+  EXPECT_LT(momentum_imbalance, 1e-11);
+  EXPECT_GT(std::abs(whole.wall_work), 0.1);
+
+  RunFolderOptions files;
+  files.folder = folder.path() / "run";
+  State<3> part = initial_state(scene);
+  options.on_step = {};
+  options.steps = 90;
+  run_scene_into(scene, part, options, files);
+  State<3> read = read_state<3>(files.folder);
+  expect_same(read, part);
+  EXPECT_EQ(restart_mismatch(scene, read), "");
+  options.steps = 110;
+  run_scene(scene, read, options);
+  expect_same(read, whole);
+  EXPECT_THROW(read_state(files.folder), FileError);  // as disks
+}
+
+TEST(SphereRun, WritesWhatParaViewAndPeopleLookAt) {
+  const TemporaryFolder folder;
+  const Scene<3> scene = spheres_in_a_drum(150);
+  State<3> state = initial_state(scene);
+  RunFolderOptions files;
+  files.folder = folder.path() / "run";
+  run_scene_into(scene, state, {}, files);
+  for (const char* name : {"forces.svg", "forces.png", "slice.svg", "slice.png", "stress.svg",
+                           "run.xdmf", "ledger.csv", "trajectory.csv"}) {
+    EXPECT_TRUE(std::filesystem::exists(files.folder / name)) << name;
+  }
+  const Hdf5File frame(frame_path(files.folder, 150), Hdf5File::Mode::kRead);
+  const std::size_t contacts = state.contacts.size();
+  ASSERT_GT(contacts, 3u);
+  EXPECT_EQ(frame.size("/disks/x"), 3 * 12u);
+  EXPECT_EQ(frame.size("/disks/orientation"), 4 * 12u);
+  EXPECT_EQ(frame.size("/contacts/force_t"), 3 * contacts);
+  EXPECT_EQ(frame.size("/contacts/segment"), 6 * contacts);
+  // Three planes, and the drum as a prism of 48 sides: four corners each.
+  EXPECT_EQ(frame.size("/walls/piece"), (3 + 48) * 12u);
+  // One end of a branch is the centre of its sphere.
+  const auto ends = frame.read_doubles("/contacts/segment");
+  const Sphere& first = state.bodies[to_size(state.contacts[0].contact.i)];
+  EXPECT_EQ(ends[0], first.x[0]);
+  EXPECT_EQ(ends[2], first.x[2]);
+}
+
+TEST(SphereRun, SpringsAreRefused) {
+  Scene<3> scene = spheres_in_a_drum(1);
+  scene.model = Model::kSpringDashpot;
+  State<3> state = initial_state(scene);
+  EXPECT_THROW(run_scene(scene, state), std::invalid_argument);
+}
+
+// The shipped pile: mu a little above what geometry asks for (Spheres.FourSpheresStand...).
+TEST(SphereRun, TheShippedFourSpheresStand) {
+  const auto scene = std::get<Scene<3>>(read_any_scene(find_scene("four_spheres")));
+  State<3> state = initial_state(scene);
+  const auto run = run_scene(scene, state);
+  EXPECT_EQ(run.totals.converged, scene.num_steps);
+  EXPECT_LT((state.bodies[3].x - scene.bodies[3].x).norm(), 1e-7);
+}
+
+}  // namespace
+}  // namespace bipot

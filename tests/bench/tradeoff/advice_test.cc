@@ -1,0 +1,125 @@
+#include "bench/tradeoff/advice.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace bipot {
+namespace {
+
+Accuracy force(double x) { return {.force = x}; }
+
+StepTrial step(double h, double error) { return {h / 1e-3, h, force(error)}; }
+
+SolverTrial trial(const std::string& name, double tol, double error, double seconds) {
+  SolverTrial t;
+  t.solver = {name, name, {}};
+  t.tol = tol;
+  t.problems = t.solved = 4;
+  t.error = force(error);
+  t.seconds = seconds;
+  return t;
+}
+
+TEST(Advice, ShareIsTheWorstOfWhatIsAskedFor) {
+  const Accuracy goal{.force = 1e-2, .energy = 1e-1};
+  EXPECT_DOUBLE_EQ(share_of({.force = 5e-3, .penetration = 1, .energy = 2e-2}, goal), 0.5);
+  EXPECT_DOUBLE_EQ(share_of({.force = 1e-3, .energy = 3e-1}, goal), 3);
+  EXPECT_EQ(share_of({.penetration = 1}, goal), 0);  // not asked for
+}
+
+TEST(Advice, LargestStepThatTakesHalfTheGoal) {
+  const std::vector<StepTrial> steps = {step(4e-3, 8e-3), step(2e-3, 4e-3), step(1e-3, 2e-3)};
+  const StepChoice half = choose_step(steps, force(1e-2));
+  EXPECT_EQ(half.index, 1);
+  EXPECT_TRUE(half.met);
+  // Half of 2.5e-3 is below all; nine tenths are not.
+  const StepChoice most = choose_step(steps, force(2.5e-3));
+  EXPECT_EQ(most.index, 2);
+  EXPECT_TRUE(most.met);
+}
+
+TEST(Advice, AStepIsNoBetterThanASmallerOne) {
+  const std::vector<StepTrial> steps = {step(4e-3, 1e-3), step(2e-3, 4e-2), step(1e-3, 2e-3)};
+  const StepChoice choice = choose_step(steps, force(1e-2));
+  EXPECT_EQ(choice.index, 2);  // 4e-3 s came out well by chance
+  EXPECT_TRUE(choice.met);
+}
+
+TEST(Advice, AMissedGoalNamesTheLargestStepNearTheBest) {
+  // The error stops falling: 1.1e-1 is within a quarter of 1e-1.
+  const std::vector<StepTrial> steps = {step(4e-3, 5e-1), step(2e-3, 1.1e-1), step(1e-3, 1e-1)};
+  const StepChoice choice = choose_step(steps, force(1e-2));
+  EXPECT_EQ(choice.index, 1);
+  EXPECT_FALSE(choice.met);
+  EXPECT_EQ(choose_step({}, force(1e-2)).index, -1);
+}
+
+TEST(Advice, PaysForNoDigitsBelowWhatExactAnswersDifferBy) {
+  // Answers 0.2 apart in force: an error of 0.1 is lost in that, one of 0.11 is not.
+  const Accuracy spread{.force = 0.2, .energy = 1e-3};
+  const Accuracy lost =
+      without_lost_digits({.force = 0.1, .penetration = 0.5, .energy = 2e-3}, spread);
+  EXPECT_EQ(lost.force, 0);
+  EXPECT_EQ(lost.penetration, 0.5);  // an exact answer has none
+  EXPECT_EQ(lost.energy, 2e-3);
+  EXPECT_EQ(without_lost_digits(force(0.11), spread).force, 0.11);
+  // A single answer: everything counts.
+  EXPECT_EQ(without_lost_digits(force(1e-9), Accuracy{}).force, 1e-9);
+}
+
+TEST(Advice, TheSolverGetsWhatTheStepLeaves) {
+  EXPECT_DOUBLE_EQ(solver_budget(force(1e-2), force(4e-3)).force, 6e-3);
+  EXPECT_DOUBLE_EQ(solver_budget(force(1e-2), Accuracy{}).force, 1e-2);  // not measured
+  // The step misses the goal: no digits below half of its own error.
+  EXPECT_DOUBLE_EQ(solver_budget(force(1e-2), force(2e-1)).force, 1e-1);
+  EXPECT_TRUE(std::isnan(solver_budget(force(1e-2), force(2e-1)).energy));
+}
+
+TEST(Advice, CheapestFirstOfThoseThatMeetTheBudget) {
+  std::vector<SolverTrial> trials = {
+      trial("slow", 1e-3, 1e-3, 5e-2), trial("loose", 1e-1, 5e-2, 1e-3),
+      trial("fast", 1e-3, 2e-3, 1e-2), trial("fails", 1e-3, 1e-4, 1e-3)};
+  trials[3].solved = 3;
+  EXPECT_EQ(by_cost(trials, force(1e-2)), (std::vector<int>{2, 0}));
+  EXPECT_TRUE(by_cost(trials, force(1e-5)).empty());
+  EXPECT_EQ(nearest_trial(trials, force(1e-5)), 0);
+}
+
+TEST(Advice, TimesThatDifferByNoiseKeepTheirOrder) {
+  const std::vector<SolverTrial> trials = {trial("first", 1e-3, 1e-3, 2e-6),
+                                           trial("second", 1e-3, 1e-3, 1e-6)};
+  EXPECT_EQ(by_cost(trials, force(1e-2)), (std::vector<int>{0, 1}));
+}
+
+TEST(Advice, NearestCountsStretches) {
+  std::vector<SolverTrial> trials = {trial("drifts", 1e-2, 1e-4, 1e-3),
+                                     trial("steady", 1e-2, 1e-3, 1e-2)};
+  trials[0].stretch = force(0.5);
+  trials[1].stretch = force(2e-3);
+  trials[0].stretches = trials[1].stretches = 3;
+  trials.push_back(trial("not run on them", 1e-8, 1e-8, 1));
+  EXPECT_EQ(nearest_trial(trials, force(1e-5)), 1);
+}
+
+TEST(Advice, ParetoLeavesOutWhatIsBeatenInBoth) {
+  std::vector<SolverTrial> trials = {trial("a", 1e-1, 1e-1, 1e-3), trial("b", 1e-3, 1e-3, 1e-2),
+                                     trial("beaten", 1e-2, 1e-2, 2e-2),
+                                     trial("fails", 1e-8, 1e-8, 1e-4)};
+  trials[3].solved = 0;
+  mark_pareto(trials, force(1e-2));
+  EXPECT_TRUE(trials[0].pareto);
+  EXPECT_TRUE(trials[1].pareto);
+  EXPECT_FALSE(trials[2].pareto);
+  EXPECT_FALSE(trials[3].pareto);
+  // Once stretches were run, they decide: what was not run on them is not marked.
+  trials[2].stretches = 2;
+  trials[2].stretch = force(2e-2);
+  trials[2].run_seconds = 1;
+  mark_pareto(trials, force(1e-2));
+  EXPECT_FALSE(trials[0].pareto);
+  EXPECT_TRUE(trials[2].pareto);
+}
+
+}  // namespace
+}  // namespace bipot

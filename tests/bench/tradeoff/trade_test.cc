@@ -1,0 +1,415 @@
+#include "bench/tradeoff/trade.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+
+#include "bench/tradeoff/trade_analysis.h"
+#include "bench/tradeoff/trade_page.h"
+#include "bench/tradeoff/trade_report.h"
+#include "core/base/types.h"
+#include "core/motion/spring_dashpot.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+const char* kColumns = R"(
+title = "Two columns"
+[contact]
+mu = 0.0
+[[disks]]
+arrangement = "rectangular"
+columns = 2
+rows = 3
+radius = 0.01
+density = 2000.0
+[[walls]]
+point = [0.0, 0.0]
+normal = [0.0, 1.0]
+[[walls]]
+point = [0.0, 0.0]
+normal = [1.0, 0.0]
+[[walls]]
+point = [0.04, 0.0]
+normal = [-1.0, 0.0]
+[time]
+step = 1e-3
+steps = 60
+)";
+
+const char* kFalling = R"(
+title = "Falling disks"
+[contact]
+mu = 0.2
+e_n = 0.2
+[[disks]]
+arrangement = "random"
+count = 8
+radii = [0.01, 0.008]
+width = 0.06
+density = 2000.0
+[[walls]]
+point = [0.0, 0.0]
+normal = [0.0, 1.0]
+[[walls]]
+point = [0.0, 0.0]
+normal = [1.0, 0.0]
+[[walls]]
+point = [0.06, 0.0]
+normal = [-1.0, 0.0]
+[time]
+step = 1e-3
+steps = 80
+)";
+
+std::string scene_file(const TemporaryFolder& folder, const std::string& name,
+                       const std::string& text) {
+  const std::filesystem::path path = folder / (name + ".toml");
+  std::ofstream(path) << text;
+  return path.string();
+}
+
+std::size_t index_of(const std::vector<TradeQuantity>& quantities, const std::string& name) {
+  for (std::size_t q = 0; q < quantities.size(); ++q) {
+    if (quantities[q].name == name) return q;
+  }
+  ADD_FAILURE() << "no quantity " << name;
+  return 0;
+}
+
+/// A trade of one scene whose outcomes come from a formula instead of a run.
+template <class Value>
+Trade manufactured(int replicas, double accuracy, Value&& value) {
+  Trade trade;
+  trade.accuracy = accuracy;
+  trade.complete = true;
+  TradeScene scene;
+  scene.name = "made";
+  scene.replicas = replicas;
+  scene.scene.step = 1e-3;
+  scene.scene.num_steps = 100;
+  scene.quantities = {{.name = "q", .unit = "m", .meaning = "manufactured"}};
+  trade.scenes = {scene};
+  const auto add = [&](double tol, double factor) {
+    for (int r = 0; r < replicas; ++r) {
+      TradeRow row;
+      row.scene = "made";
+      row.setting = {.solver = "auto", .tol = tol, .step_factor = factor};
+      row.replica = r;
+      row.status = "completed";
+      row.steps = row.steps_planned = row.steps_converged = 100;
+      row.simulated = 0.1;
+      row.cpu = 1e-3 / (factor * tol);
+      row.values = {value(tol, factor, r)};
+      trade.rows.push_back(row);
+    }
+  };
+  for (const double tol : {1e-1, 1e-2, 1e-3, 1e-6}) add(tol, 1);
+  for (const double factor : {2.0, 0.5, 0.25}) add(1e-6, factor);
+  return trade;
+}
+
+TEST(TradeAnalysis, SeparatesTheSolverFromTheTimeStep) {
+  // q = 1 + 0.01 (h/h0) + 0.5 tol: the step's own error is 0.01 of 1.0025 (the reference, at h/4),
+  // the solver's 0.05, 0.005, 5e-4, 0: tolerance 1e-2 is enough.
+  const Trade trade =
+      manufactured(1, 0, [](double tol, double f, int) { return 1 + 0.01 * f + 0.5 * tol; });
+  const SceneTrade s = analyse_trade(trade).at(0);
+  const TradeQuantityErrors& e = s.quantities.at(0);
+  const double reference = 1.0025 + 0.5e-6;
+  EXPECT_NEAR(e.reference, reference, 1e-15);
+  EXPECT_NEAR(e.step_error, 0.01 / reference, 1e-12);
+  EXPECT_EQ(e.step_error_kind, "Richardson, order 1.0");
+  ASSERT_EQ(e.solver_error.size(), 4u);
+  EXPECT_NEAR(e.solver_error[0], (0.05 - 0.5e-6) / reference, 1e-12);
+  EXPECT_NEAR(e.solver_error[1], (0.005 - 0.5e-6) / reference, 1e-12);
+  EXPECT_EQ(e.solver_error[3], 0);
+  EXPECT_EQ(e.noise, 0);
+  ASSERT_TRUE(s.sufficient_tol.has_value());
+  EXPECT_EQ(*s.sufficient_tol, 1e-2);
+  EXPECT_EQ(s.decided_by, "q");
+  EXPECT_NEAR(s.cpu_tightest / s.cpu_sufficient, 1e4, 1e-6);
+  EXPECT_NE(s.answer().find("Tolerance 0.01 is enough"), std::string::npos) << s.answer();
+}
+
+TEST(TradeAnalysis, ATightToleranceIsNeededWhereTheTimeStepIsExact) {
+  const auto value = [](double tol, double, int) { return 1 + 0.5 * tol; };
+  const SceneTrade exact = analyse_trade(manufactured(1, 0, value)).at(0);
+  EXPECT_EQ(exact.quantities[0].step_error, 0);
+  EXPECT_EQ(*exact.sufficient_tol, 1e-6);
+  // Unless nobody looks that closely.
+  const SceneTrade good = analyse_trade(manufactured(1, 1e-2, value)).at(0);
+  EXPECT_EQ(*good.sufficient_tol, 1e-2);
+}
+
+TEST(TradeAnalysis, NearbyRunsHideWhatIsSmallerThanTheirSpread) {
+  // Two replicas at ±0.03: standard deviation 0.03 √2, twice the standard error of a difference of
+  // two means of two: 2 x 0.03 √2 = 0.085. The solver's 0.05 at 1e-1 cannot be seen.
+  const Trade trade = manufactured(
+      2, 0, [](double tol, double, int r) { return 1 + 0.5 * tol + (r == 0 ? 0.03 : -0.03); });
+  const SceneTrade s = analyse_trade(trade).at(0);
+  EXPECT_NEAR(s.quantities[0].noise, 0.06 * std::sqrt(2), 1e-6);
+  EXPECT_EQ(*s.sufficient_tol, 1e-1);
+}
+
+/// The trade with one more solver at the tightest tolerance.
+Trade with_witness(Trade trade, double value) {
+  TradeRow row = trade.rows.front();
+  row.setting = {.solver = "apgd", .tol = 1e-6};
+  row.values = {value};
+  trade.rows.push_back(row);
+  return trade;
+}
+
+TEST(TradeAnalysis, WhatOtherExactAnswersDoIsAFloor) {
+  // The step is exact and the solver's error 0.5 tol: alone, 1e-6 is needed. Another solver ends 0.02
+  // away at the same tolerance: then the 0.005 of 1e-2 are nobody's digits.
+  const Trade alone = manufactured(1, 0, [](double tol, double, int) { return 1 + 0.5 * tol; });
+  EXPECT_EQ(*analyse_trade(alone).at(0).sufficient_tol, 1e-6);
+  const Trade trade = with_witness(alone, 1.02);
+  const SceneTrade s = analyse_trade(trade).at(0);
+  EXPECT_NEAR(s.quantities[0].choice, 0.02, 1e-5);
+  EXPECT_EQ(s.other_solver, "apgd");
+  EXPECT_EQ(*s.sufficient_tol, 1e-2);
+  EXPECT_NE(s.answer().find("several exact answers"), std::string::npos) << s.answer();
+  EXPECT_NE(s.answer().find("No digits below that are paid for"), std::string::npos);
+}
+
+TEST(TradeAnalysis, AWitnessThatAgreesChangesNothing) {
+  const Trade alone = manufactured(1, 0, [](double tol, double, int) { return 1 + 0.5 * tol; });
+  const SceneTrade s = analyse_trade(with_witness(alone, 1 + 0.5e-6)).at(0);
+  EXPECT_EQ(s.quantities[0].choice, 0);
+  EXPECT_EQ(*s.sufficient_tol, 1e-6);
+  EXPECT_EQ(s.answer().find("several exact answers"), std::string::npos) << s.answer();
+  // Nor one that did not get there.
+  Trade failed = with_witness(alone, kNaN);
+  failed.rows.back().status = "time limit";
+  EXPECT_EQ(analyse_trade(failed).at(0).quantities[0].choice, 0);
+}
+
+TEST(TradeAnalysis, RunsThatWereNotCompletedSayNothing) {
+  Trade trade =
+      manufactured(2, 0, [](double tol, double f, int) { return 1 + 0.01 * f + 0.5 * tol; });
+  for (TradeRow& row : trade.rows) {
+    const bool tight = row.setting.tol == 1e-6 && row.setting.step_factor == 1;
+    const bool other_step = row.setting.step_factor != 1;
+    if (tight && row.replica == 1) {
+      row.status = "time limit";
+      row.values = {kNaN};
+    }
+    if (other_step) row.setting.tol = 1e-3;
+    if (other_step && row.setting.step_factor < 1) {
+      row.status = "failed";
+      row.values = {kNaN};
+    }
+  }
+  const SceneTrade s = analyse_trade(trade).at(0);
+  EXPECT_EQ(s.tols, (std::vector<double>{1e-1, 1e-2, 1e-3}));
+  EXPECT_EQ(s.quantities[0].step_error_kind, "difference to twice the step");
+  const TradeCell* tight = s.find({.solver = "auto", .tol = 1e-6});
+  EXPECT_FALSE(tight->done());
+  EXPECT_EQ(tight->status, "time limit");
+  EXPECT_TRUE(std::isnan(s.worst_error(*tight)));
+  // Without any other step nothing is known of the step's error.
+  std::erase_if(trade.rows, [](const TradeRow& r) { return r.setting.step_factor != 1; });
+  EXPECT_FALSE(analyse_trade(trade).at(0).sufficient_tol.has_value());
+}
+
+TEST(TradeRun, ColumnsLoadEachContactWithTheWeightAbove) {
+  const TemporaryFolder folder;
+  TradeOptions options;
+  options.targets = {scene_file(folder, "columns", kColumns)};
+  options.solvers = {"auto", "pgs"};
+  options.tols = {1e-2, 1e-8};
+  options.step_factors = {1, 0.5};
+  options.overlaps = {1e-3, 1e-2};
+  const Trade trade = run_trade(options);
+  ASSERT_TRUE(trade.complete);
+  ASSERT_EQ(trade.scenes.size(), 1u);
+  EXPECT_EQ(trade.scenes[0].replicas, 1);  // nothing flies
+  EXPECT_EQ(trade.rows.size(), 2u * 2 + 1 + 2);
+  const auto& quantities = trade.scenes[0].quantities;
+  const std::size_t column = index_of(quantities, "column force");
+  const std::size_t floor = index_of(quantities, "floor load");
+  const std::size_t pressure = index_of(quantities, "pressure");
+  // σ_yy V = Σ m g x (distance from the floor to the centre) by Love's formula, σ_xx = 0, and the
+  // pressure is half of their sum. V: the disks' hull, 0.04 m x 0.06 m with rounded corners.
+  const double weight = 2000 * M_PI * 1e-4 * 9.81;
+  const double area = 0.04 * 0.06 - (4 - M_PI) * 1e-4;
+  const double expected = 0.5 * 2 * weight * (0.01 + 0.03 + 0.05) / area;
+  for (const TradeRow& row : trade.rows) {
+    EXPECT_EQ(row.status, "completed") << row.setting.label() << ": " << row.message;
+    EXPECT_GT(row.cpu, 0);
+    const bool tight = row.setting.dem() || row.setting.tol == 1e-8;
+    if (!tight) continue;
+    const double accuracy = row.setting.dem() ? 1e-2 : 1e-6;
+    EXPECT_LT(row.values[column], accuracy) << row.setting.label();
+    EXPECT_NEAR(row.values[floor], 1, accuracy) << row.setting.label();
+    EXPECT_NEAR(row.values[pressure] / expected, 1, row.setting.dem() ? 3e-2 : 1e-3);
+  }
+  // Springs: soft ones first, overlap as aimed at, three disks on the floor of each column.
+  const TradeRow &soft = trade.rows[5], &stiff = trade.rows[6];
+  EXPECT_EQ(soft.setting.overlap, 1e-2);
+  EXPECT_NEAR(soft.penetration / 1e-2, 1, 0.7);
+  EXPECT_NEAR(stiff.stiffness / soft.stiffness, 10, 1e-9);
+  EXPECT_NEAR(soft.penetration / stiff.penetration, 10, 1);
+  const SceneTrade s = analyse_trade(trade).at(0);
+  EXPECT_EQ(s.solver, "auto");
+  EXPECT_EQ(s.step_tol, 1e-8);
+}
+
+TEST(TradeRun, FallingDisksAreRunAsNearbyReplicas) {
+  const TemporaryFolder folder;
+  TradeOptions options;
+  options.targets = {scene_file(folder, "falling", kFalling) + ":steps=90"};
+  options.tols = {1e-1, 1e-6};
+  options.step_factors = {1};
+  options.overlaps = {1e-2};
+  const Trade first = run_trade(options), second = run_trade(options);
+  EXPECT_EQ(first.scenes[0].replicas, 3);
+  ASSERT_EQ(first.rows.size(), 9u);
+  for (std::size_t k = 0; k < first.rows.size(); ++k) {
+    EXPECT_EQ(first.rows[k].steps, 90);
+    EXPECT_EQ(first.rows[k].values, second.rows[k].values);  // the same bits
+  }
+  // Replicas differ, and settings of one replica start alike.
+  EXPECT_NE(first.rows[3].values, first.rows[4].values);
+  EXPECT_NE(first.rows[4].values, first.rows[5].values);
+  const std::size_t lost = index_of(first.scenes[0].quantities, "energy lost");
+  EXPECT_NEAR(first.rows[3].values[lost] / first.rows[5].values[lost], 1, 0.2);
+}
+
+TEST(TradeRun, FailuresAndTimeOutsStayInTheTable) {
+  const TemporaryFolder folder;
+  TradeOptions options;
+  options.targets = {scene_file(folder, "falling", kFalling)};
+  options.tols = {1e-1, 1e-6};
+  options.step_factors = {1, 0.5};
+  options.stiffness = {10, 1e5};
+  options.time_limit = 1e-9;
+  Trade trade = run_trade(options);
+  EXPECT_TRUE(trade.complete);
+  ASSERT_EQ(trade.rows.size(), (2u + 1 + 2) * 3);
+  EXPECT_EQ(trade.rows[0].status, "time limit");
+  EXPECT_LT(trade.rows[0].steps, 80);
+  EXPECT_TRUE(std::isnan(trade.rows[0].values[0]));
+  EXPECT_EQ(trade.rows[1].status, "not run");  // further replicas, tighter tolerances
+  EXPECT_EQ(trade.rows[3].status, "not run");
+  EXPECT_EQ(trade.rows[3].message, "a looser tolerance was not completed");
+  EXPECT_EQ(trade.rows[6].message, "no tolerance was completed at the scene's step");
+  EXPECT_FALSE(analyse_trade(trade).at(0).answer().empty());
+  options.time_limit = 20;
+  options.step_factors = {1};
+  trade = run_trade(options);
+  ASSERT_EQ(trade.rows.size(), (2u + 2) * 3);
+  const TradeRow& soft = trade.rows[6];  // 10 N/m under disks of half a kilogram
+  EXPECT_EQ(soft.status, "failed");
+  EXPECT_NE(soft.message.find("too low for this load"), std::string::npos) << soft.message;
+  EXPECT_EQ(trade.rows[9].status, "completed");
+  options.targets.push_back(options.targets[0]);
+  EXPECT_THROW(run_trade(options), std::invalid_argument);  // two scenes of one name
+}
+
+TEST(TradeRun, RefusesScenesWhoseBodiesComeAndGo) {
+  TradeOptions options;
+  options.targets = {"hopper"};
+  EXPECT_THROW(run_trade(options), std::invalid_argument);
+}
+
+TEST(TradeRun, AClusterIsOneBody) {
+  // A dumbbell of 3 kg falls flat on a floor 5 mm below, without restitution: it loses m g h, lies with its centre of mass a
+  // radius above its lowest point, and the floor carries it. Springs have no clusters.
+  const TemporaryFolder folder;
+  TradeOptions options;
+  options.targets = {scene_file(folder, "dumbbell", R"(
+[contact]
+mu = 0.3
+[[clusters]]
+parts = [[-0.1, 0, 0.1], [0.1, 0, 0.1]]
+position = [0, 0.105]
+mass = 3
+[[walls]]
+point = [0, 0]
+normal = [0, 1]
+[time]
+step = 1e-4
+steps = 500
+)")};
+  options.tols = {1e-8};
+  options.step_factors = {1};
+  options.overlaps = {1e-2};
+  const Trade trade = run_trade(options);
+  const TradeScene& scene = trade.scenes.at(0);
+  const TradeRow& run = trade.rows.at(0);
+  ASSERT_EQ(run.status, "completed") << run.message;
+  EXPECT_NEAR(run.values[index_of(scene.quantities, "energy lost")], 3 * 9.81 * 0.005,
+              0.01 * 3 * 9.81 * 0.005);
+  EXPECT_NEAR(run.values[index_of(scene.quantities, "centre of mass")], 0.1, 1e-12);
+  EXPECT_NEAR(run.values[index_of(scene.quantities, "floor load")], 1, 1e-6);
+  EXPECT_EQ(trade.rows.back().setting.model, Model::kSpringDashpot);
+  EXPECT_EQ(trade.rows.back().status, "not run");
+  EXPECT_NE(trade.rows.back().message.find("clusters"), std::string::npos);
+}
+
+TEST(TradeRun, BallAndSliderAreMeasuredAgainstTheory) {
+  TradeOptions options;
+  options.targets = {"bouncing_ball", "sliding_cylinder"};
+  options.tols = {1e-8};
+  options.step_factors = {2, 1};
+  options.overlaps = {1e-4};
+  const Trade trade = run_trade(options);
+  ASSERT_EQ(trade.rows.size(), 6u);
+  for (const TradeRow& row : trade.rows) {
+    const auto& scene = row.scene == "bouncing_ball" ? trade.scenes[0] : trade.scenes[1];
+    EXPECT_EQ(row.status, "completed");
+    for (std::size_t q = 0; q < row.values.size(); ++q) {
+      EXPECT_NEAR(row.values[q] / scene.quantities[q].exact, 1, row.setting.dem() ? 5e-3 : 2e-3)
+          << row.setting.label() << " " << scene.quantities[q].name;
+    }
+  }
+  ASSERT_EQ(trade.scenes[0].quantities.size(), 4u);
+  EXPECT_NEAR(trade.scenes[0].quantities[0].exact, 0.081, 1e-12);   // 0.1 x 0.9²
+  EXPECT_NEAR(trade.scenes[0].quantities[3].exact, 0.23132, 1e-5);  // 2 x 0.81 √(0.2/9.81)
+  EXPECT_NEAR(trade.scenes[1].quantities[0].exact, 2.0 / 3, 1e-12);
+  EXPECT_NEAR(trade.scenes[1].quantities[1].exact, 1 / (3 * 0.5 * 9.81), 1e-12);
+  for (const SceneTrade& s : analyse_trade(trade)) {
+    for (const TradeQuantityErrors& e : s.quantities) EXPECT_EQ(e.reference_kind, "exact");
+  }
+}
+
+TEST(TradeReport, NamesEveryRunAndNoNumberThatIsNone) {
+  Trade trade =
+      manufactured(1, 0, [](double tol, double f, int) { return 1 + 0.01 * f + 0.5 * tol; });
+  trade.scenes[0].title = "<made>";
+  trade.scenes[0].target = "made.toml";
+  trade.rows[0].status = "time limit";
+  trade.rows[0].message = "5 s were up";
+  trade.rows[0].values = {kNaN};
+  TradeContext context;
+  context.command = "bipot trade made.toml";
+  context.command_of_scene = "bipot trade {}";
+  const AnalysedTrade analysed(trade);
+  const std::string csv = to_csv(trade);
+  EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 7);
+  const auto json = to_json(analysed, context);
+  EXPECT_EQ(json["rows"].size(), 7u);
+  EXPECT_TRUE(json["rows"][0]["values"][0].is_null());
+  EXPECT_EQ(json["scenes"][0]["settings"].size(), 7u);
+  const std::string section = trade_section(analysed, context);
+  EXPECT_NE(section.find("&lt;made&gt;"), std::string::npos);
+  EXPECT_NE(section.find("5 s were up"), std::string::npos);
+  EXPECT_EQ(section.find("nan"), std::string::npos);
+  EXPECT_EQ(section.find("<h1"), std::string::npos);
+  EXPECT_EQ(section.find("<h2"), std::string::npos);
+  EXPECT_NE(section.find("bipot trade made.toml"), std::string::npos);
+  const std::string page = trade_page(analysed, context);
+  EXPECT_NE(page.find(section.substr(0, 200)), std::string::npos);
+  EXPECT_EQ(page.find("http"), page.find("http://www.w3.org"));  // nothing from elsewhere
+  EXPECT_NE(to_text(analysed).find("time limit"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace bipot

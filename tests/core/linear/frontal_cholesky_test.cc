@@ -1,0 +1,97 @@
+#include "core/linear/frontal_cholesky.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "tests/support/draw.h"
+#include "tests/support/grid_matrix.h"
+
+namespace bipot {
+namespace {
+
+/// B Bᵀ + 1 of a grid without symmetry: couples nodes two apart.
+SparseMatrix positive_definite_grid(int side, int block, unsigned seed) {
+  const SparseMatrix B = grid_matrix(side, block, seed, 2);
+  SparseMatrix one(B.cols(), B.cols());
+  one.setIdentity();
+  const SparseMatrix transposed = B.transpose();
+  return SparseMatrix(B * transposed) + one;
+}
+
+void expect_solves(const FrontalCholesky<double>& factor, const SparseMatrix& A) {
+  const int n = static_cast<int>(A.cols());
+  const Vector x = random_vector(n, 2);
+  Vector found = A * x;
+  factor.solve(found, found);
+  // The condition is below 1e4: entries of B are at most 3, some thirty a row.
+  EXPECT_LT((found - x).norm(), 1e-11 * x.norm()) << n;
+}
+
+/// Sizes from one front to hundreds, with AMD and (the last) with METIS orders; one object for all.
+TEST(FrontalCholesky, SolvesWithOtherValuesAndOtherPatterns) {
+  FrontalCholesky<double> factor;
+  for (const auto& [side, block] : {std::pair{1, 1}, {1, 3}, {2, 3}, {5, 1}, {20, 3}, {66, 1}}) {
+    SparseMatrix A = positive_definite_grid(side, block, 7);
+    ASSERT_TRUE(factor.factor(A)) << side;
+    expect_solves(factor, A);
+    EXPECT_GE(2 * factor.num_entries(), to_size(A.nonZeros()));
+    for (int j = 0; j < A.cols(); ++j) A.coeffRef(j, j) *= 1 + j % 3;
+    ASSERT_TRUE(factor.factor(A)) << side;
+    expect_solves(factor, A);
+  }
+}
+
+TEST(FrontalCholesky, RefusesIndefiniteAndNonFiniteMatricesAndRecovers) {
+  const SparseMatrix good = positive_definite_grid(12, 2, 3);
+  const int n = static_cast<int>(good.cols());
+  FrontalCholesky<double> factor;
+  Vector x;
+  EXPECT_THROW(factor.solve(Vector::Zero(n), x), std::logic_error);
+  for (const int k : {0, n / 3, n - 1}) {
+    for (const double bad : {-1.0, 0.0, std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity()}) {
+      SparseMatrix A = good;
+      A.coeffRef(k, k) = bad;
+      EXPECT_FALSE(factor.factor(A)) << k << " " << bad;
+      EXPECT_THROW(factor.solve(Vector::Zero(n), x), std::logic_error);
+    }
+    ASSERT_TRUE(factor.factor(good));
+    expect_solves(factor, good);
+  }
+}
+
+/// In units that make entries of A 1e-60 to 1e60; floats alone would be 0 or infinite. Their error is
+/// 6e-8 times the condition of the grid.
+TEST(FrontalCholesky, SinglePrecisionSolvesInAnyUnits) {
+  const SparseMatrix grid = positive_definite_grid(20, 3, 7);
+  const int n = static_cast<int>(grid.cols());
+  Vector unit(n);
+  for (int j = 0; j < n; ++j) unit[j] = std::exp2(j % 7 == 0 ? -100 : j % 3 == 0 ? 100 : 7);
+  const SparseMatrix A = unit.asDiagonal() * grid * unit.asDiagonal();
+  FrontalCholesky<float> factor;
+  ASSERT_TRUE(factor.analyse(A));
+  factor.scale_by(unit.cwiseInverse());
+  ASSERT_TRUE(factor.factor(A));
+  const Vector x = random_vector(n, 2);
+  const Vector b = A * Vector(x.cwiseQuotient(unit));
+  Vector found;
+  for (const double size : {1.0, 1e-200, 1e80}) {
+    factor.solve(size * b, found);
+    EXPECT_LT((found.cwiseProduct(unit) / size - x).norm(), 1e-3 * x.norm()) << size;
+    EXPECT_GT((found.cwiseProduct(unit) / size - x).norm(), 1e-12 * x.norm()) << size;
+  }
+  factor.solve(Vector::Zero(n), found);
+  EXPECT_TRUE(found.isZero(0));
+}
+
+TEST(FrontalCholesky, FactorsNoColumnsBeforeAnAnalysis) {
+  FrontalCholesky<double> factor;
+  EXPECT_THROW((void)factor.factor([](int, const FrontColumn&) {}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace bipot

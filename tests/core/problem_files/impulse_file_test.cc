@@ -1,0 +1,122 @@
+#include "core/problem_files/impulse_file.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <stdexcept>
+
+#include "core/base/file_error.h"
+#include "core/problem/delassus.h"
+#include "core/problem_files/fclib_file.h"
+#include "tests/support/manufactured.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+ContactProblem problem(int dim, int contacts) {
+  ContactProblem p;
+  p.dim = dim;
+  p.mu = Vector::Constant(contacts, 0.5);
+  p.u_free = Vector::Zero(dim * contacts);
+  return p;
+}
+
+Vector vec(std::initializer_list<double> x) {
+  Vector v(static_cast<Eigen::Index>(x.size()));
+  std::copy(x.begin(), x.end(), v.begin());
+  return v;
+}
+
+class ImpulseFile : public testing::Test {
+ protected:
+  Vector read(const std::string& text, const ContactProblem& p, const ImpulseLayout& layout = {}) {
+    std::ofstream(path()) << text;
+    return read_impulses(path(), p, layout);
+  }
+  std::string refusal(const std::string& text, const ContactProblem& p,
+                      const ImpulseLayout& layout = {}) {
+    try {
+      read(text, p, layout);
+    } catch (const std::exception& e) {
+      return e.what();
+    }
+    return "it was read";
+  }
+  std::filesystem::path path() const { return folder_ / "impulses.txt"; }
+
+  TemporaryFolder folder_;
+};
+
+const ContactProblem kThree = problem(2, 3);
+const Vector kImpulses = vec({1, -2, 3, -4, 5, -6});
+
+TEST_F(ImpulseFile, TextIsReadInAllItsForms) {
+  for (const char* text :
+       {"1 -2 3 -4 5 -6", "1\n-2\n3\n-4\n5\n-6\n", "1,-2\n3,-4\n5,-6\n", "1; -2\n3; -4\n5; -6",
+        "s_n,s_t\n1,-2\n3,-4\n5,-6\n",                 // names
+        "# a comment\n\n1 -2\r\n3 -4\r\n+5 -6e0\r\n",  // and another system's line ends
+        "contact,n,t\n0,1,-2\n1,3,-4\n2,5,-6\n",       // contacts counted from 0
+        ",n,t\n1,1,-2\n2,3,-4\n3,5,-6\n",              // and from 1
+        "6\n1 -2 3 -4 5 -6\n",                         // Siconos: the size before
+        "size = 6; \ndata= [1.0e0,\t -2,\t 3,\t -4,\t 5,\t -6,\t ]"}) {
+    EXPECT_EQ(read(text, kThree), kImpulses) << text;
+  }
+}
+
+TEST_F(ImpulseFile, LayoutsOfOtherCodesAreUndone) {
+  using Order = ImpulseLayout::Order;
+  EXPECT_EQ(read("1 3 5 -2 -4 -6", kThree, {.order = Order::kComponent}), kImpulses);
+  EXPECT_EQ(read("-2 1 -4 3 -6 5", kThree, {.components = "tn"}), kImpulses);
+  EXPECT_EQ(read("-1 -2 -3 -4 -5 -6", kThree, {.negated = "n"}), kImpulses);
+  EXPECT_EQ(read("-1 2 -3 4 -5 6", kThree, {.negated = "nt"}), kImpulses);
+  EXPECT_EQ(read("10 -20 30 -40 50 -60", kThree, {.factor = 0.1}), kImpulses);
+  // Forces, tangents first and the other way round, component after component.
+  EXPECT_EQ(read("4 8 12 2 6 10", kThree,
+                 {.order = Order::kComponent, .components = "tn", .negated = "t", .factor = 0.5}),
+            kImpulses);
+  EXPECT_EQ(read("2 3 1 5 6 4", problem(3, 2), {.components = "tsn"}), vec({1, 2, 3, 4, 5, 6}));
+  // A table of d rows with a column a contact speaks for itself.
+  EXPECT_EQ(read("1 3 5\n-2 -4 -6\n", kThree), kImpulses);
+  EXPECT_EQ(read("1 -2\n3 -4\n5 -6\n", kThree, {.order = Order::kComponent}), kImpulses);
+  // Unless it is square.
+  EXPECT_EQ(read("1 3\n-2 -4\n", problem(2, 2), {.order = Order::kComponent}), vec({1, -2, 3, -4}));
+  EXPECT_EQ(read("1 -2\n3 -4\n", problem(2, 2)), vec({1, -2, 3, -4}));
+}
+
+TEST_F(ImpulseFile, FrictionlessProblemsTakeNormalsOrInertTangents) {
+  EXPECT_EQ(read("1 2 3", problem(1, 3)), vec({1, 2, 3}));
+  EXPECT_EQ(read("1 0 2 0 3 0", problem(1, 3)), vec({1, 2, 3}));
+  EXPECT_NE(refusal("1 0 2 7 3 0", problem(1, 3)).find("tangential impulse 7, expected 0"),
+            std::string::npos);
+  EXPECT_EQ(read("", problem(2, 0)).size(), 0);
+}
+
+TEST_F(ImpulseFile, TheSolutionOfAnFclibFileIsReadBack) {
+  for (int dim = 1; dim <= 3; ++dim) {
+    const Manufactured m = manufactured_problem(dim, 5, 8, 3);
+    const auto file = folder_ / "solved.hdf5";
+    write_fclib(file, m.problem, {});
+    EXPECT_THROW(read_impulses(file, m.problem), FileError);  // no /solution yet
+    write_fclib_solution(file, m.s, m.u);
+    EXPECT_EQ(read_impulses(file, m.problem), m.s);
+  }
+}
+
+TEST_F(ImpulseFile, RefusalsSayWhatIsWrong) {
+  EXPECT_NE(refusal("1 2 3", kThree).find("s has size 3, expected 6 = 3 contacts x 2"),
+            std::string::npos);
+  EXPECT_NE(refusal("1 2\n3 four\n5 6", kThree).find("line 2: 'four' is not a number"),
+            std::string::npos);
+  EXPECT_NE(refusal("size = 6; data= 1, 2", kThree).find("no [...]"), std::string::npos);
+  EXPECT_NE(refusal("1 2 3 4 5 6", kThree, {.components = "nn"}).find("components 'nn'"),
+            std::string::npos);
+  EXPECT_NE(refusal("1 2 3 4 5 6", kThree, {.negated = "s"}).find("letters of 'nt'"),
+            std::string::npos);
+  EXPECT_NE(refusal(std::string("\0\1", 2), kThree).find("neither a text file"), std::string::npos);
+  EXPECT_THROW(read_impulses(folder_ / "nothing", kThree), FileError);
+  EXPECT_THROW(read_impulses(folder_.path(), kThree), FileError);
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,110 @@
+#include "core/problem_files/npy_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <cstring>
+#include <fstream>
+#include <string>
+
+#include "core/base/file_error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+template <class Number>
+std::string bytes(std::initializer_list<Number> values) {
+  std::string out;
+  for (const Number x : values) {
+    char raw[sizeof x];
+    std::memcpy(raw, &x, sizeof x);
+    out.append(raw, sizeof x);
+  }
+  return out;
+}
+
+/// A file as numpy writes it: header padded with spaces and ended by a line feed.
+std::string npy(const std::string& descr, const std::string& order, const std::string& shape,
+                const std::string& data, char version = 1) {
+  std::string header =
+      "{'descr': '" + descr + "', 'fortran_order': " + order + ", 'shape': " + shape + ", }";
+  while ((10 + header.size() + 1) % 64 != 0) header += ' ';
+  header += '\n';
+  std::string out = "\x93NUMPY";
+  out += version;
+  out += '\0';
+  out += static_cast<char>(header.size() % 256);
+  out += static_cast<char>(header.size() / 256);
+  if (version > 1) out += std::string(2, '\0');
+  return out + header + data;
+}
+
+class NpyFile : public testing::Test {
+ protected:
+  NpyArray read(const std::string& content) {
+    std::ofstream(path(), std::ios::binary) << content;
+    return read_npy(path());
+  }
+  std::string refusal(const std::string& content) {
+    try {
+      read(content);
+    } catch (const FileError& e) {
+      return e.what();
+    }
+    return "it was read";
+  }
+  std::filesystem::path path() const { return folder_ / "x.npy"; }
+
+  TemporaryFolder folder_;
+};
+
+using Shape = std::vector<std::size_t>;
+using Values = std::vector<double>;
+
+TEST_F(NpyFile, ReadsEveryWidthAndVersion) {
+  for (const char version : {1, 2, 3}) {
+    const NpyArray a = read(npy("<f8", "False", "(3,)", bytes({1.5, -2.0, 1e-300}), version));
+    EXPECT_EQ(a.shape, Shape{3});
+    EXPECT_EQ(a.values, (Values{1.5, -2, 1e-300}));
+  }
+  EXPECT_EQ(read(npy("<f4", "False", "(2,)", bytes({1.5f, -0.25f}))).values, (Values{1.5, -0.25}));
+  EXPECT_EQ(read(npy("<i8", "False", "(2,)", bytes<std::int64_t>({7, -8}))).values,
+            (Values{7, -8}));
+  EXPECT_EQ(read(npy("<i4", "False", "(1,)", bytes<std::int32_t>({-9}))).values, Values{-9});
+  EXPECT_EQ(read(npy("<f8", "False", "(0, 2)", "")).values, Values{});
+  EXPECT_EQ(read(npy("<f8", "False", "()", bytes({4.0}))).values, Values{4});
+  EXPECT_TRUE(is_npy(path()));
+  EXPECT_FALSE(is_npy(folder_ / "nothing"));
+}
+
+TEST_F(NpyFile, FortranOrderIsTurned) {
+  // [[1, 2, 3], [4, 5, 6]] column by column.
+  const std::string data = bytes({1.0, 4.0, 2.0, 5.0, 3.0, 6.0});
+  const NpyArray a = read(npy("<f8", "True", "(2, 3)", data));
+  EXPECT_EQ(a.shape, (Shape{2, 3}));
+  EXPECT_EQ(a.values, (Values{1, 2, 3, 4, 5, 6}));
+}
+
+TEST_F(NpyFile, RefusesWhatItCannotRead) {
+  const std::string two = bytes({1.0, 2.0});
+  EXPECT_NE(refusal(npy(">f8", "False", "(2,)", two)).find("elements of type '>f8'"),
+            std::string::npos);
+  EXPECT_NE(refusal(npy("<c16", "False", "(1,)", two)).find("elements of type '<c16'"),
+            std::string::npos);
+  EXPECT_NE(
+      refusal(npy("<f8", "False", "(3,)", two)).find("16 bytes of elements, the shape asks for 3"),
+      std::string::npos);
+  EXPECT_NE(refusal(npy("<f8", "False", "(1,)", two)).find("16 bytes of elements"),
+            std::string::npos);
+  EXPECT_NE(refusal(npy("<f8", "False", "(4294967296, 4294967296)", two)).find("more elements"),
+            std::string::npos);
+  EXPECT_NE(refusal(npy("<f8", "False", "[2]", two)).find("not a tuple"), std::string::npos);
+  EXPECT_NE(refusal(npy("<f8", "False", "(2,)", two, 4)).find("version 4"), std::string::npos);
+  EXPECT_NE(refusal(npy("<f8", "False", "(2,)", two).substr(0, 40)).find("ends within"),
+            std::string::npos);
+  EXPECT_NE(refusal("1 2 3").find("not a .npy file"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace bipot

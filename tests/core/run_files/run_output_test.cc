@@ -1,0 +1,649 @@
+#include "core/run_files/run_output.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <regex>
+#include <set>
+#include <sstream>
+
+#include "core/files/hdf5_file.h"
+#include "core/motion/sample_area.h"
+#include "core/motion/stress_tensor.h"
+#include "core/run_files/run_reader.h"
+#include "core/scene_files/scene_file.h"
+#include "solvers/registry.h"
+#include "solvers/simulation/step_solver.h"
+#include "tests/support/source_folder.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+const char* kBox = R"(
+title = "Box <of> \"disks\" & more"
+gravity = [0.0, -9.81]
+[contact]
+mu = 0.3
+e_n = 0.1
+[[disks]]
+arrangement = "triangular"
+columns = 4
+rows = 3
+radius = 0.01
+density = 2000.0
+)";
+
+/// Three disks and three walls with awkward numbers in every field.
+Scene<2> awkward_scene() {
+  Scene<2> scene;
+  scene.title = "a <\"title\"> & such";
+  scene.source = "generated";
+  scene.gravity = Vec2(0.1, -9.81);
+  scene.materials = {"steel", "glass"};
+  scene.laws = {{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}, {0.4, 0.5, 0.6}, {0.7, 0.8, 0.9}};
+  scene.step = 1e-3;
+  scene.num_steps = 10;
+  scene.output.ledger_every = 2;
+  scene.output.track = {2, 0};
+  scene.solver.parameters = {{"omega", "1.5"}};
+  for (int k = 0; k < 3; ++k) {
+    Disk d;
+    d.x = Vec2(k / 3.0, -0.0);
+    d.angle = 1e-310 * k;
+    d.v = Vec2(-0.0, k / 7.0);
+    d.spin = -k / 9.0;
+    d.radius = 0.1 + k / 11.0;
+    d.mass = 1 + k / 13.0;
+    d.inertia = 0.1 + k / 17.0;
+    d.material = k % 2;
+    scene.bodies.push_back(d);
+  }
+  Wall<2> floor;
+  floor.name = "floor";
+  floor.a = Vec2(0.0, -1.0 / 3);
+  Wall<2> lid;
+  lid.name = "lid";
+  lid.shape = Wall<2>::Shape::kSegment;
+  lid.motion = Wall<2>::Motion::kDriven;
+  lid.a = Vec2(-1, 1.0 / 3);
+  lid.b = Vec2(2, 1.0 / 3);
+  lid.direction = Vec2(0, -1);
+  lid.force = 5.0 / 3;
+  lid.mass = 2.0 / 3;
+  lid.v = Vec2(0, -1.0 / 7);
+  lid.material = 1;
+  Wall<2> side;
+  side.name = "";
+  side.motion = Wall<2>::Motion::kMoving;
+  side.a = Vec2(-1.5, 0);
+  side.normal = Vec2(0.6, 0.8);
+  side.v = Vec2(1.0 / 3, 0);
+  scene.walls = {floor, lid, side};
+  return scene;
+}
+
+State<2> awkward_state(const Scene<2>& scene, int step) {
+  State<2> state = initial_state(scene);
+  state.step = step;
+  state.time = step * scene.step;
+  state.wall_work = 1.0 / 3;
+  state.friction_loss = -0.0;
+  state.shock_loss = 2.0 / 7;
+  for (int k = 0; k < 2; ++k) {
+    ContactOutcome<2> c;
+    c.contact = {.i = k, .j = k == 0 ? 1 : 3, .n = Vec2(-0.6, 0.8), .gap = -1e-17 * k};
+    c.s_n = k / 3.0;
+    c.s_t = -k / 30.0;
+    c.u_n = 1e-5 / 3;
+    c.u_t = -0.0;
+    c.status = k == 0 ? ContactStatus::kTakeOff : ContactStatus::kSlip;
+    state.contacts.push_back(c);
+  }
+  return state;
+}
+
+/// All numbers of a state as bits, in one text: equal texts are equal states.
+std::string bits(const State<2>& state) {
+  std::string out;
+  const auto add = [&](double x) {
+    std::uint64_t word = 0;
+    std::memcpy(&word, &x, sizeof(word));
+    out += fmt::format("{:016x} ", word);
+  };
+  const auto add2 = [&](const Vec2& x) {
+    add(x[0]);
+    add(x[1]);
+  };
+  out += fmt::format("{} ", state.step);
+  for (double x : {state.time, state.wall_work, state.friction_loss, state.shock_loss}) add(x);
+  for (const Disk& d : state.bodies) {
+    out += fmt::format("\ndisk {} ", d.material);
+    add2(d.x);
+    add2(d.v);
+    for (double x : {d.angle, d.spin, d.radius, d.mass, d.inertia}) add(x);
+  }
+  for (const Wall<2>& w : state.walls) {
+    out += fmt::format("\nwall '{}' {} {} {} ", w.name, static_cast<int>(w.shape),
+                       static_cast<int>(w.motion), w.material);
+    for (const Vec2& x : {w.a, w.b, w.normal, w.v, w.direction}) add2(x);
+    add(w.force);
+    add(w.mass);
+  }
+  for (const ContactOutcome<2>& c : state.contacts) {
+    out += fmt::format("\ncontact {} {} {} ", c.contact.i, c.contact.j, static_cast<int>(c.status));
+    add2(c.contact.n);
+    for (double x : {c.contact.gap, c.s_n, c.s_t, c.u_n, c.u_t}) add(x);
+  }
+  return out;
+}
+
+std::vector<std::vector<std::string>> csv(const std::filesystem::path& path) {
+  std::vector<std::vector<std::string>> rows;
+  std::ifstream in(path);
+  for (std::string line; std::getline(in, line);) {
+    rows.emplace_back();
+    std::stringstream cells(line);
+    for (std::string cell; std::getline(cells, cell, ',');) rows.back().push_back(cell);
+  }
+  return rows;
+}
+
+/// All files below a folder by name.
+std::map<std::string, std::string> files_in(const std::filesystem::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    files[std::filesystem::relative(entry.path(), folder).string()] = file_text(entry.path());
+  }
+  return files;
+}
+
+StepReport<2> report_of(const State<2>& state) {
+  StepReport<2> report;
+  report.step = state.step;
+  report.time = state.time;
+  report.iterations = 7;
+  report.energy.kinetic = 1.0 / 3;
+  report.penetration = 1e-7 / 3;
+  return report;
+}
+
+TEST(RunOutput, AStateIsReadBackBitForBit) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();
+  const State<2> first = initial_state(scene);
+  const State<2> last = awkward_state(scene, 8);
+  {
+    RunWriter<2> writer(folder / "out", scene, "the scene's text");
+    writer.frame(first);
+    writer.frame(last);
+    writer.close();
+  }
+  EXPECT_EQ(frame_steps(folder / "out"), (std::vector<int>{0, 8}));
+  EXPECT_EQ(bits(read_state(folder / "out")), bits(last));
+  EXPECT_EQ(bits(read_state(folder / "out/run.h5", 8)), bits(last));
+  EXPECT_EQ(bits(read_state(folder / "out", 0)), bits(first));
+  EXPECT_EQ(read_scene_text(folder / "out"), "the scene's text");
+  EXPECT_THROW(read_state(folder / "out", 3), FileError);
+  EXPECT_THROW(read_state(folder / "nothing"), FileError);
+  EXPECT_THROW(read_state(folder / "nothing/run.h5"), FileError);
+  EXPECT_THROW(read_state(folder / "out/frames/00000000.h5"), FileError);  // not a run
+}
+
+TEST(RunOutput, ARunGoesOnFromAFrameWithTheSameBits) {
+  const TemporaryFolder folder;
+  Scene<2> scene = parse_scene(std::string(kBox) + R"(
+[[walls]]
+name = "floor"
+point = [0.0, 0.0]
+normal = [0.0, 1.0]
+[time]
+step = 1e-3
+steps = 12
+)",
+                               "box");
+  const SolverEntry* entry = find_solver("pgs");
+  SolverOptions options;
+  TimeStepper<2> stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
+  State<2> state = initial_state(scene);
+  {
+    RunWriter<2> writer(folder / "out", scene, kBox);
+    for (int k = 0; k < 12; ++k) {
+      writer.step(state, stepper.advance(state));
+      if (state.step == 6) writer.frame(state);
+    }
+  }
+  State<2> restarted = read_state(folder / "out");
+  ASSERT_EQ(restarted.step, 6);
+  ASSERT_GT(restarted.contacts.size(), 0u);
+  TimeStepper<2> again(scene, make_step_solver(*entry, options), entry->needs_delassus);
+  while (restarted.step < 12) again.advance(restarted);
+  EXPECT_EQ(bits(restarted), bits(state));
+}
+
+TEST(RunOutput, EveryFrameCanBeReadThroughTheLinksOfTheRunFile) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();
+  {
+    RunWriter<2> writer(folder / "out", scene, "");
+    writer.frame(awkward_state(scene, 1));
+    writer.frame(awkward_state(scene, 2));
+    writer.close();
+  }
+  std::filesystem::rename(folder / "out", folder / "moved");  // links are relative
+  const Hdf5File file(folder / "moved/run.h5", Hdf5File::Mode::kRead);
+  EXPECT_EQ(file.list("/frames"), (std::vector<std::string>{"00000001", "00000002"}));
+  EXPECT_EQ(file.read_int("/frames/00000002/step"), 2);
+  EXPECT_EQ(file.shape("/frames/00000002/disks/v"), (std::vector<std::size_t>{3, 3}));
+  // Force = impulse / time step.
+  EXPECT_EQ(file.read_doubles("/frames/00000002/contacts/force_n")[1], (1 / 3.0) / 1e-3);
+  // Disk 1 touches the floor (body 3): the segment ends at x - a n.
+  const std::vector<double> segment = file.read_doubles("/frames/00000002/contacts/segment");
+  ASSERT_EQ(segment.size(), 8u);
+  const Disk& d = scene.bodies[1];
+  EXPECT_EQ(Vec2(segment[4], segment[5]), d.x);
+  EXPECT_EQ(Vec2(segment[6], segment[7]), Vec2(d.x - d.radius * Vec2(-0.6, 0.8)));
+  EXPECT_EQ(Vec2(segment[2], segment[3]), scene.bodies[1].x);  // the first joins disks 0 and 1
+  EXPECT_EQ(file.read_string("/solver/parameters/omega"), "1.5");
+  EXPECT_EQ(file.shape("/materials/mu"), (std::vector<std::size_t>{2, 2}));
+}
+
+/// Tags balance and attributes are quoted; throws the test otherwise.
+void expect_well_formed(const std::string& xml) {
+  std::vector<std::string> open;
+  std::size_t at = 0;
+  bool root_seen = false;
+  while ((at = xml.find('<', at)) != std::string::npos) {
+    const std::size_t end = xml.find('>', at);
+    ASSERT_NE(end, std::string::npos);
+    std::string tag = xml.substr(at + 1, end - at - 1);
+    at = end;
+    ASSERT_EQ(tag.find('<'), std::string::npos) << tag;
+    if (tag[0] == '?') continue;
+    if (tag[0] == '/') {
+      ASSERT_FALSE(open.empty());
+      ASSERT_EQ(open.back(), tag.substr(1));
+      open.pop_back();
+      continue;
+    }
+    ASSERT_FALSE(root_seen && open.empty()) << "a second root";
+    root_seen = true;
+    ASSERT_TRUE(std::regex_match(tag, std::regex("\\w+( \\w+=\"[^\"<&]*\")*/?"))) << tag;
+    if (tag.back() != '/') open.push_back(tag.substr(0, tag.find(' ')));
+  }
+  ASSERT_TRUE(root_seen);
+  ASSERT_TRUE(open.empty()) << open.back();
+}
+
+/// Every data item leads to a dataset of the size it says.
+int expect_data(const std::filesystem::path& folder, const std::string& xml) {
+  const std::regex item("Dimensions=\"([0-9 ]+)\" NumberType=\"(\\w+)\"[^>]*>([^:<]+):([^<]+)<");
+  int count = 0;
+  for (std::sregex_iterator it(xml.begin(), xml.end(), item), end; it != end; ++it, ++count) {
+    const Hdf5File file(folder / (*it)[3].str(), Hdf5File::Mode::kRead);
+    std::stringstream extents((*it)[1].str());
+    std::size_t product = 1;
+    for (std::size_t extent; extents >> extent;) product *= extent;
+    EXPECT_EQ(file.size((*it)[4]), product) << (*it)[4];
+    EXPECT_EQ(
+        (*it)[2] == "Int" ? file.read_ints((*it)[4]).size() : file.read_doubles((*it)[4]).size(),
+        product);
+  }
+  return count;
+}
+
+TEST(RunOutput, TheXdmfIndexIsWellFormedAndLeadsToItsDataAfterEveryFrame) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();
+  RunWriter<2> writer(folder / "out", scene, "");
+  for (int step = 0; step < 4; ++step) {
+    State<2> state = awkward_state(scene, step);
+    if (step == 0) state.contacts.clear();
+    writer.frame(state);
+    const std::string xml = file_text(folder / "out/run.xdmf");
+    expect_well_formed(xml);
+    // Disks: points, x, radius, mass, material, v, spin, angle, stress, pressure. Contacts: points,
+    // segment and ten fields, with or without contacts. Walls: points, segment, material.
+    EXPECT_EQ(expect_data(folder / "out", xml), (step + 1) * (10 + 12 + 3));
+    for (const char* name : {"disks", "contacts", "walls"}) {
+      EXPECT_NE(xml.find(fmt::format("<Grid Name=\"{}\" GridType=\"Collection\" "
+                                     "CollectionType=\"Temporal\">",
+                                     name)),
+                std::string::npos);
+    }
+  }
+}
+
+TEST(RunOutput, TheIndexSaysWhichClusterADiskIsPartOf) {
+  const TemporaryFolder folder;
+  const std::string text =
+      "[[clusters]]\nparts = [[0, 0, 0.1], [0.15, 0, 0.1]]\nposition = [0, 1]\nmass = 1\n"
+      "[[disks]]\nposition = [2, 1]\nradius = 0.1\nmass = 1\n"
+      "[[outlets]]\npoint = [0, 0]\nnormal = [0, 1]\n[time]\nstep = 0.1\nsteps = 2\n";
+  const Scene<2> scene = parse_scene(text, "test.toml");
+  RunWriter<2> writer(folder / "out", scene, text);
+  State<2> state = initial_state(scene);
+  writer.frame(state);
+  EXPECT_EQ(Hdf5File(folder / "out/frames/00000000.h5", Hdf5File::Mode::kRead)
+                .read_ints("/disks/cluster"),
+            (std::vector<int>{-1, 0, 0}));
+  // All have left: what stands in for them is part of none.
+  state.step = 1;
+  state.bodies.clear();
+  state.clusters = {};
+  state.population.numbers.clear();
+  writer.frame(state);
+  writer.close();
+  const std::string xml = file_text(folder / "out/run.xdmf");
+  expect_well_formed(xml);
+  // Disks: points, x, radius, mass, material, cluster, v, spin, angle, stress, pressure; contacts: twelve.
+  EXPECT_EQ(expect_data(folder / "out", xml), 2 * (11 + 12));
+  EXPECT_NE(xml.find("Attribute Name=\"cluster\""), std::string::npos);
+}
+
+TEST(RunOutput, ALongRunIsIndexedCompletely) {
+  const TemporaryFolder folder;
+  Scene<2> scene = awkward_scene();
+  scene.walls.clear();
+  RunWriter<2> writer(folder / "out", scene, "");
+  State<2> state = initial_state(scene);
+  for (state.step = 0; state.step < 150; ++state.step) writer.frame(state);
+  writer.close();
+  EXPECT_EQ(expect_data(folder / "out", file_text(folder / "out/run.xdmf")), 150 * 22);
+  const Hdf5File file(folder / "out/run.h5", Hdf5File::Mode::kRead);
+  EXPECT_EQ(file.list("/frames").size(), 150u);
+}
+
+TEST(RunOutput, TheCsvFilesHaveOneValueForEachColumn) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();  // every second step, disks 2 and 0
+  RunWriter<2> writer(folder / "out", scene, "");
+  for (int step = 1; step <= 5; ++step) {
+    const State<2> state = awkward_state(scene, step);
+    writer.step(state, report_of(state));
+  }
+  EXPECT_EQ(csv(folder / "out/ledger.csv").size(), 3u);
+  writer.finish(awkward_state(scene, 5));  // the last step is always written
+  const auto ledger = csv(folder / "out/ledger.csv");
+  ASSERT_EQ(ledger.size(), 4u);
+  EXPECT_EQ(ledger[1][0], "2");
+  EXPECT_EQ(ledger[2][0], "4");
+  EXPECT_EQ(ledger[3][0], "5");
+  for (const auto& row : ledger) EXPECT_EQ(row.size(), 26u);
+  const auto column = [&](const std::string& name) {
+    for (std::size_t k = 0; k < ledger[0].size(); ++k) {
+      if (ledger[0][k] == name) return k;
+    }
+    ADD_FAILURE() << name;
+    return std::size_t{0};
+  };
+  EXPECT_EQ(ledger[1][column("iterations")], "7");
+  EXPECT_EQ(ledger[1][column("converged")], "1");
+  EXPECT_EQ(std::stod(ledger[1][column("kinetic [J]")]), 1.0 / 3);  // 17 digits
+  EXPECT_EQ(std::stod(ledger[1][column("penetration [m]")]), 1e-7 / 3);
+  EXPECT_EQ(ledger[1][column("raw42")], "nan");
+
+  const auto trajectory = csv(folder / "out/trajectory.csv");
+  ASSERT_EQ(trajectory.size(), 11u);
+  for (const auto& row : trajectory) EXPECT_EQ(row.size(), 9u);
+  EXPECT_EQ(trajectory[1][2], "2");
+  EXPECT_EQ(trajectory[2][2], "0");
+  EXPECT_EQ(std::stod(trajectory[1][3]), scene.bodies[2].x[0]);
+  EXPECT_EQ(std::stod(trajectory[1][8]), scene.bodies[2].spin);
+}
+
+/// Rows that are left out change neither the others nor the frames.
+TEST(RunOutput, RowsThatAreNotDueChangeNothingElse) {
+  const TemporaryFolder folder;
+  Scene<2> scene = awkward_scene();
+  const auto state_at = [&](int step) {
+    State<2> state = awkward_state(scene, step);
+    state.bodies[0].v[0] += step;  // and another stress
+    return state;
+  };
+  for (const int every : {1, 3, 100}) {
+    scene.output.ledger_every = every;
+    RunWriter<2> writer(folder / std::to_string(every), scene, "");
+    for (int step = 1; step <= 8; ++step) {
+      const State<2> state = state_at(step);
+      writer.step(state, report_of(state));
+      if (step % 4 == 0 || step == 6) writer.frame_beside(state);
+    }
+    writer.finish(state_at(8));
+  }
+  const auto all = csv(folder / "1/ledger.csv");
+  ASSERT_EQ(all.size(), 9u);
+  const auto third = csv(folder / "3/ledger.csv"), last = csv(folder / "100/ledger.csv");
+  ASSERT_EQ(third.size(), 4u);
+  EXPECT_EQ(third[1], all[3]);
+  EXPECT_EQ(third[2], all[6]);
+  EXPECT_EQ(third[3], all[8]);
+  ASSERT_EQ(last.size(), 2u);
+  EXPECT_EQ(last[1], all[8]);
+  EXPECT_TRUE(files_in(folder / "1/frames") == files_in(folder / "3/frames"));
+  EXPECT_TRUE(files_in(folder / "1/frames") == files_in(folder / "100/frames"));
+}
+
+TEST(RunOutput, FramesAndLedgerHoldTheStresses) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();
+  const State<2> state = awkward_state(scene, 2);
+  {
+    RunWriter<2> writer(folder / "out", scene, "");
+    writer.step(state, report_of(state));
+    writer.frame(state);
+  }
+  const auto moments = contact_moments(state);
+  const auto disks = disk_stresses(state, scene.step, moments);
+  const double area = sample_measure(state, scene.step);
+  const MeanStress<2> sample = sample_stress(state, scene.step, area, moments);
+  const Hdf5File file(folder / "out/frames/00000002.h5", Hdf5File::Mode::kRead);
+  ASSERT_EQ(file.shape("/disks/stress"), (std::vector<std::size_t>{3, 6}));
+  const auto stress = file.read_doubles("/disks/stress"), p = file.read_doubles("/disks/pressure");
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Mat2 total = disks[k].total();
+    EXPECT_EQ(stress[6 * k], total(0, 0));
+    EXPECT_DOUBLE_EQ(stress[6 * k + 1], total(1, 0));
+    EXPECT_EQ(stress[6 * k + 3], total(1, 1));
+    EXPECT_EQ(p[k], disks[k].pressure());
+    for (int zero : {2, 4, 5}) EXPECT_EQ(stress[6 * k + static_cast<std::size_t>(zero)], 0);
+  }
+  EXPECT_GT(p[1], 0);
+  EXPECT_EQ(file.read_double("/sample/area"), area);
+  const auto contact = file.read_doubles("/sample/contact_stress");
+  EXPECT_EQ(contact[1], sample.contact(0, 1));
+  EXPECT_EQ(contact[2], sample.contact(1, 0));
+  EXPECT_EQ(file.read_doubles("/sample/kinetic_stress")[0], sample.kinetic(0, 0));
+  EXPECT_EQ(file.read_doubles("/sample/spin_stress")[1], sample.spin(0, 1));
+  const auto ledger = csv(folder / "out/ledger.csv");
+  EXPECT_EQ(ledger[0][21], "area [m2]");
+  EXPECT_EQ(std::stod(ledger[1][21]), area);
+  EXPECT_EQ(std::stod(ledger[1][22]), sample.total()(0, 0));
+  EXPECT_EQ(std::stod(ledger[1][23]), sample.total()(1, 1));
+  EXPECT_DOUBLE_EQ(std::stod(ledger[1][24]), sample.total()(0, 1));
+  EXPECT_EQ(std::stod(ledger[1][25]), 0.5 * sample.kinetic.trace());
+}
+
+TEST(RunOutput, ARunOfAVersionWithoutStressesIsContinued) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();
+  const State<2> first = awkward_state(scene, 2), second = awkward_state(scene, 4);
+  {
+    RunWriter<2> writer(folder / "out", scene, "");
+    writer.step(first, report_of(first));
+    writer.frame(first);
+  }
+  // As it was written before: no stresses in the frame, fewer columns in the ledger.
+  {
+    Hdf5File frame(folder / "out/frames/00000002.h5", Hdf5File::Mode::kAppend);
+    for (const char* name : {"/disks/stress", "/disks/pressure", "/sample"}) frame.remove(name);
+  }
+  const auto ledger = folder / "out/ledger.csv";
+  std::string old;
+  for (const auto& row : csv(ledger)) {
+    for (std::size_t k = 0; k < 21; ++k) old += (k > 0 ? "," : "") + row[k];
+    old += "\n";
+  }
+  std::ofstream(ledger) << old;
+  EXPECT_EQ(bits(read_state(folder / "out")), bits(first));
+  {
+    RunWriter<2> writer(folder / "out", scene, "", 2);
+    writer.step(second, report_of(second));
+    writer.frame(second);
+    writer.close();
+  }
+  EXPECT_EQ(expect_data(folder / "out", file_text(folder / "out/run.xdmf")), 23 + 25);
+  const auto rows = csv(ledger);
+  ASSERT_EQ(rows.size(), 3u);
+  for (const auto& row : rows) EXPECT_EQ(row.size(), 26u);
+  EXPECT_EQ(rows[1][0], "2");
+  EXPECT_EQ(rows[1][25], "nan");
+  EXPECT_NE(rows[2][25], "nan");
+}
+
+TEST(RunOutput, AnEarlierRunIsRemovedOrContinued) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();
+  const auto run = [&](int from, int to, int resume_after) {
+    RunWriter<2> writer(folder / "out", scene, "", resume_after);
+    for (int step = from; step <= to; ++step) {
+      const State<2> state = awkward_state(scene, step);
+      writer.step(state, report_of(state));
+      if (step % 2 == 0) writer.frame(state);
+    }
+    writer.close();
+  };
+  run(1, 8, -1);
+  run(5, 6, 4);
+  EXPECT_EQ(frame_steps(folder / "out"), (std::vector<int>{2, 4, 6}));
+  EXPECT_EQ(csv(folder / "out/ledger.csv").size(), 1u + 3u);
+  EXPECT_EQ(csv(folder / "out/trajectory.csv").size(), 1u + 2 * 6u);
+  EXPECT_EQ(expect_data(folder / "out", file_text(folder / "out/run.xdmf")), 3 * 25);
+  run(1, 2, -1);
+  EXPECT_EQ(frame_steps(folder / "out"), (std::vector<int>{2}));
+  EXPECT_EQ(csv(folder / "out/ledger.csv").size(), 1u + 1u);
+}
+
+TEST(ThreadedRunOutput, FramesWrittenBesideTheStepsAreTheSameFiles) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();
+  for (const bool beside : {false, true}) {
+    RunWriter<2> writer(folder / (beside ? "beside" : "waited"), scene, "text");
+    writer.frame(awkward_state(scene, 0));
+    for (int step = 1; step < 80; ++step) {
+      State<2> state = awkward_state(scene, step);
+      writer.step(state, report_of(state));
+      beside ? writer.frame_beside(state) : writer.frame(state);
+      state = State<2>();  // the copy is what is written
+    }
+    writer.close();
+  }
+  const auto waited = files_in(folder / "waited");
+  ASSERT_EQ(waited.size(), 80u + 4u);  // run.h5, run.xdmf, ledger, trajectory
+  EXPECT_TRUE(files_in(folder / "beside") == waited);
+}
+
+TEST(ThreadedRunOutput, AFrameThatFailsBesideIsReportedByTheNextAndOnce) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();
+  RunWriter<2> writer(folder / "out", scene, "");
+  writer.frame(awkward_state(scene, 0));
+  std::filesystem::rename(folder / "out/frames", folder / "taken");
+  writer.frame_beside(awkward_state(scene, 1));
+  std::string said, expected;
+  try {
+    writer.frame_beside(awkward_state(scene, 2));
+  } catch (const FileError& error) {
+    said = error.what();
+  }
+  try {
+    writer.frame(awkward_state(scene, 1));
+  } catch (const FileError& error) {
+    expected = error.what();
+  }
+  EXPECT_FALSE(expected.empty());
+  EXPECT_EQ(said, expected);
+  writer.frame_beside(awkward_state(scene, 3));
+  EXPECT_THROW(writer.close(), FileError);
+  std::filesystem::rename(folder / "taken", folder / "out/frames");
+  EXPECT_NO_THROW(writer.close());
+  EXPECT_EQ(frame_steps(folder / "out"), std::vector<int>{0});
+}
+
+TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();
+  for (int trial = 0; trial < 24; ++trial) {
+    const bool beside = trial % 2 == 1;
+    std::filesystem::remove_all(folder / "out");
+    std::filesystem::create_directory(folder / "out");
+    const pid_t child = ::fork();
+    ASSERT_GE(child, 0);
+    if (child == 0) {  // never leaves this block, never outlives a test that is stopped itself
+      ::prctl(PR_SET_PDEATHSIG, SIGKILL);
+      try {
+        RunWriter<2> writer(folder / "out", scene, "");
+        for (int step = 0; step < 100000; ++step) {
+          beside ? writer.frame_beside(awkward_state(scene, step))
+                 : writer.frame(awkward_state(scene, step));
+        }
+      } catch (...) {
+      }
+      ::_exit(1);
+    }
+    for (int wait = 0; wait < 20000 && frame_steps(folder / "out").size() < 2; ++wait) {
+      ::usleep(500);
+    }
+    ::usleep(777 * static_cast<unsigned>(trial / 2));
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status)) << "the writer ended by itself";
+    const std::vector<int> steps = frame_steps(folder / "out");
+    ASSERT_GE(steps.size(), 2u);
+    for (int step : steps) {
+      ASSERT_EQ(bits(read_state(folder / "out", step)), bits(awkward_state(scene, step)));
+    }
+    const std::string xml = file_text(folder / "out/run.xdmf");
+    expect_well_formed(xml);
+    EXPECT_GT(expect_data(folder / "out", xml), 0);
+  }
+}
+
+TEST(RunOutput, UnusableFoldersAndDamagedFilesAreRefused) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = awkward_scene();
+  std::ofstream(folder / "file") << "in the way";
+  EXPECT_THROW(RunWriter<2>(folder / "file", scene, ""), FileError);
+  Scene<2> other = scene;
+  other.output.track = {3};
+  EXPECT_THROW(RunWriter<2>(folder / "out", other, ""), std::invalid_argument);
+  RunWriter<2> writer(folder / "out", scene, "");
+  EXPECT_THROW(read_state(folder / "out"), FileError);  // no frame yet
+  State<2> wrong = awkward_state(scene, 1);
+  wrong.bodies.pop_back();
+  EXPECT_THROW(writer.frame(wrong), std::invalid_argument);
+  writer.frame(awkward_state(scene, 5));
+  writer.frame(awkward_state(scene, 5));  // the same again: nothing happens
+  EXPECT_THROW(writer.frame(awkward_state(scene, 4)), std::invalid_argument);
+  Hdf5File(folder / "out/frames/00000005.h5", Hdf5File::Mode::kAppend)
+      .write("/contacts/j", std::vector<int>{1, 6});
+  EXPECT_THROW(read_state(folder / "out"), FileError);
+  Hdf5File(folder / "out/frames/00000005.h5", Hdf5File::Mode::kAppend).remove("/disks/v");
+  EXPECT_THROW(read_state(folder / "out"), FileError);
+  Hdf5File(folder / "out/run.h5", Hdf5File::Mode::kAppend).write("/format_version", 99);
+  EXPECT_THROW(read_state(folder / "out"), FileError);
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,255 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/run_files/run_output.h"
+#include "core/run_files/run_reader.h"
+#include "core/scene_files/scene_file.h"
+#include "solvers/registry.h"
+#include "solvers/simulation/step_solver.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+struct NamedScene {
+  const char *name, *text;
+};
+
+/// Scenes of 40 steps in which everything that a state carries is in use at step 17.
+const NamedScene kRestartScenes[] = {
+    {"plate, drum, dam and tilt", R"(
+[contact]
+mu = 0.3
+[tilt]
+degrees_per_second = 200
+starts = 0.005
+[[disks]]
+arrangement = "rectangular"
+columns = 3
+rows = 3
+radius = 0.1
+mass = 1
+corner = [-0.3, -0.5]
+[[walls]]
+center = [0, 0]
+radius = 0.7
+hollow = true
+spin = 2
+starts = 0.012
+[[walls]]
+center = [0, -0.6]
+radius = 0.05
+removed = 0.03
+[[walls]]
+point = [0, 0.12]
+normal = [0, -1]
+force = 20
+mass = 2
+velocity = [0.2, 0]
+stops = 0.025
+[time]
+step = 1e-3
+steps = 40
+)"},
+    {"rough plate, pressed and pulled, in a periodic scene", R"(
+[contact]
+mu = 0.3
+[cell]
+width = 1
+[[disks]]
+arrangement = "rectangular"
+columns = 5
+rows = 2
+radius = 0.1
+mass = 1
+[[disks]]
+arrangement = "rectangular"
+columns = 4
+rows = 1
+radius = 0.08
+corner = [0.05, 0.37]
+wall = "plate"
+[[walls]]
+point = [0, 0]
+normal = [0, 1]
+[[walls]]
+name = "plate"
+point = [0, 0.55]
+normal = [0, -1]
+force = 20
+mass = 2
+velocity = [2, 0]
+[time]
+step = 1e-3
+steps = 40
+)"},
+    {"clusters that fall through a hole, on a box that tilts, and others that come in", R"(
+[contact]
+mu = 0.3
+[tilt]
+degrees_per_second = 200
+[[clusters]]
+arrangement = "rectangular"
+parts = [[0, 0, 0.1], [0.12, 0.05, 0.08]]
+columns = 3
+rows = 3
+degrees = 20
+density = 10
+corner = [-0.6, -0.1]
+velocity = [0.3, -4]
+spin = 5
+[[disks]]
+position = [0, 1.2]
+radius = 0.1
+mass = 1
+velocity = [0, -3]
+[[walls]]
+from = [-1, -0.15]
+to = [-0.2, -0.2]
+[[walls]]
+from = [0.2, -0.2]
+to = [1, -0.15]
+[[outlets]]
+point = [0, -0.2]
+normal = [0, 1]
+[[inlets]]
+lower = [-0.5, 1.3]
+upper = [0.5, 1.6]
+rate = 100
+radii = [0.1]
+mass = 0.5
+[time]
+step = 2e-3
+steps = 40
+)"},
+    {"clusters in a periodic cell under shear and pressure", R"(
+gravity = [0, 0]
+[contact]
+mu = 0.4
+[cell]
+width = 1
+height = 0.8
+offset_speed = 3
+pressure_y = 1000
+mass = 1
+[[clusters]]
+arrangement = "random"
+parts = [[0, 0, 0.08], [0.1, 0, 0.07], [0.05, 0.08, 0.07]]
+count = 9
+width = 1
+spacing = 0
+corner = [0.3, 0]
+density = 100
+spin = 3
+[time]
+step = 1e-3
+steps = 40
+[observables]
+every = 1
+window = [0, 0, 0.5, 0.5]
+)"},
+    {"periodic cell under shear and pressure", R"(
+gravity = [0, 0]
+[contact]
+mu = 0.4
+[cell]
+width = 1
+height = 1.1
+offset = 0.1
+width_speed = -0.5
+pressure_y = 100
+mass = 2
+shear_stress = 20
+[[disks]]
+arrangement = "random"
+count = 30
+radii = [0.08, 0.1]
+width = 1
+spacing = 0
+density = 100
+velocity = [3, 1]
+[time]
+step = 1e-3
+steps = 40
+)"},
+};
+
+State<2> run_on(const Scene<2>& scene, State<2> state, int until, RunWriter<2>* writer) {
+  const SolverEntry* entry = find_solver("pgs");
+  SolverOptions options;
+  options.tol = 1e-5;  // books and bits do not depend on it
+  TimeStepper<2> stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
+  while (state.step < until) {
+    const StepReport<2> report = stepper.advance(state);
+    EXPECT_TRUE(report.converged) << report.message;
+    EXPECT_LT(std::abs(report.energy.imbalance), 1e-11) << report.step;
+    EXPECT_LT(report.momentum_imbalance.norm(), 1e-11) << report.step;
+    if (writer != nullptr) writer->frame(state);
+  }
+  return state;
+}
+
+void expect_same(const State<2>& a, const State<2>& b) {
+  EXPECT_EQ(a.step, b.step);
+  EXPECT_EQ(a.time, b.time);
+  EXPECT_EQ(a.wall_work, b.wall_work);
+  EXPECT_EQ(a.friction_loss, b.friction_loss);
+  ASSERT_EQ(a.bodies.size(), b.bodies.size());
+  for (std::size_t i = 0; i < a.bodies.size(); ++i) {
+    EXPECT_EQ(a.bodies[i].x, b.bodies[i].x) << i;
+    EXPECT_EQ(a.bodies[i].v, b.bodies[i].v) << i;
+    EXPECT_EQ(a.bodies[i].angle, b.bodies[i].angle) << i;
+    EXPECT_EQ(a.bodies[i].spin, b.bodies[i].spin) << i;
+  }
+  EXPECT_EQ(a.population.numbers, b.population.numbers);
+  ASSERT_EQ(a.clusters.bodies.size(), b.clusters.bodies.size());
+  for (std::size_t c = 0; c < a.clusters.bodies.size(); ++c) {
+    EXPECT_EQ(a.clusters.bodies[c].x, b.clusters.bodies[c].x) << c;
+    EXPECT_EQ(a.clusters.bodies[c].angle, b.clusters.bodies[c].angle) << c;
+    EXPECT_EQ(a.clusters.bodies[c].spin, b.clusters.bodies[c].spin) << c;
+  }
+  ASSERT_EQ(a.walls.size(), b.walls.size());
+  for (std::size_t w = 0; w < a.walls.size(); ++w) {
+    EXPECT_EQ(a.walls[w].a, b.walls[w].a) << w;
+    EXPECT_EQ(a.walls[w].v, b.walls[w].v) << w;
+    EXPECT_EQ(a.walls[w].motion, b.walls[w].motion) << w;
+    EXPECT_EQ(a.walls[w].present, b.walls[w].present) << w;
+  }
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_EQ(a.cell.side(k).length, b.cell.side(k).length) << k;
+    EXPECT_EQ(a.cell.side(k).speed, b.cell.side(k).speed) << k;
+  }
+  ASSERT_EQ(a.contacts.size(), b.contacts.size());
+  EXPECT_GT(a.contacts.size(), 3u);
+  for (std::size_t c = 0; c < a.contacts.size(); ++c) {
+    EXPECT_EQ(a.contacts[c].contact.i, b.contacts[c].contact.i) << c;
+    EXPECT_EQ(a.contacts[c].contact.j, b.contacts[c].contact.j) << c;
+    EXPECT_EQ(a.contacts[c].contact.image_x, b.contacts[c].contact.image_x) << c;
+    EXPECT_EQ(a.contacts[c].contact.image_y, b.contacts[c].contact.image_y) << c;
+    EXPECT_EQ(a.contacts[c].s_n, b.contacts[c].s_n) << c;
+    EXPECT_EQ(a.contacts[c].s_t, b.contacts[c].s_t) << c;
+  }
+}
+
+TEST(SceneRestart, GoesOnBitForBit) {
+  for (const NamedScene& named : kRestartScenes) {
+    SCOPED_TRACE(named.name);
+    const TemporaryFolder folder;
+    const Scene<2> scene = parse_scene(named.text, "test.toml");
+    State<2> end;
+    {
+      RunWriter<2> writer(folder / "out", scene, named.text);
+      end = run_on(scene, initial_state(scene), 40, &writer);
+      writer.close();
+    }
+    for (const int step : {4, 17, 29}) {
+      const State<2> read = read_state(folder / "out", step);
+      EXPECT_EQ(restart_mismatch(scene, read), "");
+      expect_same(run_on(scene, read, 40, nullptr), end);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,499 @@
+#include "solvers/auto/auto_solver.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/motion/time_stepping.h"
+#include "core/scene/scene_family.h"
+#include "solvers/auto/auto_plan.h"
+#include "solvers/solve.h"
+#include "tests/support/lattice_problem.h"
+#include "tests/support/manufactured.h"
+#include "tests/support/small_problems.h"
+
+namespace bipot {
+namespace {
+
+std::vector<AutoStage> plan(const ContactProblem& p, bool warm = false) {
+  return plan_auto(p, DelassusOperator(p), warm);
+}
+
+/// Those that have their turn at that tolerance, after an error a little above it.
+std::vector<AutoStage> serving(std::vector<AutoStage> stages, double tol) {
+  std::erase_if(stages, [&](const AutoStage& stage) { return !stage.serves(tol, 2 * tol); });
+  return stages;
+}
+
+TEST(AutoSolver, ExplainsEveryStageInALine) {
+  const ContactProblem p = shipped_file("2d_pyramid_10.hdf5");
+  const std::string text = explain_auto(p, {});
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
+            static_cast<std::ptrdiff_t>(plan(p).size()) + 1);
+  EXPECT_NE(text.find("145 contacts"), std::string::npos);
+}
+
+TEST(AutoSolver, UnequalMassesBeginWithFactorisations) {
+  EXPECT_EQ(plan(shipped_file("2d_triangular_12_mass1e6.hdf5")).front().solver, "ipm");
+  EXPECT_NE(plan(shipped_file("2d_triangular_lattice.hdf5")).front().solver, "ipm");
+}
+
+TEST(AutoSolver, GivesUpWhatDoesNotPromiseAndSolvesAllTheSame) {
+  // Neither Anderson nor apgd get this pyramid to 1e-8 within 30 000 and 170 000 iterations.
+  const SolveResult result = solve("auto", shipped_file("2d_pyramid_10.hdf5"), {.tol = 1e-8});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_LE(result.error.guarded(), 1e-8);
+  EXPECT_NE(result.message.find("assor 106: given up"), std::string::npos) << result.message;
+  EXPECT_LT(result.iterations, 20000);
+}
+
+/// Within a decade of the tolerance Anderson is let go on for a while, not to the end of its budget.
+TEST(AutoSolver, AndersonHasPatienceNearTheToleranceAndNoMore) {
+  // Given by W alone: no disks, which begin with other sweeps.
+  const SolveResult slow =
+      solve("auto", local_form(shipped_file("2d_pyramid_20_mu05.hdf5")), {.tol = 0.3});
+  EXPECT_EQ(slow.status, SolveStatus::kConverged);
+  EXPECT_NE(slow.message.find("anderson 64: given up"), std::string::npos) << slow.message;
+  const SolveResult quick = solve("auto", shipped_file("2d_pour300_392.hdf5"), {.tol = 0.03});
+  EXPECT_EQ(quick.message.find("given up"), std::string::npos) << quick.message;
+}
+
+/// Small packings: sweeps within a decade of a loose tolerance go on for 120 iterations, then they
+/// must promise to arrive.
+TEST(AutoSolver, SweepsNearALooseToleranceHavePatienceAndNoMore) {
+  const SolveResult result = solve("auto", shipped_file("2d_pyramid_20_mu05.hdf5"), {.tol = 0.3});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_NE(result.message.find("assor 126: given up"), std::string::npos) << result.message;
+}
+
+/// Above 2500 contacts splitting makes the start of paths, below momentum. Where these do not arrive,
+/// the next begins a little off where the last one ended, then one from what a multiple of the caller's
+/// impulse leads to.
+TEST(AutoSolver, PathsThatDoNotArriveAreFollowedByOthersFromElsewhere) {
+  for (const int side : {28, 36}) {  // 2268 and 3780 contacts or so
+    const Scene<2> scene = make_family_scene("triangular", side);
+    const ContactProblem p = step_problem(scene, initial_state(scene), false);
+    ASSERT_EQ(p.num_contacts() > 2500, side == 36);
+    const std::vector<AutoStage> stages = plan(p, true);
+    // After the one of few pivots that follows the first sweeps.
+    const auto first = std::find_if(stages.begin(), stages.end(), [&](const AutoStage& stage) {
+      return stage.solver == "homotopy" && stage.max_iterations > p.num_contacts();
+    });
+    ASSERT_GE(stages.end() - first, 5);
+    EXPECT_EQ(first[-1].solver, side == 36 ? "admm" : "apgd");
+    EXPECT_EQ(first->start, AutoStage::Start::kBest);
+    EXPECT_EQ(first->of_start, 1);
+    EXPECT_EQ(first[1].solver, "homotopy");
+    EXPECT_EQ(first[1].start, AutoStage::Start::kLast);
+    EXPECT_NEAR(first[1].of_start, 1, 0.2);
+    EXPECT_NE(first[1].of_start, 1);
+    // Up to 2500 contacts the first path has four pivots a contact and others three, then two all.
+    const int n = p.num_contacts();
+    EXPECT_EQ(first->max_iterations, side == 36 ? 2 * n : 4 * n);
+    EXPECT_EQ(first[1].max_iterations, side == 36 ? 2 * n : 3 * n);
+    EXPECT_EQ(first[2].solver, side == 36 ? "admm" : "apgd");
+    EXPECT_EQ(first[2].start, AutoStage::Start::kCaller);
+    EXPECT_LT(first[2].of_start, 0.9);
+    EXPECT_EQ(first[3].solver, "homotopy");
+    EXPECT_EQ(first[3].start, AutoStage::Start::kLast);
+    EXPECT_EQ(first[3].of_start, 1);
+    if (side == 28) continue;
+    // Splitting with more patience, from the caller's impulse, and paths from where that ended.
+    const auto patient = std::find_if(first, stages.end(), [&](const AutoStage& stage) {
+      return stage.solver == "admm" && stage.start == AutoStage::Start::kCaller &&
+             stage.of_start == 1 && stage.max_iterations > first[-1].max_iterations;
+    });
+    ASSERT_GE(stages.end() - patient, 2);
+    EXPECT_EQ(patient[1].solver, "homotopy");
+    EXPECT_EQ(patient[1].start, AutoStage::Start::kLast);
+  }
+}
+
+/// The second stage of apgd starts from half the caller's impulse, as apgd alone does from there.
+TEST(AutoSolver, AStageStartsFromAMultipleOfTheCallersImpulse) {
+  const ContactProblem p = shipped_file("2d_pour300_392.hdf5");
+  SolverOptions options{.tol = 1e-15, .max_iterations = 10};  // out of reach: all stages come
+  const Vector start = solve("pgs", p, options).s;
+  options.s0 = start;
+  options.max_iterations = 12000;
+  const std::string stages = solve_auto(p, options).message;
+  options.max_iterations = 2000;
+  const auto ends = [&](double multiple) {
+    options.s0 = multiple * start;
+    return fmt::format("apgd 2000: iteration limit ({:.1e})",
+                       solve("apgd", p, options).error.guarded());
+  };
+  EXPECT_NE(stages.find(ends(0.5)), std::string::npos) << ends(0.5) << '\n' << stages;
+  EXPECT_EQ(stages.find(ends(1)), std::string::npos) << stages;
+}
+
+int stages_of(const ContactProblem& p, std::string_view solver) {
+  const std::vector<AutoStage> stages = plan(p);
+  return static_cast<int>(std::count_if(stages.begin(), stages.end(), [&](const AutoStage& stage) {
+    return stage.solver == solver;
+  }));
+}
+
+/// Above 4000 contacts, at tolerances such as 1e-3: splitting from several starts, each with a short path
+/// from where it ends, comes before long paths, long splitting after them. From 0 there are no multiples
+/// to start from.
+TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 40, 0.3, 10);
+  ASSERT_GT(p.num_contacts(), 4000);
+  for (const bool warm : {false, true}) {
+    constexpr int kShort = 1000;
+    int before = 0, after = 0, paths = 0;  // iterations of admm, pivots of long paths between them
+    int short_paths = 0;
+    std::set<double> multiples, kicks;
+    bool after_splitting = false;
+    for (const AutoStage& stage : plan(p, warm)) {
+      if (!stage.serves(1e-3, 2e-3)) continue;
+      const bool path = stage.solver == "homotopy", is_short = stage.max_iterations < kShort;
+      if (path && is_short) {
+        EXPECT_TRUE(after_splitting && stage.start == AutoStage::Start::kLast);
+        ++short_paths;
+      }
+      if (path && !is_short && after == 0) paths += stage.max_iterations;
+      after_splitting = stage.solver == "admm" && stage.start == AutoStage::Start::kCaller;
+      if (stage.solver != "admm") continue;
+      (paths == 0 ? before : after) += stage.max_iterations;
+      if (paths != 0) continue;
+      (stage.start == AutoStage::Start::kCaller ? multiples : kicks).insert(stage.of_start);
+    }
+    EXPECT_GE(before, 3 * 1500) << warm;
+    EXPECT_LE(before, warm ? 20000 : 5000);
+    EXPECT_GE(multiples.size(), warm ? 4U : 1U);
+    EXPECT_EQ(multiples.count(1), 1U);
+    EXPECT_GE(kicks.size(), 2U);
+    EXPECT_EQ(kicks.count(1), 0U);
+    EXPECT_GE(paths, 20000) << warm;
+    EXPECT_GE(after, 6000) << warm;
+    EXPECT_EQ(to_size(short_paths), multiples.size());
+  }
+}
+
+/// What paths at such tolerances hold: factors in double up to 6000 contacts, in single above; above
+/// 12 000 there are no short ones before the long ones.
+TEST(AutoSolver, FactorsOfFairPathsAreInSinglePrecisionWhereTheyWouldBeLarge) {
+  struct Case {
+    int rows;
+    bool with_short;
+    const char *of_short, *of_long;
+  };
+  for (const Case& c : {Case{40, true, "double", "double"}, Case{50, true, "single", "single"},
+                        Case{70, false, "", "single"}}) {
+    const ContactProblem p = lattice_step(Lattice::kTriangular, c.rows, 0.3, 10);
+    SCOPED_TRACE(p.num_contacts());
+    int short_paths = 0, long_paths = 0;
+    for (const AutoStage& stage : plan(p, true)) {
+      if (!stage.serves(1e-3, 2e-3)) continue;
+      if (stage.solver == "admm" && stage.max_iterations > 6000) break;  // all that comes after
+      if (stage.solver != "homotopy") continue;
+      if (stage.parameters.count("precision") == 0) continue;
+      const bool is_short = stage.max_iterations < 1000;
+      (is_short ? short_paths : long_paths) += 1;
+      EXPECT_EQ(stage.parameters.at("precision"), is_short ? c.of_short : c.of_long);
+    }
+    EXPECT_EQ(short_paths, c.with_short ? 4 : 0);
+    EXPECT_EQ(long_paths, 2);
+  }
+}
+
+/// To tight tolerances, cold: up to 8000 contacts a short path from where some splitting ended, then
+/// more of it; a path from where the factorisations ended, beyond from the best impulse; then some
+/// from a little off where the last came nearest.
+TEST(AutoSolver, LargePackingsFollowKickedPathsWhereTheToleranceIsTight) {
+  for (const int side : {40, 60}) {
+    const ContactProblem p = lattice_step(Lattice::kTriangular, side, 0.3, 10);
+    const int n = p.num_contacts();
+    ASSERT_EQ(n <= 8000, side == 40) << n;
+    ASSERT_GT(n, 4000);
+    const std::vector<AutoStage> stages = serving(plan(p), 1e-6);
+    const auto is_path = [](const AutoStage& stage) { return stage.solver == "homotopy"; };
+    auto first = std::find_if(stages.begin(), stages.end(), is_path);
+    ASSERT_NE(first, stages.begin());
+    if (side == 40) {
+      ASSERT_NE(first, stages.end());
+      EXPECT_EQ(first->start, AutoStage::Start::kBest);
+      EXPECT_LE(first->max_iterations, n);
+      EXPECT_EQ(first[-1].solver, "admm");
+      EXPECT_LE(first[-1].max_iterations, 800);
+      first = std::find_if(first + 1, stages.end(), is_path);
+    }
+    ASSERT_GE(stages.end() - first, 4) << side;
+    EXPECT_EQ(first[-1].solver, "ipm");
+    EXPECT_EQ(first->start, side == 40 ? AutoStage::Start::kLast : AutoStage::Start::kBest);
+    EXPECT_EQ(first->of_start, 1);
+    EXPECT_GE(first->max_iterations, 10000);
+    std::set<double> kicks;
+    for (int k = 1; k <= 3; ++k) {
+      EXPECT_EQ(first[k].solver, "homotopy");
+      EXPECT_EQ(first[k].start, AutoStage::Start::kLast);
+      EXPECT_NEAR(first[k].of_start, 1, 0.2);
+      kicks.insert(first[k].of_start);
+    }
+    EXPECT_EQ(kicks.size(), 3U);
+    EXPECT_EQ(kicks.count(1), 0U);
+  }
+}
+
+/// Given W alone: in the plane a path follows the first sweeps, up to 1000 contacts, where Newton steps
+/// on W take longer; in space few contacts have a dozen factorisations next, more have Newton steps.
+TEST(AutoSolver, GivenWAloneExactAnswersComeSecond) {
+  const auto second = [](const ContactProblem& p) {
+    return std::string(serving(plan(p), 1e-6).at(1).solver);
+  };
+  for (const char* name : {"2d_tilt12_320.hdf5", "2d_triangular_20_tilt10.hdf5"}) {
+    const ContactProblem p = local_form(shipped_file(name));
+    ASSERT_GT(p.num_contacts(), 100);
+    EXPECT_EQ(second(p) == "homotopy", p.num_contacts() <= 1000) << name;
+  }
+  const ContactProblem few = manufactured_problem(3, 20, 40, 1).problem;
+  EXPECT_EQ(second(local_form(few)), "ipm");
+  EXPECT_NE(second(few), "ipm");
+  const ContactProblem handful = manufactured_problem(3, 5, 10, 1).problem;
+  EXPECT_NE(second(local_form(handful)), "ipm");
+  EXPECT_EQ(second(local_form(shipped_file("3d_sphere_pyramid_4.hdf5"))), "newton");
+  const SolveResult result =
+      solve("auto", local_form(shipped_file("2d_tilt12_320.hdf5")), {.tol = 1e-8});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_NE(result.message.find("anderson 16: given up"), std::string::npos) << result.message;
+  EXPECT_EQ(result.message.find("newton"), std::string::npos) << result.message;
+}
+
+/// Where these do not arrive, starts around the best impulse have their turn, then the central path
+/// through its folds, and long chains last.
+TEST(AutoSolver, MovingPackingsThatResistHaveOtherStartsAndPatience) {
+  const std::vector<AutoStage> stages = plan(shipped_file("2d_pour300_392.hdf5"), true);
+  const auto shaken = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
+    return stage.parameters.count("shake") > 0;
+  });
+  ASSERT_NE(shaken, stages.end());
+  EXPECT_EQ(shaken->solver, "homotopy");
+  EXPECT_EQ(shaken->start, AutoStage::Start::kBest);
+  ASSERT_GE(stages.end() - shaken, 5);
+  for (int k = 1; k <= 2; ++k) {
+    EXPECT_EQ(shaken[k].solver, "homotopy");
+    EXPECT_EQ(shaken[k].start, AutoStage::Start::kCaller);
+  }
+  EXPECT_NE(shaken[1].parameters.at("seed"), shaken[2].parameters.at("seed"));
+  EXPECT_EQ(shaken[3].solver, "ipm");
+  EXPECT_EQ(shaken[3].max_iterations, 1000);
+  EXPECT_EQ(shaken[4].solver, "homotopy");
+  EXPECT_GT(shaken[4].max_iterations, shaken->max_iterations);
+}
+
+TEST(AutoSolver, MovingPackingsAreSolvedByPathFollowing) {
+  for (const char* name :
+       {"2d_pour300_273.hdf5", "2d_pour300_392.hdf5", "2d_compaction_flow.hdf5"}) {
+    SolverOptions options{.tol = 1e-10};
+    options.time_limit = 2 * BIPOT_TEST_SLOWNESS;
+    const SolveResult result = solve("auto", shipped_file(name), options);
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << name << ": " << result.message;
+    EXPECT_LE(result.error.guarded(), 1e-10) << name;
+    // First order was given up, and nothing was needed after the first paths.
+    EXPECT_NE(result.message.find("given up"), std::string::npos) << name;
+    const std::size_t path = result.message.find("homotopy");
+    ASSERT_NE(path, std::string::npos) << name << ": " << result.message;
+    EXPECT_EQ(result.message.find(';', path), std::string::npos) << name << result.message;
+    EXPECT_LT(result.iterations, 3000) << name;
+  }
+}
+
+TEST(AutoSolver, NothingExactForALooseTolerance) {
+  const SolveResult result = solve("auto", shipped_file("2d_tilt1000hi_182.hdf5"), {.tol = 1e-2});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_EQ(result.message.find("homotopy"), std::string::npos) << result.message;
+}
+
+TEST(AutoSolver, NoPathsInSpace) {
+  EXPECT_EQ(stages_of(shipped_file("3d_sphere_pyramid_4.hdf5"), "homotopy"), 0);
+  EXPECT_GT(stages_of(shipped_file("2d_pyramid_10.hdf5"), "homotopy"), 0);
+  EXPECT_GT(stages_of(shipped_file("1d_square_20.hdf5"), "homotopy"), 0);
+}
+
+// 250 spheres under a plate (h = 5e-4 s, 50 N on 1 kg; steps 327 and 336): ipm meets 1e-3 in 66 iterations from either
+// start, or in 304 and 333 after 16 folds, admm in 8242; in 2e5 sweeps or steps of momentum nothing else does. So
+// neither may be cut off earlier, nor come after what never ends.
+TEST(AutoSolver, InSpaceFactorisationsHaveTheirTime) {
+  for (const bool warm : {false, true}) {
+    const std::vector<AutoStage> stages = plan(shipped_file("3d_sphere_box_4.hdf5"), warm);
+    const auto endless = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
+      return stage.max_iterations >= 100000;
+    });
+    int first = 0, most = 0, splitting = 0;
+    for (auto stage = stages.begin(); stage != endless; ++stage) {
+      if (stage->solver == "ipm" && first == 0) first = stage->min_iterations;
+      if (stage->solver == "ipm") most = std::max(most, stage->min_iterations);
+      if (stage->solver == "admm") splitting = stage->min_iterations;
+    }
+    EXPECT_GE(first, 66);
+    EXPECT_GE(most, 333);
+    EXPECT_GE(splitting, 9610);
+  }
+}
+
+TEST(AutoSolver, AWarmStartSavesIterations) {
+  const ContactProblem p = shipped_file("2d_pour300_392.hdf5");
+  const SolveResult rough = solve("auto", p, {.tol = 1e-4});
+  ASSERT_EQ(rough.status, SolveStatus::kConverged) << rough.message;
+  const SolveResult cold = solve("auto", p, {.tol = 1e-10});
+  const SolveResult warm = solve("auto", p, {.tol = 1e-10, .s0 = rough.s});
+  EXPECT_EQ(warm.status, SolveStatus::kConverged) << warm.message;
+  EXPECT_LT(warm.iterations, cold.iterations) << warm.message;
+}
+
+TEST(AutoSolver, LargePackingsAtRestAreSolvedBySweepsForthAndBack) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 40, 0.3, 10);
+  ASSERT_GT(p.num_contacts(), 4000);
+  const SolveResult cold = solve("auto", p, {.tol = 1e-6});
+  EXPECT_EQ(cold.status, SolveStatus::kConverged) << cold.message;
+  EXPECT_EQ(cold.message.find("stages: assor"), 0u) << cold.message;
+  const SolveResult gradient = solve("apgd", p, {.tol = 1e-6});
+  EXPECT_LT(4 * cold.iterations, gradient.iterations);
+  // Without bodies there is nothing to put in vectors: W alone goes the old way.
+  const ContactProblem local = local_form(p);
+  for (const AutoStage& stage : plan_auto(local, DelassusOperator(local), false)) {
+    EXPECT_NE(stage.solver, "assor");
+  }
+}
+
+// The normals of square lattices are along or across one direction; those of triangular ones, of
+// pyramids, settled piles and steps of pours are not.
+TEST(AutoSolver, SmallSquareLatticesBeginWithAndersonOthersWithSweepsForthAndBack) {
+  for (const int side : {5, 12}) {  // few contacts and more
+    LatticeOptions tilted;
+    tilted.tilt = 0.2;
+    EXPECT_EQ(plan(square_lattice(side, tilted)).front().solver, "anderson") << side;
+    EXPECT_EQ(plan(triangular_lattice(side, tilted)).front().solver, "assor") << side;
+  }
+  EXPECT_EQ(plan(triangular_lattice(2)).front().solver, "anderson");  // too few to fill vectors
+  for (const char* name : {"2d_pile_300_mu03.hdf5", "2d_pour300_392.hdf5", "2d_tilt12_320.hdf5",
+                           "2d_triangular_lattice.hdf5", "2d_pyramid_10.hdf5"}) {
+    ASSERT_GT(shipped_file(name).num_contacts(), 100) << name;
+    EXPECT_EQ(plan(shipped_file(name)).front().solver, "assor") << name;
+    // From a warm start too, at any tolerance.
+    for (const double tol : {1e-1, 1e-8}) {
+      EXPECT_EQ(serving(plan(shipped_file(name), true), tol)[0].solver, "assor") << name;
+    }
+    // A path comes next, and no Anderson.
+    EXPECT_EQ(serving(plan(shipped_file(name), true), 1e-4)[1].solver, "homotopy") << name;
+    for (const AutoStage& stage : plan(shipped_file(name), true)) {
+      EXPECT_NE(stage.solver, "anderson") << name;
+    }
+  }
+  LatticeOptions options;
+  options.tilt = 0.2;
+  const ContactProblem larger = triangular_lattice(30, options);
+  EXPECT_EQ(plan(larger).front().solver, "assor");
+  // Beyond 2500 contacts it is so from warm starts at loose tolerances.
+  ASSERT_GT(larger.num_contacts(), 2500);
+  const std::vector<AutoStage> warm = plan(larger, true);
+  ASSERT_GT(warm.size(), 1u);
+  EXPECT_EQ(warm[0].solver, "assor");
+  EXPECT_EQ(warm[0].least_tol, warm[1].tol_below);
+  options.dim = 1;  // without friction
+  EXPECT_EQ(plan(triangular_lattice(30, options)).front().solver, "anderson");
+}
+
+/// Up to 2500 contacts of disks a path begins where the first sweeps end, if that is near; above
+/// 400 not at loose tolerances, where sweeps do without it.
+TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
+  for (const char* name : {"2d_tilt12_320.hdf5", "2d_pile_300_mu03.hdf5"}) {
+    const ContactProblem p = shipped_file(name);
+    const bool few = p.num_contacts() <= 400;
+    ASSERT_EQ(few, std::string_view(name) == "2d_tilt12_320.hdf5");
+    for (const bool warm : {false, true}) {
+      const std::vector<AutoStage> loose = serving(plan(p, warm), 1e-1);
+      EXPECT_EQ(loose[0].solver, "assor");
+      EXPECT_EQ(loose[1].solver == "homotopy", few);
+      if (few) {
+        EXPECT_EQ(loose[2].solver, warm ? "pgs" : "anderson");
+      }
+      const std::vector<AutoStage> fair = serving(plan(p, warm), 1e-4);
+      EXPECT_EQ(fair[0].solver, "assor");
+      EXPECT_EQ(fair[1].solver, "homotopy");
+      EXPECT_EQ(fair[1].start, AutoStage::Start::kBest);
+      EXPECT_FALSE(fair[1].serves(1e-4, 0.5)) << "from far away paths are long";
+    }
+  }
+  for (const int side : {28, 36}) {  // 2268 and 3780 contacts or so
+    const Scene<2> scene = make_family_scene("triangular", side);
+    const ContactProblem p = step_problem(scene, initial_state(scene), false);
+    EXPECT_EQ(serving(plan(p, true), 1e-4)[0].solver, side == 28 ? "assor" : "anderson");
+    for (const bool warm : {false, true}) {
+      EXPECT_EQ(serving(plan(p, warm), 1e-4)[1].solver, side == 28 ? "homotopy" : "apgd");
+    }
+  }
+  const SolveResult near = solve("auto", shipped_file("2d_tilt12_320.hdf5"), {.tol = 1e-8});
+  EXPECT_EQ(near.status, SolveStatus::kConverged);
+  EXPECT_NE(near.message.find("homotopy"), std::string::npos) << near.message;
+  // Sweeps leave this one at 0.6: momentum comes next, and no path from there.
+  const SolveResult far = solve("auto", shipped_file("2d_pyramid_20_mu05.hdf5"), {.tol = 1e-8});
+  EXPECT_EQ(far.status, SolveStatus::kConverged);
+  EXPECT_NE(far.message.find("(6.3e-01); apgd"), std::string::npos) << far.message;
+  const std::vector<AutoStage> warm = serving(plan(shipped_file("2d_tilt12_320.hdf5"), true), 1e-4);
+  EXPECT_EQ(warm[2].solver, "pgs");
+}
+
+/// Spheres: few sweeps before momentum.
+TEST(AutoSolver, FewContactsInSpaceGoSoonToMomentum) {
+  int before = 0;
+  for (const AutoStage& stage : serving(plan(shipped_file("3d_sphere_pyramid_4.hdf5")), 1e-3)) {
+    if (stage.solver == "apgd") break;
+    before += stage.max_iterations;
+  }
+  EXPECT_GT(before, 0);
+  EXPECT_LE(before, 150);
+}
+
+TEST(AutoSolver, PathsSeeTheCallersCancel) {
+  // The caller stops the solve in the middle of the paths.
+  SolverOptions options{.tol = 1e-12};
+  bool on_path = false;
+  options.on_iteration = [&](const IterationRecord& r) {
+    // The rough start and apgd are given up by 2900 iterations: what follows are paths.
+    on_path = r.iteration > 2900;
+  };
+  options.cancelled = [&on_path] { return on_path; };
+  const SolveResult result = solve("auto", shipped_file("2d_pyramid_20_mu05.hdf5"), options);
+  EXPECT_EQ(result.status, SolveStatus::kInterrupted) << result.message;
+  const std::size_t path = result.message.rfind("homotopy");
+  ASSERT_NE(path, std::string::npos) << result.message;
+  EXPECT_EQ(result.message.find(';', path), std::string::npos) << result.message;
+}
+
+TEST(AutoSolver, TheCallersCancelIsNoGivingUp) {
+  int asked = 0;
+  SolverOptions options{.tol = 1e-8};
+  options.cancelled = [&asked] { return ++asked > 5; };
+  const SolveResult result = solve("auto", shipped_file("2d_pyramid_10.hdf5"), options);
+  EXPECT_EQ(result.status, SolveStatus::kInterrupted);
+  EXPECT_LT(asked, 20);  // no further stage was begun
+}
+
+TEST(AutoSolver, TheIterationLimitHoldsForAllStagesTogether) {
+  const SolveResult result =
+      solve("auto", shipped_file("2d_pyramid_10.hdf5"), {.tol = 1e-8, .max_iterations = 30});
+  EXPECT_EQ(result.status, SolveStatus::kIterationLimit) << result.message;
+  EXPECT_LE(result.iterations, 30);
+}
+
+TEST(AutoSolver, HistoryCountsOnOverTheStages) {
+  std::vector<int> iterations;
+  SolverOptions options{.tol = 1e-8};
+  options.on_iteration = [&](const IterationRecord& r) { iterations.push_back(r.iteration); };
+  const SolveResult result = solve("auto", shipped_file("2d_pyramid_10.hdf5"), options);
+  ASSERT_FALSE(iterations.empty());
+  EXPECT_TRUE(std::is_sorted(iterations.begin(), iterations.end()));
+  EXPECT_EQ(iterations.back(), result.iterations);
+}
+
+}  // namespace
+}  // namespace bipot

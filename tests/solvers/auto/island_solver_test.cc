@@ -1,0 +1,604 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/motion/time_stepping.h"
+#include "core/problem_files/problem_file.h"
+#include "core/scene/generators.h"
+#include "core/scene/scene_family.h"
+#include "solvers/auto/contact_islands.h"
+#include "solvers/islands.h"
+#include "solvers/registry.h"
+#include "solvers/solve.h"
+#include "tests/support/lattice_problem.h"
+#include "tests/support/manufactured.h"
+#include "tests/support/naive_error.h"
+#include "tests/support/side_by_side.h"
+#include "tests/support/small_problems.h"
+#include "tests/support/source_folder.h"
+
+namespace bipot {
+namespace {
+
+bool has(const SolveResult& result, const std::string& text) {
+  return result.message.find(text) != std::string::npos;
+}
+
+/// Parts of 1, 3, 5, 9, 14 and 40 contacts, each with a solution, velocities 10^k times as large.
+ContactProblem archipelago(int dim, unsigned seed, bool given_by_delassus) {
+  std::vector<ContactProblem> parts;
+  double scale = 1e-3;
+  for (const int contacts : {14, 1, 40, 3, 9, 5}) {
+    ContactProblem part =
+        manufactured_problem(dim, std::max(1, contacts - 1), contacts, seed + 7).problem;
+    part.u_free *= scale;
+    scale *= 10;
+    if (!given_by_delassus) part.W = SparseRows();
+    parts.push_back(given_by_delassus ? local_form(part) : part);
+  }
+  return side_by_side(parts).problem;
+}
+
+/// `auto` that cuts at once, without an attempt on the whole.
+SolverEntry cutting_auto() {
+  SolverEntry entry = *find_solver("auto");
+  entry.attempt = nullptr;
+  return entry;
+}
+
+TEST(Islands, TheWholeMeetsTheTolerance) {
+  for (const int dim : {1, 2, 3}) {
+    for (const unsigned seed : {1u, 2u, 3u}) {
+      for (const bool local : {false, true}) {
+        const ContactProblem p = archipelago(dim, seed, local);
+        for (const double tol : {1e-2, 1e-5, 1e-9}) {
+          const SolveResult result = solve(cutting_auto(), p, {.tol = tol});
+          EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+          EXPECT_TRUE(has(result, "6 islands")) << result.message;
+          EXPECT_LE(naive_error(p, result.s).guarded(), tol * (1 + 1e-6))
+              << dim << ' ' << seed << ' ' << local;
+        }
+      }
+    }
+  }
+}
+
+/// A solver that stops as early as the stop test lets it: on the line from an exact impulse to 0.
+SolverEntry lazy_solver(std::vector<double>* errors) {
+  return {.name = "lazy",
+          .summary = "",
+          .run =
+              [errors](const ContactProblem& p, const SolverOptions& options) {
+                SolveResult exact = find_solver("auto")->run(p, {.tol = 1e-13});
+                ContactErrorEvaluator evaluate(p, 1, options.share);
+                // Within the tolerance by more than rounding, or no claim is proved.
+                SolverOptions proved = options;
+                proved.tol *= 1 - 1e-9;
+                double low = 0, high = 1;
+                for (int k = 0; k < 60; ++k) {
+                  const double middle = 0.5 * (low + high);
+                  (meets(proved, evaluate(middle * exact.s)) ? high : low) = middle;
+                }
+                SolveResult result;
+                result.s = high * exact.s;
+                errors->push_back(contact_error(p, result.s).guarded());
+                result.status = SolveStatus::kConverged;
+                result.iterations = 1;
+                return result;
+              },
+          .parameters = {}};
+}
+
+/// 20 contacts that approach at 1 and slide at 10, W = 1 but for tangents that are neighbours: 0.2.
+ContactProblem sliding_part() {
+  constexpr int kContacts = 20;
+  ContactProblem p;
+  p.dim = 2;
+  p.W.resize(2 * kContacts, 2 * kContacts);
+  p.W.setIdentity();
+  p.u_free = Vector::Zero(2 * kContacts);
+  p.mu = Vector::Constant(kContacts, 0.5);
+  for (int c = 0; c < kContacts; ++c) {
+    if (c > 0) p.W.coeffRef(2 * c + 1, 2 * c - 1) = p.W.coeffRef(2 * c - 1, 2 * c + 1) = 0.2;
+    p.u_free[2 * c] = -1;
+    p.u_free[2 * c + 1] = 10;
+  }
+  p.W.makeCompressed();
+  return p;
+}
+
+TEST(Islands, PartsThatJustMeetTheirSharesMeetTheWhole) {
+  // The errors that the lazy solver leaves are as large as it may leave them.
+  for (const double tol : {1e-1, 1e-2, 1e-4}) {
+    std::vector<double> errors;
+    const SolverEntry lazy = lazy_solver(&errors);
+    std::vector<ContactProblem> parts;
+    for (const unsigned seed : {3u, 4u, 5u, 6u, 7u, 8u}) {
+      parts.push_back(manufactured_problem(2, 15, 20, seed).problem);
+      parts.back().u_free *= std::pow(3.0, seed);
+    }
+    const ContactProblem p = side_by_side(parts).problem;
+    const SolveResult result = solve(lazy, p, {.tol = tol, .islands = true});
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    EXPECT_FALSE(has(result, "then the whole")) << result.message;
+    EXPECT_LE(result.error.guarded(), tol);
+    EXPECT_GE(result.error.guarded(), 0.5 * tol);  // what was left to the last part is used
+    ASSERT_EQ(errors.size(), 6u);
+  }
+}
+
+TEST(Islands, MaximaOfDifferentTermsDoNotUseUpTheTolerance) {
+  // On one part D is the largest term of the denominator, on the other θK: both with the error tol
+  // by themselves would be more than tol on the whole, as the maxima of the sums are less than the
+  // sum of the maxima.
+  //   sliding: s_n = 1, |s_t| = mu, D = 20 mu |u_t| > 90 and θK < 2;
+  //   resting: D = 0.
+  // With the same maximum in both the sum of them is nearly twice the maximum of the sums.
+  const ContactProblem sliding = sliding_part();
+  const ContactProblem resting = lattice_step(Lattice::kTriangular, 6, 0.3, 0);
+  const SolveResult one = solve("auto", sliding, {.tol = 1e-12});
+  const SolveResult two = solve("auto", resting, {.tol = 1e-12});
+  ASSERT_GT(one.error.friction_power, kTheta * one.error.energy);
+  ASSERT_LT(two.error.friction_power, kTheta * two.error.energy);
+  ContactProblem scaled = local_form(resting);
+  // The same energy in both maxima.
+  scaled.u_free *= std::sqrt(one.error.friction_power / (kTheta * two.error.energy));
+  const ContactProblem p = side_by_side({sliding, scaled}).problem;
+  const double sum_of_maxima = 2 * one.error.friction_power;
+  const SolveResult exact = solve("auto", p, {.tol = 1e-12});
+  const double maximum_of_sums = std::max(exact.error.friction_power, kTheta * exact.error.energy);
+  EXPECT_GT(sum_of_maxima, 1.5 * maximum_of_sums);
+  std::vector<double> errors;
+  const SolverEntry lazy = lazy_solver(&errors);
+  const SolveResult result = solve(lazy, p, {.tol = 1e-3, .islands = true});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_FALSE(has(result, "then the whole")) << result.message;
+  EXPECT_LE(naive_error(p, result.s).guarded(), 1e-3 * (1 + 1e-9));
+}
+
+TEST(Islands, APartIsJudgedAsAPieceOfTheWhole) {
+  // With the sums of the rest as `others` the error of a part is that of the whole.
+  for (const int dim : {1, 2, 3}) {
+    const ContactProblem p = archipelago(dim, 4, false);
+    Vector s = solve("auto", p, {.tol = 1e-3}).s;
+    s *= 0.9;
+    ContactErrorEvaluator evaluate(p);
+    const ContactError whole = evaluate(s);
+    ErrorSums sums;
+    for (int c = 0; c < p.num_contacts(); ++c) sums += evaluate.part(c);
+    const ContactError added = error_of(sums);
+    EXPECT_NEAR(added.epsilon, whole.epsilon, 1e-12 * whole.epsilon);
+    EXPECT_NEAR(added.eta, whole.eta, 1e-12 * whole.eta);
+    EXPECT_NEAR(added.natural_map, whole.natural_map, 1e-12 * whole.natural_map);
+    EXPECT_NEAR(added.energy, whole.energy, 1e-12 * whole.energy);
+    const SideBySide two = side_by_side({p, p});
+    Vector both(2 * s.size());
+    ErrorShare share;
+    for (int c = 0; c < p.num_contacts(); ++c) {
+      both.segment(two.place[0][to_size(c)] * dim, dim) = s.segment(c * dim, dim);
+      both.segment(two.place[1][to_size(c)] * dim, dim) = 0.5 * s.segment(c * dim, dim);
+    }
+    ContactErrorEvaluator other(p);
+    other(0.5 * s);
+    share.others = other.sums();
+    ContactErrorEvaluator part(p, 1, share);
+    const ContactError as_piece = part(s);
+    const ContactError expected = contact_error(two.problem, both);
+    EXPECT_NEAR(as_piece.epsilon, expected.epsilon, 1e-12 * expected.epsilon);
+    EXPECT_NEAR(as_piece.eta, expected.eta, 1e-12 * expected.eta);
+    EXPECT_NEAR(as_piece.natural_map, expected.natural_map, 1e-12 * expected.natural_map);
+    // Half the tolerance: twice the figure. By itself it is better here and counts threefold.
+    share.share = 0.5;
+    EXPECT_NEAR(ContactErrorEvaluator(p, 1, share)(s).epsilon, 2 * expected.epsilon,
+                1e-12 * expected.epsilon);
+    share.alone = 3;
+    EXPECT_NEAR(ContactErrorEvaluator(p, 1, share)(s).epsilon,
+                std::min(2 * expected.epsilon, 3 * whole.epsilon), 1e-12 * expected.epsilon);
+  }
+}
+
+TEST(Islands, SingleContactsAreSolvedInClosedForm) {
+  // Take-off; stick: s_n = 1/2, s_t = -0.1, inside the cone; slip: s_n = 1/2, |s_t| = mu s_n = 0.15.
+  for (const int dim : {2, 3}) {
+    std::vector<ContactProblem> parts;
+    Vector b_t = Vector::Zero(2);
+    for (const auto& [b_n, slide] : {std::pair{1.0, 0.3}, {-1.0, 0.3}, {-1.0, 3.0}}) {
+      b_t[0] = slide;
+      parts.push_back(one_contact_problem(dim, 2, 3, 0.3, b_n, b_t));
+    }
+    const ContactProblem p = side_by_side(parts).problem;
+    const SolveResult result = solve("auto", p, {.tol = 1e-14});
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    EXPECT_TRUE(has(result, "3 islands: 1 open, 0 kept, 2 of few contacts, 0 by auto"))
+        << result.message;
+    Vector expected = Vector::Zero(3 * dim);
+    expected[dim] = expected[2 * dim] = 0.5;
+    expected[dim + 1] = -0.1;
+    expected[2 * dim + 1] = -0.15;
+    EXPECT_LE((result.s - expected).norm(), 1e-15);
+    EXPECT_EQ(result.iterations, 1);
+  }
+}
+
+TEST(Islands, WhatRestsKeepsItsImpulsesAndIsCheckedAllTheSame) {
+  std::vector<ContactProblem> parts;
+  for (const int contacts : {1, 6, 20, 40}) {
+    parts.push_back(manufactured_problem(2, std::max(1, contacts - 1), contacts, 9).problem);
+  }
+  const SideBySide before = side_by_side(parts);
+  const SolveResult first = solve("auto", before.problem, {.tol = 1e-8});
+  ASSERT_EQ(first.status, SolveStatus::kConverged) << first.message;
+  for (std::size_t moved = 0; moved < parts.size(); ++moved) {
+    std::vector<ContactProblem> changed = parts;
+    changed[moved].u_free *= 1.5;  // its impulses are 1.5 times the ones before
+    const ContactProblem p = side_by_side(changed).problem;
+    const SolveResult result = solve("auto", p, {.tol = 1e-7, .s0 = first.s});
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    EXPECT_TRUE(has(result, "3 kept")) << result.message;
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+      for (const int c : before.place[k]) {
+        if (k != moved) {
+          EXPECT_EQ(result.s.segment(2 * c, 2), first.s.segment(2 * c, 2));
+        } else {
+          EXPECT_LE((result.s - 1.5 * first.s).segment(2 * c, 2).norm(), 1e-3);
+        }
+      }
+    }
+  }
+}
+
+TEST(Islands, OtherSolversCutOnlyWhereAsked) {
+  const ContactProblem p = archipelago(2, 1, false);
+  const SolveResult whole = solve("pgs", p, {.tol = 1e-6});
+  EXPECT_FALSE(has(whole, "islands")) << whole.message;
+  const SolveResult cut = solve("pgs", p, {.tol = 1e-6, .islands = true});
+  EXPECT_EQ(cut.status, SolveStatus::kConverged) << cut.message;
+  EXPECT_TRUE(has(cut, "6 islands")) << cut.message;
+  EXPECT_LE(cut.iterations, whole.iterations);
+  const SolveResult off = solve("auto", p, {.tol = 1e-6, .islands = false});
+  EXPECT_EQ(off.status, SolveStatus::kConverged) << off.message;
+  EXPECT_FALSE(has(off, "islands")) << off.message;
+}
+
+TEST(Islands, TheyAreAParameterOfEverySolver) {
+  const ContactProblem p = archipelago(2, 1, false);
+  const SolveResult on = solve("pgs", p, {.tol = 1e-6, .parameters = {{"islands", "on"}}});
+  EXPECT_EQ(on.s, solve("pgs", p, {.tol = 1e-6, .islands = true}).s);
+  const SolveResult off = solve("auto", p, {.tol = 1e-6, .parameters = {{"islands", "off"}}});
+  EXPECT_EQ(off.s, solve("auto", p, {.tol = 1e-6, .islands = false}).s);
+  const SolveResult other = solve("pgs", p, {.parameters = {{"islands", "some"}}});
+  EXPECT_EQ(other.status, SolveStatus::kInvalidInput);
+  EXPECT_TRUE(has(other, "on|off")) << other.message;
+  // A solver's own parameters are read all the same.
+  const SolveResult own =
+      solve("pgs", p, {.tol = 1e-6, .parameters = {{"islands", "on"}, {"omega", "1.3"}}});
+  EXPECT_EQ(own.status, SolveStatus::kConverged) << own.message;
+  EXPECT_NE(own.s, on.s);
+}
+
+TEST(Islands, ExplainSaysHowManyThereAre) {
+  const std::string text = explain_islands(archipelago(2, 1, false));
+  EXPECT_NE(text.find("islands: 6;"), std::string::npos) << text;
+  EXPECT_NE(text.find("the largest has 40"), std::string::npos) << text;
+  EXPECT_EQ(explain_islands(ContactProblem{}), "islands: 0\n");
+}
+
+TEST(Islands, OnePartIsSolvedAsItIs) {
+  const ContactProblem p = lattice_step(Lattice::kTriangular, 8, 0.3, 5);
+  const SolveResult on = solve("auto", p, {.tol = 1e-8, .islands = true});
+  const SolveResult off = solve("auto", p, {.tol = 1e-8, .islands = false});
+  EXPECT_EQ(on.s, off.s);
+  EXPECT_EQ(on.message, off.message);
+  EXPECT_EQ(on.iterations, off.iterations);
+}
+
+TEST(Islands, SameBitsForAnyNumberOfThreads) {
+  const ContactProblem p = archipelago(2, 2, false);
+  const SolveResult one = solve(cutting_auto(), p, {.tol = 1e-8});
+  for (const int threads : {2, 3, 4}) {
+    SolverOptions options{.tol = 1e-8};
+    options.execution.threads = threads;
+    const SolveResult more = solve(cutting_auto(), p, options);
+    EXPECT_EQ(more.s, one.s) << threads;
+    EXPECT_EQ(more.iterations, one.iterations);
+  }
+}
+
+/// `auto` with another attempt.
+SolverEntry attempting(SolveResult (*attempt)(const ContactProblem&, const SolverOptions&)) {
+  SolverEntry entry = *find_solver("auto");
+  entry.attempt = attempt;
+  return entry;
+}
+
+/// Five sweeps, with a history of six records.
+SolveResult half_done(const ContactProblem& p, const SolverOptions& options) {
+  SolveResult result = solve("pgs", p, {.tol = options.tol, .max_iterations = 5});
+  if (options.on_iteration) {
+    for (int k = 0; k <= 5; ++k) {
+      options.on_iteration({.iteration = k,
+                            .error = contact_error(p, result.s),
+                            .count = count_contacts(p, result.s)});
+    }
+  }
+  result.message = "half done";
+  return result;
+}
+
+TEST(Islands, HistoryEndsWithTheErrorOfTheWhole) {
+  const ContactProblem p = archipelago(2, 3, false);
+  for (const SolverEntry& entry : {cutting_auto(), *find_solver("auto"), attempting(&half_done)}) {
+    std::vector<IterationRecord> records;
+    SolverOptions options{.tol = 1e-8};
+    options.on_iteration = [&](const IterationRecord& r) { records.push_back(r); };
+    const SolveResult result = solve(entry, p, options);
+    ASSERT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    ASSERT_GT(records.size(), 1u);
+    EXPECT_EQ(records.front().iteration, 0);
+    EXPECT_TRUE(std::is_sorted(records.begin(), records.end(), [](const auto& a, const auto& b) {
+      return a.iteration < b.iteration;
+    }));
+    EXPECT_EQ(records.back().iteration, result.iterations);
+    EXPECT_NEAR(records.back().error.guarded(), result.error.guarded(),
+                1e-9 * result.error.guarded());
+    for (const IterationRecord& r : records) {
+      EXPECT_EQ(r.count.take_off + r.count.stick + r.count.slip, p.num_contacts());
+    }
+  }
+}
+
+TEST(Islands, AnAttemptOnTheWholeThatArrivesIsAll) {
+  const ContactProblem p = archipelago(2, 1, false);
+  SolverEntry entry = attempting([](const ContactProblem& q, const SolverOptions& options) {
+    EXPECT_EQ(contact_islands(q).count(), 6);
+    return solve("pgs", q, {.tol = options.tol});
+  });
+  entry.run = [](const ContactProblem&, const SolverOptions&) -> SolveResult {
+    throw std::logic_error("nothing was left to do");
+  };
+  const SolveResult result = solve(entry, p, {.tol = 1e-6});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_EQ(result.s, solve("pgs", p, {.tol = 1e-6}).s);
+}
+
+TEST(Islands, AnAttemptThatDoesNotArriveLeavesItsBestToTheParts) {
+  const ContactProblem p = archipelago(2, 1, false);
+  const Vector left = half_done(p, {.tol = 1e-9}).s;
+  SolverEntry entry = attempting(&half_done);
+  int parts = 0;
+  entry.run = [&](const ContactProblem& part, const SolverOptions& options) {
+    ++parts;
+    EXPECT_EQ(options.best.size(), part.num_rows());
+    // Parts come out of the whole: what stands there are its numbers.
+    for (const double x : options.best)
+      EXPECT_NE(std::find(left.begin(), left.end(), x), left.end());
+    EXPECT_EQ(options.max_iterations, 995);
+    return find_solver("auto")->run(part, options);
+  };
+  const SolveResult result = solve(entry, p, {.tol = 1e-9, .max_iterations = 1000});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_GT(parts, 0);
+  EXPECT_TRUE(has(result, "the whole: half done; then 6 islands")) << result.message;
+  EXPECT_GT(result.iterations, 5);
+  entry.run = find_solver("auto")->run;
+  // From a warm start too, where that settles little; where it settles more than a quarter of the
+  // contacts, the others are cut out at once.
+  const SolveResult again = solve(entry, p, {.tol = 1e-9, .s0 = 0.5 * result.s});
+  EXPECT_EQ(again.status, SolveStatus::kConverged) << again.message;
+  EXPECT_TRUE(has(again, "half done")) << again.message;
+  Vector mostly = result.s;
+  const ContactIslands islands = contact_islands(p);
+  for (const int c : islands.of(islands.count() - 2)) mostly.segment<2>(2 * c) *= 0.5;
+  const SolveResult rest = solve(entry, p, {.tol = 1e-8, .s0 = mostly});
+  EXPECT_EQ(rest.status, SolveStatus::kConverged) << rest.message;
+  EXPECT_FALSE(has(rest, "half done")) << rest.message;
+}
+
+/// Sweeps that leave the problem of 14 contacts undone.
+SolveResult all_but_one(const ContactProblem& p, const SolverOptions& options) {
+  SolveResult result = solve("pgs", p, {.tol = 1e-3 * options.tol});
+  const ContactIslands islands = contact_islands(p);
+  for (int k = 0; k < islands.count(); ++k) {
+    if (islands.of(k).size() != 14) continue;
+    for (const int c : islands.of(k)) result.s.segment(c * p.dim, p.dim) *= 0.5;
+    result.status = SolveStatus::kIterationLimit;
+  }
+  return result;
+}
+
+TEST(Islands, WhatAnAttemptSolvedIsNotSolvedAgain) {
+  const ContactProblem p = archipelago(2, 1, false);
+  SolverEntry entry = attempting(&all_but_one);
+  std::vector<int> sizes;
+  entry.run = [&](const ContactProblem& part, const SolverOptions& options) {
+    sizes.push_back(part.num_contacts());
+    return find_solver("auto")->run(part, options);
+  };
+  const SolveResult result = solve(entry, p, {.tol = 1e-8});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_EQ(sizes, std::vector<int>{14});
+  EXPECT_LE(naive_error(p, result.s).guarded(), 1e-8);
+}
+
+/// Pyramids of 22 contacts side by side on the ground, each second one without friction, and one of 117.
+ContactProblem pyramids(int small) {
+  Scene<2> scene = make_family_scene("pyramid", 9);
+  scene.materials = {"rough", "slippery"};
+  scene.laws = {{.mu = 0.3}, {.mu = 0}, {.mu = 0}, {.mu = 0}};
+  double left = 12;
+  for (int k = 0; k < small; ++k, left += 6) {
+    for (Disk d : pyramid(4, 0.5, Vec2(left, 0))) {
+      d.mass = scene.bodies[0].mass;
+      d.inertia = scene.bodies[0].inertia;
+      d.material = k % 2;
+      scene.bodies.push_back(d);
+    }
+  }
+  for (Disk& d : scene.bodies) d.v = Vec2(0, -1);
+  return step_problem(scene, initial_state(scene), false);
+}
+
+using Sizes = std::vector<std::pair<int, int>>;  // dimensions and contacts
+Sizes* attempts = nullptr;                       // of the two functions below
+
+SolveResult arrives(const ContactProblem& p, const SolverOptions& options) {
+  attempts->push_back({p.dim, p.num_contacts()});
+  return find_solver("pgs")->run(p, options);
+}
+SolveResult leaves_half_of_them(const ContactProblem& p, const SolverOptions& options) {
+  attempts->push_back({p.dim, p.num_contacts()});
+  SolveResult result = solve("pgs", p, {.tol = 1e-3 * options.tol});
+  const ContactIslands islands = contact_islands(p);
+  for (int k = 0; k < islands.count(); k += 2) {
+    for (const int c : islands.of(k)) result.s.segment(c * p.dim, p.dim) *= 0.5;
+  }
+  result.status = SolveStatus::kIterationLimit;
+  return result;
+}
+
+/// Above 4000 contacts there is no attempt on the whole: islands of about one size are tried at
+/// once, and each of a group that does not arrive is looked at.
+TEST(Islands, ThoseOfOneSizeAreTriedTogether) {
+  const ContactProblem p = pyramids(200);
+  ASSERT_EQ(p.num_contacts(), 200 * 22 + 117);
+  for (const bool done : {true, false}) {
+    Sizes tried, solved;
+    attempts = &tried;
+    SolverEntry entry = attempting(done ? &arrives : &leaves_half_of_them);
+    entry.run = [&](const ContactProblem& part, const SolverOptions& options) {
+      solved.push_back({part.dim, part.num_contacts()});
+      EXPECT_EQ(options.best.size() != 0, part.num_contacts() == 22);
+      return find_solver("auto")->run(part, options);
+    };
+    const SolveResult result = solve(entry, p, {.tol = 1e-6});
+    EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+    EXPECT_LE(naive_error(p, result.s).guarded(), 1e-6);
+    EXPECT_EQ(tried, (Sizes{{1, 2200}, {2, 2200}}));
+    EXPECT_EQ(solved.size(), done ? 1u : 101u);
+    EXPECT_EQ(solved.back(), std::pair(2, 117));
+    EXPECT_TRUE(has(result, done ? "200 together, 1 by auto" : "100 together, 101 by auto"))
+        << result.message;
+  }
+}
+
+/// Of a large problem a part that is nearly all of it is not copied: the entry goes on with the whole,
+/// from where the small parts are settled, also after an attempt; and what it throws loses nothing.
+TEST(Islands, APartThatIsNearlyAllIsSolvedWithinTheWhole) {
+  const ContactProblem large = triangular_lattice(40, {.tilt = 0.1});
+  ASSERT_GT(large.num_contacts(), 4000);
+  const ContactProblem small = pyramid(1);
+  const SideBySide sides = side_by_side({large, small});
+  const ContactProblem& p = sides.problem;
+  std::vector<int> contacts;
+  SolverEntry entry = cutting_auto();
+  entry.by_islands = true;
+  entry.run = [&](const ContactProblem& q, const SolverOptions& options) {
+    contacts.push_back(q.num_contacts());
+    EXPECT_EQ(options.s0.size(), q.num_rows());
+    EXPECT_GT(options.s0[2 * sides.place[1][0]], 0) << "the small part is settled";
+    return find_solver("auto")->run(q, options);
+  };
+  const SolveResult result = solve(entry, p, {.tol = 1e-6});
+  EXPECT_EQ(result.status, SolveStatus::kConverged) << result.message;
+  EXPECT_EQ(contacts, std::vector<int>{p.num_contacts()});
+  EXPECT_TRUE(has(result, "1 of few contacts, 0 by auto; then the whole")) << result.message;
+  EXPECT_LE(naive_error(p, result.s).guarded(), 1e-6 * (1 + 1e-9));
+
+  entry.run = [](const ContactProblem&, const SolverOptions&) -> SolveResult {
+    throw std::runtime_error("no memory is left");
+  };
+  const SolveResult failed = solve(entry, p, {.tol = 1e-6});
+  EXPECT_EQ(failed.status, SolveStatus::kNumericalFailure);
+  EXPECT_TRUE(has(failed, "no memory is left")) << failed.message;
+  EXPECT_GT(failed.s[2 * sides.place[1][0]], 0);
+
+  // Half of the contacts are not nearly all.
+  contacts.clear();
+  entry.run = [&](const ContactProblem& q, const SolverOptions& options) {
+    contacts.push_back(q.num_contacts());
+    return find_solver("auto")->run(q, options);
+  };
+  const SolveResult halves = solve(entry, side_by_side({large, large}).problem, {.tol = 1e-3});
+  EXPECT_EQ(halves.status, SolveStatus::kConverged) << halves.message;
+  EXPECT_EQ(contacts, std::vector<int>(2, large.num_contacts()));
+}
+
+TEST(Islands, AnAttemptThatUsesUpTheIterationsIsTheEnd) {
+  const ContactProblem p = archipelago(2, 1, false);
+  const SolveResult result = solve(attempting(&half_done), p, {.tol = 1e-9, .max_iterations = 5});
+  EXPECT_EQ(result.status, SolveStatus::kIterationLimit) << result.message;
+  EXPECT_EQ(result.iterations, 5);
+  EXPECT_EQ(result.s, half_done(p, {.tol = 1e-9}).s);
+}
+
+TEST(Islands, APartThatFailsIsNamedAndTheOthersAreSolved) {
+  const SolverEntry failing{.name = "failing",
+                            .summary = "",
+                            .run =
+                                [](const ContactProblem& p, const SolverOptions& options) {
+                                  if (p.num_contacts() != 14)
+                                    return find_solver("auto")->run(p, options);
+                                  SolveResult result;
+                                  result.status = SolveStatus::kStalled;
+                                  result.message = "not today";
+                                  result.s = Vector::Zero(p.num_rows());
+                                  return result;
+                                },
+                            .parameters = {}};
+  const ContactProblem p = archipelago(2, 1, false);
+  const SolveResult result = solve(failing, p, {.tol = 1e-12, .islands = true});
+  EXPECT_EQ(result.status, SolveStatus::kStalled) << result.message;
+  EXPECT_TRUE(has(result, "14 contacts: not today")) << result.message;
+  // What it left undone is all that is wrong.
+  ContactErrorEvaluator evaluate(p);
+  const ContactError whole = evaluate(result.s);
+  const double energy = std::max(whole.friction_power, kTheta * whole.energy);
+  const ContactIslands islands = contact_islands(p);
+  for (int k = 0; k < islands.count(); ++k) {
+    ErrorSums sums;
+    for (const int c : islands.of(k)) sums += evaluate.part(c);
+    if (islands.of(k).size() == 14) {
+      EXPECT_GT(error_of(sums).guarded(), 0.1);
+    } else {
+      EXPECT_LE(sums.gap + sums.penetration, 1e-11 * energy);
+    }
+  }
+}
+
+TEST(Islands, TheTimeLimitHoldsForAllPartsTogether) {
+  const SolverEntry slow{.name = "slow",
+                         .summary = "",
+                         .run =
+                             [](const ContactProblem& p, const SolverOptions& options) {
+                               EXPECT_LE(options.time_limit, 3600);
+                               SolveResult result;
+                               result.status = SolveStatus::kTimeLimit;
+                               result.message = "out of time";
+                               result.s = Vector::Zero(p.num_rows());
+                               return result;
+                             },
+                         .parameters = {}};
+  const SolveResult result =
+      solve(slow, archipelago(2, 1, false), {.tol = 1e-8, .time_limit = 3600, .islands = true});
+  EXPECT_EQ(result.status, SolveStatus::kTimeLimit) << result.message;
+  EXPECT_TRUE(has(result, "1 by slow")) << result.message;  // nothing was begun after that
+}
+
+TEST(Islands, ShippedMovingProblemsAreSolvedBothWays) {
+  for (const char* name : {"2d_pour300_392.hdf5", "2d_tilt1000hi_182.hdf5"}) {
+    const ContactProblem p = read_problem(source_folder() / "data/problems" / name).problem;
+    EXPECT_GT(contact_islands(p).count(), 1) << name;
+    for (const double tol : {1e-3, 1e-8}) {
+      const SolveResult result = solve("auto", p, {.tol = tol});
+      EXPECT_EQ(result.status, SolveStatus::kConverged) << name << ' ' << result.message;
+      EXPECT_LE(result.error.guarded(), tol);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,221 @@
+#include "solvers/disks/symmetric_sweep.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/problem/delassus.h"
+#include "solvers/kernels/contact_sweep.h"
+#include "tests/support/lattice_problem.h"
+
+namespace bipot {
+namespace {
+
+ContactProblem leaning(int dim, int rows) {
+  LatticeOptions o;
+  o.dim = dim;
+  o.tilt = 0.2;
+  o.e_n = 0.2;
+  o.e_t = dim == 1 ? 0 : 0.7;
+  return triangular_lattice(rows, o);
+}
+
+struct Prepared {
+  ContactProblem problem;
+  DelassusOperator delassus;
+  ContactScaling scaling;
+  explicit Prepared(ContactProblem p)
+      : problem(std::move(p)),
+        delassus(problem),
+        scaling(equilibrated_scaling(problem, delassus.diagonal())) {}
+};
+
+template <int D>
+Vector iterated(const Prepared& at, const Execution& execution, double& turn, int sweeps = 1) {
+  SymmetricSweep<D> sweep(at.problem, *at.delassus.disks(), at.scaling, 1.3, sweeps, execution);
+  sweep.reset(Vector::Zero(at.problem.num_rows()));
+  for (int k = 0; k < 20; ++k) turn = sweep.iterate(0.1 * (k % 5));
+  return sweep.impulse();
+}
+
+TEST(SymmetricSweep, BatchesKeepTheOrderOfTheRows) {
+  const ContactProblem p = leaning(2, 30);
+  const DiskStructure disks = *DelassusOperator(p).disks();
+  const ContactTiles order = order_contacts(disks);
+  // Tiles are pieces of the order, each with the bodies that it is the first to come to.
+  ASSERT_GT(order.tiles.size(), 2u);
+  int batches = 0, rows = 0;
+  for (const ContactTiles::Tile& tile : order.tiles) {
+    EXPECT_EQ(tile.first_batch, batches);
+    EXPECT_EQ(tile.first_row, rows);
+    for (int lane = tile.first_batch * kLanes; lane < tile.last_batch * kLanes; ++lane) {
+      const int c = order.contact[to_size(lane)];
+      if (c < 0) continue;
+      EXPECT_LT(order.row[to_size(disks.contacts[to_size(c)].i)], tile.last_row - 1);
+    }
+    batches = tile.last_batch;
+    rows = tile.last_row;
+  }
+  EXPECT_EQ(batches, order.num_batches());
+  EXPECT_EQ(rows, order.num_rows);
+  std::vector<int> batch(disks.contacts.size(), -1);
+  for (std::size_t lane = 0; lane < order.contact.size(); ++lane) {
+    const int c = order.contact[lane];
+    if (c < 0) continue;
+    ASSERT_EQ(batch[to_size(c)], -1) << "twice";
+    batch[to_size(c)] = static_cast<int>(lane) / kLanes;
+  }
+  ASSERT_EQ(std::count(batch.begin(), batch.end(), -1), 0);
+  EXPECT_GT(8.0 * order.num_batches(), disks.contacts.size());
+  EXPECT_LT(order.num_batches(), 0.25 * static_cast<double>(disks.contacts.size()));
+
+  const std::vector<int> row = body_rows(disks);
+  const auto place = [&](const DiskStructure::Contact& c) {
+    const int i = row[to_size(c.i)];
+    if (c.j == disks.surroundings()) return std::pair(i, -1);
+    const int j = row[to_size(c.j)];
+    return std::pair(std::min(i, j), std::max(i, j));
+  };
+  std::vector<std::vector<int>> of_body(disks.bodies.size() - 1);
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
+    of_body[to_size(contact.i)].push_back(c);
+    if (contact.j != disks.surroundings()) of_body[to_size(contact.j)].push_back(c);
+  }
+  for (std::vector<int>& contacts : of_body) {
+    std::stable_sort(contacts.begin(), contacts.end(), [&](int a, int b) {
+      return place(disks.contacts[to_size(a)]) < place(disks.contacts[to_size(b)]);
+    });
+    for (std::size_t k = 1; k < contacts.size(); ++k) {
+      EXPECT_GE(batch[to_size(contacts[k])], batch[to_size(contacts[k - 1])] + 2);
+    }
+  }
+}
+
+TEST(SymmetricSweep, GoesAlongTheRowsWhereThatFillsTheLanes) {
+  const auto disks_of = [](int rows) {
+    const ContactProblem p = leaning(2, rows);
+    return *DelassusOperator(p).disks();
+  };
+  const DiskStructure large = disks_of(40), middle = disks_of(30), small = disks_of(12);
+  EXPECT_EQ(symmetric_order(large).contact, order_contacts(large).contact);
+  EXPECT_EQ(symmetric_order(middle).contact, tile_contacts(middle).contact);
+  // A batch for two contacts, and one for six or more.
+  EXPECT_GT(3 * order_contacts(small).num_batches(), static_cast<int>(small.contacts.size()));
+  EXPECT_LT(6 * symmetric_order(small).num_batches(), static_cast<int>(small.contacts.size()));
+}
+
+/// The scalar sweeps of DiskSweep forth and back in the order of the batches, from y.
+template <int D>
+void check_against_scalar(int rows, int sweeps) {
+  const Prepared at(leaning(D, rows));
+  const ContactProblem& p = at.problem;
+  const ContactTiles order = symmetric_order(*at.delassus.disks());
+  const Vector diagonal = at.delassus.diagonal();
+  DiskSweep<D> scalar(p, *at.delassus.disks());
+  for (int c = 0; c < p.num_contacts(); ++c) {
+    scalar.set_steps(c, 1.3 * diagonal.segment<D>(c * D).cwiseInverse(), p.mu[c]);
+  }
+  Vector now = Vector::Zero(p.num_rows()), before = now;
+  double expected = 0;
+  for (int k = 0; k < 20; ++k) {
+    const Vector y = now + 0.1 * (k % 5) * (now - before);
+    scalar.reset(y);
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      for (const int c : order.contact) {
+        if (c >= 0) scalar.relax(c);
+      }
+    }
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
+      for (auto c = order.contact.rbegin(); c != order.contact.rend(); ++c) {
+        if (*c >= 0) scalar.relax(*c);
+      }
+    }
+    before = now;
+    now = scalar.impulse();
+    expected = diagonal.dot((y - now).cwiseProduct(now - before));
+  }
+  double turn = 0;
+  const Vector s = iterated<D>(at, {}, turn, sweeps);
+  EXPECT_LT((s - now).norm(), 1e-12 * now.norm());
+  EXPECT_NEAR(turn, expected, 1e-9 * std::abs(expected));
+}
+
+TEST(SymmetricSweep, IsTheScalarSweepForthAndBackFromY) {
+  for (const int sweeps : {1, 2, 3}) {
+    SCOPED_TRACE(sweeps);
+    for (const int rows : {12, 40}) {  // as they fill the lanes, and along the rows
+      check_against_scalar<1>(rows, sweeps);
+      check_against_scalar<2>(rows, sweeps);
+    }
+  }
+}
+
+template <int D>
+void check_paths(int rows) {
+  const Prepared at(leaning(D, rows));
+  double turn = 0;
+  const Vector portable = iterated<D>(at, {1, SimdPath::kPortable}, turn, 2);
+  ASSERT_GT(portable.norm(), 0);
+  for (const SimdPath path : {SimdPath::kAvx2, SimdPath::kAvx512}) {
+    if (!has_path(path)) continue;
+    double other = 0;
+    const Vector s = iterated<D>(at, {1, path}, other, 2);
+    const auto bytes = to_size(s.size()) * sizeof(double);
+    EXPECT_EQ(std::memcmp(s.data(), portable.data(), bytes), 0) << to_string(path);
+    EXPECT_EQ(std::memcmp(&other, &turn, sizeof(double)), 0) << to_string(path);
+  }
+}
+
+TEST(SymmetricSweep, HasTheSameBitsFromEveryPath) {
+  for (const int rows : {12, 40}) {
+    check_paths<1>(rows);
+    check_paths<2>(rows);
+  }
+}
+
+/// `rows`: 30 as they fill the lanes, 40 along the rows.
+void check_threads(int rows) {
+  SCOPED_TRACE(rows);
+  const Prepared at(leaning(2, rows));
+  for (const int sweeps : {1, 2, 5}) {
+    double turn = 0;
+    const Vector alone = iterated<2>(at, {}, turn, sweeps);
+    for (const int threads : {2, 3, 4}) {
+      double other = 0;
+      const Vector s = iterated<2>(at, {threads, SimdPath::kAuto}, other, sweeps);
+      const auto bytes = to_size(s.size()) * sizeof(double);
+      EXPECT_EQ(std::memcmp(s.data(), alone.data(), bytes), 0) << sweeps << ", " << threads;
+      EXPECT_EQ(std::memcmp(&other, &turn, sizeof(double)), 0) << sweeps << ", " << threads;
+    }
+  }
+}
+
+TEST(SymmetricSweep, HasTheSameBitsForAnyNumberOfThreads) {
+  check_threads(30);
+  check_threads(40);
+}
+
+TEST(SymmetricSweep, RefreshKeepsTheImpulse) {
+  const Prepared at(leaning(2, 12));
+  SymmetricSweep<2> sweep(at.problem, *at.delassus.disks(), at.scaling, 1.3, 2, {});
+  sweep.reset(Vector::Zero(at.problem.num_rows()));
+  for (int k = 0; k < 5; ++k) sweep.iterate(0.3);
+  const Vector before = sweep.impulse();
+  sweep.refresh();
+  EXPECT_EQ(sweep.impulse(), before);
+  // What a sweep does is a question of the impulse alone.
+  sweep.iterate(0);
+  SymmetricSweep<2> other(at.problem, *at.delassus.disks(), at.scaling, 1.3, 2, {});
+  other.reset(before);
+  other.iterate(0);
+  EXPECT_LT((sweep.impulse() - other.impulse()).norm(), 1e-13 * before.norm());
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,185 @@
+// Factorisations that all processes do together (ProcessGroup::lend_hands), and the solvers on them.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/LU>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/problem_files/problem_file.h"
+#include "solvers/parallel/distributed_solve.h"
+#include "solvers/solve.h"
+#include "tests/solvers/parallel/mpi_group.h"
+#include "tests/support/lattice_problem.h"
+#include "tests/support/source_folder.h"
+
+namespace bipot {
+namespace {
+
+/// Symmetric pattern, values not; `seed` draws the values, `reach` the pattern.
+SparseMatrix banded(int size, int reach, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> value(-1, 1);
+  SparseMatrix A(size, size);
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < size; ++i) {
+    for (int j = 0; j < size; ++j) {
+      if (i == j || std::abs(i - j) == reach || std::abs(i - j) == 1) {
+        entries.emplace_back(i, j, value(random));
+      }
+    }
+  }
+  A.setFromTriplets(entries.begin(), entries.end());
+  return A;
+}
+
+/// On the first process, for its factor.
+void expect_solves(SystemFactor& factor, const SparseMatrix& A) {
+  const Eigen::MatrixXd dense(A);
+  const Vector b = Vector::LinSpaced(A.rows(), -1, 2);
+  ASSERT_TRUE(factor.factor(A));
+  Vector x;
+  factor.solve(b, x);
+  EXPECT_LT((dense * x - b).norm(), 1e-10 * (b.norm() + dense.norm() * x.norm()));
+  EXPECT_EQ(factor.determinant_sign(), dense.determinant() < 0 ? -1 : 1);
+}
+
+TEST(SharedFactor, SolvesWithOneMatrixAfterTheOther) {
+  int signs[2] = {0, 0};
+  mpi_group().lend_hands([&](SystemFactor& factor) {
+    for (const int size : {1, 2, 3, 40, 41}) {
+      for (unsigned seed = 1; seed <= 4; ++seed) {  // the same pattern four times
+        SCOPED_TRACE(size);
+        const SparseMatrix A = banded(size, 5, seed);
+        expect_solves(factor, A);
+        ++signs[factor.determinant_sign() < 0 ? 0 : 1];
+      }
+    }
+    expect_solves(factor, banded(41, 7, 1));  // as many entries, elsewhere
+  });
+  if (mpi_group().rank() == 0) {
+    EXPECT_TRUE(signs[0] > 0 && signs[1] > 0) << "both signs must occur";
+  }
+}
+
+TEST(SharedFactor, SaysWhatCannotBeFactoredAndGoesOn) {
+  mpi_group().lend_hands([&](SystemFactor& factor) {
+    SparseMatrix A = banded(30, 4, 2);
+    const SparseMatrix good = A;
+    for (SparseMatrix::InnerIterator it(A, 17); it; ++it) it.valueRef() = 0;
+    EXPECT_FALSE(factor.factor(A)) << "a column of zeros";
+    expect_solves(factor, good);
+    A.coeffRef(29, 29) = kNaN;
+    EXPECT_FALSE(factor.factor(A));
+    expect_solves(factor, good);
+  });
+}
+
+TEST(SharedFactor, AFailureOfTheWorkIsKnownToAll) {
+  try {
+    mpi_group().lend_hands([](SystemFactor& factor) {
+      (void)factor.factor(banded(10, 3, 1));
+      throw std::runtime_error("the work is too hard");
+    });
+    ADD_FAILURE() << "no process may go on";
+  } catch (const CommonFailure& e) {
+    EXPECT_EQ(std::string(e.what()), "the work is too hard");
+  }
+}
+
+TEST(SharedFactor, TheInteriorPointTakesTheIterationsOfOneProcess) {
+  const ContactProblem p = triangular_lattice(12, {.tilt = 0.1});
+  SolverOptions options;
+  options.tol = 1e-9;
+  const SolveResult alone = solve("ipm", p, options);
+  DistributedOptions shared;
+  shared.shared_factor_rows = 0;
+  const DistributedResult all = distributed_solve("ipm", p, options, mpi_group(), shared);
+  ASSERT_EQ(all.result.status, SolveStatus::kConverged) << all.result.message;
+  EXPECT_NEAR(all.result.iterations, alone.iterations, 1);  // factors differ by rounding
+  EXPECT_LT((all.result.u - alone.u).norm(), 1e-6 * p.u_free.norm());
+  EXPECT_NE(all.result.message.find("factored by all"), std::string::npos) << all.result.message;
+  if (mpi_group().size() > 1) {
+    const DistributedResult first = distributed_solve("ipm", p, options, mpi_group());
+    EXPECT_EQ(first.result.s, alone.s) << "the first process alone: its own bits";
+    EXPECT_GT(all.counts.traffic.bytes, first.counts.traffic.bytes);
+  }
+  // A start that is an answer but for a little is polished.
+  options.s0 = all.result.s * (1 + 1e-7);
+  const DistributedResult warm = distributed_solve("ipm", p, options, mpi_group(), shared);
+  EXPECT_EQ(warm.result.status, SolveStatus::kConverged) << warm.result.message;
+  EXPECT_LT(warm.result.iterations, all.result.iterations / 2);
+}
+
+TEST(SharedFactor, TheInteriorPointKeepsToItsLimits) {
+  const ContactProblem p = triangular_lattice(12, {.tilt = 0.1});
+  SolverOptions options;
+  options.tol = 1e-15;
+  options.max_iterations = 3;
+  EXPECT_EQ(distributed_solve("ipm", p, options, mpi_group()).result.status,
+            SolveStatus::kIterationLimit);
+  options = {};
+  options.time_limit = 1e-9;
+  EXPECT_EQ(distributed_solve("ipm", p, options, mpi_group()).result.status,
+            SolveStatus::kTimeLimit);
+  options = {};
+  options.tol = 1e-15;
+  options.cancelled = [] { return true; };
+  EXPECT_EQ(distributed_solve("ipm", p, options, mpi_group()).result.status,
+            SolveStatus::kInterrupted);
+}
+
+TEST(SharedFactor, NewtonTakesTheStepsOfOneProcess) {
+  // The lattice is degenerate (W singular): agreement of velocities, not of impulses.
+  const ContactProblem p = triangular_lattice(8, {.tilt = 0.1});
+  SolverOptions options;
+  options.tol = 1e-9;
+  DistributedOptions shared;
+  shared.shared_factor_rows = 0;
+  for (const char* form : {"mixed", "contact"}) {
+    SCOPED_TRACE(form);
+    options.parameters = {{"form", form}, {"linear", "mumps"}};
+    const SolveResult alone = solve("newton", p, options);
+    ASSERT_EQ(alone.status, SolveStatus::kConverged) << alone.message;
+    const DistributedResult all = distributed_solve("newton", p, options, mpi_group(), shared);
+    ASSERT_EQ(all.result.status, SolveStatus::kConverged) << all.result.message;
+    EXPECT_NEAR(all.result.iterations, alone.iterations, 2);  // factors differ by rounding
+    EXPECT_LT((all.result.u - alone.u).norm(), 1e-6 * p.u_free.norm());
+    EXPECT_NE(all.result.message.find("factored by all"), std::string::npos) << all.result.message;
+    if (mpi_group().size() > 1) {
+      const DistributedResult first = distributed_solve("newton", p, options, mpi_group());
+      EXPECT_EQ(first.result.s, alone.s) << "the first process alone: its own bits";
+      EXPECT_GT(all.counts.traffic.bytes, first.counts.traffic.bytes) << "matrices travel";
+    }
+  }
+}
+
+TEST(SharedFactor, NewtonRefusesWhatNeedsOneProcess) {
+  const ContactProblem p = triangular_lattice(3, {.tilt = 0.1});
+  for (const auto& [name, value] :
+       {std::pair{"linear", "gmres"}, std::pair{"residual", "snesvi"}}) {
+    SolverOptions options;
+    options.parameters = {{name, value}};
+    const SolveResult refused = distributed_solve("newton", p, options, mpi_group()).result;
+    EXPECT_EQ(refused.status, SolveStatus::kInvalidInput);
+    EXPECT_NE(refused.message.find(name), std::string::npos) << refused.message;
+  }
+}
+
+TEST(SharedFactor, AutoTurnsToItWhereGradientsDoNotArrive) {
+  const ContactProblem p =
+      read_problem(source_folder() / "data/problems/2d_triangular_12_mass1e6.hdf5").problem;
+  SolverOptions options;
+  options.tol = 1e-9;
+  options.max_iterations = 12000;  // three rounds, and some for factorisations
+  const DistributedResult out = distributed_solve("auto", p, options, mpi_group());
+  EXPECT_EQ(out.result.status, SolveStatus::kConverged) << out.result.message;
+  EXPECT_LE(contact_error(p, out.result.s).guarded(), 1e-9);
+  EXPECT_GT(out.result.iterations, 3 * (512 + 1024 + 2048)) << "an easier problem than was meant";
+}
+
+}  // namespace
+}  // namespace bipot

@@ -1,0 +1,272 @@
+#include "solvers/simulation/scene_run.h"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "core/problem_files/fclib_file.h"
+#include "core/run_files/run_reader.h"
+#include "core/scene/scene_family.h"
+#include "solvers/registry.h"
+#include "solvers/simulation/run_folder.h"
+#include "solvers/simulation/step_solver.h"
+#include "tests/support/scene_parts.h"
+#include "tests/support/temporary_folder.h"
+
+namespace bipot {
+namespace {
+
+/// Disks that fall onto a floor and into each other.
+Scene<2> falling_disks(int steps) {
+  Scene<2> scene = make_family_scene("random", 4);
+  scene.num_steps = steps;
+  scene.solver.name = "apgd";
+  scene.solver.tol = 1e-6;
+  return scene;
+}
+
+TEST(SceneRun, TakesTheScenesStepsWithItsOwnSolver) {
+  const Scene<2> scene = falling_disks(40);
+  State<2> state = initial_state(scene);
+  int seen = 0;
+  SceneRunOptions<2> options;
+  options.on_step = [&](const SceneStep<2>& step) {
+    EXPECT_EQ(step.report.step, ++seen);
+    EXPECT_EQ(step.state.step, seen);
+    EXPECT_EQ(step.problem.num_contacts(), step.report.contacts);
+    return true;
+  };
+  const SceneRun<2> run = run_scene(scene, state, options);
+  EXPECT_EQ(run.end, SceneRun<2>::End::kCompleted);
+  EXPECT_EQ(seen, 40);
+  EXPECT_EQ(run.planned, 40);
+  EXPECT_EQ(run.totals.steps, 40);
+  EXPECT_EQ(run.totals.converged, 40);
+  EXPECT_EQ(run.totals.last.step, 40);
+  EXPECT_GT(run.totals.max_contacts, 0);
+  EXPECT_LE(run.totals.worst.guarded(), 1e-6);
+  EXPECT_EQ(state.step, 40);
+}
+
+/// Two disks of 2 kg that reach a floor at 1 m/s in one step of 10 ms, 3 ms apart.
+Scene<2> two_landings() {
+  Scene<2> scene = one_law({});
+  scene.step = 0.01;
+  scene.num_steps = 1;
+  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {cylinder(Vec2(0, 0.501), 0.5, Vec2(0, -1)),
+                  cylinder(Vec2(3, 0.504), 0.5, Vec2(0, -1))};
+  return scene;
+}
+
+/// Solves problems in which no more than `most` contacts close, and gives up on others.
+StepSolver gives_up_beyond(int most) {
+  return [most, solver = make_step_solver(require_solver("pgs"), {})](const ContactProblem& p,
+                                                                      const Vector& s0) mutable {
+    StepSolution solution = solver(p, s0);
+    if ((p.u_free.array() < -1e-9).count() > most) {
+      solution.converged = false;
+      solution.message = "too many at once";
+    }
+    return solution;
+  };
+}
+
+TEST(SceneRun, AStepThatIsNotSolvedIsTakenInPartsThatAddUp) {
+  const Scene<2> scene = two_landings();
+  State<2> state = initial_state(scene);
+  SceneRunOptions<2> options;
+  options.solver = gives_up_beyond(1);
+  options.on_failure = OnFailure::kSmallerStep;
+  const SceneRun<2> run = run_scene(scene, state, options);
+  ASSERT_EQ(run.end, SceneRun<2>::End::kCompleted);
+  EXPECT_EQ(run.totals.split, 1);
+  EXPECT_EQ(run.totals.converged, 1);
+  EXPECT_EQ(state.step, 1);
+  EXPECT_EQ(state.time, 0.01);
+  // Both stop: each contact's impulses of all parts are m v = 2 N s, and 2 J of shocks are lost.
+  ASSERT_EQ(state.contacts.size(), 2u);
+  for (const ContactOutcome<2>& c : state.contacts) EXPECT_NEAR(c.s_n, 2, 1e-9);
+  EXPECT_NEAR(state.shock_loss, 2, 1e-9);
+  EXPECT_NEAR(run.totals.last.energy.imbalance, 0, 1e-12);
+  EXPECT_NEAR(run.totals.last.momentum_imbalance.norm(), 0, 1e-12);
+  // The first part stops disk 0 alone; disk 1 has gone half of the step further by then.
+  EXPECT_LT(state.bodies[1].x[1] - 0.5, state.bodies[0].x[1] - 0.5 + 0.003);
+}
+
+/// One step, not solved whole nor in its first half: what those attempts took is counted with the parts.
+TEST(SceneRun, IterationsOfAttemptsThatWereNotTakenCount) {
+  const Scene<2> scene = two_landings();
+  State<2> state = initial_state(scene);
+  int calls = 0;
+  SceneRunOptions<2> options;
+  options.solver = [&, solver = gives_up_beyond(0)](const ContactProblem& p, const Vector& s0) {
+    StepSolution solution = solver(p, s0);
+    solution.iterations = 10;
+    solution.converged = ++calls > 2;
+    return solution;
+  };
+  options.on_failure = OnFailure::kSmallerStep;
+  const SceneRun<2> run = run_scene(scene, state, options);
+  ASSERT_EQ(run.end, SceneRun<2>::End::kCompleted);
+  EXPECT_EQ(calls, 5);  // whole, half, two quarters, half
+  EXPECT_EQ(run.totals.last.iterations, 50);
+}
+
+TEST(SceneRun, AStepThatIsNotSolvedEndsTheRunOnRequest) {
+  const Scene<2> scene = two_landings();
+  for (const OnFailure what : {OnFailure::kStop, OnFailure::kSmallerStep}) {
+    State<2> state = initial_state(scene);
+    SceneRunOptions<2> options;
+    options.solver = gives_up_beyond(what == OnFailure::kStop ? 1 : 0);
+    options.on_failure = what;
+    const SceneRun<2> run = run_scene(scene, state, options);
+    EXPECT_EQ(run.end, SceneRun<2>::End::kFailed);
+    ASSERT_TRUE(run.failure.has_value());
+    EXPECT_EQ(run.failure->kind, StepFailure::Kind::kNotConverged);
+    EXPECT_NE(std::string(run.failure->what()).find("too many at once"), std::string::npos);
+    EXPECT_EQ(run.failed_problem.num_contacts(), 2);
+    EXPECT_EQ(state.step, 0);
+    EXPECT_EQ(state.bodies[0].x, scene.bodies[0].x);
+  }
+  // Without the request it is taken, and said.
+  State<2> state = initial_state(scene);
+  SceneRunOptions<2> options;
+  options.solver = gives_up_beyond(1);
+  const SceneRun<2> run = run_scene(scene, state, options);
+  EXPECT_EQ(run.end, SceneRun<2>::End::kCompleted);
+  EXPECT_EQ(run.totals.converged, 0);
+  EXPECT_EQ(run.totals.split, 0);
+}
+
+TEST(SceneRun, InTwoPartsIsTheSameBitForBit) {
+  const Scene<2> scene = falling_disks(60);
+  State<2> whole = initial_state(scene);
+  run_scene(scene, whole);
+  State<2> parts = initial_state(scene);
+  run_scene(scene, parts, {.steps = 37});
+  EXPECT_EQ(parts.step, 37);
+  run_scene(scene, parts, {.steps = 23});
+  EXPECT_EQ(parts.time, whole.time);
+  for (std::size_t i = 0; i < whole.bodies.size(); ++i) {
+    EXPECT_EQ(whole.bodies[i].x, parts.bodies[i].x);
+    EXPECT_EQ(whole.bodies[i].v, parts.bodies[i].v);
+  }
+}
+
+TEST(SceneRun, EndsWhereAnOnlookerOrACallerSaysSo) {
+  const Scene<2> scene = falling_disks(40);
+  State<2> state = initial_state(scene);
+  SceneRunOptions<2> options;
+  options.on_step = [](const SceneStep<2>& step) { return step.report.step < 7; };
+  EXPECT_EQ(run_scene(scene, state, options).end, SceneRun<2>::End::kStopped);
+  EXPECT_EQ(state.step, 7);
+  options.on_step = {};
+  options.cancelled = [&] { return state.step == 9; };
+  EXPECT_EQ(run_scene(scene, state, options).end, SceneRun<2>::End::kCancelled);
+  EXPECT_EQ(state.step, 9);
+}
+
+TEST(SceneRun, AStepThatFailsIsReportedWithItsProblemAndStart) {
+  Scene<2> scene = falling_disks(200);
+  scene.solver.warm_start = true;
+  SolverOptions options;
+  options.tol = 1e-6;
+  const StepSolver apgd = make_step_solver(*find_solver("apgd"), options);
+  int with_contacts = 0;
+  SceneRunOptions<2> run_options;
+  run_options.solver = [&](const ContactProblem& p, const Vector& start) {
+    StepSolution solution = apgd(p, start);
+    if (p.num_contacts() > 0 && ++with_contacts == 5) {
+      solution.failed = true;
+      solution.message = "broken on purpose";
+    }
+    return solution;
+  };
+  State<2> state = initial_state(scene);
+  const SceneRun<2> run = run_scene(scene, state, run_options);
+  EXPECT_EQ(run.end, SceneRun<2>::End::kFailed);
+  ASSERT_TRUE(run.failure.has_value());
+  EXPECT_EQ(run.failure->kind, StepFailure::Kind::kNumerical);
+  EXPECT_NE(std::string(run.failure->what()).find("broken on purpose"), std::string::npos);
+  EXPECT_EQ(run.totals.steps, state.step);  // the failed one is not taken
+  EXPECT_GT(run.failed_problem.num_contacts(), 0);
+  EXPECT_EQ(run.failed_start.size(), run.failed_problem.num_rows());
+}
+
+TEST(SceneRun, TheStartIsWhatTheStepBeforeLeft) {
+  Scene<2> scene = falling_disks(300);
+  scene.solver.warm_start = true;
+  State<2> state = initial_state(scene);
+  bool carried = false;
+  SceneRunOptions<2> options;
+  options.on_step = [&](const SceneStep<2>& step) {
+    EXPECT_EQ(step.start.size(), step.problem.num_rows());
+    carried = carried || (step.start.size() > 0 && step.start.norm() > 0);
+    return true;
+  };
+  run_scene(scene, state, options);
+  EXPECT_TRUE(carried);
+  scene.solver.warm_start = false;
+  options.on_step = [](const SceneStep<2>& step) {
+    EXPECT_EQ(step.start.size(), 0);
+    return true;
+  };
+  state = initial_state(scene);
+  run_scene(scene, state, options);
+}
+
+TEST(SceneRun, SpringsRunThroughTheSameCall) {
+  Scene<2> scene = falling_disks(3);
+  scene.model = Model::kSpringDashpot;
+  State<2> state = initial_state(scene);
+  const SceneRun<2> run = run_scene(scene, state);
+  EXPECT_EQ(run.end, SceneRun<2>::End::kCompleted);
+  ASSERT_TRUE(run.springs.has_value());
+  EXPECT_EQ(run.totals.last.iterations, run.springs->substeps);
+}
+
+TEST(SceneRun, AnUnknownSolverIsRefusedBeforeTheFirstStep) {
+  Scene<2> scene = falling_disks(3);
+  scene.solver.name = "no_such_solver";
+  State<2> state = initial_state(scene);
+  EXPECT_THROW(run_scene(scene, state), std::invalid_argument);
+  EXPECT_EQ(state.step, 0);
+}
+
+TEST(RunFolder, HoldsTheRunsLastStateAndItsProblems) {
+  const TemporaryFolder folder;
+  const Scene<2> scene = falling_disks(60);
+  State<2> state = initial_state(scene);
+  RunFolderOptions options;
+  options.folder = folder.path() / "run";
+  options.problems = RunFolderOptions::Problems::kAll;
+  const SceneRun<2> run = run_scene_into(scene, state, {}, options);
+  EXPECT_GT(run.output_seconds, 0);
+  EXPECT_EQ(read_state(options.folder).step, 60);
+  EXPECT_EQ(read_state(options.folder).bodies[3].x, state.bodies[3].x);
+  const ProblemFile last = read_fclib(options.folder / "problems" / "step_000060.hdf5");
+  EXPECT_EQ(last.problem.num_contacts(), run.totals.last.contacts);
+}
+
+// At the end of step 20 the disk has fallen below 0, half-way through step 20 it has not.
+TEST(SplitStep, LetsBodiesLeaveOnceAStep) {
+  Scene<2> scene = one_law({});
+  scene.gravity = Vec2(0, -10);
+  scene.step = 0.01;
+  scene.bodies = {cylinder(Vec2(0, 0.2 - 1e-6), 0.05), cylinder(Vec2(1, 9), 0.05)};
+  scene.outlets.resize(1);  // below y = 0
+  const StepSolver sweeps = make_step_solver(*find_solver("pgs"), {});
+  State<2> state = initial_state(scene);
+  for (int k = 0; k < 21; ++k) {
+    const SplitStep<2> split = advance_in_parts(scene, sweeps, false, state);
+    EXPECT_EQ(split.parts, 2);
+    EXPECT_EQ(state.bodies.size(), state.step < 21 ? 2u : 1u) << state.step;
+  }
+  EXPECT_EQ(state.population.outlets[0].count, 1);
+  EXPECT_EQ(state.population.outlets[0].last_mass, 2);
+  EXPECT_NEAR(state.bodies[0].x[1], 9 - 5 * 0.21 * 0.21, 1e-12);
+}
+
+}  // namespace
+}  // namespace bipot
