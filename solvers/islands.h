@@ -22,7 +22,7 @@ namespace bipot {
 /// is on parts of disks with up to 200 contacts, those of about one size as one problem: a problem for
 /// each takes as long to make as to solve. Parts that it leaves good enough are not solved again.
 ///
-/// **The tolerance of the parts.** With the sums of data/criterion.md the whole meets tol when
+/// **The tolerance of the parts.** With the sums of data/manual/explanation/criterion.md the whole meets tol when
 ///
 ///     Σ (G + V) <= tol M  and  Σ N² <= tol² M,   M = max(Σ D, θ Σ ½ sᵀ W s, θ Σ F),
 ///

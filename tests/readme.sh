@@ -1,18 +1,27 @@
 #!/usr/bin/env bash
-# Runs every block of README.md that is marked "sh runs", in a folder of its own. readme.sh SOURCE BUILD
+# Runs every block marked "sh runs" of README.md, of the tutorials and of the how-to pages, each page in a folder of its
+# own. There a block marked "toml NAME" of the page lies as the file NAME. readme.sh SOURCE BUILD
 set -euo pipefail
-source="$1" build="$2"
+shopt -s nullglob
+source="$(cd "$1" && pwd)" build="$(cd "$2" && pwd)"
 folder="$(mktemp -d)"
 trap 'rm -rf "$folder"' EXIT
-mkdir -p "$folder/build"
-ln -s "$build" "$folder/build/release"
-ln -s "$source/data" "$folder/data"
-commands="$(awk '/^```sh runs$/ {on = 1; next} /^```$/ {on = 0} on' "$source/README.md")"
-count="$(grep -c '^build/release/' <<< "$commands")"
-((count >= 8)) || { echo "only $count commands found in the README"; exit 1; }
-cd "$folder"
-while read -r command; do
-  echo "+ $command"
-  bash -c "$command" > output 2>&1 < /dev/null || { cat output; echo "failed: $command"; exit 1; }
-done <<< "$commands"
-echo "$count commands of the README run"
+total=0
+for page in "$source"/README.md "$source"/data/manual/tutorial/*.md "$source"/data/manual/how_to/*.md; do
+  place="$folder/$(basename "$page" .md)"
+  mkdir -p "$place/build"
+  ln -s "$build" "$place/build/release"
+  ln -s "$source/data" "$place/data"
+  cd "$place"
+  awk '/^```toml [^ ]+$/ {file = $2; next} /^```$/ {file = ""} file {print > file}' "$page"
+  commands="$(awk '/^```sh runs$/ {on = 1; next} /^```$/ {on = 0} on' "$page")"
+  count="$(grep -c '^build/release/' <<< "$commands" || true)"
+  total=$((total + count))
+  while read -r command; do
+    [ -n "$command" ] || continue
+    echo "+ $command"
+    bash -c "$command" > output 2>&1 < /dev/null || { cat output; echo "failed: $page: $command"; exit 1; }
+  done <<< "$commands"
+done
+((total >= 15)) || { echo "only $total commands found"; exit 1; }
+echo "$total commands of the documents run, $SECONDS s"

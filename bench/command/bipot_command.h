@@ -4,7 +4,7 @@ namespace bipot {
 
 /// The `bipot` command: reads the arguments, runs the command that they name and returns its
 /// ExitCode. Whatever is refused or fails is said on standard error, and in the file of --json
-/// (keys: data/formats.md), by every command alike.
+/// (keys: data/manual/reference/files.md), by every command alike.
 int bipot_command(int argc, const char* const* argv);
 
 }  // namespace bipot

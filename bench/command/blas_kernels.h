@@ -33,7 +33,7 @@ inline const char* fitting_kernels() {
 }
 
 /// OpenBLAS knows processors by their numbers, and takes kernels of 2004 on one that came after it:
-/// Debian 12's on a Xeon of 2023, where `ipm` then takes 1.6 times as long (data/speed.md). Starts the
+/// Debian 12's on a Xeon of 2023, where `ipm` then takes 1.6 times as long (data/manual/results/performance.md). Starts the
 /// program again with those that fit. For the first line of main(): OpenBLAS decides before that. Does
 /// nothing where the environment names kernels, or BLAS is another one.
 inline void take_kernels_of_this_processor(char** argv) {

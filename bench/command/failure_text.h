@@ -22,7 +22,7 @@ std::string failure_text(const Scene<D>& scene, const State<D>& state, const Sce
                          bool smaller_steps_tried);
 
 /// Watches whether contacts create energy, which Newton's impact law may do where coefficients of restitution
-/// differ (data/method.md §3).
+/// differ (data/manual/explanation/method.md §3).
 class EnergyGrowth {
  public:
   template <int D>

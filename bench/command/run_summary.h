@@ -19,7 +19,7 @@ struct RunSummary {
   std::string out;          ///< folder of the results; empty: none
 };
 
-/// summary.json; data/formats.md describes the keys.
+/// summary.json; data/manual/reference/files.md describes the keys.
 template <int D>
 Json to_json(const RunSummary<D>& summary);
 

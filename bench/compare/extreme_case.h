@@ -33,7 +33,7 @@ struct ExtremeCase {
   /// Runs: a scene and its number of steps, instead of a problem.
   std::function<Scene<2>()> scene;
   int steps = 0;
-  /// Runs: contacts may not create energy (data/method.md §3).
+  /// Runs: contacts may not create energy (data/manual/explanation/method.md §3).
   bool must_dissipate = false;
   bool must_conserve = false;  ///< nor destroy it
   bool large = false;          ///< left out of the quick matrix

@@ -13,7 +13,7 @@ namespace bipot {
 Scene<2> random_scene(std::uint64_t seed, int index);
 
 /// Whether theory forbids the contacts of the scene to create kinetic energy: one coefficient e for
-/// all rows, and walls that stand (data/method.md §3).
+/// all rows, and walls that stand (data/manual/explanation/method.md §3).
 bool contacts_must_dissipate(const Scene<2>& scene);
 
 }  // namespace bipot

@@ -4,7 +4,7 @@ namespace bipot {
 
 /// What one iteration over all contacts of a packing of disks (d = 2) moves and computes, for each
 /// contact. Bytes: those that an iteration alone streams from memory, everything read and written
-/// once; iterations in flight share them (data/speed.md, "Bytes and flops of one iteration").
+/// once; iterations in flight share them (data/manual/results/performance.md, "Bytes and flops of one iteration").
 struct KernelWork {
   double bytes = 0;  ///< [B]
   double flops = 0;  ///< additions, multiplications, divisions and roots, one each

@@ -4,7 +4,7 @@
 
 namespace bipot {
 
-/// The criterion of data/criterion.md in quadruple precision (113-bit significand), contact by
+/// The criterion of data/manual/explanation/criterion.md in quadruple precision (113-bit significand), contact by
 /// contact from its definition. It shares no code with core/criterion/contact_error.h nor with any
 /// solver: an oracle for claims of convergence. Its rounding, 1e-18 of that in double precision, is no
 /// part of any claim. Through the bodies where A is diagonal, else by W; NaN without either.

@@ -10,7 +10,7 @@
 //       it sends a step, seconds a step of the slowest process, memory. The first step is cold.
 //   distributed_bench --model
 //       counts halos, partners and bytes of one packing cut for many processes, and what an
-//       iteration of larger ones costs at a stated latency and bandwidth (data/distributed.md).
+//       iteration of larger ones costs at a stated latency and bandwidth (data/manual/explanation/parallel.md).
 
 #include <fmt/format.h>
 

@@ -2,7 +2,7 @@
 // iterations, by every factorisation at hand on the same matrices: analysis, factor and one solve in
 // CPU seconds of one thread (median of --repeat), numbers kept, the backward error of the plain
 // solution ‖K x - b‖ / (‖K‖ ‖x‖ + ‖b‖), and how many more solves bring it to 1e-14. Tables in
-// Markdown on standard output: data/speed.md has one.
+// Markdown on standard output: data/manual/results/performance.md has one.
 //   factor_bench [--family=triangular,square] [--side=83] [--at=2,6,10] [--repeat=3]
 
 #include <fmt/format.h>

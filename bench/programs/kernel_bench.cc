@@ -4,7 +4,7 @@
 //   --side=100 (rows of a triangular packing, about 3 side² contacts)   --threads=1,2
 //   --path=portable,avx2,avx512 (those that the machine has)   --family=triangular
 // Counters: ns (per contact and iteration), B and flop (per contact, what an iteration alone would
-// stream; several in flight share it), GB_s. data/speed.md says how they are counted and has the
+// stream; several in flight share it), GB_s. data/manual/results/performance.md says how they are counted and has the
 // tables. Rows of different kernels are interleaved by --benchmark_enable_random_interleaving.
 
 #include <benchmark/benchmark.h>

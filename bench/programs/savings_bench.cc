@@ -1,6 +1,6 @@
 // What is saved by doing only what a scene requires: each row once without and once with, in one
 // run, CPU seconds of one thread (median of --repeat alternating pairs), and how it was checked that
-// the answer is the same. A table in Markdown on standard output: data/speed.md has it.
+// the answer is the same. A table in Markdown on standard output: data/manual/results/performance.md has it.
 //   savings_bench [--repeat=5] [--tol=1e-6]
 
 #include <fmt/format.h>

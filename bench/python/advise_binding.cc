@@ -15,7 +15,7 @@ namespace {
 
 namespace py = pybind11;
 
-/// The advice as JSON text (keys: data/formats.md).
+/// The advice as JSON text (keys: data/manual/reference/files.md).
 std::string advise_scene(const std::string& name, double force, double penetration, double energy,
                          const std::vector<std::string>& solvers, double time_limit, double window,
                          int samples, int fresh, bool keep_step) {

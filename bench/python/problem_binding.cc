@@ -221,7 +221,7 @@ Either bodies, A (n, n) symmetric positive definite [kg, kg m²], H (n, m) and v
 bodies; mu (c,), or one number with `dim`. Matrices are anything of scipy.sparse, or dense arrays;
 duplicates are summed, explicit zeros dropped; integers and float32 become float64. Everything is
 copied. dim (1, 2 or 3 rows a contact) is len(u_free) / len(mu) where it is not given.
-row_scale (m,): sqrt(1 + e) of each row of a problem with restitution (data/method.md).
+row_scale (m,): sqrt(1 + e) of each row of a problem with restitution (data/manual/explanation/method.md).
 
 Raises ValueError with the field and both sizes, or the entry and its value; TypeError for what is
 no array of real numbers or an option that does not exist.

@@ -7,7 +7,7 @@
 namespace bipot {
 
 /// All that an advice holds, with the scene and the program that it goes for. Keys:
-/// data/formats.md. Undefined numbers are null.
+/// data/manual/reference/files.md. Undefined numbers are null.
 Json to_json(const Scene<2>& scene, const Advice& advice);
 
 }  // namespace bipot

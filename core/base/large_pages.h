@@ -14,7 +14,7 @@ namespace bipot {
 
 /// Asks the system for pages of 2 MiB where an array is larger: what streams through hundreds of
 /// megabytes again and again otherwise waits for the tables of 4 KiB pages (5 to 23 % of the time of
-/// sweeps on a virtual machine, data/speed.md). Where the system has no such pages, nothing
+/// sweeps on a virtual machine, data/manual/results/performance.md). Where the system has no such pages, nothing
 /// changes; results never do.
 inline void ask_for_large_pages(void* memory, std::size_t bytes) {
 #ifdef MADV_HUGEPAGE

@@ -8,7 +8,7 @@
 
 namespace bipot {
 
-/// The shared criterion (data/criterion.md), evaluated from a problem and an impulse alone. With s
+/// The shared criterion (data/manual/explanation/criterion.md), evaluated from a problem and an impulse alone. With s
 /// projected on K_mu, u = W s / (1 + e) + b, û = u + mu |u_t| n, x⁻ = max(-x, 0), sums over the
 /// contacts and everything in physical variables (row_scale taken out):
 ///
@@ -35,7 +35,7 @@ struct ContactError {
   double guarded() const { return epsilon > eta || epsilon != epsilon ? epsilon : eta; }
 };
 
-/// θ: weight of E against D in the denominator (data/criterion.md, "Why the denominator").
+/// θ: weight of E against D in the denominator (data/manual/explanation/criterion.md, "Why the denominator").
 inline constexpr double kTheta = 0.1;
 
 /// What contacts add to the sums of the criterion. Contacts that do not couple (W has no block

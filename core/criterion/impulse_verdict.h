@@ -41,7 +41,7 @@ std::string sentence(const JudgedContact& contact);
 
 /// What can be said of an impulse, whoever computed it. But for `cone`, `cone_violation`,
 /// `siconos_map` and what JudgedContact has as given, everything is that of the impulse projected
-/// on K_mu, as the criterion wants it (data/criterion.md).
+/// on K_mu, as the criterion wants it (data/manual/explanation/criterion.md).
 struct ImpulseVerdict {
   ContactError error;
   /// How far the impulse as given lies from K_mu, in the measure of eta, which does not see it:

@@ -49,7 +49,7 @@ struct AssembledStep {
 ///
 ///   contact of disk i with j:  u_n = n·(v_i - v_j),  u_t = t·(v_i - v_j) - a_i w_i - a_j w_j,
 ///   in space for both tangents  u_t = t·(v_i - v_j) - (n x t)·(a_i w_i + a_j w_j),
-///   D = diag 1/(1+e),  u = D (Hᵀ v⁺ + E Hᵀ v⁻)  (36),  symmetric form of data/method.md §3.
+///   D = diag 1/(1+e),  u = D (Hᵀ v⁺ + E Hᵀ v⁻)  (36),  symmetric form of data/manual/explanation/method.md §3.
 ///
 /// In a periodic cell v_j is that of the image. A driven side of the cell is a degree of freedom as
 /// a driven wall's, and stands after these.
@@ -64,7 +64,7 @@ struct AssembledStep {
 /// The contact dimension is 1 (no tangential rows, no rotations) where no pair of the scene's
 /// materials has friction. Only bodies in contact enter; of the walls only driven ones have a
 /// degree of freedom, moving ones stand in the right-hand side. Restitution applies to every
-/// candidate alike. [ours, data/method.md §3]
+/// candidate alike. [ours, data/manual/explanation/method.md §3]
 template <int D>
 AssembledStep assemble_step(const Scene<D>& scene,
                             std::span<const std::type_identity_t<Body<D>>> disks,

@@ -17,7 +17,7 @@ namespace bipot {
 /// H are empty and W alone is given. A global problem may leave W empty: solvers that need it say
 /// so in the registry, the others work through H and A (see delassus.h).
 ///
-/// With restitution the variables of this struct are the symmetric ones of data/method.md §3. With
+/// With restitution the variables of this struct are the symmetric ones of data/manual/explanation/method.md §3. With
 /// r = sqrt(1 + e) per row, they are s = r s_phys, u = r u_phys, and H, W, u_free and mu are those
 /// of the scaled problem (H = H_phys diag(1/r), mu = mu_phys r_t / r_n). `row_scale` holds r, so
 /// that the criterion can be evaluated in physical variables; empty means all ones. [ours] The two

@@ -7,7 +7,7 @@
 
 namespace bipot {
 
-/// The wrench map of rigid disks (data/method.md §1), recognised in H and A and packed for kernels that
+/// The wrench map of rigid disks (data/manual/explanation/method.md §1), recognised in H and A and packed for kernels that
 /// stream over contacts. With unit normal n, t = e3 x n and the body velocities (V, w = a ω),
 ///
 ///     u_n = normal (n·(V_i - V_j)),      u_t = tangential (t·(V_i - V_j) - w_i - w_j).

@@ -16,7 +16,7 @@ namespace bipot {
 ///   profile.csv       a row a bin and measurement, and profile_mean.csv
 ///   forces.csv        a row a bin and measurement, and forces_mean.csv
 /// Means are over the measurements from the time on that the scene says, and are made from the files, so
-/// that a run that was restarted has the same. data/formats.md describes the columns. Throws
+/// that a run that was restarted has the same. data/manual/reference/files.md describes the columns. Throws
 /// FileError.
 template <int D>
 class ObservableWriter {

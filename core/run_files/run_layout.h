@@ -8,7 +8,7 @@
 
 namespace bipot {
 
-/// Names in the folder of a run; data/formats.md describes what the files hold.
+/// Names in the folder of a run; data/manual/reference/files.md describes what the files hold.
 inline constexpr const char* kRunFormat = "bipot run";  ///< /format of run.h5
 inline constexpr int kRunFormatVersion = 1;             ///< /format_version of run.h5
 

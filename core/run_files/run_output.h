@@ -28,7 +28,7 @@ namespace bipot {
 ///   gates.csv            what went through outlets and inlets, likewise, if the scene has any
 ///   observables.csv ...  what the scene asks to be measured (core/run_files/observable_output.h)
 ///   trajectory.csv       one row for each step and tracked disk, if scene.output.track names any
-/// data/formats.md describes each entry.
+/// data/manual/reference/files.md describes each entry.
 ///
 /// Every file but the CSV appears whole (AtomicFile): whenever the program is killed, all frames
 /// written so far can be read, and ParaView may look on while the run goes on. run.h5 and run.xdmf

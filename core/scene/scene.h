@@ -168,7 +168,7 @@ struct Scene {
   /// A step is cut into 2, 4, 8 ... parts where a body or wall would go farther in it, as a share of the smallest
   /// radius; 0: never.
   double travel = 0;
-  double contact_distance = 0;    ///< eta of data/method.md §4 [m]
+  double contact_distance = 0;    ///< eta of data/manual/explanation/method.md §4 [m]
   bool project_overlaps = false;  ///< after every step: core/motion/projection.h
   bool predict_gaps = false;      ///< pairs that may meet before the next detection take part
   Model model = Model::kNonsmooth;

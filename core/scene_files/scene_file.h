@@ -17,7 +17,7 @@ struct SceneFileError : std::runtime_error {
 /// A scene in the plane or in space, as its file says.
 using AnyScene = std::variant<Scene<2>, Scene<3>>;
 
-/// Reads a TOML scene; data/scenes/README.md documents it key by key. Unknown keys are refused with
+/// Reads a TOML scene; data/manual/reference/scenes.md documents it key by key. Unknown keys are refused with
 /// the nearest valid name, and so are scenes in space (dim = 3). Throws SceneFileError.
 Scene<2> read_scene(const std::filesystem::path& path);
 

@@ -6,7 +6,7 @@
 
 namespace bipot {
 
-/// What is proved of the existence of a solution (data/method.md §6).
+/// What is proved of the existence of a solution (data/manual/explanation/method.md §6).
 enum class Existence {
   kUndecided,     ///< neither was proved
   kExists,        ///< for these data, and all that differ by less than `margin`
@@ -42,7 +42,7 @@ struct ExistenceCertificate {
 /// Without A and H, H r = 0 reads W r = 0. What is found counts only as far as
 /// certificate_check.h confirms it. `seconds`: wall-clock limit of the search. The problem must
 /// pass validate(); of a W that is not symmetric or indefinite only 4 says something. Sources: Acary, Cadoux, Lemaréchal and
-/// Malick, ZAMM 91 (2011), for 1; data/method.md §6 has the proofs.
+/// Malick, ZAMM 91 (2011), for 1; data/manual/explanation/method.md §6 has the proofs.
 ExistenceCertificate certify_existence(const ContactProblem& problem, double seconds = kInfinity);
 
 /// "a solution exists (proved, margin 2.1e-03)", "no solution exists (proved, …)", "undecided: …".

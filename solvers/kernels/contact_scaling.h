@@ -7,7 +7,7 @@ namespace bipot {
 
 /// A change of variables x = impulse ∘ s, w = velocity ∘ u with one positive factor for the normal
 /// and one for all tangents of each contact. Coulomb's law is homogeneous in either part
-/// separately, hence keeps its form with the friction coefficient mu below (data/method.md §3).
+/// separately, hence keeps its form with the friction coefficient mu below (data/manual/explanation/method.md §3).
 struct ContactScaling {
   Vector impulse;   ///< m, x = impulse ∘ s
   Vector velocity;  ///< m, w = velocity ∘ u

@@ -49,7 +49,7 @@ inline constexpr ParameterSpec kAcceleratedSsorParameters[] = {
 ///
 /// [ours] m = 2 sweeps each way need 0.6 of the iterations of one on packings at rest, and on moving
 /// packings half of them; the second follows the first through the cache, or on another thread. 4 to
-/// 16 solve moving packings on which fewer stand still (data/speed.md).
+/// 16 solve moving packings on which fewer stand still (data/manual/results/performance.md).
 ///
 /// [ours] omega = 2/(1 + 11/n), at least 1, at most 1.91 with two sweeps, 1.85 with one, 1.6 with
 /// more, with n = (contacts/3)^(1/2), in space ^(1/3): near the best of lattices of 30 to 563 rows;

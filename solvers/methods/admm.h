@@ -57,7 +57,7 @@ inline constexpr ParameterSpec kAdmmParameters[] = {
 /// for 70, all are raised by sqrt(10), up to 60 times rho, then up to 300 times rho at
 /// intervals of 600; where that does not halve it for 2000, they are one rho, balanced as below. On
 /// packings with 7000 to 18 000 contacts 1e-3 takes 561 to 844 iterations where one rho for all takes
-/// 1829 to more than 8796 (data/speed.md). staged: one rho, raised after 100 such
+/// 1829 to more than 8796 (data/manual/results/performance.md). staged: one rho, raised after 100 such
 /// iterations, six times; after that, balanced: when the primal residual ‖x - z‖ / max(‖x‖, ‖z‖)
 /// and the dual residual ‖z⁺ - z‖ / ‖y‖ differ by a factor above 25, rho is multiplied by the root
 /// of their ratio (relative residuals: Wohlberg 2017; the rule of OSQP), at intervals that grow with

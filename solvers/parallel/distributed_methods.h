@@ -26,7 +26,7 @@ struct DistributedSolver {
                      SystemFactor* factor) = nullptr;
 };
 
-/// auto, apgd, anderson, uzawa, pgs, ipm and, with PETSc, newton; data/distributed.md says which
+/// auto, apgd, anderson, uzawa, pgs, ipm and, with PETSc, newton; data/manual/explanation/parallel.md says which
 /// iterates are those of one process.
 std::span<const DistributedSolver> distributed_solvers();
 /// Null where no solver for several processes has that name.

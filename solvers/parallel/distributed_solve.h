@@ -15,7 +15,7 @@ struct DistributedOptions {
   /// Where the contacts are, for the partition; empty where nobody knows: the contact graph decides.
   std::vector<Vec3> contact_places;
   /// Rows from which led solvers (ipm) have their systems factored by all processes; the first one
-  /// alone is quicker below (data/distributed.md).
+  /// alone is quicker below (data/manual/explanation/parallel.md).
   int shared_factor_rows = 20000;
 };
 

@@ -5,7 +5,7 @@
 namespace bipot {
 
 /// The most energy that contacts may hand on in a step because gravity acts within it, ½ κ |s·f| of
-/// data/method.md §3 with κ <= 1: f = h g at walls that stand, and 0 between disks, which fall
+/// data/manual/explanation/method.md §3 with κ <= 1: f = h g at walls that stand, and 0 between disks, which fall
 /// alike. `after`: the state after the step.
 /// [J]
 template <int D>

@@ -20,7 +20,7 @@ struct RunFolderOptions {
 
 /// The folder that a run leaves: what RunWriter writes, the steps' contact problems on request (each
 /// with the impulse that its solver started from, as a guess, and with its geometry), and the
-/// pictures that the scene asks for. data/formats.md describes the files. Throws FileError.
+/// pictures that the scene asks for. data/manual/reference/files.md describes the files. Throws FileError.
 template <int D>
 class RunFolder {
  public:

@@ -9,7 +9,7 @@ namespace {
 
 using Vec3 = Eigen::Vector3d;
 
-/// Collects contacts of equal disks and writes the problem of data/method.md §1.
+/// Collects contacts of equal disks and writes the problem of data/manual/explanation/method.md §1.
 class Builder {
  public:
   Builder(int dim, const LatticeOptions& options) : o_(options) {

@@ -12,7 +12,7 @@ from ._names import named_options
 
 
 class Advice(dict):
-    """What `bipot advise --json` says (keys: data/formats.md), and in short:
+    """What `bipot advise --json` says (keys: data/manual/reference/files.md), and in short:
 
     status: "met", "not met", "no contacts". message: one sentence.
     solver, tol, warm_start, step [s]: what to take; None where there is nothing to recommend.

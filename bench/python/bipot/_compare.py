@@ -43,7 +43,7 @@ class Comparison(dict):
     @property
     def details(self) -> dict[str, Any]:
         """All that `comparison.json` of the command holds: problems with their references, counts,
-        profiles, growth; keys in data/formats.md."""
+        profiles, growth; keys in data/manual/reference/files.md."""
         return json.loads(self._native.json())
 
     def report(self, folder: str | os.PathLike[str]) -> None:

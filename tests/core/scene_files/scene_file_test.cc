@@ -559,17 +559,35 @@ std::set<std::string> keys_in_the_source() {
   return keys;
 }
 
+std::string page_of_scenes() {
+  return file_text(source_folder() / "data" / "manual" / "reference" / "scenes.md");
+}
+
 TEST(SceneFile, EveryKeyIsDocumentedAndNoOther) {
-  const std::string readme = file_text(kScenes / "README.md");
-  // A documented key is the first cell of a table row: | `key` | ...
-  const std::regex row(R"(\n\| `([a-z_]+)` \|)");
+  const std::string page = page_of_scenes();
+  // A documented key stands in the first cell of a table row: | `key` | ... or | `key`, `key` | ...
+  const std::regex row(R"(\n\| ([^|\n]+) \|)"), key("`([a-z_]+)`");
   std::set<std::string> documented;
-  for (std::sregex_iterator it(readme.begin(), readme.end(), row), end; it != end; ++it) {
-    documented.insert((*it)[1]);
+  const std::sregex_iterator end;
+  for (std::sregex_iterator it(page.begin(), page.end(), row); it != end; ++it) {
+    const std::string cell = (*it)[1];
+    for (std::sregex_iterator k(cell.begin(), cell.end(), key); k != end; ++k) {
+      documented.insert((*k)[1]);
+    }
   }
   const std::set<std::string> known = keys_in_the_source();
   EXPECT_GT(known.size(), 45u);
   EXPECT_EQ(documented, known);
+}
+
+TEST(SceneFile, TheExampleOfTheManualIsSound) {
+  const std::string page = page_of_scenes(), fence = "```toml\n";
+  const std::size_t begin = page.find(fence) + fence.size();
+  ASSERT_GE(begin, fence.size());
+  const Scene scene = parse_scene(page.substr(begin, page.find("```", begin) - begin), "scenes.md");
+  EXPECT_EQ(validate(scene), "");
+  EXPECT_EQ(scene.disks.size(), 60u);
+  EXPECT_EQ(scene.walls.size(), 4u);
 }
 
 // Of 2000 rows, 2000 · 2001 · 4001 / 6 = 2.7e9 spheres, 4e7 in ten layers of a lattice of 2000 x 2000.

@@ -54,7 +54,7 @@ TEST(GaussSeidel, FreezingSettledContactsGivesTheSameAnswer) {
         const SolveResult frozen = run_pgs(p, {{"order", order}, {"freeze", freeze}}, 200000);
         ASSERT_EQ(plain.status, SolveStatus::kConverged) << plain.message;
         EXPECT_EQ(frozen.status, SolveStatus::kConverged) << frozen.message;
-        // Both errors are 1e-8 at most; u differs by what that leaves (data/criterion.md), about the
+        // Both errors are 1e-8 at most; u differs by what that leaves (data/manual/explanation/criterion.md), about the
         // root of it in the energy norm at worst.
         EXPECT_LE((frozen.u - plain.u).norm(), 1e-4 * p.u_free.norm()) << order << ' ' << freeze;
       }
