@@ -183,7 +183,8 @@ std::string EnergyGrowth::warning(const Scene<D>& scene) const {
       "bipot: warning: contacts created energy in {} step{}, most in step {}: {:.3g} J (kinetic then "
       "{:.3g} J). {}\n",
       steps_, steps_ == 1 ? "" : "s", step_, largest_, energy_,
-      scene.project_overlaps ? "Lifting bodies out of overlaps is booked there: data/manual/explanation/method.md §4"
+      scene.project_overlaps
+          ? "Lifting bodies out of overlaps is booked there: data/manual/explanation/method.md §4"
       : coefficients_differ(scene)
           ? "Newton's impact law may do so where e_n, e_t or those of materials differ: data/manual/explanation/method.md "
             "§3"
