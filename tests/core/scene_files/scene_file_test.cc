@@ -540,7 +540,7 @@ TEST(SceneFile, EveryShippedSceneIsSound) {
 std::set<std::string> keys_in_the_source() {
   std::string source;
   for (const auto& entry :
-       std::filesystem::directory_iterator(source_folder() / "core" / "files")) {
+       std::filesystem::directory_iterator(source_folder() / "core" / "scene_files")) {
     const std::string name = entry.path().filename().string();
     if (name.rfind("scene_", 0) == 0 && entry.path().extension() == ".cc") {
       source += file_text(entry.path());
@@ -586,7 +586,7 @@ TEST(SceneFile, TheExampleOfTheManualIsSound) {
   ASSERT_GE(begin, fence.size());
   const Scene scene = parse_scene(page.substr(begin, page.find("```", begin) - begin), "scenes.md");
   EXPECT_EQ(validate(scene), "");
-  EXPECT_EQ(scene.disks.size(), 60u);
+  EXPECT_EQ(scene.bodies.size(), 60u);
   EXPECT_EQ(scene.walls.size(), 4u);
 }
 
