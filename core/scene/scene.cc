@@ -258,8 +258,8 @@ std::string validate(const Scene<D>& scene) {
     for (const ContactLaw& law : scene.laws) {
       if (law.e_n == 0) continue;
       return fmt::format(
-          "overlaps = \"predict\" goes with e_n = 0 alone: bodies are slowed down before they touch, "
-          "and e_n = {} would act on their remaining speed",
+          "overlaps = \"predict\" goes with e_n = 0 alone: bodies are slowed down before they "
+          "touch, and e_n = {} would act on their remaining speed",
           law.e_n);
     }
   }
