@@ -3,7 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cctype>
+#include <nlohmann/json.hpp>
 
 #include "bench/report/csv_text.h"
 #include "bench/report/text_lines.h"
@@ -237,7 +238,6 @@ Json to_json(const Table& table) {
 
 Json to_json(const Document& document) {
   Json json = to_json(document.made);
-  json.update(document.facts);
   for (const Block& block : document.blocks) {
     const auto* table = std::get_if<Table>(&block.content);
     if (table != nullptr && !table->key.empty()) json[table->key] = to_json(*table);

@@ -11,7 +11,7 @@
 
 #include "bench/report/build_info.h"
 #include "bench/report/chart.h"
-#include "bench/report/json.h"
+#include "bench/report/json_output.h"
 
 namespace bipot {
 
@@ -128,8 +128,7 @@ Json to_json(const Provenance& made);
 struct Document {
   std::string title;
   Provenance made;
-  bool contents = false;        ///< links to the headings of level 2, before the first of them
-  Json facts = Json::object();  ///< members of its JSON beside the tables
+  bool contents = false;  ///< links to the headings of level 2, before the first of them
   std::vector<Block> blocks;
 
   void heading(std::string text, std::string id = {}, int level = 2);
@@ -152,7 +151,7 @@ std::string to_html(const Document& document);
 /// Lines of at most 100 columns, where words and first columns allow it; no figures.
 std::string to_text(const Document& document);
 std::string to_text(const Table& table);
-/// The provenance, the facts, and each table that has a key.
+/// The provenance, and each table that has a key.
 Json to_json(const Document& document);
 /// An array with an object for each row.
 Json to_json(const Table& table);
