@@ -7,7 +7,7 @@
 
 namespace bipot {
 
-/// What a reader must know to run it again.
+/// Data that a reader needs to repeat the run.
 struct TradeContext {
   Provenance made;
   std::string command_of_scene;  ///< with {} for the scene
