@@ -336,10 +336,10 @@ Document trade_document(const AnalysedTrade& analysed, const TradeContext& conte
   Document report;
   report.say(
       "A tolerance is worth its cost as long as the solver's error in the outcome is larger than "
-      "two others: that of the time step, which a better solver cannot mend, and what runs differ "
-      "by that begin with tiny kicks, where disks fly freely. Each scene below is run as a whole, "
-      "at several tolerances, at several time steps, and with springs and dashpots instead of "
-      "rigid contacts.");
+      "two others: that of the time step, which a better solver cannot reduce, and, where disks "
+      "fly freely, the difference of runs with small initial perturbations. Each scene below is "
+      "run as a whole, at several tolerances, at several time steps, and with springs and dashpots "
+      "instead of rigid contacts.");
   report.add(answers_table(analysed.scenes));
   for (const SceneTrade& s : analysed.scenes) add_scene(s, context, report);
   return report;
