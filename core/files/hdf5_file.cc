@@ -429,21 +429,4 @@ void Hdf5File::write_attribute(const std::string& object, const std::string& nam
   }
 }
 
-std::string Hdf5File::read_attribute(const std::string& object, const std::string& name) const {
-  const Silence silence;
-  const std::string place = object + "@" + name;
-  const Handle attribute(
-      H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  if (!attribute.ok()) throw FileError(path_, place, "missing");
-  const Handle type(H5Aget_type(attribute), H5Tclose);
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0) {
-    throw FileError(path_, place, "not a text of fixed length");
-  }
-  std::vector<char> bytes(H5Tget_size(type));
-  if (H5Aread(attribute, type, bytes.data()) < 0) {
-    throw FileError(path_, place, "cannot read: " + hdf5_reason());
-  }
-  return split_fixed(bytes, bytes.size()).front();
-}
-
 }  // namespace bipot

@@ -90,7 +90,6 @@ class Hdf5File {
 
   /// Text attribute of an object, e.g. a unit.
   void write_attribute(const std::string& object, const std::string& name, std::string_view value);
-  std::string read_attribute(const std::string& object, const std::string& name) const;
 
  private:
   void write_array(const std::string& name, std::int64_t type, const void* data,

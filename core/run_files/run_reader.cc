@@ -263,12 +263,6 @@ State<D> read_state_here(const fs::path& run, int step) {
 
 }  // namespace
 
-std::string read_scene_text(const fs::path& run) {
-  const fs::path path = run_folder(run) / "run.h5";
-  return rehearsed_read(
-      path, [&] { return Hdf5File(path, Hdf5File::Mode::kRead).read_string("/scene"); });
-}
-
 template <int D>
 State<D> read_state(const fs::path& run, int step) {
   return rehearsed_read(run, [&] { return read_state_here<D>(run, step); });

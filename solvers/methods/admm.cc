@@ -39,12 +39,9 @@ constexpr int kRaises = 20;  // of rho by 10, for an indefinite W
 constexpr int kLook = 25, kLooks = 3;
 // How rho is raised: after so many iterations that did not halve the error, in all by so much, and
 // for the last so much of that after more of them; after how many the rule is given up at the end.
-struct Raises {
-  int patience;
-  double most, last;
-  int last_patience, end;
-};
-constexpr Raises kStagedRaises = {100, 1000, 1, 100, 100}, kStatusRaises = {70, 300, 5, 600, 2000};
+constexpr int kRaisePatience = 70, kLastPatience = 600, kEndPatience = 2000;
+constexpr double kRaisedBy = 300, kLastRaises = 5;
+constexpr double kOverRelaxation = 1.6;
 
 /// Powers of two near the inverse roots of a diagonal.
 Vector inverse_roots(const SparseMatrix& A) {
@@ -186,13 +183,9 @@ bool factor_raising(Resolvent<D>& resolvent, ContactPenalties<D>& penalties, Vec
   return false;
 }
 
-enum class Penalty { kStatus, kStaged, kBalanced, kFixed };
-
 /// Raises the penalty step by step while the best error does not fall.
 class Stages {
  public:
-  explicit Stages(const Raises& raises) : raises_(raises), left_(raises.most) {}
-
   /// Factor for rho, 1 for no change; 0 when the last stage has failed too.
   double advance(int iteration, double best_error) {
     if (best_error <= 0.5 * mark_) {
@@ -201,9 +194,7 @@ class Stages {
       return 1;
     }
     const bool end = left_ <= 1 + kRounding;
-    const int patience = end                    ? raises_.end
-                         : left_ > raises_.last ? raises_.patience
-                                                : raises_.last_patience;
+    const int patience = end ? kEndPatience : left_ > kLastRaises ? kRaisePatience : kLastPatience;
     if (iteration - mark_iteration_ <= patience) return 1;
     mark_iteration_ = iteration;
     if (end) return 0;
@@ -214,16 +205,14 @@ class Stages {
 
  private:
   static constexpr double kRaise = 3.1622776601683795, kRounding = 1e-9;
-  Raises raises_;
-  double left_;
+  double left_ = kRaisedBy;
   double mark_ = std::numeric_limits<double>::infinity();
   int mark_iteration_ = 0;
 };
 
 template <int D>
 void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, Vector s0,
-             double rho, double relaxation, Penalty penalty, bool single,
-             IterationMonitor& monitor) {
+             double rho, bool single, IterationMonitor& monitor) {
   Resolvent<D> resolvent(p, scaling.velocity, single);
   ContactPenalties<D> penalties(scaling.mu, rho);
   Vector z = scaling.impulse.cwiseProduct(s0), x = z, y(z.size());
@@ -247,7 +236,8 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
   monitor.end_setup();
   Vector rhs(z.size()), z_before, y_judged = Vector::Zero(z.size());
   int next_balance = kFirstBalance;
-  Stages stages(penalty == Penalty::kStatus ? kStatusRaises : kStagedRaises);
+  Stages stages;
+  bool balanced = false;  // one rho for all, by residuals
   for (int iteration = 0;; ++iteration) {
     if (monitor.due(iteration)) {
       rhs = z.cwiseProduct(scaling.velocity);
@@ -264,30 +254,29 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
           r - scaling.velocity.segment<D>(c * D).cwiseProduct(p.u_free.segment<D>(c * D));
     }
     resolvent.solve(penalties, rhs, x);
-    if (penalty == Penalty::kBalanced) z_before = z;
+    if (balanced) z_before = z;
     for (int c = 0; c < p.num_contacts(); ++c) {
-      const Local<D> relaxed = relaxation * x.segment<D>(c * D) +
-                               (1 - relaxation) * z.segment<D>(c * D) + y.segment<D>(c * D);
+      const Local<D> relaxed = kOverRelaxation * x.segment<D>(c * D) +
+                               (1 - kOverRelaxation) * z.segment<D>(c * D) + y.segment<D>(c * D);
       const Local<D> projected = penalties.project(c, relaxed);
       z.segment<D>(c * D) = projected;
       y.segment<D>(c * D) = relaxed - projected;
     }
     double change = 1;
     bool adapts = false, refactors = false;
-    if (penalty == Penalty::kStatus && (iteration + 1) % kLook == 0) {
+    if (!balanced && (iteration + 1) % kLook == 0) {
       penalties.observe(z);
       adapts = (iteration + 1) % (kLook * kLooks) == 0;
     }
-    if (adapts || (penalty == Penalty::kStaged && monitor.due(iteration + 1))) {
+    if (adapts) {
       change = stages.advance(iteration + 1, monitor.best_error());
       if (change == 0) {
-        if (adapts) penalties.equalise(y);
-        refactors = adapts;
+        penalties.equalise(y);
+        refactors = balanced = true;
         adapts = false;
-        penalty = Penalty::kBalanced;
         change = 1;
       }
-    } else if (penalty == Penalty::kBalanced && iteration + 1 >= next_balance) {
+    } else if (balanced && iteration + 1 >= next_balance) {
       const double primal = (x - z).norm() / std::max(x.norm(), z.norm());
       const double dual = (z - z_before).norm() / y.norm();
       const double wanted = std::sqrt(primal / dual);
@@ -318,18 +307,12 @@ SolveResult solve_admm(const ContactProblem& p, const SolverOptions& options) {
   Vector s0 = start_of(p, options);
   Vector velocity(p.num_rows());
   delassus.velocity(s0, velocity);
-  const std::string rule = parameters.choice("penalty");
-  const Penalty penalty = rule == "status"     ? Penalty::kStatus
-                          : rule == "staged"   ? Penalty::kStaged
-                          : rule == "balanced" ? Penalty::kBalanced
-                                               : Penalty::kFixed;
   const std::string precision = parameters.choice("precision");
   const bool single =
       precision == "single" || (precision == "auto" && p.num_contacts() >= kSingleFrom);
   dispatch_dim(p.dim, [&](auto d) {
     iterate<d()>(p, std::move(scaling), std::move(velocity), std::move(s0),
-                 parameters.number("rho"), parameters.number("relaxation"), penalty, single,
-                 monitor);
+                 parameters.number("rho"), single, monitor);
   });
   return monitor.finish();
 }

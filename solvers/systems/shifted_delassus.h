@@ -43,8 +43,6 @@ class ShiftedDelassus {
   const SparseMatrix& matrix() const { return body_form_ ? body_->matrix() : matrix_; }
   /// The blocks that it was made of.
   const std::vector<double>& blocks() const { return R_; }
-  /// Which form was taken, for those who asked for kAuto.
-  bool body_form() const { return body_form_; }
 
  private:
   void build_contact_pattern();
