@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "bench/measure/statistics.h"
-#include "bench/report/json.h"
+#include "bench/report/json_output.h"
 #include "solvers/solver.h"
 
 namespace bipot {

@@ -18,6 +18,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
+#include <nlohmann/json.hpp>
 
 #include "bench/command/blas_kernels.h"
 #include "bench/measure/iteration_growth.h"
