@@ -93,8 +93,7 @@ bool eliminate_columns(int columns, int rows, double* panel) {
 
 }  // namespace
 
-template <class Real>
-bool FrontalCholesky<Real>::analyse(const SymmetricPattern& A) {
+bool FrontalCholesky::analyse(const SymmetricPattern& A) {
   if (tree_ && tree_->is_of(A)) return true;
   factored_ = false;
   tree_ = FrontalTree::of(A);
@@ -103,13 +102,12 @@ bool FrontalCholesky<Real>::analyse(const SymmetricPattern& A) {
   entries_ = 0;
   for (int s = 0; s < tree_->num_fronts(); ++s) {
     largest = std::max(largest, to_size(tree_->columns(s)) * to_size(tree_->rows(s)));
-    entries_ += SupernodalSolve<Real>::num_entries(tree_->columns(s), tree_->rows(s));
+    entries_ += SupernodalSolve::num_entries(tree_->columns(s), tree_->rows(s));
   }
   try {
     panel_.resize(largest);
     stack_.resize(packed_stack(*tree_));
     permuted_.resize(to_size(tree_->size()));
-    scale_.clear();
     place_.resize(to_size(tree_->size()));
     position_.resize(to_size(tree_->size()));
   } catch (const std::bad_alloc&) {
@@ -120,8 +118,7 @@ bool FrontalCholesky<Real>::analyse(const SymmetricPattern& A) {
   return true;
 }
 
-template <class Real>
-bool FrontalCholesky<Real>::factor(const SparseMatrix& A) {
+bool FrontalCholesky::factor(const SparseMatrix& A) {
   if (!analyse(A)) return false;
   return factor([&](int column, const FrontColumn& to) {
     for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
@@ -130,8 +127,7 @@ bool FrontalCholesky<Real>::factor(const SparseMatrix& A) {
   });
 }
 
-template <class Real>
-bool FrontalCholesky<Real>::factor(const AddColumn& add) {
+bool FrontalCholesky::factor(const AddColumn& add) {
   factored_ = false;
   if (!tree_) throw std::logic_error("FrontalCholesky::factor without an analysis");
   try {
@@ -143,27 +139,18 @@ bool FrontalCholesky<Real>::factor(const AddColumn& add) {
 }
 
 /// The entries that the front takes, of the lower triangle, in place of what the panel held.
-template <class Real>
-void FrontalCholesky<Real>::assemble(int front, const AddColumn& add, double* panel) {
+void FrontalCholesky::assemble(int front, const AddColumn& add, double* panel) {
   const FrontalTree& t = *tree_;
   const int begin = t.first[to_size(front)], columns = t.columns(front), rows = t.rows(front);
   std::fill_n(panel, to_size(columns) * to_size(rows), 0.0);
   t.place_rows(front, position_.data());
-  if (!scale_.empty()) {
-    row_scale_.assign(scale_.data() + begin, scale_.data() + begin + columns);
-    const int* const below = t.below.data() + t.below_start[to_size(front)];
-    for (int i = 0; i < rows - columns; ++i) row_scale_.push_back(scale_[to_size(below[i])]);
-  }
   for (int j = 0; j < columns; ++j, panel += rows) {
     add(t.order[to_size(begin + j)], {place_.data(), position_.data(), begin, panel});
-    if (scale_.empty()) continue;
-    for (int i = 0; i < rows; ++i) panel[i] *= row_scale_[to_size(i)] * row_scale_[to_size(j)];
   }
 }
 
 /// All fronts, children before parents.
-template <class Real>
-bool FrontalCholesky<Real>::eliminate(const AddColumn& add) {
+bool FrontalCholesky::eliminate(const AddColumn& add) {
   const FrontalTree& t = *tree_;
   std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
   std::vector<int> relative;  // places of the rows of a front's children in it, child by child
@@ -210,39 +197,14 @@ bool FrontalCholesky<Real>::eliminate(const AddColumn& add) {
   return true;
 }
 
-template <class Real>
-void FrontalCholesky<Real>::scale_by(const Vector& scale) {
-  scale_.resize(to_size(scale.size()));
-  for (std::size_t k = 0; k < scale_.size(); ++k) scale_[k] = scale[tree_->order[k]];
-}
-
-template <class Real>
-void FrontalCholesky<Real>::solve(const Vector& b, Vector& x) const {
+void FrontalCholesky::solve(const Vector& b, Vector& x) const {
   if (!factored_) throw std::logic_error("FrontalCholesky::solve without a factor");
   const std::vector<int>& order = tree_->order;
   const std::size_t n = order.size();
   x.resize(b.size());
-  if (scale_.empty()) {
-    for (std::size_t k = 0; k < n; ++k) permuted_[k] = static_cast<Real>(b[order[k]]);
-    supernodes_.solve(permuted_.data());
-    for (std::size_t k = 0; k < n; ++k) x[order[k]] = static_cast<double>(permuted_[k]);
-    return;
-  }
-  double largest = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    largest = std::max(largest, std::abs(b[order[k]] * scale_[k]));
-  }
-  const double unit = largest > 0 ? largest : 1, inverse = 1 / unit;
-  for (std::size_t k = 0; k < n; ++k) {
-    permuted_[k] = static_cast<Real>(b[order[k]] * scale_[k] * inverse);
-  }
+  for (std::size_t k = 0; k < n; ++k) permuted_[k] = b[order[k]];
   supernodes_.solve(permuted_.data());
-  for (std::size_t k = 0; k < n; ++k) {
-    x[order[k]] = static_cast<double>(permuted_[k]) * (scale_[k] * unit);
-  }
+  for (std::size_t k = 0; k < n; ++k) x[order[k]] = permuted_[k];
 }
-
-template class FrontalCholesky<double>;
-template class FrontalCholesky<float>;
 
 }  // namespace bipot

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
-#include <type_traits>
 
 #include "core/base/types.h"
 #include "core/linear/frontal_tree.h"
@@ -30,7 +29,6 @@ class FrontLine {
   }
 
  private:
-  template <class Real>
   friend class FrontalLU;
   const int* position_ = nullptr;  // of a line of the matrix in the front, -1 where others took it
   int least_ = 0;                  // that it takes
@@ -63,10 +61,6 @@ class MatrixByLines {
 /// for all of them; a pivot that is small against the rows that the front may not take makes the
 /// factor inaccurate. `largest_multiplier()` tells, and whoever factors looks. Rows and columns are
 /// scaled beforehand by powers of two, to about one.
-///
-/// Real is what the factor is kept in: double, or float at half the memory, whose solutions are
-/// good to 1e-6 at best and need refinement. It is computed in double precision.
-template <class Real>
 class FrontalLU {
  public:
   FrontalLU();
@@ -84,7 +78,7 @@ class FrontalLU {
   void solve(const Vector& b, Vector& x) const;
   /// x[k] = A⁻¹ b_k of the columns of B, kRightSides (eight_right_sides.h) at most, in the time of two
   /// single ones; each the same bits whatever the others are. Requires a successful factor().
-  void solve(const SparseColumns& B, Vector* x) const requires std::is_same_v<Real, double>;
+  void solve(const SparseColumns& B, Vector* x) const;
   /// -1 or +1: sign of det A. Requires a successful factor().
   int determinant_sign() const;
   /// max |l_ij| of the rows that a pivot could not be exchanged with.
@@ -96,8 +90,5 @@ class FrontalLU {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-extern template class FrontalLU<double>;
-extern template class FrontalLU<float>;
 
 }  // namespace bipot

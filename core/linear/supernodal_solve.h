@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/base/mapped_memory.h"
 #include "core/base/types.h"
 
 namespace bipot {
@@ -24,11 +23,10 @@ struct Supernode {
 ///
 ///     forward   y1 <- M1 y1,   y2 <- y2 - M2 y1        backward   x1 <- M1ᵀ y1 - M2ᵀ x2
 ///
-/// M lies in strips of four registers of rows (16 doubles, 32 floats), by columns, without what stands
+/// M lies in strips of four registers of rows (16 numbers), by columns, without what stands
 /// right of its diagonal: both passes read it once, in order, and memory is what takes the time.
 /// Rounding is that of substitution times the condition of the triangles. Sums have one order for all
-/// instruction sets. Real: what M is kept in, and what is computed with.
-template <class Real>
+/// instruction sets.
 class SupernodalSolve {
  public:
   /// Numbers kept of a supernode of so many columns and rows, zeros that fill the strips included.
@@ -38,7 +36,7 @@ class SupernodalSolve {
   /// The supernodes in the order of their columns.
   void add(const Supernode& supernode);
   /// x <- L⁻ᵀ L⁻¹ x. No allocation.
-  void solve(Real* x);
+  void solve(double* x);
 
  private:
   struct Block {
@@ -47,13 +45,10 @@ class SupernodalSolve {
     std::size_t value;  // where its numbers begin
   };
   std::vector<Block> blocks_;
-  MappedVector<Real> value_;          // strips
-  std::vector<Real> given_, result_;  // scratch of a block
-  std::vector<Real> partial_;         // the same, a slice a column
-  std::vector<double> inverse_;       // the same of add()
+  std::vector<double> value_;           // strips
+  std::vector<double> given_, result_;  // scratch of a block
+  std::vector<double> partial_;         // the same, a slice a column
+  std::vector<double> inverse_;         // the same of add()
 };
-
-extern template class SupernodalSolve<double>;
-extern template class SupernodalSolve<float>;
 
 }  // namespace bipot

@@ -74,9 +74,8 @@ constexpr int kStartSteps = 2000, kPivots = 1500, kManyPivots = 10000, kPivotsOf
 // a little off where it stands.
 constexpr int kSoonSplitting = 600, kEnoughSplitting = 1500;
 // From where it stands then a path is short, or mostly does not arrive: so many pivots, up to
-// kShortUpTo contacts. Above kInSingle the factors of paths are kept in single precision: in double they
-// would be the largest part of a run's memory.
-constexpr int kPivotsOfSplitting = 500, kInSingle = 6000, kShortUpTo = 12000;
+// kShortUpTo contacts.
+constexpr int kPivotsOfSplitting = 500, kShortUpTo = 12000;
 // Contacts for each pivot of a path that follows some splitting on packings of kLarge to kLargeStep:
 // of 42 such paths (21 and 7 steps of two pours, to 1e-4 and 1e-8) 30 arrived, 27 of them within that.
 constexpr int kContactsOfPivot = 2;
@@ -196,9 +195,8 @@ class Planner {
   void follow(int most, std::map<std::string, std::string> parameters, const char* reason) {
     if (exact_) add("homotopy", most, most, Start::kBest, reason, std::move(parameters));
   }
-  void first_paths(int pivots, const char* precision = "double") {
-    follow(pivots, {{"start_tol", "1"}, {"precision", precision}},
-           "moving packings: an exact path from the best impulse");
+  void first_paths(int pivots) {
+    follow(pivots, {{"start_tol", "1"}}, "moving packings: an exact path from the best impulse");
     if (exact_) stages_.back().largest_error = kUsefulStart;
   }
   /// Paths from the start of the step, with other random numbers each.
@@ -258,8 +256,7 @@ class Planner {
     };
     const auto short_path = [&] {
       add("homotopy", kPivotsOfSplitting, kPivotsOfSplitting, Start::kLast,
-          "a short path from where splitting stands",
-          {{"start_tol", "1"}, {"precision", precision_above(kInSingle)}});
+          "a short path from where splitting stands", {{"start_tol", "1"}});
       stages_.back().least_tol = kFair;
       stages_.back().largest_error = kNearStart;
     };
@@ -286,9 +283,6 @@ class Planner {
     if (contacts_ > kDense) steps /= 10;
     add("multistart", steps, steps, start, "few contacts: dense Newton steps, many starts",
         {{"starts", "1000000"}, {"seed", seed}});
-  }
-  const char* precision_above(int contacts) const {
-    return contacts_ > contacts ? "single" : "double";
   }
   bool paths_first() const {
     return contacts_ <= kLarge || (warm_ && !local_ && contacts_ <= kLargeStep);
@@ -430,10 +424,9 @@ class Planner {
     if (!sweeps_first()) sweeps();
     if (exact_ && contacts_ > kLarge) {
       fair_splitting();
-      const char* const precision = precision_above(kInSingle);
-      first_paths(kManyPivots, precision);
+      first_paths(kManyPivots);
       stages_.back().least_tol = kFair;
-      follow(2 * kManyPivots, {{"start_tol", "1"}, {"seed", "2"}, {"precision", precision}},
+      follow(2 * kManyPivots, {{"start_tol", "1"}, {"seed", "2"}},
              "again, a little off the best impulse");
       stages_.back().of_start = kKicks[0];
       stages_.back().least_tol = kFair;

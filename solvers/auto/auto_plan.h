@@ -72,8 +72,7 @@ inline constexpr int kFewContactsOfAuto = 100;
 ///      splitting make of multiples of the caller's start. (Free pyramids have none of it: their
 ///      paths are long.) Above 2500 contacts `admm` comes before the first; above 4000, at
 ///      tolerances from 5e-4 on, `admm` from such starts comes before all long paths, with short ones
-///      after each up to 12 000 (their factors in single precision above 6000 contacts, those of the
-///      long ones above 12 000);
+///      after each up to 12 000;
 ///   4. `pgs`, `ipm`, `newton`; above 4000 contacts `admm` and `ipm`, and before the paths (but for a
 ///      short one, up to 8000 contacts of disks, from 600 to 800 iterations of `admm`);
 ///      In space ipm gets 90 of its iterations at least, and before long runs come admm and 350

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/base/release.h"
 #include "core/linear/block_pattern.h"
 
 namespace bipot {
@@ -15,44 +14,19 @@ constexpr int kColumns = 4;
 constexpr double kLargestMultiplier = 1e8;
 // Candidates below that number are solved for one by one.
 constexpr std::size_t kFewCandidates = 3;
-// Refinement with a factor in single precision: rounds at most, and the error, relative to the solution,
-// at which it ends.
-constexpr int kRounds = 10;
-constexpr double kRefined = 1e-10;
-// Columns that are kept then.
-constexpr int kBytesInSingle = 5 << 19, kLeastInSingle = 16;
-
 }  // namespace
 
-CellBasis::CellBasis(const LawProblem& problem, Precision precision)
-    : problem_(problem),
-      matrix_(problem),
-      precision_(problem.bodies ? Precision::kSingle : precision),
-      exchanged_(in_single() ? ExchangedColumns(kBytesInSingle, kLeastInSingle, true)
-                             : ExchangedColumns()) {
+CellBasis::CellBasis(const LawProblem& problem) : problem_(problem), matrix_(problem) {
   rhs_.setZero(problem.num_rows());
-  if (problem.bodies) velocities_.emplace(problem);
 }
 
 bool CellBasis::factor(const LawPoint& point, const Vector& proximal) {
   matrix_.set(point.column, proximal);
   exchanged_.clear(problem_.num_rows(), kColumns * problem_.num_contacts());
-  if (velocities_) {
-    return_freed_memory();  // of the columns: there the factor's own arrays come
-    return velocities_->factor(matrix_.columns(), matrix_.proximal());
-  }
-  if (!analysed_) {
-    const SparseMatrix pattern = symmetric_block_pattern(problem_.W, problem_.dim);
-    analysed_ = in_single() ? single_fronts_.analyse(pattern) : fronts_.analyse(pattern);
-  }
-  if (in_single()) return analysed_ && single_fronts_.factor(matrix_);
+  if (!analysed_) analysed_ = fronts_.analyse(symmetric_block_pattern(problem_.W, problem_.dim));
   by_fronts_ =
       analysed_ && fronts_.factor(matrix_) && fronts_.largest_multiplier() <= kLargestMultiplier;
   return by_fronts_ || factor_with_exchanges(point);
-}
-
-void CellBasis::rest() {
-  if (in_single()) exchanged_.clear(problem_.num_rows(), kColumns * problem_.num_contacts());
 }
 
 bool CellBasis::factor_with_exchanges(const LawPoint& point) {
@@ -70,31 +44,7 @@ bool CellBasis::factor_with_exchanges(const LawPoint& point) {
 }
 
 void CellBasis::solve_factored(const Vector& g, Vector& x) {
-  if (in_single()) {
-    solve_in_single(g, x);
-  } else if (by_fronts_) {
-    fronts_.solve(g, x);
-  } else {
-    rows_exchanged_->solve(g, x);
-  }
-}
-
-void CellBasis::solve_in_single(const Vector& g, Vector& x) {
-  const auto solve = [this](const Vector& right, Vector& solution) {
-    velocities_ ? velocities_->solve(right, solution) : single_fronts_.solve(right, solution);
-  };
-  solve(g, x);
-  double before = x.lpNorm<Eigen::Infinity>();
-  for (int round = 0; round < kRounds; ++round) {
-    matrix_.rough_residual(g, x, rest_);
-    solve(rest_, correction_);
-    x += correction_;
-    const double size = x.lpNorm<Eigen::Infinity>(), now = correction_.lpNorm<Eigen::Infinity>();
-    // Corrections fall by one factor, so that the next would be about now² / before.
-    if (now * now <= kRefined * size * before) return;
-    before = now;
-  }
-  x.setConstant(kNaN);
+  by_fronts_ ? fronts_.solve(g, x) : rows_exchanged_->solve(g, x);
 }
 
 void CellBasis::solve(const Vector& g, Vector& x) {
@@ -115,7 +65,7 @@ bool CellBasis::is_unknown(const Candidate& c) const {
 
 void CellBasis::prepare(const std::vector<Candidate>& candidates) {
   // Fewer solves one after the other pass over fronts that they do not reach.
-  if (in_single() || !by_fronts_ || candidates.size() < kFewCandidates) return;
+  if (!by_fronts_ || candidates.size() < kFewCandidates) return;
   several_.clear();
   for (const Candidate& c : candidates) {
     matrix_.for_column(c.contact, c.column,
@@ -156,10 +106,7 @@ CellBasis::Entering CellBasis::entering(int contact, Column column, int slot) {
 
 int CellBasis::orientation(const LawPoint& point) const {
   const auto impulses = std::count_if(point.column.begin(), point.column.end(), is_impulse);
-  if (velocities_) return velocities_->orientation();
-  const int sign = in_single()  ? single_fronts_.determinant_sign()
-                   : by_fronts_ ? fronts_.determinant_sign()
-                                : rows_exchanged_->determinant_sign();
+  const int sign = by_fronts_ ? fronts_.determinant_sign() : rows_exchanged_->determinant_sign();
   return sign * (impulses % 2 == 0 ? 1 : -1);
 }
 
@@ -177,7 +124,6 @@ void CellBasis::refine(const LawPoint& point, const Vector& g, long double weigh
     solve(error_, change_);
     x += change_;
   }
-  if (velocities_) error_ = change_ = Vector();  // where memory counts
 }
 
 }  // namespace bipot

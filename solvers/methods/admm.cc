@@ -29,12 +29,7 @@ constexpr double kLargestChange = 100;     // of rho at once
 constexpr double kSmallestRho = 1e-3;      // of balancing; smaller ones cost digits in the solve
 constexpr double kAtRest = 4e-15;          // relative change of a multiplier at rest
 constexpr int kCorrections = 2;            // for the skew part of W
-// From so many contacts on a factor in single precision takes 0.87 of the time of one in double (19 000;
-// as long as it at 5300, 1.2 of the time below). Part of a right side that it may leave: where that is
-// more, as with penalties of 1e-9, the factor is one in double precision.
-constexpr int kSingleFrom = 10000;
-constexpr double kCloseFactor = 1e-3;
-constexpr int kRaises = 20;  // of rho by 10, for an indefinite W
+constexpr int kRaises = 20;                // of rho by 10, for an indefinite W
 // Iterations between two looks at the statuses, looks between two changes of their penalties.
 constexpr int kLook = 25, kLooks = 3;
 // How rho is raised: after so many iterations that did not halve the error, in all by so much, and
@@ -43,24 +38,13 @@ constexpr int kRaisePatience = 70, kLastPatience = 600, kEndPatience = 2000;
 constexpr double kRaisedBy = 300, kLastRaises = 5;
 constexpr double kOverRelaxation = 1.6;
 
-/// Powers of two near the inverse roots of a diagonal.
-Vector inverse_roots(const SparseMatrix& A) {
-  Vector roots = A.diagonal();
-  for (double& x : roots) x = std::exp2(-std::round(0.5 * std::log2(x)));
-  return roots;
-}
-
 /// x = (W + M)⁻¹ r in the scaled variables, M the penalties.
 template <int D>
 class Resolvent {
  public:
-  /// `single`: the factor of a problem with velocities is kept in single precision.
-  Resolvent(const ContactProblem& p, const Vector& scale, bool single) : rows_(p.num_rows()) {
+  Resolvent(const ContactProblem& p, const Vector& scale) : rows_(p.num_rows()) {
     if (p.has_velocities()) {
       body_.emplace(p, scale);
-      single_ = single;
-      velocity_.setZero(p.num_dofs());
-      if (single) mass_scale_ = inverse_roots(p.A);
       return;
     }
     delassus_ = scale.asDiagonal() * p.W * scale.asDiagonal();
@@ -73,47 +57,23 @@ class Resolvent {
   /// What factor() does first: callers ask their clock in between. False: memory ran out.
   bool analyse(const ContactPenalties<D>& penalties) {
     if (!body_) return factor_.analyse(shifted(penalties));
-    if (!analysed_) {
-      const BodyPattern pattern = body_->pattern();
-      analysed_ = single_ ? single_factor_.analyse(pattern) : factor_.analyse(pattern);
-      if (analysed_ && single_) single_factor_.scale_by(mass_scale_);
-    }
+    if (!analysed_) analysed_ = factor_.analyse(body_->pattern());
     return analysed_;
   }
   bool factor(const ContactPenalties<D>& penalties) {
     if (!body_) return factor_.factor(shifted(penalties));
-    const auto add = [&](int column, const FrontColumn& to) {
-      body_->add(column, penalties.inverses(), to);
-    };
-    if (single_) {
-      if (!single_factor_.factor(add)) return false;
-      if (is_close(penalties)) return true;
-      single_ = analysed_ = false;
-      single_factor_ = {};
-      if (!analyse(penalties)) return false;
-    }
-    return factor_.factor(add);
+    return factor_.factor(
+        [&](int column, const FrontColumn& to) { body_->add(column, penalties.inverses(), to); });
   }
 
   /// x holds the start of the residual correction.
   void solve(const ContactPenalties<D>& penalties, const Vector& r, Vector& x) {
     if (body_) {
-      if (single_) {
-        body_->template residual<D>(
-            velocity_,
-            [&](int c, const Local<D>& u) -> Local<D> {
-              return penalties.inverse(c) * (r.segment<D>(c * D) - u);
-            },
-            residual_);
-        single_factor_.solve(residual_, residual_);
-        velocity_ += residual_;
-      } else {
-        for (int c = 0; c * D < rows_; ++c) {
-          x.segment<D>(c * D) = penalties.inverse(c) * r.segment<D>(c * D);
-        }
-        body_->momentum(x, velocity_);
-        factor_.solve(velocity_, velocity_);
+      for (int c = 0; c * D < rows_; ++c) {
+        x.segment<D>(c * D) = penalties.inverse(c) * r.segment<D>(c * D);
       }
+      body_->momentum(x, velocity_);
+      factor_.solve(velocity_, velocity_);
       for (int c = 0; c * D < rows_; ++c) {
         const Local<D> gap = r.segment<D>(c * D) - body_->template velocity<D>(c, velocity_);
         x.segment<D>(c * D) = penalties.inverse(c) * gap;
@@ -126,24 +86,6 @@ class Resolvent {
   }
 
  private:
-  /// Whether corrections by the factor in single precision lead to the solution, quickly: what the first
-  /// leaves of a right side that has part in all, and what the second leaves of that.
-  bool is_close(const ContactPenalties<D>& penalties) {
-    Vector left = mass_scale_.cwiseInverse(), v, change;
-    double size = left.cwiseProduct(mass_scale_).norm();
-    for (int k = 0; k < 2; ++k) {
-      single_factor_.solve(left, v);
-      body_->template residual<D>(
-          v, [&](int c, const Local<D>& u) -> Local<D> { return -(penalties.inverse(c) * u); },
-          change);
-      left += change;
-      const double rest = left.cwiseProduct(mass_scale_).norm();
-      if (!(rest <= kCloseFactor * size)) return false;
-      size = rest;
-    }
-    return true;
-  }
-
   /// Blocks are whole, zeros too, so that one analysis serves all.
   const SparseMatrix& shifted(const ContactPenalties<D>& penalties) {
     SparseMatrix blocks(rows_, rows_);
@@ -163,11 +105,8 @@ class Resolvent {
   std::optional<BodyColumns> body_;  // of problems with velocities
   bool analysed_ = false;            // its pattern
   SparseMatrix delassus_, symmetric_, skew_, shifted_;
-  bool single_ = false;
-  FrontalCholesky<double> factor_;
-  FrontalCholesky<float> single_factor_;
-  Vector mass_scale_;  // of the latter
-  Vector velocity_, residual_;
+  FrontalCholesky factor_;
+  Vector velocity_;
 };
 
 /// False when no penalty makes the matrix positive definite, or time is over before.
@@ -212,8 +151,8 @@ class Stages {
 
 template <int D>
 void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, Vector s0,
-             double rho, bool single, IterationMonitor& monitor) {
-  Resolvent<D> resolvent(p, scaling.velocity, single);
+             double rho, IterationMonitor& monitor) {
+  Resolvent<D> resolvent(p, scaling.velocity);
   ContactPenalties<D> penalties(scaling.mu, rho);
   Vector z = scaling.impulse.cwiseProduct(s0), x = z, y(z.size());
   // Start of the multiplier: minus de Saxcé's velocity at s0, where that is not 0.
@@ -307,12 +246,9 @@ SolveResult solve_admm(const ContactProblem& p, const SolverOptions& options) {
   Vector s0 = start_of(p, options);
   Vector velocity(p.num_rows());
   delassus.velocity(s0, velocity);
-  const std::string precision = parameters.choice("precision");
-  const bool single =
-      precision == "single" || (precision == "auto" && p.num_contacts() >= kSingleFrom);
   dispatch_dim(p.dim, [&](auto d) {
     iterate<d()>(p, std::move(scaling), std::move(velocity), std::move(s0),
-                 parameters.number("rho"), single, monitor);
+                 parameters.number("rho"), monitor);
   });
   return monitor.finish();
 }

@@ -12,12 +12,6 @@ inline constexpr ParameterSpec kAdmmParameters[] = {
      .maximum = 1e9,
      .help = "first penalty, in units of the diagonal of W",
      .unit = "W_ii"},
-    {.name = "precision",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "auto",
-     .choices = "auto|double|single",
-     .help = "of the factor of a problem given by A and H; single: half its memory, and every "
-             "solve corrects the one before; auto: single from 10000 contacts on"},
 };
 
 /// Alternating direction method of multipliers (Boyd, Parikh, Chu, Peleato and Eckstein, Found.
@@ -35,9 +29,7 @@ inline constexpr ParameterSpec kAdmmParameters[] = {
 /// penalties: where A and H are given through A + H M⁻¹ Hᵀ in the velocities (Woodbury), M = rho I
 /// or the penalties of the contacts, otherwise W + M itself. [ours] For an unsymmetric W the
 /// symmetric part is factored and the rest is taken in by two steps of residual correction; where
-/// W + M is not positive definite (rounded data) the penalties are raised tenfold. A factor kept in
-/// single precision corrects the velocities of the iteration before by what is left of the right side:
-/// fixed points are those of exact solves. [ours]
+/// W + M is not positive definite (rounded data) the penalties are raised tenfold.
 ///
 /// The penalties. A small rho is quick on packings whose forces reach everywhere, a large one where
 /// contacts slip and open. [ours] Each contact has a metric by what it does

@@ -78,13 +78,8 @@ class Homotopy {
         p_(p),
         parameters_(options.parameters, kHomotopyParameters),
         monitor_(p, options),
-        problem_(p, monitor_.evaluator().delassus().diagonal(),
-                 parameters_.choice("precision") == "single" ? LawProblem::Delassus::kOfBodies
-                                                             : LawProblem::Delassus::kKept),
-        follower_(problem_,
-                  parameters_.choice("precision") == "single" ? CellBasis::Precision::kSingle
-                                                              : CellBasis::Precision::kDouble,
-                  [this] { return monitor_.out_of_time(); }),
+        problem_(p, monitor_.evaluator().delassus().diagonal()),
+        follower_(problem_, [this] { return monitor_.out_of_time(); }),
         random_(static_cast<unsigned>(parameters_.integer("seed"))) {
     monitor_.end_setup();
   }
@@ -177,7 +172,6 @@ class Homotopy {
       }
       return true;
     }
-    if (problem_.bodies) monitor_.rest();
     if (monitor_.last_error() < chain_error_) {
       chain_error_ = monitor_.last_error();
       chain_best_ = s;
@@ -204,7 +198,7 @@ class Homotopy {
   /// The point of the manifold next to s. Bounded parameters next to zero are lifted by random
   /// amounts: no ties, and no path that begins on a face.
   LawPoint lifted_point(const Vector& s, double error) {
-    const Vector velocity = problem_.velocity(s);
+    const Vector velocity = problem_.W * s + problem_.b;
     LawPoint point = nearest_point(problem_, s, velocity);
     const int d = problem_.dim, c = problem_.num_contacts();
     double impulse = 0;

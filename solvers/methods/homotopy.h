@@ -32,13 +32,6 @@ inline constexpr ParameterSpec kHomotopyParameters[] = {
      .help =
          "chains from the best impulse with every component changed by up to a tenth, at random: "
          "after each of the others, or before them"},
-    {.name = "precision",
-     .kind = ParameterSpec::Kind::kChoice,
-     .default_value = "double",
-     .choices = "double|single",
-     .help =
-         "of the factors: single halves their memory; every solve is refined, and a pivot takes two to "
-         "five times as long; for short paths with large delta on large packings"},
     {.name = "seed",
      .kind = ParameterSpec::Kind::kInteger,
      .default_value = "1",

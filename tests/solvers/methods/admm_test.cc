@@ -104,34 +104,6 @@ TEST(Admm, RaisesThePenaltyOfAnIndefiniteOperator) {
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
 }
 
-/// Every solve of the one corrects the last, so that what is left is the same.
-TEST(Admm, ArrivesWithAFactorInSinglePrecisionToo) {
-  LatticeOptions o;
-  o.tilt = 0.17;
-  for (const ContactProblem& p : {shipped_file("2d_pour14_200.hdf5"), triangular_lattice(12, o),
-                                  manufactured_problem(3, 12, 10, 4).problem}) {
-    const SolveResult one = run_admm(p, {{"precision", "single"}}),
-                      two = run_admm(p, {{"precision", "double"}});
-    EXPECT_EQ(one.status, SolveStatus::kConverged) << one.message;
-    EXPECT_EQ(two.status, SolveStatus::kConverged) << two.message;
-    EXPECT_LE(one.iterations, two.iterations + two.iterations / 10 + 10);
-    EXPECT_LT((body_velocities(p, one.s) - body_velocities(p, two.s)).norm(),
-              1e-7 * Vector(p.H * two.s).cwiseQuotient(p.A.diagonal()).norm());
-    EXPECT_GT((one.s - two.s).norm(), 0);
-  }
-}
-
-/// With a penalty of 1e-9 floats would make of this right side fifteen times as much (5e-5 of it with
-/// 1e-3), so that the factor is one in double precision and all bits are.
-TEST(Admm, LeavesSinglePrecisionWhereItDoesNotSolve) {
-  const ContactProblem p = shipped_file("2d_tilt12_180.hdf5");
-  const auto run = [&](const char* precision, const char* rho) {
-    return run_admm(p, {{"precision", precision}, {"rho", rho}}, 1e-12, 50).s;
-  };
-  EXPECT_EQ(run("single", "1e-9"), run("double", "1e-9"));
-  EXPECT_NE(run("single", "1e-3"), run("double", "1e-3"));
-}
-
 TEST(Admm, SolvesTheFreePyramid) {
   const SolveResult r = run_admm(pyramid(10));
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
