@@ -20,7 +20,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/problem_files/rehearsed_read.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -235,10 +234,43 @@ TEST(ThreadedHdf5File, OneThreadAtATimeHasFilesOpen) {
   });
 }
 
-/// The child of a rehearsal ends the library, and with it would write the files that are open there.
-TEST(ThreadedHdf5File, ARehearsalDoesNotMeetTheFileOfAnotherThread) {
+/// Writes bytes of a number over its only occurrence as a whole in a file.
+void replace_number(const std::filesystem::path& path, std::uint64_t from, std::uint64_t to) {
+  std::string bytes = bytes_of(path);
+  const std::string old(reinterpret_cast<const char*>(&from), sizeof from);
+  std::size_t at = bytes.find(old);
+  ASSERT_NE(at, std::string::npos);
+  for (; at != std::string::npos; at = bytes.find(old, at + 1)) {
+    bytes.replace(at, sizeof to, reinterpret_cast<const char*>(&to), sizeof to);
+  }
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+TEST(Hdf5File, TheStructureOfUntrustedFilesIsChecked) {
   const TemporaryFolder folder;
-  expect_to_wait(folder / "a", [&] { rehearse(folder / "b", [] {}); });
+  const auto make = [&] {
+    Hdf5File file(folder / "a.h5", Mode::kCreate);
+    file.write("/deep/x", std::vector<double>(1237, 0.5));
+    file.write("/deep/empty", std::span<const double>());
+    file.write("/text", "words");
+  };
+  const auto said = [&] { return refusal([&] { Hdf5File::check_structure(folder / "a.h5"); }); };
+  make();
+  EXPECT_EQ(said(), "nothing was thrown");
+  replace_number(folder / "a.h5", 1237, 1238);  // more numbers than are stored
+  EXPECT_NE(said().find("/deep/x: claims 9904 bytes and stores 9896"), std::string::npos) << said();
+  make();
+  replace_number(folder / "a.h5", 1237, std::uint64_t{1} << 50);
+  EXPECT_NE(said().find("more than a file of"), std::string::npos) << said();
+  make();
+  Hdf5File(folder / "a.h5", Mode::kAppend).link("/deep/other", "b.h5", "/x");
+  EXPECT_NE(said().find("/deep/other: a link"), std::string::npos) << said();
+  make();
+  const std::string whole = bytes_of(folder / "a.h5");
+  std::ofstream(folder / "a.h5", std::ios::binary) << whole.substr(0, whole.size() / 2);
+  EXPECT_NE(said(), "nothing was thrown");
+  std::ofstream(folder / "a.h5") << "plain text";
+  EXPECT_EQ(said(), "nothing was thrown");
 }
 
 }  // namespace
