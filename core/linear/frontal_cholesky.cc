@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/linear/front_stack.h"
+
 extern "C" {
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 void dtrsm_(const char* side, const char* uplo, const char* transa, const char* diag, const int* m,
@@ -19,20 +21,11 @@ void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
 namespace bipot {
 namespace {
 
-/// The lower triangle, by columns without what is above it, that the rows of a front below its pivots
-/// have to add to its parent, and where these stand there.
-struct Contribution {
-  const double* block;
-  int n;
-  const int* relative;
-  int pivots;  ///< rows that are pivots of the parent
-
-  /// Its entry (i, j) is column(j)[i], i >= j.
-  const double* column(int j) const {
-    const std::ptrdiff_t k = j;
-    return block + k * n - k * (k + 1) / 2;
-  }
-};
+/// Column j of a contribution, of which the lower triangle is stored: entry (i, j) is [i], i >= j.
+const double* packed_column(const FrontStack::Child& child, int j) {
+  const std::ptrdiff_t k = j;
+  return child.block + k * child.rows - k * (k + 1) / 2;
+}
 
 std::size_t packed_size(int n) { return to_size(n) * to_size(n + 1) / 2; }
 
@@ -60,20 +53,20 @@ std::size_t packed_stack(const FrontalTree& t) {
   return most;
 }
 
-void add_to_pivots(const Contribution& c, int rows, double* panel) {
-  for (int j = 0; j < c.pivots; ++j) {
-    const double* from = c.column(j);
-    double* to = panel + static_cast<std::ptrdiff_t>(c.relative[j]) * rows;
-    for (int i = j; i < c.n; ++i) to[c.relative[i]] += from[i];
+void add_to_pivots(const FrontStack::Child& child, int rows, double* panel) {
+  for (int j = 0; j < child.pivots; ++j) {
+    const double* from = packed_column(child, j);
+    double* to = panel + static_cast<std::ptrdiff_t>(child.place[j]) * rows;
+    for (int i = j; i < child.rows; ++i) to[child.place[i]] += from[i];
   }
 }
 
 /// To the parent's own contribution, h x h, whose rows are those after its `columns` pivots.
-void add_to_rest(const Contribution& c, int columns, int h, double* own) {
-  for (int j = c.pivots; j < c.n; ++j) {
-    const double* from = c.column(j);
-    double* to = own + static_cast<std::ptrdiff_t>(c.relative[j] - columns) * h - columns;
-    for (int i = j; i < c.n; ++i) to[c.relative[i]] += from[i];
+void add_to_rest(const FrontStack::Child& child, int columns, int h, double* own) {
+  for (int j = child.pivots; j < child.rows; ++j) {
+    const double* from = packed_column(child, j);
+    double* to = own + static_cast<std::ptrdiff_t>(child.place[j] - columns) * h - columns;
+    for (int i = j; i < child.rows; ++i) to[child.place[i]] += from[i];
   }
 }
 
@@ -152,47 +145,25 @@ void FrontalCholesky::assemble(int front, const AddColumn& add, double* panel) {
 /// All fronts, children before parents.
 bool FrontalCholesky::eliminate(const AddColumn& add) {
   const FrontalTree& t = *tree_;
-  std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
-  std::vector<int> relative;  // places of the rows of a front's children in it, child by child
-  /// The contributions of the front's children, `begin` of the list first.
-  const auto for_children = [&](int front, std::size_t begin, const auto& add_to) {
-    std::size_t place = 0;
-    for (std::size_t k = begin; k < held.size(); ++k) {
-      const int n = t.height(held[k].first);
-      const int* const places = relative.data() + place;
-      const auto pivots = std::lower_bound(places, places + n, t.columns(front)) - places;
-      add_to(Contribution{stack_.data() + held[k].second, n, places, static_cast<int>(pivots)});
-      place += to_size(n);
-    }
-  };
-  std::size_t top = 0;
+  FrontStack contributions(t, stack_);
   double* const panel = panel_.data();
   supernodes_.begin(t.num_fronts(), entries_);
   for (int s = 0; s < t.num_fronts(); ++s) {
     const int columns = t.columns(s), h = t.height(s), rows = columns + h;
     assemble(s, add, panel);
-    const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
-    const std::size_t bottom = base < held.size() ? held[base].second : top;
-    relative.clear();
-    for (std::size_t k = base; k < held.size(); ++k) {
-      const std::size_t place = relative.size();
-      relative.resize(place + to_size(t.height(held[k].first)));
-      t.place_child(held[k].first, s, relative.data() + place);
-    }
-    for_children(s, base, [&](const Contribution& c) { add_to_pivots(c, rows, panel); });
+    const std::vector<FrontStack::Child>& children = contributions.enter(s);
+    for (const FrontStack::Child& child : children) add_to_pivots(child, rows, panel);
     if (!eliminate_columns(columns, rows, panel)) return false;
     supernodes_.add(
         {t.first[to_size(s)], columns, rows, t.below.data() + t.below_start[to_size(s)], panel});
     if (h > 0) {
-      double* const own = stack_.data() + top;
+      double* const own = contributions.own();
       const double minus = -1, none = 0;
       dsyrk_("L", "N", &h, &columns, &minus, panel + columns, &rows, &none, own, &h);
-      for_children(s, base, [&](const Contribution& c) { add_to_rest(c, columns, h, own); });
-      pack(own, h, stack_.data() + bottom);
+      for (const FrontStack::Child& child : children) add_to_rest(child, columns, h, own);
+      pack(own, h, contributions.bottom());
     }
-    held.resize(base);
-    top = bottom + packed_size(h);
-    if (h > 0) held.emplace_back(s, bottom);
+    contributions.leave(s, packed_size(h));
   }
   return true;
 }

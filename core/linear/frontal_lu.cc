@@ -11,6 +11,7 @@
 #include "core/base/large_pages.h"
 #include "core/linear/block_pattern.h"
 #include "core/linear/eight_right_sides.h"
+#include "core/linear/front_stack.h"
 #include "core/linear/frontal_kernels.h"
 
 extern "C" {
@@ -118,32 +119,30 @@ double eliminate(const Front& f, int* exchange) {
   return largest;
 }
 
-/// Adds the part of a child's contribution (n x n) that the pivots of the front see. Number of the
-/// child's rows that are pivots.
-int add_to_pivots(const double* block, int n, const int* relative, const Front& f) {
-  const int pivots =
-      static_cast<int>(std::lower_bound(relative, relative + n, f.columns) - relative);
+/// Adds the part of a child's contribution (full, by columns) that the pivots of the front see.
+void add_to_pivots(const FrontStack::Child& child, const Front& f) {
+  const double* block = child.block;
+  const int n = child.rows;
+  const int* const place = child.place;
   for (int j = 0; j < n; ++j, block += n) {
-    if (j < pivots) {
-      double* column = f.column(relative[j]);
-      for (int i = 0; i < n; ++i) column[relative[i]] += block[i];
+    if (j < child.pivots) {
+      double* column = f.column(place[j]);
+      for (int i = 0; i < n; ++i) column[place[i]] += block[i];
     } else {
-      for (int i = 0; i < pivots; ++i) {
-        f.right_of(relative[i])[relative[j] - f.columns] += block[i];
-      }
+      for (int i = 0; i < child.pivots; ++i) f.right_of(place[i])[place[j] - f.columns] += block[i];
     }
   }
-  return pivots;
 }
 
 /// Adds the rest to the front's own contribution.
-void add_to_contribution(const double* block, int n, const int* relative, int pivots,
-                         const Front& f, double* contribution) {
-  for (int j = pivots; j < n; ++j) {
-    const double* from = block + static_cast<std::ptrdiff_t>(j) * n;
-    double* to = contribution + static_cast<std::ptrdiff_t>(relative[j] - f.columns) * f.height() -
-                 f.columns;
-    for (int i = pivots; i < n; ++i) to[relative[i]] += from[i];
+void add_to_contribution(const FrontStack::Child& child, const Front& f, double* contribution) {
+  const int n = child.rows;
+  const int* const place = child.place;
+  for (int j = child.pivots; j < n; ++j) {
+    const double* from = child.block + static_cast<std::ptrdiff_t>(j) * n;
+    double* to =
+        contribution + static_cast<std::ptrdiff_t>(place[j] - f.columns) * f.height() - f.columns;
+    for (int i = child.pivots; i < n; ++i) to[place[i]] += from[i];
   }
 }
 
@@ -220,8 +219,7 @@ struct FrontalLU::Impl {
   std::vector<int> position;  // of the same in a front, -1: eliminated
   StoredPositions positions;  // of a stored A
   std::vector<int> exchange;
-  std::vector<int> relative;  // places of the rows of a front's children in it, child by child
-  int sign = 0;               // 0: no factor
+  int sign = 0;  // 0: no factor
   double largest = 0;
   std::vector<double> x, below;
   // Rows of kRightSides numbers; made where they are needed first.
@@ -351,23 +349,14 @@ bool FrontalLU::Impl::assemble(const MatrixByLines& A, double most, int s, const
 /// than `most`.
 bool FrontalLU::Impl::run(const MatrixByLines& A, double most) {
   const FrontalTree& t = *tree;
-  std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
-  std::size_t top = 0;
+  FrontStack contributions(t, stack);
   int minus = 0;
   largest = 0;
   for (int s = 0; s < t.num_fronts(); ++s) {
     const Front f = front(s);
     if (!assemble(A, most, s, f)) return false;
-    const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
-    const std::size_t bottom = base < held.size() ? held[base].second : top;
-    relative.clear();
-    for (std::size_t k = base; k < held.size(); ++k) {
-      const int n = t.height(held[k].first);
-      const std::size_t begin = relative.size();
-      relative.resize(begin + to_size(n));
-      t.place_child(held[k].first, s, relative.data() + begin);
-      add_to_pivots(stack.data() + held[k].second, n, relative.data() + begin, f);
-    }
+    const std::vector<FrontStack::Child>& children = contributions.enter(s);
+    for (const FrontStack::Child& child : children) add_to_pivots(child, f);
     int* own_exchange = exchange.data() + t.first[to_size(s)];
     const double multiplier = eliminate(f, own_exchange);
     if (!(multiplier >= 0)) return false;
@@ -376,25 +365,14 @@ bool FrontalLU::Impl::run(const MatrixByLines& A, double most) {
       minus += (f.column(j)[j] < 0) != (own_exchange[j] != j);
     }
     const int h = f.height();
+    const std::size_t size = to_size(h) * to_size(h);
     if (h > 0) {
-      double* contribution = stack.data() + top;
-      subtract_product(true, h, h, f.columns, f.panel + f.columns, f.rows, f.upper, h, 0.0,
-                       contribution, h);
-      const int* places = relative.data();
-      for (std::size_t k = base; k < held.size(); ++k) {
-        const int n = t.height(held[k].first);
-        const int pivots =
-            static_cast<int>(std::lower_bound(places, places + n, f.columns) - places);
-        add_to_contribution(stack.data() + held[k].second, n, places, pivots, f, contribution);
-        places += n;
-      }
-      if (bottom != top) {
-        std::memmove(stack.data() + bottom, contribution, sizeof(double) * to_size(h) * to_size(h));
-      }
+      double* own = contributions.own();
+      subtract_product(true, h, h, f.columns, f.panel + f.columns, f.rows, f.upper, h, 0.0, own, h);
+      for (const FrontStack::Child& child : children) add_to_contribution(child, f, own);
+      if (!children.empty()) std::memmove(contributions.bottom(), own, sizeof(double) * size);
     }
-    held.resize(base);
-    top = bottom + to_size(h) * to_size(h);
-    if (h > 0) held.emplace_back(s, bottom);
+    contributions.leave(s, size);
   }
   if (!std::isfinite(largest)) return false;
   sign = minus % 2 == 0 ? 1 : -1;

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
+#include <vector>
 
 #include "core/base/types.h"
 #include "core/linear/frontal_tree.h"
-#include "core/linear/sparse_factor.h"
 
 namespace bipot {
 
@@ -53,6 +53,23 @@ class MatrixByLines {
   MatrixByLines() = default;
   MatrixByLines(const MatrixByLines&) = default;
   MatrixByLines& operator=(const MatrixByLines&) = default;
+};
+
+/// Compressed columns. Column j holds the rows row[start[j]] .. row[start[j + 1] - 1], ascending.
+struct SparseColumns {
+  std::vector<std::int64_t> start{0}, row;
+  std::vector<double> value;
+
+  void clear() {
+    start.assign(1, 0);
+    row.clear();
+    value.clear();
+  }
+  void add(std::int64_t i, double a) {
+    row.push_back(i);
+    value.push_back(a);
+  }
+  void end_column() { start.push_back(static_cast<std::int64_t>(row.size())); }
 };
 
 /// Sparse LU of a matrix of symmetric pattern, by dense fronts (multifrontal method: Duff and Reid

@@ -26,25 +26,27 @@ bool CellBasis::factor(const LawPoint& point, const Vector& proximal) {
   if (!analysed_) analysed_ = fronts_.analyse(symmetric_block_pattern(problem_.W, problem_.dim));
   by_fronts_ =
       analysed_ && fronts_.factor(matrix_) && fronts_.largest_multiplier() <= kLargestMultiplier;
-  return by_fronts_ || factor_with_exchanges(point);
+  return by_fronts_ || factor_with_exchanges();
 }
 
-bool CellBasis::factor_with_exchanges(const LawPoint& point) {
-  if (!rows_exchanged_) {
-    rows_exchanged_.emplace(fill_reducing_order(problem_.W, problem_.dim));
+bool CellBasis::factor_with_exchanges() {
+  const int m = problem_.num_rows();
+  SparseMatrix B(m, m);
+  for (int slot = 0; slot < m; ++slot) {
+    B.startVec(slot);
+    matrix_.for_column(slot / problem_.dim, matrix_.columns()[to_size(slot)],
+                       [&](int row, double value) { B.insertBack(row, slot) = value; });
   }
-  SparseColumns& matrix = rows_exchanged_->matrix();
-  matrix.clear();
-  for (int slot = 0; slot < problem_.num_rows(); ++slot) {
-    matrix_.for_column(slot / problem_.dim, point.column[to_size(slot)],
-                       [&](int row, double value) { matrix.add(row, value); });
-    matrix.end_column();
-  }
-  return rows_exchanged_->factor();
+  B.finalize();
+  return rows_exchanged_.factor(B);
 }
 
 void CellBasis::solve_factored(const Vector& g, Vector& x) {
-  by_fronts_ ? fronts_.solve(g, x) : rows_exchanged_->solve(g, x);
+  if (by_fronts_) {
+    fronts_.solve(g, x);
+  } else {
+    x = rows_exchanged_.solve(g);
+  }
 }
 
 void CellBasis::solve(const Vector& g, Vector& x) {
@@ -106,7 +108,7 @@ CellBasis::Entering CellBasis::entering(int contact, Column column, int slot) {
 
 int CellBasis::orientation(const LawPoint& point) const {
   const auto impulses = std::count_if(point.column.begin(), point.column.end(), is_impulse);
-  const int sign = by_fronts_ ? fronts_.determinant_sign() : rows_exchanged_->determinant_sign();
+  const int sign = by_fronts_ ? fronts_.determinant_sign() : rows_exchanged_.determinant_sign();
   return sign * (impulses % 2 == 0 ? 1 : -1);
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <vector>
 
 #include "core/linear/eight_right_sides.h"
@@ -28,7 +27,7 @@ class CellBasis {
   /// B should be factored afresh before another exchange.
   bool full() const { return exchanged_.full(); }
 
-  /// x = B⁻¹ g. No allocation.
+  /// x = B⁻¹ g. The factor by fronts allocates nothing.
   void solve(const Vector& g, Vector& x);
   /// x, which was B⁻¹ g right after factor(), for the B of now.
   void update(Vector& x) const { exchanged_.apply(x); }
@@ -68,15 +67,15 @@ class CellBasis {
               int refinements, Vector& x);
 
  private:
-  bool factor_with_exchanges(const LawPoint& point);
+  bool factor_with_exchanges();
   void solve_factored(const Vector& g, Vector& x);
   static int key(int contact, Column column);
 
   const LawProblem& problem_;
   CellMatrix matrix_;  // of the columns that were factored
   FrontalLU fronts_;
-  std::optional<OrderedLU> rows_exchanged_;  // made where it is needed first
-  bool by_fronts_ = false;                   // which of them holds the factor
+  SparseLU rows_exchanged_{SparseLU::Strategy::kSymmetric};
+  bool by_fronts_ = false;  // which of them holds the factor
   bool analysed_ = false;
   ExchangedColumns exchanged_;
   Vector rhs_, change_, error_, y_;  // scratch
