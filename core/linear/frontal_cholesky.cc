@@ -21,7 +21,8 @@ void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
 namespace bipot {
 namespace {
 
-/// Column j of a contribution, of which the lower triangle is stored: entry (i, j) is [i], i >= j.
+/// Contribution of a front to its parent: the lower triangle of the rows below its pivots, packed
+/// by columns, and the positions of these rows in the parent.
 const double* packed_column(const FrontStack::Child& child, int j) {
   const std::ptrdiff_t k = j;
   return child.block + k * child.rows - k * (k + 1) / 2;
@@ -29,7 +30,7 @@ const double* packed_column(const FrontStack::Child& child, int j) {
 
 std::size_t packed_size(int n) { return to_size(n) * to_size(n + 1) / 2; }
 
-/// The lower triangle of a full block, packed; the two may overlap where `to` is not behind.
+/// Packs the lower triangle of a full block; the two may overlap if `to` is not behind.
 void pack(const double* full, int n, double* to) {
   for (int j = 0; j < n; ++j, full += n) {
     std::memmove(to, full + j, sizeof(double) * to_size(n - j));
@@ -37,7 +38,8 @@ void pack(const double* full, int n, double* to) {
   }
 }
 
-/// Numbers that the contributions of a tree's fronts take at most, the one being made in full.
+/// Largest number of entries in all contributions of a tree's fronts at one time, the current one
+/// in full.
 std::size_t packed_stack(const FrontalTree& t) {
   std::vector<std::size_t> held;
   std::size_t top = 0, most = 0;
@@ -61,7 +63,7 @@ void add_to_pivots(const FrontStack::Child& child, int rows, double* panel) {
   }
 }
 
-/// To the parent's own contribution, h x h, whose rows are those after its `columns` pivots.
+/// Adds to the parent's own contribution, h x h, whose rows are those after its `columns` pivots.
 void add_to_rest(const FrontStack::Child& child, int columns, int h, double* own) {
   for (int j = child.pivots; j < child.rows; ++j) {
     const double* from = packed_column(child, j);
@@ -131,7 +133,7 @@ bool FrontalCholesky::factor(const AddColumn& add) {
   return factored_;
 }
 
-/// The entries that the front takes, of the lower triangle, in place of what the panel held.
+/// Adds the entries that the front takes, of the lower triangle, to a cleared panel.
 void FrontalCholesky::assemble(int front, const AddColumn& add, double* panel) {
   const FrontalTree& t = *tree_;
   const int begin = t.first[to_size(front)], columns = t.columns(front), rows = t.rows(front);

@@ -15,12 +15,12 @@ void dtrsm_(const char* side, const char* uplo, const char* transa, const char* 
 namespace bipot {
 namespace {
 
-// Numbers of a register of 32 bytes, of which strips have up to four.
+// Numbers in a register of 32 bytes; strips have up to four.
 constexpr int kSlice = 4, kSlices = 4, kStrip = kSlices * kSlice;
 
 using Slice = double __attribute__((vector_size(32), aligned(8), may_alias));
 
-/// The strip of rows that begins at `first`: slices, and columns up to the end of its diagonal.
+/// The strip of rows from `first` on: slices, and columns up to the end of its diagonal.
 struct Strip {
   int slices, columns;
   Strip(int first, int columns_of_all, int rows)
@@ -54,8 +54,8 @@ template <int kCount>
   return p;
 }
 
-// The two below choose a kernel by a switch each: a lambda would not be compiled for the instruction
-// sets of the function that it stands in.
+// The two functions below choose a kernel by a switch each: a lambda would not be compiled for the
+// instruction sets of its enclosing function.
 
 /// out = M x, whole slices.
 [[gnu::always_inline]] inline void all_strips(int columns, int rows, const double* values,

@@ -7,12 +7,11 @@
 namespace bipot {
 namespace {
 
-// Kinds of columns that a contact has.
+// Kinds of columns of a contact.
 constexpr int kColumns = 4;
-// Fronts exchange rows among themselves only. With larger multipliers their factor is left: ten
-// thousand cells of poured packings stay below 1e6.
+// Fronts exchange rows within themselves alone. A factor with larger multipliers is rejected.
 constexpr double kLargestMultiplier = 1e8;
-// Candidates below that number are solved for one by one.
+// Fewer candidates are solved for one by one.
 constexpr std::size_t kFewCandidates = 3;
 }  // namespace
 
@@ -66,7 +65,7 @@ bool CellBasis::is_unknown(const Candidate& c) const {
 }
 
 void CellBasis::prepare(const std::vector<Candidate>& candidates) {
-  // Fewer solves one after the other pass over fronts that they do not reach.
+  // A few single solves skip fronts that they do not reach.
   if (!by_fronts_ || candidates.size() < kFewCandidates) return;
   several_.clear();
   for (const Candidate& c : candidates) {

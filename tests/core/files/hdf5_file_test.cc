@@ -234,7 +234,7 @@ TEST(ThreadedHdf5File, OneThreadAtATimeHasFilesOpen) {
   });
 }
 
-/// Writes bytes of a number over its only occurrence as a whole in a file.
+/// Replaces a number of eight bytes wherever a file has it.
 void replace_number(const std::filesystem::path& path, std::uint64_t from, std::uint64_t to) {
   std::string bytes = bytes_of(path);
   const std::string old(reinterpret_cast<const char*>(&from), sizeof from);
