@@ -7,6 +7,7 @@
 #include <exception>
 #include <map>
 #include <span>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,11 +22,21 @@
 namespace bipot {
 namespace {
 
-// An error that is that many tolerances is let go on, at loose tolerances for the iterations that the
-// stage has for it.
-constexpr double kClose = 10, kLooseTolerance = 3e-4;
+// An error that is that many tolerances is near.
+constexpr double kClose = 10;
 // Contacts from which on memory counts more than the milliseconds that it takes to give it back.
 constexpr int kLargeRun = 6000;
+
+/// Its parameters by name.
+std::map<std::string, std::string> parameters_of(const AutoStage& stage) {
+  std::map<std::string, std::string> parameters;
+  std::istringstream words{std::string(stage.parameters)};
+  for (std::string word; words >> word;) {
+    const std::size_t equals = word.find('=');
+    parameters[word.substr(0, equals)] = word.substr(equals + 1);
+  }
+  return parameters;
+}
 
 /// Whether a stage is still worth its time, from the errors that it showed so far.
 class Promise {
@@ -33,7 +44,7 @@ class Promise {
   Promise(const AutoStage& stage, double tol, StopTest stop)
       : first_(stage.min_iterations),
         last_(stage.max_iterations),
-        close_(tol >= kLooseTolerance ? stage.close_iterations : stage.max_iterations),
+        close_(stage.near_iterations),
         tol_(tol),
         stop_(stop) {}
 
@@ -103,14 +114,9 @@ class Race {
   /// The stages that `chosen` takes, one after the other.
   template <class Chosen>
   void race(const Chosen& chosen) {
-    // On a handful of contacts the plan would cost more than the solution.
-    const bool few = p_.num_contacts() <= kFewContactsOfAuto;
-    if (few) {
-      const AutoStage first = first_of_few(p_, evaluate_.delassus());
-      if (chosen(first) && finished(first)) return;
-    }
-    const std::vector<AutoStage> stages = plan_auto(p_, evaluate_.delassus(), is_warm(options_));
-    for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
+    const std::vector<AutoStage> stages =
+        plan_auto(p_, evaluate_.delassus(), is_warm(options_), options_.tol);
+    for (std::size_t k = 0; k < stages.size(); ++k) {
       keep_only_what_serves(std::span(stages).subspan(k));
       if (chosen(stages[k]) && finished(stages[k])) return;
     }
@@ -132,7 +138,7 @@ class Race {
   /// Runs the stage; true when nothing is to follow.
   bool finished(const AutoStage& stage) {
     if (out_of_budget()) return true;
-    if (!stage.serves(options_.tol, best_error_)) return false;
+    if (best_error_ > stage.largest_error) return false;
     run_stage(stage);
     if (!ended_ && is_success(last_) && options_.stop == StopTest::kGuarded &&
         best_natural_map_ > options_.tol) {
@@ -166,7 +172,7 @@ class Race {
     inner_.s0 *= stage.of_start;
     inner_.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);
     inner_.max_iterations = std::min(stage.max_iterations, options_.max_iterations - iterations_);
-    inner_.parameters = stage.parameters;
+    inner_.parameters = parameters_of(stage);
     Promise promise(stage, inner_.tol, options_.stop);
     const double stage_start = watch_.seconds();
     inner_.on_iteration = [&](const IterationRecord& r) {
@@ -250,7 +256,7 @@ class Race {
       more.solver = solver;
       if (solver != successful.solver) {
         more.min_iterations = more.max_iterations = 40;
-        more.parameters.clear();
+        more.parameters = {};
       }
       run_stage(more);
       if (ended_ || best_natural_map_ <= options_.tol) break;
