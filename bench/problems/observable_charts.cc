@@ -69,7 +69,7 @@ void draw_forces(const fs::path& folder) {
   const std::size_t low = forces.column("low"), high = forces.column("high"),
                     density = forces.column("density");
   for (const auto& row : forces.rows) {
-    // An empty bin has no place on a logarithmic axis.
+    // An empty bin cannot be shown on a logarithmic axis.
     if (row[density] > 0)
       series.points.push_back({.x = 0.5 * (row[low] + row[high]), .y = row[density]});
   }
