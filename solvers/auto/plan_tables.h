@@ -137,7 +137,8 @@ constexpr std::string_view kTwo = "sweeps=2 most_sweeps=2", kFour = "sweeps=4 mo
                            kAtMostTwo = "most_sweeps=2", kHere = "start_tol=1";
 
 // clang-format off
-// solver, parameters, start, {least, most, near}, {above, up to, error, tol from, tol below}, marks, reason
+// solver, parameters, start, {least, most, near}, {above, up to, error, tol from, tol below},
+// marks, reason
 
 /// Before all others.
 constexpr PlanRow kFirst[] = {
@@ -188,13 +189,17 @@ constexpr PlanRow kMedium[] = {
 
 /// In the plane, larger, tolerance kFair or more.
 constexpr PlanRow kLargeFair[] = {
-  {"assor", kAtMostTwo, own(), {crossings(0.25), crossings(3)}, {0, 8000, kInfinity, kRough}, kDisks, kWhySymmetric},
-  {"assor", kAtMostTwo, own(), {crossings(0.25), crossings(0.5)}, {8000, kAny, kInfinity, kRough}, kDisks, kWhySymmetric},
+  {"assor", kAtMostTwo, own(), {crossings(0.25), crossings(3)}, {0, 8000, kInfinity, kRough},
+   kDisks, kWhySymmetric},
+  {"assor", kAtMostTwo, own(), {crossings(0.25), crossings(0.5)}, {8000, kAny, kInfinity, kRough},
+   kDisks, kWhySymmetric},
   {"apgd", "", own(), 3000, kIfRough, kNoDisks, kWhyMomentum},
   {"admm", "", best(), {600, 2000}, kIfRough, kAlways, kWhySplitting},
   {"apgd", "", own(), {500, root(140)}, {0, kLargeWarm}, kWarm, kWhyMomentum},
-  {"assor", "", own(), {crossings(1), crossings(3)}, {0, kLargeWarm}, kDisks | kCold | kWholeOnly, kWhySymmetric},
-  {"assor", "", own(), {crossings(1), crossings(3)}, {kLargeWarm}, kDisks | kWholeOnly, kWhySymmetric},
+  {"assor", "", own(), {crossings(1), crossings(3)}, {0, kLargeWarm},
+   kDisks | kCold | kWholeOnly, kWhySymmetric},
+  {"assor", "", own(), {crossings(1), crossings(3)}, {kLargeWarm},
+   kDisks | kWholeOnly, kWhySymmetric},
   {"apgd", "", own(), {root(70), root(105)}, {}, kNoDisks, kWhyMomentum},
   {"admm", "", caller(0.1), {600, 1500}, {}, kWarm | kThenSplitting, kWhySplitting},
   {"admm", "", caller(0.35), {600, 1500}, {}, kWarm | kThenSplitting, kWhySplitting},
@@ -214,11 +219,11 @@ constexpr PlanRow kLargeTight[] = {
   {"homotopy", kHere, best(), each(0.5), {0, 8000, kNear}, kDisks, kWhyShortPath},
   {"admm", "", caller(), {1000, 3000}, {}, kAlways, kWhyPatience},
   {"ipm", "", own(), {40, 80}, {}, kAlways, kWhyFactors},
-  {"homotopy", kHere, last(), each(2), {0, 8000, kUseful}, kAlways, kWhyPath},
+  {"homotopy", kHere, last(), each(2, 10000), {0, 8000, kUseful}, kAlways, kWhyPath},
   {"homotopy", kHere, best(), 10000, {8000, kAny, kUseful}, kAlways, kWhyPath},
-  {"homotopy", kHere, last(0.98), each(2), kIfUseful, kAlways, kWhyNear},
-  {"homotopy", kHere, last(0.95), each(2), kIfUseful, kAlways, kWhyNear},
-  {"homotopy", kHere, last(0.9), each(2), kIfUseful, kAlways, kWhyNear},
+  {"homotopy", kHere, last(0.98), each(2, 10000), kIfUseful, kAlways, kWhyNear},
+  {"homotopy", kHere, last(0.95), each(2, 10000), kIfUseful, kAlways, kWhyNear},
+  {"homotopy", kHere, last(0.9), each(2, 10000), kIfUseful, kAlways, kWhyNear},
 };
 
 /// In the plane, W alone.
@@ -266,8 +271,10 @@ constexpr PlanRow kPatience[] = {
   {"admm", "", caller(), {12000, 15000}, {0, kLarge}, kInSpace, kWhyPatience},
   {"ipm", "", caller(), {350, 400}, {0, kLarge}, kInSpace, kWhyFolds},
   {"assor", "sweeps=8", caller(), 6000, {kMany, kLargeWarm}, kDisks, kWhyEight},
-  {"admm", "", caller(0.25), {600, 800}, {0, kLargeWarm, kUseful}, kWarm | kThenPaths, kWhyElsewhere},
-  {"admm", "", caller(0.75), {600, 800}, {0, kLargeWarm, kUseful}, kWarm | kThenPaths, kWhyElsewhere},
+  {"admm", "", caller(0.25), {600, 800}, {0, kLargeWarm, kUseful},
+   kWarm | kThenPaths, kWhyElsewhere},
+  {"admm", "", caller(0.75), {600, 800}, {0, kLargeWarm, kUseful},
+   kWarm | kThenPaths, kWhyElsewhere},
   {"apgd", "", caller(0), 2000, {0, kLargeWarm, kUseful}, kThenPaths, kWhyElsewhere},
   {"assor", "", caller(0.5), 500, {0, kLargeWarm, kUseful}, kDisks | kThenPaths, kWhyElsewhere},
   {"apgd", "", caller(0.75), 2000, {0, kLargeWarm, kUseful}, kWarm | kThenPaths, kWhyElsewhere},

@@ -36,7 +36,7 @@ std::vector<AutoStage> serving(const ContactProblem& p, bool warm, double tol) {
   return stages;
 }
 
-bool has(const AutoStage& stage, std::string_view parameter) {
+bool takes(const AutoStage& stage, std::string_view parameter) {
   return stage.parameters.find(parameter) != std::string_view::npos;
 }
 
@@ -293,7 +293,7 @@ TEST(AutoSolver, GivenWAloneExactAnswersComeSecond) {
 TEST(AutoSolver, MovingPackingsThatResistHaveOtherStartsAndPatience) {
   const std::vector<AutoStage> stages = planned(shipped_file("2d_pour300_392.hdf5"), true);
   const auto shaken = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
-    return has(stage, "shake=first");
+    return takes(stage, "shake=first");
   });
   ASSERT_NE(shaken, stages.end());
   EXPECT_EQ(shaken->solver, "homotopy");
@@ -303,7 +303,7 @@ TEST(AutoSolver, MovingPackingsThatResistHaveOtherStartsAndPatience) {
     EXPECT_EQ(shaken[k].solver, "homotopy");
     EXPECT_EQ(shaken[k].start, AutoStage::Start::kCaller);
   }
-  EXPECT_TRUE(has(shaken[1], "seed=2") && has(shaken[2], "seed=3"));
+  EXPECT_TRUE(takes(shaken[1], "seed=2") && takes(shaken[2], "seed=3"));
   EXPECT_EQ(shaken[3].solver, "ipm");
   EXPECT_EQ(shaken[3].max_iterations, 1000);
   EXPECT_EQ(shaken[4].solver, "homotopy");
