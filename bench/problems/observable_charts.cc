@@ -49,7 +49,7 @@ void draw_profile(const fs::path& folder) {
   Chart stress{.title = "mean stress across the bins", .x = {.label = "position [m]"}};
   stress.y.label = "stress [Pa]";
   for (const std::string component : {"xx", "yy", "zz", "xy", "xz", "yz"}) {
-    if (!has_column(profile, "stress_" + component)) continue;  // in the plane
+    if (!has_column(profile, "stress_" + component)) continue;  // in 2D
     stress.series.push_back(column_over(profile, "position", "stress_" + component, component,
                                         static_cast<int>(stress.series.size())));
   }

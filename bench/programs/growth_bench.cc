@@ -3,8 +3,9 @@
 // to rest by a run first) and a step of a pour. All start cold and go to --tol by --solver. Power
 // laws have their 95 % confidence. Writes index.html and rows.csv into --out and prints the tables
 // in Markdown.
-//   growth_bench [--sizes=100,316,...,1000000] [--pile-sizes=...] [--pour-sizes=...] [--solver=auto]
-//                [--tol=1e-6] [--time-limit=120] [--fit-from=1000] [--threads=1] [--out=out/growth]
+//   growth_bench [--sizes=100,316,...,1000000] [--pile-sizes=...] [--pour-sizes=...]
+//                [--solver=auto] [--tol=1e-6] [--time-limit=120] [--fit-from=1000]
+//                [--threads=1] [--out=out/growth]
 
 #include <fmt/format.h>
 #include <malloc.h>

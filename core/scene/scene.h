@@ -36,9 +36,9 @@ struct Body<2> {
   double mass = 0;        ///< > 0                                    [kg]
   double inertia = 0;     ///< > 0; m a²/2 for a homogeneous cylinder [kg m²]
   int material = 0;       ///< index into Scene::materials
-  int wall =
-      -1;  ///< glued to this wall: it moves as the wall does, has no mass, and what touches it
-           ///< acts on the wall; -1: free
+  /// Glued to this wall: it moves like the wall and has no mass; its contacts act on the wall. -1:
+  /// free.
+  int wall = -1;
   int cluster = -1;  ///< member of this cluster, without mass of its own; -1: of none
 };
 using Disk = Body<2>;
@@ -55,7 +55,7 @@ struct Body<3> {
   double mass = 0;           ///< > 0                                    [kg]
   double inertia = 0;        ///< > 0; 2/5 m a² for a homogeneous sphere [kg m²]
   int material = 0;          ///< index into Scene::materials
-  int wall = -1;             ///< as of a disk
+  int wall = -1;             ///< as for a disk
   int cluster = -1;          ///< 3D has none: -1
 };
 using Sphere = Body<3>;

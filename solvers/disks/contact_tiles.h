@@ -29,7 +29,7 @@ struct ContactTiles {
   };
   std::vector<Tile> tiles;
   std::vector<int> row;  ///< of each body, the surroundings excluded
-  /// KLanes for each batch: the contact in each lane, -1 if there is none.
+  /// kLanes for each batch: the contact in each lane, -1 if there is none.
   LargeVector<int> contact;
   /// For each batch, if not empty: the first row of a block whose bodies are the first bodies of
   /// its contacts (body_blocks.h); -1: any bodies.

@@ -38,7 +38,7 @@ class SymmetricSweep {
 
   /// State before and after a sweep for other iterations. Valid until the next call of a member.
   struct Swept {
-    std::span<ImpulseBatch<D>> y, swept, spare;   ///< y, S(y), and one that nobody uses
+    std::span<ImpulseBatch<D>> y, swept, spare;   ///< y, S(y), and a free one
     std::span<BodyRow> velocity, swept_velocity;  ///< of y, of S(y)
   };
   /// Symmetric sweep from y = the impulse, which stays; so do its velocities.
