@@ -210,8 +210,8 @@ TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair)
   }
 }
 
-/// Up to 12 000 contacts, and not above, short paths come before the long ones.
-TEST(AutoSolver, LargestPackingsHaveNoShortPathsWhereTheToleranceIsFair) {
+/// At such tolerances short paths come before the long ones, up to 12 000 contacts.
+TEST(AutoSolver, ShortPathsComeBeforeLongOnesAtFairTolerances) {
   for (const int rows : {40, 50, 70}) {
     const ContactProblem p = lattice_step(Lattice::kTriangular, rows, 0.3, 10);
     SCOPED_TRACE(p.num_contacts());
