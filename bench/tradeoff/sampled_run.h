@@ -23,8 +23,8 @@ struct SampledRun {
 
 /// Runs the scene with `auto` to the tolerance until it ends, fails or the part of the time is
 /// spent.
-SampledRun run_scene(const Scene<2>& scene, double tol, double part, const AdviseOptions& options,
-                     const TimeBudget& time);
+SampledRun sampled_run(const Scene<2>& scene, double tol, double part, const AdviseOptions& options,
+                       const TimeBudget& time);
 
 /// Which checkpoints to choose on, and which to verify on: evenly spaced, each third one fresh.
 struct Selection {
