@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
@@ -193,7 +194,7 @@ void bind_compare(py::module_& module) {
       .def("text", [](const PythonComparison& self) { return to_text(self.comparison); })
       .def("json",
            [](const PythonComparison& self) {
-             return to_json(self.comparison, self.context).dump();
+             return json_text(to_json(self.comparison, self.context));
            })
       .def("report", &write_into, py::arg("folder"));
   module.def("compare", &run_comparison, py::arg("targets"), py::arg("solvers"),

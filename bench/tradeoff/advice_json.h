@@ -1,6 +1,6 @@
 #pragma once
 
-#include "bench/report/json.h"
+#include "bench/report/json_output.h"
 #include "bench/tradeoff/advice.h"
 #include "core/scene/scene.h"
 

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "bench/report/build_info.h"
-#include "bench/report/json.h"
+#include "bench/report/json_output.h"
 #include "bench/tradeoff/trade_analysis.h"
 
 namespace bipot {

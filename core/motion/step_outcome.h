@@ -10,12 +10,12 @@
 
 namespace bipot {
 
-/// What an impulse says of its contact; s_t in the plane with its sign, in space its magnitude. The
-/// cone's edge counts from kConeEdge on.
+/// Status of a contact by its impulse; s_t is signed in 2D, a magnitude in 3D. It slides from
+/// kConeEdge on.
 ContactStatus contact_status(double s_n, double s_t, double mu);
 
-/// What the impulses of a nonsmooth step did. Powers are those of the mean of the velocities before
-/// and after the step, as the displacement is.
+/// Effects of the impulses of a nonsmooth step. Powers use the mean of the velocities before and
+/// after the step, as the displacement does.
 template <int D>
 struct StepOutcome {
   std::vector<ContactOutcome<D>> contacts;  ///< one for each candidate, in their order
@@ -26,10 +26,10 @@ struct StepOutcome {
   Vec<D> external = Vec<D>::Zero();  ///< impulse on disks and driven walls from all else [N s]
 };
 
-/// What a step did. `disks`: those that contacts may name, for their masses, materials and walls;
-/// where they are does not matter. `p`: the problem of `assembled`; s: impulses in its variables;
-/// v: velocities after the step in its degrees of freedom; `after`: bodies, walls and cell after the
-/// step. `count_walls`: false where another process counts the forces that drive walls.
+/// The effects of a step. `disks`: those that contacts may name, for their masses, materials and
+/// walls; their positions do not matter. `p`: the problem of `assembled`. s: impulses in its
+/// variables. v: velocities after the step in its degrees of freedom. `after`: bodies, walls and cell
+/// after the step. `count_walls`: false where another process counts the forces that drive walls.
 template <int D>
 StepOutcome<D> step_outcome(const Scene<D>& scene, const Midpoint<D>& mid,
                             std::span<const std::type_identity_t<Body<D>>> disks,
