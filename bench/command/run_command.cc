@@ -167,7 +167,8 @@ struct PreparedRun {
   std::string whole_state;  // why this process has all of the state; empty: it has a part
 };
 
-/// Reads and checks, up to the last refusal before anything is written. `text`: of the scene's file.
+/// Reads and checks, up to the last refusal before anything is written. `text`: of the scene's
+/// file.
 template <int D>
 PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::string& text) {
   PreparedRun<D> run;

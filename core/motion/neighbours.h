@@ -24,8 +24,8 @@ class Neighbours {
   virtual const ContactProblem& problem() const = 0;
   /// Solves it together with the problems of the others, from a start of its rows, or of size 0.
   virtual StepSolution solve(const Vector& s0) = 0;
-  /// The bodies of this process and the walls after the step that was solved; `v`: velocities in the
-  /// degrees of freedom of problem().
+  /// The bodies of this process and the walls after the step that was solved; `v`: velocities in
+  /// the degrees of freedom of problem().
   virtual State<D> move(const Midpoint<D>& mid, Vector& v) = 0;
   /// Puts the numbers that its bodies have in the whole into a contact of the midpoint.
   virtual void number(Contact<D>& contact) const = 0;

@@ -28,8 +28,9 @@ struct StepOutcome {
 
 /// The effects of a step. `disks`: those that contacts may name, for their masses, materials and
 /// walls; their positions do not matter. `p`: the problem of `assembled`. s: impulses in its
-/// variables. v: velocities after the step in its degrees of freedom. `after`: bodies, walls and cell
-/// after the step. `count_walls`: false where another process counts the forces that drive walls.
+/// variables. v: velocities after the step in its degrees of freedom. `after`: bodies, walls and
+/// cell after the step. `count_walls`: false where another process counts the forces that drive
+/// walls.
 template <int D>
 StepOutcome<D> step_outcome(const Scene<D>& scene, const Midpoint<D>& mid,
                             std::span<const std::type_identity_t<Body<D>>> disks,

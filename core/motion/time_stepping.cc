@@ -130,7 +130,8 @@ Vector TimeStepper<D>::Inside::solve_contacts(const State<D>& state,
   return take_solution(std::move(solution), usable, state, report);
 }
 
-/// The state after the step, but for its time, its books and its contacts; v as of Neighbours::move().
+/// The state after the step, but for its time, its books and its contacts; v as of
+/// Neighbours::move().
 template <int D>
 State<D> TimeStepper<D>::Inside::move(const State<D>& start, Midpoint<D>& mid, const Vector& s,
                                       Vector& v) {

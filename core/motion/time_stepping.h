@@ -101,8 +101,8 @@ class TimeStepper {
   /// The scene must outlive the stepper. `explicit_delassus`: assemble W for every step. `threads`:
   /// of detection and assembly; they change no bit.
   TimeStepper(const Scene<D>& scene, StepSolver solver, bool explicit_delassus, int threads = 1);
-  /// For the bodies of one of several processes; `neighbours` must outlive the stepper and knows the
-  /// state that is advanced. Not for scenes with gates or projected overlaps.
+  /// For the bodies of one of several processes; `neighbours` must outlive the stepper and knows
+  /// the state that is advanced. Not for scenes with gates or projected overlaps.
   TimeStepper(const Scene<D>& scene, Neighbours<D>& neighbours);
   ~TimeStepper();
   TimeStepper(TimeStepper&&) noexcept;

@@ -35,10 +35,10 @@ struct DomainCounts {
 /// The largest of all processes, one by one; bodies that went are added up. Collective.
 DomainCounts largest_counts(const DomainCounts& mine, ProcessGroup& group);
 
-/// One process's part of a state that lies on several, for TimeStepper (core/motion/time_stepping.h):
-/// its bodies, copies of those around, its contacts and their problem. Steps have the bits of one
-/// process where the solver's have, but for the order of the ledger's sums; nobody holds the whole.
-/// Everything but state() and counts() is collective.
+/// One process's part of a state that lies on several, for TimeStepper
+/// (core/motion/time_stepping.h): its bodies, copies of those around, its contacts and their
+/// problem. Steps have the bits of one process where the solver's have, but for the order of the
+/// ledger's sums; nobody holds the whole. Everything but state() and counts() is collective.
 template <int D>
 class Domain final : public Neighbours<D> {
  public:
@@ -49,12 +49,13 @@ class Domain final : public Neighbours<D> {
   Domain(const Scene<D>& scene, const State<D>& whole, ProcessGroup& group, Solver solver,
          const DomainOptions& options = {});
 
-  /// The state to advance: bodies and contacts of this process, with contacts numbered in the whole.
+  /// The state to advance: bodies and contacts of this process, with contacts numbered in the
+  /// whole.
   State<D>& state() { return state_.here; }
   /// The whole on the first process, a state without bodies and contacts elsewhere.
   State<D> gather();
-  /// The problem of the last step that was tried on the first process, an empty one elsewhere. There
-  /// must have been one.
+  /// The problem of the last step that was tried on the first process, an empty one elsewhere.
+  /// There must have been one.
   ContactProblem gather_problem();
   const DomainState<D>& own() const { return state_; }
   const DomainCounts& counts() const { return counts_; }

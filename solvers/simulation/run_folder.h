@@ -10,8 +10,8 @@ namespace bipot {
 /// Whether a step's state is written, whole or in part.
 bool needs_state(const OutputChoice& output, int step);
 
-/// The folder that a run leaves: the files of RunWriter, the steps' contact problems on request (each
-/// with the impulse that its solver started from, as a guess, and with its geometry), and the
+/// The folder that a run leaves: the files of RunWriter, the steps' contact problems on request
+/// (each with the impulse that its solver started from, as a guess, and with its geometry), and the
 /// pictures that the scene asks for. Throws FileError.
 template <int D>
 class RunFolder {

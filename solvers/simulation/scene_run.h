@@ -16,8 +16,8 @@ class ProcessGroup;         // solvers/parallel/process_group.h
 struct SpringDashpotSetup;  // core/motion/spring_dashpot_setup.h
 
 /// A step that was just taken, as those who look on see it. Where the state lies on several
-/// processes: the whole on the first one, for steps whose state the folder writes, and for the first
-/// that did not converge, then with its problem; else a state without bodies.
+/// processes: the whole on the first one, for steps whose state the folder writes, and for the
+/// first that did not converge, then with its problem; else a state without bodies.
 template <int D>
 struct SceneStep {
   const State<D>& state;  ///< after the step
@@ -64,8 +64,8 @@ struct RunFolderOptions {
 template <int D>
 struct SceneRunOptions {
   std::optional<int> steps;  ///< to take; the scene's number where it is not given
-  /// Solves the steps' problems, with rigid contacts whatever the scene's model is; empty: the model
-  /// and the solver are the scene's own choice.
+  /// Solves the steps' problems, with rigid contacts whatever the scene's model is; empty: the
+  /// model and the solver are the scene's own choice.
   StepSolver solver;
   bool explicit_delassus = false;  ///< `solver` needs W
   int threads = 1;                 ///< of detection, assembly and the scene's own solver
@@ -102,8 +102,8 @@ struct SceneRun {
   double output_seconds = 0;                          ///< wall time that the steps waited for files
 };
 
-/// Why a process keeps the whole state, in the words of the command line; empty where each of several
-/// has its part.
+/// Why a process keeps the whole state, in the words of the command line; empty where each of
+/// several has its part.
 template <int D>
 std::string needs_whole_state(const Scene<D>& scene,
                               const std::type_identity_t<SceneRunOptions<D>>& options);

@@ -20,8 +20,8 @@ class SceneStepper {
   SceneStepper(const SceneStepper&) = delete;  // the solver knows where start_ is
   SceneStepper& operator=(const SceneStepper&) = delete;
 
-  /// Where the state is to lie on several processes: takes this one's part of `state`, which becomes
-  /// empty. That part is to be advanced, and is returned; else `state`.
+  /// Where the state is to lie on several processes: takes this one's part of `state`, which
+  /// becomes empty. That part is to be advanced, and is returned; else `state`.
   State<D>& begin(State<D>& state);
   /// Takes one step, see TimeStepper::advance() and SpringDashpotStepper::advance(); on_failure
   /// decides about a step that is not solved, with rigid contacts.

@@ -22,8 +22,8 @@ struct SplitStep {
 /// it has unsplit, without drift. The same state gives the same parts, so that a restart before or
 /// after them goes on bit for bit.
 ///
-/// A part of the smallest size that is not solved ends the attempt: StepFailure, and the state is as
-/// it was.
+/// A part of the smallest size that is not solved ends the attempt: StepFailure, and the state is
+/// as it was.
 template <int D>
 SplitStep<D> advance_in_parts(const Scene<D>& scene, const StepSolver& solver,
                               bool explicit_delassus, State<D>& state, int threads = 1);
@@ -37,7 +37,8 @@ int travel_halvings(const Scene<D>& scene, const State<D>& state);
 inline constexpr int kMostTravelHalvings = 12;  ///< 4096 parts
 
 /// Takes the scene's next step in 2^halvings equal parts, as above. A part that is not solved is
-/// taken with the best impulse (kContinue), ends the attempt (kStop) or is halved on (kSmallerStep).
+/// taken with the best impulse (kContinue), ends the attempt (kStop) or is halved on
+/// (kSmallerStep).
 template <int D>
 SplitStep<D> advance_in_equal_parts(const Scene<D>& scene, const StepSolver& solver,
                                     bool explicit_delassus, State<D>& state, int halvings,
