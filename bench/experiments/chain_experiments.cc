@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/measure/statistics.h"
 #include "solvers/solve.h"
@@ -24,12 +24,12 @@ constexpr double kChainStep = 1e-3, kForce = 1000;
 
 /// `n` disks of radius 0.5 m and 1 kg, solved by sweeps; driven wall 1 of 1 kg.
 Scene<2> chain_scene(int n, double tol, int sweeps, const ValidationContext& context) {
-  Scene<2> scene = empty_scene<2>({}, kChainStep, tol, context);
+  Scene<2> scene = experiment_scene<2>({}, kChainStep, tol, context);
   scene.solver.name = "pgs";
   scene.solver.max_iterations = sweeps;
   for (int k = 0; k < n; ++k) scene.bodies.push_back(round_body<2>(Vec2(0.5 + k, 0), 0.5, 1));
-  scene.walls = {plane_wall("left", Vec2(0, 0), Vec2(1, 0)),
-                 plane_wall("right", Vec2(n, 0), Vec2(-1, 0))};
+  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
+                 half_space<2>(Vec2(n, 0), Vec2(-1, 0), "right")};
   Wall<2>& driven = scene.walls[1];
   driven.motion = Wall<2>::Motion::kDriven;
   driven.direction = driven.normal;

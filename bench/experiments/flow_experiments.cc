@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/measure/statistics.h"
 #include "bench/problems/scene_catalogue.h"
@@ -172,8 +172,8 @@ ValidationExperiment plane_shear() {
 double runout(double aspect, int width, std::uint64_t seed, double tol,
               const ValidationContext& context, ExperimentOutcome& outcome) {
   constexpr double kDiameter = 1, kMu = 0.5;
-  Scene<2> scene = empty_scene<2>({.mu = kMu}, 5e-3, tol, context);
-  scene.gravity = Vec2(0, -9.81);
+  Scene<2> scene = experiment_scene<2>({.mu = kMu}, 5e-3, tol, context);
+  scene.gravity = Vec2(0, -kGravity);
   const double across = width * kDiameter;
   const int count = static_cast<int>(std::lround(width * width * aspect * 1.05));
   scene.bodies =
@@ -184,12 +184,13 @@ double runout(double aspect, int width, std::uint64_t seed, double tol,
     d.inertia = 0.5 * d.mass * d.radius * d.radius;
     top = std::max(top, d.x[1]);
   }
-  scene.walls = {plane_wall("floor", Vec2(0, 0), Vec2(0, 1)),
-                 plane_wall("axis", Vec2(0, 0), Vec2(1, 0)),
-                 plane_wall("dam", Vec2(across, 0), Vec2(-1, 0))};
-  const double settle = 2 + std::sqrt(2 * top / 9.81);
+  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1), "floor"),
+                 half_space<2>(Vec2(0, 0), Vec2(1, 0), "axis"),
+                 half_space<2>(Vec2(across, 0), Vec2(-1, 0), "dam")};
+  const double settle = 2 + std::sqrt(2 * top / kGravity);
   scene.walls[2].removed = settle;
-  scene.num_steps = static_cast<int>((settle + 3 + 2.5 * std::sqrt(2 * top / 9.81)) / scene.step);
+  scene.num_steps =
+      static_cast<int>((settle + 3 + 2.5 * std::sqrt(2 * top / kGravity)) / scene.step);
   const auto edge = [](const State<2>& state) {
     std::vector<std::pair<double, double>> mass;
     double total = 0;

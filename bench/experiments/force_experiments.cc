@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/measure/statistics.h"
 #include "bench/problems/compression_scene.h"

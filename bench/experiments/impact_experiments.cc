@@ -3,8 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/experiments/gravity.h"
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 
 namespace bipot {
@@ -31,7 +30,7 @@ ValidationExperiment bouncing() {
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
-    Scene<2> scene = empty_scene<2>({.mu = 0.3, .e_n = kRestitution}, kStep, tol, context);
+    Scene<2> scene = experiment_scene<2>({.mu = 0.3, .e_n = kRestitution}, kStep, tol, context);
     scene.gravity = Vec2(0, -kGravity);
     scene.bodies = {round_body<2>(Vec2(0, 2), 1, 1)};
     scene.walls = {flat_floor<2>()};
@@ -76,7 +75,7 @@ ValidationExperiment swinging() {
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-7};
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
-    Scene<2> scene = empty_scene<2>({.mu = 1}, kStep, tol, context);
+    Scene<2> scene = experiment_scene<2>({.mu = 1}, kStep, tol, context);
     scene.gravity = Vec2(0, -kGravity);
     const double way = kDrum - kRadius;
     scene.bodies = {round_body<2>(way * Vec2(std::sin(kStart), -std::cos(kStart)), kRadius, 1)};

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/force_range.h"
-#include "bench/experiments/scene_parts.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/measure/statistics.h"
+#include "core/base/portable_random.h"
 #include "core/scene/generators.h"
 #include "solvers/solve.h"
 
@@ -23,12 +23,12 @@ constexpr double kWeight = 9.81;
 /// frictions T are equal, as are the forces N: 2 (N cos α + T sin α) = w with |T| <= mu N leaves
 /// N in w/2 [1/(cos α + mu sin α), 1/(cos α - mu sin α)].
 Scene<2> groove(double mu, double tol, const ValidationContext& context) {
-  Scene<2> scene = empty_scene<2>({.mu = mu}, 1e-2, tol, context);
+  Scene<2> scene = experiment_scene<2>({.mu = mu}, 1e-2, tol, context);
   const double half = std::sqrt(0.5);
   scene.gravity = Vec2(0, -kWeight);
   scene.bodies = {round_body<2>(Vec2(0, std::sqrt(2.0)), 1, 1)};
-  scene.walls = {plane_wall("left", Vec2(0, 0), Vec2(half, half)),
-                 plane_wall("right", Vec2(0, 0), Vec2(-half, half))};
+  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(half, half), "left"),
+                 half_space<2>(Vec2(0, 0), Vec2(-half, half), "right")};
   return scene;
 }
 
@@ -72,8 +72,7 @@ ValidationExperiment groove_forces() {
     outcome.seen = {{(ranges[0].high - ranges[0].low) / weight}};
     const int starts = context.quick ? 30 : 300;
     double outside = 0, least = kInfinity, most = 0;
-    std::mt19937_64 draw(1);
-    const auto uniform = [&draw] { return std::ldexp(static_cast<double>(draw() >> 11), -53); };
+    PortableRandom random(1);
     SolverOptions options;
     options.tol = tol;
     options.max_iterations = context.max_iterations;
@@ -81,8 +80,8 @@ ValidationExperiment groove_forces() {
     for (int k = 0; k < starts; ++k) {
       options.s0 = Vector::Zero(4);
       for (const int row : {0, 2}) {
-        options.s0[row] = 2 * weight * uniform();
-        options.s0[row + 1] = kGrooveMu * options.s0[row] * (2 * uniform() - 1);
+        options.s0[row] = 2 * weight * random.uniform();
+        options.s0[row + 1] = kGrooveMu * options.s0[row] * random.symmetric();
       }
       const SolveResult result = solve(context.solver, problem, options);
       ++outcome.steps;
@@ -104,7 +103,7 @@ ValidationExperiment groove_forces() {
 /// Disks that fell into a box without friction and came to rest; walls and disks of law 0.
 Scene<2> small_pile(int count, std::uint64_t seed, double mu, double tol,
                     const ValidationContext& context) {
-  Scene<2> scene = empty_scene<2>({.mu = mu}, 5e-3, tol, context);
+  Scene<2> scene = experiment_scene<2>({.mu = mu}, 5e-3, tol, context);
   const double width = 6;
   scene.gravity = Vec2(0, -kWeight);
   scene.bodies =
@@ -113,9 +112,9 @@ Scene<2> small_pile(int count, std::uint64_t seed, double mu, double tol,
     d.mass = d.radius * d.radius;
     d.inertia = 0.5 * d.mass * d.radius * d.radius;
   }
-  scene.walls = {plane_wall("floor", Vec2(0, 0), Vec2(0, 1)),
-                 plane_wall("left", Vec2(0, 0), Vec2(1, 0)),
-                 plane_wall("right", Vec2(width, 0), Vec2(-1, 0))};
+  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1), "floor"),
+                 half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
+                 half_space<2>(Vec2(width, 0), Vec2(-1, 0), "right")};
   scene.num_steps = 1500;
   return scene;
 }

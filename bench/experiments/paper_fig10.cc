@@ -7,7 +7,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "bench/experiments/gravity.h"
 #include "bench/experiments/paper_items.h"
 #include "bench/experiments/static_equilibrium.h"
 #include "core/criterion/contact_error.h"
@@ -17,6 +16,7 @@
 #include "core/pictures/force_picture.h"
 #include "core/problem/delassus.h"
 #include "core/scene/scene_family.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/scene_run.h"
 #include "solvers/simulation/step_solver.h"

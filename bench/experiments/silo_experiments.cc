@@ -11,8 +11,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/packing.h"
-#include "bench/experiments/scene_parts.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/measure/statistics.h"
 #include "core/scene/generators.h"
@@ -34,8 +34,8 @@ struct SiloLoad {
 
 SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationContext& context,
                    ExperimentOutcome& outcome) {
-  Scene<2> scene = empty_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
-  scene.gravity = Vec2(0, -9.81);
+  Scene<2> scene = experiment_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
+  scene.gravity = Vec2(0, -kGravity);
   scene.bodies =
       random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, kSiloWidth, 0, seed, Vec2::Zero());
   SiloLoad load;
@@ -43,13 +43,13 @@ SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationCo
   for (Disk& d : scene.bodies) {
     d.mass = d.radius * d.radius;
     d.inertia = 0.5 * d.mass * d.radius * d.radius;
-    load.weight += 9.81 * d.mass;
+    load.weight += kGravity * d.mass;
     top = std::max(top, d.x[1]);
   }
-  scene.walls = {plane_wall("floor", Vec2(0, 0), Vec2(0, 1)),
-                 plane_wall("left", Vec2(0, 0), Vec2(1, 0)),
-                 plane_wall("right", Vec2(kSiloWidth, 0), Vec2(-1, 0))};
-  const double settle = 1 + std::sqrt(2 * top / 9.81);
+  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1), "floor"),
+                 half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
+                 half_space<2>(Vec2(kSiloWidth, 0), Vec2(-1, 0), "right")};
+  const double settle = 1 + std::sqrt(2 * top / kGravity);
   constexpr double kSink = 0.2, kSinks = 5;  // [m/s], [s]
   scene.walls[0].motion = Wall<2>::Motion::kMoving;
   scene.walls[0].v = Vec2(0, -kSink);
@@ -81,7 +81,7 @@ SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationCo
                         kLayers - 1);
     };
     const int disks = static_cast<int>(state.bodies.size());
-    for (const Disk& d : state.bodies) weights[to_size(layer_of(d.x[1]))] += 9.81 * d.mass;
+    for (const Disk& d : state.bodies) weights[to_size(layer_of(d.x[1]))] += kGravity * d.mass;
     for (const ContactOutcome<2>& o : state.contacts) {
       if (o.contact.j != disks + 1 && o.contact.j != disks + 2) continue;
       const Vec2& n = o.contact.n;
@@ -227,8 +227,8 @@ struct Discharge {
 Discharge discharge(double hole, int count, std::uint64_t seed, double tol,
                     const ValidationContext& context, ExperimentOutcome& outcome) {
   constexpr double kWidth = 18;
-  Scene<2> scene = empty_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
-  scene.gravity = Vec2(0, -9.81);
+  Scene<2> scene = experiment_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
+  scene.gravity = Vec2(0, -kGravity);
   scene.bodies =
       random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, kWidth, 0, seed, Vec2::Zero());
   double whole = 0, top = 0;
@@ -239,15 +239,15 @@ Discharge discharge(double hole, int count, std::uint64_t seed, double tol,
     top = std::max(top, d.x[1]);
   }
   const double edges[] = {0, 0.5 * (kWidth - hole), 0.5 * (kWidth + hole), kWidth};
-  scene.walls = {plane_wall("left", Vec2(0, 0), Vec2(1, 0)),
-                 plane_wall("right", Vec2(kWidth, 0), Vec2(-1, 0))};
+  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
+                 half_space<2>(Vec2(kWidth, 0), Vec2(-1, 0), "right")};
   for (int k = 0; k < 3; ++k) {
     Wall<2> part;
     part.name = k == 1 ? "plug" : "floor";
     part.shape = Wall<2>::Shape::kSegment;
     part.a = Vec2(edges[k], 0);
     part.b = Vec2(edges[k + 1], 0);
-    if (k == 1) part.removed = 1 + std::sqrt(2 * top / 9.81);
+    if (k == 1) part.removed = 1 + std::sqrt(2 * top / kGravity);
     scene.walls.push_back(part);
   }
   scene.outlets = {{.name = "below", .point = Vec2(0, -3), .normal = Vec2(0, 1)}};
@@ -307,10 +307,11 @@ ValidationExperiment beverloo() {
     }
     const PowerLaw law = fit_power_law(widths, rates);
     const MeanValue ratio = mean_value(ratios);
-    outcome.seen = {{law.exponent, law.confidence,
-                     fmt::format("{:.2f} √g ρ (D - 1.4 d)^{:.2f}",
-                                 law.prefactor * std::numbers::pi / std::sqrt(9.81), law.exponent)},
-                    {ratio.mean, ratio.confidence}};
+    outcome.seen = {
+        {law.exponent, law.confidence,
+         fmt::format("{:.2f} √g ρ (D - 1.4 d)^{:.2f}",
+                     law.prefactor * std::numbers::pi / std::sqrt(kGravity), law.exponent)},
+        {ratio.mean, ratio.confidence}};
     ValidationFigure figure;
     figure.name = "beverloo";
     figure.group = kSilo;

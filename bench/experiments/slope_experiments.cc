@@ -12,8 +12,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/experiments/gravity.h"
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 
 namespace bipot {
@@ -37,7 +36,7 @@ const char* body_name() {
 template <int D>
 Scene<D> on_floor(double slope, double mu, double step, double tol,
                   const ValidationContext& context) {
-  Scene<D> scene = empty_scene<D>({.mu = mu}, step, tol, context);
+  Scene<D> scene = experiment_scene<D>({.mu = mu}, step, tol, context);
   scene.gravity =
       kGravity * (std::sin(slope) * Vec<D>::Unit(0) - std::cos(slope) * Vec<D>::Unit(D - 1));
   scene.bodies = {round_body<D>(Vec<D>::Unit(D - 1), 1, 1)};

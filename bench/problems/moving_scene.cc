@@ -9,6 +9,7 @@
 
 #include "core/base/nearest_name.h"
 #include "core/scene/generators.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 namespace {
@@ -30,14 +31,6 @@ constexpr MovingFamily kFamilies[] = {{"pour", 1, 0.005, 600, true},
 void give_mass(Disk& disk, double density) {
   disk.mass = density * std::numbers::pi * disk.radius * disk.radius;
   disk.inertia = 0.5 * disk.mass * disk.radius * disk.radius;
-}
-
-Wall<2> half_plane(const char* name, const Vec2& point, const Vec2& normal) {
-  Wall<2> wall;
-  wall.name = name;
-  wall.a = point;
-  wall.normal = normal;
-  return wall;
 }
 
 /// The heavy disk that follows the others.
@@ -87,10 +80,10 @@ Scene<2> make_moving_scene(const std::string& name, int side, const FamilyOption
   }
   if (name == "strike") scene.bodies.push_back(striker(side, width, height));
   scene.contact_distance = 1e-6 * smallest_radius(scene);
-  scene.walls.push_back(half_plane("floor", Vec2::Zero(), Vec2(0, 1)));
+  scene.walls.push_back(half_space<2>(Vec2::Zero(), Vec2(0, 1), "floor"));
   if (family->box) {
-    scene.walls.push_back(half_plane("left", Vec2::Zero(), Vec2(1, 0)));
-    scene.walls.push_back(half_plane("right", Vec2(width, 0), Vec2(-1, 0)));
+    scene.walls.push_back(half_space<2>(Vec2::Zero(), Vec2(1, 0), "left"));
+    scene.walls.push_back(half_space<2>(Vec2(width, 0), Vec2(-1, 0), "right"));
   }
   return scene;
 }

@@ -4,8 +4,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/force_range.h"
-#include "bench/experiments/scene_parts.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/experiments/validation_page.h"
 #include "bench/experiments/validation_report.h"

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/problem/delassus.h"
-#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
