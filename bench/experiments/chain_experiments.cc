@@ -49,16 +49,18 @@ double shortening(const State<2>& state, int n) {
 
 ValidationExperiment stiffness() {
   ValidationExperiment e;
-  e.rows = {{.name = "chain_is_rigid",
-             .group = kChain,
-             .quantity = "way of the wall that presses a row of 40 disks, over that of free masses "
-                         "under the force",
-             .source = "rigid bodies: the force is balanced at once",
-             .formula = "0",
-             .expected = Expectation::equal(0),
-             .allowed = 1e-6,
-             .allowed_why = "a hundred times the tightest tolerance",
-             .bar = "none: one deterministic run, Gauss–Seidel (`pgs`), warm start"}};
+  e.rows = {
+      {.claim = {.name = "chain_is_rigid",
+                 .quantity =
+                     "way of the wall that presses a row of 40 disks, over that of free masses "
+                     "under the force",
+                 .expected = "0",
+                 .source = "rigid bodies: the force is balanced at once",
+                 .bar_is = "none: one deterministic run, Gauss–Seidel (`pgs`), warm start"},
+       .group = kChain,
+       .range = Expectation::equal(0),
+       .allowed = 1e-6,
+       .allowed_why = "a hundred times the tightest tolerance"}};
   e.tols = decades(-1, 8);
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
   e.run = [](double tol, const ValidationContext& context) {
@@ -97,44 +99,45 @@ StepSolver plain_sweeps(int sweeps) {
 ValidationExperiment speed_of_sound() {
   ValidationExperiment e;
   e.rows = {
-      {.name = "chain_sound",
+      {.claim =
+           {.name = "chain_sound",
+            .quantity =
+                "speed of sound of a row of 40 disks with 1 Gauss–Seidel sweep a step, over "
+                "d/h, by the time at which the pressing wall turns back",
+            .expected = "1",
+            .source =
+                "Unger, Brendel, Wolf and Kertész 2002 (abstract: unconverged chains are elastic, "
+                "sound is finite); c = √k d/h for k sweeps derived in chain_experiments.cc",
+            .bar_is = "none: one deterministic run"},
        .group = kChain,
-       .quantity = "speed of sound of a row of 40 disks with 1 Gauss–Seidel sweep a step, over "
-                   "d/h, by the time at which the pressing wall turns back",
-       .source = "Unger, Brendel, Wolf and Kertész 2002 (abstract: unconverged chains are elastic, "
-                 "sound is finite); c = √k d/h for k sweeps derived in chain_experiments.cc",
-       .formula = "1",
-       .expected = Expectation::equal(1),
+       .range = Expectation::equal(1),
        .allowed = 0.05,
        .allowed_why = "damping by the higher modes, 40 disks",
-       .bar = "none: one deterministic run",
        .takes_tolerance = false},
-      {.name = "chain_sound_sweeps",
+      {.claim = {.name = "chain_sound_sweeps",
+                 .quantity = "exponent of that speed against the sweeps, 1 to 16",
+                 .expected = "1/2",
+                 .source = "the same",
+                 .bar_is = "95 % of the fit of a power law"},
        .group = kChain,
-       .quantity = "exponent of that speed against the sweeps, 1 to 16",
-       .source = "the same",
-       .formula = "1/2",
-       .expected = Expectation::equal(0.5),
+       .range = Expectation::equal(0.5),
        .allowed = 0.05,
        .allowed_why = "k θ² is not small for many sweeps",
-       .bar = "95 % of the fit of a power law",
        .takes_tolerance = false}};
   e.tols = e.quick_tols = {1};
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
     constexpr int kDisks = 40;
-    ValidationFigure figure;
-    figure.name = "chain_sweeps";
-    figure.group = kChain;
+    ClaimFigure figure{.name = "chain_sweeps", .chart = Chart{}};
     figure.caption =
         "The way of the wall that presses a row of 40 disks, with a fixed number of Gauss–Seidel "
         "sweeps a step (warm start, no tolerance): the row yields and springs back like an elastic "
         "bar, stiffer with more sweeps, and stays shortened; both vanish as sweeps grow beyond n². "
         "Rigid disks do not move at all. An artefact of the solver (Unger, Brendel, Wolf and "
         "Kertész 2002).";
-    figure.chart.title = "Way of the wall, by sweeps a step";
-    figure.chart.x = {.label = "time [s]"};
-    figure.chart.y = {.label = "way of the wall [m]"};
+    figure.chart->title = "Way of the wall, by sweeps a step";
+    figure.chart->x = {.label = "time [s]"};
+    figure.chart->y = {.label = "way of the wall [m]"};
     std::vector<double> counts, speeds;
     for (const int sweeps : {1, 4, 16, 64, 256, 1600}) {
       if (context.interrupted()) return outcome;
@@ -143,7 +146,7 @@ ValidationExperiment speed_of_sound() {
       scene.num_steps = 200;
       ChartSeries series;
       series.name = fmt::format("{} sweeps", sweeps);
-      series.style = static_cast<int>(figure.chart.series.size());
+      series.style = static_cast<int>(figure.chart->series.size());
       series.kind = ChartSeries::Kind::kLine;
       State<2> state = initial_state(scene);
       double farthest = 0, turns = 0;
@@ -161,7 +164,7 @@ ValidationExperiment speed_of_sound() {
       const SceneRun<2> run = run_scene(scene, state, options);
       if (run.failure) throw *run.failure;
       outcome.steps += run.totals.steps;
-      figure.chart.series.push_back(std::move(series));
+      figure.chart->series.push_back(std::move(series));
       if (sweeps > 16) continue;
       counts.push_back(sweeps);
       speeds.push_back(turns > 0 ? 2 * (kDisks + 1) * kChainStep / turns : kNaN);
@@ -178,18 +181,19 @@ ValidationExperiment speed_of_sound() {
 ValidationExperiment sweeps_needed() {
   ValidationExperiment e;
   e.rows = {
-      {.name = "chain_sweeps",
+      {.claim =
+           {.name = "chain_sweeps",
+            .quantity =
+                "exponent of the sweeps from ε to ε/100, in one step from nothing, against n + 1, n disks (20 to "
+                "160)",
+            .expected = "2",
+            .source = "spectral radius of a sweep, cos²(π/(2n + 2)), derived in "
+                      "chain_experiments.cc; Unger et al. 2002 ask for sweeps ≫ n²",
+            .bar_is = "95 % of the fit of a power law"},
        .group = kChain,
-       .quantity =
-           "exponent of the sweeps from ε to ε/100, in one step from nothing, against n + 1, n disks (20 to "
-           "160)",
-       .source = "spectral radius of a sweep, cos²(π/(2n + 2)), derived in "
-                 "chain_experiments.cc; Unger et al. 2002 ask for sweeps ≫ n²",
-       .formula = "2",
-       .expected = Expectation::equal(2),
+       .range = Expectation::equal(2),
        .allowed = 0.05,
-       .allowed_why = "the slowest mode alone is left only at small ε",
-       .bar = "95 % of the fit of a power law"}};
+       .allowed_why = "the slowest mode alone is left only at small ε"}};
   e.tols = decades(-1, 8);
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-6};
   e.run = [](double tol, const ValidationContext& context) {

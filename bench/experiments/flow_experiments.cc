@@ -131,15 +131,13 @@ ValidationExperiment plane_shear() {
         slope(slow, fast, slow.fraction, slow.fraction_bar, fast.fraction, fast.fraction_bar,
               fmt::format("ν = {:.3f} at I = {:.3f}, {:.3f} at {:.3f}", slow.fraction,
                           slow.inertial, fast.fraction, fast.inertial))};
-    ValidationFigure figure;
-    figure.name = "shear";
-    figure.group = kFlow;
+    ClaimFigure figure{.name = "shear", .chart = Chart{}};
     figure.caption =
         "Plane shear of 120 disks (μ = 0.4) in a periodic cell under constant pressure: τ/P and solid fraction against "
         "the inertial number, bars over blocks of time; lines: the laws of da Cruz et al. (2005) as remembered, not tested.";
-    figure.chart.title = "Plane shear";
-    figure.chart.x = {.label = "inertial number", .kind = ChartAxis::Kind::kLog};
-    figure.chart.y = {.label = "τ/P and solid fraction", .low = 0, .high = 1};
+    figure.chart->title = "Plane shear";
+    figure.chart->x = {.label = "inertial number", .kind = ChartAxis::Kind::kLog};
+    figure.chart->y = {.label = "τ/P and solid fraction", .low = 0, .high = 1};
     ChartSeries friction, fraction, law, density;
     friction.name = "τ/P";
     fraction.name = "solid fraction";
@@ -160,7 +158,7 @@ ValidationExperiment plane_shear() {
       law.points.push_back({r.inertial, 0.26 + r.inertial});
       density.points.push_back({r.inertial, 0.81 - 0.3 * r.inertial});
     }
-    figure.chart.series = {friction, fraction, law, density};
+    figure.chart->series = {friction, fraction, law, density};
     outcome.figures = {figure};
     return outcome;
   };
@@ -248,15 +246,13 @@ ValidationExperiment column_collapse() {
     const PowerLaw law = fit_power_law(a, r);
     outcome.seen = {{law.exponent, std::isfinite(law.confidence) ? law.confidence : 0,
                      fmt::format("runout {:.2f} a^{:.2f}", law.prefactor, law.exponent)}};
-    ValidationFigure figure;
-    figure.name = "collapse";
-    figure.group = kFlow;
+    ClaimFigure figure{.name = "collapse", .chart = Chart{}};
     figure.caption =
         "Runout of columns against their aspect ratio, with the fitted power law; grey: 3.80 a^0.73 of rods on a plane "
         "(arXiv 1512.05180, whose front counts the last rod).";
-    figure.chart.title = "Column collapse";
-    figure.chart.x = {.label = "aspect ratio", .kind = ChartAxis::Kind::kLog};
-    figure.chart.y = {.label = "runout over the first width", .kind = ChartAxis::Kind::kLog};
+    figure.chart->title = "Column collapse";
+    figure.chart->x = {.label = "aspect ratio", .kind = ChartAxis::Kind::kLog};
+    figure.chart->y = {.label = "runout over the first width", .kind = ChartAxis::Kind::kLog};
     ChartSeries fit, rods;
     fit.name = fmt::format("{:.2f} a^{:.2f}", law.prefactor, law.exponent);
     fit.style = 1;
@@ -267,7 +263,7 @@ ValidationExperiment column_collapse() {
       fit.points.push_back({aspect, law.prefactor * std::pow(aspect, law.exponent)});
       rods.points.push_back({aspect, 3.8 * std::pow(aspect, 0.73)});
     }
-    figure.chart.series = {series, fit, rods};
+    figure.chart->series = {series, fit, rods};
     outcome.figures = {figure};
     return outcome;
   };

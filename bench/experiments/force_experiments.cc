@@ -117,20 +117,18 @@ ValidationExperiment force_tails() {
          fmt::format("the deposit's β = {:.2f} ± {:.2f}", mixed.rate, mixed.confidence)},
         {(unmixed.rate - mixed.rate) / even.rate, unmixed.confidence / even.rate,
          fmt::format("β = {:.2f} ± {:.2f} by layers", unmixed.rate, unmixed.confidence)}};
-    ValidationFigure figure;
-    figure.name = "forces";
-    figure.group = kForces;
+    ClaimFigure figure{.name = "forces", .chart = Chart{}};
     figure.caption = fmt::format(
         "Distribution of normal forces over their mean: {} disks pressed from all sides (e_t = 0, β = {:.2f} ± {:.2f}), a "
         "deposit of {} under its weight ({:.2f} ± {:.2f}), and the deposit by layers ({:.2f} ± {:.2f}). A deposit mixes "
         "depths with different mean forces, which is what flattens its tail.",
         pressed.bodies.size(), even.rate, even.confidence, deposit.bodies.size(), mixed.rate,
         mixed.confidence, unmixed.rate, unmixed.confidence);
-    figure.chart.title = "Distribution of normal forces";
-    figure.chart.x = {.label = "normal force over its mean"};
-    figure.chart.y = {.label = "probability density", .kind = ChartAxis::Kind::kLog};
-    figure.chart.series = {density("isotropic", 0, f), density("deposit", 1, g),
-                           density("deposit, by layers", 2, layered)};
+    figure.chart->title = "Distribution of normal forces";
+    figure.chart->x = {.label = "normal force over its mean"};
+    figure.chart->y = {.label = "probability density", .kind = ChartAxis::Kind::kLog};
+    figure.chart->series = {density("isotropic", 0, f), density("deposit", 1, g),
+                            density("deposit, by layers", 2, layered)};
     outcome.figures = {figure};
     return outcome;
   };

@@ -40,27 +40,29 @@ double groove_end(double sign) {
 ValidationExperiment groove_forces() {
   ValidationExperiment e;
   e.rows = {
-      {.name = "groove_interval",
+      {.claim = {.name = "groove_interval",
+                 .quantity =
+                     "width of the interval of admissible normal forces of a disk in a groove of "
+                     "90°, μ = 0.3, over the weight",
+                 .expected = "[1/(cos α − μ sin α) − 1/(cos α + μ sin α)]/2 = 0.466",
+                 .source = "statics, derived in indeterminacy_experiments.cc; measured by linear "
+                           "programmes (CLP): no tolerance of a solver enters",
+                 .bar_is = "none"},
        .group = kIndeterminacy,
-       .quantity = "width of the interval of admissible normal forces of a disk in a groove of "
-                   "90°, μ = 0.3, over the weight",
-       .source = "statics, derived in indeterminacy_experiments.cc; measured by linear "
-                 "programmes (CLP): no tolerance of a solver enters",
-       .formula = "[1/(cos α − μ sin α) − 1/(cos α + μ sin α)]/2 = 0.466",
-       .expected = Expectation::equal(groove_end(-1) - groove_end(1)),
+       .range = Expectation::equal(groove_end(-1) - groove_end(1)),
        .allowed = 1e-7,
-       .allowed_why = "tolerance of the programmes, 1e-9",
-       .bar = "none"},
-      {.name = "groove_force",
+       .allowed_why = "tolerance of the programmes, 1e-9"},
+      {.claim = {.name = "groove_force",
+                 .quantity =
+                     "how far outside that interval a solver's force is, over the weight; worst of "
+                     "random starts",
+                 .expected = "at most 0",
+                 .source = "the same interval",
+                 .bar_is = "none: the worst of all"},
        .group = kIndeterminacy,
-       .quantity = "how far outside that interval a solver's force is, over the weight; worst of "
-                   "random starts",
-       .source = "the same interval",
-       .formula = "at most 0",
-       .expected = Expectation::at_most(0, 1),
+       .range = Expectation::at_most(0, 1),
        .allowed = 1e-6,
-       .allowed_why = "a hundred times the tightest tolerance",
-       .bar = "none: the worst of all"}};
+       .allowed_why = "a hundred times the tightest tolerance"}};
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
@@ -135,27 +137,30 @@ double spread_of(Scene<2> scene, State<2> state, double mu) {
 ValidationExperiment spread() {
   ValidationExperiment e;
   e.rows = {
-      {.name = "spread_small_mu",
+      {.claim = {.name = "spread_small_mu",
+                 .quantity =
+                     "exponent of the spread of admissible forces against μ (1e-4 to 1e-2), in a "
+                     "pile that came to rest without friction",
+                 .expected = "1",
+                 .source =
+                     "as many contacts as equations at μ = 0, linear beside it (derived); Unger, "
+                     "Kertész and Wolf, PRL 94, 178001 (2005): spread → 0 with μ",
+                 .bar_is = "95 % over piles (seeds)"},
        .group = kIndeterminacy,
-       .quantity = "exponent of the spread of admissible forces against μ (1e-4 to 1e-2), in a "
-                   "pile that came to rest without friction",
-       .source = "as many contacts as equations at μ = 0, linear beside it (derived); Unger, "
-                 "Kertész and Wolf, PRL 94, 178001 (2005): spread → 0 with μ",
-       .formula = "1",
-       .expected = Expectation::equal(1),
+       .range = Expectation::equal(1),
        .allowed = 0.05,
-       .allowed_why = "the least μ is not 0",
-       .bar = "95 % over piles (seeds)"},
-      {.name = "spread_nested",
+       .allowed_why = "the least μ is not 0"},
+      {.claim = {.name = "spread_nested",
+                 .quantity =
+                     "largest fall of that spread from one μ to a larger one (1e-4 to 1), over "
+                     "the larger spread",
+                 .expected = "at most 0",
+                 .source = "sets of admissible forces are nested (derived)",
+                 .bar_is = "none: the worst of all"},
        .group = kIndeterminacy,
-       .quantity = "largest fall of that spread from one μ to a larger one (1e-4 to 1), over "
-                   "the larger spread",
-       .source = "sets of admissible forces are nested (derived)",
-       .formula = "at most 0",
-       .expected = Expectation::at_most(0, 1),
+       .range = Expectation::at_most(0, 1),
        .allowed = 1e-6,
-       .allowed_why = "tolerance of the linear programmes",
-       .bar = "none: the worst of all"}};
+       .allowed_why = "tolerance of the linear programmes"}};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8};
   e.quick_tols = {10, 1, 1e-1, 1e-4};
   e.run = [](double tol, const ValidationContext& context) {
@@ -165,15 +170,13 @@ ValidationExperiment spread() {
     std::vector<double> exponents;
     double fall = kNaN;  // of nothing compared
     std::string extra;
-    ValidationFigure figure;
-    figure.name = "spread";
-    figure.group = kIndeterminacy;
+    ClaimFigure figure{.name = "spread", .chart = Chart{}};
     figure.caption =
         "Spread of the admissible normal forces (mean width of their intervals over the mean force) in piles "
         "of 25 disks that came to rest without friction, against the friction that is then allowed.";
-    figure.chart.title = "Spread of admissible forces";
-    figure.chart.x = {.label = "μ", .kind = ChartAxis::Kind::kLog};
-    figure.chart.y = {.label = "spread", .kind = ChartAxis::Kind::kLog};
+    figure.chart->title = "Spread of admissible forces";
+    figure.chart->x = {.label = "μ", .kind = ChartAxis::Kind::kLog};
+    figure.chart->y = {.label = "spread", .kind = ChartAxis::Kind::kLog};
     for (int seed = 1; seed <= seeds; ++seed) {
       const Scene<2> scene = small_pile(25, to_size(seed), 0, tol, context);
       const auto run = run_from_start<2>(scene, context);
@@ -195,7 +198,7 @@ ValidationExperiment spread() {
           series.points.push_back({mu, s});
         }
       }
-      figure.chart.series.push_back(std::move(series));
+      figure.chart->series.push_back(std::move(series));
       const std::size_t few = std::min(small.size(), mus.size());
       exponents.push_back(fit_power_law({mus.begin(), mus.begin() + static_cast<long>(few)},
                                         {spreads.begin(), spreads.begin() + static_cast<long>(few)})

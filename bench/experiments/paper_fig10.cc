@@ -106,7 +106,7 @@ class Fig10 {
  public:
   explicit Fig10(const PaperContext& context) : context_(context) {}
 
-  PaperResult run() {
+  Findings run() {
     result_.paper =
         "Three arrays of equal disks under gravity, segments between centres as wide as the normal "
         "force: in the rectangular array the force grows with depth, in the triangular one the "
@@ -120,7 +120,7 @@ class Fig10 {
   }
 
  private:
-  void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
+  void number(Claim n) { result_.claims.push_back(std::move(n)); }
 
   /// Behind the paragraph `after`.
   void picture(const std::string& name, const Scene<2>& scene, const State<2>& state,
@@ -147,18 +147,18 @@ class Fig10 {
       const double error = column_error(rest, side),
                    balance = force_balance(rest.scene, rest.state).force;
       number({.name = id + "_columns",
-              .value = error,
-              .meaning = fmt::format("rectangular {0} × {0}, μ = 0: largest relative error of a "
-                                     "vertical contact force",
-                                     side),
+              .measured = error,
+              .quantity = fmt::format("rectangular {0} × {0}, μ = 0: largest relative error of a "
+                                      "vertical contact force",
+                                      side),
               .expected = "0 against k m g under the k-th disk from the top",
               .holds = error <= 1e-8,
               .digits = 2});
       number(
           {.name = id + "_balance",
-           .value = balance,
+           .measured = balance,
            .unit = "m g",
-           .meaning = fmt::format("rectangular {0} × {0}: largest residual force of a disk", side),
+           .quantity = fmt::format("rectangular {0} × {0}: largest residual force of a disk", side),
            .expected = "at most 1e-8 m g",
            .holds = balance <= 1e-8,
            .digits = 2});
@@ -173,9 +173,9 @@ class Fig10 {
         if (std::abs(c.contact.n[1]) < 0.5) side_force = std::max(side_force, c.s_n);
       }
       number({.name = fmt::format("side_{}", solver),
-              .value = side_force / rest.scene.step / kGravity,
+              .measured = side_force / rest.scene.step / kGravity,
               .unit = "m g",
-              .meaning =
+              .quantity =
                   fmt::format("rectangular 10 × 10, μ = 0, `{}`: largest horizontal force", solver),
               .digits = 3});
     }
@@ -196,25 +196,25 @@ class Fig10 {
         const std::string id = fmt::format("triangular{}{}", side, mu > 0 ? "_friction" : "");
         const std::string what = fmt::format("triangular {0} × {0}, μ = {1:g}", side, mu);
         number({.name = id + "_balance",
-                .value = std::max(b.force, b.moment),
+                .measured = std::max(b.force, b.moment),
                 .unit = "m g",
-                .meaning = what + ": largest residual force, or moment over the radius, of a disk",
+                .quantity = what + ": largest residual force, or moment over the radius, of a disk",
                 .expected = "at most 1e-8 m g",
                 .holds = std::max(b.force, b.moment) <= 1e-8,
                 .digits = 2});
         const double load = std::abs(b.walls[1] / b.weight - 1);
         number({.name = id + "_load",
-                .value = load,
-                .meaning = what + ": floor and walls together over the weight, less 1",
+                .measured = load,
+                .quantity = what + ": floor and walls together over the weight, less 1",
                 .expected = "0",
                 .holds = load <= 1e-8,
                 .digits = 2});
         if (mu == 0) {
           const double side_load = b.wall[1][0] / b.weight;
           number({.name = id + "_wall",
-                  .value = 100 * side_load,
+                  .measured = 100 * side_load,
                   .unit = "%",
-                  .meaning = what + ": push of a side wall, of the weight",
+                  .quantity = what + ": push of a side wall, of the weight",
                   .expected = "the same on both sides",
                   .holds = std::abs(b.wall[1][0] + b.wall[2][0]) <= 1e-8 * b.weight});
         }
@@ -233,23 +233,23 @@ class Fig10 {
       largest = std::max(largest, a.state.contacts[k].s_n);
     }
     number({.name = "self_stresses",
-            .value = static_cast<double>(
+            .measured = static_cast<double>(
                 self_stresses(step_problem(a.scene, initial_state(a.scene), false))),
-            .meaning =
+            .quantity =
                 "triangular 10 × 10, μ = 0.3: independent sets of contact forces that balance "
                 "without any load"});
     number({.name = "force_difference",
-            .value = 100 * difference / largest,
+            .measured = 100 * difference / largest,
             .unit = "%",
-            .meaning = "triangular 10 × 10, μ = 0.3: largest difference of a normal force between "
-                       "`apgd` and `ipm`, of the largest force",
+            .quantity = "triangular 10 × 10, μ = 0.3: largest difference of a normal force between "
+                        "`apgd` and `ipm`, of the largest force",
             .digits = 2});
     for (const auto& [solver, rest] : {std::pair{"apgd", &a}, std::pair{"ipm", &b}}) {
       const ForceBalance<2> f = force_balance(rest->scene, rest->state);
       number({.name = fmt::format("base_{}", solver),
-              .value = 100 * f.wall[0][1] / f.weight,
+              .measured = 100 * f.wall[0][1] / f.weight,
               .unit = "%",
-              .meaning = fmt::format(
+              .quantity = fmt::format(
                   "triangular 10 × 10, μ = 0.3: share of the weight on the floor, `{}`", solver)});
     }
     result_.ours.emplace_back(
@@ -292,8 +292,8 @@ class Fig10 {
                            auto&& problem) {
       const double found = critical_friction(problem, 0.01, 10);
       number({.name = name,
-              .value = found,
-              .meaning = fmt::format("3 disks: least friction {}", what),
+              .measured = found,
+              .quantity = fmt::format("3 disks: least friction {}", what),
               .expected = fmt::format("{} = {:.6f}, met within 0.1 %", formula, exact),
               .holds = std::abs(found / exact - 1) <= 1e-3,
               .digits = 7});
@@ -338,8 +338,8 @@ class Fig10 {
       series.points.push_back({static_cast<double>(rows), mu, false, fmt::format("{:.6f}", mu)});
       if (rows < 10) continue;
       number({.name = fmt::format("mu_{}rows", rows),
-              .value = mu,
-              .meaning = fmt::format("{} rows: least friction, disks and floor alike", rows),
+              .measured = mu,
+              .quantity = fmt::format("{} rows: least friction, disks and floor alike", rows),
               .digits = 6});
       if (rows != 10 && rows != 20) continue;
       // Just above and just below, on the contact law itself.
@@ -347,19 +347,19 @@ class Fig10 {
       const StaticEquilibrium stands = static_equilibrium(above);
       const double error = contact_error(above, stands.s).guarded();
       number({.name = fmt::format("stands_{}", rows),
-              .value = error,
-              .meaning = fmt::format("{} rows, 1.001 μ_c: ε of the forces that hold it", rows),
+              .measured = error,
+              .quantity = fmt::format("{} rows, 1.001 μ_c: ε of the forces that hold it", rows),
               .expected = "at most 1e-8: rest solves the contact law",
               .holds = stands.exists && error <= 1e-8,
               .digits = 2});
       const StaticEquilibrium falls =
           static_equilibrium(pyramid_problem(rows, 0.999 * mu, 0.999 * mu));
       number({.name = fmt::format("falls_{}", rows),
-              .value = falls.motion,
+              .measured = falls.motion,
               .unit = "g h",
-              .meaning = fmt::format("{} rows, 0.999 μ_c: the slowest motion that forces in the "
-                                     "cones can leave (energy mean)",
-                                     rows),
+              .quantity = fmt::format("{} rows, 0.999 μ_c: the slowest motion that forces in the "
+                                      "cones can leave (energy mean)",
+                                      rows),
               .expected = "more than 0, proven by a motion admissible to 1e-9 of it",
               .holds = !falls.exists && falls.dual_violation <= 1e-9 * falls.motion,
               .digits = 3});
@@ -384,16 +384,16 @@ class Fig10 {
       if (!equilibrium.exists) throw std::runtime_error("no equilibrium of the drawn pyramid");
       const State<2> state = held_pyramid(scene, equilibrium);
       const ForceBalance<2> b = force_balance(scene, state);
-      number(
-          {.name = fmt::format("pyramid{}_balance", rows),
-           .value = std::max(b.force, b.moment),
-           .unit = "m g",
-           .meaning = fmt::format("pyramid of {} rows, μ = {:g}: largest residual force, or moment "
-                                  "over the radius, of a disk",
-                                  rows, kStandingMu),
-           .expected = "at most 1e-8 m g",
-           .holds = std::max(b.force, b.moment) <= 1e-8,
-           .digits = 2});
+      number({.name = fmt::format("pyramid{}_balance", rows),
+              .measured = std::max(b.force, b.moment),
+              .unit = "m g",
+              .quantity =
+                  fmt::format("pyramid of {} rows, μ = {:g}: largest residual force, or moment "
+                              "over the radius, of a disk",
+                              rows, kStandingMu),
+              .expected = "at most 1e-8 m g",
+              .holds = std::max(b.force, b.moment) <= 1e-8,
+              .digits = 2});
       picture(
           fmt::format("fig10_pyramid{}", rows), scene, state, result_.ours.size() - 1,
           fmt::format("Cannon-ball, {} rows, μ = {:g}: forces that hold it.", rows, kStandingMu));
@@ -405,7 +405,7 @@ class Fig10 {
     const std::vector<double> mus = {0.545, 0.6, 0.8, 1, 2, 4};
     for (const int rows : {10, 20}) {
       if (context_.quick && rows > 10) break;
-      PaperTable table;
+      ClaimTable table;
       table.name = fmt::format("selection_{}", rows);
       table.caption = fmt::format(
           "Pyramid of {} rows from rest, one step to ε ≤ 1e-8 from zero impulses: stands, or falls "
@@ -447,21 +447,21 @@ class Fig10 {
       }
       result_.tables.push_back(std::move(table));
       number({.name = fmt::format("last_fall_{}", rows),
-              .value = last_fall,
-              .meaning =
+              .measured = last_fall,
+              .quantity =
                   fmt::format("{} rows: largest μ of the table with an answer that falls", rows)});
       number({.name = fmt::format("least_motion_{}", rows),
-              .value = least <= most ? least : std::nan(""),
+              .measured = least <= most ? least : std::nan(""),
               .unit = "g h",
-              .meaning = fmt::format("{} rows, μ = {:g}: least motion of an answer with ε ≤ 1e-8",
-                                     rows, kStandingMu),
+              .quantity = fmt::format("{} rows, μ = {:g}: least motion of an answer with ε ≤ 1e-8",
+                                      rows, kStandingMu),
               .digits = 3});
       number(
           {.name = fmt::format("most_motion_{}", rows),
-           .value = most,
+           .measured = most,
            .unit = "g h",
-           .meaning = fmt::format("{} rows, μ = {:g}: greatest motion of an answer with ε ≤ 1e-8",
-                                  rows, kStandingMu),
+           .quantity = fmt::format("{} rows, μ = {:g}: greatest motion of an answer with ε ≤ 1e-8",
+                                   rows, kStandingMu),
            .digits = 3});
     }
     result_.ours.emplace_back(
@@ -528,9 +528,9 @@ class Fig10 {
           fmt::format("drop_{}{}_{}", c.mu == 0.5 ? "05" : "06", c.held ? "_held" : "", c.solver);
       const bool must_fall = c.mu == 0.5;
       number({.name = id,
-              .value = (top - state.bodies.back().x[1]) / 0.5,
+              .measured = (top - state.bodies.back().x[1]) / 0.5,
               .unit = "radii",
-              .meaning = fmt::format(
+              .quantity = fmt::format(
                   "10 rows, {}: drop of the top disk in {} steps of 0.01 s{}", c.name, steps,
                   unsolved > 0 ? fmt::format(" ({} steps above 1e-6)", unsolved) : std::string()),
               .expected = must_fall ? "falls (below μ_c)"
@@ -561,12 +561,12 @@ class Fig10 {
   static constexpr int kFirstOrder = 50000, kSecondOrder = 500;
 
   const PaperContext& context_;
-  PaperResult result_;
+  Findings result_;
   std::pair<Scene<2>, State<2>> fallen_;
 };
 
 }  // namespace
 
-PaperResult run_fig10(const PaperContext& context) { return Fig10(context).run(); }
+Findings run_fig10(const PaperContext& context) { return Fig10(context).run(); }
 
 }  // namespace bipot

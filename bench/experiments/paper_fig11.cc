@@ -245,7 +245,7 @@ class Fig11 {
     step_ = context.quick ? 2e-4 : 1e-4;
   }
 
-  PaperResult run() {
+  Findings run() {
     result_.paper =
         "342 disks (25 % of radius 0.65 mm, 50 % of 0.75 mm, 25 % of 0.9 mm; μ = 0.1 everywhere, "
         "e_n = 0.1, e_t = 1) fall into a box. Force chains with large fluctuations from contact to "
@@ -271,7 +271,7 @@ class Fig11 {
   }
 
  private:
-  void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
+  void number(Claim n) { result_.claims.push_back(std::move(n)); }
 
   void picture(const Settling& main) {
     ForcePictureOptions options;
@@ -289,26 +289,26 @@ class Fig11 {
   void load(const Settling& main, const Settling& smooth) {
     const double both = main.floor + main.sides;
     number({.name = "vertical_load",
-            .value = both,
-            .meaning = "floor and side walls together over the weight, mean of the last 100 steps",
+            .measured = both,
+            .quantity = "floor and side walls together over the weight, mean of the last 100 steps",
             .expected = "1 within 1 % (momentum)",
             .holds = main.at_rest && std::abs(both - 1) <= 0.01,
             .digits = 6});
     number({.name = "floor_load",
-            .value = main.floor,
-            .meaning = "floor alone over the weight, side walls with μ = 0.1"});
+            .measured = main.floor,
+            .quantity = "floor alone over the weight, side walls with μ = 0.1"});
     number({.name = "side_load",
-            .value = main.sides,
-            .meaning = "upward friction of both side walls over the weight (negative: downward)"});
+            .measured = main.sides,
+            .quantity = "upward friction of both side walls over the weight (negative: downward)"});
     number({.name = "side_limit",
-            .value = main.side_limit,
-            .meaning = "most that the side walls' friction could carry, μ times their normal "
-                       "force over the weight",
+            .measured = main.side_limit,
+            .quantity = "most that the side walls' friction could carry, μ times their normal "
+                        "force over the weight",
             .expected = "at least the side walls' share",
             .holds = std::abs(main.sides) <= main.side_limit});
     number({.name = "floor_load_smooth",
-            .value = smooth.floor,
-            .meaning = "floor over the weight, frictionless side walls",
+            .measured = smooth.floor,
+            .quantity = "floor over the weight, frictionless side walls",
             .expected = "1 within 1 %",
             .holds = smooth.at_rest && std::abs(smooth.floor - 1) <= 0.01,
             .digits = 6});
@@ -338,47 +338,48 @@ class Fig11 {
     const MeanValue rough = mean_value(samples.roughness), slope = mean_value(samples.slopes),
                     heap = mean_value(samples.heaps);
     number({.name = "packings",
-            .value = static_cast<double>(samples.roughness.size()),
-            .meaning = "packings, from different random starts"});
+            .measured = static_cast<double>(samples.roughness.size()),
+            .quantity = "packings, from different random starts"});
     number({.name = "side_least",
-            .value = *std::min_element(samples.sides.begin(), samples.sides.end()),
-            .meaning = "least share of the side walls' upward friction in the weight, last step of "
-                       "the packings",
+            .measured = *std::min_element(samples.sides.begin(), samples.sides.end()),
+            .quantity =
+                "least share of the side walls' upward friction in the weight, last step of "
+                "the packings",
             .digits = 2});
     number({.name = "side_most",
-            .value = *std::max_element(samples.sides.begin(), samples.sides.end()),
-            .meaning = "largest",
+            .measured = *std::max_element(samples.sides.begin(), samples.sides.end()),
+            .quantity = "largest",
             .digits = 2});
     number({.name = "roughness",
-            .value = rough.mean,
+            .measured = rough.mean,
             .unit = "diameters",
-            .meaning = "rms deviation of the surface from its mean height",
+            .quantity = "rms deviation of the surface from its mean height",
             .expected = "flat: below one diameter",
             .holds = rough.mean < 1,
             .digits = 2});
     number({.name = "slope",
-            .value = slope.mean,
+            .measured = slope.mean,
             .unit = "°",
-            .meaning = "slope of the surface, mean of the packings",
+            .quantity = "slope of the surface, mean of the packings",
             .expected = fmt::format("below {:.1f}° = arctan μ; heaps are steeper", steepest),
             .holds = std::abs(slope.mean) < steepest,
             .digits = 2});
     number({.name = "slope_confidence",
-            .value = slope.confidence,
+            .measured = slope.confidence,
             .unit = "°",
-            .meaning = "half width of its 95 % confidence interval",
+            .quantity = "half width of its 95 % confidence interval",
             .digits = 2});
     number({.name = "heap",
-            .value = heap.mean,
+            .measured = heap.mean,
             .unit = "°",
-            .meaning = "fall of the surface from the middle to the sides",
+            .quantity = "fall of the surface from the middle to the sides",
             .expected = fmt::format("no heap (the paper): below {:.1f}° = arctan μ", steepest),
             .holds = std::abs(heap.mean) < steepest,
             .digits = 2});
     number({.name = "heap_confidence",
-            .value = heap.confidence,
+            .measured = heap.confidence,
             .unit = "°",
-            .meaning = "half width of its 95 % confidence interval",
+            .quantity = "half width of its 95 % confidence interval",
             .digits = 2});
     result_.ours.emplace_back(
         "Flat top. Over {packings} packings the surface deviates by {roughness} (rms) from its "
@@ -393,29 +394,29 @@ class Fig11 {
     // Lilliefors' test of an exponential with a fitted mean: 1 % points at 1.308 / sqrt(n).
     const double critical = 1.308 / std::sqrt(static_cast<double>(pooled.points));
     number({.name = "tail_rate",
-            .value = rate.mean,
-            .meaning = "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, mean of the packings",
+            .measured = rate.mean,
+            .quantity = "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, mean of the packings",
             .digits = 2});
     number({.name = "tail_confidence",
-            .value = rate.confidence,
-            .meaning = "half width of its 95 % confidence interval, from the packings",
+            .measured = rate.confidence,
+            .quantity = "half width of its 95 % confidence interval, from the packings",
             .digits = 1});
     number({.name = "tail_forces",
-            .value = static_cast<double>(pooled.points),
-            .meaning = "forces in these tails"});
+            .measured = static_cast<double>(pooled.points),
+            .quantity = "forces in these tails"});
     number({.name = "tail_distance",
-            .value = pooled.distance,
-            .meaning = "largest distance between the distributions of the tail and of the fit",
+            .measured = pooled.distance,
+            .quantity = "largest distance between the distributions of the tail and of the fit",
             .expected = fmt::format("at most {:.3f} (Lilliefors' test, 1 %)", critical),
             .holds = pooled.distance <= critical,
             .digits = 2});
     number({.name = "tail_rate_layers",
-            .value = layer_rate.mean,
-            .meaning = "β with ⟨f⟩ of each of eight layers",
+            .measured = layer_rate.mean,
+            .quantity = "β with ⟨f⟩ of each of eight layers",
             .digits = 2});
     number({.name = "tail_layers_confidence",
-            .value = layer_rate.confidence,
-            .meaning = "half width of its 95 % confidence interval",
+            .measured = layer_rate.confidence,
+            .quantity = "half width of its 95 % confidence interval",
             .digits = 1});
     result_.ours.emplace_back(
         "Forces. The normal forces above 1.5 times their mean fall off exponentially, β = "
@@ -473,20 +474,20 @@ class Fig11 {
 
   void energy_numbers(const Settling& main, const Settling& inelastic) {
     const double released = main.released();
-    number({.name = "step", .value = step_, .unit = "s", .meaning = "time step h"});
+    number({.name = "step", .measured = step_, .unit = "s", .quantity = "time step h"});
     number({.name = "kinetic",
-            .value = main.kinetic / released,
-            .meaning = "kinetic energy at rest over the energy that the fall released, e_t = 1",
+            .measured = main.kinetic / released,
+            .quantity = "kinetic energy at rest over the energy that the fall released, e_t = 1",
             .digits = 2});
     number({.name = "moving",
-            .value = main.displacement / released,
-            .meaning = "the same of the velocities that displace the disks, e_t = 1",
+            .measured = main.displacement / released,
+            .quantity = "the same of the velocities that displace the disks, e_t = 1",
             .expected = "below 1e-9",
             .holds = main.at_rest,
             .digits = 2});
     number({.name = "kinetic_inelastic",
-            .value = inelastic.kinetic / inelastic.released(),
-            .meaning = "kinetic energy at rest over the energy released, e_t = 0",
+            .measured = inelastic.kinetic / inelastic.released(),
+            .quantity = "kinetic energy at rest over the energy released, e_t = 0",
             .expected = "below 1e-9",
             .holds = inelastic.at_rest,
             .digits = 2});
@@ -535,22 +536,22 @@ class Fig11 {
 
   void level_numbers(const GoingOn& going_on, double released) {
     number({.name = "bound",
-            .value = going_on.bounds.points[0].y,
-            .meaning = "what friction can hold: 3/8 (μ h)² Σ (Σ f_n)²/m over the energy released",
+            .measured = going_on.bounds.points[0].y,
+            .quantity = "what friction can hold: 3/8 (μ h)² Σ (Σ f_n)²/m over the energy released",
             .expected = "above the kinetic energy at rest, for each step",
             .holds = going_on.below,
             .digits = 2});
     number({.name = "smallest_step",
-            .value = going_on.smallest_step,
+            .measured = going_on.smallest_step,
             .unit = "s",
-            .meaning = "smallest step at rest",
+            .quantity = "smallest step at rest",
             .digits = 2});
-    PaperNumber smallest{.name = "kinetic_smallest",
-                         .value = going_on.last / released,
-                         .meaning =
-                             "kinetic energy at rest over the energy released, e_t = 1, "
-                             "smallest step",
-                         .digits = 2};
+    Claim smallest{.name = "kinetic_smallest",
+                   .measured = going_on.last / released,
+                   .quantity =
+                       "kinetic energy at rest over the energy released, e_t = 1, "
+                       "smallest step",
+                   .digits = 2};
     if (!context_.quick) {
       smallest.expected = "below 1e-9";
       smallest.holds = going_on.last < kRestEnergy * released;
@@ -563,22 +564,22 @@ class Fig11 {
     for (const ContactOutcome<2>& o : main.state.contacts)
       overlap = std::max(overlap, -o.contact.gap);
     number({.name = "overlap",
-            .value = overlap / 0.65e-3,
-            .meaning = "largest overlap at rest over the smallest radius (one step of the fall, "
-                       "never pushed back)",
+            .measured = overlap / 0.65e-3,
+            .quantity = "largest overlap at rest over the smallest radius (one step of the fall, "
+                        "never pushed back)",
             .digits = 2});
     number({.name = "met",
-            .value = static_cast<double>(main.run.converged) / main.run.steps,
-            .meaning = "share of the steps that met the tolerance 1e-4 within 1000 iterations, "
-                       "e_t = 1",
+            .measured = static_cast<double>(main.run.converged) / main.run.steps,
+            .quantity = "share of the steps that met the tolerance 1e-4 within 1000 iterations, "
+                        "e_t = 1",
             .digits = 2});
     number({.name = "error",
-            .value = main.run.mean_error,
-            .meaning = "ε of the steps, geometric mean, e_t = 1",
+            .measured = main.run.mean_error,
+            .quantity = "ε of the steps, geometric mean, e_t = 1",
             .digits = 2});
     number({.name = "met_inelastic",
-            .value = static_cast<double>(inelastic.run.converged) / inelastic.run.steps,
-            .meaning = "share of the steps that met it, e_t = 0",
+            .measured = static_cast<double>(inelastic.run.converged) / inelastic.run.steps,
+            .quantity = "share of the steps that met it, e_t = 0",
             .digits = 2});
   }
 
@@ -617,11 +618,11 @@ class Fig11 {
 
   const PaperContext& context_;
   double step_ = 0;
-  PaperResult result_;
+  Findings result_;
 };
 
 }  // namespace
 
-PaperResult run_fig11(const PaperContext& context) { return Fig11(context).run(); }
+Findings run_fig11(const PaperContext& context) { return Fig11(context).run(); }
 
 }  // namespace bipot

@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "bench/experiments/paper_items.h"
-#include "bench/experiments/paper_report.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
@@ -131,7 +130,7 @@ class Fig13 {
  public:
   explicit Fig13(const PaperContext& context) : context_(context) {}
 
-  PaperResult run() {
+  Findings run() {
     result_.paper =
         "ε against the iteration number, log–log, for a rectangular array: about twenty iterations "
         "of an unsteady start, put down to the zero initial forces, then fast convergence.";
@@ -144,7 +143,7 @@ class Fig13 {
   }
 
  private:
-  void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
+  void number(Claim n) { result_.claims.push_back(std::move(n)); }
 
   // Frictionless, the paper's step: every contact of a column is a Jacobi iteration of the column's
   // equations 2 s_k - s_{k-1} - s_{k+1} = m g h, with s_n = 0 above the top and, the floor's own
@@ -156,7 +155,7 @@ class Fig13 {
 
   /// The paper's method on lattices of several sizes, from zero impulses.
   void transient() {
-    PaperTable rows;
+    ClaimTable rows;
     rows.name = "transient";
     rows.caption =
         "`uzawa` with the paper's ρ, μ = 0. Reached: first iteration in which every row carries "
@@ -186,9 +185,9 @@ class Fig13 {
     }
     result_.tables.push_back(rows);
     number({.name = "tau_theory_5",
-            .value = slowest_time_constant(5),
+            .measured = slowest_time_constant(5),
             .unit = "iterations",
-            .meaning = "time constant of five rows by theory",
+            .quantity = "time constant of five rows by theory",
             .expected = "about 20 in the paper's figure",
             .digits = 3});
     result_.ours.emplace_back(
@@ -212,17 +211,17 @@ class Fig13 {
     int first_judged = 0;
     while (first_judged < side) first_judged = next_judged(first_judged);
     number({.name = fmt::format("reached_{}", side),
-            .value = static_cast<double>(reached),
+            .measured = static_cast<double>(reached),
             .unit = "iterations",
-            .meaning = fmt::format("{0} × {0}: until every row carries force", side),
+            .quantity = fmt::format("{0} × {0}: until every row carries force", side),
             .expected = fmt::format(
                 "{}, one row an iteration; seen at {}, the first one judged from there on", side,
                 first_judged),
             .holds = reached == first_judged});
     number({.name = fmt::format("tau_{}", side),
-            .value = measured,
+            .measured = measured,
             .unit = "iterations",
-            .meaning = fmt::format("{0} × {0}: time constant of the decay", side),
+            .quantity = fmt::format("{0} × {0}: time constant of the decay", side),
             .expected = fmt::format("−1/ln cos(π/2n) = {:.1f}, within 2 %", theory),
             .holds = std::abs(measured / theory - 1) <= 0.02});
   }
@@ -258,9 +257,9 @@ class Fig13 {
     }
     number(
         {.name = "raw_undefined",
-         .value = 100.0 * undefined / judged,
+         .measured = 100.0 * undefined / judged,
          .unit = "%",
-         .meaning = "upright lattices, μ = 0.3: judged iterations in which raw (42) is 0/0 or x/0",
+         .quantity = "upright lattices, μ = 0.3: judged iterations in which raw (42) is 0/0 or x/0",
          .digits = 3});
     result_.ours.emplace_back(
         "Momentum (`apgd`) turns the n² into n, and an interior-point step couples all rows at "
@@ -275,8 +274,8 @@ class Fig13 {
             : fmt::format(" done, ε = {} ({})", to_text(solved.error.guarded(), "", 2),
                           to_string(solved.status));
     number({.name = fmt::format("its_{}_{}", method.id, side),
-            .value = static_cast<double>(solved.iterations),
-            .meaning =
+            .measured = static_cast<double>(solved.iterations),
+            .quantity =
                 fmt::format("{1} × {1}, μ = 0.3, {0}: iterations{2}", method.name, side, outcome)});
   }
 
@@ -294,9 +293,9 @@ class Fig13 {
       chart.series.push_back(
           curve(fmt::format("raw (42), {}", method.name), method.style + 8, h, raw));
       number({.name = fmt::format("raw_end_{}", method.id),
-              .value = h.result.error.raw42,
-              .meaning = fmt::format("leaning lattice, {}: raw (42) where ε = {}", method.name,
-                                     to_text(h.result.error.guarded(), "", 1)),
+              .measured = h.result.error.raw42,
+              .quantity = fmt::format("leaning lattice, {}: raw (42) where ε = {}", method.name,
+                                      to_text(h.result.error.guarded(), "", 1)),
               .digits = 2});
     }
     result_.figures.push_back(
@@ -316,11 +315,11 @@ class Fig13 {
   }
 
   const PaperContext& context_;
-  PaperResult result_;
+  Findings result_;
 };
 
 }  // namespace
 
-PaperResult run_fig13(const PaperContext& context) { return Fig13(context).run(); }
+Findings run_fig13(const PaperContext& context) { return Fig13(context).run(); }
 
 }  // namespace bipot

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "bench/experiments/paper_items.h"
-#include "bench/experiments/paper_report.h"
 #include "bench/measure/iteration_growth.h"
 
 namespace bipot {
@@ -63,7 +62,7 @@ class Fig14 {
     add_case("pile", 0, "random: settled pile of three sizes", piles, 1e5);
   }
 
-  PaperResult run() {
+  Findings run() {
     for (const Case& c : cases_) {
       measure(c);
       if (context_.stopped()) return {};
@@ -175,10 +174,10 @@ class Fig14 {
         const GrowthFit* fit = fit_of("square", m.method.name, tol);
         PowerLaw law;
         if (fit != nullptr) law = fit->iterations;
-        PaperNumber n{
+        Claim n{
             .name = fmt::format("{}_{}", m.id, tol_text(tol)),
-            .value = law.exponent,
-            .meaning = fmt::format(
+            .measured = law.exponent,
+            .quantity = fmt::format(
                 "square lattice, {}, ε ≤ {}: exponent of the iterations, ± {} ({} sizes)",
                 m.method.name, tol_text(tol),
                 std::isfinite(law.confidence) ? fmt::format("{:.3f}", law.confidence) : "unknown",
@@ -195,7 +194,7 @@ class Fig14 {
           n.expected = "at most 0.15";
           if (fitted) n.holds = law.exponent <= 0.15;
         }
-        result_.numbers.push_back(std::move(n));
+        result_.claims.push_back(std::move(n));
       }
     }
     int met = 0, tried = 0;
@@ -206,18 +205,18 @@ class Fig14 {
       ++tried;
       met += is_success(row.status) ? 1 : 0;
     }
-    result_.numbers.push_back({.name = "work",
-                               .value = methods_[0].work,
-                               .meaning = "contact updates that a sweep method may take"});
+    result_.claims.push_back({.name = "work",
+                              .measured = methods_[0].work,
+                              .quantity = "contact updates that a sweep method may take"});
     const std::string other = command(cases_[1], methods_[0], "1e-2");
-    result_.numbers.push_back({.name = "paper_rho_tried",
-                               .value = static_cast<double>(tried),
-                               .meaning = "problems of the other scenes begun with the paper's ρ",
-                               .command = other + "10"});
-    result_.numbers.push_back({.name = "paper_rho_met",
-                               .value = static_cast<double>(met),
-                               .meaning = "of them, those in which ε ≤ 1e-2 was met",
-                               .command = other + "10"});
+    result_.claims.push_back({.name = "paper_rho_tried",
+                              .measured = static_cast<double>(tried),
+                              .quantity = "problems of the other scenes begun with the paper's ρ",
+                              .command = other + "10"});
+    result_.claims.push_back({.name = "paper_rho_met",
+                              .measured = static_cast<double>(met),
+                              .quantity = "of them, those in which ε ≤ 1e-2 was met",
+                              .command = other + "10"});
   }
 
   ChartSeries series(const std::string& name, int style, const std::string& family,
@@ -289,7 +288,7 @@ class Fig14 {
 
   void tables() {
     for (const Case& c : cases_) {
-      PaperTable table;
+      ClaimTable table;
       table.name = "exponents_" + c.scene.family;
       table.caption = fmt::format(
           "{}: exponent of the iterations in the number of disks, ± half of its 95 % confidence "
@@ -310,7 +309,7 @@ class Fig14 {
       }
       result_.tables.push_back(std::move(table));
     }
-    PaperTable rows;
+    ClaimTable rows;
     rows.name = "rows";
     rows.caption = "Every problem: iterations to each tolerance, and what the tightest achieved.";
     rows.columns = {"scene", "method", "disks", "contacts"};
@@ -346,11 +345,11 @@ class Fig14 {
   std::vector<Case> cases_;
   std::vector<GrowthRow> rows_;
   std::vector<GrowthFit> fits_;
-  PaperResult result_;
+  Findings result_;
 };
 
 }  // namespace
 
-PaperResult run_fig14(const PaperContext& context) { return Fig14(context).run(); }
+Findings run_fig14(const PaperContext& context) { return Fig14(context).run(); }
 
 }  // namespace bipot

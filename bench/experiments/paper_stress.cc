@@ -23,7 +23,7 @@ class StressItem {
  public:
   explicit StressItem(const PaperContext& context) : context_(context) {}
 
-  PaperResult run() {
+  Findings run() {
     result_.paper =
         "The conclusion names a consistent mean stress tensor of the granular system as future "
         "work; there are no values.";
@@ -43,7 +43,7 @@ class StressItem {
   }
 
  private:
-  void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
+  void number(Claim n) { result_.claims.push_back(std::move(n)); }
 
   Compression compressed(bool smooth) const {
     const int count = context_.quick ? 154 : 617;
@@ -78,19 +78,19 @@ class StressItem {
 
   void symmetry(const Compression& rough, const Compression& smooth) {
     number({.name = "disks",
-            .value = static_cast<double>(smooth.state.bodies.size()),
-            .meaning = "disks of the isotropic compression"});
+            .measured = static_cast<double>(smooth.state.bodies.size()),
+            .quantity = "disks of the isotropic compression"});
     number({.name = "asymmetry",
-            .value = std::max({smooth.flow.asymmetry, smooth.jammed.asymmetry, rough.flow.asymmetry,
-                               rough.jammed.asymmetry}),
-            .meaning = "largest |σ_xy − σ_yx|/(σ_xx + σ_yy) of a step, falling and jammed",
+            .measured = std::max({smooth.flow.asymmetry, smooth.jammed.asymmetry,
+                                  rough.flow.asymmetry, rough.jammed.asymmetry}),
+            .quantity = "largest |σ_xy − σ_yx|/(σ_xx + σ_yy) of a step, falling and jammed",
             .expected = "round-off: below 1e-12",
             .holds = std::max({smooth.flow.asymmetry, smooth.jammed.asymmetry, rough.flow.asymmetry,
                                rough.jammed.asymmetry}) < 1e-12,
             .digits = 2});
     number({.name = "contact_asymmetry",
-            .value = std::max({smooth.flow.contact_asymmetry, rough.flow.contact_asymmetry}),
-            .meaning = "the same of the contact part alone, falling",
+            .measured = std::max({smooth.flow.contact_asymmetry, rough.flow.contact_asymmetry}),
+            .quantity = "the same of the contact part alone, falling",
             .digits = 2});
   }
 
@@ -99,9 +99,9 @@ class StressItem {
     const CompressionPhase &jam = smooth.jammed, &rough_jam = rough.jammed;
     const double pressure_error = std::abs(0.5 * jam.stress.trace() / jam.wall_pressure - 1);
     number({.name = "pressure_error",
-            .value = pressure_error,
-            .meaning = "pressure against the walls' contact pressure, smooth walls, mean of the "
-                       "last 100 steps: relative difference",
+            .measured = pressure_error,
+            .quantity = "pressure against the walls' contact pressure, smooth walls, mean of the "
+                        "last 100 steps: relative difference",
             .expected = "at most 1 %",
             .holds = pressure_error <= 0.01,
             .digits = 2});
@@ -111,22 +111,22 @@ class StressItem {
       worst = std::max(worst, std::abs(smooth.pressure[k] / smooth.wall_pressure[k] - 1));
     }
     number({.name = "pressure_error_step",
-            .value = worst,
-            .meaning = "the same in the worst of these steps",
+            .measured = worst,
+            .quantity = "the same in the worst of these steps",
             .expected = "at most 1 %",
             .holds = worst <= 0.01,
             .digits = 2});
     const double traction = difference(rough_jam.stress, rough_jam.walls);
     number({.name = "traction_error",
-            .value = traction,
-            .meaning = "stress against the walls' normal and frictional forces Σ f ⊗ p / V, rough "
-                       "walls, mean of the last 100 steps, largest entry over the trace",
+            .measured = traction,
+            .quantity = "stress against the walls' normal and frictional forces Σ f ⊗ p / V, rough "
+                        "walls, mean of the last 100 steps, largest entry over the trace",
             .expected = "at most 1 %",
             .holds = traction <= 0.01,
             .digits = 2});
     number({.name = "friction_share",
-            .value = 0.5 * rough_jam.stress.trace() / rough_jam.wall_pressure,
-            .meaning = "pressure over the walls' normal pressure alone, rough walls",
+            .measured = 0.5 * rough_jam.stress.trace() / rough_jam.wall_pressure,
+            .quantity = "pressure over the walls' normal pressure alone, rough walls",
             .expected = "within 5 % = μ/2, what friction along the walls can add",
             .holds = std::abs(0.5 * rough_jam.stress.trace() / rough_jam.wall_pressure - 1) <= 0.05,
             .digits = 5});
@@ -138,12 +138,12 @@ class StressItem {
       kinetic = std::max(kinetic, rough.kinetic_pressure[k] / rough.applied_pressure[k]);
     }
     number({.name = "kinetic_most",
-            .value = kinetic,
-            .meaning = "largest kinetic pressure over the applied pressure, during the fall",
+            .measured = kinetic,
+            .quantity = "largest kinetic pressure over the applied pressure, during the fall",
             .digits = 2});
     number({.name = "kinetic_last",
-            .value = rough.kinetic_pressure.back() / rough.pressure.back(),
-            .meaning = "share of the kinetic part in the pressure after the last step",
+            .measured = rough.kinetic_pressure.back() / rough.pressure.back(),
+            .quantity = "share of the kinetic part in the pressure after the last step",
             .digits = 2});
   }
 
@@ -214,14 +214,14 @@ class StressItem {
       }
     }
     number({.name = "disks_error",
-            .value = difference(disks, whole.total()),
-            .meaning = "disks' stresses, weighted by their areas, against the sample's",
+            .measured = difference(disks, whole.total()),
+            .quantity = "disks' stresses, weighted by their areas, against the sample's",
             .expected = "round-off: below 1e-12",
             .holds = difference(disks, whole.total()) < 1e-12,
             .digits = 2});
     number({.name = "windows_error",
-            .value = difference(windows, whole.contact),
-            .meaning = "contact parts of 64 windows that tile the sample against the sample's",
+            .measured = difference(windows, whole.contact),
+            .quantity = "contact parts of 64 windows that tile the sample against the sample's",
             .expected = "round-off: below 1e-12",
             .holds = difference(windows, whole.contact) < 1e-12,
             .digits = 2});
@@ -258,10 +258,10 @@ class StressItem {
     chart.series = {theory, rows};
     number(
         {.name = "gravity_error",
-         .value = worst,
-         .meaning = fmt::format("σ_yy in the rows of a square lattice of {0} × {0} disks against "
-                                "ρ g depth, largest relative difference",
-                                side),
+         .measured = worst,
+         .quantity = fmt::format("σ_yy in the rows of a square lattice of {0} × {0} disks against "
+                                 "ρ g depth, largest relative difference",
+                                 side),
          .expected = "the solver's: below 1e-6",
          .holds = worst < 1e-6,
          .digits = 2});
@@ -276,11 +276,11 @@ class StressItem {
   }
 
   const PaperContext& context_;
-  PaperResult result_;
+  Findings result_;
 };
 
 }  // namespace
 
-PaperResult run_stress(const PaperContext& context) { return StressItem(context).run(); }
+Findings run_stress(const PaperContext& context) { return StressItem(context).run(); }
 
 }  // namespace bipot

@@ -54,11 +54,11 @@ Bounces bounce(const Scene<2>& shipped, double e_n, double step, const PaperCont
 
 }  // namespace
 
-PaperResult run_table1(const PaperContext& context) {
+Findings run_table1(const PaperContext& context) {
   constexpr double kHeight = 0.1;
   const Scene<2> shipped = read_scene(find_scene("bouncing_ball"));
   const double g = -shipped.gravity[1];
-  PaperResult result;
+  Findings result;
   result.paper =
       "A ball dropped from 0.10 m on a plane, time step 1e-4 s. With e_n = 1 heights and times of "
       "the bounces are exact to the digits printed; with e_n = 0.9 the heights of the first two "
@@ -69,12 +69,12 @@ PaperResult run_table1(const PaperContext& context) {
   film.y = {"height above the plane (m)", ChartAxis::Kind::kLinear, 0.0, 0.1};
   const auto number = [&](std::string name, double value, std::string unit, std::string meaning,
                           std::string expected, std::optional<bool> holds) {
-    result.numbers.push_back({.name = std::move(name),
-                              .value = value,
-                              .unit = std::move(unit),
-                              .meaning = std::move(meaning),
-                              .expected = std::move(expected),
-                              .holds = holds});
+    result.claims.push_back({.name = std::move(name),
+                             .measured = value,
+                             .unit = std::move(unit),
+                             .quantity = std::move(meaning),
+                             .expected = std::move(expected),
+                             .holds = holds});
   };
   // The paper's relative errors in percent: heights and times of the bounces 1 and 2.
   constexpr double kPaper[2][2][2] = {{{0, 0}, {0, 0}}, {{2.1, 5.6}, {0.3, 0.4}}};
@@ -106,7 +106,7 @@ PaperResult run_table1(const PaperContext& context) {
                fmt::format("at most {:.2f} %, the length of a step; the paper's: {:g} %",
                            100 * bound, paper),
                error <= 100 * bound);
-        result.numbers.back().digits = 2;
+        result.claims.back().digits = 2;
       };
       compared("height", "m", here_h, height, 2 * v0 * h / kHeight, kPaper[k][0][p - 1]);
       compared("time", "s", here_t, time, 2 * h / time, kPaper[k][1][p - 1]);

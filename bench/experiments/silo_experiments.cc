@@ -188,15 +188,13 @@ ValidationExperiment janssen() {
         {length / (kSiloWidth / (2 * m * k)), 0,
          fmt::format("λ = {:.2f} widths, K = {:.2f}, m = {:.2f}, rms misfit {:.1f} %",
                      length / kSiloWidth, k, m, 100 * rms)}};
-    ValidationFigure figure;
-    figure.name = "janssen";
-    figure.group = kSilo;
+    ClaimFigure figure{.name = "janssen", .chart = Chart{}};
     figure.caption =
         "Vertical load against depth in a silo 8 disks wide whose floor sinks slowly: weight above less the walls' "
         "friction above. Line: Janssen's exponential with the fitted length; dashes: the weight alone.";
-    figure.chart.title = "Load in a silo";
-    figure.chart.x = {.label = "depth over width"};
-    figure.chart.y = {.label = "vertical load over the weight"};
+    figure.chart->title = "Load in a silo";
+    figure.chart->x = {.label = "depth over width"};
+    figure.chart->y = {.label = "vertical load over the weight"};
     ChartSeries points, fit, weight;
     points.name = "measured";
     points.kind = ChartSeries::Kind::kPoints;
@@ -211,7 +209,7 @@ ValidationExperiment janssen() {
       fit.points.push_back({z / kSiloWidth, length / full.height * (1 - std::exp(-z / length))});
       weight.points.push_back({z / kSiloWidth, z / full.height});
     }
-    figure.chart.series = {points, fit, weight};
+    figure.chart->series = {points, fit, weight};
     outcome.figures = {figure};
     return outcome;
   };
@@ -312,15 +310,13 @@ ValidationExperiment beverloo() {
          fmt::format("{:.2f} √g ρ (D - 1.4 d)^{:.2f}",
                      law.prefactor * std::numbers::pi / std::sqrt(kGravity), law.exponent)},
         {ratio.mean, ratio.confidence}};
-    ValidationFigure figure;
-    figure.name = "beverloo";
-    figure.group = kSilo;
+    ClaimFigure figure{.name = "beverloo", .chart = Chart{}};
     figure.caption =
         "Discharge rate to the power 2/3 against the width of the hole: Beverloo's law is a straight line that meets zero at k d. "
         "Line: through k = 1.4 with the exponent 3/2.";
-    figure.chart.title = "Discharge of a silo";
-    figure.chart.x = {.label = "hole over mean diameter"};
-    figure.chart.y = {.label = "rate^(2/3)"};
+    figure.chart->title = "Discharge of a silo";
+    figure.chart->x = {.label = "hole over mean diameter"};
+    figure.chart->y = {.label = "rate^(2/3)"};
     ChartSeries line;
     line.name = "k = 1.4";
     line.style = 1;
@@ -330,7 +326,7 @@ ValidationExperiment beverloo() {
       slope += std::pow(rates[k], 2.0 / 3) / widths[k] / static_cast<double>(rates.size());
     }
     for (const double hole : {1.4, 10.0}) line.points.push_back({hole, slope * (hole - 1.4)});
-    figure.chart.series = {points, line};
+    figure.chart->series = {points, line};
     outcome.figures = {figure};
     return outcome;
   };
