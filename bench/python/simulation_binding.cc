@@ -334,8 +334,8 @@ void bind_bodies(Class& bound) {
                           py::cast(self));
     };
   };
-  bound.def_property_readonly("positions", vectors(&Body<D>::x), "(n, 2), in space (n, 3) [m]")
-      .def_property_readonly("velocities", vectors(&Body<D>::v), "(n, 2), in space (n, 3) [m/s]")
+  bound.def_property_readonly("positions", vectors(&Body<D>::x), "(n, 2), in 3D (n, 3) [m]")
+      .def_property_readonly("velocities", vectors(&Body<D>::v), "(n, 2), in 3D (n, 3) [m/s]")
       .def_property_readonly("radii", scalars(&Body<D>::radius), "(n,) [m]")
       .def_property_readonly("masses", scalars(&Body<D>::mass), "(n,) [kg]");
   if constexpr (D == 2) {
