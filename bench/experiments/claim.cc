@@ -6,6 +6,7 @@
 #include <cmath>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 namespace bipot {
 namespace {
@@ -72,6 +73,34 @@ void give_command(std::vector<Part>& parts, const std::string& command) {
 }
 
 }  // namespace
+
+Claim& Findings::state(std::string name, double measured, std::string unit, std::string quantity,
+                       int digits) {
+  return check(std::move(name), measured, std::move(unit), std::move(quantity), {}, {}, digits);
+}
+
+Claim& Findings::check(std::string name, double measured, std::string unit, std::string quantity,
+                       std::string expected, std::optional<bool> holds, int digits) {
+  return claims.emplace_back(Claim{.name = std::move(name),
+                                   .measured = measured,
+                                   .unit = std::move(unit),
+                                   .quantity = std::move(quantity),
+                                   .expected = std::move(expected),
+                                   .holds = holds,
+                                   .digits = digits});
+}
+
+void Findings::draw(std::string name, std::string caption, Chart chart, std::optional<int> after) {
+  figures.push_back({.name = std::move(name),
+                     .caption = std::move(caption),
+                     .chart = std::move(chart),
+                     .after = after});
+}
+
+void Findings::show(std::string name, std::string caption, std::optional<int> after) {
+  figures.push_back(
+      {.name = name, .caption = std::move(caption), .file = name + ".svg", .after = after});
+}
 
 void complete(Findings& findings, const std::string& command) {
   require_own_names(findings.claims, "numbers");

@@ -51,6 +51,17 @@ struct Findings {
   std::vector<Claim> claims;
   std::vector<ClaimFigure> figures;
   std::vector<ClaimTable> tables;
+
+  /// Adds a number that texts state.
+  Claim& state(std::string name, double measured, std::string unit, std::string quantity,
+               int digits = 4);
+  /// Adds one that theory or the paper says something of; without `holds` both stand side by side.
+  Claim& check(std::string name, double measured, std::string unit, std::string quantity,
+               std::string expected, std::optional<bool> holds, int digits = 4);
+  /// Adds a chart, behind the paragraph `after`.
+  void draw(std::string name, std::string caption, Chart chart, std::optional<int> after = {});
+  /// Adds the picture <name>.svg of the folder.
+  void show(std::string name, std::string caption, std::optional<int> after = {});
 };
 
 /// Replaces "{name}" by the claims' values; gives `command` to all without one. Throws

@@ -271,47 +271,34 @@ class Fig11 {
   }
 
  private:
-  void number(Claim n) { result_.claims.push_back(std::move(n)); }
-
   void picture(const Settling& main) {
     ForcePictureOptions options;
     options.take_off = false;
     options.width = 600;  // the page shows it about as large
     draw_force_picture(context_.out / "fig11_forces.svg", main.scene, main.state,
                        fmt::format("342 disks at rest, t = {:.3f} s", main.state.time), options);
-    result_.figures.push_back({.name = "fig11_forces",
-                               .caption = "Force chains at rest: segments between centres as wide "
-                                          "as the normal force.",
-                               .file = "fig11_forces.svg",
-                               .after = 0});
+    result_.show("fig11_forces",
+                 "Force chains at rest: segments between centres as wide "
+                 "as the normal force.",
+                 0);
   }
 
   void load(const Settling& main, const Settling& smooth) {
     const double both = main.floor + main.sides;
-    number({.name = "vertical_load",
-            .measured = both,
-            .quantity = "floor and side walls together over the weight, mean of the last 100 steps",
-            .expected = "1 within 1 % (momentum)",
-            .holds = main.at_rest && std::abs(both - 1) <= 0.01,
-            .digits = 6});
-    number({.name = "floor_load",
-            .measured = main.floor,
-            .quantity = "floor alone over the weight, side walls with μ = 0.1"});
-    number({.name = "side_load",
-            .measured = main.sides,
-            .quantity = "upward friction of both side walls over the weight (negative: downward)"});
-    number({.name = "side_limit",
-            .measured = main.side_limit,
-            .quantity = "most that the side walls' friction could carry, μ times their normal "
-                        "force over the weight",
-            .expected = "at least the side walls' share",
-            .holds = std::abs(main.sides) <= main.side_limit});
-    number({.name = "floor_load_smooth",
-            .measured = smooth.floor,
-            .quantity = "floor over the weight, frictionless side walls",
-            .expected = "1 within 1 %",
-            .holds = smooth.at_rest && std::abs(smooth.floor - 1) <= 0.01,
-            .digits = 6});
+    result_.check("vertical_load", both, "",
+                  "floor and side walls together over the weight, mean of the last 100 steps",
+                  "1 within 1 % (momentum)", main.at_rest && std::abs(both - 1) <= 0.01, 6);
+    result_.state("floor_load", main.floor, "",
+                  "floor alone over the weight, side walls with μ = 0.1");
+    result_.state("side_load", main.sides, "",
+                  "upward friction of both side walls over the weight (negative: downward)");
+    result_.check("side_limit", main.side_limit, "",
+                  "most that the side walls' friction could carry, μ times their normal "
+                  "force over the weight",
+                  "at least the side walls' share", std::abs(main.sides) <= main.side_limit);
+    result_.check("floor_load_smooth", smooth.floor, "",
+                  "floor over the weight, frictionless side walls", "1 within 1 %",
+                  smooth.at_rest && std::abs(smooth.floor - 1) <= 0.01, 6);
     result_.ours.emplace_back(
         "Base load. Floor and side walls carry {vertical_load} of the weight together. Friction on "
         "the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory the "
@@ -337,50 +324,27 @@ class Fig11 {
   void surface(const Samples& samples, double steepest) {
     const MeanValue rough = mean_value(samples.roughness), slope = mean_value(samples.slopes),
                     heap = mean_value(samples.heaps);
-    number({.name = "packings",
-            .measured = static_cast<double>(samples.roughness.size()),
-            .quantity = "packings, from different random starts"});
-    number({.name = "side_least",
-            .measured = *std::min_element(samples.sides.begin(), samples.sides.end()),
-            .quantity =
-                "least share of the side walls' upward friction in the weight, last step of "
-                "the packings",
-            .digits = 2});
-    number({.name = "side_most",
-            .measured = *std::max_element(samples.sides.begin(), samples.sides.end()),
-            .quantity = "largest",
-            .digits = 2});
-    number({.name = "roughness",
-            .measured = rough.mean,
-            .unit = "diameters",
-            .quantity = "rms deviation of the surface from its mean height",
-            .expected = "flat: below one diameter",
-            .holds = rough.mean < 1,
-            .digits = 2});
-    number({.name = "slope",
-            .measured = slope.mean,
-            .unit = "°",
-            .quantity = "slope of the surface, mean of the packings",
-            .expected = fmt::format("below {:.1f}° = arctan μ; heaps are steeper", steepest),
-            .holds = std::abs(slope.mean) < steepest,
-            .digits = 2});
-    number({.name = "slope_confidence",
-            .measured = slope.confidence,
-            .unit = "°",
-            .quantity = "half width of its 95 % confidence interval",
-            .digits = 2});
-    number({.name = "heap",
-            .measured = heap.mean,
-            .unit = "°",
-            .quantity = "fall of the surface from the middle to the sides",
-            .expected = fmt::format("no heap (the paper): below {:.1f}° = arctan μ", steepest),
-            .holds = std::abs(heap.mean) < steepest,
-            .digits = 2});
-    number({.name = "heap_confidence",
-            .measured = heap.confidence,
-            .unit = "°",
-            .quantity = "half width of its 95 % confidence interval",
-            .digits = 2});
+    result_.state("packings", samples.roughness.size(), "",
+                  "packings, from different random starts");
+    result_.state("side_least", *std::min_element(samples.sides.begin(), samples.sides.end()), "",
+                  "least share of the side walls' upward friction in the weight, last step of "
+                  "the packings",
+                  2);
+    result_.state("side_most", *std::max_element(samples.sides.begin(), samples.sides.end()), "",
+                  "largest", 2);
+    result_.check("roughness", rough.mean, "diameters",
+                  "rms deviation of the surface from its mean height", "flat: below one diameter",
+                  rough.mean < 1, 2);
+    result_.check("slope", slope.mean, "°", "slope of the surface, mean of the packings",
+                  fmt::format("below {:.1f}° = arctan μ; heaps are steeper", steepest),
+                  std::abs(slope.mean) < steepest, 2);
+    result_.state("slope_confidence", slope.confidence, "°",
+                  "half width of its 95 % confidence interval", 2);
+    result_.check("heap", heap.mean, "°", "fall of the surface from the middle to the sides",
+                  fmt::format("no heap (the paper): below {:.1f}° = arctan μ", steepest),
+                  std::abs(heap.mean) < steepest, 2);
+    result_.state("heap_confidence", heap.confidence, "°",
+                  "half width of its 95 % confidence interval", 2);
     result_.ours.emplace_back(
         "Flat top. Over {packings} packings the surface deviates by {roughness} (rms) from its "
         "mean height; its slope is {slope} ± {slope_confidence}, its fall from the middle to the "
@@ -393,31 +357,18 @@ class Fig11 {
     const ExponentialTail pooled = fit_exponential_tail(samples.forces, kTailFrom);
     // Lilliefors' test of an exponential with a fitted mean: 1 % points at 1.308 / sqrt(n).
     const double critical = 1.308 / std::sqrt(static_cast<double>(pooled.points));
-    number({.name = "tail_rate",
-            .measured = rate.mean,
-            .quantity = "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, mean of the packings",
-            .digits = 2});
-    number({.name = "tail_confidence",
-            .measured = rate.confidence,
-            .quantity = "half width of its 95 % confidence interval, from the packings",
-            .digits = 1});
-    number({.name = "tail_forces",
-            .measured = static_cast<double>(pooled.points),
-            .quantity = "forces in these tails"});
-    number({.name = "tail_distance",
-            .measured = pooled.distance,
-            .quantity = "largest distance between the distributions of the tail and of the fit",
-            .expected = fmt::format("at most {:.3f} (Lilliefors' test, 1 %)", critical),
-            .holds = pooled.distance <= critical,
-            .digits = 2});
-    number({.name = "tail_rate_layers",
-            .measured = layer_rate.mean,
-            .quantity = "β with ⟨f⟩ of each of eight layers",
-            .digits = 2});
-    number({.name = "tail_layers_confidence",
-            .measured = layer_rate.confidence,
-            .quantity = "half width of its 95 % confidence interval",
-            .digits = 1});
+    result_.state("tail_rate", rate.mean, "",
+                  "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, mean of the packings", 2);
+    result_.state("tail_confidence", rate.confidence, "",
+                  "half width of its 95 % confidence interval, from the packings", 1);
+    result_.state("tail_forces", pooled.points, "", "forces in these tails");
+    result_.check("tail_distance", pooled.distance, "",
+                  "largest distance between the distributions of the tail and of the fit",
+                  fmt::format("at most {:.3f} (Lilliefors' test, 1 %)", critical),
+                  pooled.distance <= critical, 2);
+    result_.state("tail_rate_layers", layer_rate.mean, "", "β with ⟨f⟩ of each of eight layers", 2);
+    result_.state("tail_layers_confidence", layer_rate.confidence, "",
+                  "half width of its 95 % confidence interval", 1);
     result_.ours.emplace_back(
         "Forces. The normal forces above 1.5 times their mean fall off exponentially, β = "
         "{tail_rate} ± {tail_confidence}. Part of that spread is depth: relative to the mean of "
@@ -437,13 +388,12 @@ class Fig11 {
     };
     add("mean of the packing", 0, samples.forces);
     add("mean of the layer", 2, samples.layered);
-    result_.figures.push_back({.name = "fig11_distribution",
-                               .caption = fmt::format("Normal forces of {} packings, relative to "
-                                                      "their mean, and exponentials fitted from "
-                                                      "1.5 on.",
-                                                      samples.roughness.size()),
-                               .chart = chart,
-                               .after = 2});
+    result_.draw("fig11_distribution",
+                 fmt::format("Normal forces of {} packings, relative to "
+                             "their mean, and exponentials fitted from "
+                             "1.5 on.",
+                             samples.roughness.size()),
+                 chart, 2);
   }
 
   /// How the packing comes to rest; takes `main` further with smaller steps.
@@ -474,23 +424,15 @@ class Fig11 {
 
   void energy_numbers(const Settling& main, const Settling& inelastic) {
     const double released = main.released();
-    number({.name = "step", .measured = step_, .unit = "s", .quantity = "time step h"});
-    number({.name = "kinetic",
-            .measured = main.kinetic / released,
-            .quantity = "kinetic energy at rest over the energy that the fall released, e_t = 1",
-            .digits = 2});
-    number({.name = "moving",
-            .measured = main.displacement / released,
-            .quantity = "the same of the velocities that displace the disks, e_t = 1",
-            .expected = "below 1e-9",
-            .holds = main.at_rest,
-            .digits = 2});
-    number({.name = "kinetic_inelastic",
-            .measured = inelastic.kinetic / inelastic.released(),
-            .quantity = "kinetic energy at rest over the energy released, e_t = 0",
-            .expected = "below 1e-9",
-            .holds = inelastic.at_rest,
-            .digits = 2});
+    result_.state("step", step_, "s", "time step h");
+    result_.state("kinetic", main.kinetic / released, "",
+                  "kinetic energy at rest over the energy that the fall released, e_t = 1", 2);
+    result_.check("moving", main.displacement / released, "",
+                  "the same of the velocities that displace the disks, e_t = 1", "below 1e-9",
+                  main.at_rest, 2);
+    result_.check("kinetic_inelastic", inelastic.kinetic / inelastic.released(), "",
+                  "kinetic energy at rest over the energy released, e_t = 0", "below 1e-9",
+                  inelastic.at_rest, 2);
   }
 
   /// A packing at rest with e_t = 1, taken further with smaller and smaller steps.
@@ -535,17 +477,10 @@ class Fig11 {
   }
 
   void level_numbers(const GoingOn& going_on, double released) {
-    number({.name = "bound",
-            .measured = going_on.bounds.points[0].y,
-            .quantity = "what friction can hold: 3/8 (μ h)² Σ (Σ f_n)²/m over the energy released",
-            .expected = "above the kinetic energy at rest, for each step",
-            .holds = going_on.below,
-            .digits = 2});
-    number({.name = "smallest_step",
-            .measured = going_on.smallest_step,
-            .unit = "s",
-            .quantity = "smallest step at rest",
-            .digits = 2});
+    result_.check("bound", going_on.bounds.points[0].y, "",
+                  "what friction can hold: 3/8 (μ h)² Σ (Σ f_n)²/m over the energy released",
+                  "above the kinetic energy at rest, for each step", going_on.below, 2);
+    result_.state("smallest_step", going_on.smallest_step, "s", "smallest step at rest", 2);
     Claim smallest{.name = "kinetic_smallest",
                    .measured = going_on.last / released,
                    .quantity =
@@ -556,31 +491,25 @@ class Fig11 {
       smallest.expected = "below 1e-9";
       smallest.holds = going_on.last < kRestEnergy * released;
     }
-    number(smallest);
+    result_.claims.push_back(smallest);
   }
 
   void solve_numbers(const Settling& main, const Settling& inelastic) {
     double overlap = 0;
     for (const ContactOutcome<2>& o : main.state.contacts)
       overlap = std::max(overlap, -o.contact.gap);
-    number({.name = "overlap",
-            .measured = overlap / 0.65e-3,
-            .quantity = "largest overlap at rest over the smallest radius (one step of the fall, "
-                        "never pushed back)",
-            .digits = 2});
-    number({.name = "met",
-            .measured = static_cast<double>(main.run.converged) / main.run.steps,
-            .quantity = "share of the steps that met the tolerance 1e-4 within 1000 iterations, "
-                        "e_t = 1",
-            .digits = 2});
-    number({.name = "error",
-            .measured = main.run.mean_error,
-            .quantity = "ε of the steps, geometric mean, e_t = 1",
-            .digits = 2});
-    number({.name = "met_inelastic",
-            .measured = static_cast<double>(inelastic.run.converged) / inelastic.run.steps,
-            .quantity = "share of the steps that met it, e_t = 0",
-            .digits = 2});
+    result_.state("overlap", overlap / 0.65e-3, "",
+                  "largest overlap at rest over the smallest radius (one step of the fall, "
+                  "never pushed back)",
+                  2);
+    result_.state("met", static_cast<double>(main.run.converged) / main.run.steps, "",
+                  "share of the steps that met the tolerance 1e-4 within 1000 iterations, "
+                  "e_t = 1",
+                  2);
+    result_.state("error", main.run.mean_error, "", "ε of the steps, geometric mean, e_t = 1", 2);
+    result_.state("met_inelastic",
+                  static_cast<double>(inelastic.run.converged) / inelastic.run.steps, "",
+                  "share of the steps that met it, e_t = 0", 2);
   }
 
   void decay_chart(const std::vector<ChartPoint>& elastic,
@@ -593,11 +522,10 @@ class Fig11 {
     for (ChartSeries& series : decay.series) series.kind = ChartSeries::Kind::kLine;
     decay.y_line = kRestEnergy;
     decay.y_line_label = "1e-9";
-    result_.figures.push_back({.name = "fig11_rest",
-                               .caption = "Kinetic energy over the energy that the fall has "
-                                          "released so far.",
-                               .chart = decay,
-                               .after = 3});
+    result_.draw("fig11_rest",
+                 "Kinetic energy over the energy that the fall has "
+                 "released so far.",
+                 decay, 3);
   }
 
   void level_chart(const GoingOn& going_on) {
@@ -608,12 +536,10 @@ class Fig11 {
     level.series = {going_on.levels, going_on.bounds};
     level.y_line = kRestEnergy;
     level.y_line_label = "1e-9";
-    result_.figures.push_back({.name = "fig11_level",
-                               .caption =
-                                   "The packing with e_t = 1, at rest, taken further with "
-                                   "smaller and smaller steps; bound: 3/8 (μ h)² Σ (Σ f_n)²/m.",
-                               .chart = level,
-                               .after = 3});
+    result_.draw("fig11_level",
+                 "The packing with e_t = 1, at rest, taken further with "
+                 "smaller and smaller steps; bound: 3/8 (μ h)² Σ (Σ f_n)²/m.",
+                 level, 3);
   }
 
   const PaperContext& context_;

@@ -122,8 +122,6 @@ class Fig12 {
   }
 
  private:
-  void number(Claim n) { result_.claims.push_back(std::move(n)); }
-
   void pictures(const Compression& main) {
     const State<2> mean = main.jammed.contacts.in(main.state);
     double largest = 0;
@@ -139,7 +137,7 @@ class Fig12 {
     const auto draw = [&](const char* name, const State<2>& state, const std::string& caption) {
       const std::string file = std::string(name) + ".svg";
       draw_force_picture(context_.out / file, main.scene, state, "", options);
-      result_.figures.push_back({.name = name, .caption = caption, .file = file, .after = 1});
+      result_.show(name, caption, 1);
     };
     draw("fig12_before", main.previous, "Force chains after 299 steps.");
     draw("fig12_end", main.state, "Force chains after 300 steps, one later. Same scale.");
@@ -151,96 +149,54 @@ class Fig12 {
 
   void falling_numbers(const Compression& main) {
     const CompressionPhase& flow = main.flow;
-    number({.name = "disks",
-            .measured = static_cast<double>(main.state.bodies.size()),
-            .quantity = "disks; density 7800 kg/m³, a wall has 20 kg for 2470 disks"});
-    number({.name = "solid_fraction",
-            .measured = main.solid_fraction,
-            .quantity = "solid fraction at the end"});
-    number({.name = "coordination",
-            .measured = main.coordination,
-            .quantity = "loaded contacts of a disk, mean of the last 100 steps",
-            .digits = 3});
-    number({.name = "flow_steps",
-            .measured = static_cast<double>(flow.steps),
-            .quantity = "steps of the fall: kinetic energy above a tenth of its largest value"});
-    number({.name = "flow_lag1",
-            .measured = at_lag(flow, 1),
-            .quantity = "correlation of the forces of consecutive steps, during the fall",
-            .digits = 2});
-    number(
-        {.name = "flow_variation",
-         .measured = flow.variation,
-         .quantity = "variation of the pressure over 8 × 8 windows, single steps of the fall, mean",
-         .digits = 2});
-    number({.name = "flow_variation_mean",
-            .measured = flow.mean_windows.variation,
-            .quantity = "the same of the mean over the fall",
-            .expected = "less than of the single steps",
-            .holds = flow.mean_windows.variation < flow.variation,
-            .digits = 2});
-    number(
-        {.name = "flow_side",
-         .measured = flow.horizontal,
-         .quantity = "(right half − left half)/sum of the pressure, rms over the steps of the fall",
-         .digits = 2});
-    number({.name = "flow_side_mean",
-            .measured = std::abs(flow.mean_windows.horizontal),
-            .quantity = "the same of the mean over the fall, absolute",
-            .expected = "less than of the single steps",
-            .holds = std::abs(flow.mean_windows.horizontal) < flow.horizontal,
-            .digits = 2});
+    result_.state("disks", main.state.bodies.size(), "",
+                  "disks; density 7800 kg/m³, a wall has 20 kg for 2470 disks");
+    result_.state("solid_fraction", main.solid_fraction, "", "solid fraction at the end");
+    result_.state("coordination", main.coordination, "",
+                  "loaded contacts of a disk, mean of the last 100 steps", 3);
+    result_.state("flow_steps", flow.steps, "",
+                  "steps of the fall: kinetic energy above a tenth of its largest value");
+    result_.state("flow_lag1", at_lag(flow, 1), "",
+                  "correlation of the forces of consecutive steps, during the fall", 2);
+    result_.state("flow_variation", flow.variation, "",
+                  "variation of the pressure over 8 × 8 windows, single steps of the fall, mean",
+                  2);
+    result_.check("flow_variation_mean", flow.mean_windows.variation, "",
+                  "the same of the mean over the fall", "less than of the single steps",
+                  flow.mean_windows.variation < flow.variation, 2);
+    result_.state("flow_side", flow.horizontal, "",
+                  "(right half − left half)/sum of the pressure, rms over the steps of the fall",
+                  2);
+    result_.check("flow_side_mean", std::abs(flow.mean_windows.horizontal), "",
+                  "the same of the mean over the fall, absolute", "less than of the single steps",
+                  std::abs(flow.mean_windows.horizontal) < flow.horizontal, 2);
   }
 
   void jammed_numbers(const Compression& main) {
     const CompressionPhase& jam = main.jammed;
-    number({.name = "jam_lag1",
-            .measured = at_lag(jam, 1),
-            .quantity = "correlation of the forces of consecutive steps, last 100 steps",
-            .digits = 3});
-    number({.name = "jam_lag2",
-            .measured = at_lag(jam, 2),
-            .quantity = "of steps that are two apart",
-            .expected = "above that of consecutive steps: e_t = 1 repeats every second step",
-            .holds = at_lag(jam, 2) > at_lag(jam, 1),
-            .digits = 3});
-    number({.name = "stress_anisotropy",
-            .measured = jam.anisotropy,
-            .quantity = "(σ₁ − σ₂)/(σ₁ + σ₂) of single steps, mean of the last 100",
-            .digits = 2});
-    number({.name = "stress_anisotropy_mean",
-            .measured = anisotropy(jam.stress),
-            .quantity = "of the mean stress of the last 100 steps",
-            .expected = "at most that of the single steps",
-            .holds = anisotropy(jam.stress) <= jam.anisotropy,
-            .digits = 2});
+    result_.state("jam_lag1", at_lag(jam, 1), "",
+                  "correlation of the forces of consecutive steps, last 100 steps", 3);
+    result_.check("jam_lag2", at_lag(jam, 2), "", "of steps that are two apart",
+                  "above that of consecutive steps: e_t = 1 repeats every second step",
+                  at_lag(jam, 2) > at_lag(jam, 1), 3);
+    result_.state("stress_anisotropy", jam.anisotropy, "",
+                  "(σ₁ − σ₂)/(σ₁ + σ₂) of single steps, mean of the last 100", 2);
+    result_.check("stress_anisotropy_mean", anisotropy(jam.stress), "",
+                  "of the mean stress of the last 100 steps", "at most that of the single steps",
+                  anisotropy(jam.stress) <= jam.anisotropy, 2);
     const double mean_fabric = anisotropy(fabric_tensor(jam.contacts.in(main.state)));
-    number({.name = "fabric_anisotropy",
-            .measured = jam.fabric_anisotropy,
-            .quantity = "the same of the fabric Σ n ⊗ n / N of the loaded contacts, single steps",
-            .digits = 2});
-    number({.name = "fabric_anisotropy_mean",
-            .measured = mean_fabric,
-            .quantity = "of all contacts that were loaded in the last 100 steps",
-            .digits = 2});
-    number({.name = "jam_variation",
-            .measured = jam.variation,
-            .quantity = "variation of the pressure over the windows, single steps, last 100",
-            .digits = 3});
-    number({.name = "jam_variation_mean",
-            .measured = jam.mean_windows.variation,
-            .quantity = "of the mean over them",
-            .expected = "less than of the single steps",
-            .holds = jam.mean_windows.variation < jam.variation,
-            .digits = 3});
-    number({.name = "jam_side",
-            .measured = jam.horizontal,
-            .quantity = "(right half − left half)/sum, single steps, rms of the last 100",
-            .digits = 2});
-    number({.name = "jam_side_mean",
-            .measured = std::abs(jam.mean_windows.horizontal),
-            .quantity = "of the mean over them, absolute",
-            .digits = 2});
+    result_.state("fabric_anisotropy", jam.fabric_anisotropy, "",
+                  "the same of the fabric Σ n ⊗ n / N of the loaded contacts, single steps", 2);
+    result_.state("fabric_anisotropy_mean", mean_fabric, "",
+                  "of all contacts that were loaded in the last 100 steps", 2);
+    result_.state("jam_variation", jam.variation, "",
+                  "variation of the pressure over the windows, single steps, last 100", 3);
+    result_.check("jam_variation_mean", jam.mean_windows.variation, "", "of the mean over them",
+                  "less than of the single steps", jam.mean_windows.variation < jam.variation, 3);
+    result_.state("jam_side", jam.horizontal, "",
+                  "(right half − left half)/sum, single steps, rms of the last 100", 2);
+    result_.state("jam_side_mean", std::abs(jam.mean_windows.horizontal), "",
+                  "of the mean over them, absolute", 2);
   }
 
   void homogeneity_text() {
@@ -275,48 +231,33 @@ class Fig12 {
       return s;
     };
     chart.series = {series("falling", 0, main.flow), series("jammed", 1, main.jammed)};
-    result_.figures.push_back({.name = "fig12_correlation",
-                               .caption = "Correlation of the normal forces of two steps, pair by "
-                                          "pair, mean over all such steps.",
-                               .chart = chart,
-                               .after = 1});
+    result_.draw("fig12_correlation",
+                 "Correlation of the normal forces of two steps, pair by "
+                 "pair, mean over all such steps.",
+                 chart, 1);
   }
 
   void walls(const Compression& main) {
     const CompressionPhase& jam = main.jammed;
-    number({.name = "wall_balance",
-            .measured = main.wall_balance,
-            .quantity =
-                "largest |contact force on a wall − (5000 N − mass × acceleration)| over the "
-                "applied force, all steps",
-            .expected = "round-off",
-            .holds = main.wall_balance <= 1e-9,
-            .digits = 2});
+    result_.check("wall_balance", main.wall_balance, "",
+                  "largest |contact force on a wall − (5000 N − mass × acceleration)| over the "
+                  "applied force, all steps",
+                  "round-off", main.wall_balance <= 1e-9, 2);
     const double normal = jam.wall_pressure / jam.applied_pressure;
-    number({.name = "wall_pressure",
-            .measured = normal,
-            .quantity =
-                "normal contact force of the walls over the applied force, mean of the last "
-                "100 steps",
-            .expected = "1 within 1 %",
-            .holds = std::abs(normal - 1) <= 0.01,
-            .digits = 5});
+    result_.check("wall_pressure", normal, "",
+                  "normal contact force of the walls over the applied force, mean of the last "
+                  "100 steps",
+                  "1 within 1 %", std::abs(normal - 1) <= 0.01, 5);
     const double traction = (jam.stress - jam.walls).norm() / jam.walls.norm();
-    number({.name = "traction_difference",
-            .measured = traction,
-            .quantity =
-                "mean stress against the walls' forces, normal and tangential, Σ f ⊗ p / V: "
-                "relative difference, last 100 steps",
-            .expected = "at most 1 %",
-            .holds = traction <= 0.01,
-            .digits = 2});
+    result_.check("traction_difference", traction, "",
+                  "mean stress against the walls' forces, normal and tangential, Σ f ⊗ p / V: "
+                  "relative difference, last 100 steps",
+                  "at most 1 %", traction <= 0.01, 2);
     const double ratio = 0.5 * jam.stress.trace() / jam.wall_pressure;
-    number({.name = "pressure_ratio",
-            .measured = ratio,
-            .quantity = "pressure in the sample over the walls' normal pressure, last 100 steps",
-            .expected = "within 5 % = μ/2, what friction along the walls can add",
-            .holds = std::abs(ratio - 1) <= 0.05,
-            .digits = 5});
+    result_.check("pressure_ratio", ratio, "",
+                  "pressure in the sample over the walls' normal pressure, last 100 steps",
+                  "within 5 % = μ/2, what friction along the walls can add",
+                  std::abs(ratio - 1) <= 0.05, 5);
     result_.ours.emplace_back(
         "Wall pressure. Applied force, contact force and inertia of the walls balance to "
         "{wall_balance}. At the end the walls carry {wall_pressure} of the applied force, and the "
@@ -324,25 +265,17 @@ class Fig12 {
         "{traction_difference}. Its pressure is {pressure_ratio} of the normal pressure alone, "
         "because friction along the walls presses the sample as well; without friction there it is "
         "{ratio_smooth} (table).");
-    number({.name = "jam_met",
-            .measured = static_cast<double>(main.jammed_run.converged),
-            .quantity =
-                "of the last 100 steps, those that met the tolerance 1e-2 within 3000 iterations"});
-    number({.name = "jam_error",
-            .measured = main.jammed_run.mean_error,
-            .quantity = "ε of the last 100 steps, geometric mean",
-            .digits = 2});
-    number({.name = "far_starts",
-            .measured = static_cast<double>(main.run.far_starts),
-            .quantity = "steps whose solve began with the impulses of two steps before"});
-    number({.name = "overlap",
-            .measured = overlap(main),
-            .quantity = "largest overlap at the end over the smallest radius",
-            .digits = 2});
-    number({.name = "overlap_mean",
-            .measured = mean_overlap(main),
-            .quantity = "mean overlap of the loaded contacts over the smallest radius",
-            .digits = 2});
+    result_.state(
+        "jam_met", main.jammed_run.converged, "",
+        "of the last 100 steps, those that met the tolerance 1e-2 within 3000 iterations");
+    result_.state("jam_error", main.jammed_run.mean_error, "",
+                  "ε of the last 100 steps, geometric mean", 2);
+    result_.state("far_starts", main.run.far_starts, "",
+                  "steps whose solve began with the impulses of two steps before");
+    result_.state("overlap", overlap(main), "",
+                  "largest overlap at the end over the smallest radius", 2);
+    result_.state("overlap_mean", mean_overlap(main), "",
+                  "mean overlap of the loaded contacts over the smallest radius", 2);
     result_.ours.emplace_back(
         "Cost. Jammed steps with e_t = 1 are hard: {jam_met} of the last 100 met 1e-2 within 3000 "
         "iterations of `apgd`, the others reached ε = {jam_error} (mean of all). A solve begins "
@@ -365,12 +298,11 @@ class Fig12 {
     chart.series = {series("mean stress", 0, main.pressure),
                     series("walls, contact forces", 1, main.wall_pressure),
                     series("walls, applied forces", 2, main.applied_pressure)};
-    result_.figures.push_back({.name = "fig12_pressure",
-                               .caption = "Pressure in the sample (contacts and velocity "
-                                          "fluctuations), of the contacts on the walls, and of the "
-                                          "driving forces.",
-                               .chart = chart,
-                               .after = 2});
+    result_.draw("fig12_pressure",
+                 "Pressure in the sample (contacts and velocity "
+                 "fluctuations), of the contacts on the walls, and of the "
+                 "driving forces.",
+                 chart, 2);
   }
 
   /// The paper's open choices, and solver and restitution, one changed at a time.
@@ -457,57 +389,38 @@ class Fig12 {
   }
 
   void variation_numbers(const VariationExtremes& found, const Compression& main, int count) {
-    number(
-        {.name = "ratio_smooth",
-         .measured = found.ratio_smooth,
-         .quantity = fmt::format("pressure in the sample over the walls' normal pressure, smooth "
-                                 "walls, {} disks",
-                                 count),
-         .expected = "1 within 1 %",
-         .holds = std::abs(found.ratio_smooth - 1) <= 0.01,
-         .digits = 5});
-    number(
-        {.name = "fraction_spread",
-         .measured = (found.most_fraction - found.least_fraction) / found.most_fraction,
-         .quantity = "spread of the solid fraction over density and walls' mass, each by 1/4 and 4",
-         .expected = "at most 2 %",
-         .holds = (found.most_fraction - found.least_fraction) / found.most_fraction <= 0.02,
-         .digits = 2});
-    number({.name = "fraction_step",
-            .measured = std::abs(found.same_step_fractions[1] - found.same_step_fractions[0]) /
-                        found.same_step_fractions[0],
-            .quantity =
-                "change of the solid fraction from density / 4 to density × 4 with the same "
-                "step of 7e-5 s",
-            .digits = 2});
-    number(
-        {.name = "coordination_spread",
-         .measured = (found.most_coordination - found.least_coordination) / found.most_coordination,
-         .quantity = "the same of the coordination",
-         .expected = "at most 10 %",
-         .holds =
-             (found.most_coordination - found.least_coordination) / found.most_coordination <= 0.1,
-         .digits = 2});
-    number({.name = "anisotropy_most",
-            .measured = found.most_anisotropy,
-            .quantity = "largest anisotropy of the mean stress among them",
-            .expected = "at most 0.1",
-            .holds = found.most_anisotropy <= 0.1,
-            .digits = 2});
-    number(
-        {.name = "turn_least",
-         .measured = found.least_turn,
-         .quantity = "least excess of the correlation over two steps over that of one, among them",
-         .expected = "above 0: networks take turns",
-         .holds = found.least_turn > 0,
-         .digits = 2});
-    number({.name = "inelastic_lag1",
-            .measured = found.inelastic,
-            .quantity = fmt::format(
-                "correlation of the forces of consecutive steps, e_t = 0, {} disks", count),
-            .expected = "above that with e_t = 1",
-            .holds = found.inelastic > at_lag(main.jammed, 1),
-            .digits = 4});
+    result_.check("ratio_smooth", found.ratio_smooth, "",
+                  fmt::format("pressure in the sample over the walls' normal pressure, smooth "
+                              "walls, {} disks",
+                              count),
+                  "1 within 1 %", std::abs(found.ratio_smooth - 1) <= 0.01, 5);
+    result_.check("fraction_spread",
+                  (found.most_fraction - found.least_fraction) / found.most_fraction, "",
+                  "spread of the solid fraction over density and walls' mass, each by 1/4 and 4",
+                  "at most 2 %",
+                  (found.most_fraction - found.least_fraction) / found.most_fraction <= 0.02, 2);
+    result_.state("fraction_step",
+                  std::abs(found.same_step_fractions[1] - found.same_step_fractions[0]) /
+                      found.same_step_fractions[0],
+                  "",
+                  "change of the solid fraction from density / 4 to density × 4 with the same "
+                  "step of 7e-5 s",
+                  2);
+    result_.check(
+        "coordination_spread",
+        (found.most_coordination - found.least_coordination) / found.most_coordination, "",
+        "the same of the coordination", "at most 10 %",
+        (found.most_coordination - found.least_coordination) / found.most_coordination <= 0.1, 2);
+    result_.check("anisotropy_most", found.most_anisotropy, "",
+                  "largest anisotropy of the mean stress among them", "at most 0.1",
+                  found.most_anisotropy <= 0.1, 2);
+    result_.check("turn_least", found.least_turn, "",
+                  "least excess of the correlation over two steps over that of one, among them",
+                  "above 0: networks take turns", found.least_turn > 0, 2);
+    result_.check(
+        "inelastic_lag1", found.inelastic, "",
+        fmt::format("correlation of the forces of consecutive steps, e_t = 0, {} disks", count),
+        "above that with e_t = 1", found.inelastic > at_lag(main.jammed, 1), 4);
   }
 
   const PaperContext& context_;

@@ -205,18 +205,14 @@ class Fig14 {
       ++tried;
       met += is_success(row.status) ? 1 : 0;
     }
-    result_.claims.push_back({.name = "work",
-                              .measured = methods_[0].work,
-                              .quantity = "contact updates that a sweep method may take"});
+    result_.state("work", methods_[0].work, "", "contact updates that a sweep method may take");
     const std::string other = command(cases_[1], methods_[0], "1e-2");
-    result_.claims.push_back({.name = "paper_rho_tried",
-                              .measured = static_cast<double>(tried),
-                              .quantity = "problems of the other scenes begun with the paper's ρ",
-                              .command = other + "10"});
-    result_.claims.push_back({.name = "paper_rho_met",
-                              .measured = static_cast<double>(met),
-                              .quantity = "of them, those in which ε ≤ 1e-2 was met",
-                              .command = other + "10"});
+    result_
+        .state("paper_rho_tried", tried, "",
+               "problems of the other scenes begun with the paper's ρ")
+        .command = other + "10";
+    result_.state("paper_rho_met", met, "", "of them, those in which ε ≤ 1e-2 was met").command =
+        other + "10";
   }
 
   ChartSeries series(const std::string& name, int style, const std::string& family,
@@ -244,7 +240,7 @@ class Fig14 {
                seconds ? ChartAxis::Kind::kLogSeconds : ChartAxis::Kind::kLog};
     std::erase_if(all, [](const ChartSeries& s) { return s.points.empty(); });
     chart.series = std::move(all);
-    result_.figures.push_back({.name = name, .caption = caption, .chart = std::move(chart)});
+    result_.draw(name, caption, std::move(chart));
   }
 
   void charts() {

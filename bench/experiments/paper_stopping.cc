@@ -360,11 +360,7 @@ class StopTestItem {
 
   void number(const char* name, double value, const char* meaning, const std::string& expected = {},
               std::optional<bool> holds = std::nullopt) {
-    result_.claims.push_back({.name = name,
-                              .measured = value,
-                              .quantity = meaning,
-                              .expected = expected,
-                              .holds = holds});
+    result_.check(name, value, "", meaning, expected, holds);
   }
 
   /// Those predictions that the text states; the table has them all.
@@ -375,9 +371,8 @@ class StopTestItem {
                          : key.starts_with("raw42") ? "raw (42)"
                                                     : "difference";
       const char* group = key.ends_with("rest") ? "scenes at rest" : "moving scenes";
-      result_.claims.push_back({.name = fmt::format("{}_{}", key, what),
-                                .measured = value,
-                                .quantity = fmt::format("{}: {}, {}", test, meaning, group)});
+      result_.state(fmt::format("{}_{}", key, what), value, "",
+                    fmt::format("{}: {}, {}", test, meaning, group));
     };
     for (const char* key : {"guarded_rest", "guarded_motion"}) {
       const Prediction& p = predictions_.at(key);

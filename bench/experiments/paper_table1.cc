@@ -69,12 +69,8 @@ Findings run_table1(const PaperContext& context) {
   film.y = {"height above the plane (m)", ChartAxis::Kind::kLinear, 0.0, 0.1};
   const auto number = [&](std::string name, double value, std::string unit, std::string meaning,
                           std::string expected, std::optional<bool> holds) {
-    result.claims.push_back({.name = std::move(name),
-                             .measured = value,
-                             .unit = std::move(unit),
-                             .quantity = std::move(meaning),
-                             .expected = std::move(expected),
-                             .holds = holds});
+    result.check(std::move(name), value, std::move(unit), std::move(meaning), std::move(expected),
+                 holds);
   };
   // The paper's relative errors in percent: heights and times of the bounces 1 and 2.
   constexpr double kPaper[2][2][2] = {{{0, 0}, {0, 0}}, {{2.1, 5.6}, {0.3, 0.4}}};

@@ -197,11 +197,7 @@ class WarmStartItem {
 
   void number(const std::string& name, double value, const std::string& meaning,
               const std::string& expected = {}, std::optional<bool> holds = std::nullopt) {
-    result_.claims.push_back({.name = name,
-                              .measured = value,
-                              .quantity = meaning,
-                              .expected = expected,
-                              .holds = holds});
+    result_.check(name, value, "", meaning, expected, holds);
   }
 
   /// Those gains that the text states; the tables have them all.
