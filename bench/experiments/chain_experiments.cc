@@ -50,17 +50,12 @@ double shortening(const State<2>& state, int n) {
 ValidationExperiment stiffness() {
   ValidationExperiment e;
   e.rows = {
-      {.claim = {.name = "chain_is_rigid",
-                 .quantity =
+      validation_row(kChain, "chain_is_rigid",
                      "way of the wall that presses a row of 40 disks, over that of free masses "
                      "under the force",
-                 .expected = "0",
-                 .source = "rigid bodies: the force is balanced at once",
-                 .bar_is = "none: one deterministic run, Gauss–Seidel (`pgs`), warm start"},
-       .group = kChain,
-       .range = Expectation::equal(0),
-       .allowed = 1e-6,
-       .allowed_why = "a hundred times the tightest tolerance"}};
+                     "rigid bodies: the force is balanced at once", "0", Expectation::equal(0),
+                     1e-6, "a hundred times the tightest tolerance",
+                     "none: one deterministic run, Gauss–Seidel (`pgs`), warm start")};
   e.tols = decades(-1, 8);
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
   e.run = [](double tol, const ValidationContext& context) {
@@ -98,32 +93,18 @@ StepSolver plain_sweeps(int sweeps) {
 /// as of a bar of n + 1 diameters with speed of sound c = √k d/h: the wall turns back after 2 (n + 1) d/c.
 ValidationExperiment speed_of_sound() {
   ValidationExperiment e;
-  e.rows = {
-      {.claim =
-           {.name = "chain_sound",
-            .quantity =
+  e.rows = {validation_row(
+                kChain, "chain_sound",
                 "speed of sound of a row of 40 disks with 1 Gauss–Seidel sweep a step, over "
                 "d/h, by the time at which the pressing wall turns back",
-            .expected = "1",
-            .source =
                 "Unger, Brendel, Wolf and Kertész 2002 (abstract: unconverged chains are elastic, "
                 "sound is finite); c = √k d/h for k sweeps derived in chain_experiments.cc",
-            .bar_is = "none: one deterministic run"},
-       .group = kChain,
-       .range = Expectation::equal(1),
-       .allowed = 0.05,
-       .allowed_why = "damping by the higher modes, 40 disks",
-       .takes_tolerance = false},
-      {.claim = {.name = "chain_sound_sweeps",
-                 .quantity = "exponent of that speed against the sweeps, 1 to 16",
-                 .expected = "1/2",
-                 .source = "the same",
-                 .bar_is = "95 % of the fit of a power law"},
-       .group = kChain,
-       .range = Expectation::equal(0.5),
-       .allowed = 0.05,
-       .allowed_why = "k θ² is not small for many sweeps",
-       .takes_tolerance = false}};
+                "1", Expectation::equal(1), 0.05, "damping by the higher modes, 40 disks",
+                "none: one deterministic run", false),
+            validation_row(kChain, "chain_sound_sweeps",
+                           "exponent of that speed against the sweeps, 1 to 16", "the same", "1/2",
+                           Expectation::equal(0.5), 0.05, "k θ² is not small for many sweeps",
+                           "95 % of the fit of a power law", false)};
   e.tols = e.quick_tols = {1};
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
@@ -180,20 +161,14 @@ ValidationExperiment speed_of_sound() {
 
 ValidationExperiment sweeps_needed() {
   ValidationExperiment e;
-  e.rows = {
-      {.claim =
-           {.name = "chain_sweeps",
-            .quantity =
-                "exponent of the sweeps from ε to ε/100, in one step from nothing, against n + 1, n disks (20 to "
-                "160)",
-            .expected = "2",
-            .source = "spectral radius of a sweep, cos²(π/(2n + 2)), derived in "
-                      "chain_experiments.cc; Unger et al. 2002 ask for sweeps ≫ n²",
-            .bar_is = "95 % of the fit of a power law"},
-       .group = kChain,
-       .range = Expectation::equal(2),
-       .allowed = 0.05,
-       .allowed_why = "the slowest mode alone is left only at small ε"}};
+  e.rows = {validation_row(
+      kChain, "chain_sweeps",
+      "exponent of the sweeps from ε to ε/100, in one step from nothing, against n + 1, n disks (20 to "
+      "160)",
+      "spectral radius of a sweep, cos²(π/(2n + 2)), derived in "
+      "chain_experiments.cc; Unger et al. 2002 ask for sweeps ≫ n²",
+      "2", Expectation::equal(2), 0.05, "the slowest mode alone is left only at small ε",
+      "95 % of the fit of a power law")};
   e.tols = decades(-1, 8);
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-6};
   e.run = [](double tol, const ValidationContext& context) {

@@ -18,16 +18,11 @@ ValidationExperiment bouncing() {
   constexpr double kRestitution = 0.6, kStep = 1e-4;
   ValidationExperiment e;
   const double speed = std::sqrt(2 * kGravity);
-  e.rows = {
-      {.claim = {.name = "ball_bounces",
-                 .quantity = "root of the ratio of heights of a ball before and after a bounce",
-                 .expected = "e_n = 0.6",
-                 .source = "Newton's restitution, energy in free flight",
-                 .bar_is = "none: one deterministic run"},
-       .group = kMotion,
-       .range = Expectation::equal(kRestitution),
-       .allowed = 0.5 * speed * kStep * (1 + 1 / (kRestitution * kRestitution)),
-       .allowed_why = "the place of the impact is known to v h"}};
+  e.rows = {validation_row(
+      kMotion, "ball_bounces", "root of the ratio of heights of a ball before and after a bounce",
+      "Newton's restitution, energy in free flight", "e_n = 0.6", Expectation::equal(kRestitution),
+      0.5 * speed * kStep * (1 + 1 / (kRestitution * kRestitution)),
+      "the place of the impact is known to v h", "none: one deterministic run")};
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
@@ -61,20 +56,15 @@ ValidationExperiment swinging() {
   constexpr double kDrum = 1, kRadius = 0.2, kStart = 0.5, kStep = 1e-3;
   constexpr double kLength = 1.5 * (kDrum - kRadius);
   ValidationExperiment e;
-  e.rows = {
-      {.claim =
-           {.name = "disk_swings",
-            .quantity =
-                "period of a disk that rolls to and fro in a hollow circle, from 0.5 rad [s]",
-            .expected = "4 √(3 (R − a)/2g) K(sin φ0/2)",
-            .source =
-                "energy of rolling, a pendulum of length 3/2 (R − a); complete elliptic integral",
-            .bar_is = "none: one deterministic run"},
-       .group = kMotion,
-       .range = Expectation::equal(4 * std::sqrt(kLength / kGravity) *
-                                   std::comp_ellint_1(std::sin(kStart / 2))),
-       .allowed = 1e-3,
-       .allowed_why = "time step: h/T = 5e-4, and shocks as the normal turns"}};
+  e.rows = {validation_row(
+      kMotion, "disk_swings",
+      "period of a disk that rolls to and fro in a hollow circle, from 0.5 rad [s]",
+      "energy of rolling, a pendulum of length 3/2 (R − a); complete elliptic integral",
+      "4 √(3 (R − a)/2g) K(sin φ0/2)",
+      Expectation::equal(4 * std::sqrt(kLength / kGravity) *
+                         std::comp_ellint_1(std::sin(kStart / 2))),
+      1e-3, "time step: h/T = 5e-4, and shocks as the normal turns",
+      "none: one deterministic run")};
   e.tols = decades(-1, 8);
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-7};
   e.run = [](double tol, const ValidationContext& context) {

@@ -40,29 +40,19 @@ double groove_end(double sign) {
 ValidationExperiment groove_forces() {
   ValidationExperiment e;
   e.rows = {
-      {.claim = {.name = "groove_interval",
-                 .quantity =
+      validation_row(kIndeterminacy, "groove_interval",
                      "width of the interval of admissible normal forces of a disk in a groove of "
                      "90°, μ = 0.3, over the weight",
-                 .expected = "[1/(cos α − μ sin α) − 1/(cos α + μ sin α)]/2 = 0.466",
-                 .source = "statics, derived in indeterminacy_experiments.cc; measured by linear "
-                           "programmes (CLP): no tolerance of a solver enters",
-                 .bar_is = "none"},
-       .group = kIndeterminacy,
-       .range = Expectation::equal(groove_end(-1) - groove_end(1)),
-       .allowed = 1e-7,
-       .allowed_why = "tolerance of the programmes, 1e-9"},
-      {.claim = {.name = "groove_force",
-                 .quantity =
+                     "statics, derived in indeterminacy_experiments.cc; measured by linear "
+                     "programmes (CLP): no tolerance of a solver enters",
+                     "[1/(cos α − μ sin α) − 1/(cos α + μ sin α)]/2 = 0.466",
+                     Expectation::equal(groove_end(-1) - groove_end(1)), 1e-7,
+                     "tolerance of the programmes, 1e-9", "none"),
+      validation_row(kIndeterminacy, "groove_force",
                      "how far outside that interval a solver's force is, over the weight; worst of "
                      "random starts",
-                 .expected = "at most 0",
-                 .source = "the same interval",
-                 .bar_is = "none: the worst of all"},
-       .group = kIndeterminacy,
-       .range = Expectation::at_most(0, 1),
-       .allowed = 1e-6,
-       .allowed_why = "a hundred times the tightest tolerance"}};
+                     "the same interval", "at most 0", Expectation::at_most(0, 1), 1e-6,
+                     "a hundred times the tightest tolerance", "none: the worst of all")};
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
@@ -137,30 +127,19 @@ double spread_of(Scene<2> scene, State<2> state, double mu) {
 ValidationExperiment spread() {
   ValidationExperiment e;
   e.rows = {
-      {.claim = {.name = "spread_small_mu",
-                 .quantity =
+      validation_row(kIndeterminacy, "spread_small_mu",
                      "exponent of the spread of admissible forces against μ (1e-4 to 1e-2), in a "
                      "pile that came to rest without friction",
-                 .expected = "1",
-                 .source =
                      "as many contacts as equations at μ = 0, linear beside it (derived); Unger, "
                      "Kertész and Wolf, PRL 94, 178001 (2005): spread → 0 with μ",
-                 .bar_is = "95 % over piles (seeds)"},
-       .group = kIndeterminacy,
-       .range = Expectation::equal(1),
-       .allowed = 0.05,
-       .allowed_why = "the least μ is not 0"},
-      {.claim = {.name = "spread_nested",
-                 .quantity =
+                     "1", Expectation::equal(1), 0.05, "the least μ is not 0",
+                     "95 % over piles (seeds)"),
+      validation_row(kIndeterminacy, "spread_nested",
                      "largest fall of that spread from one μ to a larger one (1e-4 to 1), over "
                      "the larger spread",
-                 .expected = "at most 0",
-                 .source = "sets of admissible forces are nested (derived)",
-                 .bar_is = "none: the worst of all"},
-       .group = kIndeterminacy,
-       .range = Expectation::at_most(0, 1),
-       .allowed = 1e-6,
-       .allowed_why = "tolerance of the linear programmes"}};
+                     "sets of admissible forces are nested (derived)", "at most 0",
+                     Expectation::at_most(0, 1), 1e-6, "tolerance of the linear programmes",
+                     "none: the worst of all")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8};
   e.quick_tols = {10, 1, 1e-1, 1e-4};
   e.run = [](double tol, const ValidationContext& context) {

@@ -509,7 +509,7 @@ class StopTestItem {
          approach_left}};
     for (const Named& m : measures) {
       for (const Group& group : kGroups) {
-        figure(
+        result_.draw(
             fmt::format("stop_test_{}_{}", m.key, group.key),
             fmt::format("{} against the tolerance asked for, {}: largest (filled) and smallest "
                         "(hollow) over scenes and solvers, for the guarded ε, the raw (42) and "
@@ -520,20 +520,11 @@ class StopTestItem {
             m.value == velocity_error ? std::optional(0) : std::nullopt);
       }
     }
-    figure("stop_test_growth",
-           "Velocity error over tolerance (1e-4) when the lattice grows: ε the guarded test, diff. "
-           "the difference of successive impulses.",
-           growth_.chart, 1);
-  }
-
-  void figure(const std::string& name, const std::string& caption, Chart chart,
-              std::optional<int> after) {
-    ClaimFigure f;
-    f.after = after;
-    f.name = name;
-    f.caption = caption;
-    f.chart = std::move(chart);
-    result_.figures.push_back(std::move(f));
+    result_.draw(
+        "stop_test_growth",
+        "Velocity error over tolerance (1e-4) when the lattice grows: ε the guarded test, diff. "
+        "the difference of successive impulses.",
+        growth_.chart, 1);
   }
 
   const PaperContext& context_;

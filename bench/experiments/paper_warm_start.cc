@@ -279,15 +279,14 @@ class WarmStartItem {
 
   void figure(const Run& run, const char* key, const char* what,
               const std::vector<std::string>& solvers) {
-    ClaimFigure f;
-    f.after = 2;
-    f.name = fmt::format("warm_start_{}_{}", run.key, key);
-    f.caption = fmt::format(
-        "Iterations of the compared steps, cold and warm, {}: {}. The fall ends at step {}, the "
-        "impact at {}, settling at {}. Hollow: the limit of {} iterations.",
-        run.title, what, run.phases.fall, run.phases.impact, run.phases.settling, kMaxIterations);
-    f.chart = iterations_chart(run, solvers);
-    result_.figures.push_back(std::move(f));
+    result_.draw(
+        fmt::format("warm_start_{}_{}", run.key, key),
+        fmt::format(
+            "Iterations of the compared steps, cold and warm, {}: {}. The fall ends at step {}, the "
+            "impact at {}, settling at {}. Hollow: the limit of {} iterations.",
+            run.title, what, run.phases.fall, run.phases.impact, run.phases.settling,
+            kMaxIterations),
+        iterations_chart(run, solvers), 2);
   }
 
   const PaperContext& context_;

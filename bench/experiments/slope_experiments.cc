@@ -49,15 +49,10 @@ double slip(const Disk& d) { return d.v[0] + d.radius * d.spin; }
 double slip(const Sphere& s) { return s.v[0] - s.radius * s.spin[1]; }
 
 ValidationRow exact_row(std::string name, std::string quantity, std::string formula, double value) {
-  return {.claim = {.name = std::move(name),
-                    .quantity = std::move(quantity),
-                    .expected = std::move(formula),
-                    .source = kMechanics,
-                    .bar_is = "none: one deterministic run"},
-          .group = kExact,
-          .range = Expectation::equal(value),
-          .allowed = 1e-6,
-          .allowed_why = "the scheme is exact here; a hundred times the tightest tolerance"};
+  return validation_row(kExact, std::move(name), std::move(quantity), kMechanics,
+                        std::move(formula), Expectation::equal(value), 1e-6,
+                        "the scheme is exact here; a hundred times the tightest tolerance",
+                        "none: one deterministic run");
 }
 
 template <int D>

@@ -29,15 +29,10 @@ constexpr double kMoves = 1e-4;  // of free fall
 
 ValidationRow standing_row(std::string name, std::string quantity, std::string source,
                            std::string formula, double value) {
-  return {.claim = {.name = std::move(name),
-                    .quantity = std::move(quantity),
-                    .expected = std::move(formula),
-                    .source = std::move(source),
-                    .bar_is = "none: bisection to 1e-4"},
-          .group = kStanding,
-          .range = Expectation::equal(value),
-          .allowed = 2e-3,
-          .allowed_why = "rest is told from motion at 1e-4 of free fall; bisection 1e-4"};
+  return validation_row(kStanding, std::move(name), std::move(quantity), std::move(source),
+                        std::move(formula), Expectation::equal(value), 2e-3,
+                        "rest is told from motion at 1e-4 of free fall; bisection 1e-4",
+                        "none: bisection to 1e-4");
 }
 
 /// A heap of equal bodies on the floor, law 0 between them and law 1 at the floor.

@@ -15,7 +15,8 @@ double Expectation::error(double value) const {
 
 ValidationRow validation_row(std::string group, std::string name, std::string quantity,
                              std::string source, std::string formula, Expectation range,
-                             double allowed, std::string allowed_why, std::string bar) {
+                             double allowed, std::string allowed_why, std::string bar,
+                             bool takes_tolerance) {
   return {.claim = {.name = std::move(name),
                     .quantity = std::move(quantity),
                     .expected = std::move(formula),
@@ -24,7 +25,8 @@ ValidationRow validation_row(std::string group, std::string name, std::string qu
           .group = std::move(group),
           .range = range,
           .allowed = allowed,
-          .allowed_why = std::move(allowed_why)};
+          .allowed_why = std::move(allowed_why),
+          .takes_tolerance = takes_tolerance};
 }
 
 SolverChoice ValidationContext::choice(double tol) const {

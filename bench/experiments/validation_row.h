@@ -76,10 +76,11 @@ struct ValidationRow {
   bool undecided() const { return best >= 0 && !claim.holds; }
 };
 
-/// A row that takes a tolerance: the fields in their order.
+/// The fields in their order.
 ValidationRow validation_row(std::string group, std::string name, std::string quantity,
                              std::string source, std::string formula, Expectation range,
-                             double allowed, std::string allowed_why, std::string bar);
+                             double allowed, std::string allowed_why, std::string bar,
+                             bool takes_tolerance = true);
 
 /// From the points; sets the claim's measurement and verdict, best and loosest.
 void judge(ValidationRow& row);
