@@ -178,8 +178,7 @@ double runout(double aspect, int width, std::uint64_t seed, double tol,
       random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, across, 0, seed, Vec2::Zero());
   double top = 0;
   for (Disk& d : scene.bodies) {
-    d.mass = d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
+    give_mass(d, d.radius * d.radius);
     top = std::max(top, d.x[1]);
   }
   scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1), "floor"),

@@ -100,10 +100,7 @@ Scene<2> small_pile(int count, std::uint64_t seed, double mu, double tol,
   scene.gravity = Vec2(0, -kWeight);
   scene.bodies =
       random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, width, 0.05, seed, Vec2::Zero());
-  for (Disk& d : scene.bodies) {
-    d.mass = d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-  }
+  for (Disk& d : scene.bodies) give_mass(d, d.radius * d.radius);
   scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1), "floor"),
                  half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
                  half_space<2>(Vec2(width, 0), Vec2(-1, 0), "right")};

@@ -13,6 +13,7 @@
 #include "bench/problems/scene_catalogue.h"
 #include "core/pictures/force_picture.h"
 #include "core/scene/generators.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 
 namespace bipot {
@@ -61,10 +62,7 @@ Scene<2> fig11_scene(const Variant& v) {
   scene.bodies = random_filling(static_cast<int>(scene.bodies.size()),
                                 {{0.65e-3, 0.25}, {0.75e-3, 0.5}, {0.9e-3, 0.25}}, 0.03, 0.05,
                                 static_cast<std::uint64_t>(v.seed), Vec2::Zero());
-  for (Disk& d : scene.bodies) {
-    d.mass = density * d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-  }
+  for (Disk& d : scene.bodies) give_mass(d, density * d.radius * d.radius);
   scene.laws[0].e_t = v.e_t;
   if (!v.rough_sides) {
     ContactLaw smooth = scene.laws[0];

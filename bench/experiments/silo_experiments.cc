@@ -41,8 +41,7 @@ SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationCo
   SiloLoad load;
   double top = 0;
   for (Disk& d : scene.bodies) {
-    d.mass = d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
+    give_mass(d, d.radius * d.radius);
     load.weight += kGravity * d.mass;
     top = std::max(top, d.x[1]);
   }
@@ -231,8 +230,7 @@ Discharge discharge(double hole, int count, std::uint64_t seed, double tol,
       random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, kWidth, 0, seed, Vec2::Zero());
   double whole = 0, top = 0;
   for (Disk& d : scene.bodies) {
-    d.mass = d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
+    give_mass(d, d.radius * d.radius);
     whole += d.mass;
     top = std::max(top, d.x[1]);
   }

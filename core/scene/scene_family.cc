@@ -56,10 +56,7 @@ Scene<2> make_family_scene(const std::string& family, int side, const FamilyOpti
     throw std::invalid_argument(unknown_name_message("scene family", family, family_names()));
   }
   PortableRandom random(options.seed);
-  for (Disk& d : scene.bodies) {
-    d.mass = std::pow(options.mass_ratio, random.uniform());
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-  }
+  for (Disk& d : scene.bodies) give_mass(d, std::pow(options.mass_ratio, random.uniform()));
   scene.walls.push_back(half_space<2>(corner, Vec2(0, 1), "floor"));
   if (box) {
     scene.walls.push_back(half_space<2>(corner, Vec2(1, 0), "left"));

@@ -27,7 +27,17 @@ Wall<D> flat_floor() {
   return half_space<D>(Vec<D>::Zero(), Vec<D>::Unit(D - 1), "floor");
 }
 
-/// A homogeneous disk, inertia m a²/2, or sphere, 2/5 m a².
+/// The inertia is that of a homogeneous disk, m a²/2, or sphere, 2/5 m a².
+inline void give_mass(Disk& disk, double mass) {
+  disk.mass = mass;
+  disk.inertia = 0.5 * mass * disk.radius * disk.radius;
+}
+inline void give_mass(Sphere& sphere, double mass) {
+  sphere.mass = mass;
+  sphere.inertia = 0.4 * mass * sphere.radius * sphere.radius;
+}
+
+/// A homogeneous disk or sphere.
 template <int D>
 Body<D> round_body(const Vec<D>& x, double radius, double mass, const Vec<D>& v = Vec<D>::Zero(),
                    const decltype(Body<D>::spin)& spin = Body<D>().spin) {
@@ -36,8 +46,7 @@ Body<D> round_body(const Vec<D>& x, double radius, double mass, const Vec<D>& v 
   body.v = v;
   body.spin = spin;
   body.radius = radius;
-  body.mass = mass;
-  body.inertia = (D == 2 ? 0.5 : 0.4) * mass * radius * radius;
+  give_mass(body, mass);
   return body;
 }
 

@@ -60,10 +60,7 @@ Scene<2> breaking_dam(int disks) {
   Scene<2> scene = boxed(30, {.mu = 0.2, .e_n = 0.2});
   scene.bodies =
       random_filling(disks, {{0.3, 0.3}, {0.4, 0.4}, {0.5, 0.3}}, 8, 0.02, 3, Vec2(0, 0));
-  for (Disk& d : scene.bodies) {
-    d.mass = 3.1 * d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-  }
+  for (Disk& d : scene.bodies) give_mass(d, 3.1 * d.radius * d.radius);
   scene.step = 1e-2;
   return scene;
 }
