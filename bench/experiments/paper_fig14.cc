@@ -174,15 +174,14 @@ class Fig14 {
         const GrowthFit* fit = fit_of("square", m.method.name, tol);
         PowerLaw law;
         if (fit != nullptr) law = fit->iterations;
-        Claim n{
-            .name = fmt::format("{}_{}", m.id, tol_text(tol)),
-            .measured = law.exponent,
-            .quantity = fmt::format(
+        Claim& n = result_.state(
+            fmt::format("{}_{}", m.id, tol_text(tol)), law.exponent, "",
+            fmt::format(
                 "square lattice, {}, ε ≤ {}: exponent of the iterations, ± {} ({} sizes)",
                 m.method.name, tol_text(tol),
                 std::isfinite(law.confidence) ? fmt::format("{:.3f}", law.confidence) : "unknown",
-                law.points),
-            .command = command(square, m, "1e-2,1e-4,1e-6,1e-8")};
+                law.points));
+        n.command = command(square, m, "1e-2,1e-4,1e-6,1e-8");
         const bool fitted = !context_.quick && std::isfinite(law.exponent) && law.points >= 3;
         if (m.id == "uzawa_paper" || m.id == "pgs") {
           n.expected = "1 by theory, within 0.1; the paper: 1.042 for its method";
@@ -194,7 +193,6 @@ class Fig14 {
           n.expected = "at most 0.15";
           if (fitted) n.holds = law.exponent <= 0.15;
         }
-        result_.claims.push_back(std::move(n));
       }
     }
     int met = 0, tried = 0;
