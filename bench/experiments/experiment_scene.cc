@@ -1,5 +1,9 @@
 #include "bench/experiments/experiment_scene.h"
 
+#include <algorithm>
+
+#include "core/scene/generators.h"
+
 namespace bipot {
 
 template <int D>
@@ -12,6 +16,20 @@ Scene<D> experiment_scene(const ContactLaw& law, double step, double tol,
   scene.contact_distance = 1e-6;
   scene.solver = context.choice(tol);
   return scene;
+}
+
+double fill_box(Scene<2>& scene, int count, double width, double spacing, std::uint64_t seed) {
+  scene.gravity = Vec2(0, -kGravity);
+  scene.bodies =
+      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, width, spacing, seed, Vec2::Zero());
+  double top = 0;
+  for (Disk& d : scene.bodies) {
+    give_mass(d, d.radius * d.radius);
+    top = std::max(top, d.x[1]);
+  }
+  scene.walls = {flat_floor<2>(), half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
+                 half_space<2>(Vec2(width, 0), Vec2(-1, 0), "right")};
+  return top;
 }
 
 template <int D>

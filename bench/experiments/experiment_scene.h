@@ -11,6 +11,10 @@ template <int D>
 Scene<D> experiment_scene(const ContactLaw& law, double step, double tol,
                           const ValidationContext& context);
 
+/// Puts a loose filling of disks under gravity into a box from x = 0 on: floor, left and right wall.
+/// Radii 0.4, 0.5 and 0.6, masses a². The height of the highest centre.
+double fill_box(Scene<2>& scene, int count, double width, double spacing, std::uint64_t seed);
+
 /// Steps of a scene. Those whose problem is not solved to the tolerance are taken with the best
 /// impulse and counted.
 template <int D>

@@ -171,19 +171,8 @@ double runout(double aspect, int width, std::uint64_t seed, double tol,
               const ValidationContext& context, ExperimentOutcome& outcome) {
   constexpr double kDiameter = 1, kMu = 0.5;
   Scene<2> scene = experiment_scene<2>({.mu = kMu}, 5e-3, tol, context);
-  scene.gravity = Vec2(0, -kGravity);
-  const double across = width * kDiameter;
   const int count = static_cast<int>(std::lround(width * width * aspect * 1.05));
-  scene.bodies =
-      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, across, 0, seed, Vec2::Zero());
-  double top = 0;
-  for (Disk& d : scene.bodies) {
-    give_mass(d, d.radius * d.radius);
-    top = std::max(top, d.x[1]);
-  }
-  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1), "floor"),
-                 half_space<2>(Vec2(0, 0), Vec2(1, 0), "axis"),
-                 half_space<2>(Vec2(across, 0), Vec2(-1, 0), "dam")};
+  const double top = fill_box(scene, count, width * kDiameter, 0, seed);
   const double settle = 2 + std::sqrt(2 * top / kGravity);
   scene.walls[2].removed = settle;
   scene.num_steps =

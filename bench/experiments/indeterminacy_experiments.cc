@@ -96,14 +96,7 @@ ValidationExperiment groove_forces() {
 Scene<2> small_pile(int count, std::uint64_t seed, double mu, double tol,
                     const ValidationContext& context) {
   Scene<2> scene = experiment_scene<2>({.mu = mu}, 5e-3, tol, context);
-  const double width = 6;
-  scene.gravity = Vec2(0, -kWeight);
-  scene.bodies =
-      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, width, 0.05, seed, Vec2::Zero());
-  for (Disk& d : scene.bodies) give_mass(d, d.radius * d.radius);
-  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1), "floor"),
-                 half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
-                 half_space<2>(Vec2(width, 0), Vec2(-1, 0), "right")};
+  fill_box(scene, count, 6, 0.05, seed);
   scene.num_steps = 1500;
   return scene;
 }

@@ -23,7 +23,6 @@ constexpr double kRestEnergy = 1e-9;  // kinetic energy at rest, relative to wha
 constexpr int kQuietSteps = 100;      // at rest for as long
 constexpr double kLatest = 0.5;  // a packing that is not at rest by then is not waited for     [s]
 constexpr double kSample = 0.2;  // duration of the packings that only give forces            [s]
-constexpr double kTailFrom = 1.5;       // the tail of P begins at this multiple of the mean force
 constexpr double kDiameter = 1.525e-3;  // mean of the three sizes                               [m]
 
 /// What a packing does until it is at rest.
@@ -153,60 +152,17 @@ double alternating_bound(const Settling& s) {
   return 0.375 * sum;
 }
 
-/// Normal forces over their mean; over the mean of their layer with `layers` > 1 (layers of equal
-/// height, contacts by their points).
-std::vector<double> relative_forces(const State<2>& state, int layers) {
-  double top = 0;
-  for (const Disk& d : state.bodies) top = std::max(top, d.x[1]);
-  std::vector<std::vector<double>> forces(static_cast<std::size_t>(layers));
-  for (const ContactOutcome<2>& o : state.contacts) {
-    if (!(o.s_n > 0)) continue;
-    const Disk& d = state.bodies[static_cast<std::size_t>(o.contact.i)];
-    const double y = d.x[1] - d.radius * o.contact.n[1];
-    const int layer = std::clamp(static_cast<int>(layers * y / top), 0, layers - 1);
-    forces[static_cast<std::size_t>(layer)].push_back(o.s_n);
-  }
-  std::vector<double> relative;
-  for (const std::vector<double>& layer : forces) {
-    double sum = 0;
-    for (double f : layer) sum += f;
-    for (double f : layer) relative.push_back(f * static_cast<double>(layer.size()) / sum);
-  }
-  return relative;
-}
-
-ChartSeries histogram(const std::string& name, int style, const std::vector<double>& x) {
-  constexpr double kBin = 0.25;
-  std::vector<int> counts;
-  for (double value : x) {
-    const auto bin = static_cast<std::size_t>(value / kBin);
-    if (bin >= counts.size()) counts.resize(bin + 1);
-    ++counts[bin];
-  }
-  ChartSeries series;
-  series.name = name;
-  series.style = style;
-  series.kind = ChartSeries::Kind::kPoints;
-  for (std::size_t k = 0; k < counts.size(); ++k) {
-    if (counts[k] == 0) continue;
-    const double density = counts[k] / (kBin * static_cast<double>(x.size()));
-    series.points.push_back({(static_cast<double>(k) + 0.5) * kBin, density, false,
-                             fmt::format("{} forces", counts[k])});
-  }
-  return series;
-}
-
 /// The fitted tail of a histogram of x.
 ChartSeries tail_line(const std::string& name, int style, const std::vector<double>& x) {
-  const ExponentialTail tail = fit_exponential_tail(x, kTailFrom);
+  const ExponentialTail tail = fit_exponential_tail(x, kForceTail);
   ChartSeries series;
   series.name = name;
   series.style = style;
   series.kind = ChartSeries::Kind::kLine;
   const double share = tail.points / static_cast<double>(x.size());
   const double last = *std::max_element(x.begin(), x.end());
-  for (const double at : {kTailFrom, last}) {
-    series.points.push_back({at, share * tail.rate * std::exp(-tail.rate * (at - kTailFrom))});
+  for (const double at : {kForceTail, last}) {
+    series.points.push_back({at, share * tail.rate * std::exp(-tail.rate * (at - kForceTail))});
   }
   return series;
 }
@@ -230,8 +186,8 @@ struct Samples {
         force_on_wall(s.state, s.scene.step, 1) + force_on_wall(s.state, s.scene.step, 2);
     sides.push_back(-walls[1] / weight(s.scene));
     const std::vector<double> f = relative_forces(s.state, 1), g = relative_forces(s.state, 8);
-    rates.push_back(fit_exponential_tail(f, kTailFrom).rate);
-    layer_rates.push_back(fit_exponential_tail(g, kTailFrom).rate);
+    rates.push_back(fit_exponential_tail(f, kForceTail).rate);
+    layer_rates.push_back(fit_exponential_tail(g, kForceTail).rate);
     forces.insert(forces.end(), f.begin(), f.end());
     layered.insert(layered.end(), g.begin(), g.end());
   }
@@ -352,7 +308,7 @@ class Fig11 {
 
   void forces(const Samples& samples) {
     const MeanValue rate = mean_value(samples.rates), layer_rate = mean_value(samples.layer_rates);
-    const ExponentialTail pooled = fit_exponential_tail(samples.forces, kTailFrom);
+    const ExponentialTail pooled = fit_exponential_tail(samples.forces, kForceTail);
     // Lilliefors' test of an exponential with a fitted mean: 1 % points at 1.308 / sqrt(n).
     const double critical = 1.308 / std::sqrt(static_cast<double>(pooled.points));
     result_.state("tail_rate", rate.mean, "",
@@ -380,8 +336,9 @@ class Fig11 {
     chart.x = {"f/⟨f⟩", ChartAxis::Kind::kLinear, 0.0, {}};
     chart.y = {"P(f/⟨f⟩)", ChartAxis::Kind::kLog, {}, {}};
     const auto add = [&chart](const char* name, int style, const std::vector<double>& x) {
-      const double rate = fit_exponential_tail(x, kTailFrom).rate;
-      chart.series.push_back(histogram(name, style, x));
+      const double rate = fit_exponential_tail(x, kForceTail).rate;
+      chart.series.push_back(force_histogram(name, style, x, 0.25));
+      chart.series.back().kind = ChartSeries::Kind::kPoints;
       chart.series.push_back(tail_line(fmt::format("exp(−{:.2f} f/⟨f⟩)", rate), style + 1, x));
     };
     add("mean of the packing", 0, samples.forces);

@@ -35,19 +35,9 @@ struct SiloLoad {
 SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationContext& context,
                    ExperimentOutcome& outcome) {
   Scene<2> scene = experiment_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
-  scene.gravity = Vec2(0, -kGravity);
-  scene.bodies =
-      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, kSiloWidth, 0, seed, Vec2::Zero());
+  const double top = fill_box(scene, count, kSiloWidth, 0, seed);
   SiloLoad load;
-  double top = 0;
-  for (Disk& d : scene.bodies) {
-    give_mass(d, d.radius * d.radius);
-    load.weight += kGravity * d.mass;
-    top = std::max(top, d.x[1]);
-  }
-  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1), "floor"),
-                 half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
-                 half_space<2>(Vec2(kSiloWidth, 0), Vec2(-1, 0), "right")};
+  for (const Disk& d : scene.bodies) load.weight += kGravity * d.mass;
   const double settle = 1 + std::sqrt(2 * top / kGravity);
   constexpr double kSink = 0.2, kSinks = 5;  // [m/s], [s]
   scene.walls[0].motion = Wall<2>::Motion::kMoving;
@@ -225,18 +215,11 @@ Discharge discharge(double hole, int count, std::uint64_t seed, double tol,
                     const ValidationContext& context, ExperimentOutcome& outcome) {
   constexpr double kWidth = 18;
   Scene<2> scene = experiment_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
-  scene.gravity = Vec2(0, -kGravity);
-  scene.bodies =
-      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, kWidth, 0, seed, Vec2::Zero());
-  double whole = 0, top = 0;
-  for (Disk& d : scene.bodies) {
-    give_mass(d, d.radius * d.radius);
-    whole += d.mass;
-    top = std::max(top, d.x[1]);
-  }
+  const double top = fill_box(scene, count, kWidth, 0, seed);
+  double whole = 0;
+  for (const Disk& d : scene.bodies) whole += d.mass;
   const double edges[] = {0, 0.5 * (kWidth - hole), 0.5 * (kWidth + hole), kWidth};
-  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
-                 half_space<2>(Vec2(kWidth, 0), Vec2(-1, 0), "right")};
+  scene.walls.erase(scene.walls.begin());
   for (int k = 0; k < 3; ++k) {
     Wall<2> part;
     part.name = k == 1 ? "plug" : "floor";
