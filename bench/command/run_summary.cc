@@ -11,6 +11,7 @@
 #include "core/base/version.h"
 #include "core/motion/sample_area.h"
 #include "core/motion/sample_volume.h"
+#include "core/motion/spring_dashpot_setup.h"
 #include "core/motion/stress_tensor.h"
 
 namespace bipot {
