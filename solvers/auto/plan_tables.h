@@ -26,8 +26,8 @@ struct Count {
 };
 constexpr Count root(double factor, int least = 0) { return {factor, 0.5, least}; }
 constexpr Count each(double factor, int least = 0) { return {factor, 1, least}; }
-/// Symmetric sweeps with momentum cross a packing in about 16 N^0.4 iterations.
-constexpr Count crossings(double times) { return {16 * times, 0.4}; }
+/// Symmetric sweeps with momentum cross a packing in about 15.5 N^0.4 iterations.
+constexpr Count crossings(double times) { return {15.5 * times, 0.4}; }
 
 /// Iterations of a stage: at least, at most, and within a decade of a fair tolerance. A single
 /// number: it is never given up.
