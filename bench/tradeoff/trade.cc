@@ -7,14 +7,15 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <random>
 #include <set>
 #include <stdexcept>
 
 #include "bench/measure/stopwatch.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/report/labels.h"
+#include "core/base/portable_random.h"
 #include "core/base/types.h"
+#include "core/motion/spring_dashpot_setup.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
@@ -75,15 +76,14 @@ void kick(Scene<2>& scene, int replica) {
   const double acceleration = std::max(scene.gravity.norm(), force / mass);
   double speed = std::sqrt(acceleration * smallest_radius(scene));
   for (const Disk& d : scene.bodies) speed = std::max(speed, d.v.norm());
-  std::mt19937_64 engine(static_cast<std::uint64_t>(replica));
-  const auto symmetric = [&] { return 2 * (static_cast<double>(engine() >> 11) * 0x1.0p-53) - 1; };
+  PortableRandom random(static_cast<std::uint64_t>(replica));
   for (Disk& d : scene.bodies) {
     if (d.cluster >= 0) continue;
-    const double x = symmetric(), y = symmetric();
+    const double x = random.symmetric(), y = random.symmetric();
     d.v += kKick * speed * Vec2(x, y);
   }
   for (Cluster& c : scene.clusters.bodies) {
-    const double x = symmetric(), y = symmetric();
+    const double x = random.symmetric(), y = random.symmetric();
     c.v += kKick * speed * Vec2(x, y);
   }
   place_members(scene.clusters, scene.bodies);
@@ -230,7 +230,8 @@ double mean_cpu(const Trade& trade, const std::string& scene, const TradeSetting
   return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
 }
 
-void run_scene(const TradeScene& scene, const TradeOptions& options, Runner& runner, Trade& trade) {
+void trade_scene(const TradeScene& scene, const TradeOptions& options, Runner& runner,
+                 Trade& trade) {
   // 1. Tolerances.
   std::vector<double> tols = options.tols;
   std::sort(tols.rbegin(), tols.rend());
@@ -355,7 +356,7 @@ Trade run_trade(const TradeOptions& options) {
     }
   }
   Runner runner(options, trade);
-  for (const TradeScene& scene : trade.scenes) run_scene(scene, options, runner, trade);
+  for (const TradeScene& scene : trade.scenes) trade_scene(scene, options, runner, trade);
   trade.complete = !runner.stopped();
   return trade;
 }
