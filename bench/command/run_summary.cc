@@ -11,6 +11,7 @@
 #include "core/base/version.h"
 #include "core/motion/sample_area.h"
 #include "core/motion/sample_volume.h"
+#include "core/motion/spring_dashpot_setup.h"
 #include "core/motion/stress_tensor.h"
 
 namespace bipot {
@@ -18,7 +19,7 @@ namespace {
 
 template <int D>
 const SpringDashpotSetup* springs_of(const RunSummary<D>& s) {
-  return s.run.springs ? &*s.run.springs : nullptr;
+  return s.run.springs.get();
 }
 
 /// Why a step was not taken, else why the first one that did not converge did not.

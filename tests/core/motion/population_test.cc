@@ -12,6 +12,7 @@
 #include "core/motion/time_stepping.h"
 #include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"
+#include "core/scene/contact_detection.h"
 #include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
