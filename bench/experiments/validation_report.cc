@@ -25,7 +25,7 @@ std::string right_from(const ValidationRow& row) {
   return std::isnan(row.loosest) ? "none" : tolerance_label(row.loosest);
 }
 
-/// What the page says of a row beside its value.
+/// Notes of the page on a row.
 std::string note_of(const ValidationRow& row) {
   std::string note;
   if (const ValidationPoint* p = row.measured()) {
@@ -176,7 +176,7 @@ Chart error_chart(const ValidationPage& page, const std::string& group) {
   chart.key = Chart::Key::kRight;
   chart.width = 620;
   chart.height = 340;
-  // A decade below the least error that is not 0, which stands on the axis.
+  // A decade below the least error other than 0, for the end of the axis.
   double least = kHighestFloor;
   for (const ValidationRow& row : page.rows) {
     for (const ValidationPoint& p : row.points) {
