@@ -119,9 +119,9 @@ TEST(CellBasis, PreparedColumnsEnterAsOthersDo) {
   }
 }
 
-/// Sliding contacts with W_nn = mu W_nt, each coupled to some of a core of sticking contacts: the own
-/// block of a sliding contact in B is singular but for delta, and the fronts, which eliminate it
-/// before the core, have nothing but that rounding to divide by. B is well conditioned: the
+/// Sliding contacts with W_nn = mu W_nt, each coupled to some of a core of sticking contacts: the
+/// own block of a sliding contact in B is singular but for delta, and the fronts, which eliminate
+/// it before the core, have nothing but that rounding to divide by. B is well conditioned: the
 /// couplings of the sliding contacts have full rank.
 TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
   constexpr int kSliding = 30, kCore = 100, kContacts = kSliding + kCore, kCoupled = 20;
