@@ -157,8 +157,8 @@ TEST(PeriodicSpheres, VolumeIsThatOfTheCellAndOfWhatClosesIt) {
 }
 
 TEST(PeriodicSpheres, ASphereRollsOnThroughTheEdge) {
-  // Thrown along the floor it ends at 5/7 of its speed, wherever cells begin, and keeps its coordinates; in the
-  // wrapped state it lies in the cell.
+  // Thrown along the floor it ends at 5/7 of its speed, wherever cells begin, and keeps its
+  // coordinates; in the wrapped state it lies in the cell.
   Scene<3> scene = one_law<3>({.mu = 0.4});
   scene.gravity = Vec3(0, 0, -kGravity);
   scene.cell = block(0.5, 0.7);
@@ -169,7 +169,7 @@ TEST(PeriodicSpheres, ASphereRollsOnThroughTheEdge) {
   scene.num_steps = 800;
   scene.solver.tol = 1e-11;
   ASSERT_EQ(validate(scene), "");
-  const State<3> end = run_scene(scene);
+  const State<3> end = solved_run(scene);
   EXPECT_LT((end.bodies[0].v - 5.0 / 7 * Vec3(2, -1, 0)).norm(), 1e-7);
   EXPECT_GT(end.bodies[0].x[0], 1);
   const State<3> inside = wrapped_state(end);

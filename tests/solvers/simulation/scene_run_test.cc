@@ -4,12 +4,14 @@
 
 #include <stdexcept>
 
+#include "core/motion/spring_dashpot_setup.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/scene_family.h"
 #include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/run_folder.h"
+#include "solvers/simulation/split_step.h"
 #include "solvers/simulation/step_solver.h"
 #include "tests/support/temporary_folder.h"
 
@@ -94,7 +96,8 @@ TEST(SceneRun, AStepThatIsNotSolvedIsTakenInPartsThatAddUp) {
   EXPECT_LT(state.bodies[1].x[1] - 0.5, state.bodies[0].x[1] - 0.5 + 0.003);
 }
 
-/// One step, not solved whole nor in its first half: what those attempts took is counted with the parts.
+/// One step, not solved whole nor in its first half: what those attempts took is counted with the
+/// parts.
 TEST(SceneRun, IterationsOfAttemptsThatWereNotTakenCount) {
   const Scene<2> scene = two_landings();
   State<2> state = initial_state(scene);
@@ -222,7 +225,7 @@ TEST(SceneRun, SpringsRunThroughTheSameCall) {
   State<2> state = initial_state(scene);
   const SceneRun<2> run = run_scene(scene, state);
   EXPECT_EQ(run.end, SceneRun<2>::End::kCompleted);
-  ASSERT_TRUE(run.springs.has_value());
+  ASSERT_NE(run.springs, nullptr);
   EXPECT_EQ(run.totals.last.iterations, run.springs->substeps);
 }
 
@@ -241,7 +244,7 @@ TEST(RunFolder, HoldsTheRunsLastStateAndItsProblems) {
   RunFolderOptions options;
   options.folder = folder.path() / "run";
   options.problems = RunFolderOptions::Problems::kAll;
-  const SceneRun<2> run = run_scene_into(scene, state, {}, options);
+  const SceneRun<2> run = run_scene(scene, state, {.folder = options});
   EXPECT_GT(run.output_seconds, 0);
   EXPECT_EQ(read_state(options.folder).step, 60);
   EXPECT_EQ(read_state(options.folder).bodies[3].x, state.bodies[3].x);
