@@ -441,6 +441,14 @@ std::string page_element(const Chart& chart, std::string_view document, const Pl
                            " stroke-width=\"1.00\"", " class=\"gridline\" "}) {
     replace_all(svg, idle, "");
   }
+  // Groups that draw nothing have colours of the chart before.
+  for (std::size_t end = 0; (end = svg.find(">\n</g>", end)) != std::string::npos;) {
+    const std::size_t begin = svg.rfind('<', end);
+    const bool empty = svg.compare(begin, 3, "<g ") == 0;
+    if (empty) svg.erase(begin, end + 6 - begin);
+    end = empty ? begin : end + 1;
+  }
+  svg.erase(svg.rfind('>') + 1);
   std::string out =
       fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">\n",
                   plan.width, plan.height, escape_markup(chart.title));
