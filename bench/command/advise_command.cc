@@ -1,23 +1,21 @@
 #include "bench/command/advise_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
-#include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/problems/scene_rewrite.h"
-#include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
-#include "bench/report/labels.h"
-#include "bench/tradeoff/advice_json.h"
+#include "bench/tradeoff/advice_report.h"
 #include "bench/tradeoff/advise.h"
 #include "core/base/file_error.h"
 #include "core/base/types.h"
@@ -42,163 +40,34 @@ int exit_code_of(Advice::Status status) {
   return kExitNotConverged;
 }
 
-std::string goal_text(const Accuracy& goal) {
-  std::string text;
-  for (auto m : Accuracy::kMeasures) {
-    if (std::isnan(goal.*m)) continue;
-    text += fmt::format("{}{} {:g}", text.empty() ? "" : ", ", name_of(m), goal.*m);
+/// The command as it was typed, results aside.
+std::string command_line(const AdviseFlags& flags) {
+  std::string line = "bipot advise " + flags.scene;
+  for (const auto& [name, value] : {std::pair{"--force-error", flags.force},
+                                    {"--penetration", flags.penetration},
+                                    {"--energy", flags.energy},
+                                    {"--window", flags.window}}) {
+    if (value) line += fmt::format(" {} {:g}", name, *value);
   }
-  return text;
-}
-
-/// "force error 1.2e-03, energy error 3.4e-02" of what is asked for and measured.
-std::string error_text(const Accuracy& error, const Accuracy& goal) {
-  std::string text;
-  for (auto m : Accuracy::kMeasures) {
-    if (std::isnan(goal.*m)) continue;
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", name_of(m),
-                        std::isnan(error.*m) ? "not measured" : fmt::format("{:.1e}", error.*m));
-  }
-  return text;
-}
-
-std::string cell(double x) {
-  if (std::isnan(x)) return "-";
-  if (std::isinf(x)) return "failed";
-  return fmt::format("{:.1e}", x);
-}
-
-void print_trials(const Advice& a) {
-  const bool any_stretch = std::any_of(a.trials.begin(), a.trials.end(),
-                                       [](const SolverTrial& t) { return t.stretches > 0; });
-  fmt::print(
-      "\nSolvers: worst error over {} steps of the run and mean CPU time of a solve, on the left "
-      "on single\nsteps, on the right on stretches of {:g} s, where each step starts from the "
-      "errors of the one before.\n*: nothing is better in both time and error. Left to the "
-      "solver: {}.\n",
-      a.problems, a.steps.window, error_text(a.budget, a.goal));
-  fmt::print("    {:<15} {:>6} {:<5} {:>8} {:>8} {:>8} {:>9}   {:>8} {:>8} {:>8} {:>9}\n", "solver",
-             "tol", "start", "force", "penetr.", "energy", "time", "force", "penetr.", "energy",
-             "time");
-  int others = 0;
-  for (std::size_t i = 0; i < a.trials.size(); ++i) {
-    const SolverTrial& t = a.trials[i];
-    const bool tried = t.stretches > 0;
-    if (any_stretch && t.verdict == SolverTrial::Verdict::kNone &&
-        static_cast<int>(i) != a.choice) {
-      ++others;
-      continue;
-    }
-    std::string note;
-    if (t.solved < t.problems) note = fmt::format("  solved {} of {}", t.solved, t.problems);
-    if (!tried && t.verdict == SolverTrial::Verdict::kStretchMissed) note += "  " + t.message;
-    fmt::print("  {}{} {:<15} {:>6.0e} {:<5} {:>8} {:>8} {:>8} {:>9}   {:>8} {:>8} {:>8} {:>9}{}\n",
-               static_cast<int>(i) == a.choice ? ">" : " ", t.pareto ? "*" : " ", t.solver.label,
-               t.tol, t.warm ? "warm" : "cold", cell(t.error.force), cell(t.error.penetration),
-               cell(t.error.energy), duration_label(t.seconds), cell(tried ? t.stretch.force : NAN),
-               cell(tried ? t.stretch.penetration : NAN), cell(tried ? t.stretch.energy : NAN),
-               tried ? duration_label(t.run_seconds) : "-", note);
-  }
-  if (others > 0) {
-    fmt::print("  {} more trials were too inaccurate or too slow for stretches; --json has them\n",
-               others);
-  }
-}
-
-void print_steps(const Scene<2>& scene, const Advice& a) {
-  if (a.steps.steps.empty()) {
-    fmt::print("\nTime step: not measured; time was up or solves failed.\n");
-    return;
-  }
-  fmt::print(
-      "\nTime step: error that the step alone makes, solved tightly, over {} stretch{} of {:g} s, "
-      "against steps of\n{:g} s. Force: mean over the stretch; penetration: added by a step, over "
-      "the smallest radius.\n",
-      a.steps.windows, a.steps.windows == 1 ? "" : "es", a.steps.window,
-      a.steps.finest * scene.step);
-  fmt::print("     {:>10} {:>8} {:>8} {:>8}\n", "step (s)", "force", "penetr.", "energy");
-  for (std::size_t i = 0; i < a.steps.steps.size(); ++i) {
-    const StepTrial& t = a.steps.steps[i];
-    fmt::print("   {} {:>10g} {:>8} {:>8} {:>8}{}\n",
-               static_cast<int>(i) == a.step.index ? ">" : " ", t.step, cell(t.error.force),
-               cell(t.error.penetration), cell(t.error.energy),
-               t.factor == 1 ? "  the scene's" : "");
-  }
-}
-
-void print_confidence(const Advice& a) {
-  fmt::print("\nHow far to trust it:\n");
-  fmt::print("  the scene ran for {} of {} steps, {} with contacts (at most {}){}\n",
-             a.sample.steps_run, a.sample.steps_planned, a.sample.contact_steps,
-             a.sample.contacts_max, a.sample.note.empty() ? "" : "; " + a.sample.note);
-  if (a.fresh.problems > 0) {
-    fmt::print("  steps that it was chosen on: {}; the worst on {} others: {}\n", a.problems,
-               a.fresh.problems, error_text(a.fresh.error, a.goal));
-  } else {
-    fmt::print("  steps that it was chosen on: {}; no others were solved to verify it\n",
-               a.problems);
-  }
-  if (a.whole_windows > 0) {
-    fmt::print("  the advice as a whole, on {} other stretches, against the finest steps: {}\n",
-               a.whole_windows, error_text(a.whole_window, a.goal));
-  }
-  fmt::print("  references: guarded error at most {:.0e}; two solvers agree to {:.0e}\n",
-             a.worst_reference, a.reference_spread);
-  if (a.several_solutions > 0) {
-    fmt::print(
-        "  steps with several exact answers: {}, apart by at most {}; errors there are distances\n"
-        "  to the nearest answer, and nothing below half of that counts\n",
-        a.several_solutions, error_text(a.spread, a.goal));
-  }
-  if (share_of(a.stretch_spread, a.goal) > 0) {
-    fmt::print("  two tight runs of the same stretches, started differently: {}\n",
-               error_text(a.stretch_spread, a.goal));
-  }
-  if (a.without_reference > 0) {
-    fmt::print("  steps left out because no solver got far enough below the goal in time: {}\n",
-               a.without_reference);
-  }
-  if (a.steps.windows_dropped > 0 || (a.steps.finest > 0.125 && a.steps.finest > 0)) {
-    fmt::print(
-        "  time was short for the step study ({} stretches dropped, finest step {:g} of the "
-        "scene's): --time-limit gives more\n",
-        a.steps.windows_dropped, a.steps.finest);
-  }
-}
-
-void print(const Scene<2>& scene, const Advice& a) {
-  fmt::print("{}\n", scene.title.empty() ? scene.source : scene.title);
-  fmt::print("  asked for   {}\n", goal_text(a.goal));
-  fmt::print("  status      {}: {}\n", to_string(a.status), a.message);
-  if (a.choice < 0) return;
-  const SolverTrial& t = a.trials[a.choice];
-  const bool own_step = std::abs(a.step_size / scene.step - 1) < 1e-9;
-  fmt::print("  advice      {} to {:.0e}, {} start, time step {:g} s{}\n", t.solver.label, t.tol,
-             t.warm ? "warm" : "cold", a.step_size,
-             own_step ? " (the scene's)" : fmt::format(" (the scene's: {:g} s)", scene.step));
-  fmt::print("  error       time step: {}\n", error_text(a.step_error, a.goal));
-  fmt::print("              solver:    {}\n", error_text(worst_of(t.error, t.stretch), a.goal));
-  fmt::print("  cost        {} a step, {} for the {:g} s of the scene ({} steps), files aside\n",
-             duration_label(a.seconds_per_step), duration_label(a.seconds_in_all),
-             scene.num_steps * scene.step, a.num_steps);
-  print_steps(scene, a);
-  print_trials(a);
-  print_confidence(a);
+  if (!flags.solvers.empty()) line += fmt::format(" --solvers {}", fmt::join(flags.solvers, ","));
+  if (flags.keep_step) line += " --keep-step";
+  return line + fmt::format(" --time-limit {:g} --samples {} --fresh {}", flags.time_limit,
+                            flags.samples, flags.fresh);
 }
 
 void write_scene(const AdviseFlags& flags, const std::string& text, const Scene<2>& scene,
                  const Advice& advice) {
   const SolverTrial& t = advice.trials[advice.choice];
-  const std::string written =
-      rewrite_scene(text, scene.source,
-                    {.step = advice.step_size,
-                     .num_steps = advice.num_steps,
-                     .solver = t.solver.solver,
-                     .parameters = t.solver.parameters,
-                     .tol = t.tol,
-                     .warm_start = t.warm,
-                     .comment = fmt::format("bipot advise, {} ({})", goal_text(advice.goal),
-                                            to_string(advice.status))});
+  const std::string written = rewrite_scene(
+      text, scene.source,
+      {.step = advice.step_size,
+       .num_steps = advice.num_steps,
+       .solver = t.solver.solver,
+       .parameters = t.solver.parameters,
+       .tol = t.tol,
+       .warm_start = t.warm,
+       .comment = fmt::format("bipot advise, {} ({})", error_text(advice.goal, advice.goal),
+                              to_string(advice.status))});
   AtomicFile file(flags.write);
   std::ofstream out(file.draft(), std::ios::binary);
   out << written;
@@ -296,12 +165,11 @@ int advise_command(const AdviseFlags& flags) {
   options.interrupted = &InterruptGuard::requested;
   const Advice advice = advise(scene, options);
   if (!flags.json.empty()) {
-    Json json{{"command", "advise"}};
-    json.update(to_json(scene, advice));
+    Json json = to_json(scene, advice, provenance("advise", command_line(flags)));
     json["exit_code"] = exit_code_of(advice.status);
     write_json(json, flags.json);
   }
-  if (!quiet) print(scene, advice);
+  if (!quiet) fmt::print("{}", to_text(advice_document(scene, advice)));
   if (!flags.write.empty() && advice.choice >= 0) {
     write_scene(flags, content.str(), scene, advice);
     if (!quiet) fmt::print("\nadvice written into {}\n", flags.write);

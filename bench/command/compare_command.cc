@@ -11,12 +11,10 @@
 #include "bench/command/progress_bar.h"
 #include "bench/command/watched_trade.h"
 #include "bench/compare/comparison.h"
-#include "bench/compare/comparison_page.h"
 #include "bench/compare/comparison_report.h"
-#include "bench/report/build_info.h"
-#include "bench/report/chart.h"
 #include "bench/report/json_output.h"
-#include "bench/tradeoff/trade_page.h"
+#include "bench/report/labels.h"
+#include "bench/tradeoff/trade_report.h"
 #include "solvers/registry.h"
 
 namespace bipot {
@@ -178,19 +176,18 @@ int compare_command(const CompareFlags& flags) {
 
   ReportContext context;
   context.options = options;
-  context.build = build_info();
-  context.date = date_and_time();
-  context.command = command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags);
+  context.made =
+      provenance("compare", command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags));
+  context.made.threads = options.threads;
   context.command_of_target = command_line("{}", flags);
   if (!flags.out.empty()) {
-    std::vector<ReportSection> sections;
+    Document more;
     if (whole) {
       write_trade(options.out, *whole);
-      sections.push_back({"whole", "Whole simulations",
-                          "<style>" + trade_style() + "</style>" +
-                              trade_section(whole->analysed, whole->context)});
+      more.heading("Whole simulations", "whole");
+      more.append(trade_document(whole->analysed, whole->context));
     }
-    write_report(options.out, comparison, context, sections);
+    write_report(options.out, comparison, context, more);
   }
   if (!flags.json.empty()) {
     Json table = to_json(comparison, context);
@@ -199,7 +196,9 @@ int compare_command(const CompareFlags& flags) {
   }
   if (!quiet) {
     fmt::print("{}", to_text(comparison));
-    if (whole) fmt::print("\nWhole simulations\n\n{}", to_text(whole->analysed));
+    if (whole)
+      fmt::print("\nWhole simulations\n\n{}",
+                 to_text(trade_document(whole->analysed, whole->context)));
     if (!flags.out.empty()) {
       fmt::print("results in {}, {} of {} rows from before\n", flags.out, comparison.rows_kept,
                  comparison.rows.size() + comparison.warm_rows.size());

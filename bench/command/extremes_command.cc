@@ -1,8 +1,11 @@
 #include "bench/command/extremes_command.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <filesystem>
+#include <nlohmann/json.hpp>
+#include <optional>
 #include <stdexcept>
 #include <system_error>
 
@@ -13,7 +16,8 @@
 #include "bench/compare/extreme_report.h"
 #include "bench/compare/random_problem.h"
 #include "bench/compare/random_sets.h"
-#include "bench/report/csv_text.h"
+#include "bench/report/json_output.h"
+#include "bench/report/labels.h"
 #include "core/base/file_error.h"
 #include "core/files/atomic_file.h"
 #include "core/problem_files/fclib_file.h"
@@ -36,6 +40,25 @@ std::vector<std::string> solvers_of(const ExtremesFlags& flags) {
   for (const std::string& name : flags.solvers) require_solver(name);
   return flags.solvers;
 }
+
+/// The command as it was typed, results aside.
+std::string command_line(const ExtremesFlags& flags) {
+  std::string line = "bipot extremes";
+  if (!flags.only.empty()) line += " --only " + flags.only;
+  if (!flags.solvers.empty()) line += fmt::format(" --solver {}", fmt::join(flags.solvers, ","));
+  if (flags.quick) line += " --quick";
+  if (flags.tol != ExtremesFlags{}.tol) line += " --tol " + tolerance_label(flags.tol);
+  if (flags.time_limit) line += fmt::format(" --time-limit {:g}", *flags.time_limit);
+  if (flags.random_problems > 0)
+    line += fmt::format(" --random-problems {}", flags.random_problems);
+  if (flags.random_scenes > 0) line += fmt::format(" --random-scenes {}", flags.random_scenes);
+  if (flags.random_problems + flags.random_scenes > 0) {
+    line += fmt::format(" --seed {} --first {}", flags.seed, flags.first);
+  }
+  return line;
+}
+
+bool quiet(const ExtremesFlags& flags) { return flags.quiet || flags.json == "-"; }
 
 /// The one problem that the flags name, as a file for `bipot solve`.
 int dump(const ExtremesFlags& flags) {
@@ -72,32 +95,37 @@ int random_sets(const ExtremesFlags& flags) {
   options.solvers = solvers_of(flags);
   options.interrupted = &InterruptGuard::requested;
   bool sound = true;
-  std::string csv = "set,kind,index,solver,message,again\n";
+  Document page{.made = provenance("extremes", command_line(flags))};
+  Table findings{.columns = {{"set"}, {"kind"}, {"index"}, {"solver"}, {"message"}, {"again"}},
+                 .key = "findings"};
   const auto run = [&](int count, const char* what, const char* flag, auto* measure) {
     if (count == 0) return;
     options.count = count;
     RandomSetResult result;
     {
-      ProgressBar progress(count, flags.quiet);
+      ProgressBar progress(count, quiet(flags));
       options.on_progress = [&](int done) { progress.update(done, what); };
       result = measure(options);
     }
     sound = sound && result.sound() && result.energy_grew == 0;
-    if (!flags.quiet) fmt::print("{}", to_text(result, what));
+    if (!quiet(flags)) fmt::print("{}", to_text(result, what));
     for (const RandomFinding& f : result.findings) {
       const std::string again =
           fmt::format("bipot extremes --{} 1 --seed {} --first {}{}", flag, flags.seed, f.index,
                       f.solver.empty() ? "" : " --solver " + f.solver);
-      csv += fmt::format("{},{},{},{},{},{}\n", what, f.kind, f.index, f.solver,
-                         csv_text(f.message), csv_text(again));
-      if (!flags.quiet && f.kind != "planted, not solved" && f.kind != "exists, not solved") {
+      findings.add({what, f.kind, f.index, f.solver, f.message, again});
+      if (!quiet(flags) && f.kind != "planted, not solved" && f.kind != "exists, not solved") {
         fmt::print("  {}: {}\n    {}\n", f.kind, again, f.message);
       }
     }
   };
   run(flags.random_problems, "random problems", "random-problems", &run_random_problems);
   run(flags.random_scenes, "random scenes", "random-scenes", &run_random_scenes);
-  if (!flags.out.empty()) write_text_file(fs::path(flags.out) / "random.csv", csv);
+  if (!flags.out.empty()) {
+    write_text_file(fs::path(flags.out) / "random.csv", to_csv(findings));
+  }
+  page.add(std::move(findings));
+  if (!flags.json.empty()) write_json(to_json(page), flags.json);
   if (InterruptGuard::requested()) return kExitInterrupted;
   return sound ? kExitConverged : kExitNotConverged;
 }
@@ -114,17 +142,23 @@ int matrix(const ExtremesFlags& flags) {
   {
     std::optional<ProgressBar> progress;
     options.on_cell = [&](const ExtremeCell& cell, int done, int total) {
-      if (!progress) progress.emplace(total, flags.quiet);
+      if (!progress) progress.emplace(total, quiet(flags));
       progress->update(done, cell.name + ", " + cell.solver);
     };
     result = measure_extremes(options);
   }
+  const Document page = extremes_page(result, provenance("extremes", command_line(flags)));
+  Json json = to_json(page);
+  json["complete"] = result.complete;
   if (!flags.out.empty()) {
-    write_text_file(fs::path(flags.out) / "extremes.csv", to_csv(result));
-    write_text_file(fs::path(flags.out) / "extremes.md", to_markdown(result));
-    write_text_file(fs::path(flags.out) / "extremes.html", to_html(result));
+    const fs::path out(flags.out);
+    write_text_file(out / "extremes.csv", to_csv(cells_table(result)));
+    write_text_file(out / "extremes.md", to_markdown(result));
+    write_text_file(out / "extremes.html", to_html(page));
+    write_json(json, (out / "extremes.json").string());
   }
-  if (!flags.quiet) {
+  if (!flags.json.empty()) write_json(json, flags.json);
+  if (!quiet(flags)) {
     fmt::print("{}", to_text(result));
     for (std::size_t k = 0; k < result.cases.size() && result.cases.size() <= 3; ++k) {
       fmt::print("{}: {}.\n  known: {}\n", result.cases[k].name, result.cases[k].what,
@@ -159,8 +193,12 @@ CommandDeclaration add_extremes_command(CommandLine& line, ExtremesFlags& flags)
               "CPU seconds of a cell (2; quick 0.2) or of a random problem (2)")
       .value_name("SECONDS")
       .positive();
-  command.option("--out", flags.out, "Folder for extremes.csv, extremes.html, random.csv")
+  command.option("--out", flags.out, "Folder for extremes.csv, .json and .html, random.csv")
       .value_name("DIR");
+  command
+      .option("--json", flags.json,
+              "Write all of it as JSON; '-': standard output, with nothing else")
+      .value_name("FILE");
   command
       .option("--dump-problem", flags.dump_problem,
               "Write the one problem as an FCLIB file instead of solving it")
@@ -196,6 +234,7 @@ CommandDeclaration add_extremes_command(CommandLine& line, ExtremesFlags& flags)
 int extremes_command(const ExtremesFlags& flags) {
   if (!flags.dump_problem.empty()) return dump(flags);
   make_folder(flags.out);
+  require_writable(flags.json);
   const InterruptGuard interrupt;
   if (flags.random_problems + flags.random_scenes > 0) return random_sets(flags);
   return matrix(flags);

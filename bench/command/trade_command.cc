@@ -90,7 +90,7 @@ int trade_command(const TradeFlags& flags) {
   if (!out.empty()) write_trade(out, finished);
   if (!flags.json.empty()) write_json(to_json(finished.analysed, finished.context), flags.json);
   if (!quiet) {
-    fmt::print("{}", to_text(finished.analysed));
+    fmt::print("{}", to_text(trade_document(finished.analysed, finished.context)));
     if (!out.empty()) fmt::print("results in {}\n", flags.out);
   }
   return finished.analysed.trade.complete ? kExitConverged : kExitInterrupted;

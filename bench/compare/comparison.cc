@@ -410,6 +410,14 @@ class TableFiller {
 
 }  // namespace
 
+std::string Comparison::id_of(const ProblemSummary& problem) const {
+  return fmt::format("p{}", &problem - problems.data() + 1);
+}
+
+std::string Comparison::link_to(const ProblemSummary& problem) const {
+  return fmt::format("[{}](#{})", problem.name, id_of(problem));
+}
+
 double HistoryPoint::guarded() const {
   ContactError error;
   error.epsilon = epsilon;

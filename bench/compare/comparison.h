@@ -106,6 +106,10 @@ struct Comparison {
   std::vector<ComparisonRow> warm_rows;
   int rows_kept = 0;  ///< of an earlier, stopped comparison
   bool complete = false;
+
+  /// The problem's part of the report: its id, and a link to it.
+  std::string id_of(const ProblemSummary& problem) const;
+  std::string link_to(const ProblemSummary& problem) const;
 };
 
 /// Fills the table. Rows are appended to out/rows.csv as they finish; rows that stand there already

@@ -1,117 +1,555 @@
-#include "bench/compare/comparison_page.h"
-
 #include <fmt/format.h>
 
-#include <nlohmann/json.hpp>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
 
+#include "bench/compare/comparison_charts.h"
+#include "bench/compare/comparison_report.h"
+#include "bench/compare/comparison_rows.h"
 #include "bench/compare/comparison_several.h"
 #include "bench/compare/comparison_success.h"
-#include "bench/compare/page_answers.h"
-#include "bench/compare/page_draft.h"
-#include "bench/compare/page_figures.h"
-#include "bench/compare/page_notes.h"
-#include "bench/compare/page_problems.h"
-#include "bench/compare/page_several.h"
-#include "bench/compare/page_table.h"
-#include "bench/compare/page_warm.h"
-#include "bench/report/chart.h"
-#include "bench/report/json_output.h"
-#include "bench/report/page_style.h"
-#include "core/files/atomic_file.h"
+#include "bench/compare/warm_gain.h"
+#include "bench/report/labels.h"
 
 namespace bipot {
 namespace {
 
-// Beside the common sheet: tables that are sorted, filtered and read as cards on small screens,
-// problems that open and close.
-constexpr const char* kRules = R"(
-.scroll+.grid{margin-top:1em}
-th button{font:inherit;font-weight:bold;background:none;border:0;padding:0;color:inherit;
- cursor:pointer;text-align:inherit}
-th[aria-sort=ascending] button::after{content:" \25B2"}
-th[aria-sort=descending] button::after{content:" \25BC"}
-.filters{display:flex;flex-wrap:wrap;gap:8px 16px;margin:.6em 0}
-.filters label{display:flex;flex-direction:column;font-size:.8rem;color:#444}
-select,input{font:inherit;padding:.25em;max-width:100%;border:1px solid #999;background:#fff;
- color:inherit}
-nav{display:flex;flex-wrap:wrap;gap:.2em 1.2em;margin:1em 0}
-details{border-bottom:1px solid #ddd;padding:.35em 0}
-summary{overflow-wrap:anywhere}
-details[open]>summary{margin-bottom:.4em}
-button#open-all{font:inherit;font-size:.87rem}
-@media(max-width:620px){table.cards thead{display:none}
- table.cards tr{display:block;border-bottom:1px solid #bbb;padding:.4em 0}
- table.cards td{display:flex;gap:.8em;position:static;border:0;padding:.1em .6em;text-align:left}
- table.cards td:first-child{font-weight:600;font-size:1rem}
- table.cards td[data-label]::before{content:attr(data-label);flex:0 0 5.5em;color:#555}
- #rows td:first-child,#rows th:first-child{min-width:7.5em;max-width:7.5em;
-  overflow-wrap:anywhere}}
-@media print{.filters,nav,#open-all{display:none}
- figcaption,.small{font-size:8pt}table{font-size:7.5pt}th,td{padding:.15em .3em}#rows{font-size:6pt}
- @page wide{size:landscape;margin:10mm}.wide{page:wide}.grid{grid-template-columns:1fr 1fr}}
-)";
+constexpr const char* kMeetingRows = "cpu_min of the rows with guarded ≤ tol in comparison.csv";
 
-void add_contents(PageDraft& page, const PageContent& of,
-                  const std::vector<ReportSection>& sections) {
-  page.add(
-      "<nav><a href=\"#answer\">Fastest, by problem</a><a href=\"#tolerance\">What a tolerance "
-      "means</a><a href=\"#several\">Several answers</a><a href=\"#solvers\">Who solves "
-      "what</a>");
-  if (of.has_auto()) page.add("<a href=\"#auto\">auto</a>");
-  if (!of.comparison.warm_rows.empty()) page.add("<a href=\"#warm\">Warm starts</a>");
-  if (!of.success.empty()) page.add("<a href=\"#success\">Success</a>");
-  if (of.comparison.problems.size() > 1) page.add("<a href=\"#profiles\">Profiles</a>");
-  if (!of.growth.empty()) page.add("<a href=\"#growth\">Growth with size</a>");
-  for (const ReportSection& section : sections) {
-    page.add(fmt::format("<a href=\"#{}\">{}</a>", escape_markup(section.id),
-                         escape_markup(section.title)));
+/// A list of names with counts, most first: "ipm (12), auto (3)".
+std::string ranked(const std::map<std::string, int>& counts, std::size_t longest) {
+  std::vector<std::pair<int, std::string>> order;
+  for (const auto& [name, count] : counts) order.emplace_back(-count, name);
+  std::sort(order.begin(), order.end());
+  std::string list;
+  for (std::size_t i = 0; i < order.size() && i < longest; ++i) {
+    list += fmt::format("{}**{}** ({})", i == 0 ? "" : ", ", order[i].second, -order[i].first);
   }
-  page.add(
-      "<a href=\"#problems\">Problems</a><a href=\"#all\">All rows</a><a "
-      "href=\"#measures\">What the measures mean</a><a href=\"#made\">How this was "
-      "made</a></nav>\n");
+  return list.empty() ? "–" : list;
 }
+
+std::string law_label(const PowerLaw& law) {
+  if (!std::isfinite(law.exponent)) return "–";
+  if (!std::isfinite(law.confidence)) return fmt::format("{:.2f}", law.exponent);
+  return fmt::format("{:.2f} ± {:.2f}", law.exponent, law.confidence);
+}
+
+/// What is known of the problem's answers.
+std::string uniqueness(const ProblemSummary& p) {
+  if (p.poor_reference()) {
+    return "**No trusted reference**: solvers are ranked by the guarded error.";
+  }
+  if (p.several_velocities()) {
+    return fmt::format(
+        "**Several exact answers**: {} are known, velocities up to {} apart in the energy norm, "
+        "the force on a body by {} of the largest. Errors are distances to the nearest.",
+        p.answers, error_label(p.spread.velocity), error_label(p.spread.force));
+  }
+  if (std::isfinite(p.velocity_spread)) {
+    return fmt::format("Solvers below 1e-9 agree on the velocities to {}.",
+                       error_label(p.velocity_spread));
+  }
+  return "No second solver stands below 1e-9, so nothing is known of other solutions.";
+}
+
+class ComparisonPage {
+ public:
+  ComparisonPage(const Comparison& comparison, const ReportContext& context)
+      : c_(comparison),
+        context_(context),
+        solvers_(solvers_of(comparison)),
+        tols_(tolerances_of(comparison)) {
+    page_.title = "Contact solvers: what accuracy costs";
+    page_.made = context.made;
+    page_.contents = true;
+  }
+
+  Document write(const Document& more) {
+    answer();
+    answer_by_problem();
+    page_.heading("What a tolerance means", "tolerance");
+    page_.say("The true errors of all rows that met a tolerance, whatever the solver.");
+    page_.add(meaning_table(c_));
+    several();
+    solver_summary();
+    regret();
+    warm_starts();
+    success();
+    profiles();
+    growth_with_size();
+    page_.append(more);
+    problems();
+    all_rows();
+    measures();
+    provenance_of_rows();
+    return std::move(page_);
+  }
+
+ private:
+  void figure(Chart chart, std::string caption, std::string source,
+              const std::string& command = {}) {
+    page_.add(Figure{.chart = std::move(chart),
+                     .caption = std::move(caption),
+                     .command = command.empty() ? context_.made.command : command,
+                     .source = std::move(source)});
+  }
+
+  void answer() {
+    if (!c_.complete) page_.say("**This comparison was stopped; rows are missing.**");
+    page_.say(fmt::format(
+        "{} problems, {} solvers. For each accuracy: on how many problems some solver reaches it, "
+        "which solvers get there first, with the number of problems, and the tolerance that they "
+        "need in the median. Errors are true ones, measured against a reference solution.",
+        c_.problems.size(), solvers_.size()));
+    Table table{.columns = {{.name = "true error"},
+                            {.name = "reached on", .show = count_label},
+                            {.name = "tolerance", .show = tolerance_label},
+                            {.name = "fastest on"}}};
+    for (double accuracy : kProfileAccuracies) {
+      std::map<std::string, int> wins;
+      std::vector<double> needed;
+      for (const ProblemSummary& p : c_.problems) {
+        if (const ComparisonRow* best = fastest_to(p, c_.rows, accuracy)) {
+          ++wins[best->solver];
+          needed.push_back(best->tol);
+        }
+      }
+      std::sort(needed.begin(), needed.end());
+      table.add({accuracy_label(accuracy),
+                 fmt::format("{} of {}", needed.size(), c_.problems.size()),
+                 needed.empty() ? kNaN : needed[(needed.size() - 1) / 2], ranked(wins, 4)});
+    }
+    page_.add(std::move(table));
+    const Regret r = regret_of(c_, "auto");
+    if (r.entries.empty()) return;
+    page_.say(fmt::format(
+        "Without a choice, **auto** takes {} times as long as the fastest other solver in the "
+        "median, and {} in nine cases of ten.",
+        ratio_label(r.median),
+        std::isfinite(r.ninth_decile) ? "at most " + ratio_label(r.ninth_decile) + " times as long"
+                                      : "does not solve all"));
+  }
+
+  void answer_by_problem() {
+    page_.heading("Fastest, by problem", "answer");
+    page_.say(
+        "Each entry: the fastest solver, the tolerance that it needs for this true error, "
+        "and its time.");
+    Table table{.columns = {{.name = "problem"},
+                            {.name = "contacts", .show = count_label},
+                            {.name = "error in"}},
+                .note =
+                    "A dash: nothing that was tried got there. † several exact answers: errors "
+                    "are distances to the nearest that is known. ‡ no reference with a guarded "
+                    "error below 1e-9: ranked by the guarded error, because a distance to none "
+                    "says nothing.",
+                .look = "cards"};
+    for (double a : kProfileAccuracies)
+      table.columns.push_back({.name = "to " + accuracy_label(a)});
+    for (const ProblemSummary& p : c_.problems) {
+      const std::string_view error = ranking(p, c_.rows).name();
+      const char* mark = p.several_velocities() ? " †" : p.poor_reference() ? " ‡" : "";
+      std::vector<TableCell> cells = {c_.link_to(p) + mark, p.contacts,
+                                      error.substr(0, error.find(' '))};
+      for (double a : kProfileAccuracies) {
+        const ComparisonRow* best = fastest_to(p, c_.rows, a);
+        cells.emplace_back(best == nullptr ? "–"
+                                           : fmt::format("**{}** at {}\n{}", best->solver,
+                                                         tolerance_label(best->tol),
+                                                         seconds_label(best->time())));
+      }
+      table.add(std::move(cells));
+    }
+    page_.add(std::move(table));
+  }
+
+  void several() {
+    const std::vector<SeveralShare> shares = several_shares(c_);
+    if (shares.empty()) return;
+    page_.heading("Several answers", "several");
+    page_.say(
+        "Coulomb's law does not always decide. Two impulses prove it where both are verified to a "
+        "guarded error of 1e-9 or better and their velocities are farther apart than a hundred "
+        "times what these errors explain. Such a problem is marked †. Errors of its rows are "
+        "distances to the nearest answer that is known. Digits below the spread say nothing about "
+        "one body: energies and means over many steps or runs survive, one body's force at one "
+        "instant does not. Nobody has looked for all answers: shares are lower bounds.");
+    page_.add(several_shares_table(shares));
+    if (shares.back().several > 0) page_.add(several_problems_table(c_));
+  }
+
+  void solver_summary() {
+    page_.heading("Who solves what", "solvers");
+    Table table{.columns = {{.name = "solver"}},
+                .note =
+                    "Solved: the guarded error, recomputed from the impulses, is at most the "
+                    "tolerance. time / best: median over the solved problems of the solver's "
+                    "time over the fastest solver's. Natural map: at the tightest tolerance."};
+    std::vector<std::vector<SolvedCount>> counts;
+    for (double tol : tols_) {
+      counts.push_back(count_solved(c_, tol));
+      table.columns.push_back({.name = "solved at " + tolerance_label(tol), .show = count_label});
+      table.columns.push_back({.name = "time / best", .show = ratio_label});
+    }
+    table.columns.push_back({.name = "natural map ≤ 1e-8", .show = count_label});
+    for (std::size_t s = 0; s < solvers_.size(); ++s) {
+      std::vector<TableCell> cells = {solvers_[s]};
+      for (const auto& at_tol : counts) {
+        cells.emplace_back(fmt::format("{} of {}", at_tol[s].solved, at_tol[s].problems));
+        cells.emplace_back(at_tol[s].median_ratio);
+      }
+      const SolvedCount& last = counts.back()[s];
+      cells.emplace_back(fmt::format("{} of {}", last.by_natural_map, last.problems));
+      table.add(std::move(cells));
+    }
+    page_.add(std::move(table));
+  }
+
+  void regret() {
+    if (solvers_.size() < 2 ||
+        std::find(solvers_.begin(), solvers_.end(), "auto") == solvers_.end())
+      return;
+    page_.heading("What it costs to let auto choose", "auto");
+    const Regret all = regret_of(c_, "auto"), longer = regret_of(c_, "auto", 1e-3);
+    page_.say(fmt::format(
+        "The time of `auto` over the time of the fastest other solver that met the same tolerance "
+        "on the same problem: {} cases. Below 1, auto is faster than all others. A case that auto "
+        "does not solve counts as infinite.{}",
+        all.entries.size(),
+        all.alone > 0 ? fmt::format(" In {} more, auto alone met the tolerance.", all.alone) : ""));
+    if (all.entries.empty()) return;
+    Table table{.columns = {{.name = "cases"},
+                            {.name = "number", .show = count_label},
+                            {.name = "not solved", .show = count_label},
+                            {.name = "median", .show = ratio_label},
+                            {.name = "90 % below", .show = ratio_label},
+                            {.name = "worst", .show = ratio_label}}};
+    const auto line = [&table](const std::string& name, const Regret& r) {
+      table.add({name, r.entries.size(), r.failed, r.median, r.ninth_decile, r.worst});
+    };
+    line("all", all);
+    line("fastest other ≥ 1 ms", longer);
+    for (double tol : tols_) {
+      Comparison part;
+      for (const ComparisonRow& row : c_.rows) {
+        if (row.tol == tol) part.rows.push_back(row);
+      }
+      line("tolerance " + tolerance_label(tol), regret_of(part, "auto"));
+    }
+    page_.add(std::move(table));
+    Table worst = regret_table(all);
+    worst.rows.resize(std::min(worst.rows.size(), std::size_t{10}));
+    worst.caption = "The ten worst cases";
+    page_.add(std::move(worst));
+    figure(regret_chart({all, longer}, {"all cases", "fastest other at least 1 ms"}),
+           "How often auto is within a multiple of the fastest other solver's time.", kMeetingRows);
+  }
+
+  void warm_starts() {
+    const std::vector<WarmGain> gains = warm_gains(c_);
+    if (gains.empty()) return;
+    page_.heading("What a warm start gains", "warm");
+    page_.say(
+        "The same problems from the impulses of the step before (a start that the file or the "
+        "scene gives) instead of s = 0. Ratios are medians over the problems that both starts "
+        "solved; all other parts of the page are about cold starts.");
+    page_.add(warm_table(gains));
+  }
+
+  void success() {
+    const std::vector<SuccessCurve> curves = success_curves(c_);
+    if (curves.empty()) return;
+    page_.heading("Success against tolerance", "success");
+    page_.say(
+        "The share of the problems of a size that a solver brings below a tolerance within the "
+        "time limit, whatever it was asked for. The curves end at the tightest tolerance of this "
+        "comparison: beyond it nobody was asked.");
+    for (const SizeClass& size : size_classes()) {
+      const auto first = std::find_if(curves.begin(), curves.end(), [&](const SuccessCurve& curve) {
+        return curve.size == size.name;
+      });
+      if (first == curves.end()) continue;
+      figure(success_chart(curves, size.name),
+             fmt::format("{} problem{} of {}.", first->problems, first->problems == 1 ? "" : "s",
+                         size.name),
+             "success.csv");
+    }
+  }
+
+  void profiles() {
+    if (c_.problems.size() < 2) return;
+    const std::size_t total = c_.problems.size();
+    page_.heading("Performance profiles", "profiles");
+    page_.say(
+        "How far up a curve starts at the left: the share of problems on which the solver is the "
+        "cheapest. How high it ends at the right: the share that it solves at all, within a "
+        "thousand times the least cost. In between, the share solved within that multiple of the "
+        "least cost (Dolan and Moré 2002).");
+    page_.heading("At a fixed tolerance", "", 3);
+    for (double tol : tols_) {
+      const std::string at = tolerance_label(tol);
+      figure(profile_chart(performance_profiles(c_, time_at(c_, tol)), "time",
+                           "Time profile at tolerance " + at),
+             fmt::format("Time to meet tolerance {}, {} problems.", at, total), kMeetingRows);
+      figure(profile_chart(performance_profiles(c_, iterations_at(c_, tol)), "iterations",
+                           "Iteration profile at tolerance " + at),
+             fmt::format("Iterations to meet tolerance {}, {} problems. An iteration costs much "
+                         "more in some solvers than in others.",
+                         at, total),
+             "iterations of the rows with guarded ≤ tol in comparison.csv");
+    }
+    page_.heading("At a fixed true error", "", 3);
+    page_.say(
+        "Time of each solver's cheapest row whose true error is that small, whatever its "
+        "tolerance.");
+    for (double accuracy : kProfileAccuracies) {
+      const std::string to = accuracy_label(accuracy);
+      figure(profile_chart(performance_profiles(c_, time_to(c_, accuracy)), "time",
+                           "Time profile to a true error of " + to),
+             fmt::format("Time to a true error of {}, {} problems.", to, total),
+             "cpu_min and the error of the ranking (ranked_by) in comparison.csv and "
+             "comparison.json");
+    }
+    page_.heading("Within a fixed time", "", 3);
+    page_.say(
+        "How the least true error that a solver reaches within the time is distributed over the "
+        "problems: the share of problems with an error of at most that on the axis. Higher is "
+        "better. Only what the tolerances of this comparison gave is counted.");
+    for (double budget : kBudgets) {
+      const std::string within = seconds_label(budget);
+      figure(budget_chart(errors_within(c_, budget), "Errors within " + within),
+             fmt::format("True error reached within {}, {} problems.", within, total),
+             "cpu_min and the error of the ranking in comparison.csv");
+    }
+  }
+
+  std::string command_of(const std::string& targets) const {
+    return fmt::format(fmt::runtime(context_.command_of_target), targets);
+  }
+
+  void growth_with_size() {
+    const std::vector<Growth> all = growth(c_);
+    if (all.empty()) return;
+    page_.heading("Growth with size", "growth");
+    page_.say(
+        "Problems that differ in size alone. Iterations and time are fitted by N^p, N the number "
+        "of disks, over the sizes that the solver solved; p is given with its 95 % confidence "
+        "(Student's t), which needs three sizes. Empty markers were not solved and are not fitted; "
+        "a solver that was out of time is not tried on larger sizes.");
+    std::vector<std::string> names;
+    for (const Growth& g : all) {
+      if (names.empty() || names.back() != g.series) names.push_back(g.series);
+    }
+    for (const std::string& name : names) series(all, name);
+  }
+
+  void series(const std::vector<Growth>& all, const std::string& name) {
+    std::string targets;
+    for (const ProblemSummary& p : c_.problems) {
+      if (p.series == name) targets += (targets.empty() ? "" : " ") + p.target;
+    }
+    Table table{.columns = {{.name = "solver"}}};
+    for (double tol : tols_) {
+      const std::string at = ", " + tolerance_label(tol);
+      table.columns.push_back({.name = "iterations" + at, .show = value_label});
+      table.columns.push_back({.name = "time" + at, .show = value_label});
+    }
+    for (const std::string& solver : solvers_) {
+      std::vector<TableCell> cells = {solver};
+      for (double tol : tols_) {
+        for (const Growth& g : all) {
+          if (g.series != name || g.solver != solver || g.tol != tol) continue;
+          cells.emplace_back(law_label(g.iterations));
+          cells.emplace_back(law_label(g.time));
+        }
+      }
+      cells.resize(table.columns.size());
+      table.add(std::move(cells));
+    }
+    Document outside = std::exchange(page_, {});
+    page_.add(std::move(table));
+    std::vector<double> shown = {tols_.front()};
+    if (tols_.size() > 1) shown.push_back(tols_.back());
+    for (double tol : shown) {
+      for (GrowthOf quantity : {GrowthOf::kIterations, GrowthOf::kTime}) {
+        const bool time = quantity == GrowthOf::kTime;
+        figure(growth_chart(all, name, tol, quantity),
+               fmt::format("{} at tolerance {}, {}.", time ? "Time" : "Iterations",
+                           tolerance_label(tol), name),
+               fmt::format("{} in comparison.csv, dofs / 3 in comparison.json",
+                           time ? "cpu_min" : "iterations"),
+               command_of(targets));
+      }
+    }
+    outside.fold(name, std::exchange(page_, {}));
+    page_ = std::move(outside);
+  }
+
+  void problems() {
+    page_.heading("Problem by problem", "problems");
+    page_.say(
+        "Open a problem for its diagrams. First: what a solver's time buys; lower left is better, "
+        "one line a solver, one marker a tolerance; an empty marker did not meet its tolerance. "
+        "Then what a tolerance means: the true error that comes with it. Then how the guarded "
+        "error falls along one solve at the tightest tolerance that was run.");
+    for (const ProblemSummary& p : c_.problems) {
+      const ComparisonRow* best = fastest_to(p, c_.rows, 1e-2);
+      Document outside = std::exchange(page_, {});
+      problem(p);
+      outside.fold(fmt::format("**{}** {} contacts{}", p.name, p.contacts,
+                               best == nullptr ? ""
+                                               : fmt::format(", to 1 %: {} at {}, {}", best->solver,
+                                                             tolerance_label(best->tol),
+                                                             seconds_label(best->time()))),
+                   std::exchange(page_, {}), c_.id_of(p), c_.problems.size() <= 2);
+      page_ = std::move(outside);
+    }
+  }
+
+  void problem(const ProblemSummary& p) {
+    if (!p.defect.empty()) return page_.say("Not solved by anyone: " + p.defect);
+    page_.say(fmt::format("{}. {} contacts, d = {}. Reference by {}, guarded error {}, natural map "
+                          "{}. {}",
+                          p.origin, p.contacts, p.dim,
+                          p.reference_solver.empty() ? "nobody" : p.reference_solver,
+                          error_label(p.reference_guarded), error_label(p.reference_natural_map),
+                          uniqueness(p)),
+              "small");
+    if (p.contacts == 0) return;
+    const Ranking rank = ranking(p, c_.rows);
+    auto best = pareto_rows(p, c_.rows);
+    std::sort(best.begin(), best.end(),
+              [](const ComparisonRow* a, const ComparisonRow* b) { return a->time() < b->time(); });
+    std::string list;
+    for (const ComparisonRow* row : best) {
+      list += fmt::format("{}{} at {} ({}, {})", list.empty() ? "" : "; ", row->solver,
+                          tolerance_label(row->tol), seconds_label(row->time()),
+                          error_label(rank.of(*row)));
+    }
+    if (!list.empty()) {
+      page_.say(fmt::format("Beaten by none in both time and {}: {}.", rank.name(), list));
+    }
+    const std::string column = rank.measure == Ranking::Measure::kForce      ? "force_error"
+                               : rank.measure == Ranking::Measure::kVelocity ? "velocity_error"
+                                                                             : "guarded";
+    const std::string again = command_of(p.target);
+    figure(work_precision_chart(c_, p), "Work and precision, " + p.name + ".",
+           "cpu_min and " + column + " in comparison.csv", again);
+    figure(tolerance_chart(c_, p), "Error against tolerance, " + p.name + ".",
+           "tol and " + column + " in comparison.csv", again);
+    const bool has_history = std::any_of(c_.histories.begin(), c_.histories.end(),
+                                         [&p](const History& h) { return h.problem == p.name; });
+    if (has_history) {
+      figure(history_chart(c_, p), "Guarded error against iteration, " + p.name + ".",
+             "history.csv", again);
+    }
+  }
+
+  void all_rows() {
+    page_.heading("All rows", "all");
+    Comparison cold = c_;
+    cold.warm_rows.clear();
+    Table table = rows_table(cold);
+    table.note =
+        "Click a heading to sort. The status shows the solver's own words when the "
+        "pointer rests on it; rows that did not meet their tolerance are marked and stay "
+        "in the table. Printed are the rows that are shown.";
+    page_.add(std::move(table));
+  }
+
+  void measures() {
+    page_.heading("What the measures mean", "measures");
+    page_.add(Terms{
+        {{"tolerance",
+          "What the solver was asked for: every solver stops when the guarded error falls below "
+          "it."},
+         {"guarded",
+          "How far the contact law is violated, as energy over energy; recomputed after the solve "
+          "from the impulses alone. The larger of ε (the gap in the law plus the energy of "
+          "penetration) and η (the natural map measured in energy)."},
+         {"natural map",
+          "The relative residual that other codes print, with one scaling for each contact."},
+         {"raw (42)",
+          "The plain error in the law without guards; undefined where nothing slides, and blind "
+          "to penetration."},
+         {"velocity error",
+          "Kinetic energy norm of the difference to the reference velocities, over that of the "
+          "velocity change that contacts make. 1 is as wrong as no contact forces at all."},
+         {"force error",
+          "Resultant contact force on a body, largest difference over all bodies, over the largest "
+          "resultant. Given where the problem knows its bodies."},
+         {"contact force error",
+          "Worst single contact force over the largest one; given only where contact forces are "
+          "unique (a packing usually holds itself in many ways) and the problem is small enough to "
+          "check."},
+         {"penetration",
+          "Overlap that the remaining approach velocity adds in one step, as a fraction of the "
+          "smallest radius. Given where step and radius are known."},
+         {"energy error",
+          "Relative error of the energy that the contacts take out of the free motion."},
+         {"time",
+          "CPU time of set-up, iteration and final check; the least of the repeats. A short solve "
+          "is repeated until its repeats took long enough to be measured. All solvers ran once on "
+          "a problem of one contact before the first measurement, so that none pays for the start "
+          "of a library. Waiting for a core that other programs use does not count."},
+         {"wall time", "The same without the final check, by the clock on the wall."},
+         {"not tried",
+          "The solver was out of time on a smaller problem of the same series at this tolerance or "
+          "a looser one, or on this problem at a looser one. It counts as not solved."},
+         {"not run again",
+          "Said in the words of a row: the solver's path does not depend on the tolerance, and it "
+          "was out of time at a looser one already; the row shows where it stood then."},
+         {"Pareto", "No other row of the problem is both faster and more accurate."},
+         {"reference",
+          "Solved to 1e-12, beyond 1000 contacts to 1e-11, or as far as it goes, by auto, newton, "
+          "ipm and apgd in turn until one gets there and a second one stands below 1e-9; the "
+          "lowest guarded error is kept; errors below the reference's own accuracy mean nothing."},
+         {"several answers",
+          "What was found on the way, attempts and rows, joins the reference where it is exact to "
+          "1e-9 and distinct; rows that end near 1e-6 or better far from all of them are first "
+          "solved on from where they are. True errors are distances to the nearest in velocity."}}});
+  }
+
+  void provenance_of_rows() {
+    page_.heading("How this was made", "made");
+    Terms terms = to_terms(context_.made);
+    const ComparisonOptions& o = context_.options;
+    terms.entries.emplace_back(
+        "limits", fmt::format("{:g} s a solve, {:g} s an attempt at a reference, CPU time; at "
+                              "least {} repeat{} and {:g} s of them",
+                              o.time_limit, o.reference_time_limit, o.repeat,
+                              o.repeat == 1 ? "" : "s", o.min_time));
+    std::vector<std::string> commits;
+    std::string list;
+    for (const ComparisonRow& row : c_.rows) {
+      if (std::find(commits.begin(), commits.end(), row.commit) != commits.end()) continue;
+      commits.push_back(row.commit);
+      list += (list.empty() ? "" : ", ") + row.commit;
+    }
+    if (commits.size() > 1) terms.entries.emplace_back("rows of commits", list);
+    page_.add(std::move(terms));
+    page_.say(
+        "The numbers behind all figures stand beside this page: comparison.csv (a line a row), "
+        "history.csv (errors along the solves), success.csv (problems solved against tolerance), "
+        "several.csv (problems with several answers) and comparison.json (rows, problems, success, "
+        "profiles, growth, regret).",
+        "small");
+  }
+
+  const Comparison& c_;
+  const ReportContext& context_;
+  std::vector<std::string> solvers_;
+  std::vector<double> tols_;
+  Document page_;
+};
 
 }  // namespace
 
-std::string to_html(const Comparison& comparison, const ReportContext& context,
-                    const std::vector<ReportSection>& sections) {
-  const PageContent of(comparison, context);
-  PageDraft page;
-  page.add(page_head("Contact solvers compared", kRules));
-  add_answer(page, of);
-  add_contents(page, of, sections);
-  add_answer_by_problem(page, of);
-  add_tolerance_meaning(page, of);
-  add_several(page, of);
-  add_solver_summary(page, of);
-  add_regret(page, of);
-  add_warm_starts(page, of);
-  add_success(page, of);
-  add_profiles(page, of);
-  add_growth(page, of);
-  for (const ReportSection& section : sections) {
-    page.heading(section.id, section.title);
-    page.add(section.html);
-  }
-  add_problems(page, of);
-  add_table(page, of);
-  add_measures(page);
-  add_provenance(page, of);
-  page.add("<script>");
-  page.add(table_script());
-  page.add("</script>\n");
-  page.add(page_end());
-  return page.with_drawings();
-}
-
-void write_report(const std::filesystem::path& folder, const Comparison& comparison,
-                  const ReportContext& context, const std::vector<ReportSection>& sections) {
-  write_text_file(folder / "comparison.csv", to_csv(comparison));
-  write_text_file(folder / "success.csv", success_csv(success_curves(comparison)));
-  write_text_file(folder / "several.csv", several_csv(comparison));
-  write_json(to_json(comparison, context), (folder / "comparison.json").string());
-  write_text_file(folder / "report.html", to_html(comparison, context, sections));
+Document comparison_page(const Comparison& comparison, const ReportContext& context,
+                         const Document& more) {
+  return ComparisonPage(comparison, context).write(more);
 }
 
 }  // namespace bipot

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <nlohmann/json.hpp>
 
@@ -12,7 +11,8 @@
 #include "bench/compare/comparison_several.h"
 #include "bench/compare/comparison_success.h"
 #include "bench/compare/warm_gain.h"
-#include "bench/report/json_output.h"
+#include "bench/report/labels.h"
+#include "core/files/atomic_file.h"
 
 namespace bipot {
 namespace {
@@ -50,15 +50,7 @@ Json regret_json(const Regret& regret) {
          {"median", regret.median},
          {"ninth_decile", regret.ninth_decile},
          {"worst", regret.worst}};
-  j["entries"] = Json::array();
-  for (const Regret::Entry& e : regret.entries) {
-    j["entries"].push_back({{"problem", e.problem},
-                            {"tol", e.tol},
-                            {"ratio", e.ratio},
-                            {"time", e.time},
-                            {"best", e.best},
-                            {"best_time", e.best_time}});
-  }
+  j["entries"] = to_json(regret_table(regret));
   return j;
 }
 
@@ -103,84 +95,39 @@ Json problems_json(const Comparison& comparison) {
   return all;
 }
 
-Json row_json(const ComparisonRow& r) {
-  Json row;
-  for (const ComparisonColumn& column : comparison_columns()) {
-    const std::string name(column.name), text = column.write(r);
-    if (column.text) {
-      row[name] = text;
-    } else if (text.find_first_not_of("-0123456789") == std::string::npos) {
-      row[name] = std::stol(text);
-    } else {
-      row[name] = std::strtod(text.c_str(), nullptr);
-    }
-  }
-  return row;
-}
-
-Json rows_json(const Comparison& comparison) {
-  Json all = Json::array();
-  for (const ComparisonRow& row : comparison.rows) all.push_back(row_json(row));
-  for (const ComparisonRow& row : comparison.warm_rows) all.push_back(row_json(row));
-  return all;
-}
-
-Json warm_json(const Comparison& comparison) {
-  Json all = Json::array();
-  for (const WarmGain& gain : warm_gains(comparison)) {
-    all.push_back({{"solver", gain.solver},
-                   {"tol", gain.tol},
-                   {"problems", gain.problems},
-                   {"solved_cold", gain.solved_cold},
-                   {"solved_warm", gain.solved_warm},
-                   {"median_time_ratio", gain.time_ratio},
-                   {"median_iterations_ratio", gain.iterations_ratio}});
-  }
-  return all;
-}
-
-Json solved_json(const Comparison& comparison) {
-  Json all = Json::array();
+/// At the tightest tolerance.
+Table solved_table(const Comparison& comparison) {
+  Table table{.columns = {{"solver", "solver"},
+                          {"tol"},
+                          {"problems", "problems", count_label},
+                          {"guarded", "solved", count_label},
+                          {"natural_map_1e-8", "natural map ≤ 1e-8", count_label},
+                          {"median_time_ratio", "median time / best", ratio_label}}};
   for (const SolvedCount& c : count_solved(comparison, tightest(comparison))) {
-    all.push_back({{"solver", c.solver},
-                   {"tol", c.tol},
-                   {"problems", c.problems},
-                   {"guarded", c.solved},
-                   {"natural_map_1e-8", c.by_natural_map},
-                   {"median_time_ratio", c.median_ratio}});
+    table.add({c.solver, c.tol, c.problems, c.solved, c.by_natural_map, c.median_ratio});
   }
-  return all;
+  return table;
 }
 
-Json success_json(const Comparison& comparison) {
-  Json all = Json::array();
-  for (const SuccessCurve& curve : success_curves(comparison)) {
-    for (const SuccessCurve::Point& point : curve.points) {
-      all.push_back({{"size", curve.size},
-                     {"solver", curve.solver},
-                     {"tol", point.tol},
-                     {"problems", curve.problems},
-                     {"solved", point.solved},
-                     {"share", curve.share(point)}});
+/// Problems by solvers at the tightest tolerance.
+Table matrix_table(const Comparison& comparison) {
+  const double tol = tightest(comparison);
+  Table table{.columns = {{.name = "problem"}}};
+  for (const std::string& solver : solvers_of(comparison)) {
+    table.columns.push_back({.name = solver});
+  }
+  for (const ProblemSummary& p : comparison.problems) {
+    std::vector<TableCell> cells = {p.name};
+    cells.resize(table.columns.size());
+    for (const ComparisonRow& row : comparison.rows) {
+      if (row.problem != p.name || row.tol != tol) continue;
+      for (std::size_t k = 1; k < cells.size(); ++k) {
+        if (table.columns[k].name == row.solver) cells[k] = cell(row);
+      }
     }
+    table.add(std::move(cells));
   }
-  return all;
-}
-
-Json several_json(const Comparison& comparison) {
-  Json all = Json::array();
-  for (const SeveralShare& s : several_shares(comparison)) {
-    all.push_back({{"size", s.size},
-                   {"problems", s.problems},
-                   {"several", s.several},
-                   {"share", s.share()},
-                   {"median_velocity", s.median_velocity},
-                   {"largest_velocity", s.largest_velocity},
-                   {"median_force", s.median_force},
-                   {"largest_force", s.largest_force},
-                   {"largest_energy", s.largest_energy}});
-  }
-  return all;
+  return table;
 }
 
 Json profiles_json(const Comparison& comparison) {
@@ -214,20 +161,6 @@ Json errors_within_json(const Comparison& comparison) {
   return all;
 }
 
-Json meaning_json(const Comparison& comparison) {
-  Json all = Json::array();
-  for (const ToleranceMeaning& m : tolerance_meaning(comparison)) {
-    all.push_back({{"tol", m.tol},
-                   {"rows", m.rows},
-                   {"median", m.median},
-                   {"ninth_decile", m.ninth_decile},
-                   {"worst", m.worst},
-                   {"worst_problem", m.worst_problem},
-                   {"worst_solver", m.worst_solver}});
-  }
-  return all;
-}
-
 Json growth_json(const Comparison& comparison) {
   Json all = Json::array();
   for (const Growth& g : growth(comparison)) {
@@ -248,89 +181,75 @@ Json growth_json(const Comparison& comparison) {
 
 }  // namespace
 
+Table meaning_table(const Comparison& comparison) {
+  Table table{
+      .columns = {{"tol", "tolerance", tolerance_label},
+                  {"rows", "rows", count_label},
+                  {"median", "median error", error_label},
+                  {"ninth_decile", "90 % below", error_label},
+                  {"worst", "worst", error_label},
+                  {"worst_problem", "on"},
+                  {"worst_solver", "by"}},
+      .note =
+          "The error in the force on the worst body, or in the velocities where a problem does "
+          "not know its bodies. Problems with several exact answers († above) count by the "
+          "distance to the nearest, problems without a trusted reference (‡) are left out."};
+  for (const ToleranceMeaning& m : tolerance_meaning(comparison)) {
+    table.add({m.tol, m.rows, m.median, m.ninth_decile, m.worst, m.worst_problem, m.worst_solver});
+  }
+  return table;
+}
+
+Table regret_table(const Regret& regret) {
+  Table table{.columns = {{"problem", "problem"},
+                          {"tol", "tolerance", tolerance_label},
+                          {"ratio", "ratio", ratio_label},
+                          {"time", regret.solver, seconds_label},
+                          {"best", "fastest other"},
+                          {"best_time", "its time", seconds_label}}};
+  for (const Regret::Entry& e : regret.entries) {
+    table.add({e.problem, e.tol, e.ratio, e.time, e.best, e.best_time});
+  }
+  return table;
+}
+
 Json to_json(const Comparison& comparison, const ReportContext& context) {
-  Json j{{"command", "compare"},
-         {"command_line", context.command},
-         {"version", context.build.version},
-         {"commit", context.build.commit},
-         {"compiler", context.build.compiler},
-         {"flags", context.build.flags},
-         {"build_type", context.build.build_type},
-         {"cpu", context.build.cpu},
-         {"cores", context.build.cores},
-         {"threads", 1},
-         {"date", context.date},
-         {"time_limit", context.options.time_limit},
-         {"reference_time_limit", context.options.reference_time_limit},
-         {"repeat", context.options.repeat},
-         {"complete", comparison.complete},
-         {"rows_kept", comparison.rows_kept}};
+  Json j = to_json(context.made);
+  j["time_limit"] = context.options.time_limit;
+  j["reference_time_limit"] = context.options.reference_time_limit;
+  j["repeat"] = context.options.repeat;
+  j["complete"] = comparison.complete;
+  j["rows_kept"] = comparison.rows_kept;
   j["problems"] = problems_json(comparison);
-  j["rows"] = rows_json(comparison);
-  j["solved"] = solved_json(comparison);
-  j["success"] = success_json(comparison);
-  j["several"] = several_json(comparison);
-  if (!comparison.warm_rows.empty()) j["warm_starts"] = warm_json(comparison);
+  j["rows"] = to_json(rows_table(comparison));
+  j["solved"] = to_json(solved_table(comparison));
+  j["success"] = to_json(success_table(success_curves(comparison)));
+  j["several"] = to_json(several_shares_table(several_shares(comparison)));
+  if (!comparison.warm_rows.empty()) j["warm_starts"] = to_json(warm_table(warm_gains(comparison)));
   j["profiles"] = profiles_json(comparison);
   j["errors_within"] = errors_within_json(comparison);
-  j["tolerance_meaning"] = meaning_json(comparison);
+  j["tolerance_meaning"] = to_json(meaning_table(comparison));
   j["growth"] = growth_json(comparison);
   j["regret_of_auto"] = regret_json(regret_of(comparison, "auto"));
   j["regret_of_auto_from_1_ms"] = regret_json(regret_of(comparison, "auto", 1e-3));
   return j;
 }
 
-std::string to_csv(const Comparison& comparison) {
-  std::string text = csv_header() + "\n";
-  for (const ComparisonRow& row : comparison.rows) text += to_csv(row) + "\n";
-  for (const ComparisonRow& row : comparison.warm_rows) text += to_csv(row) + "\n";
-  return text;
-}
+std::string to_csv(const Comparison& comparison) { return to_csv(rows_table(comparison)); }
 
 std::string to_text(const Comparison& comparison) {
   if (comparison.rows.empty()) return "no rows\n";
-  const double tol = tightest(comparison);
-  const std::vector<std::string> solvers = solvers_of(comparison);
-  std::size_t name_width = 7;
-  for (const ProblemSummary& p : comparison.problems) {
-    name_width = std::clamp(p.name.size(), name_width, std::size_t{44});
-  }
-  constexpr std::size_t kCell = 15;
-  const std::size_t per_block = std::max<std::size_t>(1, (99 - name_width) / kCell);
-  std::string text = fmt::format(
-      "tol {}: status, iterations, guarded error\n"
-      "(C converged, 0 nothing to do, I iteration limit, T time limit, S stalled, D diverged,\n"
-      " F failure, - not for this problem, N not tried: out of time before)\n",
-      tolerance_label(tol));
-  for (std::size_t begin = 0; begin < solvers.size(); begin += per_block) {
-    const std::size_t end = std::min(begin + per_block, solvers.size());
-    text += fmt::format("\n{:<{}}", "problem", name_width);
-    for (std::size_t s = begin; s < end; ++s) text += fmt::format(" {:>{}}", solvers[s], kCell - 1);
-    text += '\n';
-    for (const ProblemSummary& p : comparison.problems) {
-      text += fmt::format("{:<{}}", p.name.substr(0, name_width), name_width);
-      for (std::size_t s = begin; s < end; ++s) {
-        std::string content;
-        for (const ComparisonRow& row : comparison.rows) {
-          if (row.problem == p.name && row.solver == solvers[s] && row.tol == tol) {
-            content = cell(row);
-          }
-        }
-        text += fmt::format(" {:>{}}", content, kCell - 1);
-      }
-      text += '\n';
-    }
-  }
-  text += fmt::format("\n{:<16} {:>14} {:>20} {:>22}\n", "solver", "solved", "natural map <= 1e-8",
-                      "median time / best");
-  for (const SolvedCount& c : count_solved(comparison, tol)) {
-    text +=
-        fmt::format("{:<16} {:>7} of {:>3} {:>13} of {:>3} {:>22}\n", c.solver, c.solved,
-                    c.problems, c.by_natural_map, c.problems,
-                    std::isfinite(c.median_ratio) ? fmt::format("{:.1f}", c.median_ratio) : "-");
-  }
-  text += regret_line(regret_of(comparison, "auto"));
-  for (const WarmGain& gain : warm_gains(comparison)) text += to_text(gain) + "\n";
+  Document d;
+  d.say(
+      fmt::format("tol {}: status, iterations, guarded error (C converged, 0 nothing to do, I "
+                  "iteration limit, T time limit, S stalled, D diverged, F failure, - not for "
+                  "this problem, N not tried: out of time before)",
+                  tolerance_label(tightest(comparison))));
+  d.add(matrix_table(comparison));
+  d.add(solved_table(comparison));
+  const std::vector<WarmGain> gains = warm_gains(comparison);
+  if (!gains.empty()) d.add(warm_table(gains));
+  std::string text = to_text(d) + regret_line(regret_of(comparison, "auto"));
   for (const ProblemSummary& p : comparison.problems) {
     if (!p.defect.empty()) {
       text += fmt::format("{}: {}\n", p.name, p.defect);
@@ -339,8 +258,16 @@ std::string to_text(const Comparison& comparison) {
                           p.reference_guarded, p.reference_solver);
     }
   }
-  text += several_text(comparison);
-  return text;
+  return text + several_text(comparison);
+}
+
+void write_report(const std::filesystem::path& folder, const Comparison& comparison,
+                  const ReportContext& context, const Document& more) {
+  write_text_file(folder / "comparison.csv", to_csv(comparison));
+  write_text_file(folder / "success.csv", to_csv(success_table(success_curves(comparison))));
+  write_text_file(folder / "several.csv", to_csv(several_problems_table(comparison)));
+  write_json(to_json(comparison, context), (folder / "comparison.json").string());
+  write_text_file(folder / "report.html", to_html(comparison_page(comparison, context, more)));
 }
 
 }  // namespace bipot

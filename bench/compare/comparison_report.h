@@ -1,28 +1,30 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 
 #include "bench/compare/comparison.h"
 #include "bench/compare/comparison_measures.h"
-#include "bench/report/build_info.h"
-#include "bench/report/json_output.h"
-#include "bench/report/labels.h"
+#include "bench/report/document.h"
 
 namespace bipot {
 
 /// What a reader must know to make the comparison again.
 struct ReportContext {
-  std::string command;  ///< as it was typed
+  Provenance made;
   /// The command that makes the figures of one problem: "bipot compare {} --tols ...".
   std::string command_of_target;
   ComparisonOptions options;
-  BuildInfo build;
-  std::string date;
 };
 
 /// True errors and times [s] at which the report draws profiles.
 inline constexpr double kProfileAccuracies[] = {1e-1, 1e-2, 1e-4, 1e-6};
 inline constexpr double kBudgets[] = {0.01, 0.1, 1};
+
+/// What rows that met a tolerance are worth.
+Table meaning_table(const Comparison& comparison);
+/// The cases of a regret, the worst first.
+Table regret_table(const Regret& regret);
 
 /// The whole table with its context.
 Json to_json(const Comparison& comparison, const ReportContext& context);
@@ -30,4 +32,13 @@ Json to_json(const Comparison& comparison, const ReportContext& context);
 std::string to_csv(const Comparison& comparison);
 /// For a terminal of 100 columns: problem x solver at the tightest tolerance, and the counts.
 std::string to_text(const Comparison& comparison);
+/// The page. `more` stands before the problem-by-problem part.
+Document comparison_page(const Comparison& comparison, const ReportContext& context,
+                         const Document& more = {});
+
+/// comparison.csv, success.csv, several.csv, comparison.json and report.html in a folder that
+/// exists. Throws FileError.
+void write_report(const std::filesystem::path& folder, const Comparison& comparison,
+                  const ReportContext& context, const Document& more = {});
+
 }  // namespace bipot

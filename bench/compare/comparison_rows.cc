@@ -2,41 +2,46 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <map>
 #include <utility>
 
+#include "bench/compare/comparison_measures.h"
 #include "bench/report/csv_text.h"
+#include "bench/report/labels.h"
 
 namespace bipot {
 namespace {
 
-ComparisonColumn text_column(std::string_view name, std::string ComparisonRow::*field,
-                             std::string_view explanation) {
-  return {name, explanation, [field](const ComparisonRow& r) { return r.*field; },
-          [field](ComparisonRow& r, const std::string& t) { r.*field = t; }, true};
+template <class Value>
+ComparisonColumn row_column(std::string key, std::string name, Value ComparisonRow::*field,
+                            std::string meaning, std::string (*show)(double) = nullptr) {
+  ComparisonColumn made;
+  made.column = {.key = std::move(key), .name = std::move(name), .show = show};
+  made.column.meaning = std::move(meaning);
+  made.column.filter = show == nullptr && made.column.key != "message";
+  made.cell = [field](const ComparisonRow& r) { return TableCell(r.*field); };
+  made.read = [field](ComparisonRow& r, const std::string& text) {
+    if constexpr (std::is_same_v<Value, std::string>) {
+      r.*field = text;
+    } else {
+      r.*field = static_cast<Value>(std::strtod(text.c_str(), nullptr));
+    }
+  };
+  return made;
 }
 
-ComparisonColumn number_column(std::string_view name, double ComparisonRow::*field,
-                               std::string_view explanation) {
-  return {name, explanation,
-          [field](const ComparisonRow& r) { return fmt::format("{}", r.*field); },
-          [field](ComparisonRow& r, const std::string& t) {
-            r.*field = std::strtod(t.c_str(), nullptr);
-          },
-          false};
+std::vector<TableColumn> columns_of_rows() {
+  std::vector<TableColumn> columns;
+  for (const ComparisonColumn& c : comparison_columns()) columns.push_back(c.column);
+  return columns;
 }
 
-ComparisonColumn count_column(std::string_view name, int ComparisonRow::*field,
-                              std::string_view explanation) {
-  return {name,
-          explanation,
-          [field](const ComparisonRow& r) { return std::to_string(r.*field); },
-          [field](ComparisonRow& r, const std::string& t) {
-            r.*field = static_cast<int>(std::strtol(t.c_str(), nullptr, 10));
-          },
-          false,
-          true};
+std::vector<TableCell> cells_of(const ComparisonRow& row) {
+  std::vector<TableCell> cells;
+  for (const ComparisonColumn& c : comparison_columns()) cells.push_back(c.cell(row));
+  return cells;
 }
 
 }  // namespace
@@ -44,71 +49,80 @@ ComparisonColumn count_column(std::string_view name, int ComparisonRow::*field,
 const std::vector<ComparisonColumn>& comparison_columns() {
   using Row = ComparisonRow;
   static const std::vector<ComparisonColumn> columns = {
-      text_column("problem", &Row::problem, "name of the problem"),
-      text_column("solver", &Row::solver, "name of the solver, see `bipot list solvers`"),
-      number_column("tol", &Row::tol, "tolerance that the solver was given"),
-      count_column("warm", &Row::warm, "1: started from the step before, 0: from s = 0"),
-      count_column("contacts", &Row::contacts, "number of candidate contacts"),
-      count_column("dim", &Row::dim, "rows of a contact: 1 without friction, 2 in 2D, 3"),
-      text_column("status", &Row::status, "how the solve ended"),
-      count_column("iterations", &Row::iterations, "solver's own count; costs differ between them"),
-      count_column("repeats", &Row::repeats, "solves behind the times"),
-      number_column("total_min", &Row::total_min, "least wall time of set-up and solve [s]"),
-      number_column("setup_min", &Row::setup_min, "least wall time of the set-up [s]"),
-      number_column("setup_median", &Row::setup_median, "median wall time of the set-up [s]"),
-      number_column("solve_min", &Row::solve_min, "least wall time of the iteration [s]"),
-      number_column("solve_median", &Row::solve_median, "median wall time of the iteration [s]"),
-      number_column(
-          "cpu_min", &Row::cpu_min,
-          "least CPU time of a repeat, final check included [s]; the time of the reports"),
-      number_column("guarded", &Row::guarded, "max(epsilon, eta): what the tolerance bounds"),
-      number_column("epsilon", &Row::epsilon, "guarded error in the law of contact, energy ratio"),
-      number_column("eta", &Row::eta, "natural map in energy"),
-      number_column("raw42", &Row::raw42,
-                    "the error in the law without guards; nan where nothing slides"),
-      number_column("natural_map", &Row::natural_map,
-                    "relative natural map, as other codes use it"),
-      count_column("take_off", &Row::take_off, "contacts without force"),
-      count_column("stick", &Row::stick, "contacts that stick"),
-      count_column("slip", &Row::slip, "contacts that slide"),
-      number_column("velocity_error", &Row::velocity_error,
-                    "true error of the velocities, energy norm, relative"),
-      number_column("force_error", &Row::force_error,
-                    "true error of the resultant force, worst body, relative"),
-      number_column("contact_force_error", &Row::contact_force_error,
-                    "true error of the worst contact force, where these are unique"),
-      number_column("penetration_velocity", &Row::penetration_velocity,
-                    "largest approach velocity left [m/s]"),
-      number_column("penetration", &Row::penetration,
-                    "overlap added in a step, fraction of the smallest radius"),
-      number_column("dissipated", &Row::dissipated, "energy taken out of the free motion [J]"),
-      number_column("energy_error", &Row::energy_error, "true relative error of that energy"),
-      count_column("answer", &Row::answer,
-                   "exact answer that the errors are distances to: 1 the reference, 2, ... others"),
-      text_column("commit", &Row::commit, "version of the program that made the row"),
-      text_column("message", &Row::message, "what the solver said"),
+      row_column("problem", "problem", &Row::problem, "name of the problem"),
+      row_column("solver", "solver", &Row::solver, "see `bipot list solvers`"),
+      row_column("tol", "tolerance", &Row::tol, "that the solver was given", tolerance_label),
+      row_column("warm", "", &Row::warm, "1: from the step before, 0: from s = 0", count_label),
+      row_column("contacts", "", &Row::contacts, "candidate contacts", count_label),
+      row_column("dim", "", &Row::dim, "rows of a contact", count_label),
+      row_column("status", "status", &Row::status, "how the solve ended"),
+      row_column("iterations", "iterations", &Row::iterations, "costs differ between solvers",
+                 count_label),
+      row_column("repeats", "", &Row::repeats, "solves behind the times", count_label),
+      row_column("total_min", "wall time", &Row::total_min,
+                 "least wall time of set-up and solve [s]", seconds_label),
+      row_column("setup_min", "of it set-up", &Row::setup_min, "least wall time [s]",
+                 seconds_label),
+      row_column("setup_median", "", &Row::setup_median, "[s]", seconds_label),
+      row_column("solve_min", "", &Row::solve_min, "[s]", seconds_label),
+      row_column("solve_median", "", &Row::solve_median, "[s]", seconds_label),
+      row_column("cpu_min", "time", &Row::cpu_min,
+                 "least CPU time of a repeat, final check included [s]", seconds_label),
+      row_column("guarded", "guarded", &Row::guarded, "max(ε, η): what the tolerance bounds",
+                 error_label),
+      row_column("epsilon", "", &Row::epsilon, "", error_label),
+      row_column("eta", "", &Row::eta, "", error_label),
+      row_column("raw42", "raw (42)", &Row::raw42, "undefined where nothing slides", error_label),
+      row_column("natural_map", "natural map", &Row::natural_map, "as other codes use it",
+                 error_label),
+      row_column("take_off", "take-off", &Row::take_off, "contacts without force", count_label),
+      row_column("stick", "stick", &Row::stick, "contacts that stick", count_label),
+      row_column("slip", "slip", &Row::slip, "contacts that slide", count_label),
+      row_column("velocity_error", "velocity error", &Row::velocity_error,
+                 "true error, energy norm, relative", error_label),
+      row_column("force_error", "force error", &Row::force_error,
+                 "true error of the resultant, worst body, relative", error_label),
+      row_column("contact_force_error", "contact force error", &Row::contact_force_error,
+                 "true error of the worst contact force, where these are unique", error_label),
+      row_column("penetration_velocity", "", &Row::penetration_velocity, "[m/s]", error_label),
+      row_column("penetration", "penetration", &Row::penetration,
+                 "overlap added in a step, over the smallest radius", error_label),
+      row_column("dissipated", "", &Row::dissipated, "[J]", value_label),
+      row_column("energy_error", "energy error", &Row::energy_error,
+                 "true relative error of the dissipated energy", error_label),
+      row_column("answer", "", &Row::answer, "the nearest: 1 the reference, 0 none known",
+                 count_label),
+      row_column("commit", "", &Row::commit, "of the program that made the row"),
+      row_column("message", "", &Row::message, "what the solver said"),
   };
   return columns;
 }
 
-std::string csv_header() {
-  std::string line;
-  for (const ComparisonColumn& column : comparison_columns()) {
-    if (!line.empty()) line += ',';
-    line += column.name;
-  }
-  return line;
-}
+std::string csv_header() { return csv_header(columns_of_rows()); }
 
-std::string to_csv(const ComparisonRow& row) {
-  std::string line;
-  bool first = true;
-  for (const ComparisonColumn& column : comparison_columns()) {
-    if (!first) line += ',';
-    first = false;
-    line += column.text ? csv_text(column.write(row)) : column.write(row);
+std::string to_csv(const ComparisonRow& row) { return csv_line(columns_of_rows(), cells_of(row)); }
+
+Table rows_table(const Comparison& comparison) {
+  std::vector<const ComparisonRow*> pareto;
+  for (const ProblemSummary& p : comparison.problems) {
+    for (const ComparisonRow* row : pareto_rows(p, comparison.rows)) pareto.push_back(row);
   }
-  return line;
+  Table table{.columns = columns_of_rows(), .sortable = true};
+  for (TableColumn& column : table.columns) column.filter |= column.key == "tol";
+  table.columns.push_back({.name = "Pareto",
+                           .meaning = "no row of the problem is both faster and more accurate",
+                           .filter = true});
+  const auto status = std::find_if(table.columns.begin(), table.columns.end(),
+                                   [](const TableColumn& c) { return c.key == "status"; });
+  for (const auto* rows : {&comparison.rows, &comparison.warm_rows}) {
+    for (const ComparisonRow& row : *rows) {
+      std::vector<TableCell> cells = cells_of(row);
+      cells[static_cast<std::size_t>(status - table.columns.begin())].rest(row.message);
+      cells.emplace_back(std::find(pareto.begin(), pareto.end(), &row) != pareto.end());
+      table.add(std::move(cells), row.solved() ? "" : "bad");
+    }
+  }
+  return table;
 }
 
 std::vector<ComparisonRow> read_csv_rows(const std::filesystem::path& path) {

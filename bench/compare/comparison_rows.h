@@ -3,10 +3,10 @@
 #include <filesystem>
 #include <functional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "bench/compare/comparison.h"
+#include "bench/report/document.h"
 
 namespace bipot {
 
@@ -23,15 +23,15 @@ std::string to_csv(const History& history);
 /// tightest one counts, of equal ones the last.
 std::vector<History> read_csv_histories(const std::filesystem::path& path);
 
-/// Names and values of a row's columns, in the order of the file.
+/// A row's columns, in the order of the file.
 struct ComparisonColumn {
-  std::string_view name;
-  std::string_view explanation;
-  std::function<std::string(const ComparisonRow&)> write;
+  TableColumn column;
+  std::function<TableCell(const ComparisonRow&)> cell;
   std::function<void(ComparisonRow&, const std::string&)> read;
-  bool text = false;
-  bool count = false;  ///< a whole number
 };
 const std::vector<ComparisonColumn>& comparison_columns();
+
+/// All rows, the cold ones first. On pages those that did not meet their tolerance are marked.
+Table rows_table(const Comparison& comparison);
 
 }  // namespace bipot

@@ -7,7 +7,6 @@
 
 #include "bench/compare/comparison_success.h"
 #include "bench/measure/statistics.h"
-#include "bench/report/csv_text.h"
 #include "bench/report/labels.h"
 
 namespace bipot {
@@ -54,14 +53,43 @@ std::vector<SeveralShare> several_shares(const Comparison& comparison) {
   return shares;
 }
 
-std::string several_csv(const Comparison& comparison) {
-  std::string text = "problem,contacts,answers,velocity,force,energy\n";
+Table several_shares_table(const std::vector<SeveralShare>& shares) {
+  Table table{.columns = {{"size", "contacts"},
+                          {"problems", "problems", count_label},
+                          {"several", "several", count_label},
+                          {"share", "share", share_label},
+                          {"median_velocity", "velocity, median", error_label},
+                          {"largest_velocity", "most", error_label},
+                          {"median_force", "force, median", error_label},
+                          {"largest_force", "most", error_label},
+                          {"largest_energy", "energy, most", error_label}},
+              .key = "several",
+              .note = "Problems: those with a reference below 1e-9."};
+  for (const SeveralShare& s : shares) {
+    table.add({s.size, s.problems, s.several, s.share(), s.median_velocity, s.largest_velocity,
+               s.median_force, s.largest_force, s.largest_energy});
+  }
+  return table;
+}
+
+Table several_problems_table(const Comparison& comparison) {
+  Table table{.columns = {{"problem", "problem"},
+                          {"contacts", "contacts", count_label},
+                          {"answers", "answers known", count_label},
+                          {"velocity", "velocities apart", error_label},
+                          {"force", "force on a body", error_label},
+                          {"energy", "dissipated energy", error_label}},
+              .note =
+                  "Velocities: in the energy norm, over the change that contacts make. Force "
+                  "on a body: largest difference of a resultant, over the largest resultant. "
+                  "Energy: of what contacts dissipate. `bipot solve FILE --several N` looks "
+                  "for more."};
   for (const ProblemSummary& p : comparison.problems) {
     if (!p.several_velocities()) continue;
-    text += fmt::format("{},{},{},{},{},{}\n", csv_text(p.name), p.contacts, p.answers,
-                        p.spread.velocity, p.spread.force, p.spread.energy);
+    table.add({TableCell(p.name).shown(comparison.link_to(p)), p.contacts, p.answers,
+               p.spread.velocity, p.spread.force, p.spread.energy});
   }
-  return text;
+  return table;
 }
 
 std::string several_text(const Comparison& comparison) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "bench/compare/comparison.h"
+#include "bench/report/document.h"
 
 namespace bipot {
 
@@ -22,8 +23,10 @@ struct SeveralShare {
 /// For each size that has problems with a reference, then for all of them together.
 std::vector<SeveralShare> several_shares(const Comparison& comparison);
 
-/// One line a problem that has several: problem, contacts, answers, velocity, force, energy.
-std::string several_csv(const Comparison& comparison);
+/// They, as a table.
+Table several_shares_table(const std::vector<SeveralShare>& shares);
+/// The problems that have several: a line of several.csv each.
+Table several_problems_table(const Comparison& comparison);
 /// "2d_x: 3 exact answers, velocities up to 5.1e-02 apart, ..." and how many problems have several.
 std::string several_text(const Comparison& comparison);
 

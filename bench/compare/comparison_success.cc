@@ -1,14 +1,11 @@
 #include "bench/compare/comparison_success.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <limits>
 #include <map>
 #include <utility>
 
 #include "bench/compare/comparison_measures.h"
-#include "bench/report/csv_text.h"
 #include "core/base/types.h"
 
 namespace bipot {
@@ -59,15 +56,15 @@ std::vector<SuccessCurve> success_curves(const Comparison& comparison) {
   return curves;
 }
 
-std::string success_csv(const std::vector<SuccessCurve>& curves) {
-  std::string text = "size,solver,tol,problems,solved,share\n";
+Table success_table(const std::vector<SuccessCurve>& curves) {
+  Table table{.columns = {{"size"}, {"solver"}, {"tol"}, {"problems"}, {"solved"}, {"share"}}};
   for (const SuccessCurve& curve : curves) {
     for (const SuccessCurve::Point& point : curve.points) {
-      text += fmt::format("{},{},{},{},{},{}\n", csv_text(curve.size), csv_text(curve.solver),
-                          point.tol, curve.problems, point.solved, curve.share(point));
+      table.add(
+          {curve.size, curve.solver, point.tol, curve.problems, point.solved, curve.share(point)});
     }
   }
-  return text;
+  return table;
 }
 
 }  // namespace bipot

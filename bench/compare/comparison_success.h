@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "bench/compare/comparison.h"
+#include "bench/report/document.h"
 
 namespace bipot {
 
@@ -34,7 +35,7 @@ struct SuccessCurve {
 /// 1e-12 that are no tighter than the tightest of the table: beyond it nobody was asked.
 std::vector<SuccessCurve> success_curves(const Comparison& comparison);
 
-/// One line a size, solver and tolerance: size, solver, tol, problems, solved, share.
-std::string success_csv(const std::vector<SuccessCurve>& curves);
+/// A row for each size, solver and tolerance.
+Table success_table(const std::vector<SuccessCurve>& curves);
 
 }  // namespace bipot

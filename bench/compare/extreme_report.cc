@@ -6,38 +6,115 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/report/build_info.h"
-#include "bench/report/csv_text.h"
 #include "bench/report/labels.h"
 
 namespace bipot {
 namespace {
 
-std::string_view sign_of(CellEnd end) {
+/// How an end shows: on terminals, and as a look of pages.
+struct EndSign {
+  const char *sign, *look;
+};
+EndSign sign_of(CellEnd end) {
   switch (end) {
     case CellEnd::kSolved:
-      return "ok";
+      return {"ok", "good"};
     case CellEnd::kUnsolved:
-      return "--";
+      return {"--", "weak"};
     case CellEnd::kBeyond:
-      return "rd";
+      return {"rd", "beyond"};
     case CellEnd::kNone:
-      return "no";
+      return {"no", "none"};
     case CellEnd::kRefused:
-      return "rf";
+      return {"rf", "grey"};
     case CellEnd::kNotForIt:
-      return "  ";
-    default:
-      return "!!";
+      return {"", ""};
+    case CellEnd::kWrong:
+      break;
   }
+  return {"!!", "bad"};
 }
 
-std::vector<std::string> groups_of(const ExtremeMatrix& m) {
-  std::vector<std::string> groups;
+/// Cases by solvers, group by group. `cell_of` shows a cell, `case_of` the name of a case.
+template <class CellOf, class CaseOf>
+Table matrix_table(const ExtremeMatrix& m, const CellOf& cell_of, const CaseOf& case_of) {
+  Table table{.columns = {{.name = "case"}}};
+  for (const std::string& solver : m.solvers) table.columns.push_back({.name = solver});
+  const std::string* group = nullptr;
   for (const ExtremeCase& c : m.cases) {
-    if (groups.empty() || groups.back() != c.group) groups.push_back(c.group);
+    if (group == nullptr || c.group != *group) table.add({c.group});
+    group = &c.group;
+    std::vector<TableCell> cells = {case_of(c)};
+    for (const std::string& solver : m.solvers) {
+      const ExtremeCell* cell = m.find(c.name, solver);
+      cells.push_back(cell == nullptr ? TableCell() : cell_of(*cell));
+    }
+    table.add(std::move(cells));
   }
-  return groups;
+  return table;
+}
+
+Table counts_table(const ExtremeMatrix& m) {
+  Table table{.columns = {{.name = "solver"}}};
+  for (const char* name :
+       {"solved", "not solved", "beyond double", "no solution", "refused", "wrong"}) {
+    table.columns.push_back({.name = name, .show = count_label});
+  }
+  for (const std::string& solver : m.solvers) {
+    const CellCounts k = count_cells(m, solver);
+    table.add({solver, k.solved, k.unsolved, k.beyond, k.none, k.refused, k.wrong});
+  }
+  return table;
+}
+
+Table cases_table(const ExtremeMatrix& m) {
+  Table table{.columns = {{"name"}, {"group"}, {"what"}, {"known"}, {"existence"}, {"floor"}},
+              .key = "cases"};
+  for (std::size_t k = 0; k < m.cases.size(); ++k) {
+    const ExtremeCase& c = m.cases[k];
+    table.add({c.name, c.group, c.what, c.known, to_string(m.verdicts[k]), m.floors[k]});
+  }
+  return table;
+}
+
+/// What is known of a case, and what each solver made of it.
+void add_case(const ExtremeMatrix& m, std::size_t k, Document& page) {
+  const ExtremeCase& c = m.cases[k];
+  page.heading(c.name, c.name, 3);
+  page.say(c.what + ".");
+  Terms terms{{{"known", c.known}}};
+  if (!m.existence[k].empty()) terms.entries.emplace_back("proved", m.existence[k]);
+  if (!std::isnan(m.floors[k])) {
+    terms.entries.emplace_back("rounding",
+                               "the known answer, rounded to double precision, has the guarded "
+                               "error " +
+                                   error_label(m.floors[k]));
+  }
+  if (const ExtremeCell* first = m.find(c.name, m.solvers.front())) {
+    ExtremeCell any = *first;
+    any.solver = "NAME";
+    terms.entries.emplace_back("again", '`' + cell_command(any) + '`');
+  }
+  page.add(std::move(terms));
+  Table table{.columns = {{.name = "solver"},
+                          {.name = "end"},
+                          {.name = "status"},
+                          {.name = "guarded", .show = error_label},
+                          {.name = "true error", .show = error_label},
+                          {.name = "energy created", .show = error_label},
+                          {.name = "iterations", .show = count_label},
+                          {.name = "CPU time", .show = seconds_label}}};
+  for (const std::string& solver : m.solvers) {
+    const ExtremeCell* cell = m.find(c.name, solver);
+    if (cell == nullptr) continue;
+    const std::string steps =
+        cell->steps > 1 ? fmt::format(" ({} of {} steps)", cell->steps_solved, cell->steps) : "";
+    table.add({solver, TableCell(to_string(cell->end)).as(sign_of(cell->end).look),
+               TableCell(cell->status + steps).rest(cell->message), cell->guarded, cell->true_error,
+               cell->energy_error, cell->iterations, cell->cpu_seconds},
+              cell->end == CellEnd::kWrong ? "bad" : "");
+  }
+  page.add(std::move(table));
 }
 
 }  // namespace
@@ -47,53 +124,52 @@ std::string cell_command(const ExtremeCell& cell) {
                      cell.solver, cell.time_limit);
 }
 
-std::string to_csv(const ExtremeMatrix& m) {
-  std::string text =
-      "group,case,solver,end,status,guarded,true_error,energy_error,iterations,cpu_seconds,"
-      "steps_solved,steps,existence,floor,missed_by_auto,message,command\n";
+Table cells_table(const ExtremeMatrix& m) {
+  Table table{.columns = {{"group"},
+                          {"case"},
+                          {"solver"},
+                          {"end"},
+                          {"status"},
+                          {"guarded"},
+                          {"true_error"},
+                          {"energy_error"},
+                          {"iterations"},
+                          {"cpu_seconds"},
+                          {"steps_solved"},
+                          {"steps"},
+                          {"existence"},
+                          {"floor"},
+                          {"missed_by_auto"},
+                          {"message"},
+                          {"command"}},
+              .key = "cells"};
   for (const ExtremeCell& cell : m.cells) {
     for (std::size_t k = 0; k < m.cases.size(); ++k) {
       if (m.cases[k].name != cell.name) continue;
-      text += fmt::format(
-          "{},{},{},{},{},{:.3e},{:.3e},{:.3e},{},{:.4f},{},{},{},{:.3e},{},{},{}\n",
-          csv_text(m.cases[k].group), cell.name, cell.solver, to_string(cell.end),
-          csv_text(cell.status), cell.guarded, cell.true_error, cell.energy_error, cell.iterations,
-          cell.cpu_seconds, cell.steps_solved, cell.steps, csv_text(to_string(m.verdicts[k])),
-          m.floors[k], cell.end == CellEnd::kSolved && !solved_by_others(m, cell.name).empty(),
-          csv_text(cell.message), csv_text(cell_command(cell)));
+      table.add({m.cases[k].group, cell.name, cell.solver, to_string(cell.end), cell.status,
+                 cell.guarded, cell.true_error, cell.energy_error, cell.iterations,
+                 cell.cpu_seconds, cell.steps_solved, cell.steps, to_string(m.verdicts[k]),
+                 m.floors[k],
+                 cell.end == CellEnd::kSolved && !solved_by_others(m, cell.name).empty(),
+                 cell.message, cell_command(cell)});
     }
   }
-  return text;
+  return table;
 }
 
 std::string to_text(const ExtremeMatrix& m) {
-  std::string text;
-  std::string group;
-  for (const ExtremeCase& c : m.cases) {
-    if (c.group != group) {
-      group = c.group;
-      text += fmt::format("{:<26}", group);
-      for (const std::string& solver : m.solvers) text += fmt::format(" {:>4.4}", solver);
-      text += "\n";
-    }
-    text += fmt::format("  {:<24}", c.name);
-    for (const std::string& solver : m.solvers) {
-      const ExtremeCell* cell = m.find(c.name, solver);
-      text += fmt::format(" {:>4}", cell == nullptr ? "" : sign_of(cell->end));
-    }
-    text += "\n";
-  }
-  text +=
+  Document d;
+  Table matrix = matrix_table(
+      m, [](const ExtremeCell& cell) { return TableCell(sign_of(cell.end).sign); },
+      [](const ExtremeCase& c) { return "  " + c.name; });
+  for (TableColumn& column : matrix.columns) column.name = column.name.substr(0, 4);
+  matrix.note =
       "ok solved and confirmed, -- not solved and says so, rd beyond double precision (the known "
-      "answer rounded misses the\ntolerance), no solution exists (proved), rf data refused, !! "
-      "false claim, NaN, crash, hang or energy against theory\n\n";
-  text += fmt::format("{:<12} {:>7} {:>11} {:>14} {:>12} {:>8} {:>6}\n", "solver", "solved",
-                      "not solved", "beyond double", "no solution", "refused", "wrong");
-  for (const std::string& solver : m.solvers) {
-    const CellCounts k = count_cells(m, solver);
-    text += fmt::format("{:<12} {:>7} {:>11} {:>14} {:>12} {:>8} {:>6}\n", solver, k.solved,
-                        k.unsolved, k.beyond, k.none, k.refused, k.wrong);
-  }
+      "answer rounded misses the tolerance), no solution exists (proved), rf data refused, !! "
+      "false claim, NaN, crash, hang or energy against theory";
+  d.add(std::move(matrix));
+  d.add(counts_table(m));
+  std::string text = to_text(d);
   for (const ExtremeCase& c : m.cases) {
     const std::vector<std::string> others = solved_by_others(m, c.name);
     if (others.empty()) continue;
@@ -107,13 +183,12 @@ std::string to_text(const ExtremeMatrix& m) {
 }
 
 std::string to_markdown(const ExtremeMatrix& m) {
-  std::string text = "| |";
-  for (const std::string& solver : m.solvers) text += fmt::format(" {} |", solver);
-  text += "\n| --- |";
-  for (std::size_t k = 0; k < m.solvers.size(); ++k) text += " --- |";
-  text += "\n";
-  for (const std::string& group : groups_of(m)) {
-    text += fmt::format("| {} |", group);
+  Table table{.columns = {{.name = " "}}};
+  for (const std::string& solver : m.solvers) table.columns.push_back({.name = solver});
+  for (std::size_t k = 0; k < m.cases.size(); ++k) {
+    const std::string& group = m.cases[k].group;
+    if (k > 0 && group == m.cases[k - 1].group) continue;
+    std::vector<TableCell> cells = {group};
     for (const std::string& solver : m.solvers) {
       int solved = 0, possible = 0, wrong = 0;
       for (const ExtremeCase& c : m.cases) {
@@ -124,12 +199,67 @@ std::string to_markdown(const ExtremeMatrix& m) {
         possible += cell->end == CellEnd::kSolved || cell->end == CellEnd::kUnsolved ||
                     cell->end == CellEnd::kWrong;
       }
-      text += fmt::format(" {}/{}{} |", solved, possible,
-                          wrong > 0 ? fmt::format(", {} wrong", wrong) : "");
+      cells.emplace_back(fmt::format("{}/{}{}", solved, possible,
+                                     wrong > 0 ? fmt::format(", {} wrong", wrong) : ""));
     }
-    text += "\n";
+    table.add(std::move(cells));
   }
-  return text;
+  return to_markdown(table);
+}
+
+Document extremes_page(const ExtremeMatrix& m, const Provenance& made) {
+  const CellCounts all = count_cells(m);
+  Document page{.title = "Contact solvers at the extremes", .made = made};
+  page.say(fmt::format(
+      "{} cases, {} solvers, each asked for a guarded error of 1e-8 within its time limit: {} "
+      "cells solved, {} not solved, {} beyond double precision, {} proved to have no solution, {} "
+      "wrong (false claims, NaN, crashes, hangs, energy against theory).{}",
+      m.cases.size(), m.solvers.size(), all.solved, all.unsolved, all.beyond, all.none, all.wrong,
+      m.complete ? "" : " The measurement was stopped before its end."));
+  const auto missed = std::count_if(m.cases.begin(), m.cases.end(), [&](const ExtremeCase& c) {
+    return !solved_by_others(m, c.name).empty();
+  });
+  page.say(fmt::format("Cases that `auto` misses and another solver solves: {}.", missed));
+  Table key{.columns = {{.name = "colours"},
+                        {.name = " "},
+                        {.name = " "},
+                        {.name = " "},
+                        {.name = " "},
+                        {.name = " "}}};
+  key.add({TableCell("solved").as("good"), TableCell("not solved, and says why").as("weak"),
+           TableCell("beyond double precision").as("beyond"),
+           TableCell("no solution exists").as("none"), TableCell("data refused").as("grey"),
+           TableCell("wrong").as("bad")});
+  key.note =
+      "The figure in a cell is the guarded error of the returned impulse in quadruple precision, "
+      "by code that shares nothing with the solvers. Its status and message show when the pointer "
+      "rests on it. Beyond double precision: the exact answer, known beforehand, misses the "
+      "tolerance by the rounding of its own digits. Without a figure: data that are refused "
+      "(grey), problems that are too large or of too many dimensions for a solver (white).";
+  page.add(std::move(key));
+  Table matrix = matrix_table(
+      m,
+      [](const ExtremeCell& cell) {
+        const bool figure = std::isfinite(cell.guarded) && cell.end != CellEnd::kNotForIt;
+        return TableCell(figure ? error_label(cell.guarded) : "")
+            .rest(cell.status + ": " + cell.message)
+            .as(sign_of(cell.end).look);
+      },
+      [](const ExtremeCase& c) { return fmt::format("[{0}](#{0})", c.name); });
+  matrix.columns.push_back({.name = "missed by auto, solved by"});
+  for (std::size_t row = 0, k = 0; row < matrix.rows.size(); ++row) {
+    if (is_title(matrix, matrix.rows[row])) continue;
+    matrix.rows[row].cells.emplace_back(
+        fmt::format("{}", fmt::join(solved_by_others(m, m.cases[k++].name), ", ")));
+  }
+  page.add(std::move(matrix));
+  page.add(cells_table(m));
+  page.add(cases_table(m));
+  page.heading("Cases");
+  for (std::size_t k = 0; k < m.cases.size(); ++k) add_case(m, k, page);
+  page.heading("How this was made", "made");
+  page.add(to_terms(made));
+  return page;
 }
 
 }  // namespace bipot

@@ -3,20 +3,21 @@
 #include <string>
 
 #include "bench/compare/extreme_matrix.h"
+#include "bench/report/document.h"
 
 namespace bipot {
 
 /// The command that measures one cell again.
 std::string cell_command(const ExtremeCell& cell);
 
-/// One line for each cell.
-std::string to_csv(const ExtremeMatrix& matrix);
+/// A row for each cell: extremes.csv.
+Table cells_table(const ExtremeMatrix& matrix);
 /// Cases by solvers, a sign for each cell, the counts, and every wrong cell in words.
 std::string to_text(const ExtremeMatrix& matrix);
 /// The short form for a README: groups by solvers, cells solved of those that can be.
 std::string to_markdown(const ExtremeMatrix& matrix);
-/// A page that needs no other file: the matrix in colours, what each case is and what is known of
-/// it, and every cell with its figures.
-std::string to_html(const ExtremeMatrix& matrix);
+/// The page: the matrix in colours, what each case is and what is known of it, and every cell with
+/// its figures. As JSON: cells and cases.
+Document extremes_page(const ExtremeMatrix& matrix, const Provenance& made);
 
 }  // namespace bipot

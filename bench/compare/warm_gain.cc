@@ -1,7 +1,5 @@
 #include "bench/compare/warm_gain.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 
@@ -58,14 +56,20 @@ std::vector<WarmGain> warm_gains(const Comparison& comparison) {
   return gains;
 }
 
-std::string to_text(const WarmGain& gain) {
-  const auto ratio = [](double x) {
-    return std::isfinite(x) ? fmt::format("{:.2f}", x) : std::string("-");
-  };
-  return fmt::format(
-      "warm start, {:<14} tol {}: solved {} of {} (cold {}), time over cold {}, iterations {}",
-      gain.solver, tolerance_label(gain.tol), gain.solved_warm, gain.problems, gain.solved_cold,
-      ratio(gain.time_ratio), ratio(gain.iterations_ratio));
+Table warm_table(const std::vector<WarmGain>& gains) {
+  Table table{.columns = {{"solver", "solver, warm"},
+                          {"tol", "tolerance", tolerance_label},
+                          {"problems", "problems", count_label},
+                          {"solved_cold", "solved cold", count_label},
+                          {"solved_warm", "solved warm", count_label},
+                          {"median_time_ratio", "time, warm over cold", ratio_label},
+                          {"median_iterations_ratio", "iterations, warm over cold", ratio_label}},
+              .key = "warm_starts"};
+  for (const WarmGain& g : gains) {
+    table.add({g.solver, g.tol, g.problems, g.solved_cold, g.solved_warm, g.time_ratio,
+               g.iterations_ratio});
+  }
+  return table;
 }
 
 }  // namespace bipot

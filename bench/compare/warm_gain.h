@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "bench/compare/comparison.h"
+#include "bench/report/document.h"
 
 namespace bipot {
 
@@ -19,7 +20,6 @@ struct WarmGain {
 /// In the order of the warm rows; empty without any.
 std::vector<WarmGain> warm_gains(const Comparison& comparison);
 
-/// One line.
-std::string to_text(const WarmGain& gain);
+Table warm_table(const std::vector<WarmGain>& gains);
 
 }  // namespace bipot

@@ -24,9 +24,9 @@
 #include "bench/command/blas_kernels.h"
 #include "bench/measure/iteration_growth.h"
 #include "bench/problems/settled_pile.h"
-#include "bench/report/build_info.h"
 #include "bench/report/chart.h"
-#include "bench/report/page_style.h"
+#include "bench/report/document.h"
+#include "bench/report/labels.h"
 #include "core/criterion/contact_error.h"
 #include "core/files/atomic_file.h"
 #include "core/motion/midpoint.h"
@@ -186,69 +186,37 @@ PowerLaw law(const std::vector<Row>& rows, const std::string& family, int quanti
   return fit_power_law(x, y);
 }
 
-/// A table, in Markdown and for the page.
-struct Table {
-  std::vector<std::string> head;
-  std::vector<std::vector<std::string>> rows;
-};
-
 Table table_of(const std::vector<Row>& rows) {
-  Table t;
-  t.head = {"scene", "disks", "contacts", "error"};
-  for (const Quantity& q : kQuantities) {
-    t.head.push_back(*q.unit != 0 ? fmt::format("{} [{}]", q.name, q.unit) : q.name);
-  }
-  t.head.emplace_back("bytes a disk");
+  Table t{.columns = {{"scene", "scene"},
+                      {"disks", "disks", count_label},
+                      {"contacts", "contacts", count_label},
+                      {"status", ""},
+                      {"error", "error", error_label}}};
+  for (const Quantity& q : kQuantities) t.columns.push_back({q.name, q.name, number, q.unit});
+  t.columns.push_back({"", "bytes a disk", number});
   for (const Row& row : rows) {
-    std::vector<std::string> cells{row.family, fmt::format("{:.0f}", row.bodies),
-                                   std::to_string(row.contacts),
-                                   row.met ? fmt::format("{:.1e}", row.error)
-                                           : fmt::format("{}: {:.1e}", row.status, row.error)};
-    for (const double value : row.value) cells.push_back(number(value));
-    cells.push_back(number(1024 * row.value[kMemory] / row.bodies));
-    t.rows.push_back(std::move(cells));
+    TableCell error(row.error);
+    if (!row.met) error.shown(fmt::format("{}: {:.1e}", row.status, row.error));
+    std::vector<TableCell> cells{row.family, row.bodies, row.contacts, row.status, error};
+    for (const double value : row.value) cells.emplace_back(value);
+    cells.emplace_back(1024 * row.value[kMemory] / row.bodies);
+    t.add(std::move(cells), row.met ? "" : "bad");
   }
   return t;
 }
 
 Table exponents_of(const std::vector<Row>& rows, const std::vector<std::string>& families,
                    double fit_from) {
-  Table t;
-  t.head.emplace_back("exponent of");
-  for (const std::string& family : families) t.head.push_back(family);
+  Table t{.columns = {{"", "exponent of"}}};
+  for (const std::string& family : families) t.columns.push_back({"", family, number});
   for (int q = 0; q < kCount; ++q) {
-    std::vector<std::string> cells{kQuantities[q].name};
+    std::vector<TableCell> cells{kQuantities[q].name};
     for (const std::string& family : families) {
-      cells.push_back(to_text(law(rows, family, q, fit_from)));
+      cells.emplace_back(to_text(law(rows, family, q, fit_from)));
     }
-    t.rows.push_back(std::move(cells));
+    t.add(std::move(cells));
   }
   return t;
-}
-
-void print(const Table& t) {
-  const auto line = [](const std::vector<std::string>& cells) {
-    for (const std::string& cell : cells) fmt::print("| {} ", cell);
-    fmt::print("|\n");
-  };
-  line(t.head);
-  line(std::vector<std::string>(t.head.size(), "---"));
-  for (const auto& row : t.rows) line(row);
-  fmt::print("\n");
-}
-
-std::string to_html(const Table& t) {
-  std::string html = "<div class=\"scroll\"><table><thead><tr>";
-  for (const std::string& cell : t.head) html += "<th>" + escape_markup(cell) + "</th>";
-  html += "</tr></thead><tbody>\n";
-  for (const auto& row : t.rows) {
-    html += "<tr>";
-    for (std::size_t k = 0; k < row.size(); ++k) {
-      html += (k == 0 ? "<td>" : "<td class=\"n\">") + escape_markup(row[k]) + "</td>";
-    }
-    html += "</tr>\n";
-  }
-  return html + "</tbody></table></div>\n";
 }
 
 /// The quantities of a family, log-log, with their power laws as lines.
@@ -284,40 +252,33 @@ Chart chart_of(const std::vector<Row>& rows, const std::string& family, std::vec
 
 void write_page(const std::vector<Row>& rows, const std::vector<std::string>& families,
                 const Flags& flags) {
-  std::vector<Chart> charts;
+  Document page{.title = "Growth with the number of disks",
+                .made = provenance("growth_bench", "growth_bench")};
+  page.made.threads = flags.threads;
+  page.say(fmt::format(
+      "`{}` from s = 0 to a guarded error of {:.0e}, {} thread{}, {} s at most. Lines are power "
+      "laws fitted from {:.0f} disks on, to problems that met the tolerance; hollow points did "
+      "not. Detection, assembly and one criterion are medians; memory is the largest in use above "
+      "what was in use before the step.",
+      flags.solver, flags.tol, flags.threads, flags.threads == 1 ? "" : "s", flags.time_limit,
+      flags.fit_from));
+  const auto figure = [&](const std::string& family, std::vector<int> which, const std::string& y) {
+    page.add(Figure{.chart = chart_of(rows, family, std::move(which), y, flags.fit_from)});
+  };
   for (const std::string& family : families) {
-    charts.push_back(chart_of(rows, family, {kIterations}, "iterations", flags.fit_from));
-    charts.push_back(chart_of(rows, family, {kDetection, kAssembly, kCriterion, kSetup, kSolve},
-                              "seconds of a phase", flags.fit_from));
-    charts.push_back(chart_of(rows, family, {kMemory}, "memory [kB]", flags.fit_from));
+    figure(family, {kIterations}, "iterations");
+    figure(family, {kDetection, kAssembly, kCriterion, kSetup, kSolve}, "seconds of a phase");
+    figure(family, {kMemory}, "memory [kB]");
   }
-  std::string html = page_head("Growth with the number of disks", "");
-  html += fmt::format(
-      "<h1>Growth with the number of disks</h1>\n<p><code>{}</code> from s = 0 to a guarded error "
-      "of {:.0e}, {} thread{}, {} s at most. Lines are power laws fitted from {:.0f} disks on, to "
-      "problems that met the tolerance; hollow points did not. Detection, assembly and one "
-      "criterion are medians; memory is the largest in use above what was in use before the "
-      "step.</p>\n",
-      escape_markup(flags.solver), flags.tol, flags.threads, flags.threads == 1 ? "" : "s",
-      flags.time_limit, flags.fit_from);
-  html += "<div class=\"grid\">\n";
-  for (const std::string& svg : to_svg(charts)) html += "<figure>" + svg + "</figure>\n";
-  html += "</div>\n<h2>Exponents, with the half width of their 95 % confidence</h2>\n";
-  html += to_html(exponents_of(rows, families, flags.fit_from));
-  html += "<h2>Rows</h2>\n" + to_html(table_of(rows));
-  html += "<dl>" + page_terms(build_info()) + "</dl>\n" + page_end();
-  std::filesystem::create_directories(flags.out);
-  write_text_file(std::filesystem::path(flags.out) / "index.html", html);
-  std::string csv = "scene,disks,contacts,status,error";
-  for (const Quantity& q : kQuantities) csv += fmt::format(",{}", q.name);
-  csv += '\n';
-  for (const Row& row : rows) {
-    csv +=
-        fmt::format("{},{},{},{},{}", row.family, row.bodies, row.contacts, row.status, row.error);
-    for (const double value : row.value) csv += fmt::format(",{}", value);
-    csv += '\n';
-  }
-  write_text_file(std::filesystem::path(flags.out) / "rows.csv", csv);
+  page.heading("Exponents, with the half width of their 95 % confidence");
+  page.add(exponents_of(rows, families, flags.fit_from));
+  page.heading("Rows");
+  page.add(table_of(rows));
+  page.add(to_terms(page.made));
+  const std::filesystem::path out(flags.out);
+  std::filesystem::create_directories(out);
+  write_text_file(out / "index.html", to_html(page));
+  write_text_file(out / "rows.csv", to_csv(table_of(rows)));
 }
 
 void run(const Flags& flags) {
@@ -342,8 +303,8 @@ void run(const Flags& flags) {
       families.push_back(row.family);
     }
   }
-  print(table_of(rows));
-  print(exponents_of(rows, families, flags.fit_from));
+  fmt::print("{}\n{}\n", to_markdown(table_of(rows)),
+             to_markdown(exponents_of(rows, families, flags.fit_from)));
   write_page(rows, families, flags);
 }
 

@@ -22,9 +22,9 @@
 #include "bench/measure/statistics.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/programs/measured_kernel.h"
-#include "bench/report/build_info.h"
 #include "bench/report/chart.h"
-#include "bench/report/page_style.h"
+#include "bench/report/document.h"
+#include "bench/report/labels.h"
 #include "core/base/execution.h"
 #include "core/base/parallel.h"
 #include "core/files/atomic_file.h"
@@ -207,57 +207,36 @@ struct Measured {
   }
 };
 
-using Table = std::vector<std::vector<std::string>>;  // the first row is the head
-
 Table bandwidth_table(const Measured& m) {
-  Table t{{"roof", "threads", "measured"}};
+  Table t{.columns = {{"", "roof"}, {"", "threads", count_label}, {"", "measured", value_label}}};
   for (const Bandwidth& b : m.bandwidths) {
-    t.push_back({fmt::format("triad of {:g} MB", b.megabytes), std::to_string(b.threads),
-                 fmt::format("{:.3g} GB/s", 1e-9 * b.bytes_a_second)});
+    t.add({fmt::format("triad of {:g} MB", b.megabytes), b.threads,
+           fmt::format("{:.3g} GB/s", 1e-9 * b.bytes_a_second)});
   }
   for (const Peak& p : m.peaks) {
-    t.push_back({"additions and multiplications, " + p.path, "1",
-                 fmt::format("{:.1f} Gflop/s", 1e-9 * p.flops)});
+    t.add({"additions and multiplications, " + p.path, 1,
+           fmt::format("{:.1f} Gflop/s", 1e-9 * p.flops)});
   }
   return t;
 }
 
 Table kernel_table(const Measured& m) {
-  Table t{{"kernel", "instructions", "threads", "contacts", "bytes a contact", "flops a contact",
-           "flop/B", "ns a contact", "Gflop/s", "GB/s if streamed", "of its roof from memory"}};
+  Table t{.columns = {{"kernel", "kernel"},
+                      {"instructions", "instructions"},
+                      {"threads", "threads", count_label},
+                      {"contacts", "contacts", count_label},
+                      {"bytes", "bytes a contact", ratio_label},
+                      {"flops", "flops a contact", ratio_label},
+                      {"", "flop/B", ratio_label},
+                      {"ns", "ns a contact", ratio_label},
+                      {"gflop_s", "Gflop/s", ratio_label},
+                      {"gb_s", "GB/s if streamed", ratio_label},
+                      {"of_roof", "of its roof from memory", ratio_label}}};
   for (const Row& r : m.rows) {
-    t.push_back({r.kernel, r.path, std::to_string(r.threads), fmt::format("{:.0f}", r.contacts),
-                 fmt::format("{:.1f}", r.work.bytes), fmt::format("{:.1f}", r.work.flops),
-                 fmt::format("{:.2f}", r.work.intensity()), fmt::format("{:.2f}", r.nanoseconds),
-                 fmt::format("{:.1f}", 1e-9 * r.flops()), fmt::format("{:.1f}", 1e-9 * r.bytes()),
-                 fmt::format("{:.2f}", r.flops() / m.roof(r))});
+    t.add({r.kernel, r.path, r.threads, r.contacts, r.work.bytes, r.work.flops, r.work.intensity(),
+           r.nanoseconds, 1e-9 * r.flops(), 1e-9 * r.bytes(), r.flops() / m.roof(r)});
   }
   return t;
-}
-
-void print(const Table& t) {
-  const auto line = [](const std::vector<std::string>& cells) {
-    for (const std::string& cell : cells) fmt::print("| {} ", cell);
-    fmt::print("|\n");
-  };
-  line(t[0]);
-  line(std::vector<std::string>(t[0].size(), "---"));
-  for (std::size_t k = 1; k < t.size(); ++k) line(t[k]);
-  fmt::print("\n");
-}
-
-std::string to_html(const Table& t) {
-  std::string html = "<div class=\"scroll\"><table><thead><tr>";
-  for (const std::string& cell : t[0]) html += "<th>" + escape_markup(cell) + "</th>";
-  html += "</tr></thead><tbody>\n";
-  for (std::size_t k = 1; k < t.size(); ++k) {
-    html += "<tr>";
-    for (std::size_t c = 0; c < t[k].size(); ++c) {
-      html += (c < 2 ? "<td>" : "<td class=\"n\">") + escape_markup(t[k][c]) + "</td>";
-    }
-    html += "</tr>\n";
-  }
-  return html + "</tbody></table></div>\n";
 }
 
 /// Flops against intensity for this number of threads: roofs of memory rise, peaks are flat.
@@ -309,34 +288,29 @@ Chart roofline_chart(const Measured& m, int threads) {
 }
 
 void write_page(const Measured& m, const Flags& flags) {
-  std::vector<Chart> charts;
-  for (const int threads : flags.threads) charts.push_back(roofline_chart(m, threads));
-  std::string html = page_head("Roofline of the contact kernels", "");
-  html += fmt::format(
-      "<h1>Roofline of the contact kernels</h1>\n<p>{} packings tilted by 10°, {} iterations a "
-      "call, median of {}. Intensity counts what one iteration alone would stream from memory: "
-      "several in flight share it, so that points may lie above a roof of memory. Peaks are of "
-      "additions and multiplications that are not fused, as in the kernels. One thread: its CPU "
-      "time; more: wall time, which other work on the machine stretches.</p>\n",
-      escape_markup(flags.family), kTogether, flags.repeat);
-  html += "<div class=\"grid\">\n";
-  for (const std::string& svg : to_svg(charts)) html += "<figure>" + svg + "</figure>\n";
-  html += "</div>\n<h2>Kernels</h2>\n" + to_html(kernel_table(m));
-  html += "<h2>Roofs</h2>\n" + to_html(bandwidth_table(m));
-  html += "<dl>" + page_terms(build_info()) + "</dl>\n" + page_end();
-  std::filesystem::create_directories(flags.out);
+  Document page{.title = "Roofline of the contact kernels",
+                .made = provenance("roofline_bench", "roofline_bench")};
+  page.say(fmt::format(
+      "{} packings tilted by 10°, {} iterations a call, median of {}. Intensity counts what one "
+      "iteration alone would stream from memory: several in flight share it, so that points may "
+      "lie above a roof of memory. Peaks are of additions and multiplications that are not fused, "
+      "as in the kernels. One thread: its CPU time; more: wall time, which other work on the "
+      "machine stretches.",
+      flags.family, kTogether, flags.repeat));
+  for (const int threads : flags.threads) {
+    page.add(Figure{.chart = roofline_chart(m, threads),
+                    .file = fmt::format("roofline_{}.svg", threads)});
+  }
+  page.heading("Kernels");
+  page.add(kernel_table(m));
+  page.heading("Roofs");
+  page.add(bandwidth_table(m));
+  page.add(to_terms(page.made));
   const std::filesystem::path out(flags.out);
-  write_text_file(out / "index.html", html);
-  for (std::size_t k = 0; k < charts.size(); ++k) {
-    write_chart_files(out, fmt::format("roofline_{}", flags.threads[k]), charts[k]);
-  }
-  std::string csv = "kernel,instructions,threads,contacts,bytes,flops,ns,gflop_s,gb_s,of_roof\n";
-  for (const Row& r : m.rows) {
-    csv += fmt::format("\"{}\",{},{},{},{},{},{},{},{},{}\n", r.kernel, r.path, r.threads,
-                       r.contacts, r.work.bytes, r.work.flops, r.nanoseconds, 1e-9 * r.flops(),
-                       1e-9 * r.bytes(), r.flops() / m.roof(r));
-  }
-  write_text_file(out / "rows.csv", csv);
+  std::filesystem::create_directories(out);
+  write_figures(out, page);
+  write_text_file(out / "index.html", to_html(page));
+  write_text_file(out / "rows.csv", to_csv(kernel_table(m)));
 }
 
 void run(const Flags& flags) {
@@ -350,8 +324,7 @@ void run(const Flags& flags) {
     }
   }
   m.rows = measure_kernels(flags);
-  print(bandwidth_table(m));
-  print(kernel_table(m));
+  fmt::print("{}\n{}\n", to_markdown(bandwidth_table(m)), to_markdown(kernel_table(m)));
   write_page(m, flags);
 }
 

@@ -7,7 +7,7 @@
 #include "bench/problems/scene_catalogue.h"
 #include "bench/python/bindings.h"
 #include "bench/python/python_watch.h"
-#include "bench/tradeoff/advice_json.h"
+#include "bench/tradeoff/advice_report.h"
 #include "bench/tradeoff/advise.h"
 #include "core/scene_files/scene_file.h"
 
@@ -34,7 +34,7 @@ std::string advise_scene(const std::string& name, double force, double penetrati
   std::string json;
   {
     const py::gil_scoped_release release;
-    json = json_text(to_json(scene, advise(scene, options)));
+    json = json_text(to_json(scene, advise(scene, options), provenance("advise", "bipot.advise")));
   }
   watch.rethrow();
   return json;

@@ -2,7 +2,6 @@
 #include <pybind11/stl.h>
 #include <pybind11/stl/filesystem.h>
 
-#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -10,7 +9,6 @@
 #include <vector>
 
 #include "bench/compare/comparison.h"
-#include "bench/compare/comparison_page.h"
 #include "bench/compare/comparison_report.h"
 #include "bench/compare/comparison_rows.h"
 #include "bench/measure/problem_target.h"
@@ -74,15 +72,7 @@ std::vector<ProblemSource> sources_of(const py::list& given, const TargetOptions
 py::dict to_dict(const ComparisonRow& row) {
   py::dict out;
   for (const ComparisonColumn& column : comparison_columns()) {
-    const std::string text = column.write(row);
-    const py::str key{std::string(column.name)};
-    if (column.text) {
-      out[key] = text;
-    } else if (column.count) {
-      out[key] = std::strtol(text.c_str(), nullptr, 10);
-    } else {
-      out[key] = std::strtod(text.c_str(), nullptr);
-    }
+    out[py::str(column.column.key)] = py::cast(column.cell(row).value);
   }
   return out;
 }
@@ -91,7 +81,7 @@ py::dict to_dict(const ComparisonRow& row) {
 py::dict columns_of(const PythonComparison& self) {
   py::dict out;
   for (const ComparisonColumn& column : comparison_columns()) {
-    out[py::str{std::string(column.name)}] = py::list();
+    out[py::str(column.column.key)] = py::list();
   }
   for (const auto* rows : {&self.comparison.rows, &self.comparison.warm_rows}) {
     for (const ComparisonRow& row : *rows) {
@@ -154,9 +144,7 @@ PythonComparison run_comparison(const py::list& targets, std::vector<std::string
   options.foreign.clear();
   options.on_row = nullptr;
   options.interrupted = options.cancelled = nullptr;
-  made.context.build = build_info();
-  made.context.date = date_and_time();
-  made.context.command = command;
+  made.context.made = provenance("compare", command);
   made.context.command_of_target = "bipot.compare([\"{}\"], ...)";
   return made;
 }

@@ -128,6 +128,10 @@ std::string text_of(const TableCell& cell, const TableColumn& column) {
       cell.value);
 }
 
+bool is_title(const Table& table, const TableRow& row) {
+  return row.cells.size() == 1 && table.columns.size() > 1;
+}
+
 std::string heading_of(const TableColumn& column) {
   return column.unit.empty() ? column.name : fmt::format("{} [{}]", column.name, column.unit);
 }
@@ -193,8 +197,9 @@ std::string to_text(const Table& table) {
   }
   for (const TableRow& row : table.rows) {
     auto& texts = cells.emplace_back();
-    if (row.cells.size() == 1) texts.push_back(text_of(row.cells[0], table.columns[0]));
-    for (std::size_t k = 0; k < shown.size() && row.cells.size() > 1; ++k) {
+    const bool title = is_title(table, row);
+    if (title) texts.push_back(plain(text_of(row.cells[0], table.columns[0])));
+    for (std::size_t k = 0; k < shown.size() && !title; ++k) {
       const std::size_t at = shown[k];
       texts.push_back(one_line(plain(text_of(row.cells[at], table.columns[at]))));
       widths[k] = std::max(widths[k], letters(texts[k]));
@@ -223,10 +228,29 @@ std::string to_text(const Document& document) {
   return out;
 }
 
+std::string to_markdown(const Table& table) {
+  std::string head = "|", rule = "|", rows;
+  for (const TableColumn& column : table.columns) {
+    if (column.name.empty()) continue;
+    head += fmt::format(" {} |", heading_of(column));
+    rule += " --- |";
+  }
+  for (const TableRow& row : table.rows) {
+    if (is_title(table, row)) continue;
+    rows += '|';
+    for (std::size_t k = 0; k < row.cells.size(); ++k) {
+      const TableColumn& column = table.columns[k];
+      if (!column.name.empty()) rows += fmt::format(" {} |", text_of(row.cells[k], column));
+    }
+    rows += '\n';
+  }
+  return head + '\n' + rule + '\n' + rows;
+}
+
 Json to_json(const Table& table) {
   Json all = Json::array();
   for (const TableRow& row : table.rows) {
-    if (row.cells.size() == 1 && table.columns.size() > 1) continue;
+    if (is_title(table, row)) continue;
     Json object = Json::object();
     for (std::size_t k = 0; k < row.cells.size(); ++k) {
       if (!table.columns[k].key.empty()) object[table.columns[k].key] = value_json(row.cells[k]);
@@ -245,21 +269,30 @@ Json to_json(const Document& document) {
   return json;
 }
 
+std::string csv_header(const std::vector<TableColumn>& columns) {
+  std::string line;
+  for (const TableColumn& column : columns) {
+    if (column.key.empty()) continue;
+    line += (line.empty() ? "" : ",") + column.key;
+  }
+  return line;
+}
+
+std::string csv_line(const std::vector<TableColumn>& columns, const std::vector<TableCell>& cells) {
+  std::string line;
+  bool first = true;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    if (columns[k].key.empty()) continue;
+    line += (first ? "" : ",") + value_csv(cells[k]);
+    first = false;
+  }
+  return line;
+}
+
 std::string to_csv(const Table& table) {
-  std::string out;
-  const auto line = [&](const auto& field_of) {
-    bool first = true;
-    for (std::size_t k = 0; k < table.columns.size(); ++k) {
-      if (table.columns[k].key.empty()) continue;
-      out += (first ? "" : ",") + field_of(k);
-      first = false;
-    }
-    out += '\n';
-  };
-  line([&](std::size_t k) { return table.columns[k].key; });
+  std::string out = csv_header(table.columns) + '\n';
   for (const TableRow& row : table.rows) {
-    if (row.cells.size() == 1 && table.columns.size() > 1) continue;
-    line([&](std::size_t k) { return value_csv(row.cells[k]); });
+    if (!is_title(table, row)) out += csv_line(table.columns, row.cells) + '\n';
   }
   return out;
 }

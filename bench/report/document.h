@@ -144,6 +144,8 @@ struct Document {
 /// What readers see of a cell and of a heading, marks included.
 std::string text_of(const TableCell& cell, const TableColumn& column);
 std::string heading_of(const TableColumn& column);
+/// Whether the row is a title of those below it.
+bool is_title(const Table& table, const TableRow& row);
 
 /// A page that needs no other file but those that its figures name. Throws FileError where gnuplot
 /// cannot draw.
@@ -151,12 +153,17 @@ std::string to_html(const Document& document);
 /// Lines of at most 100 columns, where words and first columns allow it; no figures.
 std::string to_text(const Document& document);
 std::string to_text(const Table& table);
+/// Rows of |cells|.
+std::string to_markdown(const Table& table);
 /// The provenance, and each table that has a key.
 Json to_json(const Document& document);
 /// An array with an object for each row.
 Json to_json(const Table& table);
 /// The keys, then a line for each row; numbers to the last bit.
 std::string to_csv(const Table& table);
+/// Both without the end of the line.
+std::string csv_header(const std::vector<TableColumn>& columns);
+std::string csv_line(const std::vector<TableColumn>& columns, const std::vector<TableCell>& cells);
 
 /// The files of figures that name one and have a chart, see write_chart_files. Throws FileError.
 void write_figures(const std::filesystem::path& folder, const Document& document);

@@ -94,6 +94,7 @@ bool has_sortable(const std::vector<Block>& blocks) {
 class PageWriter {
  public:
   explicit PageWriter(const Document& document) : document_(document) {
+    has_script_ = has_sortable(document.blocks);
     std::vector<Chart> charts;
     collect(document.blocks, charts);
     drawings_ = to_svg(charts);
@@ -110,7 +111,7 @@ class PageWriter {
       }
       k = write_from(document_.blocks, k);
     }
-    if (has_sortable(document_.blocks)) add("<script>{}</script>\n", kScript);
+    if (has_script_) add("<script>{}</script>\n", kScript);
     return html_ + page_end();
   }
 
@@ -174,6 +175,10 @@ class PageWriter {
   }
 
   void write(const Details& d) {
+    if (has_script_ && !has_button_) {
+      add("<p><button type=\"button\" id=\"open-all\">Open all that is folded</button></p>\n");
+      has_button_ = true;
+    }
     add("<details{}{}><summary>{}</summary>\n", attribute("id", d.id), d.open ? " open=\"\"" : "",
         prose(d.summary));
     for (std::size_t k = 0; k < d.blocks.size();) k = write_from(d.blocks, k);
@@ -220,7 +225,7 @@ class PageWriter {
     }
     add("</tr></thead><tbody>\n");
     for (const TableRow& row : table.rows) {
-      if (row.cells.size() == 1 && table.columns.size() > 1) {
+      if (is_title(table, row)) {
         add("<tr class=\"group\"{}><td colspan=\"{}\">{}</td></tr>\n", attribute("id", row.id),
             shown.size(), prose(text_of(row.cells[0], table.columns[0])));
         continue;
@@ -265,6 +270,7 @@ class PageWriter {
   const Document& document_;
   std::vector<std::string> drawings_;
   std::size_t next_ = 0;
+  bool has_script_ = false, has_button_ = false;
   std::string html_;
 };
 

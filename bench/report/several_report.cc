@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "bench/report/json_output.h"
+#include "bench/report/document.h"
 #include "bench/report/labels.h"
 
 namespace bipot {
@@ -119,33 +119,39 @@ std::string conclusion(const SeveralAnswers& found) {
 }  // namespace
 
 std::string to_text(const SeveralAnswers& found) {
-  std::string text =
-      fmt::format("  {} ({}), {:.2f} s\n", to_string(found.status), found.message, found.seconds);
+  Document d;
+  d.say(fmt::format("{} ({}), {:.2f} s", to_string(found.status), found.message, found.seconds));
   if (!found.answers.empty()) {
-    text += fmt::format(
-        "\n{:>6} {:>6}  {:>7} {:>8} {:>5} {:>5} {:>5}   {:>8} {:>8} {:>8} {:>8} {:>4}\n", "answer",
-        "starts", "error", "kinetic", "open", "stick", "slip", "velocity", "fastest", "kinetic",
-        "force", "cont");
-    int number = 0;
-    for (const Answer& a : found.answers) {
-      const AnswerDifference& d = a.from_first;
-      text += fmt::format(
-          "{:>6} {:>6}  {:>7} {:>8} {:>5} {:>5} {:>5}   {:>8} {:>8} {:>8} {:>8} {:>4}\n", ++number,
-          a.starts.size(), error_label(a.impulse.error.guarded()), value_label(a.kinetic),
-          a.take_off, a.stick, a.slip, error_label(d.velocity), error_label(d.body_velocity),
-          error_label(d.kinetic), error_label(d.force), d.contacts);
+    Table table{.columns = {{.name = "answer", .show = count_label},
+                            {.name = "starts", .show = count_label},
+                            {.name = "error", .show = error_label},
+                            {.name = "kinetic", .show = value_label, .unit = "J"},
+                            {.name = "open", .show = count_label},
+                            {.name = "stick", .show = count_label},
+                            {.name = "slip", .show = count_label},
+                            {.name = "velocity", .show = error_label},
+                            {.name = "fastest", .show = error_label},
+                            {.name = "kinetic", .show = error_label},
+                            {.name = "force", .show = error_label},
+                            {.name = "contacts", .show = count_label}},
+                .note =
+                    "From velocity on: how far from answer 1, relative: velocities in the "
+                    "energy norm, of the fastest body, kinetic energy, force on a body over "
+                    "the mean one; contacts that differ."};
+    std::string kinds;
+    for (std::size_t k = 0; k < found.answers.size(); ++k) {
+      const Answer& a = found.answers[k];
+      const AnswerDifference& from = a.from_first;
+      table.add({k + 1, a.starts.size(), a.impulse.error.guarded(), a.kinetic, a.take_off, a.stick,
+                 a.slip, from.velocity, from.body_velocity, from.kinetic, from.force,
+                 from.contacts});
+      kinds +=
+          fmt::format("\nanswer {}: {}; by {}", k + 1, kind_text(found, a), solvers_of(found, a));
     }
-    text +=
-        "(kinetic: J; then how far from answer 1, relative: velocities in the energy norm, of the\n"
-        " fastest body, kinetic energy, force on a body over the mean one; contacts that differ)\n\n";
-    number = 0;
-    for (const Answer& a : found.answers) {
-      text +=
-          fmt::format("{:>6}  {}; by {}\n", ++number, kind_text(found, a), solvers_of(found, a));
-    }
-    text += "\n";
+    d.add(std::move(table));
+    d.say(kinds.substr(1));
   }
-  return text + conclusion(found);
+  return to_text(d) + conclusion(found);
 }
 
 Json to_json(const SeveralAnswers& found) {

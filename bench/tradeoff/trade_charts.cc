@@ -117,18 +117,18 @@ std::pair<Chart, Chart> cost_charts(const SceneTrade& s) {
 
 }  // namespace
 
-std::vector<CaptionedChart> trade_charts(const SceneTrade& scene) {
+std::vector<Figure> trade_charts(const SceneTrade& scene) {
   auto [error, depth] = cost_charts(scene);
-  std::vector<CaptionedChart> charts;
-  charts.push_back(
-      {ratio_chart(scene), "Below the line the solver is better than the outcome needs."});
-  charts.push_back(
-      {std::move(error),
-       "What cost buys: the outcome that is furthest from the reference. The reference "
-       "itself has no marker."});
-  charts.push_back({std::move(depth), "How deep bodies enter each other, and what that costs."});
-  std::erase_if(charts, [](const CaptionedChart& c) {
-    return std::all_of(c.chart.series.begin(), c.chart.series.end(),
+  std::vector<Figure> charts;
+  charts.push_back({.chart = ratio_chart(scene),
+                    .caption = "Below the line the solver is better than the outcome needs."});
+  charts.push_back({.chart = std::move(error),
+                    .caption = "What cost buys: the outcome that is furthest from the reference. "
+                               "The reference itself has no marker."});
+  charts.push_back({.chart = std::move(depth),
+                    .caption = "How deep bodies enter each other, and what that costs."});
+  std::erase_if(charts, [](const Figure& f) {
+    return std::all_of(f.chart->series.begin(), f.chart->series.end(),
                        [](const ChartSeries& series) { return series.points.empty(); });
   });
   return charts;

@@ -6,8 +6,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
-#include "bench/report/csv_text.h"
 #include "bench/report/labels.h"
+#include "bench/tradeoff/trade_charts.h"
 
 namespace bipot {
 namespace {
@@ -15,32 +15,174 @@ namespace {
 std::string three_digits(double x) { return std::isfinite(x) ? fmt::format("{:.3g}", x) : "–"; }
 std::string model_name(const TradeSetting& s) { return s.dem() ? "dem" : "nscd"; }
 
-/// What springs cost and do beside the rigid model at the tolerance that is enough.
-std::string springs_sentence(const SceneTrade& s) {
+std::string times_label(double ratio) {
+  return std::isfinite(ratio) ? fmt::format("{:.2g} ×", ratio) : "–";
+}
+
+/// The worst outcome of a cell: "0.3 %, pressure".
+TableCell worst_outcome(const SceneTrade& s, const TradeCell& cell) {
+  std::size_t q = 0;
+  const double worst = s.worst_error(cell, &q);
+  TableCell made(worst);
+  if (std::isfinite(worst)) {
+    made.shown(fmt::format("{}, {}", share_label(worst), s.scene->quantities[q].name));
+  }
+  return made;
+}
+
+Table answers_table(const std::vector<SceneTrade>& scenes) {
+  Table table{.columns = {{.name = "scene"},
+                          {.name = "tolerance that is enough", .show = tolerance_label},
+                          {.name = "decided by"},
+                          {.name = "CPU per simulated second", .show = seconds_label},
+                          {.name = "tightest costs", .show = seconds_label},
+                          {.name = "at tolerance", .show = tolerance_label}}};
+  for (const SceneTrade& s : scenes) {
+    const bool known = s.sufficient_tol.has_value();
+    table.add({s.scene->name, s.sufficient_tol.value_or(kNaN),
+               known && *s.sufficient_tol < s.tols.front() ? s.decided_by : "–", s.cpu_sufficient,
+               s.cpu_tightest, s.tols.empty() ? kNaN : s.tols.back()});
+  }
+  return table;
+}
+
+Table error_table(const SceneTrade& s) {
+  const bool nearby = s.scene->replicas > 1, other = !s.other_solver.empty();
+  Table table{.columns = {{.name = "outcome"},
+                          {.name = "reference", .show = value_label},
+                          {.name = "time step", .show = compact_label}},
+              .caption = "Where the error comes from"};
+  if (nearby) table.columns.push_back({.name = "nearby runs", .show = compact_label});
+  if (other) table.columns.push_back({.name = "other solver", .show = compact_label});
+  for (const double tol : s.tols) {
+    table.columns.push_back({.name = "solver, " + tolerance_label(tol), .show = compact_label});
+  }
+  table.columns.push_back({.name = "enough", .show = tolerance_label});
+  for (std::size_t q = 0; q < s.quantities.size(); ++q) {
+    const TradeQuantity& quantity = s.scene->quantities[q];
+    const TradeQuantityErrors& e = s.quantities[q];
+    std::vector<TableCell> cells = {
+        TableCell(quantity.name).rest(quantity.meaning),
+        TableCell(fmt::format("{} {}", value_label(e.reference), quantity.unit))
+            .rest(e.reference_kind),
+        TableCell(e.step_error).rest(e.step_error_kind)};
+    if (nearby) cells.emplace_back(e.noise);
+    if (other) cells.emplace_back(e.choice);
+    for (const double x : e.solver_error) {
+      cells.push_back(TableCell(x).as(x <= e.bound() ? "" : "over"));
+    }
+    cells.emplace_back(e.sufficient_tol.value_or(kNaN));
+    table.add(std::move(cells));
+  }
+  table.note =
+      "Relative errors. Time step: of the scene's own, against the exact value where it is known, "
+      "else from shorter steps (how: rest the pointer on it). ";
+  if (nearby) {
+    table.note += "Nearby runs: twice the standard error of a difference of two means. ";
+  }
+  if (other) {
+    table.note += fmt::format(
+        "Other solver: difference of {} at the tightest tolerance, where steps with several exact "
+        "answers show. ",
+        s.other_solver);
+  }
+  table.note +=
+      "Solver: difference to the tightest tolerance at the same time step; bold where it matters: "
+      "larger than the others and than the accuracy asked for.";
+  return table;
+}
+
+/// What springs cost and do beside rigid contacts at the tolerance that is enough; no rows without
+/// both.
+Table spring_table(const SceneTrade& s) {
+  Table table{.columns = {{.name = "contacts"},
+                          {.name = "stiffness", .show = compact_label, .unit = "N/m"},
+                          {.name = "steps per second", .show = compact_label},
+                          {.name = "CPU per simulated second", .show = seconds_label},
+                          {.name = "over rigid", .show = times_label},
+                          {.name = "overlap / radius", .show = compact_label},
+                          {.name = "worst outcome", .show = share_label}},
+              .caption = "Springs instead of rigid contacts",
+              .note =
+                  "Worst outcome: the one that is furthest from the reference. Springs are "
+                  "another model: where statics leaves forces open, elasticity picks others, "
+                  "and tangential restitution is missing; such differences are not errors."};
   const TradeCell* rigid = s.sufficient_cell();
-  if (rigid == nullptr) return {};
-  std::string text;
+  if (rigid == nullptr) return table;
+  const auto add = [&](const TradeCell& cell, const std::string& name) {
+    const bool dem = cell.setting.dem();
+    const double h = s.scene->scene.step;
+    table.add(
+        {name, dem ? cell.stiffness : kNaN, dem ? cell.iterations / h : 1 / h, cell.cpu_per_second,
+         cell.cpu_per_second / rigid->cpu_per_second, cell.penetration, worst_outcome(s, cell)},
+        cell.done() ? "" : "bad");
+  };
+  add(*rigid,
+      fmt::format("rigid, {} at tolerance {}", s.solver, tolerance_label(rigid->setting.tol)));
   for (const TradeCell& cell : s.cells) {
     if (!cell.setting.dem()) continue;
-    if (!text.empty()) text += "; ";
-    const std::string name = std::isfinite(cell.setting.overlap)
-                                 ? fmt::format("overlap {}", tolerance_label(cell.setting.overlap))
-                                 : fmt::format("k_n = {:.3g} N/m", cell.setting.stiffness);
-    if (!cell.done()) {
-      text += fmt::format("{}: {}", name, cell.status);
-      continue;
-    }
-    std::size_t q = 0;
-    const double error = s.worst_error(cell, &q);
-    text +=
-        fmt::format("{}: {:.2g} times the cost", name, cell.cpu_per_second / rigid->cpu_per_second);
-    if (std::isfinite(error)) {
-      text += fmt::format(", {} {} away", s.scene->quantities[q].name, share_label(error));
-    }
+    add(cell, cell.setting.label() + (cell.done() ? "" : " (" + cell.status + ")"));
   }
-  if (text.empty()) return {};
-  return fmt::format("Springs beside {} at tolerance {}: {}.", s.solver,
-                     tolerance_label(rigid->setting.tol), text);
+  if (table.rows.size() == 1) table.rows.clear();
+  return table;
+}
+
+Table setting_table(const SceneTrade& s) {
+  Table table{
+      .columns = {{.name = "setting"},
+                  {.name = "status"},
+                  {.name = "CPU per simulated second", .show = seconds_label},
+                  {.name = "iterations", .show = three_digits},
+                  {.name = "overlap / radius", .show = compact_label},
+                  {.name = "worst error", .show = compact_label}},
+      .note =
+          "Iterations: mean of a step; for springs, substeps of a step. Overlap: the largest "
+          "of the run over the smallest radius. Worst error: of the outcomes, against the "
+          "reference. Rows that were not completed are marked; the reason shows when the "
+          "pointer rests on the status."};
+  for (const TradeQuantity& q : s.scene->quantities) {
+    table.columns.push_back(
+        {.name = q.name, .show = value_label, .unit = q.unit, .meaning = q.meaning});
+  }
+  for (const TradeCell& cell : s.cells) {
+    std::string name = cell.setting.label();
+    if (cell.setting.dem() && std::isfinite(cell.stiffness) &&
+        !std::isfinite(cell.setting.stiffness)) {
+      name += fmt::format(", k_n = {:.3g} N/m", cell.stiffness);
+    }
+    std::vector<TableCell> cells = {name,
+                                    TableCell(cell.status).rest(cell.message),
+                                    cell.cpu_per_second,
+                                    cell.iterations,
+                                    cell.penetration,
+                                    worst_outcome(s, cell)};
+    for (const double x : cell.means) cells.emplace_back(x);
+    cells.resize(table.columns.size());
+    table.add(std::move(cells), cell.done() ? "" : "bad");
+  }
+  return table;
+}
+
+void add_scene(const SceneTrade& s, const TradeContext& context, Document& report) {
+  const Scene<2>& scene = s.scene->scene;
+  report.heading(s.scene->title, "", 3);
+  std::string run =
+      fmt::format("{}: {} disk{}, {:g} s in steps of {:g} s.", s.scene->target, scene.bodies.size(),
+                  scene.bodies.size() == 1 ? "" : "s", scene.num_steps * scene.step, scene.step);
+  if (s.scene->replicas > 1) {
+    run += fmt::format(" {} runs of each setting; their means are compared.", s.scene->replicas);
+  }
+  report.say(run, "small");
+  report.say(s.answer());
+  if (!s.tols.empty()) report.add(error_table(s));
+  if (Table springs = spring_table(s); !springs.rows.empty()) report.add(std::move(springs));
+  for (Figure& figure : trade_charts(s)) {
+    figure.command = fmt::format(fmt::runtime(context.command_of_scene), s.scene->target);
+    report.add(std::move(figure));
+  }
+  Document settings;
+  settings.add(setting_table(s));
+  report.fold("All settings and outcomes", std::move(settings));
 }
 
 Json setting_json(const TradeSetting& s) {
@@ -142,81 +284,79 @@ Json rows_json(const Trade& trade) {
 }  // namespace
 
 Json to_json(const AnalysedTrade& analysed, const TradeContext& context) {
-  Json scenes = Json::array();
-  for (const SceneTrade& s : analysed.scenes) scenes.push_back(scene_json(s));
-  return {{"command", "trade"},
-          {"version", context.build.version},
-          {"commit", context.build.commit},
-          {"compiler", context.build.compiler},
-          {"flags", context.build.flags},
-          {"cpu", context.build.cpu},
-          {"date", context.date},
-          {"command_line", context.command},
-          {"time_limit", context.time_limit},
-          {"complete", analysed.trade.complete},
-          {"scenes", scenes},
-          {"rows", rows_json(analysed.trade)}};
+  Json json = to_json(context.made);
+  json["time_limit"] = context.time_limit;
+  json["complete"] = analysed.trade.complete;
+  json["scenes"] = Json::array();
+  for (const SceneTrade& s : analysed.scenes) json["scenes"].push_back(scene_json(s));
+  json["rows"] = rows_json(analysed.trade);
+  return json;
 }
 
-std::string to_csv(const Trade& trade) {
-  std::string text =
-      "scene,model,solver,tol,step_factor,overlap,stiffness [N/m],replica,status,step [s],steps,"
-      "steps_planned,steps_converged,simulated [s],cpu [s],iterations_mean,worst_guarded,"
-      "penetration,outcome,unit,value,message\n";
+Table outcome_table(const Trade& trade) {
+  Table table{
+      .columns = {{"scene"},           {"model"},         {"solver"},          {"tol"},
+                  {"step_factor"},     {"overlap"},       {"stiffness [N/m]"}, {"replica"},
+                  {"status"},          {"step [s]"},      {"steps"},           {"steps_planned"},
+                  {"steps_converged"}, {"simulated [s]"}, {"cpu [s]"},         {"iterations_mean"},
+                  {"worst_guarded"},   {"penetration"},   {"outcome"},         {"unit"},
+                  {"value"},           {"message"}}};
   for (const TradeRow& r : trade.rows) {
     const auto scene = std::find_if(trade.scenes.begin(), trade.scenes.end(),
                                     [&](const TradeScene& s) { return s.name == r.scene; });
     for (std::size_t q = 0; q < r.values.size(); ++q) {
-      text += fmt::format(
-          "{},{},{},{:.17g},{:.17g},{:.17g},{:.17g},{},{},{:.17g},{},{},{},{:.17g},{:.6g},{:.17g},"
-          "{:.17g},{:.17g},{},{},{:.17g},{}\n",
-          csv_text(r.scene), model_name(r.setting), r.setting.solver, r.setting.tol,
-          r.setting.step_factor, r.setting.overlap, r.stiffness, r.replica, r.status, r.step,
-          r.steps, r.steps_planned, r.steps_converged, r.simulated, r.cpu, r.iterations,
-          r.worst_guarded, r.penetration, csv_text(scene->quantities[q].name),
-          scene->quantities[q].unit, r.values[q], csv_text(r.message));
+      table.add({r.scene,
+                 model_name(r.setting),
+                 r.setting.solver,
+                 r.setting.tol,
+                 r.setting.step_factor,
+                 r.setting.overlap,
+                 r.stiffness,
+                 r.replica,
+                 r.status,
+                 r.step,
+                 r.steps,
+                 r.steps_planned,
+                 r.steps_converged,
+                 r.simulated,
+                 r.cpu,
+                 r.iterations,
+                 r.worst_guarded,
+                 r.penetration,
+                 scene->quantities[q].name,
+                 scene->quantities[q].unit,
+                 r.values[q],
+                 r.message});
     }
   }
-  return text;
+  return table;
 }
 
-std::string to_text(const AnalysedTrade& analysed) {
-  std::string text;
-  for (const SceneTrade& s : analysed.scenes) {
-    text += fmt::format("{}\n  {}\n", s.scene->title, s.answer());
-    if (const std::string springs = springs_sentence(s); !springs.empty()) {
-      text += "  " + springs + "\n";
-    }
-    text += fmt::format("  {:<32} {:<14} {:>12} {:>10} {:>11}  {}\n", "setting", "status",
-                        "CPU s / s", "iter.", "overlap / r", "worst error");
-    for (const TradeCell& cell : s.cells) {
-      std::size_t q = 0;
-      const double worst = s.worst_error(cell, &q);
-      text += fmt::format("  {:<32} {:<14} {:>12} {:>10} {:>11}  {}\n", cell.setting.label(),
-                          cell.status, three_digits(cell.cpu_per_second),
-                          three_digits(cell.iterations), compact_label(cell.penetration),
-                          std::isfinite(worst) ? fmt::format("{} {}", compact_label(worst),
-                                                             s.scene->quantities[q].name)
-                                               : "–");
-    }
-    if (!s.tols.empty()) {
-      text += fmt::format("  {:<16} {:>12} {:>10} {:>10} {:>10}  solver's error at", "outcome",
-                          "reference", "time step", "noise", "choice");
-      for (const double tol : s.tols) text += fmt::format(" {:>8}", tolerance_label(tol));
-      text += "\n";
-      for (std::size_t k = 0; k < s.quantities.size(); ++k) {
-        const TradeQuantityErrors& e = s.quantities[k];
-        text +=
-            fmt::format("  {:<16} {:>12} {:>10} {:>10} {:>10}  {:17}", s.scene->quantities[k].name,
-                        value_label(e.reference), compact_label(e.step_error),
-                        compact_label(e.noise), compact_label(e.choice), "");
-        for (const double x : e.solver_error) text += fmt::format(" {:>8}", compact_label(x));
-        text += "\n";
-      }
-    }
-    text += "\n";
-  }
-  return text;
+Document trade_document(const AnalysedTrade& analysed, const TradeContext& context) {
+  Document report;
+  report.say(
+      "A tolerance is worth its cost as long as the solver's error in the outcome is larger than "
+      "two others: that of the time step, which a better solver cannot reduce, and, where disks "
+      "fly freely, the difference of runs with small initial perturbations. Each scene below is "
+      "run as a whole, at several tolerances, at several time steps, and with springs and dashpots "
+      "instead of rigid contacts.");
+  report.add(answers_table(analysed.scenes));
+  for (const SceneTrade& s : analysed.scenes) add_scene(s, context, report);
+  return report;
+}
+
+Document trade_page(const AnalysedTrade& analysed, const TradeContext& context) {
+  Document page{.title = "What a tolerance, a time step and a model buy over a whole simulation",
+                .made = context.made};
+  if (!analysed.trade.complete) page.say("**This run was interrupted; rows are missing.**");
+  page.append(trade_document(analysed, context));
+  page.heading("How this was made", "made");
+  Terms terms = to_terms(context.made);
+  terms.entries.emplace_back("limit",
+                             fmt::format("{:g} s of CPU time for one run", context.time_limit));
+  page.add(std::move(terms));
+  page.say("Every run and outcome stands in trade.csv and trade.json beside this page.", "small");
+  return page;
 }
 
 }  // namespace bipot

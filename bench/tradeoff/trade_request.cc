@@ -8,10 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
 #include "bench/report/labels.h"
-#include "bench/tradeoff/trade_page.h"
 #include "core/files/atomic_file.h"
 
 namespace bipot {
@@ -92,17 +90,16 @@ FinishedTrade run_trade(const TradeRequest& request, const TradeWatch& watch) {
                    fmt::format("{}: {}, run {}", row.scene, row.setting.label(), row.replica + 1));
   };
   return {AnalysedTrade(run_trade(options)),
-          {.command = command_line(fmt::format("{}", fmt::join(request.scenes, " ")), request),
+          {.made = provenance(
+               "trade", command_line(fmt::format("{}", fmt::join(request.scenes, " ")), request)),
            .command_of_scene = command_line("{}", request),
-           .time_limit = options.time_limit,
-           .build = build_info(),
-           .date = date_and_time()}};
+           .time_limit = options.time_limit}};
 }
 
 void write_trade(const std::filesystem::path& folder, const FinishedTrade& finished) {
-  write_text_file(folder / "trade.csv", to_csv(finished.analysed.trade));
+  write_text_file(folder / "trade.csv", to_csv(outcome_table(finished.analysed.trade)));
   write_json(to_json(finished.analysed, finished.context), (folder / "trade.json").string());
-  write_text_file(folder / "trade.html", trade_page(finished.analysed, finished.context));
+  write_text_file(folder / "trade.html", to_html(trade_page(finished.analysed, finished.context)));
 }
 
 }  // namespace bipot

@@ -503,7 +503,7 @@ TEST_F(Command, ARestartGoesOnAcrossSplitStepsBitForBit) {
 TEST_F(Command, ExtremesLeaveAPageAndAnExitCode) {
   const Outcome matrix = bipot("extremes --only s --solver auto,pgs --quick --out " + path("out"));
   EXPECT_EQ(matrix.exit_code, 0) << matrix.out;
-  for (const char* name : {"extremes.csv", "extremes.html", "extremes.md"}) {
+  for (const char* name : {"extremes.csv", "extremes.html", "extremes.json", "extremes.md"}) {
     EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
   }
   EXPECT_EQ(bipot("extremes --only no_such_case").exit_code, 2);

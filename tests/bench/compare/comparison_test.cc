@@ -8,9 +8,9 @@
 #include <cstdlib>
 #include <fstream>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "bench/compare/comparison_page.h"
 #include "bench/compare/comparison_report.h"
 #include "bench/compare/comparison_rows.h"
 #include "bench/compare/warm_gain.h"
@@ -19,6 +19,7 @@
 #include "core/problem_files/fclib_file.h"
 #include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "tests/support/markup_defect.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/small_problems.h"
 #include "tests/support/temporary_folder.h"
@@ -561,11 +562,13 @@ TEST(ComparisonReport, PageStandsAlone) {
   const Comparison c =
       compare(expand_targets({"square:3", "pyramid:3"}), quick({"pgs", "ipm"}, {1e-2, 1e-6}));
   ReportContext context;
-  context.command = "bipot compare <targets> & more";
+  context.made = provenance("compare", "bipot compare <targets> & more");
   context.command_of_target = "bipot compare {}";
-  context.build = build_info();
-  const std::string page =
-      to_html(c, context, {{"simulations", "Whole simulations & more", "<p>inside</p>"}});
+  Document more;
+  more.heading("Whole simulations & more", "simulations");
+  more.say("inside");
+  const std::string page = to_html(comparison_page(c, context, more));
+  EXPECT_EQ(markup_defect(page), "");
   EXPECT_NE(page.find("<h2 id=\"simulations\">Whole simulations &amp; more</h2>\n<p>inside</p>"),
             std::string::npos);
   EXPECT_NE(page.find("<a href=\"#simulations\">Whole simulations &amp; more</a>"),

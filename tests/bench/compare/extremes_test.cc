@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 #include <csignal>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -17,6 +18,7 @@
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/markup_defect.h"
 #include "tests/support/naive_error.h"
 
 namespace bipot {
@@ -257,8 +259,8 @@ TEST(ExtremeReport, SaysWhatAutoMissesAndOthersSolve) {
   }
   EXPECT_EQ(solved_by_others(m, "units_usual"), std::vector<std::string>{"pgs"});
   EXPECT_NE(to_text(m).find("missed by auto: units_usual: solved by pgs"), std::string::npos);
-  EXPECT_NE(to_html(m).find("solves: 1."), std::string::npos);
-  EXPECT_NE(to_csv(m).find(",true,"), std::string::npos);
+  EXPECT_NE(to_html(extremes_page(m, {})).find("solves: 1."), std::string::npos);
+  EXPECT_NE(to_csv(cells_table(m)).find(",true,"), std::string::npos);
   for (ExtremeCell& c : m.cells) c.end = CellEnd::kUnsolved;
   EXPECT_TRUE(solved_by_others(m, "units_usual").empty());
 }
@@ -267,7 +269,14 @@ TEST(ExtremeReport, EveryCellStandsInTheTableAndThePage) {
   ExtremeMatrix m = measure_extremes(of("units_usual"));
   m.cells.back().end = CellEnd::kWrong;
   m.cells.back().message = "a <planted> fault";
-  const std::string csv = to_csv(m), text = to_text(m), page = to_html(m);
+  const std::string csv = to_csv(cells_table(m)), text = to_text(m);
+  const Document document = extremes_page(m, provenance("extremes", "bipot extremes"));
+  const std::string page = to_html(document);
+  EXPECT_EQ(markup_defect(page), "");
+  const Json json = to_json(document);
+  EXPECT_EQ(json["command_line"], "bipot extremes");
+  EXPECT_EQ(json["cells"][1]["end"], "wrong");
+  EXPECT_EQ(json["cases"][0]["name"], "units_usual");
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 3);
   EXPECT_NE(csv.find("bipot extremes --only units_usual --solver pgs"), std::string::npos);
   EXPECT_NE(text.find("wrong: bipot extremes --only units_usual --solver pgs"), std::string::npos);
