@@ -38,23 +38,38 @@ struct ContactError {
 /// θ: weight of E against D in the denominator (data/manual/explanation/criterion.md, "Why the denominator").
 inline constexpr double kTheta = 0.1;
 
-/// What contacts add to the sums of the criterion. Contacts that do not couple (W has no block
-/// between them) add up: the sums of a whole are those of its parts.
-struct ErrorSums {
-  double friction = 0;     ///< D                                                            [J]
-  double gap = 0;          ///< G                                                            [J]
-  double gap_clipped = 0;  ///< G with penetrating u_n set to 0, as (42) has it              [J]
-  double penetration = 0;  ///< V                                                            [J]
-  double natural = 0;      ///< Σ ½ W_nn |s - P_K(s - û / W_nn)|²                            [J]
-  double moved = 0;        ///< sᵀ W s                                                       [J]
-  double natural_rel = 0;  ///< Σ |s - P_K(s - rho û)|²                                 [N² s²]
-  double impulse2 = 0;     ///< Σ |s|²                                                  [N² s²]
-  double free_energy = 0;  ///< Σ ½ (b_n⁻)² / W_nn                                           [J]
-  double free_impulse2 = 0;  ///< Σ |rho b|²                                             [N² s²]
+/// Sums of the criterion over contacts, for every number type (contact_terms.h). Contacts that do
+/// not couple (W has no block between them) add up: the sums of a whole are those of its parts.
+template <class Real>
+struct ErrorSumsOf {
+  Real friction{};       ///< D                                                             [J]
+  Real gap{};            ///< G                                                             [J]
+  Real gap_clipped{};    ///< G with penetrating u_n set to 0, as (42) has it               [J]
+  Real penetration{};    ///< V                                                             [J]
+  Real natural{};        ///< Σ ½ W_nn |s - P_K(s - û / W_nn)|²                             [J]
+  Real moved{};          ///< sᵀ W s                                                        [J]
+  Real natural_rel{};    ///< Σ |s - P_K(s - rho û)|²                                  [N² s²]
+  Real impulse2{};       ///< Σ |s|²                                                   [N² s²]
+  Real free_energy{};    ///< Σ ½ (b_n⁻)² / W_nn                                            [J]
+  Real free_impulse2{};  ///< Σ |rho b|²                                               [N² s²]
 
-  ErrorSums& operator+=(const ErrorSums& more);
-  bool operator==(const ErrorSums&) const = default;
+  ErrorSumsOf& operator+=(const ErrorSumsOf& more) {
+    friction += more.friction;
+    gap += more.gap;
+    gap_clipped += more.gap_clipped;
+    penetration += more.penetration;
+    natural += more.natural;
+    moved += more.moved;
+    natural_rel += more.natural_rel;
+    impulse2 += more.impulse2;
+    free_energy += more.free_energy;
+    free_impulse2 += more.free_impulse2;
+    return *this;
+  }
+  bool operator==(const ErrorSumsOf&) const requires std::is_same_v<Real, double>
+  = default;
 };
+using ErrorSums = ErrorSumsOf<double>;
 
 struct PieceSums;
 struct PlaneContacts;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/criterion/contact_error.h"
+#include "core/criterion/rounded.h"
 
 namespace bipot {
 
@@ -41,14 +42,9 @@ struct RoundedMomentum {
 };
 RoundedMomentum rounded_momentum(const ContactProblem& problem, const Eigen::Ref<const Vector>& s);
 
-/// Sums of the criterion over contacts with their errors in double precision. Those of parts add up.
-struct RoundedSums {
-  ErrorSums value;
-  double gap = 0, friction = 0, moved = 0, free_energy = 0;  ///< errors [J], the gap's with V's
-  double natural = 0;  ///< Σ ½ W_nn |error of N|², a norm's square [J]
-
-  RoundedSums& operator+=(const RoundedSums& more);
-};
+/// Sums of the criterion over contacts with their errors in double precision; that of `natural` is
+/// Σ ½ W_nn |error of N|², the square of a norm. The sums of parts add up.
+using RoundedSums = ErrorSumsOf<Rounded>;
 /// Of all contacts of a problem. Errors are infinite where it has neither W nor a diagonal A. The
 /// same bits for any number of threads.
 RoundedSums rounded_sums(const ContactProblem& problem, const Eigen::Ref<const Vector>& s,

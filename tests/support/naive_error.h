@@ -5,7 +5,7 @@
 namespace bipot {
 
 /// The criterion once more, straight from its written definition: dense matrices, plain loops and
-/// nothing of core/ but the problem's fields. Slow; the second opinion of the agreement tests.
+/// nothing of core/ but the problem's fields. Slow; the independent check of the agreement tests.
 struct NaiveError {
   double epsilon = 0, eta = 0, raw42 = 0;
   /// ‖s - P_K(s - rho û)‖ / max(‖s‖, ‖rho b‖), rho = d / tr W_cc.

@@ -8,7 +8,7 @@ namespace bipot {
 /// contact from its definition. It shares no code with core/criterion/contact_error.h nor with any
 /// solver: an oracle for claims of convergence. Its rounding, 1e-18 of that in double precision, is no
 /// part of any claim. Through the bodies where A is diagonal, else by W; NaN without either.
-struct SecondOpinion {
+struct IndependentCheck {
   double epsilon = kNaN;
   double eta = kNaN;
   /// The larger one; NaN where either is, or where s has an entry that is not finite.
@@ -20,6 +20,6 @@ struct SecondOpinion {
   bool confirms(double tol) const { return guarded <= tol; }
 };
 
-SecondOpinion second_opinion(const ContactProblem& problem, const Vector& s);
+IndependentCheck independent_check(const ContactProblem& problem, const Vector& s);
 
 }  // namespace bipot
