@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <nlohmann/json.hpp>
+
 #include "bench/command/command_options.h"
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <vector>
 
@@ -74,9 +75,8 @@ Json to_json(const JudgeFlags& flags, const ContactProblem& p, const ImpulseVerd
          {"exit_code", code},
          {"tol", flags.tol}};
   add_error(j, v.error);
-  const auto finite = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
-  j["siconos_map"] = finite(v.siconos_map);
-  j["cone"] = finite(v.cone);
+  j["siconos_map"] = v.siconos_map;
+  j["cone"] = v.cone;
   j["cone_violation"] = v.cone_violation;
   j["cone_contact"] = contact_or_null(v.cone_contact);
   j["penetration_velocity"] = v.penetration_velocity;

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
@@ -30,7 +31,7 @@ std::string command_line(const PaperFlags& flags, const std::vector<std::string>
 }
 
 void write_report(const fs::path& folder, const PaperReport& report) {
-  write_text_file(folder / "results.json", to_json(report).dump(1) + "\n");
+  write_text_file(folder / "results.json", json_text(to_json(report), 1) + "\n");
   write_text_file(folder / "index.html", to_html(report));
 }
 

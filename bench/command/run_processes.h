@@ -6,7 +6,7 @@
 
 #include "bench/command/command_options.h"
 #include "bench/command/exit_code.h"
-#include "bench/report/json.h"
+#include "bench/report/json_output.h"
 #include "core/motion/state.h"
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/parallel/process_group.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "bench/command/exit_code.h"
@@ -52,7 +53,7 @@ using Counts = std::optional<DistributedCounts>;
 
 Json to_json(const ExistenceCertificate& c) {
   return {{"verdict", to_string(c.verdict)},
-          {"margin", std::isfinite(c.margin) ? Json(c.margin) : nullptr},
+          {"margin", c.margin},
           {"statement", to_text(c)},
           {"seconds", c.seconds}};
 }

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <nlohmann/json.hpp>
+
 #include "bench/compare/comparison_several.h"
 #include "bench/compare/comparison_success.h"
 #include "bench/compare/page_answers.h"

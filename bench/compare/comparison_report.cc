@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "bench/compare/comparison_rows.h"
 #include "bench/compare/comparison_several.h"

@@ -5,7 +5,7 @@
 #include "bench/compare/comparison.h"
 #include "bench/compare/comparison_measures.h"
 #include "bench/report/build_info.h"
-#include "bench/report/json.h"
+#include "bench/report/json_output.h"
 #include "bench/report/labels.h"
 
 namespace bipot {

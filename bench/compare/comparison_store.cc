@@ -4,10 +4,11 @@
 
 #include <cctype>
 #include <iterator>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "bench/compare/comparison_rows.h"
-#include "bench/report/json.h"
+#include "bench/report/json_output.h"
 #include "core/base/file_error.h"
 #include "core/problem_files/fclib_file.h"
 
@@ -65,21 +66,18 @@ ComparisonStore::ComparisonStore(const ComparisonOptions& options) : folder_(opt
   if (!failed) fs::create_directories(folder_ / "problems", failed);
   if (failed) throw FileError(folder_, "", failed.message());
   const fs::path limits = folder_ / "limits.json";
-  const Json now = limits_json(options);
+  const std::string now = json_text(limits_json(options));
   if (std::ifstream in(limits); in) {
-    Json before;
-    try {
-      before = Json::parse(in);
-    } catch (const Json::Error&) {  // cut off: null, which differs
-    }
+    // Cut off: "<discarded>", which differs.
+    const std::string before = json_text(Json::parse(in, nullptr, false));
     if (before != now) {
       throw std::invalid_argument(
           fmt::format("{}: rows were made under {}, not {}: name another folder", folder_.string(),
-                      before.dump(), now.dump()));
+                      before, now));
     }
   } else {
     std::ofstream out(limits);
-    out << now.dump(2) << '\n';
+    out << json_text(limits_json(options), 2) << '\n';
   }
   const fs::path rows = folder_ / "rows.csv", histories = folder_ / "history.csv";
   if (fs::exists(rows)) {

@@ -4,13 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "bench/compare/isolated_jobs.h"
-#include "bench/measure/limited_solve.h"
 #include "bench/measure/independent_check.h"
+#include "bench/measure/limited_solve.h"
 #include "bench/measure/stopwatch.h"
-#include "bench/report/json.h"
+#include "bench/report/json_output.h"
 #include "core/base/nearest_name.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/force_energy.h"
@@ -28,31 +29,30 @@ double number(const Json& j) {
 }
 
 std::string to_json(const ExtremeCell& c) {
-  return Json{{"end", static_cast<int>(c.end)},
-              {"status", c.status},
-              {"message", c.message},
-              {"guarded", number(c.guarded)},
-              {"true_error", number(c.true_error)},
-              {"energy_error", number(c.energy_error)},
-              {"iterations", c.iterations},
-              {"cpu_seconds", c.cpu_seconds},
-              {"steps_solved", c.steps_solved},
-              {"steps", c.steps}}
-      .dump();
+  return json_text({{"end", static_cast<int>(c.end)},
+                    {"status", c.status},
+                    {"message", c.message},
+                    {"guarded", number(c.guarded)},
+                    {"true_error", number(c.true_error)},
+                    {"energy_error", number(c.energy_error)},
+                    {"iterations", c.iterations},
+                    {"cpu_seconds", c.cpu_seconds},
+                    {"steps_solved", c.steps_solved},
+                    {"steps", c.steps}});
 }
 
 void from_json(const std::string& text, ExtremeCell& c) {
   const Json j = Json::parse(text);
-  c.end = static_cast<CellEnd>(j["end"].get<int>());
-  c.status = j["status"].get<std::string>();
-  c.message = j["message"].get<std::string>();
-  c.guarded = number(j["guarded"]);
-  c.true_error = number(j["true_error"]);
-  c.energy_error = number(j["energy_error"]);
-  c.iterations = j["iterations"].get<int>();
-  c.cpu_seconds = j["cpu_seconds"].get<double>();
-  c.steps_solved = j["steps_solved"].get<int>();
-  c.steps = j["steps"].get<int>();
+  c.end = static_cast<CellEnd>(j.at("end").get<int>());
+  c.status = j.at("status").get<std::string>();
+  c.message = j.at("message").get<std::string>();
+  c.guarded = number(j.at("guarded"));
+  c.true_error = number(j.at("true_error"));
+  c.energy_error = number(j.at("energy_error"));
+  c.iterations = j.at("iterations").get<int>();
+  c.cpu_seconds = j.at("cpu_seconds").get<double>();
+  c.steps_solved = j.at("steps_solved").get<int>();
+  c.steps = j.at("steps").get<int>();
 }
 
 /// Work of the impulses on the mean velocities, which the law makes a loss, where it is a gain;

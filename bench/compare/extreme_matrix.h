@@ -25,8 +25,8 @@ struct ExtremeCell {
   std::string name, solver;  ///< of the case, of the solver
   CellEnd end = CellEnd::kWrong;
   std::string status, message;
-  double guarded = kNaN;     ///< by bench/measure/independent_check.h; of runs the worst step's   [-]
-  double true_error = kNaN;  ///< against what is known beforehand; NaN: nothing is        [-]
+  double guarded = kNaN;  ///< by bench/measure/independent_check.h; of runs the worst step's   [-]
+  double true_error = kNaN;    ///< against what is known beforehand; NaN: nothing is        [-]
   double energy_error = kNaN;  ///< energy that the contacts create, over what they move     [-]
   int iterations = 0;
   double cpu_seconds = 0;

@@ -3,15 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "bench/compare/isolated_jobs.h"
 #include "bench/compare/random_problem.h"
 #include "bench/compare/random_scene.h"
-#include "bench/measure/limited_solve.h"
 #include "bench/measure/independent_check.h"
+#include "bench/measure/limited_solve.h"
 #include "bench/measure/stopwatch.h"
-#include "bench/report/json.h"
+#include "bench/report/json_output.h"
 #include "solvers/analysis/existence.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/force_energy.h"
@@ -75,10 +76,10 @@ std::string problem_job(const RandomSetOptions& options, int index) {
   if (!first_solved || !any_solved || index % kCertifyEvery < 2) {
     const ExistenceCertificate c = certify_existence(p, options.time_limit);
     record["verdict"] = static_cast<int>(c.verdict);
-    record["false_certificate"] = c.verdict == Existence::kNone &&
-                                  (any_solved || record.value("plant_holds", false).get<bool>());
+    record["false_certificate"] =
+        c.verdict == Existence::kNone && (any_solved || record.value("plant_holds", false));
   }
-  return record.dump();
+  return json_text(record);
 }
 
 /// Adds up what the jobs say.
@@ -94,24 +95,24 @@ class Ledger {
     ++result_.done;
     if (lost(index, end)) return;
     const Json record = Json::parse(end.text);
-    const bool plant_holds = record.value("plant_holds", false).get<bool>();
-    if (record["planted"].get<bool>() && !plant_holds) ++result_.poor_plants;
+    const bool plant_holds = record.value("plant_holds", false);
+    if (record.at("planted").get<bool>() && !plant_holds) ++result_.poor_plants;
     std::optional<Existence> verdict;
     if (record.contains("verdict")) {
-      verdict = static_cast<Existence>(record["verdict"].get<int>());
+      verdict = static_cast<Existence>(record.at("verdict").get<int>());
       ++result_.certificates;
-      if (record["false_certificate"].get<bool>()) {
+      if (record.at("false_certificate").get<bool>()) {
         ++result_.false_certificates;
         find("false certificate", index, "", "no solution was said to exist, but one does");
       }
     }
-    const bool first_solved = record["solves"][std::size_t{0}]["solved"].get<bool>();
-    for (const Json& solve : record["solves"]) {
+    const bool first_solved = record.at("solves").at(0).at("solved").get<bool>();
+    for (const Json& solve : record.at("solves")) {
       add_solve(index, solve, plant_holds, verdict);
-      if (first_solved || !solve["solved"].get<bool>()) continue;
-      const std::string solver = solve["solver"].get<std::string>();
+      if (first_solved || !solve.at("solved").get<bool>()) continue;
+      const std::string solver = solve.at("solver").get<std::string>();
       ++tally(solver).missed_by_first;
-      find("missed by the first", index, solver, solve["message"].get<std::string>());
+      find("missed by the first", index, solver, solve.at("message").get<std::string>());
     }
   }
 
@@ -120,22 +121,22 @@ class Ledger {
     if (lost(index, end)) return;
     const Json record = Json::parse(end.text);
     RandomTally& t = result_.tallies.front();
-    for (const Json& solve : record["solves"]) {
+    for (const Json& solve : record.at("solves")) {
       std::optional<Existence> verdict;
       if (solve.contains("verdict")) {
         ++result_.certificates;
-        verdict = static_cast<Existence>(solve["verdict"].get<int>());
+        verdict = static_cast<Existence>(solve.at("verdict").get<int>());
       }
       add_solve(index, solve, false, verdict);
     }
-    t.other_solved += record["without_contacts"].get<int>();
-    t.other += record["without_contacts"].get<int>();
-    t.tried += record["without_contacts"].get<int>();
-    if (record["grew"].get<bool>()) {
+    t.other_solved += record.at("without_contacts").get<int>();
+    t.other += record.at("without_contacts").get<int>();
+    t.tried += record.at("without_contacts").get<int>();
+    if (record.at("grew").get<bool>()) {
       ++result_.energy_grew;
-      find("energy grew", index, t.solver, record["message"].get<std::string>());
-    } else if (!record["message"].get<std::string>().empty()) {
-      find("run ended early", index, t.solver, record["message"].get<std::string>());
+      find("energy grew", index, t.solver, record.at("message").get<std::string>());
+    } else if (!record.at("message").get<std::string>().empty()) {
+      find("run ended early", index, t.solver, record.at("message").get<std::string>());
     }
   }
 
@@ -162,22 +163,22 @@ class Ledger {
   }
 
   void add_solve(int index, const Json& solve, bool planted, std::optional<Existence> verdict) {
-    RandomTally& t = tally(solve["solver"].get<std::string>());
-    const std::string message = solve["message"].get<std::string>();
+    RandomTally& t = tally(solve.at("solver").get<std::string>());
+    const std::string message = solve.at("message").get<std::string>();
     ++t.tried;
-    t.cpu_seconds += solve["seconds"].get<double>();
-    if (solve["refused"].get<bool>()) {
+    t.cpu_seconds += solve.at("seconds").get<double>();
+    if (solve.at("refused").get<bool>()) {
       ++t.refused;
       return;
     }
-    const bool solved = solve["solved"].get<bool>();
+    const bool solved = solve.at("solved").get<bool>();
     ++(planted ? t.planted : t.other);
     if (solved) ++(planted ? t.planted_solved : t.other_solved);
-    if (solve["false"].get<bool>()) {
+    if (solve.at("false").get<bool>()) {
       ++t.false_claims;
       find("false claim", index, t.solver, message);
     }
-    if (solve["not_finite"].get<bool>()) {
+    if (solve.at("not_finite").get<bool>()) {
       ++t.not_finite;
       find("not finite", index, t.solver, message);
     }
@@ -256,7 +257,7 @@ std::string scene_job(const RandomSetOptions& options, int index) {
     record["message"] = e.what();
   }
   record["without_contacts"] = without_contacts;
-  return record.dump();
+  return json_text(record);
 }
 
 RandomSetResult run_set(const RandomSetOptions& options,

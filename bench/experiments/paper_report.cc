@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 
@@ -13,9 +14,6 @@
 
 namespace bipot {
 namespace {
-
-Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-double number_or_nan(const Json& json) { return json.is_number() ? json.get<double>() : kNaN; }
 
 std::string_view name_of(ChartAxis::Kind kind) {
   switch (kind) {
@@ -43,8 +41,8 @@ ChartAxis axis_from(const Json& json) {
        {ChartAxis::Kind::kLinear, ChartAxis::Kind::kLog, ChartAxis::Kind::kLogSeconds}) {
     if (json.at("scale") == name_of(kind)) axis.kind = kind;
   }
-  if (json.contains("low")) axis.low = json["low"].get<double>();
-  if (json.contains("high")) axis.high = json["high"].get<double>();
+  if (json.contains("low")) axis.low = json.at("low").get<double>();
+  if (json.contains("high")) axis.high = json.at("high").get<double>();
   return axis;
 }
 
@@ -107,13 +105,13 @@ Json to_json(const Chart& chart) {
     bool any_note = false;
     for (std::size_t i = 0; i < series.points.size(); ++i) {
       const ChartPoint& p = series.points[i];
-      row["x"].push_back(finite_or_null(p.x));
-      row["y"].push_back(finite_or_null(p.y));
+      row["x"].push_back(p.x);
+      row["y"].push_back(p.y);
       if (p.hollow) hollow.push_back(i);
       if (!p.marked) bare.push_back(i);
       notes.push_back(p.note);
-      low.push_back(finite_or_null(p.y_low));
-      high.push_back(finite_or_null(p.y_high));
+      low.push_back(p.y_low);
+      high.push_back(p.y_high);
       any_bar = any_bar || std::isfinite(p.y_low) || std::isfinite(p.y_high);
       any_note = any_note || !p.note.empty();
     }
@@ -135,8 +133,8 @@ Chart chart_from(const Json& json) {
   chart.x = axis_from(json.at("x"));
   chart.y = axis_from(json.at("y"));
   if (json.contains("y_line")) {
-    chart.y_line = json["y_line"].at("value").get<double>();
-    chart.y_line_label = json["y_line"].at("label").get<std::string>();
+    chart.y_line = json.at("y_line").at("value").get<double>();
+    chart.y_line_label = json.at("y_line").at("label").get<std::string>();
   }
   chart.x_lines = lines_from(json.value("x_lines", Json::array()));
   chart.y_lines = lines_from(json.value("y_lines", Json::array()));
@@ -152,10 +150,10 @@ Chart chart_from(const Json& json) {
       if (row.at("kind") == name_of(kind)) series.kind = kind;
     }
     for (std::size_t i = 0; i < row.at("x").size(); ++i) {
-      ChartPoint point{number_or_nan(row["x"].at(i)), number_or_nan(row.at("y").at(i))};
-      if (row.contains("notes")) point.note = row["notes"].at(i).get<std::string>();
+      ChartPoint point{number_or_nan(row.at("x").at(i)), number_or_nan(row.at("y").at(i))};
+      if (row.contains("notes")) point.note = row.at("notes").at(i).get<std::string>();
       if (row.contains("y_low")) {
-        point.y_low = number_or_nan(row["y_low"].at(i));
+        point.y_low = number_or_nan(row.at("y_low").at(i));
         point.y_high = number_or_nan(row.at("y_high").at(i));
       }
       series.points.push_back(point);
@@ -195,7 +193,7 @@ Json to_json(const PaperEntry& entry) {
   for (const char* const list : {"numbers", "figures", "tables"}) json[list] = Json::array();
   for (const PaperNumber& n : entry.result.numbers) {
     json["numbers"].push_back({{"name", n.name},
-                               {"value", finite_or_null(n.value)},
+                               {"value", n.value},
                                {"unit", n.unit},
                                {"meaning", n.meaning},
                                {"expected", n.expected},
@@ -252,7 +250,7 @@ PaperEntry entry_from(const Json& json) {
                        n.at("unit").get<std::string>(),     n.at("meaning").get<std::string>(),
                        n.at("expected").get<std::string>(), {},
                        n.at("command").get<std::string>()};
-    if (!n.at("holds").is_null()) number.holds = n["holds"].get<bool>();
+    if (!n.at("holds").is_null()) number.holds = n.at("holds").get<bool>();
     number.digits = n.at("digits").get<int>();
     entry.result.numbers.push_back(std::move(number));
   }
@@ -260,9 +258,9 @@ PaperEntry entry_from(const Json& json) {
     PaperFigure figure{f.at("name").get<std::string>(), f.at("caption").get<std::string>(),
                        f.at("command").get<std::string>()};
     figure.wide = f.at("wide").get<bool>();
-    if (f.contains("after")) figure.after = f["after"].get<int>();
+    if (f.contains("after")) figure.after = f.at("after").get<int>();
     if (f.contains("chart")) {
-      figure.chart = chart_from(f["chart"]);
+      figure.chart = chart_from(f.at("chart"));
     } else {
       figure.file = f.at("file").get<std::string>();
     }
@@ -410,7 +408,7 @@ std::vector<PaperEntry> read_entries(const std::filesystem::path& file) {
     std::ifstream in(file);
     const Json whole = Json::parse(in);
     for (const Json& json : whole.at("items")) entries.push_back(entry_from(json));
-  } catch (const Json::Error& e) {
+  } catch (const nlohmann::json::exception& e) {
     throw FileError(
         file, "",
         std::string(

@@ -6,7 +6,7 @@
 
 #include "bench/experiments/paper_item.h"
 #include "bench/report/build_info.h"
-#include "bench/report/json.h"
+#include "bench/report/json_output.h"
 
 namespace bipot {
 

@@ -14,7 +14,7 @@ __extension__ typedef __float128 Quad;
 #endif
 using Values = std::vector<Quad>;
 
-/// One step of Newton from the root in long double: twice its digits.
+/// One Newton step from the root in long double, which doubles its digits.
 Quad root(Quad x) {
   const Quad near = std::sqrt(static_cast<long double>(x));
   if (!(near > 0) || std::isinf(static_cast<long double>(x))) return near;
@@ -139,8 +139,8 @@ IndependentCheck independent_check(const ContactProblem& p, const Vector& given)
   check.epsilon = static_cast<double>(quotient(gap + approach, scale));
   check.eta = static_cast<double>(root(quotient(map, scale)));
   check.guarded = std::isnan(check.epsilon) || std::isnan(check.eta)
-                        ? kNaN
-                        : std::max(check.epsilon, check.eta);
+                      ? kNaN
+                      : std::max(check.epsilon, check.eta);
   check.s.resize(p.num_rows());
   check.u.resize(p.num_rows());
   for (std::size_t i = 0; i < rows; ++i) {

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 #include <numbers>
 #include <stdexcept>
 
@@ -67,10 +68,9 @@ void fill(GrowthRow& row, const SolveResult& result) {
 }
 
 Json to_json(const PowerLaw& law) {
-  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
-  return {{"exponent", number(law.exponent)},
-          {"confidence_95", number(law.confidence)},
-          {"prefactor", number(law.prefactor)},
+  return {{"exponent", law.exponent},
+          {"confidence_95", law.confidence},
+          {"prefactor", law.prefactor},
           {"points", law.points}};
 }
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "bench/measure/cpu_limit.h"
-#include "bench/report/json.h"
 #include "bench/report/json_output.h"
 #include "core/base/file_error.h"
 #include "core/base/types.h"
@@ -40,8 +40,8 @@ ReferenceSolution find_reference(const TestProblem& given, double time_limit, do
   double best_error = kInfinity;
   std::vector<Vector> trusted, attempts;
   const DelassusOperator delassus(problem);
-  // On large problems round-off stands in the way of 1e-12, newton is the slowest, and a witness
-  // that sweeps is found at once.
+  // On large problems round-off prevents 1e-12, newton is the slowest, and sweeps soon give a
+  // witness.
   const bool large = problem.num_contacts() > ReferenceSolution::kLarge;
   const double enough = large ? 10 * target : target;
   const std::vector<const char*> names = large ? std::vector{"auto", "apgd", "ipm", "newton"}
@@ -92,7 +92,8 @@ ReferenceSolution find_reference(const TestProblem& given, double time_limit, do
 
 bool learn_answer(const ContactProblem& problem, const Vector& s, double time_limit,
                   const std::function<bool()>& interrupted, ReferenceSolution& reference) {
-  // What is nearly exact and this many times farther away than its error explains is looked at.
+  // Answers that are nearly exact, but this many times farther away than their error explains, are
+  // examined.
   constexpr double kNearlyExact = 1e-6, kSuspicious = 10;
   // In a continuous family every start ends at an answer of its own.
   constexpr std::size_t kMost = 24;
@@ -134,19 +135,18 @@ bool learn_answer(const ContactProblem& problem, const Vector& s, double time_li
 
 void write_reference(const std::filesystem::path& path, const std::string& problem,
                      const ReferenceSolution& reference) {
-  const auto number = [](double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); };
   Json j{{"problem", problem},   {"origin", reference.origin}, {"contacts", reference.contacts},
          {"dim", reference.dim}, {"dofs", reference.dofs},     {"solver", reference.solver}};
   add_error(j, reference.error);
-  j["velocity_spread"] = number(reference.velocity_spread);
-  j["spread"] = {{"velocity", number(reference.spread.velocity)},
-                 {"force", number(reference.spread.force)},
-                 {"energy", number(reference.spread.energy)}};
+  j["velocity_spread"] = reference.velocity_spread;
+  j["spread"] = {{"velocity", reference.spread.velocity},
+                 {"force", reference.spread.force},
+                 {"energy", reference.spread.energy}};
   j["attempts"] = Json::array();
   for (const ReferenceAttempt& a : reference.attempts) {
     j["attempts"].push_back({{"solver", a.solver},
                              {"status", to_string(a.status)},
-                             {"guarded", number(a.guarded)},
+                             {"guarded", a.guarded},
                              {"seconds", a.seconds}});
   }
   j["s"] = std::vector<double>(reference.s.begin(), reference.s.end());
@@ -156,7 +156,7 @@ void write_reference(const std::filesystem::path& path, const std::string& probl
   }
   AtomicFile file(path);
   std::ofstream out(file.draft());
-  out << j.dump() << '\n';
+  out << json_text(j) << '\n';
   out.close();
   if (!out) throw FileError(path, "", "cannot be written");
   file.commit();
@@ -167,25 +167,24 @@ ReferenceSolution read_reference(const std::filesystem::path& path) {
   if (!in) throw FileError(path, "", "cannot be opened");
   try {
     const Json j = Json::parse(in);
-    const auto number = [](const Json& x) { return x.is_null() ? kNaN : x.get<double>(); };
     ReferenceSolution reference;
     reference.origin = j.at("origin").get<std::string>();
     reference.contacts = j.at("contacts").get<int>();
     reference.dim = j.at("dim").get<int>();
     reference.dofs = j.at("dofs").get<int>();
     reference.solver = j.at("solver").get<std::string>();
-    reference.error.epsilon = number(j.at("epsilon"));
-    reference.error.eta = number(j.at("eta"));
-    reference.error.raw42 = number(j.at("epsilon_raw"));
-    reference.error.natural_map = number(j.at("natural_map"));
-    reference.velocity_spread = number(j.at("velocity_spread"));
-    reference.spread.velocity = number(j.at("spread").at("velocity"));
-    reference.spread.force = number(j.at("spread").at("force"));
-    reference.spread.energy = number(j.at("spread").at("energy"));
+    reference.error.epsilon = number_or_nan(j.at("epsilon"));
+    reference.error.eta = number_or_nan(j.at("eta"));
+    reference.error.raw42 = number_or_nan(j.at("epsilon_raw"));
+    reference.error.natural_map = number_or_nan(j.at("natural_map"));
+    reference.velocity_spread = number_or_nan(j.at("velocity_spread"));
+    reference.spread.velocity = number_or_nan(j.at("spread").at("velocity"));
+    reference.spread.force = number_or_nan(j.at("spread").at("force"));
+    reference.spread.energy = number_or_nan(j.at("spread").at("energy"));
     for (const Json& a : j.at("attempts")) {
       reference.attempts.push_back({a.at("solver").get<std::string>(),
                                     parse_status(a.at("status").get<std::string>()),
-                                    number(a.at("guarded")), a.at("seconds").get<double>()});
+                                    number_or_nan(a.at("guarded")), a.at("seconds").get<double>()});
     }
     const auto vector = [](const Json& numbers) {
       const auto x = numbers.get<std::vector<double>>();
@@ -194,7 +193,7 @@ ReferenceSolution read_reference(const std::filesystem::path& path) {
     reference.s = vector(j.at("s"));
     for (const Json& other : j.at("others")) reference.others.push_back(vector(other));
     return reference;
-  } catch (const Json::Error& e) {
+  } catch (const nlohmann::json::exception& e) {
     throw FileError(path, "", e.what());
   }
 }

@@ -1,5 +1,6 @@
 #include <pybind11/stl.h>
 
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -33,7 +34,7 @@ std::string advise_scene(const std::string& name, double force, double penetrati
   std::string json;
   {
     const py::gil_scoped_release release;
-    json = to_json(scene, advise(scene, options)).dump();
+    json = json_text(to_json(scene, advise(scene, options)));
   }
   watch.rethrow();
   return json;

@@ -1,27 +1,29 @@
 #include "bench/report/json_output.h"
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <nlohmann/json.hpp>
 
 #include "core/base/file_error.h"
+#include "core/base/types.h"
 
 namespace bipot {
-namespace {
-
-Json finite_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
-
-}  // namespace
 
 void add_error(Json& json, const ContactError& error) {
-  json["epsilon"] = finite_or_null(error.epsilon);
-  json["eta"] = finite_or_null(error.eta);
-  json["epsilon_raw"] = finite_or_null(error.raw42);
-  json["natural_map"] = finite_or_null(error.natural_map);
+  json["epsilon"] = error.epsilon;
+  json["eta"] = error.eta;
+  json["epsilon_raw"] = error.raw42;
+  json["natural_map"] = error.natural_map;
   const int worst = error.eta > error.epsilon ? error.worst_eta : error.worst_epsilon;
   json["worst_contact"] = worst >= 0 ? Json(worst) : Json(nullptr);
 }
+
+std::string json_text(const Json& json, int indent) {
+  return json.dump(indent, ' ', false, Json::error_handler_t::replace);
+}
+
+double number_or_nan(const Json& json) { return json.is_null() ? kNaN : json.get<double>(); }
 
 void require_writable(const std::string& destination) {
   if (destination.empty() || destination == "-") return;
@@ -37,11 +39,11 @@ void require_writable(const std::string& destination) {
 
 void write_json(const Json& json, const std::string& destination) {
   if (destination == "-") {
-    std::cout << json.dump(2) << std::endl;
+    std::cout << json_text(json, 2) << std::endl;
     return;
   }
   std::ofstream file(destination);
-  file << json.dump(2) << '\n';
+  file << json_text(json, 2) << '\n';
   file.close();
   if (!file) throw FileError(destination, "", "cannot be written");
 }

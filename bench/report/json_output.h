@@ -1,15 +1,24 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 
-#include "bench/report/json.h"
 #include "core/criterion/contact_error.h"
 
 namespace bipot {
 
+/// Members keep the order in which they came. A number that is not finite is written as null.
+using Json = nlohmann::ordered_json;
+
 /// Adds epsilon, eta, epsilon_raw, natural_map and worst_contact (the contact that is worst in
-/// whichever of epsilon and eta is larger; null without one). Undefined numbers become null.
+/// whichever of epsilon and eta is larger; null without one).
 void add_error(Json& json, const ContactError& error);
+
+/// The text on one line, or indented. Bytes that are not UTF-8 are replaced.
+std::string json_text(const Json& json, int indent = -1);
+
+/// The number, NaN for null.
+double number_or_nan(const Json& json);
 
 /// Refuses a destination that cannot be written, before the work rather than after it; a file that
 /// is there is left as it is, one that is not is not left behind. Nothing for "" and "-". Throws

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <vector>
 
 #include "bench/report/json_output.h"
@@ -13,8 +14,6 @@
 
 namespace bipot {
 namespace {
-
-Json number(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 
 std::string_view word(ContactStatus status) {
   switch (status) {
@@ -59,9 +58,9 @@ std::string kind_text(const SeveralAnswers& found, const Answer& answer) {
 }
 
 Json to_json(const AnswerDifference& d) {
-  return {{"velocity", number(d.velocity)}, {"body_velocity", number(d.body_velocity)},
-          {"kinetic", number(d.kinetic)},   {"force", number(d.force)},
-          {"total", number(d.total)},       {"contacts", d.contacts}};
+  return {{"velocity", d.velocity}, {"body_velocity", d.body_velocity},
+          {"kinetic", d.kinetic},   {"force", d.force},
+          {"total", d.total},       {"contacts", d.contacts}};
 }
 
 Json start_json(const AnswerStart& start) {
@@ -82,9 +81,9 @@ Json answer_json(const Answer& answer) {
          {"take_off", answer.take_off},
          {"stick", answer.stick},
          {"slip", answer.slip},
-         {"kinetic", number(answer.kinetic)},
-         {"perturbed", number(answer.perturbed)},
-         {"came_back_to", number(answer.came_back_to)},
+         {"kinetic", answer.kinetic},
+         {"perturbed", answer.perturbed},
+         {"came_back_to", answer.came_back_to},
          {"from_first", to_json(answer.from_first)}};
   add_error(j, answer.impulse.error);
   return j;
@@ -155,7 +154,7 @@ Json to_json(const SeveralAnswers& found) {
          {"seconds", found.seconds},
          {"trusted", DistinctAnswers::kTrusted},
          {"factor", DistinctAnswers::kFactor},
-         {"resolution", number(found.resolution)},
+         {"resolution", found.resolution},
          {"sets", found.sets},
          {"spread", to_json(found.spread)}};
   j["answers"] = Json::array();

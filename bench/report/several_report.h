@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "bench/report/json.h"
+#include "bench/report/json_output.h"
 #include "solvers/analysis/several_answers.h"
 
 namespace bipot {

@@ -1,5 +1,6 @@
 #include "bench/tradeoff/advice_json.h"
 
+#include <nlohmann/json.hpp>
 #include <string_view>
 
 #include "bench/report/build_info.h"

@@ -3,12 +3,12 @@
 #include <string>
 
 #include "bench/report/build_info.h"
-#include "bench/report/json.h"
+#include "bench/report/json_output.h"
 #include "bench/tradeoff/trade_analysis.h"
 
 namespace bipot {
 
-/// What a reader must know to run it again.
+/// Data that a reader needs to repeat the run.
 struct TradeContext {
   std::string command;           ///< as it was typed
   std::string command_of_scene;  ///< with {} for the scene

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <utility>
 
@@ -23,7 +24,7 @@ std::string numbers(const char* flag, const std::vector<double>& values) {
   return fmt::format(" {} {}", flag, fmt::join(words, ","));
 }
 
-/// The command as it was typed, results aside.
+/// The command that makes this request, except output options.
 std::string command_line(const std::string& scenes, const TradeRequest& request) {
   std::string line = "bipot trade";
   if (!scenes.empty()) line += " " + scenes;

@@ -12,10 +12,9 @@
 
 namespace bipot {
 
-/// Asks the system for pages of 2 MiB where an array is larger: what streams through hundreds of
-/// megabytes again and again otherwise waits for the tables of 4 KiB pages (5 to 23 % of the time of
-/// sweeps on a virtual machine, data/manual/results/performance.md). Where the system has no such pages, nothing
-/// changes; results never do.
+/// Asks the system for pages of 2 MiB for larger arrays. Sweeps over hundreds of megabytes are else
+/// slowed down by the page tables of 4 KiB pages (data/manual/results/performance.md). Without such
+/// pages nothing changes; results never do.
 inline void ask_for_large_pages(void* memory, std::size_t bytes) {
 #ifdef MADV_HUGEPAGE
   constexpr std::uintptr_t kPage = std::uintptr_t{1} << 21;
@@ -23,9 +22,8 @@ inline void ask_for_large_pages(void* memory, std::size_t bytes) {
   const std::uintptr_t first = (start + kPage - 1) / kPage * kPage,
                        end = (start + bytes) / kPage * kPage;
   if (first >= end) return;  // the ends of the array keep small pages
-  // Advice: whether it is taken is the system's affair. The second one (Linux 6.1) is for memory that
-  // the program has used before.
-  constexpr int kCollapse = 25;  // MADV_COLLAPSE, which the headers of Debian 12 do not have yet
+  // Advice that the system may ignore. The second call (Linux 6.1) is for memory in use.
+  constexpr int kCollapse = 25;  // MADV_COLLAPSE, missing from the headers of Debian 12
   madvise(reinterpret_cast<void*>(first), end - first, MADV_HUGEPAGE);
   madvise(reinterpret_cast<void*>(first), end - first, kCollapse);
 #endif
@@ -62,7 +60,7 @@ struct LargePageAllocator {
 template <class T>
 using LargeVector = std::vector<T, LargePageAllocator<T>>;
 
-/// A vector of n numbers that are not set yet, for which the same is asked.
+/// A vector of n numbers, not initialised, with large pages.
 inline Vector large_vector(Eigen::Index n) {
   Vector v(n);
   ask_for_large_pages(v.data(), to_size(n) * sizeof(double));

@@ -9,10 +9,9 @@
 
 namespace bipot {
 
-/// Arrays of a megabyte and more come from the system and go back to it as soon as they are let go of.
-/// For what is made anew in every step of a run, each time of another size: in the heap it leaves holes
-/// that the next one does not fit into. (Where a library has switched off malloc's own way of doing so,
-/// as SuperLU_DIST does when it is loaded, nothing else brings them back.)
+/// Allocates arrays of a megabyte and more from the system, and returns them as soon as they are
+/// freed. Purpose: arrays of changing size in every step of a run, which would fragment the heap.
+/// SuperLU_DIST, once loaded, switches off malloc's own way of doing this.
 template <class T>
 struct MappedAllocator {
   using value_type = T;

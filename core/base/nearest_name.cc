@@ -9,7 +9,8 @@
 namespace bipot {
 namespace {
 
-/// Insertions, deletions, substitutions and swaps of neighbours (optimal string alignment).
+/// Number of insertions, deletions, substitutions and swaps of neighbours (optimal string
+/// alignment).
 int edit_distance(std::string_view a, std::string_view b) {
   std::vector<int> before(b.size() + 1), row(b.size() + 1), next(b.size() + 1);
   std::iota(row.begin(), row.end(), 0);

@@ -7,11 +7,11 @@
 
 namespace bipot {
 
-/// The candidate with the smallest edit distance (swaps of neighbours count once) to `name`; empty
-/// without candidates.
+/// The candidate nearest to `name` by edit distance (swaps of neighbours count once); empty without
+/// candidates.
 std::string nearest_name(std::string_view name, const std::vector<std::string>& candidates);
 
-/// "unknown solver 'pgz'; did you mean 'pgs'? Valid: pgs, uzawa".
+/// Message as: "unknown solver 'pgz'; did you mean 'pgs'? Valid: pgs, uzawa".
 std::string unknown_name_message(std::string_view kind, std::string_view name,
                                  const std::vector<std::string>& candidates);
 

@@ -46,7 +46,7 @@ void run_phases(int threads, int phases, const int* first, const int* last, Task
     return;
   }
   FirstFailure failure;
-  // Neighbouring tasks on the same thread, as they share data.
+  // Neighbouring tasks run on the same thread, as they share data.
 #pragma omp parallel num_threads(threads)
   for (int phase = 0; phase < phases; ++phase) {
 #pragma omp for schedule(static)
@@ -57,7 +57,7 @@ void run_phases(int threads, int phases, const int* first, const int* last, Task
         failure.keep(k, std::current_exception());
       }
     }
-    // The barrier behind the loop has made it visible to all.
+    // The barrier after the loop has made it visible to all.
     if (failure.any()) break;
   }
   failure.rethrow();

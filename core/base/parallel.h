@@ -2,7 +2,7 @@
 
 namespace bipot {
 
-/// A task that is called by reference: cheap to hand over, and it never outlives the call.
+/// A reference to a task: cheap to pass; it never outlives the call.
 class TaskRef {
  public:
   template <class F>
@@ -18,10 +18,10 @@ class TaskRef {
   void (*call_)(void*, int, int);
 };
 
-/// Calls task(phase, k) for first[phase] <= k < last[phase], phase after phase, the tasks of a phase
-/// on at most `threads` threads. A task must not depend on others of its phase: then the result has
-/// the same bits for any number of threads. Of the exceptions that tasks throw, the one of the
-/// first phase's first task is thrown again; later phases are not begun.
+/// Calls task(phase, k) for first[phase] <= k < last[phase], phase after phase, the tasks of a
+/// phase on at most `threads` threads. A task must not depend on others of its phase: then the
+/// result has the same bits for any number of threads. If tasks throw, the exception of the first
+/// task of the first phase is rethrown; later phases are not begun.
 void run_phases(int threads, int phases, const int* first, const int* last, TaskRef task);
 
 /// One phase: task(k) for 0 <= k < tasks.
@@ -32,13 +32,12 @@ void run_tasks(int threads, int tasks, F&& f) {
   run_phases(threads, 1, &first, &tasks, call);
 }
 
-/// Calls member(rank, size) at the same time on each of a team of at most `threads` threads, whose
-/// size may be less where the system gives fewer. Members may wait for each other. They must not
+/// Calls member(rank, size) at the same time on each of a team of at most `threads` threads. The
+/// size may be smaller if the system gives fewer. Members may wait for each other. They must not
 /// throw.
 void run_team(int threads, TaskRef member);
 
-/// While it lives, OpenMP loops of the libraries that this thread calls run on this thread alone,
-/// however many they ask for.
+/// During its life, OpenMP loops of the libraries that this thread calls run on this thread alone.
 class OneThread {
  public:
   OneThread();
@@ -50,10 +49,11 @@ class OneThread {
   int levels_ = 0;
 };
 
-/// Sums and other reductions work on pieces of this many items, whatever the number of threads.
+/// Sums and other reductions work on parts of this many items, whatever the number of threads.
 inline constexpr int kPieceItems = 2048;
 
-/// f(first, last) for pieces of kPieceItems items each; the piece's number is first / kPieceItems.
+/// Calls f(first, last) for parts of kPieceItems items each; the index of a part is first /
+/// kPieceItems.
 template <class F>
 void run_pieces(int threads, int items, F&& f) {
   const int pieces = (items + kPieceItems - 1) / kPieceItems;

@@ -14,7 +14,7 @@ using Vec3 = Eigen::Vector3d;
 /// A point or a direction in D dimensions, 2 or 3.
 template <int D>
 using Vec = Eigen::Matrix<double, D, 1>;
-/// What turns (spins, moments): a number in the plane, counter-clockwise; a vector in space.
+/// Rotational quantities (spins, moments): a number in 2D, counter-clockwise; a vector in 3D.
 template <int D>
 using Spin = std::conditional_t<D == 2, double, Vec3>;
 template <int D>
@@ -30,7 +30,7 @@ using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();  ///< undefined
 inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A number or index that is not negative, as the standard containers count.
+/// A non-negative number or index in the type of the standard containers.
 template <class Integer>
 constexpr std::size_t to_size(Integer k) {
   return static_cast<std::size_t>(k);

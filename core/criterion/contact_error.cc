@@ -57,10 +57,10 @@ ContactError error_of(const ErrorSums& part, const ErrorShare& share) {
   return e;
 }
 
-/// What is made of the problem once.
+/// Data of the problem that do not depend on s.
 struct ContactErrorEvaluator::Prepared {
   ErrorWeights weights;
-  ErrorSums free;  ///< the terms that do not depend on s
+  ErrorSums free;  ///< free_energy and free_impulse2
 
   Prepared(const ContactProblem& p, const Vector& delassus_diagonal)
       : weights(error_weights(p, delassus_diagonal)) {
@@ -144,8 +144,7 @@ PlaneContacts ContactErrorEvaluator::plane_contacts() const {
 
 template <int D, bool kScaled>
 ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) {
-  // What a piece needs stays in the cache from one step to the next: on large problems the memory is
-  // what all this waits for.
+  // Each step works on a piece while it is in the cache: large problems wait for memory.
   const int contacts = problem_.num_contacts();
   run_pieces(threads_, contacts, [&](int begin, int end) {
     s_.segment(begin * D, (end - begin) * D) = s.segment(begin * D, (end - begin) * D);

@@ -8,15 +8,15 @@
 
 namespace bipot {
 
-// What single contacts add to the criterion of contact_error.h: for whoever adds up in an order of
-// his own, a problem on one process or one that lies on several.
+// The terms of contact_terms.h in double precision, read from the vectors of a problem, for
+// evaluators that add up in an order of their own.
 
 /// Physical row scale r of a row.
 inline double physical_row_scale(const ContactProblem& p, int row) {
   return p.row_scale.size() == 0 ? 1.0 : p.row_scale[row];
 }
 
-/// Per contact, physical.
+/// Weights of each contact, physical.
 struct ErrorWeights {
   Vector w_nn;     ///< W_nn                          [1/kg]
   Vector rho_nn;   ///< 1 / W_nn                        [kg]
@@ -42,7 +42,7 @@ inline ErrorWeights error_weights(const ContactProblem& p, const Vector& delassu
   return weights;
 }
 
-/// What a contact adds to free_energy and free_impulse2, whatever the impulse.
+/// Adds the contact's part of free_energy and free_impulse2, which do not depend on the impulse.
 inline void add_free_terms(const ContactProblem& p, const ErrorWeights& weights, int contact,
                            ErrorSums& e) {
   const int first = contact * p.dim;

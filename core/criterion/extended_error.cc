@@ -14,7 +14,7 @@ struct WideRow {
   Real moved = 0, diagonal = 0;
 };
 
-/// Rows of W x by way of the bodies.
+/// Rows of W x through the bodies.
 template <class Real>
 class BodyProduct {
  public:
@@ -96,7 +96,7 @@ std::vector<Real> projected(const ContactProblem& p, const Eigen::Ref<const Vect
   return x;
 }
 
-/// Of the contacts begin .. end - 1. x on the cones; `product`: rows of W x.
+/// Sums over the contacts begin .. end - 1. x on the cones; `product` gives rows of W x.
 template <int D, bool kScaled, class Real, class Product>
 ErrorSumsOf<Real> sums_of(const ContactProblem& p, const std::vector<Real>& x,
                           const Product& product, int begin, int end) {
@@ -124,7 +124,7 @@ ErrorSumsOf<Real> sums_of(const ContactProblem& p, const std::vector<Real>& x,
   return sums;
 }
 
-/// Of all contacts, in pieces.
+/// Sums over all contacts, in pieces.
 template <int D, bool kScaled, class Real, class Product>
 ErrorSums sums_of(const ContactProblem& p, const std::vector<Real>& x, const Product& product,
                   int threads) {
@@ -147,7 +147,7 @@ ErrorSums sums_of(const ContactProblem& p, const std::vector<Real>& x, const Pro
 template <class Real>
 double guarded_error(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
                      const ErrorShare& share, int threads) {
-  // An assembled W is rounded, which friction multiplies as well: bodies come first.
+  // Bodies come first, because an assembled W is rounded, and friction multiplies this rounding.
   const bool by_bodies = p.has_velocities() && is_diagonal(p.A);
   if (!by_bodies && !p.has_delassus()) return kNaN;
   const auto evaluate = [&](auto d, auto scaled) {

@@ -33,8 +33,8 @@ GivenContact<D> given_contact(const ContactProblem& p, const Vector& diagonal, c
           frame_vector<D>(given, c) / r};
 }
 
-/// Energies of one contact: what it adds to G + V and to the sum under eta², and how far off the
-/// cone it was given.
+/// Energies of one contact: its parts of G + V and of the sum under eta², and the distance of the
+/// impulse as given from the cone.
 struct ContactEnergies {
   double law = 0, natural = 0, cone = 0;
 };
@@ -81,7 +81,7 @@ Vector to_vector(const FrameVector<double, D>& x) {
   return Eigen::Map<const Local<D>>(x.component);
 }
 
-/// Siconos' own: û and the projection in the problem's variables, rho = 1.
+/// The stop test of Siconos: û and the projection in the problem's variables, rho = 1.
 template <int D>
 double siconos_map(const ContactProblem& p, const Eigen::Ref<const Vector>& s, const Vector& u) {
   double sum = 0;
@@ -173,7 +173,7 @@ std::string_view to_string(ContactFault::Kind kind) {
 std::string sentence(const JudgedContact& c) {
   using Kind = ContactFault::Kind;
   std::string text = fmt::format("contact {}", c.contact);
-  // Faults of a hundredth of the contact's largest one would only hide it.
+  // Smaller faults than a hundredth of the contact's largest one are left out.
   constexpr double kWorthSaying = 1e-2;
   const double s_t = c.s.size() > 1 ? c.s.tail(c.s.size() - 1).norm() : 0;
   bool first = true;

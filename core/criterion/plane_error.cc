@@ -8,9 +8,8 @@
 namespace bipot {
 namespace {
 
-// Every kLanes-th contact is added to the same sum. So many sums lie in as many registers as the
-// machine's width asks for: g++ makes twice as slow code of vectors that are wider than registers
-// as of single numbers.
+// Every kLanes-th contact is added to the same sum. These sums lie in as many registers as the
+// machine's width needs: g++ makes slow code of vectors that are wider than registers.
 constexpr int kLanes = 8;
 
 template <int kWidth>
@@ -34,8 +33,8 @@ struct Registers<8> {
   [[maybe_unused]] static constexpr Whole kCount{0, 1, 2, 3, 4, 5, 6, 7};
 };
 
-/// The arrays of contacts [first, first + count), where count < kLanes, followed by contacts that
-/// add nothing.
+/// The arrays of the contacts [first, first + count) with count < kLanes, filled up with contacts
+/// that add nothing.
 struct LastContacts {
   double s[2 * kLanes] = {}, u[2 * kLanes] = {}, b[2 * kLanes] = {}, row_scale[2 * kLanes],
                mu[kLanes] = {}, w_nn[kLanes] = {}, rho_nn[kLanes] = {}, rho_nat[kLanes] = {};
@@ -138,7 +137,7 @@ struct Kernel {
     return ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
            ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
   }
-  /// Of the contacts before `end`: behind them lie those of LastContacts.
+  /// The worst of the contacts before `end`, behind which those of LastContacts lie.
   [[gnu::always_inline]] static void find_worst(const Sums* parts, int end, Values Sums::*values,
                                                 Whole Sums::*contacts, double& worst,
                                                 int& contact) {

@@ -10,28 +10,29 @@
 namespace bipot {
 namespace {
 
-// Roundings of a product through H or W beside those of its sums: the projection of s (at most 10 of each
-// component), the inverse mass, the division by row_scale, the addition of u_free.
+// Roundings of a product through H or W beside those of its sums: the projection of s (at most 10 of
+// each component), the inverse mass, the division by row_scale, the addition of u_free.
 constexpr double kOfAProduct = 16;
-// The packed form of disks may be off H by 16 epsilons = 32 roundings an entry, an arm counts twice in a product.
+// The packed form of disks may differ from H by 16 epsilons = 32 roundings an entry. An arm counts
+// twice in a product.
 constexpr double kOfPacking = 100;
-// Of a component of s: its projection.
+// Roundings of a component of s by its projection.
 constexpr double kOfAnImpulse = 10;
-// Of a diagonal entry of W beside its sum.
+// Roundings of a diagonal entry of W beside those of its sum.
 constexpr double kOfAWeight = 20;
-// Of the sums over contacts and of the figures made of them, beside the additions.
+// Roundings of the sums over contacts and of the figures beside those of the additions.
 constexpr double kOfAFigure = 40;
-// Products of roundings.
+// Factor for products of roundings.
 constexpr double kSecondOrder = 1.01;
 
 /// A row of u = W s + u_free, in the problem's variables.
 struct RoundedRow {
   double u = 0, error = 0;  // error in units of roundoff
   double w = 0;             // diagonal of W
-  double entries = 0;       // that w is added up from
+  double entries = 0;       // number of summands of w
 };
 
-/// Rows by way of the bodies.
+/// Rows through the bodies.
 class RoundedBodyRows {
  public:
   RoundedBodyRows(const ContactProblem& p, const RoundedMomentum& pushed, double of_product)
@@ -80,20 +81,20 @@ class RoundedDelassusRows {
   const Eigen::Ref<const Vector>& s_;
 };
 
-/// A quotient's bound: (a ± da) / (m ± dm).
+/// Error bound of the quotient (a ± da) / (m ± dm).
 double of_quotient(double a, double da, double m, double dm) {
   if (da == 0 && a == 0) return 0;
   if (!(m > dm)) return kInfinity;
   return (da + a / m * dm) / (m - dm);
 }
 
-/// Figures and what rounding may add to them.
+/// Figures and the bound on their rounding.
 struct RoundedError {
   double epsilon = 0, eta = 0;
   RoundingBound bound;
 };
 
-/// Those that make epsilon and eta.
+/// Values of the sums that make epsilon and eta.
 ErrorSums values_of(const RoundedSums& sums) {
   return {.friction = sums.friction.value,
           .gap = sums.gap.value,
@@ -132,7 +133,7 @@ double unit_of(Precision precision) {
                                                              : -113);
 }
 
-/// In double precision.
+/// Sums over the contacts begin .. end - 1, in double precision.
 template <int D, bool kScaled, class Rows>
 RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& given,
                     const Rows& rows, int begin, int end) {
@@ -159,7 +160,7 @@ RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& giv
   return sums;
 }
 
-/// Of all contacts, in pieces.
+/// Sums over all contacts, in pieces.
 template <class Rows>
 RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& s, const Rows& rows,
                     int threads) {
@@ -176,8 +177,8 @@ RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& s, 
   return sums;
 }
 
-/// The errors in another precision, or a little more: all are at most linear in the roundoff, the
-/// natural map's a square.
+/// The errors in another precision, or slightly more: all are at most linear in the roundoff, except
+/// that of the natural map, a square.
 RoundedSums in_precision(RoundedSums sums, Precision precision) {
   const double ratio = unit_of(precision) / Rounded::kUnit;
   for (Rounded* sum :
@@ -227,12 +228,12 @@ RoundingBound rounding_bound(const ContactProblem& p, const Eigen::Ref<const Vec
 
 RoundingBound rounding_bound(const RoundedSums& sums, int contacts, Precision precision,
                              const ErrorShare& share) {
-  // Of the sums over the contacts, and of a result that is handed on in double.
+  // Rounding of the sums over the contacts, and of the result, which is a double.
   const double adding = unit_of(precision) * (contacts + kOfAFigure) + std::ldexp(1.0, -50);
   const RoundedSums own_sums = in_precision(sums, precision);
   const RoundedError whole = error_with_bound(own_sums, share.others, adding, 1 / share.share);
   if (!(share.alone > 0)) return whole.bound;
-  // The smaller of two figures counts: at most the smaller of what both may be.
+  // The smaller of two figures counts. It is at most the smaller of their upper bounds.
   const RoundedError own = error_with_bound(own_sums, {}, adding, share.alone);
   const auto of_smaller = [](double a, double da, double b, double db) {
     return std::min(a + da, b + db) - std::min(a, b);

@@ -5,18 +5,18 @@
 
 namespace bipot {
 
-/// A file that appears under its name whole or not at all, whenever the program dies: it is written
-/// under another name in the same folder, which commit() changes in one step. A file of that name
-/// that was there before stays until then.
+/// A file that appears under its name whole or not at all, whenever the program dies. It is written
+/// under another name in the same folder, and commit() renames it in one step. Until then an
+/// earlier file of that name remains.
 class AtomicFile {
  public:
   explicit AtomicFile(std::filesystem::path path);
-  /// Without commit(): removes what was written.
+  /// Removes the draft unless commit() was called.
   ~AtomicFile();
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
 
-  /// Where to write.
+  /// Path to write to.
   const std::filesystem::path& draft() const { return draft_; }
   /// Throws FileError.
   void commit();

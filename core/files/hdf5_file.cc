@@ -15,7 +15,7 @@ namespace {
 
 static_assert(sizeof(hid_t) == sizeof(std::int64_t));
 
-// A plain mutex and a count: unlike a recursive mutex, it can be given back by the child of a fork.
+// A plain mutex and a count: unlike a recursive mutex, the child of a fork can release it.
 std::mutex library_mutex;
 thread_local int library_turns = 0;  // of this thread
 
@@ -27,7 +27,7 @@ class Silence {
     H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
   }
   ~Silence() {
-    // A thread that ends with errors on its stack would leave the library nothing to close them by.
+    // If a thread ends with errors on its stack, the library cannot close them.
     H5Eclear2(H5E_DEFAULT);
     H5Eset_auto2(H5E_DEFAULT, function_, data_);
   }
@@ -94,7 +94,8 @@ std::vector<std::string> split_fixed(const std::vector<char>& bytes, std::size_t
 
 Hdf5Turn::Hdf5Turn() {
   if (library_turns++ == 0) library_mutex.lock();
-  // Files are closed here; what a failed close leaves (a full disk) breaks the library's own end off.
+  // Files are closed here. After a failed close (a full disk) the library's own exit handler
+  // crashes.
   [[maybe_unused]] static const herr_t no_end = H5dont_atexit();
 }
 
@@ -198,8 +199,8 @@ std::vector<std::string> Hdf5File::list(const std::string& group) const {
   return names;
 }
 
-/// The number of elements, refused before memory is taken for them where the file cannot hold so many:
-/// no filter of HDF5 packs a number into less than a thousandth of a byte of the file.
+/// The number of elements. Refused, before memory is allocated, if the file cannot hold so many: no
+/// filter of HDF5 packs a number into less than a thousandth of a byte of the file.
 std::size_t Hdf5File::plausible_size(const std::string& name) const {
   constexpr double kPacked = 1100;  // deflate, at best 1032 to 1
   const std::vector<std::size_t> extents = shape(name);
@@ -217,7 +218,7 @@ std::size_t Hdf5File::plausible_size(const std::string& name) const {
 
 namespace {
 
-// Bytes of a number: HDF5's buffers are as large as a broken file says.
+// Bytes of a number: a damaged file can claim any size.
 constexpr std::size_t kWidestType = 16;
 constexpr double kMostText = 1e8;  // bytes
 

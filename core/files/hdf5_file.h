@@ -12,9 +12,8 @@
 
 namespace bipot {
 
-/// The turn of a thread to use the HDF5 library, which serves one at a time: a thread that has one
-/// may take more, another waits until it has given back all. It is given back by the thread that took
-/// it.
+/// Lock of the HDF5 library, which serves one thread at a time. The thread that holds it may take
+/// it again; others wait until it has released all. The same thread must release it.
 class Hdf5Turn {
  public:
   Hdf5Turn();
@@ -26,11 +25,11 @@ class Hdf5Turn {
   bool taken_ = true;
 };
 
-/// One open HDF5 file. Objects are named by absolute paths ("/a/b"); groups on the way are created.
-/// Datasets are contiguous, uncompressed, native types, without time stamps: the same content gives
-/// the same bytes. Every failure throws FileError with the file and the object's name; HDF5's own
-/// messages are kept off the terminal. The only user of the HDF5 library; while a thread has a file
-/// open, other threads that want to open one wait.
+/// One open HDF5 file. Objects are named by absolute paths ("/a/b"); missing groups are created.
+/// Datasets are contiguous, uncompressed, of native types and without time stamps: the same content
+/// gives the same bytes. Every failure throws FileError with the file and the object's name; HDF5
+/// prints nothing to the terminal. Only this class uses the HDF5 library. While a thread has a file
+/// open, other threads wait to open one.
 class Hdf5File {
  public:
   enum class Mode {
@@ -43,16 +42,16 @@ class Hdf5File {
   Hdf5File(Hdf5File&&) noexcept;
   Hdf5File& operator=(Hdf5File&&) = delete;
 
-  /// Writes what is still in memory and closes; throws where the destructor could only be silent.
+  /// Writes all buffers and closes. Reports failures, which the destructor cannot.
   void close();
 
   const std::filesystem::path& path() const { return path_; }
 
-  /// True when the file starts with the HDF5 signature, whatever its name. False for no file.
+  /// True if the file starts with the HDF5 signature, whatever its name. False if there is no file.
   static bool is_hdf5(const std::filesystem::path& path);
 
-  /// Ends the library: every block that it keeps for later goes back to the heap, which notices what
-  /// was written beyond one. No file may be open, and none can be opened after it.
+  /// Ends the library and returns its cached blocks to the heap, which then detects writes beyond
+  /// their ends. No file may be open, and none can be opened after it.
   static void end_library();
 
   bool exists(const std::string& name) const;
@@ -63,7 +62,7 @@ class Hdf5File {
   /// Names in a group, sorted.
   std::vector<std::string> list(const std::string& group) const;
 
-  /// Datasets. A scalar may be stored with any rank, but with one element.
+  /// Datasets. A scalar may be stored with any rank, but has one element.
   int read_int(const std::string& name) const;
   double read_double(const std::string& name) const;
   std::vector<int> read_ints(const std::string& name) const;
@@ -72,7 +71,7 @@ class Hdf5File {
   std::string read_string(const std::string& name) const;
   std::vector<std::string> read_strings(const std::string& name) const;
 
-  /// Replaces what was there. A scalar is written as an array of one element, as FCLIB does.
+  /// Replaces an earlier dataset. A scalar is written as an array of one element, as in FCLIB.
   void write(const std::string& name, int value);
   void write(const std::string& name, double value);
   void write(const std::string& name, std::string_view value);
@@ -84,8 +83,8 @@ class Hdf5File {
 
   void create_group(const std::string& name);
   void remove(const std::string& name);
-  /// A name here that stands for `target` in another file; a relative `file` is looked up beside
-  /// this file.
+  /// Creates a link `name` to `target` in another file; a relative `file` is looked up beside this
+  /// file.
   void link(const std::string& name, const std::filesystem::path& file, const std::string& target);
 
   /// Text attribute of an object, e.g. a unit.

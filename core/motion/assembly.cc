@@ -10,7 +10,7 @@
 
 namespace bipot {
 
-/// What the rows of a contact are made from.
+/// Input of the rows of a contact.
 template <int D>
 struct StepInput {
   const Scene<D>& scene;
@@ -25,14 +25,14 @@ struct StepInput {
 
 namespace {
 
-/// The wall that a contact acts on: that of a disk which is glued to it, too; -1 for a free disk.
+/// The wall that a contact acts on, also through a disk glued to it; -1 for a free disk.
 template <int D>
 int wall_of(const Contact<D>& contact, std::span<const Body<D>> disks) {
   const std::size_t j = to_size(contact.j);
   return j < disks.size() ? disks[j].wall : static_cast<int>(j - disks.size());
 }
 
-/// First dofs of the disks that take part (marked by 0), where clusters have one set for all of theirs.
+/// Sets the first dofs of the disks in contact (marked by 0); all disks of a cluster share one set.
 template <int D>
 void number_clusters(std::span<const Body<D>> disks, std::size_t clusters, DofMap& dofs) {
   std::vector<int> of_cluster(clusters, -1);
@@ -88,7 +88,7 @@ DofMap number_dofs(bool friction, std::span<const Body<D>> disks, std::span<cons
   return dofs;
 }
 
-/// Writes columns of H one after the other from a known place on, rows ascending.
+/// Writes columns of H one after the other from a given place on, rows ascending.
 class ColumnWriter {
  public:
   ColumnWriter(SparseMatrix& H, int column, int at) : H_(H), column_(column), at_(at) {}
@@ -115,7 +115,7 @@ SparseMatrix diagonal_matrix(const Vector& diagonal) {
   return A;
 }
 
-/// Degrees of freedom of the cell that a contact has entries at.
+/// Number of degrees of freedom of the cell at which a contact has entries.
 template <int D>
 int sides_of(const Contact<D>& contact, const DofMap& dofs) {
   int count = 0;
@@ -125,7 +125,7 @@ int sides_of(const Contact<D>& contact, const DofMap& dofs) {
   return count;
 }
 
-/// Velocity of the image of j against j: before the step, and without contacts.
+/// Adds the velocity of the image of j relative to j: before the step, and without contacts.
 template <int D>
 void add_image_velocity(const CellInput& input, const Contact<D>& contact, Vec<D>& before,
                         Vec<D>& free) {
@@ -136,8 +136,7 @@ void add_image_velocity(const CellInput& input, const Contact<D>& contact, Vec<D
   free += in_dimensions<D>(cell.shift_velocity(contact.image_x, contact.image_y));
 }
 
-/// The velocity along `axis`, a tangent, of the point at the arm n of a body that turns: spin·(n x
-/// axis).
+/// Velocity along the tangent `axis` of the point at the arm n of a rotating body: spin·(n x axis).
 double spin_along(double spin, const Vec2& /*n*/, const Vec2& /*axis*/) { return spin; }
 double spin_along(const Vec3& spin, const Vec3& n, const Vec3& axis) {
   return n.cross(axis).dot(spin);
@@ -152,14 +151,14 @@ void add_spin(ColumnWriter& columns, int row, double arm, const Vec3& n, const V
   for (int k = 0; k < 3; ++k) columns.add(row + k, arm * turn[k]);
 }
 
-/// Entries of H in the columns of a contact.
+/// Number of entries of H in the columns of a contact.
 template <int D>
 int entries_of(const Contact<D>& contact, std::span<const Body<D>> disks, const DofMap& dofs,
                int d) {
   int of_disk = D + (d - 1) * (D + kSpins<D>);
   const int w = wall_of<D>(contact, disks);
   const int of_cell = d * sides_of(contact, dofs);
-  // What belongs to a cluster turns it with the normal force too.
+  // In a cluster the normal force turns the body as well.
   const int of_normal = kSpins<D> * ((disks[to_size(contact.i)].cluster >= 0 ? 1 : 0) +
                                      (w < 0 && disks[to_size(contact.j)].cluster >= 0 ? 1 : 0));
   if (w < 0) return 2 * of_disk + of_cell + of_normal;
@@ -167,7 +166,7 @@ int entries_of(const Contact<D>& contact, std::span<const Body<D>> disks, const 
   return of_disk + of_cell + (dofs.wall[to_size(w)] >= 0 ? d : 0);
 }
 
-/// How fast the centre of a disk goes along the axis when its cluster turns about its centre of mass with
+/// Velocity along the axis of a disk's centre, if its cluster turns about its centre of mass with
 /// spin 1: (e3 x c)·axis.
 template <int D>
 double lever(const ClusterInput& clusters, const Body<D>& disk, const Vec<D>& axis) {
@@ -257,7 +256,7 @@ void write_contact(const StepInput<D>& in, const Contact<D>& contact, int c, Col
   }
 }
 
-/// Masses and free velocities of the clusters that take part.
+/// Sets masses and free velocities of the clusters in contact.
 void fill_clusters(std::span<const Disk> disks, const ClusterInput& clusters, const DofMap& dofs,
                    Vector& mass, Vector& v_free) {
   if (clusters.bodies.empty()) return;
@@ -301,7 +300,7 @@ AssembledStep assemble_step(const Scene<D>& scene,
     p.v_free.template segment<D>(k) = disk_v_free[i];
     if (dofs.per_disk > D) {
       mass.template segment<kSpins<D>>(k + D).setConstant(disks[i].inertia);
-      // No torque but that of the contacts.
+      // Only contacts exert torques.
       if constexpr (D == 2) {
         p.v_free[k + D] = disks[i].spin;
       } else {
@@ -330,7 +329,7 @@ AssembledStep assemble_step(const Scene<D>& scene,
   if (scene.predict_gaps) step.gap_rate = Vector::Zero(d * num_contacts);
   if (any_restitution) p.row_scale = large_vector(d * num_contacts);
 
-  // Where the columns of each contact begin: they are written on several threads.
+  // First entry of each contact's columns, which several threads write.
   std::vector<int> start(to_size(num_contacts) + 1, 0);
   for (int c = 0; c < num_contacts; ++c) {
     start[to_size(c) + 1] = start[to_size(c)] + entries_of<D>(contacts[to_size(c)], disks, dofs, d);

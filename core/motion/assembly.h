@@ -10,61 +10,63 @@
 
 namespace bipot {
 
-/// Where each body's degrees of freedom stand in the problem's v; -1 for bodies that take no part.
+/// Degrees of freedom of each body in the problem's v; -1 for bodies without contacts.
 struct DofMap {
   int per_disk =
-      3;  ///< position, then spin: 3, in space 6; without friction and clusters 2 or 3, no spin
+      3;  ///< position, then spin: 3, in 3D 6; without friction and clusters 2 or 3, no spin
   std::vector<int> disk;       ///< first dof of each disk; those of a cluster share its
   std::vector<int> wall;       ///< the dof of each driven wall
   int side[3] = {-1, -1, -1};  ///< the dof of each driven side of a periodic cell
   int size = 0;
 };
 
-/// A periodic cell at mid-step, with the speeds of its sides without contact impulses. None in a
-/// scene that is not periodic.
+/// A periodic cell at mid-step, with the speeds of its sides without contact impulses. Empty in
+/// other scenes.
 struct CellInput {
   const PeriodicCell* cell = nullptr;
   const double* v_free =
       nullptr;  ///< 3, in the order of PeriodicCell::side                      [m/s]
 };
 
-/// Clusters at mid-step; none in most scenes.
+/// Clusters at mid-step; empty in most scenes.
 struct ClusterInput {
   std::span<const Cluster> bodies;
   std::span<const Vec2> v_free;  ///< of their centres of mass                             [m/s]
 };
 
-/// A step's problem and the way back to the bodies.
+/// The problem of a step, and the map back to the bodies.
 struct AssembledStep {
   ContactProblem problem;
   DofMap dofs;
   Vector u_before;  ///< m, physical relative velocities u⁻ before the step    [m/s]
-  /// m, what u_free holds besides velocities: g/h of pairs that are not in touch yet, in the
-  /// problem's variables; empty where gaps are not predicted                    [m/s]
+  /// Part of u_free that is not a velocity, m values: g/h of pairs not yet in contact, in the
+  /// problem's variables. Empty if gaps are not predicted. [m/s]
   Vector gap_rate;
 };
 
-/// Assembles A, H, u_free, mu (and W on request) of one step of size h from the bodies' velocities
-/// before the step, their velocities without contact impulses, and the contacts:
+/// Assembles A, H, u_free, mu (and W on request) of one step of size h. Input: the bodies'
+/// velocities before the step, their velocities without contact impulses, and the contacts. For a
+/// contact of disk i with body j:
 ///
-///   contact of disk i with j:  u_n = n·(v_i - v_j),  u_t = t·(v_i - v_j) - a_i w_i - a_j w_j,
-///   in space for both tangents  u_t = t·(v_i - v_j) - (n x t)·(a_i w_i + a_j w_j),
-///   D = diag 1/(1+e),  u = D (Hᵀ v⁺ + E Hᵀ v⁻)  (36),  symmetric form of data/manual/explanation/method.md §3.
+///   u_n = n·(v_i - v_j),  u_t = t·(v_i - v_j) - a_i w_i - a_j w_j,
+///   in 3D for both tangents  u_t = t·(v_i - v_j) - (n x t)·(a_i w_i + a_j w_j),
+///   D = diag 1/(1+e),  u = D (Hᵀ v⁺ + E Hᵀ v⁻)  (36),
+///   symmetric form of data/manual/explanation/method.md §3.
 ///
-/// In a periodic cell v_j is that of the image. A driven side of the cell is a degree of freedom as
-/// a driven wall's, and stands after these.
+/// In a periodic cell v_j is that of the image. A driven side of the cell is a degree of freedom,
+/// like a driven wall, and comes after these.
 ///
-/// A disk of a cluster adds to its arm the one from the centre of mass to its own: (e3 x c)·n w to u_n, (e3 x c)·t w to
-/// u_t, in the three degrees of freedom of the cluster.
+/// In a cluster the vector c from its centre of mass to the centre of the disk adds (e3 x c)·n w to
+/// u_n and (e3 x c)·t w to u_t, in the three degrees of freedom of the cluster.
 ///
-/// With the scene's predict_gaps the normal row of a contact with a gap g > 0 reads u_n + g/h >= 0: at
-/// the midpoint of the next step, h further on, it is closed and not overlapped (Stewart and
+/// With the scene's predict_gaps the normal row of a contact with a gap g > 0 reads u_n + g/h >= 0.
+/// At the midpoint of the next step, h later, it is then closed without overlap (Stewart and
 /// Trinkle, Int. J. Numer. Methods Eng. 39, 1996, for the end of the step).
 ///
-/// The contact dimension is 1 (no tangential rows, no rotations) where no pair of the scene's
-/// materials has friction. Only bodies in contact enter; of the walls only driven ones have a
-/// degree of freedom, moving ones stand in the right-hand side. Restitution applies to every
-/// candidate alike. [ours, data/manual/explanation/method.md §3]
+/// If no pair of the scene's materials has friction, the contact dimension is 1 (no tangential
+/// rows, no rotations). Only bodies in contact enter. Driven walls have a degree of freedom; other
+/// moving walls enter the right-hand side. Restitution applies to every candidate alike. [ours,
+/// data/manual/explanation/method.md §3]
 template <int D>
 AssembledStep assemble_step(const Scene<D>& scene,
                             std::span<const std::type_identity_t<Body<D>>> disks,

@@ -9,8 +9,8 @@
 namespace bipot {
 namespace {
 
-/// Adds what the disks of each cluster carry; the lever of a disk is its arm at mid-step, its length scale the
-/// radius of a disk of the same area.
+/// Adds the forces on the disks of each cluster. The lever of a disk is its arm at mid-step, the
+/// length scale the radius of a disk of the same area.
 void balance_clusters(const Scene<2>& scene, const State<2>& state, const std::vector<Vec2>& force,
                       const std::vector<double>& moment, ForceBalance<2>& balance) {
   for (std::size_t c = 0; c < state.clusters.bodies.size(); ++c) {
@@ -51,7 +51,7 @@ ForceBalance<D> force_balance(const Scene<D>& scene, const State<D>& state) {
     const Spin<D> turned = turning(n, c.s_t);
     const std::size_t i = static_cast<std::size_t>(c.contact.i);
     const std::size_t j = static_cast<std::size_t>(c.contact.j);
-    // The lever from the centre of i to the contact is -a n, from that of j +a n.
+    // The lever from the centre of i to the contact is -a n, that from the centre of j +a n.
     force[i] += f;
     moment[i] -= state.bodies[i].radius * turned / scene.step;
     if (j < disks) {

@@ -6,8 +6,9 @@
 
 namespace bipot {
 
-/// Newton's and Euler's equations of every disk, or cluster of disks, summed up contact by contact from the impulses of
-/// a state's last step, without any solver's help. Forces are s/h.
+/// Largest residuals of Newton's and Euler's equations of the disks and clusters. They are summed
+/// contact by contact from the impulses of a state's last step, independently of any solver. Forces
+/// are s/h.
 template <int D>
 struct ForceBalance {
   double force = 0;               ///< largest |Σ f + m g| of a disk over its weight

@@ -11,7 +11,8 @@ namespace bipot {
 
 namespace {
 
-/// Velocities without contact impulses of the clusters, and of the disks in them: gravity turns nothing.
+/// Sets the velocities without contact impulses of the clusters and their disks: gravity exerts no
+/// torque.
 void free_clusters(Midpoint<2>& mid, double h) {
   if (mid.clusters.empty()) return;
   for (const Cluster& cluster : mid.clusters.bodies) {
@@ -39,8 +40,7 @@ double largest_speed(const Midpoint<D>& mid, double h) {
   return speed;
 }
 
-/// Of pairs that are not in touch, keeps those that may meet before they are looked at again, a step
-/// from now.
+/// Of pairs not in contact, keeps those that may meet before the next detection, a step later.
 template <int D>
 void keep_those_who_may_meet(const Scene<D>& scene, Midpoint<D>& mid) {
   const auto speed = [&](std::size_t body) {
@@ -81,7 +81,7 @@ void free_bodies(const Scene<D>& scene, Midpoint<D>& mid) {
 
 }  // namespace
 
-/// Everything at mid-step in its place, with the velocities before the step.
+/// Moves everything to its place at mid-step, with the velocities before the step.
 template <int D>
 void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid) {
   const double h = scene.step;

@@ -10,7 +10,7 @@
 
 namespace bipot {
 
-/// A step before its contact problem: everything at the mid-point q_m = q + h/2 v (38).
+/// A step before its contact problem: everything at the midpoint q_m = q + h/2 v (38).
 template <int D>
 struct Midpoint {
   std::vector<Body<D>> bodies;        ///< positions at the mid-point, velocities before the step
@@ -25,15 +25,15 @@ struct Midpoint {
   Vec<D> gravity = Vec<D>::Zero();    ///< of the step: that of its middle                  [m/s²]
 };
 
-/// Sets bodies, walls and clusters once more, for a midpoint whose `disks` were let go of.
+/// Sets bodies, walls and clusters again, for a midpoint whose `bodies` were released.
 template <int D>
 void place_bodies(const Scene<D>& scene, const State<D>& state, Midpoint<D>& mid);
 
-/// The same without contacts: places, velocities and forces alone. Not for periodic scenes.
+/// The same without contacts: positions, velocities and forces alone. Not for periodic scenes.
 template <int D>
 Midpoint<D> free_midpoint(const Scene<D>& scene, const State<D>& state);
 
-/// `kept`: lists of the steps before, which change no bit.
+/// `kept`: neighbour lists of earlier steps, which change no bit.
 template <int D>
 Midpoint<D> make_midpoint(const Scene<D>& scene, const State<D>& state, int threads = 1,
                           KeptContacts<D>* kept = nullptr);

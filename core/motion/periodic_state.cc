@@ -9,7 +9,7 @@ State<D> wrapped_state(const State<D>& state) {
   State<D> inside = state;
   const PeriodicCell& cell = state.cell;
   if (!cell.periodic()) return inside;
-  // A cluster stays whole: its disks go where its centre of mass does.
+  // A cluster stays whole: its disks follow its centre of mass.
   std::vector<CellNumber> of_cluster, numbers;
   for (Cluster& c : inside.clusters.bodies) {
     of_cluster.push_back(cell_number(cell, c.x));

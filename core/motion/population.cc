@@ -13,7 +13,7 @@
 namespace bipot {
 namespace {
 
-/// Places that are tried for a body before it waits for the next step.
+/// Number of places tried for a body before it waits for the next step.
 constexpr int kTries = 200;
 
 double spin_energy(const Disk& d) { return 0.5 * d.inertia * d.spin * d.spin; }
@@ -29,8 +29,8 @@ void book(const Body<D>& body, const Vec<D>& gravity, GateFlow<D>& flow) {
   flow.momentum += body.mass * body.v;
 }
 
-/// Random numbers that can be had again from what they belong to, without a memory: splitmix64
-/// (Steele, Lea and Flood 2014), started at a mixture of the keys.
+/// Random numbers that depend on their keys alone: splitmix64 (Steele, Lea and Flood 2014), started
+/// at a mixture of the keys.
 class KeyedRandom {
  public:
   KeyedRandom(int seed, int body, int step) {
@@ -52,7 +52,7 @@ class KeyedRandom {
   std::uint64_t state_ = 0;
 };
 
-/// Body number k of an inlet, but for its place.
+/// Body number k of an inlet, without its place.
 template <int D>
 Body<D> body_due(const Inlet<D>& inlet, int k) {
   KeyedRandom random(inlet.seed, k, -1);
@@ -75,7 +75,7 @@ Body<D> body_due(const Inlet<D>& inlet, int k) {
   return body;
 }
 
-/// Bodies that may be in the way of what appears in an inlet.
+/// Bodies that may obstruct an inlet.
 template <int D>
 std::vector<Body<D>> bodies_near(const Inlet<D>& inlet, const std::vector<Body<D>>& bodies,
                                  double distance) {
@@ -108,7 +108,7 @@ bool has_room(const Body<D>& body, const std::vector<Body<D>>& near,
   return true;
 }
 
-/// Puts a body somewhere into the inlet's box; false where nothing is free.
+/// Places a body at random in the inlet's box; false if no free place is found.
 template <int D>
 bool find_place(const Inlet<D>& inlet, int k, int step, const std::vector<Body<D>>& near,
                 const std::vector<Wall<D>>& walls, double distance, Body<D>& body) {
@@ -122,22 +122,22 @@ bool find_place(const Inlet<D>& inlet, int k, int step, const std::vector<Body<D
   return false;
 }
 
-/// How many bodies of an inlet are due at a time.
+/// Number of bodies of an inlet that are due at a time.
 template <int D>
 int number_due(const Inlet<D>& inlet, double time) {
   if (time < inlet.starts || time >= inlet.stops) return 0;
-  // A body that is due at a step's very time is not to be missed by rounding.
+  // Rounding must not delay a body that is due exactly at the time of a step.
   const double due = std::floor((time - inlet.starts) * inlet.rate + 1e-9) + 1;
   const double most = inlet.count < 0 ? 1e9 : inlet.count;
   return static_cast<int>(std::min(due, most));
 }
 
-/// A cluster as what is booked of a body.
+/// A cluster as one body for the accounts.
 Disk as_body(const Cluster& c) {
   return {.x = c.x, .v = c.v, .spin = c.spin, .mass = c.mass, .inertia = c.inertia};
 }
 
-/// The outlet that a place lies in; as many as there are outlets for none.
+/// The outlet that contains a place; the number of outlets if none does.
 template <int D>
 std::size_t outlet_at(const Scene<D>& scene, const State<D>& state, Vec<D> x) {
   if (state.cell.periodic()) {
@@ -149,7 +149,7 @@ std::size_t outlet_at(const Scene<D>& scene, const State<D>& state, Vec<D> x) {
   return static_cast<std::size_t>(found - scene.outlets.begin());
 }
 
-/// Clusters leave by their centres of mass. New numbers of the clusters, -1: gone.
+/// Removes clusters by their centres of mass. Returns new indices of the clusters, -1: removed.
 std::vector<int> let_clusters_out(const Scene<2>& scene, const Vec2& gravity, State<2>& state) {
   std::vector<Cluster>& clusters = state.clusters.bodies;
   std::vector<int> new_number(clusters.size(), -1);
@@ -222,7 +222,7 @@ void let_in(const Scene<D>& scene, const Vec<D>& gravity, State<D>& state) {
   }
 }
 
-/// The contacts of the last step under the new numbers; `before`: how many bodies there were.
+/// Renumbers the contacts of the last step; `before`: the number of bodies before.
 template <int D>
 void renumber_contacts(const std::vector<int>& new_index, State<D>& state) {
   const int before = static_cast<int>(new_index.size());

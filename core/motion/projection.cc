@@ -11,10 +11,10 @@
 namespace bipot {
 namespace {
 
-// A pair that moves out of its overlap within so many steps is left alone.
+// A pair that leaves its overlap within this number of steps is not pushed.
 constexpr double kLeaving = 10;
 
-/// The scene's materials without friction and restitution: a row a contact, no rotations.
+/// The scene's materials without friction and restitution: one row for each contact, no rotations.
 template <int D>
 Scene<D> frictionless(const Scene<D>& scene) {
   Scene<D> flat;
@@ -57,7 +57,7 @@ Projection project_overlaps(const Scene<D>& scene, const StepSolver& solver, boo
   const Scene<D> flat = frictionless(scene);
   const std::vector<Vec<D>> still(state.bodies.size(), Vec<D>::Zero());
   const std::vector<double> still_walls(state.walls.size(), 0.0);
-  // With the state's velocities, so that u_before says which pairs move apart.
+  // With the state's velocities: u_before then tells which pairs move apart.
   AssembledStep assembled = assemble_step<D>(flat, state.bodies, state.walls, contacts, still,
                                              still_walls, explicit_delassus, threads);
   ContactProblem& p = assembled.problem;

@@ -29,7 +29,7 @@ double polygon_area(const std::vector<Vec2>& corners) {
   return 0.5 * twice;
 }
 
-/// What is left of a convex polygon in front of the half-plane.
+/// The part of a convex polygon in front of the half-plane.
 std::vector<Vec2> clip(const std::vector<Vec2>& polygon, const Vec2& point, const Vec2& normal) {
   std::vector<Vec2> kept;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -43,8 +43,8 @@ std::vector<Vec2> clip(const std::vector<Vec2>& polygon, const Vec2& point, cons
   return kept;
 }
 
-/// Of a periodic cell at mid-step; where it is not periodic in y, as high as the half-planes leave
-/// room, or the disks reach.
+/// Area of a periodic cell at mid-step. If it is not periodic in y, it is as high as the
+/// half-planes allow, or the disks reach.
 double cell_area(const State<2>& state, double step, const Box<2>& disks) {
   PeriodicCell cell = state.cell;
   move_cell(cell, -0.5 * step);
@@ -61,8 +61,8 @@ double cell_area(const State<2>& state, double step, const Box<2>& disks) {
   return cell.width.length * (high - low);
 }
 
-/// Area of the smallest hollow circle that holds all disks, less what solid circles take of it; NaN
-/// without one. Half-planes have no part in it.
+/// Area of the smallest hollow circle that holds all disks, less that of solid circles in it; NaN
+/// without one. Half-planes have no effect.
 double drum_area(const State<2>& state, double step) {
   double smallest = kInfinity;
   Vec2 centre = Vec2::Zero();
@@ -87,7 +87,8 @@ double drum_area(const State<2>& state, double step) {
   return area;
 }
 
-/// Area that the half-planes enclose; NaN where they leave the sample open, or leave disks out.
+/// Area enclosed by the half-planes; NaN if they leave the sample open, or do not contain all
+/// disks.
 double enclosed_area(const State<2>& state, double step, const Box<2>& disks) {
   constexpr double kFar = 1e3;  // an enclosure this many times as wide as the disks counts as none
   Box<2> far = disks;
@@ -109,7 +110,7 @@ double enclosed_area(const State<2>& state, double step, const Box<2>& disks) {
   return polygon.size() < 3 ? kNaN : polygon_area(polygon);
 }
 
-/// The disk that reaches farthest in a direction, the first of several.
+/// The disk that extends farthest in a direction, the first of several.
 std::size_t farthest_disk(const State<2>& state, double step, const Vec2& direction,
                           const std::vector<std::size_t>& among) {
   std::size_t farthest = 0;
@@ -125,8 +126,8 @@ std::size_t farthest_disk(const State<2>& state, double step, const Vec2& direct
   return farthest;
 }
 
-/// Disks that may reach farthest in some direction, in their order: all but those that lie within a
-/// polygon of sixteen points of the hull, by more than rounding.
+/// Disks that may extend farthest in some direction, in their order. Excluded are those that lie,
+/// by more than rounding, within a polygon of sixteen points of the hull.
 std::vector<std::size_t> outer_candidates(const State<2>& state, double step, const Box<2>& box) {
   constexpr int kCorners = 16;
   constexpr double kRounding = 1e-9;
@@ -197,7 +198,7 @@ double sample_measure(const State<2>& state, double step) {
     return enclosed;
   }
   if (const double drum = drum_area(state, step); std::isfinite(drum)) return drum;
-  // Only disks that reach farthest in some direction have points on the hull.
+  // Only disks that extend farthest in some direction have points on the hull.
   std::array<Vec2, kRimPoints> directions;
   for (int k = 0; k < kRimPoints; ++k) {
     const double angle = 2 * std::numbers::pi * k / kRimPoints;

@@ -17,7 +17,7 @@ constexpr int kSides = 256;  // from which the sample is touched
 
 Vec3 centre_at_middle(const Sphere& s, double step) { return s.x - 0.5 * step * s.v; }
 
-/// Corners of a convex polygon with normal n, put in order around their mean.
+/// Sorts the corners of a convex polygon with normal n around their mean.
 void put_in_order(std::vector<Vec3>& corners, const Vec3& n) {
   Vec3 mean = Vec3::Zero();
   for (const Vec3& c : corners) mean += c / static_cast<double>(corners.size());
@@ -39,15 +39,15 @@ Vec3 side(int k) {
   return Vec3(width * std::cos(angle), width * std::sin(angle), height);
 }
 
-/// What of a sphere its planes touch, at mid-step: much less than the sphere to pass over.
+/// A sphere at mid-step, reduced to the data for its tangent planes.
 struct Ball {
   Vec3 x;
   double radius;
 };
 
-/// Spheres that may reach farthest in some direction: all but those that lie within the hull of 26 others
-/// far out and near 26 rays. The hull of their centres need not be known for that:
-/// it contains the tetrahedra between the mean of the 26 and three that are neighbours by direction.
+/// Spheres that may extend farthest in some direction. Excluded are those within the hull of 26
+/// others, which lie far out along 26 rays. The hull of their centres is not computed: it contains
+/// the tetrahedra between the mean of the 26 and three that are neighbours by direction.
 std::vector<Ball> outer_spheres(const std::vector<Ball>& all, const Box<3>& box) {
   constexpr double kInside = 1 - 1e-3, kFlat = 1e-3;
   const auto at = [](const Vec3& ways) {
@@ -76,7 +76,7 @@ std::vector<Ball> outer_spheres(const std::vector<Ball>& all, const Box<3>& box)
     mean += corners[at(ways)] / 26;
     smallest = std::min(smallest, farthest->radius);
   }
-  // By signs and the order of the sizes of the coordinates, two digits of three.
+  // Indexed by signs and by the order of the sizes of the coordinates, two digits of three.
   std::array<Eigen::Matrix3d, 72> barycentric;
   for (int signs = 0; signs < 8; ++signs) {
     const Vec3 corner(signs & 4 ? 1 : -1, signs & 2 ? 1 : -1, signs & 1 ? 1 : -1);
@@ -107,7 +107,7 @@ std::vector<Ball> outer_spheres(const std::vector<Ball>& all, const Box<3>& box)
   std::vector<Ball> outer;
   for (const Ball& ball : all) {
     const Vec3 x = ball.x - mean;
-    // Of a larger sphere, an octahedron around what is more.
+    // For a larger sphere, an octahedron around the excess.
     const double more = std::sqrt(3.0) * (ball.radius - smallest);
     bool inner = within(x);
     for (int axis = 0; axis < 3 && inner && more > 0; ++axis) {
@@ -118,7 +118,7 @@ std::vector<Ball> outer_spheres(const std::vector<Ball>& all, const Box<3>& box)
   return outer;
 }
 
-/// Of a periodic cell, between the walls; where these leave it open, as far as the spheres reach.
+/// Volume of a periodic cell, between the walls; where these leave it open, up to the spheres.
 double cell_volume(const State<3>& state, double step, const Box<3>& spheres) {
   constexpr double kFar = 1e3;
   const PeriodicCell& cell = state.cell;
@@ -152,7 +152,7 @@ double cell_volume(const State<3>& state, double step, const Box<3>& spheres) {
   return body.volume();
 }
 
-/// Volume that the walls enclose; NaN where they leave the sample open, or leave spheres out.
+/// Volume enclosed by the walls; NaN if they leave the sample open, or do not contain all spheres.
 double enclosed_volume(const State<3>& state, double step, const Box<3>& spheres) {
   constexpr double kFar =
       1e3;  // an enclosure this many times as wide as the spheres counts as none
@@ -244,7 +244,7 @@ double ConvexBody::volume() const {
     }
     return Vec3(sum / corners);
   }();
-  // Pyramids from a point inside to the faces.
+  // Sum of pyramids from an inner point to the faces.
   double sum = 0;
   for (const auto& face : faces_) {
     Vec3 twice = Vec3::Zero();
@@ -258,7 +258,7 @@ double ConvexBody::volume() const {
 
 void clip_by_cylinder(ConvexBody& body, const Vec3& point, const Wall<3>& wall) {
   const auto frame = contact_frame<3>(wall.normal);
-  // A polygon of n sides whose sides lie at a distance d has the area n d² tan(pi/n).
+  // A polygon of n sides at a distance d has the area n d² tan(pi/n).
   const double turn = 2 * std::numbers::pi / kPrism;
   const double distance =
       wall.radius * std::sqrt(std::numbers::pi / (kPrism * std::tan(0.5 * turn)));

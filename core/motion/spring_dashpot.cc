@@ -15,8 +15,8 @@
 namespace bipot {
 namespace {
 
-/// Reach of the neighbour list, of the smallest radius: long enough that searching is rare, short
-/// enough that few pairs are tested in vain.
+/// Reach of the neighbour list, relative to the smallest radius. Larger values make searches rarer
+/// and lists longer.
 constexpr double kSkin = 0.2;
 constexpr int kPollEvery = 64;  // substeps between looks at the clock
 
@@ -54,7 +54,7 @@ void SpringDashpotStepper::load(const State<2>& state) {
   gravity_ = gravity_at(scene_, middle);
   walls_before_ = walls_;
   wall_push_.assign(walls_.size(), 0.0);
-  // The springs of the state; find_pairs() takes them over.
+  // Takes the springs of the state; find_pairs() uses them.
   pairs_.clear();
   for (const ContactOutcome<2>& c : state.contacts) {
     if (c.spring == 0) continue;
@@ -80,8 +80,8 @@ SpringDashpotStepper::Pair SpringDashpotStepper::make_pair(int i, int j) const {
     material = scene_.bodies[static_cast<std::size_t>(j)].material;
   } else {
     const Wall<2>& w = walls_[static_cast<std::size_t>(j - n)];
-    // A driven wall gives way along its direction only; its mass enters in full, which
-    // damps the other direction a little more.
+    // A driven wall yields along its direction only. Its mass enters in full, which damps the other
+    // direction slightly more.
     if (w.motion == Wall<2>::Motion::kDriven) {
       normal += 1 / w.mass;
       rim += 1 / w.mass;
@@ -100,9 +100,9 @@ SpringDashpotStepper::Pair SpringDashpotStepper::make_pair(int i, int j) const {
           .c_t = 2 * zeta * std::sqrt(setup_.tangential_stiffness / rim)};
 }
 
-/// A new neighbour list; pairs in use keep what they carry.
+/// Makes a new neighbour list; pairs in use keep their springs.
 void SpringDashpotStepper::find_pairs(const State<2>& state) {
-  // Detection looks at centres and radii alone.
+  // Detection needs centres and radii alone.
   std::vector<Disk> disks = state.bodies;
   for (std::size_t k = 0; k < disks.size(); ++k) disks[k].x = Vec2(bodies_[k].x, bodies_[k].y);
   const std::vector<Contact<2>> near = detect_contacts(disks, walls_, skin_);
@@ -186,8 +186,8 @@ void SpringDashpotStepper::drift(double dt) {
   }
 }
 
-/// Forces at the mid-point. Work is the trapezoidal sum of force times velocity, so each pair's
-/// force of the substep before is still needed; so are pairs that have just come apart.
+/// Forces at the midpoint. Work is the trapezoidal sum of force times velocity. Therefore the force
+/// of each pair in the previous substep is still needed, and so are pairs that have just separated.
 void SpringDashpotStepper::apply_contacts(double dt) {
   const double k_n = setup_.stiffness, k_t = setup_.tangential_stiffness;
   const std::size_t num_disks = bodies_.size();
@@ -214,7 +214,8 @@ void SpringDashpotStepper::apply_contacts(double dt) {
         p.spring += dt * u[1];
         const double limit = p.mu * f_n;
         if (k_t * std::abs(p.spring) > limit) {
-          // Slip: the spring stays as long as friction can hold it, the dashpot takes no part.
+          // Slip: the spring keeps the elongation that friction can hold; the dashpot has no
+          // effect.
           f_t = std::copysign(limit, -p.spring);
           p.spring = -f_t / k_t;
         } else {
@@ -250,7 +251,7 @@ void SpringDashpotStepper::apply_contacts(double dt) {
     }
     const Wall<2>& w = walls_[j - num_disks];
     if (w.motion == Wall<2>::Motion::kDriven) {
-      // What acts across the direction is taken by the wall's guide.
+      // Forces across the direction act on the guide of the wall.
       const double along = fx * w.direction[0] + fy * w.direction[1];
       wall_push_[j - num_disks] -= along;
       external_ += dt * (Vec2(fx, fy) - along * w.direction);
@@ -300,7 +301,7 @@ SpringDashpotStepper::Elastic SpringDashpotStepper::elastic_energy() const {
   return energy;
 }
 
-/// By how much two bodies can come closer in a substep, at most.
+/// Upper bound of the approach of two bodies in a substep.
 double SpringDashpotStepper::path_per_substep(double dt) const {
   double disk2 = 0, wall2 = 0;
   for (const Body& b : bodies_) disk2 = std::max(disk2, b.vx * b.vx + b.vy * b.vy);

@@ -8,46 +8,48 @@
 
 namespace bipot {
 
-/// When a step fails instead of going on.
+/// Limits at which a step fails.
 struct SpringDashpotLimits {
-  double overlap = 0.1;         ///< of the smaller radius: beyond it a step fails
-  double created_energy = 0.1;  ///< of the energy in play, made in one step: beyond it it fails
+  double overlap = 0.1;  ///< relative to the smaller radius: beyond it a step fails
+  /// Relative to the energy in play, created in one step: beyond it the step fails.
+  double created_energy = 0.1;
 };
 
-/// The smooth discrete element method of Cundall and Strack, Géotechnique 29 (1979) 47-65, that
-/// the paper contrasts itself with: what `bipot run --model dem` integrates. Contacts overlap; at
-/// an overlap d = -gap > 0, with the relative velocity (u_n, u_t) of core/motion/assembly.h,
+/// The smooth discrete element method of Cundall and Strack, Géotechnique 29 (1979) 47-65, with
+/// which the paper compares its own: `bipot run --model dem` integrates it. Contacts overlap. At an
+/// overlap d = -gap > 0, with the relative velocity (u_n, u_t) of core/motion/assembly.h,
 ///
 ///   F_n = max(0, k_n d - c_n u_n),                    no tension
 ///   x <- x + dt u_t, cut to k_t |x| <= mu F_n;   where it was cut (slip) F_t = -k_t x,
-///                                                else F_t = -k_t x - c_t u_t, cut to mu F_n,
+///                                                else F_t = -k_t x - c_t u_t, cut to mu F_n.
 ///
-/// x the elongation of the tangential spring since the contact began; c = 2 zeta √(k m) with the
-/// pair's effective mass m of the direction and zeta from e_n (spring_dashpot_setup.h). Each
+/// Here x is the elongation of the tangential spring since the contact began. c = 2 zeta √(k m) has
+/// the pair's effective mass m of the direction and zeta from e_n (spring_dashpot_setup.h). Each
 /// substep dt is explicit and has the form of the nonsmooth step (38), (43):
 ///
 ///   q_m = q + dt/2 v,   v <- v + dt A⁻¹ (F_ext + H F(q_m, v)),   q <- q_m + dt/2 v
 ///
-/// of second order; dashpots see the velocity of half a substep before, which is first order in
-/// them. Friction acts at the lever arm a_i, as in H.
+/// It is of second order, but of first order in the dashpots, which use the velocity half a substep
+/// earlier. Friction acts at the lever arm a_i, as in H.
 ///
-/// Same use as TimeStepper: advance() takes one step h of the scene, in setup().substeps substeps.
+/// Used like TimeStepper: advance() takes one step h of the scene, in setup().substeps substeps.
 /// Contacts of the state carry the impulses of the whole step (force = s/h is the mean force), the
-/// geometry and velocities at its end, and the tangential springs: a restart continues bit for bit.
+/// geometry and velocities at its end, and the tangential springs. A restart continues bit for bit.
+///
 /// StepReport: iterations = substeps, error = NaN (there is no contact problem to judge),
-/// penetration = largest overlap in any substep, shock_loss and friction_loss = work of the normal
-/// and tangential forces less what their springs still store; with e_n = 1 the former is the
-/// integration's own error.
+/// penetration = largest overlap in any substep. shock_loss and friction_loss are the work of the
+/// normal and tangential forces less the energy stored in their springs. With e_n = 1 shock_loss is
+/// the error of the integration.
 class SpringDashpotStepper {
  public:
-  /// The scene must outlive the stepper. `cut_short` is polled every few substeps; true leaves the
-  /// step for another run. Throws std::invalid_argument as spring_dashpot_setup() does.
+  /// The scene must outlive the stepper. `cut_short` is polled every few substeps; true ends the
+  /// step without result. Throws std::invalid_argument as spring_dashpot_setup() does.
   explicit SpringDashpotStepper(const Scene<2>& scene, std::function<bool()> cut_short = {},
                                 SpringDashpotLimits limits = {});
 
-  /// Throws StepFailure, leaving the state at the end of the step before, when overlap or energy
-  /// grow beyond the limits, anything is not finite, or it was cut short. Substeps allocate nothing
-  /// but where neighbours are searched anew.
+  /// Throws StepFailure, with the state as before the step, in these cases: overlap or energy
+  /// exceed the limits, a value is not finite, or the step was cut short. Substeps allocate memory
+  /// only in a new search of neighbours.
   StepReport<2> advance(State<2>& state);
 
   const SpringDashpotSetup& setup() const { return setup_; }
@@ -58,7 +60,7 @@ class SpringDashpotStepper {
     double fx = 0, fy = 0, torque = 0;
     double inv_mass = 0, inv_inertia = 0, radius = 0;
   };
-  /// A pair that touches or may touch soon.
+  /// A pair in contact or close to it.
   struct Pair {
     int i = 0, j = 0;
     double mu = 0, c_n = 0, c_t = 0;
@@ -103,7 +105,7 @@ class SpringDashpotStepper {
   Vec2 gravity_ = Vec2::Zero();                // of the step
   std::vector<double> wall_push_;    // force on driven walls along their direction, this substep
   std::vector<Pair> pairs_, fresh_;  // sorted by (i, j)
-  double skin_ = 0, path_ = 0;       // of the neighbour list: its reach, and what is used of it
+  double skin_ = 0, path_ = 0;       // of the neighbour list: its reach, and the used part of it
   double work_n_ = 0, work_t_ = 0;   // of contact forces in this step
   double wall_work_ = 0;
   Vec2 external_ = Vec2::Zero();  // impulse on disks and driven walls from outside

@@ -30,7 +30,7 @@ struct Load {
   double speed = 0;  // [m/s]
 };
 
-/// How far gravity takes disks down before they lie densely (0.8 of the area filled).
+/// Largest fall of disks under gravity until they lie densely (0.8 of the area filled).
 double fall(const Scene<2>& scene, const Vec2& up, double width) {
   double area = 0, lowest = kInfinity;
   for (const Disk& d : scene.bodies) {
@@ -55,7 +55,8 @@ double fall(const Scene<2>& scene, const Vec2& up, double width) {
   return std::max(result, least);
 }
 
-/// How fast a disk may hit something: a single disk among half-planes cannot hit one sideways.
+/// Upper estimate of a disk's impact speed: a single disk among half-planes cannot hit one
+/// sideways.
 double impact_speed(const Scene<2>& scene, const Disk& disk) {
   if (scene.bodies.size() > 1) return disk.v.norm();
   double speed = 0;
@@ -143,7 +144,7 @@ double critical_step(const Scene<2>& scene, double k_n, double k_t, double zeta)
     const double along =
         std::min(static_cast<double>(scene.bodies.size()), std::floor(across / (2 * smallest)) + 1);
     CriticalStep c = contact(1 / w.mass, 0, 1 / heaviest, 0);
-    // A driven wall moves along one direction only, normal and tangential parts included.
+    // A driven wall moves along one direction only, which includes normal and tangential parts.
     c.kappa = std::max(k_n, k_t) / w.mass;
     c.chi = std::max(c.chi, 2 * zeta * std::sqrt(k_t / least_mobile) / w.mass);
     step = std::min(step, CriticalStep{2 * along * c.kappa, 2 * along * c.chi}.step());
@@ -217,8 +218,8 @@ SpringDashpotSetup spring_dashpot_setup(const Scene<2>& scene) {
   for (const Wall<2>& w : scene.walls) {
     if (w.removed == kInfinity) continue;
     throw std::invalid_argument(fmt::format(
-        "dem: wall '{}' is removed at {:g} s; what springs at it hold then is not accounted for, so "
-        "this is for rigid contacts only",
+        "dem: wall '{}' is removed at {:g} s; the energy of springs at it would not be accounted "
+        "for, so this is for rigid contacts only",
         w.name, w.removed));
   }
   const SpringDashpotChoice& choice = scene.dem;

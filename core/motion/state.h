@@ -10,32 +10,32 @@
 
 namespace bipot {
 
-/// What has gone through an outlet or an inlet since step 0, and how much of it last.
+/// Bodies through an outlet or an inlet: since step 0, and in the last change.
 template <int D>
 struct GateFlow {
   int count = 0;                     ///< bodies
   double mass = 0;                   ///< [kg]
   double energy = 0;                 ///< kinetic, and potential at the time                  [J]
   Vec<D> momentum = Vec<D>::Zero();  ///< [kg m/s]
-  int waiting = 0;                   ///< inlets: steps that found no room for what was due
-  double last_mass = 0;              ///< in the last step                                    [kg]
+  int waiting = 0;       ///< inlets: number of steps without room for bodies that were due
+  double last_mass = 0;  ///< in the last step                                    [kg]
 };
 
-/// Who is there, in scenes with outlets or inlets; empty in all others.
+/// The bodies present, in scenes with outlets or inlets; empty in all others.
 template <int D>
 struct Population {
-  /// Of each body, increasing: those of the scene keep their numbers, what comes in gets the next ones.
+  /// Numbers of the bodies, increasing: those of the scene keep theirs, new ones get the next.
   std::vector<int> numbers;
   std::vector<GateFlow<D>> outlets, inlets;  ///< as many as the scene has
 };
 
-/// The moving part of a scene: all that a restart needs.
+/// The changing part of a scene: all data for a restart.
 template <int D>
 struct State {
   double time = 0;  ///< [s]
   int step = 0;     ///< steps done
   std::vector<Body<D>> bodies;
-  Clusters clusters;  ///< of disks that are joined rigidly; in the plane
+  Clusters clusters;  ///< disks that are joined rigidly; 2D only
   std::vector<Wall<D>> walls;
   PeriodicCell cell;                        ///< of periodic scenes
   Population<D> population;                 ///< of scenes with outlets or inlets
@@ -47,26 +47,26 @@ struct State {
 template <int D>
 State<D> initial_state(const Scene<D>& scene);
 
-/// The time after one more step of size h: a multiple of h, which has no drift, unless the step
-/// size was another one before a restart.
+/// The time after one more step of size h. It is a multiple of h, which has no drift, unless the
+/// step size changed at a restart.
 template <int D>
 double time_after_step(const State<D>& state, double h);
 
-/// What a state's bodies add up to, in one pass over them.
+/// Sums over the bodies of a state, computed in one pass.
 template <int D>
 struct StateSums {
   double kinetic = 0;                ///< disks, driven walls and sides of a cell  [J]
   double potential = 0;              ///< zero at the origin                       [J]
   Vec<D> momentum = Vec<D>::Zero();  ///< disks and driven walls                   [kg m/s]
 };
-/// Adds what these disks and these walls have; clusters and a cell have no part in it.
+/// Adds the sums of these disks and walls, without clusters and cell.
 template <int D>
 void add_to_sums(std::span<const std::type_identity_t<Body<D>>> disks,
                  std::span<const std::type_identity_t<Wall<D>>> walls,
                  const std::type_identity_t<Vec<D>>& gravity, StateSums<D>& sums);
 template <int D>
 StateSums<D> state_sums(const State<D>& state, const std::type_identity_t<Vec<D>>& gravity);
-/// One of them; each is a pass of its own.
+/// Single sums; each call is a pass of its own.
 template <int D>
 double kinetic_energy(const State<D>& state) {
   return state_sums(state, Vec<D>::Zero()).kinetic;
@@ -79,13 +79,13 @@ template <int D>
 Vec<D> momentum(const State<D>& state) {
   return state_sums(state, Vec<D>::Zero()).momentum;
 }
-/// Of the disks about the origin, their spins included.                      [N m s]
+/// Angular momentum of the disks about the origin, their spins included. [N m s]
 template <int D>
 Spin<D> angular_momentum(const State<D>& state);
 
-/// Empty when a state can go on under a scene: same disks (radius, mass, inertia, material), of those that
-/// have not left, outlets, inlets and walls (shape, motion, force, mass, direction, material); else one sentence that names the
-/// difference.
+/// Empty if a state can continue under a scene, else one sentence that names the difference. Disks
+/// that have not left must be the same (radius, mass, inertia, material). So must outlets, inlets
+/// and walls (shape, motion, force, mass, direction, material).
 template <int D>
 std::string restart_mismatch(const Scene<D>& scene, const State<D>& state);
 

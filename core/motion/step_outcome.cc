@@ -36,7 +36,7 @@ ContactValues<D> contact_values(const ContactProblem& p, const AssembledStep& as
   return values;
 }
 
-/// The tangential part of a contact's values.
+/// The tangential part of the values of a contact.
 template <int D>
 Tangent<D> tangential(const std::array<double, to_size(D)>& values,
                       const std::array<Vec<D>, to_size(D)>& frame) {
@@ -47,12 +47,12 @@ Tangent<D> tangential(const std::array<double, to_size(D)>& values,
   }
 }
 
-/// What a wall's impulse on a disk means for the world outside.
+/// Adds the effect of a wall's impulse on a disk to the external sums.
 template <int D>
 void add_wall_impulse(const Wall<D>& wall, const Vec<D>& n, const Vec<D>& impulse,
                       StepOutcome<D>& outcome) {
   if (wall.motion == Wall<D>::Motion::kDriven) {
-    // What acts across the direction is taken by the wall's guide.
+    // Impulses across the direction act on the guide of the wall.
     outcome.external += impulse - impulse.dot(wall.direction) * wall.direction;
   } else {
     outcome.external += impulse;
@@ -60,7 +60,7 @@ void add_wall_impulse(const Wall<D>& wall, const Vec<D>& n, const Vec<D>& impuls
   outcome.wall_work += impulse.dot(prescribed_velocity(wall, n));
 }
 
-/// Velocity of an image by the sides of the cell that no force moves.
+/// Velocity of an image due to the sides of the cell that no force moves.
 template <int D>
 Vec2 prescribed_shift_velocity(const PeriodicCell& cell, const Contact<D>& contact) {
   PeriodicCell prescribed = cell;

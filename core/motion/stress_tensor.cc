@@ -12,7 +12,7 @@
 namespace bipot {
 namespace {
 
-/// The matrix of w × (in the plane w e3 ×, a quarter turn counter-clockwise).
+/// The matrix of w × (in 2D w e3 ×, a quarter turn counter-clockwise).
 Mat2 cross_matrix(double w) { return (Mat2() << 0, -w, w, 0).finished(); }
 Mat<3> cross_matrix(const Vec3& w) {
   return (Mat<3>() << 0, -w[2], w[1], w[2], 0, -w[0], -w[1], w[0], 0).finished();
@@ -26,8 +26,8 @@ Vec<D> middle(const Body<D>& d, double step) {
 double extent(const Disk& d) { return std::numbers::pi * d.radius * d.radius; }
 double extent(const Sphere& s) { return 4 * std::numbers::pi / 3 * s.radius * s.radius * s.radius; }
 
-/// A contact's force and geometry. The tensor of a contact is f ⊗ l but for its antisymmetric part,
-/// which is taken with the lever arms of the step (MeanStress).
+/// Force and geometry of a contact. Its tensor is f ⊗ l except for the antisymmetric part, which
+/// uses the lever arms of the step (MeanStress).
 template <int D>
 struct Link {
   int i = 0, j = -1;   // j < 0: a wall
@@ -95,7 +95,7 @@ Mat<D> kinetic_part(const Body<D>& d, const Vec<D>& mean) {
   return d.mass * v * v.transpose();
 }
 
-/// The disks with the velocities that they have beyond the deformation of their periodic cell.
+/// The disks with their velocities relative to the deformation of their periodic cell.
 template <int D>
 const std::vector<Body<D>>& without_deformation(const State<D>& state,
                                                 std::vector<Body<D>>& disks) {
@@ -107,9 +107,9 @@ const std::vector<Body<D>>& without_deformation(const State<D>& state,
   return disks;
 }
 
-/// What the contacts of clusters add, for their branches end in the centre of mass, not in that of the disk: of
-/// a force f on a disk that lies c from it -f ⊗ c to the contact part, and its moment c × f to the spin part.
-/// `add(disk, contact, spin)`.                                                            [N m]
+/// Adds the terms of contacts of clusters, whose branches end in the centre of mass, not in that of
+/// the disk. A force f on a disk at c from it adds -f ⊗ c to the contact part, and its moment c × f
+/// to the spin part. `add(disk, contact, spin)`. [N m]
 template <class Add>
 void add_levers(const State<2>& state, double step, const Add& add) {
   const int num_disks = static_cast<int>(state.bodies.size());
@@ -127,7 +127,7 @@ void add_levers(const State<2>& state, double step, const Add& add) {
   }
 }
 
-/// The clusters as bodies that have nothing but mass and motion, beyond the deformation of the cell.
+/// The clusters as bodies with mass and motion only, relative to the deformation of the cell.
 std::vector<Disk> clusters_as_disks(const State<2>& state) {
   std::vector<Disk> disks;
   for (const Cluster& c : state.clusters.bodies) {
@@ -137,7 +137,7 @@ std::vector<Disk> clusters_as_disks(const State<2>& state) {
   return disks;
 }
 
-/// The disks as without_deformation() has them, and the clusters after them.
+/// The disks as in without_deformation(), and the clusters after them.
 template <int D>
 const std::vector<Body<D>>& with_clusters(const State<D>& state, std::vector<Body<D>>& disks) {
   if constexpr (D == 2) {
@@ -191,9 +191,9 @@ void gather_clusters(const State<2>& state, double step, const Vec2& mean,
   }
 }
 
-/// Of links that end in clusters: the branch from and to their centres of mass, and the tensor that goes with it; what the
-/// contacts turn the clusters with goes to the moments of theirs. `arms`: from the centre of mass of its cluster to each
-/// disk at mid-step.
+/// Changes links that end in clusters: branches then lead to the centres of mass, with the tensors
+/// that follow. Moments of the contacts on clusters are added to those of the clusters. `arms`:
+/// from the centre of mass of its cluster to each disk at mid-step.
 void end_in_clusters(const State<2>& state, std::vector<Link<2>>& links,
                      const std::vector<Vec2>& arms) {
   for (Link<2>& link : links) {
@@ -212,7 +212,7 @@ void end_in_clusters(const State<2>& state, std::vector<Link<2>>& links,
   }
 }
 
-/// The arms of end_in_clusters(), zero of disks in no cluster.
+/// The arms of end_in_clusters(), zero for disks in no cluster.
 std::vector<Vec2> arms_at_middle(const State<2>& state, double step) {
   std::vector<Vec2> arms(state.bodies.size(), Vec2::Zero());
   for (std::size_t k = 0; k < arms.size(); ++k) {
@@ -224,7 +224,7 @@ std::vector<Vec2> arms_at_middle(const State<2>& state, double step) {
   return arms;
 }
 
-/// Where what is measured of a body counts: its motion and its moment.
+/// The place to which motion and moment of a body are assigned.
 template <int D>
 struct Centre {
   Body<D> body;  // x at mid-step
@@ -264,7 +264,7 @@ std::vector<Centre<D>> centres(const State<D>& state, double step,
   return list;
 }
 
-/// Length share of the segment from a to b with lower <= x < upper in every coordinate.
+/// Fraction of the segment from a to b with lower <= x < upper in every coordinate.
 template <int D>
 double share_inside(const Vec<D>& a, const Vec<D>& b, const Box<D>& box) {
   double first = 0, last = 1;

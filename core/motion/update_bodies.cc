@@ -11,7 +11,7 @@ namespace {
 void set_spin(Disk& d, const Vector& v, int row) { d.spin = v[row]; }
 void set_spin(Sphere& s, const Vector& v, int row) { s.spin = v.segment<3>(row); }
 
-/// The update of clusters, whose disks go with them.
+/// Updates clusters and their disks.
 void move_clusters(const Midpoint<2>& mid, const DofMap& dofs, const Vector& v, double h,
                    State<2>& next) {
   if (mid.clusters.empty()) return;

@@ -9,9 +9,9 @@
 
 namespace bipot {
 
-/// The impulses of the step before at the contacts of the same pairs, 0 at new ones, in the
-/// problem's variables (row_scale). `contacts` are those of `problem`; both lists are sorted by
-/// (i, j), as detection leaves them.
+/// Start of a solver: the impulses of the previous step at the contacts of the same pairs, 0 at new
+/// ones, in the problem's variables (row_scale). `contacts` are those of `problem`. Both lists are
+/// sorted by (i, j), as detection returns them.
 template <int D>
 Vector warm_start(const std::vector<ContactOutcome<D>>& before,
                   std::span<const std::type_identity_t<Contact<D>>> contacts,

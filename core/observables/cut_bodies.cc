@@ -25,7 +25,7 @@ double corner(double x, double y) {
     if (x >= 0 && y >= 0) return kPi - cap(x) - cap(y);
     return x < 0 ? cap(-x) : cap(-y);
   }
-  // Between the chord at Y = y and the lower half, from the chord's left end on.
+  // Between the chord at Y = y and the lower half, from the left end of the chord on.
   const double end = std::sqrt(1 - y * y);
   const auto primitive = [](double t) { return 0.5 * (t * std::sqrt(1 - t * t) + std::asin(t)); };
   const double between = y * (x + end) + primitive(x) - primitive(-end);
@@ -39,10 +39,11 @@ double turn_at(double x, double y) {
   return safe_acos(-x * y / std::sqrt((1 - x * x) * (1 - y * y)));
 }
 
-// The parts of the unit ball beyond one, two and three planes are cones from the centre over a part of the
-// sphere, less cones over plane sections: V = (S - Σ x A_x)/3. S is 2π less the turning of its boundary
-// (Gauss and Bonnet): x times the angle of the arc on the circle X = x, and the angles at its corners. What
-// lies beyond a plane with x < 0 is all but the mirror image of what lies beyond -x.
+// The parts of the unit ball beyond one, two and three planes are cones from the centre over a part
+// of the sphere, less cones over plane sections: V = (S - Σ x A_x)/3. By Gauss and Bonnet, S is 2π
+// less the turning of its boundary. That is x times the angle of the arc on the circle X = x, plus
+// the angles at its corners. The part beyond a plane with x < 0 is the ball less the mirror image
+// of that beyond -x.
 
 /// Volume of the unit ball with X > x.
 double beyond(double x) {
@@ -50,7 +51,7 @@ double beyond(double x) {
   return kPi / 3 * (1 - x) * (1 - x) * (2 + x);
 }
 
-/// And Y > y.
+/// Volume of the unit ball with X > x and Y > y.
 double beyond(double x, double y) {
   if (x < 0) return beyond(y) - beyond(-x, y);
   if (y < 0) return beyond(x) - beyond(x, -y);
@@ -61,7 +62,7 @@ double beyond(double x, double y) {
   return (surface - x * at_x * at_x * cap(y / at_x) - y * at_y * at_y * cap(x / at_y)) / 3;
 }
 
-/// And Z > z.
+/// Volume of the unit ball with X > x, Y > y and Z > z.
 double beyond(double x, double y, double z) {
   if (x < 0) return beyond(y, z) - beyond(-x, y, z);
   if (y < 0) return beyond(x, z) - beyond(x, -y, z);
@@ -90,7 +91,7 @@ double area_in_disk(double distance, double radius, double other_radius) {
                b = std::max(radius, other_radius);
   if (d >= a + b) return 0;
   if (d <= b - a) return kPi * a * a;
-  // The common chord lies x from the centre of the smaller one, towards the other: two caps.
+  // The common chord lies at x from the centre of the smaller disk, towards the other: two caps.
   const double x = (d * d + a * a - b * b) / (2 * d);
   return a * a * cap(x / a) + b * b * cap((d - x) / b);
 }

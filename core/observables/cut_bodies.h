@@ -4,13 +4,13 @@
 
 namespace bipot {
 
-/// What of a disk or a sphere lies in something, in closed form: exact but for rounding, about 1e-15 of the whole.
-/// Ends of rectangles and boxes may be infinite.
+/// Parts of disks and spheres within simple regions, in closed form: exact but for rounding, about
+/// 1e-15 of the whole. Ends of rectangles and boxes may be infinite.
 
 /// Area of the disk about x that lies in the rectangle from low to high.               [m²]
 double area_in_rectangle(const Vec2& x, double radius, const Vec2& low, const Vec2& high);
 
-/// Area common to two disks whose centres lie so far apart.                             [m²]
+/// Area common to two disks whose centres are `distance` apart. [m²]
 double area_in_disk(double distance, double radius, double other_radius);
 
 /// Volume of the sphere about x that lies in the box from low to high.                  [m³]

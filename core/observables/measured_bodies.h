@@ -7,7 +7,7 @@
 
 namespace bipot {
 
-/// One body of what is measured: a disk or a sphere, or a cluster with its centre of mass as its place.
+/// One body for measurements: a disk, a sphere, or a cluster at its centre of mass.
 template <int D>
 struct MeasuredBody {
   Vec<D> x = Vec<D>::Zero(), v = Vec<D>::Zero();
@@ -17,7 +17,8 @@ struct MeasuredBody {
   std::vector<std::size_t> parts;  ///< its disks, increasing
 };
 
-/// The bodies of a state, each where its first disk stands among the disks. Disks that are glued to a wall are none.
+/// The bodies of a state, each at the place of its first disk in the list of disks. Disks glued to
+/// a wall are left out.
 template <int D>
 struct MeasuredBodies {
   std::vector<MeasuredBody<D>> list;
@@ -26,8 +27,8 @@ struct MeasuredBodies {
 template <int D>
 MeasuredBodies<D> measured_bodies(const State<D>& state);
 
-/// What of a body lies in a box along the axes, where it is or at an image of it; what several disks of a cluster cover counts
-/// once.                                                                            [m² | m³]
+/// Area or volume of a body within a box along the axes, at its place or at an image. Overlaps
+/// within a cluster count once. [m² | m³]
 template <int D>
 double part_in_box(const State<D>& state, const MeasuredBody<D>& body, const Vec<D>& shift,
                    const Vec<D>& low, const Vec<D>& high);

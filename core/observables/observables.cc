@@ -22,7 +22,7 @@ bool in_window(const ObservableChoice<D>& choice, const std::type_identity_t<Vec
                             (x.array() < choice.window->second.array()).all());
 }
 
-/// The point where a contact touches, in the cell.
+/// The point of contact, in the cell.
 template <int D>
 Vec<D> touching_point(const State<D>& placed, const Contact<D>& contact) {
   const Body<D>& d = placed.bodies[to_size(contact.i)];
@@ -33,7 +33,7 @@ Vec<D> touching_point(const State<D>& placed, const Contact<D>& contact) {
   return point;
 }
 
-/// The states's disks where they can be compared with places.
+/// The state with its disks at places in the cell, where those can be compared.
 template <int D>
 State<D> in_place(const State<D>& state) {
   return state.cell.periodic() ? wrapped_state(state) : state;
@@ -62,7 +62,7 @@ Mat<D> fitted_gradient(const std::vector<const MeasuredBody<D>*>& disks) {
   return vx * xx.inverse();
 }
 
-/// Mean diameter and density of the spheres; in the plane neither is asked for.
+/// Mean diameter and density of the spheres; 2D needs neither.
 void observe_grains(const State<2>& /*placed*/, const ObservableChoice<2>& /*choice*/,
                     Observables<2>& /*seen*/) {}
 void observe_grains(const State<3>& placed, const ObservableChoice<3>& choice,
@@ -77,7 +77,7 @@ void observe_grains(const State<3>& placed, const ObservableChoice<3>& choice,
   seen.density = mass / volume;
 }
 
-/// What the bodies take up of the window.
+/// Part of the window that the bodies cover.
 template <int D>
 double disks_area(const State<D>& placed, const MeasuredBodies<D>& bodies,
                   const ObservableChoice<D>& choice) {
@@ -133,7 +133,8 @@ void observe_contacts(const State<D>& placed, const MeasuredBodies<D>& bodies,
   }
 }
 
-/// Where the bins of a profile end across its axis: as the window, the cell, what half-planes leave, or the disks.
+/// Ends of the bins of a profile across its axis: those of the window, the cell, the region that
+/// half-planes leave, or the disks.
 template <int D>
 Box<D> profile_section(const State<D>& placed, double step, const ObservableChoice<D>& choice) {
   if (choice.window) return {.lower = choice.window->first, .upper = choice.window->second};
@@ -159,7 +160,7 @@ Box<D> profile_section(const State<D>& placed, double step, const ObservableChoi
   return {.lower = low, .upper = high};
 }
 
-/// What hollow cylinders leave of a bin.
+/// Area or volume of a bin outside of hollow cylinders, which is cut off.
 double cut_size(const State<3>& placed, double step, const Box<3>& bin) {
   ConvexBody body(bin.lower, bin.upper);
   for (const Wall<3>& w : placed.walls) {
@@ -367,7 +368,7 @@ double mass_flux(const State<2>& state, const FluxLine& line) {
         flux += density * (chords[0].second - chords[0].first) * body.v.dot(left);
         continue;
       }
-      // What several disks cover counts once; a point at s along the line moves across it with v + spin (s - s_centre).
+      // Overlaps count once. A point at s along the line crosses it with v + spin (s - s_centre).
       std::sort(chords.begin(), chords.end());
       const double centre = (body.x + shift - line.a).dot(along);
       double reached = -kInfinity;

@@ -20,7 +20,7 @@ struct View {
 View view_of(const Vec3& gravity) {
   View view;
   view.up = gravity.norm() > 0 ? Vec3(-gravity.normalized()) : Vec3(Vec3::UnitZ());
-  // The axis that is nearest to the horizontal, the first one of several.
+  // The axis nearest to the horizontal; the first one of several.
   int axis = 0;
   for (int k = 1; k < 3; ++k) {
     if (std::abs(view.up[k]) < std::abs(view.up[axis]) - 1e-9) axis = k;
@@ -31,9 +31,9 @@ View view_of(const Vec3& gravity) {
   return view;
 }
 
-/// Walls that a plane picture can show: half-spaces that are seen edge-on, and of cylinders the circle
-/// that one looks along, or the two sides between which a hollow one that is seen from the side
-/// holds what is `off` from its axis.
+/// Adds the walls that a plane picture can show. Half-spaces are shown if seen edge-on. A cylinder
+/// is a circle if seen along its axis. A hollow one seen from the side is the two lines that bound
+/// the content at distance `off` from its axis.
 void add_wall(const Wall<3>& w, const View& view, double off, FlatView& flat) {
   Wall<2> wall;
   wall.name = w.name;
@@ -60,8 +60,8 @@ void add_wall(const Wall<3>& w, const View& view, double off, FlatView& flat) {
   }
 }
 
-/// What both views share: everything but the disks and the contacts. `depth`: of the cut; of the view of
-/// all, nothing: walls are shown by their outlines.
+/// The parts that both views share: everything but disks and contacts. `depth` is that of the cut;
+/// the full view has none and shows walls by their outlines.
 FlatView frame_of(const Scene<3>& scene, const State<3>& state, const View& view,
                   std::optional<double> depth) {
   FlatView flat;
@@ -77,7 +77,7 @@ FlatView frame_of(const Scene<3>& scene, const State<3>& state, const View& view
     add_wall(w, view, depth ? *depth - view.away.dot(w.a) : 0, flat);
   }
   flat.scene.walls = flat.state.walls;
-  // Across x the picture repeats itself, where it shows x to the right; what is behind another does not.
+  // The picture is periodic along x if it shows x to the right. Depth is not periodic.
   if (state.cell.periodic() && (view.right - Vec3::UnitX()).norm() < 1e-12) {
     flat.state.cell.in_x = true;
     flat.state.cell.width.length = state.cell.width.length;
@@ -85,7 +85,7 @@ FlatView frame_of(const Scene<3>& scene, const State<3>& state, const View& view
   return flat;
 }
 
-/// Contacts of the spheres that have a disk.
+/// Contacts of the spheres that appear as disks.
 void add_contacts(const State<3>& state, const View& view, FlatView& flat) {
   const int spheres = static_cast<int>(state.bodies.size());
   const int disks = static_cast<int>(flat.bodies.size());
@@ -93,7 +93,7 @@ void add_contacts(const State<3>& state, const View& view, FlatView& flat) {
   for (int k = 0; k < disks; ++k) disk_of[to_size(flat.bodies[to_size(k)])] = k;
   for (const ContactOutcome<3>& o : state.contacts) {
     const int i = disk_of[to_size(o.contact.i)];
-    // All walls stand behind the disks: the picture only asks whether it is one.
+    // All walls come after the disks: the picture only asks whether a body is a wall.
     const int j = o.contact.j < spheres ? disk_of[to_size(o.contact.j)] : disks;
     if (i < 0 || j < 0) continue;
     if (o.contact.image_x != 0 && !flat.state.cell.periodic()) continue;  // it has no place to end

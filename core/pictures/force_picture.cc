@@ -25,8 +25,8 @@
 namespace bipot {
 namespace {
 
-// Okabe and Ito's blue, darkened, and orange: told apart by every common colour vision and by
-// their lightness alone.
+// Okabe and Ito's blue, darkened, and orange. All common forms of colour vision can distinguish
+// them, by lightness alone too.
 constexpr Colour kStick = {0.02, 0.27, 0.48};
 constexpr Colour kSlip = {0.95, 0.62, 0.04};
 constexpr Colour kSlipRim = {0.42, 0.24, 0.0};
@@ -87,7 +87,7 @@ void use_font(cairo_t* c, double size) {
   cairo_set_font_size(c, size);
 }
 
-/// The caption in lines that fit.
+/// The caption, wrapped into lines.
 std::vector<std::string> wrap(cairo_t* c, const std::string& text, double width) {
   std::vector<std::string> lines;
   std::stringstream paragraphs(text);
@@ -143,14 +143,14 @@ void draw_segment(cairo_t* c, const Segment& s, double width) {
   } else if (s.kind == Kind::kHeld) {
     stroke_force(c, s, width, kStick);
   } else {
-    // The rim lies inside the width, so that widths stay comparable.
+    // The rim lies within the width, so that widths remain comparable.
     const double rim = std::min(1.1, 0.22 * width);
     stroke_force(c, s, width, kSlipRim);
     stroke_force(c, s, width - 2 * rim, kSlip);
   }
 }
 
-/// The solid side of a half-plane: short strokes that leave the line at 45 degrees.
+/// The solid side of a half-plane: short strokes at 45 degrees from the line.
 void draw_hatching(cairo_t* c, const Vec2& first, const Vec2& last, const Vec2& outward) {
   const double length = (last - first).norm();
   if (!(length > 0)) return;
@@ -179,14 +179,14 @@ void draw_circle(cairo_t* c, const Vec2& centre, double radius, bool hollow) {
   }
 }
 
-/// An entry below the scene: a drawing of some width and a text.
+/// An entry of the legend: a drawing of given width and a text.
 struct LegendItem {
   double width;
   std::string text;
   std::function<void(cairo_t*, double x, double y)> draw;  // at the left, middle of the row
 };
 
-/// A ring with a light edge, so that it shows on dark and light ground.
+/// A ring with a light edge, visible on dark and light ground.
 void draw_mark(cairo_t* c, const Vec2& at) {
   for (const auto& [width, colour] : {std::pair{3.6, Colour{1, 1, 1}}, std::pair{2.0, kMark}}) {
     cairo_new_path(c);
@@ -276,7 +276,7 @@ class Picture {
       if (s.kind == Kind::kNone && !options_.take_off) continue;
       segments_.push_back(s);
       if (!o.contact.with_image() || s.at_wall) continue;
-      // Across the edge of the cell: the other disk's half as well.
+      // At the edge of the cell: the half at the other disk as well.
       const Vec2 back = disks[j].x - to;
       s.a = map_(from + back);
       s.b = map_(disks[j].x);
@@ -287,7 +287,7 @@ class Picture {
                      [](const Segment& x, const Segment& y) { return x.force < y.force; });
   }
 
-  /// Where contact k touches, in points.
+  /// Point of contact k, in points.
   Vec2 touching_point(int k) const {
     const Contact<2>& contact = state_.contacts.at(to_size(k)).contact;
     const Disk& i = state_.bodies[to_size(contact.i)];
@@ -336,7 +336,7 @@ class Picture {
     }
   }
 
-  /// The disks, or an image of them as far as it is in the picture.
+  /// Draws the disks, or an image of them as far as it is in the picture.
   void draw_image(cairo_t* c, const Vec2& shift) const {
     const std::vector<double>& fill = options_.fill.values;
     for (std::size_t k = 0; k < state_.bodies.size(); ++k) {
@@ -469,7 +469,7 @@ class Picture {
     }
   }
 
-  /// Colours from 0 to the full value, numbers below, what they are beside.
+  /// Colours from 0 to the full value, with numbers below and the quantity beside.
   void draw_colour_bar(cairo_t* c) const {
     const double x = bar_at_[0], y = bar_at_[1];
     cairo_pattern_t* colours = cairo_pattern_create_linear(x, 0, x + kBarWidth, 0);

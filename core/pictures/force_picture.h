@@ -8,7 +8,8 @@
 
 namespace bipot {
 
-/// Colours of the disks by a number each, from 0 to `high` (sequential_colour), with a colour bar.
+/// Colours of the disks by one number each, from 0 to `high` (sequential_colour), with a colour
+/// bar.
 struct DiskFill {
   std::vector<double> values;  ///< one for each disk; empty: all disks alike
   std::string label, unit;     ///< "pressure in the disk", "Pa"
@@ -22,22 +23,21 @@ struct ForcePictureOptions {
   bool take_off = true;   ///< also the candidates that carry nothing, as thin dots
   bool forces = true;     ///< false: no segments at all
   DiskFill fill;
-  std::vector<int> marked;   ///< indices into State::contacts, each with a ring where it touches
-  std::string marked_label;  ///< what they are, for the legend
+  std::vector<int> marked;   ///< indices into State::contacts, each marked by a ring
+  std::string marked_label;  ///< text for the marks in the legend
 };
 
-/// A force-chain picture as in Fig. 10 to 12: disks, walls (half-planes hatched on their solid
-/// side), and for each contact a segment between the centres (for a wall: centre to contact point)
-/// whose width is proportional to the normal force s_n / h. Sticking contacts are dark blue,
-/// sliding ones light orange with a dark rim, which differ in grey too; without friction in the
-/// scene there is one kind. Below: scale bar, force scale, legend and `caption`, whose lines are
-/// wrapped. The name's end, .svg or .png, chooses the format; the drawing is the same.
-/// Throws FileError.
+/// Draws a force-chain picture as in Fig. 10 to 12: disks, walls (half-planes hatched on their
+/// solid side) and contacts. A contact is a segment between the centres (for a wall: centre to
+/// contact point), with a width proportional to the normal force s_n / h. Sticking contacts are
+/// dark blue, sliding ones light orange with a dark rim; they also differ in grey. A scene without
+/// friction has one kind. Below: scale bar, force scale, legend and `caption`, wrapped. The
+/// extension, .svg or .png, chooses the format; the drawing is the same. Throws FileError.
 void draw_force_picture(const std::filesystem::path& path, const Scene<2>& scene,
                         const State<2>& state, const std::string& caption,
                         const ForcePictureOptions& options = {});
 
-/// The largest of 1, 2, 5 times a power of ten that is at most x > 0: lengths and forces of scales.
+/// Round length or force for scales: the largest of 1, 2, 5 times a power of ten up to x > 0.
 double round_below(double x);
 
 /// "50 mm": three significant digits and a prefix that keeps the number between 1 and 1000.

@@ -8,7 +8,7 @@
 namespace bipot {
 namespace {
 
-constexpr double kShown = 0.98;  // of the disks have a colour of their own
+constexpr double kShown = 0.98;  // fraction of the disks with a colour of their own
 
 /// The smallest of 1, 1.5, 2, 3, 4, 5, 6, 8 times a power of ten that is at least x > 0.
 double round_above(double x) {

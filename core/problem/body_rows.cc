@@ -7,8 +7,7 @@
 namespace bipot {
 namespace {
 
-/// True when each normal pushes one body or two with unit forces, the bodies laid out as `rows`
-/// says.
+/// True if each normal pushes one body or two with unit forces, for bodies laid out as `rows` says.
 bool has_unit_normals(const ContactProblem& p, const BodyRows& rows) {
   for (int c = 0; c < p.num_contacts(); ++c) {
     const double scale = p.row_scale.size() != 0 ? p.row_scale[c * p.dim] : 1.0;
@@ -34,12 +33,12 @@ bool has_unit_normals(const ContactProblem& p, const BodyRows& rows) {
 
 std::optional<BodyRows> find_body_rows(const ContactProblem& p) {
   if (!p.has_velocities()) return std::nullopt;
-  // Without friction clusters turn, though single disks have no spin.
+  // Clusters turn even without friction, unlike single disks.
   for (const int per_body : p.dim == 1 ? std::vector{2, 3} : std::vector{p.dim == 2 ? 3 : 6}) {
     BodyRows rows;
     rows.per_body = per_body;
     rows.translations = p.dim == 1 ? 2 : p.dim;
-    // A few walls' rows could stand where another body's would: their number is searched.
+    // A few rows of walls could also be rows of another body: their number is searched.
     constexpr int kMaxWalls = 24;
     for (rows.walls = p.num_dofs() % rows.per_body; rows.walls <= std::min(kMaxWalls, p.num_dofs());
          rows.walls += rows.per_body) {

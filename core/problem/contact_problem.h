@@ -17,12 +17,12 @@ namespace bipot {
 /// H are empty and W alone is given. A global problem may leave W empty: solvers that need it say
 /// so in the registry, the others work through H and A (see delassus.h).
 ///
-/// With restitution the variables of this struct are the symmetric ones of data/manual/explanation/method.md §3. With
-/// r = sqrt(1 + e) per row, they are s = r s_phys, u = r u_phys, and H, W, u_free and mu are those
-/// of the scaled problem (H = H_phys diag(1/r), mu = mu_phys r_t / r_n). `row_scale` holds r, so
-/// that the criterion can be evaluated in physical variables; empty means all ones. [ours] The two
-/// variables scale alike, hence s·u = (1 + e) s_phys·u_phys componentwise, and the right-hand side
-/// is u_free = diag(1/r) (Hᵀ v_free + E u⁻).
+/// With restitution the variables of this struct are the symmetric ones of
+/// data/manual/explanation/method.md §3. With r = sqrt(1 + e) per row, they are s = r s_phys, u = r
+/// u_phys, and H, W, u_free and mu are those of the scaled problem (H = H_phys diag(1/r), mu =
+/// mu_phys r_t / r_n). `row_scale` holds r, so that the criterion can be evaluated in physical
+/// variables; empty means all ones. [ours] The two variables scale alike, hence s·u = (1 + e)
+/// s_phys·u_phys componentwise, and the right-hand side is u_free = diag(1/r) (Hᵀ v_free + E u⁻).
 struct ContactProblem {
   int dim = 2;       ///< d of a local frame: 1 (frictionless), 2 or 3                       [-]
   SparseMatrix A;    ///< n x n, symmetric positive definite                      [kg | kg m²]
@@ -40,14 +40,14 @@ struct ContactProblem {
   bool has_delassus() const { return W.rows() > 0; }
 };
 
-/// True when every stored off-diagonal entry of A is zero.
+/// True if every stored off-diagonal entry of A is zero.
 bool is_diagonal(const SparseMatrix& A);
 
 /// Empty for a sound problem, otherwise one sentence that names the field, the index and the value
-/// (or both sizes). Refused: wrong sizes, non-finite values, a non-positive diagonal of A, W_nn <=
-/// 0, negative mu, non-positive row_scale or one that differs between the tangents of a contact, A
-/// that is not symmetric, W that is not compressed. W need not be symmetric: rounded data of other
-/// codes are solved as they are.
+/// (or both sizes). Refused are wrong sizes, non-finite values, a non-positive diagonal of A, W_nn
+/// <= 0, negative mu, and non-positive row_scale. Refused too are tangents of a contact with
+/// different row_scale, unsymmetric A, and W that is not compressed. W need not be symmetric:
+/// rounded data of other codes are solved as they are.
 std::string validate(const ContactProblem& problem);
 
 }  // namespace bipot

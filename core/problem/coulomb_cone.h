@@ -5,9 +5,8 @@
 
 namespace bipot {
 
-/// A vector of one contact's frame, normal component first. Not aligned, so that Eigen keeps the
-/// components in separate registers: packing two of them costs more than it saves, since they come
-/// from and go to scalar code.
+/// A vector in the frame of one contact, normal component first. Not aligned, so that Eigen keeps
+/// the components in separate registers: they come from scalar code and return to it.
 template <int D>
 using Local = Eigen::Matrix<double, D, 1, Eigen::DontAlign>;
 
@@ -52,7 +51,7 @@ template <int D, class V, class Real>
     s[0] = positive_part<Real>(tau[0]);
   } else if constexpr (D == 2) {
     // The normal part of the three cases is the largest of 0, tau_n and the slip formula. The
-    // tangential part is tau_t cut off at the edge. No branch: statuses cannot be predicted.
+    // tangential part is tau_t cut off at the edge. No branch, since statuses cannot be predicted.
     const Real tn = tau[0], tt = tau[1];
     const Real edge = (tn + mu * absolute(tt)) / (1 + mu * mu);
     s[0] = positive_part(select(edge > tn, edge, tn));
@@ -79,7 +78,7 @@ inline Local<D> project_coulomb_cone(const Local<D>& tau, double mu) {
   return onto_cone<D>(tau, mu);
 }
 
-/// A contact counts as sliding from this part of the cone's edge on.
+/// A contact counts as sliding from this fraction of the cone's edge on.
 inline constexpr double kConeEdge = 1 - 1e-9;
 
 /// Normal part of De Saxcé's modified velocity û = u + mu |u_t| n, see (19).
@@ -97,7 +96,7 @@ inline Local<D> de_saxce_velocity(const Local<D>& u, double mu) {
   return hat;
 }
 
-/// Calls f with std::integral_constant<int, d>: the one dispatch from d as data to a kernel.
+/// Calls f with std::integral_constant<int, d>: the only dispatch from d as data to a kernel.
 template <class F>
 decltype(auto) dispatch_dim(int dim, F&& f) {
   if (dim == 1) return f(std::integral_constant<int, 1>{});

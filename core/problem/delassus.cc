@@ -14,7 +14,7 @@
 namespace bipot {
 namespace {
 
-/// What one contact does to one degree of freedom: a row of H restricted to the contact.
+/// Effect of one contact on one degree of freedom: a row of H restricted to the contact.
 template <int D>
 struct DofEntry {
   int index = 0;  // the degree of freedom in a contact's list, the contact in a dof's list
@@ -201,7 +201,7 @@ Vector& DelassusOperator::scratch() const {
 
 namespace {
 
-/// The impulse of a contact in the plane, and the one that turns both bodies.
+/// The impulse of a contact in 2D, and its moment on both bodies.
 struct Push {
   double x, y, spin;
 };
@@ -266,7 +266,7 @@ void DelassusOperator::add_impulses_by_body(const double* s) const {
       v[2] = spin;
     }
   });
-  velocity_.tail<4>().setZero();  // the surroundings: what is added there does not count
+  velocity_.tail<4>().setZero();  // entry for the surroundings: its value does not matter
 }
 
 template <int D>
@@ -285,7 +285,7 @@ void DelassusOperator::move_disks(const double* s) const {
   }
 }
 
-/// Plus `u_free`, which may be null.
+/// u of the contacts [begin, end), plus `u_free` unless it is null.
 template <int D>
 void DelassusOperator::disk_velocity(int begin, int end, const double* u_free, double* u) const {
   const double* const v = velocity_.data();

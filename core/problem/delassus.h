@@ -9,22 +9,22 @@
 
 namespace bipot {
 
-/// W = Hᵀ A⁻¹ H in block rows: every d x d block that couples two contacts is stored whole, columns
-/// sorted. Diagonal A: cost and memory linear in the number of contact pairs that share a body,
-/// and the result is symmetric bit for bit. Other A: sparse Cholesky (CHOLMOD); throws
-/// std::runtime_error when A is not positive definite.
+/// W = Hᵀ A⁻¹ H in block rows. Every d x d block that couples two contacts is stored whole, columns
+/// sorted. With diagonal A, cost and memory are linear in the number of contact pairs that share a
+/// body, and the result is symmetric bit for bit. Else sparse Cholesky (CHOLMOD); throws
+/// std::runtime_error if A is not positive definite.
 SparseRows assemble_delassus(const SparseMatrix& A, const SparseMatrix& H, int dim);
 
-/// s -> W s, by the cheaper of the two forms that the problem offers: with a diagonal A two passes
-/// through H (about 10 multiplications a row; packed where H is that of disks), else the explicit
-/// W. A problem without W and with a general A gets its W assembled here once.
+/// s -> W s, by the cheaper form that the problem offers. With a diagonal A: two passes through H
+/// (about 10 multiplications a row; packed if H is that of disks). Else: the explicit W. A problem
+/// without W and with a general A gets its W assembled here once.
 ///
-/// Keeps a reference to the problem, which must outlive it and all its copies. A copy has scratch of
-/// its own and shares what never changes: the packed H of disks, a W that was assembled here.
+/// Keeps a reference to the problem, which must outlive it and all its copies. A copy has its own
+/// scratch memory and shares all constant data: the packed H of disks, a W that was assembled here.
 ///
-/// One operator serves one caller at a time: apply() and velocity() write to its scratch. Give every
-/// thread a copy. With `threads` > 1 the products for disks run on so many, with the same bits: a
-/// body adds up its contacts in their order either way.
+/// One operator serves one caller at a time: apply() and velocity() write to its scratch memory.
+/// Give every thread a copy. With `threads` > 1 the products for disks use as many, with the same
+/// bits: a body always sums its contacts in their order.
 class DelassusOperator {
  public:
   enum class Form { kAuto, kTwoPass, kExplicit };
@@ -38,18 +38,18 @@ class DelassusOperator {
   void apply(const Eigen::Ref<const Vector>& s, Vector& u) const;
   /// u = W s + u_free. No allocation.
   void velocity(const Eigen::Ref<const Vector>& s, Vector& u) const;
-  /// velocity() in two parts, for those who go on with the contacts piece by piece. Requires disks().
+  /// velocity() in two parts, for callers that process the contacts part by part. Requires disks().
   void move_disks(const Eigen::Ref<const Vector>& s) const;
   /// u of the contacts [begin, end) after move_disks().
   void disk_velocity(int begin, int end, Vector& u) const;
   /// Diagonal d x d block of contact c, row-major storage of d*d values.
   Eigen::MatrixXd diagonal_block(int contact) const;
-  /// Lets go of the scratch; the next product makes it anew.
+  /// Frees the scratch memory; the next product allocates it anew.
   void rest() { velocity_.resize(0); }
   /// Diagonal of W, size m.
   Vector diagonal() const;
   bool two_pass() const { return two_pass_; }
-  /// The packed H of disks, nothing where the two-pass form is not used or finds other bodies.
+  /// The packed H of disks; empty if the two-pass form is not used or finds other bodies.
   const std::optional<DiskStructure>& disks() const { return prepared_->disks; }
 
  private:
@@ -62,11 +62,11 @@ class DelassusOperator {
   template <int D>
   void add_impulses_by_body(const double* s) const;
 
-  /// What is made of the problem once.
+  /// Data computed once from the problem.
   struct Prepared {
     Vector inverse_mass;  // diagonal of A⁻¹, two-pass form only
     std::optional<DiskStructure> disks;
-    // With threads, the contacts of each body in their order: 2 c where it is body i, else 2 c + 1.
+    // With threads, the contacts of each body in their order: 2 c if it is body i, else 2 c + 1.
     std::vector<int> side_start, side;
     SparseRows delassus;  // only when W had to be assembled here
 

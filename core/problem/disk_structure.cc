@@ -16,7 +16,7 @@ bool close(double x, double y, double size) { return std::abs(x - y) <= kRoundin
 struct Wrench {
   double side[2][3] = {};
 
-  /// False when the column touches another body.
+  /// False if the column touches another body.
   bool read(const SparseMatrix& H, int column, int dofs, const int body[2]) {
     for (SparseMatrix::InnerIterator it(H, column); it; ++it) {
       if (it.value() == 0) continue;

@@ -7,8 +7,9 @@
 
 namespace bipot {
 
-/// The wrench map of rigid disks (data/manual/explanation/method.md §1), recognised in H and A and packed for kernels that
-/// stream over contacts. With unit normal n, t = e3 x n and the body velocities (V, w = a ω),
+/// The wrench map of rigid disks (data/manual/explanation/method.md §1), recognised in H and A and
+/// packed for kernels that stream over contacts. With unit normal n, t = e3 x n and the body
+/// velocities (V, w = a ω),
 ///
 ///     u_n = normal (n·(V_i - V_j)),      u_t = tangential (t·(V_i - V_j) - w_i - w_j).
 ///
@@ -30,10 +31,10 @@ struct DiskStructure {
   int surroundings() const { return static_cast<int>(bodies.size()) - 1; }
 };
 
-/// The structure of the problem's (A, H), or nothing when they do not have it to rounding: A must
-/// be diagonal with equal masses in x and y, body k must own the degrees of freedom dim 1: (2k,
-/// 2k+1), dim 2: (3k, 3k+1, 3k+2), and every contact must obey the formulas above with one arm per
-/// body. Walls with a degree of freedom of their own, other bodies and dim = 3 are not disks.
+/// The structure of the problem's (A, H); empty if they do not have it to rounding. A must be
+/// diagonal with equal masses in x and y. Body k must own the degrees of freedom (2k, 2k+1) for dim
+/// 1, and (3k, 3k+1, 3k+2) for dim 2. Every contact must obey the formulas above with one arm for
+/// each body. Not disks are: driven walls, other bodies, and dim = 3.
 std::optional<DiskStructure> disk_structure(const ContactProblem& problem);
 
 }  // namespace bipot

@@ -5,7 +5,7 @@
 
 namespace bipot {
 
-/// sᵀ W s of the problem's W, in the form that keeps it non-negative where there is one      [J]
+/// sᵀ W s for the W of the problem, in a non-negative form if there is one [J]
 double energy_product(const ContactProblem& problem, const DelassusOperator& delassus,
                       const Vector& s);
 

@@ -36,7 +36,7 @@ std::string read_optional_string(const Hdf5File& file, const std::string& name) 
   return file.exists(name) ? file.read_string(name) : std::string();
 }
 
-/// A stored matrix, storage resolved.
+/// A stored matrix, independent of its storage.
 struct SparseGroup {
   int rows = 0, columns = 0;
   Triplets entries;
@@ -124,7 +124,7 @@ void refuse_constraints(const Hdf5File& file, const std::string& root,
   }
 }
 
-/// Before the matrix is built: a wrong size could ask for more memory than there is.
+/// Checks sizes before the matrix is built: a wrong size could exhaust the memory.
 void require_shape(const Hdf5File& file, const std::string& group, const SparseGroup& matrix,
                    Eigen::Index rows, Eigen::Index columns) {
   if (matrix.rows == rows && matrix.columns == columns) return;
@@ -138,7 +138,7 @@ Vector every_other(const Vector& x) {
   return Eigen::Map<const Vector, 0, Eigen::InnerStride<2>>(x.data(), x.size() / 2);
 }
 
-/// Undoes the spacedim-2 form of a frictionless problem, see the header.
+/// Inverse of the spacedim-2 form of a frictionless problem, see the header.
 ContactProblem without_tangents(const ContactProblem& p, int dofs) {
   ContactProblem q;
   q.dim = 1;
@@ -213,7 +213,7 @@ ContactProblem with_inert_tangents(const ContactProblem& p) {
   return q;
 }
 
-/// Rows with the tangential ones of with_inert_tangents() put in as zeros.
+/// Rows with the tangential rows of with_inert_tangents() inserted as zeros.
 Vector spread(const Vector& x) {
   Vector y = Vector::Zero(2 * x.size());
   for (Eigen::Index k = 0; k < x.size(); ++k) y[2 * k] = x[k];
@@ -234,8 +234,8 @@ void write_matrix(Hdf5File& file, const std::string& group, Sparse matrix) {
   file.write(group + "/x", std::span<const double>(matrix.valuePtr(), count));
 }
 
-/// FCLIB's form: number_of_guesses, and a group 1, 2, ... with u, r (and v) for each. `p`: as it
-/// stands in the file, with the inert tangents of a frictionless problem.
+/// Writes guesses in FCLIB's form: number_of_guesses, and a group 1, 2, ... with u, r (and v) for
+/// each. `p`: the problem as in the file, with the inert tangents of a frictionless problem.
 void write_guesses(Hdf5File& file, const ContactProblem& p, bool frictionless,
                    const std::vector<Vector>& guesses) {
   if (guesses.empty()) return;
@@ -255,13 +255,13 @@ void write_guesses(Hdf5File& file, const ContactProblem& p, bool frictionless,
 /// f = A v.
 Vector momentum(const ContactProblem& p) { return p.A * p.v_free; }
 
-/// Sizes of a problem as it stands in the file.
+/// Sizes of a problem as in the file.
 struct Stored {
   int rows = 0;
   int dofs = 0;  // global form only
 };
 
-/// The problem in the form that out.global says, with what the file calls spacedim.
+/// Reads the problem in the form that out.global says, with the file's spacedim.
 Stored read_form(const Hdf5File& file, const std::string& root, int dim, ProblemFile& out) {
   Vector mu = read_vector(file, root + "/vectors/mu");
   const Eigen::Index rows = dim * mu.size();
@@ -291,7 +291,7 @@ Stored read_form(const Hdf5File& file, const std::string& root, int dim, Problem
   return stored;
 }
 
-/// Takes the tangents of a frictionless problem away. Returns its number of degrees of freedom.
+/// Removes the tangents of a frictionless problem. Returns its number of degrees of freedom.
 int restore_dim(const Hdf5File& file, int dim, int stored_dofs, ProblemFile& out) {
   if (!file.exists("/bipot/dim")) return stored_dofs;
   const int true_dim = file.read_int("/bipot/dim");
@@ -313,7 +313,7 @@ int restore_dim(const Hdf5File& file, int dim, int stored_dofs, ProblemFile& out
   return dofs;
 }
 
-/// Reference solution and guesses, where the file has them.
+/// Reads reference solution and guesses, if the file has them.
 void read_impulses(const Hdf5File& file, const Stored& stored, int dofs, ProblemFile& out) {
   // In the file a frictionless problem has tangents.
   const bool with_tangents = out.problem.num_rows() < stored.rows;

@@ -9,34 +9,35 @@
 namespace bipot {
 
 /// FCLIB's HDF5 layout (Acary, Brémond, Koziara, Pérignon, FCLIB: a collection of discrete 3D
-/// frictional contact problems, 2014): one problem, local (W, q, mu) or global (M, H, f, w, mu), of
-/// spacedim 2 or 3, with an optional /solution and optional /guesses. Sparse matrices by rows
-/// (nz = -2), by columns (-1) or as nz triplets, where `i` is the row and `p` the column;
-/// duplicates are summed, order and explicit zeros do not matter, arrays may be longer than used.
+/// frictional contact problems, 2014). It holds one problem, local (W, q, mu) or global (M, H, f,
+/// w, mu), of spacedim 2 or 3, with an optional /solution and optional /guesses. Sparse matrices
+/// are stored by rows (nz = -2), by columns (-1) or as nz triplets, where `i` is the row and `p`
+/// the column. Duplicates are summed. Order and explicit zeros do not matter. Arrays may be longer
+/// than used.
 ///
-/// What FCLIB cannot say stands in a group of its own, which other readers pass over:
-///   /bipot/row_scale  r = sqrt(1 + e) of each row, where ContactProblem has one. W, q and mu of
-///                     the file are those of the scaled problem, a problem of FCLIB's kind in its
-///                     own right;
+/// Data that FCLIB cannot express are in a group of its own, which other readers ignore:
+///   /bipot/row_scale  r = sqrt(1 + e) of each row, if ContactProblem has one. W, q and mu of the
+///                     file are those of the scaled problem, which is itself a problem of FCLIB's
+///                     kind;
 ///   /bipot/dim        1 for a frictionless problem. FCLIB has no such form: it is written with
 ///                     spacedim 2, mu = 0 and tangential rows that nothing else depends on, with
-///                     W_tt = W_nn. For a global problem an extra degree of freedom of mass 1/W_nn
-///                     for each contact, after the others, does that;
+///                     W_tt = W_nn. In a global problem, an extra degree of freedom of mass
+///                     1/W_nn for each contact, after the others, has this effect;
 ///   /bipot/dofs       number of degrees of freedom of a global problem with dim = 1, without
 ///                     these.
 ///
-/// Refused, with the reason: bilateral constraints (V, R, s; G, b), sizes that do not fit, missing
-/// data, values that are not finite, what validate() refuses. Throws FileError.
+/// Refused, with the reason: bilateral constraints (V, R, s; G, b), inconsistent sizes, missing
+/// data, values that are not finite, and whatever validate() refuses. Throws FileError.
 ProblemFile read_fclib(const std::filesystem::path& path);
 
-/// Writes a new file, in global form where A and H are given (W is then not stored), else in local
+/// Writes a new file, in global form if A and H are given (W is then not stored), else in local
 /// form. The information becomes /fclib_*/info. The problem must be sound. Each guess (an impulse r
-/// to start from) is written into /guesses with the u (and v) that it gives.
+/// to start from) is written into /guesses with its u (and v).
 void write_fclib(const std::filesystem::path& path, const ContactProblem& problem,
                  const ProblemInfo& info, const std::vector<Vector>& guesses = {});
 
-/// Writes /solution of an existing problem file, in place of the one that is there. r and u in the
-/// problem's variables. v: velocities of a global problem; computed from r where it is not given.
+/// Writes /solution of an existing problem file and replaces an earlier one. r and u are in the
+/// problem's variables. v: velocities of a global problem, by default computed from r.
 void write_fclib_solution(const std::filesystem::path& path, const Vector& r, const Vector& u,
                           const std::optional<Vector>& v = std::nullopt);
 

@@ -20,7 +20,7 @@
 namespace bipot {
 namespace {
 
-/// Numbers with the rows and columns in which they stand; columns 1: no rows to speak of.
+/// Numbers with their rows and columns; columns 1: a plain list.
 struct TextTable {
   std::vector<double> values;  // row by row
   std::size_t columns = 1;
@@ -113,7 +113,7 @@ TextTable read_table(const std::filesystem::path& path) {
   return read_text(path);
 }
 
-/// Whether the first column counts from 0 or 1.
+/// True if the first column counts from 0 or 1.
 bool counts(const TextTable& table) {
   const double first = table.values.empty() ? -1 : table.values[0];
   if (first != 0 && first != 1) return false;
@@ -123,7 +123,7 @@ bool counts(const TextTable& table) {
   return true;
 }
 
-/// Takes away what is no impulse: a column of contact numbers, a leading size.
+/// Removes a column of contact numbers and a leading size.
 void strip(TextTable& table, std::size_t contacts, std::size_t dim) {
   std::vector<double>& x = table.values;
   const std::size_t size = contacts * dim;
@@ -139,7 +139,7 @@ void strip(TextTable& table, std::size_t contacts, std::size_t dim) {
   }
 }
 
-/// Place in the file of component k (0: normal) of a contact, from the letters of the layout.
+/// Position in the file of component k (0: normal) of a contact, from the letters of the layout.
 std::vector<std::size_t> component_places(const ImpulseLayout& layout, std::size_t dim) {
   const std::string standard = std::string("nts").substr(0, dim);
   const std::string letters = layout.components.empty() ? standard : layout.components;
@@ -162,7 +162,7 @@ Vector arrange(const TextTable& table, std::size_t contacts, std::size_t dim,
                const ImpulseLayout& layout) {
   const std::vector<std::size_t> place = component_places(layout, dim);
   bool by_contact = layout.order == ImpulseLayout::Order::kContact;
-  // A table says it by its shape.
+  // The shape of a table gives the order.
   if (table.columns == dim && dim != 1 && contacts != dim) by_contact = true;
   if (table.columns == contacts && contacts != 1 && contacts != dim) by_contact = false;
   Vector s(static_cast<Eigen::Index>(contacts * dim));

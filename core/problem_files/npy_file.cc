@@ -26,7 +26,7 @@ std::string content_of(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// What stands behind 'key': in the header, which is the text of a Python dictionary.
+/// The text after 'key': in the header, which is a Python dictionary.
 std::string_view entry(const std::filesystem::path& path, std::string_view header,
                        std::string_view key) {
   const std::string quoted = fmt::format("'{}':", key);
@@ -68,7 +68,7 @@ std::vector<double> numbers(std::string_view bytes) {
   return values;
 }
 
-/// First index fastest to last index fastest.
+/// From first index fastest to last index fastest.
 std::vector<double> transposed(const std::vector<double>& values,
                                const std::vector<std::size_t>& shape) {
   std::vector<double> out(values.size());
@@ -116,7 +116,7 @@ NpyArray read_npy(const std::filesystem::path& path) {
                     fmt::format("elements of type {}: expected float64 or float32, little-endian",
                                 entry(path, header, "descr").substr(0, 8)));
   }
-  // Extents whose product overflows would pass for small ones.
+  // Extents whose product overflows would seem small.
   std::size_t count = 1;
   for (const std::size_t extent : array.shape) {
     if (extent != 0 && count > bytes.size() / extent) {

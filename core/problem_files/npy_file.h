@@ -6,7 +6,7 @@
 
 namespace bipot {
 
-/// An array as numpy.save writes it.
+/// An array as written by numpy.save.
 struct NpyArray {
   std::vector<std::size_t> shape;  ///< empty: a scalar
   std::vector<double> values;      ///< last index fastest, whatever the order in the file
@@ -16,7 +16,7 @@ struct NpyArray {
 /// (float, or signed integers), in C or Fortran order. Throws FileError for any other content.
 NpyArray read_npy(const std::filesystem::path& path);
 
-/// True when the file begins as .npy files do, whatever its name. False for no file.
+/// True if the file begins like a .npy file, whatever its name. False if there is no file.
 bool is_npy(const std::filesystem::path& path);
 
 }  // namespace bipot

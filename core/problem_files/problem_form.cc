@@ -69,7 +69,7 @@ ContactProblem from_global_form(int dim, const SparseMatrix& M, const SparseMatr
   p.mu = std::move(mu);
   drop_zeros(p.A);
   drop_zeros(p.H);
-  // Sound matrices first: a factorisation would hide what is wrong with them.
+  // Validates the matrices first: a factorisation would hide their errors.
   p.v_free = Vector::Zero(p.A.rows());
   p.u_free = w;
   p = checked(std::move(p));

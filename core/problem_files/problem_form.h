@@ -8,14 +8,14 @@
 
 namespace bipot {
 
-/// What a problem file says about itself.
+/// Description of a problem in its file.
 struct ProblemInfo {
   std::string title;
   std::string description;  ///< provenance: scene, step, program version
   std::string math_info;    ///< known properties: existence, uniqueness, rank
 };
 
-/// A problem read from a file, with the reference solution where the file has one.
+/// A problem from a file, with the reference solution if the file has one.
 struct ProblemFile {
   ContactProblem problem;
   bool global = false;          ///< given as (M, H, f, w), else as (W, q)
@@ -25,13 +25,13 @@ struct ProblemFile {
   ProblemInfo info;
 };
 
-/// The local form W r + q of other codes. Explicit zeros are dropped; W is taken as it is, also
-/// where rounding has made it unsymmetric. Throws std::invalid_argument for an unsound problem.
+/// The local form W r + q of other codes. Explicit zeros are dropped. W remains as it is, even if
+/// rounding has made it unsymmetric. Throws std::invalid_argument for an unsound problem.
 ContactProblem from_local_form(int dim, const SparseRows& W, Vector q, Vector mu);
 
 /// The global form M v = H r + f, u = Hᵀ v + w. Hence A = M, v_free = M⁻¹ f, u_free = Hᵀ v_free +
-/// w. W stays empty for a diagonal M (two passes through H are cheaper) and is assembled for any
-/// other. Throws std::invalid_argument for an unsound problem.
+/// w. For a diagonal M, W stays empty (two passes through H are cheaper); else it is assembled.
+/// Throws std::invalid_argument for an unsound problem.
 ContactProblem from_global_form(int dim, const SparseMatrix& M, const SparseMatrix& H,
                                 const Vector& f, const Vector& w, Vector mu);
 

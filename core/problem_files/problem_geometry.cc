@@ -35,7 +35,7 @@ void write_geometry_ints(Hdf5File& file, const char* entry, const Items& items,
   file.write(name(entry), std::span<const int>(numbers));
 }
 
-/// The numbers of an entry; throws where there are not `count` of them, or one is not finite.
+/// The numbers of an entry; throws unless there are `count` of them, all finite.
 std::vector<double> read_numbers(const Hdf5File& file, const char* entry, std::size_t count) {
   std::vector<double> numbers = file.read_doubles(name(entry));
   if (numbers.size() != count) {

@@ -84,7 +84,7 @@ class Words {
     return rest;
   }
 
-  /// Words that are left.
+  /// Number of remaining words.
   std::size_t left() const {
     std::size_t count = 0;
     bool inside = false;
@@ -146,7 +146,7 @@ void read_dense(Words& words, TextMatrix& matrix) {
   }
 }
 
-/// Accumulated extents: increasing, the last one is `total`.
+/// Accumulated extents: increasing, with `total` as the last one.
 std::vector<int> read_extents(Words& words, int count, int total) {
   std::vector<int> extents = {0};
   for (int k = 0; k < count; ++k) extents.push_back(words.integer("block extent"));
@@ -205,7 +205,7 @@ void add_checked(Words& words, TextMatrix& matrix, int row, int column, double v
   if (value != 0) matrix.entries.emplace_back(row, column, value);
 }
 
-/// Words after `name` in the header of a CSparse listing, as a number.
+/// The number after `name` in the header of a CSparse listing.
 int header_count(Words& words, std::string_view header, std::string_view name) {
   const std::size_t found = header.find(name);
   if (found == std::string_view::npos) {

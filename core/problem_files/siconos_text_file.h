@@ -8,8 +8,8 @@ namespace bipot {
 
 /// Reads a problem in the text format of Siconos Numerics (.dat): FrictionContactProblem (d, number
 /// of contacts, W, q, mu) or GlobalFrictionContactProblem (d, number of contacts, M, H, f, w, mu).
-/// The file does not say which of the two it is: after its first matrix a local problem has exactly
-/// (d + 1) nc numbers left (one more in files of older versions, a flag), a global one always more.
+/// The file does not name its kind. After its first matrix a local problem has exactly (d + 1) nc
+/// numbers left, in older versions one more (a flag); a global problem always has more.
 ///
 /// A matrix: storage (0 dense, 1 sparse blocks, 2 sparse), rows, columns, then
 ///   - dense: rows, columns again, the entries column by column;

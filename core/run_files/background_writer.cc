@@ -31,7 +31,7 @@ void BackgroundWriter::begin(std::function<void()> job) {
   std::exchange(job_, nullptr)();
 }
 
-/// Whether the system gave a thread. It begins with the signal mask of the one that starts it.
+/// True if the system provides a thread. It inherits the signal mask of the thread that starts it.
 bool BackgroundWriter::start() {
   sigset_t ends, before;
   sigemptyset(&ends);
@@ -70,7 +70,7 @@ void BackgroundWriter::work() {
     } catch (...) {
       failure = std::current_exception();
     }
-    job = nullptr;  // what it kept is free again when the next comes
+    job = nullptr;  // frees the captured data before the next job comes
     lock.lock();
     failure_ = std::move(failure);
     under_way_ = false;

@@ -8,21 +8,21 @@
 
 namespace bipot {
 
-/// One thread that writes while the caller goes on: one job at a time, in the order given. The thread
-/// begins with the first job. Signals that ask for an orderly end go to the caller's thread.
+/// One thread that writes while the caller goes on: one job at a time, in the order given. The
+/// thread starts with the first job. Signals that ask for an orderly end go to the caller's thread.
 class BackgroundWriter {
  public:
   BackgroundWriter() = default;
-  /// Waits for the job; what it throws now is lost: call finish().
+  /// Waits for the job. An exception of it is lost here: call finish() first.
   ~BackgroundWriter();
   BackgroundWriter(const BackgroundWriter&) = delete;
   BackgroundWriter& operator=(const BackgroundWriter&) = delete;
 
   /// finish(), then hands the job over.
   void begin(std::function<void()> job);
-  /// Waits for the job, if one is under way, and throws what it threw, once.
+  /// Waits for a job under way, and rethrows its exception, once.
   void finish();
-  /// The same of a job that has ended; does not wait for one that is under way.
+  /// Rethrows the exception of a job that has ended; does not wait.
   void check();
 
  private:

@@ -5,12 +5,12 @@
 
 namespace bipot {
 
-/// Width, height and offset of a periodic cell (in space width and depth): how each moves, the stress on it, its
-/// mass. Throws FileError.
+/// Writes the definition of width, height and offset of a periodic cell (3D: width and depth):
+/// motion, stress and mass of each. Throws FileError.
 void write_cell_definition(Hdf5File& file, const PeriodicCell& cell);
 
-/// The cell of a state whose bodies are in it (wrapped_state), its outline as lines, and the places of the bodies.
-/// Throws FileError.
+/// Writes the cell of a state, its outline as lines, and the places of the bodies. The bodies must
+/// lie in the cell (wrapped_state). Throws FileError.
 template <int D>
 void write_cell(Hdf5File& frame, const State<D>& inside);
 

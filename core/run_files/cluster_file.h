@@ -5,11 +5,12 @@
 
 namespace bipot {
 
-/// The clusters of a state, and which disk belongs to which: /clusters/*, /disks/cluster, /disks/arm of a frame.
-/// Throws FileError.
+/// Writes the clusters of a state and their disks: /clusters/*, /disks/cluster, /disks/arm of a
+/// frame. Throws FileError.
 void write_clusters(Hdf5File& frame, const State<2>& state);
 
-/// The same back, into a state that has its disks; nothing where a frame has no clusters. Throws FileError.
+/// Reads them into a state that has its disks; nothing if the frame has no clusters. Throws
+/// FileError.
 void read_clusters(const Hdf5File& frame, State<2>& state);
 
 }  // namespace bipot

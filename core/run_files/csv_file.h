@@ -9,11 +9,11 @@
 
 namespace bipot {
 
-/// Lines of a CSV file that are on disk as soon as they are written. Throws FileError.
+/// A CSV file whose lines are on disk as soon as they are written. Throws FileError.
 class CsvFile {
  public:
-  /// Begins a file with `header`; of a file that is there, rows whose first number is at most
-  /// `keep_up_to` are kept. Columns that `header` has beyond those of that file are nan there.
+  /// Begins a file with `header`. Rows of an existing file whose first number is at most
+  /// `keep_up_to` are kept. Columns that only the new header has are nan in those rows.
   CsvFile(std::filesystem::path path, const std::string& header, int keep_up_to);
   void row(const std::string& line);
 

@@ -125,7 +125,7 @@ std::string bin_columns() {
 
 constexpr const char* kForcesHeader = "step,time [s],bin,low,high,count,mean_force [N]";
 
-/// Mean and standard deviation of what is defined.
+/// Mean and standard deviation of the defined values.
 struct Sum {
   int count = 0;
   double sum = 0, squares = 0;
@@ -159,8 +159,8 @@ void write_text(const fs::path& path, const std::string& text) {
   target.commit();
 }
 
-/// Ratios of means, which a mean of ratios is not: tau/P and the inertial number are those of the
-/// mean stress and the mean shear rate.
+/// Ratios of means, not means of ratios: tau/P and the inertial number are those of the mean stress
+/// and the mean shear rate.
 template <int D>
 void write_means(const fs::path& folder, double starts) {
   const NumberTable table = read_number_table(folder / "observables.csv");
@@ -245,7 +245,7 @@ void write_profile_rows(const State<D>& state, const Scene<D>& scene, CsvFile& f
   }
 }
 
-/// Of a frame.
+/// Flux and profile of a frame.
 template <int D>
 void write_flux_and_profile(Hdf5File& file, const Scene<D>& scene, const State<D>& state) {
   const ObservableChoice<D>& choice = *scene.observables;

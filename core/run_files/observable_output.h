@@ -11,22 +11,22 @@
 
 namespace bipot {
 
-/// Files of a run's observables, in its folder:
-///   observables.csv   a row a measurement, and observables_mean.csv
-///   profile.csv       a row a bin and measurement, and profile_mean.csv
-///   forces.csv        a row a bin and measurement, and forces_mean.csv
-/// Means are over the measurements from the time on that the scene says, and are made from the files, so
-/// that a run that was restarted has the same. data/manual/reference/files.md describes the columns. Throws
-/// FileError.
+/// Writes the observables of a run into its folder:
+///   observables.csv   a row for each measurement, and observables_mean.csv
+///   profile.csv       a row for each bin and measurement, and profile_mean.csv
+///   forces.csv        a row for each bin and measurement, and forces_mean.csv
+/// Means are over the measurements after the time that the scene names. They are computed from the
+/// files, so that a restarted run has the same. data/manual/reference/files.md describes the
+/// columns. Throws FileError.
 template <int D>
 class ObservableWriter {
  public:
-  /// The scene asks for observables and outlives this. Rows up to `keep_up_to` of files that are there
-  /// are kept.
+  /// The scene must ask for observables and outlive this object. Rows of existing files up to
+  /// `keep_up_to` are kept.
   ObservableWriter(std::filesystem::path folder, const Scene<D>& scene, int keep_up_to);
-  /// Measures where the step is due.
+  /// Measures if the step is due.
   void step(const State<D>& state);
-  /// The means. Without effect on a run without measurements.
+  /// Writes the means. Without effect if nothing was measured.
   void close() const;
 
  private:
@@ -37,7 +37,7 @@ class ObservableWriter {
   CsvFile forces_;
 };
 
-/// What a frame says of its state: /observables in the frame's file.
+/// Writes the observables of a state: /observables in the frame's file.
 template <int D>
 void write_observables(Hdf5File& file, const Scene<D>& scene, const State<D>& state);
 
@@ -45,7 +45,7 @@ void write_observables(Hdf5File& file, const Scene<D>& scene, const State<D>& st
 struct NumberTable {
   std::vector<std::string> names;
   std::vector<std::vector<double>> rows;
-  /// Index of a column; throws std::out_of_range where there is none of that name.
+  /// Index of a column; throws std::out_of_range for an unknown name.
   std::size_t column(const std::string& name) const;
 };
 NumberTable read_number_table(const std::filesystem::path& path);

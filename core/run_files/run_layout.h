@@ -8,19 +8,19 @@
 
 namespace bipot {
 
-/// Names in the folder of a run; data/manual/reference/files.md describes what the files hold.
+/// Names in the folder of a run; data/manual/reference/files.md describes the files.
 inline constexpr const char* kRunFormat = "bipot run";  ///< /format of run.h5
 inline constexpr int kRunFormatVersion = 1;             ///< /format_version of run.h5
 
-/// The folder of a run that is named by its folder or by the run.h5 in it. Throws FileError for
-/// anything else, among it a folder that does not exist.
+/// The folder of a run, which is named by the folder itself or by its run.h5. Throws FileError for
+/// anything else, a missing folder included.
 std::filesystem::path run_folder(const std::filesystem::path& run);
 
 /// Name of the frame after `step`: its link in run.h5, its file without the extension.
 std::string frame_name(int step);
 std::filesystem::path frame_path(const std::filesystem::path& folder, int step);
 
-/// Steps of the frames in the folder of a run, increasing; none where there is no such folder.
+/// Steps of the frames in the folder of a run, increasing; empty if there is no such folder.
 std::vector<int> steps_in_folder(const std::filesystem::path& folder);
 
 /// Steps of the frames of a run, increasing. `run`: its folder or its run.h5. Throws FileError.

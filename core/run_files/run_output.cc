@@ -72,7 +72,7 @@ void write_vectors(Hdf5File& file, const std::string& name, const char* unit, co
   file.write_attribute(name, "unit", unit);
 }
 
-/// Numbers in the plane, vectors in space.
+/// Numbers in 2D, vectors in 3D.
 template <class Range, class Get>
 void write_turns(Hdf5File& file, const std::string& name, const char* unit, const Range& range,
                  Get&& get) {
@@ -83,7 +83,7 @@ void write_turns(Hdf5File& file, const std::string& name, const char* unit, cons
   }
 }
 
-/// How the bodies have turned: angles in the plane, unit quaternions (w, x, y, z) in space.
+/// Orientation of the bodies: angles in 2D, unit quaternions (w, x, y, z) in 3D.
 void write_orientations(Hdf5File& file, const std::vector<Disk>& disks) {
   write_doubles(file, "/disks/angle", "rad", disks, [](const Disk& d) { return d.angle; });
 }
@@ -113,13 +113,14 @@ void write_ints(Hdf5File& file, const std::string& name, const Range& range, Get
   file.write(name, column);
 }
 
-/// Mean stress of the sample and its area; not a number without disks, for then there is none.
+/// Mean stress of the sample and its area; NaN without disks.
 template <int D>
 MeanStress<D> stress_of_sample(const State<D>& state, double step) {
   return sample_stress<D>(state, step, sample_measure(state, step), contact_moments(state));
 }
 
-/// Stress of each disk and of the sample, spins from the contacts' moments (stress_tensor.h).
+/// Stress of each disk and of the sample. Changes of spin are those of the contact moments
+/// (stress_tensor.h).
 template <int D>
 void write_stresses(Hdf5File& file, const State<D>& state, double step,
                     const MeanStress<D>& sample) {
@@ -146,14 +147,14 @@ void write_stresses(Hdf5File& file, const State<D>& state, double step,
   }
 }
 
-/// 0, 1, 2, ...: ParaView's readers want to be told which points make a cell.
+/// 0, 1, 2, ...: ParaView's readers need the point numbers of each cell.
 void write_point_numbers(Hdf5File& file, const std::string& name, std::size_t points) {
   std::vector<int> numbers(points);
   for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = static_cast<int>(k);
   file.write(name, numbers);
 }
 
-/// What does not change of the walls. Circles and walls moved across a force add datasets of their own.
+/// Writes the constant entries of the walls. Circles and walls moved across a force add datasets.
 template <int D>
 void write_wall_definitions(Hdf5File& file, const std::vector<Wall<D>>& walls) {
   const auto any = [&](const auto& is) { return std::any_of(walls.begin(), walls.end(), is); };
@@ -178,7 +179,7 @@ void write_wall_definitions(Hdf5File& file, const std::vector<Wall<D>>& walls) {
   }
 }
 
-/// Walls as what is drawn: lines, circles by their rims; in space four-cornered pieces.
+/// Writes walls as they are drawn: lines, and the rims of circles; in 3D pieces with four corners.
 void write_wall_shapes(Hdf5File& file, const std::vector<Wall<2>>& walls, const Box<2>& view) {
   Column lines(4 * walls.size());
   for (const auto& [first, last] : wall_lines(walls, view)) {
@@ -197,7 +198,7 @@ void write_wall_shapes(Hdf5File& file, const std::vector<Wall<3>>& walls, const 
   write_point_numbers(file, "/walls/points", corners.values().size() / 3);
 }
 
-/// What the spring-dashpot model made of the scene.
+/// Writes the parameters of the spring-dashpot model for this scene.
 void write_springs(Hdf5File& file, const Scene<2>& scene) {
   const SpringDashpotSetup setup = spring_dashpot_setup(scene);
   file.write("/dem/stiffness", setup.stiffness);
@@ -245,7 +246,7 @@ XdmfIndex make_index(const Scene<3>& scene) {
   return index;
 }
 
-/// A place for what stands in for nothing.
+/// A place for stand-ins.
 template <int D>
 Vec<D> some_place(const Scene<D>& scene) {
   if (!scene.bodies.empty()) return scene.bodies.front().x;
@@ -323,7 +324,7 @@ void add_motion(std::string& line, const Sphere& s) {
   }
 }
 
-/// What a contact holds where there is none: zeros.
+/// A stand-in contact for states without contacts: zeros.
 void write_no_contact(Hdf5File& file, const Vec2& x) {
   file.write_rows("/no_contact/segment", std::vector<double>{x[0], x[1], x[0], x[1]}, 2);
   for (const char* name : {"gap", "s_n", "s_t", "u_n", "u_t", "force_n", "force_t"}) {
@@ -593,7 +594,7 @@ void RunWriter<D>::step(const State<D>& state, const StepReport<D>& r) {
   }
 }
 
-/// Whether the frame is still to be written, once the one before is.
+/// True if the frame still has to be written, once an earlier one is finished.
 template <int D>
 bool RunWriter<D>::is_due(const State<D>& state) {
   beside_.finish();
@@ -620,7 +621,7 @@ void RunWriter<D>::frame_beside(const State<D>& state) {
       [this, copy = state, stress = stress_if_known(state)] { write_frame(copy, stress); });
 }
 
-/// Of the row of the same step, which has just been written.
+/// The stress in the row of the same step, if that has just been written.
 template <int D>
 std::optional<MeanStress<D>> RunWriter<D>::stress_if_known(const State<D>& state) const {
   if (known_stress_.first != state.step) return std::nullopt;

@@ -15,7 +15,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Numbers of a dataset whose size must be right.
+/// Numbers of a dataset whose size is checked.
 std::vector<double> read_sized(const Hdf5File& file, const std::string& name, std::size_t size) {
   std::vector<double> values = file.read_doubles(name);
   if (values.size() != size) {
@@ -49,7 +49,7 @@ Vec<D> row_of(const std::vector<double>& values, std::size_t k) {
   return Eigen::Map<const Vec<D>>(values.data() + D * k);
 }
 
-/// What does not change of the disks of a scene.
+/// Reads the constant data of the disks of a scene.
 template <int D>
 std::vector<Body<D>> read_fixed_disks(const Hdf5File& fixed) {
   const std::vector<double> radius = fixed.read_doubles("/disks/radius");
@@ -57,7 +57,7 @@ std::vector<Body<D>> read_fixed_disks(const Hdf5File& fixed) {
   const auto mass = read_sized(fixed, "/disks/mass", n);
   const auto inertia = read_sized(fixed, "/disks/inertia", n);
   const auto material = read_sized_ints(fixed, "/disks/material", n);
-  // Only rough walls write which disks are theirs.
+  // Only scenes with rough walls have this entry.
   const auto wall = fixed.exists("/disks/wall") ? read_sized_ints(fixed, "/disks/wall", n)
                                                 : std::vector<int>(n, -1);
   std::vector<Body<D>> disks(n);
@@ -71,7 +71,7 @@ std::vector<Body<D>> read_fixed_disks(const Hdf5File& fixed) {
   return disks;
 }
 
-/// `fixed`: run.h5; `frame`: the frame's file, which says all of the disks where some come or go.
+/// `fixed`: run.h5. `frame`: the frame's file, which describes all disks if some come or go.
 template <int D>
 std::vector<Body<D>> read_disks(const Hdf5File& fixed, const Hdf5File& frame,
                                 Population<D>& population) {
@@ -113,7 +113,7 @@ std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
   const auto a = read_sized(frame, "/walls/a", D * count);
   const auto b = read_sized(frame, "/walls/b", D * count);
   const auto wall_v = read_sized(frame, "/walls/v", D * count);
-  // Written where a scene has circles, walls moved across a force, walls that start or go.
+  // Written if a scene has circles, walls moved across a force, or walls that start or go.
   const auto optional = [&](const Hdf5File& file, const char* name, std::size_t size) {
     return file.exists(name) ? read_sized(file, name, size) : std::vector<double>(size, 0.0);
   };
@@ -147,7 +147,7 @@ std::vector<Wall<D>> read_walls(const Hdf5File& fixed, const Hdf5File& frame) {
   return walls;
 }
 
-/// The cell of a periodic scene; none where there is none.
+/// The cell of a periodic scene, else none.
 PeriodicCell read_state_cell(const Hdf5File& fixed, const Hdf5File& frame) {
   PeriodicCell cell;
   if (!fixed.exists("/cell/periodic")) return cell;
@@ -170,7 +170,7 @@ PeriodicCell read_state_cell(const Hdf5File& fixed, const Hdf5File& frame) {
   return cell;
 }
 
-/// Throws FileError where a contact joins bodies that the run does not have.
+/// Throws FileError if a contact joins bodies that the run does not have.
 template <int D>
 std::vector<ContactOutcome<D>> read_contacts(const Hdf5File& file, std::size_t disks,
                                              std::size_t walls) {

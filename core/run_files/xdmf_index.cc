@@ -67,7 +67,8 @@ void XdmfIndex::add(const FrameEntry& frame) {
   };
   const int turns = dimensions_ == 2 ? 1 : 3;  // components of spins and tangential parts
   if (num_disks_ > 0 || bodies_change_) {
-    // What does not change lies in run.h5, unless the bodies do; none at all are one of radius 0.
+    // Constant data lie in run.h5, unless the bodies change; no bodies are shown as one of radius
+    // 0.
     const bool none = bodies_change_ && frame.bodies == 0;
     const std::size_t n = none ? 1 : bodies_change_ ? frame.bodies : num_disks_;
     const std::string moving = none ? "run.h5:/no_body/" : file + "/disks/";
@@ -88,7 +89,7 @@ void XdmfIndex::add(const FrameEntry& frame) {
                             attribute("pressure", moving + "pressure", n, "Node")
                       : std::string()));
   }
-  // ParaView's readers stumble over empty grids and over collections with gaps: a frame without
+  // ParaView's readers fail on empty grids and on collections with gaps. Therefore a frame without
   // contacts shows run.h5:/no_contact, a segment of no length and no force.
   const std::size_t contacts = std::max<std::size_t>(1, frame.contacts);
   const std::string group = frame.contacts > 0 ? file + "/contacts" : "run.h5:/no_contact";

@@ -8,7 +8,7 @@
 
 namespace bipot {
 
-/// What the index of a run must know of a frame.
+/// Entry of one frame in the index of a run.
 struct FrameEntry {
   int step = 0;
   double time = 0;  ///< [s]
@@ -17,31 +17,31 @@ struct FrameEntry {
   std::size_t bodies = 0;  ///< where their number changes
 };
 
-/// A circular wall is drawn as a closed polygon of so many points.
+/// A circular wall is drawn as a closed polygon of this number of points.
 inline constexpr int kRimPoints = 97;
 
-/// run.xdmf: the frames of a run for ParaView. Three collections of one grid a frame: disks as
-/// points, contacts as lines between the centres, walls as lines; circular walls and the cell of
-/// periodic scenes in two more.
+/// run.xdmf: the frames of a run for ParaView. Three collections have one grid for each frame:
+/// disks as points, contacts as lines between the centres, walls as lines. Two more hold circular
+/// walls and the cell of periodic scenes.
 class XdmfIndex {
  public:
-  /// `circles`: how many of the walls are circles; `cell_lines`: of the outline of a periodic cell,
-  /// whose disks are shown where they lie in it.
+  /// `circles`: number of walls that are circles. `cell_lines`: number of lines of the outline of a
+  /// periodic cell, whose disks are shown at their places in it.
   XdmfIndex(std::size_t disks, std::size_t walls, std::size_t circles = 0,
             std::size_t cell_lines = 0)
       : num_disks_(disks), num_walls_(walls), num_circles_(circles), num_cell_lines_(cell_lines) {}
 
-  /// Spheres as points, contacts as lines, walls as so many four-cornered pieces.
+  /// Spheres as points, contacts as lines, walls as pieces with four corners.
   static XdmfIndex in_space(std::size_t spheres, std::size_t wall_pieces, std::size_t cell_lines) {
     XdmfIndex index(spheres, wall_pieces, 0, cell_lines);
     index.dimensions_ = 3;
     return index;
   }
 
-  /// Of a run whose bodies come or go: each frame says how many it has.
+  /// For a run whose bodies come or go: each frame gives their number.
   void let_bodies_change() { bodies_change_ = true; }
 
-  /// Each frame says which cluster a disk is part of.
+  /// Each frame gives the cluster of each disk.
   void let_disks_be_joined() { clusters_ = true; }
 
   void add(const FrameEntry& frame);

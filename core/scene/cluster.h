@@ -17,8 +17,8 @@ struct Cluster {
   double area = 0;        ///< > 0, of the union of its disks         [m²]
 };
 
-/// The clusters of a scene or a state. A disk that belongs to one (Body::cluster) has no mass of its own;
-/// where it is and how it moves follows from its cluster (core/scene/cluster_motion.h).
+/// The clusters of a scene or a state. A disk of a cluster (Body::cluster) has no mass of its own.
+/// Its position and velocity follow from its cluster (core/scene/cluster_motion.h).
 struct Clusters {
   std::vector<Cluster> bodies;
   std::vector<Vec2>

@@ -7,8 +7,9 @@
 
 namespace bipot {
 
-/// A candidate contact of disk (in space: sphere) i with the body j: a disk (j > i, or glued to a wall) or the wall
-/// j - num_disks. In a periodic cell with an image of j (core/scene/cell.h).
+/// A candidate contact of disk (in 3D: sphere) i with the body j. The body is a disk (j > i, or
+/// glued to a wall) or the wall j - num_disks. In a periodic cell it is an image of j
+/// (core/scene/cell.h).
 template <int D>
 struct Contact {
   int i = -1, j = -1;
@@ -21,8 +22,8 @@ struct Contact {
 
 enum class ContactStatus : std::int8_t { kTakeOff = 0, kStick = 1, kSlip = 2 };
 
-/// What one step found at a contact, physical variables. In the plane s_t and u_t are along
-/// t = e3 x n, in space they are vectors (core/scene/contact_frame.h).
+/// Result of one step at a contact, in physical variables. In 2D s_t and u_t are components along t
+/// = e3 x n, in 3D they are vectors (core/scene/contact_frame.h).
 template <int D>
 struct ContactOutcome {
   Contact<D> contact;

@@ -14,8 +14,8 @@
 namespace bipot {
 namespace {
 
-/// Cells of a grid, numbered by keys: along x by one, from row to row by kRow, from layer to layer
-/// (in space) by kLayer.
+/// Cells of a grid, numbered by keys: along x by 1, from row to row by kRow, from layer to layer
+/// (in 3D) by kLayer.
 template <int D>
 struct Grid {
   static constexpr int kBits = D == 2 ? 32 : 21;  // of each coordinate in a key
@@ -35,8 +35,8 @@ struct Grid {
     return key;
   }
 
-  /// From a cell to the middle ones of the rows beside it that are met later: those above, and in
-  /// the layer after it.
+  /// Offsets from a cell to the middle cells of the neighbouring rows that are visited later: those
+  /// above, and those in the next layer.
   static constexpr auto rows_after() {
     if constexpr (D == 2) {
       return std::array{kRow};
@@ -100,15 +100,15 @@ std::vector<Level<D>> build_levels(std::span<const Body<D>> disks, double eta) {
   return levels;
 }
 
-/// True where disks are glued to walls or joined: one test for both, where both are -1.
+/// True if disks are glued to walls or joined: one test for both, since -1 stands for neither.
 template <int D>
 bool any_joined(std::span<const Body<D>> disks) {
   return std::any_of(disks.begin(), disks.end(),
                      [](const Body<D>& d) { return (d.wall & d.cluster) != -1; });
 }
 
-/// Of pairs of disks: what is glued to a wall comes second, and two of that kind do not see each other,
-/// nor two of one cluster.
+/// Sorts pairs of disks: a disk glued to a wall comes second. Pairs of two glued disks and pairs
+/// within one cluster are removed.
 template <int D>
 void sort_joined(std::span<const Body<D>> disks, std::vector<Contact<D>>& contacts) {
   const auto body = [&](int k) -> const Body<D>& { return disks[to_size(k)]; };
@@ -131,7 +131,7 @@ template <int D>
       "{}s {} and {} have the same centre: their contact has no normal", kBodyName<D>, i, j));
 }
 
-/// Inlined by order: as a call it costs a tenth of the whole detection.
+/// Inlined by order: it is called for every candidate pair.
 template <int D>
 [[gnu::always_inline]] inline void test_pair(std::span<const Body<D>> disks, int i, int j,
                                              double eta, std::vector<Contact<D>>& out) {
@@ -161,8 +161,8 @@ Entries::const_iterator first_from(const Entries& entries, std::uint64_t key) {
 }
 
 /// Contacts within a level of the entries [begin, end) with later ones: the rest of their cell, the
-/// cell to the right and the three of each row beside it that comes later. Each pair is met once.
-/// All places that are looked at move on as the entries do.
+/// cell to the right, and three cells of each neighbouring row that comes later. Each pair is met
+/// once. All these positions advance together with the entries.
 template <int D>
 void find_within(std::span<const Body<D>> disks, const Level<D>& level, int begin, int end,
                  double eta, std::vector<Contact<D>>& out) {
@@ -188,7 +188,7 @@ void find_within(std::span<const Body<D>> disks, const Level<D>& level, int begi
   }
 }
 
-/// Contacts of a disk with the entries of three cells side by side, in the middle `cell`.
+/// Contacts of a disk with the entries of three adjacent cells of a row; `cell` is the middle one.
 template <int D>
 void find_in_row(std::span<const Body<D>> disks, int disk, const Level<D>& coarse,
                  typename Grid<D>::PeriodicCell cell, double eta, std::vector<Contact<D>>& out) {
@@ -220,8 +220,8 @@ void find_between(std::span<const Body<D>> disks, const Level<D>& fine, const Le
   }
 }
 
-/// Calls find(begin, end, found) for pieces of the items, on threads, and appends what the pieces
-/// found in their order.
+/// Calls find(begin, end, found) for parts of the items, on threads. Appends the results in the
+/// order of the parts.
 template <int D, class Find>
 void collect(int threads, int items, std::vector<Contact<D>>& out, const Find& find) {
   std::vector<std::vector<Contact<D>>> found(to_size((items + kPieceItems - 1) / kPieceItems));
@@ -237,7 +237,7 @@ void collect(int threads, int items, std::vector<Contact<D>>& out, const Find& f
     out.insert(out.end(), piece.begin(), piece.end());
 }
 
-/// By i, then by j: counted into the lists of each i, which are short.
+/// Sorts by i, then by j: a counting sort into the lists of each i, which are short.
 template <int D>
 std::vector<Contact<D>> sorted(const std::vector<Contact<D>>& contacts, int num_disks) {
   std::vector<int> start(to_size(num_disks) + 1, 0);
@@ -338,10 +338,10 @@ template void find_wall_contact(const Sphere&, int, const Wall<3>&, int, double,
 
 namespace {
 
-/// The skin, of the smallest radius: wider ones hold longer and have more pairs.
+/// Width of the skin, relative to the smallest radius: wider skins last longer and have more pairs.
 constexpr double kSkin = 0.2;
-/// Lists that serve fewer calls than this cost more than they save; after one, none is made for a
-/// while.
+/// A list must serve at least kWorthwhile calls. After one that did not, none is made for kPause
+/// calls.
 constexpr int kWorthwhile = 3, kPause = 16;
 
 }  // namespace
@@ -403,7 +403,7 @@ std::vector<Contact<D>> KeptContacts<D>::operator()(std::span<const Body<D>> dis
     try {
       keep(disks, walls, eta, threads);
     } catch (const std::invalid_argument&) {
-      // A contact without a normal, perhaps one that is in the skin alone.
+      // A contact without a normal, perhaps one in the skin alone.
       return all_contacts(disks, walls, eta, threads);
     }
   }

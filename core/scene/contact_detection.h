@@ -9,11 +9,13 @@
 namespace bipot {
 
 /// All pairs (disk, disk) and (disk, wall) with gap <= eta, sorted by (i, j); j is a disk index or
-/// disks.size() + wall index. Disks that are glued to a wall come second, and see neither each other
-/// nor walls. In space the disks are spheres. A hierarchical grid with one level per power of two of the radius:
-/// O(N log N) in the number N of disks for any ratio of radii, plus N times the number of walls.
-/// Deterministic, with the same bits for any number of threads. Throws std::invalid_argument for
-/// disks with coincident centres (no normal).
+/// disks.size() + wall index. Disks glued to a wall come second; they have no contacts with each
+/// other or with walls. In 3D the disks are spheres.
+///
+/// Method: a hierarchical grid with one level per power of two of the radius. O(N log N) in the
+/// number N of disks for any ratio of radii, plus N times the number of walls. Deterministic: the
+/// same bits for any number of threads. Throws std::invalid_argument for disks with coincident
+/// centres (no normal).
 template <int D>
 std::vector<Contact<D>> detect_contacts(std::span<const Body<D>> disks,
                                         std::span<const Wall<D>> walls, double eta,
@@ -24,19 +26,19 @@ inline std::vector<Contact<2>> detect_contacts(std::span<const Disk> disks,
   return detect_contacts<2>(disks, walls, eta, threads);
 }
 
-/// Appends the contact of disk i with the wall of body number j where its gap is at most eta.
+/// Appends the contact of disk i with the wall (body number j) if its gap is at most eta.
 template <int D>
 void find_wall_contact(const Body<D>& disk, int i, const Wall<D>& wall, int j, double eta,
                        std::vector<Contact<D>>& out);
 
-/// Appends the contact of disk i with the wall of body number j where its gap is at most eta.
+/// Appends the contact of disk i with the wall (body number j) if its gap is at most eta.
 void find_wall_contact(const Disk& disk, int i, const Wall<2>& wall, int j, double eta,
                        std::vector<Contact<2>>& out);
 
-/// The contacts of the same bodies step after step, bit for bit those of detect_contacts(), without
-/// a search at each: pairs up to a skin farther apart than eta are kept, and only their gaps are
-/// computed anew, for as long as nothing has moved by more than half the skin since the search
-/// (Verlet 1967). Where bodies move so fast that lists do not last, it searches at each step.
+/// Contacts of the same bodies step after step, bit for bit those of detect_contacts(). Pairs up to
+/// a skin farther apart than eta are kept. Only their gaps are computed anew, until a body has
+/// moved by more than half the skin since the search (Verlet 1967). If bodies are too fast for
+/// this, it searches at each step.
 template <int D>
 class KeptContacts {
  public:

@@ -8,16 +8,16 @@
 
 namespace bipot {
 
-/// What acts along a contact's tangents (an impulse, a velocity): its component along t = e3 x n in
-/// the plane; the whole vector, across n, in space, where no one tangent is special.
+/// A tangential quantity of a contact (an impulse, a velocity). In 2D: its component along t = e3 x
+/// n. In 3D: the whole vector, orthogonal to n, since no tangent is special.
 template <int D>
 using Tangent = std::conditional_t<D == 2, double, Vec3>;
 
-/// The local frame of a contact with unit normal n, right-handed: (n, t), t = e3 x n, in the plane;
-/// (n, t1, t2), t2 = n x t1, in space. There t1 is that of Duff et al., "Building an Orthonormal
-/// Basis, Revisited", Journal of Computer Graphics Techniques 6 (2017), p. 1: no branch, orthonormal
-/// to rounding everywhere; it jumps where n_z changes its sign, so that nothing may be carried from
-/// step to step in components along t1 and t2.
+/// The local frame of a contact with unit normal n, right-handed. In 2D: (n, t), t = e3 x n. In 3D:
+/// (n, t1, t2), t2 = n x t1. There t1 is that of Duff et al., "Building an Orthonormal Basis,
+/// Revisited", Journal of Computer Graphics Techniques 6 (2017), p. 1: no branch, orthonormal to
+/// rounding everywhere. It jumps where n_z changes its sign. Therefore components along t1 and t2
+/// must not be carried from step to step.
 template <int D>
 std::array<Vec<D>, to_size(D)> contact_frame(const Vec<D>& n) {
   if constexpr (D == 2) {
@@ -38,7 +38,7 @@ inline Vec3 tangent_vector(const Vec3& /*n*/, const Vec3& vector) { return vecto
 inline double magnitude(double x) { return std::abs(x); }
 inline double magnitude(const Vec3& x) { return x.norm(); }
 
-/// n x t of a tangential vector: what a force at the arm n turns.
+/// n x t of a tangential vector: the moment of a force at the arm n.
 inline double turning(const Vec2& /*n*/, double along) { return along; }
 inline Vec3 turning(const Vec3& n, const Vec3& vector) { return n.cross(vector); }
 

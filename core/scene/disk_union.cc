@@ -12,7 +12,7 @@ namespace {
 using Interval = std::pair<double, double>;
 constexpr double kTurn = 2 * std::numbers::pi;
 
-/// The angles from `first` on, over less than a turn, as intervals in [0, 2π].
+/// Adds the angles from `first` on, over less than a full turn, as intervals in [0, 2π].
 void add_turned(double first, double width, std::vector<Interval>& covered) {
   if (first < 0) first += kTurn;
   const double last = first + width;
@@ -20,7 +20,8 @@ void add_turned(double first, double width, std::vector<Interval>& covered) {
   if (last > kTurn) covered.emplace_back(0.0, last - kTurn);
 }
 
-/// The angles at which circle k is covered by circle l, as intervals in [0, 2π]; false where it is as a whole.
+/// Adds the angles at which circle k is covered by circle l, as intervals in [0, 2π]. False if
+/// circle k is covered entirely.
 bool add_covered(std::span<const Circle> circles, std::size_t k, std::size_t l,
                  std::vector<Interval>& covered) {
   const Circle &a = circles[k], &b = circles[l];
@@ -36,8 +37,9 @@ bool add_covered(std::span<const Circle> circles, std::size_t k, std::size_t l,
   return true;
 }
 
-/// The angles at which a circle lies beyond a line `distance` from its centre, which it looks at in the direction
-/// `angle`; false where it does as a whole.
+/// Adds the angles at which a circle lies beyond a line, as intervals in [0, 2π]. The line lies at
+/// `distance` from the centre, in the direction `angle`. False if the circle lies beyond it
+/// entirely.
 bool add_beyond(double distance, double radius, double angle, std::vector<Interval>& covered) {
   if (distance >= radius) return true;
   if (distance <= -radius) return false;
@@ -56,7 +58,7 @@ double side_part(std::span<const Circle> circles, const Vec2& a, const Vec2& b) 
     const Vec2 from = a - c.centre;
     const double off = along[0] * from[1] - along[1] * from[0];
     if (std::abs(off) >= c.radius) continue;
-    // As add_beyond() has it, to rounding: near the rim a root of differences is another number.
+    // The same value as in add_beyond(), to rounding: near the rim a root of differences deviates.
     const double half = c.radius * std::sin(std::acos(off / c.radius)), middle = -from.dot(along);
     const double first = std::max(0.0, middle - half), last = std::min(length, middle + half);
     if (first < last) inside.emplace_back(first, last);
@@ -70,7 +72,7 @@ double side_part(std::span<const Circle> circles, const Vec2& a, const Vec2& b) 
   return 0.5 * (a[0] * along[1] - a[1] * along[0]) * covered;
 }
 
-/// What of [0, 2π] no interval covers.
+/// The complement of the intervals in [0, 2π].
 std::vector<Interval> gaps(std::vector<Interval> covered) {
   std::sort(covered.begin(), covered.end());
   std::vector<Interval> open;

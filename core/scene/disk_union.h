@@ -6,7 +6,7 @@
 
 namespace bipot {
 
-/// Zeroth, first and second moment of the area that disks cover, what several of them cover counted once.
+/// Zeroth, first and second moment of the union of disks: overlaps count once.
 struct UnionMoments {
   double area = 0;             ///< [m²]
   Vec2 centre = Vec2::Zero();  ///< centre of area                                [m]
@@ -18,13 +18,13 @@ struct Circle {
   double radius = 0;           ///< > 0                                              [m]
 };
 
-/// Exact but for rounding, for any number of disks, apart, overlapping, inside each other, with holes between them:
-/// Green's theorem turns each integral into one along the border of the union, which is made of those arcs
-/// of the circles that no other disk covers, each counter-clockwise about its own centre.
+/// Exact but for rounding, for any number of disks: apart, overlapping, nested, with holes. Green's
+/// theorem turns each integral into one along the border of the union. The border consists of the
+/// arcs that no other disk covers, each counter-clockwise about its own centre.
 UnionMoments union_moments(std::span<const Circle> circles);
 
-/// What of the union lies in the rectangle from low to high, whose ends may be infinite: the border is made of those arcs that
-/// lie in the rectangle, and of what of its sides lies in the union.                  [m²]
+/// Area of the union within the rectangle from low to high, whose ends may be infinite. The border
+/// consists of the arcs in the rectangle and the parts of its sides in the union. [m²]
 double union_area_in(std::span<const Circle> circles, const Vec2& low, const Vec2& high);
 
 }  // namespace bipot

@@ -8,8 +8,8 @@
 
 namespace bipot {
 
-/// Where bodies leave the scene: a half-plane (in space a half-space), or a box along the axes. A body whose
-/// centre lies in it at the end of a step takes no part in the next one.
+/// Region where bodies leave the scene: a half-plane (in 3D a half-space), or a box along the axes.
+/// A body whose centre lies in it at the end of a step is removed before the next one.
 template <int D>
 struct Outlet {
   std::string name;
@@ -25,9 +25,10 @@ struct Outlet {
   }
 };
 
-/// Where bodies come in: the k-th (k = 0, 1, ...) is due at starts + k / rate. It appears, with the given
-/// velocity, at a place in the box that is drawn until there is room for it; where there is none it waits for
-/// the next step, and all that come after it do too. What is drawn depends on the seed, k and the step alone.
+/// Source of bodies: the k-th (k = 0, 1, ...) is due at starts + k / rate. It appears, with the
+/// given velocity, at a random place of the box that is free. If none is found it waits for the
+/// next step, and so do all bodies after it. Random numbers depend on the seed, k and the step
+/// alone.
 template <int D>
 struct Inlet {
   std::string name;
@@ -43,9 +44,9 @@ struct Inlet {
   Spin<D> spin = no_turn<D>();    ///< [rad/s]
   int material = 0;
   int seed = 1;
-  int count = -1;            ///< no more than so many; -1: no limit
+  int count = -1;            ///< largest number; -1: no limit
   double starts = 0;         ///< [s]
-  double stops = kInfinity;  ///< from then on nothing comes, nor what waits                   [s]
+  double stops = kInfinity;  ///< from then on nothing comes, not even bodies that wait [s]
 };
 
 /// Empty for sound gates, else one sentence that names the entry and its value.

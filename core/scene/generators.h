@@ -23,11 +23,11 @@ struct RadiusClass {
   double fraction = 0;  ///< of the number of disks
 };
 
-/// A loose, overlap-free random filling: `count` disks in the cells of a grid as wide as `width`,
-/// filled from the bottom up, each disk at a random place of its cell. Class sizes follow the
-/// fractions by largest remainders; the sequence of classes is shuffled. `spacing` >= 0 widens the
-/// cells beyond the largest diameter, relative. The same bits on every platform: 64-bit Mersenne
-/// twister, integer arithmetic and IEEE operations only. Throws std::invalid_argument.
+/// A loose random filling without overlap: `count` disks in the cells of a grid as wide as `width`,
+/// from the bottom up, each at a random place of its cell. Class sizes follow the fractions by
+/// largest remainders; the sequence of classes is shuffled. `spacing` >= 0 widens the cells beyond
+/// the largest diameter, relative. The same bits on every platform: 64-bit Mersenne twister,
+/// integer arithmetic and IEEE operations only. Throws std::invalid_argument.
 std::vector<Disk> random_filling(int count, const std::vector<RadiusClass>& classes, double width,
                                  double spacing, std::uint64_t seed, const Vec2& corner);
 

@@ -9,7 +9,7 @@
 
 namespace bipot {
 
-/// What mass may cross: a line in the plane, a plane face in space.
+/// Surface that mass may cross: a line in 2D, a plane face in 3D.
 template <int D>
 struct FluxSurface;
 
@@ -21,8 +21,8 @@ struct FluxSurface<2> {
 };
 using FluxLine = FluxSurface<2>;
 
-/// A face: a disk, a rectangle, or the plane without ends, in a periodic cell what of it lies in the cell. Flux is
-/// positive along the normal.
+/// A face: a disk, a rectangle, or an infinite plane, of which the part within a periodic cell
+/// counts. Flux is positive along the normal.
 template <>
 struct FluxSurface<3> {
   enum class Shape { kPlane, kDisk, kRectangle };
@@ -43,18 +43,17 @@ struct ProfileChoice {
   double low = 0, high = 0;  ///< ends, low < high                                      [m]
 };
 
-/// What a run measures besides its ledger (core/observables); nothing where it is not asked for.
+/// Observables of a run besides its ledger (core/observables). Empty entries are not measured.
 template <int D>
 struct ObservableChoice {
   int every = 10;     ///< steps between measurements, > 0
   double starts = 0;  ///< averages begin here                                          [s]
-  /// Rectangle, in space box, that everything but flux is measured in; else the whole sample. [m]
+  /// Rectangle (in 3D box) in which everything but flux is measured; else the whole sample. [m]
   std::optional<std::pair<Vec<D>, Vec<D>>> window;
   std::optional<ProfileChoice> profile;
   std::vector<FluxSurface<D>> crossings;
-  int force_bins = 30;  ///< of the distribution of normal forces, > 0
-  double force_limit =
-      6;  ///< its end, in mean forces, > 0; what is beyond is counted in the last bin
+  int force_bins = 30;     ///< of the distribution of normal forces, > 0
+  double force_limit = 6;  ///< its end, in mean forces, > 0; larger forces count in the last bin
 };
 
 }  // namespace bipot

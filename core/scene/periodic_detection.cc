@@ -13,7 +13,7 @@
 namespace bipot {
 namespace {
 
-/// The disks in the cell (0, 0), followed by those images of them that can touch one.
+/// The disks in the cell (0, 0), followed by the images that can touch one of them.
 template <int D>
 struct CellCopy {
   std::vector<Body<D>> bodies;
@@ -21,8 +21,8 @@ struct CellCopy {
   std::vector<CellNumber> image;  // of each disk in the list: it was moved by shift(image)
 };
 
-/// Images by half of the lattice, (kx, 0) with kx > 0 and (any, 1): of two disks that touch across
-/// the cell's edge one has the other's image beside it, and only one.
+/// Images by half of the lattice: (kx, 0) with kx > 0, and (any, 1). Of two disks that touch across
+/// the edge of the cell, exactly one has the image of the other beside it.
 template <int D>
 CellCopy<D> copy_with_images(const std::vector<Body<D>>& disks, const PeriodicCell& cell,
                              double eta) {

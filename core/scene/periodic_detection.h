@@ -8,13 +8,12 @@
 
 namespace bipot {
 
-/// detect_contacts() in a periodic cell: a contact's image says which image of its body j disk i
-/// touches. At most one image of each body is a candidate, so pairs (i, j) stay unique: throws
-/// std::invalid_argument where the cell is too small for that, shorter somewhere than two of the
-/// largest diameters and twice eta. In space the cell is periodic in x and y alone. Half-planes are
-/// expected to lie along it; of segments and
-/// circles the image with the smallest gap counts. O(N log N), deterministic for any number of
-/// threads.
+/// detect_contacts() in a periodic cell: the contact says which image of its body j disk i touches.
+/// At most one image of each body is a candidate, so that pairs (i, j) stay unique. The cell must
+/// be longer everywhere than two of the largest diameters and twice eta, else
+/// std::invalid_argument. In 3D the cell is periodic in x and y alone. Half-planes must lie along
+/// it; of segments and circles the image with the smallest gap counts. O(N log N), deterministic
+/// for any number of threads.
 template <int D>
 std::vector<Contact<D>> detect_periodic_contacts(const std::vector<Body<D>>& disks,
                                                  const std::vector<Wall<D>>& walls,

@@ -8,7 +8,8 @@
 
 namespace bipot {
 
-/// The standard fixes the engine's output, not its distributions: these are ours.
+/// Random numbers with the same bits on every platform. The C++ standard fixes the output of its
+/// engine, but not its distributions.
 class PortableRandom {
  public:
   explicit PortableRandom(std::uint64_t seed) : engine_(seed) {}
@@ -26,10 +27,10 @@ class PortableRandom {
   std::mt19937_64 engine_;
 };
 
-/// Throws std::invalid_argument for a count, classes or a spacing that no filling has.
+/// Throws std::invalid_argument for a count, classes or a spacing that no filling can have.
 void check_filling(int count, const std::vector<RadiusClass>& classes, double spacing);
 
-/// `count` radii, the classes' shares met by largest remainders, shuffled. Throws
+/// `count` radii in random order, whose numbers per class follow by largest remainders. Throws
 /// std::invalid_argument for classes without sound radii and shares.
 std::vector<double> drawn_radii(int count, const std::vector<RadiusClass>& classes,
                                 PortableRandom& random);

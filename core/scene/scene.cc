@@ -16,7 +16,7 @@ std::string check_positive(const char* what, std::size_t index, const char* fiel
   return fmt::format("{} {}: {} = {} is not a positive finite number", what, index, field, value);
 }
 
-/// "(1, 2)".
+/// As "(1, 2)".
 template <class Vec>
 std::string in_brackets(const Vec& x) {
   return fmt::format("({})", fmt::join(x.data(), x.data() + x.size(), ", "));
@@ -102,7 +102,7 @@ std::string check_wall(const Wall<D>& w, std::size_t i, int materials) {
   return {};
 }
 
-/// A wall that turns would carry its disks around, one that goes leaves them behind: neither is there.
+/// Glued disks need a wall that neither turns nor leaves.
 template <int D>
 std::string check_glued(const Scene<D>& scene, std::size_t i) {
   const int w = scene.bodies[i].wall;
@@ -116,13 +116,13 @@ std::string check_glued(const Scene<D>& scene, std::size_t i) {
                      wall.name);
 }
 
-/// What a periodic scene may have besides its bodies.
+/// Checks the entries of a scene that a periodic cell excludes.
 template <int D>
 std::string check_periodic(const Scene<D>& scene) {
   const PeriodicCell& cell = scene.cell;
   if (!cell.periodic()) return {};
   if (auto e = check_cell(cell); !e.empty()) return e;
-  if (D == 3 && cell.deforms()) return "cell: in space it cannot deform";
+  if (D == 3 && cell.deforms()) return "cell: in 3D it cannot deform";
   double largest = 0;
   for (const Body<D>& d : scene.bodies) largest = std::max(largest, d.radius);
   if (!(shortest_period(cell) > 4 * largest + 2 * scene.contact_distance)) {
@@ -162,7 +162,7 @@ std::string check_periodic(const Scene<D>& scene) {
   return {};
 }
 
-/// Outlets and inlets, and what does not go with them.
+/// Checks outlets and inlets, and the entries that they exclude.
 template <int D>
 std::string check_gates(const Scene<D>& scene) {
   if (!scene.has_gates()) return {};
@@ -177,7 +177,7 @@ std::string check_gates(const Scene<D>& scene) {
   }
   for (const Inlet<D>& inlet : scene.inlets) {
     if (auto e = check_inlet(inlet, static_cast<int>(scene.materials.size())); !e.empty()) return e;
-    if (inlet.rate * scene.step > 1e5) {  // a slip of the keyboard that would take all memory
+    if (inlet.rate * scene.step > 1e5) {  // probably a typing error; it would exhaust the memory
       return fmt::format("inlet '{}': {:.3g} bodies a step, at most 1e5 are possible", inlet.name,
                          inlet.rate * scene.step);
     }
@@ -258,8 +258,8 @@ std::string validate(const Scene<D>& scene) {
     for (const ContactLaw& law : scene.laws) {
       if (law.e_n == 0) continue;
       return fmt::format(
-          "overlaps = \"predict\" goes with e_n = 0 alone: bodies are slowed down before they touch, "
-          "and e_n = {} would act on what is left of their speed",
+          "overlaps = \"predict\" goes with e_n = 0 alone: bodies are slowed down before they "
+          "touch, and e_n = {} would act on their remaining speed",
           law.e_n);
     }
   }

@@ -21,7 +21,7 @@ struct ContactLaw {
   double e_t = 0;  ///< tangential restitution in [0, 1]              [-]
 };
 
-/// A round body: a disk in the plane, a sphere in space.
+/// A round body: a disk in 2D, a sphere in 3D.
 template <int D>
 struct Body;
 
@@ -36,18 +36,18 @@ struct Body<2> {
   double mass = 0;        ///< > 0                                    [kg]
   double inertia = 0;     ///< > 0; m a²/2 for a homogeneous cylinder [kg m²]
   int material = 0;       ///< index into Scene::materials
-  int wall =
-      -1;  ///< glued to this wall: it moves as the wall does, has no mass, and what touches it
-           ///< acts on the wall; -1: free
-  int cluster = -1;  ///< part of this one of the clusters, without mass of its own; -1: of none
+  /// Glued to this wall: it moves like the wall and has no mass; its contacts act on the wall. -1:
+  /// free.
+  int wall = -1;
+  int cluster = -1;  ///< member of this cluster, without mass of its own; -1: of none
 };
 using Disk = Body<2>;
 
-/// A rigid sphere. Nothing in the mechanics needs its orientation: it is for output and pictures.
+/// A rigid sphere. Its orientation has no effect on the mechanics: it is for output and pictures.
 template <>
 struct Body<3> {
   Vec3 x = Vec3::Zero();  ///< centre                                 [m]
-  /// Unit; turns the sphere from how it stood at the start.
+  /// Unit; rotation since the start.
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
   Vec3 v = Vec3::Zero();     ///< velocity of the centre                 [m/s]
   Vec3 spin = Vec3::Zero();  ///< angular velocity                       [rad/s]
@@ -55,27 +55,28 @@ struct Body<3> {
   double mass = 0;           ///< > 0                                    [kg]
   double inertia = 0;        ///< > 0; 2/5 m a² for a homogeneous sphere [kg m²]
   int material = 0;          ///< index into Scene::materials
-  int wall = -1;             ///< as of a disk
-  int cluster = -1;          ///< in space there are none: -1
+  int wall = -1;             ///< as for a disk
+  int cluster = -1;          ///< 3D has none: -1
 };
 using Sphere = Body<3>;
 
-/// What messages call a body.
+/// The word for a body in messages.
 template <int D>
 inline constexpr const char* kBodyName = D == 2 ? "disk" : "sphere";
 
-/// Goes on with the present velocities for a time h.
+/// Moves the body with its present velocities for a time h.
 inline void drift(Disk& d, double h) {
   d.x += h * d.v;
   d.angle += h * d.spin;
 }
 void drift(Sphere& sphere, double h);
 
-/// A wall: a half-plane (everything behind the line through a with outward normal `normal` is
-/// solid), a segment from a to b, solid from both sides, ends included, or a circle about a, solid
-/// outside (hollow: a drum) or inside. In space there are half-spaces, and cylinders without end about
-/// the line through a along `normal` for circles. Walls translate; only circles turn, about their
-/// centre or axis. What a wall is at a time: core/scene/wall_motion.h.
+/// A wall: a half-plane, a segment or a circle. Behind a half-plane's line through a with outward
+/// normal `normal` all is solid. A segment from a to b is solid from both sides, ends included. A
+/// circle about a is solid outside (hollow: a drum) or inside. In 3D a half-plane is a half-space,
+/// and a circle an infinite cylinder about the line through a along `normal`. Walls translate; only
+/// circles turn, about their centre or axis. State of a wall at a given time:
+/// core/scene/wall_motion.h.
 template <int D>
 struct Wall {
   enum class Shape { kHalfPlane, kSegment, kHollowCircle, kSolidCircle };
@@ -88,14 +89,14 @@ struct Wall {
   Shape shape = Shape::kHalfPlane;
   Motion motion = Motion::kFixed;
   Vec<D> a = Vec<D>::Zero(), b = Vec<D>::Zero();  ///< b: segments only     [m]
-  Vec<D> normal = Vec<D>::Unit(D - 1);  ///< unit; half-planes, in space also cylinders: axis
-  Vec<D> v = Vec<D>::Zero();            ///< current velocity     [m/s]
-  Vec<D> direction = Vec<D>::Zero();    ///< unit; driven walls only
-  double force = 0;                     ///< along direction      [N]
-  double mass = 0;                      ///< driven walls only    [kg]
+  Vec<D> normal = Vec<D>::Unit(D - 1);            ///< unit; half-planes, in 3D also cylinders: axis
+  Vec<D> v = Vec<D>::Zero();                      ///< current velocity     [m/s]
+  Vec<D> direction = Vec<D>::Zero();              ///< unit; driven walls only
+  double force = 0;                               ///< along direction      [N]
+  double mass = 0;                                ///< driven walls only    [kg]
   int material = 0;
   double radius = 0;  ///< circles only, > 0                                      [m]
-  double spin = 0;    ///< circles only: counter-clockwise, in space about `normal` [rad/s]
+  double spin = 0;    ///< circles only: counter-clockwise, in 3D about `normal`    [rad/s]
   Vec<D> across =
       Vec<D>::Zero();        ///< driven walls only: prescribed velocity, normal to direction [m/s]
   double starts = 0;         ///< before that it stands still                            [s]
@@ -106,15 +107,14 @@ struct Wall {
   bool is_circle() const { return shape == Shape::kHollowCircle || shape == Shape::kSolidCircle; }
 };
 
-/// Gravity that turns, in the plane of the first and the last axis, from the first to the last: counter-clockwise
-/// in the plane.
+/// Gravity that turns from the first axis to the last one, in their plane (2D: counter-clockwise).
 struct Tilt {
   double rate = 0;           ///< 0: it does not turn                 [rad/s]
   double starts = 0;         ///< [s]
   double stops = kInfinity;  ///< [s]
 };
 
-/// Which solver a scene asks for; the command line may override each entry.
+/// The solver that a scene asks for; the command line may override each entry.
 struct SolverChoice {
   std::string name = "auto";
   double tol = 1e-8;
@@ -124,22 +124,22 @@ struct SolverChoice {
   std::map<std::string, std::string> parameters;
 };
 
-/// How contacts are modelled. nscd: rigid disks with exact contact laws, one implicit problem a
-/// step (core/motion/time_stepping.h). dem: springs and dashpots, explicit
+/// How contacts are modelled. nscd: rigid disks with exact contact laws, one implicit problem for
+/// each step (core/motion/time_stepping.h). dem: springs and dashpots, explicit
 /// (core/motion/spring_dashpot.h).
 enum class Model { kNonsmooth, kSpringDashpot };
 
-/// What the spring-dashpot model needs beyond a rigid scene. Zero: chosen from the scene
+/// Parameters of the spring-dashpot model. Zero: chosen from the scene
 /// (core/motion/spring_dashpot_setup.h).
 struct SpringDashpotChoice {
-  double stiffness = 0;               ///< k_n of every contact                           [N/m]
-  double overlap = 1e-3;              ///< aimed at when stiffness is 0, of the smallest radius
+  double stiffness = 0;   ///< k_n of every contact                           [N/m]
+  double overlap = 1e-3;  ///< target when stiffness is 0, relative to the smallest radius
   double tangential_ratio = 1.0 / 3;  ///< k_t / k_n                                      [-]
   double substep = 0;                 ///< largest substep                                [s]
   double safety = 0.5;                ///< substep over the critical one, when substep is 0
 };
 
-/// What a run writes, and how often (in steps; 0: never, the last step is always written).
+/// Output of a run, and how often (in steps; 0: never, but the last step is always written).
 struct OutputChoice {
   int every = 100;              ///< HDF5/XDMF frames
   int ledger_every = 1;         ///< rows of the CSV ledger
@@ -148,7 +148,7 @@ struct OutputChoice {
   std::vector<int> track;       ///< disks whose trajectory goes to trajectory.csv at every step
 };
 
-/// Everything that a scene file says, ready to run, in D dimensions. SI units.
+/// A whole scene file, ready to run, in D dimensions. SI units.
 template <int D>
 struct Scene {
   std::string title;
@@ -157,7 +157,7 @@ struct Scene {
   Tilt tilt;
   PeriodicCell cell;  ///< periodic scenes
   std::vector<Body<D>> bodies;
-  Clusters clusters;  ///< of disks that are joined rigidly; in the plane
+  Clusters clusters;  ///< disks that are joined rigidly; 2D only
   std::vector<Wall<D>> walls;
   std::vector<Outlet<D>> outlets;      ///< where bodies leave
   std::vector<Inlet<D>> inlets;        ///< where bodies come in
@@ -165,8 +165,8 @@ struct Scene {
   std::vector<ContactLaw> laws;        ///< materials² entries, symmetric, row-major
   double step = 0;                     ///< h > 0                    [s]
   int num_steps = 0;
-  /// A step is cut into 2, 4, 8 ... parts where a body or wall would go farther in it, as a share of the smallest
-  /// radius; 0: never.
+  /// Largest path of a body or wall in a step, relative to the smallest radius. A step with a
+  /// longer path is cut into 2, 4, 8 ... parts. 0: never cut.
   double travel = 0;
   double contact_distance = 0;    ///< eta of data/manual/explanation/method.md §4 [m]
   bool project_overlaps = false;  ///< after every step: core/motion/projection.h
@@ -180,17 +180,17 @@ struct Scene {
   const ContactLaw& law(int material_a, int material_b) const {
     return laws[to_size(material_a) * materials.size() + to_size(material_b)];
   }
-  /// True when bodies may come or go: their number and numbering change (core/motion/population.h).
+  /// True if bodies may come or go: their number and numbering change (core/motion/population.h).
   bool has_gates() const { return !outlets.empty() || !inlets.empty(); }
-  /// True when some pair of materials has friction: the contact dimension is then D, else 1.
+  /// True if some pair of materials has friction: the contact dimension is then D, else 1.
   bool has_friction() const;
 };
 
-/// Gravity at a time; that of a step counts at its middle.         [m/s²]
+/// Gravity at a time; a step takes that at its middle. [m/s²]
 template <int D>
 Vec<D> gravity_at(const Scene<D>& scene, double time);
 
-/// Radius of the smallest disk, of those that inlets bring too [m]; infinite in a scene without disks.
+/// Radius of the smallest disk, those of inlets included; infinite in a scene without disks. [m]
 template <int D>
 double smallest_radius(const Scene<D>& scene);
 

@@ -7,7 +7,7 @@ namespace {
 
 Vec2 tangent(const Wall<2>& wall) { return Vec2(-wall.normal[1], wall.normal[0]); }
 
-/// The point of a wall that is nearest to x.
+/// The point of a wall nearest to x.
 Vec2 nearest_point(const Wall<2>& wall, const Vec2& x) {
   if (wall.shape == Wall<2>::Shape::kHalfPlane) {
     return x - (x - wall.a).dot(wall.normal) * wall.normal;
@@ -54,7 +54,7 @@ Box<2> view_box(std::span<const Disk> disks, std::span<const Wall<2>> walls) {
   const double reach = std::max(of_disks.size().maxCoeff(), 12 * largest);
   for (const Wall<2>& w : walls) {
     if (!w.present) continue;
-    // A circle that holds the disks, or lies among them, is shown whole.
+    // A circle that contains the disks, or lies among them, is shown whole.
     if (w.is_circle() &&
         (nearest_point(w, of_disks.centre()) - of_disks.centre()).norm() <= reach) {
       include_circle(w, box);
@@ -98,7 +98,7 @@ std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall<2>> walls, co
       if (slope > 1e-9) seen_first = std::max(seen_first, -height / slope);
       if (slope < -1e-9) seen_last = std::min(seen_last, -height / slope);
     }
-    if (seen_first < seen_last) {  // else it is buried altogether: shown whole, nothing is hidden
+    if (seen_first < seen_last) {  // otherwise it is hidden entirely, and is then shown whole
       first = seen_first;
       last = seen_last;
     }

@@ -8,7 +8,7 @@
 
 namespace bipot {
 
-/// Axes-parallel box; empty (lower > upper) until something is put in.                       [m]
+/// Box along the axes; empty (lower > upper) until something is included. [m]
 template <int D>
 struct Box {
   Vec<D> lower = Vec<D>::Constant(1e300), upper = Vec<D>::Constant(-1e300);
@@ -26,13 +26,13 @@ struct Box {
   Vec<D> centre() const { return 0.5 * (lower + upper); }
 };
 
-/// What a picture of disks and walls should show: the disks, the parts of walls beside them, and
-/// walls that are about as near as the disks are wide. Never empty.
+/// Region that a picture of disks and walls should show: the disks, the nearby parts of walls, and
+/// walls about as near as the disks are wide. Never empty.
 Box<2> view_box(std::span<const Disk> disks, std::span<const Wall<2>> walls);
 
-/// The two ends of each wall as it is drawn: of a segment its own, of a half-plane's line as far as
-/// the box reaches in its direction and no other half-plane covers it. Circles and walls that are
-/// not present have no line: both ends are one point.
+/// The two ends of each wall as it is drawn. A segment has its own ends. The line of a half-plane
+/// extends as far as the box in its direction, except where another half-plane covers it. Circles
+/// and absent walls have no line: both ends are one point.
 std::vector<std::pair<Vec2, Vec2>> wall_lines(std::span<const Wall<2>> walls, const Box<2>& box);
 
 }  // namespace bipot

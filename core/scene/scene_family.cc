@@ -47,8 +47,8 @@ Scene<2> make_family_scene(const std::string& family, int side, const FamilyOpti
   } else if (family == "triangular") {
     scene.bodies = triangular_lattice(side, side, kRadius, corner);
   } else if (family == "diluted") {
-    // Every disk keeps its place; which ones are missing is drawn without the standard library's
-    // distributions, which differ between platforms.
+    // Every disk keeps its place. The missing ones are drawn without the distributions of the
+    // standard library, which differ between platforms.
     std::mt19937_64 engine(options.seed);
     for (const Disk& d : triangular_lattice(side, side, kRadius, corner)) {
       if (engine() % 10 != 0) scene.bodies.push_back(d);

@@ -8,14 +8,14 @@ bool turns(const Wall<D>& wall) {
   return wall.is_circle() && wall.spin != 0;
 }
 
-/// A circle's surface against its centre: spin e3 x r, r from the centre to the contact, which lies
-/// along n on a solid circle and against it in a hollow one.
+/// Velocity of a circle's surface relative to its centre: spin e3 x r, with r from the centre to
+/// the contact. It lies along n on a solid circle and against n on a hollow one.
 Vec2 turning(const Wall<2>& wall, const Vec2& n) {
   const bool solid = wall.shape == Wall<2>::Shape::kSolidCircle;
   const double rim = wall.spin * (solid ? wall.radius : -wall.radius);
   return Vec2(-rim * n[1], rim * n[0]);
 }
-/// The same of a cylinder about its axis.
+/// The same for a cylinder about its axis.
 Vec3 turning(const Wall<3>& wall, const Vec3& n) {
   const bool solid = wall.shape == Wall<3>::Shape::kSolidCircle;
   return wall.spin * (solid ? wall.radius : -wall.radius) * wall.normal.cross(n);

@@ -10,7 +10,7 @@
 namespace bipot {
 namespace {
 
-/// How far the corners of a box reach along a direction, from a point.
+/// Extent of the corners of a box along a direction, from a point.
 struct Reach {
   double first = kInfinity, last = -kInfinity;
 };
@@ -30,7 +30,7 @@ Reach reach_along(const Box<3>& box, const Vec3& point, const Vec3& direction) {
 }
 
 std::array<Vec3, 4> plane_corners(const Wall<3>& wall, const Box<3>& box) {
-  // Along the axes of space where the plane is: its piece of a box is then a face of it.
+  // Along the axes of space if the plane is: its piece of a box is then a face of the box.
   int least = 0;
   for (int k = 1; k < 3; ++k) {
     if (std::abs(wall.normal[k]) < std::abs(wall.normal[least]) - 1e-12) least = k;

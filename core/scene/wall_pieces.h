@@ -9,23 +9,24 @@
 
 namespace bipot {
 
-/// A cylinder is drawn as a prism with so many sides.
+/// A cylinder is drawn as a prism with this number of sides.
 inline constexpr int kPrismSides = 48;
 
-/// A plane piece of a wall in space, as it is drawn.
+/// A plane piece of a wall in 3D, as it is drawn.
 struct WallPiece {
   int wall = 0;
   std::array<Vec3, 4> corners;  ///< in order around it; all one point: nothing to see      [m]
 };
 
-/// Of each half-space one piece, the plane as far as the box reaches; of each cylinder kPrismSides,
-/// as long as the box. Walls that are not present keep theirs, as points.
+/// One piece for each half-space: the plane within the box. kPrismSides pieces for each cylinder,
+/// as long as the box. Absent walls keep theirs, as points.
 std::vector<WallPiece> wall_pieces(std::span<const Wall<3>> walls, const Box<3>& box);
 
-/// How many of them these walls have.
+/// Number of pieces of these walls.
 std::size_t num_wall_pieces(std::span<const Wall<3>> walls);
 
-/// What a drawing of spheres should show: the spheres, or without any the walls' points.
+/// Region that a drawing of spheres should show: the spheres, or if there are none the walls'
+/// points.
 Box<3> view_box(std::span<const Sphere> spheres, std::span<const Wall<3>> walls);
 
 }  // namespace bipot

@@ -5,10 +5,10 @@
 
 namespace bipot {
 
-/// The table [cell]; no cell where it is missing. Throws SceneFileError.
+/// The table [cell]; without it no cell. Throws SceneFileError.
 PeriodicCell read_cell(const SceneTable& root);
 
-/// The same in space: width along x, depth along y, which stay as they are.
+/// The same in 3D: width along x, depth along y, both fixed.
 PeriodicCell read_cell_in_space(const SceneTable& root);
 
 }  // namespace bipot

@@ -13,7 +13,7 @@
 namespace bipot {
 namespace {
 
-/// A cluster's disks as the file has them, and about the centre of their union.
+/// The disks of a cluster as the file has them, and about the centre of their union.
 std::vector<Circle> read_parts(const SceneTable& table) {
   if (!table.has("parts")) table.fail("parts", "is missing");
   std::vector<Circle> parts;
@@ -25,13 +25,13 @@ std::vector<Circle> read_parts(const SceneTable& table) {
   return parts;
 }
 
-/// Where the centres of mass of a group's clusters are, and how each is turned.
+/// Centres of mass of a group's clusters, and the rotation of each.
 struct Placed {
   Vec2 x;
   double angle;
 };
 
-/// `reach`: radius about the centre of the union that holds a cluster.
+/// `reach`: radius about the centre of the union that contains a cluster.
 std::vector<Placed> read_places(const SceneTable& table, double reach, const Vec2& centre) {
   const double turned = table.number("degrees", 0) * std::numbers::pi / 180;
   const std::string arrangement =
@@ -39,7 +39,7 @@ std::vector<Placed> read_places(const SceneTable& table, double reach, const Vec
   if (arrangement == "single") {
     const auto position = table.maybe_vec2("position");
     if (!position) table.fail("position", "is missing");
-    // The place of the origin that the parts are given about.
+    // The place of the origin of the parts.
     return {{*position + Eigen::Rotation2D<double>(turned) * centre, turned}};
   }
   const Vec2 corner = table.vec2("corner", Vec2::Zero());

@@ -5,8 +5,8 @@
 
 namespace bipot {
 
-/// The tables [[clusters]] of a scene, whose materials and disks are known: their disks come after these. Throws
-/// SceneFileError.
+/// Reads the tables [[clusters]] of a scene and appends their disks. Materials and other disks must
+/// have been read. Throws SceneFileError.
 void read_clusters(const SceneTable& root, Scene<2>& scene);
 
 }  // namespace bipot

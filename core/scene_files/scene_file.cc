@@ -261,15 +261,15 @@ void rotate(Scene<2>& scene, double degrees) {
   }
 }
 
-/// Touching lattices have gaps of rounding size: the default distance covers them, and is far below
-/// anything that matters.
+/// Touching lattices have gaps of the size of rounding. The default distance covers them and is
+/// negligible otherwise.
 template <int D>
 double default_contact_distance(const Scene<D>& scene) {
   const double smallest = smallest_radius(scene);
   return std::isfinite(smallest) ? 1e-6 * smallest : 0;
 }
 
-/// [[disks]], the cell, and what turns them.
+/// Reads [[disks]], the cell, and rotations.
 void read_bodies(const SceneTable& root, Scene<2>& scene) {
   for (const SceneTable& table : root.tables("disks")) {
     std::vector<Disk> disks = read_group(table);
@@ -304,7 +304,7 @@ Scene<D> parse_in(const SceneTable& root, const std::string& source) {
   scene.gravity = root.maybe_vec<D>("gravity").value_or(-9.81 * Vec<D>::Unit(D - 1));
   scene.contact_distance = -1;
   read_materials(root, scene);
-  // Disks may name walls.
+  // Walls come first: disks may name them.
   for (const SceneTable& table : root.tables("walls")) {
     scene.walls.push_back(read_wall(table, scene, scene.walls.size()));
     table.finish();
@@ -363,7 +363,7 @@ AnyScene parse_any_scene(const std::string& text, const std::string& source) {
   const bool spheres = parsed.contains("spheres");
   const int dim = root.integer("dim", spheres ? 3 : 2);
   if (dim != 2 && dim != 3) root.fail("dim", fmt::format("expected 2 or 3, got {}", dim));
-  if (dim == 2 && spheres) root.fail("spheres", "are in space: dim = 3");
+  if (dim == 2 && spheres) root.fail("spheres", "need three dimensions: dim = 3");
   if (dim == 3) return parse_in<3>(root, source);
   return parse_in<2>(root, source);
 }
@@ -372,7 +372,7 @@ Scene<2> parse_scene(const std::string& text, const std::string& source) {
   AnyScene scene = parse_any_scene(text, source);
   if (auto* flat = std::get_if<Scene<2>>(&scene)) return std::move(*flat);
   throw SceneFileError(
-      fmt::format("{}: a scene in space (dim = 3); only 'bipot run' takes those", source));
+      fmt::format("{}: a scene in 3D (dim = 3); only 'bipot run' takes those", source));
 }
 
 Scene<2> read_scene(const std::filesystem::path& path) {

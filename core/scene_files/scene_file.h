@@ -9,19 +9,19 @@
 
 namespace bipot {
 
-/// A scene file that cannot be used; the message names the file, the line and the key.
+/// Error in a scene file; the message names the file, the line and the key.
 struct SceneFileError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A scene in the plane or in space, as its file says.
+/// A scene in 2D or 3D, as its file says.
 using AnyScene = std::variant<Scene<2>, Scene<3>>;
 
-/// Reads a TOML scene; data/manual/reference/scenes.md documents it key by key. Unknown keys are refused with
-/// the nearest valid name, and so are scenes in space (dim = 3). Throws SceneFileError.
+/// Reads a TOML scene in 2D; data/manual/reference/scenes.md describes every key. Unknown keys are
+/// refused with the nearest valid name. Scenes in 3D (dim = 3) are refused. Throws SceneFileError.
 Scene<2> read_scene(const std::filesystem::path& path);
 
-/// The same for scenes in space as well.
+/// Reads a scene in 2D or 3D.
 AnyScene read_any_scene(const std::filesystem::path& path);
 
 /// The same from text; `source` names it in messages.

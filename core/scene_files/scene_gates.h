@@ -5,8 +5,9 @@
 
 namespace bipot {
 
-/// The tables [[outlets]] and [[inlets]] of a scene, whose materials are known. `turned`: the scene is turned as a
-/// whole, which boxes along the axes cannot be. Throws SceneFileError.
+/// Reads the tables [[outlets]] and [[inlets]] of a scene, whose materials must have been read.
+/// `turned`: the scene as a whole is turned, which excludes boxes along the axes. Throws
+/// SceneFileError.
 template <int D>
 void read_gates(const SceneTable& root, bool turned, Scene<D>& scene);
 

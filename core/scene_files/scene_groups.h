@@ -12,16 +12,16 @@ namespace bipot {
 /// `radii` [m] and `fractions` of a random filling. Throws SceneFileError.
 std::vector<RadiusClass> read_radius_classes(const SceneTable& table);
 
-/// A slip of the keyboard is refused before it takes all memory: `count` bodies of the kind named,
-/// which the value of `key` asks for. Throws SceneFileError.
+/// Refuses a number of bodies that would exhaust the memory: `count` bodies of the kind named, as
+/// the value of `key` asks for. Throws SceneFileError.
 void require_possible(const SceneTable& table, std::string_view key, double count,
                       std::string_view bodies);
 
-/// What a group of bodies says of its masses.
+/// Masses of a group of bodies.
 struct GroupMass {
   std::optional<double> mass;     ///< of each body                                    [kg]
   std::optional<double> density;  ///< where no mass is given                          [kg/m³]
-  std::optional<double> inertia;  ///< of each body, instead of the homogeneous one's  [kg m²]
+  std::optional<double> inertia;  ///< of each body, instead of that of a homogeneous one  [kg m²]
 };
 
 /// `mass` or `density`, one of them, and `inertia`. Throws SceneFileError.

@@ -47,7 +47,7 @@ void read_profile(const SceneTable& table, ObservableChoice<D>& choice) {
   choice.profile = profile;
 }
 
-/// Of a line or face; it names a column.
+/// Name of a line or face, which becomes a column.
 template <int D>
 std::string read_name(const SceneTable& table, const char* kind,
                       const ObservableChoice<D>& choice) {
@@ -63,7 +63,7 @@ std::string read_name(const SceneTable& table, const char* kind,
 }
 
 void read_crossings(const SceneTable& table, ObservableChoice<2>& choice) {
-  if (table.has("faces")) table.fail("faces", "belongs to scenes in space: in the plane, lines");
+  if (table.has("faces")) table.fail("faces", "belongs to scenes in 3D: in 2D, lines");
   for (const SceneTable& line : table.tables("lines")) {
     FluxLine read;
     read.name = read_name(line, "line", choice);
@@ -78,7 +78,7 @@ void read_crossings(const SceneTable& table, ObservableChoice<2>& choice) {
 
 bool along_axis(const Vec3& direction) { return (direction.array() != 0).count() == 1; }
 
-/// The first side of a rectangle: given, or along the first axis that lies in the plane.
+/// The first side of a rectangle: given, or along the first axis in its plane.
 Vec3 first_side(const SceneTable& face, const Vec3& normal) {
   if (const auto along = face.maybe_vec<3>("along")) {
     const Vec3 across = *along - along->dot(normal) * normal;
@@ -115,14 +115,14 @@ FluxFace read_face(const SceneTable& face) {
     read.shape = Shape::kRectangle;
     read.size = *size;
   }
-  // A disk and a plane look the same from all sides: any frame will do.
+  // Disks and planes are isotropic: any frame will do.
   read.along = read.shape == Shape::kRectangle || along_axis(read.normal)
                    ? first_side(face, read.normal)
                    : contact_frame<3>(read.normal)[1];
   return read;
 }
 
-/// How far a face reaches from its middle along an axis.
+/// Extent of a face from its middle along an axis.
 double reach(const FluxFace& face, int axis) {
   if (face.shape == FluxFace::Shape::kDisk) {
     return face.radius * std::sqrt(std::max(0.0, 1 - face.normal[axis] * face.normal[axis]));
@@ -131,7 +131,7 @@ double reach(const FluxFace& face, int axis) {
   return 0.5 * (face.size[0] * std::abs(face.along[axis]) + face.size[1] * std::abs(across[axis]));
 }
 
-/// Images are counted where they reach into the cell: what is measured lies in it.
+/// Images are counted if they reach into the cell: measured regions must lie in it.
 void require_in_cell(const SceneTable& table, const char* key, const PeriodicCell& cell, int axis,
                      double low, double high) {
   if (axis == 0 ? !cell.in_x : axis == 1 ? !cell.in_y : true) return;
@@ -145,7 +145,7 @@ void require_in_cell(const SceneTable& table, const char* key, const PeriodicCel
 
 void read_crossings(const SceneTable& table, const PeriodicCell& cell,
                     ObservableChoice<3>& choice) {
-  if (table.has("lines")) table.fail("lines", "belongs to scenes in the plane: in space, faces");
+  if (table.has("lines")) table.fail("lines", "belongs to scenes in 2D: in 3D, faces");
   for (const SceneTable& face : table.tables("faces")) {
     const std::string name = read_name(face, "face", choice);
     FluxFace read = read_face(face);
@@ -163,7 +163,7 @@ void read_crossings(const SceneTable& table, const PeriodicCell& cell,
   }
 }
 
-/// What scenes in the plane and in space have in common.
+/// Entries that scenes in 2D and 3D have in common.
 template <int D>
 ObservableChoice<D> read_choice(const SceneTable& table) {
   ObservableChoice<D> choice;

@@ -8,10 +8,10 @@
 
 namespace bipot {
 
-/// The table [observables]; nothing where it is missing. Throws SceneFileError.
+/// The table [observables]; empty without it. Throws SceneFileError.
 std::optional<ObservableChoice<2>> read_observables(const SceneTable& root);
 
-/// The same in space. Windows, profiles and faces lie in the cell.
+/// The same in 3D. Windows, profiles and faces lie in the cell.
 std::optional<ObservableChoice<3>> read_observables_in_space(const SceneTable& root,
                                                              const PeriodicCell& cell);
 

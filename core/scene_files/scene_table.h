@@ -21,13 +21,13 @@
 
 namespace bipot {
 
-/// A TOML table that knows its name and which keys were asked for: what is left over is unknown.
+/// A TOML table that knows its name and which keys were read: the others are unknown.
 class SceneTable {
  public:
   SceneTable(const toml::table& table, std::string name, const std::string& source)
       : table_(table), name_(std::move(name)), source_(source) {}
 
-  /// Refuses keys that nothing asked for. Call after the last access.
+  /// Refuses keys that were not read. Call after the last access.
   void finish() const {
     for (const auto& [key, node] : table_) {
       const std::string text(key.str());
@@ -131,7 +131,7 @@ class SceneTable {
     }
     return values;
   }
-  /// An array of rows of so many numbers.
+  /// An array of rows with `columns` numbers each.
   std::vector<std::vector<double>> rows(std::string_view key, std::size_t columns) const {
     std::vector<std::vector<double>> result;
     if (!has(key)) return result;
@@ -164,7 +164,7 @@ class SceneTable {
     }
     return result;
   }
-  /// Every key with its value as text: parameters of a solver.
+  /// Every key with its value as text, for parameters of a solver.
   std::map<std::string, std::string> texts() const {
     std::map<std::string, std::string> result;
     for (const auto& [key, node] : table_) {

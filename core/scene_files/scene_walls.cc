@@ -54,7 +54,7 @@ void read_shape(const SceneTable& table, Wall<3>& wall) {
   }
 }
 
-/// Driven by a force, and moved across its direction where there is a velocity too.
+/// Driven by a force. A velocity moves it across that direction.
 template <int D>
 void read_drive(const SceneTable& table, Wall<D>& wall) {
   const auto force = table.maybe_number("force"), mass = table.maybe_number("mass");
@@ -83,7 +83,7 @@ void read_drive(const SceneTable& table, Wall<D>& wall) {
   }
 }
 
-/// When it moves, and when it goes.
+/// Times of start, stop and removal.
 template <int D>
 void read_times(const SceneTable& table, Wall<D>& wall) {
   const bool moves = wall.motion != Wall<D>::Motion::kFixed || wall.spin != 0;

@@ -7,11 +7,11 @@
 
 namespace bipot {
 
-/// Index of the material that the key names; of the first one where it is missing.
+/// Index of the material that the key names; without the key, of the first one.
 template <int D>
 int material_index(const Scene<D>& scene, const SceneTable& table, std::string_view key);
 
-/// One table of [[walls]], the one with this index. Throws SceneFileError.
+/// Reads one table of [[walls]], with this index. Throws SceneFileError.
 template <int D>
 Wall<D> read_wall(const SceneTable& table, const Scene<D>& scene, std::size_t index);
 

@@ -11,11 +11,11 @@
 
 namespace bipot {
 
-// Anderson acceleration of solvers/methods/anderson.h, written once for a problem on one process and
-// for one that lies on several: `Products` are norms and products of vectors over all rows.
+// Anderson acceleration of solvers/methods/anderson.h for one process and in parallel. `Products`
+// are norms and products of vectors over all rows.
 
-/// The last differences of residuals f and of values g, and the products of the former with each
-/// other: the least squares of Anderson acceleration by normal equations, of columns of length 1.
+/// The last differences of residuals f and of values g, with the mutual products of the former. The
+/// least squares of Anderson acceleration are solved by normal equations, for columns of length 1.
 /// [ours] Walker and Ni (2011, section 4) keep a QR factorisation, which reads all columns three
 /// times as often.
 template <class Products>
@@ -33,7 +33,7 @@ class AndersonMemory {
 
   void clear() { size_ = newest_ = 0; }
 
-  /// In place of the oldest where all columns are taken.
+  /// Adds a column; replaces the oldest if all are used.
   void append(const Vector& df, const Vector& dg) {
     const int columns = static_cast<int>(df_.cols());
     newest_ = size_ == 0 ? 0 : (newest_ + 1) % columns;
@@ -71,7 +71,7 @@ class AndersonMemory {
       right_[rank] = (products[column] * unit_[rank] - row.head(rank).dot(right_.head(rank))) /
                      factor_(rank, rank);
     }
-    size_ = rank;  // the others, all older, are not worth their time
+    size_ = rank;  // the others are older and dependent
     factor_.topLeftCorner(rank, rank)
         .template triangularView<Eigen::Lower>()
         .transpose()
@@ -82,7 +82,7 @@ class AndersonMemory {
  private:
   static constexpr double kSmallestPivot = 1e-10;  // square of a column's part that is new
 
-  /// The first columns of the rings, up to the last one in use.
+  /// The first columns of the ring buffers, up to the last one in use.
   int written() const { return newest_ + 1 >= size_ ? newest_ + 1 : static_cast<int>(df_.cols()); }
 
   Products products_;
@@ -104,7 +104,7 @@ void iterate_anderson(Products products, const ContactScaling& scaling, const Ve
   double smallest = std::numeric_limits<double>::infinity();
   bool accelerated = false;
   bool known_before =
-      false;  // not by sizes: a process may have no rows, and takes part in all sums
+      false;  // not by sizes: a process without rows must still take part in all sums
   for (int iteration = 0; !monitor.stop(iteration, s); ++iteration) {
     s = x.cwiseProduct(scaling.velocity);
     map(s);

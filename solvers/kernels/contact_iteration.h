@@ -5,8 +5,8 @@
 
 namespace bipot {
 
-/// s_c <- update(c, s_c, u_c) for all contacts, with the velocities of the iterate before. `step`
-/// goes into the history.
+/// Jacobi sweeps: s_c <- update(c, s_c, u_c) for all contacts, with the velocities of the iterate
+/// before. `step` goes into the history.
 template <int D, class Update>
 void iterate_jacobi(const ContactProblem& p, const DelassusOperator& delassus, Vector s,
                     double step, IterationMonitor& monitor, const Update& update) {
@@ -19,7 +19,7 @@ void iterate_jacobi(const ContactProblem& p, const DelassusOperator& delassus, V
   }
 }
 
-/// The same with velocities refreshed after each contact.
+/// Gauss-Seidel sweeps: the same with velocities updated after each contact.
 template <int D, class Update>
 void iterate_gauss_seidel(const ContactProblem& p, const Vector& s0, double step,
                           IterationMonitor& monitor, const Update& update) {

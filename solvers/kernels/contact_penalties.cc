@@ -8,9 +8,10 @@ namespace bipot {
 namespace {
 
 constexpr double kStick = 100, kTakeOff = 100, kAcross = 100;
-// At one change.
+// Largest factor of one change.
 constexpr double kStep = 3;
-// An impulse within this part of the cone will not leave it soon; beyond the other it is on the edge.
+// An impulse within this fraction of the cone will not leave it soon; beyond the other it is on the
+// edge.
 constexpr double kInside = 0.8, kOnEdge = 0.999;
 
 }  // namespace
@@ -41,7 +42,7 @@ void ContactPenalties<D>::observe(const Vector& z) {
       const double slip = tangential_norm<D>(Local<D>(z.segment<D>(c * D)));
       const double edge = mu_[c] * z[c * D];
       if (slip >= kOnEdge * edge) {
-        // In space the sign would depend on the choice of tangents, and nothing asks for it.
+        // In 3D the sign would depend on the choice of tangents, and it is not needed.
         now = D == 2 && z[c * D + 1] < 0 ? Status::kSlipBack : Status::kSlip;
       } else if (slip >= kInside * edge) {
         now = Status::kNearEdge;
@@ -97,13 +98,13 @@ void ContactPenalties<D>::set_metric(int contact) {
   inverse_[to_size(contact)] = 1 / (rho_ * state.along) * inverse;
 }
 
-/// The cone of the plane: r itself, or next to one of the two edges.
+/// The cone in 2D: r itself, or the nearest point of one of the two edges.
 template <int D>
 Local<D> ContactPenalties<D>::project_across(const Block& metric, double mu, const Local<D>& r) {
   if constexpr (D == 2) {
     if (std::abs(r[1]) <= mu * r[0]) return r;
     const Local<2> push = metric * r;
-    // Of the multiples of both edges the one that takes most of r's norm away.
+    // Of the multiples of both edges, the one that reduces the norm of r most.
     Local<2> nearest = Local<2>::Zero();
     double most = 0;
     for (const double side : {-mu, mu}) {

@@ -7,17 +7,18 @@
 
 namespace bipot {
 
-/// Penalties of a splitting method (admm.h), one D x D metric M a contact in equilibrated variables.
-/// They are equal at first, rho I, and then follow what a contact does as long as it goes on doing it:
+/// Penalties of a splitting method (admm.h): one D x D metric M for each contact, in equilibrated
+/// variables. They start equal, rho I, and then follow the status of a contact while it lasts:
 ///
-///     stick     its impulse is to be found, its velocity is 0:        smaller by up to kStick
-///     take-off  its impulse is 0:                                     larger by up to kTakeOff
-///     slip      as for take-off across the cone's edge, d = 2 alone:  larger by up to kAcross
+///     stick     the impulse is unknown, the velocity is 0:         smaller by up to kStick
+///     take-off  the impulse is 0:                                  larger by up to kTakeOff
+///     slip      as for take-off across the edge of the cone, d = 2 alone:  larger by up to kAcross
 ///
-/// A mode of W with eigenvalue lambda dies as rho / (lambda + rho) where the contacts stick, as
-/// lambda / (lambda + rho) where they are open; no one rho suits both. Contacts that change get rho
-/// again. (Penalties per constraint: Stellato et al. 2020, OSQP, where equalities are known
-/// beforehand; [ours] from the statuses of the iterates, and across the edge of the cone.)
+/// A mode of W with eigenvalue lambda is damped by rho / (lambda + rho) if the contacts stick, and
+/// by lambda / (lambda + rho) if they are open. No single rho suits both. Contacts that change
+/// their status get rho again. Penalties per constraint: Stellato et al. 2020 (OSQP, for equalities
+/// known beforehand). [ours] They follow the statuses of the iterates, and act across the edge of
+/// the cone.
 template <int D>
 class ContactPenalties {
  public:
@@ -31,10 +32,10 @@ class ContactPenalties {
 
   const Block& metric(int contact) const { return metric_[to_size(contact)]; }
   const Block& inverse(int contact) const { return inverse_[to_size(contact)]; }
-  /// All of them, contact after contact.
+  /// The inverses of all metrics, contact after contact.
   const double* inverses() const { return inverse_.data()->data(); }
   Local<D> times(int contact, const Local<D>& v) const { return metric_[to_size(contact)] * v; }
-  /// The point of the cone next to r in the metric.
+  /// The point of the cone nearest to r in the metric.
   Local<D> project(int contact, const Local<D>& r) const {
     const State& state = state_[to_size(contact)];
     const double mu = mu_[contact];
@@ -44,11 +45,11 @@ class ContactPenalties {
     return project_coulomb_cone<D>(r, mu);
   }
 
-  /// Remembers the statuses of an iterate.
+  /// Records the statuses of an iterate.
   void observe(const Vector& z);
-  /// Sets the metrics by the statuses observed since the last time; M y stays as it is.
+  /// Sets the metrics by the statuses observed since the last call, with M y unchanged.
   void adapt(Vector& y);
-  /// All are rho I again; M y stays as it is.
+  /// Resets all metrics to rho I, with M y unchanged.
   void equalise(Vector& y);
 
  private:

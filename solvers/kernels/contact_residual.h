@@ -7,7 +7,7 @@
 
 namespace bipot {
 
-/// One contact's equation f(s, u) = 0, equivalent to Coulomb's law, with one element of its
+/// Equation f(s, u) = 0 of one contact, equivalent to Coulomb's law, with one element of its
 /// generalized Jacobian: df = P ds + Q du. s and u must have comparable sizes (equilibrated
 /// variables), as the steps of both residuals are 1.
 template <int D>
@@ -20,7 +20,7 @@ struct LocalResidual {
 /// Alart and Curnier (1991), standard form:
 ///     f_n = s_n - max(0, s_n - u_n),
 ///     f_t = s_t - proj(s_t - u_t, disk of radius mu max(0, s_n - u_n)).
-/// On the edges of its cases the Jacobian of the contact that sticks, or opens, is taken.
+/// On the edges of its cases the Jacobian is that of sticking, or of take-off.
 template <int D>
 LocalResidual<D> alart_curnier(const Local<D>& s, const Local<D>& u, double mu) {
   LocalResidual<D> r;
@@ -59,11 +59,11 @@ LocalResidual<D> alart_curnier(const Local<D>& s, const Local<D>& u, double mu) 
 /// Fischer-Burmeister function of the Jordan product (Fukushima, Luo, Tseng 2002):
 ///     f = x + y - (x∘x + y∘y)^{1/2},   x = (s_n, s_t / mu),   y = (u_n + mu |u_t|, mu u_t),
 /// both in the self-dual cone |z_t| <= z_n, x·y = s·û. [ours] The tangential rows are multiplied by
-/// min(mu, 1), so that mu -> 0 keeps its rows of size one; mu = 0 is s_t = 0 and the scalar
-/// function.
+/// min(mu, 1), so that they keep size one as mu -> 0. mu = 0 is s_t = 0 and the scalar function.
+///
 /// The smaller spectral value of x∘x + y∘y is formed as a sum of squares: the difference in the
-/// textbook formula would leave half of the digits. Where it vanishes (x + y on the edge of the
-/// cone) its root is replaced by 1e-10 of the larger one, in the Jacobian alone.
+/// textbook formula would lose half of the digits. Where it vanishes (x + y on the edge of the
+/// cone), the Jacobian replaces its root by 1e-10 of the larger one.
 template <int D>
 LocalResidual<D> fischer_burmeister(const Local<D>& s, const Local<D>& u, double mu) {
   LocalResidual<D> r;

@@ -5,7 +5,7 @@
 namespace bipot {
 namespace {
 
-// Tangential mobility over the normal one, below which there is only rounding.
+// Ratio of tangential to normal mobility below which only rounding remains.
 constexpr double kNoMobility = 1e-12;
 
 ContactScaling with_mu(const ContactProblem& p, Vector impulse, Vector velocity) {

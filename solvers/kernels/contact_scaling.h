@@ -5,17 +5,17 @@
 
 namespace bipot {
 
-/// A change of variables x = impulse ∘ s, w = velocity ∘ u with one positive factor for the normal
-/// and one for all tangents of each contact. Coulomb's law is homogeneous in either part
-/// separately, hence keeps its form with the friction coefficient mu below (data/manual/explanation/method.md §3).
+/// A change of variables x = impulse ∘ s, w = velocity ∘ u, with one positive factor for the normal
+/// and one for all tangents of each contact. Coulomb's law is homogeneous in either part, hence
+/// keeps its form with the friction coefficient mu below (data/manual/explanation/method.md §3).
 struct ContactScaling {
   Vector impulse;   ///< m, x = impulse ∘ s
   Vector velocity;  ///< m, w = velocity ∘ u
   Vector mu;        ///< c, mu_x = mu impulse_t / impulse_n
 };
 
-/// Diagonal of W with the tangential entries of each contact replaced by their mean, size m. A
-/// contact without tangential mobility (rounded data) takes its normal entry there.
+/// Diagonal of W, with the tangential entries of each contact replaced by their mean, size m. A
+/// contact without tangential mobility (rounded data) uses its normal entry instead.
 Vector mean_diagonal(const ContactProblem& problem, const Vector& delassus_diagonal);
 
 /// x = sqrt(W_ii) s, w = u / sqrt(W_ii), tangents averaged: the operator gets a unit diagonal.

@@ -13,13 +13,13 @@
 namespace bipot {
 
 /// Local velocities that follow the impulse contact by contact, the state of every Gauss-Seidel
-/// sweep. Three forms behind one interface:
-///   - disks: body velocities are updated in place, H is four numbers a contact;
+/// sweep. Three forms have one interface:
+///   - disks: body velocities are updated in place, H is four numbers for each contact;
 ///   - two-pass (diagonal A): the mass-scaled body velocities y = A^{-1/2} H s are updated in
-///     place, and a contact touches at most two runs of K consecutive degrees of freedom (one
-///     rigid body each);
+///     place. A contact touches at most two runs of K consecutive degrees of freedom (one rigid
+///     body each);
 ///   - explicit: u_c is a product with the block row of W.
-/// For disks they stream about 100, 170 and 450 bytes a contact.
+/// The forms stream about 100, 170 and 450 bytes for each contact of disks.
 template <int D>
 class ExplicitSweep {
  public:
@@ -52,7 +52,7 @@ class ExplicitSweep {
 template <int D, int K>
 class TwoPassSweep {
  public:
-  /// True when every contact acts on at most two runs of K consecutive degrees of freedom.
+  /// True if every contact acts on at most two runs of K consecutive degrees of freedom.
   static bool fits(const ContactProblem& p) {
     if (!p.has_velocities() || !is_diagonal(p.A)) return false;
     std::vector<int> dofs;
@@ -108,7 +108,7 @@ class TwoPassSweep {
     }
     return u;
   }
-  /// Adds to the contact's velocity at s = 0: what contacts elsewhere do to it.
+  /// Adds to the contact's velocity at s = 0 the effect of contacts elsewhere.
   void shift(int c, const Local<D>& by) { contacts_[to_size(c)].b += by; }
   void set(int c, const Local<D>& s) {
     Contact& contact = contacts_[to_size(c)];
@@ -145,8 +145,8 @@ class TwoPassSweep {
     Runs r;
     if (dofs.empty()) return r;
     r.start[0] = dofs.front();
-    // The second run is anchored at its first touched degree of freedom; with none, it points at
-    // the padding behind the last one, with zero coefficients.
+    // The second run starts at its first touched degree of freedom. Without one, it points at the
+    // padding after the last, with zero coefficients.
     r.start[1] = p.num_dofs();
     for (int dof : dofs) {
       if (dof >= r.start[0] + K) {
@@ -165,8 +165,8 @@ class TwoPassSweep {
   mutable Vector gathered_;
 };
 
-/// The two-pass form for disks (disk_structure.h): 72 bytes a contact, of which H takes four
-/// numbers.
+/// The two-pass form for disks (disk_structure.h): 72 bytes for each contact, four numbers of H
+/// included.
 template <int D>
 class DiskSweep {
  public:
@@ -216,7 +216,7 @@ class DiskSweep {
     if constexpr (D == 2) u[1] = k.ratio * (k.gx * vy - k.gy * vx) - k.spin * (i.w + j.w) + k.b[1];
     return u;
   }
-  /// Adds to the contact's velocity at s = 0: what contacts elsewhere do to it.
+  /// Adds to the contact's velocity at s = 0 the effect of contacts elsewhere.
   void shift(int c, const Local<D>& by) {
     for (int k = 0; k < D; ++k) contacts_[to_size(c)].b[k] += by[k];
   }
@@ -248,8 +248,8 @@ class DiskSweep {
     contacts_[to_size(c)].mu = mu;
   }
   /// s_n <- max(0, s_n - step_n u_n), s_t <- s_t - step_t u_t cut off at mu s_n, and velocities.
-  /// The same as velocity(), the two projections and set(), with products arranged so that the
-  /// chain from one contact of a body to its next is as short as it can be.
+  /// The same as velocity(), the two projections and set(). Products are arranged for the shortest
+  /// dependency chain from one contact of a body to its next.
   void relax(int c) {
     Contact& k = contacts_[to_size(c)];
     Body& i = bodies_[to_size(k.i)];
@@ -300,7 +300,7 @@ class DiskSweep {
   mutable Vector gathered_;
 };
 
-/// Calls f with a sweep through W, assembled where the problem does not bring it.
+/// Calls f with a sweep through W, which is assembled if the problem has none.
 template <int D, class F>
 decltype(auto) with_explicit_sweep(const ContactProblem& p, F&& f) {
   if (p.has_delassus()) return f(ExplicitSweep<D>(p));
@@ -309,7 +309,7 @@ decltype(auto) with_explicit_sweep(const ContactProblem& p, F&& f) {
   return f(ExplicitSweep<D>(copy));
 }
 
-/// Calls f with the fastest sweep that the problem's structure allows.
+/// Calls f with the fastest sweep for the structure of the problem.
 template <int D, class F>
 decltype(auto) with_sweep(const ContactProblem& p, F&& f) {
   if constexpr (D < 3) {

@@ -12,8 +12,8 @@
 
 namespace bipot {
 
-// The accelerated projected gradient of solvers/methods/accelerated_gradient.h, written once for a
-// problem on one process and for one that lies on several.
+// The accelerated projected gradient of solvers/methods/accelerated_gradient.h, for one process and
+// in parallel.
 
 enum class GradientMap { kSplit, kCone };
 
@@ -36,9 +36,9 @@ inline Local<D> corrected(const Local<D>& y, const Local<D>& w, double mu, doubl
   }
 }
 
-/// The iteration through the Delassus operator, any problem. (Disks on one process:
-/// tiled_gradient.h.) `Space` knows the contacts that are not here: velocity(s, u) is u = W s +
-/// u_free, a Sum takes += and add_dot(a, b, sum), and total() adds the Sums up over all processes.
+/// The iteration through the Delassus operator, for any problem. (Disks on one process:
+/// tiled_gradient.h.) `Space` includes the contacts of other processes: velocity(s, u) is u = W s +
+/// u_free, a Sum has += and add_dot(a, b, sum), and total() adds the Sums over all processes.
 template <int D, class Space>
 class GradientIteration final : public GradientKernel {
  public:
@@ -65,7 +65,7 @@ class GradientIteration final : public GradientKernel {
       control.t = next_momentum(t);
       extrapolate((t - 1) / control.t);
       if (progress.energy > control.lambda * progress.change2) {
-        // A larger eigenvalue than the estimate has shown itself.
+        // The estimate of the largest eigenvalue was too small.
         control.lambda = kSpectralMargin * progress.energy / progress.change2;
         extrapolate(0);
         control.t = 1;
@@ -106,8 +106,8 @@ class GradientIteration final : public GradientKernel {
   Vector s_, x_, before_, y_, w_, w_before_, w_y_;
 };
 
-/// Which map is in use. With the choice "auto", a map that has lost patience hands over to the next
-/// of: split, cone, split without momentum.
+/// The map in use. With the choice "auto", a map that stagnates is replaced by the next of: split,
+/// cone, split without momentum.
 class MapRota {
  public:
   /// `choice`: auto, split or cone.
@@ -117,7 +117,7 @@ class MapRota {
   bool cone() const { return phase_ == 1; }
   bool momentum() const { return phase_ != 2; }
 
-  /// Tells the best error so far. True when the map changes: go back to the best iterate.
+  /// Records the best error so far. True if the map changes: return to the best iterate.
   bool advance(int iteration, double best_error) {
     if (!auto_ || !patience_.lost(iteration, best_error)) return false;
     phase_ = (phase_ + 1) % 3;
@@ -130,7 +130,7 @@ class MapRota {
   Patience patience_{1000};
 };
 
-/// Iterations that may be done without a look at the clock.
+/// Largest number of iterations between two looks at the clock.
 inline constexpr int kUnwatchedSteps = 64;
 
 /// Iterates until the monitor stops it.

@@ -31,7 +31,7 @@ bool accepted(const LocalProblem<D>& p, const Local<D>& s) {
   return (next - s).norm() <= kAccepted * size;
 }
 
-/// Slip in the plane: u_n = 0, s_t = side mu s_n, side u_t <= 0. The candidate nearest to s.
+/// Slip in 2D: u_n = 0, s_t = side mu s_n, side u_t <= 0. The candidate nearest to s.
 bool solve_slip(const LocalProblem<2>& p, Local<2>& s) {
   bool found = false;
   double nearest = std::numeric_limits<double>::infinity();

@@ -18,28 +18,28 @@ struct LocalProblem {
   double step_tangential = 0;  ///< 1/lambda_max(W_tt), 1/W_nn where W_tt vanishes   [kg]
 };
 
-/// Steps of a block; q is left alone.
+/// Local problem of a diagonal block of W; q is not set.
 template <int D>
 LocalProblem<D> local_problem(const Eigen::MatrixXd& w, double mu);
 
-/// Improves s by `iterations` rounds of: s_n <- max(0, s_n - omega u_n/W_nn), u_t refreshed, s_t <-
-/// s_t - omega u_t/lambda_max(W_tt) cut off at mu s_n. Each half minimises, or majorises and
-/// minimises, along its coordinates; a diagonal block with equal tangents is solved exactly by one
-/// round with omega = 1. `u` is the velocity at s.
+/// Improves s by `iterations` rounds of two half steps. First s_n <- max(0, s_n - omega u_n/W_nn),
+/// with u_t updated. Then s_t <- s_t - omega u_t/lambda_max(W_tt), cut off at mu s_n. Each half
+/// minimises (or majorises and minimises) along its coordinates. One round with omega = 1 is exact
+/// for a diagonal block with equal tangents. `u` is the velocity at s.
 template <int D>
 Local<D> improve_local(const LocalProblem<D>& problem, Local<D> s, Local<D> u, double omega,
                        int iterations);
 
-/// A solution, exact to rounding: take-off, then stick, then slip are tried; the slip case d = 2 is
-/// a formula, d = 3 the one-dimensional root of
+/// A solution, exact to rounding: take-off, then stick, then slip are tried. For d = 2 the slip
+/// case is a formula, for d = 3 the one-dimensional root of
 ///
 ///     |x(λ)| = mu s_n(λ),   (S + λ I) x = -(q_t - w_tn q_n / w_nn),   S = W_tt - w_tn w_nt / w_nn
 ///
-/// where u_t = -λ s_t: the sliding direction opposes the friction with an unknown factor λ > 0. A
-/// root is bracketed by λ = 0 (stick has failed) and a bound on λ; Newton's method on 1/|x| -
-/// 1/(mu s_n) with bisection as safeguard finds it. [ours]; Bonnefon and Daviet (INRIA 2011) solve
-/// the same equations as a quartic. Returns false, s unchanged, when the result does not satisfy
-/// the law to 1e-9 relative (a block that is far from positive semidefinite).
+/// with u_t = -λ s_t: the sliding direction opposes the friction with an unknown factor λ > 0. The
+/// root is bracketed by λ = 0 (stick has failed) and a bound on λ. It is found by Newton's method
+/// on 1/|x| - 1/(mu s_n), with bisection as safeguard. [ours]; Bonnefon and Daviet (INRIA 2011)
+/// solve the same equations as a quartic. Returns false, s unchanged, if the result violates the
+/// law by more than 1e-9 relative (a block far from positive semidefinite).
 template <int D>
 bool solve_local(const LocalProblem<D>& problem, Local<D>& s);
 

@@ -8,7 +8,7 @@
 
 namespace bipot {
 
-/// How a Gauss-Seidel sweep treats one contact.
+/// How a Gauss-Seidel sweep updates one contact.
 struct LocalSettings {
   bool exact = false;        ///< solve_local() instead of improve_local()
   int local_iterations = 1;  ///< of improve_local()
@@ -51,14 +51,14 @@ class LocalUpdates {
   std::vector<LocalProblem<D>> problems_;
 };
 
-/// Calls f(sweep, visit) with the fastest sweep that the problem's structure allows, at the impulse
-/// s = 0; visit(c) treats contact c.
+/// Calls f(sweep, visit) with the fastest sweep for the structure of the problem, at the impulse s
+/// = 0. visit(c) updates contact c.
 template <int D, class F>
 void with_local_updates(const ContactProblem& p, const DelassusOperator& delassus,
                         const LocalSettings& settings, bool explicit_delassus, F&& f) {
   if constexpr (D < 3) {
     if (delassus.disks() && !explicit_delassus) {
-      // Diagonal blocks: one round of projections is the exact solution where omega = 1.
+      // For diagonal blocks with omega = 1, one round of projections is the exact solution.
       DiskSweep<D> sweep(p, *delassus.disks());
       const Vector diagonal = delassus.diagonal();
       for (int c = 0; c < p.num_contacts(); ++c) {

@@ -5,12 +5,12 @@
 
 namespace bipot {
 
-/// With what an iteration does, until it has not halved the best error for as many iterations as it
-/// took to get there, and at least `least`.
+/// Stagnation test: true once the best error has not halved during max(least, k) iterations, where
+/// k is the iteration at which it last did.
 class Patience {
  public:
   explicit Patience(int least) : least_(least), iterations_(least) {}
-  /// Tells the best error so far. True where patience is lost: something else begins now.
+  /// Records the best error so far. True if the iteration stagnates.
   bool lost(int iteration, double best_error) {
     if (best_error <= 0.5 * mark_) {
       mark_ = best_error;

@@ -14,13 +14,13 @@ struct PredictorSteps {
 };
 
 /// rho = paper: rho = (1 + e_n) m_i m_j / (m_i + m_j) = 1/W_nn of the step's operator, in physical
-/// variables, normal and tangential part alike. For a disk W_tt = 3 W_nn, so that a sticking
-/// contact lies outside the stable range of a fixed step: this choice reproduces the paper and its
-/// limits.
+/// variables, for the normal and tangential part alike. For a disk W_tt = 3 W_nn, so that a
+/// sticking contact lies outside the stable range of a fixed step. This choice reproduces the paper
+/// and its limits.
 PredictorSteps paper_steps(const ContactProblem& problem, const DelassusOperator& delassus);
 
 /// rho = stable [ours]: variables scaled so that W has a unit diagonal (one scale for all tangents
-/// of a contact, mu changes by the ratio of the scales), then
+/// of a contact; mu changes by the ratio of the scales), then
 ///   - jacobi: rho = 1.9 / ‖W‖_inf <= 1.9 / lambda_max(W). For mu = 0 this is the projected
 ///     gradient of a convex quadratic with a step below 2/lambda_max, which converges (Goldstein
 ///     1964, Levitin and Polyak 1966). With friction the problem is not a minimisation and no step

@@ -18,9 +18,9 @@ class MpiSession {
     MPI_Initialized(&alive);
     if (alive) return;  // the host program uses MPI itself
     setenv("OMPI_MCA_opal_signal", "", 0);
-    // A lone process needs no daemon: without this Open MPI starts one (orted) and leaves it.
+    // A single process needs no daemon: without this Open MPI starts one (orted) and leaves it.
     setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
-    // Other threads compute and write beside the one that calls MPI.
+    // Other threads compute and write while one calls MPI.
     int provided = 0;
     owned_ = MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided) == MPI_SUCCESS;
   }

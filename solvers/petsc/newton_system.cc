@@ -116,7 +116,7 @@ LocalResidual<D> NewtonSystem::equation(int c, const Eigen::Map<const Vector>& x
                                               : fischer_burmeister<D>(xc, wc, scaling_.mu[c]);
 }
 
-/// Row block of contact c: Q G on the coupled columns (G = rows of W' or of H'ᵀ), then P + Q / kappa
+/// Row block of contact c: Q G on the coupled columns (G: rows of W' or of H'ᵀ), then P + Q / kappa
 /// on the contact's own columns.
 template <int D>
 void NewtonSystem::fill_contact(int c, const LocalResidual<D>& r, double* values) const {
@@ -140,8 +140,8 @@ void NewtonSystem::fill_contact(int c, const LocalResidual<D>& r, double* values
   }
 }
 
-/// Columns and values of the D rows that contact c has in `block_rows`, merged. `own`: the contact's
-/// own columns are stored even where the rows have nothing there.
+/// Merges columns and values of the D rows of contact c in `block_rows`. `own`: the contact's own
+/// columns are stored even if the rows have no entry there.
 void NewtonSystem::add_coupling(const SparseRows& block_rows, int contact, bool own) {
   const auto D = static_cast<std::size_t>(d_);
   std::map<int, std::vector<double>> block;  // column -> D values, sorted

@@ -17,15 +17,15 @@ namespace bipot {
 ///   mixed form, unknown (y, x):   A' y - H' x = 0,  f_c(x_c, w_c) = 0,
 ///                                 w = H'ᵀ y + b' + (x - x_k) / kappa
 ///
-/// W' = D^{-1/2} W D^{-1/2}, A' = S A S, H' = S H D^{-1/2}, S = diag(A)^{-1/2} and
-/// b' = D^{-1/2} u_free / unit, unit = ‖D^{-1/2} u_free‖: nothing has a unit.
+/// W' = D^{-1/2} W D^{-1/2}, A' = S A S, H' = S H D^{-1/2}, S = diag(A)^{-1/2} and b' = D^{-1/2}
+/// u_free / unit, unit = ‖D^{-1/2} u_free‖. All quantities are dimensionless.
 class NewtonSystem {
  public:
   /// The equation f of a contact. kInequality: f = w, for a solver that keeps x >= 0 by itself.
   enum class Residual { kAlartCurnier, kFischerBurmeister, kInequality };
 
-  /// Copies what it needs. The mixed form needs A and H, the contact form W. Throws
-  /// std::runtime_error when A is not positive definite.
+  /// Copies all data that it needs. The mixed form needs A and H, the contact form W. Throws
+  /// std::runtime_error if A is not positive definite.
   NewtonSystem(const ContactProblem& problem, const Vector& delassus_diagonal, Residual residual,
                bool mixed);
 
@@ -46,7 +46,7 @@ class NewtonSystem {
   }
   /// Impulse of the unknowns in the problem's variables.
   Vector impulse(const double* z) const;
-  /// ‖x - x_k‖ / kappa: what the proximal term still changes.
+  /// ‖x - x_k‖ / kappa: the effect of the proximal term.
   double proximal_residual(const double* z) const;
 
   /// f, size() values.

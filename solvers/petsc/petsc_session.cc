@@ -12,7 +12,7 @@
 namespace bipot {
 namespace {
 
-/// PETSc of this process.
+/// The PETSc library of this process.
 class PetscLibrary {
  public:
   static void ensure() {

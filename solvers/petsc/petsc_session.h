@@ -9,7 +9,7 @@
 
 namespace bipot {
 
-/// A PETSc call that failed, with PETSc's text.
+/// A failed PETSc call, with PETSc's text.
 class PetscFailure : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -18,16 +18,16 @@ class PetscFailure : public std::runtime_error {
 /// Throws PetscFailure unless `code`, a PetscErrorCode, is 0. `what`: the function that was called.
 void check_petsc(int code, const char* what);
 
-/// The options string of a user in PETSc's notation "-name value -name", and a solver's own
-/// defaults. A name may begin with the prefix or leave it out.
+/// The options string of a user in PETSc's notation "-name value -name", and the defaults of a
+/// solver. A name may begin with the prefix or leave it out.
 class PetscOptions {
  public:
   using Entry = std::pair<std::string, std::string>;  ///< name without '-' and prefix, value or ""
 
-  /// Throws std::invalid_argument for a value that follows no name.
+  /// Throws std::invalid_argument for a value without a name before it.
   PetscOptions(std::string_view prefix, const std::string& text);
 
-  /// For a name that the user has not set.
+  /// Adds an option unless the user has set it.
   void add_default(const std::string& name, const std::string& value);
 
   const std::vector<Entry>& given() const { return given_; }
@@ -41,19 +41,19 @@ class PetscOptions {
 };
 
 /// The use of PETSc by one solve, with its options in PETSc's database for that time. Initialises
-/// PETSc for the process at the first use, where the host program has not: without arguments,
-/// resource files or signal handlers, to be finalised at the end of the process. Sessions of several
-/// threads wait for one another, as PETSc's objects are not thread-safe. While one lives, PETSc's
-/// errors are returned instead of printed and aborted on.
+/// PETSc at the first use, unless the host program has: without arguments, resource files or signal
+/// handlers, to be finalised at the end of the process. Sessions of several threads wait for one
+/// another, since PETSc's objects are not thread-safe. During a session PETSc returns its errors,
+/// instead of printing them and aborting.
 class PetscSession {
  public:
-  /// Throws PetscFailure where PETSc cannot be initialised or is finalised already.
+  /// Throws PetscFailure if PETSc cannot be initialised or is finalised already.
   explicit PetscSession(PetscOptions options);
   ~PetscSession();
   PetscSession(const PetscSession&) = delete;
   PetscSession& operator=(const PetscSession&) = delete;
 
-  /// Names of the user's options that PETSc has not asked for so far, "-a, -b".
+  /// Names of the user's options that PETSc has not read so far, "-a, -b".
   std::string unused_options() const;
 
  private:

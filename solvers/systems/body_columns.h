@@ -7,8 +7,9 @@
 
 namespace bipot {
 
-/// K = A + G R Gᵀ in all degrees of freedom, G = H diag(scale) and R block-diagonal, as of BodySystem,
-/// for a factorisation that takes its columns one by one: K is nowhere stored, and G is read out of H.
+/// K = A + G R Gᵀ in all degrees of freedom, for a factorisation that asks for its columns one by
+/// one. G = H diag(scale), and R is block-diagonal as for BodySystem. K is not stored; G is read
+/// from H.
 class BodyColumns {
  public:
   /// Keeps references to both. The problem must have A and H. `scale`: m, of the columns of H.
@@ -16,15 +17,16 @@ class BodyColumns {
   BodyColumns(ContactProblem&&, const Vector&) = delete;  // would dangle
   BodyColumns(const ContactProblem&, Vector&&) = delete;
 
-  /// Of K, zeros included.
+  /// Pattern of K, zeros included.
   BodyPattern pattern() const;
-  /// Adds to `to` what it takes of column j, for the blocks of R, row-major, contact after contact.
+  /// Adds the entries of column j that `to` takes, for the blocks of R, row-major, contact after
+  /// contact.
   void add(int j, const double* blocks, const FrontColumn& to) const;
 
-  /// g = G s - A v, with s = impulse(contact, Gᵀ v of it), in one pass over H.
+  /// g = G s - A v, with s = impulse(contact, Gᵀ v at it), in one pass over H.
   template <int D, class Impulse>
   void residual(const Vector& v, const Impulse& impulse, Vector& g) const;
-  /// g = G s: m -> n. No allocation where g has its size.
+  /// g = G s: m -> n. No allocation if g has its size.
   void momentum(const Vector& s, Vector& g) const;
   /// The rows of Gᵀ v of one contact; D is the problem's.
   template <int D>

@@ -6,7 +6,7 @@
 namespace bipot {
 
 ContactsOfDofs::ContactsOfDofs(const ContactProblem& p) : start(to_size(p.num_dofs()) + 1, 0) {
-  // The columns of a contact follow one another: what was seen last tells whether a dof has it.
+  // The columns of a contact are consecutive: the contact seen last tells whether it acts on a dof.
   std::vector<int> last(to_size(p.num_dofs()));
   const auto each = [&](const auto& use) {
     std::fill(last.begin(), last.end(), -1);
@@ -27,7 +27,7 @@ ContactsOfDofs::ContactsOfDofs(const ContactProblem& p) : start(to_size(p.num_do
   each([&](std::size_t dof, int c) { contact[to_size(next[dof]++)] = c; });
 }
 
-/// Column by column, as a list of all pairs takes several times its memory.
+/// Column by column, since a list of all pairs takes several times the memory.
 BodyPattern::BodyPattern(const ContactProblem& p, const ContactsOfDofs& contacts,
                          const std::vector<int>& dofs)
     : start(dofs.size() + 1, 0) {

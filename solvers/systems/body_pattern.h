@@ -16,9 +16,9 @@ struct ContactsOfDofs {
   explicit ContactsOfDofs(const ContactProblem& problem);
 };
 
-/// The pattern of A + H R Hᵀ, R of one d x d block a contact, with its diagonal, in the degrees of
-/// freedom `dofs` (ascending; those that contacts act on among them): row and column i are dofs[i].
-/// What A couples with others is left out.
+/// The pattern of A + H R Hᵀ with its diagonal, for R with one d x d block for each contact. Row
+/// and column i are dofs[i]. `dofs` is ascending and includes all dofs that contacts act on.
+/// Couplings of A with other dofs are left out.
 struct BodyPattern {
   MappedVector<int> start, row;
 

@@ -50,7 +50,7 @@ BodySystem::BodySystem(const ContactProblem& p, const std::vector<int>& dofs, co
   list_runs();
 }
 
-/// run_start_, run_end_ and slot_.
+/// Sets run_start_, run_end_ and slot_.
 void BodySystem::list_runs() {
   run_start_.reserve(to_size(contacts_) + 1);
   run_start_.assign(1, 0);
@@ -77,7 +77,7 @@ void BodySystem::list_runs() {
   }
 }
 
-/// start_, unknown_ and wrench_.
+/// Sets start_, unknown_ and wrench_.
 void BodySystem::list_wrenches(const ContactProblem& p, const std::vector<int>& unknown_of,
                                const Vector& scale) {
   const int d = dim_;
@@ -101,7 +101,7 @@ void BodySystem::list_wrenches(const ContactProblem& p, const std::vector<int>& 
   wrench_.shrink_to_fit();
 }
 
-/// matrix_ with zeros.
+/// Sets matrix_ with zeros.
 void BodySystem::make_pattern(const ContactProblem& p, const std::vector<int>& dofs) {
   const BodyPattern pattern(p, ContactsOfDofs(p), dofs);
   matrix_.resize(static_cast<Eigen::Index>(dofs.size()), static_cast<Eigen::Index>(dofs.size()));

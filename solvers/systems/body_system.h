@@ -6,24 +6,24 @@
 
 namespace bipot {
 
-/// K = A + G R Gᵀ in the degrees of freedom of the bodies, G = H diag(scale) and R block-diagonal
-/// (one d x d block a contact, in units of W⁻¹): what W + R⁻¹ becomes once the contacts are
-/// eliminated. In the units of A where scale is 1. The pattern is made once, values are assembled
+/// K = A + G R Gᵀ in the degrees of freedom of the bodies, with G = H diag(scale). R is
+/// block-diagonal (one d x d block for each contact, in units of W⁻¹). Eliminating the contacts from
+/// W + R⁻¹ gives K, in the units of A if scale is 1. The pattern is made once; values are assembled
 /// in place.
 class BodySystem {
  public:
   /// Degrees of freedom that contacts act on, ascending.
   static std::vector<int> touched(const ContactProblem& problem);
 
-  /// In the degrees of freedom `dofs`, ascending; A must not couple them to the others. `scale`: m,
-  /// of the columns of H. The problem must have A and H.
+  /// In the degrees of freedom `dofs`, ascending; A must not couple them to others. `scale`: m, of
+  /// the columns of H. The problem must have A and H.
   BodySystem(const ContactProblem& problem, const std::vector<int>& dofs, const Vector& scale);
 
   int size() const { return static_cast<int>(matrix_.cols()); }
   /// K for the blocks of R, row-major, contact after contact.
   const SparseMatrix& assemble(const double* blocks);
   const SparseMatrix& matrix() const { return matrix_; }
-  /// g = G s: m -> size(). No allocation where g has its size.
+  /// g = G s: m -> size(). No allocation if g has its size.
   void momentum(const Vector& s, Vector& g) const;
   /// u = Gᵀ v: size() -> m.
   void velocity(const Vector& v, Vector& u) const;
@@ -43,10 +43,10 @@ class BodySystem {
   // Contact c acts on the unknowns unknown_[start_[c] .. start_[c+1]).
   std::vector<int> start_, unknown_;
   std::vector<double> wrench_;  // G restricted to them, d numbers an unknown
-  // Unknowns of a contact that follow one another, as those of a body do, are a run: a column of
-  // matrix_ has their rows in a row. By contact: runs, and ends of runs among its unknowns.
+  // A run is a set of consecutive unknowns of a contact, such as those of a body: in a column of
+  // matrix_ their rows are consecutive. By contact: runs, and ends of runs among its unknowns.
   std::vector<int> run_start_, run_end_;
-  std::vector<int> slot_;  // positions of the runs of each column of the contact's square block
+  std::vector<int> slot_;  // positions of the runs in each column of the contact's square block
 };
 
 }  // namespace bipot

@@ -2,5 +2,5 @@
 
 #include "core/base/instruction_sets.h"
 
-// A function of loops over numbers, for registers of eight, four and two.
+// Compiles a function with loops over numbers for registers of eight, four and two.
 #define BIPOT_EVERY_WIDTH BIPOT_CLONES("avx512f", "avx2", "default")

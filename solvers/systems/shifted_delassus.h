@@ -10,23 +10,23 @@
 
 namespace bipot {
 
-/// Solves (I + R W) x = g for a block-diagonal R (one d x d block per contact, not symmetric, may
-/// be singular), the linear system of every Newton method on the contact law.
+/// Solves (I + R W) x = g, the linear system of every Newton method on the contact law. R is
+/// block-diagonal (one d x d block for each contact), not symmetric, and may be singular.
 ///
 /// Two forms of the same system:
 ///   - body: the contacts are eliminated, x = g - R Hᵀ K⁻¹ H g with K = A + H R Hᵀ in the degrees
 ///     of freedom that contacts touch. Needs a diagonal A. Sparse and small for packings of disks,
-///     but x is a difference of large numbers where R W is large.
+///     but x is a difference of large numbers if R W is large.
 ///   - contact: I + R W itself, in the rows of the contacts. Any W, symmetric or not.
-/// Either matrix is factored here (LocalFactor), or by another that the caller brings along.
-/// kAuto takes the body form unless it is not available or has more than twice as many unknowns.
-/// The determinants of the two forms have the same sign, det K = det A det(I + R W).
+/// Either matrix is factored by LocalFactor, or by a factorisation that the caller provides. kAuto
+/// chooses the body form unless it is not available or has more than twice as many unknowns. The
+/// determinants of the two forms have the same sign, det K = det A det(I + R W).
 class ShiftedDelassus {
  public:
   enum class Form { kAuto, kBody, kContact };
 
-  /// Keeps a reference to the problem, and to `elsewhere`, which factors where it is given. Throws
-  /// std::invalid_argument for an impossible form.
+  /// Keeps references to the problem and to `elsewhere`, the factorisation to use instead of
+  /// LocalFactor; may be null. Throws std::invalid_argument for an impossible form.
   explicit ShiftedDelassus(const ContactProblem& problem, Form form = Form::kAuto,
                            SystemFactor* elsewhere = nullptr);
   ~ShiftedDelassus();
@@ -37,13 +37,13 @@ class ShiftedDelassus {
   void solve(const Vector& g, Vector& x) const;
   /// Sign of det(I + R W).
   int determinant_sign() const { return factor_->determinant_sign(); }
-  /// Whether the last factor is one by fronts.
+  /// True if the last factor is multifrontal.
   bool by_fronts() const { return here_ && here_->by_fronts(); }
-  /// The matrix that was factored last: K or I + R W.
+  /// The matrix of the last factor: K or I + R W.
   const SparseMatrix& matrix() const { return body_form_ ? body_->matrix() : matrix_; }
-  /// The blocks that it was made of.
+  /// The blocks R of the last factor.
   const std::vector<double>& blocks() const { return R_; }
-  /// Which form was taken, for those who asked for kAuto.
+  /// True for the body form, also if it was chosen by kAuto.
   bool body_form() const { return body_form_; }
 
  private:

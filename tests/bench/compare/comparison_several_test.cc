@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "bench/compare/comparison_measures.h"
 #include "bench/compare/comparison_report.h"
@@ -68,7 +69,7 @@ TEST(SeveralAnswersInACompare, AreProvedByTwoVerifiedRows) {
   EXPECT_EQ(shares.back().largest_velocity, p.spread.velocity);
   EXPECT_NE(several_csv(c).find("two\",2,"), std::string::npos);
   EXPECT_NE(to_text(c).find("1 of 1 problems with a reference have several"), std::string::npos);
-  const auto json = to_json(c, {});
+  const Json json = to_json(c, {});
   const Json& table = json["several"];
   EXPECT_EQ(table[table.size() - 1]["share"], 1.0);
   EXPECT_EQ(json["problems"][0]["reference"]["answers"], p.answers);

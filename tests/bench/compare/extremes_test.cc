@@ -138,7 +138,8 @@ TEST(RandomProblem, IsTheSameEveryTimeAndHoldsWhatItPlants) {
     descriptions.insert(a.description);
     EXPECT_EQ(a.planted.size() > 0, k % 2 == 0);
     if (k % 2 == 0) {
-      EXPECT_LT(independent_check(a.problem, a.planted).guarded, 1e-9) << k << ": " << a.description;
+      EXPECT_LT(independent_check(a.problem, a.planted).guarded, 1e-9)
+          << k << ": " << a.description;
     }
   }
   EXPECT_GT(descriptions.size(), 90u);

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 
 #include "bench/tradeoff/trade_analysis.h"
 #include "bench/tradeoff/trade_page.h"
@@ -394,7 +395,7 @@ TEST(TradeReport, NamesEveryRunAndNoNumberThatIsNone) {
   const AnalysedTrade analysed(trade);
   const std::string csv = to_csv(trade);
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 7);
-  const auto json = to_json(analysed, context);
+  const Json json = Json::parse(json_text(to_json(analysed, context)));
   EXPECT_EQ(json["rows"].size(), 7u);
   EXPECT_TRUE(json["rows"][0]["values"][0].is_null());
   EXPECT_EQ(json["scenes"][0]["settings"].size(), 7u);
