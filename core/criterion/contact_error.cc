@@ -29,20 +29,6 @@ double ratio(double numerator, double denominator) {
 
 }  // namespace
 
-ErrorSums& ErrorSums::operator+=(const ErrorSums& more) {
-  friction += more.friction;
-  gap += more.gap;
-  gap_clipped += more.gap_clipped;
-  penetration += more.penetration;
-  natural += more.natural;
-  moved += more.moved;
-  natural_rel += more.natural_rel;
-  impulse2 += more.impulse2;
-  free_energy += more.free_energy;
-  free_impulse2 += more.free_impulse2;
-  return *this;
-}
-
 ContactError error_of(const ErrorSums& total) {
   ContactError e;
   e.friction_power = total.friction;
@@ -71,10 +57,10 @@ ContactError error_of(const ErrorSums& part, const ErrorShare& share) {
   return e;
 }
 
-/// What is made of the problem once.
+/// Data of the problem that do not depend on s.
 struct ContactErrorEvaluator::Prepared {
   ErrorWeights weights;
-  ErrorSums free;  ///< the terms that do not depend on s
+  ErrorSums free;  ///< free_energy and free_impulse2
 
   Prepared(const ContactProblem& p, const Vector& delassus_diagonal)
       : weights(error_weights(p, delassus_diagonal)) {
@@ -134,7 +120,7 @@ PieceSums ContactErrorEvaluator::sums(int begin, int end) const {
   const auto& [w_nn, rho_nn, rho_nat] = prepared_->weights;
   PieceSums e;
   for (int c = begin; c < end; ++c) {
-    const ContactTerms terms =
+    const ContactTerms<double> terms =
         add_error_terms<D, kScaled>(problem_, c, s_, u_, w_nn[c], rho_nn[c], rho_nat[c], e);
     if (terms.violation > e.worst_gap) {
       e.worst_gap = terms.violation;
@@ -158,8 +144,7 @@ PlaneContacts ContactErrorEvaluator::plane_contacts() const {
 
 template <int D, bool kScaled>
 ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) {
-  // What a piece needs stays in the cache from one step to the next: on large problems the memory is
-  // what all this waits for.
+  // Each step works on a piece while it is in the cache: large problems wait for memory.
   const int contacts = problem_.num_contacts();
   run_pieces(threads_, contacts, [&](int begin, int end) {
     s_.segment(begin * D, (end - begin) * D) = s.segment(begin * D, (end - begin) * D);
@@ -203,13 +188,7 @@ ErrorSums ContactErrorEvaluator::part(int contact) const {
   ErrorSums part = dispatch_dim(problem_.dim, [&](auto d) -> ErrorSums {
     return scaled ? sums<d(), true>(contact, contact + 1) : sums<d(), false>(contact, contact + 1);
   });
-  const int first = contact * problem_.dim;
-  for (int k = 0; k < problem_.dim; ++k) {
-    const double b = problem_.u_free[first + k] / physical_row_scale(problem_, first + k);
-    const double rho = prepared_->weights.rho_nat[contact];
-    part.free_impulse2 += rho * rho * b * b;
-    if (k == 0 && b < 0) part.free_energy = 0.5 * prepared_->weights.rho_nn[contact] * b * b;
-  }
+  add_free_terms(problem_, prepared_->weights, contact, part);
   return part;
 }
 
