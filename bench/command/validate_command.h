@@ -12,7 +12,7 @@ struct ValidateFlags {
   bool quick = false, quiet = false;
   std::string solver = "apgd";
   int max_iterations = 20000;
-  std::string out;
+  std::string out, json;
 };
 
 /// Declares `bipot validate`.

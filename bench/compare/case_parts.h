@@ -3,14 +3,10 @@
 #include <vector>
 
 #include "core/problem/contact_problem.h"
-#include "core/scene/scene.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 
-/// Half-plane behind the line through `point` with that outward normal.
-Wall<2> plane(const char* name, const Vec2& point, const Vec2& normal);
-/// A homogeneous disk, I = inertia m a² / 2.
-Disk disk(const Vec2& x, double radius, double mass, double inertia = 1);
 /// One material, h = 0.01 s, contacts within 1e-9 m, gravity 9.81 m/s² downwards.
 Scene<2> empty_scene(double mu, double e_n = 0, double e_t = 0);
 /// The problem of the scene's first step, A and H alone.

@@ -65,8 +65,8 @@ void add_friction_cases(std::vector<ExtremeCase>& cases) {
     Scene<2> scene = empty_scene(0.2);
     const double angle = std::atan(3 * 0.2 * (1 + beyond));
     scene.gravity = 9.81 * Vec2(std::sin(angle), -std::cos(angle));
-    scene.bodies = {disk(Vec2(0, 0.5), 0.5, 2)};
-    scene.walls = {plane("floor", Vec2::Zero(), Vec2(0, 1))};
+    scene.bodies = {round_body<2>(Vec2(0, 0.5), 0.5, 2)};
+    scene.walls = {flat_floor<2>()};
     const double normal = scene.step * 2 * 9.81 * std::cos(angle);
     cases.push_back(
         {.name = beyond == 0 ? "edge_of_the_cone"

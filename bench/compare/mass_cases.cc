@@ -32,8 +32,10 @@ void add_rolling(std::vector<ExtremeCase>& cases, const std::string& name, doubl
   Scene<2> scene = empty_scene(mu);
   const double angle = std::atan(slope);
   scene.gravity = 9.81 * Vec2(std::sin(angle), -std::cos(angle));
-  scene.bodies = {disk(Vec2(0, 0.5), 0.5, 2, inertia)};
-  scene.walls = {plane("floor", Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.5), 0.5, 2)};
+  Disk& d = scene.bodies[0];
+  d.inertia = inertia * 0.5 * d.mass * d.radius * d.radius;
+  scene.walls = {flat_floor<2>()};
   const double normal = scene.step * 2 * 9.81 * std::cos(angle);
   const double rolling = normal * slope / (1 + 2 / inertia);
   cases.push_back(

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/measure/statistics.h"
 #include "bench/problems/scene_catalogue.h"
@@ -131,15 +131,13 @@ ValidationExperiment plane_shear() {
         slope(slow, fast, slow.fraction, slow.fraction_bar, fast.fraction, fast.fraction_bar,
               fmt::format("ν = {:.3f} at I = {:.3f}, {:.3f} at {:.3f}", slow.fraction,
                           slow.inertial, fast.fraction, fast.inertial))};
-    ValidationFigure figure;
-    figure.name = "shear";
-    figure.group = kFlow;
+    ClaimFigure figure{.name = "shear", .chart = Chart{}};
     figure.caption =
         "Plane shear of 120 disks (μ = 0.4) in a periodic cell under constant pressure: τ/P and solid fraction against "
         "the inertial number, bars over blocks of time; lines: the laws of da Cruz et al. (2005) as remembered, not tested.";
-    figure.chart.title = "Plane shear";
-    figure.chart.x = {.label = "inertial number", .kind = ChartAxis::Kind::kLog};
-    figure.chart.y = {.label = "τ/P and solid fraction", .low = 0, .high = 1};
+    figure.chart->title = "Plane shear";
+    figure.chart->x = {.label = "inertial number", .kind = ChartAxis::Kind::kLog};
+    figure.chart->y = {.label = "τ/P and solid fraction", .low = 0, .high = 1};
     ChartSeries friction, fraction, law, density;
     friction.name = "τ/P";
     fraction.name = "solid fraction";
@@ -160,7 +158,7 @@ ValidationExperiment plane_shear() {
       law.points.push_back({r.inertial, 0.26 + r.inertial});
       density.points.push_back({r.inertial, 0.81 - 0.3 * r.inertial});
     }
-    figure.chart.series = {friction, fraction, law, density};
+    figure.chart->series = {friction, fraction, law, density};
     outcome.figures = {figure};
     return outcome;
   };
@@ -172,24 +170,13 @@ ValidationExperiment plane_shear() {
 double runout(double aspect, int width, std::uint64_t seed, double tol,
               const ValidationContext& context, ExperimentOutcome& outcome) {
   constexpr double kDiameter = 1, kMu = 0.5;
-  Scene<2> scene = empty_scene<2>({.mu = kMu}, 5e-3, tol, context);
-  scene.gravity = Vec2(0, -9.81);
-  const double across = width * kDiameter;
+  Scene<2> scene = experiment_scene<2>({.mu = kMu}, 5e-3, tol, context);
   const int count = static_cast<int>(std::lround(width * width * aspect * 1.05));
-  scene.bodies =
-      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, across, 0, seed, Vec2::Zero());
-  double top = 0;
-  for (Disk& d : scene.bodies) {
-    d.mass = d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-    top = std::max(top, d.x[1]);
-  }
-  scene.walls = {plane_wall("floor", Vec2(0, 0), Vec2(0, 1)),
-                 plane_wall("axis", Vec2(0, 0), Vec2(1, 0)),
-                 plane_wall("dam", Vec2(across, 0), Vec2(-1, 0))};
-  const double settle = 2 + std::sqrt(2 * top / 9.81);
+  const double top = fill_box(scene, count, width * kDiameter, 0, seed);
+  const double settle = 2 + std::sqrt(2 * top / kGravity);
   scene.walls[2].removed = settle;
-  scene.num_steps = static_cast<int>((settle + 3 + 2.5 * std::sqrt(2 * top / 9.81)) / scene.step);
+  scene.num_steps =
+      static_cast<int>((settle + 3 + 2.5 * std::sqrt(2 * top / kGravity)) / scene.step);
   const auto edge = [](const State<2>& state) {
     std::vector<std::pair<double, double>> mass;
     double total = 0;
@@ -247,15 +234,13 @@ ValidationExperiment column_collapse() {
     const PowerLaw law = fit_power_law(a, r);
     outcome.seen = {{law.exponent, std::isfinite(law.confidence) ? law.confidence : 0,
                      fmt::format("runout {:.2f} a^{:.2f}", law.prefactor, law.exponent)}};
-    ValidationFigure figure;
-    figure.name = "collapse";
-    figure.group = kFlow;
+    ClaimFigure figure{.name = "collapse", .chart = Chart{}};
     figure.caption =
         "Runout of columns against their aspect ratio, with the fitted power law; grey: 3.80 a^0.73 of rods on a plane "
         "(arXiv 1512.05180, whose front counts the last rod).";
-    figure.chart.title = "Column collapse";
-    figure.chart.x = {.label = "aspect ratio", .kind = ChartAxis::Kind::kLog};
-    figure.chart.y = {.label = "runout over the first width", .kind = ChartAxis::Kind::kLog};
+    figure.chart->title = "Column collapse";
+    figure.chart->x = {.label = "aspect ratio", .kind = ChartAxis::Kind::kLog};
+    figure.chart->y = {.label = "runout over the first width", .kind = ChartAxis::Kind::kLog};
     ChartSeries fit, rods;
     fit.name = fmt::format("{:.2f} a^{:.2f}", law.prefactor, law.exponent);
     fit.style = 1;
@@ -266,7 +251,7 @@ ValidationExperiment column_collapse() {
       fit.points.push_back({aspect, law.prefactor * std::pow(aspect, law.exponent)});
       rods.points.push_back({aspect, 3.8 * std::pow(aspect, 0.73)});
     }
-    figure.chart.series = {series, fit, rods};
+    figure.chart->series = {series, fit, rods};
     outcome.figures = {figure};
     return outcome;
   };

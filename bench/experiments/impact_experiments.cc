@@ -3,8 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/experiments/gravity.h"
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 
 namespace bipot {
@@ -19,19 +18,15 @@ ValidationExperiment bouncing() {
   constexpr double kRestitution = 0.6, kStep = 1e-4;
   ValidationExperiment e;
   const double speed = std::sqrt(2 * kGravity);
-  e.rows = {{.name = "ball_bounces",
-             .group = kMotion,
-             .quantity = "root of the ratio of heights of a ball before and after a bounce",
-             .source = "Newton's restitution, energy in free flight",
-             .formula = "e_n = 0.6",
-             .expected = Expectation::equal(kRestitution),
-             .allowed = 0.5 * speed * kStep * (1 + 1 / (kRestitution * kRestitution)),
-             .allowed_why = "the place of the impact is known to v h",
-             .bar = "none: one deterministic run"}};
+  e.rows = {validation_row(
+      kMotion, "ball_bounces", "root of the ratio of heights of a ball before and after a bounce",
+      "Newton's restitution, energy in free flight", "e_n = 0.6", Expectation::equal(kRestitution),
+      0.5 * speed * kStep * (1 + 1 / (kRestitution * kRestitution)),
+      "the place of the impact is known to v h", "none: one deterministic run")};
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
-    Scene<2> scene = empty_scene<2>({.mu = 0.3, .e_n = kRestitution}, kStep, tol, context);
+    Scene<2> scene = experiment_scene<2>({.mu = 0.3, .e_n = kRestitution}, kStep, tol, context);
     scene.gravity = Vec2(0, -kGravity);
     scene.bodies = {round_body<2>(Vec2(0, 2), 1, 1)};
     scene.walls = {flat_floor<2>()};
@@ -61,22 +56,20 @@ ValidationExperiment swinging() {
   constexpr double kDrum = 1, kRadius = 0.2, kStart = 0.5, kStep = 1e-3;
   constexpr double kLength = 1.5 * (kDrum - kRadius);
   ValidationExperiment e;
-  e.rows = {
-      {.name = "disk_swings",
-       .group = kMotion,
-       .quantity = "period of a disk that rolls to and fro in a hollow circle, from 0.5 rad [s]",
-       .source = "energy of rolling, a pendulum of length 3/2 (R − a); complete elliptic integral",
-       .formula = "4 √(3 (R − a)/2g) K(sin φ0/2)",
-       .expected = Expectation::equal(4 * std::sqrt(kLength / kGravity) *
-                                      std::comp_ellint_1(std::sin(kStart / 2))),
-       .allowed = 1e-3,
-       .allowed_why = "time step: h/T = 5e-4, and shocks as the normal turns",
-       .bar = "none: one deterministic run"}};
+  e.rows = {validation_row(
+      kMotion, "disk_swings",
+      "period of a disk that rolls to and fro in a hollow circle, from 0.5 rad [s]",
+      "energy of rolling, a pendulum of length 3/2 (R − a); complete elliptic integral",
+      "4 √(3 (R − a)/2g) K(sin φ0/2)",
+      Expectation::equal(4 * std::sqrt(kLength / kGravity) *
+                         std::comp_ellint_1(std::sin(kStart / 2))),
+      1e-3, "time step: h/T = 5e-4, and shocks as the normal turns",
+      "none: one deterministic run")};
   e.tols = decades(-1, 8);
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-7};
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
-    Scene<2> scene = empty_scene<2>({.mu = 1}, kStep, tol, context);
+    Scene<2> scene = experiment_scene<2>({.mu = 1}, kStep, tol, context);
     scene.gravity = Vec2(0, -kGravity);
     const double way = kDrum - kRadius;
     scene.bodies = {round_body<2>(way * Vec2(std::sin(kStart), -std::cos(kStart)), kRadius, 1)};

@@ -1,5 +1,7 @@
 #include "bench/experiments/packing.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -162,6 +164,43 @@ double force_correlation(std::span<const ContactOutcome<2>> a,
   });
   const double vary_x = n * xx - x * x, vary_y = n * yy - y * y;
   return vary_x > 0 && vary_y > 0 ? (n * xy - x * y) / std::sqrt(vary_x * vary_y) : kNaN;
+}
+
+std::vector<double> relative_forces(const State<2>& state, int layers) {
+  double top = 0;
+  for (const Disk& d : state.bodies) top = std::max(top, d.x[1]);
+  std::vector<std::vector<double>> forces(to_size(layers));
+  for (const ContactOutcome<2>& o : state.contacts) {
+    if (!(o.s_n > 0)) continue;
+    const Disk& d = state.bodies[to_size(o.contact.i)];
+    const double y = d.x[1] - d.radius * o.contact.n[1];
+    forces[to_size(std::clamp(static_cast<int>(layers * y / top), 0, layers - 1))].push_back(o.s_n);
+  }
+  std::vector<double> relative;
+  for (const std::vector<double>& layer : forces) {
+    double sum = 0;
+    for (const double f : layer) sum += f;
+    for (const double f : layer) relative.push_back(f * static_cast<double>(layer.size()) / sum);
+  }
+  return relative;
+}
+
+ChartSeries force_histogram(const std::string& name, int style, const std::vector<double>& forces,
+                            double bin) {
+  std::vector<int> counts;
+  for (const double f : forces) {
+    const auto k = static_cast<std::size_t>(f / bin);
+    if (k >= counts.size()) counts.resize(k + 1);
+    ++counts[k];
+  }
+  ChartSeries series{name, style, {}};
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    if (counts[k] == 0) continue;
+    series.points.push_back({(static_cast<double>(k) + 0.5) * bin,
+                             counts[k] / (bin * static_cast<double>(forces.size())), false,
+                             fmt::format("{} forces", counts[k])});
+  }
+  return series;
 }
 
 void MeanContacts::add(const State<2>& state) {

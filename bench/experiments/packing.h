@@ -2,8 +2,10 @@
 
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "bench/report/chart.h"
 #include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"
 
@@ -48,6 +50,15 @@ double covered_fraction(const State<2>& state, double area);
 /// some in either. NaN where either does not vary.
 double force_correlation(std::span<const ContactOutcome<2>> a,
                          std::span<const ContactOutcome<2>> b);
+
+/// The tail of the distribution of forces begins at this multiple of the mean force.
+inline constexpr double kForceTail = 1.5;
+
+/// Loaded normal forces over the mean of their layer, of `layers` layers of equal height.
+std::vector<double> relative_forces(const State<2>& state, int layers);
+/// Probability density of forces, in bins of that width.
+ChartSeries force_histogram(const std::string& name, int style, const std::vector<double>& forces,
+                            double bin);
 
 /// Contacts of a number of steps, averaged pair by pair: where a pair carries nothing it counts
 /// with zero. Normals and gaps are those of the last step that had the pair.

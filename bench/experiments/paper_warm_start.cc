@@ -88,8 +88,8 @@ std::string ratio_text(const Gain& gain) {
                                       : fmt::format("{:.2f}", gain.ratio()));
 }
 
-PaperTable gains_table(const Run& run, const std::vector<SolverVariant>& solvers) {
-  PaperTable table;
+ClaimTable gains_table(const Run& run, const std::vector<SolverVariant>& solvers) {
+  ClaimTable table;
   table.name = fmt::format("warm_start_{}", run.key);
   table.caption = fmt::format(
       "{}: iterations cold over iterations warm (above 1: the warm start gains), and in brackets "
@@ -147,7 +147,7 @@ class WarmStartItem {
     options_.interrupted = context.interrupted;
   }
 
-  PaperResult run() {
+  Findings run() {
     for (Run& run : runs_) {
       study(run);
       if (context_.stopped()) return {};
@@ -167,7 +167,7 @@ class WarmStartItem {
       figure(run, "fast", "apgd and ipm", {"apgd", "ipm"});
       result_.tables.push_back(gains_table(run, options_.solvers));
     }
-    for (PaperNumber& n : result_.numbers) n.digits = 3;
+    for (Claim& n : result_.claims) n.digits = 3;
     return std::move(result_);
   }
 
@@ -197,8 +197,7 @@ class WarmStartItem {
 
   void number(const std::string& name, double value, const std::string& meaning,
               const std::string& expected = {}, std::optional<bool> holds = std::nullopt) {
-    result_.numbers.push_back(
-        {.name = name, .value = value, .meaning = meaning, .expected = expected, .holds = holds});
+    result_.check(name, value, "", meaning, expected, holds);
   }
 
   /// Those gains that the text states; the tables have them all.
@@ -225,7 +224,7 @@ class WarmStartItem {
     number("carried",
            falling.contacts > 0 ? 100 * falling.carried / falling.contacts : std::nan(""),
            "contacts that start from an impulse of the step before, fall, e_t = 1");
-    result_.numbers.back().unit = "%";
+    result_.claims.back().unit = "%";
     int hurt = 0, steps = 0;
     for (const Run& run : runs_) {
       for (const char* solver : {"uzawa", "pgs", "apgd"}) {
@@ -280,15 +279,14 @@ class WarmStartItem {
 
   void figure(const Run& run, const char* key, const char* what,
               const std::vector<std::string>& solvers) {
-    PaperFigure f;
-    f.after = 2;
-    f.name = fmt::format("warm_start_{}_{}", run.key, key);
-    f.caption = fmt::format(
-        "Iterations of the compared steps, cold and warm, {}: {}. The fall ends at step {}, the "
-        "impact at {}, settling at {}. Hollow: the limit of {} iterations.",
-        run.title, what, run.phases.fall, run.phases.impact, run.phases.settling, kMaxIterations);
-    f.chart = iterations_chart(run, solvers);
-    result_.figures.push_back(std::move(f));
+    result_.draw(
+        fmt::format("warm_start_{}_{}", run.key, key),
+        fmt::format(
+            "Iterations of the compared steps, cold and warm, {}: {}. The fall ends at step {}, the "
+            "impact at {}, settling at {}. Hollow: the limit of {} iterations.",
+            run.title, what, run.phases.fall, run.phases.impact, run.phases.settling,
+            kMaxIterations),
+        iterations_chart(run, solvers), 2);
   }
 
   const PaperContext& context_;
@@ -296,11 +294,11 @@ class WarmStartItem {
   std::vector<Run> runs_ = {{"et1", "e_t = 1 (the paper's)", 1, {}, {}, {}},
                             {"et0", "e_t = 0", 0, {}, {}, {}}};
   std::size_t disks_ = 0;
-  PaperResult result_;
+  Findings result_;
 };
 
 }  // namespace
 
-PaperResult run_warm_start(const PaperContext& context) { return WarmStartItem(context).run(); }
+Findings run_warm_start(const PaperContext& context) { return WarmStartItem(context).run(); }
 
 }  // namespace bipot

@@ -12,8 +12,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/experiments/gravity.h"
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 
 namespace bipot {
@@ -37,7 +36,7 @@ const char* body_name() {
 template <int D>
 Scene<D> on_floor(double slope, double mu, double step, double tol,
                   const ValidationContext& context) {
-  Scene<D> scene = empty_scene<D>({.mu = mu}, step, tol, context);
+  Scene<D> scene = experiment_scene<D>({.mu = mu}, step, tol, context);
   scene.gravity =
       kGravity * (std::sin(slope) * Vec<D>::Unit(0) - std::cos(slope) * Vec<D>::Unit(D - 1));
   scene.bodies = {round_body<D>(Vec<D>::Unit(D - 1), 1, 1)};
@@ -50,15 +49,10 @@ double slip(const Disk& d) { return d.v[0] + d.radius * d.spin; }
 double slip(const Sphere& s) { return s.v[0] - s.radius * s.spin[1]; }
 
 ValidationRow exact_row(std::string name, std::string quantity, std::string formula, double value) {
-  return {.name = std::move(name),
-          .group = kExact,
-          .quantity = std::move(quantity),
-          .source = kMechanics,
-          .formula = std::move(formula),
-          .expected = Expectation::equal(value),
-          .allowed = 1e-6,
-          .allowed_why = "the scheme is exact here; a hundred times the tightest tolerance",
-          .bar = "none: one deterministic run"};
+  return validation_row(kExact, std::move(name), std::move(quantity), kMechanics,
+                        std::move(formula), Expectation::equal(value), 1e-6,
+                        "the scheme is exact here; a hundred times the tightest tolerance",
+                        "none: one deterministic run");
 }
 
 template <int D>
@@ -104,7 +98,7 @@ ValidationExperiment threshold(bool block) {
       block ? "tan θ = 0.3640" : (D == 2 ? "tan θ / 3 = 0.1213" : "2/7 tan θ = 0.1040"), critical);
   row.allowed = 2e-3;
   row.allowed_why = "sliding is told from rolling at 1e-3 of free fall; bisection 1e-4";
-  row.bar = "none: bisection to 1e-4";
+  row.claim.bar_is = "none: bisection to 1e-4";
   e.rows = {row};
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [critical, block](double tol, const ValidationContext& context) {

@@ -6,11 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "bench/report/chart.h"
-#include "core/base/types.h"
+#include "bench/experiments/claim.h"
 #include "core/scene/scene.h"
 
 namespace bipot {
+
+/// Error up to which an observable counts as right, beside its bar: the meaning of "the physics
+/// holds" in "at which tolerance?".
+inline constexpr double kRightTo = 1e-2;
 
 /// What an observable must be: one value, or an interval with one or two ends. Errors are measured
 /// in units of `scale`.
@@ -29,27 +32,6 @@ struct Expectation {
   double error(double value) const;
 };
 
-/// An observable with what theory or others say of it.
-struct ValidationRow {
-  std::string name;      ///< for --only and the CSV: letters, digits, _
-  std::string group;     ///< heading of the page
-  std::string quantity;  ///< one line, with its unit or what it is relative to
-  std::string source;    ///< citation, or the argument that gives the value
-  std::string formula;   ///< the expected value in words and figures
-  Expectation expected;
-  /// Relative error that the row may have at the tightest tolerance beside its error bar, and why:
-  /// time step, bisection.
-  double allowed = 0;
-  std::string allowed_why;
-  std::string bar;              ///< what the error bar is
-  bool takes_tolerance = true;  ///< false: nothing in it is solved to a tolerance
-};
-
-/// A row that takes a tolerance: the fields in their order.
-ValidationRow validation_row(std::string group, std::string name, std::string quantity,
-                             std::string source, std::string formula, Expectation expected,
-                             double allowed, std::string allowed_why, std::string bar);
-
 /// One measurement of an observable.
 struct Observation {
   double value = kNaN;
@@ -57,16 +39,56 @@ struct Observation {
   std::string note;
 };
 
-struct ValidationFigure {
-  std::string name;  ///< of the files
-  std::string group, caption;
-  Chart chart;
+/// A row at one tolerance.
+struct ValidationPoint {
+  double tol = 0;
+  Observation seen;
+  double error = kNaN;  ///< of the value, see Expectation::error
+  bool right = false;   ///< at most kRightTo (or what is allowed, if that is more) and the bar
+  long steps = 0, unsolved = 0;
+  double seconds = 0;   ///< CPU, of the experiment: with the other rows that it measures
+  std::string failure;  ///< why there is no value
+
+  /// The steps were solved to the tolerance, all but kMayMiss of them, and there is a value.
+  bool reached() const;
 };
+
+/// A claim on an observable, and what comes of it at each tolerance. The claim has the measurement
+/// at the tightest tolerance that was reached.
+struct ValidationRow {
+  Claim claim;
+  std::string group;  ///< heading of the page
+  Expectation range;  ///< that of claim.expected
+  /// Relative error that the row may have at the tightest tolerance beside its error bar, and why:
+  /// time step, bisection.
+  double allowed = 0;
+  std::string allowed_why;
+  bool takes_tolerance = true;  ///< false: nothing in it is solved to a tolerance
+
+  std::vector<ValidationPoint> points;  ///< tolerances falling
+  int best = -1;                        ///< the tightest tolerance that was reached; -1: none was
+  double loosest = kNaN;  ///< right here and at all tighter tolerances that were reached
+  double seconds = 0;     ///< CPU, of all tolerances, of the experiment
+  int shared = 1;         ///< rows that the experiment measures
+
+  const ValidationPoint* measured() const { return best < 0 ? nullptr : &points[to_size(best)]; }
+  bool holds() const { return claim.holds.value_or(false); }
+  bool undecided() const { return best >= 0 && !claim.holds; }
+};
+
+/// The fields in their order.
+ValidationRow validation_row(std::string group, std::string name, std::string quantity,
+                             std::string source, std::string formula, Expectation range,
+                             double allowed, std::string allowed_why, std::string bar,
+                             bool takes_tolerance = true);
+
+/// From the points; sets the claim's measurement and verdict, best and loosest.
+void judge(ValidationRow& row);
 
 /// One run of an experiment.
 struct ExperimentOutcome {
   std::vector<Observation> seen;  ///< one for each row
-  std::vector<ValidationFigure> figures;
+  std::vector<ClaimFigure> figures;
   long steps = 0;     ///< time steps (or single problems) that were solved
   long unsolved = 0;  ///< of them, those whose solver did not reach the tolerance
 };

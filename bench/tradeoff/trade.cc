@@ -7,13 +7,13 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <random>
 #include <set>
 #include <stdexcept>
 
 #include "bench/measure/stopwatch.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/report/labels.h"
+#include "core/base/portable_random.h"
 #include "core/base/types.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene_files/scene_file.h"
@@ -75,15 +75,14 @@ void kick(Scene<2>& scene, int replica) {
   const double acceleration = std::max(scene.gravity.norm(), force / mass);
   double speed = std::sqrt(acceleration * smallest_radius(scene));
   for (const Disk& d : scene.bodies) speed = std::max(speed, d.v.norm());
-  std::mt19937_64 engine(static_cast<std::uint64_t>(replica));
-  const auto symmetric = [&] { return 2 * (static_cast<double>(engine() >> 11) * 0x1.0p-53) - 1; };
+  PortableRandom random(static_cast<std::uint64_t>(replica));
   for (Disk& d : scene.bodies) {
     if (d.cluster >= 0) continue;
-    const double x = symmetric(), y = symmetric();
+    const double x = random.symmetric(), y = random.symmetric();
     d.v += kKick * speed * Vec2(x, y);
   }
   for (Cluster& c : scene.clusters.bodies) {
-    const double x = symmetric(), y = symmetric();
+    const double x = random.symmetric(), y = random.symmetric();
     c.v += kKick * speed * Vec2(x, y);
   }
   place_members(scene.clusters, scene.bodies);

@@ -4,17 +4,17 @@
 
 #include <cmath>
 
+#include "core/scene/scene_parts.h"
 #include "solvers/simulation/scene_stepper.h"
-#include "tests/support/scene_parts.h"
 
 namespace bipot {
 namespace {
 
 /// A disk of 0.5 m at 10 m/s above a floor, in steps of 0.01 s: 0.1 m a step, a fifth of the radius.
 Scene<2> fall() {
-  Scene<2> scene = one_law({.mu = 0.3});
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.647), 0.5, Vec2(0, -10))};
+  Scene<2> scene = one_law<2>({.mu = 0.3});
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.647), 0.5, 2, Vec2(0, -10))};
   scene.step = 0.01;
   scene.num_steps = 10;
   scene.solver.name = "auto";

@@ -11,8 +11,8 @@
 
 #include "core/linear/eight_right_sides.h"
 #include "core/linear/frontal_kernels.h"
-#include "tests/support/draw.h"
 #include "tests/support/grid_matrix.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {

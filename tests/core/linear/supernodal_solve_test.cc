@@ -7,7 +7,7 @@
 #include <deque>
 #include <vector>
 
-#include "tests/support/draw.h"
+#include "core/base/portable_random.h"
 
 namespace bipot {
 namespace {
@@ -20,7 +20,7 @@ struct Supernodes {
   Eigen::MatrixXd L;
 
   Supernodes(const std::vector<int>& widths, double coupling, unsigned seed) {
-    Draw draw(seed);
+    PortableRandom draw(seed);
     int size = 0, first = 0;
     for (int width : widths) size += width;
     L = Eigen::MatrixXd::Zero(size, size);
@@ -63,7 +63,7 @@ void expect_inverse(double coupling, double tolerance) {
     }
     solve.begin(static_cast<int>(made.L.rows()), entries);
     for (const Supernode& node : made.nodes) solve.add(node);
-    Draw draw(3);
+    PortableRandom draw(3);
     Vector x(made.L.rows());
     for (double& value : x) value = draw.symmetric();
     const Vector b = made.L * (made.L.transpose() * x);

@@ -14,10 +14,10 @@
 #include "core/motion/time_stepping.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/disk_union.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
-#include "tests/support/scene_parts.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -41,7 +41,7 @@ void add_cluster(Scene<2>& scene, const std::vector<Circle>& parts, double densi
 TEST(Cluster, ADumbbellFallsOnAParabolaAndTurnsEvenly) {
   // Disks of 0.1 and 0.2 m, 0.25 m apart. Without contacts the mid-point scheme is exact: after time t the centre
   // of mass is at x0 + v0 t - g t²/2, the dumbbell turned by w t, and each disk where a rigid body has it.
-  Scene<2> scene = one_law({.mu = 0.5});
+  Scene<2> scene = one_law<2>({.mu = 0.5});
   scene.gravity = Vec2(0, -kGravity);
   scene.step = 1e-2;
   add_cluster(scene, {{Vec2(0, 0), 0.1}, {Vec2(0.25, 0), 0.2}}, 100, Vec2(1, 3), 7);
@@ -70,14 +70,14 @@ TEST(Cluster, ADumbbellFallsOnAParabolaAndTurnsEvenly) {
 
 /// Clusters of three unequal disks, and single ones, with random velocities that fly at each other.
 Scene<2> cloud_of_clusters(const ContactLaw& law) {
-  Scene<2> scene = one_law(law);
+  Scene<2> scene = one_law<2>(law);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int k = 0; k < 16; ++k) {
     const Vec2 x(0.8 * (k % 4 - 1.5), 0.8 * (k / 4 - 1.5));
     const Vec2 v(unit(random), unit(random));
     if (k % 5 == 4) {
-      scene.bodies.push_back(cylinder(x, 0.2, v - 2 * x, 3, unit(random)));
+      scene.bodies.push_back(round_body<2>(x, 0.2, 3, v - 2 * x, unit(random)));
       if (!scene.clusters.empty()) scene.clusters.arms.emplace_back(Vec2::Zero());
       continue;
     }
@@ -199,8 +199,8 @@ TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
 
 /// Two disks of radius 0.1 side by side, b to both sides, touching the floor, and a third on top.
 Scene<2> stool(double b, double top, double shift) {
-  Scene<2> scene = one_law({.mu = 3});
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  Scene<2> scene = one_law<2>({.mu = 3});
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
   add_cluster(scene, {{Vec2(-b, 0.1), 0.1}, {Vec2(b, 0.1), 0.1}, {Vec2(shift, top), 0.12}}, 100,
               Vec2::Zero(), 0);
   scene.contact_distance = 1e-9;
@@ -368,7 +368,7 @@ TEST(Cluster, WindowsThatTileTheSampleAddUpToItsStress) {
 
 /// Clusters of three disks in a cell that is periodic in both directions, squeezed and sheared, so many times side by side.
 Scene<2> sheared_clusters(int copies, bool far_away) {
-  Scene<2> scene = one_law({});
+  Scene<2> scene = one_law<2>({});
   constexpr double kWidth = 1.35;
   scene.cell.in_x = scene.cell.in_y = true;
   scene.cell.width = {.motion = CellSide::Motion::kFixed, .length = copies * kWidth};

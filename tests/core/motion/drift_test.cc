@@ -10,9 +10,9 @@
 
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
-#include "tests/support/scene_parts.h"
 
 namespace bipot {
 namespace {
@@ -86,11 +86,11 @@ TEST(Drift, APileAtRestDoesNotCreep) {
 
 /// A ball of 1 kg and radius 0.5 m that falls 1 m onto a floor.
 Scene<2> elastic_ball(double e_n, double step) {
-  Scene<2> scene = one_law({.mu = 0, .e_n = e_n});
+  Scene<2> scene = one_law<2>({.mu = 0, .e_n = e_n});
   scene.gravity = Vec2(0, -kGravity);
   scene.step = step;
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 1.5), 0.5, Vec2::Zero(), 1)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 1.5), 0.5, 1)};
   return scene;
 }
 
@@ -113,7 +113,7 @@ TEST(Drift, AnElasticBallKeepsItsEnergy) {
 
 /// A disk of radius 0.5 m in a drum of radius 2 m: its centre moves on a circle of 1.5 m.
 Scene<2> drum(double mu, double spin, double speed, double step) {
-  Scene<2> scene = one_law({.mu = mu});
+  Scene<2> scene = one_law<2>({.mu = mu});
   scene.step = step;
   scene.contact_distance = 1e-6;
   Wall<2> wall;
@@ -123,7 +123,7 @@ Scene<2> drum(double mu, double spin, double speed, double step) {
   wall.radius = 2;
   wall.spin = spin;
   scene.walls = {wall};
-  scene.bodies = {cylinder(Vec2(0, -1.5), 0.5, Vec2(speed, 0), 1)};
+  scene.bodies = {round_body<2>(Vec2(0, -1.5), 0.5, 1, Vec2(speed, 0))};
   return scene;
 }
 
@@ -180,7 +180,7 @@ TEST(Drift, ProjectionTakesOutWhatAFallLeaves) {
   double left[2];
   for (const bool project : {false, true}) {
     Scene<2> scene = elastic_ball(0, 1.1e-2);
-    scene.bodies.push_back(cylinder(Vec2(0, 2.6), 0.5, Vec2::Zero(), 1));
+    scene.bodies.push_back(round_body<2>(Vec2(0, 2.6), 0.5, 1));
     scene.project_overlaps = project;
     State<2> state = initial_state(scene);
     TimeStepper<2> stepper(

@@ -12,10 +12,10 @@
 #include "core/motion/time_stepping.h"
 #include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
-#include "tests/support/scene_parts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -58,9 +58,9 @@ void bodies_leave_when_and_as_they_should() {
   for (int k = 0; k < 3; ++k) {
     const Vec<D> x = heights[k] * Vec<D>::Unit(D - 1) + k * Vec<D>::Unit(0);
     if constexpr (D == 2) {
-      scene.bodies.push_back(cylinder(x, 0.05, Vec2::Zero(), k + 1));
+      scene.bodies.push_back(round_body<2>(x, 0.05, k + 1));
     } else {
-      scene.bodies.push_back(ball(x, 0.05, Vec3::Zero(), k + 1));
+      scene.bodies.push_back(round_body<3>(x, 0.05, k + 1));
     }
   }
   scene.outlets = {below<D>(0)};
@@ -186,7 +186,7 @@ TEST(Population, AnInletMindsWallsAndDrawsItsClassesByTheirShares) {
   // a share of 100 ± 4 · sqrt(400 · 3/16) = 100 ± 35 is the smaller class.
   Scene<2> scene = falling_scene<2>();
   scene.gravity.setZero();
-  scene.walls = {half_plane(Vec2(0, 10), Vec2(0, 1))};
+  scene.walls = {half_space<2>(Vec2(0, 10), Vec2(0, 1))};
   Inlet<2> inlet = square_inlet(20, 40000);
   inlet.radii = {0.1, 0.05};
   inlet.shares = {3, 1};

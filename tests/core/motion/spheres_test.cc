@@ -16,7 +16,7 @@
 #include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"
 #include "core/motion/warm_start.h"
-#include "tests/support/scene_parts.h"
+#include "core/scene/scene_parts.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -24,10 +24,10 @@ namespace {
 
 /// A sphere of radius 0.5 m that touches the plane z = 0.
 Scene<3> sphere_on_floor(double mu) {
-  Scene<3> scene = one_law_in_space({.mu = mu});
+  Scene<3> scene = one_law<3>({.mu = mu});
   scene.gravity = Vec3(0, 0, -kGravity);
-  scene.walls = {half_space(Vec3::Zero(), Vec3::UnitZ())};
-  scene.bodies = {ball(Vec3(0, 0, 0.5), 0.5)};
+  scene.walls = {half_space<3>(Vec3::Zero(), Vec3::UnitZ())};
+  scene.bodies = {round_body<3>(Vec3(0, 0, 0.5), 0.5, 2)};
   scene.contact_distance = 1e-9;
   scene.step = 1e-3;
   scene.solver.tol = 1e-12;
@@ -36,14 +36,15 @@ Scene<3> sphere_on_floor(double mu) {
 
 /// Spheres of two sizes with random velocities and spins that fly at each other about the origin.
 Scene<3> cloud_that_collides(int count, const ContactLaw& law) {
-  Scene<3> scene = one_law_in_space(law);
+  Scene<3> scene = one_law<3>(law);
   std::mt19937 random(11);
   std::uniform_real_distribution<double> unit(-1, 1);
   const auto any = [&] { return Vec3(unit(random), unit(random), unit(random)); };
   for (int k = 0; k < count; ++k) {
     // Cells of 0.5 m around the origin, spheres of at most 0.2 m.
     const Vec3 x = 0.5 * Vec3(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1) + 0.04 * any();
-    scene.bodies.push_back(ball(x, k % 2 == 0 ? 0.2 : 0.15, any() - 3 * x, 1 + k % 3, 5 * any()));
+    scene.bodies.push_back(
+        round_body<3>(x, k % 2 == 0 ? 0.2 : 0.15, 1 + k % 3, any() - 3 * x, 5 * any()));
   }
   scene.step = 2e-3;
   scene.num_steps = 150;
@@ -54,10 +55,10 @@ Scene<3> cloud_that_collides(int count, const ContactLaw& law) {
 // The velocities of the touching points, by v + w x r alone, in the frame of the contact; H gives
 // the same.
 TEST(Spheres, RelativeVelocityIsThatOfTheTouchingPoints) {
-  Scene<3> scene = one_law_in_space({.mu = 0.4, .e_n = 0.3, .e_t = 0.1});
-  scene.bodies = {ball(Vec3(0.1, 0.2, 0.3), 0.5, Vec3(1, -2, 3), 2, Vec3(4, 5, -6)),
-                  ball(Vec3(0.9, -0.1, 0.7), 0.4, Vec3(-1, 0.5, 2), 3, Vec3(-3, 2, 1))};
-  Wall<3> lid = half_space(Vec3(0, 0, 1.2), Vec3(0.6, 0, -0.8));
+  Scene<3> scene = one_law<3>({.mu = 0.4, .e_n = 0.3, .e_t = 0.1});
+  scene.bodies = {round_body<3>(Vec3(0.1, 0.2, 0.3), 0.5, 2, Vec3(1, -2, 3), Vec3(4, 5, -6)),
+                  round_body<3>(Vec3(0.9, -0.1, 0.7), 0.4, 3, Vec3(-1, 0.5, 2), Vec3(-3, 2, 1))};
+  Wall<3> lid = half_space<3>(Vec3(0, 0, 1.2), Vec3(0.6, 0, -0.8));
   lid.motion = Wall<3>::Motion::kMoving;
   lid.v = Vec3(0.2, 0.3, -0.1);
   scene.walls = {lid};
@@ -135,14 +136,15 @@ Scene<3> tetrahedron(double mu_between, double mu_floor) {
   scene.materials = {"sphere", "floor"};
   scene.laws = {{.mu = mu_between}, {.mu = mu_floor}, {.mu = mu_floor}, {.mu = 0}};
   scene.gravity = Vec3(0, 0, -kGravity);
-  scene.walls = {half_space(Vec3::Zero(), Vec3::UnitZ())};
+  scene.walls = {half_space<3>(Vec3::Zero(), Vec3::UnitZ())};
   scene.walls[0].material = 1;
   const double a = 0.5, ring = 2 * a / std::sqrt(3.0);
   for (int k = 0; k < 3; ++k) {
     const double angle = 2 * std::numbers::pi / 3 * k;
-    scene.bodies.push_back(ball(Vec3(ring * std::cos(angle), ring * std::sin(angle), a), a));
+    scene.bodies.push_back(
+        round_body<3>(Vec3(ring * std::cos(angle), ring * std::sin(angle), a), a, 2));
   }
-  scene.bodies.push_back(ball(Vec3(0, 0, a + 2 * a * std::sqrt(2.0 / 3)), a));
+  scene.bodies.push_back(round_body<3>(Vec3(0, 0, a + 2 * a * std::sqrt(2.0 / 3)), a, 2));
   scene.contact_distance = 1e-9;
   scene.step = 1e-3;
   scene.num_steps = 200;
@@ -225,10 +227,10 @@ TEST(Spheres, MomentaAndEnergyCloseToRounding) {
 TEST(Spheres, TurningTheWholeSceneChangesNothing) {
   Scene<3> scene = cloud_that_collides(27, {.mu = 0.5, .e_n = 0.2, .e_t = 0.2});
   scene.gravity = Vec3(0, 0, -kGravity);
-  scene.walls = {half_space(Vec3(0, 0, -0.9), Vec3::UnitZ()),
-                 half_space(Vec3(-0.8, 0, 0), Vec3::UnitX()),
-                 half_space(Vec3(0, 0.8, 0), -Vec3::UnitY())};
-  Wall<3> plate = half_space(Vec3(0.8, 0, 0), -Vec3::UnitX());
+  scene.walls = {half_space<3>(Vec3(0, 0, -0.9), Vec3::UnitZ()),
+                 half_space<3>(Vec3(-0.8, 0, 0), Vec3::UnitX()),
+                 half_space<3>(Vec3(0, 0.8, 0), -Vec3::UnitY())};
+  Wall<3> plate = half_space<3>(Vec3(0.8, 0, 0), -Vec3::UnitX());
   plate.motion = Wall<3>::Motion::kDriven;
   plate.direction = plate.normal;
   plate.force = 30;
@@ -277,14 +279,14 @@ TEST(Spheres, TurningTheWholeSceneChangesNothing) {
 TEST(Spheres, APlateIsDrivenByItsForce) {
   Scene<3> scene = sphere_on_floor(0.3);
   scene.gravity = Vec3::Zero();
-  Wall<3> plate = half_space(Vec3(0, 0, 1), -Vec3::UnitZ());
+  Wall<3> plate = half_space<3>(Vec3(0, 0, 1), -Vec3::UnitZ());
   plate.motion = Wall<3>::Motion::kDriven;
   plate.direction = -Vec3::UnitZ();
   plate.force = 50;
   plate.mass = 3;
   scene.walls.push_back(plate);
   for (const Vec3& n : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)}) {
-    scene.walls.push_back(half_space(-2 * n, n));
+    scene.walls.push_back(half_space<3>(-2 * n, n));
   }
   scene.num_steps = 20;
   const auto end = run_scene(scene);
@@ -329,7 +331,7 @@ TEST(Spheres, StressIsSymmetricAndAddsUp) {
 // by friction in the drum's bottom, r = -R z, sees w R along -x; on top of a roller, r = R z, along +x.
 // Gaps: R - |r| - a inside, |r| - R - a outside, |r| the distance from the axis.
 TEST(Spheres, CylindersTouchAndTurnAboutTheirAxes) {
-  Scene<3> scene = one_law_in_space({.mu = 0.5});
+  Scene<3> scene = one_law<3>({.mu = 0.5});
   Wall<3> drum;
   drum.shape = Wall<3>::Shape::kHollowCircle;
   drum.normal = Vec3::UnitY();
@@ -339,7 +341,8 @@ TEST(Spheres, CylindersTouchAndTurnAboutTheirAxes) {
   roller.shape = Wall<3>::Shape::kSolidCircle;
   roller.radius = 1;
   scene.walls = {drum, roller};
-  scene.bodies = {ball(Vec3(0, 77, -2.5), 0.5), ball(Vec3(0, -5, 1.5), 0.5)};
+  scene.bodies = {round_body<3>(Vec3(0, 77, -2.5), 0.5, 2),
+                  round_body<3>(Vec3(0, -5, 1.5), 0.5, 2)};
   scene.contact_distance = 1e-9;
   scene.step = 1e-9;
   const auto mid = make_midpoint(scene, initial_state(scene));

@@ -7,19 +7,19 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/portable_random.h"
 #include "core/scene/generators.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
 #include "solvers/solve.h"
-#include "tests/support/draw.h"
-#include "tests/support/scene_parts.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
 namespace {
 
 Scene<2> one_material(double mu, double e_n = 0, double e_t = 0) {
-  Scene<2> scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
+  Scene<2> scene = one_law<2>({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.gravity = Vec2(0, -kGravity);
   scene.step = 1e-3;
   scene.solver.name = "pgs";
@@ -31,8 +31,8 @@ Scene<2> one_material(double mu, double e_n = 0, double e_t = 0) {
 Scene<2> incline(double angle, double mu) {
   Scene<2> scene = one_material(mu);
   const Vec2 n(std::sin(angle), std::cos(angle));
-  scene.walls = {half_plane(Vec2::Zero(), n)};
-  scene.bodies = {cylinder(0.1 * n, 0.1)};
+  scene.walls = {half_space<2>(Vec2::Zero(), n)};
+  scene.bodies = {round_body<2>(0.1 * n, 0.1, 2)};
   scene.contact_distance = 1e-6;
   scene.num_steps = 200;
   return scene;
@@ -41,7 +41,7 @@ Scene<2> incline(double angle, double mu) {
 TEST(TimeStepping, FreeFlightIsExact) {
   // The mid-point rule is exact for a parabola.
   Scene<2> scene = one_material(0.3);
-  scene.bodies = {cylinder(Vec2(1, 2), 0.1, Vec2(3, 4), 2, 5)};
+  scene.bodies = {round_body<2>(Vec2(1, 2), 0.1, 2, Vec2(3, 4), 5)};
   scene.num_steps = 1000;
   const State<2> end = run_scene(scene);
   EXPECT_DOUBLE_EQ(end.time, 1);
@@ -54,8 +54,8 @@ TEST(TimeStepping, FreeFlightIsExact) {
 
 TEST(TimeStepping, DiskLeavesThePlane) {
   Scene<2> scene = one_material(0.5);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 1), 2, 3)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, 1), 3)};
   scene.contact_distance = 0.01;
   scene.num_steps = 1;
   const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
@@ -102,8 +102,8 @@ TEST(TimeStepping, SpinningDiskSetOnAPlaneSpinsDownAndRollsOff) {
   // mu m g acts on the rim: a = mu g, spin falls by 2 mu g / radius; rolling at v = |w| radius / 3
   // after t = |w| radius / (3 mu g).
   Scene<2> scene = one_material(0.2);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2::Zero(), 2, -20)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2::Zero(), -20)};
   scene.contact_distance = 1e-6;
   scene.num_steps = 400;
   double rolls_from = -1;
@@ -123,7 +123,7 @@ Scene<2> row_of_disks(int count, double e_n, const Vec2& first_velocity) {
   Scene<2> scene = one_material(0, e_n);
   scene.gravity = Vec2::Zero();
   scene.step = 1e-3;
-  for (int k = 0; k < count; ++k) scene.bodies.push_back(cylinder(Vec2(0.2 * k, 0), 0.1));
+  for (int k = 0; k < count; ++k) scene.bodies.push_back(round_body<2>(Vec2(0.2 * k, 0), 0.1, 2));
   scene.bodies[0].v = first_velocity;
   scene.contact_distance = 1e-6;
   return scene;
@@ -157,8 +157,9 @@ TEST(TimeStepping, RowJammedBetweenTwoWallsHasASolution) {
   // Fixed walls, one e: v⁺ = -e v⁻ solves every contact at once (all mean velocities vanish).
   for (const double e_n : {0.0, 0.5, 1.0}) {
     Scene<2> scene = row_of_disks(6, e_n, Vec2::Zero());
-    scene.walls = {half_plane(Vec2(-0.1, 0), Vec2(1, 0)), half_plane(Vec2(1.1, 0), Vec2(-1, 0))};
-    Draw draw(3);
+    scene.walls = {half_space<2>(Vec2(-0.1, 0), Vec2(1, 0)),
+                   half_space<2>(Vec2(1.1, 0), Vec2(-1, 0))};
+    PortableRandom draw(3);
     for (Disk& d : scene.bodies) d.v = Vec2(1e-4 * draw.symmetric(), 0);
     // A little overlap everywhere keeps all seven contacts candidates at mid-step.
     scene.contact_distance = 1e-5;
@@ -175,10 +176,10 @@ TEST(TimeStepping, RowJammedBetweenTwoWallsHasASolution) {
 
 TEST(TimeStepping, MovingWallCarriesADisk) {
   Scene<2> scene = one_material(0);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
   scene.walls[0].motion = Wall<2>::Motion::kMoving;
   scene.walls[0].v = Vec2(0, 0.5);
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 0.5))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, 0.5))};
   scene.contact_distance = 1e-6;
   scene.num_steps = 100;
   const State<2> end = run_scene(scene);
@@ -191,12 +192,12 @@ TEST(TimeStepping, DrivenWallAcceleratesWithWhatItPushes) {
   // 6 N on a wall of 1 kg and a disk of 2 kg, no gravity: a = 2 m/s².
   Scene<2> scene = one_material(0);
   scene.gravity = Vec2::Zero();
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(1, 0))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
   scene.walls[0].motion = Wall<2>::Motion::kDriven;
   scene.walls[0].direction = Vec2(1, 0);
   scene.walls[0].mass = 1;
   scene.walls[0].force = 6;
-  scene.bodies = {cylinder(Vec2(0.1, 0), 0.1)};
+  scene.bodies = {round_body<2>(Vec2(0.1, 0), 0.1, 2)};
   scene.contact_distance = 1e-6;
   scene.num_steps = 500;
   const State<2> end = run_scene(scene);
@@ -210,8 +211,8 @@ TEST(TimeStepping, DrivenWallAcceleratesWithWhatItPushes) {
 TEST(TimeStepping, FrictionDissipatesWhatTheSlidingCylinderLoses) {
   // From v0 to 2/3 v0 with the rolling energy: loss m v0²/2 - 3/4 m (2/3 v0)² = m v0²/6.
   Scene<2> scene = one_material(0.5);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(1, 0))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(1, 0))};
   scene.contact_distance = 1e-6;
   scene.num_steps = 150;
   const State<2> end = run_scene(scene);
@@ -226,10 +227,10 @@ TEST(TimeStepping, WarmStartIsCarriedByPair) {
   const std::vector<Disk> filling =
       random_filling(60, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 3, Vec2::Zero());
   for (const Disk& d : filling) {
-    scene.bodies.push_back(cylinder(d.x, d.radius, Vec2(0, -0.5)));
+    scene.bodies.push_back(round_body<2>(d.x, d.radius, 2, Vec2(0, -0.5)));
   }
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), half_plane(Vec2::Zero(), Vec2(1, 0)),
-                 half_plane(Vec2(0.2, 0), Vec2(-1, 0))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
+                 half_space<2>(Vec2(0.2, 0), Vec2(-1, 0))};
   State<2> state = initial_state(scene);
   SolverOptions options;
   options.tol = 1e-4;
@@ -368,13 +369,13 @@ Scene<2> falling_box(double length, double mass, double time) {
   scene.gravity = Vec2(0, -kGravity * length / (time * time));
   scene.step = 5e-4 * time;
   for (const Disk& d : random_filling(80, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 5, Vec2::Zero())) {
-    Disk disk = cylinder(d.x * length, d.radius * length, Vec2(0, -0.5 * length / time));
+    Disk disk = round_body<2>(d.x * length, d.radius * length, 2, Vec2(0, -0.5 * length / time));
     disk.mass = 2 * mass;
     disk.inertia = 0.5 * disk.mass * disk.radius * disk.radius;
     scene.bodies.push_back(disk);
   }
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), half_plane(Vec2::Zero(), Vec2(1, 0)),
-                 half_plane(Vec2(0.2 * length, 0), Vec2(-1, 0))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
+                 half_space<2>(Vec2(0.2 * length, 0), Vec2(-1, 0))};
   scene.contact_distance = 1e-8 * length;
   scene.num_steps = 120;
   scene.solver.tol = 1e-6;
@@ -428,8 +429,8 @@ TEST(TimeStepping, UnitsOfAnotherBaseChangeTheIterationsByOneAtMost) {
 TEST(TimeStepping, PenetrationIsThatOfTheMidPoint) {
   Scene<2> scene = one_material(0);
   scene.gravity = Vec2::Zero();
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, -1))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, -1))};
   scene.num_steps = 1;
   run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_NEAR(r.penetration, 5e-4, 1e-15);

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "tests/support/draw.h"
+#include "core/base/portable_random.h"
 
 namespace bipot {
 namespace {
@@ -114,7 +114,7 @@ TEST(DiskUnion, ManyWithHolesAsByStrips) {
 
 TEST(DiskUnion, PartsInRectanglesThatTileAddUp) {
   // Of random unions, the parts in rectangles between two random lines along each axis; the whole is union_moments().
-  Draw draw(3);
+  PortableRandom draw(3);
   for (int trial = 0; trial < 200; ++trial) {
     std::vector<Circle> circles;
     const int count = 1 + trial % 6;

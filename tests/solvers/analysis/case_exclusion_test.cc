@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "core/base/portable_random.h"
 #include "solvers/solve.h"
-#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
@@ -64,7 +64,7 @@ TEST(CaseExclusion, NoSolverFindsWhatIsExcluded) {
   int none = 0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
     ContactProblem p = manufactured_problem(2, 1, 3, seed, 0.8).problem;
-    Draw draw(seed);
+    PortableRandom draw(seed);
     for (Eigen::Index i = 0; i < p.u_free.size(); ++i) p.u_free[i] = draw.symmetric();
     if (!exclude_cases(p, kInfinity).complete) continue;
     ++none;

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "core/base/portable_random.h"
 #include "core/problem/delassus.h"
 #include "solvers/analysis/certificate_check.h"
 #include "solvers/solve.h"
-#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
@@ -167,7 +167,7 @@ TEST(Existence, LemkeAgreesWithTheVerdictOnRandomProblems) {
   int none = 0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
     ContactProblem p = manufactured_problem(1, 2, 7, seed, 0).problem;
-    Draw draw(seed);
+    PortableRandom draw(seed);
     for (Eigen::Index i = 0; i < p.u_free.size(); ++i) p.u_free[i] = draw.symmetric();
     const ExistenceCertificate c = certify_existence(p);
     const bool solved = is_success(solve("lemke", p, {.tol = 1e-9}).status);

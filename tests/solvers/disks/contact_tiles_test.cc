@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "tests/support/draw.h"
+#include "core/base/portable_random.h"
 #include "tests/support/lattice_problem.h"
 
 namespace bipot {
@@ -17,7 +17,7 @@ namespace {
 
 /// The same packing with its bodies and contacts in a drawn order.
 DiskStructure shuffled(const DiskStructure& disks, unsigned seed) {
-  Draw draw(seed);
+  PortableRandom draw(seed);
   std::vector<int> place(disks.bodies.size() - 1);
   std::iota(place.begin(), place.end(), 0);
   for (std::size_t k = place.size(); k > 1; --k) {

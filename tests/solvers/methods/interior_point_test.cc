@@ -13,8 +13,8 @@
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "solvers/systems/shifted_delassus.h"
-#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {

@@ -1,23 +1,19 @@
 #pragma once
 
 #include "bench/experiments/validation_row.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/simulation/scene_run.h"
 
 namespace bipot {
 
 /// A scene of one material without bodies and walls, with the context's solver.
 template <int D>
-Scene<D> empty_scene(const ContactLaw& law, double step, double tol,
-                     const ValidationContext& context);
+Scene<D> experiment_scene(const ContactLaw& law, double step, double tol,
+                          const ValidationContext& context);
 
-/// A homogeneous disk (inertia m a²/2) or sphere (2/5 m a²).
-template <int D>
-Body<D> round_body(const Vec<D>& x, double radius, double mass);
-
-/// The half-space above height 0, in space along z.
-template <int D>
-Wall<D> flat_floor();
-Wall<2> plane_wall(const std::string& name, const Vec2& point, const Vec2& normal);
+/// Puts a loose filling of disks under gravity into a box from x = 0 on: floor, left and right wall.
+/// Radii 0.4, 0.5 and 0.6, masses a². The height of the highest centre.
+double fill_box(Scene<2>& scene, int count, double width, double spacing, std::uint64_t seed);
 
 /// Steps of a scene. Those whose problem is not solved to the tolerance are taken with the best
 /// impulse and counted.
