@@ -28,10 +28,7 @@ class EnergyGrowth {
   template <int D>
   explicit EnergyGrowth(const State<D>& start) : loss_(start.friction_loss + start.shock_loss) {}
   template <int D>
-  void add(const Scene<D>& scene, const SceneStep<D>& step);
-  /// The same from the step's ledger and its force_energy() (solvers/simulation/force_energy.h).
-  template <int D>
-  void add(const Scene<D>& scene, const EnergyLedger& ledger, int step, double force);
+  void add(const Scene<D>& scene, const StepReport<D>& report);
   /// One line; empty when nothing grew beyond what tolerance and rounding leave.
   template <int D>
   std::string warning(const Scene<D>& scene) const;

@@ -10,7 +10,7 @@
 #include "core/motion/state.h"
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/parallel/process_group.h"
-#include "solvers/simulation/domain_stepper.h"
+#include "solvers/simulation/domain.h"
 
 namespace bipot {
 

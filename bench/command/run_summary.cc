@@ -18,7 +18,7 @@ namespace {
 
 template <int D>
 const SpringDashpotSetup* springs_of(const RunSummary<D>& s) {
-  return s.run.springs ? &*s.run.springs : nullptr;
+  return s.run.springs.get();
 }
 
 /// Why a step was not taken, else why the first one that did not converge did not.

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bench/command/solve_command.h"
-#include "core/problem_files/problem_form.h"
+#include "core/problem_files/problem_file.h"
 
 namespace bipot {
 

@@ -15,6 +15,7 @@
 #include "bench/report/labels.h"
 #include "core/base/portable_random.h"
 #include "core/base/types.h"
+#include "core/motion/spring_dashpot_setup.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
@@ -229,7 +230,8 @@ double mean_cpu(const Trade& trade, const std::string& scene, const TradeSetting
   return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
 }
 
-void run_scene(const TradeScene& scene, const TradeOptions& options, Runner& runner, Trade& trade) {
+void trade_scene(const TradeScene& scene, const TradeOptions& options, Runner& runner,
+                 Trade& trade) {
   // 1. Tolerances.
   std::vector<double> tols = options.tols;
   std::sort(tols.rbegin(), tols.rend());
@@ -354,7 +356,7 @@ Trade run_trade(const TradeOptions& options) {
     }
   }
   Runner runner(options, trade);
-  for (const TradeScene& scene : trade.scenes) run_scene(scene, options, runner, trade);
+  for (const TradeScene& scene : trade.scenes) trade_scene(scene, options, runner, trade);
   trade.complete = !runner.stopped();
   return trade;
 }

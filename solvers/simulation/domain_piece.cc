@@ -112,7 +112,8 @@ DomainPiece assemble_piece(const Scene<D>& scene, const LocalBodies<D>& local,
   piece.halo = contacts.halo;
   piece.number = contacts.number;
   piece.copies = contacts.copies;
-  // Where one process has contacts that are none of disks, DistributedSpace has all take the other way.
+  // Where one process has contacts that are none of disks, DistributedSpace has all take the other
+  // way.
   piece.disks = piece.own.num_contacts() == 0 || disk_structure(piece.own).has_value();
   follow_rows(local, mid, contacts, bodies, out);
   follow_walls(mid, group, out);

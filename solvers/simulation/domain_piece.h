@@ -20,8 +20,8 @@ struct DomainPiece {
 void exchange(ContactProblem& a, ContactProblem& b);
 
 /// The piece that cut_piece() would cut from the whole for these owners, but for bodies with many
-/// contacts, which do not stand on every process here: only driven walls do, and bodies' velocities are
-/// sums in the order of the whole without exception. Halo and own bodies' contacts are those of
+/// contacts, which do not stand on every process here: only driven walls do, and bodies' velocities
+/// are sums in the order of the whole without exception. Halo and own bodies' contacts are those of
 /// `contacts`. Collective.
 template <int D>
 DomainPiece assemble_piece(const Scene<D>& scene, const LocalBodies<D>& local,

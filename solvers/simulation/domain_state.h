@@ -27,9 +27,9 @@ Vec3 in_space(const Vec<D>& x) {
   return place;
 }
 
-/// Cells for the bodies of a whole state, one a process; each body weighs 1 and the contacts that it
-/// comes first in. (Contacts alone would leave bodies in flight, which are detected and moved all the
-/// same, to whoever lies beside the few that touch.)
+/// Cells for the bodies of a whole state, one a process; each body weighs 1 and the contacts that
+/// it comes first in. (Contacts alone would leave bodies in flight, which are detected and moved
+/// all the same, to whoever lies beside the few that touch.)
 template <int D>
 CellTree cut_cells(const State<D>& whole, int processes);
 

@@ -18,10 +18,10 @@ struct LocalBodies {
 };
 
 /// Every process learns the box of each other's bodies at mid-step and sends it the bodies within
-/// reach: whoever touches somebody who touches one of the others' bodies, so that all contacts of the
-/// bodies that an owned contact pushes can be found where they are needed. Within reach is who
-/// comes nearer to the box than twice the interaction distance and the largest diameter. Ghosts have the bits
-/// of their originals. One message to each process that is near. Collective.
+/// reach: whoever touches somebody who touches one of the others' bodies, so that all contacts of
+/// the bodies that an owned contact pushes can be found where they are needed. Within reach is who
+/// comes nearer to the box than twice the interaction distance and the largest diameter. Ghosts
+/// have the bits of their originals. One message to each process that is near. Collective.
 template <int D>
 LocalBodies<D> with_ghosts(const Scene<D>& scene, const DomainState<D>& state, ProcessGroup& group);
 

@@ -22,10 +22,10 @@ struct LocalContacts {
 };
 
 /// Finds the contacts among these bodies, own ones with the bits of detect_contacts() on the whole
-/// (core/scene/contact_detection.h). Numbers in the whole come from as many processes as there are, each
-/// of which counts for a range of bodies; places of the halo from the owners. `mid`: of the same
-/// bodies. Collective. Throws CommonFailure where detection refuses, or where two processes see
-/// different contacts.
+/// (core/scene/contact_detection.h). Numbers in the whole come from as many processes as there are,
+/// each of which counts for a range of bodies; places of the halo from the owners. `mid`: of the
+/// same bodies. Collective. Throws CommonFailure where detection refuses, or where two processes
+/// see different contacts.
 template <int D>
 LocalContacts<D> find_local_contacts(const Scene<D>& scene, const LocalBodies<D>& local,
                                      const Midpoint<D>& mid, int bodies, ProcessGroup& group);

@@ -1,17 +1,23 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <type_traits>
 
-#include "core/motion/spring_dashpot.h"
 #include "core/motion/time_stepping.h"
-#include "solvers/simulation/split_step.h"
 
 namespace bipot {
 
-/// A step that was just taken, as those who look on see it.
+struct DomainCounts;        // solvers/simulation/domain.h
+class ProcessGroup;         // solvers/parallel/process_group.h
+struct SpringDashpotSetup;  // core/motion/spring_dashpot_setup.h
+
+/// A step that was just taken, as those who look on see it. Where the state lies on several
+/// processes: the whole on the first one, for steps whose state the folder writes, and for the
+/// first that did not converge, then with its problem; else a state without bodies.
 template <int D>
 struct SceneStep {
   const State<D>& state;  ///< after the step
@@ -20,7 +26,7 @@ struct SceneStep {
   const Vector& start;            ///< impulse that the solver started from; empty: none was given
 };
 
-/// What the steps of a run add up to.
+/// Sums and extremes over the steps of a run.
 template <int D>
 struct SceneTotals {
   int steps = 0, converged = 0;
@@ -38,16 +44,40 @@ struct SceneTotals {
   void add(const StepReport<D>& report);
 };
 
+/// What a run does about a step whose problem was not solved to the tolerance.
+enum class OnFailure {
+  kContinue,    ///< takes it with the best impulse, and says so
+  kStop,        ///< does not take it, and ends
+  kSmallerStep  ///< takes it in parts; ends where that fails as well
+};
+
+/// The folder that a run leaves; data/manual/reference/files.md describes the files.
+struct RunFolderOptions {
+  enum class Problems { kNone, kFailed, kAll };
+  std::filesystem::path folder;  ///< empty: nothing is written
+  std::string scene_text;        ///< kept in run.h5
+  std::string program;           ///< name and version, kept in the problems' descriptions
+  bool resume = false;  ///< the folder is that of the run that goes on: its files are continued
+  Problems problems = Problems::kNone;  ///< contact problems that are written, as FCLIB files
+};
+
 template <int D>
 struct SceneRunOptions {
   std::optional<int> steps;  ///< to take; the scene's number where it is not given
-  /// Solves the steps' problems, with rigid contacts whatever the scene's model is; empty: the model
-  /// and the solver are the scene's own choice, which `cancelled` interrupts.
+  /// Solves the steps' problems, with rigid contacts whatever the scene's model is; empty: the
+  /// model and the solver are the scene's own choice.
   StepSolver solver;
   bool explicit_delassus = false;  ///< `solver` needs W
   int threads = 1;                 ///< of detection, assembly and the scene's own solver
   OnFailure on_failure = OnFailure::kContinue;  ///< rigid contacts only
-  std::function<bool()> cancelled;  ///< polled before each step (and by springs inside); true ends
+  /// Polled before each step, and inside by the scene's own choice of solver or model; true ends.
+  std::function<bool()> cancelled;
+  double time_limit = kInfinity;  ///< for all steps, likewise                             [s]
+  /// Several processes, all of which run the scene together from the same state; null: this one
+  /// alone. Callbacks say the same on all.
+  ProcessGroup* processes = nullptr;
+  bool reproducible = false;  ///< exact sums, the same bits for any number of processes
+  RunFolderOptions folder;    ///< written by the first process
   /// Before each step: may look, and change the impulses that the step starts from.
   std::function<void(State<D>&)> before_step;
   std::function<bool(const SceneStep<D>&)> on_step;  ///< false ends the run after this step
@@ -58,7 +88,7 @@ struct SceneRun {
   enum class End {
     kCompleted,  ///< all steps were taken
     kStopped,    ///< on_step said so
-    kCancelled,  ///< `cancelled` said so, or the solver of a step was cut short
+    kCancelled,  ///< `cancelled` said so, time is up, or the solver of a step was cut short
     kFailed      ///< a step could not be taken
   };
   End end = End::kCompleted;
@@ -67,13 +97,21 @@ struct SceneRun {
   std::optional<StepFailure> failure;  ///< of the step that was not taken, if one was tried
   ContactProblem failed_problem;       ///< its problem and start; empty under the model dem
   Vector failed_start;
-  std::optional<SpringDashpotSetup> springs;  ///< model dem only
-  double output_seconds = 0;  ///< wall time that the steps waited for files, run_scene_into() only
+  std::shared_ptr<const SpringDashpotSetup> springs;  ///< model dem only
+  std::shared_ptr<const DomainCounts> domains;        ///< where the state lay on several processes
+  double output_seconds = 0;                          ///< wall time that the steps waited for files
 };
 
+/// Why a process keeps the whole state, in the words of the command line; empty where each of
+/// several has its part.
+template <int D>
+std::string needs_whole_state(const Scene<D>& scene,
+                              const std::type_identity_t<SceneRunOptions<D>>& options);
+
 /// Takes the steps of a scene: `state` goes from what is given to the end of the last whole step.
+/// Where it lies on several processes, it ends on the first one, elsewhere without bodies.
 /// Throws std::invalid_argument when the scene's solver or springs are refused before the first
-/// step; what happens later is in the result.
+/// step, FileError where the folder cannot be written; what happens later is in the result.
 template <int D>
 SceneRun<D> run_scene(const Scene<D>& scene, State<D>& state,
                       const std::type_identity_t<SceneRunOptions<D>>& options = {});

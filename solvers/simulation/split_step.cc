@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/motion/population.h"
+#include "core/motion/step_outcome.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
@@ -83,6 +84,7 @@ class Parts {
     state.contacts = std::move(contacts_);
     state.step = total_.step = step;
     state.time = total_.time = time;
+    total_.wall_pushes = wall_pushes(state.contacts, state.bodies.size());
     total_.add_cost(attempts_);
     return {std::move(total_), parts_};
   }

@@ -1,6 +1,10 @@
 #pragma once
 
+#include <string>
+
+#include "core/base/stopwatch.h"
 #include "core/motion/time_stepping.h"
+#include "solvers/parallel/distributed_solve.h"
 #include "solvers/solver.h"
 
 namespace bipot {
@@ -10,8 +14,25 @@ namespace bipot {
 /// cut short: kTimeLimit, kInterrupted; converged: the successful statuses.
 StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options);
 
-/// What a time stepper is told of a solve.
+/// The account of a solve for a time stepper.
 StepSolution to_step_solution(SolveResult result);
+
+/// Who solves the steps of a run, and for how long.
+struct RunSolver {
+  std::string solver;                 ///< name
+  SolverOptions options;              ///< without start and time limit
+  Stopwatch watch;                    ///< since the run began
+  double time_limit = kInfinity;      ///< by this watch                                   [s]
+  ProcessGroup* processes = nullptr;  ///< all of these together; null: this process alone
+  bool reproducible = false;          ///< exact sums: the same bits for any number of processes
+
+  /// Throws std::invalid_argument where the solver refuses the options, whatever the problem.
+  void check() const;
+  /// On all processes the same problem, of which each has the whole.
+  SolveResult solve(const ContactProblem& problem, Vector s0) const;
+  /// Each process has its piece.
+  PieceResult solve(const ProblemPiece& piece, const Vector& s0) const;
+};
 
 /// The stop test of that name. Throws std::invalid_argument for an unknown one.
 StopTest parse_stop_test(const std::string& name);

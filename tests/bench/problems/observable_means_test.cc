@@ -53,7 +53,7 @@ void run_in_parts(const Scene<D>& scene, const std::filesystem::path& folder,
     State<D> state = done == 0 ? initial_state(scene) : read_state<D>(folder);
     ASSERT_EQ(state.step, done);
     options.resume = done > 0;
-    run_scene_into(scene, state, {.steps = stop - done}, options);
+    run_scene(scene, state, {.steps = stop - done, .folder = options});
     done = stop;
   }
 }
@@ -166,7 +166,8 @@ TEST(ObservableMeans, AreThoseOfTheWindowAlone) {
     }
     return true;
   };
-  run_scene_into(scene, state, run, options);
+  run.folder = options;
+  run_scene(scene, state, run);
   ASSERT_GT(measured, 10);
   const std::string means = text_of(options.folder / "observables_mean.csv");
   const std::size_t at = means.find("coordination_without_rattlers");

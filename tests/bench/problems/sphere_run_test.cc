@@ -96,7 +96,9 @@ TEST(SphereRun, GoesOnFromItsFilesBitForBit) {
   State<3> part = initial_state(scene);
   options.on_step = {};
   options.steps = 90;
-  run_scene_into(scene, part, options, files);
+  options.folder = files;
+  run_scene(scene, part, options);
+  options.folder = {};
   State<3> read = read_state<3>(files.folder);
   expect_same(read, part);
   EXPECT_EQ(restart_mismatch(scene, read), "");
@@ -112,7 +114,7 @@ TEST(SphereRun, WritesWhatParaViewAndPeopleLookAt) {
   State<3> state = initial_state(scene);
   RunFolderOptions files;
   files.folder = folder.path() / "run";
-  run_scene_into(scene, state, {}, files);
+  run_scene(scene, state, {.folder = files});
   for (const char* name : {"forces.svg", "forces.png", "slice.svg", "slice.png", "stress.svg",
                            "run.xdmf", "ledger.csv", "trajectory.csv"}) {
     EXPECT_TRUE(std::filesystem::exists(files.folder / name)) << name;

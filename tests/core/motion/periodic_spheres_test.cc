@@ -169,7 +169,7 @@ TEST(PeriodicSpheres, ASphereRollsOnThroughTheEdge) {
   scene.num_steps = 800;
   scene.solver.tol = 1e-11;
   ASSERT_EQ(validate(scene), "");
-  const State<3> end = run_scene(scene);
+  const State<3> end = solved_run(scene);
   EXPECT_LT((end.bodies[0].v - 5.0 / 7 * Vec3(2, -1, 0)).norm(), 1e-7);
   EXPECT_GT(end.bodies[0].x[0], 1);
   const State<3> inside = wrapped_state(end);

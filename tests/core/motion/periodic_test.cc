@@ -132,7 +132,7 @@ TEST(Periodic, AShockAcrossTheEdge) {
   scene.bodies = {round_body<2>(Vec2(0.8, 0), 0.1, 2, Vec2(-0.5, 0)),
                   round_body<2>(Vec2(1.2, 0), 0.1, 2, Vec2(0.5, 0))};
   scene.num_steps = 1500;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.bodies[0].v[0], 0.5, 1e-12);
   EXPECT_NEAR(end.bodies[1].v[0], -0.5, 1e-12);
   EXPECT_NEAR(end.bodies[0].x[0], 0.8 - 0.7 + 0.05, 1e-3);
@@ -148,7 +148,7 @@ TEST(Periodic, ARingOfDisksSharesItsMomentum) {
   scene.bodies[3].v = Vec2(1, 0);
   scene.contact_distance = 1e-3;  // behind the first one a gap opens by half a step of its velocity
   scene.num_steps = 1;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_EQ(r.contacts, 10);
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-14);
   });
@@ -168,7 +168,7 @@ TEST(Periodic, PressureOnARow) {
   for (int k = 0; k < 10; ++k)
     scene.bodies.push_back(round_body<2>(Vec2(0.1 + 0.2 * k, 0.1), 0.1, 2));
   scene.num_steps = 5;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-13);
   });
   ASSERT_EQ(end.contacts.size(), 10u);
@@ -188,7 +188,7 @@ TEST(Periodic, AnEmptyCellFollowsItsStress) {
   Scene<2> scene = periodic_scene(cell, {.mu = 0.3});
   scene.bodies = {round_body<2>(Vec2(0.3, 0.2), 0.1, 2)};
   scene.num_steps = 10;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.cell.width.speed, -30 * 0.5 * 0.01 / 3, 1e-14);
   EXPECT_NEAR(end.cell.width.length, 2 - 0.5 * 5 * 1e-4, 1e-12);
   EXPECT_NEAR(end.wall_work, 0.5 * 3 * 0.05 * 0.05, 1e-14);
@@ -209,7 +209,7 @@ TEST(Periodic, ThreeDisksUnderShearRollAsTheLawSays) {
   for (int k = 0; k < 3; ++k)
     scene.bodies.push_back(round_body<2>(Vec2(0.2, 0.1 + 0.2 * k), rim, 2));
   scene.num_steps = 1;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-15);
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-15);
   });
@@ -245,14 +245,14 @@ TEST(Periodic, MovingASceneByPeriodsChangesNothing) {
   }
   scene.contact_distance = 0.01;
   scene.num_steps = 3;
-  const State<2> one = run_scene(scene);
+  const State<2> one = solved_run(scene);
   for (Disk& d : scene.bodies) {
     const int kx = static_cast<int>(5 * draw.symmetric()),
               ky = static_cast<int>(5 * draw.symmetric());
     d.x += cell.shift(kx, ky);
     d.v += cell.shift_velocity(kx, ky);
   }
-  const State<2> other = run_scene(scene);
+  const State<2> other = solved_run(scene);
   ASSERT_EQ(one.contacts.size(), other.contacts.size());
   EXPECT_GT(one.contacts.size(), 8u);
   const State<2> inside_one = wrapped_state(one), inside = wrapped_state(other);

@@ -101,7 +101,7 @@ TEST(Spheres, AThrownSphereEndsRollingAtFiveSevenths) {
   scene.bodies[0].v = Vec3(0.7, 0, 0);
   scene.num_steps = 120;  // it slides for 2 v0 / (7 mu g) = 0.068 s
   StepReport<3> last;
-  const auto end = run_scene(scene, [&](const auto&, const auto& r) { last = r; });
+  const auto end = solved_run(scene, [&](const auto&, const auto& r) { last = r; });
   EXPECT_NEAR(end.bodies[0].v[0], 0.5, 1e-9);
   EXPECT_NEAR(end.bodies[0].spin[1], 0.5 / 0.5, 1e-9);
   EXPECT_LT(Vec3(end.bodies[0].v[1], end.bodies[0].v[2], end.bodies[0].spin[0]).norm(), 1e-9);
@@ -121,7 +121,7 @@ TEST(Spheres, OnASlopeTheyRollUpToSevenHalvesMu) {
     Scene<3> scene = sphere_on_floor(mu);
     scene.gravity = kGravity * Vec3(0.6 * std::sin(angle), 0.8 * std::sin(angle), -std::cos(angle));
     scene.num_steps = 100;
-    const auto end = run_scene(scene);
+    const auto end = solved_run(scene);
     const double rolling = 5.0 / 7 * kGravity * std::sin(angle);
     const double sliding = kGravity * (std::sin(angle) - mu * std::cos(angle));
     const double expected = angle < limit ? rolling : sliding;
@@ -166,7 +166,7 @@ TEST(Spheres, FourSpheresStandFromTheFrictionThatGeometryAsksFor) {
   EXPECT_NEAR(between, 0.3178, 1e-4);
   EXPECT_NEAR(floor, 0.0795, 1e-4);
   const auto drop = [](const Scene<3>& scene) {
-    return scene.bodies[3].x[2] - run_scene(scene).bodies[3].x[2];
+    return scene.bodies[3].x[2] - solved_run(scene).bodies[3].x[2];
   };
   EXPECT_LT(std::abs(drop(tetrahedron(1.01 * between, 1.01 * floor))), 1e-7);
   EXPECT_GT(drop(tetrahedron(0.98 * between, 1.5 * floor)), 1e-4);
@@ -177,7 +177,7 @@ TEST(Spheres, FourSpheresStandFromTheFrictionThatGeometryAsksFor) {
 // makes the rest hold. Newton and Euler of every sphere, from the contacts alone.
 TEST(Spheres, ForcesOfTheTetrahedronBalance) {
   Scene<3> scene = tetrahedron(0.5, 0.2);
-  const auto end = run_scene(scene);
+  const auto end = solved_run(scene);
   const auto balance = force_balance(scene, end);
   EXPECT_LT(balance.force, 1e-6);
   EXPECT_LT(balance.moment, 1e-6);
@@ -201,7 +201,7 @@ TEST(Spheres, MomentaAndEnergyCloseToRounding) {
     State<3> before = initial_state(scene);
     int struck = 0;
     double couples = 0;
-    run_scene(scene, [&](const State<3>& state, const StepReport<3>& report) {
+    solved_run(scene, [&](const State<3>& state, const StepReport<3>& report) {
       Vec3 couple = Vec3::Zero();
       for (const auto& c : state.contacts) couple += c.contact.gap * c.contact.n.cross(c.s_t);
       EXPECT_LT((momentum(state) - momentum(before)).norm(), 1e-13 * 100);
@@ -255,8 +255,8 @@ TEST(Spheres, TurningTheWholeSceneChangesNothing) {
   }
   std::vector<int> iterations, iterations_turned;
   const auto end =
-      run_scene(scene, [&](const auto&, const auto& r) { iterations.push_back(r.iterations); });
-  const auto other = run_scene(
+      solved_run(scene, [&](const auto&, const auto& r) { iterations.push_back(r.iterations); });
+  const auto other = solved_run(
       turned, [&](const auto&, const auto& r) { iterations_turned.push_back(r.iterations); });
   EXPECT_EQ(iterations, iterations_turned);
   ASSERT_GT(end.contacts.size(), 10u);
@@ -289,7 +289,7 @@ TEST(Spheres, APlateIsDrivenByItsForce) {
     scene.walls.push_back(half_space<3>(-2 * n, n));
   }
   scene.num_steps = 20;
-  const auto end = run_scene(scene);
+  const auto end = solved_run(scene);
   EXPECT_LT(end.bodies[0].v.norm(), 1e-12);
   ASSERT_EQ(end.contacts.size(), 2u);
   for (const auto& c : end.contacts) EXPECT_NEAR(c.s_n / scene.step, 50, 1e-9);
@@ -309,7 +309,7 @@ TEST(Spheres, StressIsSymmetricAndAddsUp) {
   Scene<3> scene = cloud_that_collides(27, {.mu = 0.6, .e_n = 0.4, .e_t = 0.2});
   State<3> before = initial_state(scene);
   int seen = 0;
-  run_scene(scene, [&](const State<3>& state, const StepReport<3>& report) {
+  solved_run(scene, [&](const State<3>& state, const StepReport<3>& report) {
     const auto moments = spin_changes(before, state);
     const auto sample = sample_stress(state, scene.step, 2.0, moments);
     const Eigen::Matrix3d total = sample.total();
@@ -370,7 +370,7 @@ TEST(Spheres, AWarmStartKeepsTheImpulseWhereTheFrameJumps) {
   scene.gravity = Vec3(-kGravity, 2, 1);
   scene.walls[0].normal = Vec3(1, 0, 1e-12).normalized();
   scene.num_steps = 3;
-  State<3> state = run_scene(scene);
+  State<3> state = solved_run(scene);
   ASSERT_EQ(state.contacts.size(), 1u);
   EXPECT_GT(state.contacts[0].s_t.norm(), 1e-4);
   std::vector<Contact<3>> contacts = {state.contacts[0].contact};

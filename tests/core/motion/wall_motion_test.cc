@@ -59,7 +59,7 @@ TEST(WallMotion, AMovedAndPressedPlateRollsADiskAtHalfItsSpeed) {
   scene.num_steps = 100;
   Books books;
   const State<2> end =
-      run_scene(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
+      solved_run(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
   EXPECT_NEAR(end.bodies[0].v[0], 0.15, 1e-9);
   EXPECT_NEAR(end.bodies[0].spin, -1.5, 1e-8);
   EXPECT_NEAR(end.walls[1].v[0], 0.3, 1e-15);
@@ -86,7 +86,7 @@ TEST(WallMotion, AMovedPlateDoesTheWorkOfItsFriction) {
                  half_space<2>(Vec2(0.1, 0), Vec2(-1, 0))};
   scene.walls[1].material = 1;
   scene.num_steps = 20;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.bodies[0].spin, -100 * 0.02, 1e-8);
   EXPECT_NEAR(end.wall_work, 10 * 0.3 * 0.02, 1e-9);
 }
@@ -116,7 +116,7 @@ TEST(WallMotion, ARoughPlateLiesOnWhatItsDisksTouch) {
   scene.num_steps = 20;
   Books books;
   const State<2> end =
-      run_scene(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
+      solved_run(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
   ASSERT_EQ(end.contacts.size(), 2u);
   for (const ContactOutcome<2>& c : end.contacts) {
     EXPECT_EQ(c.contact.i, 0);
@@ -138,7 +138,7 @@ TEST(WallMotion, ARoughPlateFallsWithItsDisks) {
     d.wall = 0;
   }
   scene.num_steps = 10;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_EQ(r.contacts, 0);
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-14);
   });
@@ -167,7 +167,7 @@ TEST(WallMotion, ARoughWallHoldsADiskThatASmoothOneLetsSlide) {
     scene.bodies[k].wall = 0;
   }
   scene.num_steps = 50;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-14);
   });
   EXPECT_NEAR((end.bodies[2].x - Vec2(0, rise)).norm(), 0, 1e-7);
@@ -216,7 +216,7 @@ TEST(WallMotion, ADrumSpinsADiskUpToItsOwnSurface) {
   scene.num_steps = 300;
   Books books;
   const State<2> end =
-      run_scene(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
+      solved_run(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
   EXPECT_NEAR(end.bodies[0].spin, 2, 1e-8);
   EXPECT_NEAR(end.bodies[0].x[0], 0, 1e-8);
   EXPECT_LT(books.energy, 1e-12);
@@ -233,7 +233,7 @@ TEST(WallMotion, ADrumThatStartsDragsADiskWithFriction) {
   scene.gravity = Vec2(0, -kPull);
   scene.bodies = {round_body<2>(Vec2(0, -0.9), 0.1, 2)};
   scene.num_steps = 10;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.bodies[0].v[0], mu * kPull * t * (1 - kPull / 0.9 * t * t / 6), 1e-7);
   EXPECT_NEAR(end.bodies[0].spin, 2 * mu * kPull * t / 0.1, 1e-5);
   EXPECT_NEAR(end.wall_work, mu * 2 * kPull * 1 * t, 1e-6);
@@ -249,7 +249,7 @@ TEST(WallMotion, ADiskSwingsInAHollowCircleAsAPendulum) {
   const double quarter = 0.5 * std::numbers::pi * std::sqrt(0.9 / kPull) * (1 + 0.1 * 0.1 / 16);
   scene.num_steps = 6000;
   double passed = 0;
-  run_scene(scene, [&](const State<2>& state, const StepReport<2>&) {
+  solved_run(scene, [&](const State<2>& state, const StepReport<2>&) {
     if (passed == 0 && state.bodies[0].x[0] <= 0) passed = state.time;
   });
   EXPECT_NEAR(passed / quarter, 1, 2e-3);
@@ -265,7 +265,7 @@ TEST(WallMotion, ADiskLiesOnASolidCircleAndRollsOff) {
   scene.gravity = Vec2(0, -kPull);
   scene.bodies = {round_body<2>(Vec2(0, 1.1), 0.1, 2)};
   scene.num_steps = 50;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.bodies[0].x[1], 1.1, 1e-9);
   EXPECT_NEAR(end.contacts.at(0).s_n / scene.step, 2 * kPull, 1e-6);
   EXPECT_EQ(end.contacts[0].contact.n, Vec2(0, 1));
@@ -280,7 +280,7 @@ TEST(WallMotion, AWallThatIsRemovedLetsTheDiskFall) {
   scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
   scene.num_steps = 30;
   Books books;
-  const State<2> end = run_scene(scene, [&](const State<2>& state, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [&](const State<2>& state, const StepReport<2>& r) {
     books.add(r);
     EXPECT_EQ(r.contacts, r.step <= 10 ? 1 : 0);
     EXPECT_EQ(state.walls[0].present, r.step <= 10);
@@ -301,7 +301,7 @@ TEST(WallMotion, AWallStartsAndStops) {
   scene.walls[0].stops = 0.015;
   scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
   scene.num_steps = 25;
-  const State<2> end = run_scene(scene, [](const State<2>& state, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>& state, const StepReport<2>& r) {
     const bool moves = r.step > 5 && r.step <= 15;
     EXPECT_EQ(state.walls[0].v[1], moves ? 0.5 : 0.0) << r.step;
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-14);
@@ -317,7 +317,7 @@ TEST(WallMotion, ADrivenWallThatStopsGivesItsEnergyToWhatStopsIt) {
   scene.walls = {pressed_plate(10, 8, 0)};
   scene.walls[0].stops = 0.01;
   scene.num_steps = 12;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-16);
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-16);
     EXPECT_NEAR(r.momentum[1], r.step <= 10 ? -8e-3 * r.step : 0, 1e-15);
@@ -339,7 +339,7 @@ TEST(WallMotion, TiltedDiskSlidesWhenTheSlopeExceedsFriction) {
   scene.num_steps = 250;
   Books books;
   const State<2> end =
-      run_scene(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
+      solved_run(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
   // Turned counter-clockwise, gravity (0, -g) gains a part along +x.
   const double speed = 2.0 / 3 * kPull * (1 - std::cos(rate * 0.2)) / rate;
   EXPECT_NEAR(end.bodies[0].v[0] / speed, 1, 1e-6);

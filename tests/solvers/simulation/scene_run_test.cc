@@ -222,7 +222,7 @@ TEST(SceneRun, SpringsRunThroughTheSameCall) {
   State<2> state = initial_state(scene);
   const SceneRun<2> run = run_scene(scene, state);
   EXPECT_EQ(run.end, SceneRun<2>::End::kCompleted);
-  ASSERT_TRUE(run.springs.has_value());
+  ASSERT_NE(run.springs, nullptr);
   EXPECT_EQ(run.totals.last.iterations, run.springs->substeps);
 }
 
@@ -241,7 +241,7 @@ TEST(RunFolder, HoldsTheRunsLastStateAndItsProblems) {
   RunFolderOptions options;
   options.folder = folder.path() / "run";
   options.problems = RunFolderOptions::Problems::kAll;
-  const SceneRun<2> run = run_scene_into(scene, state, {}, options);
+  const SceneRun<2> run = run_scene(scene, state, {.folder = options});
   EXPECT_GT(run.output_seconds, 0);
   EXPECT_EQ(read_state(options.folder).step, 60);
   EXPECT_EQ(read_state(options.folder).bodies[3].x, state.bodies[3].x);
