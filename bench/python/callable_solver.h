@@ -6,12 +6,12 @@
 #include <string>
 
 #include "bench/python/python_watch.h"
-#include "solvers/solver.h"
+#include "solvers/solve_run.h"
 
 namespace bipot {
 
 /// A Python callable f(problem, tol, callback) -> s as a solver. callback(s) judges an iterate as
-/// those of the built-in solvers are judged, at the cadence of IterationMonitor, and says whether to
+/// those of the built-in solvers are judged, at the cadence of SolveRun, and says whether to
 /// stop: the tolerance is met, or time or patience are over. Whatever is returned is projected and
 /// judged once more by solve(); an answer without a callback that said stop is a claim of
 /// convergence. What f raises is a failure of the solver with Python's words, but for
@@ -26,7 +26,7 @@ class CallableSolver {
   SolverEntry entry() const;
 
  private:
-  SolveResult run(const ContactProblem& problem, const SolverOptions& options) const;
+  void run(SolveRun& run) const;
 
   std::string name_;
   pybind11::object callable_;

@@ -15,8 +15,7 @@
 #include "core/problem/delassus.h"
 #include "solvers/kernels/contact_penalties.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/monitor.h"
-#include "solvers/parameters.h"
+#include "solvers/solve_run.h"
 #include "solvers/systems/body_columns.h"
 
 namespace bipot {
@@ -176,9 +175,9 @@ class Resolvent {
 /// False when no penalty makes the matrix positive definite, or time is over before.
 template <int D>
 bool factor_raising(Resolvent<D>& resolvent, ContactPenalties<D>& penalties, Vector& y,
-                    const IterationMonitor& monitor) {
-  if (!monitor.out_of_time() && !resolvent.analyse(penalties)) return false;
-  for (int k = 0; k < kRaises && !monitor.out_of_time(); ++k) {
+                    SolveRun& run) {
+  if (!run.out_of_time() && !resolvent.analyse(penalties)) return false;
+  for (int k = 0; k < kRaises && !run.out_of_time(); ++k) {
     if (resolvent.factor(penalties)) return true;
     penalties.scale(10);
     y *= 0.1;
@@ -222,8 +221,7 @@ class Stages {
 
 template <int D>
 void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, Vector s0,
-             double rho, double relaxation, Penalty penalty, bool single,
-             IterationMonitor& monitor) {
+             double rho, double relaxation, Penalty penalty, bool single, SolveRun& run) {
   Resolvent<D> resolvent(p, scaling.velocity, single);
   ContactPenalties<D> penalties(scaling.mu, rho);
   Vector z = scaling.impulse.cwiseProduct(s0), x = z, y(z.size());
@@ -236,24 +234,24 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
   if (s0.isZero(0)) y.setZero();
   for (Vector* start : {&velocity0, &s0, &scaling.impulse}) start->resize(0);
   const auto factor = [&](int iteration) {
-    if (factor_raising(resolvent, penalties, y, monitor)) return true;
-    if (!monitor.end_if_out_of_time(iteration)) {
-      monitor.end(SolveStatus::kNumericalFailure,
-                  fmt::format("factorisation failed up to rho = {:.2e}", penalties.rho()));
+    if (factor_raising(resolvent, penalties, y, run)) return true;
+    if (!run.end_if_out_of_time(iteration)) {
+      run.end(SolveStatus::kNumericalFailure,
+              fmt::format("factorisation failed up to rho = {:.2e}", penalties.rho()));
     }
     return false;
   };
   if (!factor(0)) return;
-  monitor.end_setup();
+  run.end_setup();
   Vector rhs(z.size()), z_before, y_judged = Vector::Zero(z.size());
   int next_balance = kFirstBalance;
   Stages stages(penalty == Penalty::kStatus ? kStatusRaises : kStagedRaises);
   for (int iteration = 0;; ++iteration) {
-    if (monitor.due(iteration)) {
+    if (run.due(iteration)) {
       rhs = z.cwiseProduct(scaling.velocity);
       // A multiplier that still moves will move s later.
       const bool moving = (y - y_judged).norm() > kAtRest * y.norm();
-      if (monitor.stop(iteration, rhs, penalties.rho(), moving)) return;
+      if (run.stop(iteration, rhs, penalties.rho(), moving)) return;
       y_judged = y;
     }
     for (int c = 0; c < p.num_contacts(); ++c) {
@@ -278,8 +276,8 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
       penalties.observe(z);
       adapts = (iteration + 1) % (kLook * kLooks) == 0;
     }
-    if (adapts || (penalty == Penalty::kStaged && monitor.due(iteration + 1))) {
-      change = stages.advance(iteration + 1, monitor.best_error());
+    if (adapts || (penalty == Penalty::kStaged && run.due(iteration + 1))) {
+      change = stages.advance(iteration + 1, run.best_error());
       if (change == 0) {
         if (adapts) penalties.equalise(y);
         refactors = adapts;
@@ -310,12 +308,12 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
 
 }  // namespace
 
-SolveResult solve_admm(const ContactProblem& p, const SolverOptions& options) {
-  const Parameters parameters(options.parameters, kAdmmParameters);
-  IterationMonitor monitor(p, options);
-  const DelassusOperator& delassus = monitor.evaluator().delassus();
+void solve_admm(SolveRun& run) {
+  const Parameters& parameters = run.parameters();
+  const ContactProblem& p = run.problem();
+  const DelassusOperator& delassus = run.delassus();
   ContactScaling scaling = equilibrated_scaling(p, delassus.diagonal());
-  Vector s0 = start_of(p, options);
+  Vector s0 = run.start();
   Vector velocity(p.num_rows());
   delassus.velocity(s0, velocity);
   const std::string rule = parameters.choice("penalty");
@@ -328,10 +326,8 @@ SolveResult solve_admm(const ContactProblem& p, const SolverOptions& options) {
       precision == "single" || (precision == "auto" && p.num_contacts() >= kSingleFrom);
   dispatch_dim(p.dim, [&](auto d) {
     iterate<d()>(p, std::move(scaling), std::move(velocity), std::move(s0),
-                 parameters.number("rho"), parameters.number("relaxation"), penalty, single,
-                 monitor);
+                 parameters.number("rho"), parameters.number("relaxation"), penalty, single, run);
   });
-  return monitor.finish();
 }
 
 }  // namespace bipot

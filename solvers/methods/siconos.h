@@ -20,11 +20,11 @@ namespace bipot {
 /// more iterations where it ran into their limit. A call cannot be interrupted: a time limit is
 /// looked at between calls. Siconos ends the process on some internal errors; that cannot be caught
 /// here.
-SolveResult solve_siconos_nsgs(const ContactProblem& problem, const SolverOptions& options);
-SolveResult solve_siconos_nsn_ac(const ContactProblem& problem, const SolverOptions& options);
-SolveResult solve_siconos_admm(const ContactProblem& problem, const SolverOptions& options);
-SolveResult solve_siconos_prox(const ContactProblem& problem, const SolverOptions& options);
-SolveResult solve_siconos_lemke(const ContactProblem& problem, const SolverOptions& options);
+void solve_siconos_nsgs(SolveRun& run);
+void solve_siconos_nsn_ac(SolveRun& run);
+void solve_siconos_admm(SolveRun& run);
+void solve_siconos_prox(SolveRun& run);
+void solve_siconos_lemke(SolveRun& run);
 
 /// Siconos' NSGS as its own users call it: one call, from s = 0, to its own measure. For timing it;
 /// the solvers above are for solving.

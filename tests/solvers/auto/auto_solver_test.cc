@@ -13,7 +13,9 @@
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/auto/auto_plan.h"
+#include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "solvers/solve_run.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
@@ -122,7 +124,9 @@ TEST(AutoSolver, AStageStartsFromAMultipleOfTheCallersImpulse) {
   const Vector start = solve("pgs", p, options).s;
   options.s0 = start;
   options.max_iterations = 12000;
-  const std::string stages = solve_auto(p, options).message;
+  SolverOptions race_alone = options;
+  race_alone.islands = false;
+  const std::string stages = run_solver(*find_solver("auto"), p, race_alone).message;
   options.max_iterations = 2000;
   const auto ends = [&](double multiple) {
     options.s0 = multiple * start;

@@ -11,7 +11,9 @@
 
 #include "core/problem_files/problem_file.h"
 #include "solvers/homotopy/path_follower.h"
+#include "solvers/registry.h"
 #include "solvers/solve.h"
+#include "solvers/solve_run.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 #include "tests/support/small_problems.h"
@@ -143,9 +145,9 @@ TEST(Homotopy, SinglePrecisionTakesTheSameWay) {
       SolverOptions options;
       options.tol = 1e-4;
       options.parameters["start_tol"] = "1e-2";
-      const SolveResult whole = solve_homotopy(form, options);
+      const SolveResult whole = run_solver(require_solver("homotopy"), form, options);
       options.parameters["precision"] = "single";
-      const SolveResult half = solve_homotopy(form, options);
+      const SolveResult half = run_solver(require_solver("homotopy"), form, options);
       EXPECT_EQ(half.status, SolveStatus::kConverged) << half.message;
       EXPECT_EQ(half.message, whole.message);
       EXPECT_LT((half.s - whole.s).norm(), 1e-6 * whole.s.norm());
