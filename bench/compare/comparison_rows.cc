@@ -49,7 +49,7 @@ const std::vector<ComparisonColumn>& comparison_columns() {
       number_column("tol", &Row::tol, "tolerance that the solver was given"),
       count_column("warm", &Row::warm, "1: started from the step before, 0: from s = 0"),
       count_column("contacts", &Row::contacts, "number of candidate contacts"),
-      count_column("dim", &Row::dim, "rows of a contact: 1 without friction, 2 in the plane, 3"),
+      count_column("dim", &Row::dim, "rows of a contact: 1 without friction, 2 in 2D, 3"),
       text_column("status", &Row::status, "how the solve ended"),
       count_column("iterations", &Row::iterations, "solver's own count; costs differ between them"),
       count_column("repeats", &Row::repeats, "solves behind the times"),

@@ -9,6 +9,7 @@
 #include "bench/compare/comparison_report.h"
 #include "bench/compare/comparison_success.h"
 #include "bench/report/chart.h"
+#include "bench/report/text_lines.h"
 
 namespace bipot {
 

@@ -13,9 +13,9 @@ CpuLimit::CpuLimit(double seconds)
       read_(asked_) {}
 
 bool CpuLimit::operator()() {
-  // Iterations last from a microsecond to a second, and either kind may follow the other: a few
-  // quick ones are let through unseen, then the clock on the wall, which is read in a few
-  // nanoseconds, tells whether it is worth while to ask the system.
+  // Iterations may take a microsecond or a second, in any order. A few quick calls pass unchecked.
+  // Then the wall clock, which is cheap to read, decides whether to ask the system for the CPU
+  // time.
   if (reached_ || ++calls_ < stride_) return reached_;
   calls_ = 0;
   const Clock::time_point now = Clock::now();

@@ -4,17 +4,17 @@
 
 namespace bipot {
 
-/// A limit on CPU time that can be asked in an inner loop: what else the machine does must not
-/// decide how far a solver gets. It looks once a millisecond at most.
+/// A limit on CPU time for inner loops: other work on the machine must not change the result of a
+/// solver. It asks the system once in a millisecond at most.
 class CpuLimit {
  public:
-  /// Counts from now. `seconds` > 0.
+  /// Counts from construction. `seconds` > 0.
   explicit CpuLimit(double seconds);
   bool operator()();
-  /// Whether it has ever said so.
+  /// True if a call has reported the limit.
   bool reached() const { return reached_; }
 
-  /// Solvers have a limit on wall time, too, for loops that do not ask: this many times as long.
+  /// Limit on wall time, relative to the CPU limit, for loops that do not call this.
   static constexpr double kWallFactor = 20;
 
  private:

@@ -13,13 +13,13 @@
 
 namespace bipot {
 
-/// How iterations and time of a solver grow with the number of disks (Fig. 14 of the paper), shared
-/// by `solver_bench` and `bipot paper`.
+/// Growth of iterations and time of a solver with the number of disks (Fig. 14 of the paper),
+/// shared by `solver_bench` and `bipot paper`.
 
 /// A scene of any size; one step of it is the problem.
 struct GrowthScene {
-  /// Of scene_family.h, or "pile" (settled_pile.h, made by a simulation first; the tilt turns
-  /// gravity for the step alone), or of moving_scene.h (a step at 0.65 of the run, kept in a cache).
+  /// Of scene_family.h; or "pile" (settled_pile.h, settled by a simulation, with a tilt of gravity
+  /// for the step alone); or of moving_scene.h (a step at 0.65 of the run, cached).
   std::string family = "square";
   double mu = 0.3;
   double tilt_degrees = 0;
@@ -34,7 +34,7 @@ struct GrowthProblem {
 };
 /// Throws std::invalid_argument for an unknown family.
 GrowthProblem make_growth_problem(const GrowthScene& scene, int side);
-/// The side with the number of disks nearest to `disks`.
+/// The side whose number of disks is nearest to `disks`.
 int side_of(const std::string& family, double disks);
 
 struct GrowthMethod {
@@ -65,8 +65,8 @@ struct GrowthLimits {
 GrowthRow growth_row(const GrowthScene& scene, const GrowthProblem& problem,
                      const GrowthMethod& method, double tol, const GrowthLimits& limits);
 
-/// The same for several tolerances, in their order. Where the solver's iterates do not depend on
-/// the tolerance one solve gives all: a row ends at the first judged iteration that meets it, and
+/// Rows for several tolerances, in their order. If the solver's iterates do not depend on the
+/// tolerance, one solve gives all. A row then ends at the first judged iteration that meets it, and
 /// its time is the time until then.
 std::vector<GrowthRow> growth_rows(const GrowthScene& scene, const GrowthProblem& problem,
                                    const GrowthMethod& method, std::span<const double> tols,
@@ -78,13 +78,13 @@ struct GrowthFit {
   double tol = 0;
   PowerLaw iterations, seconds;
   double least_disks = 0;  ///< smaller problems are left out ("small samples apart")
-  int not_met = 0;         ///< rows from least_disks on that did not meet the tolerance
+  int not_met = 0;         ///< number of rows from least_disks on that missed the tolerance
 };
-/// In order of appearance. Only rows that met their tolerance count; of rows with the same number
-/// of disks the last.
+/// Fits in order of appearance. Only rows that met their tolerance count; of rows with the same
+/// number of disks the last.
 std::vector<GrowthFit> fit_growth(std::span<const GrowthRow> rows, double least_disks);
 
-/// "1.04 ± 0.03 (5 points)", "– (1 point)".
+/// As "1.04 ± 0.03 (5 points)", "– (1 point)".
 std::string to_text(const PowerLaw& law);
 Json to_json(const GrowthFit& fit);
 Json to_json(const GrowthRow& row);

@@ -2,36 +2,37 @@
 
 namespace bipot {
 
-/// What one iteration over all contacts of a packing of disks (d = 2) moves and computes, for each
-/// contact. Bytes: those that an iteration alone streams from memory, everything read and written
-/// once; iterations in flight share them (data/manual/results/performance.md, "Bytes and flops of one iteration").
+/// Memory traffic and arithmetic of one iteration for each contact of a packing of disks (d = 2).
+/// Bytes: those that a single iteration streams from memory, everything read and written once.
+/// Iterations in flight share them (data/manual/results/performance.md, "Bytes and flops of one
+/// iteration").
 struct KernelWork {
   double bytes = 0;  ///< [B]
   double flops = 0;  ///< additions, multiplications, divisions and roots, one each
   constexpr double intensity() const { return flops / bytes; }  ///< [1/B]
 };
 
-/// `bodies`: bodies a contact, 1/2 on a square lattice, 1/3 on a triangular one.
-/// Tiled pgs: two bodies' places 8, g 16, spin 8, b 16, law 0.5; x in and out 32; a body's
-/// velocities and masses 96.
+/// `bodies`: bodies for each contact, 1/2 on a square lattice, 1/3 on a triangular one. Tiled pgs:
+/// two bodies' places 8, g 16, spin 8, b 16, law 0.5; x in and out 32; a body's velocities and
+/// masses 96.
 constexpr KernelWork tiled_sweep_work(double bodies) { return {48.5 + 32 + 96 * bodies, 39}; }
 /// pgs in the given order: a record of 96 bytes, 32 of them written back; a body's 40, 24 of them
 /// written.
 constexpr KernelWork given_order_sweep_work(double bodies) { return {96 + 32 + 64 * bodies, 46}; }
-/// apgd: as tiled pgs, with x and x⁻ in and x⁺ out; of a body two momenta in and one out, a velocity in
-/// and out 160.
+/// apgd: as tiled pgs, with x and x⁻ in and x⁺ out; of a body two momenta in and one out, a
+/// velocity in and out 160.
 constexpr KernelWork gradient_work(double bodies) {
   return {48.5 + 48 + 160 * bodies, 49 + 24 * bodies};
 }
-/// pgs on an explicit W, `entries` of it a contact: value and column 12 each, its own problem.
+/// pgs on an explicit W with `entries` for each contact: value and column 12 each, its own problem.
 constexpr KernelWork explicit_sweep_work(double entries) {
   return {12 * entries + 8 + 32 + 16 + 80, 2 * entries + 12};
 }
-/// STREAM's triad a <- b + 3 c, an item.
+/// STREAM's triad a <- b + 3 c, for each item.
 constexpr KernelWork triad_work() { return {24, 2}; }
 
-/// The roofline: what a kernel of that intensity can reach at most [flop/s], from the bandwidth
-/// [B/s] and the peak [flop/s].
+/// The roofline: upper bound of a kernel of that intensity [flop/s], from the bandwidth [B/s] and
+/// the peak [flop/s].
 constexpr double roofline(const KernelWork& work, double bandwidth, double peak) {
   const double by_memory = work.intensity() * bandwidth;
   return by_memory < peak ? by_memory : peak;

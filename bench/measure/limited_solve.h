@@ -7,7 +7,7 @@
 
 namespace bipot {
 
-/// Solves within `seconds` of CPU time (CpuLimit); past it the status is kTimeLimit. `s0` may be
+/// Solves within `seconds` of CPU time (CpuLimit); beyond it the status is kTimeLimit. `s0` may be
 /// empty.
 SolveResult solve_within(const std::string& solver, const ContactProblem& problem, double tol,
                          double seconds, const Vector& s0 = {});

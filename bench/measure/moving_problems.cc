@@ -25,7 +25,7 @@ std::string key_of(const MovingRunRequest& request) {
                      o.tilt_degrees, o.e_n, o.seed);
 }
 
-/// What the files say of themselves; another version's differ.
+/// Description stored in the files; that of another version differs.
 std::string recipe_of(const MovingRunRequest& request, int step) {
   const BuildInfo build = build_info();
   const FamilyOptions& o = request.options;
@@ -97,7 +97,7 @@ std::vector<int> moving_steps(const std::string& family, int side, int count) {
 
 std::vector<TestProblem> moving_problems(const MovingRunRequest& request) {
   const Scene<2> scene = make_moving_scene(request.family, request.side, request.options);
-  // What is changed and not yet committed has no name of its own: its files are not believed.
+  // Uncommitted changes have no version of their own: files of such builds are not used.
   const bool trusted = !build_info().commit.ends_with("-dirty");
   const bool complete =
       trusted && std::all_of(request.steps.begin(), request.steps.end(),

@@ -17,15 +17,15 @@ struct MovingRunRequest {
   std::vector<int> steps;  ///< wanted, increasing
 };
 
-/// Steps of the run, in the order of the request. Each problem comes from its file in the cache
-/// folder (FCLIB, with the start of the step as a guess), which is made by one run where one of them
-/// is missing or of another version of the program: whoever takes it gets the same bits. The cache
-/// folder is $BIPOT_CACHE, else $XDG_CACHE_HOME/bipot, else ~/.cache/bipot, else one in the
-/// temporary folder. Throws StepFailure and FileError.
+/// Steps of the run, in the order of the request. Each problem is read from its file in the cache
+/// folder (FCLIB, with the start of the step as a guess). A missing or outdated file is made by one
+/// run, so that every caller gets the same bits. The cache folder is $BIPOT_CACHE, else
+/// $XDG_CACHE_HOME/bipot, else ~/.cache/bipot, else one in the temporary folder. Throws StepFailure
+/// and FileError.
 std::vector<TestProblem> moving_problems(const MovingRunRequest& request);
 
-/// `count` steps of the run at the parts (i - 0.35) / count of it, i = 1 to count: between the fall
-/// and the rest.
+/// `count` steps of the run at the parts (i - 0.35) / count of it, i = 1 to count: between fall and
+/// rest.
 std::vector<int> moving_steps(const std::string& family, int side, int count);
 
 std::filesystem::path problem_cache_folder();

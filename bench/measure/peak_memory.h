@@ -4,7 +4,7 @@
 
 namespace bipot {
 
-/// Most memory that this process has held, as the system counts it (ru_maxrss).         [bytes]
+/// Largest memory of this process so far, by the system (ru_maxrss). [bytes]
 inline double peak_memory() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

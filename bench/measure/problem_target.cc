@@ -37,11 +37,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// In series, so that the growth with size shows. Regular packings, tilted so that they load
-// unevenly; one of uneven masses; packings that friction alone holds; piles at rest, piles that
-// begin to flow because gravity turned, and one that a fast disk hits; steps of runs in which
-// everything moves. Then the shipped problems,
-// and those of the folder BIPOT_PROBLEMS.
+// Series, so that growth with size shows. They are regular packings, tilted for uneven loads; one
+// of uneven masses; packings that friction alone holds; piles at rest. Further, piles that begin to
+// flow because gravity turned, one hit by a fast disk, and steps of runs in which everything moves.
+// Then the shipped problems, and those of the folder BIPOT_PROBLEMS.
 const std::vector<std::string> kBenchmark = {"square:10:tilt=10",
                                              "square:18:tilt=10",
                                              "square:32:tilt=10",
@@ -208,8 +207,8 @@ Family parse_family(const std::string& target) {
   return family;
 }
 
-/// A disk like the others that comes down on the middle of a settled pile at 20 m/s and touches it
-/// in the middle of the coming step. Positions and velocities of the state; the scene has the disk.
+/// A disk like the others that hits the middle of a settled pile at 20 m/s, in the middle of the
+/// coming step. Positions and velocities of the state; the scene has the disk.
 void throw_disk(Scene<2>& scene, State<2>& state) {
   constexpr double kSpeed = 20;
   Disk disk = state.bodies.front();
@@ -257,7 +256,7 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
     state = pile.state;
     made.origin = fmt::format("{} disks {} after {} steps", scene.bodies.size(),
                               pile.at_rest ? "at rest" : "still moving", pile.steps);
-    // A tilted pile settles level; then gravity turns and the pile starts to flow.
+    // A tilted pile settles without tilt; then gravity turns and the pile starts to flow.
     const double angle = o.tilt_degrees * std::acos(-1.0) / 180;
     if (angle != 0) {
       scene.gravity = Eigen::Rotation2Dd(angle) * scene.gravity;
@@ -280,7 +279,7 @@ TestProblem make_family_problem(const Family& family, Piles& piles) {
   return made;
 }
 
-/// Contact problems along one run. The run is made once, when the first of them is asked for.
+/// Contact problems along one run, which is made when the first of them is requested.
 template <int D>
 class ProblemRun {
  public:
@@ -322,13 +321,13 @@ class ProblemRun {
   std::map<int, TestProblem> problems_;
 };
 
-/// The family target without its size.
+/// The target without its size.
 std::string series_of(const std::string& target) {
   const std::size_t begin = target.find(':'), end = target.find(':', begin + 1);
   return target.substr(0, begin) + (end == std::string::npos ? "" : target.substr(end));
 }
 
-/// Steps of one run of a moving family, which is made when the first of them is asked for.
+/// Steps of one run of a moving family, which is made when the first of them is requested.
 void add_moving(const std::string& target, const Family& family, const TargetOptions& options,
                 std::vector<ProblemSource>& sources) {
   const auto request = std::make_shared<const MovingRunRequest>(

@@ -9,11 +9,10 @@
 
 namespace bipot {
 
-/// A problem that is made when it is needed: a comparison that is taken up again makes only those
-/// that still have rows to fill.
+/// A problem made on demand: a continued comparison makes only those with rows to fill.
 struct ProblemSource {
   std::string name;    ///< unique in a comparison
-  std::string target;  ///< what makes this problem on the command line
+  std::string target;  ///< target of the command line that gives this problem
   /// Throws FileError, std::invalid_argument or StepFailure.
   std::function<TestProblem()> load;
   /// Problems of one series differ in size alone ("square:tilt=10", sizes 10 and 32); empty: none.
@@ -22,7 +21,7 @@ struct ProblemSource {
 };
 
 struct TargetOptions {
-  int scene_problems = 3;  ///< steps of a scene or a moving family, evenly along its run
+  int scene_problems = 3;  ///< number of steps of a scene or a moving family, evenly along its run
   int scene_steps = std::numeric_limits<int>::max();  ///< a run is cut there
   bool quick = false;                                 ///< the small benchmark
 };
@@ -31,16 +30,16 @@ struct TargetOptions {
 ///   - a problem file (FCLIB, Siconos text) or a folder of them,
 ///   - a scene file or the name of a shipped scene: contact problems along a run made with `auto`,
 ///   - a family "square:30", "triangular:30", "pyramid:20", "random:30" (scene_family.h, the first
-///     step), "pile:32" (settled_pile.h, 32² disks at rest) or "impact:32" (such a pile as one more
-///     disk hits it at 20 m/s), with options behind it: "square:30:mu=0.5:tilt=10:ratio=1e4:seed=2:
-///     e=0.5" (friction, degrees, mass ratio, restitution);
-///   - a family of spheres "cannonballs:6" or "cubic:6" (scenes/sphere_problems.h), with :mu and :tilt;
+///     step), "pile:32" (settled_pile.h, 32² disks at rest) or "impact:32" (such a pile hit by one
+///     more disk at 20 m/s), with options: "square:30:mu=0.5:tilt=10:ratio=1e4:seed=2:e=0.5"
+///     (friction, degrees, mass ratio, restitution);
+///   - a family of spheres "cannonballs:6" or "cubic:6" (sphere_problems.h), with :mu and :tilt;
 ///   - a moving family "pour:32", "collapse:32", "tilt:32:angle=30" or "strike:32"
-///     (scenes/moving_scene.h): steps along one run, each with its start, kept in a cache folder
-///     (moving_problems.h), with :mu, :tilt, :e and :seed behind it;
+///     (moving_scene.h): steps along one run, each with its start, kept in a cache folder
+///     (moving_problems.h), with the options :mu, :tilt, :e and :seed;
 ///   - "benchmark": series of families from 10² to 10⁴ disks, the shipped problems and those of the
 ///     folder that the environment variable BIPOT_PROBLEMS names.
-/// Throws std::invalid_argument for what is none of these, and for two problems of one name.
+/// Throws std::invalid_argument for other targets, and for two problems of one name.
 std::vector<ProblemSource> expand_targets(const std::vector<std::string>& targets,
                                           const TargetOptions& options = {});
 

@@ -40,8 +40,8 @@ ReferenceSolution find_reference(const TestProblem& given, double time_limit, do
   double best_error = kInfinity;
   std::vector<Vector> trusted, attempts;
   const DelassusOperator delassus(problem);
-  // On large problems round-off stands in the way of 1e-12, newton is the slowest, and a witness
-  // that sweeps is found at once.
+  // On large problems round-off prevents 1e-12, newton is the slowest, and sweeps soon give a
+  // witness.
   const bool large = problem.num_contacts() > ReferenceSolution::kLarge;
   const double enough = large ? 10 * target : target;
   const std::vector<const char*> names = large ? std::vector{"auto", "apgd", "ipm", "newton"}
@@ -92,7 +92,8 @@ ReferenceSolution find_reference(const TestProblem& given, double time_limit, do
 
 bool learn_answer(const ContactProblem& problem, const Vector& s, double time_limit,
                   const std::function<bool()>& interrupted, ReferenceSolution& reference) {
-  // What is nearly exact and this many times farther away than its error explains is looked at.
+  // Answers that are nearly exact, but this many times farther away than their error explains, are
+  // examined.
   constexpr double kNearlyExact = 1e-6, kSuspicious = 10;
   // In a continuous family every start ends at an answer of its own.
   constexpr std::size_t kMost = 24;

@@ -14,7 +14,7 @@
 
 namespace bipot {
 
-/// What one solver reached on the way to a reference.
+/// Result of one solver in the search for a reference.
 struct ReferenceAttempt {
   std::string solver;
   SolveStatus status = SolveStatus::kNotRun;
@@ -22,13 +22,13 @@ struct ReferenceAttempt {
   double seconds = 0;
 };
 
-/// Largest differences between two exact answers of one problem; NaN with a single one, or where a
+/// Largest differences between two exact answers of one problem; NaN for a single one, or if a
 /// measure is not defined. Scales as in TrueError.
 struct AnswerSpread {
   double velocity = kNaN, force = kNaN, energy = kNaN;
 };
 
-/// The most accurate impulse that this build finds, and how far it can be trusted.
+/// The most accurate impulse found, and its reliability.
 struct ReferenceSolution {
   std::string origin;  ///< of the problem, see TestProblem
   int contacts = 0, dim = 0, dofs = 0;
@@ -36,37 +36,38 @@ struct ReferenceSolution {
   Vector s;            ///< the problem's variables                              [N s]
   ContactError error;  ///< recomputed from s alone
   std::vector<ReferenceAttempt> attempts;
-  /// Largest ‖v - v*‖_A / ‖v* - v_free‖_A between attempts that both stand below kTrusted; NaN with
+  /// Largest ‖v - v*‖_A / ‖v* - v_free‖_A between attempts that are both below kTrusted; NaN with
   /// fewer than two of them.
   double velocity_spread = std::numeric_limits<double>::quiet_NaN();
-  /// Exact answers that are distinct from s and from each other (solvers/analysis/distinct_answers.h), in the
-  /// order in which they were found: their being there proves that the problem has several.
+  /// Exact answers distinct from s and from each other (solvers/analysis/distinct_answers.h), in
+  /// the order in which they were found. They prove that the problem has several.
   std::vector<Vector> others;
   AnswerSpread spread;  ///< between s and the others
 
   bool several() const { return !others.empty(); }
 
   static constexpr double kTarget = 1e-12;  ///< guarded error that is asked for
-  /// Below it, differences are taken seriously.
+  /// Below it, differences count.
   static constexpr double kTrusted = DistinctAnswers::kTrusted;
   static constexpr int kLarge = 1000;  ///< contacts: beyond, ten times the target is enough
 };
 
-/// What a time limit is counted in; CPU time does not depend on what else the machine does.
+/// Clock of a time limit; CPU time does not depend on other work of the machine.
 enum class LimitOn { kWall, kCpu };
 
-/// Runs auto, newton, ipm and apgd in turn from s = 0 to a guarded error of `target`, each within
-/// the time limit, until one gets there and a second one stands below 1e-9 (or ten times the
-/// target, if that is more) as a witness; keeps the lowest, and what is distinct from it besides.
-/// Beyond kLarge contacts the order is auto, apgd, ipm, newton. `interrupted` is polled inside the solves: true ends the search.
+/// Runs auto, newton, ipm and apgd from s = 0 to a guarded error of `target`, each within the time
+/// limit. It ends once one reaches the target and a second one is below 1e-9 (or ten times the
+/// target, if that is more) as a witness. Keeps the lowest, and distinct answers besides. Beyond
+/// kLarge contacts the order is auto, apgd, ipm, newton. `interrupted` is polled inside the solves:
+/// true ends the search.
 ReferenceSolution find_reference(const TestProblem& problem, double time_limit,
                                  double target = ReferenceSolution::kTarget,
                                  LimitOn limit_on = LimitOn::kWall,
                                  const std::function<bool()>& interrupted = {});
 
-/// Adds an impulse to the reference's others where it is an exact answer that is not among them.
-/// One that is nearly exact (guarded error at most 1e-6) and far from all of them is first solved on
-/// from where it is, within the time limit (CPU). True: it was added, and the spread is stale.
+/// Adds an impulse to the reference's others if it is a new exact answer. A nearly exact one
+/// (guarded error at most 1e-6), far from all of them, is first improved within the time limit
+/// (CPU). True: it was added, and the spread is outdated.
 bool learn_answer(const ContactProblem& problem, const Vector& s, double time_limit,
                   const std::function<bool()>& interrupted, ReferenceSolution& reference);
 

@@ -14,7 +14,7 @@ __extension__ typedef __float128 Quad;
 #endif
 using Values = std::vector<Quad>;
 
-/// One step of Newton from the root in long double: twice its digits.
+/// One Newton step from the root in long double, which doubles its digits.
 Quad root(Quad x) {
   const Quad near = std::sqrt(static_cast<long double>(x));
   if (!(near > 0) || std::isinf(static_cast<long double>(x))) return near;

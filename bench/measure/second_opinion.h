@@ -4,19 +4,20 @@
 
 namespace bipot {
 
-/// The criterion of data/manual/explanation/criterion.md in quadruple precision (113-bit significand), contact by
-/// contact from its definition. It shares no code with core/criterion/contact_error.h nor with any
-/// solver: an oracle for claims of convergence. Its rounding, 1e-18 of that in double precision, is no
-/// part of any claim. Through the bodies where A is diagonal, else by W; NaN without either.
+/// Independent check of the criterion of data/manual/explanation/criterion.md in quadruple
+/// precision (113-bit significand), contact by contact from its definition. It shares no code with
+/// core/criterion/contact_error.h nor with any solver: an oracle for claims of convergence. Its
+/// rounding is negligible, 1e-18 of that in double precision. It works through the bodies if A is
+/// diagonal, else by W; NaN without either.
 struct SecondOpinion {
   double epsilon = kNaN;
   double eta = kNaN;
-  /// The larger one; NaN where either is, or where s has an entry that is not finite.
+  /// The larger one; NaN if either is, or if s has an entry that is not finite.
   double guarded = kNaN;
-  Vector s;  ///< m, the impulse that is judged: each contact's nearest in the cone
+  Vector s;  ///< m, the judged impulse: that of each contact moved to the nearest point of the cone
   Vector u;  ///< m, its velocities, rounded to double
 
-  /// Whether a claim "max(ε, η) <= tol" is true; there is no grace.
+  /// True if a claim "max(ε, η) <= tol" holds, without allowance.
   bool confirms(double tol) const { return guarded <= tol; }
 };
 

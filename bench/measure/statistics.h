@@ -23,8 +23,7 @@ PowerLaw fit_power_law(const std::vector<double>& x, const std::vector<double>& 
 /// t such that |T| <= t with the given probability, for Student's distribution.
 double student_t(double probability, int degrees_of_freedom);
 
-/// The middle value, of an even number the mean of the two in the middle. What is not finite is left
-/// out; NaN of nothing.
+/// The median. Values that are not finite are left out; NaN if none remain.
 double median(std::vector<double> x);
 
 /// Mean of independent measurements.

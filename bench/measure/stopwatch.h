@@ -13,7 +13,7 @@ inline double cpu_seconds() {
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
-/// CPU time of this process since it was made: what else the machine does is not counted.
+/// CPU time of this process since construction, independent of other work on the machine.
 class CpuStopwatch {
  public:
   double seconds() const { return cpu_seconds() - start_; }

@@ -7,12 +7,12 @@
 
 namespace bipot {
 
-/// A problem that solvers are tried on, with what the problem itself does not say.
+/// A problem for tests of solvers, with data that the problem itself does not contain.
 struct TestProblem {
   std::string origin;  ///< one sentence: file, or scene, step and seed
   ContactProblem problem;
-  Vector start;        ///< impulse that a run starts its solver from; empty: none is known  [N s]
-  double step = kNaN;  ///< h, NaN where the source does not say it      [s]
+  Vector start;        ///< impulse from which a run starts its solver; empty: unknown  [N s]
+  double step = kNaN;  ///< h, NaN if unknown      [s]
   double smallest_radius = kNaN;  ///< of the disks, NaN likewise                   [m]
 };
 

@@ -12,7 +12,7 @@
 namespace bipot {
 namespace {
 
-// A rank test by dense QR stays below a second up to here.
+// Largest size for a rank test by dense QR.
 constexpr int kMaxRankRows = 600;
 
 double largest_impulse(int dim, const Vector& s) {
@@ -23,7 +23,7 @@ double largest_impulse(int dim, const Vector& s) {
   return largest;
 }
 
-/// True when W is regular by a rank-revealing QR; false for large problems, where it is not asked.
+/// True if W is regular by a rank-revealing QR; false without a test for large problems.
 bool has_unique_forces(const ContactProblem& p) {
   const int rows = p.num_rows();
   if (rows == 0 || rows > kMaxRankRows) return false;
@@ -58,8 +58,8 @@ TrueErrorEvaluator::TrueErrorEvaluator(const TestProblem& problem,
   unique_ = has_unique_forces(p);
 }
 
-/// Kinetic energy that the impulses take out of the free motion, -s·(½ W s + b). With bodies given,
-/// b = Hᵀ v_free, so that neither restitution nor moving walls enter; else b = u_free.
+/// Kinetic energy that the impulses take from the free motion, -s·(½ W s + b). With bodies given, b
+/// = Hᵀ v_free, so that neither restitution nor moving walls enter; else b = u_free.
 double TrueErrorEvaluator::dissipated(const Vector& s) const {
   const ContactProblem& p = given_.problem;
   const double linear = p.has_velocities() ? Vector(p.H * s).dot(p.v_free) : s.dot(p.u_free);

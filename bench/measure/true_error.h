@@ -10,31 +10,30 @@
 
 namespace bipot {
 
-/// How wrong an impulse is in terms that a user feels. NaN where a measure is not defined. Of a
-/// problem with several exact answers the one next to the impulse (in velocity) is v*, s* of the
-/// differences; scales are those of the reference.
+/// Error of an impulse in physical quantities. Undefined measures are NaN. v* and s* are the exact
+/// answer nearest to the impulse (in velocity); scales are those of the reference.
 struct TrueError {
   /// ‖v - v*‖_A / ‖v* - v_free‖_A, equal to sqrt(Δsᵀ W Δs / s*ᵀ W s*)             [-]
   double velocity = kNaN;
   /// Largest error of the resultant contact force on a body over the largest resultant; needs H
-  /// with the rows of rigid bodies (core/problem/body_rows.h)                           [-]
+  /// with the rows of rigid bodies (core/problem/body_rows.h) [-]
   double force = kNaN;
-  /// max |Δs_c| / max |s*_c|, only where W is regular, so that contact forces are unique  [-]
+  /// max |Δs_c| / max |s*_c|, only if W is regular, so that contact forces are unique [-]
   double contact_force = kNaN;
   double penetration_velocity = kNaN;  ///< largest approach velocity left, physical    [m/s]
-  double penetration = kNaN;  ///< overlap that it makes in a step over the smallest radius [-]
-  double dissipated = kNaN;   ///< energy that contacts take out of the free motion     [J]
+  double penetration = kNaN;  ///< overlap that it causes in a step over the smallest radius [-]
+  double dissipated = kNaN;   ///< energy that contacts take from the free motion     [J]
   double energy = kNaN;       ///< |dissipated - dissipated*| / |dissipated*|            [-]
-  int nearest = 0;  ///< answer that it was measured against: 0 the reference, k its others[k - 1]
+  int nearest = 0;  ///< index of the answer compared with: 0 the reference, k its others[k - 1]
 };
 
-/// Measures errors against one reference; the parts that do not depend on s are kept.
+/// Computes errors against one reference; parts that do not depend on s are kept.
 class TrueErrorEvaluator {
  public:
   TrueErrorEvaluator(const TestProblem& problem, const ReferenceSolution& reference);
-  /// Against the nearest of the answers that the reference has when it is asked.
+  /// Error against the nearest of the reference's present answers.
   TrueError operator()(const Vector& s) const;
-  /// Largest differences between two of them.
+  /// Largest differences between two of the answers.
   AnswerSpread spread() const;
 
  private:

@@ -4,8 +4,8 @@
 
 namespace bipot {
 
-/// Solves one contact, so that what a solver loads and initialises at its first call (PETSc, MPI)
-/// is not part of a measurement.
+/// Solves one contact, so that libraries that a solver loads at its first call (PETSc, MPI) are not
+/// part of a measurement.
 void warm_up(const SolverEntry& entry);
 
 }  // namespace bipot

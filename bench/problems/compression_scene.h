@@ -7,10 +7,11 @@
 namespace bipot {
 
 /// The isotropic compression of Fig. 12 at any size: disks of 0.8, 0.9 and 1.0 mm, loose, in a box
-/// of four walls that are pushed inwards. With its defaults it is data/scenes/
-/// isotropic_compression.toml. Smaller samples are similar to it: the sides of the box and the
-/// forces go with the square root of the number of disks, the walls' masses with the number, so
-/// that pressure and time scale of the fall are those of the large one, relative to its width.
+/// of four walls that are pushed inwards. Its defaults are those of
+/// data/scenes/isotropic_compression.toml. Smaller samples are similar to it. The sides of the box
+/// and the forces scale with the square root of the number of disks, the walls' masses with the
+/// number. Pressure, and the time scale of the compression relative to the width, are then those of
+/// the large one.
 struct CompressionOptions {
   int count = 2470;
   std::uint64_t seed = 1;

@@ -7,10 +7,10 @@
 
 namespace bipot {
 
-/// Runs a moving scene (moving_scene.h) up to the last of `steps`, increasing from 1, by `apgd` to
-/// 1e-2 with at most kMovingIterations a step, warm started: fixed, so that its steps are the same
-/// problems whatever becomes of the other solvers. `on_step` sees those of `steps` that have
-/// contacts. Throws StepFailure.
+/// Runs a moving scene (moving_scene.h) up to the last of `steps`, increasing from 1. The solver is
+/// `apgd` to 1e-2 with at most kMovingIterations in each step, warm started. This is fixed, so that
+/// the problems do not depend on changes of other solvers. `on_step` receives those of `steps` that
+/// have contacts. Throws StepFailure.
 void run_moving_scene(const Scene<2>& scene, const std::vector<int>& steps,
                       const std::function<void(const SceneStep<2>&)>& on_step);
 

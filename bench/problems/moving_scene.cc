@@ -13,7 +13,7 @@
 namespace bipot {
 namespace {
 
-constexpr int kSide = 32;  // of the scenes that the numbers below are for
+constexpr int kSide = 32;  // side of the scenes for which the numbers below hold
 
 struct MovingFamily {
   const char* name;
@@ -76,7 +76,7 @@ Scene<2> make_moving_scene(const std::string& name, int side, const FamilyOption
   scene.step = family->step;
   scene.num_steps =
       static_cast<int>(std::lround(family->steps * std::sqrt(static_cast<double>(side) / kSide)));
-  // Two of the largest disks side by side at least.
+  // Room for two of the largest disks side by side.
   const double width = std::max(family->width * side, 2.6);
   scene.bodies = random_filling(side * side, {{0.4, 1.0 / 3}, {0.5, 1.0 / 3}, {0.6, 1.0 / 3}},
                                 width, 0.05, options.seed, Vec2::Zero());

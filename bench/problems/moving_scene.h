@@ -8,16 +8,17 @@
 
 namespace bipot {
 
-/// Scenes that move, of one shape and any size: side² disks of three radii (0.4, 0.5, 0.6 m, a third
-/// each) and 1000 kg/m², loose above the floor, drawn by the seed; gravity 9.81 m/s².
+/// Scenes that move, of one shape and any size. side² disks of three radii (0.4, 0.5, 0.6 m, a
+/// third each) and 1000 kg/m² are loose above the floor, drawn by the seed; gravity 9.81 m/s².
 ///   "pour":     they fall into a box as wide as `side` disks
-///   "collapse": a narrow column of them (0.63 `side` wide) falls on a floor without walls, and spreads
-///   "tilt":     as pour, with gravity turned by the tilt (30 degrees where it is 0)
-///   "strike":   as pour, and a disk of radius side/16 m and 5000 kg/m² comes down after them at 60
-///               sqrt(side/32) m/s
-/// h = 0.005 s (strike: 0.002 s); the number of steps grows with sqrt(side) and lasts from the fall
-/// until nearly all have come to rest: 600 (pour), 900, 700, 1500 for a side of 32. Of the options
-/// mass_ratio is not used. Throws std::invalid_argument for another name.
+///   "collapse": a narrow column of them (0.63 `side` wide) falls on a floor without walls, and
+///               spreads
+///   "tilt":     as pour, with gravity turned by the tilt (30 degrees by default)
+///   "strike":   as pour, and a disk of radius side/16 m and 5000 kg/m² falls after them at
+///               60 sqrt(side/32) m/s
+/// h = 0.005 s (strike: 0.002 s). The number of steps grows with sqrt(side) and covers the motion
+/// until nearly all are at rest: 600 (pour), 900, 700, 1500 for a side of 32. The option mass_ratio
+/// is ignored. Throws std::invalid_argument for another name.
 Scene<2> make_moving_scene(const std::string& family, int side, const FamilyOptions& options);
 std::vector<std::string> moving_family_names();
 

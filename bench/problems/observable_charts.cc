@@ -49,7 +49,7 @@ void draw_profile(const fs::path& folder) {
   Chart stress{.title = "mean stress across the bins", .x = {.label = "position [m]"}};
   stress.y.label = "stress [Pa]";
   for (const std::string component : {"xx", "yy", "zz", "xy", "xz", "yz"}) {
-    if (!has_column(profile, "stress_" + component)) continue;  // in the plane
+    if (!has_column(profile, "stress_" + component)) continue;  // in 2D
     stress.series.push_back(column_over(profile, "position", "stress_" + component, component,
                                         static_cast<int>(stress.series.size())));
   }
@@ -69,7 +69,7 @@ void draw_forces(const fs::path& folder) {
   const std::size_t low = forces.column("low"), high = forces.column("high"),
                     density = forces.column("density");
   for (const auto& row : forces.rows) {
-    // An empty bin has no place on a logarithmic axis.
+    // An empty bin cannot be shown on a logarithmic axis.
     if (row[density] > 0)
       series.points.push_back({.x = 0.5 * (row[low] + row[high]), .y = row[density]});
   }

@@ -4,10 +4,13 @@
 
 namespace bipot {
 
-/// Draws what a run has measured (core/run_files/observable_output.h) into its folder: over time
-/// coordination, solid fraction and sliding share (observables_state), τ/P and inertial number
-/// (observables_flow), the flux through lines or faces (observables_flux); the mean profile (observables_velocity,
-/// observables_fraction, observables_stress) and the distribution of forces (observables_forces), each as .svg, .csv and .gp.
+/// Draws the measured observables of a run (core/run_files/observable_output.h) into its folder,
+/// each as .svg, .csv and .gp:
+///   observables_state      coordination, solid fraction and sliding share over time
+///   observables_flow       τ/P and inertial number over time
+///   observables_flux       flux through lines or faces over time
+///   observables_velocity, observables_fraction, observables_stress   mean profiles
+///   observables_forces     distribution of forces
 /// Throws FileError.
 void draw_observables(const std::filesystem::path& folder);
 

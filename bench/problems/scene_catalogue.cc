@@ -11,8 +11,8 @@
 namespace bipot {
 namespace {
 
-/// What bin/ of an installed command lies in; of an installed module, which is a shared object in
-/// lib/python3.11/dist-packages/bipot, likewise.
+/// The folder above bin/ of an installed command. Likewise for an installed module, which is a
+/// shared object in lib/python3.11/dist-packages/bipot.
 std::filesystem::path install_prefix() {
   std::error_code none;
   Dl_info self{};

@@ -6,8 +6,8 @@
 
 namespace bipot {
 
-/// The folder of shipped data: $BIPOT_DATA, else share/bipot of an installed command or
-/// Python module, else data/ of the source tree that was built.
+/// The folder of shipped data: $BIPOT_DATA, else share/bipot of an installed command or Python
+/// module, else data/ of the source tree of the build.
 std::filesystem::path data_folder();
 
 /// Scene files in data/scenes, sorted by name.

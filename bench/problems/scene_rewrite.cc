@@ -76,7 +76,7 @@ class Editor {
       : lines_(text), comment_(std::move(comment)) {}
 
   void apply(const Edit& edit) {
-    // Parsed anew each time: positions move.
+    // Parsed again each time: positions move.
     const toml::table root = toml::parse(lines_.text());
     const toml::table* table = root[edit.table].as_table();
     const toml::node* node = table != nullptr ? table->get(edit.key) : nullptr;
@@ -95,7 +95,7 @@ class Editor {
         line, edit.table, edit.key));
   }
 
-  /// What stood there, above the line.
+  /// Writes the former text of a line as a comment above it.
   void comment(std::size_t line, const std::string& was) {
     const std::string indent = indent_of(lines_.at(line));
     lines_.insert_above(line, fmt::format("{}# {}; {}", indent, comment_, was));
@@ -113,7 +113,8 @@ class Editor {
     comment(at.begin.line, fmt::format("{} was {}", edit.key, old));
   }
 
-  /// Beside the table's other keys: the same prefix ("solver." or none) and indentation.
+  /// Inserts beside the table's other keys, with the same prefix ("solver." or none) and
+  /// indentation.
   void insert(const Edit& edit, const toml::table& table) {
     if (table.is_inline()) {
       const toml::source_region& at = table.source();
@@ -168,7 +169,7 @@ class Editor {
   std::string comment_;
 };
 
-/// Empty where all but time and solver is the same, else what differs.
+/// Empty if the scenes differ in time and solver only, else the difference.
 std::string difference(const Scene<2>& a, const Scene<2>& b) {
   if (a.title != b.title) return "title";
   if (a.model != b.model) return "model";

@@ -8,8 +8,8 @@ namespace bipot {
 
 /// A pile of `count` disks of three sizes (family "random" of scene_family.h) that fell into its
 /// box and came to rest: the hardest realistic scene for a cold start. Contacts are those of the
-/// simulation (h = 0.01 s, e = 0), which runs at a loose tolerance until the kinetic energy is
-/// below `rest` times the initial potential energy, or for `max_steps`.
+/// simulation (h = 0.01 s, e = 0). It runs at a loose tolerance until the kinetic energy is below
+/// `rest` times the initial potential energy, or for `max_steps`.
 struct SettledPile {
   Scene<2> scene;  ///< disks at their settled places, velocities kept
   State<2> state;

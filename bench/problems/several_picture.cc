@@ -55,7 +55,7 @@ void draw_several_picture(const std::filesystem::path& path, const ContactProble
   for (std::size_t c = 0; c < state.contacts.size(); ++c) {
     state.contacts[c].status = found.answers.front().status[c];
   }
-  // Over the bodies of the problem: the disks with a candidate contact.
+  // The bodies of the problem: the disks with a candidate contact.
   std::vector<char> touched(disks, 0);
   for (const ContactOutcome<2>& o : state.contacts) {
     touched[to_size(o.contact.i)] = 1;

@@ -65,8 +65,8 @@ ContactProblem assemble(const std::vector<Vec3>& x, const std::vector<Plane>& pl
     const Vec3 t = contact.n.cross(helper).normalized();
     const Vec3 axes[3] = {contact.n, t, contact.n.cross(t)};
     for (int r = 0; r < 3; ++r) {
-      // The contact point lies at -a n from the centre of i and at +a n from that of j:
-      // velocity v + w x (∓a n), hence the spin's part is (∓a n) x axis.
+      // The contact point is at -a n from the centre of i and at +a n from that of j. With velocity
+      // v + w x (∓a n), the part of the spin is (∓a n) x axis.
       const Vec3 spin = (kRadius * contact.n).cross(axes[r]);
       for (int k = 0; k < 3; ++k) {
         h.emplace_back(kDofs * contact.i + k, 3 * c + r, axes[r][k]);
@@ -95,7 +95,7 @@ ContactProblem sphere_pyramid(int layers, double mu, double tilt_degrees) {
   for (int k = 0; k < layers; ++k) {
     for (int i = 0; i < layers - k; ++i) {
       for (int j = 0; j < layers - k; ++j) {
-        // Centres of a layer lie sqrt(2) a above those of the layer below.
+        // Centres of a layer are sqrt(2) a above those of the layer below.
         x.emplace_back(kRadius * Vec3(2 * i + k, 2 * j + k, 1 + std::numbers::sqrt2 * k));
       }
     }

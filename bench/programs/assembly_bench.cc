@@ -13,7 +13,7 @@
 namespace bipot {
 namespace {
 
-/// About `count` disks in a triangular lattice (six contacts a disk) in a box, with friction.
+/// About `count` disks in a triangular lattice (six contacts each) in a box, with friction.
 Scene<2> dense_packing(int count) {
   const int side = static_cast<int>(std::lround(std::sqrt(count)));
   Scene<2> scene;
@@ -72,7 +72,7 @@ void assembly(benchmark::State& state) {
   state.SetComplexityN(static_cast<long>(scene.bodies.size()));
 }
 
-/// About `count` spheres in a face-centred packing (six contacts a sphere) on a floor, with friction.
+/// About `count` spheres in a face-centred packing (six contacts each) on a floor, with friction.
 Scene<3> dense_spheres(int count) {
   const int side = static_cast<int>(std::lround(std::cbrt(count)));
   Scene<3> scene;

@@ -1,16 +1,17 @@
-// What a solve on several processes costs, and what it would cost on more of them.
+// Cost of a solve in parallel, measured on P processes and modelled for more.
 //
 //   mpirun -n P distributed_bench --side=183 --iterations=200
-//       one row: a cold step of a triangular packing of about side² disks (3 contacts a disk),
-//       tilted by --tilt degrees, apgd: seconds an iteration of the slowest process, what is sent,
-//       the imbalance, iterations to the tolerances, memory. Alone, without mpirun, it also
-//       measures the solver of one process.
+//       one row: a cold step of a triangular packing of about side² disks (3 contacts each), tilted
+//       by --tilt degrees, apgd. It has the seconds of an iteration of the slowest process, bytes
+//       sent, imbalance, iterations to the tolerances, and memory. Without mpirun, it also measures
+//       the solver of one process.
 //   mpirun -n P distributed_bench --state --side=317 --iterations=300 --steps=1 --tols=1e-4
-//       steps of such a packing whose state lies on the processes (solvers/domains): what one has, what
-//       it sends a step, seconds a step of the slowest process, memory. The first step is cold.
+//       steps of such a packing with a distributed state: memory, bytes sent in a step, and seconds
+//       of a step of the slowest process. The first step is cold.
 //   distributed_bench --model
-//       counts halos, partners and bytes of one packing cut for many processes, and what an
-//       iteration of larger ones costs at a stated latency and bandwidth (data/manual/explanation/parallel.md).
+//       halos, partners and bytes of one packing cut for many processes, and the cost of an
+//       iteration of larger ones at a given latency and bandwidth
+//       (data/manual/explanation/parallel.md).
 
 #include <fmt/format.h>
 
@@ -38,7 +39,7 @@
 namespace bipot {
 namespace {
 
-/// The first step of a packing and the places of its contacts.
+/// The first step of a packing and the positions of its contacts.
 struct CutPacking {
   ContactProblem problem;
   std::vector<Vec3> places;
@@ -88,7 +89,7 @@ void measure(int side, double tilt, int iterations, int repeat, bool reproducibl
   const DistributedOptions extra{.reproducible = reproducible, .contact_places = packing.places};
   Timed t = fastest(repeat, [&] {
     DistributedResult r = distributed_solve("apgd", packing.problem, options, *group, extra);
-    // The slowest process's.
+    // The time of the slowest process.
     group->largest({&r.result.solve_seconds, 1});
     return Timed{std::move(r.result), r.counts, 0};
   });
@@ -183,13 +184,13 @@ void measure_state(int side, double tilt, int iterations, int steps, double tol)
       memory[1] / 1e6, memory[0] / 1e6, memory[1] * group->size() / 1000 / state.bodies);
 }
 
-/// Of the process with the most of each.
+/// Values of the process with the most of each.
 struct CutCount {
   int contacts = 0, halo = 0, sent = 0, partners = 0;
   double imbalance = 1;
 };
 
-/// Counts what a cut for P processes sends in one exchange, without running it.
+/// Counts the bytes of one exchange of a cut for P processes, without running it.
 CutCount count_cut(const CutPacking& packing, const BodyNodes& nodes, int processes) {
   const ContactOwners owners = contact_owners(packing.problem, nodes, packing.places, processes);
   CutCount count;

@@ -1,8 +1,8 @@
-// The linear systems of the interior point, K = A + H R Hᵀ of the early, the middle and the late
-// iterations, by every factorisation at hand on the same matrices: analysis, factor and one solve in
-// CPU seconds of one thread (median of --repeat), numbers kept, the backward error of the plain
-// solution ‖K x - b‖ / (‖K‖ ‖x‖ + ‖b‖), and how many more solves bring it to 1e-14. Tables in
-// Markdown on standard output: data/manual/results/performance.md has one.
+// Compares all available factorisations of the linear systems of the interior point. The systems
+// are K = A + H R Hᵀ of early, middle and late iterations, the same for all. Columns: analysis,
+// factor and one solve in CPU seconds of one thread (median of --repeat); numbers kept; the
+// backward error of the plain solution, ‖K x - b‖ / (‖K‖ ‖x‖ + ‖b‖); and the number of further
+// solves to reach 1e-14. Prints tables in Markdown (data/manual/results/performance.md).
 //   factor_bench [--family=triangular,square] [--side=83] [--at=2,6,10] [--repeat=3]
 
 #include <fmt/format.h>
@@ -36,15 +36,15 @@
 namespace bipot {
 namespace {
 
-/// A matrix of an interior point, and the one without the coupling of the tangent to the normal
-/// (the lower left of each block of R): symmetric where K is not.
+/// A matrix of an interior point, and the same without the coupling of the tangent to the normal
+/// (the lower left of each block of R), which is symmetric.
 struct System {
   SparseMatrix K, symmetric;
   int iterations = 0;
   double error = 0;
 };
 
-/// After `iterations` of the proximal interior point from its own start.
+/// The system after `iterations` of the proximal interior point from its own start.
 System system_of(const ContactProblem& p, int iterations) {
   SolverOptions options;
   options.max_iterations = iterations;
@@ -68,7 +68,7 @@ System system_of(const ContactProblem& p, int iterations) {
   return out;
 }
 
-/// One way to factor. Where `analyse` is empty the first factor() analyses as well. solve: x of b.
+/// One way to factor. If `analyse` is empty the first factor() analyses as well. solve: x of b.
 struct Method {
   std::string name;
   std::function<bool()> analyse, factor;
@@ -80,7 +80,8 @@ double backward_error(const SparseMatrix& K, const Vector& x, const Vector& b) {
   return (K * x - b).norm() / (K.norm() * x.norm() + b.norm());
 }
 
-/// x + dx, dx from `steps` iterations of GMRES on K dx = r, preconditioned from the left by `solve`.
+/// x + dx, dx from `steps` iterations of GMRES on K dx = r, preconditioned from the left by
+/// `solve`.
 void gmres(const SparseMatrix& K, const Vector& r, const Method& method, int steps, Vector& x) {
   Vector w;
   method.solve(r, w);
@@ -100,8 +101,8 @@ void gmres(const SparseMatrix& K, const Vector& r, const Method& method, int ste
   x += basis.leftCols(steps) * hessenberg.householderQr().solve(right);
 }
 
-/// Solves after the first one until the backward error is 1e-14: plain refinement where it does
-/// with three; else GMRES, begun anew from the residual after every ten.
+/// Number of solves after the first one until the backward error is 1e-14. Plain refinement if
+/// three suffice; else GMRES, restarted from the residual after every ten.
 std::string iterations_needed(const SparseMatrix& K, const Vector& b, const Method& method) {
   constexpr double kGoal = 1e-14;
   Vector first, dx;
@@ -134,7 +135,7 @@ double seconds_of(int repeat, const std::function<bool()>& run, bool& fine) {
 void row(const Method& method, const System& system, int repeat) {
   bool fine = true;
   double analysis = method.analyse ? seconds_of(1, method.analyse, fine) : 0;
-  // The first call takes memory too.
+  // The first call allocates memory too.
   const double first = fine ? seconds_of(1, method.factor, fine) : 0;
   const double factor = fine ? seconds_of(repeat, method.factor, fine) : 0;
   if (!fine) {

@@ -1,9 +1,11 @@
-// How everything grows with the number of disks, on one page: iterations, CPU seconds of each phase of
-// a step and memory against N, for a lattice (triangular, tilted by 10°), a settled pile (three sizes,
-// brought to rest by a run first) and a step of a pour, cold to --tol by --solver; power laws with their
-// 95 % confidence. Writes index.html and rows.csv into --out and prints the tables in Markdown.
-//   growth_bench [--sizes=100,316,...,1000000] [--pile-sizes=...] [--pour-sizes=...] [--solver=auto]
-//                [--tol=1e-6] [--time-limit=120] [--fit-from=1000] [--threads=1] [--out=out/growth]
+// Growth of iterations, CPU seconds of each phase of a step and memory with the number of disks N,
+// on one page. Scenes: a lattice (triangular, tilted by 10°), a settled pile (three sizes, brought
+// to rest by a run first) and a step of a pour. All start cold and go to --tol by --solver. Power
+// laws have their 95 % confidence. Writes index.html and rows.csv into --out and prints the tables
+// in Markdown.
+//   growth_bench [--sizes=100,316,...,1000000] [--pile-sizes=...] [--pour-sizes=...]
+//                [--solver=auto] [--tol=1e-6] [--time-limit=120] [--fit-from=1000]
+//                [--threads=1] [--out=out/growth]
 
 #include <fmt/format.h>
 #include <malloc.h>
@@ -44,7 +46,7 @@ struct Flags {
   int threads = 1;
 };
 
-/// What is measured of a row against the number of disks.
+/// A measured quantity of a row against the number of disks.
 struct Quantity {
   const char* name;
   const char* unit;
@@ -65,7 +67,7 @@ struct Row {
   double value[kCount];  ///< NaN: not measured
 };
 
-/// Median CPU seconds of one call, of as many as take 0.05 s, at least three.
+/// Median CPU seconds of one call, over the calls within 0.05 s, at least three.
 double seconds_of(const std::function<void()>& call) {
   std::vector<double> seconds;
   double sum = 0;
@@ -78,7 +80,7 @@ double seconds_of(const std::function<void()>& call) {
   return median(seconds);
 }
 
-/// A line of /proc/self/status [kB]; NaN where the system has none.
+/// A line of /proc/self/status [kB]; NaN if the system has none.
 double status_line(const std::string& name) {
   std::ifstream file("/proc/self/status");
   for (std::string word; file >> word;) {
@@ -88,13 +90,13 @@ double status_line(const std::string& name) {
   return kNaN;
 }
 
-/// Largest memory in use from here on.
+/// Largest memory in use from construction on.
 class MemoryPeak {
  public:
   MemoryPeak() {
-    malloc_trim(0);  // what rows before have freed goes back first
+    malloc_trim(0);  // returns memory that earlier rows have freed
     std::ofstream reset("/proc/self/clear_refs");
-    reset << 5;  // the peak becomes what is in use now
+    reset << 5;  // resets the peak to the memory in use
     reset.close();
     before_ = reset ? status_line("VmRSS") : kNaN;
   }
@@ -133,7 +135,7 @@ Row empty_row(const std::string& family) {
   return row;
 }
 
-/// A scene at a state: all phases.
+/// All phases for a scene at a state.
 Row scene_row(const std::string& family, const Scene<2>& scene, const State<2>& state,
               const Flags& flags) {
   Row row = empty_row(family);
@@ -170,7 +172,7 @@ Row pour_row(double disks, const Flags& flags) {
   return row;
 }
 
-/// Seconds, counts: three digits, "–" where there is none.
+/// Seconds and counts: three digits, "–" if undefined.
 std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.3g}", x) : "–"; }
 
 PowerLaw law(const std::vector<Row>& rows, const std::string& family, int quantity,

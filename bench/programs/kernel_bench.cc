@@ -1,11 +1,12 @@
 // Nanoseconds per contact of one sweep, one gradient step, one evaluation of the criterion, one
-// detection and one assembly, beside the bandwidth of this machine in the same run. Own flags beside
-// --benchmark_*:
+// detection and one assembly, beside the bandwidth of this machine in the same run. Own flags
+// beside --benchmark_*:
 //   --side=100 (rows of a triangular packing, about 3 side² contacts)   --threads=1,2
 //   --path=portable,avx2,avx512 (those that the machine has)   --family=triangular
-// Counters: ns (per contact and iteration), B and flop (per contact, what an iteration alone would
-// stream; several in flight share it), GB_s. data/manual/results/performance.md says how they are counted and has the
-// tables. Rows of different kernels are interleaved by --benchmark_enable_random_interleaving.
+// Counters: ns (per contact and iteration), B and flop (per contact, for a single iteration;
+// several in flight share it), GB_s. data/manual/results/performance.md explains the counting and
+// has the tables. Rows of different kernels are interleaved by
+// --benchmark_enable_random_interleaving.
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -85,7 +86,7 @@ void assembly(benchmark::State& state, const Packing& p, int threads) {
   report(state, p.problem.num_contacts(), 1, {});
 }
 
-/// a <- b + 3 c, as STREAM's triad: 24 bytes an item.
+/// a <- b + 3 c, as STREAM's triad: 24 bytes for each item.
 void triad(benchmark::State& state, int threads, double bytes) {
   const int n = static_cast<int>(bytes / 24);
   std::vector<double> a(to_size(n), 0.0), b(to_size(n), 1.0), c(to_size(n), 2.0);
@@ -110,7 +111,7 @@ struct Flags {
 template <class F>
 void add(const std::string& name, int threads, const F& run) {
   auto* row = benchmark::RegisterBenchmark(name.c_str(), run)->Unit(benchmark::kMillisecond);
-  // One thread: its own CPU time, which other work on the machine disturbs least.
+  // One thread: its own CPU time, which depends least on other work of the machine.
   if (threads > 1) row->UseRealTime();
 }
 

@@ -1,4 +1,4 @@
-// Writes the shipped problems that no scene can dump: three-dimensional ones, single steps of
+// Writes the shipped problems that no scene file gives: three-dimensional ones, single steps of
 // scene families, and steps of runs of moving families. Usage: make_problems DIR
 
 #include <fmt/format.h>
@@ -39,7 +39,7 @@ struct MovingEntries {
   std::vector<int> steps;
 };
 
-/// One file a step, with the impulse that the step started from as a guess, and its geometry.
+/// One file for each step, with the start of the step as a guess, and its geometry.
 void write_steps(const std::filesystem::path& folder, const MovingEntries& entries) {
   const FamilyOptions& o = entries.options;
   const Scene<2> scene = make_moving_scene(entries.family, entries.side, o);

@@ -20,7 +20,7 @@
 
 namespace bipot {
 
-/// One packing and what the kernels need of it.
+/// One packing and the data that the kernels need.
 struct Packing {
   Scene<2> scene;
   State<2> state;
@@ -50,7 +50,7 @@ struct Packing {
   }
 };
 
-/// A family at a side, tilted by 10°; made once as long as somebody holds it.
+/// A family at a side, tilted by 10°; shared while in use.
 inline std::shared_ptr<const Packing> tilted_packing(const std::string& family, int side) {
   static std::map<std::pair<std::string, int>, std::weak_ptr<const Packing>> cache;
   auto& slot = cache[{family, side}];
@@ -64,7 +64,7 @@ inline std::shared_ptr<const Packing> tilted_packing(const std::string& family, 
   return made;
 }
 
-/// Iterations of a kernel over all contacts, to be timed. Refers to its packing.
+/// Iterations of a kernel over all contacts, for measurements. Refers to its packing.
 struct MeasuredKernel {
   double contacts = 0;
   int iterations = 0;  ///< of one call
@@ -72,7 +72,7 @@ struct MeasuredKernel {
   std::function<void()> call;
 };
 
-/// Iterations of one call: as solvers do between two judgements.
+/// Iterations of one call, as many as solvers do between two judgements.
 inline constexpr int kTogether = 32;
 
 inline MeasuredKernel given_order_sweep(const Packing& p) {

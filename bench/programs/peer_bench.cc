@@ -1,20 +1,22 @@
 // Siconos' NSGS and the solvers of this project in one run, at equal achieved error: CPU seconds of
-// one thread, median of --repeat where one run takes less than two seconds, else of one.
+// one thread, median of --repeat if one run takes less than two seconds, else of one.
 //   peer_bench [TARGET...] [--tols=1e-3,1e-4,1e-6] [--solvers=auto,pgs,ipm]
 //              [--variants=planar,frozen10,frozen20,frozen100,newton,hybrid,projection]
 //              [--repeat=5] [--time-limit=60] [--csv=FILE]
-// A target is what `bipot compare` takes (families, problem files); left out, lattices and a pyramid.
+// Targets are those of `bipot compare` (families, problem files); by default lattices and a
+// pyramid.
 //
-// Each variant of NSGS goes to --tols by its own measure, from s = 0, at most so many sweeps as fit
-// into --time-limit. All that Siconos returns is judged twice: by the shared criterion (max(ε, η))
-// and by the natural map in Siconos' own normalisation (bench/measure/peer_map.h). A solver of this
-// project is held against what the planar NSGS reached (where it did not meet its tolerance: the
-// quickest variant that did, and the ratio to the planar one is a lower bound):
+// Each variant of NSGS goes to --tols by its own measure, from s = 0, with as many sweeps as fit
+// into --time-limit. Its results are judged twice: by the shared criterion (max(ε, η)) and by the
+// natural map in Siconos' own normalisation (bench/measure/peer_map.h). A solver of this project is
+// compared at the error that the planar NSGS reached. If that missed its tolerance, it is compared
+// with the quickest variant that did not, and the ratio to the planar one is a lower bound. The two
+// comparisons:
 //   map    at the loosest tolerance of a quarter-decade ladder whose natural map is no larger,
 //   ε, η   at that max(ε, η) as its tolerance.
-// Siconos' clock begins when W stands in its blocks; this project's includes set-up and judging.
-// The last columns divide the ratio to Siconos 4.4 by what its newest release was measured to gain a
-// sweep: derived, not measured here.
+// Siconos' clock begins when W is stored in its blocks; this project's includes set-up and judging.
+// The last columns divide the ratio to Siconos 4.4 by the gain of its newest release in a sweep:
+// derived, not measured here.
 
 #include <fmt/format.h>
 
@@ -57,8 +59,8 @@ struct Flags {
   std::string csv;
 };
 
-// What the newest Siconos (2026.rc1) gains over 4.4 a sweep, with the same sweeps: 2.6 to 3.4
-// times; with freezing 4.5 at most. The largest of each, so that a derived ratio is a lower bound.
+// Gain of the newest Siconos (2026.rc1) over 4.4 in a sweep, plain and with freezing. The largest
+// of each, so that a derived ratio is a lower bound.
 constexpr double kNewestGain = 3.4, kNewestFrozenGain = 4.5;
 // Longer runs are measured once.
 constexpr double kLongRun = 2;
@@ -84,17 +86,17 @@ struct Row {
   std::string problem;
   int contacts = 0;
   double tol = 0;
-  std::string who;      ///< a variant or a solver with what it is held against
+  std::string who;      ///< a variant, or a solver with its comparison
   double asked = kNaN;  ///< tolerance given to it
   bool met = false;
   long iterations = 0;
   double seconds = kNaN;
   int runs = 0;
   double map = kNaN, guarded = kNaN;
-  double planar = kNaN, best = kNaN;  ///< seconds of Siconos over these, this project's lines only
+  double planar = kNaN, best = kNaN;  ///< seconds of Siconos over these, lines of this project only
 };
 
-/// Median CPU seconds of as many runs as `repeat` says, of one where that takes long.
+/// Median CPU seconds of `repeat` runs, or of one long run.
 template <class Run>
 double median_seconds(int repeat, int& runs, const Run& run) {
   std::vector<double> seconds;
@@ -116,7 +118,7 @@ class Bench {
   void measure(const ProblemSource& source) {
     ContactProblem p = source.load().problem;
     if (p.num_contacts() == 0) throw std::invalid_argument(source.name + " has no contacts");
-    ContactProblem with = p;  // what Siconos is given
+    ContactProblem with = p;  // the problem as given to Siconos
     if (!with.has_delassus()) with.W = assemble_delassus(p.A, p.H, p.dim);
     for (const double tol : flags_.tols) {
       const std::size_t first = rows.size();
@@ -150,13 +152,13 @@ class Bench {
     row.who = std::string("Siconos ") + v.name;
     row.asked = tol;
     SiconosNsgs nsgs(p, v.local, v.freezing);
-    // A call cannot be interrupted: what its sweeps cost is seen first.
+    // A call cannot be interrupted: the cost of its sweeps is measured first.
     const CpuStopwatch trial;
     constexpr int kTrial = 100;
     nsgs.run(tol, kTrial);
     const double sweep = std::max(trial.seconds() / std::max(nsgs.sweeps(), 1), 1e-9);
     const int most = static_cast<int>(std::min(flags_.time_limit / sweep, 1e9));
-    if (!nsgs.impulse().allFinite()) {  // it would go on with that to the limit
+    if (!nsgs.impulse().allFinite()) {  // it would continue to the limit
       row.iterations = nsgs.sweeps();
       row.seconds = trial.seconds();
       row.runs = 1;
@@ -175,7 +177,7 @@ class Bench {
     row.guarded = whole ? contact_error(p, s).guarded() : kNaN;
   }
 
-  /// This project's lines for what the rows from `first` on have reached.
+  /// Adds the lines of this project that compare with the rows from `first` on.
   void hold_against(const ContactProblem& p, const std::string& name, double tol,
                     std::size_t first) {
     const Row* peer = nullptr;  // the planar NSGS, else the quickest variant that met its tolerance
@@ -212,8 +214,8 @@ class Bench {
     }
   }
 
-  /// The loosest tolerance of the ladder whose answer has a natural map of at most `map`; the
-  /// tightest one tried where none has.
+  /// The loosest tolerance of the ladder whose answer has a natural map of at most `map`; if none
+  /// has, the tightest one tried.
   double asked_for_map(const ContactProblem& p, const std::string& solver, double map,
                        double guarded) {
     const double quarter = std::pow(10, 0.25);

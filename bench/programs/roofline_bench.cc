@@ -1,11 +1,12 @@
-// The roofline of this machine and where the kernels lie under it: bytes and flops a contact of one
-// iteration (bench/measure/kernel_work.h), the triad's bandwidth at three sizes and the peak of
-// additions and multiplications (none of them fused, as in the kernels), all measured in the same
-// run. Writes index.html, roofline_N.svg for N threads and rows.csv into --out and prints the tables
-// in Markdown.
+// The roofline of this machine and the position of the kernels under it, all measured in the same
+// run: bytes and flops of one iteration for each contact (bench/measure/kernel_work.h), the
+// bandwidth of the triad at three sizes, and the peak of unfused additions and multiplications, as
+// in the kernels. Writes index.html, roofline_N.svg for N threads and rows.csv into --out and
+// prints the tables in Markdown.
 //   roofline_bench [--side=10,83,400] [--threads=1,2] [--family=triangular] [--repeat=5]
 //                  [--out=out/roofline]
-// One thread: its CPU time; more: wall time, which other work on the machine disturbs.
+// Times are the CPU time of one thread, or the wall time of several, which other work on the
+// machine disturbs.
 
 #include <fmt/format.h>
 
@@ -55,7 +56,7 @@ double seconds_of(const std::function<void()>& call, int threads, int repeat) {
   return median(seconds);
 }
 
-/// a <- b + 3 c over so many bytes [B/s].
+/// a <- b + 3 c over this number of bytes [B/s].
 double triad_bandwidth(double bytes, int threads, int repeat) {
   const int n = static_cast<int>(bytes / triad_work().bytes);
   std::vector<double> a(to_size(n), 0.0), b(to_size(n), 1.0), c(to_size(n), 2.0);
@@ -72,8 +73,8 @@ double triad_bandwidth(double bytes, int threads, int repeat) {
   return triad_work().bytes * n / seconds;
 }
 
-// Chains that do not wait for each other, in registers: enough to keep two multipliers and two
-// adders busy for the three or four cycles that each takes. x <- 0.999 x + 0.001 stays near 1.
+// Independent chains in registers, enough to keep two multipliers and two adders busy during their
+// latency. x <- 0.999 x + 0.001 stays near 1.
 constexpr int kChains = 12, kTurns = 20000;
 using Vector16 [[gnu::vector_size(16)]] = double;
 using Vector32 [[gnu::vector_size(32)]] = double;
@@ -200,7 +201,7 @@ struct Measured {
     }
     return kNaN;
   }
-  /// What the row could reach at most from memory, each thread with its own peak.
+  /// Upper bound of the row from memory, each thread with its own peak.
   double roof(const Row& row) const {
     return roofline(row.work, bandwidth(300, row.threads), row.threads * peak(row.path));
   }
@@ -259,7 +260,7 @@ std::string to_html(const Table& t) {
   return html + "</tbody></table></div>\n";
 }
 
-/// Flops against intensity for so many threads: memory's roofs rise, peaks are flat.
+/// Flops against intensity for this number of threads: roofs of memory rise, peaks are flat.
 Chart roofline_chart(const Measured& m, int threads) {
   Chart chart;
   chart.title = fmt::format("Roofline, {} thread{}", threads, threads == 1 ? "" : "s");

@@ -1,6 +1,7 @@
-// What is saved by doing only what a scene requires: each row once without and once with, in one
-// run, CPU seconds of one thread (median of --repeat alternating pairs), and how it was checked that
-// the answer is the same. A table in Markdown on standard output: data/manual/results/performance.md has it.
+// Savings by doing only the work that a scene requires. Each row is measured once without and once
+// with the saving, in one run, in CPU seconds of one thread (median of --repeat alternating pairs).
+// It states how the answers were compared. Prints a table in Markdown
+// (data/manual/results/performance.md).
 //   savings_bench [--repeat=5] [--tol=1e-6]
 
 #include <fmt/format.h>
@@ -41,7 +42,7 @@ double median(std::vector<double> x) {
   return x[x.size() / 2];
 }
 
-/// One row. `check` says in words how the answers agree, and throws where they do not.
+/// One row. `check` describes how the answers agree, and throws if they do not.
 void row(const std::string& what, const std::function<void()>& without,
          const std::function<void()>& with, const std::function<std::string()>& check) {
   std::vector<double> slow, fast;
@@ -66,8 +67,8 @@ std::string errors_of(const SolveResult& a, const SolveResult& b) {
   return fmt::format("errors {:.1e}, {:.1e}", a.error.guarded(), b.error.guarded());
 }
 
-/// `small` free pyramids of 4 rows beside one of `rows`, all on one floor, falling on it at 1 m/s.
-/// Those of the second material have no friction.
+/// `small` free pyramids of 4 rows beside one of `rows`, all falling on one floor at 1 m/s. Those
+/// of the second material have no friction.
 Scene<2> pyramids(int small, int rows, int slippery) {
   Scene<2> scene = make_family_scene("pyramid", rows);
   scene.materials = {"rough", "slippery"};
@@ -117,7 +118,7 @@ void islands(const std::string& what, const Scene<2>& scene) {
       [&] { fast = solve("auto", p, {.tol = tol}); }, [&] { return errors_of(slow, fast); });
 }
 
-/// All at rest but the last pyramid, which is hit: the others keep what they have.
+/// All at rest but the last pyramid, which is hit.
 void islands_at_rest() {
   const ContactProblem before = first_step(pyramids(200, 15, 0));
   const Vector s0 = solve("auto", before, {.tol = 0.1 * tol}).s;
@@ -219,7 +220,7 @@ void kept_contacts() {
       });
 }
 
-/// The files of a run in a folder of their own, which goes with it.
+/// A folder for the files of a run that is deleted with this object.
 class PassingFolder {
  public:
   PassingFolder() {
@@ -248,7 +249,7 @@ std::map<int, std::string> ledger_rows(const std::filesystem::path& path) {
   return rows;
 }
 
-/// Steps of disks in free fall, each with a row of the ledger or only those that are asked for.
+/// Steps of disks in free fall, each with a row of the ledger or only with those that are due.
 void rows_asked_for() {
   constexpr int kSteps = 20, kEvery = 10;
   Scene<2> scene = make_family_scene("triangular", 316);

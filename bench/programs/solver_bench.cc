@@ -1,6 +1,6 @@
-// Iterations, time and achieved error against the number of particles, one row per (family, solver,
-// tolerance, size), as Google Benchmarks, and the power laws fitted to them (Fig. 14 of the paper).
-// Own flags beside --benchmark_*:
+// Iterations, time and achieved error against the number of particles, one row for each (family,
+// solver, tolerance, size), as Google Benchmarks, and the power laws fitted to them (Fig. 14 of the
+// paper). Own flags beside --benchmark_*:
 //   --solver=a,b  --family=square,triangular,diluted,pyramid,random,pile,pour,collapse,tilt,
 //   strike,cannonballs,cubic (the last two of spheres)  --tol=1e-2,1e-4
 //   --side=10,20,50 or --sizes=100,1000,10000 (numbers of disks; the nearest side is taken)
@@ -8,9 +8,9 @@
 //   parameter, repeatable)  --fit-from=300 (smaller problems stay out of the fits)
 //   --fit-out=FILE (rows and fits as JSON)
 // Rows as JSON or CSV: --benchmark_out=FILE --benchmark_out_format=json|csv. A pile of side n has
-// n² disks, settled by a simulation first; a moving scene (pour to strike) has n² disks too, its step
-// is one of a run that is made once and kept in a cache folder. A solve that does not converge is reported as an error
-// row with its status, and neither averaged nor fitted.
+// n² disks, settled by a simulation first. A moving scene (pour to strike) has n² disks too; its
+// step is one of a run that is made once and cached. A solve that does not converge is an error row
+// with its status, and is neither averaged nor fitted.
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -61,7 +61,7 @@ void solve_row(benchmark::State& state, const BenchFlags& flags, const GrowthSce
     row = growth_row(scene, *problem, method, tol, flags.limits);
     if (!is_success(row.status)) break;
   }
-  // Google Benchmark calls this more than once while it finds its number of iterations.
+  // Google Benchmark calls this several times to find its number of iterations.
   const auto before = std::find_if(rows.begin(), rows.end(), [&](const GrowthRow& r) {
     return r.family == row.family && r.method == row.method && r.tol == row.tol &&
            r.side == row.side;
@@ -201,7 +201,7 @@ int main(int argc, char** argv) {
     }
   }
   std::vector<std::string> rest = app.remaining();
-  // Whoever reads the rows from standard output gets nothing else there.
+  // Readers of standard output must get the rows alone.
   const bool console = std::none_of(rest.begin(), rest.end(), [](const std::string& text) {
     return text.starts_with("--benchmark_format=") && text != "--benchmark_format=console";
   });

@@ -9,7 +9,7 @@ namespace py = pybind11;
 
 py::module_ conversions() { return py::module_::import("bipot._arrays"); }
 
-/// From (rows, columns, indptr, indices, data) as bipot/_arrays.py leaves them: 32-bit indices,
+/// From (rows, columns, indptr, indices, data) as returned by bipot/_arrays.py: 32-bit indices,
 /// sorted, within bounds.
 template <class Sparse>
 Sparse to_sparse(py::handle given, std::string_view name, const char* form) {

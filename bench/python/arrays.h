@@ -10,7 +10,7 @@
 
 namespace bipot {
 
-/// One-dimensional read-only view of `size` values `stride` bytes apart; `owner` lives as long.
+/// One-dimensional read-only view of `size` values `stride` bytes apart; it keeps `owner` alive.
 template <class Number>
 pybind11::array view_of(const Number* data, Eigen::Index size, pybind11::handle owner,
                         Eigen::Index stride = sizeof(Number)) {
@@ -19,7 +19,7 @@ pybind11::array view_of(const Number* data, Eigen::Index size, pybind11::handle 
   return array;
 }
 
-/// n x columns read-only view of vectors of doubles in a row of structures.
+/// n x columns read-only view of vectors of doubles in consecutive structures.
 inline pybind11::array view_of_rows(const double* data, Eigen::Index size, Eigen::Index columns,
                                     Eigen::Index stride, pybind11::handle owner) {
   pybind11::array array(pybind11::dtype::of<double>(), {size, columns},

@@ -4,8 +4,8 @@
 
 namespace bipot {
 
-/// The module's parts, by noun. Arrays that reach Python are read-only views wherever what they
-/// show cannot change; a view keeps alive what it looks at.
+/// The parts of the module. Arrays of constant data are read-only views; a view keeps its owner
+/// alive.
 void bind_problem(pybind11::module_& module);
 void bind_solve(pybind11::module_& module);
 void bind_judge(pybind11::module_& module);

@@ -14,14 +14,14 @@ namespace {
 
 namespace py = pybind11;
 
-/// Python's words for an exception of Python code, "ValueError: no".
+/// Text of an exception of Python code, as in "ValueError: no".
 std::string words_of(const py::error_already_set& e) {
   const std::string type = py::str(e.type().attr("__name__"));
   const std::string text = py::str(e.value());
   return text.empty() ? type : type + ": " + text;
 }
 
-/// What callback(s) reaches; Python may keep the callback longer than the solve lasts.
+/// Data of callback(s); Python may keep the callback after the solve.
 struct Callback {
   SolveRun* run = nullptr;
   int iterations = -1;  ///< completed ones: the start counts as none

@@ -27,7 +27,7 @@ namespace {
 
 namespace py = pybind11;
 
-/// A finished comparison, and what its report says of how it was made.
+/// A finished comparison, and the data on its making for the report.
 struct PythonComparison {
   Comparison comparison;
   ReportContext context;
@@ -101,7 +101,7 @@ py::dict columns_of(const PythonComparison& self) {
   return out;
 }
 
-/// What a comparison tells Python as it goes on.
+/// Reports the rows of a comparison to Python as they are made.
 void report_rows_to(const py::object& on_row, PythonWatch& watch, ComparisonOptions& options) {
   if (on_row.is_none()) return;
   options.on_row = [&](const ComparisonRow& row, int done, int total) {
@@ -150,7 +150,7 @@ PythonComparison run_comparison(const py::list& targets, std::vector<std::string
     made.comparison = compare(sources, options);
   }
   watch.rethrow();
-  // What the report shows of the options; nothing of them runs again.
+  // The options as the report shows them; none of them runs again.
   options.foreign.clear();
   options.on_row = nullptr;
   options.interrupted = options.cancelled = nullptr;

@@ -1,4 +1,5 @@
-// The native part of the Python module `bipot`; what users call and its documentation are in bipot/.
+// The native part of the Python module `bipot`; the interface for users and its documentation are
+// in bipot/.
 
 #include <pybind11/stl.h>
 
@@ -12,7 +13,7 @@ namespace py = pybind11;
 
 PYBIND11_MODULE(_bipot, module) {
   module.doc() = "Native part of the package bipot.";
-  // pybind11 hands it over by value: NOLINTNEXTLINE(performance-unnecessary-value-param)
+  // pybind11 passes it by value: NOLINTNEXTLINE(performance-unnecessary-value-param)
   py::register_exception_translator([](std::exception_ptr thrown) {
     try {
       if (thrown) std::rethrow_exception(thrown);

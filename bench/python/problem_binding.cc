@@ -23,7 +23,7 @@ namespace {
 namespace py = pybind11;
 using HeldProblem = std::shared_ptr<PythonProblem>;
 
-/// d from the sizes where it is not given; with it, mu may be one number for all contacts.
+/// d from the sizes if it is not given; with it, mu may be one number for all contacts.
 int infer_dim(const py::object& given, Eigen::Index rows, Vector& mu, bool one_mu) {
   if (!given.is_none()) {
     if (PyIndex_Check(given.ptr()) == 0) throw py::type_error("dim: expected 1, 2 or 3");
@@ -69,7 +69,7 @@ void require_a_form(const py::object& A, const py::object& H, const py::object& 
   }
 }
 
-/// The value of an option; None where it is not given.
+/// The value of an option; None if it is not given.
 py::object option(const py::kwargs& options, const char* name) {
   return options.contains(name) ? py::object(options[name]) : py::object(py::none());
 }
@@ -111,7 +111,7 @@ HeldProblem make_problem(const py::kwargs& options) {
   p.dim = infer_dim(option(options, "dim"), p.u_free.size(), p.mu, one_mu);
   if (!row_scale.is_none()) p.row_scale = to_vector(row_scale, "row_scale");
   if (std::string defect = validate(p); !defect.empty()) throw std::invalid_argument(defect);
-  // As the files' problems: with a general A the operator is W itself, assembled once for all.
+  // As for problems from files: with a general A the operator is W itself, assembled once for all.
   if (p.has_velocities() && !p.has_delassus() && p.num_rows() > 0 && !is_diagonal(p.A)) {
     try {
       p.W = assemble_delassus(p.A, p.H, p.dim);
@@ -161,7 +161,7 @@ void write(const PythonProblem& given, const std::filesystem::path& path, const 
   write_fclib_solution(path, impulse, u);
 }
 
-/// W as scipy's csr_matrix: a view where the problem has it, else assembled now.
+/// W as scipy's csr_matrix: a view if the problem has it, else assembled now.
 py::object delassus(const HeldProblem& self) {
   const ContactProblem& p = *self->problem;
   const py::object owner = py::cast(self);
@@ -201,7 +201,7 @@ py::object bodies(const PythonProblem& self, const py::object& s) {
   return copy_of(body_velocities(p, checked_impulse(p, s)));
 }
 
-/// A view of one of the vectors; None where it is empty and `optional`.
+/// A view of one of the vectors; None if it is empty and `optional`.
 auto vector_property(Vector ContactProblem::*field, bool optional) {
   return [field, optional](const HeldProblem& self) -> py::object {
     const Vector& x = (*self->problem).*field;

@@ -9,8 +9,8 @@
 
 namespace bipot {
 
-/// What Python holds as a Problem: sound, and never changed, so that arrays can look into it and
-/// solves can run on it while Python goes on.
+/// A Problem in Python: sound and constant, so that arrays can refer to it and solves can run on it
+/// beside Python code.
 struct PythonProblem {
   std::shared_ptr<const ContactProblem> problem;
   std::string name;             ///< for readers; empty: none

@@ -5,18 +5,18 @@
 
 namespace bipot {
 
-/// Between a computation that runs without Python's lock and Python: asks a tenth of a second apart
-/// whether Ctrl-C was pressed, and keeps what Python code that the computation called has thrown
-/// until the computation is over. For one thread, the one that computes.
+/// Connects Python with a computation that runs without Python's lock. It checks every tenth of a
+/// second whether Ctrl-C was pressed. It keeps exceptions of Python code called by the computation
+/// until that has ended. For one thread, the one that computes.
 class PythonWatch {
  public:
-  /// True: stop, something is to be thrown or stop() was called. Takes Python's lock where needed.
+  /// True: stop, because of an exception or stop(). Takes Python's lock if needed.
   bool stopped();
   /// Ends the computation without an exception.
   void stop() { stopped_ = true; }
   /// Ends the computation; `thrown` is thrown by rethrow(). The first one counts.
   void keep(std::exception_ptr thrown);
-  /// Call with Python's lock held, once the computation is over.
+  /// Call with Python's lock held, after the computation.
   void rethrow() const;
 
  private:

@@ -30,7 +30,7 @@ namespace {
 
 namespace py = pybind11;
 
-/// A candidate contact of a step, as numpy has it.
+/// A candidate contact of a step, as a row of numpy.
 struct ContactRow {
   std::int64_t i, j;
   double n_x, n_y, gap, s_n, s_t, u_n, u_t;
@@ -138,13 +138,13 @@ py::list walls_of(const State<D>& state) {
   return walls;
 }
 
-/// Where everything is between two steps: a snapshot that nothing changes any more.
+/// A constant snapshot of the state between two steps.
 template <int D>
 struct PythonState {
   State<D> state;
 };
 
-/// One step that was taken, likewise.
+/// The report of one step, likewise.
 template <int D>
 struct PythonStep {
   State<D> state;
@@ -154,7 +154,7 @@ struct PythonStep {
 template <int D>
 using Step = std::shared_ptr<PythonStep<D>>;
 
-/// What Python may say of how a scene is run; unset entries are the scene's.
+/// Options of Python for a run; unset entries are the scene's.
 struct SimulationChoice {
   py::object solver;  ///< None, a name or a callable
   std::optional<double> tol;
@@ -165,7 +165,7 @@ struct SimulationChoice {
   std::optional<int> num_steps;
 };
 
-/// A scene that Python takes step by step.
+/// A scene that Python runs step by step.
 template <int D>
 class PythonSimulation {
  public:
@@ -229,7 +229,7 @@ class PythonSimulation {
   }
 
  private:
-  /// Marks a step that is being taken.
+  /// Marks a step in progress.
   struct Stepping {
     explicit Stepping(bool& flag) : flag_(flag) { flag_ = true; }
     ~Stepping() { flag_ = false; }
@@ -238,7 +238,7 @@ class PythonSimulation {
     bool& flag_;
   };
 
-  /// Another thread, or a solver in Python, may come while a step is taken.
+  /// Another thread, or a solver in Python, may call during a step.
   void require_rest() const {
     if (stepping_) throw std::runtime_error("the simulation is in the middle of a step");
   }
@@ -334,8 +334,8 @@ void bind_bodies(Class& bound) {
                           py::cast(self));
     };
   };
-  bound.def_property_readonly("positions", vectors(&Body<D>::x), "(n, 2), in space (n, 3) [m]")
-      .def_property_readonly("velocities", vectors(&Body<D>::v), "(n, 2), in space (n, 3) [m/s]")
+  bound.def_property_readonly("positions", vectors(&Body<D>::x), "(n, 2), in 3D (n, 3) [m]")
+      .def_property_readonly("velocities", vectors(&Body<D>::v), "(n, 2), in 3D (n, 3) [m/s]")
       .def_property_readonly("radii", scalars(&Body<D>::radius), "(n,) [m]")
       .def_property_readonly("masses", scalars(&Body<D>::mass), "(n,) [kg]");
   if constexpr (D == 2) {

@@ -22,7 +22,7 @@ namespace {
 
 namespace py = pybind11;
 
-/// One judged iteration, as numpy has it.
+/// One judged iteration, as a row of numpy.
 struct HistoryRow {
   std::int64_t iteration;
   double seconds, epsilon, eta, guarded, raw42, natural_map, step;
@@ -35,7 +35,7 @@ HistoryRow row_of(const IterationRecord& r) {
           r.count.take_off,  r.count.stick, r.count.slip};
 }
 
-/// The fields of HistoryRow, told to numpy when first asked for: the module needs no numpy to load.
+/// The fields of HistoryRow, described to numpy on demand: the module loads without numpy.
 py::dtype history_type() {
   static const bool told = [] {
     PYBIND11_NUMPY_DTYPE(HistoryRow, iteration, seconds, epsilon, eta, guarded, raw42, natural_map,
@@ -268,7 +268,7 @@ py::list list_solvers() {
   return rows;
 }
 
-/// Of the solver; of all of them for an empty name. Throws std::invalid_argument.
+/// Parameters of the solver; of all of them for an empty name. Throws std::invalid_argument.
 std::vector<std::string> parameter_names(const std::string& solver) {
   std::set<std::string> names{std::string(kIslandsParameter.name)};
   for (const SolverEntry& entry : solver_table()) {

@@ -12,6 +12,7 @@
 
 #include "bench/report/csv_text.h"
 #include "bench/report/gnuplot.h"
+#include "bench/report/text_lines.h"
 #include "core/base/file_error.h"
 #include "core/files/atomic_file.h"
 
@@ -50,26 +51,13 @@ std::string in_quotes(std::string_view text) {
   return out + '\'';
 }
 
-std::size_t letters(std::string_view utf8) {
-  return static_cast<std::size_t>(std::count_if(utf8.begin(), utf8.end(), [](char c) {
-    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
-  }));
-}
-
 /// Lines of at most `width` letters, as an expression of gnuplot.
 std::string wrapped(const std::string& text, std::size_t width) {
-  std::string out, line;
-  for (std::size_t begin = 0; begin < text.size();) {
-    const std::size_t end = std::min(text.find(' ', begin), text.size());
-    const std::string word = text.substr(begin, end - begin);
-    if (!line.empty() && letters(line) + 1 + letters(word) > width) {
-      out += in_quotes(line) + ".\"\\n\".";
-      line.clear();
-    }
-    line += (line.empty() ? "" : " ") + word;
-    begin = end + 1;
+  std::string out;
+  for (const std::string& line : wrapped_lines(text, width)) {
+    out += (out.empty() ? "" : ".\"\\n\".") + in_quotes(line);
   }
-  return out + in_quotes(line);
+  return out;
 }
 
 bool is_log(const ChartAxis& axis) { return axis.kind != ChartAxis::Kind::kLinear; }
@@ -506,29 +494,6 @@ std::string page_element(const Chart& chart, std::string_view document, const Pl
 }
 
 }  // namespace
-
-std::string escape_markup(const std::string& text) {
-  std::string out;
-  for (char c : text) {
-    switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  }
-  return out;
-}
 
 std::string to_svg(const Chart& chart) { return to_svg(std::span(&chart, 1)).front(); }
 

@@ -75,7 +75,4 @@ void write_chart_files(const std::filesystem::path& folder, const std::string& n
 /// computation.
 void require_plotting_tool();
 
-/// & < > " as entities.
-std::string escape_markup(const std::string& text);
-
 }  // namespace bipot

@@ -8,11 +8,16 @@
 namespace bipot {
 
 std::string tolerance_label(double tol) {
+  if (!std::isfinite(tol)) return "–";
   if (tol >= 1e-2) return fmt::format("{:g}", tol);
   std::string text = fmt::format("{:e}", tol);
   const std::size_t e = text.find('e');
   const double mantissa = std::strtod(text.substr(0, e).c_str(), nullptr);
   return fmt::format("{:g}e{}", mantissa, std::strtol(text.c_str() + e + 1, nullptr, 10));
+}
+
+std::string count_label(double count) {
+  return std::isfinite(count) ? fmt::format("{:.0f}", count) : "–";
 }
 
 std::string seconds_label(double seconds) {

@@ -6,6 +6,8 @@ namespace bipot {
 
 /// 1e-6 and not 1e-06; 0.01.
 std::string tolerance_label(double tol);
+/// Without digits behind the point.
+std::string count_label(double count);
 /// With the unit that keeps it short: 12 µs, 3.4 ms, 5 s; a dash for what is not finite.
 std::string seconds_label(double seconds);
 /// The same, in minutes from 120 s on.

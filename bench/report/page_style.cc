@@ -33,14 +33,49 @@ tr.bad td:first-child{box-shadow:inset 3px 0 #8a1c00}
 figure{margin:0;break-inside:avoid;min-width:0}
 figure svg{display:block;width:100%;max-width:560px;height:auto}
 figcaption{font-size:.87rem;color:#333;max-width:560px}
-summary{cursor:pointer}
+h4{font-size:.95rem;margin:1.2em 0 .3em}
+a{color:#0a4a8a}
+caption{text-align:left;color:#333;padding:.3em 0}
+td.over{font-weight:700}
+td.good{background:#cfe8cf}td.weak{background:#f6e3b4}td.beyond{background:#e3dcf0}
+td.none{background:#d5e4f3}td.grey{background:#e4e4e4}td.bad{background:#d33;color:#fff}
+tr.group td{background:#f3f3f3;font-weight:600;position:static}
+p.quote,p.bad{border-left:3px solid #999;padding-left:.8em;color:#333}
+p.bad{border-color:#8a1c00;color:#8a1c00}
+.grid{margin:1em 0}
+figure.wide{grid-column:1/-1}
+figure.wide svg,figure.wide figcaption{max-width:none}
+figure img{display:block;width:100%;height:auto}
+nav{display:flex;flex-wrap:wrap;gap:.2em 1.2em;margin:1em 0}
+details{border-bottom:1px solid #ddd;padding:.35em 0}
+details[open]>summary{margin-bottom:.4em}
+summary{cursor:pointer;overflow-wrap:anywhere}
+th button{font:inherit;font-weight:bold;background:none;border:0;padding:0;color:inherit;
+ cursor:pointer;text-align:inherit}
+th[aria-sort=ascending] button::after{content:" \25B2"}
+th[aria-sort=descending] button::after{content:" \25BC"}
+.filters{display:flex;flex-wrap:wrap;gap:8px 16px;margin:.6em 0}
+.filters label{display:flex;flex-direction:column;font-size:.8rem;color:#444}
+select,input{font:inherit;padding:.25em;max-width:100%;border:1px solid #999;background:#fff;
+ color:inherit}
+button#open-all{font:inherit;font-size:.87rem}
 dl{display:grid;grid-template-columns:minmax(7em,max-content) 1fr;gap:.3em 1em}
 dt{font-weight:600}dd{margin:0;max-width:42em}
 )";
 
 constexpr std::string_view kSmallAndPrint = R"(
-@media(max-width:620px){body{padding:10px}dl{display:block}dd{margin:0 0 .5em}}
+@media(max-width:620px){body{padding:10px}dl{display:block}dd{margin:0 0 .5em}
+ table.cards thead{display:none}
+ table.cards tr{display:block;border-bottom:1px solid #bbb;padding:.4em 0}
+ table.cards td{display:flex;gap:.8em;position:static;border:0;padding:.1em .6em;text-align:left}
+ table.cards td:first-child{font-weight:600;font-size:1rem}
+ table.cards td[data-label]::before{content:attr(data-label);flex:0 0 5.5em;color:#555}
+ table.sortable td:first-child,table.sortable th:first-child{min-width:7.5em;max-width:7.5em;
+  overflow-wrap:anywhere}}
 @media print{body{max-width:none;padding:0;font-size:10pt}.scroll{overflow:visible;border:0}
+ .filters,nav,#open-all{display:none}table{font-size:7.5pt}th,td{padding:.15em .3em}
+ table.sortable{font-size:6pt}figcaption,.small{font-size:8pt}.grid{grid-template-columns:1fr 1fr}
+ @page wide{size:landscape;margin:10mm}section.sortable{page:wide}
  th:first-child,td:first-child{position:static}
  h2,h3,h4,caption,summary{break-after:avoid}tr{break-inside:avoid}}
 )";

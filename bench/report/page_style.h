@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "bench/report/build_info.h"
+#include "bench/report/text_lines.h"
 
 namespace bipot {
 

@@ -9,14 +9,14 @@
 namespace bipot {
 namespace {
 
-// Parts of a goal that the time step may take: comfortably, and at most.
+// Fractions of a goal that the time step may use: comfortably, and at most.
 constexpr double kComfortable = 0.5, kMost = 0.9;
 
 bool solved_everywhere(const SolverTrial& trial) {
   return trial.problems > 0 && trial.solved == trial.problems;
 }
 
-/// Times in one class differ by less than what a busy machine makes of them.
+/// Times in one class differ by less than the noise of a busy machine.
 int time_class(double seconds) {
   constexpr double kShort = 2e-5;
   return seconds < kShort ? 0 : 1 + static_cast<int>(std::log(seconds / kShort) / std::log(1.2));
@@ -44,7 +44,7 @@ double share_of(const Accuracy& error, const Accuracy& goal) {
 }
 
 StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal) {
-  // A step is no better than a smaller one: where it measures so, it does by chance.
+  // A larger step is not better than a smaller one: such a measurement is chance.
   const auto share = [&](const StepTrial& trial) {
     double largest = 0;
     for (const StepTrial& other : steps) {

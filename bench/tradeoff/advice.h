@@ -10,8 +10,8 @@
 
 namespace bipot {
 
-/// Errors in the terms in which a user asks for accuracy. As a goal: NaN is not asked for. As a
-/// measurement: NaN is not measured, or nothing is there to be wrong.
+/// Errors in the quantities of a user's goal. As a goal: NaN is no requirement. As a measurement:
+/// NaN is not measured, or undefined.
 struct Accuracy {
   double force = kNaN;        ///< of the resultant on a body, over the largest one            [-]
   double penetration = kNaN;  ///< overlap that a step adds, over the smallest radius          [-]
@@ -21,12 +21,12 @@ struct Accuracy {
                                                     &Accuracy::energy};
 };
 std::string_view name_of(double Accuracy::*measure);
-/// Componentwise larger, NaN only where both are.
+/// Componentwise larger, NaN only if both are.
 Accuracy worst_of(const Accuracy& a, const Accuracy& b);
-/// Largest error / goal over what is asked for and measured; 0 when there is nothing.
+/// Largest ratio of error to goal over the required and measured quantities; 0 if there are none.
 double share_of(const Accuracy& error, const Accuracy& goal);
 
-/// What a time step makes wrong when its problems are solved exactly.
+/// Error of a time step whose problems are solved exactly.
 struct StepTrial {
   double factor = 1;  ///< of the scene's step
   double step = 0;    ///< h                                                                [s]
@@ -37,25 +37,25 @@ struct StepChoice {
   int index = -1;
   bool met = false;  ///< the step leaves at least a tenth of every goal to the solver
 };
-/// A step counts with the worst error of itself and all smaller ones. The largest step that takes
-/// at most half of every goal; else the largest that takes at most nine tenths; else, not met, the
-/// largest whose share is within a quarter of the smallest share. Steps in any order; empty: index
-/// -1.
+/// A step counts with the worst error of itself and all smaller ones. The choice is the largest
+/// step that takes at most half of every goal; else the largest that takes at most nine tenths.
+/// Else the goal is not met, and it is the largest whose share is within a quarter of the smallest
+/// share. Steps in any order; empty: index -1.
 StepChoice choose_step(const std::vector<StepTrial>& steps, const Accuracy& goal);
 
-/// What is left to the solver: goal - step's error. Where the step misses the goal, half of the
-/// step's error: digits below it are thrown away by the step.
+/// Error allowed for the solver: goal - step's error. If the step misses the goal, half of the
+/// step's error: further digits are lost in the step.
 Accuracy solver_budget(const Accuracy& goal, const Accuracy& step_error);
 
-/// Errors that count on a step with several exact answers: those that are at most half of what the
-/// answers differ by are 0, as nobody can say which answer is meant. NaN in `spread`: all count.
+/// Errors that count on a step with several exact answers. Those up to half of the difference of
+/// the answers are 0, since no answer is preferred. NaN in `spread`: all count.
 Accuracy without_lost_digits(const Accuracy& error, const Accuracy& spread);
 
 /// One solver at one tolerance over all sampled problems.
 struct SolverTrial {
   SolverVariant solver;
   double tol = 0;
-  bool warm = false;  ///< from the impulses that it found itself in the step before
+  bool warm = false;  ///< from its own impulses of the previous step
   int problems = 0, solved = 0;
   Accuracy error;         ///< worst over the problems, see without_lost_digits
   double guarded = 0;     ///< worst
@@ -70,25 +70,26 @@ struct SolverTrial {
   Verdict verdict = Verdict::kNone;
   std::string message;  ///< why it was not solved everywhere
 };
-/// Solved everywhere, and no asked-for error above the budget.
+/// Solved everywhere, and no required error above the budget.
 bool meets(const SolverTrial& trial, const Accuracy& budget);
 /// Those that meet the budget, cheapest first. Times in one class (below 20 µs; above, a fifth
 /// wide) count as equal and stay in the order given.
 std::vector<int> by_cost(const std::vector<SolverTrial>& trials, const Accuracy& budget);
-/// Index of the trial that was solved everywhere with the smallest share of the budget, -1: none.
-/// Of those run on stretches, where any was.
+/// Index of the trial solved everywhere with the smallest share of the budget, -1: none. If any
+/// trial was run on stretches, only those count.
 int nearest_trial(const std::vector<SolverTrial>& trials, const Accuracy& budget);
-/// Marks the trials, solved everywhere, that no other one beats in both time and share of the goal:
-/// on stretches where any trial was run on them (the others are then not marked), else on steps.
+/// Marks the trials, solved everywhere, that no other one beats in both time and share of the goal.
+/// If any trial was run on stretches, only those are compared, by their errors there; else all, by
+/// those on steps.
 void mark_pareto(std::vector<SolverTrial>& trials, const Accuracy& goal);
 
-/// The smallest number that is asked for; infinite without one.
+/// The smallest required number; infinite without one.
 double smallest_goal(const Accuracy& goal);
-/// Tight enough that its own error does not show beside the goal; for everything but the trials.
-/// (A looser one opens contacts at rest by more than the contact distance now and then.)
+/// Tolerance whose own error is negligible beside the goal, for everything but the trials. A looser
+/// one sometimes opens contacts at rest by more than the contact distance.
 double tight_tolerance(const Accuracy& goal);
-/// Of the run that steps are sampled from, where a tight one takes too long: its errors move the
-/// samples, they do not enter errors. (Too loose, contacts at rest come and go.)
+/// Tolerance of the sampled run, if a tight one takes too long. Its errors move the samples, but do
+/// not enter errors. If it is too loose, contacts at rest come and go.
 double loose_tolerance(const Accuracy& goal);
 
 struct AdviseOptions {
@@ -105,7 +106,7 @@ struct AdviseOptions {
   bool stopped() const { return interrupted && interrupted(); }
 };
 
-/// What was seen of the scene on a run with `auto`.
+/// Properties of the scene from a run with `auto`.
 struct SceneSample {
   int steps_planned = 0, steps_run = 0;
   int contact_steps = 0;  ///< of those run, with contacts
@@ -114,11 +115,11 @@ struct SceneSample {
   std::string note;             ///< why the run ended early; empty: it did not
 };
 
-/// Errors of time steps: from sampled states over a window of time, steps of 4, 2, 1, ½, ¼ of the
-/// scene's against the finest that time allows (⅛), all solved tightly. Over the window,
-///   force:       largest difference of a body's mean contact force (hat-shaped weight, so that a
-///                shock that moves from one step to the next counts by its time), over the largest
-///                such force on a body; the worst window;
+/// Errors of time steps, over a window of time from sampled states. Steps of 4, 2, 1, ½, ¼ of the
+/// scene's are compared with the finest that time allows (⅛), all solved tightly. Over the window,
+///   force:       largest difference of a body's mean contact force over the largest such force on
+///                a body; the worst window. Weights are hat-shaped, so that a shock that moves to
+///                the next step counts by its time;
 ///   penetration: largest overlap that one step adds to a pair; the worst window. Exact: 0;
 ///   energy:      sum over the windows of the differences in dissipated energy, over the sum of
 ///                the energies.
@@ -127,7 +128,7 @@ struct SceneSample {
 struct StepStudy {
   double window = 0;             ///< [s]: a fiftieth of the run, at least 16 of the scene's steps
   int windows = 0;               ///< that all entries of `steps` were measured on
-  int windows_dropped = 0;       ///< a solve in them failed, or time was short
+  int windows_dropped = 0;       ///< a solve in them failed, or time ran out
   double finest = 0;             ///< factor of the reference
   std::vector<StepTrial> steps;  ///< from large to small
 };
@@ -135,7 +136,8 @@ struct StepStudy {
 struct Advice {
   enum class Status { kMet, kNotMet, kNoContacts, kInterrupted };
   Status status = Status::kNotMet;
-  std::string message;  ///< one sentence: what could not be met and the best that can, or how it is
+  /// One sentence: how the goal is met, or what fails and the best that is possible.
+  std::string message;
   Accuracy goal;
 
   SceneSample sample;

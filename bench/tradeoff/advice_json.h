@@ -6,8 +6,8 @@
 
 namespace bipot {
 
-/// All that an advice holds, with the scene and the program that it goes for. Keys:
-/// data/manual/reference/files.md. Undefined numbers are null.
+/// The whole advice, with its scene and program. Keys: data/manual/reference/files.md. Undefined
+/// numbers are null.
 Json to_json(const Scene<2>& scene, const Advice& advice);
 
 }  // namespace bipot

@@ -46,11 +46,11 @@ void check_request(const Scene<2>& scene, const AdviseOptions& options) {
   for (const SolverVariant& variant : options.solvers) require_solver(variant.solver);
 }
 
-/// The cheapest trial of those that met the budget on stretches which meets it on fresh steps too.
+/// The cheapest of the trials that met the budget on stretches and also meet it on fresh steps.
 void choose_trial(const std::vector<SampledProblem>& fresh, const AdviseOptions& options,
                   const TimeBudget& time, Advice& advice) {
   using Verdict = SolverTrial::Verdict;
-  std::vector<SolverTrial> in_runs = advice.trials;  // what they cost there
+  std::vector<SolverTrial> in_runs = advice.trials;  // their costs there
   const bool stretches = std::any_of(in_runs.begin(), in_runs.end(), [](const SolverTrial& t) {
     return t.verdict != Verdict::kNone;
   });
@@ -77,7 +77,7 @@ void choose_trial(const std::vector<SampledProblem>& fresh, const AdviseOptions&
   advice.choice = nearest_trial(advice.trials, advice.budget);
 }
 
-/// The recommendation as a whole, from fresh states against the finest steps.
+/// Checks the recommendation as a whole, from fresh states against the finest steps.
 void check_windows(const Scene<2>& scene, const std::vector<const State<2>*>& states,
                    const AdviseOptions& options, const TimeBudget& time, Advice& advice) {
   if (advice.steps.finest == 0 || states.empty()) return;
@@ -127,7 +127,7 @@ std::string held_against(const Accuracy& error, const Accuracy& goal) {
   return text;
 }
 
-/// What several exact answers of a step mean for the goal.
+/// Consequence of several exact answers of a step for the goal.
 std::string several_sentence(const Advice& advice) {
   std::string apart;
   bool beyond = false;
@@ -144,7 +144,7 @@ std::string several_sentence(const Advice& advice) {
   return text;
 }
 
-/// Where two exact runs of a stretch differ by more than the goal asks for; else empty.
+/// A sentence if two exact runs of a stretch differ by more than the goal; else empty.
 std::string beyond_stretches(const Advice& advice) {
   std::string apart;
   for (auto m : Accuracy::kMeasures) {
@@ -159,7 +159,7 @@ std::string beyond_stretches(const Advice& advice) {
       apart);
 }
 
-/// Costs, status and message from what was found.
+/// Sets costs, status and message from the results.
 void conclude(const Scene<2>& scene, Advice& advice) {
   if (advice.choice < 0) {
     advice.message = advice.trials.empty()
@@ -212,7 +212,7 @@ void conclude(const Scene<2>& scene, Advice& advice) {
   }
 }
 
-/// The stages of an advice; each leaves in it what it found.
+/// The stages of an advice; each stores its results in it.
 class Adviser {
  public:
   Adviser(const Scene<2>& scene, const AdviseOptions& options)
@@ -249,7 +249,7 @@ class Adviser {
     if (options_.say) options_.say(stage);
   }
 
-  /// The run as tightly as time allows, and the steps of it that are tried.
+  /// Runs the scene as tightly as time allows, and selects steps for trials.
   void sample_run() {
     say("running the scene");
     run_ = run_scene(scene_, tight_tolerance(options_.goal), TimeBudget::kTightRunEnd, options_,
@@ -287,7 +287,7 @@ class Adviser {
 
   void study_time_step() {
     say("measuring the time step");
-    // Middle, last, first and between: what is dropped when time is short stands last.
+    // Middle, last, first and between: if time runs out, the last ones are dropped.
     const std::size_t count = selection_.sample.size();
     for (std::size_t i : {count / 2, count - 1, std::size_t{0}, 3 * count / 4}) {
       const State<2>* lead = &run_.checkpoints[selection_.sample[i]].lead;
@@ -335,7 +335,7 @@ class Adviser {
     }
   }
 
-  /// Starts of windows that the time step was not studied on.
+  /// Starts of windows that were not used in the study of the time step.
   std::vector<const State<2>*> unseen_leads() const {
     std::vector<const State<2>*> leads;
     for (std::size_t i : selection_.fresh) {
@@ -351,7 +351,7 @@ class Adviser {
   Advice advice_;
   SampledRun run_;
   Selection selection_;
-  std::vector<const State<2>*> starts_;  // of the windows that the time step was studied on
+  std::vector<const State<2>*> starts_;  // of the windows used in the study of the time step
   StepRuns study_;
 };
 

@@ -5,9 +5,9 @@
 
 namespace bipot {
 
-/// Tries solvers, tolerances and time steps on the scene's own steps and recommends the cheapest
-/// that meets the goal. Times decide, so that two runs may differ in close calls; errors do not
-/// depend on them. Throws std::invalid_argument for a goal or options that make no sense.
+/// Tries solvers, tolerances and time steps on the scene's own steps, and recommends the cheapest
+/// that meets the goal. Times decide, so that two runs may differ in close cases; errors do not
+/// depend on them. Throws std::invalid_argument for an inconsistent goal or options.
 Advice advise(const Scene<2>& scene, const AdviseOptions& options);
 
 }  // namespace bipot

@@ -13,9 +13,9 @@
 namespace bipot {
 namespace {
 
-/// Steps of size h from the state (made with steps of h / factor) until impulses act: the step
-/// after that is the sample, if impulses act there as well, else that one, which then has nothing
-/// before it. Nothing when no impulse acts within twice the state's step and two steps more, or a
+/// Takes steps of size h from the state (made with steps of h / factor) until impulses act. The
+/// sample is the following step, if impulses act there as well; else that step, which then has no
+/// predecessor. Empty if no impulse acts within twice the state's step and two steps more, or if a
 /// step fails.
 std::optional<SampledProblem> sample_problem(const Scene<2>& scene, State<2> state, double factor,
                                              const AdviseOptions& options, const TimeBudget& time) {
@@ -71,7 +71,7 @@ Samples sample_problems(const Scene<2>& scene, double factor,
                         const TimeBudget& time, Advice& advice) {
   constexpr double kReferenceSeconds = 5;
   constexpr double kAgree = 1e-5;  // relative difference of velocities
-  // Tight enough that two references can prove that a step has several answers.
+  // Tight enough for two references to prove that a step has several answers.
   const double target =
       std::clamp(1e-3 * smallest_goal(options.goal), 1e-12, ReferenceSolution::kTrusted);
   Samples samples;
@@ -105,7 +105,7 @@ Samples sample_problems(const Scene<2>& scene, double factor,
       advice.spread = worst_of(advice.spread, made.spread);
     }
   };
-  // From the middle outwards: where time ends, the middle has been seen.
+  // From the middle outwards: if time runs out, the middle is covered.
   const auto outwards = [](std::size_t k, std::size_t count) {
     const std::size_t middle = count / 2, away = (k + 1) / 2;
     return k % 2 == 0 ? middle + away : middle - away;

@@ -12,7 +12,7 @@
 
 namespace bipot {
 
-/// A sampled step, and the step before it for warm starts.
+/// A sampled step, and the previous step for warm starts.
 struct SampledProblem {
   TestProblem given;
   ContactProblem before;
@@ -20,19 +20,19 @@ struct SampledProblem {
   std::vector<ContactOutcome<2>> contacts_before;  ///< of `before`
   bool has_before = false;
   ReferenceSolution reference;
-  Accuracy spread;  ///< of its exact answers; NaN where a single one is known
+  Accuracy spread;  ///< of its exact answers; NaN if only one is known
   std::shared_ptr<TrueErrorEvaluator> true_error;
 };
 
-/// Impulses of the step before at the contacts of the same pairs, in the problem's variables.
+/// Impulses of the previous step at the contacts of the same pairs, in the problem's variables.
 Vector carry_over(const SampledProblem& sample, const Vector& s_before);
 
 struct Samples {
   std::vector<SampledProblem> chosen_on, fresh;
 };
-/// Problems with references, to choose on and fresh ones in turn, as many as time allows. Those
-/// without a reference that is clearly better than the goal, or where two disagree without proof of
-/// several answers, are left out.
+/// Problems with references, alternately to choose on and fresh ones, as many as time allows. Left
+/// out are those without a reference clearly better than the goal, and those whose references
+/// disagree without proof of several answers.
 Samples sample_problems(const Scene<2>& scene, double factor,
                         const std::vector<const State<2>*>& sampled,
                         const std::vector<const State<2>*>& fresh, const AdviseOptions& options,

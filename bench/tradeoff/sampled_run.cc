@@ -27,7 +27,7 @@ SampledRun run_scene(const Scene<2>& scene, double tol, double part, const Advis
   State<2> state = initial_state(scene), before;
   int stride = 1;
   double overhead = 0;
-  // States of every quarter of a window: a window from the third last of them has the present in
+  // States at every quarter of a window. A window from the third last of them has the present in
   // its middle, where its weight is large.
   const int quarter = window_length(scene, options.window).steps / 4;
   std::deque<State<2>> leads;

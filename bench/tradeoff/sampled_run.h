@@ -9,24 +9,23 @@
 
 namespace bipot {
 
-/// A state from which the next step has contacts, and an earlier one from which a window reaches
-/// over it.
+/// A state whose next step has contacts, and an earlier one from which a window reaches over it.
 struct Checkpoint {
   State<2> state, lead;
 };
 
-/// The run that samples are taken from.
+/// The run from which samples are taken.
 struct SampledRun {
   SceneSample seen;
   std::vector<Checkpoint> checkpoints;  ///< evenly along the steps with contacts
 };
 
 /// Runs the scene with `auto` to the tolerance until it ends, fails or the part of the time is
-/// spent.
+/// used.
 SampledRun run_scene(const Scene<2>& scene, double tol, double part, const AdviseOptions& options,
                      const TimeBudget& time);
 
-/// Which checkpoints to choose on, and which to verify on: evenly spaced, each third one fresh.
+/// Checkpoints for the choice and for its verification: evenly spaced, every third one fresh.
 struct Selection {
   std::vector<std::size_t> sample, fresh;
 };

@@ -17,7 +17,7 @@ namespace {
 /// A solve from s0 (size 0: cold).
 struct TimedSolve {
   SolveResult result;
-  double seconds = 0;  // CPU, least of a few repeats where it is short
+  double seconds = 0;  // CPU, least of a few repeats if it is short
 };
 TimedSolve timed_solve(const SolverVariant& variant, const ContactProblem& p, double tol,
                        double limit, const Vector& s0, const AdviseOptions& options) {
@@ -52,7 +52,7 @@ void add(SolverTrial& trial, const SampledProblem& sample, const TimedSolve& tim
   ++trial.solved;
   trial.guarded = std::fmax(trial.guarded, timed.result.error.guarded());
   const TrueError error = (*sample.true_error)(timed.result.s);
-  // Nothing is known more exactly than the reference.
+  // Errors below that of the reference are unknown.
   const double unknown = sample.reference.error.guarded();
   trial.error = worst_of(trial.error, without_lost_digits({error.force + unknown, error.penetration,
                                                            error.energy + unknown},
@@ -63,7 +63,7 @@ void add(SolverTrial& trial, const SampledProblem& sample, const TimedSolve& tim
 
 std::vector<SolverVariant> promising_solvers(int contacts) {
   constexpr int kPivoting = 60;      // beyond it, pivoting is never the fastest
-  constexpr int kSplitting = 20000;  // beyond it, its factors are too slow to set up
+  constexpr int kSplitting = 20000;  // beyond it, its factors take too long to set up
   std::vector<SolverVariant> variants;
   const auto add_if = [&](bool wanted, SolverVariant variant) {
     if (wanted && find_solver(variant.solver) != nullptr) variants.push_back(std::move(variant));
@@ -108,7 +108,7 @@ TrialPair try_solver(const SolverVariant& variant, double tol,
     if (trial->problems == 0) continue;
     trial->seconds /= trial->problems;
     trial->iterations /= trial->problems;
-    // Broken off: not all problems were tried.
+    // Ended early: not all problems were tried.
     trial->problems = static_cast<int>(problems.size());
   }
   return pair;
@@ -128,7 +128,7 @@ void try_solvers(const std::vector<SampledProblem>& problems, const AdviseOption
     for (int k = 1; k <= 12 && met < 2; ++k) {
       if (options.stopped()) return;
       if (time.past(TimeBudget::kTrialsEnd)) return;
-      // Whoever takes twenty times as long as the best so far is out.
+      // A solver that takes twenty times as long as the best so far is rejected.
       const double limit = std::min(time.until(TimeBudget::kTrialsEnd), std::max(0.25, 20 * best));
       const TrialPair pair = try_solver(variant, std::pow(10.0, -k), problems, limit, options);
       const bool has_warm = std::any_of(problems.begin(), problems.end(),
@@ -141,7 +141,7 @@ void try_solvers(const std::vector<SampledProblem>& problems, const AdviseOption
         any = true;
         best = std::min(best, trial->seconds);
       }
-      // One tolerance beyond the first that meets: in reserve for the fresh steps.
+      // One tolerance beyond the first that meets the budget: a reserve for the fresh steps.
       if (meets(pair.cold, advice.budget) || (any && met > 0)) ++met;
       if (pair.cold.solved < pair.cold.problems) break;
     }

@@ -8,14 +8,14 @@
 
 namespace bipot {
 
-/// Solvers worth a trial on problems of so many contacts, those of this build.
+/// Solvers of this build worth a trial on problems with this number of contacts.
 std::vector<SolverVariant> promising_solvers(int contacts);
 
-/// A solver at a tolerance, without a start and from the step before.
+/// A solver at a tolerance, with cold and with warm start.
 struct TrialPair {
   SolverTrial cold, warm;
 };
-/// One solver at one tolerance on all problems; gives up where a solve fails or takes `limit`.
+/// One solver at one tolerance on all problems; ends if a solve fails or takes `limit`.
 TrialPair try_solver(const SolverVariant& variant, double tol,
                      const std::vector<SampledProblem>& problems, double limit,
                      const AdviseOptions& options);

@@ -15,8 +15,7 @@ StepRuns study_steps(const Scene<2>& scene, const std::vector<const State<2>*>& 
   SolverOptions tight;
   tight.tol = tight_tolerance(options.goal);
   tight.cancelled = options.interrupted;
-  double end =
-      TimeBudget::kTrialsEnd;  // the first window may take longer: without it nothing is known
+  double end = TimeBudget::kTrialsEnd;  // the first window may take longer: it is indispensable
   const StepSolver solver =
       limited_solver(require_solver("auto"), tight, [&] { return time.until(end); });
   const auto run = [&](const State<2>* start, double factor) {
@@ -26,7 +25,7 @@ StepRuns study_steps(const Scene<2>& scene, const std::vector<const State<2>*>& 
                       solver, 10 * tight.tol);
   };
 
-  // The scene's own step and half of it: what must be known of a window.
+  // The scene's own step and half of it: the minimum for a window.
   double halves = 0;  // seconds for the half steps of all windows kept
   double slowest = 0;
   for (const State<2>* start : starts) {
@@ -49,7 +48,7 @@ StepRuns study_steps(const Scene<2>& scene, const std::vector<const State<2>*>& 
   study.windows_dropped = static_cast<int>(starts.size() - all.starts.size());
   if (all.starts.empty()) return all;
 
-  // Then what time allows; a level counts when all windows came through.
+  // Then further levels as time allows; a level counts if all windows are complete.
   for (double factor : {2.0, 4.0, 0.25, 0.125}) {
     if (options.keep_step && factor > 1) continue;
     if (halves * 0.5 / factor > time.until(TimeBudget::kStepsEnd)) continue;

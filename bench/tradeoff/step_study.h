@@ -9,7 +9,7 @@
 
 namespace bipot {
 
-/// A study with the runs behind it.
+/// A study with its runs.
 struct StepRuns {
   StepStudy study;
   std::vector<const State<2>*> starts;            ///< of the windows that were kept
@@ -17,8 +17,8 @@ struct StepRuns {
   double floor = 0;                               ///< energy_floor of all windows
 };
 
-/// Measures time steps on windows from these states, as many of both as time allows; what is
-/// dropped first stands last. The states must outlive the result.
+/// Measures time steps on windows from these states, as many of both as time allows. If time runs
+/// out, the last ones are dropped. The states must outlive the result.
 StepRuns study_steps(const Scene<2>& scene, const std::vector<const State<2>*>& starts,
                      const AdviseOptions& options, const TimeBudget& time);
 

@@ -11,7 +11,7 @@
 namespace bipot {
 namespace {
 
-/// The windows to a tolerance; empty where a step fails.
+/// The windows solved to a tolerance; empty if a step fails.
 std::vector<WindowRun> solve_windows(const StretchReference& reference, bool warm, double tol,
                                      const AdviseOptions& options, const TimeBudget& time) {
   SolverOptions tight;
@@ -30,7 +30,7 @@ std::vector<WindowRun> solve_windows(const StretchReference& reference, bool war
   return runs;
 }
 
-/// Solves the windows again, more tightly. False, and no change, where a step fails.
+/// Solves the windows again, more tightly. False, and no change, if a step fails.
 bool tighten(StretchReference& reference, double tol, const AdviseOptions& options,
              const TimeBudget& time) {
   std::vector<WindowRun> runs =
@@ -41,11 +41,11 @@ bool tighten(StretchReference& reference, double tol, const AdviseOptions& optio
   return true;
 }
 
-/// What runs add to the errors of a reference with the same step.
+/// Errors that runs add to a reference with the same step.
 Accuracy added_errors(const std::vector<WindowRun>& runs, const StretchReference& reference) {
   const double radius = smallest_radius(reference.scene);
   Accuracy error = window_errors(runs, reference.runs, radius, reference.floor);
-  error.penetration = 0;  // what the solver adds to the step's own
+  error.penetration = 0;  // added by the solver to that of the step
   for (std::size_t w = 0; w < runs.size(); ++w) {
     const double more = (runs[w].penetration - reference.runs[w].penetration) / radius;
     error.penetration = std::max(error.penetration, more);
@@ -53,12 +53,12 @@ Accuracy added_errors(const std::vector<WindowRun>& runs, const StretchReference
   return error;
 }
 
-/// The trial over the windows of the study, against tight solves with the same step: errors of a
-/// step are here the start of the next, which trials of single steps cannot show.
+/// Runs a trial over the windows of the study, against tight solves with the same step. Errors of a
+/// step are then the start of the next, which trials of single steps cannot show.
 void run_stretches(SolverTrial& trial, StretchReference& reference, const AdviseOptions& options,
                    const TimeBudget& time) {
   trial.stretch = {kInfinity, kInfinity, kInfinity};
-  // Who is no looser than the reference cannot be judged by it.
+  // A trial no looser than the reference cannot be judged by it.
   constexpr double kTighter = 0.1;
   if (reference.tol > 1.01 * kTighter * trial.tol &&
       !tighten(reference, kTighter * trial.tol, options, time)) {
@@ -112,7 +112,7 @@ void try_stretches(StretchReference reference, const std::vector<SampledProblem>
   const auto same_line = [](const SolverTrial& a, const SolverTrial& b) {
     return a.solver.label == b.solver.label && a.warm == b.warm;
   };
-  double best = kInfinity;  // seconds of a solve of what met the budget on stretches
+  double best = kInfinity;  // seconds of a solve of trials that met the budget on stretches
   while (!options.stopped()) {
     if (time.past(best < kInfinity ? TimeBudget::kStretchesEnd : 1)) return;
     int next = -1;

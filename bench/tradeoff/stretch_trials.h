@@ -15,20 +15,19 @@ struct StretchReference {
   double factor = 1, window = 0, tol = 0, floor = 0;
   std::vector<const State<2>*> starts;
   std::vector<WindowRun> runs;
-  /// By what as tight a run that starts its steps elsewhere differs; NaN: not run, or failed.
+  /// Difference of an equally tight run with other starts of its steps; NaN: not run, or failed.
   Accuracy spread{kNaN, kNaN, kNaN};
 };
 
-/// Runs the windows once more, as tightly, with steps that start from s = 0 where the scene's start
-/// from the step before, or the other way round. Steps with several exact answers may end on others
-/// then, and those are the start of the next: what two such runs differ by no solver can promise.
+/// Runs the windows once more, equally tightly, with the other kind of start: s = 0 instead of the
+/// previous step, or the reverse. Steps with several exact answers may then end at others, which
+/// start the next step. No solver can be more accurate than the difference of two such runs.
 void measure_spread(StretchReference& reference, const AdviseOptions& options,
                     const TimeBudget& time);
 
-/// Runs stretches with the trials that meet the budget, cheapest first. Where one misses it, the
-/// same solver at a tighter tolerance joins the trials; errors of at most half the spread count as
-/// none. Ends when what is left takes much longer
-/// than the best so far, or with the time.
+/// Runs stretches with the trials that meet the budget, cheapest first. If one misses it, the same
+/// solver at a tighter tolerance joins the trials. Errors of at most half the spread count as zero.
+/// Ends if the rest takes much longer than the best so far, or at the time limit.
 void try_stretches(StretchReference reference, const std::vector<SampledProblem>& problems,
                    const AdviseOptions& options, const TimeBudget& time, Advice& advice);
 

@@ -6,13 +6,13 @@
 
 namespace bipot {
 
-/// The wall time that an advice may take, and the parts of it after which a stage must be done.
+/// The wall time of an advice, and the fractions of it at which stages must be done.
 class TimeBudget {
  public:
   static constexpr double kTightRunEnd = 0.06, kRunEnd = 0.25, kStepsEnd = 0.52,
                           kReferencesEnd = 0.66, kTrialsEnd = 0.8, kStretchesEnd = 0.92;
 
-  /// Counts from now; `limit` in seconds.
+  /// Counts from construction; `limit` in seconds.
   explicit TimeBudget(double limit) : limit_(limit) {}
   /// Spent so far [s].
   double seconds() const { return watch_.seconds(); }

@@ -63,7 +63,7 @@ TradeScene load_target(const std::string& target, const TradeOptions& options) {
   return made;
 }
 
-/// Velocities that tell whether nearby runs stay together.
+/// Adds small random velocities: they show whether nearby runs stay together.
 void kick(Scene<2>& scene, int replica) {
   if (replica == 0) return;
   double mass = 0, force = 0;
@@ -95,7 +95,7 @@ class Runner {
 
   bool stopped() const { return options_.interrupted && options_.interrupted(); }
 
-  /// All replicas of a setting. True when all were completed.
+  /// Runs all replicas of a setting. True if all were completed.
   bool run(const TradeScene& scene, const TradeSetting& setting) {
     for (int replica = 0; replica < scene.replicas && !stopped(); ++replica) {
       add(run_one(scene, setting, replica));
@@ -146,11 +146,11 @@ class Runner {
     scene.dem.stiffness = std::isfinite(setting.stiffness) ? setting.stiffness : 0;
     kick(scene, replica);
 
-    // CPU time: what else the machine does must not decide which rows there are.
+    // CPU time: other work on the machine must not decide which rows there are.
     const CpuStopwatch watch;
     const auto out_of_time = [&, polls = 0]() mutable {
       if (stopped()) return true;
-      // Asking the clock costs more than an iteration on a few contacts.
+      // On a few contacts, reading the clock costs more than an iteration.
       return ++polls % 16 == 0 && watch.seconds() > options_.time_limit;
     };
     SceneRunOptions<2> run_options;

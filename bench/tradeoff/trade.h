@@ -16,7 +16,7 @@ struct TradeSetting {
   std::string solver;       ///< nonsmooth
   double tol = kNaN;        ///< nonsmooth
   double step_factor = 1;   ///< time step over the scene's
-  double overlap = kNaN;    ///< springs: aimed at, of the smallest radius, or
+  double overlap = kNaN;    ///< springs: target, relative to the smallest radius, or
   double stiffness = kNaN;  ///< springs: given                                 [N/m]
 
   bool dem() const { return model == Model::kSpringDashpot; }
@@ -46,7 +46,7 @@ struct TradeRow {
   double cpu_per_second() const { return simulated > 0 ? cpu / simulated : kNaN; }
 };
 
-/// What is known of a scene before it is run.
+/// A scene, and data known before its run.
 struct TradeScene {
   std::string name, target, title;
   Scene<2> scene;
@@ -55,19 +55,21 @@ struct TradeScene {
 };
 
 struct TradeOptions {
-  std::vector<std::string> targets;  ///< scene file or shipped name, ":steps=N" behind it
+  /// Scene file or shipped name, followed by ":steps=N" if wanted.
+  std::vector<std::string> targets;
   std::vector<std::string> solvers = {"auto"};
   std::vector<double> tols = {1e-1, 1e-2, 1e-3, 1e-4, 1e-6};
   std::vector<double> step_factors = {2, 1, 0.5, 0.25};
   std::vector<double> overlaps = {1e-2, 1e-3, 1e-4};  ///< of the springs' rows, or
   std::vector<double> stiffness;                      ///< these instead            [N/m]
   double time_limit = 20;                             ///< CPU seconds of one run
-  /// Relative error of an outcome below which nobody looks: no solver has to beat it.
+  /// Relative error of an outcome that is negligible: no solver has to be better.
   double accuracy = 1e-4;
-  /// Runs once more at the tightest tolerance that the first solver completed: where steps have
-  /// several exact answers, solvers choose different ones. Empty, or one of `solvers`: nobody.
+  /// A solver that runs once more at the tightest tolerance that the first solver completed. On
+  /// steps with several exact answers, solvers choose different ones. Empty, or one of `solvers`:
+  /// none.
   std::string witness;
-  int replicas = 3;  ///< of scenes whose disks fly freely: runs that differ in tiny kicks
+  int replicas = 3;  ///< of scenes whose disks fly freely: runs with small perturbations
   std::function<void(const TradeRow&)> on_row;
   std::function<bool()> interrupted;
 };
@@ -83,17 +85,17 @@ struct Trade {
 std::vector<std::string> trade_targets(bool quick);
 
 /// Runs whole simulations, scene by scene:
-///   1. every solver at every tolerance, loose to tight, with the scene's time step, and the witness
-///      at the tightest;
-///   2. the first solver at every other time step, at the tightest tolerance that was completed and
-///      whose cost promises to fit the time limit at the shortest step;
+///   1. every solver at every tolerance, loose to tight, with the scene's time step, and the
+///      witness at the tightest;
+///   2. the first solver at every other time step, at the tightest completed tolerance whose cost
+///      is expected to fit the time limit at the shortest step;
 ///   3. the spring-dashpot model at every stiffness, with the scene's step.
-/// Where disks fly freely, nearby runs drift apart: each setting is run `replicas` times, the first
-/// as the scene says, the others with random velocities of 1e-3 √(a r) added to each disk
-/// (acceleration a of gravity or driven walls, smallest radius r), the same for every setting.
-/// A run that fails or runs out of time is a row that says so; what would cost more (tighter
-/// tolerance, further replicas, stiffer springs) is then not run, and says so. Throws
-/// std::invalid_argument and SceneFileError for targets, solvers and stiffness that cannot be.
+/// If disks fly freely, nearby runs diverge. Each setting then runs `replicas` times: the first as
+/// the scene says, the others with random velocities of 1e-3 √(a r) added to each disk. Here a is
+/// the acceleration of gravity or driven walls, and r the smallest radius; the velocities are the
+/// same for every setting. A run that fails or exceeds its time is a row with that status. Costlier
+/// runs (tighter tolerance, further replicas, stiffer springs) are then skipped, with a message.
+/// Throws std::invalid_argument and SceneFileError for impossible targets, solvers and stiffness.
 Trade run_trade(const TradeOptions& options);
 
 }  // namespace bipot

@@ -111,7 +111,7 @@ void time_step_error(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e)
   if (usable(half) && usable(quarter)) {
     const double first = value - half->means[q], second = half->means[q] - quarter->means[q];
     const double ratio = first / second;
-    // Orders between 0.6 and 3, and differences that stand out of what replicas differ by.
+    // Accepts orders between 0.6 and 3, and differences larger than those of replicas.
     if (ratio > 1.5 && ratio < 8 && std::abs(first) / scale > e.noise) {
       e.step_error = std::abs(first) * ratio / (ratio - 1) / scale;
       e.step_error_kind = fmt::format("Richardson, order {:.1f}", std::log2(ratio));
@@ -133,7 +133,7 @@ void time_step_error(const SceneTrade& s, std::size_t q, TradeQuantityErrors& e)
   }
 }
 
-/// Solvers at the tightest tolerance of the first one, which ended elsewhere.
+/// Solvers at the tightest tolerance of the first one, with another outcome.
 void choice_error(SceneTrade& s, std::size_t q, TradeQuantityErrors& e) {
   const double scale = s.scene->quantities[q].scale(e.reference);
   const TradeCell* own = s.find({.solver = s.solver, .tol = s.tols.back()});
@@ -244,7 +244,7 @@ double SceneTrade::worst_error(const TradeCell& cell, std::size_t* which) const 
 }
 
 std::string SceneTrade::choice_sentence() const {
-  // What is below the accuracy asked for is not worth a word.
+  // Errors below the required accuracy are not reported.
   const TradeQuantityErrors* most = nullptr;
   std::size_t which = 0;
   for (std::size_t q = 0; q < quantities.size(); ++q) {

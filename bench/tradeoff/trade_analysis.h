@@ -14,10 +14,11 @@ namespace bipot {
 struct TradeCell {
   TradeSetting setting;
   int runs = 0, completed = 0;
-  std::string status;         ///< "completed", or that of the first replica that was not
-  std::string message;        ///< of that replica
-  std::vector<double> means;  ///< of the scene's quantities over the replicas; NaN unless all done
-  double cpu = kNaN;          ///< mean of a run                                       [s]
+  std::string status;   ///< "completed", or that of the first replica that was not
+  std::string message;  ///< of that replica
+  /// Of the scene's quantities over the replicas; NaN unless all were completed.
+  std::vector<double> means;
+  double cpu = kNaN;             ///< mean of a run                                       [s]
   double cpu_per_second = kNaN;  ///< of simulated time
   double iterations = kNaN, penetration = kNaN, worst_guarded = kNaN, stiffness = kNaN;
 
@@ -28,28 +29,27 @@ struct TradeCell {
 struct TradeQuantityErrors {
   double reference = kNaN;  ///< exact, or at the shortest step completed
   std::string reference_kind;
-  /// What the scene's time step costs: against the exact value; by Richardson extrapolation where
-  /// three steps halved twice shrink the differences like a power of h; else the largest difference
+  /// Error of the scene's time step: against the exact value; else by Richardson extrapolation, if
+  /// three steps halved twice reduce the differences like a power of h; else the largest difference
   /// to shorter steps; else that to twice the step.
   double step_error = kNaN;
   std::string step_error_kind;
-  /// Twice the standard error of the difference of two means over the replicas: what nearby runs
-  /// differ by anyway. 0 with a single replica.
+  /// Twice the standard error of the difference of two means over the replicas: the difference of
+  /// nearby runs. 0 with a single replica.
   double noise = 0;
-  /// Largest difference of another solver's outcome at the tightest tolerance: solvers that solve
-  /// every step to it and still end elsewhere chose other answers where steps have several. 0 where
-  /// no other solver completed it.
+  /// Largest difference of another solver's outcome at the tightest tolerance. Solvers that solve
+  /// every step to it and still end elsewhere chose other answers. 0 if no other solver completed
+  /// it.
   double choice = 0;
   std::vector<double> solver_error;  ///< of each tolerance of SceneTrade::tols, to the tightest
   double accuracy = 0;               ///< of TradeOptions
-  /// What the solver's error is compared with: max(step_error, noise, accuracy, choice); NaN where
-  /// step_error is.
+  /// Bound for the solver's error: max(step_error, noise, accuracy, choice); NaN if step_error is.
   double bound() const;
   /// Loosest tolerance from which on every solver error is below the bound.
   std::optional<double> sufficient_tol;
 };
 
-/// What the rows say of one scene.
+/// Analysis of the rows of one scene.
 struct SceneTrade {
   const TradeScene* scene = nullptr;
   std::vector<TradeCell> cells;  ///< in the order of the rows
@@ -64,9 +64,9 @@ struct SceneTrade {
   double cpu_sufficient = kNaN, cpu_tightest = kNaN;  ///< per simulated second
 
   const TradeCell* find(const TradeSetting& setting) const;
-  /// At the tolerance that is enough, else at the tightest; null where none was completed.
+  /// At the sufficient tolerance, else at the tightest; null if none was completed.
   const TradeCell* sufficient_cell() const;
-  /// Error of a cell's outcome q against the reference; NaN where either is missing.
+  /// Error of a cell's outcome q against the reference; NaN if either is missing.
   double error(const TradeCell& cell, std::size_t q) const;
   /// The largest of them, and its quantity.
   double worst_error(const TradeCell& cell, std::size_t* which = nullptr) const;
@@ -80,8 +80,8 @@ struct SceneTrade {
 /// The scene and the trade must outlive the result.
 std::vector<SceneTrade> analyse_trade(const Trade& trade);
 
-/// A trade with what its rows say, found once for all reports. The analysis points into the trade:
-/// both are moved together and never copied.
+/// A trade with its analysis, made once for all reports. The analysis points into the trade: both
+/// are moved together and never copied.
 struct AnalysedTrade {
   explicit AnalysedTrade(Trade whole) : trade(std::move(whole)), scenes(analyse_trade(trade)) {}
   AnalysedTrade(AnalysedTrade&&) = default;

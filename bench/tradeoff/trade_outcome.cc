@@ -153,8 +153,8 @@ void OutcomeRecorder::plan_sample() {
   }
 }
 
-/// Without friction, disks that stand on each other in straight columns on a floor load each
-/// contact with the weight above it, whatever the walls do.
+/// Without friction, straight columns of disks on a floor load each contact with the weight above
+/// it, whatever the walls do.
 void OutcomeRecorder::find_columns() {
   if (scene_.has_friction() || !has_floor_ || scene_.bodies.size() < 2) return;
   if (!scene_.clusters.empty()) return;

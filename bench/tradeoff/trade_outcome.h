@@ -8,7 +8,7 @@
 
 namespace bipot {
 
-/// A number that a whole simulation is run for.
+/// A result for which a whole simulation is run.
 struct TradeQuantity {
   std::string name, unit;
   std::string meaning;     ///< one line
@@ -17,14 +17,13 @@ struct TradeQuantity {
   double scale(double reference) const;
 };
 
-/// Takes a run's quantities as it goes by. Which ones depends on the bodies alone, not on the time
-/// step or the model:
+/// Records the quantities of a run. They depend on the bodies alone, not on the time step or the
+/// model:
 ///   a ball above a floor     heights and durations of its first two bounces (Table 1, exact)
 ///   a disk that slides       speed and time from which it rolls (Table 2, exact)
 ///   anything else            height of the sample and of its centre of mass, mean pressure, load
-///                            on the floor over the weight, energy lost, what of it went to
-///                            friction, contacts that carry force, speed that is left, travel of
-///                            driven walls
+///                            on the floor over the weight, energy lost and its part by friction,
+///                            loaded contacts, remaining speed, travel of driven walls
 ///   frictionless columns     besides, the worst force in a column against the weight above it
 /// Loads, pressure, contacts and speed are means over the last tenth of the run.
 class OutcomeRecorder {
@@ -33,7 +32,7 @@ class OutcomeRecorder {
   const std::vector<TradeQuantity>& quantities() const { return quantities_; }
 
   void step(const State<2>& state, const StepReport<2>& report);
-  /// In the order of quantities(); NaN for what the run did not come to.
+  /// In the order of quantities(); NaN for events that the run did not reach.
   std::vector<double> values() const;
 
  private:

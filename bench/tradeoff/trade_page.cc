@@ -57,10 +57,10 @@ class Section {
 
   void intro() {
     add("<p>A tolerance is worth its cost as long as the solver's error in the outcome is larger "
-        "than two others: that of the time step, which a better solver cannot mend, and what "
-        "runs differ by that begin with tiny kicks, where disks fly freely. Each scene below is "
-        "run as a whole, at several tolerances, at several time steps, and with springs and "
-        "dashpots instead of rigid contacts.</p>\n");
+        "than two others: that of the time step, which a better solver cannot reduce, and, where "
+        "disks fly freely, the difference of runs with small initial perturbations. Each scene "
+        "below is run as a whole, at several tolerances, at several time steps, and with springs "
+        "and dashpots instead of rigid contacts.</p>\n");
   }
 
   void answers() {

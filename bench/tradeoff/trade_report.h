@@ -8,7 +8,7 @@
 
 namespace bipot {
 
-/// What a reader must know to run it again.
+/// Data that a reader needs to repeat the run.
 struct TradeContext {
   std::string command;           ///< as it was typed
   std::string command_of_scene;  ///< with {} for the scene

@@ -24,7 +24,7 @@ std::string numbers(const char* flag, const std::vector<double>& values) {
   return fmt::format(" {} {}", flag, fmt::join(words, ","));
 }
 
-/// The command as it was typed, results aside.
+/// The command that makes this request, except output options.
 std::string command_line(const std::string& scenes, const TradeRequest& request) {
   std::string line = "bipot trade";
   if (!scenes.empty()) line += " " + scenes;

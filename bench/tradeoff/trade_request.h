@@ -11,7 +11,7 @@
 
 namespace bipot {
 
-/// What a user asks for. What is left empty takes its default, or the smaller one of `quick`.
+/// Request of a user. Empty entries take their default, or the smaller one of `quick`.
 struct TradeRequest {
   std::vector<std::string> scenes;  ///< empty: trade_targets()
   std::vector<std::string> solvers = {"auto"};
@@ -22,24 +22,24 @@ struct TradeRequest {
   bool quick = false;
 };
 
-/// Who watches a run; both may be empty.
+/// Observers of a run; both may be empty.
 struct TradeWatch {
   std::function<bool()> interrupted;
-  /// `total` bounds the number of settings: that of replicas is not known before.
+  /// `total` is an upper bound: the number of replicas is not known before.
   std::function<void(long done, long total, const std::string& what)> progress;
 };
 
-/// The runs, what they say, and how to make them again.
+/// The runs, their analysis, and the command to repeat them.
 struct FinishedTrade {
   AnalysedTrade analysed;
   TradeContext context;
 };
 
-/// Runs what is asked for. Throws std::invalid_argument for a request that makes no sense, and as
+/// Runs the request. Throws std::invalid_argument for an inconsistent request, and as
 /// run_trade(TradeOptions).
 FinishedTrade run_trade(const TradeRequest& request, const TradeWatch& watch);
 
-/// trade.csv, trade.json and trade.html. Throws FileError.
+/// Writes trade.csv, trade.json and trade.html. Throws FileError.
 void write_trade(const std::filesystem::path& folder, const FinishedTrade& finished);
 
 }  // namespace bipot

@@ -13,7 +13,7 @@
 namespace bipot {
 namespace {
 
-/// How deep each pair that overlaps does so [m].
+/// Overlap of each overlapping pair [m].
 using Overlaps = std::map<std::pair<int, int>, double>;
 Overlaps overlaps_of(const State<2>& state) {
   Overlaps overlaps;

@@ -10,39 +10,40 @@
 
 namespace bipot {
 
-/// Over which time forces are averaged: as asked for [s], 0: a fiftieth of the run.
+/// Time over which forces are averaged: as requested [s], 0: a fiftieth of the run.
 struct WindowLength {
   double seconds = 0;
   int steps = 0;  ///< of the scene's step, a multiple of 4
 };
 WindowLength window_length(const Scene<2>& scene, double asked);
 
-/// What a stretch of a run comes to.
+/// Results of a stretch of a run.
 struct WindowRun {
   bool usable = false;
   std::vector<Vec2>
-      force;  ///< mean contact force on each body (core/observables/measured_bodies.h), then driven walls [N]
+      force;  ///< mean contact force on each body (measured_bodies.h), then driven walls [N]
   double dissipated = 0;   ///< [J]
   double penetration = 0;  ///< largest overlap added by one step                          [m]
 };
 
-/// Impulses of lasting contacts, the warm start, scale with the step.
+/// Scales the impulses of lasting contacts, the warm start, with the step.
 void scale_impulses(State<2>& state, double factor);
 
-/// Follows the scene from a state for `steps` of its steps, which are `factor` times as long as
-/// those that the state was made with.
+/// Runs the scene from a state for `steps` of its steps, which are `factor` times as long as those
+/// of the state.
 WindowRun run_window(const Scene<2>& scene, State<2> state, double factor, int steps,
                      const StepSolver& solver, double accepted);
 
-/// Dissipation below this is nothing: a thousandth of what moves, or falls by a radius.
+/// Dissipation below this counts as zero: a thousandth of the kinetic energy, or of a fall by a
+/// radius.
 double energy_floor(const Scene<2>& scene, const State<2>& state);
 
-/// Errors of `runs` (one a window) against `reference`, see StepStudy; no scaling. The penetration
-/// is the run's own.
+/// Errors of `runs` (one for each window) against `reference`, see StepStudy; no scaling. The
+/// penetration is the run's own.
 Accuracy window_errors(const std::vector<WindowRun>& runs, const std::vector<WindowRun>& reference,
                        double radius, double floor);
 
-/// A solver whose every step may take as long as `seconds_left` says then.
+/// A solver whose every step may take as long as `seconds_left` says at that time.
 StepSolver limited_solver(const SolverEntry& entry, SolverOptions options,
                           std::function<double()> seconds_left);
 

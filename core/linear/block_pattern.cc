@@ -8,14 +8,14 @@ namespace bipot {
 
 namespace {
 
-/// Rows of each column, as of a compressed matrix.
+/// Rows of each column, as in a compressed matrix.
 struct Columns {
   std::vector<int> start{0}, row;
 
   int count() const { return static_cast<int>(start.size()) - 1; }
 };
 
-/// The d x d blocks of W that have an entry, each once, in no order.
+/// The d x d blocks of W with an entry, each once, in no order.
 Columns blocks_of(const Eigen::Ref<const SparseMatrix>& W, int d) {
   const int n = static_cast<int>(W.cols()) / d;
   Columns blocks;
@@ -50,7 +50,7 @@ Columns transposed(const Columns& columns) {
   return rows;
 }
 
-/// Of both and the diagonal, rows ascending.
+/// Union of both and the diagonal, rows ascending.
 Columns united(const Columns& one, const Columns& other) {
   Columns all;
   all.row.reserve(one.row.size() + to_size(one.count()));

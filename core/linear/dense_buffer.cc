@@ -12,7 +12,7 @@ void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* inf
 namespace bipot {
 namespace {
 
-/// The buffer of Debian's OpenBLAS and some pages for what it aligns.
+/// The buffer of Debian's OpenBLAS, and some pages for its alignment.
 constexpr std::size_t kBuffer = (std::size_t{128} << 20) + (std::size_t{64} << 10);
 
 class NoDenseBuffer : public std::bad_alloc {
@@ -36,7 +36,7 @@ void take_dense_buffer() {
   thread_local bool taken = false;
   if (taken) return;
   if (!has_room(kBuffer)) throw NoDenseBuffer();
-  const int one = 1;  // the smallest call: the buffer is OpenBLAS's from here on
+  const int one = 1;  // the smallest call: OpenBLAS allocates its buffer now
   double a = 1;
   int info = 0;
   dpotrf_("L", &one, &a, &one, &info);

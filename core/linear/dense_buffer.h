@@ -2,9 +2,9 @@
 
 namespace bipot {
 
-/// Has OpenBLAS take the buffer that it wants at its first call in a thread, 128 MB of address
-/// space: where it gets none it asks again for ever, and a solve would never end. Throws
-/// std::bad_alloc, whose what() says so. After the first success in a thread it does nothing.
+/// Makes OpenBLAS allocate its buffer of 128 MB of address space in this thread. If it cannot get
+/// that memory at its first call, it retries for ever, and a solve would never end. Throws
+/// std::bad_alloc with an explanation. After the first success in a thread it has no effect.
 void take_dense_buffer();
 
 }  // namespace bipot

@@ -22,7 +22,7 @@ void dgeqp3_(const int* m, const int* n, double* a, const int* lda, int* jpvt, d
 namespace bipot {
 namespace {
 
-/// Calls routine(work, length, info) for the length that it asks for, then with that much.
+/// Calls routine(work, length, info) for the required length, then with that workspace.
 template <class Routine>
 void with_workspace(Routine&& routine) {
   int length = -1, info = 0;

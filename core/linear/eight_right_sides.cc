@@ -7,7 +7,7 @@
 namespace bipot {
 namespace {
 
-// One number of each right side in one variable, whatever width the machine's registers have.
+// One number of each right-hand side in one variable, for any width of the machine's registers.
 using Eight [[gnu::vector_size(64)]] = double;
 static_assert(sizeof(Eight) == kRightSides * sizeof(double));
 
@@ -20,8 +20,8 @@ static_assert(sizeof(Eight) == kRightSides * sizeof(double));
   std::memcpy(y + row * kRightSides, &eight, sizeof eight);
 }
 
-/// out_i -= sum_j x[i down + j along] y_j for kRows rows, all sums in registers. Few rows have two sums
-/// each: a product need not wait for the one before.
+/// out_i -= sum_j x[i down + j along] y_j for kRows rows, all sums in registers. With few rows each
+/// has two sums, so that products are independent.
 template <int kRows>
 [[gnu::always_inline]] inline void subtract_rows(int count, const double* x, std::ptrdiff_t down,
                                                  std::ptrdiff_t along, const double* y,
@@ -48,8 +48,8 @@ template <int kRows>
   for (int k = 0; k < kRows; ++k) put(kRows < 4 ? sum[k] + other[k] : sum[k], out, k);
 }
 
-/// The same for any number, four at once: their sums fit into the registers of AVX2, and hide each
-/// other's latency.
+/// The same for any number of rows, four at once: their sums fit into the registers of AVX2 and
+/// hide the latency.
 [[gnu::always_inline]] inline void subtract_all(int rows, int count, const double* x,
                                                 std::ptrdiff_t down, std::ptrdiff_t along,
                                                 const double* y, double* __restrict out) {
@@ -61,10 +61,10 @@ template <int kRows>
   if (rows == 1) subtract_rows<1>(count, x, down, along, y, out);
 }
 
-// Rows of a triangle between two products with all that is solved already.
+// Rows of a triangle between two products with the solved part.
 constexpr int kBlock = 4;
 
-/// A block of the unit lower triangle, of the upper one: in registers where it is whole.
+/// Solves a block of the unit lower or the upper triangle, in registers if it is whole.
 template <int kCount>
 [[gnu::always_inline]] inline void solve_lower_block(const double* x, std::ptrdiff_t stride,
                                                      double* y) {

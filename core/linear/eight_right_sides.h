@@ -4,13 +4,13 @@
 
 namespace bipot {
 
-/// Right sides that the substitution of frontal_lu.h takes at once: each number of the factor is read
-/// once for all of them, and meets as many numbers as a register of 512 bits holds.
+/// Number of right-hand sides that the substitution of frontal_lu.h processes at once. Each number
+/// of the factor is read once for all of them; eight fill a register of 512 bits.
 inline constexpr int kRightSides = 8;
 
-/// The loops of that substitution, compiled for several instruction sets; the machine decides when
-/// the program starts. A right side's numbers stand kRightSides apart: y is rows of so many. Sums
-/// have one order in all of them, and no right side sees another.
+/// The loops of that substitution, compiled for several instruction sets, chosen at program start.
+/// y has kRightSides numbers in each row. All instruction sets sum in the same order. Right-hand
+/// sides do not affect each other.
 
 /// out_i -= sum_j x(i, j) y_j, i < n, j < count; columns of x are `stride` apart.
 void subtract_columns_of_eight(int n, int count, const double* x, std::ptrdiff_t stride,

@@ -19,15 +19,15 @@ void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
 namespace bipot {
 namespace {
 
-/// The lower triangle, by columns without what is above it, that the rows of a front below its pivots
-/// have to add to its parent, and where these stand there.
+/// Contribution of a front to its parent: the lower triangle of the rows below its pivots, packed
+/// by columns, and the positions of these rows in the parent.
 struct Contribution {
   const double* block;
   int n;
   const int* relative;
   int pivots;  ///< rows that are pivots of the parent
 
-  /// Its entry (i, j) is column(j)[i], i >= j.
+  /// Entry (i, j) is column(j)[i], i >= j.
   const double* column(int j) const {
     const std::ptrdiff_t k = j;
     return block + k * n - k * (k + 1) / 2;
@@ -36,7 +36,7 @@ struct Contribution {
 
 std::size_t packed_size(int n) { return to_size(n) * to_size(n + 1) / 2; }
 
-/// The lower triangle of a full block, packed; the two may overlap where `to` is not behind.
+/// Packs the lower triangle of a full block; the two may overlap if `to` is not behind.
 void pack(const double* full, int n, double* to) {
   for (int j = 0; j < n; ++j, full += n) {
     std::memmove(to, full + j, sizeof(double) * to_size(n - j));
@@ -44,7 +44,8 @@ void pack(const double* full, int n, double* to) {
   }
 }
 
-/// Numbers that the contributions of a tree's fronts take at most, the one being made in full.
+/// Largest number of entries in all contributions of a tree's fronts at one time, the current one
+/// in full.
 std::size_t packed_stack(const FrontalTree& t) {
   std::vector<std::size_t> held;
   std::size_t top = 0, most = 0;
@@ -68,7 +69,7 @@ void add_to_pivots(const Contribution& c, int rows, double* panel) {
   }
 }
 
-/// To the parent's own contribution, h x h, whose rows are those after its `columns` pivots.
+/// Adds to the parent's own contribution, h x h, whose rows are those after its `columns` pivots.
 void add_to_rest(const Contribution& c, int columns, int h, double* own) {
   for (int j = c.pivots; j < c.n; ++j) {
     const double* from = c.column(j);
@@ -142,7 +143,7 @@ bool FrontalCholesky<Real>::factor(const AddColumn& add) {
   return factored_;
 }
 
-/// The entries that the front takes, of the lower triangle, in place of what the panel held.
+/// Adds the entries that the front takes, of the lower triangle, to a cleared panel.
 template <class Real>
 void FrontalCholesky<Real>::assemble(int front, const AddColumn& add, double* panel) {
   const FrontalTree& t = *tree_;
@@ -166,7 +167,7 @@ template <class Real>
 bool FrontalCholesky<Real>::eliminate(const AddColumn& add) {
   const FrontalTree& t = *tree_;
   std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
-  std::vector<int> relative;  // places of the rows of a front's children in it, child by child
+  std::vector<int> relative;  // positions of the rows of a front's children in it, child by child
   /// The contributions of the front's children, `begin` of the list first.
   const auto for_children = [&](int front, std::size_t begin, const auto& add_to) {
     std::size_t place = 0;

@@ -10,11 +10,11 @@
 
 namespace bipot {
 
-/// Where the entries of a column of the matrix go in the front that eliminates it.
+/// Destination of the entries of a column of the matrix in the front that eliminates it.
 struct FrontColumn {
   const int* place;     ///< of each row of the matrix in the order of elimination
   const int* position;  ///< of these in the front
-  int first;            ///< the front's first; rows before were taken by other fronts
+  int first;            ///< the front's first; rows before belong to other fronts
   double* value;        ///< the column in the front
 
   bool takes(int row) const { return place[row] >= first; }
@@ -30,22 +30,22 @@ struct FrontColumn {
 template <class Real>
 class FrontalCholesky {
  public:
-  /// The symbolic analysis alone, for callers who look at their clock between it and the first
-  /// factor(). False: memory ran out.
+  /// The symbolic analysis alone, for callers who check their clock before the first factor().
+  /// False: memory ran out.
   [[nodiscard]] bool analyse(const SymmetricPattern& A);
   /// A: symmetric, both triangles stored, compressed, rows ascending, with the diagonal in its
-  /// pattern. False when A is not positive definite or not finite, or memory ran out.
+  /// pattern. False if A is not positive definite or not finite, or memory ran out.
   [[nodiscard]] bool factor(const SparseMatrix& A);
-  /// The same of a matrix that is nowhere stored, of the pattern that was analysed: `add(j, to)` adds
+  /// The same for a matrix that is not stored, with the pattern of the analysis. `add(j, to)` adds
   /// the entries (i, j) with to.takes(i) to to[i], which are 0 before; each column once.
   using AddColumn = std::function<void(int column, const FrontColumn& to)>;
   [[nodiscard]] bool factor(const AddColumn& add);
-  /// Rows and columns are multiplied by these, powers of two, before they are eliminated: floats reach
-  /// no farther than 1e-38 to 1e38. After an analysis; none for an empty vector.
+  /// Rows and columns are multiplied by these, powers of two, before they are eliminated: floats
+  /// reach no farther than 1e-38 to 1e38. After an analysis; none for an empty vector.
   void scale_by(const Vector& scale);
   /// x = A⁻¹ b; x may be b. Requires a successful factor(). No allocation after the first call.
   void solve(const Vector& b, Vector& x) const;
-  /// Numbers kept of L. Requires a successful factor().
+  /// Numbers stored of L. Requires a successful factor().
   std::size_t num_entries() const { return entries_; }
 
  private:

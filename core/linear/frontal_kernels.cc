@@ -23,7 +23,7 @@ template <class Real>
   }
 }
 
-// Four numbers in one variable, whatever width the machine's registers have.
+// Four numbers in one variable, for any width of the machine's registers.
 template <class Real>
 struct FourOf;
 template <>
@@ -137,7 +137,7 @@ template <class Real>
     x[i] *= factor;
     const Real size = std::abs(x[i]);
     largest = size > largest ? size : largest;
-    sum += x[i] - x[i];  // zero, or not a number where x is not finite
+    sum += x[i] - x[i];  // zero, or NaN if x is not finite
   }
   return largest + sum;
 }

@@ -4,8 +4,8 @@
 
 namespace bipot {
 
-/// The vector loops of the factorisation by fronts (frontal_lu.h), compiled for several instruction
-/// sets; the machine decides when the program starts. Sums have one order in all of them.
+/// The vector loops of the multifrontal factorisation (frontal_lu.h), compiled for several
+/// instruction sets, chosen at program start. All sum in the same order.
 
 /// y -= sum_j a[j] x_j, j < count; x_j are the columns of x, `stride` apart, of n numbers.
 void subtract_columns(int n, int count, const double* a, const double* x, std::ptrdiff_t stride,
@@ -19,15 +19,15 @@ void subtract_products(int n, int count, const double* x, std::ptrdiff_t stride,
 void subtract_products(int n, int count, const float* x, std::ptrdiff_t stride, const float* y,
                        float* out);
 
-/// y = L⁻¹ y, y = U⁻¹ y: the unit lower and the upper triangle of the n columns of x, `stride` apart,
-/// which has the inverses of U's diagonal in its place. By four columns: the way from one number to
-/// the next through memory and a division was longer than all else.
+/// y = L⁻¹ y, y = U⁻¹ y: the unit lower and the upper triangle of the n columns of x, `stride`
+/// apart. The diagonal holds the inverses of that of U. Four columns at once shorten the dependency
+/// chain.
 void solve_unit_lower(int n, const double* x, std::ptrdiff_t stride, double* y);
 void solve_unit_lower(int n, const float* x, std::ptrdiff_t stride, float* y);
 void solve_upper(int n, const double* x, std::ptrdiff_t stride, double* y);
 void solve_upper(int n, const float* x, std::ptrdiff_t stride, float* y);
 
-/// x *= factor. max |x_i| of the products; not a number where one is not finite.
+/// x *= factor. Returns max |x_i| of the products; NaN if one is not finite.
 double scale_column(int n, double factor, double* x);
 float scale_column(int n, float factor, float* x);
 

@@ -25,12 +25,12 @@ void dgemm_(const char*, const char*, const int*, const int*, const int*, const 
 namespace bipot {
 namespace {
 
-// Of the largest entry that a diagonal pivot must have: below, rows are exchanged. Loose, so that
-// ties and the rounding of the scales decide nothing.
+// Least diagonal pivot relative to the largest entry: below it rows are exchanged. Loose, so that
+// ties and the rounding of the scales have no effect.
 constexpr double kDiagonalIsGood = 0.1;
-// Largest entry of a matrix that the diagonal has scaled to about one, where these scales stay.
+// Largest entry for which the scales of the diagonal are kept.
 constexpr double kDiagonalScales = 1e3;
-// Numbers of a factor from which on fronts are fetched ahead: 8 MB, more than a core's own cache.
+// Size of a factor from which fronts are prefetched: 8 MB, more than a core's own cache.
 constexpr std::size_t kFetchFrom = std::size_t{1} << 20;
 constexpr int kBlock = 16;  // columns that are eliminated by vectors before a matrix product
 
@@ -40,9 +40,9 @@ void subtract_product(bool transposed, int m, int n, int k, const double* A, int
   const double alpha = -1;
   dgemm_("N", transposed ? "T" : "N", &m, &n, &k, &alpha, A, &lda, B, &ldb, &beta, C, &ldc);
 }
-/// A front as it stands in the factor: the panel of `rows` x `columns`, by columns, the inverses of
-/// the pivots on its diagonal, and below it the transpose of what stands right of the pivots,
-/// `rows - columns` x `columns`.
+/// A front in the factor. First the panel of `rows` x `columns`, by columns, with the inverses of
+/// the pivots on its diagonal. Below it the transpose of the part right of the pivots, `rows -
+/// columns` x `columns`.
 template <class Real>
 struct Front {
   int columns, rows;
@@ -54,16 +54,16 @@ struct Front {
   Real* right_of(int j) const { return upper + static_cast<std::ptrdiff_t>(j) * height(); }
 };
 
-/// Asks for numbers that are needed soon: fronts are too short for the machine to foresee the next.
+/// Prefetches numbers: fronts are too short for the hardware to predict the next.
 template <class Real>
 void fetch(const Real* begin, const Real* end) {
   constexpr std::ptrdiff_t kLine = 64 / sizeof(Real);
   for (; begin < end; begin += kLine) __builtin_prefetch(begin, 0, 2);
 }
 
-/// Eliminates the columns begin .. end - 1 of a panel, of whose rows the first `columns` may be
-/// exchanged, as exchange[] tells; the inverse of a pivot takes its place. Largest multiplier in the
-/// rows below the pivots'; a negative number: no pivot.
+/// Eliminates the columns begin .. end - 1 of a panel. Its first `columns` rows may be exchanged,
+/// as recorded in exchange[]; the inverse of a pivot takes its place. Returns the largest
+/// multiplier in the rows below the pivots'; a negative number: no pivot.
 double eliminate_columns(const Front<double>& f, int begin, int end, int* exchange) {
   double factors[kBlock], largest = 0;
   for (int j = begin; j < end; ++j) {
@@ -92,8 +92,8 @@ double eliminate_columns(const Front<double>& f, int begin, int end, int* exchan
   return largest;
 }
 
-/// Eliminates the columns of a front. Largest multiplier in the rows below the pivots'; a negative
-/// number: no pivot.
+/// Eliminates the columns of a front. Returns the largest multiplier in the rows below the pivots';
+/// a negative number: no pivot.
 double eliminate(const Front<double>& f, int* exchange) {
   double factors[kBlock], largest = 0;
   for (int begin = 0; begin < f.columns; begin += kBlock) {
@@ -101,7 +101,7 @@ double eliminate(const Front<double>& f, int* exchange) {
     const double size = eliminate_columns(f, begin, end, exchange);
     if (size < 0) return -1;
     if (!(size <= largest)) largest = size;
-    // The same for what stands right of the pivots, whose columns are rows of the front.
+    // The same for the part right of the pivots, whose columns are rows of the front.
     for (int k = begin + 1; f.height() > 0 && k < end; ++k) {
       for (int j = begin; j < k; ++j) factors[j - begin] = f.column(j)[k];
       subtract_columns(f.height(), k - begin, factors, f.right_of(begin), f.height(),
@@ -123,8 +123,8 @@ double eliminate(const Front<double>& f, int* exchange) {
   return largest;
 }
 
-/// Adds the part of a child's contribution (n x n) that the pivots of the front see. Number of the
-/// child's rows that are pivots.
+/// Adds the part of a child's contribution (n x n) that belongs to the pivots of the front. Returns
+/// the number of the child's rows that are pivots.
 int add_to_pivots(const double* block, int n, const int* relative, const Front<double>& f) {
   const int pivots =
       static_cast<int>(std::lower_bound(relative, relative + n, f.columns) - relative);
@@ -152,7 +152,7 @@ void add_to_contribution(const double* block, int n, const int* relative, int pi
   }
 }
 
-/// The power of two next to 1 / sqrt(size) by exponents; nothing where size is zero or not finite.
+/// The power of two next to 1 / sqrt(size) by exponents; empty if size is zero or not finite.
 double inverse_root(double size) {
   constexpr int kDigits = std::numeric_limits<double>::digits - 1, kBias = 1023;
   const auto bits = std::bit_cast<std::uint64_t>(size) >> kDigits;
@@ -166,7 +166,7 @@ double inverse_root(double size) {
 
 }  // namespace
 
-/// Where the values of a matrix of symmetric pattern have the entry (j, i) of each entry (i, j), and the
+/// Positions of the entry (j, i) for each entry (i, j) of a matrix of symmetric pattern, and of the
 /// diagonal.
 struct StoredPositions {
   std::vector<int> transposed, diagonal;
@@ -313,8 +313,8 @@ bool FrontalLU<Real>::Impl::analyse(const SymmetricPattern& pattern) {
   return true;
 }
 
-/// Whether none of the scaled entries is larger than `most`, or not a number; `sizes`, where given:
-/// raised to the largest of each row and column.
+/// True if all scaled entries are numbers up to `most`. `sizes`, if given, is raised to the largest
+/// of each row and column.
 template <class Real>
 bool FrontalLU<Real>::Impl::look_at_entries(const MatrixByLines& A, double most, double* sizes) {
   FrontLine line;
@@ -329,8 +329,8 @@ bool FrontalLU<Real>::Impl::look_at_entries(const MatrixByLines& A, double most,
   return line.within_;
 }
 
-/// Powers of two near 1 / sqrt of the diagonal, which change with the units of rows and columns as A
-/// does. False: there are none.
+/// Powers of two near 1 / sqrt of the diagonal, which change with the units of rows and columns as
+/// A does. False: there are none.
 template <class Real>
 bool FrontalLU<Real>::Impl::scale_by_diagonal(const MatrixByLines& A) {
   for (int j = 0; j < tree->size(); ++j) {
@@ -340,7 +340,8 @@ bool FrontalLU<Real>::Impl::scale_by_diagonal(const MatrixByLines& A) {
   return true;
 }
 
-/// The same of the largest entry in row or column. False: a row of zeros, an entry is not finite.
+/// The same for the largest entry in row or column. False: a row of zeros, or an entry is not
+/// finite.
 template <class Real>
 bool FrontalLU<Real>::Impl::scale_by_largest(const MatrixByLines& A) {
   std::fill(scale.begin(), scale.end(), 1.0);
@@ -350,7 +351,7 @@ bool FrontalLU<Real>::Impl::scale_by_largest(const MatrixByLines& A) {
   return std::find(scale.begin(), scale.end(), 0.0) == scale.end();
 }
 
-/// The entries that the front takes. False: one is larger than `most`, or not a number.
+/// Adds the entries that the front takes. False: one is larger than `most`, or NaN.
 template <class Real>
 bool FrontalLU<Real>::Impl::assemble(const MatrixByLines& A, double most, int s,
                                      const Front<double>& f) {
@@ -382,8 +383,8 @@ bool FrontalLU<Real>::Impl::assemble(const MatrixByLines& A, double most, int s,
   return line.within_;
 }
 
-/// All fronts, children before parents. False: a pivot is zero or not finite, a scaled entry larger
-/// than `most`.
+/// Eliminates all fronts, children before parents. False: a pivot is zero or not finite, or a
+/// scaled entry is larger than `most`.
 template <class Real>
 bool FrontalLU<Real>::Impl::run(const MatrixByLines& A, double most) {
   const FrontalTree& t = *tree;
@@ -471,7 +472,7 @@ bool FrontalLU<Real>::factor(const MatrixByLines& A) {
     }
     return true;
   }
-  // A pivot alone is no reason for other scales.
+  // A bad pivot alone is no reason for other scales.
   if (by_diagonal && f.look_at_entries(A, kDiagonalScales, nullptr)) return false;
   return f.scale_by_largest(A) && f.run(A, kInfinity);
 }
@@ -490,7 +491,7 @@ void FrontalLU<Real>::Impl::substitute_forward() {
   for (int s = 0; s < t.num_fronts(); ++s) {
     const Front<Real> f = front(s);
     Real* own = x.data() + t.first[to_size(s)];
-    // A right side of few numbers stays away from most fronts.
+    // A sparse right-hand side does not reach most fronts.
     if (std::all_of(own, own + f.columns, [](Real value) { return value == 0; })) continue;
     fetch_forward(s + 1);
     const int* swaps = exchange.data() + t.first[to_size(s)];

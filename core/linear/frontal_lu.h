@@ -12,11 +12,11 @@
 
 namespace bipot {
 
-/// A column of a matrix on its way into the front that eliminates it, or a row: add() each entry once,
-/// in any order.
+/// A column (or row) of a matrix for assembly into the front that eliminates it: call add() for
+/// each entry once, in any order.
 class FrontLine {
  public:
-  /// Whether it has the entry in that row, for a column, or column, for a row: others will be ignored.
+  /// True if this front stores the entry at index `other`. Entries of earlier fronts are ignored.
   bool takes(int other) const { return position_ == nullptr || position_[other] >= least_; }
   void add(int other, double value) {
     if (!takes(other)) return;
@@ -32,18 +32,18 @@ class FrontLine {
  private:
   template <class Real>
   friend class FrontalLU;
-  const int* position_ = nullptr;  // of a line of the matrix in the front, -1 where others took it
+  const int* position_ = nullptr;  // of a line of the matrix in the front, -1 if others took it
   int least_ = 0;                  // that it takes
   const double* scales_ = nullptr;
   double scale_ = 1;           // of the line
-  double* value_ = nullptr;    // the line in the front, where it is to be filled
+  double* value_ = nullptr;    // the line in the front, if it is to be filled
   double most_ = kInfinity;    // that an entry may be
   bool within_ = true;         // none was larger, or not a number
   int line_ = 0;               // of the matrix
-  double* largest_ = nullptr;  // of each row and column, for a look at the entries alone
+  double* largest_ = nullptr;  // of each row and column, to inspect the entries alone
 };
 
-/// A matrix that need not be stored anywhere. Both give all entries of the line, zeros at will.
+/// A matrix that need not be stored. Both members give all entries of the line; zeros are allowed.
 class MatrixByLines {
  public:
   virtual ~MatrixByLines() = default;
@@ -58,14 +58,15 @@ class MatrixByLines {
 };
 
 /// Sparse LU of a matrix of symmetric pattern, by dense fronts (multifrontal method: Duff and Reid
-/// 1983, Liu 1992): the columns of a front are eliminated by dense kernels, rows are exchanged
-/// among these only. So nothing depends on the values but the exchanges, and the analysis holds
-/// for all of them; a pivot that is small against the rows that the front may not take makes the
-/// factor inaccurate. `largest_multiplier()` tells, and whoever factors looks. Rows and columns are
-/// scaled beforehand by powers of two, to about one.
+/// 1983, Liu 1992). The columns of a front are eliminated by dense kernels; rows are exchanged
+/// within the front alone. The structure is then independent of the values, and one analysis serves
+/// all of them. Rows and columns are scaled before by powers of two, to about one.
 ///
-/// Real is what the factor is kept in: double, or float at half the memory, whose solutions are
-/// good to 1e-6 at best and need refinement. It is computed in double precision.
+/// Limit: a pivot that is small against rows outside the front makes the factor inaccurate. Check
+/// `largest_multiplier()`.
+///
+/// Real is the type of the stored factor: double, or float at half the memory, whose solutions are
+/// good to 1e-6 at best and need refinement. The computation is in double precision.
 template <class Real>
 class FrontalLU {
  public:
@@ -76,18 +77,19 @@ class FrontalLU {
 
   /// The symbolic analysis alone, of a symmetric pattern with the diagonal. False: memory ran out.
   [[nodiscard]] bool analyse(const SymmetricPattern& pattern);
-  /// A: of the pattern that was analysed. False: a pivot is zero or not finite, or memory ran out.
+  /// A: with the pattern of the analysis. False: a pivot is zero or not finite, or memory ran out.
   [[nodiscard]] bool factor(const MatrixByLines& A);
   /// Both of a compressed matrix, rows ascending.
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// x = A⁻¹ b without refinement. Requires a successful factor().
   void solve(const Vector& b, Vector& x) const;
-  /// x[k] = A⁻¹ b_k of the columns of B, kRightSides (eight_right_sides.h) at most, in the time of two
-  /// single ones; each the same bits whatever the others are. Requires a successful factor().
+  /// x[k] = A⁻¹ b_k of the columns of B, at most kRightSides (eight_right_sides.h), in the time of
+  /// two single ones. Each has the same bits whatever the others are. Requires a successful
+  /// factor().
   void solve(const SparseColumns& B, Vector* x) const requires std::is_same_v<Real, double>;
   /// -1 or +1: sign of det A. Requires a successful factor().
   int determinant_sign() const;
-  /// max |l_ij| of the rows that a pivot could not be exchanged with.
+  /// max |l_ij| over the rows with which a pivot could not be exchanged.
   double largest_multiplier() const;
   /// Numbers in L and U together.
   std::size_t num_entries() const;

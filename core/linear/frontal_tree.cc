@@ -17,8 +17,8 @@ constexpr std::size_t kBytesKept = std::size_t{1} << 21;  // three trees of 6000
 constexpr std::size_t kBytesOfEntry = 8;                  // a tree takes 6 for one of A
 constexpr int kMetisFrom = 4000;                          // groups of columns; AMD is quicker below
 
-// Zeros that fronts of up to 4, 16, 48 and of more columns may get by joining: fewer than CHOLMOD's 0.8, 0.1, 0.05.
-// On poured disks a factor takes 0.9 of the memory, a solve 0.95 of the time, a pivot of a path 0.9.
+// Fraction of zeros that joined fronts of up to 4, 16, 48 and of more columns may contain. Lower
+// than CHOLMOD's 0.8, 0.1, 0.05: this saves memory and time on packings of disks.
 constexpr std::array<double, 3> kZeros = {0.3, 0.05, 0.02};
 
 /// The trees of the last patterns, the latest first.
@@ -26,7 +26,7 @@ struct KeptTrees {
   std::mutex mutex;
   std::array<std::shared_ptr<const FrontalTree>, kTreesKept> tree;
 
-  /// Drops the oldest ones where all and `more` would take too much.
+  /// Drops the oldest trees if all of them and `more` bytes would take too much.
   void make_room(std::size_t more) {
     for (auto& kept : tree) {
       if (!kept) continue;
@@ -75,7 +75,7 @@ struct UpperPattern {
   }
 };
 
-/// Groups of consecutive columns with one pattern: the first column of each, and the end.
+/// Groups of consecutive columns with the same pattern: the first column of each, and the end.
 std::vector<int> equal_columns(const SymmetricPattern& A) {
   const int* const start = A.start;
   const int* const row = A.row;
@@ -261,7 +261,7 @@ void FrontalTree::place_child(int child, int parent, int* to) const {
   }
 }
 
-/// Parents, sizes of the factor and of the stack.
+/// Sets parents and sizes of the factor and of the stack.
 void FrontalTree::measure() {
   const int fronts = num_fronts();
   std::vector<int> front_of(to_size(size()));

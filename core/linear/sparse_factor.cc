@@ -12,13 +12,13 @@
 #include "core/base/types.h"
 
 namespace bipot {
-/// Compressed columns with 64-bit indices and the last pattern seen: SuiteSparse's own layout.
+/// Compressed columns with 64-bit indices and the last pattern: SuiteSparse's own layout.
 struct LongColumns {
   std::vector<SuiteSparse_long> start, row;
   std::vector<double> value;
   SuiteSparse_long size = 0;
 
-  /// Copies A (sorted, compressed). True when the pattern is the one of the call before.
+  /// Copies A (sorted, compressed). True if the pattern is that of the previous call.
   bool assign(const SparseMatrix& A, bool upper_only) {
     std::vector<SuiteSparse_long> new_start(to_size(A.cols()) + 1, 0), new_row;
     new_row.reserve(to_size(A.nonZeros()));
@@ -60,7 +60,7 @@ struct SparseCholesky::Impl {
     cholmod_l_start(&common);
     common.print = 0;
     common.error_handler = nullptr;
-    // The default for small matrices, L D Lᵀ, lets negative pivots pass.
+    // The default for small matrices, L D Lᵀ, accepts negative pivots.
     common.final_ll = 1;
   }
   ~Impl() {
@@ -182,7 +182,7 @@ bool SparseLU::factor(const SparseMatrix& A) {
   const LongColumns& m = f.matrix;
   if (!same || f.symbolic == nullptr) {
     umfpack_dl_free_symbolic(&f.symbolic);
-    // METIS pays from a few thousand unknowns on; AMD is quicker below.
+    // METIS is better from a few thousand unknowns on; AMD is quicker below.
     f.control[UMFPACK_ORDERING] = m.size > 4000 ? UMFPACK_ORDERING_METIS : UMFPACK_ORDERING_AMD;
     if (umfpack_dl_symbolic(m.size, m.size, m.start.data(), m.row.data(), m.value.data(),
                             &f.symbolic, f.control, f.info) != UMFPACK_OK) {
@@ -261,7 +261,7 @@ std::vector<std::int64_t> fill_reducing_order(const SparseMatrix& A, int block) 
   std::vector<std::int64_t> order;
   order.reserve(static_cast<std::size_t>(A.cols()));
   for (int j = 0; j < nodes; ++j) {
-    // Without an analysis (out of memory) the natural order is as good as any.
+    // Without an analysis (out of memory) the natural order is used.
     const std::int64_t node =
         analysis != nullptr ? static_cast<const SuiteSparse_long*>(analysis->Perm)[j] : j;
     for (int k = 0; k < block; ++k) order.push_back(node * block + k);
@@ -277,7 +277,7 @@ struct OrderedLU::Impl {
   std::vector<SuiteSparse_long> order;
   SparseColumns matrix;
   void* numeric = nullptr;
-  // Scratch of the solves, which allocate nothing.
+  // Workspace of the solves, which allocate nothing.
   std::vector<SuiteSparse_long> integers;
   std::vector<double> reals;
 

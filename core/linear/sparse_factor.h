@@ -10,7 +10,7 @@
 namespace bipot {
 
 /// Sparse Cholesky factorisation A = L Lᵀ (CHOLMOD, supernodal, METIS or AMD ordering). The
-/// symbolic analysis is kept as long as the pattern of A stays the same.
+/// symbolic analysis is reused while the pattern of A stays the same.
 class SparseCholesky {
  public:
   SparseCholesky();
@@ -18,13 +18,13 @@ class SparseCholesky {
   SparseCholesky(SparseCholesky&&) noexcept;
   SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
-  /// Factors the symmetric A (both triangles stored). False when A is not positive definite.
+  /// Factors the symmetric A (both triangles stored). False if A is not positive definite.
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// x = A⁻¹ b. Requires a successful factor().
   Vector solve(const Eigen::Ref<const Vector>& b) const;
   /// X = A⁻¹ B for a sparse right-hand side.
   SparseMatrix solve(const SparseMatrix& B) const;
-  /// Numbers kept of L, zeros of the supernodes among them. Requires a successful factor().
+  /// Numbers stored of L, zeros of the supernodes included. Requires a successful factor().
   std::size_t num_entries() const;
 
  private:
@@ -33,7 +33,7 @@ class SparseCholesky {
 };
 
 /// Sparse LU factorisation of a general square matrix (UMFPACK, 64-bit indices, METIS or AMD
-/// ordering). The symbolic analysis is kept as long as the pattern stays the same.
+/// ordering). The symbolic analysis is reused while the pattern stays the same.
 class SparseLU {
  public:
   /// The ordering strategy: symmetric for matrices of symmetric pattern with a strong diagonal.
@@ -44,7 +44,7 @@ class SparseLU {
   SparseLU(SparseLU&&) noexcept;
   SparseLU& operator=(SparseLU&&) noexcept;
 
-  /// False when A is singular to working precision or memory ran out.
+  /// False if A is singular to working precision or memory ran out.
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// x = A⁻¹ b, with `refinements` steps of iterative refinement. Requires a successful factor().
   Vector solve(const Eigen::Ref<const Vector>& b, int refinements = 0) const;
@@ -78,13 +78,13 @@ struct SparseColumns {
   void end_column() { start.push_back(static_cast<std::int64_t>(row.size())); }
 };
 
-/// Fill-reducing order (METIS, through CHOLMOD) of the graph whose nodes are the blocks of `block`
-/// consecutive rows of the square A, two of them joined where an entry couples them; the rows of a
-/// block stay together. Size A.rows(). The pattern of A must be symmetric.
+/// Fill-reducing order (METIS, through CHOLMOD) of the graph of blocks of `block` consecutive rows
+/// of the square A. Two blocks are joined if an entry couples them; rows of a block stay together.
+/// Size A.rows(). The pattern of A must be symmetric.
 std::vector<std::int64_t> fill_reducing_order(const SparseMatrix& A, int block);
 
-/// Sparse LU (UMFPACK) of many square matrices with nearly one pattern: the column order is chosen
-/// once, by the caller. UMFPACK keeps to it, and pivots on the diagonal where that is not small.
+/// Sparse LU (UMFPACK) of many square matrices with nearly one pattern. The caller chooses the
+/// column order once. UMFPACK keeps to it, and pivots on the diagonal unless that is small.
 class OrderedLU {
  public:
   explicit OrderedLU(std::vector<std::int64_t> order);
@@ -92,9 +92,9 @@ class OrderedLU {
   OrderedLU(OrderedLU&&) noexcept;
   OrderedLU& operator=(OrderedLU&&) noexcept;
 
-  /// The matrix to be factored next. Changing it ends the factor before.
+  /// The matrix to be factored next. Changing it invalidates the previous factor.
   SparseColumns& matrix();
-  /// False when the matrix is singular to working precision or memory ran out.
+  /// False if the matrix is singular to working precision or memory ran out.
   [[nodiscard]] bool factor();
   /// x = A⁻¹ b without refinement. No allocation. Requires a successful factor().
   void solve(const Vector& b, Vector& x) const;

@@ -15,7 +15,7 @@ void dtrsm_(const char* side, const char* uplo, const char* transa, const char* 
 namespace bipot {
 namespace {
 
-// Numbers of a register of 32 bytes, of which strips have up to four.
+// Numbers in a register of 32 bytes; strips have up to four.
 template <class Real>
 constexpr int kSlice = static_cast<int>(32 / sizeof(Real));
 constexpr int kSlices = 4;
@@ -35,7 +35,7 @@ struct SliceOf<float> {
 template <class Real>
 using Slice = typename SliceOf<Real>::Type;
 
-/// The strip of rows that begins at `first`: slices, and columns up to the end of its diagonal.
+/// The strip of rows from `first` on: slices, and columns up to the end of its diagonal.
 template <class Real>
 struct Strip {
   int slices, columns;
@@ -72,8 +72,8 @@ template <class Real, int kCount>
   return p;
 }
 
-// The two below choose a kernel by a switch each: a lambda would not be compiled for the instruction
-// sets of the function that it stands in.
+// The two functions below choose a kernel by a switch each: a lambda would not be compiled for the
+// instruction sets of its enclosing function.
 
 /// out = M x, whole slices.
 template <class Real>
@@ -118,7 +118,7 @@ using Half = float __attribute__((vector_size(16), aligned(4), may_alias));
   const Half* const half = reinterpret_cast<const Half*>(sum);
   return half[0] + half[1];
 }
-/// Four columns at once: one by one, these sums would take as long as the products.
+/// Four columns at once: single sums would take as long as the products.
 [[gnu::always_inline]] inline void add_slices(int columns, const Slice<float>* sums, float* out) {
   int j = 0;
   for (; j + 4 <= columns; j += 4) {
@@ -137,7 +137,8 @@ using Half = float __attribute__((vector_size(16), aligned(4), may_alias));
   }
 }
 
-/// out = Mᵀ x, where x has whole slices, zeros at its end; partial: scratch, a slice a column.
+/// out = Mᵀ x, where x has whole slices, zeros at its end; partial: workspace, a slice for each
+/// column.
 template <class Real>
 [[gnu::always_inline]] inline void all_strips_transposed(int columns, int rows, const Real* values,
                                                          const Real* x, Real* partial, Real* out) {

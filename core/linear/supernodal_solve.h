@@ -8,8 +8,8 @@
 
 namespace bipot {
 
-/// Columns of a lower triangular matrix that have their rows in common: a triangle of `columns` on
-/// top, a rectangle below.
+/// Columns of a lower triangular matrix with common rows: a triangle of `columns` on top, a
+/// rectangle below.
 struct Supernode {
   int first, columns, rows;  ///< first column; rows of triangle and rectangle
   const int* below;          ///< numbers of the rectangle's rows, ascending; not copied
@@ -18,22 +18,22 @@ struct Supernode {
 
 /// x = L⁻ᵀ L⁻¹ b for a lower triangular L of supernodes, many times.
 ///
-/// Of a supernode with triangle T and rectangle R it keeps M = [I; R] T⁻¹ (the partitioned inverse:
-/// Alvarado, Pothen and Schreiber 1993), so that both passes are products of a small dense matrix
-/// and a vector, without divisions and without one number waiting for the one before:
+/// For a supernode with triangle T and rectangle R it stores M = [I; R] T⁻¹ (the partitioned
+/// inverse: Alvarado, Pothen and Schreiber 1993). Both passes are then products of a small dense
+/// matrix and a vector, without divisions or dependent operations:
 ///
 ///     forward   y1 <- M1 y1,   y2 <- y2 - M2 y1        backward   x1 <- M1ᵀ y1 - M2ᵀ x2
 ///
-/// M lies in strips of four registers of rows (16 doubles, 32 floats), by columns, without what stands
-/// right of its diagonal: both passes read it once, in order, and memory is what takes the time.
-/// Rounding is that of substitution times the condition of the triangles. Sums have one order for all
-/// instruction sets. Real: what M is kept in, and what is computed with.
+/// M is stored in strips of four registers of rows (16 doubles, 32 floats), by columns, without the
+/// part right of its diagonal. Both passes read it once, in order: they are limited by memory.
+/// Rounding is that of substitution times the condition of the triangles. All instruction sets sum
+/// in the same order. Real: the type of the stored numbers and of the computation.
 template <class Real>
 class SupernodalSolve {
  public:
-  /// Numbers kept of a supernode of so many columns and rows, zeros that fill the strips included.
+  /// Numbers stored for a supernode of this size, including zeros that fill the strips.
   static std::size_t num_entries(int columns, int rows);
-  /// Of a matrix of so many supernodes, which take `entries`; forgets the one before.
+  /// Starts a matrix of this number of supernodes, which take `entries`; drops the one before.
   void begin(int supernodes, std::size_t entries);
   /// The supernodes in the order of their columns.
   void add(const Supernode& supernode);

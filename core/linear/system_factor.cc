@@ -3,8 +3,8 @@
 namespace bipot {
 namespace {
 
-// Of a factor by fronts. Its backward error is rounding times this or less (1e-17 was measured,
-// multipliers up to 2e5); the refinement of whoever solves mends what is left.
+// Limit for a multifrontal factor. Its backward error is rounding times this or less, which the
+// caller's iterative refinement reduces.
 constexpr double kLargestFrontMultiplier = 1e8;
 
 }  // namespace

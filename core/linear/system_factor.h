@@ -25,7 +25,7 @@ class SystemFactor {
   SystemFactor() = default;
 };
 
-/// By fronts (frontal_lu.h), by UMFPACK where their pivots are too small.
+/// Multifrontal (frontal_lu.h), by UMFPACK if its pivots are too small.
 class LocalFactor final : public SystemFactor {
  public:
   /// `strategy`: of UMFPACK.
@@ -34,7 +34,7 @@ class LocalFactor final : public SystemFactor {
   [[nodiscard]] bool factor(const SparseMatrix& A) override;
   void solve(const Vector& b, Vector& x) override;
   int determinant_sign() const override;
-  /// Whether the last factor is one by fronts.
+  /// True if the last factor is multifrontal.
   bool by_fronts() const { return by_fronts_; }
 
  private:

@@ -51,7 +51,7 @@ void join_disks(Scene<2>& scene, std::size_t count, const ClusterMass& given) {
   body.inertia = given.inertia > 0 ? given.inertia : body.mass * moments.polar / moments.area;
   if (count == 1) {
     Disk& disk = scene.bodies.back();
-    const double a = disk.radius;  // to the bit what [[disks]] gives
+    const double a = disk.radius;  // the same bits as for [[disks]]
     disk.mass = given.mass > 0 ? given.mass : given.density * std::numbers::pi * a * a;
     disk.inertia = given.inertia > 0 ? given.inertia : 0.5 * disk.mass * a * a;
     if (!scene.clusters.empty()) scene.clusters.arms.resize(scene.bodies.size(), Vec2::Zero());

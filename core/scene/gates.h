@@ -44,7 +44,7 @@ struct Inlet {
   Spin<D> spin = no_turn<D>();    ///< [rad/s]
   int material = 0;
   int seed = 1;
-  int count = -1;            ///< no more than so many; -1: no limit
+  int count = -1;            ///< largest number; -1: no limit
   double starts = 0;         ///< [s]
   double stops = kInfinity;  ///< from then on nothing comes, not even bodies that wait [s]
 };

@@ -52,9 +52,8 @@ struct ObservableChoice {
   std::optional<std::pair<Vec<D>, Vec<D>>> window;
   std::optional<ProfileChoice> profile;
   std::vector<FluxSurface<D>> crossings;
-  int force_bins = 30;  ///< of the distribution of normal forces, > 0
-  double force_limit =
-      6;  ///< its end, in mean forces, > 0; what is beyond is counted in the last bin
+  int force_bins = 30;     ///< of the distribution of normal forces, > 0
+  double force_limit = 6;  ///< its end, in mean forces, > 0; larger forces count in the last bin
 };
 
 }  // namespace bipot

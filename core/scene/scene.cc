@@ -122,7 +122,7 @@ std::string check_periodic(const Scene<D>& scene) {
   const PeriodicCell& cell = scene.cell;
   if (!cell.periodic()) return {};
   if (auto e = check_cell(cell); !e.empty()) return e;
-  if (D == 3 && cell.deforms()) return "cell: in space it cannot deform";
+  if (D == 3 && cell.deforms()) return "cell: in 3D it cannot deform";
   double largest = 0;
   for (const Body<D>& d : scene.bodies) largest = std::max(largest, d.radius);
   if (!(shortest_period(cell) > 4 * largest + 2 * scene.contact_distance)) {

@@ -36,9 +36,9 @@ struct Body<2> {
   double mass = 0;        ///< > 0                                    [kg]
   double inertia = 0;     ///< > 0; m a²/2 for a homogeneous cylinder [kg m²]
   int material = 0;       ///< index into Scene::materials
-  int wall =
-      -1;  ///< glued to this wall: it moves as the wall does, has no mass, and what touches it
-           ///< acts on the wall; -1: free
+  /// Glued to this wall: it moves like the wall and has no mass; its contacts act on the wall. -1:
+  /// free.
+  int wall = -1;
   int cluster = -1;  ///< member of this cluster, without mass of its own; -1: of none
 };
 using Disk = Body<2>;
@@ -55,8 +55,8 @@ struct Body<3> {
   double mass = 0;           ///< > 0                                    [kg]
   double inertia = 0;        ///< > 0; 2/5 m a² for a homogeneous sphere [kg m²]
   int material = 0;          ///< index into Scene::materials
-  int wall = -1;             ///< as of a disk
-  int cluster = -1;          ///< in space there are none: -1
+  int wall = -1;             ///< as for a disk
+  int cluster = -1;          ///< 3D has none: -1
 };
 using Sphere = Body<3>;
 
@@ -89,14 +89,14 @@ struct Wall {
   Shape shape = Shape::kHalfPlane;
   Motion motion = Motion::kFixed;
   Vec<D> a = Vec<D>::Zero(), b = Vec<D>::Zero();  ///< b: segments only     [m]
-  Vec<D> normal = Vec<D>::Unit(D - 1);  ///< unit; half-planes, in space also cylinders: axis
-  Vec<D> v = Vec<D>::Zero();            ///< current velocity     [m/s]
-  Vec<D> direction = Vec<D>::Zero();    ///< unit; driven walls only
-  double force = 0;                     ///< along direction      [N]
-  double mass = 0;                      ///< driven walls only    [kg]
+  Vec<D> normal = Vec<D>::Unit(D - 1);            ///< unit; half-planes, in 3D also cylinders: axis
+  Vec<D> v = Vec<D>::Zero();                      ///< current velocity     [m/s]
+  Vec<D> direction = Vec<D>::Zero();              ///< unit; driven walls only
+  double force = 0;                               ///< along direction      [N]
+  double mass = 0;                                ///< driven walls only    [kg]
   int material = 0;
   double radius = 0;  ///< circles only, > 0                                      [m]
-  double spin = 0;    ///< circles only: counter-clockwise, in space about `normal` [rad/s]
+  double spin = 0;    ///< circles only: counter-clockwise, in 3D about `normal`    [rad/s]
   Vec<D> across =
       Vec<D>::Zero();        ///< driven walls only: prescribed velocity, normal to direction [m/s]
   double starts = 0;         ///< before that it stands still                            [s]

@@ -12,7 +12,7 @@ namespace bipot {
 /// A cylinder is drawn as a prism with this number of sides.
 inline constexpr int kPrismSides = 48;
 
-/// A plane piece of a wall in space, as it is drawn.
+/// A plane piece of a wall in 3D, as it is drawn.
 struct WallPiece {
   int wall = 0;
   std::array<Vec3, 4> corners;  ///< in order around it; all one point: nothing to see      [m]

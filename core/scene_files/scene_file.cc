@@ -363,7 +363,7 @@ AnyScene parse_any_scene(const std::string& text, const std::string& source) {
   const bool spheres = parsed.contains("spheres");
   const int dim = root.integer("dim", spheres ? 3 : 2);
   if (dim != 2 && dim != 3) root.fail("dim", fmt::format("expected 2 or 3, got {}", dim));
-  if (dim == 2 && spheres) root.fail("spheres", "are in space: dim = 3");
+  if (dim == 2 && spheres) root.fail("spheres", "need three dimensions: dim = 3");
   if (dim == 3) return parse_in<3>(root, source);
   return parse_in<2>(root, source);
 }
@@ -372,7 +372,7 @@ Scene<2> parse_scene(const std::string& text, const std::string& source) {
   AnyScene scene = parse_any_scene(text, source);
   if (auto* flat = std::get_if<Scene<2>>(&scene)) return std::move(*flat);
   throw SceneFileError(
-      fmt::format("{}: a scene in space (dim = 3); only 'bipot run' takes those", source));
+      fmt::format("{}: a scene in 3D (dim = 3); only 'bipot run' takes those", source));
 }
 
 Scene<2> read_scene(const std::filesystem::path& path) {

@@ -63,7 +63,7 @@ std::string read_name(const SceneTable& table, const char* kind,
 }
 
 void read_crossings(const SceneTable& table, ObservableChoice<2>& choice) {
-  if (table.has("faces")) table.fail("faces", "belongs to scenes in space: in the plane, lines");
+  if (table.has("faces")) table.fail("faces", "belongs to scenes in 3D: in 2D, lines");
   for (const SceneTable& line : table.tables("lines")) {
     FluxLine read;
     read.name = read_name(line, "line", choice);
@@ -145,7 +145,7 @@ void require_in_cell(const SceneTable& table, const char* key, const PeriodicCel
 
 void read_crossings(const SceneTable& table, const PeriodicCell& cell,
                     ObservableChoice<3>& choice) {
-  if (table.has("lines")) table.fail("lines", "belongs to scenes in the plane: in space, faces");
+  if (table.has("lines")) table.fail("lines", "belongs to scenes in 2D: in 3D, faces");
   for (const SceneTable& face : table.tables("faces")) {
     const std::string name = read_name(face, "face", choice);
     FluxFace read = read_face(face);

@@ -21,7 +21,7 @@ bool is_large(const ContactProblem& p) {
 double cancel_rounding(const ContactProblem& p, const SolverOptions& options,
                        ContactErrorEvaluator& evaluate, Vector& s) {
   if (!is_large(p)) return evaluate(s).guarded();
-  // What is not below `best` in double precision need not be looked at in the dearer one.
+  // An error not below `best` in double precision is not evaluated in extended precision.
   const auto judge = [&](const Vector& x, double best) {
     const double error = evaluate(x).guarded();
     if (!(error < best)) return error;

@@ -14,11 +14,12 @@ namespace bipot {
 namespace {
 
 constexpr int kMostCases = 20000;
-constexpr double kSolvable = 1e-9;  // of an optimum that should be 0: what the pivoting resolves
+// Tolerance for an optimum that should be 0: the resolution of the pivoting.
+constexpr double kSolvable = 1e-9;
 constexpr double kLeastMultiplier = 1e-12;  // of the largest: pivoting's rounding
-constexpr double kLeastReach = 1e6;         // of one case; below it is taken apart further
+constexpr double kLeastReach = 1e6;         // of one case; below it the case is split further
 
-/// What a case allows: of u_n, u_t (its sign; 0: nothing is known of it, so no multiplier) and of s.
+/// Allowed values of a case for u_n, u_t (its sign; 0: unknown, so no multiplier) and s.
 struct Allowed {
   bool free_normal = false;           // u_n = 0: the multiplier may have either sign
   bool above = false, below = false;  // u_t >= 0, u_t <= 0; both: u_t = 0
@@ -54,7 +55,7 @@ Allowed allowed(CaseStatus status, double mu) {
 
 double friction_of(const ContactProblem& p, int contact) { return p.dim == 1 ? 0 : p.mu[contact]; }
 
-/// The programmes, with rows and columns of W brought to a unit diagonal.
+/// The linear programmes, with rows and columns of W scaled to a unit diagonal.
 class CaseSearch {
  public:
   CaseSearch(const ContactProblem& p, double seconds) : p_(p), seconds_(seconds) {
@@ -77,7 +78,7 @@ class CaseSearch {
   }
 
  private:
-  /// Excludes the case of statuses_, whose contacts from `contact` on are not distinguished.
+  /// Excludes the case of statuses_, in which contacts from `contact` on are not distinguished.
   bool exclude(int contact) {
     if (watch_.seconds() > seconds_ || static_cast<int>(out_.cases.size()) >= kMostCases) {
       out_.message = fmt::format("{} cases were excluded before the limit", out_.cases.size());
@@ -104,7 +105,8 @@ class CaseSearch {
     return true;
   }
 
-  /// Farkas' multipliers: minimise y·b over y with y·W e <= 0 for all edges, |y| <= 1, and its signs. Their reach, or 0.
+  /// Farkas' multipliers: minimises y·b over y with y·W e <= 0 for all edges, |y| <= 1, and its
+  /// signs. Returns their reach, or 0.
   double try_to_exclude(ExcludedCase& found) const {
     const int d = p_.dim;
     std::vector<std::pair<int, double>> unknowns;  // row and sign of each part of y
@@ -117,7 +119,7 @@ class CaseSearch {
       if (a.above) unknowns.emplace_back(c * d + 1, 1.0);
       if (a.below) unknowns.emplace_back(c * d + 1, -1.0);
       for (int k = 0; k < a.edge_count; ++k) {
-        // W e in the scaled rows, to unit length.
+        // W e in the scaled rows, of unit length.
         Vector column = W_.col(c * d);
         if (d == 2) column += a.edges[k] * W_.col(c * d + 1);
         column = column.cwiseProduct(scale_);
@@ -165,7 +167,8 @@ class CaseSearch {
 
 using Wide = long double;
 
-/// yᵀ W, its terms' absolutes and their number, in extended precision: by the bodies where A is diagonal.
+/// yᵀ W, the sum of the absolute values of its terms and their number, in extended precision; by
+/// bodies if A is diagonal.
 struct Rates {
   std::vector<Wide> value, absolute, normal_diagonal;
   Wide terms = 0;

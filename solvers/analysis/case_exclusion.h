@@ -7,7 +7,8 @@
 
 namespace bipot {
 
-/// What a case says of a contact. In the plane a slipping contact has s on the edge of its cone that opposes u_t.
+/// Status of a contact in a case. In 2D a slipping contact has s on the edge of its cone that
+/// opposes u_t.
 enum class CaseStatus {
   kAny,    ///< not distinguished: u_n >= 0, s in the cone
   kOpen,   ///< s = 0, u_n >= 0
@@ -16,9 +17,10 @@ enum class CaseStatus {
   kRight   ///< u_n = 0, u_t >= 0, s = s_n (1, -mu); without friction: u_n = 0, u_t free
 };
 
-/// A case, and the multipliers that exclude it: with y·u >= 0 for every u that the case allows (y_n >= 0 where u_n >= 0
-/// only is known, y_t = 0 where nothing is known of u_t, of its sign where that is), but y·W s <= 0 for every s that it
-/// allows and y·u_free < 0, no (s, u) with u = W s + u_free is left.
+/// A case, and the multipliers y that exclude it. They satisfy y·u >= 0 for every u of the case:
+/// y_n >= 0 if only u_n >= 0 is known, y_t = 0 if u_t is unknown, the sign of u_t if that is known.
+/// They satisfy y·W s <= 0 for every s of the case, and y·u_free < 0. Hence no (s, u) with u = W s
+/// + u_free exists.
 struct ExcludedCase {
   std::vector<CaseStatus> statuses;  ///< one a contact
   Vector multipliers;                ///< y, m
@@ -32,19 +34,21 @@ struct CaseExclusion {
   std::string message;              ///< why not complete
 };
 
-/// Excludes the 4^c cases of up to kMostContactsByCases contacts in d <= 2 one by one, whole branches of them at once where
-/// contacts that are not distinguished yet leave nothing, by a linear programme (Farkas' lemma) each. What is found counts
-/// only as far as reach_of_exclusion() confirms it. W need not be symmetric, nor semidefinite. `seconds`: wall-clock limit.
+/// Excludes the 4^c cases of up to kMostContactsByCases contacts for d <= 2, by a linear programme
+/// (Farkas' lemma) each. Whole branches are excluded at once if contacts that are not yet
+/// distinguished already leave no solution. A result counts only as far as reach_of_exclusion()
+/// confirms it. W need be neither symmetric nor semidefinite. `seconds`: wall-clock limit.
 inline constexpr int kMostContactsByCases = 8;
 CaseExclusion exclude_cases(const ContactProblem& problem, double seconds);
 
-/// Checks one case in extended precision, from the problem's data as they stand and the multipliers alone: with g the rates
-/// y·W e along the case's edges e (normal part 1), whose positive parts and rounding are bounded,
+/// Checks one case in extended precision, from the data of the problem and the multipliers alone.
+/// With g the rates y·W e along the edges e of the case (normal part 1), whose positive parts and
+/// rounding are bounded,
 ///
 ///     reach = -y·u_free / (Σ g⁺/sqrt(W_nn) · (Σ |u_free|²/W_nn)^½),
 ///
-/// infinite where no rate is positive; every impulse of the case that solves the problem has a component beyond it. 0 where
-/// the multipliers have a wrong sign or do not work against the data.
+/// infinite if no rate is positive. Every impulse of the case that solves the problem has a
+/// component beyond it. 0 if the multipliers have a wrong sign or do not exclude the data.
 double reach_of_exclusion(const ContactProblem& problem, const ExcludedCase& excluded);
 
 }  // namespace bipot

@@ -13,7 +13,8 @@ Extended rounding(Eigen::Index operations) {
   return static_cast<Extended>(operations + 8) * std::numeric_limits<Extended>::epsilon();
 }
 
-/// One row of u = Hᵀ y (or W y) + weight u_free: its value, and the sum of its terms' absolutes.
+/// One row of u = Hᵀ y (or W y) + weight u_free: its value, and the sum of the absolute values of
+/// its terms.
 struct Sum {
   Extended value = 0, absolute = 0;
   Eigen::Index terms = 0;
@@ -38,8 +39,8 @@ Sum row_of(const ContactProblem& p, Eigen::Index row, const Vector& y, double we
   return sum;
 }
 
-/// What is left of the self-stress, H_n r (or W_n r): in energy, as a norm over sqrt of the
-/// diagonal of A (or of W).
+/// Residual of the self-stress, H_n r (or W_n r), in energy: a norm over sqrt of the diagonal of A
+/// (or of W).
 Extended leftover(const ContactProblem& p, const Vector& stress) {
   const Eigen::Index size = p.has_velocities() ? p.H.rows() : p.W.rows();
   std::vector<Sum> sums(to_size(size));
@@ -61,7 +62,7 @@ Extended leftover(const ContactProblem& p, const Vector& stress) {
   for (Eigen::Index i = 0; i < size; ++i) {
     const Sum& sum = sums[to_size(i)];
     const Extended size_i = std::abs(sum.value) + rounding(sum.terms) * sum.absolute;
-    // Two equal and opposite pushes leave nothing, not even rounding.
+    // Two equal and opposite impulses cancel exactly, without rounding.
     const bool nothing = sum.value == 0 && sum.terms <= 2 && sum.exact;
     const Extended left = nothing ? 0 : size_i;
     if (left == 0) continue;

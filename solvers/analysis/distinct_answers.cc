@@ -34,7 +34,7 @@ int DistinctAnswers::add(const Vector& s, std::string_view found_by) {
   if (s.size() != problem_.num_rows() || !s.allFinite()) return -1;
   VerifiedAnswer answer = judge(s, found_by);
   if (!(answer.error.guarded() <= kTrusted)) return -1;
-  // Next to several, as in a family of answers: the nearest.
+  // Near several answers, as in a family: the nearest.
   int same = -1;
   double closest = kInfinity;
   for (std::size_t k = 0; k < answers_.size(); ++k) {

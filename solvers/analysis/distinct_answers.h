@@ -15,25 +15,25 @@ struct VerifiedAnswer {
   Vector s;            ///< projected on K_mu, the problem's variables                    [N s]
   ContactError error;  ///< of s
   std::string found_by;
-  /// How far an exact answer may be from s by the error of s, see DistinctAnswers       [J^½]
+  /// largest distance of an exact answer that the error of s allows, see DistinctAnswers [J^½]
   double explained = 0;
 };
 
-/// Tells whether impulses that satisfy the contact law are one answer or several, by the velocities
-/// they give. Distances are ‖v - v'‖_A = sqrt(dᵀ W d), d = s - s', [J^½]: unlike impulses, velocities
-/// do not notice self-stress.
+/// Decides whether impulses that satisfy the contact law are one answer or several, by their
+/// velocities. Distances are ‖v - v'‖_A = sqrt(dᵀ W d), d = s - s', [J^½]: unlike impulses,
+/// velocities do not depend on self-stress.
 ///
-/// What an error explains. Where the law is monotone (no friction, or friction of given normal
-/// forces), an impulse on the cone with a residual power of G + V is at most
+/// Distance explained by an error: let the law be monotone (no friction, or friction of given
+/// normal forces). Then an impulse on the cone with a residual power of G + V is at most
 ///
 ///     explained(s) = sqrt(2 max(ε, η) max(D, θ E))
 ///
-/// from the exact answer in this norm, whatever the conditioning of W: (s - s*)·(u - u*) = ‖d‖² is
-/// the power that both laws leave unexplained, and ε max(D, θ E) = G + V. (max(ε, η) >= ε, so the
-/// number is the larger one.) Coulomb's law adds Σ μ (s_n - s_n*)(|u_t| - |u_t*|), which is the cause
-/// of several answers; near one answer it is a part c < 1 of ‖d‖², and the bound becomes explained
-/// / sqrt(1 - c). A factor of 100 between what is explained and what counts as distinct leaves room
-/// for 1 - c down to 1e-4. [ours]
+/// from the exact answer in this norm, for any conditioning of W. Proof: (s - s*)·(u - u*) = ‖d‖²
+/// is the power that both laws leave unexplained, and ε max(D, θ E) = G + V. (max(ε, η) >= ε, so
+/// the number is the larger one.) Coulomb's law adds Σ μ (s_n - s_n*)(|u_t| - |u_t*|), the cause of
+/// several answers. Near one answer it is a part c < 1 of ‖d‖², and the bound becomes explained /
+/// sqrt(1 - c). Answers count as distinct beyond 100 times the explained distance, which allows 1 -
+/// c down to 1e-4. [ours]
 class DistinctAnswers {
  public:
   static constexpr double kTrusted = 1e-9;  ///< guarded error above which nothing is believed
@@ -42,18 +42,19 @@ class DistinctAnswers {
   /// The problem must outlive this.
   explicit DistinctAnswers(const ContactProblem& problem);
 
-  /// The answer that s is: one of before, or a new one. -1 where the error of s is above kTrusted.
+  /// Index of the answer that s is: an earlier one, or a new one. -1 if the error of s exceeds
+  /// kTrusted.
   int add(const Vector& s, std::string_view found_by);
 
-  /// The error of s, s on the cone, and what the error explains.
+  /// The error of s, s on the cone, and the distance that the error explains.
   VerifiedAnswer judge(const Vector& s, std::string_view found_by);
-  /// Farther apart than kFactor times what both errors explain together, both trusted.
+  /// True if farther apart than kFactor times the distances that both errors explain, both trusted.
   bool are_distinct(const VerifiedAnswer& a, const VerifiedAnswer& b) const;
   /// ‖v(a) - v(b)‖_A                                                                     [J^½]
   double distance(const Vector& a, const Vector& b) const;
-  /// A distance over ‖v - v_free‖_A of the first answer; NaN where that is zero.
+  /// A distance over ‖v - v_free‖_A of the first answer; NaN if that is zero.
   double relative(double distance) const;
-  /// Index of the answer next to s; -1 without answers.
+  /// Index of the answer nearest to s; -1 without answers.
   int nearest(const Vector& s) const;
 
   const std::vector<VerifiedAnswer>& answers() const { return answers_; }
@@ -63,7 +64,8 @@ class DistinctAnswers {
  private:
   const ContactProblem& problem_;
   ContactErrorEvaluator evaluate_;
-  double largest_scale_ = 1;  // restitution: the problem's energies over physical ones, at most
+  // Restitution: largest ratio of the problem's energies to physical ones.
+  double largest_scale_ = 1;
   std::vector<VerifiedAnswer> answers_;
 };
 

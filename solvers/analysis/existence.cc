@@ -15,12 +15,13 @@
 namespace bipot {
 namespace {
 
-constexpr int kEdges = 16;           // of the widened cone in space
-constexpr double kZero = 1e-9;       // of an optimum that should be 0: what the pivoting resolves
+// Tolerance for an optimum that should be 0: the resolution of the pivoting.
+constexpr int kEdges = 16;  // of the widened cone in 3D
+constexpr double kZero = 1e-9;
 constexpr double kRounding = 1e-12;  // relative change of the data that still counts as rounding
 constexpr double kLeastSpeed = 1e6;  // of a motion that a self-stress leaves possible
 
-/// The edges of a contact's cone (in space: of one with kEdges edges around it), normal part 1.
+/// The edges of a contact's cone (in 3D: of one with kEdges edges around it), normal part 1.
 std::vector<std::vector<double>> edges_of(int dim, double mu) {
   if (dim == 1) return {{1}};
   if (dim == 2 && mu == 0) return {{1, 0}};
@@ -35,8 +36,8 @@ std::vector<std::vector<double>> edges_of(int dim, double mu) {
   return edges;
 }
 
-/// The programmes of one problem, equilibrated: rows by the square root of the masses (or of the
-/// diagonal of W), columns to unit length.
+/// The linear programmes of one problem, equilibrated: rows by the square root of the masses (or of
+/// the diagonal of W), columns to unit length.
 class Search {
  public:
   Search(const ContactProblem& problem, double seconds) : p_(problem), seconds_(seconds) {
@@ -58,7 +59,7 @@ class Search {
   }
 
  private:
-  /// 1 to 3; why nothing was proved.
+  /// Programmes 1 to 3; returns the reason if nothing was proved.
   std::string try_programmes(ExistenceCertificate& found) const {
     std::string why = try_opening(found);
     if (found.verdict != Existence::kUndecided) return {};
@@ -84,7 +85,7 @@ class Search {
 
   double seconds_left() const { return std::max(1e-3, seconds_ - watch_.seconds()); }
 
-  /// Why the theory says nothing of this W.
+  /// Reason why the theory does not apply to this W.
   std::string defect() const {
     if (p_.has_velocities()) return {};
     const SparseMatrix W(p_.W), skew = W - SparseMatrix(W.transpose());
@@ -108,8 +109,8 @@ class Search {
     return factor.factor(shifted) ? "" : "W is not positive semidefinite";
   }
 
-  /// The columns of wrench_ times the edges of the cones (`normals_only`: times the normals);
-  /// `work` what they do on the data, r·w over work_scale_; `contact` and `scale` of each column.
+  /// The columns of wrench_ times the edges of the cones (`normals_only`: times the normals).
+  /// `work`: their work on the data, r·w over work_scale_. `contact` and `scale`: of each column.
   SparseMatrix columns(bool normals_only, Vector& work, std::vector<int>& contact,
                        std::vector<double>& scale) const {
     std::vector<Eigen::Triplet<double>> entries;
@@ -178,7 +179,7 @@ class Search {
     }
     Vector y = -best.y.head(k).cwiseProduct(row_scale_);
     double weight = std::max(0.0, -best.y[k]) / work_scale_;
-    // Powers of two, so that nothing is rounded: figures near 1 keep clear of the range's ends.
+    // Powers of two, hence without rounding: values near 1 avoid the ends of the range.
     const double most = std::max(y.cwiseAbs().maxCoeff(), weight);
     const double unit = most > 0 && std::isfinite(most) ? std::exp2(-std::ilogb(most)) : 1;
     y *= unit;
@@ -231,7 +232,7 @@ class Search {
     return {};
   }
 
-  /// The motion that undoes the one that the data came from, where they came from one: Hᵀ v = -w.
+  /// The motion that inverts a motion from which the data came: Hᵀ v = -w.
   bool try_undoing(ExistenceCertificate& found) const {
     if (!p_.has_velocities() || p_.v_free.size() != p_.H.rows()) return false;
     return accept_reachable(-p_.v_free, "the data are those of a motion, which can be undone",

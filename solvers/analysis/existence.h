@@ -6,13 +6,14 @@
 
 namespace bipot {
 
-/// What is proved of the existence of a solution (data/manual/explanation/method.md §6).
+/// Proved statement on the existence of a solution (data/manual/explanation/method.md §6).
 enum class Existence {
   kUndecided,     ///< neither was proved
   kExists,        ///< for these data, and all that differ by less than `margin`
   kExistsNearby,  ///< for data that differ from these by no more than `margin`: rounding
-  kNone  ///< no motion slower than 1/`margin` times the data obeys even the normal law; by cases:
-         ///< no impulses below so many times the data obey the law
+  /// No motion slower than 1/`margin` times the data obeys even the normal law. By cases: no
+  /// impulses below this many times the data obey the law.
+  kNone
 };
 std::string_view to_string(Existence verdict);
 
@@ -23,29 +24,29 @@ struct ExistenceCertificate {
   Vector motion;         ///< kExists, kExistsNearby: y of certificate_check.h; n, or m rows of W
   double weight = 0;     ///< of the data in that motion
   Vector stress;         ///< kNone: the normal self-stress, one entry a contact
-  int cases = 0;         ///< kNone by cases: how many were excluded, see case_exclusion.h
+  int cases = 0;         ///< kNone by cases: number of excluded cases, see case_exclusion.h
   double seconds = 0;    ///< of the search
 };
 
-/// Seeks, by linear programmes of the size of the problem, in this order
+/// Seeks a proof by linear programmes of the size of the problem, in this order:
 ///
-///   1. r ∈ K_mu, r ≠ 0, H r = 0, r·w <= 0. Where there is none, the multipliers are a motion that
+///   1. r ∈ K_mu, r ≠ 0, H r = 0, r·w <= 0. If there is none, the multipliers are a motion that
 ///      opens every contact, weight w + Hᵀ v ∈ int K_mu*, and a solution exists;
-///   2. r_n >= 0, H_n r_n = 0, r_n·w_n < 0. Such a self-stress forbids every solution;
-///   3. for d <= 2, r ∈ K_mu, H r = 0, r·w < 0. Where there is none, w + Hᵀ v ∈ K_mu* for some v, which
-///      is enough in the plane, but has no margin: true for data within rounding of these.
-///
+///   2. r_n >= 0, H_n r_n = 0, r_n·w_n < 0. Such a self-stress excludes every solution;
+///   3. for d <= 2, r ∈ K_mu, H r = 0, r·w < 0. If there is none, w + Hᵀ v ∈ K_mu* for some v. In
+///      2D that is enough, but without margin: true for data within rounding of these;
 ///   4. for d <= 2 and few contacts: every case of open, sticking and slipping contacts is excluded
-///      by itself (case_exclusion.h), whatever W.
+///      by itself (case_exclusion.h), for any W.
 ///
-/// For d = 3, K_mu is widened to a cone with 16 edges, K_mu* so made narrower: what is found holds.
-/// Without A and H, H r = 0 reads W r = 0. What is found counts only as far as
-/// certificate_check.h confirms it. `seconds`: wall-clock limit of the search. The problem must
-/// pass validate(); of a W that is not symmetric or indefinite only 4 says something. Sources: Acary, Cadoux, Lemaréchal and
-/// Malick, ZAMM 91 (2011), for 1; data/manual/explanation/method.md §6 has the proofs.
+/// For d = 3, K_mu is widened to a cone with 16 edges, which narrows K_mu*: proofs remain valid.
+/// Without A and H, H r = 0 reads W r = 0. A result counts only as far as certificate_check.h
+/// confirms it. `seconds`: wall-clock limit of the search. The problem must pass validate(). For an
+/// unsymmetric or indefinite W only 4 applies. Sources: Acary, Cadoux, Lemaréchal and Malick, ZAMM
+/// 91 (2011), for 1; data/manual/explanation/method.md §6 has the proofs.
 ExistenceCertificate certify_existence(const ContactProblem& problem, double seconds = kInfinity);
 
-/// "a solution exists (proved, margin 2.1e-03)", "no solution exists (proved, …)", "undecided: …".
+/// As "a solution exists (proved, margin 2.1e-03)", "no solution exists (proved, …)", "undecided:
+/// …".
 std::string to_text(const ExistenceCertificate& certificate);
 
 }  // namespace bipot

@@ -6,15 +6,15 @@
 
 namespace bipot {
 
-/// minimise cost·x subject to A x = 0, 0 <= x <= upper. The point x = 0 is always allowed, so that
-/// a bounded programme has an optimum.
+/// minimise cost·x subject to A x = 0, 0 <= x <= upper. x = 0 is always feasible, so that a bounded
+/// programme has an optimum.
 struct LinearProgramme {
   SparseMatrix A;  ///< k x n
   Vector cost;     ///< n
   Vector upper;    ///< n, may hold kInfinity
 };
 
-/// x and multipliers y with cost - Aᵀ y >= 0 where x is 0, <= 0 where it is at its upper bound.
+/// x and multipliers y with cost - Aᵀ y >= 0 at x = 0, <= 0 at the upper bound.
 struct LinearOptimum {
   bool found = false;
   std::string message;  ///< why not
@@ -24,8 +24,8 @@ struct LinearOptimum {
   int pivots = 0;
 };
 
-/// By the dual simplex method (CLP, COIN-OR). `seconds`: wall-clock limit. In floating point: what
-/// must hold has to be checked by whoever asks.
+/// Solves it by the dual simplex method (CLP, COIN-OR) in floating point. Proofs need a separate
+/// check. `seconds`: wall-clock limit.
 LinearOptimum solve(const LinearProgramme& programme, double seconds);
 
 }  // namespace bipot

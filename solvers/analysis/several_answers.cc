@@ -21,7 +21,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// Iterations of a start's own solver; what it leaves is finished by exact ones.
+// Iterations of a start's own solver; exact solvers then continue from its result.
 struct Recipe {
   const char* solver;
   int iterations;
@@ -30,9 +30,9 @@ struct Recipe {
 constexpr int kSweeps = 2000, kGradients = 5000, kSplittings = 3000, kNewtons = 400;
 constexpr int kPivots = 30000, kInteriors = 400;
 constexpr double kPerturbation = 0.01;
-// Answers that are perturbed: each costs a solve.
+// Largest number of perturbed answers: each costs a solve.
 constexpr int kPerturbed = 12;
-// Impulses and velocities below this part of the mean are nothing, in the statuses.
+// For statuses, impulses and velocities below this fraction of the mean count as zero.
 constexpr double kNothing = 1e-6;
 
 /// Uniform in [-1, 1), the same on every platform.
@@ -130,7 +130,7 @@ class AnswerSearch {
   }
 
   /// The solvers of the list from zero, then the guess, then shuffled orders and random multiples
-  /// in turn.
+  /// alternately.
   Recipe recipe_of(int k, std::string& from, Vector& s0) {
     if (!options_.solver.empty()) {
       const Recipe own{options_.solver.c_str(), kSweeps + kGradients, options_.parameters};
@@ -162,7 +162,7 @@ class AnswerSearch {
     return list[k % 3 == 1 ? 1 : 0];
   }
 
-  /// Random multiples of an answer's impulses: by 10 % and by 50 %.
+  /// Random multiples of the impulses of an answer: by 10 % and by 50 %.
   Vector start_away(int k, std::string& from) {
     const auto& answers = distinct_.answers();
     if (answers.empty()) return {};
@@ -172,7 +172,7 @@ class AnswerSearch {
     return random_multiples(answers[of].s, p_.dim, amount, engine_);
   }
 
-  /// The start's own solver, then exact ones from what it leaves, until one is trusted.
+  /// Runs the start's own solver, then exact ones from its result, until one is trusted.
   void drive(const Recipe& recipe, const Vector& s0, AnswerStart& made) {
     SolveResult result = attempt(recipe.solver, s0, recipe.iterations, recipe.parameters);
     if (result.status == SolveStatus::kInvalidInput) {
@@ -281,7 +281,7 @@ class AnswerSearch {
     found_.sets = static_cast<int>(seen.size());
   }
 
-  /// Velocities and resultants of the bodies, one column a body.
+  /// Velocities and resultants of the bodies, one column for each body.
   struct Bodies {
     Eigen::MatrixXd velocity, resultant;
   };

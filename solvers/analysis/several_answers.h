@@ -20,8 +20,8 @@ struct SeveralOptions {
   std::uint64_t seed = 1;  ///< of orders, multiples and perturbations
   double tol = 1e-11;      ///< guarded error that every start is driven to
   double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds of everything
-  Vector guess;        ///< impulse of the step before, one more kind of start; empty: none   [N s]
-  std::string solver;  ///< every start by this one; empty: by several
+  Vector guess;  ///< impulse of the previous step, one more kind of start; empty: none   [N s]
+  std::string solver;                             ///< every start by this one; empty: by several
   std::map<std::string, std::string> parameters;  ///< of that one
   std::function<bool()> cancelled;                ///< true ends the search
 };
@@ -36,24 +36,24 @@ struct AnswerStart {
   std::string message;       ///< of the solver that came last
 };
 
-/// Whether other answers lie next to an answer.
+/// Relation of an answer to answers near it.
 enum class AnswerKind {
-  kIsolated,  ///< every solve from 1 % away came back to it
+  kIsolated,  ///< every solve from 1 % away returned to it
   kFamily,    ///< joined by exact answers to another one: velocities vary continuously
   kLeft,      ///< a solve from 1 % away ended at another answer, not joined to this one
   kUnknown    ///< no solve from 1 % away reached an exact answer, or time was up
 };
 std::string_view to_string(AnswerKind kind);
 
-/// What two answers of a problem differ by. NaN where a measure is not defined: those of bodies need
-/// the rows of rigid bodies in H (body_rows.h).
+/// Difference of two answers of a problem. Undefined measures are NaN: those of bodies need the
+/// rows of rigid bodies in H (body_rows.h).
 struct AnswerDifference {
   double velocity = kNaN;  ///< ‖v - v'‖_A / ‖v - v_free‖_A of the first answer      [-]
   double body_velocity = kNaN;  ///< largest |v_b - v_b'| over the largest |v_b|, translations [-]
   double kinetic = kNaN;  ///< |½ vᵀA v - ½ v'ᵀA v'| over that of the first answer        [-]
   double force =
       kNaN;  ///< largest |R_b - R_b'| over the mean |R_b|, R_b the resultant contact impulse
-  /// Of the sum of all R_b, what walls give, over that of the first answer  [-]
+  /// Change of the sum of all R_b, the impulse of walls, over that of the first answer [-]
   double total = kNaN;
   int contacts = 0;  ///< whose status differs
 };
@@ -70,7 +70,7 @@ struct Answer {
   AnswerKind kind = AnswerKind::kUnknown;
   int set = 0;                  ///< joined answers have the same number, from 0
   double perturbed = kNaN;      ///< relative distance of the perturbed impulse           [-]
-  double came_back_to = kNaN;   ///< relative distance of the answer found from there     [-]
+  double came_back_to = kNaN;   ///< relative distance from there of the answer found     [-]
   AnswerDifference from_first;  ///< to answer 0
 };
 
@@ -81,23 +81,24 @@ struct SeveralAnswers {
   std::vector<Answer> answers;  ///< in the order in which they were found
   int sets = 0;                 ///< isolated answers and families together
   AnswerDifference spread;      ///< largest over all pairs
-  /// Least relative distance at which answers of the largest error here count as two.
+  /// Least relative distance at which answers with the largest error here count as two.
   double resolution = kNaN;
-  std::vector<int> differing_contacts;  ///< whose status is not the same in all answers
+  std::vector<int> differing_contacts;  ///< with different statuses in some answers
   double seconds = 0;                   ///< wall
 };
 
-/// Looks for several exact answers of one problem: solvers from s = 0, other orders of contacts,
-/// random multiples of the impulses of an answer, each driven by its own solver and finished by
-/// exact ones (`homotopy` for d <= 2 from the impulse as it is, `ipm`, `newton`). What reaches
-/// DistinctAnswers::kTrusted is told apart by DistinctAnswers. From each answer, an impulse 1 % away
-/// is solved again; answers whose segment at 1/4, 1/2, 3/4 is exact as well form a family. (For
-/// d <= 2 and equal statuses the law is linear along the segment, and the three points prove it.)
+/// Searches for several exact answers of one problem. Starts: solvers from s = 0, other orders of
+/// contacts, random multiples of the impulses of an answer. Each is improved by its own solver and
+/// finished by exact ones (`homotopy` for d <= 2 from the impulse as it is, `ipm`, `newton`).
+/// Impulses that reach DistinctAnswers::kTrusted are compared by DistinctAnswers. From each answer,
+/// an impulse 1 % away is solved again. Answers whose segment is exact at 1/4, 1/2, 3/4 as well
+/// form a family. (For d <= 2 and equal statuses the law is linear along the segment, and the three
+/// points prove it.)
 ///
-/// The number of answers is a lower bound. Limits are in iterations, so that the same seed gives the
-/// same bits as long as the time limit does not bind. Status: kConverged when every start reached an
-/// exact answer, kStalled when only some did, kTimeLimit, kInterrupted, kInvalidInput with the
-/// reason, kNothingToDo.
+/// The number of answers is a lower bound. Limits are in iterations, so that the same seed gives
+/// the same bits unless the time limit acts. Status: kConverged if every start reached an exact
+/// answer, kStalled if only some did, kTimeLimit, kInterrupted, kInvalidInput with the reason,
+/// kNothingToDo.
 SeveralAnswers find_several_answers(const ContactProblem& problem, const SeveralOptions& options);
 
 }  // namespace bipot

@@ -10,15 +10,15 @@
 namespace bipot {
 namespace {
 
-/// With fewer bodies in a tile a kernel begins and ends too often: 0.95 of the time that 96 take.
+/// Fewer bodies in a tile start and end kernels too often.
 constexpr int kLeastBodies = 200;
 /// With fewer lanes in use the contacts of a batch are loose.
 constexpr int kLeastLanes = 5;
-/// Windows after which loose contacts do not wait for more of them.
+/// Number of windows after which loose contacts are written in an incomplete batch.
 constexpr int kPatience = 1;
 constexpr int kWindowBodies = kWindowBlocks * kLanes;
 
-/// Where the bodies stand before they are sorted within their windows.
+/// Positions of the bodies before they are sorted within their windows.
 struct Places {
   std::vector<int> position, starts, tile;  // of bodies; of tiles; of positions
 
@@ -39,7 +39,7 @@ struct Owned {
   int contact, other;  ///< position of the other body; -1: the surroundings
 };
 
-/// The contacts of each position.
+/// The body to which each contact belongs, by position.
 class Owners {
  public:
   Owners(const DiskStructure& disks, const Places& places)
@@ -70,8 +70,8 @@ class Owners {
       const int at = owner[to_size(c)];
       owned_[to_size(next[to_size(at)]++)] = {c, at == i ? j : i};
     }
-    // Alike from body to body: its own tile first, so that what is pushed to rows of the block itself is
-    // long written when the block's sum is added to them; the surroundings last.
+    // The same order for every body: its own tile first, the surroundings last. Values pushed to
+    // rows of the block itself are then written long before the block's sum is added to them.
     for (std::size_t at = 0; at < count.size(); ++at) {
       const auto key = [&](const Owned& o) {
         const int kind = o.other < 0 ? 2 : places.tile[to_size(o.other)] == places.tile[at] ? 0 : 1;
@@ -90,7 +90,7 @@ class Owners {
     return {places_.position[to_size(contact.i)],
             contact.j == disks_.surroundings() ? -1 : places_.position[to_size(contact.j)]};
   }
-  /// The one that the sweep comes to later, -1 in one window.
+  /// The body that the sweep reaches later, -1 within one window.
   int later(int a, int b) const {
     const auto turn = [&](int at) {
       return std::pair(places_.turn(places_.tile[to_size(at)]), places_.window(at));
@@ -139,7 +139,7 @@ class BlockWriter {
     block.loose = out_.tiles.num_batches();
     out_.blocks.push_back(block);
   }
-  /// Loose contacts after the last block: full batches, and those that have waited.
+  /// Writes loose contacts after the last block: full batches, and those that waited long enough.
   void write_loose(int window, bool last) {
     std::size_t done = 0;
     while (done < loose_.size() &&

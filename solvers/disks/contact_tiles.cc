@@ -13,17 +13,17 @@
 namespace bipot {
 namespace {
 
-/// Tiles of fewer bodies would cost more to hand over than to work on.
+/// A tile of fewer bodies costs more to pass on than to process.
 constexpr int kTileBodies = 96;
-/// Batches of a piece of an order.
+/// Batches of a part of an order.
 constexpr int kOrderedBatches = 64;
-/// A body may come again in the batch after the next: the kernels work on two at once.
+/// Least distance of two batches with the same body: the kernels process two at once.
 constexpr int kBatchGap = 2;
-/// Sweeps along the rows need fewer iterations, which pays for so many empty lanes: the other order
-/// took 0.33, 0.37, 0.55, 0.62, 0.88 of the time up to 200, 400, 700, 1200, 2500 contacts (assor).
+/// Least fraction of used lanes for which the order along the rows is chosen. It needs fewer
+/// iterations, which outweighs some empty lanes.
 constexpr double kFilled = 0.75;
 
-/// Which bodies touch which, the surroundings left out.
+/// Pairs of bodies in contact, without the surroundings.
 struct BodyGraph {
   std::vector<int> start, neighbour;
 
@@ -46,7 +46,7 @@ struct BodyGraph {
   int degree(int body) const { return start[to_size(body) + 1] - start[to_size(body)]; }
 };
 
-/// Breadth first from `root`, appended to `order`; visited bodies carry the mark `round`.
+/// Breadth-first search from `root`, appended to `order`; visited bodies are marked with `round`.
 void breadth_first(const BodyGraph& graph, int root, int round, std::vector<int>& mark,
                    std::vector<int>& order) {
   std::size_t head = order.size();
@@ -78,8 +78,8 @@ int bandwidth(const DiskStructure& disks, const std::vector<int>& row) {
   return widest;
 }
 
-/// The contacts along the rows: by their first body, those with the surroundings before others, then
-/// by the second.
+/// The contacts in the order of the rows: by their first body, those with the surroundings first,
+/// then by the second.
 std::vector<int> sweep_order(const DiskStructure& disks, const std::vector<int>& row) {
   struct Placed {
     int second, contact;
@@ -93,7 +93,7 @@ std::vector<int> sweep_order(const DiskStructure& disks, const std::vector<int>&
     const int j = row[to_size(contact.j)];
     return std::pair(std::min(i, j), std::max(i, j));
   };
-  // Into a box for each first body, which then holds a handful.
+  // Sorts into a list for each first body, which is short.
   std::vector<int> end(to_size(disks.surroundings()) + 1, 0);
   for (const DiskStructure::Contact& contact : disks.contacts) {
     ++end[to_size(rows(contact).first) + 1];
@@ -104,7 +104,7 @@ std::vector<int> sweep_order(const DiskStructure& disks, const std::vector<int>&
     const auto [first, second] = rows(disks.contacts[c]);
     placed[to_size(end[to_size(first)]++)] = {second, static_cast<int>(c)};
   }
-  int begin = 0;  // every end has moved to the next one's beginning
+  int begin = 0;  // every end has moved to the beginning of the next one
   for (int body = 0; body < disks.surroundings(); ++body) {
     std::sort(placed.begin() + begin, placed.begin() + end[to_size(body)]);
     begin = end[to_size(body)];
@@ -144,14 +144,14 @@ class BatchFiller {
   }
 
  private:
-  /// The batches that a body is in, a list through links_; of another tile: none.
+  /// The batches of a body, a list through links_; empty in another tile.
   struct Uses {
     int tile = -1, head = -1;
   };
   struct Link {
     int batch, next;
   };
-  /// `batch` itself, or the first one after a use of the body that is too close to it.
+  /// `batch` itself, or the first one far enough after a use of the body.
   int after_uses(int tile, int body, int batch) const {
     if (body < 0 || uses_[to_size(body)].tile != tile) return batch;
     for (int k = uses_[to_size(body)].head; k >= 0; k = links_[to_size(k)].next) {
@@ -172,9 +172,8 @@ class BatchFiller {
   FreeLanes free_;
 };
 
-/// Goes along the entries in many places at once: what comes together is far apart, and each place
-/// comes to its next entry kBatchGap batches later, while the bodies that both share are in the
-/// cache.
+/// Interleaves distant parts of the entries: batches then hold contacts that are far apart. Each
+/// part reaches its next entry kBatchGap batches later, while the shared bodies are in the cache.
 void interleave(std::vector<int>& entries, std::vector<int>& scratch) {
   constexpr std::size_t kPlaces = std::size_t{kBatchGap} * kLanes;
   const std::size_t n = entries.size();
@@ -198,7 +197,7 @@ std::vector<int> reverse_cuthill_mckee(const DiskStructure& disks) {
   int round = 0;
   for (int body = 0; body < bodies; ++body) {
     if (mark[to_size(body)] >= 0) continue;
-    // Twice to the far end of the component: close to its ends, narrow levels.
+    // Moves twice to the far end of the component: levels are narrow from there.
     int root = body;
     for (int k = 0; k < 2; ++k) {
       trial.clear();
@@ -216,7 +215,7 @@ std::vector<int> body_rows(const DiskStructure& disks) {
   const int bodies = disks.surroundings();
   std::vector<int> row(to_size(bodies));
   std::iota(row.begin(), row.end(), 0);
-  // A square packing row by row has the square root of the number of its bodies.
+  // A square packing in rows has as bandwidth the square root of the number of its bodies.
   if (bandwidth(disks, row) <= 2 * std::sqrt(bodies) + kTileBodies) return row;
   return reverse_cuthill_mckee(disks);
 }
@@ -231,7 +230,7 @@ std::vector<int> tile_starts(const DiskStructure& disks, const std::vector<int>&
     r = std::max({r, a, b});
   }
   std::vector<int> starts{0};
-  int reached = 0, next_reached = 0;  // by the tiles before the last one, and with it
+  int reached = 0, next_reached = 0;  // by the tiles before the last one, and including it
   for (int r = 0; r < bodies; ++r) {
     if (r - starts.back() >= least && r > reached) {
       starts.push_back(r);
@@ -239,7 +238,7 @@ std::vector<int> tile_starts(const DiskStructure& disks, const std::vector<int>&
     }
     next_reached = std::max(next_reached, reach[to_size(r)]);
   }
-  // A short rest joins the tile before.
+  // A short remainder joins the tile before.
   if (starts.size() > 1 && bodies - starts.back() < least / 2) starts.pop_back();
   starts.push_back(bodies);
   return starts;
@@ -252,7 +251,7 @@ ContactTiles tile_contacts(const DiskStructure& disks) {
   const int tiles = static_cast<int>(starts.size()) - 1;
   const int bodies = disks.surroundings();
 
-  // Every tile ends with a row of its own for the surroundings.
+  // Every tile ends with its own row for the surroundings.
   std::vector<int> tile_of(to_size(bodies));
   for (int t = 0; t < tiles; ++t) {
     for (int r = starts[to_size(t)]; r < starts[to_size(t) + 1]; ++r) tile_of[to_size(r)] = t;
@@ -301,7 +300,7 @@ ContactTiles order_contacts(const DiskStructure& disks) {
   ContactTiles out;
   const int bodies = disks.surroundings();
   FreeLanes free;
-  std::vector<int> next(to_size(bodies), 0);  // batch from which on a body may come again
+  std::vector<int> next(to_size(bodies), 0);  // first batch in which a body may occur again
   for (const int c : sweep_order(disks, body_rows(disks))) {
     const DiskStructure::Contact& contact = disks.contacts[to_size(c)];
     int wanted = next[to_size(contact.i)];
@@ -312,8 +311,8 @@ ContactTiles order_contacts(const DiskStructure& disks) {
     if (contact.j != bodies) next[to_size(contact.j)] = batch + kBatchGap;
   }
   out.contact.assign(free.lanes().begin(), free.lanes().end());
-  // Rows as the batches come to them: they stream, though a batch has contacts of eight rows of the
-  // packing.
+  // Rows in the order in which batches use them: they are then read as a stream, although a batch
+  // has contacts of eight rows of the packing.
   out.row.assign(to_size(bodies), -1);
   const auto place = [&](int body) {
     if (body != bodies && out.row[to_size(body)] < 0) out.row[to_size(body)] = out.num_rows++;

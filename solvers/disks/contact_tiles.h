@@ -12,25 +12,27 @@ namespace bipot {
 
 /// An order of bodies and contacts for kernels that stream through memory.
 ///
-/// Bodies stand in rows along the contact graph (the given order where it is local already, else
-/// reverse Cuthill-McKee). Rows are cut into tiles so that *a contact joins bodies of one tile or of
-/// two neighbouring ones*; it belongs to the later. Hence tile t of one iteration and tile t + 2 of
-/// the iteration before share no body: they may run at the same time, or one right after the other
-/// while the data are in the cache, and every body still sees the same sequence of contacts.
+/// Bodies stand in rows along the contact graph: in the given order if that is local, else by
+/// reverse Cuthill-McKee. Rows are cut into tiles so that *a contact joins bodies of one tile or of
+/// two neighbouring ones*; it belongs to the later tile. Hence tile t of one iteration and tile t +
+/// 2 of the iteration before share no body. They may run at the same time, or one after the other
+/// while the data are in the cache. Every body still sees the same sequence of contacts.
 ///
-/// The contacts of a tile stand in batches whose lanes share no body, from sixteen places that go
-/// along it together: there a body does not occur in two batches that follow each other (its
-/// velocity would be waited for), but mostly in the next but one, while the cache still has it.
+/// The contacts of a tile are grouped into batches whose lanes share no body. They come from
+/// sixteen positions that move along the tile together. A body never occurs in two consecutive
+/// batches, where its velocity would not be ready. It mostly occurs in the next but one, while it
+/// is still in the cache.
 struct ContactTiles {
   struct Tile {
     int first_batch = 0, last_batch = 0;  ///< half open
     int first_row = 0, last_row = 0;      ///< half open; the surroundings have the last ones
   };
   std::vector<Tile> tiles;
-  std::vector<int> row;      ///< of each body, the surroundings excluded
-  LargeVector<int> contact;  ///< kLanes a batch: the contact in each lane, -1 where there is none
-  /// Of each batch, where there are any: the first row of a block whose bodies stand first in its
-  /// contacts (body_blocks.h); -1: any bodies.
+  std::vector<int> row;  ///< of each body, the surroundings excluded
+  /// kLanes for each batch: the contact in each lane, -1 if there is none.
+  LargeVector<int> contact;
+  /// For each batch, if not empty: the first row of a block whose bodies are the first bodies of
+  /// its contacts (body_blocks.h); -1: any bodies.
   std::vector<int> block_row;
   int num_rows = 0;
   int outside_rows = 1;  ///< of each tile: the last ones are the surroundings
@@ -45,27 +47,29 @@ struct ContactTiles {
 
 ContactTiles tile_contacts(const DiskStructure& disks);
 
-/// Batches for sweeps that keep an order, that of the rows: by the first body, then the second. A
-/// contact comes at least two batches after all before it that share a body with it, so that batch
-/// after batch is the sweep contact after contact. Tiles are pieces of that order here: bodies stand
-/// in the tile that comes to them first, and may occur in many.
+/// Batches for sweeps in the order of the rows: by the first body, then the second. A contact comes
+/// at least two batches after all earlier ones that share a body with it. Hence the sweep batch
+/// after batch equals the sweep contact after contact. Tiles are parts of that order here: bodies
+/// belong to the tile that uses them first, and may occur in many.
 ContactTiles order_contacts(const DiskStructure& disks);
 
-/// What sweeps forth and back go through: the order along the rows where its batches are three
-/// quarters full, else that of tile_contacts(). Where rows are too short for eight to follow each
-/// other the first makes a batch of a contact or two: 101 batches of 163 contacts, where the second
-/// makes 21. In both a body stands in the tile that comes to it first, or in one before.
+/// Order for symmetric sweeps: the order along the rows if its batches are three quarters full,
+/// else that of tile_contacts(). Short rows do not hold eight independent contacts in sequence; the
+/// first order would then make nearly empty batches. In both a body belongs to the tile that uses
+/// it first, or to one before.
 ContactTiles symmetric_order(const DiskStructure& disks);
 
-/// First body of every tile, in the order of their rows along the graph, and the number of bodies.
-/// `least`: bodies of a tile.
+/// First body of every tile, in the order of rows along the graph, and the number of bodies.
+/// `least`: least number of bodies of a tile.
 std::vector<int> tile_starts(const DiskStructure& disks, const std::vector<int>& row, int least);
 
-/// Bodies along the graph: as given where that is local already, else reverse Cuthill-McKee.
+/// Rows of the bodies along the graph: the given order if that is local, else reverse
+/// Cuthill-McKee.
 std::vector<int> body_rows(const DiskStructure& disks);
 
-/// Rows of the bodies along the graph by reverse Cuthill and McKee (1969): breadth first from a body
-/// far out, neighbours by their number of neighbours. The order of the bodies breaks ties.
+/// Rows of the bodies along the graph by reverse Cuthill and McKee (1969): breadth first from a
+/// body at the far end, neighbours by their number of neighbours. The order of the bodies breaks
+/// ties.
 std::vector<int> reverse_cuthill_mckee(const DiskStructure& disks);
 
 }  // namespace bipot

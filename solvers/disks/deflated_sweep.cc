@@ -8,7 +8,7 @@
 namespace bipot {
 namespace {
 
-/// Iterations until it is looked at whether other contacts carry stresses now.
+/// Iterations between two updates of the set of contacts with stresses.
 constexpr int kRenewal = 20;
 
 double sum(const double (&parts)[4]) { return (parts[0] + parts[1]) + (parts[2] + parts[3]); }
@@ -79,8 +79,8 @@ bool DeflatedSweep::iterate() {
   }
   for (const double lane : load.load) yz += lane;  // now g·z
 
-  // y = y⁻ + alpha⁻ p⁻ with p⁻ = z⁻ + beta⁻ p⁻⁻: g·z⁻ from the products before. The direction before is
-  // conjugate: g·p⁻ = 0.
+  // y = y⁻ + alpha⁻ p⁻ with p⁻ = z⁻ + beta⁻ p⁻⁻: g·z⁻ follows from earlier products. The previous
+  // direction is conjugate: g·p⁻ = 0.
   double beta = 0;
   if (pp_ > 0) {
     const double before = gz_ + alpha_ * (zz_ + beta_ * zp_);
@@ -106,7 +106,7 @@ bool DeflatedSweep::iterate() {
   at_ = sweep_.sweep();
   if (++since_renewal_ == kRenewal) {
     since_renewal_ = 0;
-    carried_ = modes_.renew(at_.swept);  // else the next iteration says so: this one is done
+    carried_ = modes_.renew(at_.swept);  // if not, the next iteration reports it: this one is done
   }
   return true;
 }

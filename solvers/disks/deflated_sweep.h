@@ -12,24 +12,26 @@ namespace bipot {
 /// smooth stresses P. With y the impulse and g = Wy + b,
 ///
 ///     z = S(y) - y,   z <- z - P (PᵀWP)⁻¹ Pᵀ(W S(y) + b),
-///     beta = max(0, g·(z - z⁻) / g⁻·z⁻),   p = z + beta p⁻,   alpha = -g·p / p·Wp,   y⁺ = y + alpha p.
+///     beta = max(0, g·(z - z⁻) / g⁻·z⁻),   p = z + beta p⁻,
+///     alpha = -g·p / p·Wp,   y⁺ = y + alpha p.
 ///
-/// S(y) obeys the law, y need not. A coarse space that leaves contacts at their edges alone, beside
-/// projected sweeps: Kornhuber's truncated monotone multigrid (Numer. Math. 69, 1994); deflation of
-/// conjugate gradients: Nicolaides (SIAM J. Numer. Anal. 24, 1987). Near a solution, where few contacts
-/// change between open, stick and slip, all this is linear but for them. From far away, and with
-/// friction, there is no proof that it descends.
+/// S(y) obeys the law, y need not. A coarse space beside projected sweeps that excludes contacts at
+/// their edges: Kornhuber's truncated monotone multigrid (Numer. Math. 69, 1994). Deflation of
+/// conjugate gradients: Nicolaides (SIAM J. Numer. Anal. 24, 1987).
+///
+/// Limits: near a solution few contacts change their status, and the map is linear but for them.
+/// Far away, and with friction, descent is not proved.
 class DeflatedSweep {
  public:
   DeflatedSweep(SymmetricSweep<2>& sweep, const DiskStructure& disks, const Execution& options);
 
-  /// Whether there is anything to take out: a packing of some hundred disks.
+  /// True if the packing has smooth stresses: it needs some hundred disks.
   bool has_stresses() const { return modes_.num_nodes() > 0; }
-  /// From s: S(s) is the first impulse(). False where no contact of it carries stresses.
+  /// Starts from s: S(s) is the first impulse(). False if no contact of it carries stresses.
   [[nodiscard]] bool reset(const Vector& s);
-  /// False where it could not: from there only reset() goes on.
+  /// False on failure: only reset() may follow.
   [[nodiscard]] bool iterate();
-  /// S(y). Not where iterate() returned false: it may be z by then.
+  /// S(y). Not after iterate() returned false: it may be z then.
   const Vector& impulse();
 
  private:
@@ -42,7 +44,7 @@ class DeflatedSweep {
   std::vector<ConjugateSums> sums_;
   int since_renewal_ = 0;
   bool carried_ = false;  // stresses, as of the last renewal
-  // z⁻·Wz⁻, z⁻·Wp⁻⁻, p⁻·Wp⁻, g⁻·z⁻, alpha⁻, beta⁻; no direction before where p⁻·Wp⁻ = 0.
+  // z⁻·Wz⁻, z⁻·Wp⁻⁻, p⁻·Wp⁻, g⁻·z⁻, alpha⁻, beta⁻; p⁻·Wp⁻ = 0: there is no previous direction.
   double zz_ = 0, zp_ = 0, pp_ = 0, gz_ = 0, alpha_ = 0, beta_ = 0;
   Vector s_;
 };

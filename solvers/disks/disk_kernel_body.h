@@ -1,8 +1,8 @@
 #pragma once
 
-// The kernels for disks in vectors of BIPOT_WIDTH lanes. Each width is compiled once, with the flags
-// of its instructions; so everything here has internal linkage and nothing of the standard library
-// comes in, or the linker might take a function with these instructions for all others.
+// The kernels for disks in vectors of BIPOT_WIDTH lanes. Each width is compiled once, with the
+// flags of its instructions. Therefore everything here has internal linkage and uses nothing of the
+// standard library. Otherwise the linker might use a function with these instructions for all.
 
 #if BIPOT_WIDTH == 8
 #include <immintrin.h>
@@ -16,7 +16,7 @@ namespace {
 constexpr int kWidth = BIPOT_WIDTH;
 constexpr int kParts = kLanes / kWidth;  // of a batch
 
-// g++ takes these attributes in a typedef only: NOLINTBEGIN(modernize-use-using)
+// g++ accepts these attributes in a typedef only: NOLINTBEGIN(modernize-use-using)
 typedef double Lanes __attribute__((vector_size(8 * kWidth), may_alias));
 typedef long long Bits __attribute__((vector_size(8 * kWidth)));
 typedef double Row __attribute__((vector_size(32), may_alias));
@@ -41,13 +41,13 @@ inline BodyRow& at(BodyRow* rows, unsigned offset) {
 }
 
 #if BIPOT_WIDTH == 8
-// Instructions that g++ does not make of the operations below. In their forms with a mask of all
-// lanes: those without one start from a value that is not set, of which g++ 12 warns.
+// Instructions that g++ does not generate for the operations below. They are used with a mask of
+// all lanes, since the forms without mask start from an uninitialised value (warning of g++ 12).
 constexpr __mmask8 kAllLanes = 0xff;
 #endif
 
 inline Lanes all(double x) { return Lanes{} + x; }
-/// max(x, 0); NaN stays NaN. Written as the instruction is, which compilers do not see otherwise.
+/// max(x, 0); NaN stays NaN. Written like the instruction, which compilers do not find otherwise.
 inline Lanes positive(Lanes x) {
   const Lanes zero{};
 #if BIPOT_WIDTH == 8
@@ -56,7 +56,7 @@ inline Lanes positive(Lanes x) {
   return zero > x ? zero : x;
 #endif
 }
-/// -(a b). With zero taken from it the product is rounded once, as it is by itself.
+/// -(a b). Subtracted from zero, the product is rounded once, as it is by itself.
 inline Lanes negative_product(Lanes a, Lanes b) {
 #if BIPOT_WIDTH == 8
   return _mm512_fnmsub_pd(a, b, Lanes{});
@@ -67,7 +67,7 @@ inline Lanes negative_product(Lanes a, Lanes b) {
 inline Lanes magnitude(Lanes x) {
   return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(x) & 0x7fffffffffffffffLL);
 }
-/// The lesser one, `b` where there is none. Written as the instruction is, as positive() is.
+/// The smaller one, `b` if one is NaN. Written like the instruction, as positive() is.
 inline Lanes lesser(Lanes a, Lanes b) {
 #if BIPOT_WIDTH == 8
   return _mm512_maskz_min_pd(kAllLanes, a, b);
@@ -75,20 +75,19 @@ inline Lanes lesser(Lanes a, Lanes b) {
   return a < b ? a : b;
 #endif
 }
-/// x limited to [-radius, radius]; NaN stays NaN. By magnitude and sign: a single comparison waits for
-/// the radius.
+/// x limited to [-radius, radius]; NaN stays NaN. By magnitude and sign: only one comparison
+/// depends on the radius.
 inline Lanes cut_off(Lanes x, Lanes radius) {
   const Bits sign = Bits{} + static_cast<long long>(1ULL << 63);
   const Lanes size = lesser(radius, magnitude(x));
   return reinterpret_cast<Lanes>(reinterpret_cast<Bits>(size) | (reinterpret_cast<Bits>(x) & sign));
 }
 
-/// What the bodies of each lane do together: V_i - V_j and the sum of the spins.
+/// Relative motion of the bodies of each lane: V_i - V_j and the sum of the spins.
 struct Motion {
   Lanes x, y, spin;
 };
-/// How the second body of a contact enters: as it moves, with the opposite x and y, or like the
-/// first.
+/// Sign of the second body of a contact: velocity with opposite x and y, or like the first.
 enum Second { kOpposed, kAlike };
 
 #if BIPOT_WIDTH == 2
@@ -105,13 +104,13 @@ inline Pair second(Pair x_spin) {
   return reinterpret_cast<Pair>(reinterpret_cast<PairBits>(x_spin) ^ sign);
 }
 
-/// y, with the opposite sign where the second body is opposed.
+/// y, with the opposite sign if the second body is opposed.
 template <Second kSecond>
 inline double second(double y) {
   return kSecond == kAlike ? y : -y;
 }
 
-/// `u`: the rows that `i` is counted from.
+/// `u`: the rows that `i` is relative to.
 template <Second kSecond>
 [[gnu::always_inline]] inline Motion gather(const BodyRow* u, const unsigned* i, const BodyRow* v,
                                             const unsigned* j) {
@@ -127,7 +126,7 @@ template <Second kSecond>
                                             const unsigned* j) {
   return gather<kSecond>(v, i, v, j);
 }
-/// Adds the wrench, times `inverse` where there is one, to body i and its opposite to body j.
+/// Adds the wrench, times `inverse` if there is one, to body i and its opposite to body j.
 template <bool kInverse, Second kSecond>
 [[gnu::always_inline]] inline void scatter(const Motion& p, const unsigned* i, const unsigned* j,
                                            const BodyRow* inverse, BodyRow* to) {
@@ -160,14 +159,14 @@ inline Row with_second(Row a, Row b) {
 template <Second kSecond>
 inline Row with_second_of(const BodyRow& r, Row b) {
 #if BIPOT_WIDTH == 8
-  // Products with one are exact, so this is the same sum, by an instruction that also loads.
+  // Products with one are exact, so that this is the same sum, by an instruction that also loads.
   constexpr Row kSign{1, -1, 1, -1};
   if constexpr (kSecond == kOpposed) return _mm256_maskz_fnmadd_pd(kAllLanes, b, kSign, row(r));
 #endif
   return with_second<kSecond>(row(r), b);
 }
 
-/// Adds the wrench, times `inverse` where there is one, to body i and its opposite to body j.
+/// Adds the wrench, times `inverse` if there is one, to body i and its opposite to body j.
 template <bool kInverse, Second kSecond>
 [[gnu::always_inline]] inline void add(Row wrench, unsigned i, unsigned j, const BodyRow* inverse,
                                        BodyRow* to) {
@@ -182,7 +181,7 @@ template <bool kInverse, Second kSecond>
 #endif
 
 #if BIPOT_WIDTH == 4
-/// `u`: the rows that `i` is counted from.
+/// `u`: the rows that `i` is relative to.
 template <Second kSecond>
 [[gnu::always_inline]] inline Motion gather(const BodyRow* u, const unsigned* i, const BodyRow* v,
                                             const unsigned* j) {
@@ -225,7 +224,7 @@ inline Lanes both(Row a, Row b) {
   return _mm512_maskz_insertf64x4(kAllLanes, _mm512_castpd256_pd512(a), b, 1);
 }
 
-/// Rows from here on must not be taken two at once before the next one.
+/// From here on rows must not be read in pairs before the next line of the cache.
 inline bool starts_within_line(const BodyRow* rows) {
   return reinterpret_cast<decltype(sizeof(int))>(rows) % sizeof(Lanes) != 0;
 }
@@ -237,9 +236,9 @@ inline Lanes second_of_pairs(Lanes a, Lanes b) {
   return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
 }
 
-/// What rows of the lanes (0, 2), (1, 3), (4, 6), (5, 7) say.
+/// The motion in rows of the lanes (0, 2), (1, 3), (4, 6), (5, 7).
 [[gnu::always_inline]] inline Motion motion_of(Lanes a, Lanes b, Lanes c, Lanes d) {
-  // (x, y) of two lanes by turns, and their spins.
+  // (x, y) of two lanes alternately, and their spins.
   const Lanes even0 = first_of_pairs(a, b), odd0 = second_of_pairs(a, b);
   const Lanes even1 = first_of_pairs(c, d), odd1 = second_of_pairs(c, d);
   return {__builtin_shufflevector(even0, even1, 0, 1, 4, 5, 8, 9, 12, 13),
@@ -251,7 +250,7 @@ struct WrenchRows {
   Lanes a, b, c, d;
 };
 [[gnu::always_inline]] inline WrenchRows rows_of(const Motion& p) {
-  // (x, spin) of lanes 0, 2, 4, 6 and 1, 3, 5, 7; with y of the same lane, and 0, they make rows.
+  // (x, spin) of lanes 0, 2, 4, 6 and 1, 3, 5, 7; with y of the same lane, and 0, they form rows.
   const Lanes even = first_of_pairs(p.x, p.spin), odd = second_of_pairs(p.x, p.spin);
   const auto pair = [&](Lanes x_spin, long long at, long long y) {
     constexpr __mmask8 kNoFourth = 0x77;
@@ -292,7 +291,7 @@ template <bool kInverse, Second kSecond>
 }
 #endif
 
-/// Asks for the lines of the cache that hold what is not needed yet.
+/// Prefetches the lines of the cache with data that are needed later.
 template <class T>
 inline void prefetch(const T& what) {
   constexpr unsigned kLine = 64;
@@ -308,16 +307,16 @@ inline void prefetch_item(const T* list, int k) {
   prefetch(*reinterpret_cast<const T*>(item));
 }
 
-/// So many batches ahead of their turn what is streamed is asked for: from the shared cache it comes
-/// too late otherwise (6.2 ns a contact for 5.5 at 3·10⁶ contacts, apgd).
+/// Number of batches by which streamed data are prefetched: from the shared cache they would come
+/// too late.
 constexpr int kAhead = 16;
 /// The same for rows of bodies.
 constexpr int kRowsAhead = 64;
 
 /// Runs solve(batch, part, motion) -> wrench over all parts of the batches from `first` to before
-/// `last`, downwards with kBack. In program order the bodies of a part are read before the part
-/// before writes to its own, so that the processor works on both at once. They share no body:
-/// neither do the lanes of a batch nor two batches that follow.
+/// `last`, downwards with kBack. In program order the bodies of a part are read before the previous
+/// part writes to its own. The processor can then work on both at once. They share no body: neither
+/// do the lanes of a batch nor two consecutive batches.
 template <bool kBack, int D, class Solve>
 [[gnu::always_inline]] inline void for_parts(const ContactBatch<D>* contact, int first, int last,
                                              BodyRow* velocity, const BodyRow* inverse,
@@ -347,7 +346,7 @@ template <bool kBack, int D, class Solve>
   if (batches > 0) scatter<true, kOpposed>(wrench, before.i, before.j, inverse, velocity);
 }
 
-/// What comes to the rows of a block.
+/// Sums for the rows of a block.
 struct BlockRows {
 #if BIPOT_WIDTH == 8
   Lanes pair[kLanes / 2];
@@ -356,7 +355,7 @@ struct BlockRows {
 #endif
 };
 
-/// The motion of the lanes of a part, whose first bodies are those of a block.
+/// Relative motion of the lanes of a part, whose first bodies are those of a block.
 [[gnu::always_inline]] inline Motion gather_block(const BodyRow* block, [[maybe_unused]] int part,
                                                   const BodyRow* velocity, const unsigned* j) {
 #if BIPOT_WIDTH == 8
@@ -375,8 +374,8 @@ struct BlockRows {
   return gather<kOpposed>(block, i, velocity, j);
 #endif
 }
-/// Adds wrenches to a block's sum, their opposites to the second bodies, of which there are no two
-/// the same.
+/// Adds wrenches to the sum of a block and their opposites to the second bodies, which are all
+/// different.
 [[gnu::always_inline]] inline void scatter_block(const Motion& p, [[maybe_unused]] int part,
                                                  const unsigned* j, BlockRows& sum, BodyRow* to) {
 #if BIPOT_WIDTH == 8
@@ -413,7 +412,7 @@ struct BlockRows {
   }
 #endif
 }
-/// Row by row: where a second body has just been written, eight values at once would have to wait.
+/// Row by row: a second body may just have been written, which would delay a load of eight values.
 [[gnu::always_inline]] inline void add_block(const BlockRows& sum, BodyRow* rows) {
 #if BIPOT_WIDTH == 8
   for (int n = 0; n < kLanes / 2; ++n) {
@@ -427,12 +426,12 @@ struct BlockRows {
 #endif
 }
 
-/// Runs solve(batch, part, motion) -> wrench over the batches of blocks: those of a block, whose first
-/// bodies' rows follow each other, then the loose ones. Velocities do not change.
+/// Runs solve(batch, part, motion) -> wrench over the batches of blocks: first those of a block,
+/// whose first bodies have consecutive rows, then the loose ones. Velocities do not change.
 ///
-/// The next part is gathered before this one pushes: a processor that looks but a batch ahead has both
-/// to work on (0.85 of the time). What is gathered behind the last one of a block may be of no use: of
-/// any eight rows, which then need not begin with a line of the cache.
+/// The next part is gathered before this one scatters, so that the processor can overlap both. The
+/// gather after the last part of a block may be useless: it reads any eight rows, which then need
+/// not begin with a line of the cache.
 template <int D, class Solve>
 [[gnu::always_inline]] inline void for_blocks(const GradientTask<D>& a, const BodyBlock* block,
                                               const BodyBlock* last, const Solve& solve) {
@@ -469,14 +468,14 @@ template <int D, class Solve>
 
 template <int D, bool kRelaxed>
 void sweep_batches(const SweepTask<D>& task) {
-  // A copy: the compiler cannot know that the stores leave the task alone.
+  // A copy: the compiler cannot know that the stores leave the task unchanged.
   const SweepTask<D> a = task;
   const Lanes omega = all(a.omega);
   const auto relaxed = [&](Lanes x) {
     if constexpr (kRelaxed) x = omega * x;
     return x;
   };
-  // Sums are arranged so that the way from the velocities to the wrench is short.
+  // Sums are arranged for a short dependency chain from the velocities to the wrench.
   const auto solve = [&](int k, int part, const Motion& v) {
     if (part == 0 && a.ask_ahead) {
       prefetch_item(a.contact, k + kAhead);
@@ -537,13 +536,13 @@ void extrapolate_velocity(const ExtrapolationTask& task) {
   for (; k < a.rows; ++k) extrapolated(k, Row{} + a.beta);
 }
 
-/// kOuter: from y with a sweep forth, with sums at the end of a sweep back.
+/// kOuter: starts from y in the forward sweep, computes sums at the end of the backward sweep.
 template <int D, bool kBack, bool kOuter>
 void sweep_symmetric(const SymmetricTask<D>& task, Lanes* turn) {
   const SymmetricTask<D> a = task;
   const Lanes omega = all(a.omega), beta = all(a.beta);
-  // Lists are asked for ahead where they come from memory. Nobody foresees which bodies come when
-  // batches are taken downwards: rows are asked for as the task lists them.
+  // Lists from memory are prefetched. Hardware does not predict the bodies of batches in descending
+  // order: rows are prefetched as the task lists them.
   constexpr bool kStream = kBack || kOuter;
   const int batches = a.last_batch - a.first_batch;
   const int share = batches > 0 ? (a.num_coming + batches - 1) / batches : 0;
@@ -623,7 +622,7 @@ void sweep_back(const SymmetricTask<D>& task, TurnSums& sums) {
   for (int part = 0; part < kParts; ++part) store(sums.turn, part, turn[part]);
 }
 
-/// Sums over pairs of rows, in parts: those of even and of odd rows need not wait for each other.
+/// Sums over pairs of rows, in parts: those of even and of odd rows are independent.
 #if BIPOT_WIDTH == 8
 using Energy = Lanes;
 #else
@@ -652,7 +651,8 @@ inline Row inverse_of(Row velocity, Row momentum) {
 inline Row with_last(Row rows, Row last) { return __builtin_shufflevector(rows, last, 0, 1, 2, 7); }
 #endif
 
-/// Velocities of a window's bodies at the extrapolated momentum; their next momentum begins with 0.
+/// Sets the velocities of a window's bodies at the extrapolated momentum; their next momentum
+/// starts from 0.
 template <int D>
 [[gnu::always_inline]] inline void begin_bodies(const GradientTask<D>& a, unsigned first, int rows,
                                                 Energy& energy) {
@@ -701,7 +701,7 @@ void project(const GradientTask<D>& task, GradientSums& sums) {
     const Lanes x_n = load(a.now[k].x[0], part);
     const Lanes step_n = x_n - load(a.before[k].x[0], part);
     const Lanes y_n = x_n + beta * step_n;
-    // Sums are arranged so that the way from the velocities to the wrench is short.
+    // Sums are arranged for a short dependency chain from the velocities to the wrench.
     const Lanes from_bodies_n = gx * v.x + gy * v.y;
     Lanes z_n = (y_n - b_n) - from_bodies_n;
     Motion wrench;

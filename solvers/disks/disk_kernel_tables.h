@@ -5,8 +5,8 @@
 
 namespace bipot {
 
-/// One instantiation of disk_kernel_body.h and stress_kernel_body.h, compiled for one set of
-/// instructions.
+/// One instantiation of disk_kernel_body.h and stress_kernel_body.h, compiled for one instruction
+/// set.
 struct DiskKernelTable {
   DiskKernels<1> one;
   DiskKernels<2> two;

@@ -4,14 +4,14 @@
 
 namespace bipot {
 
-/// Values of one body: x, a ω, y and one that is not used. In this order a single instruction
-/// (addsub) subtracts x and y and adds a ω.
+/// Values of one body: x, a ω, y and an unused one. In this order a single instruction (addsub)
+/// subtracts x and y and adds a ω.
 struct alignas(32) BodyRow {
   double value[4] = {0, 0, 0, 0};
 };
 inline constexpr int kRowX = 0, kRowSpin = 1, kRowY = 2, kRowLast = 3;
 
-/// Where a row stands, in bytes behind the first one.
+/// Offset of a row in bytes.
 inline unsigned row_offset(int row) {
   return static_cast<unsigned>(sizeof(BodyRow)) * static_cast<unsigned>(row);
 }
@@ -34,19 +34,19 @@ template <int D>
 struct alignas(64) ImpulseBatch {
   double x[static_cast<unsigned>(D)][kLanes] = {};
 };
-/// What contacts of the same materials share: few of these serve all batches.
+/// Laws of the contacts of a batch: a few of these serve all batches.
 struct alignas(64) LawBatch {
   double ratio[kLanes] = {};
   double mu[kLanes] = {};
   double cone[kLanes] = {};  ///< 1 / (1 + mu²)
 };
 
-/// One sweep of projected Gauss-Seidel over the batches of a tile:
-/// x_n <- max(0, x_n - ω w_n), x_t <- x_t - ω w_t cut off at mu x_n, velocities after each batch.
+/// One sweep of projected Gauss-Seidel over the batches of a tile: x_n <- max(0, x_n - ω w_n), x_t
+/// <- x_t - ω w_t cut off at mu x_n, with velocities updated after each batch.
 template <int D>
 struct SweepTask {
   int batches = 0;
-  bool ask_ahead = false;  ///< for what is streamed: it is not in the core's own cache
+  bool ask_ahead = false;  ///< prefetch streamed data: they are not in the core's own cache
   double omega = 1;
   const ContactBatch<D>* contact = nullptr;
   const int* law = nullptr;  ///< of each batch
@@ -56,41 +56,42 @@ struct SweepTask {
   const BodyRow* inverse = nullptr;  ///< all rows: 1/m, a²/I, 1/m, 0
 };
 
-/// kLanes rows that follow each other, and batches whose lanes have one of these as their first body
-/// each (body_blocks.h: which one); then batches with any bodies, up to the next block's.
+/// kLanes consecutive rows, and batches whose lanes each have one of these as their first body
+/// (body_blocks.h). Then follow batches with any bodies, up to those of the next block.
 struct BodyBlock {
   unsigned row = 0;          ///< offset of the first one
   int first = 0, loose = 0;  ///< batches
 };
-/// The row in a block of the body of each lane: this makes pairs of rows that kernels of eight lanes
-/// transpose by the fewest shuffles.
+/// The row in a block of the body of each lane: kernels of eight lanes transpose such pairs of rows
+/// with the fewest shuffles.
 inline constexpr int kRowOfLane[kLanes] = {0, 2, 1, 3, 4, 6, 5, 7};
-/// Blocks whose rows a step of the gradient begins before their contacts: these may touch all of them.
+/// Number of blocks whose rows a step of the gradient sets before their contacts, which may use any
+/// of them.
 inline constexpr int kWindowBlocks = 4;
 
-/// One step of an accelerated projected gradient over blocks, windows after each other: velocities of
-/// their bodies at the extrapolated momentum, then x⁺ = P(y - w(y)) with y = x + beta (x - x⁻), added
-/// to the next momentum. Of all bodies elsewhere that these contacts touch the velocities are there and
-/// the next momenta begun. P: solvers/methods/accelerated_gradient.h.
+/// One step of an accelerated projected gradient over blocks, window after window. It sets the
+/// velocities of their bodies at the extrapolated momentum. Then x⁺ = P(y - w(y)) with y = x + beta
+/// (x - x⁻) is added to the next momentum. For all other bodies of these contacts velocities and
+/// next momenta must be set. P: solvers/methods/accelerated_gradient.h.
 template <int D>
 struct GradientTask {
   const BodyBlock *begin = nullptr, *end = nullptr;  ///< windows; there is one more at the end
   bool ask_ahead = false;
   bool cone = false;
   double beta = 0;
-  // Of all batches and rows.
+  // Arrays over all batches and rows.
   const ContactBatch<D>* contact = nullptr;
   const int* law = nullptr;
   const LawBatch* laws = nullptr;
   const ImpulseBatch<D>*now = nullptr, *before = nullptr;  ///< x, x⁻
   ImpulseBatch<D>* next = nullptr;                         ///< x⁺, may be `before`
-  // The value that rows do not use otherwise says the inverse: 1/m in a velocity, a²/I in a momentum.
-  // Rows for it would be another fifth of what bodies stream.
+  // The fourth value of a row holds an inverse: 1/m in a velocity, a²/I in a momentum. This saves
+  // the memory traffic of separate rows.
   const BodyRow *momentum = nullptr, *momentum_before = nullptr;  ///< of x, x⁻
   BodyRow* velocity = nullptr;
   BodyRow* next_momentum = nullptr;  ///< of x⁺, may be that of x⁻
 };
-/// Partial sums of one tile, lane by lane: to be added in a fixed order.
+/// Partial sums of one tile, for each lane: they must be added in a fixed order.
 struct alignas(64) GradientSums {
   double along[kLanes] = {};    ///< (x - x⁻)·(x⁺ - x)
   double change2[kLanes] = {};  ///< ‖x⁺ - x‖²
@@ -107,13 +108,13 @@ struct ExtrapolationTask {
   BodyRow* before = nullptr;
 };
 
-/// A sweep forth or back of symmetric Gauss-Seidel with momentum over some of the batches, all of
-/// which the lists hold. `next` is updated in place, but that the first sweep forth starts from
-/// y = x + beta (x - x⁻) and writes it. Velocities after each batch.
+/// A forward or backward sweep of symmetric Gauss-Seidel with momentum over some of the batches;
+/// the lists cover all. `next` is updated in place, but the first forward sweep starts from y = x +
+/// beta (x - x⁻) and writes it. Velocities are updated after each batch.
 template <int D>
 struct SymmetricTask {
   int first_batch = 0, last_batch = 0;  ///< half open
-  bool outer = true;       ///< the first sweep forth of an iteration, the last sweep back
+  bool outer = true;       ///< the first forward sweep of an iteration, the last backward one
   bool ask_ahead = false;  ///< for lists, and rows in a sweep back
   double beta = 0, omega = 1;
   const ContactBatch<D>* contact = nullptr;
@@ -123,11 +124,12 @@ struct SymmetricTask {
   ImpulseBatch<D>* next = nullptr;                         ///< x⁺
   BodyRow* velocity = nullptr;                             ///< all rows
   const BodyRow* inverse = nullptr;                        ///< all rows
-  /// Row offsets, one a line of the cache, that a sweep back comes to after these batches.
+  /// Offsets of rows, one for each line of the cache, that a backward sweep uses after these
+  /// batches.
   const unsigned* coming = nullptr;
   int num_coming = 0;
 };
-/// Partial sums lane by lane of (y - x⁺)·(x⁺ - x).
+/// Partial sums of (y - x⁺)·(x⁺ - x) for each lane.
 struct alignas(64) TurnSums {
   double turn[kLanes] = {};
 };
@@ -138,7 +140,7 @@ struct DiskKernels {
   void (*gradient)(const GradientTask<D>& task, GradientSums& sums);
   void (*extrapolate_velocity)(const ExtrapolationTask& task);
   void (*sweep_forth)(const SymmetricTask<D>& task);
-  /// Adds to the sums where it is the last one.
+  /// Adds to the sums in the last sweep.
   void (*sweep_back)(const SymmetricTask<D>& task, TurnSums& sums);
 };
 

@@ -6,7 +6,7 @@ namespace bipot {
 
 DiskPositions disk_positions(const DiskStructure& disks, double apart) {
   const int bodies = disks.surroundings();
-  // The contacts of each body, one list behind the other.
+  // The contacts of each body, one list after the other.
   std::vector<int> start(to_size(bodies) + 1, 0), list;
   const auto each_side = [&](auto&& visit) {
     for (int c = 0; c < static_cast<int>(disks.contacts.size()); ++c) {

@@ -7,17 +7,17 @@
 
 namespace bipot {
 
-/// Where disks are, as their contacts tell: x_i - x_j = (a_i + a_j) n.
+/// Positions of disks, reconstructed from their contacts: x_i - x_j = (a_i + a_j) n.
 struct DiskPositions {
-  /// Of each body, the surroundings excluded; packings that no contact joins stand beside each
-  /// other, `apart` between them.  [m]
+  /// Centre of each body, without the surroundings. Packings that no contact joins are placed side
+  /// by side, `apart` between them. [m]
   std::vector<Vec2> centre;
-  /// Bodies that hang together with this one.
+  /// Number of bodies connected with each body.
   std::vector<int> companions;
 };
 
-/// Breadth first through the contacts between moving disks. Gaps between them are taken as closed: the
-/// positions are those of the packing but for these.
+/// Breadth-first search through the contacts between moving disks. Gaps are taken as closed: the
+/// positions are approximate to that extent.
 DiskPositions disk_positions(const DiskStructure& disks, double apart);
 
 }  // namespace bipot

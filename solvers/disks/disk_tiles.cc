@@ -17,8 +17,8 @@ constexpr double kRounding = 16 * std::numeric_limits<double>::epsilon();
 constexpr std::size_t kDeepest = 16;
 constexpr std::size_t kMostPlaces = 4;  // of a wave
 
-/// Bytes of a cache as the system says, `otherwise` where it does not. What follows from it decides
-/// what runs when, and changes no bit.
+/// Bytes of a cache as the system reports, else `otherwise`. The size affects the order of work in
+/// time, but no bit.
 std::size_t cache_bytes(int level, std::size_t otherwise) {
   long bytes = 0;
 #if defined(_SC_LEVEL2_CACHE_SIZE) && defined(_SC_LEVEL3_CACHE_SIZE)
@@ -33,9 +33,9 @@ std::size_t own_cache() {
   return bytes;
 }
 
-/// A quarter of the next one, which others use too but which is several times as fast as memory; half
-/// of it serves two threads. Where
-/// several of them serve a processor, the system may tell their sum: 32 MiB are common for one.
+/// A quarter of the next cache, which others use too but which is much faster than memory; half of
+/// it for two threads. If several caches serve a processor, the system may report their sum; 32 MiB
+/// are common for one.
 std::size_t shared_cache() {
   static const std::size_t bytes = std::min(cache_bytes(3, 0), std::size_t{32} << 20) / 4;
   return bytes;
@@ -87,7 +87,7 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
         to.j[lane] = outside;
         to.gx[lane] = to.gy[lane] = to.spin[lane] = 0;
         for (int k = 0; k < D; ++k) to.b[k][lane] = 0;
-        // An empty lane takes the law of its neighbour: one LawBatch less.
+        // An empty lane uses the law of its neighbour, which saves a LawBatch.
         if (c < 0) {
           law.ratio[lane] = law.ratio[0];
           law.mu[lane] = law.mu[0];
@@ -122,7 +122,7 @@ DiskTiles<D>::DiskTiles(const ContactProblem& p, const DiskStructure& disks,
   }
 }
 
-/// The number of an equal LawBatch among the last ones, or of a new one.
+/// The index of an equal LawBatch among the last ones, or of a new one.
 template <int D>
 int DiskTiles<D>::law_number(const LawBatch& law) {
   constexpr std::size_t kLook = 32;
@@ -220,7 +220,7 @@ Pipeline DiskTiles<D>::pipeline(int threads, Streamed bytes) const {
   const std::size_t team = to_size(std::max(threads, 1));
   const std::size_t all = in_all(bytes);
   if (all <= own_cache() * team) return {};
-  // What comes from the shared cache anyway gains by iterations in the core's own one only.
+  // Data from the shared cache gain only by iterations in the core's own cache.
   const std::size_t share = std::min(shared_cache(), 2 * shared_cache() / team);
   const std::size_t cache = all <= shared_cache() ? own_cache() : std::max(own_cache(), share);
   const std::size_t tile = std::max<std::size_t>(all / to_size(num_tiles()), 1);

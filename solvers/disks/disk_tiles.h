@@ -13,8 +13,8 @@
 
 namespace bipot {
 
-/// A problem of disks packed for the vector kernels, tile by tile: 64 bytes a contact and 32 a body
-/// that never change. Lists of kernels' own values are indexed by batch and by row.
+/// A problem of disks packed for the vector kernels, tile by tile: 64 constant bytes for each
+/// contact and 32 for each body. Arrays of the kernels are indexed by batch and by row.
 template <int D>
 class DiskTiles {
  public:
@@ -23,7 +23,7 @@ class DiskTiles {
   DiskTiles(const ContactProblem& problem, const DiskStructure& disks,
             const ContactScaling& scaling)
       : DiskTiles(problem, disks, scaling, tile_contacts(disks)) {}
-  /// The same in other tiles.
+  /// The same with given tiles.
   DiskTiles(const ContactProblem& problem, const DiskStructure& disks,
             const ContactScaling& scaling, ContactTiles tiles);
 
@@ -42,7 +42,7 @@ class DiskTiles {
   const LawBatch* laws() const { return laws_.data(); }
   const BodyRow* inverse() const { return inverse_.data(); }
   int row(int body) const { return tiles_.row[to_size(body)]; }
-  /// The contact in a lane, kLanes a batch; -1: none.
+  /// The contact in a lane, kLanes for each batch; -1: none.
   int contact(int lane) const { return tiles_.contact[to_size(lane)]; }
   /// s of the contact in a lane.
   Eigen::Matrix<double, D, 1> impulse(std::span<const ImpulseBatch<D>> x, int lane) const {
@@ -54,12 +54,12 @@ class DiskTiles {
     return s;
   }
 
-  /// Variables that are `factor` times smaller from now on: x, the impulses of this packing, too.
+  /// Divides the variables by `factor`: x, the impulses of this packing, too.
   void rescale(double factor);
 
-  /// x = impulse ∘ s into the lanes.
+  /// Writes x = impulse ∘ s into the lanes.
   void pack(const Vector& s, std::span<ImpulseBatch<D>> x) const;
-  /// Σ ± g x into the rows.
+  /// Adds Σ ± g x to the rows.
   void push(std::span<const ImpulseBatch<D>> x, std::span<BodyRow> momentum) const;
   /// The same times inverse().
   void velocities(std::span<const ImpulseBatch<D>> x, std::span<BodyRow> velocity) const;
@@ -70,10 +70,10 @@ class DiskTiles {
   struct Streamed {
     std::size_t batch, row;
   };
-  /// Whether they come from so far that they should be asked for ahead. Nearer by, asking costs more
-  /// than it saves.
+  /// True if these data should be prefetched. For data in near caches prefetching costs more than
+  /// it saves.
   bool asks_ahead(Streamed bytes) const;
-  /// What fits the caches.
+  /// Pipeline that fits the caches.
   Pipeline pipeline(int threads, Streamed bytes) const;
 
  private:

@@ -9,24 +9,24 @@
 
 namespace bipot {
 
-/// Sweeps over the same places in the same order, each behind the one before it by no more than what
-/// they share: what one has in the cache serves the next ones too. The result is that of one whole
-/// sweep after the other, bit for bit.
+/// Runs sweeps over the same places in the same order, each close behind the one before it. Data of
+/// one sweep in the cache then serve the next ones too. The result is that of one whole sweep after
+/// the other, bit for bit.
 class FollowingSweeps {
  public:
-  /// `ready[place]`, which never falls: places that a sweep must have done before the next one may do
-  /// this one, with all that share something with it.
+  /// `ready[place]`, which never decreases: number of places that a sweep must have done before the
+  /// next one may process this place and all that share data with it.
   explicit FollowingSweeps(std::vector<int> ready) : ready_(std::move(ready)) {}
 
   int places() const { return static_cast<int>(ready_.size()); }
 
-  /// Before each run, by one thread.
+  /// Call before each run, by one thread.
   void begin(int sweeps) {
     if (to_size(sweeps) != progress_.size()) progress_ = std::vector<Progress>(to_size(sweeps));
     for (Progress& sweep : progress_) sweep.places.store(0, std::memory_order_relaxed);
   }
-  /// The share of one member of a team: task(sweep, place) for some of the sweeps. Each waits for
-  /// the member with the sweep before only, so nobody waits for ever.
+  /// Work of one member of a team: task(sweep, place) for some of the sweeps. Each waits only for
+  /// the member with the previous sweep; hence there is no deadlock.
   template <class Task>
   void run(int rank, int size, const Task& task) {
     const int sweeps = static_cast<int>(progress_.size());
@@ -47,7 +47,7 @@ class FollowingSweeps {
   }
 
  private:
-  /// Places that a sweep has done, on a line of the cache of its own.
+  /// Places that a sweep has done, on its own line of the cache.
   struct alignas(64) Progress {
     std::atomic<int> places{0};
   };

@@ -7,7 +7,7 @@
 
 namespace bipot {
 
-/// Batches of kLanes that are being filled with contacts.
+/// Batches of kLanes in the course of filling.
 class FreeLanes {
  public:
   void clear() {
@@ -15,8 +15,8 @@ class FreeLanes {
     count_.clear();
     skip_.clear();
   }
-  /// First batch from `batch` on with a free lane, perhaps one that does not exist yet (union-find
-  /// with path halving).
+  /// First batch from `batch` on with a free lane, perhaps a new one (union-find with path
+  /// halving).
   int first(int batch) {
     while (batch < size() && skip_[to_size(batch)] != batch) {
       int& next = skip_[to_size(batch)];
@@ -35,7 +35,7 @@ class FreeLanes {
     lanes_[to_size(batch * kLanes + count++)] = contact;
     if (count == kLanes) skip_[to_size(batch)] = batch + 1;
   }
-  /// The contact in each lane, -1 where there is none.
+  /// The contact in each lane, -1 if there is none.
   const std::vector<int>& lanes() const { return lanes_; }
 
  private:

@@ -2,16 +2,15 @@
 
 namespace bipot {
 
-/// Whether work that is done again and again is the quicker with one thread or with all, as measured
-/// on the way. Where other processes have the cores, threads that wait for each other many times in a
-/// run can take a hundred times as long as one thread (2.6 s for 0.02 s at 1763 contacts).
+/// Chooses between one thread and all for repeated work, by its measured times. Threads that wait
+/// for each other often are much slower than one thread if other processes occupy the cores.
 class QuickerTeam {
  public:
   explicit QuickerTeam(int threads) : threads_(threads) {}
 
-  /// For the next run.
+  /// Number of threads for the next run.
   int threads() const { return alone_now_ ? 1 : threads_; }
-  /// What that run took.
+  /// Records the time of that run.
   void took(double seconds) {
     if (threads_ == 1) return;
     double& time = alone_now_ ? alone_ : team_;
@@ -25,7 +24,7 @@ class QuickerTeam {
     const bool alone_before = alone_now_;
     alone_now_ = alone_ <= team_;
     if (trying_) {
-      // The other one was tried: less often where that was in vain.
+      // The alternative was tried: less often if that was in vain.
       pause_ = alone_now_ == alone_before ? kShortestPause : 2 * pause_;
       trying_ = false;
       runs_ = 0;

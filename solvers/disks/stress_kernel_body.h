@@ -1,6 +1,6 @@
 #pragma once
 
-// The kernels of stress_kernels.h, compiled as those of disk_kernel_body.h are.
+// The kernels of stress_kernels.h, compiled like those of disk_kernel_body.h.
 
 #include "solvers/disks/disk_kernel_body.h"
 #include "solvers/disks/stress_kernels.h"
@@ -8,7 +8,7 @@
 namespace bipot {
 namespace {
 
-/// How a contact turns stress into impulses, times its share: x_n = n·σ n `normal`, x_t = t·σ n
+/// Impulses of a contact from stress, times its share: x_n = n·σ n `normal`, x_t = t·σ n
 /// `tangential`.
 struct StressToImpulse {
   Lanes xx, xy, yy;  ///< n_x², n_x n_y, n_y²
@@ -17,7 +17,7 @@ struct StressToImpulse {
 inline StressToImpulse stress_to_impulse(const ContactBatch<2>& c, const LawBatch& law,
                                          const ShareBatch& share, int part) {
   const Lanes spin = load(c.spin, part), ratio = load(law.ratio, part), zero{};
-  // Empty lanes have no spin, and no share.
+  // Empty lanes have no spin and no share.
   const Lanes inverse = 1 / (spin == zero ? all(1) : spin), length = ratio * inverse;
   const Lanes nx = length * load(c.gx, part), ny = length * load(c.gy, part);
   const Lanes carried = load(share.share, part);
@@ -115,7 +115,7 @@ void follow(const FollowTask<ImpulseBatch<2>>& task) {
   const FollowTask<ImpulseBatch<2>> a = task;
   const Lanes alpha = all(a.alpha), beta = all(a.beta);
   for (int k = 0; k < a.items; ++k) {
-    for (int part = 0; part < 2 * kParts; ++part) {  // both rows of a batch, one behind the other
+    for (int part = 0; part < 2 * kParts; ++part) {  // both rows of a batch in sequence
       double *p_at = a.p[k].x[0], *y_at = a.y[k].x[0];
       const Lanes p = load(a.z[k].x[0], part) + beta * load(p_at, part);
       store(p_at, part, p);

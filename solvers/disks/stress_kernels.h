@@ -4,20 +4,20 @@
 
 namespace bipot {
 
-/// What contacts carry under stresses that their bodies have, for the vector kernels. With the row
-/// (σ_xx, σ_xy, σ_yy) of each body in the places (x, a ω, y), unit normal n, t = e3 x n and
-/// σ = share (σ_i + σ_j) a contact carries the impulse σ n, in the scaled variables of ContactBatch
+/// Impulses of contacts under stresses of their bodies, for the vector kernels. Each body has the
+/// row (σ_xx, σ_xy, σ_yy) in the places (x, a ω, y). With unit normal n, t = e3 x n and σ = share
+/// (σ_i + σ_j) a contact carries the impulse σ n, in the scaled variables of ContactBatch
 ///
 ///     x_n = (ratio / spin) n·σ n,     x_t = (1 / spin) t·σ n,     n = (ratio / spin) g.
 ///
-/// `share` is 1/2 between two bodies, 1 where one of them is fixed, 0 for contacts that carry nothing
+/// `share` is 1/2 between two bodies, 1 if one of them is fixed, 0 for contacts that carry nothing
 /// and for empty lanes.
 struct alignas(64) ShareBatch {
   double share[kLanes] = {};
 };
 
-/// The transpose: the rates w = g·(V_i - V_j) + b ... of all contacts, times what they carry, added to
-/// the rows of both bodies.
+/// The transpose: adds the rates w = g·(V_i - V_j) + b of all contacts, times their carried
+/// impulses, to the rows of both bodies.
 struct StressRatesTask {
   int batches = 0;
   const ContactBatch<2>* contact = nullptr;
@@ -28,8 +28,8 @@ struct StressRatesTask {
   BodyRow* rates = nullptr;           ///< all rows
 };
 
-/// z = x⁺ - y + what the contacts carry, in place of x⁺. What they carry is added to the momentum of
-/// the bodies.
+/// z = x⁺ - y + the carried impulses, in place of x⁺. The carried impulses are added to the
+/// momentum of the bodies.
 struct StressImpulseTask {
   int batches = 0;
   const ContactBatch<2>* contact = nullptr;
@@ -41,7 +41,7 @@ struct StressImpulseTask {
   ImpulseBatch<2>* swept = nullptr;  ///< x⁺, becomes z
   BodyRow* momentum = nullptr;       ///< all rows
 };
-/// Partial sums lane by lane of b·z.
+/// Partial sums of b·z for each lane.
 struct alignas(64) LoadSums {
   double load[kLanes] = {};
 };

@@ -8,21 +8,21 @@
 namespace bipot {
 namespace {
 
-/// Mean diameters along a cell of the grid. From 8 to 16 iterations hardly change; fewer nodes are
-/// cheaper.
+/// Mean diameters along a cell of the grid. Fewer nodes are cheaper.
 constexpr double kCellDiameters = 12;
-/// Largest arms along a cell: all neighbours of a body are then in two cells each way.
+/// Largest arms along a cell: all neighbours of a body are then within two cells each way.
 constexpr double kCellArms = 4.2;
-/// Cells from the first body to where numbers of cells end.
+/// Number of cells from the first body to the end of cell numbers.
 constexpr double kFarthest = 1e8;
-/// Bodies of a packing that has stresses: less than a cell's worth is in balance at once.
+/// Least number of bodies of a packing with stresses: fewer are in balance at once.
 constexpr int kFewestCompanions = 400;
-/// Keeps PᵀWP definite where stresses move no body, as a uniform one in a packing without walls.
+/// Keeps PᵀWP definite for stresses that move no body, such as a uniform one in a packing without
+/// walls.
 constexpr double kShift = 1e-10;
-/// The part of what the stresses gain that the shift may have.
+/// Largest part of the energy gained by the stresses that may be due to the shift.
 constexpr double kIdle = 0.1;
 
-/// One contact in so many may carry stresses where it should not, or not where it should.
+/// Reciprocal of the fraction of contacts whose membership may be outdated.
 constexpr std::size_t kUnchanged = 100;
 
 constexpr int kPatch = 3;  ///< nodes each way around a body and its neighbours
@@ -30,7 +30,7 @@ constexpr int kReach = 2;  ///< nodes between two that the same body joins
 
 int stencil(int dx, int dy) { return dx + kReach + (2 * kReach + 1) * (dy + kReach); }
 
-/// Where a row has σ_xx, σ_xy, σ_yy, or their rates.
+/// Places of σ_xx, σ_xy, σ_yy, or of their rates, in a row.
 constexpr int kSlots[] = {kRowX, kRowSpin, kRowY};
 
 int row_at(unsigned offset) { return static_cast<int>(offset / sizeof(BodyRow)); }
@@ -51,7 +51,7 @@ StressModes::StressModes(const DiskTiles<2>& tiles, const DiskStructure& disks)
   set_pattern();
 }
 
-/// Cells and nodes of the grid, those that bodies need, in ascending order.
+/// Cells and nodes of the grid that bodies need, in ascending order.
 void StressModes::place_bodies(const DiskStructure& disks) {
   const int bodies = disks.surroundings();
   double sum = 0, largest = 0;
@@ -77,7 +77,7 @@ void StressModes::place_bodies(const DiskStructure& disks) {
     place.cell = 0;
     place.x = static_cast<float>(at.x() - x);
     place.y = static_cast<float>(at.y() - y);
-    // Bodies come along the packing, mostly several of one cell behind each other.
+    // Bodies follow the packing: mostly several of one cell in sequence.
     if (cells.empty() || cells.back() != corner[to_size(k)]) cells.push_back(corner[to_size(k)]);
   }
   const auto make_unique = [](std::vector<Node>& list) {
@@ -104,8 +104,8 @@ void StressModes::place_bodies(const DiskStructure& disks) {
   }
 }
 
-/// The contacts of each row that may carry. Where neighbours of a body are not in two cells each way,
-/// as in packings that come back to themselves through a periodic side, its contacts may not.
+/// Lists the contacts of each row that may carry. Excluded are contacts of a body whose neighbours
+/// are not within two cells each way, as in packings with a periodic side.
 void StressModes::list_contacts() {
   const int rows = tiles_.num_rows();
   const ContactBatch<2>* const contacts = tiles_.contacts(tiles_.tile(0));
@@ -285,8 +285,8 @@ void StressModes::add_body(int row, const std::array<double, 3>& inverse) {
   }
   add(own, own_weights, all);
 
-  // The wrench on the body (force, moment / a with the opposite sign, which the square does not see) of
-  // the stresses xx, xy, yy of a node.
+  // The wrench on the body of the stresses xx, xy, yy of a node: force, and moment / a with the
+  // opposite sign, which has no effect in a square.
   using Wrench = Eigen::Matrix3d;
   const auto wrench = [](const Moments& m) {
     Wrench w;

@@ -12,11 +12,12 @@
 
 namespace bipot {
 
-/// Impulses of smooth stress fields in a packing of disks: what sweeps through the contacts are slow
-/// to find, as a field that fills the packing is nearly in balance.
+/// Coarse space of the deflation: impulses of smooth stress fields in a packing of disks. Sweeps
+/// through the contacts find these slowly, since a field that fills the packing is nearly in
+/// balance.
 ///
-/// The nodes of a grid have a stress each, bodies that of their centre, bilinear between the nodes;
-/// a contact carries what stress_kernels.h says. P: from the stresses of the nodes to scaled
+/// The nodes of a grid have a stress each, bodies that of their centre, bilinear between the nodes.
+/// A contact carries the impulse of stress_kernels.h. P maps stresses of the nodes to scaled
 /// impulses. Contacts that are open or at the edge of their cone carry nothing.
 class StressModes {
  public:
@@ -24,17 +25,18 @@ class StressModes {
 
   int num_nodes() const { return static_cast<int>(nodes_.size()); }
   const ShareBatch* share() const { return share_.data(); }
-  /// Which contacts carry at x, which obeys Coulomb's law to the bit where it is at an edge; then PᵀWP
-  /// and its factor, unless nearly all are as they were. False where there is none, or there are no modes.
+  /// Determines the contacts that carry at x, which obeys Coulomb's law exactly at edges; then PᵀWP
+  /// and its factor, unless nearly all are unchanged. False if there is no factor, or no modes.
   [[nodiscard]] bool renew(std::span<const ImpulseBatch<2>> x);
-  /// PᵀWP as of the last renew(): node after node σ_xx, σ_xy, σ_yy.
+  /// PᵀWP of the last renew(): node after node σ_xx, σ_xy, σ_yy.
   const SparseMatrix& matrix() const { return matrix_; }
 
-  /// Rows of rates (StressRatesTask) become stresses, those of -(PᵀWP)⁻¹ Pᵀw. Requires a successful
-  /// renew(). False where they would grow without bound: stresses that move nobody, along which there is a
-  /// rate all the same, as where restitution differs in a jammed place and no solution exists.
+  /// Replaces rows of rates (StressRatesTask) by stresses, those of -(PᵀWP)⁻¹ Pᵀw. Requires a
+  /// successful renew(). False if they would grow without bound, along stresses that move no body
+  /// but have a rate. This happens for different restitution in a jammed place, where no solution
+  /// exists.
   [[nodiscard]] bool relax(std::span<BodyRow> rows) const;
-  /// Rows of stresses for those of the nodes.
+  /// Rows of stresses from those of the nodes.
   void interpolate(const Vector& nodes, std::span<BodyRow> rows) const;
 
  private:
@@ -42,16 +44,17 @@ class StressModes {
     int x, y;
     auto operator<=>(const Node&) const = default;
   };
-  /// In which cell a body is, and where in it, 0 to 1. Bodies outside of all have no cell.
+  /// Cell of a body, and its position in it, 0 to 1. Bodies outside of the grid have no cell.
   struct Place {
     int cell = -1;
     float x = 0, y = 0;
-    /// Of the cell's corners.
+    /// Weights of the cell's corners.
     std::array<double, 4> weights() const;
   };
   /// The nodes at the corners (0, 0), (1, 0), (0, 1), (1, 1).
   using Cell = std::array<int, 4>;
-  /// Neighbours of a node in columns of matrix_, two at most away in x and y: -1, or how many come before.
+  /// Neighbours of a node in columns of matrix_, at most two away in x and y: -1, or their position
+  /// in the column.
   using Neighbours = std::array<int, 25>;
 
   void place_bodies(const DiskStructure& disks);

@@ -10,7 +10,7 @@
 namespace bipot {
 namespace {
 
-/// Where a sweep can follow only near the end of the one before, a second thread would wait.
+/// One thread, if a sweep can follow only near the end of the one before: a second one would wait.
 int threads_of(const TileLinks& links, int threads) {
   const int tiles = static_cast<int>(links.ready_up.size());
   return 3 * std::max(links.ready_up.front(), links.ready_down.front()) < tiles ? threads : 1;
@@ -102,7 +102,7 @@ double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before)
     SymmetricTask<D> task = task_of(tile);
     task.outer = sweep == 0;
     if (task.outer) {
-      // Nobody has come to these bodies yet.
+      // No sweep has used these bodies yet.
       const int rows = tile.last_row - tile.first_row;
       kernels_.extrapolate_velocity({rows, asks_ahead_, beta, velocity_.data() + tile.first_row,
                                      velocity_before_.data() + tile.first_row});
@@ -126,7 +126,7 @@ double SymmetricSweep<D>::sweep_from(double beta, const ImpulseBatch<D>* before)
   const Stopwatch watch;
   run_team(std::min(team_.threads(), sweeps_), [&](int rank, int size) {
     forth_.run(rank, size, forth);
-    // The last one forth stands where the first one back begins.
+    // The last forward member is at the place where the first backward one begins.
     back_.run(size - 1 - rank, size, back);
   });
   team_.took(watch.seconds());

@@ -11,38 +11,37 @@
 
 namespace bipot {
 
-/// Symmetric Gauss-Seidel with momentum for disks, vectorised, in the order of symmetric_order():
-/// in large packings eight rows that follow each other are in the lanes of a vector, each some
-/// contacts behind the one before it. What each contact and body sees are the sweeps contact after
-/// contact.
-/// At most as many threads work as there are sweeps each way; any number and the paths of
-/// disk_kernels.h give the same bits.
+/// Symmetric Gauss-Seidel with momentum for disks, vectorised, in the order of symmetric_order().
+/// In large packings the lanes of a vector hold eight consecutive rows, each some contacts behind
+/// the one before it. For every contact and body the result is that of sweeps contact after
+/// contact. At most as many threads work as there are sweeps each way. Any number of threads and
+/// all paths of disk_kernels.h give the same bits.
 template <int D>
 class SymmetricSweep {
  public:
-  /// `sweeps`: each way in one iteration.
+  /// `sweeps`: number of sweeps each way in one iteration.
   SymmetricSweep(const ContactProblem& problem, const DiskStructure& disks,
                  const ContactScaling& equilibrated, double omega, int sweeps,
                  const Execution& options);
 
   void reset(const Vector& s);
-  /// The relaxation of the local updates and the sweeps each way, from here on.
+  /// Sets the relaxation of the local updates and the number of sweeps each way.
   void relax(double omega, int sweeps) {
     omega_ = omega;
     sweeps_ = sweeps;
   }
-  /// Without momentum from here; velocities are taken from the impulses anew, as rounding adds up.
+  /// Restarts momentum, and recomputes velocities from the impulses to remove rounding.
   void refresh();
   const Vector& impulse();
-  /// Forth and back from y = x + beta (x - x⁻). Returns (y - x⁺)·(x⁺ - x) in the scaled variables.
+  /// Symmetric sweep from y = x + beta (x - x⁻). Returns (y - x⁺)·(x⁺ - x) in the scaled variables.
   double iterate(double beta);
 
-  /// What iterations of another kind begin and end with. Valid until the next call of a member.
+  /// State before and after a sweep for other iterations. Valid until the next call of a member.
   struct Swept {
-    std::span<ImpulseBatch<D>> y, swept, spare;   ///< y, S(y), and one that nobody uses
+    std::span<ImpulseBatch<D>> y, swept, spare;   ///< y, S(y), and a free one
     std::span<BodyRow> velocity, swept_velocity;  ///< of y, of S(y)
   };
-  /// Forth and back from y = the impulse, which stays; so do its velocities.
+  /// Symmetric sweep from y = the impulse, which stays; so do its velocities.
   Swept sweep();
 
   const DiskTiles<D>& disks() const { return disks_; }

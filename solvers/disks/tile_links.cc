@@ -9,7 +9,7 @@
 namespace bipot {
 namespace {
 
-/// A line of the cache that so many tiles have not touched may have left a core's own cache.
+/// Number of tiles after which a line of the cache may have left a core's own cache.
 constexpr int kForgotten = 8;
 constexpr int kRowsOfLine = 64 / static_cast<int>(sizeof(BodyRow));
 
@@ -38,7 +38,7 @@ std::span<const unsigned> TileLinks::coming_to(int t) const {
 
 TileLinks tile_links(const ContactTiles& order, const DiskStructure& disks) {
   const int tiles = static_cast<int>(order.tiles.size());
-  // The tile of a row is the first that comes to it.
+  // The tile of a row is the first that uses it.
   std::vector<int> first(to_size(order.num_rows)), last(first.size());
   for (int t = 0; t < tiles; ++t) {
     const ContactTiles::Tile& tile = order.tiles[to_size(t)];

@@ -8,13 +8,14 @@
 
 namespace bipot {
 
-/// What the tiles of an order share, for sweeps that go through them up and down.
+/// Bodies that tiles of an order share, for sweeps through the tiles up and down.
 struct TileLinks {
-  /// Tiles that a sweep must have done before the next one may do its tile number k, so that it meets
-  /// no body that the one before still comes to. Counted along the way, up and down.
+  /// Number of tiles that a sweep must have done before the next one may process its tile number k.
+  /// It then shares no body with the rest of the sweep before. Counted in the order of the sweep,
+  /// up and down.
   std::vector<int> ready_up, ready_down;
-  /// Row offsets, one for each line of the cache with rows that a sweep down comes to in a tile and
-  /// did not meet in the tiles just before. Those of tile t: coming_to(t).
+  /// Offsets of rows, one for each line of the cache, that a sweep down uses in a tile but did not
+  /// in the tiles just before. Those of tile t: coming_to(t).
   std::vector<unsigned> coming;
   std::vector<int> coming_start;
 

@@ -10,7 +10,7 @@
 namespace bipot {
 namespace {
 
-/// Threads begin and end together: at most so many iterations are done in between.
+/// Largest number of iterations between two common starts and ends of the threads.
 constexpr int kTogether = 16;
 /// Iterations of the first group.
 constexpr int kAtFirst = 8;
@@ -35,15 +35,15 @@ TiledGradient<D>::TiledGradient(const ContactProblem& problem, const DiskStructu
                                    : pipeline_.depth),
       velocity_(to_size(disks_.num_rows())),
       sums_(to_size(group_) * to_size(disks_.num_tiles())) {
-  // One iteration at a time never comes to the last buffers.
+  // Single iterations never use the last buffers.
   for (int k = 0; k < (group_ > 1 ? 4 : 3); ++k) {
     impulse_[k].resize(to_size(disks_.num_batches()));
     momentum_[k].resize(to_size(disks_.num_rows()));
   }
 }
 
-/// In variables that are √ρ times smaller a step of ρ is one of 1: two products fewer, and off the way
-/// from the velocities to the impulses.
+/// In variables that are √ρ times smaller a step of ρ is one of 1. This removes two products, and
+/// shortens the chain from the velocities to the impulses.
 template <int D>
 void TiledGradient<D>::set_step(double rho) {
   if (rho == rho_) return;
@@ -88,7 +88,7 @@ template <int D>
 typename TiledGradient<D>::Roles TiledGradient<D>::after(int iterations) const {
   Roles r = roles_;
   for (int k = 0; k < iterations; ++k) {
-    // The first two iterations keep what the group started from, the later ones write over theirs.
+    // The first two iterations keep the start of the group; later ones overwrite theirs.
     const int written = k < 2 ? roles_.free[k] : r.before;
     r.before = r.now;
     r.now = written;
@@ -161,12 +161,12 @@ GradientProgress TiledGradient<D>::totals(int iteration, double beta) const {
   return neighbours_->total(disks_, total, momentum_[r.now], momentum_[r.before]);
 }
 
-/// Iterations of the next group: up to the restart, if one is near. What asks for it rises almost
-/// linearly: so few are thrown away (four in a hundred by a sixth of the iterations since the last).
+/// Number of iterations of the next group: up to the predicted restart. The restart indicator rises
+/// almost linearly, so that few iterations are discarded.
 template <int D>
 int TiledGradient<D>::before_restart() const {
   if (since_restart_ < 2) {
-    // Nothing is known yet but how far the last restart was from the one before.
+    // Only the distance of the last two restarts is known.
     return std::clamp(interval_ > 0 ? interval_ / 2 : kAtFirst, 1, group_);
   }
   const double rise = turn_ - turn_before_;
@@ -194,7 +194,7 @@ void TiledGradient<D>::advance(int iterations, GradientControl& control) {
     while (good < group && !restart) {
       const GradientProgress sums = totals(good, beta[to_size(good)]);
       if (sums.energy > control.lambda * change2) {
-        // A larger eigenvalue than the estimate has shown itself in the step before.
+        // The estimate of the largest eigenvalue proved too small in the step before.
         raised = true;
         raised_to = kSpectralMargin * sums.energy / change2;
         break;

@@ -10,31 +10,31 @@
 
 namespace bipot {
 
-/// The contacts of the same bodies that are elsewhere. Collective: every process calls.
+/// Contacts of the same bodies in other processes. Collective: every process calls.
 template <int D>
 class GradientNeighbours {
  public:
   virtual ~GradientNeighbours() = default;
-  /// What the impulses elsewhere push is added to the momentum (the rows of `tiles`, in the scale of
-  /// DiskTiles::push); `x`: the scaled impulses here, all its batches.
+  /// Adds the impulses of other processes to the momentum (the rows of `tiles`, in the scale of
+  /// DiskTiles::push). `x`: the scaled impulses here, all batches.
   virtual void complete(const DiskTiles<D>& tiles, std::span<const ImpulseBatch<D>> x,
                         std::span<BodyRow> momentum) = 0;
-  /// Sums of all, from those of the contacts and bodies here. `now`, `before`: the momenta that
-  /// `here.energy` was taken from.
+  /// Sums over all processes, from those of the contacts and bodies here. `now`, `before`: the
+  /// momenta from which `here.energy` was computed.
   virtual GradientProgress total(const DiskTiles<D>& tiles, const GradientProgress& here,
                                  std::span<const BodyRow> now, std::span<const BodyRow> before) = 0;
 };
 
 /// The accelerated projected gradient for disks, vectorised, by blocks of bodies (body_blocks.h).
 ///
-/// Whether an iteration restarts momentum depends on sums over all contacts of the one before. So
-/// that several iterations can be in flight (wavefront.h), they are computed as if there was no
-/// restart; where the sums then ask for one, the iterations behind it are thrown away and those
-/// before it done again from what was kept. The results are those of one iteration after the other.
+/// A restart of momentum depends on sums over all contacts of the iteration before. Several
+/// iterations are in flight (wavefront.h); they are computed as if there was no restart. If the
+/// sums then ask for one, the iterations after it are discarded, and those before it are repeated
+/// from saved data. The results are those of one iteration after the other.
 template <int D>
 class TiledGradient final : public GradientKernel {
  public:
-  /// With neighbours, which are kept by reference, one iteration at a time.
+  /// With neighbours, kept by reference, one iteration at a time.
   TiledGradient(const ContactProblem& problem, const DiskStructure& disks,
                 const ContactScaling& scaling, const Execution& options,
                 GradientNeighbours<D>* neighbours = nullptr);
@@ -47,7 +47,8 @@ class TiledGradient final : public GradientKernel {
  private:
   static constexpr typename DiskTiles<D>::Streamed kStreamed{
       sizeof(ContactBatch<D>) + 4 * sizeof(ImpulseBatch<D>), 5 * sizeof(BodyRow)};
-  /// Buffers of x and of the momentum by number; iteration k of a group reads two and writes one.
+  /// Indices of the buffers of x and of the momentum; iteration k of a group reads two and writes
+  /// one.
   struct Roles {
     int now = 0, before = 1, free[2] = {2, 3};
   };
@@ -72,7 +73,8 @@ class TiledGradient final : public GradientKernel {
   double rho_ = 1;                 // step that the variables are scaled by
   double beta_ = 0, change2_ = 0;  // of the next iteration; of the last one
   int since_restart_ = 0, interval_ = 0;
-  double turn_ = 0, turn_before_ = 0;  // of the last two iterations, if so many since the restart
+  // Of the last two iterations, if there were two since the restart.
+  double turn_ = 0, turn_before_ = 0;
   Vector s_;
 };
 

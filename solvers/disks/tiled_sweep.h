@@ -8,8 +8,8 @@
 namespace bipot {
 
 /// Projected Gauss-Seidel for disks, vectorised, in the order of DiskTiles. Several sweeps are in
-/// flight at once (wavefront.h): the sequence of updates that every contact and body sees is that
-/// of one sweep after the other.
+/// flight at once (wavefront.h). Every contact and body sees the sequence of updates of one sweep
+/// after the other.
 template <int D>
 class TiledSweep {
  public:

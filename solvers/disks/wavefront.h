@@ -9,15 +9,15 @@
 
 namespace bipot {
 
-/// How far a thread has come in run_wavefront(): iterations done in the first and in the last tile
-/// of its range. Each on a line of the cache of its own, as others wait for them.
+/// Progress of a thread in run_wavefront(): iterations done in the first and in the last tile of
+/// its range. Each on its own line of the cache, as others wait for them.
 struct alignas(64) RangeProgress {
   std::atomic<int> first{0};
   alignas(64) std::atomic<int> last{0};
 };
 
-/// Returns once `done` has reached `count`. The other thread is a fraction of an iteration away:
-/// looking again is quicker than sleeping, but for machines that are busy with other work.
+/// Returns once `done` has reached `count`. Polls, since the other thread is nearly there. Yields
+/// after many polls, for machines that are busy with other work.
 inline void wait_for(const std::atomic<int>& done, int count) {
   constexpr int kLooks = 4000;
   for (int k = 0; done.load(std::memory_order_acquire) < count; ++k) {
@@ -25,17 +25,23 @@ inline void wait_for(const std::atomic<int>& done, int count) {
   }
 }
 
-/// Iterations in flight, and the places that each takes in a wave before the next one follows: what
-/// these hold is then in a core's own cache for it, all but the first of them.
+/// Number of iterations in flight, and of places that each processes in a wave before the next one
+/// follows. The data of these places are then in a core's own cache, except for the first
+/// iteration.
 struct Pipeline {
   int depth = 1, places = 2;
 };
 
-/// Wave w has the places with place + i = `places` w, ..., iteration i after iteration i - 1. So every
-/// (i, place) comes after (i, place - 1) and (i - 1, place + 1).
+/// In wave w, iteration i processes the places p with ⌊(p + i)/places⌋ = w, in the order of i.
+/// Hence (i, p) runs after (i, p - 1) and (i - 1, p + 1). For places = 2, the waves are
+///
+///     place         0  1  2  3  4  5
+///     iteration 0   0  0  1  1  2  2
+///     iteration 1   0  1  1  2  2  3
+///     iteration 2   1  1  2  2  3  3
 inline int wave_of(int place, int i, int places) { return (place + i) / places; }
 
-/// Calls task(start + i, place) for begin <= place < end in a wave.
+/// Calls task(start + i, place) for the places begin <= place < end of a wave.
 template <class Task>
 void run_part_of_wave(int begin, int end, int start, int i, int wave, int places,
                       const Task& task) {
@@ -57,33 +63,37 @@ inline int end_of_waves(int end, int group, int places) {
   return wave_of(end - 1, group - 1, places) + 1;
 }
 
-/// The tile from which on run_wavefront() comes down: half of them.
+/// The first tile of the upper half, which run_wavefront() processes downwards.
 inline int first_upper_tile(int tiles) { return tiles / 2; }
-/// When an iteration comes to a tile, from 0: up the lower half, then down the upper one.
+/// Position of a tile in the order of an iteration, from 0: up the lower half, then down the upper
+/// one.
 inline int turn_of_tile(int tile, int tiles) {
   const int middle = first_upper_tile(tiles);
   return tile < middle ? tile : tiles - 1 - tile + middle;
 }
 
-/// Calls task(k, t) for all iterations k < `iterations` and tiles t < `tiles`, from both ends of the
-/// packing to its middle: in the lower half of the tiles every (k, t) comes after (k, t - 1) and
-/// (k - 1, t + 1), in the upper half after (k, t + 1) and (k - 1, t - 1), and the first tile of the
-/// upper half after the last of the lower one. With ContactTiles (contact_tiles.h) the pairs that are
-/// left free then share no body, and the result is that of plain loops over k and over t in that
-/// order, bit for bit. The task must not throw.
+/// Calls task(k, t) for all iterations k < `iterations` and tiles t < `tiles`, from both ends of
+/// the packing to its middle. In the lower half of the tiles (k, t) runs after (k, t - 1) and (k -
+/// 1, t + 1), in the upper half after (k, t + 1) and (k - 1, t - 1). The first tile of the upper
+/// half runs after the last of the lower one. With ContactTiles (contact_tiles.h) the remaining
+/// pairs share no body. The result is then that of plain loops over k and over t in that order, bit
+/// for bit. The task must not throw.
 ///
-/// One thread takes groups of pipeline.depth iterations in waves, so that what an iteration has in the
-/// cache serves the next ones too: those of the lower half that do not need the upper one, those of the
-/// upper one, then both by turns. Several threads have a range of tiles each, for all iterations, and
-/// stay with it: a range may fit a core's own cache where the whole does not. Two begin together and
-/// meet in the middle, neither behind the other; with more, there are as many ranges in each half.
-/// Next to each other they wait twice an iteration: for the last tile of the range behind in the same
-/// iteration, and for the first tile of the one ahead in the iteration before. Both stand earlier in
-/// the order of waves and, within a wave, of iterations, in which all proceed: nobody waits for ever.
+/// One thread takes groups of pipeline.depth iterations in waves, so that cached data of an
+/// iteration serve the next ones too. First come waves of the lower half that do not need the upper
+/// one, then those of the upper one, then both alternately.
+///
+/// Several threads have a fixed range of tiles each, for all iterations, since a range may fit a
+/// core's own cache. Two threads begin at both ends and meet in the middle; with more, there are as
+/// many ranges in each half. Neighbouring ranges wait twice in an iteration: for the last tile of
+/// the range behind in the same iteration, and for the first tile of the one ahead in the iteration
+/// before. Both come earlier in the order of waves and, within a wave, of iterations. All threads
+/// follow this order; hence there is no deadlock.
 template <class Task>
 void run_wavefront(int threads, int tiles, int iterations, Pipeline pipeline, const Task& task) {
   constexpr int kLeastTiles = 2;  // of a range
-  // Behind another one by the iterations in flight, a thread loses that part of the iterations.
+  // A thread that follows another one by the iterations in flight idles for that part of the
+  // iterations.
   constexpr int kDepthsInAll = 4;
   const int middle = first_upper_tile(tiles), above = tiles - middle;
   const auto upper = [&](int k, int place) { task(k, tiles - 1 - place); };
@@ -96,7 +106,8 @@ void run_wavefront(int threads, int tiles, int iterations, Pipeline pipeline, co
   const auto alone = [&] {
     for (int start = 0; start < iterations; start += depth) {
       const int group = std::min(depth, iterations - start);
-      // The upper half waits for the last place of the lower one, whose next iteration waits for it.
+      // The upper half waits for the last place of the lower one, whose next iteration waits for
+      // it.
       const int lower_alone = wave_of(middle, 0, together),
                 upper_alone = wave_of(above - 1, 0, together);
       run_waves(0, middle, start, group, 0, lower_alone, together, task);

@@ -30,7 +30,7 @@ void BodyDelassus::find_neighbours(int i) const {
   neighbours_.erase(std::unique(neighbours_.begin(), neighbours_.end()), neighbours_.end());
 }
 
-/// The products come before what is divided by, and the two scales together, so that (j, i) has the
+/// Products are formed before the division, and the two scales together, so that (j, i) has the
 /// bits of (i, j).
 double BodyDelassus::entry(int row, int column) const {
   const double* const mass = problem_.A.valuePtr();

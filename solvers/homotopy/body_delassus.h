@@ -8,12 +8,12 @@
 
 namespace bipot {
 
-/// W = S Hᵀ A⁻¹ H S with diagonal S and A, read out of H whenever it is asked for: in dense packings a
-/// tenth of the memory of W. For d <= 2. Blocks (i, j) and (j, i) are each other's transposes to the
-/// last bit. Refers to the problem and to the scale. Not for several threads at once.
+/// W = S Hᵀ A⁻¹ H S with diagonal S and A, computed from H on demand: in dense packings this takes
+/// a tenth of the memory of W. For d <= 2. Blocks (i, j) and (j, i) are each other's transposes to
+/// the last bit. Refers to the problem and to the scale. Not thread-safe.
 class BodyDelassus {
  public:
-  /// Whether the problem has H and a diagonal A, and d <= 2.
+  /// True if the problem has H and a diagonal A, and d <= 2.
   static bool serves(const ContactProblem& problem);
   /// `scale`: m, the diagonal of S.
   BodyDelassus(const ContactProblem& problem, const Vector& scale);
@@ -23,13 +23,13 @@ class BodyDelassus {
     int contact;  ///< j
     double at[2][2];
   };
-  /// The blocks of the columns of contact i, j ascending, its own among them even where it is zero.
+  /// The blocks of the columns of contact i, j ascending, including its own even if that is zero.
   const std::vector<Block>& blocks(int i) const;
 
-  /// velocity = A⁻¹ G s, n, of the impulses s_j = impulse(j), summed as Sum; G = H S.
+  /// velocity = A⁻¹ G s, size n, for the impulses s_j = impulse(j), summed as Sum; G = H S.
   template <class Sum, class Impulse>
   void move_bodies(const Impulse& impulse, std::vector<Sum>& velocity) const;
-  /// A row of Gᵀ velocity: of W s after move_bodies().
+  /// A row of Gᵀ velocity, which is W s after move_bodies().
   template <class Sum>
   Sum relative_velocity(int row, const std::vector<Sum>& velocity) const;
 
@@ -41,7 +41,7 @@ class BodyDelassus {
     return std::span(contacts_.contact)
         .subspan(to_size(first), to_size(contacts_.start[to_size(dof) + 1] - first));
   }
-  /// Of G = H S: add(row, value) for the entries of a column, and one entry.
+  /// Access to G = H S: add(row, value) for the entries of a column, and one entry.
   template <class Add>
   void for_column_of_G(int column, const Add& add) const {
     for (SparseMatrix::InnerIterator it(problem_.H, column); it; ++it) {
@@ -54,7 +54,7 @@ class BodyDelassus {
     }
     return 0;
   }
-  /// Of A + G C Gᵀ, C of one block a contact.
+  /// Pattern of A + G C Gᵀ, where C has one block for each contact.
   BodyPattern body_pattern() const;
 
  private:

@@ -8,15 +8,14 @@
 namespace bipot {
 namespace {
 
-// Kinds of columns that a contact has.
+// Kinds of columns of a contact.
 constexpr int kColumns = 4;
-// Fronts exchange rows among themselves only. With larger multipliers their factor is left: ten
-// thousand cells of poured packings stay below 1e6.
+// Fronts exchange rows within themselves alone. A factor with larger multipliers is rejected.
 constexpr double kLargestMultiplier = 1e8;
-// Candidates below that number are solved for one by one.
+// Fewer candidates are solved for one by one.
 constexpr std::size_t kFewCandidates = 3;
-// Refinement with a factor in single precision: rounds at most, and the error, relative to the solution,
-// at which it ends.
+// Refinement with a factor in single precision: rounds at most, and the error, relative to the
+// solution, at which it ends.
 constexpr int kRounds = 10;
 constexpr double kRefined = 1e-10;
 // Columns that are kept then.
@@ -38,7 +37,7 @@ bool CellBasis::factor(const LawPoint& point, const Vector& proximal) {
   matrix_.set(point.column, proximal);
   exchanged_.clear(problem_.num_rows(), kColumns * problem_.num_contacts());
   if (velocities_) {
-    return_freed_memory();  // of the columns: there the factor's own arrays come
+    return_freed_memory();  // releases the columns before the factor's own arrays are allocated
     return velocities_->factor(matrix_.columns(), matrix_.proximal());
   }
   if (!analysed_) {
@@ -90,7 +89,7 @@ void CellBasis::solve_in_single(const Vector& g, Vector& x) {
     solve(rest_, correction_);
     x += correction_;
     const double size = x.lpNorm<Eigen::Infinity>(), now = correction_.lpNorm<Eigen::Infinity>();
-    // Corrections fall by one factor, so that the next would be about now² / before.
+    // Corrections decrease by a constant factor, so that the next would be about now² / before.
     if (now * now <= kRefined * size * before) return;
     before = now;
   }
@@ -114,7 +113,7 @@ bool CellBasis::is_unknown(const Candidate& c) const {
 }
 
 void CellBasis::prepare(const std::vector<Candidate>& candidates) {
-  // Fewer solves one after the other pass over fronts that they do not reach.
+  // A few single solves skip fronts that they do not reach.
   if (in_single() || !by_fronts_ || candidates.size() < kFewCandidates) return;
   several_.clear();
   for (const Candidate& c : candidates) {

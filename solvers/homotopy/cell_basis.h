@@ -14,65 +14,65 @@
 
 namespace bipot {
 
-/// The matrix B of a point's cells (cell_matrix.h) and its factor: by fronts (frontal_lu.h) in the
-/// pattern of W, zeros of unit columns included, so that one analysis serves all cells; by UMFPACK,
-/// which may exchange any rows, where a front's pivots are too small.
-/// Between factorisations columns are exchanged in the manner of exchanged_columns.h.
+/// The matrix B of a point's cells (cell_matrix.h) and its factor. It is multifrontal
+/// (frontal_lu.h) in the pattern of W, zeros of unit columns included, so that one analysis serves
+/// all cells. If a front's pivots are too small, UMFPACK factors with exchanges of any rows.
+/// Between factorisations columns are exchanged as in exchanged_columns.h.
 class CellBasis {
  public:
-  /// What the factor by fronts is kept in. Single: half the memory; every solve with it is refined to
-  /// about 1e-10, which takes three times as long, and columns are solved for one by one and kept in
-  /// single precision too. No UMFPACK then: where refinement does not come so far, solutions are not
-  /// numbers. A problem whose W is not kept has a factor in single precision (cell_velocities.h).
+  /// What the factor by fronts is kept in. Single: half the memory; every solve with it is refined
+  /// to about 1e-10, which takes three times as long, and columns are solved for one by one and
+  /// kept in single precision too. No UMFPACK then: where refinement does not come so far,
+  /// solutions are not numbers. A problem whose W is not kept has a factor in single precision
+  /// (cell_velocities.h).
   enum class Precision { kDouble, kSingle };
   explicit CellBasis(const LawProblem& problem, Precision precision = Precision::kDouble);
 
-  /// Factors B of the point, whose columns must be sorted; `proximal`: the diagonal of D, m, which is
-  /// referred to.
-  /// False: singular.
+  /// Factors B of the point, whose columns must be sorted; `proximal`: the diagonal of D, m, which
+  /// is referred to. False: singular.
   [[nodiscard]] bool factor(const LawPoint& point, const Vector& proximal);
-  /// Lets exchanged columns go where memory counts, in single precision; factor() must come before the
-  /// next solve.
+  /// Lets exchanged columns go where memory counts, in single precision; factor() must come before
+  /// the next solve.
   void rest();
-  /// B should be factored afresh before another exchange.
+  /// True if B should be factored again before another exchange.
   bool full() const { return exchanged_.full(); }
 
   /// x = B⁻¹ g. No allocation.
   void solve(const Vector& g, Vector& x);
-  /// x, which was B⁻¹ g right after factor(), for the B of now.
+  /// Changes x, which was B⁻¹ g right after factor(), to the present B.
   void update(Vector& x) const { exchanged_.apply(x); }
 
-  /// A column that is to enter in place of the one in `slot`, and entry `slot` of B⁻¹ times it.
+  /// A column to enter in place of the one in `slot`, and entry `slot` of B⁻¹ times it.
   struct Entering {
-    int slot = -1, number = -1;  ///< number: of exchanged_, -1 where the factor has it there
+    int slot = -1, number = -1;  ///< number: of exchanged_, -1 if the factor has it there
     double pivot = 0;
     double size = 0;  ///< largest entry of that column in terms of the factor's
   };
   Entering entering(int contact, Column column, int slot);
-  /// A column of a contact in the place of the one in `slot`.
+  /// A column of a contact to enter in place of the one in `slot`.
   struct Candidate {
     int contact;
     Column column;
     int slot;
   };
-  /// Whether entering() of it costs a solve with the factor.
+  /// True if entering() of it costs a solve with the factor.
   bool is_unknown(const Candidate& candidate) const;
-  /// Makes entering() of the candidates, unknown and kRightSides at most, ready by one solve.
+  /// Prepares entering() of the candidates by one solve; all unknown, at most kRightSides.
   void prepare(const std::vector<Candidate>& candidates);
   /// Requires a pivot that is not 0. False: singular to working precision.
   [[nodiscard]] bool exchange(const Entering& entering) {
     return exchanged_.exchange(entering.slot, entering.number);
   }
 
-  /// +1 or -1: sign of det B times (-1)^(number of impulse columns), which is +1 where dt is along
-  /// the component of the path that joins t = -infinity to the solution. Of the factor's B.
+  /// +1 or -1: sign of det B times (-1)^(number of impulse columns), for the B of the factor. It is
+  /// +1 if dt is along the component of the path that joins t = -infinity to the solution.
   int orientation(const LawPoint& point) const;
 
-  /// x with B x = g + weight h, improved `refinements` times by residuals in 80 bits: without them
+  /// x with B x = g + weight h, improved `refinements` times by residuals in 80 bits. Without them
   /// the error is that of D's condition, 1e-16 / D. The point's columns are those of B.
   void solve_refined(const LawPoint& point, const Vector& g, long double weight, const Vector& h,
                      int refinements, Vector& x);
-  /// Goes on with x, which solve_refined() returned for the same.
+  /// Continues with x, which solve_refined() returned for the same arguments.
   void refine(const LawPoint& point, const Vector& g, long double weight, const Vector& h,
               int refinements, Vector& x);
 

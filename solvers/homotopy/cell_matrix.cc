@@ -7,7 +7,7 @@
 namespace bipot {
 namespace {
 
-/// Nothing where they are W's columns, to the last bit.
+/// Empty if the rows of W are its columns, to the last bit.
 SparseRows rows_unless_symmetric(const SparseMatrix& W) {
   SparseRows rows(W);
   const bool same =
@@ -17,7 +17,7 @@ SparseRows rows_unless_symmetric(const SparseMatrix& W) {
   return same ? SparseRows() : rows;
 }
 
-/// Whether the columns 2 i and 2 i + 1 have the same rows, as where W was assembled.
+/// True if the columns 2 i and 2 i + 1 have the same rows, as for an assembled W.
 bool has_pairs(const SparseMatrix& W) {
   const int* const row = W.innerIndexPtr();
   const int* const start = W.outerIndexPtr();
@@ -89,7 +89,7 @@ void CellMatrix::add_row(int row, FrontLine& to) const {
   if (!own_seen) add(own, 0, 0);
 }
 
-/// out = sums.sum - B x; what stands in `sums` is lost.
+/// out = sums.sum - B x; overwrites `sums`.
 template <class Sum>
 void CellMatrix::subtract_product(const std::vector<Column>& columns, const Vector& x,
                                   Sums<Sum>& sums, Vector& out) const {

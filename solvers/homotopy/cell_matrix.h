@@ -9,7 +9,8 @@
 
 namespace bipot {
 
-/// The matrix B of a point's cells, read line by line out of W, kept or of bodies: per slot the column
+/// The matrix B of a point's cells, computed line by line from W, which is stored or computed from
+/// bodies. Each slot has the column
 ///
 ///     opening e_n,   sliding e_t,   plus -(W + D)(1, -mu),   minus -(W + D)(1, +mu),
 ///
@@ -18,7 +19,7 @@ class CellMatrix final : public MatrixByLines {
  public:
   explicit CellMatrix(const LawProblem& problem);
 
-  /// The columns of each slot, and the diagonal of D, m, which is referred to.
+  /// Sets the columns of each slot, and the diagonal of D (m, by reference).
   void set(const std::vector<Column>& columns, const Vector& proximal);
   const std::vector<Column>& columns() const { return columns_; }
   const Vector& proximal() const { return *proximal_; }
@@ -30,16 +31,16 @@ class CellMatrix final : public MatrixByLines {
   template <class Add>
   void for_column(int contact, Column column, Add&& add) const;
 
-  /// out = g + weight h - B x for the columns of a point, D as set. The impulse is taken together in
-  /// extended precision, as mu times a parameter is not a double, and multiplied row by row: sums of
-  /// 80 bits stay in registers.
+  /// out = g + weight h - B x for the columns of a point, with D as set. The impulse is summed in
+  /// extended precision, since mu times a parameter is not a double. It is multiplied row by row:
+  /// sums of 80 bits stay in registers.
   void residual(const std::vector<Column>& columns, const Vector& g, long double weight,
                 const Vector& h, const Vector& x, Vector& out);
   /// out = g - B x of the columns set, in double precision.
   void rough_residual(const Vector& g, const Vector& x, Vector& out);
 
  private:
-  /// W by rows; its columns where it is symmetric to the last bit.
+  /// W by rows; its columns if it is symmetric to the last bit.
   struct Rows {
     const int* start;
     const int* column;
@@ -50,7 +51,7 @@ class CellMatrix final : public MatrixByLines {
 
   const LawProblem& problem_;
   bool paired_;      // d = 2, and both columns of each contact have the same rows
-  SparseRows rows_;  // W, where it is not symmetric to the last bit
+  SparseRows rows_;  // W, if it is not symmetric to the last bit
   std::vector<Column> columns_;
   const Vector* proximal_ = nullptr;
   template <class Sum>
@@ -60,8 +61,8 @@ class CellMatrix final : public MatrixByLines {
   template <class Sum>
   void subtract_product(const std::vector<Column>& columns, const Vector& x, Sums<Sum>& sums,
                         Vector& out) const;
-  /// The same of a problem with bodies, without an array of sums: they may be large. right(i): what B x is
-  /// taken from.
+  /// The same for a problem with bodies, without an array of sums, which may be large. right(i):
+  /// minuend of B x.
   template <class Sum, class Right>
   void subtract_product_of_bodies(const std::vector<Column>& columns, const Right& right,
                                   const Vector& x, std::vector<Sum>& velocity, Vector& out) const;

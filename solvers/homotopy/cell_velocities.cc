@@ -17,7 +17,7 @@ CellVelocities::Compliance CellVelocities::compliance(int contact) const {
   return c;
 }
 
-/// add(row, value) for what contacts add to column j of K, or to row j.
+/// Calls add(row, value) for the terms of contacts in column j of K, or in row j.
 template <class Add>
 void CellVelocities::for_line(int j, bool transposed, const Add& add) const {
   const BodyDelassus& bodies = *problem_.bodies;

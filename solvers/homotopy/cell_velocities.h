@@ -13,16 +13,16 @@ namespace bipot {
 ///     u - (W + D) s = g,   s = -C (g + Gᵀ v),   K v = -G C g,   K = A + G C Gᵀ,
 ///
 /// C having of each contact what its cell lets an impulse do: 1/D where it sticks, (1, -+mu) / D_n
-/// from the normal velocity alone where it slips, 0 where it is open. K has three rows for a body and the
-/// pattern of `admm`'s matrix, whose analysis serves here, where B has two for a contact: three quarters
-/// of the memory on poured disks. The factor is kept in single precision. Refers to the problem, which
-/// must have `bodies`.
+/// from the normal velocity alone where it slips, 0 where it is open. K has three rows for a body
+/// and the pattern of `admm`'s matrix, whose analysis serves here, where B has two for a contact:
+/// three quarters of the memory on poured disks. The factor is kept in single precision. Refers to
+/// the problem, which must have `bodies`.
 class CellVelocities final : public MatrixByLines {
  public:
   explicit CellVelocities(const LawProblem& problem) : problem_(problem) {}
 
-  /// False: singular, or memory ran out. The columns must be sorted; `proximal`: the diagonal of D. Both
-  /// are referred to by solve().
+  /// False: singular, or memory ran out. The columns must be sorted; `proximal`: the diagonal of D.
+  /// Both are referred to by solve().
   [[nodiscard]] bool factor(const std::vector<Column>& columns, const Vector& proximal);
   /// x = B⁻¹ g without refinement. No allocation after the first.
   void solve(const Vector& g, Vector& x);

@@ -9,12 +9,12 @@
 namespace bipot {
 namespace {
 
-// Columns that differ at most: beyond it products with them cost more than a factorisation saves.
+// Largest number of differing columns: beyond it products cost more than a factorisation.
 constexpr int kMostExchanged = 64;
-// Columns kept before B is factored afresh, but for those of one more solve for several.
+// Columns kept before B is factored again, except those of one more solve for several.
 constexpr int kMostKept = 128;
 constexpr std::size_t kStride = kMostExchanged;
-// Of a row that is added to a factor without exchanges: beyond it the factor is made anew.
+// Limit for a row added to a factor without exchanges: beyond it the factor is recomputed.
 constexpr double kLargestAdded = 100;
 
 }  // namespace
@@ -119,8 +119,8 @@ bool ExchangedColumns::exchange(int slot, int number) {
   return (is_new && border()) || factor();
 }
 
-/// The factor with a last row and column more, which change places with no other. False: multipliers
-/// too large for that.
+/// Extends the factor by a last row and column without exchanges. False: the multipliers are too
+/// large.
 bool ExchangedColumns::border() {
   const std::size_t n = slots_.size() - 1;
   double* const column = &lu_[n * kStride];
@@ -144,7 +144,7 @@ bool ExchangedColumns::border() {
   return std::abs(column[n]) > 0;
 }
 
-/// Z_J = P L U by columns, rows exchanged for the largest pivot.
+/// Z_J = P L U by columns, with row exchanges for the largest pivot.
 bool ExchangedColumns::factor() {
   const std::size_t n = slots_.size();
   for (std::size_t j = 0; j < n; ++j) {

@@ -8,39 +8,38 @@ namespace bipot {
 
 /// A matrix B that differs from a factored one, B0, in the columns of some slots J:
 ///
-///     z = B0⁻¹ g,   Z = B0⁻¹ [the columns that stand in J],   w = (Z_J)⁻¹ z_J,
+///     z = B0⁻¹ g,   Z = B0⁻¹ [the new columns in J],   w = (Z_J)⁻¹ z_J,
 ///     x = B⁻¹ g:    x_J = w,   x = z - Z w elsewhere,
 ///
-/// the Schur complement update of a simplex basis (Bisschop and Meeraus 1977). Columns of Z are kept
-/// when they leave: a column that comes back costs no solve with B0, and where the own one comes back
-/// the slot leaves J. Between two factorisations four of ten pivots of a homotopy need no solve, and
-/// J has 20 columns in the mean where a product form has 60.
+/// the Schur complement update of a simplex basis (Bisschop and Meeraus 1977). Columns of Z are
+/// kept when they leave: a column that returns costs no solve with B0. If a slot's own column
+/// returns, the slot leaves J. This keeps J smaller than a product form.
 class ExchangedColumns {
  public:
   /// Columns kept before B is factored afresh: as many as `bytes` hold, `least` at least; in single
   /// precision they take half of them.
   explicit ExchangedColumns(int bytes = 16 << 20, int least = 48, bool single = false)
       : bytes_kept_(bytes), least_kept_(least), single_(single) {}
-  /// Nothing exchanged, nothing kept. `keys`: columns are called 0 to keys - 1.
+  /// Nothing exchanged, nothing kept. `keys`: columns have keys 0 to keys - 1.
   void clear(int rows, int keys);
 
   int exchanged() const { return static_cast<int>(slots_.size()); }
-  /// True when B should be factored afresh before another exchange.
+  /// True if B should be factored again before another exchange.
   bool full() const;
 
-  /// Number of the column `key` among those kept, -1 where it is not.
+  /// Number of the column `key` among those kept, -1 if it is not.
   int find(int key) const { return number_[to_size(key)]; }
-  /// Keeps z = B0⁻¹ of the column `key`, which is not kept, and returns its number; z may get memory
-  /// of a former one.
+  /// Keeps z = B0⁻¹ of the column `key`, which is not kept yet, and returns its number. z may
+  /// receive the memory of a former one.
   int keep(int key, Vector& z);
   /// max |z| of a column kept.
   double size(int number) const { return size_[to_size(number)]; }
 
   /// Entry `slot` of B⁻¹ times a column kept.
   double entry(int number, int slot) const;
-  /// Entry `slot` of B⁻¹ times the column of B0 that stood in `slot`, which is in J.
+  /// Entry `slot` of B⁻¹ times the original column of B0 in `slot`, which is in J.
   double own_entry(int slot) const;
-  /// Puts a kept column into `slot`, or back the slot's own one of B0 (number -1). False: singular.
+  /// Puts a kept column into `slot`, or its own column of B0 (number -1). False: singular.
   [[nodiscard]] bool exchange(int slot, int number);
   /// z = B0⁻¹ g becomes B⁻¹ g. No allocation.
   void apply(Vector& z) const;

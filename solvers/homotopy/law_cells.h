@@ -27,15 +27,15 @@ inline int bound_of(Cell cell, Column column) {
   return cell == Cell::kSlipPlus ? 1 : cell == Cell::kSlipMinus ? -1 : 0;
 }
 
-/// What is behind a face: the cell, the column that enters and the sign of its growth.
+/// The other side of a face: the cell, the entering column and the sign of its growth.
 struct Crossing {
   Cell cell;
   Column enters;
   int growth;
 };
 
-/// The neighbour of `cell` where the parameter of `leaving` is zero. `slip` is u_t, which decides
-/// where take-off ends.
+/// The neighbour of `cell` at the face where the parameter of `leaving` is zero. `slip` is u_t,
+/// which decides where take-off ends.
 inline Crossing cross(Cell cell, Column leaving, double slip, bool friction) {
   switch (cell) {
     case Cell::kTakeOff:

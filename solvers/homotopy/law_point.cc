@@ -10,19 +10,19 @@
 namespace bipot {
 namespace {
 
-// A smaller friction coefficient does nothing that double precision could see.
+// A smaller friction coefficient has no effect in double precision.
 constexpr double kNoFriction = 1e-14;
 
-// What two entries of a W with unit diagonal may differ by that are one but for rounding.
+// Largest difference by rounding of two equal entries of a W with unit diagonal.
 constexpr double kSymmetric = 1e-15;
 
-/// Entries (i, j) and (j, i) that rounding alone has made different become one: W is symmetric to the
-/// last bit then, and its columns are its rows.
+/// Makes entries (i, j) and (j, i) equal if they differ by rounding alone. W is then symmetric to
+/// the last bit, and its columns are its rows.
 void make_symmetric(SparseMatrix& W) {
   const int* const start = W.outerIndexPtr();
   const int* const row = W.innerIndexPtr();
   double* const value = W.valuePtr();
-  // Of each column the first entry below the diagonal that was not met by its row.
+  // Of each column the first entry below the diagonal that its row has not reached.
   std::vector<int> next(to_size(W.cols()));
   for (int j = 0; j < W.cols(); ++j) {
     const int* const begin = row + start[j];

@@ -11,8 +11,8 @@
 namespace bipot {
 
 /// A contact problem in equilibrated variables (unit diagonal of W) over the largest velocity, by
-/// columns: u = W s + b, the law with friction coefficients mu. W is assembled where the contact problem
-/// has none, and symmetric to the last bit where it is to rounding; or it is read out of H and not kept.
+/// columns: u = W s + b, the law with friction coefficients mu. A missing W is assembled, or
+/// computed from H and not stored. W is made symmetric to the last bit if it is so to rounding.
 struct LawProblem {
   int dim = 2;
   SparseMatrix W;                      ///< m x m; empty where there are `bodies`
@@ -24,7 +24,7 @@ struct LawProblem {
   Vector impulse_unit;
 
   enum class Delassus { kKept, kOfBodies };
-  /// kOfBodies: W is not kept where BodyDelassus serves; the contact problem must outlive this one.
+  /// kOfBodies: W is not stored if BodyDelassus serves; the contact problem must outlive this one.
   LawProblem(const ContactProblem& problem, const Vector& delassus_diagonal,
              Delassus delassus = Delassus::kKept);
   LawProblem(const LawProblem&) = delete;  // `bodies` refers to it
@@ -54,19 +54,19 @@ struct LawPoint {
   Vector bound;                ///< m, bound_of() of every slot
   Vector value;                ///< m, the parameters
 
-  /// Puts contact i into a cell, its columns in the order that gives the matrix of cells a diagonal
-  /// without zeros: normal row first.
+  /// Puts contact i into a cell, with its columns in the order that gives the matrix of cells a
+  /// diagonal without zeros: normal row first.
   void set(const LawProblem& problem, int contact, Cell to);
-  /// Sets `bound` by cells and columns, for points that are put away without it.
+  /// Sets `bound` from cells and columns, for points stored without it.
   void find_bounds();
-  /// The same order for the columns as they are, parameters moved with them.
+  /// Restores the same order of the columns; parameters move with them.
   void sort_columns(int dim);
   void impulse(const LawProblem& problem, Vector& s) const;
   void velocity(const LawProblem& problem, Vector& u) const;
 };
 
-/// The point next to an impulse with velocity u = W s + b: per contact the cell in which the
-/// projection of s - u lies (Alart and Curnier 1991), and its parameters there.
+/// The point nearest to an impulse with velocity u = W s + b: for each contact the cell that
+/// contains the projection of s - u (Alart and Curnier 1991), and its parameters there.
 LawPoint nearest_point(const LawProblem& problem, const Vector& s, const Vector& u);
 
 }  // namespace bipot

@@ -9,31 +9,32 @@
 namespace bipot {
 namespace {
 
-// Pivots between two factorisations, whose data are exact again.
+// Pivots between two factorisations, which restore exact data.
 constexpr int kRefresh = 400;
-// A pivot smaller than this, relative to its column, is rounding: B is factored afresh.
+// A pivot smaller than this, relative to its column, is rounding: B is factored again.
 constexpr double kSmallPivot = 1e-11;
-// Relative difference of two computed speeds that is rounding at its worst.
+// Largest relative difference of two computed speeds by rounding.
 constexpr double kDrift = 1e-6;
-// Below this t the path is taken for a ray to -infinity.
+// Below this t the path counts as a ray to -infinity.
 constexpr double kFarBack = -1e3;
-// Faces met after this t are met at t = 1: contacts that end on one, up to rounding.
+// Faces beyond this t count as met at t = 1: contacts that end on one, up to rounding.
 constexpr double kArrived = 1 - 1e-11;
 // Violated bounds of that size, relative to the largest parameter, are rounding.
 constexpr double kAtZero = 1e-14;
 // The same after one refinement.
 constexpr double kNearZero = 1e-9;
-// A turn is remembered when t gained that much since the one remembered.
+// A turning point is stored when t has gained this much since the last one.
 constexpr double kTurnGain = 0.02;
-// Newton steps before a path, the least part of one that is tried, and the part of |F| that a full
-// one must remove.
+// Newton steps before a path, the least fraction of one, and the fraction of |F| that a full one
+// must remove.
 constexpr int kNewtonSteps = 20;
 constexpr double kLeastStep = 0.25, kDescent = 0.3;
-// That many faces ahead are left to the path: a pivot costs a thirtieth of a factorisation.
+// With at most this number of faces ahead, the path follows: a pivot is cheaper than a
+// factorisation.
 constexpr int kFewFaces = 20;
-// Pivots between two questions whether to stop.
+// Pivots between two polls of the stop conditions.
 constexpr int kPoll = 16;
-// Slots that are asked at once whether one of them blocks.
+// Slots that are tested together in the ratio test.
 constexpr int kGroup = 64;
 
 }  // namespace
@@ -69,7 +70,7 @@ double PathFollower::residual(const LawPoint& point, Vector& f) {
   return f.norm();
 }
 
-/// Damped Newton steps while many faces lie ahead. kLong: the rest is for the path.
+/// Damped Newton steps while many faces lie ahead. kLong: the path does the rest.
 PathEnd PathFollower::approach(LawPoint& point) {
   double norm = residual(point, r_);
   LawPoint ahead = point, candidate;
@@ -79,7 +80,7 @@ PathEnd PathFollower::approach(LawPoint& point) {
     factored_ = basis_.factor(point, *proximal_);
     if (!factored_) return PathEnd::kSingular;
     ahead = point;
-    // One refinement is enough for a step; a solution has them all.
+    // One refinement is enough for a step; a solution gets all.
     const auto admissible = [&](double rounding) {
       const double violation = -point.bound.cwiseProduct(y_).minCoeff();
       return violation <= rounding * y_.lpNorm<Eigen::Infinity>();
@@ -157,14 +158,14 @@ PathEnd PathFollower::pursue(LawPoint& point, int longest) {
   }
 }
 
-/// The error of a solve is 1e-16 / D of the solution, and each refinement takes that factor once
-/// more: to rounding.
+/// The error of a solve is 1e-16 / D of the solution. Each refinement multiplies it by that factor,
+/// down to rounding.
 int PathFollower::refinements() const {
   return least_proximal_ < 1e-9 ? 3 : least_proximal_ < 1e-7 ? 2 : 1;
 }
 
-/// Factors B and computes x from the data, and, with `move`, the parameters: at t = 0 these are what
-/// the residual r was computed from.
+/// Factors B and computes x from the data, and with `move` the parameters: at t = 0 these are the
+/// ones of the residual r.
 bool PathFollower::refresh(LawPoint& point, bool move) {
   if (!factored_) {
     point.sort_columns(problem_.dim);
@@ -172,7 +173,7 @@ bool PathFollower::refresh(LawPoint& point, bool move) {
   }
   factored_ = false;
   since_refresh_ = 0;
-  // On the way one refinement less will do.
+  // During the path one refinement less is enough.
   if (move) {
     basis_.solve_refined(point, target_, 1 - static_cast<long double>(t_), r_, refinements() - 1,
                          point.value);
@@ -192,7 +193,7 @@ PathFollower::Blocking PathFollower::blocking(const LawPoint& point, int last) c
   const int m = problem_.num_rows();
   for (int begin = 0; begin < m; begin += kGroup) {
     const int end = std::min(begin + kGroup, m);
-    // Few groups hold a nearer one: which do is asked without branches.
+    // Few groups contain a nearer one: they are found by a test without branches.
     if (!any_nearer(bound + begin, value + begin, x + begin, direction, first.step, end - begin)) {
       continue;
     }
@@ -206,9 +207,8 @@ PathFollower::Blocking PathFollower::blocking(const LawPoint& point, int last) c
   return first;
 }
 
-/// Prepares the column that enters now, and with it those that would enter next if the path went
-/// straight on: one solve for eight costs as much as two for one, and of eight such columns six to
-/// seven enter before the next factorisation (steps of 300 to 3000 poured disks).
+/// Prepares the entering column, together with those that would enter next if the path continued
+/// straight: one solve for eight costs as much as two single ones.
 void PathFollower::look_ahead(const LawPoint& point, const CellBasis::Candidate& now) {
   nearest_.clear();
   const auto candidate = [&](int slot) {
@@ -247,7 +247,7 @@ void PathFollower::look_ahead(const LawPoint& point, const CellBasis::Candidate&
   basis_.prepare(candidates_);
 }
 
-/// Enters the cell behind the face where the parameter of `slot` is zero.
+/// Enters the cell beyond the face where the parameter of `slot` is zero.
 bool PathFollower::pivot(LawPoint& point, int slot) {
   const int d = problem_.dim, contact = slot / d;
   const auto at = static_cast<std::size_t>(slot);
@@ -272,7 +272,7 @@ bool PathFollower::pivot(LawPoint& point, int slot) {
   if (!basis_.exchange(entering)) return refresh(point);
   x_ = x_factored_;
   basis_.update(x_);
-  // Two ways to one figure: where they differ, rounding has grown.
+  // The same speed computed in two ways: a difference shows growth of rounding.
   if (!(std::abs(x_[slot] - speed) <= kDrift * std::abs(speed))) return refresh(point);
   return true;
 }

@@ -16,34 +16,34 @@ enum class PathEnd {
   kStopped,   ///< the caller's stop() said so
 };
 
-/// What happened on all paths so far.
+/// Counts over all paths so far.
 struct PathCounts {
   int pivots = 0, turns = 0, paths = 0, failed = 0, newton = 0;
 };
 
-/// Follows the piecewise linear path of a proximal problem: with s and u the impulse and the
+/// Follows the piecewise linear path of a proximal problem. With s and u the impulse and the
 /// velocity of a point p of the law's manifold,
 ///
 ///     F(p) = u - W s - b - D (s - anchor) = (1 - t) r,    r = F(p at t = 0),
 ///
-/// from t = 0 to t = 1, D diagonal. In a cell F is B p - b + D anchor: the parameters move along the line
-/// dp/dt = -x, x = B⁻¹ r, until one of them is zero. There the path enters the neighbouring cell by
-/// the exchange of one column (a pivot) and goes on; t may turn back. A path of a generic start
-/// goes on for ever, closes, or ends on a ray (Eaves 1976).
+/// from t = 0 to t = 1, with D diagonal. In a cell F is B p - b + D anchor. The parameters move
+/// along the line dp/dt = -x, x = B⁻¹ r, until one of them is zero. There the path enters the
+/// neighbouring cell by the exchange of one column (a pivot); t may turn back. A generic path does
+/// not end, closes, or ends on a ray (Eaves 1976).
 ///
 /// Before a path that would cross many faces, Newton steps cross them all at once: to t = 1 of the
-/// cell, then to the nearest point of the manifold, as long as |F| falls.
+/// cell, then to the nearest point of the manifold, as long as |F| decreases.
 class PathFollower {
  public:
   PathFollower(const LawProblem& problem, CellBasis::Precision precision,
                std::function<bool()> stop);
 
-  /// From `point`, which ends at the last point reached. `proximal`: the diagonal of D, m, > 0;
-  /// `longest`: pivots allowed.
+  /// Starts at `point`, which becomes the last point reached. `proximal`: the diagonal of D, m, >
+  /// 0. `longest`: largest number of pivots.
   PathEnd follow(LawPoint& point, const Vector& anchor, const Vector& proximal, int longest);
 
-  /// The point of the largest t among those where the last path turned back, without its bounds; its t,
-  /// 0 if none.
+  /// The turning point with the largest t of the last path, without its bounds; its t, 0 if there
+  /// was none.
   double turning_t() const { return turning_t_; }
   const LawPoint& turning_point() const { return turning_point_; }
   const PathCounts& counts() const { return counts_; }

@@ -6,14 +6,12 @@
 namespace bipot {
 namespace {
 
-// Bounds of the first factor. 0.3 and 3 make 1.07 of the time of ten steps of 5000 contacts, none at
-// all (1 and 1) 2.
+// Bounds of the first factor.
 constexpr double kLeast = 0.1, kMost = 10;
-// The second, and the part of the cone within which it holds. Over 47 steps of a pour of 1000 disks a
-// quarter of the pivots less.
+// The second factor, and the fraction of the cone within which it holds.
 constexpr double kSticking = 0.1, kInside = 0.8;
 
-/// Of the normal impulses that are not zero; 0 if all are.
+/// Mean of the normal impulses that are not zero; 0 if all are.
 double mean_impulse(const LawProblem& problem, const Vector& s) {
   double sum = 0;
   int bearing = 0;

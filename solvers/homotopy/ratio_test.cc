@@ -7,7 +7,7 @@
 namespace bipot {
 namespace {
 
-// Four numbers in one variable, whatever width the machine's registers have.
+// Four numbers in one variable, for any width of the machine's registers.
 using Numbers [[gnu::vector_size(32)]] = double;
 
 [[gnu::always_inline]] inline Numbers numbers_at(const double* x) {
@@ -16,8 +16,8 @@ using Numbers [[gnu::vector_size(32)]] = double;
   return numbers;
 }
 
-/// A parameter is nearer where speed > 0 and step speed > distance: where the lesser of speed and
-/// step speed - distance is positive (infinite steps of a speed of 0 are not numbers, and passed by).
+/// A parameter is nearer if speed > 0 and step speed > distance: if the smaller of speed and step
+/// speed - distance is positive. Infinite steps of a speed of 0 give NaN and are skipped.
 template <class Real>
 [[gnu::always_inline]] inline Real excess(Real bound, Real value, Real x, Real direction, Real step,
                                           Real zero) {

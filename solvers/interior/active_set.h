@@ -7,25 +7,27 @@
 
 namespace bipot {
 
-/// Newton on the status of the contacts (Alart and Curnier 1991) from an impulse that is almost
-/// right, the last step of a path: open contacts get s = 0, sticking ones u = 0, sliding ones
-/// u_n = 0 and s_t = mu s_n e, e the direction of the push that is cut off. Every equation carries
-/// a proximal term, 1e-8 in units of W_cc, anchored at the impulse before, so that redundant
-/// contacts do not make the system singular. For d = 2 the equations of a status are linear: where
-/// the status is that of a solution one factorisation gives 1e-12 to 1e-14. Where contacts are
-/// undecided it jumps away: a cap of a few steps, and the result is thrown away when it is worse.
+/// Newton's method on the status of the contacts (Alart and Curnier 1991), the last step of a path,
+/// from an accurate impulse. Open contacts get s = 0, sticking ones u = 0, sliding ones u_n = 0 and
+/// s_t = mu s_n e, with e the direction of the impulse that is cut off. Every equation has a
+/// proximal term, 1e-8 in units of W_cc, anchored at the previous impulse. Redundant contacts then
+/// do not make the system singular. For d = 2 the equations of a status are linear: with the status
+/// of a solution one factorisation is exact to rounding.
+///
+/// Limits: it jumps away if contacts are undecided. Therefore the number of steps is limited, and a
+/// worse result is discarded.
 template <int D>
 class ActiveSet {
  public:
   explicit ActiveSet(InteriorSystem<D>& system);
 
-  /// Status from the pairs of an interior state: open where s_n W_nn < w, sliding where the edge
-  /// distance times W_tt is below its multiplier.
+  /// Status from the pairs of an interior state: open if s_n W_nn < w, sliding if the edge distance
+  /// times W_tt is below its multiplier.
   void start(const InteriorState<D>& z);
   /// Status from an impulse (m) and its velocity: cases of s - u / W_cc.
   void start(const Vector& s);
 
-  /// At most `cap` factorisations. The impulses are judged by the run.
+  /// At most `cap` factorisations. The run judges the impulses.
   StageEnd operator()(int cap, InteriorRun& run);
 
  private:

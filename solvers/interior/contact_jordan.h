@@ -13,17 +13,16 @@ namespace bipot {
 ///
 ///     s_n u_n = 0,    x ∘ y = 0,    x = (mu s_n, s_t) ∈ L,  y = (gamma, u_t) ∈ L,
 ///
-/// with L the Lorentz cone of R^d and gamma = |u_t| the slip speed, a free multiplier: with
-/// x ∘ y = 0 it says that s_t is the largest dissipation on the disk of radius mu s_n. This is the
-/// exact law, de Saxcé's term included: s·û = s_n u_n + x·y. On the central path
-/// s_n u_n = tau and x ∘ y = 2 tau e.
+/// with L the Lorentz cone of R^d and gamma = |u_t| the slip speed, a free multiplier. With x ∘ y =
+/// 0, s_t maximises dissipation on the disk of radius mu s_n. This is the exact law, de Saxcé's
+/// term included: s·û = s_n u_n + x·y. On the central path s_n u_n = tau and x ∘ y = 2 tau e.
 ///
 /// d = 2: L is the quadrant in the coordinates (x_0 - x_1, x_0 + x_1), and the pairs are
 ///   X = (s_n, a, c) = (s_n, mu s_n - s_t, mu s_n + s_t),  Y = (w, la, lc),  u = (w, lc - la).
-/// d = 3: X = (s_n, mu s_n, s_t), Y = (w, gamma, u_t), product x ∘ y / 2 in the second part, so
-/// that
-///   both eigenvalues are tau on the path. Newton on x ∘ y = r is the direction of Alizadeh,
-///   Haeberly and Overton (1998); for d = 2 it is the coordinatewise one.
+/// d = 3: X = (s_n, mu s_n, s_t), Y = (w, gamma, u_t), with the product x ∘ y / 2 in the second
+/// part. Both eigenvalues are then tau on the path. Newton on x ∘ y = r is the direction of
+/// Alizadeh, Haeberly and Overton (1998); for d = 2 it is the coordinatewise one.
+///
 /// d = 1 and contacts without friction have the first pair only (`friction` false).
 template <int D>
 struct ContactJordan {
@@ -144,7 +143,7 @@ struct ContactJordan {
     return x[0];
   }
 
-  /// Largest t with x + t dx in the cone (infinity when the ray stays inside).
+  /// Largest t with x + t dx in the cone (infinity if the ray stays inside).
   static double longest_step(const Pairs& x, const Pairs& dx, bool friction) {
     double t = dx[0] < 0 ? -x[0] / dx[0] : kInfinity;
     if (D > 1 && friction) {

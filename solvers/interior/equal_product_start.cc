@@ -6,13 +6,14 @@
 namespace bipot {
 namespace {
 
-// Least stiffness of the springs over 1/W_nn: forces reach about its square root of contacts far.
+// Least stiffness of the springs, relative to 1/W_nn: forces reach about its square root of
+// contacts far.
 constexpr double kSpringStiffness = 1e4;
 constexpr int kBisections = 100;
 
-/// Distance a = radius - |s_t| to the edge of the disk of the smoothed friction law
-/// W (|s_t| - pull) + 2 tau |s_t| / (radius² - |s_t|²) = 0, by bisection in the logarithm: a may be
-/// many decades below the radius.
+/// Distance a = radius - |s_t| to the edge of the disk of the smoothed friction law W (|s_t| -
+/// pull) + 2 tau |s_t| / (radius² - |s_t|²) = 0. Found by bisection in the logarithm: a may be many
+/// decades below the radius.
 double edge_distance(double pull, double radius, double W, double tau) {
   const auto excess = [&](double a) {
     return W * (radius - a - pull) + 2 * tau * (radius - a) / (a * (2 * radius - a));
@@ -36,7 +37,7 @@ double spring_energy(InteriorSystem<D>& system) {
   Vector g = Vector::Zero(p.num_rows());
   double fallback = 0;
   for (int c = 0; c < p.num_contacts(); ++c) {
-    // Across the largest packing of so many contacts.
+    // Forces must reach across the largest packing with this number of contacts.
     const double stiffness =
         std::max(kSpringStiffness, static_cast<double>(p.num_contacts())) / mobility[c * D];
     R[static_cast<std::size_t>(c) * D * D] = stiffness;
@@ -49,7 +50,7 @@ double spring_energy(InteriorSystem<D>& system) {
     system.shifted().solve(g, s);
     energy = normal_energy(system, s);
   }
-  // An operator that is not definite may put a pole where the springs are.
+  // An indefinite operator may have a pole at the springs.
   return std::isfinite(energy) && energy > 0 ? energy : fallback / p.num_contacts();
 }
 

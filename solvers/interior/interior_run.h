@@ -4,22 +4,23 @@
 
 namespace bipot {
 
-/// What the stages of the interior-point solver share: who judges, and the count of factorisations.
-/// One iteration is one factorisation whose impulse is judged; a factorisation that a stage throws
-/// away (a larger proximal term, a path that turns back) is counted by the stage that follows it.
+/// Shared state of the stages of the interior-point solver: the judge, and the count of
+/// factorisations. One iteration is one factorisation whose impulse is judged. A factorisation that
+/// a stage discards (a larger proximal term, a path that turns back) counts for the following
+/// stage.
 class InteriorRun {
  public:
   explicit InteriorRun(SolveRun& r) : run(r) {}
   SolveRun& run;
   int iteration = 0;
 
-  /// Counts one iteration and judges its impulse; true: stop everything.
+  /// Counts one iteration and judges its impulse; true: end the solve.
   bool next(const Vector& s, double step) {
     judged_ = run.due(++iteration);
-    // Slacks, multipliers and delta change also where s does not: an equal s is no stall here.
+    // Slacks, multipliers and delta change even if s does not: an equal s is no stall here.
     return run.stop(iteration, s, step, /*moving=*/true);
   }
-  /// Whether the last iterate was judged: the monitor's last error is then its own.
+  /// True if the last iterate was judged: the monitor's last error is then its own.
   bool judged() const { return judged_; }
 
  private:

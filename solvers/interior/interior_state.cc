@@ -149,8 +149,8 @@ bool InteriorSystem<D>::linearise(const State& z, double delta) {
   return shifted_.factor(R_);
 }
 
-/// Whether the last correction was small at every contact, against its impulse or the change of it.
-/// The next one would be small against this one.
+/// True if the last correction was small at every contact, relative to its impulse or to its
+/// change. The next one would be small relative to this one.
 template <int D>
 bool InteriorSystem<D>::refined(const State& z, const Vector& ds) const {
   for (int c = 0; c < num_contacts(); ++c) {

@@ -7,9 +7,9 @@
 
 namespace bipot {
 
-/// A point of the interior of the contact law's cones, with exact dynamics: the pairs X, Y of every
-/// contact (contact_jordan.h), the impulse s of X, the velocity u = W s + u_free recomputed from s,
-/// and the kinematic residual p = u - U Y.
+/// A point in the interior of the cones of the contact law, with exact dynamics. It has the pairs
+/// X, Y of every contact (contact_jordan.h) and the impulse s of X. The velocity u = W s + u_free
+/// is recomputed from s; the kinematic residual is p = u - U Y.
 template <int D>
 struct InteriorState {
   using Jordan = ContactJordan<D>;
@@ -17,7 +17,7 @@ struct InteriorState {
 
   Vector X, Y;  ///< P components a contact
   Vector s, u;  ///< m
-  Vector p;     ///< m, u - U Y; zero where the contact has no friction (tangents)
+  Vector p;     ///< m, u - U Y; zero for contacts without friction (tangents)
 };
 
 /// A direction in the pairs and the impulse.
@@ -30,10 +30,10 @@ struct PairDirection {
 ///
 ///     X∘dY + Y∘dX = r,   dX = T ds,   W ds + delta W_cc ds - U dY = -p,
 ///
-/// condensed contact by contact to (W + C) ds = q, C = U L(X)⁻¹ L(Y) T + delta W_cc,
-/// q = U L(X)⁻¹ r - p. One factorisation of I + C⁻¹ W serves all right-hand sides; each solution is
-/// refined by the velocity residual q - W ds - C ds, because the elimination of nearly open or
-/// nearly edge contacts loses ds (C ranges over 1e12).
+/// condensed contact by contact to (W + C) ds = q, C = U L(X)⁻¹ L(Y) T + delta W_cc, q = U L(X)⁻¹ r
+/// - p. One factorisation of I + C⁻¹ W serves all right-hand sides. Each solution is refined by the
+/// velocity residual q - W ds - C ds, because eliminating nearly open or nearly sliding contacts
+/// loses ds (C ranges over 1e12).
 template <int D>
 class InteriorSystem {
  public:
@@ -42,7 +42,7 @@ class InteriorSystem {
   using Pairs = typename Jordan::Pairs;
   static constexpr int P = Jordan::P;
 
-  /// `elsewhere`: factors the linear systems, null: this process does.
+  /// `elsewhere`: factors the linear systems; null: LocalFactor does.
   InteriorSystem(const ContactProblem& problem, const DelassusOperator& delassus,
                  ShiftedDelassus::Form form, SystemFactor* elsewhere = nullptr);
 
@@ -63,8 +63,8 @@ class InteriorSystem {
   /// Factors at z. False: singular or not finite.
   [[nodiscard]] bool linearise(const State& z, double delta);
   int determinant_sign() const { return shifted_.determinant_sign(); }
-  /// Direction for the right-hand sides r (P a contact) and p (m; empty: zero), refined at most so
-  /// often, and no longer once a correction is below 1e-7 of every contact's impulse.
+  /// Direction for the right-hand sides r (P for each contact) and p (m; empty: zero). Refined at
+  /// most `refinements` times, until a correction is below 1e-7 of every contact's impulse.
   void direction(const State& z, const Vector& r, const Vector& p, PairDirection& out,
                  int refinements = 2) const;
 
@@ -81,7 +81,7 @@ class InteriorSystem {
 
  private:
   bool refined(const State& z, const Vector& ds) const;
-  /// Where the d x d block of contact c begins.
+  /// Start of the d x d block of contact c.
   static std::size_t block(int c) { return static_cast<std::size_t>(c) * D * D; }
 
   const ContactProblem& problem_;

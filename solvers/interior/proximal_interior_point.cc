@@ -14,7 +14,7 @@ constexpr double kToBoundary = 0.99;
 constexpr double kSmallestStep = 1e-12, kTinyStep = 1e-3;
 constexpr int kHoldsBeforeRaise = 8;
 constexpr double kFar = 1;
-constexpr double kNear = 1e-2;  // guarded error below which a rising error is running away
+constexpr double kNear = 1e-2;  // guarded error below which a rising error means divergence
 
 /// Ratio of the smallest product to the mean one.
 template <int D>
@@ -95,11 +95,11 @@ StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z,
       progress_error = best_error;
       progress = k;
     }
-    // Errors of large products say nothing yet.
+    // Errors at large products are not informative.
     if (run.run.last_error() > kFar) {
       if (k < options.far_iterations) progress = k;
       if (k + 1 == options.far_iterations) {
-        // Products that fall faster than the residual leave it no forces to be met by.
+        // Products fall faster than the residual: no forces are left to reduce it.
         return residual / tau > first_ratio ? StageEnd::kSmallStart : StageEnd::kLargeStart;
       }
     }

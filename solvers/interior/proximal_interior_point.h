@@ -8,19 +8,20 @@ namespace bipot {
 struct ProximalInteriorPointOptions {
   int max_iterations = 150;
   double neighbourhood = 1e-3;  ///< smallest product over the mean one
-  int patience = 40;            ///< kStuck after so many iterations without halving the best error
-  double largest_growth = kInfinity;  ///< kStuck once the error is that many times the best one,
-                                      ///< where that is below 1e-2: far away it may well rise
-  int far_iterations = 0;     ///< kSmallStart or kLargeStart if the error still is above 1 after so
-                              ///< many, no patience before; 0: patience from the beginning
+  int patience = 40;  ///< kStuck after this many iterations without halving the best error
+  /// kStuck once error / best error exceeds this, if the best is below 1e-2: far away it may rise.
+  double largest_growth = kInfinity;
+  /// kSmallStart or kLargeStart if the error is above 1 after this many iterations; the stagnation
+  /// test begins then. 0: it begins at once.
+  int far_iterations = 0;
   double delta_floor = 1e-7;  ///< smallest proximal term, in units of 1/W
 };
 
 /// Proximal interior point ("PIP"): infeasible Mehrotra predictor-corrector on the exact law, with
 /// a proximal term delta W_cc ds whose anchor is the current impulse. delta is raised until the
-/// determinant of the Newton matrix is positive (beyond a fold of the central path it is not), and
+/// determinant of the Newton matrix is positive (beyond a fold of the central path it is not). It
 /// falls again while long steps succeed. tau is held or raised while the kinematic residual is
-/// larger than the products, which takes the iterate out of corners. `best` receives the state with
+/// larger than the products, which moves the iterate out of corners. `best` receives the state with
 /// the smallest guarded error.
 template <int D>
 StageEnd proximal_interior_point(InteriorSystem<D>& system, InteriorState<D>& z, InteriorRun& run,

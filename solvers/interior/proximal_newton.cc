@@ -71,11 +71,11 @@ StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delass
     }
     if (!std::isfinite(residual)) return StageEnd::kFailed;
     if (inner == 0) first_residual = residual;
-    // Nor can the residual fall below the rounding of u times the step 1/delta.
+    // The residual cannot fall below the rounding of u times the step 1/delta.
     const double rounding = 1e3 * std::numeric_limits<double>::epsilon() / delta;
     const double accuracy =
         std::max(kInnerAccuracy * kInnerAccuracy * first_residual, rounding * rounding * scale);
-    // Ill-conditioned contacts stop earlier: small, and no longer falling.
+    // Ill-conditioned contacts stop earlier: small, and no longer decreasing.
     const bool stagnates = inner > 1 && residual > 0.25 * last_residual &&
                            residual <= kStagnation * kStagnation * first_residual;
     last_residual = residual;
@@ -93,7 +93,7 @@ StageEnd proximal_newton(const ContactProblem& p, const DelassusOperator& delass
       --k;  // no factorisation
       continue;
     }
-    // The anchor itself solves its proximal problem: nothing is left to gain.
+    // The anchor itself solves its proximal problem: no progress is possible.
     if (inner == 0 && residual <= rounding * rounding * scale) return StageEnd::kStuck;
     if (!shifted.factor(R)) return StageEnd::kFailed;
     shifted.solve(g, ds);

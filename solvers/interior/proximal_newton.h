@@ -10,16 +10,16 @@ struct ProximalNewtonOptions {
   double delta = 0.1;       ///< first proximal term, in units of W_cc
 };
 
-/// Proximal semismooth Newton from a good impulse: the polish of the interior point, which ends
-/// with impulses of the order of the square root of its last product where a contact neither moves
-/// nor pushes. Outer loop: anchor s_k; inner Newton on
+/// Proximal semismooth Newton from an accurate impulse, the last stage of the interior point.
+/// Contacts that neither move nor carry end there with impulses of the order of the square root of
+/// the last product. Outer loop: anchor s_k; inner Newton on
 ///
 ///     s = P(s_k - (delta W_cc)⁻¹ u(s)),
 ///
-/// P the projection of Alart and Curnier (1991): s_n on the half-line, then s_t on the disk of
-/// radius mu s_n. The fixed points of the outer loop solve the problem itself whatever delta. The
-/// anchor moves when the inner Newton has converged; delta falls after quick convergence and grows
-/// after a failure. No globalisation: from far away it cycles.
+/// with P the projection of Alart and Curnier (1991): s_n on the half-line, then s_t on the disk of
+/// radius mu s_n. The fixed points of the outer loop solve the problem for any delta. The anchor
+/// moves when the inner Newton has converged; delta falls after quick convergence and grows after a
+/// failure. Limit: there is no globalisation; from far away it cycles.
 template <int D>
 StageEnd proximal_newton(const ContactProblem& problem, const DelassusOperator& delassus,
                          ShiftedDelassus& shifted, const Vector& mobility, const Vector& start,

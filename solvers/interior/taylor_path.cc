@@ -151,7 +151,7 @@ bool TaylorPath<D>::expand(double dt, const PairDirection& tangent) {
       }
       r_.template segment<P>(c * P) = sum;
     }
-    // Without refinement: an error here is seen by accurate() and shortens the step.
+    // Without refinement: accurate() detects an error here and shortens the step.
     system_.direction(z_, r_, {}, next_, 0);
     const double along =
         (covector_x_.dot(next_.dX) + covector_y_.dot(next_.dY)) / system_.num_eigenvalues();
@@ -200,7 +200,7 @@ bool TaylorPath<D>::find_reach() {
   return false;
 }
 
-/// Whether the series stays inside the cones at alpha and its products are right: the largest
+/// True if the series stays inside the cones at alpha and its products are accurate: the largest
 /// eigenvalue of X∘Y/t - c is at most the tolerance times the smallest of c.
 template <int D>
 bool TaylorPath<D>::accurate(double alpha) const {

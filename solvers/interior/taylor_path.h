@@ -8,39 +8,42 @@
 namespace bipot {
 
 struct TaylorPathOptions {
-  int order = 15;           ///< of the series, >= 2
-  double tolerance = 1e-3;  ///< largest relative error of a product within a series' reach, < 1
+  int order = 15;  ///< of the series, >= 2
+  /// Largest relative error of a product within the reach of a series, < 1.
+  double tolerance = 1e-3;
 };
 
 enum class PathStep {
   kAdvanced,   ///< the state is a new point of the path
-  kRetracted,  ///< the orientation was doubtful: the state went back to a shorter step
+  kRetracted,  ///< the orientation was doubtful: the state returned to a shorter step
   kEnded,      ///< a factorisation failed, t grew without bound or no step is possible
 };
 
-/// A path of interior states, followed by Taylor series (asymptotic numerical method: Damil and
+/// A path of interior states, followed by Taylor series. Asymptotic numerical method: Damil and
 /// Potier-Ferry, Int. J. Eng. Sci. 28, 1990; Cochelin, Damil and Potier-Ferry, Int. J. Numer.
-/// Methods Eng. 37, 1994). That the central path of the exact law is analytic, converges to a
-/// solution and need not be monotone in its parameter, so that it folds, was found by Nguyen, Armand
-/// and Acary (2025), who follow it by this method. From a state with products c and kinematic
-/// residual p0 the path is
+/// Methods Eng. 37, 1994. Nguyen, Armand and Acary (2025) found that the central path of the exact
+/// law is analytic and converges to a solution. It need not be monotone in its parameter, so that
+/// it folds; they follow it by this method. From a state with products c and kinematic residual p0
+/// the path is
 ///
 ///     X∘Y = t c,   u - U Y = t p0,   t from 1 to 0 (not monotonically).
 ///
-/// X∘Y is bilinear for every d (contact_jordan.h) and the rest linear, so that the series
-/// z = sum_k alpha^k z_k needs one factorisation of the Newton matrix and one back-substitution an
+/// X∘Y is bilinear for every d (contact_jordan.h) and the rest linear. Hence the series z = sum_k
+/// alpha^k z_k needs one factorisation of the Newton matrix and one back-substitution for each
 /// order:
 ///
-///     L(z_0) z_k = (t_k c - sum_{0<j<k} X_j∘Y_{k-j}, t_k p0),   <z_k, z_1> + t_k t_1 / t² = [k = 1],
+///     L(z_0) z_k = (t_k c - sum_{0<j<k} X_j∘Y_{k-j}, t_k p0),
+///     <z_k, z_1> + t_k t_1 / t² = [k = 1].
 ///
-/// <.,.> the mean over the pairs of the product of relative changes: alpha is an arclength in them.
-/// The step is as long as every product keeps `tolerance`. There is no corrector: products and
-/// residual of the end point define the path from there on, its weights drift by the tolerance.
+/// Here <.,.> is the mean over the pairs of the product of relative changes: alpha is an arclength
+/// in them. The step is the longest one at which every product keeps `tolerance`. There is no
+/// corrector: products and residual of the end point define the path from there on, and its weights
+/// drift by the tolerance.
 ///
 /// Orientation: the tangent continues that of the series before. The sign of det L changes exactly
-/// where dt does (a fold), so the two must agree; where they do not, the path may have been left:
-/// the step is halved, up to six times, and then the tangent is believed (at a bifurcation, which
-/// symmetric scenes have, the determinant changes sign without a fold).
+/// if dt does (a fold), so that the two must agree. If they do not, the path may have been left:
+/// the step is halved, up to six times, and then the tangent decides. At a bifurcation, which
+/// symmetric scenes have, the determinant changes sign without a fold.
 ///
 /// Resumable: between calls of advance() the system may serve others; the path's state is in here.
 template <int D>
@@ -54,7 +57,7 @@ class TaylorPath {
   TaylorPath(InteriorSystem<D>& system, InteriorState<D> start,
              const TaylorPathOptions& options = {});
 
-  /// One factorisation, one series. After kEnded nothing more is done.
+  /// One factorisation, one series. After kEnded it has no effect.
   PathStep advance();
 
   const InteriorState<D>& state() const { return z_; }

@@ -30,7 +30,7 @@ class Simulation:
 
     Iterating goes on to the number of steps that the scene plans; `advance()` takes one step more.
     Each `Step` is a snapshot: its arrays are read-only views into it (problem, positions,
-    velocities, angles, spins, radii, masses), its contacts and walls are copies. A scene in space
+    velocities, angles, spins, radii, masses), its contacts and walls are copies. A scene in 3D
     has `SphereStep`s: positions, velocities and spins have three columns, `orientations` (unit
     quaternions w, x, y, z) stand for the angles, contacts have n_z and vectors s_tx to s_tz, u_tx
     to u_tz.

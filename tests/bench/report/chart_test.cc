@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <set>
@@ -10,78 +9,14 @@
 #include <string_view>
 
 #include "bench/report/gnuplot.h"
+#include "bench/report/text_lines.h"
 #include "core/base/file_error.h"
 #include "core/base/types.h"
+#include "tests/support/markup_defect.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
 namespace {
-
-/// What is wrong with a piece of XML, empty when nothing: tags that do not match, a bare & or <,
-/// an attribute without quotes or twice in a tag.
-std::string xml_defect(std::string_view xml) {
-  std::vector<std::string> open;
-  for (std::size_t i = 0; i < xml.size();) {
-    if (xml[i] == '&') {
-      const std::size_t end = xml.find(';', i);
-      const std::string_view name = xml.substr(i, end == xml.npos ? 1 : end - i + 1);
-      if (name != "&amp;" && name != "&lt;" && name != "&gt;" && name != "&quot;") {
-        return "bare & in " + std::string(xml.substr(i, 20));
-      }
-      ++i;
-      continue;
-    }
-    if (xml[i] != '<') {
-      ++i;
-      continue;
-    }
-    if (xml.substr(i, 2) == "<?") {
-      i = xml.find("?>", i) + 2;
-      continue;
-    }
-    const bool closing = xml[i + 1] == '/';
-    std::size_t at = i + (closing ? 2 : 1);
-    const std::size_t name_end = xml.find_first_of(" \t\n/>", at);
-    const std::string name(xml.substr(at, name_end - at));
-    if (name.empty() || std::isalpha(static_cast<unsigned char>(name[0])) == 0) {
-      return "bare < in " + std::string(xml.substr(i, 20));
-    }
-    at = name_end;
-    std::set<std::string> attributes;
-    bool alone = false;
-    for (;;) {
-      at = xml.find_first_not_of(" \t\n", at);
-      if (at == xml.npos) return "unfinished tag " + name;
-      if (xml[at] == '>') break;
-      if (xml[at] == '/') {
-        alone = true;
-        ++at;
-        continue;
-      }
-      const std::size_t equals = xml.find('=', at);
-      const std::string attribute(xml.substr(at, equals - at));
-      if (equals == xml.npos || attribute.find_first_of("<>\"' ") != attribute.npos) {
-        return "attribute of " + name + ": " + attribute;
-      }
-      if (!attributes.insert(attribute).second) return "twice in " + name + ": " + attribute;
-      const char quote = xml[equals + 1];
-      if (quote != '"' && quote != '\'') return "no quote in " + name;
-      const std::size_t end = xml.find(quote, equals + 2);
-      if (end == xml.npos || xml.substr(equals, end - equals).find('<') != xml.npos) {
-        return "value of " + attribute + " in " + name;
-      }
-      at = end + 1;
-    }
-    i = at + 1;
-    if (closing) {
-      if (open.empty() || open.back() != name) return "closes " + name;
-      open.pop_back();
-    } else if (!alone) {
-      open.push_back(name);
-    }
-  }
-  return open.empty() ? "" : "never closed: " + open.back();
-}
 
 std::size_t count(std::string_view text, std::string_view what) {
   std::size_t n = 0;
@@ -117,7 +52,7 @@ Chart falling() {
 
 TEST(Chart, IsWellFormedAndNamesEachSeriesOnce) {
   const std::string svg = to_svg(falling());
-  EXPECT_EQ(xml_defect(svg), "");
+  EXPECT_EQ(markup_defect(svg), "");
   EXPECT_EQ(svg.substr(0, 4), "<svg");
   for (const char* text :
        {"<text>apgd</text>", "<text>ipm</text>", "<text>force error [−]</text>"}) {
@@ -133,10 +68,10 @@ TEST(Chart, IsWellFormedAndNamesEachSeriesOnce) {
 }
 
 TEST(Chart, XmlCheckFindsDefects) {
-  EXPECT_EQ(xml_defect("<a b='1'><c/>x &lt; y</a>"), "");
+  EXPECT_EQ(markup_defect("<a b='1'><c/>x &lt; y</a>"), "");
   for (const char* bad : {"<a><b></a></b>", "<a>", "<a b=1/>", "<a>&</a>", "<a b='<'/>",
                           "<a b='1' b='2'/>", "<a>1 < 2</a>"}) {
-    EXPECT_NE(xml_defect(bad), "") << bad;
+    EXPECT_NE(markup_defect(bad), "") << bad;
   }
 }
 
@@ -165,7 +100,7 @@ TEST(Chart, ShowsTextsAsTheyAre) {
   chart.y_line = 1e-4;
   chart.y_line_label = "line_1 'a'";
   const std::string svg = to_svg(chart);
-  EXPECT_EQ(xml_defect(svg), "");
+  EXPECT_EQ(markup_defect(svg), "");
   // Entities in the text, > and " at will.
   const auto shown = [&svg](std::string text) {
     const auto replace = [&text](const std::string& from, const std::string& to) {
@@ -195,7 +130,7 @@ TEST(Chart, LiftsWhatALogarithmicAxisCannotShow) {
                   {"b", 1, {{0, 1e-2}, {kNaN, 1}, {10, kNaN}}}};
   chart.x.kind = ChartAxis::Kind::kLog;
   const std::string svg = to_svg(chart);
-  EXPECT_EQ(xml_defect(svg), "");
+  EXPECT_EQ(markup_defect(svg), "");
   Chart by_hand = chart;
   by_hand.series = {{"a", 0, {{1, 1e-5}, {10, 3e-5}, {100, 1e-5}, {1000, 1e-2}}},
                     {"b", 1, {{1, 1e-2}}}};
@@ -209,21 +144,21 @@ TEST(Chart, WithoutFiniteValuesIsAnEmptyFrame) {
     EXPECT_NE(to_svg(chart).find("no finite values"), std::string::npos);
     chart.series = {{"empty", 0, {}}, {"nan", 1, {{kNaN, 1}, {1, kNaN}}}};
     const std::string svg = to_svg(chart);
-    EXPECT_EQ(xml_defect(svg), "");
+    EXPECT_EQ(markup_defect(svg), "");
     EXPECT_NE(svg.find("no finite values"), svg.npos);
     EXPECT_NE(svg.find(">empty<"), svg.npos);
     chart.y_line = 2;
-    EXPECT_EQ(xml_defect(to_svg(chart)), "");
+    EXPECT_EQ(markup_defect(to_svg(chart)), "");
   }
 }
 
 TEST(Chart, TakesASinglePointAndEveryKindOfSeries) {
   Chart chart = falling();
   chart.series = {{"one", 0, {{1e-3, 1e-3}}}};
-  EXPECT_EQ(xml_defect(to_svg(chart)), "");
+  EXPECT_EQ(markup_defect(to_svg(chart)), "");
   chart.x.kind = chart.y.kind = ChartAxis::Kind::kLinear;
   chart.series = {{"one", 0, {{0, 0}}}};
-  EXPECT_EQ(xml_defect(to_svg(chart)), "");
+  EXPECT_EQ(markup_defect(to_svg(chart)), "");
   using Kind = ChartSeries::Kind;
   chart.series = {{"line", 1, {{0, 0}, {1, 1}}, Kind::kLine},
                   {"points", 2, {{0, 0, false, "", true, -0.2, 0.2}, {1, 2}}, Kind::kPoints},
@@ -232,7 +167,7 @@ TEST(Chart, TakesASinglePointAndEveryKindOfSeries) {
   chart.y_lines = {{1.5, "one and a half"}, {-1, "below all data"}};
   chart.key = Chart::Key::kRight;
   const std::string svg = to_svg(chart);
-  EXPECT_EQ(xml_defect(svg), "");
+  EXPECT_EQ(markup_defect(svg), "");
   for (const char* text : {">half<", ">one and a half<", ">below all data<", "<title>here<"}) {
     EXPECT_NE(svg.find(text), svg.npos) << text;
   }
@@ -312,7 +247,7 @@ TEST(ChartFiles, AreMadeAgainByTheirScript) {
   chart.series[0].name = "it's, \"so\"";
   write_chart_files(folder.path(), "figure", chart);
   const std::string svg = content(folder / "figure.svg");
-  EXPECT_EQ(xml_defect(svg), "");
+  EXPECT_EQ(markup_defect(svg), "");
   EXPECT_NE(svg.find("it's, \"so\""), svg.npos);
   const std::string csv = content(folder / "figure.csv");
   EXPECT_TRUE(csv.starts_with("series,x,y,note\n\"it's, \"\"so\"\"\",0.0001,0.1,\"loose\"\n"))

@@ -234,7 +234,8 @@ TEST(ThreadedHdf5File, OneThreadAtATimeHasFilesOpen) {
   });
 }
 
-/// The child of a rehearsal ends the library, and with it would write the files that are open there.
+/// The child of a rehearsal ends the library, and with it would write the files that are open
+/// there.
 TEST(ThreadedHdf5File, ARehearsalDoesNotMeetTheFileOfAnotherThread) {
   const TemporaryFolder folder;
   expect_to_wait(folder / "a", [&] { rehearse(folder / "b", [] {}); });

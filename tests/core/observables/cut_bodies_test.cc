@@ -59,12 +59,14 @@ TEST(CutBodies, VolumeInABoxByHand) {
     low[axis] = at[axis] - 1.5;
     EXPECT_NEAR(volume_in_box(at, 2, low, far), sphere - pi * 0.25 * 5.5 / 3, 1e-13);
   }
-  // A box inside the sphere, one that holds nothing of it though its faces' planes cut it, and one beside it.
+  // A box inside the sphere, one that holds nothing of it though its faces' planes cut it, and one
+  // beside it.
   EXPECT_NEAR(volume_in_box(at, 2, at - Vec3(0.5, 0.3, 1), at + Vec3(1, 1, 0.9)), 1.5 * 1.3 * 1.9,
               1e-13);
   EXPECT_EQ(volume_in_box(at, 2, at + Vec3(1.3, 1.3, 1.3), at + far), 0);
   EXPECT_EQ(volume_in_box(at, 2, at + Vec3(2, -1, -1), at + Vec3(3, 1, 1)), 0);
-  // Planes through the centre at 45° would leave an eighth; a wedge along z of the quarter: a fourth.
+  // Planes through the centre at 45° would leave an eighth; a wedge along z of the quarter: a
+  // fourth.
   EXPECT_NEAR(volume_in_box(at, 2, Vec3(1, 2, -10), far), sphere / 4, 1e-13);
 }
 
@@ -114,7 +116,8 @@ TEST(CutBodies, AreaCommonToTwoDisks) {
   EXPECT_NEAR(area_in_disk(0, 2, 1), pi, 1e-15);
   // Two unit disks, one through the other's centre: 2 π/3 - √3/2.
   EXPECT_NEAR(area_in_disk(1, 1, 1), 2 * pi / 3 - std::sqrt(3.0) / 2, 1e-15);
-  // Chord through the centre of the smaller one (1² + 1² = √2²): its half, and a segment of a right angle.
+  // Chord through the centre of the smaller one (1² + 1² = √2²): its half, and a segment of a right
+  // angle.
   EXPECT_NEAR(area_in_disk(1, 1, std::sqrt(2.0)), pi / 2 + (pi / 2 - 1), 1e-14);
 }
 

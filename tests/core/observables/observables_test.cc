@@ -100,8 +100,8 @@ TEST(Observables, ShearRateInertialNumberAndFriction) {
 }
 
 TEST(Observables, ProfileOfShear) {
-  // Disks of radius 0.1 in two rows, in bins 0.2 high between the walls x = 0 and x = 1: each bin holds five
-  // whole disks, solid fraction 5 pi 0.01/0.2; the third bin is empty.
+  // Disks of radius 0.1 in two rows, in bins 0.2 high between the walls x = 0 and x = 1: each bin
+  // holds five whole disks, solid fraction 5 pi 0.01/0.2; the third bin is empty.
   Scene<2> scene = one_law({});
   scene.step = 1;
   for (int k = 0; k < 10; ++k) {
@@ -227,8 +227,8 @@ TEST(Observables, FilesAndTheirMeans) {
   EXPECT_EQ(frame.read_ints("/observables/forces/counts"), (std::vector<int>{0, 1}));
 }
 
-/// Eight unit spheres of 5 kg in a box that they fill as a cubic lattice; each of the 12 contacts between them and the
-/// 24 with the walls carries 1 N. All move with v = (2 z, 0, 0) 1/s.
+/// Eight unit spheres of 5 kg in a box that they fill as a cubic lattice; each of the 12 contacts
+/// between them and the 24 with the walls carries 1 N. All move with v = (2 z, 0, 0) 1/s.
 State<3> filled_box() {
   State<3> state;
   for (int k = 0; k < 8; ++k) {
@@ -256,9 +256,9 @@ State<3> filled_box() {
 }
 
 TEST(Observables, OfSpheresInACubicLatticeAreKnown) {
-  // Six contacts each, a third of the normals along each axis, π/6 of space. Four columns of 1 N press on 16 m²: 0.25
-  // Pa; the shear adds ρ v'² : v' = ±2 m/s of 5 kg, 8 · 5 · 4 / 64 = 2.5 Pa in xx. Its rate is 2 1/s, and with d = 2 m, ρ
-  // = 5/(4π/3) the inertial number 2 · 2 √(ρ/P).
+  // Six contacts each, a third of the normals along each axis, π/6 of space. Four columns of 1 N
+  // press on 16 m²: 0.25 Pa; the shear adds ρ v'² : v' = ±2 m/s of 5 kg, 8 · 5 · 4 / 64 = 2.5 Pa in
+  // xx. Its rate is 2 1/s, and with d = 2 m, ρ = 5/(4π/3) the inertial number 2 · 2 √(ρ/P).
   Scene<3> scene = one_law_in_space({.mu = 0.5});
   scene.step = 1;
   State<3> state = filled_box();
@@ -295,9 +295,9 @@ TEST(Observables, OfSpheresInACubicLatticeAreKnown) {
 }
 
 TEST(Observables, OfAWindowInALatticeOfSpheresAreThoseOfTheLattice) {
-  // A cubic lattice of 4 x 4 x 4 unit spheres, 1 N at each of its contacts. A window of 2 x 2 x 2 cells, wherever it
-  // begins, has π/6 of solid; one that begins in a sphere's middle less a half has 8 spheres of 6 contacts each.
-  // Every unit of area across an axis carries 1 N / 4 m².
+  // A cubic lattice of 4 x 4 x 4 unit spheres, 1 N at each of its contacts. A window of 2 x 2 x 2
+  // cells, wherever it begins, has π/6 of solid; one that begins in a sphere's middle less a half
+  // has 8 spheres of 6 contacts each. Every unit of area across an axis carries 1 N / 4 m².
   Scene<3> scene = one_law_in_space({.mu = 0.5});
   scene.step = 1;
   State<3> state;
@@ -324,7 +324,8 @@ TEST(Observables, OfAWindowInALatticeOfSpheresAreThoseOfTheLattice) {
   seen = observe<3>(scene, state, choice);
   EXPECT_EQ(seen.bodies, 8);
   EXPECT_EQ(seen.coordination, 6);
-  // Contacts at 1, 3 and 5 along one axis, of which 5 is outside, and at 2 and 4 along the others: 2 x 2 x 2 x 3.
+  // Contacts at 1, 3 and 5 along one axis, of which 5 is outside, and at 2 and 4 along the others:
+  // 2 x 2 x 2 x 3.
   EXPECT_EQ(seen.contacts, 24);
   EXPECT_LT((seen.fabric - Mat<3>::Identity() / 3).norm(), 1e-15);
   EXPECT_EQ(observe_forces<3>(state, 1, choice).counts[5],
@@ -335,8 +336,9 @@ TEST(Observables, OfAWindowInALatticeOfSpheresAreThoseOfTheLattice) {
 }
 
 TEST(Observables, ProfileOfSpheresIsCutExactly) {
-  // Unit spheres at z = 1 and z = 3 in a shaft of 2 x 2, in bins from 0 to 0.5, ... 4. The slice of a sphere between two
-  // planes: caps of height h have π h² (3 - h)/3, so that 0.5 gives 5 π/24 and 1 gives 16 π/24.
+  // Unit spheres at z = 1 and z = 3 in a shaft of 2 x 2, in bins from 0 to 0.5, ... 4. The slice of
+  // a sphere between two planes: caps of height h have π h² (3 - h)/3, so that 0.5 gives 5 π/24 and
+  // 1 gives 16 π/24.
   Scene<3> scene = one_law_in_space({});
   State<3> state;
   state.bodies = {ball(Vec3(0, 0, 1), 1, Vec3(1, 2, 3), 2, Vec3(4, 5, 6)),
@@ -375,8 +377,9 @@ TEST(Observables, ProfileOfSpheresIsCutExactly) {
 }
 
 TEST(Observables, StressOfABinIsTheWeightAboveIt) {
-  // Three unit spheres on top of each other in a shaft of 2 x 2, that of weight w at the top: the contacts at z = 0, 2 and
-  // 4 carry 3, 2 and 1 w. Branches from 1 to the floor, 3 to 1, 5 to 3: over bins of 1 m, σ_zz = 3, 2, 2, 1, 1, 0 w/4.
+  // Three unit spheres on top of each other in a shaft of 2 x 2, that of weight w at the top: the
+  // contacts at z = 0, 2 and 4 carry 3, 2 and 1 w. Branches from 1 to the floor, 3 to 1, 5 to 3:
+  // over bins of 1 m, σ_zz = 3, 2, 2, 1, 1, 0 w/4.
   State<3> state;
   for (int k = 0; k < 3; ++k) state.bodies.push_back(ball(Vec3(0, 0, 1 + 2 * k), 1));
   for (int axis = 0; axis < 2; ++axis) {
@@ -400,9 +403,10 @@ TEST(Observables, StressOfABinIsTheWeightAboveIt) {
 }
 
 TEST(Observables, FluxThroughAFaceIsTheMassThatCrosses) {
-  // A sphere of 2 kg flies along (1, 1, 0)/√2 through faces across that way; the flux's integral (midpoint rule) is the
-  // mass that has crossed: all of it through the plane, and through a disk and a rectangle that are wide enough; none
-  // beside them; half of it through a rectangle whose edge its centre meets, and against the normal negative.
+  // A sphere of 2 kg flies along (1, 1, 0)/√2 through faces across that way; the flux's integral
+  // (midpoint rule) is the mass that has crossed: all of it through the plane, and through a disk
+  // and a rectangle that are wide enough; none beside them; half of it through a rectangle whose
+  // edge its centre meets, and against the normal negative.
   const Vec3 way = Vec3(1, 1, 0).normalized(), up = Vec3::UnitZ();
   const auto crossed = [&](const FluxFace& face) {
     State<3> state;
@@ -436,8 +440,9 @@ TEST(Observables, FluxThroughAFaceIsTheMassThatCrosses) {
 }
 
 TEST(Observables, FluxThroughAPlaneInAPeriodicCellCountsEachSphereOnce) {
-  // A sphere in the corner of the cell, falling: its section with the plane z = 0 is a circle of radius √(1 - 0.36) = 0.8
-  // in four parts. Along x, it leaves at x = 4 and comes in at x = 0, the same place.
+  // A sphere in the corner of the cell, falling: its section with the plane z = 0 is a circle of
+  // radius √(1 - 0.36) = 0.8 in four parts. Along x, it leaves at x = 4 and comes in at x = 0, the
+  // same place.
   State<3> state;
   state.cell.in_x = state.cell.in_y = true;
   state.cell.width.length = state.cell.height.length = 4;
@@ -448,7 +453,8 @@ TEST(Observables, FluxThroughAPlaneInAPeriodicCellCountsEachSphereOnce) {
   EXPECT_NEAR(mass_flux(state, across), 3 * density * pi, 1e-12);
 }
 
-/// A dumbbell of two touching disks of radius 1 and 6 kg on a floor, and a disk of 2 kg that lies on both.
+/// A dumbbell of two touching disks of radius 1 and 6 kg on a floor, and a disk of 2 kg that lies
+/// on both.
 Scene<2> dumbbell_scene(State<2>& state) {
   Scene<2> scene = one_law({.mu = 0.3});
   scene.step = 0.5;
@@ -465,8 +471,9 @@ Scene<2> dumbbell_scene(State<2>& state) {
 }
 
 TEST(Observables, AClusterIsOneBody) {
-  // Two bodies, four contacts; the dumbbell has all four, the disk two: mean 3. Mean mass (6 + 2)/2. Both are held: the
-  // disk by two contacts, though each of the dumbbell's disks alone has two as well.
+  // Two bodies, four contacts; the dumbbell has all four, the disk two: mean 3. Mean mass (6 +
+  // 2)/2. Both are held: the disk by two contacts, though each of the dumbbell's disks alone has
+  // two as well.
   State<2> state;
   const Scene<2> scene = dumbbell_scene(state);
   ASSERT_EQ(validate(scene), "");
@@ -476,8 +483,8 @@ TEST(Observables, AClusterIsOneBody) {
   EXPECT_EQ(seen.contacts, 4);
   EXPECT_EQ(seen.coordination, 3);
   EXPECT_EQ(seen.mean_mass, 4);
-  // Over the right half there are the right disk, π, and half of the upper one; a window that begins just left of the
-  // middle has both centres, one just right of it none.
+  // Over the right half there are the right disk, π, and half of the upper one; a window that
+  // begins just left of the middle has both centres, one just right of it none.
   ObservableChoice<2> choice;
   choice.window = {Vec2(2, 0), Vec2(4, 4)};
   EXPECT_NEAR(observe(scene, state, choice).solid_fraction, 1.5 * std::numbers::pi / 8, 1e-13);
@@ -493,8 +500,8 @@ TEST(Observables, AClusterIsOneBody) {
 }
 
 TEST(Observables, WhatTwoDisksOfAClusterCoverCountsOnce) {
-  // Two unit disks, one through the centre of the other: 2 π - (2 π/3 - √3/2), over bins that hold all of it, and
-  // half of it on either side of x = 0.5.
+  // Two unit disks, one through the centre of the other: 2 π - (2 π/3 - √3/2), over bins that hold
+  // all of it, and half of it on either side of x = 0.5.
   Scene<2> scene = one_law({});
   scene.step = 1;
   scene.bodies = {cylinder(Vec2(0, 0), 1), cylinder(Vec2(1, 0), 1)};
@@ -519,8 +526,9 @@ TEST(Observables, WhatTwoDisksOfAClusterCoverCountsOnce) {
 }
 
 TEST(Observables, FluxOfATurningClusterIsItsMass) {
-  // Three disks that overlap, of 3 kg, fall and turn through a line; the flux's integral (midpoint rule) is the mass, which
-  // it would not be without the spin, nor if what two disks cover counted twice.
+  // Three disks that overlap, of 3 kg, fall and turn through a line; the flux's integral (midpoint
+  // rule) is the mass, which it would not be without the spin, nor if what two disks cover counted
+  // twice.
   Scene<2> scene = one_law({});
   scene.step = 1;
   scene.bodies = {cylinder(Vec2(0, 0), 0.3), cylinder(Vec2(0.4, 0), 0.2),

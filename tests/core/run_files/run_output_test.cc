@@ -346,7 +346,8 @@ TEST(RunOutput, TheIndexSaysWhichClusterADiskIsPartOf) {
   writer.close();
   const std::string xml = file_text(folder / "out/run.xdmf");
   expect_well_formed(xml);
-  // Disks: points, x, radius, mass, material, cluster, v, spin, angle, stress, pressure; contacts: twelve.
+  // Disks: points, x, radius, mass, material, cluster, v, spin, angle, stress, pressure; contacts:
+  // twelve.
   EXPECT_EQ(expect_data(folder / "out", xml), 2 * (11 + 12));
   EXPECT_NE(xml.find("Attribute Name=\"cluster\""), std::string::npos);
 }

@@ -590,7 +590,8 @@ TEST(SceneFile, TheExampleOfTheManualIsSound) {
   EXPECT_EQ(scene.walls.size(), 4u);
 }
 
-// Of 2000 rows, 2000 · 2001 · 4001 / 6 = 2.7e9 spheres, 4e7 in ten layers of a lattice of 2000 x 2000.
+// Of 2000 rows, 2000 · 2001 · 4001 / 6 = 2.7e9 spheres, 4e7 in ten layers of a lattice of 2000 x
+// 2000.
 TEST(SceneFile, MoreSpheresThanMemoryHoldsAreRefused) {
   const auto refused = [](const std::string& text, const std::string& count) {
     try {

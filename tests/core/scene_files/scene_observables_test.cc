@@ -87,7 +87,7 @@ TEST(SceneObservables, InSpace) {
   refused(table + "window = [0, 0, 1, 1]\n", {"test.toml:6", "'window'", "opposite corners"});
   refused(table + "window = [0, 0, 0, 1, 1, 0]\n", {"test.toml:6", "opposite corners"});
   refused(table + "profile = 'w'\n", {"test.toml:6", "'profile'"});
-  refused(table + "[[observables.lines]]\n", {"'lines'", "in space, faces"});
+  refused(table + "[[observables.lines]]\n", {"'lines'", "in 3D, faces"});
   refused(table + face + "normal = [0, 0, 1]\n", {"'point'", "is missing"});
   refused(table + face + "point = [0, 0, 0]\nnormal = [0, 0, 0]\n", {"test.toml:8", "'normal'"});
   const std::string at = face + "point = [1, 1, 1]\n";

@@ -12,7 +12,8 @@
 namespace bipot {
 namespace {
 
-/// What the fronts take, column by column in the order `place`: each entry of the lower triangle once.
+/// What the fronts take, column by column in the order `place`: each entry of the lower triangle
+/// once.
 Eigen::MatrixXd taken(const BodyColumns& columns, const std::vector<int>& place,
                       const double* blocks) {
   const int n = static_cast<int>(place.size());

@@ -1,0 +1,282 @@
+#include "bench/report/document.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <nlohmann/json.hpp>
+
+#include "bench/report/csv_text.h"
+#include "bench/report/text_lines.h"
+
+namespace bipot {
+namespace {
+
+constexpr std::size_t kWidth = 100, kGap = 2;
+
+template <class... Cases>
+struct Overloaded : Cases... {
+  using Cases::operator()...;
+};
+
+/// Without the marks of strong words and the aims of links.
+std::string plain(std::string_view text) {
+  std::string out;
+  for (const Span& span : spans_of(text)) {
+    out += span.code ? '`' + span.text + '`' : span.text;
+  }
+  return out;
+}
+
+std::string one_line(std::string text) {
+  for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos;) {
+    text.replace(at, 1, ", ");
+  }
+  return text;
+}
+
+void write_paragraph(std::string& out, std::string_view text) {
+  for (const std::string& line : wrapped_lines(plain(text), kWidth)) out += line + '\n';
+}
+
+/// The columns [begin, end) after the first one.
+void write_columns(std::string& out, const Table& table, const std::vector<std::size_t>& shown,
+                   const std::vector<std::vector<std::string>>& cells,
+                   const std::vector<std::size_t>& widths, std::size_t begin, std::size_t end) {
+  const auto line = [&](const std::vector<std::string>& texts) {
+    std::string made;
+    for (std::size_t k = 0; k < end; k = k == 0 ? begin : k + 1) {
+      if (k >= texts.size()) break;
+      const std::string fill(widths[k] - std::min(widths[k], letters(texts[k])), ' ');
+      if (k > 0) made += std::string(kGap, ' ');
+      const bool right = table.columns[shown[k]].show != nullptr;
+      made += right ? fill + texts[k] : texts[k] + fill;
+    }
+    out += made.substr(0, made.find_last_not_of(' ') + 1) + '\n';
+  };
+  for (const auto& texts : cells) line(texts);
+}
+
+void write_blocks(std::string& out, const std::vector<Block>& blocks);
+
+void write_block(std::string& out, const Block& block) {
+  const std::string space = out.empty() ? "" : "\n";
+  std::visit(
+      Overloaded{[&](const Heading& h) { out += space + plain(h.text) + '\n'; },
+                 [&](const Paragraph& p) { write_paragraph(out, p.text); },
+                 [&](const Table& t) { out += space + to_text(t) + '\n'; }, [](const Figure&) {},
+                 [&](const Terms& t) {
+                   for (const auto& [term, text] : t.entries) {
+                     write_paragraph(out, term + ": " + text);
+                   }
+                 },
+                 [&](const Details& d) {
+                   out += space + plain(d.summary) + '\n';
+                   write_blocks(out, d.blocks);
+                 }},
+      block.content);
+}
+
+void write_blocks(std::string& out, const std::vector<Block>& blocks) {
+  for (const Block& block : blocks) write_block(out, block);
+}
+
+Json value_json(const TableCell& cell) {
+  return std::visit(Overloaded{[](std::monostate) { return Json(nullptr); },
+                               [](const auto& x) { return Json(x); }},
+                    cell.value);
+}
+
+/// Quoted where it has more than letters, digits and dots.
+std::string csv_word(const std::string& text) {
+  const bool bare = std::all_of(text.begin(), text.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::string_view("_.+-").find(c) != std::string_view::npos;
+  });
+  return bare ? text : csv_text(text);
+}
+
+std::string value_csv(const TableCell& cell) {
+  return std::visit(Overloaded{[](std::monostate) { return std::string(); },
+                               [](const std::string& x) { return csv_word(x); },
+                               [](const auto& x) { return fmt::format("{}", x); }},
+                    cell.value);
+}
+
+}  // namespace
+
+TableCell& TableCell::shown(std::string x) {
+  text = std::move(x);
+  return *this;
+}
+TableCell& TableCell::rest(std::string x) {
+  tip = std::move(x);
+  return *this;
+}
+TableCell& TableCell::as(std::string x) {
+  look = std::move(x);
+  return *this;
+}
+
+std::string text_of(const TableCell& cell, const TableColumn& column) {
+  if (cell.text) return *cell.text;
+  return std::visit(
+      Overloaded{[](std::monostate) { return std::string(); },
+                 [](bool x) { return std::string(x ? "yes" : ""); },
+                 [](long x) { return std::to_string(x); },
+                 [&](double x) { return column.show ? column.show(x) : fmt::format("{:g}", x); },
+                 [](const std::string& x) { return x; }},
+      cell.value);
+}
+
+std::string heading_of(const TableColumn& column) {
+  return column.unit.empty() ? column.name : fmt::format("{} [{}]", column.name, column.unit);
+}
+
+void Table::add(std::vector<TableCell> cells, std::string row_look, std::string id) {
+  rows.push_back({std::move(cells), std::move(row_look), std::move(id)});
+}
+
+void Document::heading(std::string text, std::string id, int level) {
+  blocks.push_back({Heading{level, std::move(text), std::move(id)}});
+}
+void Document::say(std::string text, std::string look) {
+  blocks.push_back({Paragraph{std::move(text), std::move(look)}});
+}
+void Document::add(Table table) { blocks.push_back({std::move(table)}); }
+void Document::add(Figure figure) { blocks.push_back({std::move(figure)}); }
+void Document::add(Terms terms) { blocks.push_back({std::move(terms)}); }
+void Document::fold(std::string summary, Document inside, std::string id, bool open) {
+  blocks.push_back({Details{std::move(summary), std::move(id), open, std::move(inside.blocks)}});
+}
+void Document::append(Document part) {
+  for (Block& block : part.blocks) blocks.push_back(std::move(block));
+}
+
+Provenance provenance(std::string name, std::string command) {
+  return {std::move(name), std::move(command), date_and_time(), build_info()};
+}
+
+Terms to_terms(const Provenance& made) {
+  const BuildInfo& build = made.build;
+  return {{{"command", '`' + made.command + '`'},
+           {"program", fmt::format("bipot {}, commit {}", build.version, build.commit)},
+           {"compiler", build.compiler},
+           {"flags", '`' + build.flags + '`'},
+           {"machine",
+            fmt::format("{}, {} logical cores, {} used", build.cpu, build.cores, made.threads)},
+           {"date", made.date}}};
+}
+
+Json to_json(const Provenance& made) {
+  const BuildInfo& build = made.build;
+  return {{"command", made.name},
+          {"command_line", made.command},
+          {"version", build.version},
+          {"commit", build.commit},
+          {"compiler", build.compiler},
+          {"flags", build.flags},
+          {"build_type", build.build_type},
+          {"cpu", build.cpu},
+          {"cores", build.cores},
+          {"threads", made.threads},
+          {"date", made.date}};
+}
+
+std::string to_text(const Table& table) {
+  std::vector<std::size_t> shown, widths;
+  std::vector<std::vector<std::string>> cells(1);
+  for (std::size_t k = 0; k < table.columns.size(); ++k) {
+    if (table.columns[k].name.empty()) continue;
+    shown.push_back(k);
+    cells[0].push_back(plain(heading_of(table.columns[k])));
+    widths.push_back(letters(cells[0].back()));
+  }
+  for (const TableRow& row : table.rows) {
+    auto& texts = cells.emplace_back();
+    if (row.cells.size() == 1) texts.push_back(text_of(row.cells[0], table.columns[0]));
+    for (std::size_t k = 0; k < shown.size() && row.cells.size() > 1; ++k) {
+      const std::size_t at = shown[k];
+      texts.push_back(one_line(plain(text_of(row.cells[at], table.columns[at]))));
+      widths[k] = std::max(widths[k], letters(texts[k]));
+    }
+  }
+  std::string out;
+  if (!table.caption.empty()) write_paragraph(out, table.caption);
+  std::size_t begin = 1;
+  do {
+    std::size_t end = begin, width = widths.empty() ? 0 : widths[0];
+    while (end < shown.size() && (end == begin || width + kGap + widths[end] <= kWidth)) {
+      width += kGap + widths[end++];
+    }
+    if (begin > 1) out += '\n';
+    write_columns(out, table, shown, cells, widths, begin, std::max(end, std::size_t{1}));
+    begin = end;
+  } while (begin < shown.size());
+  if (!table.note.empty()) write_paragraph(out, table.note);
+  return out;
+}
+
+std::string to_text(const Document& document) {
+  std::string out;
+  if (!document.title.empty()) out += document.title + '\n';
+  write_blocks(out, document.blocks);
+  return out;
+}
+
+Json to_json(const Table& table) {
+  Json all = Json::array();
+  for (const TableRow& row : table.rows) {
+    if (row.cells.size() == 1 && table.columns.size() > 1) continue;
+    Json object = Json::object();
+    for (std::size_t k = 0; k < row.cells.size(); ++k) {
+      if (!table.columns[k].key.empty()) object[table.columns[k].key] = value_json(row.cells[k]);
+    }
+    all.push_back(std::move(object));
+  }
+  return all;
+}
+
+Json to_json(const Document& document) {
+  Json json = to_json(document.made);
+  for (const Block& block : document.blocks) {
+    const auto* table = std::get_if<Table>(&block.content);
+    if (table != nullptr && !table->key.empty()) json[table->key] = to_json(*table);
+  }
+  return json;
+}
+
+std::string to_csv(const Table& table) {
+  std::string out;
+  const auto line = [&](const auto& field_of) {
+    bool first = true;
+    for (std::size_t k = 0; k < table.columns.size(); ++k) {
+      if (table.columns[k].key.empty()) continue;
+      out += (first ? "" : ",") + field_of(k);
+      first = false;
+    }
+    out += '\n';
+  };
+  line([&](std::size_t k) { return table.columns[k].key; });
+  for (const TableRow& row : table.rows) {
+    if (row.cells.size() == 1 && table.columns.size() > 1) continue;
+    line([&](std::size_t k) { return value_csv(row.cells[k]); });
+  }
+  return out;
+}
+
+void write_figures(const std::filesystem::path& folder, const Document& document) {
+  const auto write = [&](const auto& self, const std::vector<Block>& blocks) -> void {
+    for (const Block& block : blocks) {
+      if (const auto* figure = std::get_if<Figure>(&block.content)) {
+        if (!figure->chart || figure->file.empty()) continue;
+        write_chart_files(folder, std::filesystem::path(figure->file).stem().string(),
+                          *figure->chart);
+      } else if (const auto* details = std::get_if<Details>(&block.content)) {
+        self(self, details->blocks);
+      }
+    }
+  };
+  write(write, document.blocks);
+}
+
+}  // namespace bipot

@@ -1,0 +1,164 @@
+#pragma once
+
+#include <concepts>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "bench/report/build_info.h"
+#include "bench/report/chart.h"
+#include "bench/report/json_output.h"
+
+namespace bipot {
+
+// A report is written once, as a Document. It is rendered as a page (HTML), as text for a terminal,
+// and as data: its tables as JSON, one table as CSV.
+//
+// Texts are plain. In all but tips, `code`, **strong** and [words](#id) have their usual meaning,
+// and the end of a line breaks it. A link leads into the page or to a file beside it. Looks are
+// classes of bench/report/page_style.cc: good, weak, bad, none, grey, beyond, over, small, quote.
+
+/// A value, and what readers see of it. CSV and JSON have the value alone.
+struct TableCell {
+  TableCell() = default;  ///< empty in CSV, null in JSON
+  TableCell(std::integral auto x) {
+    if constexpr (std::same_as<decltype(x), bool>) {
+      value = x;
+    } else {
+      value = static_cast<long>(x);
+    }
+  }
+  TableCell(double x) : value(x) {}
+  TableCell(const char* x) : value(std::string(x)) {}
+  TableCell(std::string_view x) : value(std::string(x)) {}
+  TableCell(std::string x) : value(std::move(x)) {}
+
+  TableCell& shown(std::string x);  ///< sets `text`
+  TableCell& rest(std::string x);   ///< sets `tip`
+  TableCell& as(std::string x);     ///< sets `look`
+
+  std::variant<std::monostate, bool, long, double, std::string> value;
+  std::optional<std::string> text;  ///< shown instead of the value
+  std::string tip;                  ///< shown when the pointer rests on it
+  std::string look;
+};
+
+struct TableColumn {
+  std::string key;                        ///< in CSV and JSON; empty: not there
+  std::string name;                       ///< the heading; empty: readers do not see the column
+  std::string (*show)(double) = nullptr;  ///< of numbers (labels.h), flush right; null: texts
+  std::string unit;                       ///< shown in brackets behind the name
+  std::string meaning;                    ///< shown when the pointer rests on the heading
+  bool filter = false;                    ///< of a sortable table: its values can be chosen
+};
+
+struct TableRow {
+  std::vector<TableCell> cells;  ///< one alone: a title of the rows below, neither in CSV nor JSON
+  std::string look;
+  std::string id;
+};
+
+struct Table {
+  std::vector<TableColumn> columns;
+  std::vector<TableRow> rows;
+  std::string key;      ///< in the JSON of a document; empty: not there
+  std::string caption;  ///< above it
+  std::string note;     ///< below it, small
+  std::string look;     ///< "cards": rows are cards on small screens
+  bool sortable = false;
+
+  void add(std::vector<TableCell> cells, std::string row_look = {}, std::string id = {});
+};
+
+struct Heading {
+  int level = 2;
+  std::string text, id;
+};
+
+struct Paragraph {
+  std::string text, look;
+};
+
+/// A chart or an image. Neighbours stand in a grid.
+struct Figure {
+  std::optional<Chart> chart;
+  /// Of an image beside the page. With a chart: its SVG file, which write_figures makes, instead
+  /// of a drawing in the page.
+  std::string file;
+  std::string caption;
+  std::string command;  ///< makes it again; empty: not said
+  std::string source;   ///< where its numbers stand; empty: not said
+  bool wide = false;    ///< over the whole width of the grid
+};
+
+struct Terms {
+  std::vector<std::pair<std::string, std::string>> entries;
+};
+
+struct Block;
+/// Folded away on a page.
+struct Details {
+  std::string summary, id;
+  bool open = false;
+  std::vector<Block> blocks;
+};
+
+struct Block {
+  std::variant<Heading, Paragraph, Table, Figure, Terms, Details> content;
+};
+
+/// Who made numbers, where and when.
+struct Provenance {
+  std::string name;     ///< of the command: "compare"
+  std::string command;  ///< as it was typed
+  std::string date;
+  BuildInfo build;
+  int threads = 1;
+};
+/// Of this program, now.
+Provenance provenance(std::string name, std::string command);
+Terms to_terms(const Provenance& made);
+/// The members that JSON reports begin with.
+Json to_json(const Provenance& made);
+
+struct Document {
+  std::string title;
+  Provenance made;
+  bool contents = false;  ///< links to the headings of level 2, before the first of them
+  std::vector<Block> blocks;
+
+  void heading(std::string text, std::string id = {}, int level = 2);
+  void say(std::string text, std::string look = {});
+  void add(Table table);
+  void add(Figure figure);
+  void add(Terms terms);
+  void fold(std::string summary, Document inside, std::string id = {}, bool open = false);
+  /// The blocks of another document.
+  void append(Document part);
+};
+
+/// What readers see of a cell and of a heading, marks included.
+std::string text_of(const TableCell& cell, const TableColumn& column);
+std::string heading_of(const TableColumn& column);
+
+/// A page that needs no other file but those that its figures name. Throws FileError where gnuplot
+/// cannot draw.
+std::string to_html(const Document& document);
+/// Lines of at most 100 columns, where words and first columns allow it; no figures.
+std::string to_text(const Document& document);
+std::string to_text(const Table& table);
+/// The provenance, and each table that has a key.
+Json to_json(const Document& document);
+/// An array with an object for each row.
+Json to_json(const Table& table);
+/// The keys, then a line for each row; numbers to the last bit.
+std::string to_csv(const Table& table);
+
+/// The files of figures that name one and have a chart, see write_chart_files. Throws FileError.
+void write_figures(const std::filesystem::path& folder, const Document& document);
+
+}  // namespace bipot

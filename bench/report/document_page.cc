@@ -1,0 +1,275 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <set>
+
+#include "bench/report/document.h"
+#include "bench/report/page_style.h"
+#include "bench/report/text_lines.h"
+
+namespace bipot {
+namespace {
+
+/// Sorts and filters the tables that can be, opens all that is folded, and what a link leads to.
+constexpr std::string_view kScript = R"(
+(function(){
+ document.querySelectorAll('section.sortable').forEach(section=>{
+  const table=section.querySelector('table'),body=table.tBodies[0];
+  const rows=Array.from(body.rows),heads=Array.from(table.tHead.rows[0].cells);
+  const value=(row,i)=>row.cells[i].dataset.v!==undefined?row.cells[i].dataset.v
+   :row.cells[i].textContent;
+  heads.forEach((head,i)=>head.querySelector('button').addEventListener('click',()=>{
+   const up=head.getAttribute('aria-sort')!=='ascending';
+   heads.forEach(h=>h.removeAttribute('aria-sort'));
+   head.setAttribute('aria-sort',up?'ascending':'descending');
+   const numeric=head.classList.contains('n');
+   rows.sort((a,b)=>{
+    let x=value(a,i),y=value(b,i);
+    if(!numeric)return up?x.localeCompare(y):y.localeCompare(x);
+    x=parseFloat(x);y=parseFloat(y);
+    if(isNaN(x))return isNaN(y)?0:1;
+    if(isNaN(y))return -1;
+    return up?x-y:y-x;
+   });
+   rows.forEach(r=>body.appendChild(r));
+  }));
+  const filters=Array.from(section.querySelectorAll('[data-column]'));
+  const apply=()=>{
+   let count=0;
+   rows.forEach(r=>{
+    const ok=filters.every(f=>{
+     const want=f.value.trim().toLowerCase();
+     if(!want)return true;
+     const has=r.cells[+f.dataset.column].textContent.toLowerCase();
+     return f.tagName==='SELECT'?has===want:has.includes(want);
+    });
+    r.hidden=!ok;count+=ok;
+   });
+   section.querySelector('.shown').textContent=count+' of '+rows.length+' rows';
+  };
+  filters.forEach(f=>f.addEventListener('input',apply));
+  apply();
+ });
+ const all=Array.from(document.querySelectorAll('details'));
+ const button=document.getElementById('open-all');
+ if(button)button.addEventListener('click',()=>all.forEach(d=>d.open=true));
+ const reveal=()=>{
+  const aim=location.hash.length>1&&document.getElementById(location.hash.slice(1));
+  if(aim&&aim.tagName==='DETAILS'){aim.open=true;aim.scrollIntoView();}
+ };
+ addEventListener('hashchange',reveal);
+ reveal();
+})();
+)";
+
+std::string attribute(std::string_view name, std::string_view value) {
+  return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, escape_markup(value));
+}
+
+std::string class_of(std::string_view look, bool numeric) {
+  return attribute("class", numeric && !look.empty() ? fmt::format("n {}", look)
+                            : numeric                ? "n"
+                                                     : std::string(look));
+}
+
+std::string prose(std::string_view text) {
+  std::string out;
+  for (const Span& span : spans_of(text)) {
+    std::string piece;
+    for (const char c : escape_markup(span.text)) piece += c == '\n' ? "<br>" : std::string(1, c);
+    if (span.code) piece = "<code>" + piece + "</code>";
+    if (!span.aim.empty()) piece = fmt::format("<a href=\"{}\">{}</a>", span.aim, piece);
+    out += span.strong ? "<strong>" + piece + "</strong>" : piece;
+  }
+  return out;
+}
+
+bool has_sortable(const std::vector<Block>& blocks) {
+  return std::any_of(blocks.begin(), blocks.end(), [](const Block& block) {
+    const auto* table = std::get_if<Table>(&block.content);
+    return table != nullptr && table->sortable;
+  });
+}
+
+class PageWriter {
+ public:
+  explicit PageWriter(const Document& document) : document_(document) {
+    std::vector<Chart> charts;
+    collect(document.blocks, charts);
+    drawings_ = to_svg(charts);
+  }
+
+  std::string write() {
+    add("{}<h1>{}</h1>\n", page_head(document_.title, ""), prose(document_.title));
+    bool listed = !document_.contents;
+    for (std::size_t k = 0; k < document_.blocks.size();) {
+      const auto* heading = std::get_if<Heading>(&document_.blocks[k].content);
+      if (!listed && heading != nullptr && heading->level == 2) {
+        write_contents();
+        listed = true;
+      }
+      k = write_from(document_.blocks, k);
+    }
+    if (has_sortable(document_.blocks)) add("<script>{}</script>\n", kScript);
+    return html_ + page_end();
+  }
+
+ private:
+  template <class... Values>
+  void add(fmt::format_string<Values...> format, Values&&... values) {
+    fmt::format_to(std::back_inserter(html_), format, std::forward<Values>(values)...);
+  }
+
+  /// Charts to be drawn in the page, in its order: gnuplot draws all at once.
+  static void collect(const std::vector<Block>& blocks, std::vector<Chart>& charts) {
+    for (const Block& block : blocks) {
+      if (const auto* figure = std::get_if<Figure>(&block.content)) {
+        if (figure->chart && figure->file.empty()) charts.push_back(*figure->chart);
+      } else if (const auto* details = std::get_if<Details>(&block.content)) {
+        collect(details->blocks, charts);
+      }
+    }
+  }
+
+  void write_contents() {
+    add("<nav>");
+    for (const Block& block : document_.blocks) {
+      const auto* heading = std::get_if<Heading>(&block.content);
+      if (heading == nullptr || heading->level != 2 || heading->id.empty()) continue;
+      add("<a href=\"#{}\">{}</a>", escape_markup(heading->id), prose(heading->text));
+    }
+    add("</nav>\n");
+  }
+
+  /// One block, or all figures of a grid. Returns the place behind them.
+  std::size_t write_from(const std::vector<Block>& blocks, std::size_t k) {
+    if (!std::holds_alternative<Figure>(blocks[k].content)) {
+      std::visit([this](const auto& content) { write(content); }, blocks[k].content);
+      return k + 1;
+    }
+    add("<div class=\"grid\">\n");
+    for (; k < blocks.size(); ++k) {
+      const auto* figure = std::get_if<Figure>(&blocks[k].content);
+      if (figure == nullptr) break;
+      write(*figure);
+    }
+    add("</div>\n");
+    return k;
+  }
+
+  void write(const Heading& h) {
+    add("<h{0}{1}>{2}</h{0}>\n", h.level, attribute("id", h.id), prose(h.text));
+  }
+
+  void write(const Paragraph& p) {
+    add("<p{}>{}</p>\n", attribute("class", p.look), prose(p.text));
+  }
+
+  void write(const Terms& terms) {
+    add("<dl>");
+    for (const auto& [term, text] : terms.entries) {
+      add("<dt>{}</dt><dd>{}</dd>\n", prose(term), prose(text));
+    }
+    add("</dl>\n");
+  }
+
+  void write(const Details& d) {
+    add("<details{}{}><summary>{}</summary>\n", attribute("id", d.id), d.open ? " open=\"\"" : "",
+        prose(d.summary));
+    for (std::size_t k = 0; k < d.blocks.size();) k = write_from(d.blocks, k);
+    add("</details>\n");
+  }
+
+  void write(const Figure& f) {
+    add("<figure{}>", f.wide ? " class=\"wide\"" : "");
+    if (f.file.empty()) {
+      html_ += drawings_[next_++];
+    } else {
+      add("<a href=\"{0}\"><img src=\"{0}\" alt=\"{1}\"></a>", escape_markup(f.file),
+          escape_markup(f.chart ? f.chart->title : f.caption));
+    }
+    add("<figcaption>{}", prose(f.caption));
+    if (f.chart && !f.file.empty()) {
+      const std::string name = f.file.substr(0, f.file.rfind('.'));
+      add(" <a href=\"{0}.csv\">Data</a>, <a href=\"{0}.gp\">script</a>.", escape_markup(name));
+    }
+    if (!f.command.empty()) {
+      add("<br><span class=\"small\">Made by <code>{}</code>{}.</span>", escape_markup(f.command),
+          f.source.empty() ? "" : "; data: " + prose(f.source));
+    }
+    add("</figcaption></figure>\n");
+  }
+
+  void write(const Table& table) {
+    std::vector<std::size_t> shown;
+    for (std::size_t k = 0; k < table.columns.size(); ++k) {
+      if (!table.columns[k].name.empty()) shown.push_back(k);
+    }
+    if (shown.empty()) return;
+    if (table.sortable) write_filters(table, shown);
+    const std::string look = table.sortable ? "sortable " + table.look : table.look;
+    add("<div class=\"scroll\"><table{}>", attribute("class", look));
+    if (!table.caption.empty()) add("<caption>{}</caption>", prose(table.caption));
+    add("<thead><tr>");
+    for (const std::size_t k : shown) {
+      const TableColumn& column = table.columns[k];
+      const std::string name = prose(heading_of(column));
+      add("<th{}{}>{}</th>", class_of("", column.show != nullptr),
+          attribute("title", column.meaning),
+          table.sortable ? "<button type=\"button\">" + name + "</button>" : name);
+    }
+    add("</tr></thead><tbody>\n");
+    for (const TableRow& row : table.rows) {
+      if (row.cells.size() == 1 && table.columns.size() > 1) {
+        add("<tr class=\"group\"{}><td colspan=\"{}\">{}</td></tr>\n", attribute("id", row.id),
+            shown.size(), prose(text_of(row.cells[0], table.columns[0])));
+        continue;
+      }
+      add("<tr{}{}>", attribute("class", row.look), attribute("id", row.id));
+      for (const std::size_t k : shown) write_cell(table, row.cells[k], table.columns[k]);
+      add("</tr>\n");
+    }
+    add("</tbody></table></div>\n");
+    if (!table.note.empty()) add("<p class=\"small\">{}</p>\n", prose(table.note));
+    if (table.sortable) add("</section>\n");
+  }
+
+  void write_cell(const Table& table, const TableCell& cell, const TableColumn& column) {
+    add("<td{}{}", class_of(cell.look, column.show != nullptr), attribute("title", cell.tip));
+    if (table.look == "cards") html_ += attribute("data-label", column.name);
+    if (table.sortable) {
+      if (const auto* number = std::get_if<double>(&cell.value)) add(" data-v=\"{}\"", *number);
+    }
+    add(">{}</td>", prose(text_of(cell, column)));
+  }
+
+  void write_filters(const Table& table, const std::vector<std::size_t>& shown) {
+    add("<section class=\"sortable\"><div class=\"filters\"><label>{} contains"
+        "<input data-column=\"0\" size=\"14\"></label>",
+        prose(table.columns[shown[0]].name));
+    for (std::size_t place = 0; place < shown.size(); ++place) {
+      const TableColumn& column = table.columns[shown[place]];
+      if (!column.filter) continue;
+      add("<label>{}<select data-column=\"{}\"><option value=\"\">all</option>", prose(column.name),
+          place);
+      std::set<std::string> seen = {""};
+      for (const TableRow& row : table.rows) {
+        const std::string text = text_of(row.cells[shown[place]], column);
+        if (seen.insert(text).second) add("<option>{}</option>", escape_markup(text));
+      }
+      add("</select></label>");
+    }
+    add("<span class=\"shown small\" aria-live=\"polite\"></span></div>\n");
+  }
+
+  const Document& document_;
+  std::vector<std::string> drawings_;
+  std::size_t next_ = 0;
+  std::string html_;
+};
+
+}  // namespace
+
+std::string to_html(const Document& document) { return PageWriter(document).write(); }
+
+}  // namespace bipot

@@ -1,0 +1,98 @@
+#include "bench/report/text_lines.h"
+
+#include <algorithm>
+#include <cctype>
+
+namespace bipot {
+namespace {
+
+bool is_aim(std::string_view aim) {
+  return !aim.empty() && std::all_of(aim.begin(), aim.end(), [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::string_view("#_.-").find(c) != std::string_view::npos;
+  });
+}
+
+}  // namespace
+
+std::size_t letters(std::string_view utf8) {
+  return static_cast<std::size_t>(std::count_if(utf8.begin(), utf8.end(), [](char c) {
+    return (static_cast<unsigned char>(c) & 0xc0) != 0x80;
+  }));
+}
+
+std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width) {
+  std::vector<std::string> lines(1);
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find_first_of(" \n", begin), text.size());
+    const std::string_view word = text.substr(begin, end - begin);
+    if (!lines.back().empty() && letters(lines.back()) + 1 + letters(word) > width) {
+      lines.emplace_back();
+    }
+    if (!lines.back().empty()) lines.back() += ' ';
+    lines.back() += word;
+    if (end < text.size() && text[end] == '\n') lines.emplace_back();
+    begin = end + 1;
+  }
+  return lines;
+}
+
+std::vector<Span> spans_of(std::string_view text) {
+  std::vector<Span> spans(1);
+  const auto begin_span = [&spans](bool code, bool strong) {
+    if (spans.back().text.empty()) spans.pop_back();
+    spans.push_back({.text = {}, .code = code, .strong = strong, .aim = {}});
+  };
+  while (!text.empty()) {
+    const Span now = spans.back();
+    if (text.front() == '`') {
+      begin_span(!now.code, now.strong);
+      text.remove_prefix(1);
+      continue;
+    }
+    if (!now.code && text.starts_with("**")) {
+      begin_span(false, !now.strong);
+      text.remove_prefix(2);
+      continue;
+    }
+    const std::size_t middle = now.code || text.front() != '[' ? text.npos : text.find("](");
+    const std::size_t end = middle == text.npos ? text.npos : text.find(')', middle);
+    if (end != text.npos && text.substr(1, middle - 1).find('[') == text.npos &&
+        is_aim(text.substr(middle + 2, end - middle - 2))) {
+      begin_span(false, now.strong);
+      spans.back().text = text.substr(1, middle - 1);
+      spans.back().aim = text.substr(middle + 2, end - middle - 2);
+      begin_span(false, now.strong);
+      text.remove_prefix(end + 1);
+      continue;
+    }
+    spans.back().text += text.front();
+    text.remove_prefix(1);
+  }
+  if (spans.back().text.empty()) spans.pop_back();
+  return spans;
+}
+
+std::string escape_markup(std::string_view text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+}  // namespace bipot

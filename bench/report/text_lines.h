@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bipot {
+
+/// Of UTF-8: what stands one column wide on a terminal.
+std::size_t letters(std::string_view utf8);
+
+/// Lines of at most `width` letters, broken at spaces and at ends of lines. A longer word stands
+/// alone.
+std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width);
+
+/// A piece of a text with marks: `code`, **strong**, [words](aim).
+struct Span {
+  std::string text;
+  bool code = false, strong = false;
+  std::string aim;  ///< of a link: a file beside the page or the id of a place in it; else empty
+};
+/// Marks without their partner hold to the end. A link to anywhere else is plain text.
+std::vector<Span> spans_of(std::string_view text);
+
+/// & < > " as entities.
+std::string escape_markup(std::string_view text);
+
+}  // namespace bipot
