@@ -49,12 +49,6 @@ int SolveRun::undue(int iteration, int most) const {
   return std::clamp(std::min(next_, options_.max_iterations) - iteration, 1, most);
 }
 
-bool SolveRun::judge(const Eigen::Ref<const Vector>& s, double impulse_change,
-                     std::span<double> more) {
-  last_ = space_.error(s, more);
-  return accept(impulse_change);
-}
-
 /// Whether the impulse that was judged last meets the stop test; keeps the best one.
 bool SolveRun::accept(double impulse_change) {
   const double error = last_.guarded();
@@ -67,7 +61,8 @@ bool SolveRun::accept(double impulse_change) {
 }
 
 bool SolveRun::meets(const Eigen::Ref<const Vector>& s) {
-  return judge(s, std::numeric_limits<double>::infinity());
+  last_ = space_.error(s);
+  return accept(std::numeric_limits<double>::infinity());
 }
 
 /// Squared norms, of the rows here, of s and of its change since the iterate judged before, where that
@@ -103,23 +98,20 @@ bool SolveRun::stop(int iteration, const Eigen::Ref<const Vector>& s, double ste
   const bool known =
       previous_.size() == s.size() && previous_iteration_ >= 0 && previous_iteration_ < iteration;
   const bool comparable = previous_iteration_ >= 0 && previous_iteration_ == iteration - 1;
-  double norm2 = 0, change2 = 0;
-  if (space_.exact() && known) {
-    norm2 = space_.dot(s, s);
-    change2 = space_.dot(s - previous_, s - previous_);
-  }
-  double norm2_here = 0, change2_here = 0;
-  replace_previous(s, known, norm2_here, change2_here);
-  // Of several processes, the norms and the wishes to stop ride along with the criterion's sums.
-  const bool alone = space_.whole() != nullptr;
+  double exact_norm2 = 0, exact_change2 = 0;
   const bool exact = space_.exact();
-  double more[4] = {exact ? 0 : norm2_here, exact ? 0 : change2_here,
-                    !alone && cancelled_here() ? 1.0 : 0.0, !alone && late_here() ? 1.0 : 0.0};
-  last_ = space_.error(s, more);
-  if (!exact) {
-    norm2 = more[0];
-    change2 = more[1];
+  if (exact && known) {
+    exact_norm2 = space_.dot(s, s);
+    exact_change2 = space_.dot(s - previous_, s - previous_);
   }
+  // In parallel the norms and the wishes to stop are added up with the criterion's sums.
+  const bool alone = space_.whole() != nullptr;
+  double more[4] = {0, 0, !alone && cancelled_here() ? 1.0 : 0.0,
+                    !alone && late_here() ? 1.0 : 0.0};
+  replace_previous(s, known, more[0], more[1]);
+  last_ = space_.error(s, more);
+  const double norm2 = exact ? exact_norm2 : more[0];
+  const double change2 = exact ? exact_change2 : more[1];
   // Two iterates at 0 say nothing: 0/0. (0 is no solution here, or solve() had returned it.)
   const double change =
       known && norm2 > 0 ? std::sqrt(change2 / norm2) : std::numeric_limits<double>::infinity();

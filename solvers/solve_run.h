@@ -128,7 +128,6 @@ class SolveRun {
  private:
   static constexpr int kPolled = 64;
 
-  bool judge(const Eigen::Ref<const Vector>& s, double impulse_change, std::span<double> more = {});
   bool accept(double impulse_change);
   void replace_previous(const Eigen::Ref<const Vector>& s, bool known, double& norm2,
                         double& change2);

@@ -336,7 +336,8 @@ void run_race(SolveRun& run, const Vector& attempted) { run.take(Race(run, attem
 void attempt_race(SolveRun& run) { run.take(Race(run, Vector()).attempt()); }
 
 void solve_auto(SolveRun& run) {
-  if (!run.options().islands.value_or(true)) return run_race(run, Vector());
+  const bool islands = run.space().whole() != nullptr && run.options().islands.value_or(true);
+  if (!islands) return run_race(run, Vector());
   solve_islands(run, {.run = &run_race, .attempt = &attempt_race});
 }
 

@@ -12,7 +12,8 @@ namespace bipot {
 /// No stage is hidden: when all fail, the status is that of the last one and the impulse the best
 /// one. `iterations` is the sum over stages, whose iterations differ much in cost.
 ///
-/// Parts that do not couple are solved one by one (islands.h) unless options.islands is false.
+/// Parts that do not couple are solved one by one (islands.h) unless options.islands is false. On
+/// several processes the race has rounds of first order, and no islands.
 void solve_auto(SolveRun& run);
 
 /// The race alone. `attempted`: the impulse that attempt_race() left, whose stages are not run again;
