@@ -40,6 +40,12 @@ void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
                "Exact sums: the same bits for any number of processes");
 }
 
+void add_untrusted_flag(CommandDeclaration& command, bool& untrusted) {
+  command.flag("--untrusted", untrusted,
+               "Check the structure and sizes of HDF5 files before reading them; damage that the "
+               "HDF5 library does not notice can still end the program");
+}
+
 void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
   command.option("--solver", flags.name, "One of `bipot list solvers`")
       .value_name("NAME")

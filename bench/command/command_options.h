@@ -28,6 +28,9 @@ void add_threads_flag(CommandDeclaration& command, int& threads);
 /// --reproducible.
 void add_reproducible_flag(CommandDeclaration& command, bool& reproducible);
 
+/// --untrusted.
+void add_untrusted_flag(CommandDeclaration& command, bool& untrusted);
+
 /// What the command line says of the solver; unset entries leave the scene's or the default choice.
 struct SolverFlags {
   std::optional<std::string> name, stop;

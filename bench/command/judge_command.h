@@ -15,6 +15,7 @@ struct JudgeFlags {
   double factor = 1;
   int worst = 5;  ///< contacts that are named
   bool quiet = false;
+  bool untrusted = false;  ///< check the structure of HDF5 files first
   std::string json;
 };
 

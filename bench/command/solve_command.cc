@@ -117,6 +117,7 @@ CommandDeclaration add_solve_command(CommandLine& line, SolveFlags& flags) {
                "Say whether a solution exists at all, by a proof that is checked in extended "
                "precision");
   add_reproducible_flag(command, flags.reproducible);
+  add_untrusted_flag(command, flags.untrusted);
   add_common_flags(command, flags.common);
   command
       .option("--solution", flags.solution,
@@ -201,10 +202,10 @@ struct SolveTask {
   DistributedOptions distributed;
 };
 
-ProblemFile read_file(const std::string& path) {
+ProblemFile read_file(const std::string& path, bool untrusted) {
   if (!std::ifstream(path)) throw FileError(path, "", "cannot be opened");
   try {
-    return read_problem(path);
+    return read_problem(path, untrusted);
   } catch (const FileError& e) {
     throw std::invalid_argument(e.what());  // readable, but not a problem: bad input
   }
@@ -214,7 +215,7 @@ ProblemFile read_file(const std::string& path) {
 SolveTask prepare(const SolveFlags& given) {
   SolveTask task;
   refuse_on_several_processes(given.common, given.explain ? "--explain" : "");
-  task.file = read_file(given.problem);
+  task.file = read_file(given.problem, given.untrusted);
   task.flags = is_speaker() ? with_folder(given) : given;
   const ContactProblem& problem = task.file.problem;
   if (is_speaker()) {
@@ -283,7 +284,7 @@ void explain(const SolveTask& task) {
 int solve_command(const SolveFlags& given) {
   if (given.several) {
     together([&] { refuse_on_several_processes(given.common, "--several"); });
-    return several_command(given, read_file(given.problem));
+    return several_command(given, read_file(given.problem, given.untrusted));
   }
   SolveTask task;
   std::ofstream history;

@@ -38,7 +38,7 @@ constexpr int kShakenIterations = 3, kLeastShaken = 2000;  // for each contact, 
 // How delta goes on. After a path that failed `barrier` times its delta are not passed by for a
 // while: that figure fades with every path that arrives.
 struct Schedule {
-  bool slow;  // the root of `shrink` is taken
+  bool slow;  // the root of kDeltaShrink is taken
   double barrier, fade;
   int least_pivots, contacts;  // a path may have so many, and one for so many contacts
 };
@@ -55,7 +55,13 @@ constexpr int kFailures = 7, kTurns = 20;
 constexpr double kUsefulTurn = 0.3;
 // Factors of delta after a path that failed.
 constexpr double kRaise = 5, kRaiseAtTurn = 3;
-constexpr double kLargestDelta = 1;
+constexpr double kSmallestDelta = 1e-10, kLargestDelta = 1;
+// Factor of delta after a path that arrived.
+constexpr double kDeltaShrink = 0.3;
+// Iterations of apgd that prepare a start.
+constexpr int kStartIterations = 2000;
+// Random lift of small parameters of the start, which keeps paths away from ties, in means.
+constexpr double kLift = 1e-2;
 // Errors below this must not grow again while delta is below kFine.
 constexpr double kSettled = 1e-5, kFine = 1e-6;
 // Normal impulse minus velocity below that, relative to the mean: zero.
@@ -69,13 +75,8 @@ class Homotopy {
       : run_(run),
         options_(run.options()),
         parameters_(run.parameters()),
-        problem_(run.problem(), run.delassus().diagonal(),
-                 parameters_.choice("precision") == "single" ? LawProblem::Delassus::kOfBodies
-                                                             : LawProblem::Delassus::kKept),
-        follower_(problem_,
-                  parameters_.choice("precision") == "single" ? CellBasis::Precision::kSingle
-                                                              : CellBasis::Precision::kDouble,
-                  [this] { return run_.out_of_time(); }),
+        problem_(run.problem(), run.delassus().diagonal()),
+        follower_(problem_, [this] { return run_.out_of_time(); }),
         random_(static_cast<unsigned>(parameters_.integer("seed"))) {
     run_.end_setup();
   }
@@ -164,7 +165,6 @@ class Homotopy {
       }
       return true;
     }
-    if (problem_.bodies) run_.space().rest();
     if (run_.last_error() < chain_error_) {
       chain_error_ = run_.last_error();
       chain_best_ = s;
@@ -174,8 +174,7 @@ class Homotopy {
 
   /// apgd from s to the error `wanted`. True: everything ends here.
   bool prepare(Vector& s, double wanted) {
-    const int limit =
-        std::min(parameters_.integer("start_iterations"), options_.max_iterations - iteration());
+    const int limit = std::min(kStartIterations, options_.max_iterations - iteration());
     if (wanted >= 1 || limit <= 0) return false;
     SolverOptions inner;
     inner.tol = wanted;
@@ -192,14 +191,14 @@ class Homotopy {
   /// The point of the manifold next to s. Bounded parameters next to zero are lifted by random
   /// amounts: no ties, and no path that begins on a face.
   LawPoint lifted_point(const Vector& s, double error) {
-    const Vector velocity = problem_.velocity(s);
+    const Vector velocity = problem_.W * s + problem_.b;
     LawPoint point = nearest_point(problem_, s, velocity);
     const int d = problem_.dim, c = problem_.num_contacts();
     double impulse = 0;
     for (int i = 0; i < c; ++i) impulse += std::abs(s[i * d]) / c;
     const double speed = velocity.cwiseAbs().sum() / c;
     if (impulse == 0) impulse = speed;
-    const double lift = parameters_.number("lift") * std::min(1.0, error / 1e-2);
+    const double lift = kLift * std::min(1.0, error / 1e-2);
     for (int i = 0; i < c; ++i) {
       // A contact that neither pushes nor moves, as beside the columns of a square lattice, stays
       // open along the whole path if it begins so.
@@ -223,10 +222,8 @@ class Homotopy {
 
   /// Paths from s with decreasing delta. True: everything ends here.
   bool stages(Vector anchor) {
-    const double smallest = parameters_.number("smallest_delta");
-    const double once = parameters_.number("shrink");
-    const double shrink = schedule_.slow ? std::sqrt(once) : once;
-    delta_ = std::max(smallest, parameters_.number("delta"));
+    const double shrink = schedule_.slow ? std::sqrt(kDeltaShrink) : kDeltaShrink;
+    delta_ = parameters_.number("delta");
     double factor = shrink, last_error = kInfinity;
     double best = last_error;
     anchor.array() /= problem_.impulse_unit.array();
@@ -250,7 +247,7 @@ class Homotopy {
         failures = 0;
         idle = error < 0.9 * best ? 0 : idle + 1;
         best = std::min(best, error);
-        if (idle >= kIdleStages && best < kSettled && delta_ <= 10 * smallest) return false;
+        if (idle >= kIdleStages && best < kSettled && delta_ <= 10 * kSmallestDelta) return false;
         if (delta_ < kFine && last_error < kSettled && error > 2 * last_error) {
           point = std::move(before);
           point.find_bounds();
@@ -260,7 +257,7 @@ class Homotopy {
         anchor = s;
         last_error = error;
         failed *= schedule_.fade;
-        delta_ = std::max({smallest, factor * delta_, schedule_.barrier * failed});
+        delta_ = std::max({kSmallestDelta, factor * delta_, schedule_.barrier * failed});
         factor = std::max(shrink, shrink * factor);
         continue;
       }

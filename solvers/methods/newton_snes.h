@@ -54,7 +54,7 @@ inline constexpr ParameterSpec kNewtonParameters[] = {
 /// packing), after a start by Gauss-Seidel sweeps. An iteration is one Newton step.
 ///
 /// Unknowns are equilibrated, x = D^{1/2} s and y = diag(A)^{1/2} (v - v_free), over the norm of
-/// the free violation: residuals have no unit. Every iterate is judged by the monitor; SNES's own
+/// the free violation: residuals have no unit. Every iterate is judged by the run; SNES's own
 /// converged reasons decide nothing. The message reports the steps, the last kappa and PETSc's own
 /// reason where a step failed.
 ///

@@ -15,7 +15,7 @@ namespace bipot {
 /// impulses are zero at a solution and are dropped. Units are chosen such that the mean of W_nn and
 /// the largest free velocity are one, as Siconos has absolute thresholds.
 ///
-/// Siconos decides by its own measure when to return, so each call is judged by the monitor and
+/// Siconos decides by its own measure when to return, so each call is judged by the run and
 /// repeated from where it ended: with a tenth of its tolerance where it claimed convergence, with
 /// more iterations where it ran into their limit. A call cannot be interrupted: a time limit is
 /// looked at between calls. Siconos ends the process on some internal errors; that cannot be caught
