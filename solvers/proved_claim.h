@@ -21,6 +21,7 @@ struct ProvedClaim {
 /// Judges the impulse s, whose figures `error` meet options.tol in double precision. It holds where
 /// it is proved, and where another stop test is asked for. s is taken on the cone to rounding.
 ProvedClaim prove_claim(const ContactProblem& problem, const SolverOptions& options,
-                        const Eigen::Ref<const Vector>& s, const ContactError& error);
+                        const Eigen::Ref<const Vector>& s, const ContactError& error,
+                        const ErrorShare& share = {});
 
 }  // namespace bipot

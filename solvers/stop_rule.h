@@ -9,8 +9,7 @@
 
 namespace bipot {
 
-// When iterates are judged and what a judged one says: for the monitor of one process (monitor.h)
-// and for the one of several (distributed/distributed_monitor.h).
+// When iterates are judged and the consequences of a judgement, for SolveRun (solve_run.h).
 
 /// An energy this many times that of the free violation (of the start, should that have more) is divergence, not
 /// convergence.

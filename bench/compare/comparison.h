@@ -40,7 +40,7 @@ struct ComparisonRow {
   static constexpr const char* kNotTried = "not tried";  ///< a status: see ComparisonOptions
 };
 
-/// The guarded error along one solve, at judged iterations (solvers/monitor.h), thinned to steps of
+/// The guarded error along one solve, at judged iterations (solvers/solve_run.h), thinned to steps of
 /// a tenth beyond the 32nd. Of all tolerances of a solver the tightest that was run.
 struct HistoryPoint {
   int iteration = 0;

@@ -9,14 +9,14 @@
 namespace bipot {
 
 /// Contributions of fronts to their parents while a tree is eliminated, children before parents.
-/// They lie on a stack: those of the children of the next front are on top. A front makes its own
-/// above them, and moves it to where theirs began.
+/// They form a stack: those of the next front's children are on top. A front makes its own above
+/// them, and moves it to the start of theirs.
 class FrontStack {
  public:
   /// Keeps references to both. `memory` must hold the stack and the contribution being made.
   FrontStack(const FrontalTree& tree, std::vector<double>& memory) : tree_(tree), memory_(memory) {}
 
-  /// Contribution of a child, stored as its factorisation chooses.
+  /// Contribution of a child, in the storage of its factorisation.
   struct Child {
     const double* block;
     int rows;
@@ -25,10 +25,10 @@ class FrontStack {
   };
   /// The children of a front, valid until leave().
   const std::vector<Child>& enter(int front);
-  /// Where the front makes its contribution, and where it must be moved.
+  /// Memory for the front's contribution, before its move and after it.
   double* own() { return memory_.data() + top_; }
   double* bottom() { return memory_.data() + bottom_; }
-  /// The children are forgotten; the contribution of the front has `size` numbers.
+  /// Drops the children; the contribution of the front has `size` numbers.
   void leave(int front, std::size_t size);
 
  private:

@@ -21,8 +21,8 @@ void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
 namespace bipot {
 namespace {
 
-/// Contribution of a front to its parent: the lower triangle of the rows below its pivots, packed
-/// by columns, and the positions of these rows in the parent.
+/// Column j of a child's contribution: a lower triangle, packed by columns. Entry (i, j) is
+/// packed_column(child, j)[i], i >= j.
 const double* packed_column(const FrontStack::Child& child, int j) {
   const std::ptrdiff_t k = j;
   return child.block + k * child.rows - k * (k + 1) / 2;

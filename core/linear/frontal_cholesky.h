@@ -22,8 +22,8 @@ struct FrontColumn {
 };
 
 /// Sparse Cholesky factorisation A = L Lᵀ by dense fronts (multifrontal method: Duff and Reid 1983,
-/// Liu 1992), for matrices that are factored dozens of times with one pattern and solved with after
-/// each a hundred times: the analysis is kept (FrontalTree), and solves go through SupernodalSolve.
+/// Liu 1992). For matrices that are factored dozens of times with one pattern, each with about a
+/// hundred solves. Therefore the analysis is kept (FrontalTree), and solves use SupernodalSolve.
 class FrontalCholesky {
  public:
   /// The symbolic analysis alone, for callers who check their clock before the first factor().

@@ -58,8 +58,8 @@ void fetch(const double* begin, const double* end) {
 }
 
 /// Eliminates the columns begin .. end - 1 of a panel, of whose rows the first `columns` may be
-/// exchanged, as exchange[] tells; the inverse of a pivot takes its place. Largest multiplier in the
-/// rows below the pivots'; a negative number: no pivot.
+/// exchanged, as exchange[] tells; the inverse of a pivot takes its place. Largest multiplier in
+/// the rows below the pivots'; a negative number: no pivot.
 double eliminate_columns(const Front& f, int begin, int end, int* exchange) {
   double factors[kBlock], largest = 0;
   for (int j = begin; j < end; ++j) {

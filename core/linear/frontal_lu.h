@@ -90,7 +90,7 @@ class FrontalLU {
   [[nodiscard]] bool analyse(const SymmetricPattern& pattern);
   /// A: with the pattern of the analysis. False: a pivot is zero or not finite, or memory ran out.
   [[nodiscard]] bool factor(const MatrixByLines& A);
-  /// Both of a compressed matrix, rows ascending.
+  /// Both for a compressed matrix, rows ascending.
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// x = A⁻¹ b without refinement. Requires a successful factor().
   void solve(const Vector& b, Vector& x) const;

@@ -3,6 +3,7 @@
 #include <string_view>
 #include <vector>
 
+#include "solvers/parallel/distributed_space.h"
 #include "solvers/parallel/problem_piece.h"
 #include "solvers/parallel/process_group.h"
 #include "solvers/solver.h"
@@ -14,9 +15,7 @@ struct DistributedOptions {
   bool reproducible = false;  ///< exact sums: apgd has the same bits for any number of processes
   /// Where the contacts are, for the partition; empty where nobody knows: the contact graph decides.
   std::vector<Vec3> contact_places;
-  /// Rows from which led solvers (ipm) have their systems factored by all processes; the first one
-  /// alone is quicker below (data/manual/explanation/parallel.md).
-  int shared_factor_rows = 20000;
+  int shared_factor_rows = kSharedFactorRows;
 };
 
 /// What a distributed solve counted, the same on all processes.
@@ -25,7 +24,7 @@ struct DistributedCounts {
   double imbalance = 1;   ///< most contacts of a process over their mean
   int most_contacts = 0;  ///< owned by one process
   int most_halo = 0;      ///< copies of others' contacts on one process
-  /// Of the iteration alone; messages and bytes of the process with the most.
+  /// Of the solve without its set-up; messages and bytes of the process with the most.
   Traffic traffic;
 };
 
@@ -58,8 +57,9 @@ struct PieceResult {
 };
 
 /// The same of the pieces of all processes, each of which brings its own: options.s0 has the rows of
-/// piece.own, or is empty on all processes (contact_places are of no use here). Nobody holds the whole, but the first process where a led
-/// solver works on it, or a claim is to be proved in more than double precision (whole_problem.h).
+/// piece.own, or is empty on all processes (contact_places are of no use here). Only the root process
+/// may hold the whole: for a solver that runs there, or for a claim that is proved in more than double
+/// precision (whole_problem.h).
 PieceResult distributed_solve(std::string_view solver, const ProblemPiece& piece,
                               const SolverOptions& options, ProcessGroup& group,
                               const DistributedOptions& extra = {});
