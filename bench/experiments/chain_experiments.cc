@@ -125,10 +125,10 @@ ValidationExperiment speed_of_sound() {
       Scene<2> scene = chain_scene(kDisks, tol, 1, context);
       // The wall presses on the row all the time: no contact opens until it is back.
       scene.num_steps = 200;
-      ChartSeries series;
-      series.name = fmt::format("{} sweeps", sweeps);
-      series.style = static_cast<int>(figure.chart->series.size());
-      series.kind = ChartSeries::Kind::kLine;
+      ChartSeries series{fmt::format("{} sweeps", sweeps),
+                         static_cast<int>(figure.chart->series.size()),
+                         {},
+                         ChartSeries::Kind::kLine};
       State<2> state = initial_state(scene);
       double farthest = 0, turns = 0;
       SceneRunOptions<2> options;

@@ -138,15 +138,10 @@ ValidationExperiment plane_shear() {
     figure.chart->title = "Plane shear";
     figure.chart->x = {.label = "inertial number", .kind = ChartAxis::Kind::kLog};
     figure.chart->y = {.label = "τ/P and solid fraction", .low = 0, .high = 1};
-    ChartSeries friction, fraction, law, density;
-    friction.name = "τ/P";
-    fraction.name = "solid fraction";
-    fraction.style = 1;
-    law.name = ".26 + 1.0 I";
-    density.name = ".81 − .3 I";
-    law.style = 2;
-    density.style = 3;
-    law.kind = density.kind = ChartSeries::Kind::kLine;
+    ChartSeries friction{"τ/P", 0, {}};
+    ChartSeries fraction{"solid fraction", 1, {}};
+    ChartSeries law{".26 + 1.0 I", 2, {}, ChartSeries::Kind::kLine};
+    ChartSeries density{".81 − .3 I", 3, {}, ChartSeries::Kind::kLine};
     for (const Sheared& r : runs) {
       ChartPoint p{r.inertial, r.friction}, q{r.inertial, r.fraction};
       p.y_low = r.friction - r.friction_bar;
@@ -220,9 +215,7 @@ ValidationExperiment column_collapse() {
         context.quick ? std::vector<double>{2, 3.5, 6} : std::vector<double>{2, 3, 4.5, 7};
     const int seeds = context.quick ? 2 : 4, width = context.quick ? 5 : 7;
     std::vector<double> a, r;
-    ChartSeries series;
-    series.name = "columns";
-    series.kind = ChartSeries::Kind::kPoints;
+    ChartSeries series{"columns", 0, {}, ChartSeries::Kind::kPoints};
     for (const double aspect : aspects) {
       for (int seed = 1; seed <= seeds; ++seed) {
         if (context.interrupted()) return outcome;
@@ -241,12 +234,11 @@ ValidationExperiment column_collapse() {
     figure.chart->title = "Column collapse";
     figure.chart->x = {.label = "aspect ratio", .kind = ChartAxis::Kind::kLog};
     figure.chart->y = {.label = "runout over the first width", .kind = ChartAxis::Kind::kLog};
-    ChartSeries fit, rods;
-    fit.name = fmt::format("{:.2f} a^{:.2f}", law.prefactor, law.exponent);
-    fit.style = 1;
-    rods.name = "3.80 a^0.73";
-    rods.style = 2;
-    fit.kind = rods.kind = ChartSeries::Kind::kLine;
+    ChartSeries fit{fmt::format("{:.2f} a^{:.2f}", law.prefactor, law.exponent),
+                    1,
+                    {},
+                    ChartSeries::Kind::kLine};
+    ChartSeries rods{"3.80 a^0.73", 2, {}, ChartSeries::Kind::kLine};
     for (const double aspect : {aspects.front(), aspects.back()}) {
       fit.points.push_back({aspect, law.prefactor * std::pow(aspect, law.exponent)});
       rods.points.push_back({aspect, 3.8 * std::pow(aspect, 0.73)});

@@ -151,9 +151,7 @@ ValidationExperiment spread() {
       const auto run = run_from_start<2>(scene, context);
       if (!count_steps(run, outcome)) return outcome;
       std::vector<double> mus, spreads;
-      ChartSeries series;
-      series.name = fmt::format("pile {}", seed);
-      series.style = seed - 1;
+      ChartSeries series{fmt::format("pile {}", seed), seed - 1, {}};
       for (const std::vector<double>* some : {&small, &large}) {
         for (const double mu : *some) {
           const double s = spread_of(scene, run.state, mu);

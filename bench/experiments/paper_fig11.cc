@@ -155,10 +155,7 @@ double alternating_bound(const Settling& s) {
 /// The fitted tail of a histogram of x.
 ChartSeries tail_line(const std::string& name, int style, const std::vector<double>& x) {
   const ExponentialTail tail = fit_exponential_tail(x, kForceTail);
-  ChartSeries series;
-  series.name = name;
-  series.style = style;
-  series.kind = ChartSeries::Kind::kLine;
+  ChartSeries series{name, style, {}, ChartSeries::Kind::kLine};
   const double share = tail.points / static_cast<double>(x.size());
   const double last = *std::max_element(x.begin(), x.end());
   for (const double at : {kForceTail, last}) {

@@ -184,14 +184,9 @@ ValidationExperiment janssen() {
     figure.chart->title = "Load in a silo";
     figure.chart->x = {.label = "depth over width"};
     figure.chart->y = {.label = "vertical load over the weight"};
-    ChartSeries points, fit, weight;
-    points.name = "measured";
-    points.kind = ChartSeries::Kind::kPoints;
-    fit.name = "Janssen, fitted";
-    fit.style = 1;
-    weight.name = "weight above";
-    weight.style = 2;
-    fit.kind = weight.kind = ChartSeries::Kind::kLine;
+    ChartSeries points{"measured", 0, {}, ChartSeries::Kind::kPoints};
+    ChartSeries fit{"Janssen, fitted", 1, {}, ChartSeries::Kind::kLine};
+    ChartSeries weight{"weight above", 2, {}, ChartSeries::Kind::kLine};
     for (std::size_t i = 0; i < full.depths.size(); ++i) {
       const double z = full.depths[i];
       points.points.push_back({z / kSiloWidth, full.loads[i] / full.weight});
@@ -269,9 +264,7 @@ ValidationExperiment beverloo() {
     const std::vector<double> holes =
         context.quick ? std::vector<double>{5, 9} : std::vector<double>{5, 6.5, 9};
     std::vector<double> widths, rates, ratios;
-    ChartSeries points;
-    points.name = "measured";
-    points.kind = ChartSeries::Kind::kPoints;
+    ChartSeries points{"measured", 0, {}, ChartSeries::Kind::kPoints};
     for (const double hole : holes) {
       for (int seed = 1; seed <= seeds; ++seed) {
         const Discharge seen = discharge(hole, count, to_size(seed), tol, context, outcome);
@@ -298,10 +291,7 @@ ValidationExperiment beverloo() {
     figure.chart->title = "Discharge of a silo";
     figure.chart->x = {.label = "hole over mean diameter"};
     figure.chart->y = {.label = "rate^(2/3)"};
-    ChartSeries line;
-    line.name = "k = 1.4";
-    line.style = 1;
-    line.kind = ChartSeries::Kind::kLine;
+    ChartSeries line{"k = 1.4", 1, {}, ChartSeries::Kind::kLine};
     double slope = 0;
     for (std::size_t k = 0; k < rates.size(); ++k) {
       slope += std::pow(rates[k], 2.0 / 3) / widths[k] / static_cast<double>(rates.size());

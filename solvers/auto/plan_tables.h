@@ -151,8 +151,10 @@ constexpr PlanRow kFirst[] = {
 /// In the plane, up to kMany contacts.
 constexpr PlanRow kSmall[] = {
   {"assor", kTwo, own(), {100, 250, 120}, {kFew, 400}, kVectors | kWholeOnly, kWhyDisks},
-  {"assor", kFour, own(), {60, 250, 120}, {400, 1000}, kVectors | kWholeOnly, kWhyDisks},
-  {"assor", kFour, own(), {60, 250}, {1000, kMany}, kVectors | kWholeOnly, kWhyDisks},
+  {"assor", kFour, own(), {30, 175, 120}, {400, 1000}, kVectors | kWarm | kWholeOnly, kWhyDisks},
+  {"assor", kFour, own(), {30, 175}, {1000, kMany}, kVectors | kWarm | kWholeOnly, kWhyDisks},
+  {"assor", kFour, own(), {60, 250, 120}, {400, 1000}, kVectors | kCold | kWholeOnly, kWhyDisks},
+  {"assor", kFour, own(), {60, 250}, {1000, kMany}, kVectors | kCold | kWholeOnly, kWhyDisks},
   {"anderson", "", own(), {16, 100, 64}, {kFew, kMany}, kNoVectors | kWholeOnly, kWhyAccelerated},
   {"homotopy", kHere, best(), 500, {0, 400, 0.3}, kWhole, kWhyShortPath},
   {"homotopy", kHere, best(), 500, {400, kMany, kNear, 0, kRough}, kVectors, kWhyShortPath},
@@ -172,7 +174,8 @@ constexpr PlanRow kSmall[] = {
 
 /// In the plane, up to kLarge contacts; from a warm start below kFair up to kLargeWarm.
 constexpr PlanRow kMedium[] = {
-  {"assor", kFour, own(), {60, 250}, {0, kLarge}, kVectors | kWholeOnly, kWhyDisks},
+  {"assor", kFour, own(), {30, 175}, {0, kLarge}, kVectors | kWarm | kWholeOnly, kWhyDisks},
+  {"assor", kFour, own(), {60, 250}, {0, kLarge}, kVectors | kCold | kWholeOnly, kWhyDisks},
   {"anderson", "", own(), {16, 100, 64}, {0, kLarge}, kNoVectors | kWholeOnly, kWhyAccelerated},
   {"apgd", "", own(), {500, 3000}, {0, kLarge}, kAlways, kWhyMomentumStart},
   {"apgd", "", own(), {500, root(140)}, {kLarge}, kAlways, kWhyMomentumStart},
