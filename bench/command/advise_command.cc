@@ -1,7 +1,6 @@
 #include "bench/command/advise_command.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <fstream>
@@ -38,21 +37,6 @@ int exit_code_of(Advice::Status status) {
       break;
   }
   return kExitNotConverged;
-}
-
-/// The command as it was typed, results aside.
-std::string command_line(const AdviseFlags& flags) {
-  std::string line = "bipot advise " + flags.scene;
-  for (const auto& [name, value] : {std::pair{"--force-error", flags.force},
-                                    {"--penetration", flags.penetration},
-                                    {"--energy", flags.energy},
-                                    {"--window", flags.window}}) {
-    if (value) line += fmt::format(" {} {:g}", name, *value);
-  }
-  if (!flags.solvers.empty()) line += fmt::format(" --solvers {}", fmt::join(flags.solvers, ","));
-  if (flags.keep_step) line += " --keep-step";
-  return line + fmt::format(" --time-limit {:g} --samples {} --fresh {}", flags.time_limit,
-                            flags.samples, flags.fresh);
 }
 
 void write_scene(const AdviseFlags& flags, const std::string& text, const Scene<2>& scene,
@@ -165,7 +149,7 @@ int advise_command(const AdviseFlags& flags) {
   options.interrupted = &InterruptGuard::requested;
   const Advice advice = advise(scene, options);
   if (!flags.json.empty()) {
-    Json json = to_json(scene, advice, provenance("advise", command_line(flags)));
+    Json json = to_json(scene, advice, provenance("advise", typed_command()));
     json["exit_code"] = exit_code_of(advice.status);
     write_json(json, flags.json);
   }

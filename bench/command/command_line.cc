@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <utility>
 
 #include "bench/command/help_text.h"
 
@@ -81,6 +82,8 @@ DeclaredOption declare_list(CLI::App* app, const std::string& name, Value& value
   if (name.starts_with('-')) option->delimiter(',');
   return DeclaredOption(option);
 }
+
+std::vector<std::string> typed_words;  // behind the program's name
 
 }  // namespace
 
@@ -178,6 +181,7 @@ CommandDeclaration CommandLine::add_command(const std::string& name,
 }
 
 CommandLine::Parsed CommandLine::parse(int argc, const char* const* argv) {
+  typed_words.assign(argv + 1, argv + argc);
   try {
     app_->parse(argc, argv);
   } catch (const CLI::ParseError& e) {
@@ -185,6 +189,28 @@ CommandLine::Parsed CommandLine::parse(int argc, const char* const* argv) {
     return {Parsed::Outcome::kRefused, e.what()};
   }
   return {};
+}
+
+std::string typed_command(const std::vector<std::string>& targets) {
+  std::string line = "bipot";
+  bool named = false;  // the targets
+  for (std::size_t k = 0; k < typed_words.size(); ++k) {
+    const std::string& word = typed_words[k];
+    if (word == "--quiet" || word == "-q" || word.starts_with("--out=") ||
+        word.starts_with("--json=")) {
+      continue;
+    }
+    if (word == "--out" || word == "--json") {
+      ++k;
+      continue;
+    }
+    if (std::find(targets.begin(), targets.end(), word) == targets.end()) {
+      line += word.find(' ') == std::string::npos ? ' ' + word : " '" + word + '\'';
+    } else if (!std::exchange(named, true)) {
+      line += " {}";
+    }
+  }
+  return line;
 }
 
 }  // namespace bipot

@@ -92,4 +92,8 @@ class CommandLine {
   std::unique_ptr<CLI::App> app_;
 };
 
+/// The command as CommandLine::parse saw it, without --out, --json and --quiet. `{}` stands for the
+/// targets, if they are given.
+std::string typed_command(const std::vector<std::string>& targets = {});
+
 }  // namespace bipot

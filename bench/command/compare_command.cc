@@ -1,7 +1,6 @@
 #include "bench/command/compare_command.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <nlohmann/json.hpp>
 
@@ -13,47 +12,11 @@
 #include "bench/compare/comparison.h"
 #include "bench/compare/comparison_report.h"
 #include "bench/report/json_output.h"
-#include "bench/report/labels.h"
 #include "bench/tradeoff/trade_report.h"
 #include "solvers/registry.h"
 
 namespace bipot {
-namespace {
-
 namespace fs = std::filesystem;
-
-/// The command as it was typed, results aside.
-std::string command_line(const std::string& targets, const CompareFlags& flags) {
-  std::string line = "bipot compare " + targets;
-  if (flags.quick) line += " --quick";
-  if (flags.solvers != CompareFlags{}.solvers) {
-    line += fmt::format(" --solvers {}", fmt::join(flags.solvers, ","));
-  }
-  std::vector<std::string> tols;
-  for (double tol : flags.tols) tols.push_back(tolerance_label(tol));
-  if (!tols.empty()) line += fmt::format(" --tols {}", fmt::join(tols, ","));
-  if (flags.time_limit) line += fmt::format(" --time-limit {:g}", *flags.time_limit);
-  if (flags.reference_time_limit) {
-    line += fmt::format(" --reference-time-limit {:g}", *flags.reference_time_limit);
-  }
-  if (flags.repeat != CompareFlags{}.repeat) line += fmt::format(" --repeat {}", flags.repeat);
-  if (flags.threads != CompareFlags{}.threads) {
-    line += fmt::format(" --threads {}", flags.threads);
-  }
-  if (flags.min_time != CompareFlags{}.min_time) {
-    line += fmt::format(" --min-time {:g}", flags.min_time);
-  }
-  if (flags.try_all) line += " --try-all";
-  if (flags.warm) line += " --warm";
-  if (flags.scene_problems) line += fmt::format(" --scene-problems {}", *flags.scene_problems);
-  if (flags.scene_steps) line += fmt::format(" --scene-steps {}", *flags.scene_steps);
-  if (!flags.whole_runs.empty()) {
-    line += fmt::format(" --whole-runs {}", fmt::join(flags.whole_runs, ","));
-  }
-  return line;
-}
-
-}  // namespace
 
 CommandDeclaration add_compare_command(CommandLine& line, CompareFlags& flags) {
   CommandDeclaration command = line.add_command(
@@ -176,10 +139,9 @@ int compare_command(const CompareFlags& flags) {
 
   ReportContext context;
   context.options = options;
-  context.made =
-      provenance("compare", command_line(fmt::format("{}", fmt::join(flags.targets, " ")), flags));
+  context.made = provenance("compare", typed_command());
   context.made.threads = options.threads;
-  context.command_of_target = command_line("{}", flags);
+  context.command_of_target = typed_command(flags.targets);
   if (!flags.out.empty()) {
     Document more;
     if (whole) {

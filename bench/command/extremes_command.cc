@@ -1,7 +1,6 @@
 #include "bench/command/extremes_command.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -17,7 +16,6 @@
 #include "bench/compare/random_problem.h"
 #include "bench/compare/random_sets.h"
 #include "bench/report/json_output.h"
-#include "bench/report/labels.h"
 #include "core/base/file_error.h"
 #include "core/files/atomic_file.h"
 #include "core/problem_files/fclib_file.h"
@@ -39,23 +37,6 @@ std::vector<std::string> solvers_of(const ExtremesFlags& flags) {
   if (flags.solvers.empty()) return solver_names();
   for (const std::string& name : flags.solvers) require_solver(name);
   return flags.solvers;
-}
-
-/// The command as it was typed, results aside.
-std::string command_line(const ExtremesFlags& flags) {
-  std::string line = "bipot extremes";
-  if (!flags.only.empty()) line += " --only " + flags.only;
-  if (!flags.solvers.empty()) line += fmt::format(" --solver {}", fmt::join(flags.solvers, ","));
-  if (flags.quick) line += " --quick";
-  if (flags.tol != ExtremesFlags{}.tol) line += " --tol " + tolerance_label(flags.tol);
-  if (flags.time_limit) line += fmt::format(" --time-limit {:g}", *flags.time_limit);
-  if (flags.random_problems > 0)
-    line += fmt::format(" --random-problems {}", flags.random_problems);
-  if (flags.random_scenes > 0) line += fmt::format(" --random-scenes {}", flags.random_scenes);
-  if (flags.random_problems + flags.random_scenes > 0) {
-    line += fmt::format(" --seed {} --first {}", flags.seed, flags.first);
-  }
-  return line;
 }
 
 bool quiet(const ExtremesFlags& flags) { return flags.quiet || flags.json == "-"; }
@@ -95,7 +76,7 @@ int random_sets(const ExtremesFlags& flags) {
   options.solvers = solvers_of(flags);
   options.interrupted = &InterruptGuard::requested;
   bool sound = true;
-  Document page{.made = provenance("extremes", command_line(flags))};
+  Document page{.made = provenance("extremes", typed_command())};
   Table findings{.columns = {{"set"}, {"kind"}, {"index"}, {"solver"}, {"message"}, {"again"}},
                  .key = "findings"};
   const auto run = [&](int count, const char* what, const char* flag, auto* measure) {
@@ -147,7 +128,7 @@ int matrix(const ExtremesFlags& flags) {
     };
     result = measure_extremes(options);
   }
-  const Document page = extremes_page(result, provenance("extremes", command_line(flags)));
+  const Document page = extremes_page(result, provenance("extremes", typed_command()));
   Json json = to_json(page);
   json["complete"] = result.complete;
   if (!flags.out.empty()) {

@@ -9,8 +9,6 @@ marks each table by <!-- table NAME --> and <!-- end NAME -->; the text around t
 
 import argparse
 import csv
-import datetime
-import html
 import json
 import pathlib
 import re
@@ -22,7 +20,6 @@ SIZES = {"to 100": range(1, 101), "to 1000": range(101, 1001), "above": range(10
 SHORT = {"more forces than equations": "hyperstatic"}  # names of groups of extreme cases
 FIGURES = {"measured": 4, "bar": 2, "error": 2, "loosest_tol": 2}  # of a validation row: digits
 COUNTED_ENDS = ("solved", "not solved", "wrong")  # of an extreme case
-LARGE_CASE = "column_1000"  # which --quick leaves out
 NONE = "–"
 
 
@@ -31,9 +28,12 @@ def table(header, rows):
     return "\n".join(f"|{'|'.join(map(str, line))}|" for line in lines)
 
 
-def made_table(command, date, commit, machine):
+def made_by(report):
+    """From the members that JSON reports begin with."""
+    machine = f"{report['cpu']}, {report['cores']} cores, {report['threads']} used"
     return table(["command", "date", "commit", "machine"],
-                 [[f"`{command}`", date, commit[:7], machine]])
+                 [[f"`{report['command_line']}`", report["date"].split()[0],
+                   report["commit"][:7], machine]])
 
 
 def number(x, digits=2):
@@ -125,34 +125,21 @@ def answers_table(comparison):
 
 def benchmark_tables(folder):
     c = json.loads((folder / "comparison.json").read_text())
-    made = made_table(c["command_line"], c["date"].split()[0], c["commit"],
-                      f"{c['cpu']}, {c['cores']} cores, {c['threads']} used")
-    return {"made": made, "solvers": solver_table(c), "fastest": fastest_table(c),
+    return {"made": made_by(c), "solvers": solver_table(c), "fastest": fastest_table(c),
             "auto": auto_table(c), "answers": answers_table(c)}
 
 
-def made_by(page, command=None):
-    """From the terms at the end of a page; where it says no date, that of the file."""
-    terms = {k: html.unescape(re.sub("<.*?>", "", v))
-             for k, v in re.findall("<dt>(.*?)</dt><dd>(.*?)</dd>", page.read_text(), re.DOTALL)}
-    date = terms.get("date") or str(datetime.datetime.fromtimestamp(page.stat().st_mtime))
-    return made_table(terms.get("command", command), date.split()[0],
-                      terms["program"].rsplit(" ", 1)[1], terms["machine"].replace("logical ", ""))
-
-
 def extremes_tables(folder):
-    cells = list(csv.DictReader((folder / "extremes.csv").open()))
+    m = json.loads((folder / "extremes.json").read_text())
+    cells = m["cells"]
     groups = list(dict.fromkeys(c["group"] for c in cells))
-    limit = min((c["command"].split()[-1] for c in cells), key=float)
-    quick = "" if any(c["case"] == LARGE_CASE for c in cells) else " --quick"
     lines = []
     for solver in SOLVERS:
         own = [c for c in cells if c["solver"] == solver and c["end"] in COUNTED_ENDS]
         shares = [share([c for c in own if c["group"] == group], lambda c: c["end"] == "solved")
                   for group in groups]
         lines.append([f"`{solver}`", *shares, sum(c["end"] == "wrong" for c in own)])
-    command = f"bipot extremes{quick} --time-limit {limit}"
-    return {"made": made_by(folder / "extremes.html", command),
+    return {"made": made_by(m),
             "matrix": table(["solver", *(SHORT.get(g, g) for g in groups), "wrong"], lines)}
 
 
@@ -164,10 +151,14 @@ def validation_tables(folder):
         if r["group"] != group:
             group = r["group"]
             lines.append([f"**{group}**"] + [""] * 5)
-        measured, bar, error, loosest = (number(float(r[key]) if r[key] else None, digits) for
+        measured, bar, error, loosest = (number(float(r[key]) if r[key] not in ("", "nan") else None, digits) for
                                          key, digits in FIGURES.items())
         lines.append([f"`{r['row']}`", measured, bar, error, r["holds"], loosest])
-    return {"made": made_by(folder / "index.html"),
+    report = json.loads((folder / "validate.json").read_text())
+    item = report["items"][0]
+    made = {**item["program"], **item["machine"], "date": item["date"], "threads": 1,
+            "command_line": report["command"]}
+    return {"made": made_by(made),
             "count": table(["rows", "hold", "undecided", "do not hold"], [[len(rows), *counts]]),
             "rows": table(["row", "measured", "±", "error", "holds", "right from"], lines)}
 

@@ -398,32 +398,10 @@ std::uint64_t hash_of(std::string_view text) {
   return (hash ^ (hash >> 32)) & 0xffffffffu;
 }
 
-bool take(std::string_view& text, std::string_view start) {
-  if (!text.starts_with(start)) return false;
-  text.remove_prefix(start.size());
-  return true;
-}
-
-/// The attributes of a tag with ids that start with `prefix`, links in the form that needs no
-/// namespace, and without those that say what holds anyway or that nothing refers to.
-std::string with_own_ids(std::string_view tag, const std::string& prefix) {
-  std::string out;
-  while (!tag.empty()) {
-    if (take(tag, " id='")) {
-      out += " id='" + prefix;
-    } else if (take(tag, " id=\"gnuplot_")) {
-      tag.remove_prefix(tag.find('"') + 1);
-    } else if (take(tag, "xlink:href='#")) {
-      out += "href='#" + prefix;
-    } else if (take(tag, "url(#")) {
-      out += "url(#" + prefix;
-    } else if (!take(tag, " stroke-linecap=\"butt\" stroke-linejoin=\"miter\"") &&
-               !take(tag, " stroke-width=\"1.00\"") && !take(tag, " class=\"gridline\" ")) {
-      out += tag.front();
-      tag.remove_prefix(1);
-    }
+void replace_all(std::string& text, std::string_view from, std::string_view to) {
+  for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+    text.replace(at, from.size(), to);
   }
-  return out;
 }
 
 /// The point that a label "n<series>_<point>" stands for.
@@ -442,55 +420,43 @@ struct Plan {
   std::string prefix;
 };
 
-/// gnuplot's document as an element of a page. gnuplot shows labels at the pointer by a script;
-/// here they become titles, which browsers show by themselves.
+/// gnuplot's document as an element of a page, with ids that start with the prefix. gnuplot shows
+/// labels at the pointer by a script; here they become titles, which browsers show by themselves.
 std::string page_element(const Chart& chart, std::string_view document, const Plan& plan) {
+  constexpr std::string_view kBody = "</desc>", kTitle = "<title>", kTitleEnd = "</title>";
   constexpr std::string_view kLabel = "<g onmousemove=\"gnuplot_svg.showHypertext(evt,'";
-  constexpr std::string_view kLabelEnd =
-      "')\" onmouseout=\"gnuplot_svg.hideHypertext()\"><title> </title>";
-  constexpr std::string_view kBody = "</desc>", kUnused = "<filter", kUnusedEnd = "</defs>";
-  constexpr std::string_view kTitle = "<title>", kTitleEnd = "</title>", kGroupEnd = "</g>";
-  const auto end_of = [&document](std::string_view mark) {
-    const std::size_t at = document.find(mark);
-    if (at == std::string_view::npos) throw FileError("gnuplot", "", "wrote an unknown SVG");
-    return at + mark.size();
-  };
+  const std::size_t body = document.find(kBody);
+  if (body == std::string_view::npos) throw FileError("gnuplot", "", "wrote an unknown SVG");
+  std::string svg(document.substr(body + kBody.size()));
+  const std::size_t filters = svg.find("<filter");  // of boxed text, which charts do not have
+  if (filters != std::string::npos) svg.erase(filters, svg.find("</defs>") - filters);
+  for (std::size_t at; (at = svg.find(" id=\"gnuplot_")) != std::string::npos;) {
+    svg.erase(at, svg.find('"', at + 5) + 1 - at);
+  }
+  replace_all(svg, " id='", " id='" + plan.prefix);
+  replace_all(svg, "xlink:href='#", "href='#" + plan.prefix);
+  replace_all(svg, "url(#", "url(#" + plan.prefix);
+  // What holds anyway.
+  for (const char* idle : {" stroke-linecap=\"butt\" stroke-linejoin=\"miter\"",
+                           " stroke-width=\"1.00\"", " class=\"gridline\" "}) {
+    replace_all(svg, idle, "");
+  }
   std::string out =
       fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\">\n",
                   plan.width, plan.height, escape_markup(chart.title));
-  document.remove_prefix(end_of(kBody));
   std::size_t plot = 0;
-  while (!document.empty()) {
-    if (document.starts_with(kUnused)) {  // of boxed text, which charts have not
-      document.remove_prefix(end_of(kUnusedEnd) - kUnusedEnd.size());
-    } else if (take(document, kLabel)) {
-      const std::size_t end = end_of(kLabelEnd);
-      const std::string& note = note_of(chart, document.substr(0, end - kLabelEnd.size()));
-      out += "<g><title>" + escape_markup(note) + "</title>";
-      document.remove_prefix(end);
-    } else if (document.starts_with(kTitle)) {  // of a plot; gnuplot names them by their data
-      document.remove_prefix(end_of(kTitleEnd));
-      const std::string& tip = plan.tips.at(plot++);
-      if (!tip.empty()) out += "<title>" + escape_markup(tip) + "</title>";
-    } else if (document.front() == '<') {
-      const std::size_t end = end_of(">");
-      const std::string_view tag = document.substr(0, end);
-      document.remove_prefix(end);
-      // Groups that set a colour and draw nothing.
-      const std::size_t next = std::min(document.find_first_not_of("\n\t "), document.size());
-      if (tag.starts_with("<g ") && document.substr(next).starts_with(kGroupEnd)) {
-        document.remove_prefix(next + kGroupEnd.size());
-      } else {
-        out += with_own_ids(tag, plan.prefix);
-      }
-    } else {
-      const std::size_t end = std::min(document.find('<'), document.size());
-      const std::string_view text = document.substr(0, end);
-      out += text.find_first_not_of("\n\t ") == std::string_view::npos ? "\n" : text;
-      document.remove_prefix(end);
-    }
+  for (std::size_t begin = 0;;) {
+    const std::size_t label = svg.find(kLabel, begin), title = svg.find(kTitle, begin);
+    const std::size_t at = std::min(label, title);
+    out.append(svg, begin, at == std::string::npos ? at : at - begin);
+    if (at == std::string::npos) return out;
+    const bool note = label < title;
+    const std::string& tip =
+        note ? note_of(chart, svg.substr(label + kLabel.size(), 40)) : plan.tips.at(plot++);
+    if (note) out += "<g>";
+    if (!tip.empty()) out += "<title>" + escape_markup(tip) + "</title>";
+    begin = svg.find(kTitleEnd, at) + kTitleEnd.size();
   }
-  return out;
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 namespace bipot {
 namespace {
 
-constexpr std::size_t kWidth = 100, kGap = 2;
+constexpr std::size_t kTextWidth = 100, kColumnGap = 2;
 
 template <class... Cases>
 struct Overloaded : Cases... {
@@ -36,7 +36,7 @@ std::string one_line(std::string text) {
 }
 
 void write_paragraph(std::string& out, std::string_view text) {
-  for (const std::string& line : wrapped_lines(plain(text), kWidth)) out += line + '\n';
+  for (const std::string& line : wrapped_lines(plain(text), kTextWidth)) out += line + '\n';
 }
 
 /// The columns [begin, end) after the first one.
@@ -48,7 +48,7 @@ void write_columns(std::string& out, const Table& table, const std::vector<std::
     for (std::size_t k = 0; k < end; k = k == 0 ? begin : k + 1) {
       if (k >= texts.size()) break;
       const std::string fill(widths[k] - std::min(widths[k], letters(texts[k])), ' ');
-      if (k > 0) made += std::string(kGap, ' ');
+      if (k > 0) made += std::string(kColumnGap, ' ');
       const bool right = table.columns[shown[k]].show != nullptr;
       made += right ? fill + texts[k] : texts[k] + fill;
     }
@@ -210,8 +210,8 @@ std::string to_text(const Table& table) {
   std::size_t begin = 1;
   do {
     std::size_t end = begin, width = widths.empty() ? 0 : widths[0];
-    while (end < shown.size() && (end == begin || width + kGap + widths[end] <= kWidth)) {
-      width += kGap + widths[end++];
+    while (end < shown.size() && (end == begin || width + kColumnGap + widths[end] <= kTextWidth)) {
+      width += kColumnGap + widths[end++];
     }
     if (begin > 1) out += '\n';
     write_columns(out, table, shown, cells, widths, begin, std::max(end, std::size_t{1}));
