@@ -6,6 +6,7 @@
 
 #include "core/scene/scene_parts.h"
 #include "solvers/simulation/scene_stepper.h"
+#include "solvers/simulation/split_step.h"
 
 namespace bipot {
 namespace {

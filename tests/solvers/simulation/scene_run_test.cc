@@ -4,12 +4,14 @@
 
 #include <stdexcept>
 
+#include "core/motion/spring_dashpot_setup.h"
 #include "core/problem_files/fclib_file.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/scene_family.h"
 #include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/run_folder.h"
+#include "solvers/simulation/split_step.h"
 #include "solvers/simulation/step_solver.h"
 #include "tests/support/temporary_folder.h"
 
