@@ -15,7 +15,7 @@ namespace {
 /// A table by hand: times in seconds, velocity errors; `guarded` decides what is solved.
 class RunTable {
  public:
-  Table& problem(const std::string& name, int dofs = 30, const std::string& series = "") {
+  RunTable& problem(const std::string& name, int dofs = 30, const std::string& series = "") {
     ProblemSummary p;
     p.name = name;
     p.contacts = 10;
@@ -25,7 +25,7 @@ class RunTable {
     made.problems.push_back(p);
     return *this;
   }
-  Table& row(const std::string& solver, double tol, double time, int iterations, double guarded,
+  RunTable& row(const std::string& solver, double tol, double time, int iterations, double guarded,
              double error) {
     ComparisonRow r;
     r.problem = made.problems.back().name;
