@@ -12,7 +12,6 @@
 #include "core/problem/delassus.h"
 #include "solvers/disks/tiled_sweep.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/kernels/frozen_contacts.h"
 #include "solvers/parallel/split_sweep.h"
 #include "solvers/solve_run.h"
 
