@@ -60,7 +60,7 @@ void write_scene(const AdviseFlags& flags, const std::string& text, const Scene<
   file.commit();
 }
 
-/// Found before the work, not after it.
+/// Checked before the work, not after it.
 void check_destinations(const AdviseFlags& flags) {
   if (!flags.write.empty() && fs::exists(flags.write) && !flags.force_overwrite) {
     throw std::invalid_argument(flags.write + " exists: name another file, or give --force");

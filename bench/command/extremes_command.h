@@ -27,8 +27,7 @@ struct ExtremesFlags {
 /// Declares `bipot extremes`.
 CommandDeclaration add_extremes_command(CommandLine& line, ExtremesFlags& flags);
 
-/// The matrix of cases and solvers, or random sets. Ends with 1 where anything is wrong. Returns an
-/// ExitCode.
+/// The matrix of cases and solvers, or random sets. Returns an ExitCode: 1 if anything is wrong.
 int extremes_command(const ExtremesFlags& flags);
 
 }  // namespace bipot

@@ -41,7 +41,7 @@ double mass_ratio(const Scene<D>& scene) {
   return most / least;
 }
 
-/// The largest way of a disk in a step, over the smallest radius.
+/// The largest path of a disk in a step, over the smallest radius.
 template <int D>
 double way(const Scene<D>& scene, const State<D>& state) {
   double speed = 0;
@@ -145,7 +145,7 @@ std::string failure_text(const Scene<D>& scene, const State<D>& state, const Sce
   const State<D> start = with_changed_population(scene, state);
   for (const Contact<D>& c : make_midpoint(scene, start).contacts)
     contacts.push_back({.contact = c});
-  // What the solver started from is all that is known of impulses when none was taken.
+  // Without a new impulse, only the solver's start is known.
   const ContactProblem& p = run.failed_problem;
   const Vector s = run.failed_start.size() == p.num_rows() ? run.failed_start
                                                            : Vector(Vector::Zero(p.num_rows()));
@@ -157,7 +157,7 @@ template <int D>
 void EnergyGrowth::add(const Scene<D>& scene, const StepReport<D>& report) {
   const EnergyLedger& e = report.energy;
   const double loss = e.friction_loss + e.shock_loss;
-  // A step that is solved to the tolerance may be off by about this part of the energy at hand.
+  // A step solved to the tolerance may have an error of about this fraction of the energy.
   const double scale = std::max({std::abs(loss), e.kinetic, std::abs(e.wall_work)});
   const double grace = std::max(1e-9, 10 * scene.solver.tol) * scale;
   const double created = loss_ - loss - force_energy(scene, report);

@@ -69,7 +69,7 @@ ReportItem run_item(const PaperItem& item, const PaperContext& context,
   } catch (const FileError&) {
     throw;  // no other item could write either
   } catch (const std::exception& e) {
-    // A step that was cut short by Ctrl-C ends its item with an exception, too.
+    // A step cut short by Ctrl-C ends its item with an exception, too.
     const bool interrupted = context.interrupted();
     entry.status = interrupted ? ReportItem::Status::kInterrupted : ReportItem::Status::kFailed;
     if (!interrupted) entry.message = e.what();
@@ -167,7 +167,7 @@ int paper_command(const PaperFlags& flags) {
     ReportItem entry = run_item(item, context, command_line(flags, {std::string(item.name)}));
     progress.update(++done, "");
     if (entry.status == ReportItem::Status::kInterrupted) {
-      // A result of an earlier run is worth more than none.
+      // A result of an earlier run is better than none.
       if (report.items[i].status != ReportItem::Status::kDone) report.items[i] = entry;
       break;
     }

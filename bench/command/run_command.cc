@@ -71,7 +71,7 @@ void refuse_flags_of_the_other_model(const RunFlags& flags, Model model) {
   }
 }
 
-/// Makes the command line's changes, and checks the outcome before anything is written.
+/// Applies the command line's changes, and checks the result before anything is written.
 template <int D>
 void apply_flags(const RunFlags& flags, Scene<D>& scene) {
   if (flags.steps) scene.num_steps = *flags.steps;  // with --restart: from there
@@ -91,7 +91,7 @@ void apply_flags(const RunFlags& flags, Scene<D>& scene) {
   if (auto defect = validate(scene); !defect.empty()) throw std::invalid_argument(defect);
 }
 
-/// What the flags ask to be written; no folder without --out.
+/// Output that the flags ask for; no folder without --out.
 RunFolderOptions folder_options(const RunFlags& flags, const std::string& scene_text) {
   using Problems = RunFolderOptions::Problems;
   RunFolderOptions folder;
@@ -113,7 +113,7 @@ void make_folder(const fs::path& folder) {
   if (error) throw FileError(folder, "", "cannot create: " + error.message());
 }
 
-/// A run that was at its end already. Its files stay as they are.
+/// A run that was complete already. Its files do not change.
 template <int D>
 int nothing_to_do(const RunFlags& flags, const Scene<D>& scene, const State<D>& state, bool quiet) {
   const std::string message = fmt::format(
@@ -164,7 +164,7 @@ struct PreparedRun {
   Scene<D> scene;
   State<D> state;
   SceneRunOptions<D> options;
-  std::string whole_state;  // why this process has all of the state; empty: it has a part
+  std::string whole_state;  // reason why this process has the whole state; empty: it has a part
 };
 
 /// Reads and checks, up to the last refusal before anything is written. `text`: of the scene's
@@ -199,7 +199,7 @@ PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::str
   return run;
 }
 
-/// The steps of a run, and the words about them.
+/// The steps of a run, and their messages.
 template <int D>
 struct TakenSteps {
   SceneRun<D> run;
@@ -228,7 +228,7 @@ TakenSteps<D> take_steps(PreparedRun<D>& prepared, bool quiet) {
                     fmt::format("{} contacts, {} iterations", report.contacts, report.iterations));
     return true;
   };
-  // The process that writes needs the bodies of the scene as well.
+  // The root process needs the bodies of the scene for its files.
   if (prepared.whole_state.empty() && !is_speaker()) scene.bodies = {};
   taken.run = run_scene(scene, state, options);
   taken.warning = growth.warning(scene);

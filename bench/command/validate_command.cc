@@ -22,7 +22,7 @@
 namespace bipot {
 namespace {
 
-/// Whether a row was asked for: it, or how its name begins.
+/// True if a row was requested, by its name or the beginning of it.
 bool asked_for(const ValidateFlags& flags, const ValidationRow& row) {
   return flags.only.empty() ||
          std::any_of(flags.only.begin(), flags.only.end(),
@@ -123,7 +123,7 @@ int validate_command(const ValidateFlags& flags) {
     for (const ValidationExperiment& e : experiments) {
       ExperimentResult result = run_experiment(
           e, context, [&](int, int) { progress.update(done++, e.rows.front().claim.name); });
-      // What was stopped halfway would only look as if it did not hold.
+      // An interrupted measurement would only seem to fail.
       if (!result.complete) {
         page.complete = false;
         break;

@@ -18,8 +18,8 @@ struct ValidateFlags {
 /// Declares `bipot validate`.
 CommandDeclaration add_validate_command(CommandLine& line, ValidateFlags& flags);
 
-/// Measures observables that are known beforehand, at several tolerances each. Returns an ExitCode.
-/// Throws std::invalid_argument for an unknown row or solver, FileError.
+/// Measures observables with known values, at several tolerances each. Returns an ExitCode. Throws
+/// std::invalid_argument for an unknown row or solver, FileError.
 int validate_command(const ValidateFlags& flags);
 
 }  // namespace bipot

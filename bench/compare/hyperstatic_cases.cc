@@ -75,8 +75,8 @@ Scene<2> hexagon() {
   return scene;
 }
 
-/// Equal disks on an inverted catenary: contact k carries (T, V_k) with V_k = (k - n/2) m g, which
-/// is the direction of the line between its two centres. Two planes across the end links bear it.
+/// Equal disks on an inverted catenary: contact k carries (T, V_k) with V_k = (k - n/2) m g, the
+/// direction of the line between its two centres. Two planes across the end links bear it.
 Scene<2> arch(int disks) {
   Scene<2> scene = empty_scene(0.3);
   const double a = 0.5, weight = 9.81, thrust = 1.5 * weight;

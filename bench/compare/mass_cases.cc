@@ -24,9 +24,9 @@ void add_tower(std::vector<ExtremeCase>& cases, const std::string& name, const s
        .solution = [scene] { return tower_impulses(scene); }});
 }
 
-/// A disk on a plane that is inclined by `angle`: W_nn = 1/m, W_tt = 1/m + a²/I, free velocities
-/// -h g cos and h g sin. It rolls with s_t = h m g sin / (1 + m a²/I) where that is below mu s_n,
-/// else it slides with s_t = mu s_n.
+/// A disk on a plane inclined by `angle`: W_nn = 1/m, W_tt = 1/m + a²/I, free velocities -h g cos
+/// and h g sin. It rolls with s_t = h m g sin / (1 + m a²/I) if that is below mu s_n, else it
+/// slides with s_t = mu s_n.
 void add_rolling(std::vector<ExtremeCase>& cases, const std::string& name, double inertia,
                  double mu, double slope) {
   Scene<2> scene = empty_scene(mu);

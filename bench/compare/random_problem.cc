@@ -15,7 +15,7 @@ namespace {
 
 using Vec3 = Eigen::Vector3d;
 
-/// Friction of a problem: what its contacts draw from.
+/// Friction of a problem: the range for its contacts.
 enum class Friction { kNone, kTiny, kUsual, kLarge, kHuge, kMixed };
 
 double draw_mu(PortableRandom& draw, Friction friction) {
@@ -147,8 +147,8 @@ Vector plant(PortableRandom& draw, ContactProblem& p, double velocity_unit) {
       for (int k = 1; k < d; ++k) u[c * d + k] = speed * direction[k - 1];
       continue;
     }
-    // Closed: sticks inside the cone or slips on its edge. Friction that outgrows the normal
-    // impulse by far would only press the bodies harder: the tangential part is what is of this
+    // Closed: sticks inside the cone or slips on its edge. If friction is much larger than the
+    // normal impulse, it would only press the bodies harder; then the tangential part has this
     // size.
     const double normal = p.mu[c] > 1 ? pushed / p.mu[c] : pushed;
     s[c * d] = normal;

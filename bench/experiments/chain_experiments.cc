@@ -1,10 +1,12 @@
-// A row of disks between a fixed wall and one that a force drives: rigid, so nothing may move. A
-// Gauss-Seidel sweep carries impulses only so far; stopped early it leaves the chain soft, with a
-// finite speed of sound (Unger, Brendel, Wolf and Kertész, Phys. Rev. E 65, 061305, 2002).
+// A row of disks between a fixed wall and one driven by a force: all rigid, so that nothing may
+// move. A Gauss-Seidel sweep propagates impulses a limited distance. Stopped early it leaves the
+// chain soft, with a finite speed of sound (Unger, Brendel, Wolf and Kertész, Phys. Rev. E 65,
+// 061305, 2002).
 //
-// Without friction the matrix of the n + 1 contacts is (-1, 2, -1)/m, at the fixed wall (1, -1)/m: half
-// of a chain of 2n + 1 contacts that is symmetric about that wall. Jacobi's iteration contracts by
-// cos(π/(2n + 2)), a sweep by its square: 4 (n + 1)²/π² sweeps for a factor of e, so that the exponent in n + 1 is 2.
+// Without friction the matrix of the n + 1 contacts is (-1, 2, -1)/m, at the fixed wall (1, -1)/m:
+// half of a chain of 2n + 1 contacts that is symmetric about that wall. Jacobi's iteration
+// contracts by cos(π/(2n + 2)), a sweep by its square. A factor of e needs 4 (n + 1)²/π² sweeps, so
+// that the exponent in n + 1 is 2.
 
 #include <fmt/format.h>
 
@@ -35,13 +37,13 @@ Scene<2> chain_scene(int n, double tol, int sweeps, const ValidationContext& con
   driven.direction = driven.normal;
   driven.force = kForce;
   driven.mass = 1;
-  // Overlaps that sweeps leave keep their contacts; gaps of a rebound must not lose theirs.
+  // Contacts with overlaps left by sweeps are kept; gaps of a rebound must keep theirs.
   scene.contact_distance = 1e-6;
   scene.num_steps = kSteps;
   return scene;
 }
 
-/// The wall's way over that of the chain's mass under the force alone, ½ F t²/m.
+/// The wall's displacement over that of the chain's mass under the force alone, ½ F t²/m.
 double shortening(const State<2>& state, int n) {
   const double mass = n + 1;
   return (n - state.walls[1].a[0]) / (0.5 * kForce / mass * state.time * state.time);
@@ -69,8 +71,8 @@ ValidationExperiment stiffness() {
   return e;
 }
 
-/// So many Gauss-Seidel sweeps from the impulses of the step before, whatever is left then: what codes do that
-/// bound the work of a step. Frictionless problems with W.
+/// A fixed number of Gauss-Seidel sweeps from the impulses of the previous step, for any remaining
+/// error: as in codes that bound the work of a step. Frictionless problems with W.
 StepSolver plain_sweeps(int sweeps) {
   return [sweeps](const ContactProblem& problem, const Vector& start) {
     StepSolution solution;
@@ -87,10 +89,11 @@ StepSolver plain_sweeps(int sweeps) {
   };
 }
 
-/// A smooth mode of impulses keeps ρ^k = 1 - κ of its error in k sweeps, κ about k θ², θ = π/(2n + 2) for the
-/// slowest. With warm start the mode's impulse and velocity obey, step by step,
+/// A smooth mode of impulses keeps ρ^k = 1 - κ of its error in k sweeps, κ about k θ², θ = π/(2n +
+/// 2) for the slowest. With warm start the mode's impulse and velocity obey, step by step,
 ///   s' = s + κ (w + F h - s),  w' = w + F h - s':   an oscillator of frequency √κ/h,
-/// as of a bar of n + 1 diameters with speed of sound c = √k d/h: the wall turns back after 2 (n + 1) d/c.
+/// like a bar of n + 1 diameters with speed of sound c = √k d/h: the wall turns back after 2 (n +
+/// 1) d/c.
 ValidationExperiment speed_of_sound() {
   ValidationExperiment e;
   e.rows = {validation_row(

@@ -11,7 +11,7 @@
 namespace bipot {
 namespace {
 
-/// Calls once for each text in which claims are named.
+/// Calls `visit` for each text in which claims are named.
 template <class Visit>
 void visit_texts(Findings& findings, const Visit& visit) {
   visit(findings.paper);

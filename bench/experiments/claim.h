@@ -9,7 +9,7 @@
 
 namespace bipot {
 
-/// What a quantity must be, by whose word, and what came out. A row of `bipot paper` and of
+/// Expected value of a quantity, its source, and the measured value. A row of `bipot paper` and of
 /// `bipot validate`.
 struct Claim {
   std::string name;  ///< unique in its findings: "base_load_over_weight"
@@ -17,12 +17,12 @@ struct Claim {
   std::string unit;           ///< empty: dimensionless, or said by `quantity`
   std::string quantity;       ///< one line
   std::string expected;       ///< in words and figures; empty: nothing is known
-  std::optional<bool> holds;  ///< none: not checked, or `reason` says why it is undecided
+  std::optional<bool> holds;  ///< none: not checked, or `reason` explains why it is undecided
   std::string command;        ///< makes it again; empty: that of the findings
   int digits = 4;             ///< significant, as the page writes it
   std::string source;         ///< citation or argument; empty: `expected` says it
   double bar = 0;             ///< half width of the error bar, 0: none
-  std::string bar_is;         ///< what the error bar is
+  std::string bar_is;         ///< meaning of the error bar
   std::string reason;         ///< why it does not hold or is undecided
   std::string note;           ///< a remark on the measurement
 };
@@ -35,7 +35,7 @@ struct ClaimFigure {
   std::optional<Chart> chart;
   std::string file;          ///< relative to the folder; without chart
   bool wide = false;         ///< two columns of the page
-  std::optional<int> after;  ///< stands behind this paragraph of `ours`, from 0; else behind all
+  std::optional<int> after;  ///< follows this paragraph of `ours`, from 0; else follows all
 };
 
 struct ClaimTable {
@@ -44,21 +44,21 @@ struct ClaimTable {
   std::vector<std::vector<std::string>> rows;
 };
 
-/// What one item has found. In texts, "{name}" stands for a claim's value with its unit.
+/// Findings of one item. In texts, "{name}" stands for a claim's value with its unit.
 struct Findings {
-  std::string paper;              ///< what the paper reports, a sentence or two of our own
+  std::string paper;              ///< the paper's report in one or two sentences
   std::vector<std::string> ours;  ///< paragraphs
   std::vector<Claim> claims;
   std::vector<ClaimFigure> figures;
   std::vector<ClaimTable> tables;
 
-  /// Adds a number that texts state.
+  /// Adds a number that texts quote.
   Claim& state(std::string name, double measured, std::string unit, std::string quantity,
                int digits = 4);
-  /// Adds one that theory or the paper says something of; without `holds` both stand side by side.
+  /// Adds a number with an expected value; without `holds` both are shown side by side.
   Claim& check(std::string name, double measured, std::string unit, std::string quantity,
                std::string expected, std::optional<bool> holds, int digits = 4);
-  /// Adds a chart, behind the paragraph `after`.
+  /// Adds a chart after the paragraph `after`.
   void draw(std::string name, std::string caption, Chart chart, std::optional<int> after = {});
   /// Adds the picture <name>.svg of the folder.
   void show(std::string name, std::string caption, std::optional<int> after = {});
@@ -70,9 +70,9 @@ struct Findings {
 void complete(Findings& findings, const std::string& command);
 
 /// For reading: `digits` significant ones, integers whole with groups of three, "undefined" for
-/// NaN, 1.5e-9, unit behind a no-break space.
+/// NaN, 1.5e-9, unit after a no-break space.
 std::string to_text(double value, const std::string& unit, int digits);
-/// The measured value, with its error bar where it has one.
+/// The measured value, with its error bar if it has one.
 std::string measured_text(const Claim& claim);
 
 }  // namespace bipot

@@ -58,7 +58,7 @@ struct PointColumns {
     }
   }
 
-  /// Throws std::out_of_range where the columns do not match.
+  /// Throws std::out_of_range if the columns do not match.
   std::vector<ChartPoint> points() const {
     std::vector<ChartPoint> all;
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -206,7 +206,7 @@ class Writer {
   void operator()(const char* key, const T& value) {
     json_[key] = value_of(value);
   }
-  /// Left out where there is none.
+  /// Omitted if there is none.
   template <class T>
   void maybe(const char* key, const std::optional<T>& value) {
     if (value) (*this)(key, *value);

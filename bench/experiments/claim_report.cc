@@ -27,7 +27,7 @@ TableCell verdict(const Claim& claim) {
   return TableCell("✗ does not hold" + (claim.reason.empty() ? "" : ": " + claim.reason)).as("bad");
 }
 
-/// Columns that would be empty are left out. A command stands once, above the claims that it makes.
+/// Empty columns are left out. A command is shown once, above its claims.
 Table claim_table(const ReportItem& item) {
   struct Column {
     const char* name;

@@ -33,7 +33,7 @@ struct ReportItem {
 };
 std::string to_string(ReportItem::Status status);
 
-/// Of `bipot paper` and `bipot validate`.
+/// A report of `bipot paper` or `bipot validate`.
 struct ClaimReport {
   std::string command;            ///< of the last run
   std::vector<ReportItem> items;  ///< in the order of the page
@@ -45,12 +45,11 @@ Document to_document(const ClaimReport& report);
 
 /// Everything, charts' points included. NaN is null.
 Json to_json(const ClaimReport& report);
-/// The items that to_json wrote; none where there is no file. Throws FileError for a file that is
-/// something else.
+/// The items that to_json wrote; empty if there is no file. Throws FileError for any other file.
 std::vector<ReportItem> read_items(const std::filesystem::path& file);
 
-/// Writes index.html and the JSON under this name; charts are files that write_figures makes.
-/// Throws FileError.
+/// Writes index.html and the JSON under this name; write_figures makes the files of charts. Throws
+/// FileError.
 void write_report(const std::filesystem::path& folder, const std::string& json_name,
                   const ClaimReport& report);
 

@@ -24,10 +24,11 @@ struct Sheared {
   double inertial = 0, friction = 0, fraction = 0;
   double friction_bar = 0, fraction_bar = 0;  ///< 95 % over blocks
   double pressure = 0, pressure_bar = 0;      ///< over the one that is imposed
-  double power = 0;  ///< of the mean shear stress over what contacts dissipate
+  double power = 0;  ///< of the mean shear stress over the dissipation of contacts
 };
 
-/// The shipped plane_shear at another speed, over the shear strain `strain` in steps of at most 1e-3 of it.
+/// The shipped plane_shear at another speed, over the shear strain `strain` in steps of at most
+/// 1e-3 of it.
 Sheared shear(double speed, double strain, double tol, const ValidationContext& context,
               ExperimentOutcome& outcome) {
   Scene<2> scene = read_scene(find_scene("plane_shear"));
@@ -160,8 +161,8 @@ ValidationExperiment plane_shear() {
   return e;
 }
 
-/// Runout of a column of disks, its corner wall at the left as a plane of symmetry: (r - r0)/r0 with r within
-/// which 97 % of the mass lies at the end, r0 likewise at the start.
+/// Runout of a column of disks, its corner wall at the left as a plane of symmetry: (r - r0)/r0.
+/// Within r lies 97 % of the mass at the end, within r0 at the start.
 double runout(double aspect, int width, std::uint64_t seed, double tol,
               const ValidationContext& context, ExperimentOutcome& outcome) {
   constexpr double kDiameter = 1, kMu = 0.5;
@@ -250,9 +251,9 @@ ValidationExperiment column_collapse() {
   return e;
 }
 
-/// What the drum does to the grains, by their angular momentum L about its axis: its moment is the change of L less
-/// the moment of their weight, its work that times its speed. What becomes of the work is lost in contacts or
-/// in the grains' energy: two sums that share nothing but the states.
+/// Action of the drum on the grains, by their angular momentum L about its axis. Its moment is the
+/// change of L less the moment of their weight, its work that times its speed. The work is lost in
+/// contacts or goes into the grains' energy: two sums that share only the states.
 ValidationExperiment turning_drum() {
   ValidationExperiment e;
   e.rows = {validation_row(

@@ -1,11 +1,11 @@
-// How normal forces are distributed: a packing that is pressed from all sides against a deposit.
+// Distribution of normal forces: a packing pressed from all sides against a deposit.
 //
 // Fig. 11 of the paper has 342 disks under their own weight; `bipot paper` fits exp(-β f/<f>) from
 // 1.5 means on and finds β about 0.96. In an isotropic packing the mean force is the same
-// everywhere; in a deposit it grows with depth, from 0 to twice its mean, so that the distribution is a mixture
-// of scales. If every layer has a tail exp(-β f/mean of the layer), the mixture's tail falls more
-// slowly than β and, as no layer has more than twice the mean, not more slowly than β/2. [ours] With forces over the
-// mean of their own layer the mixture is undone.
+// everywhere. In a deposit it grows with depth, from 0 to twice its mean, so that the distribution
+// is a mixture of scales. Let every layer have a tail exp(-β f/mean of the layer). The mixture's
+// tail then decreases more slowly than β and, as no layer has more than twice the mean, not more
+// slowly than β/2. [ours] Forces over the mean of their own layer remove the mixture.
 
 #include <fmt/format.h>
 

@@ -11,9 +11,9 @@ namespace {
 
 const std::string kMotion = "exact cases: bounces and swings";
 
-/// Falls from 1 m above the floor, e_n = 0.6. In the step that sees the floor the ball is within
-/// v h of it, so the heights before and after are those of a floor as much higher or lower:
-/// H1/H0 = e² (1 ± v h/H0 (1 + 1/e²)), its root half of that.
+/// Falls from 1 m above the floor, e_n = 0.6. In the step that detects the floor the ball is within
+/// v h of it. The heights before and after are then those of a floor as much higher or lower: H1/H0
+/// = e² (1 ± v h/H0 (1 + 1/e²)), its root half of that.
 ValidationExperiment bouncing() {
   constexpr double kRestitution = 0.6, kStep = 1e-4;
   ValidationExperiment e;
@@ -47,11 +47,11 @@ ValidationExperiment bouncing() {
 }
 
 /// A disk of radius a rolls without sliding in a hollow circle of radius R. With the angle φ of its
-/// place, kinetic energy is 3/4 m ((R - a) φ')², potential m g (R - a)(1 - cos φ): a pendulum of
-/// length 3/2 (R - a), whose period from rest at φ0 is 4 √(l/g) K(sin φ0/2).
-/// The normal turns by φ' h in a step, whose shock takes the share (φ' h)² of the energy with it:
-/// φ'² <= φ0² g/l, so over a period at most 2π h φ0² √(g/l) = 5e-3 of the energy, which changes the
-/// period by φ0²/16 of that.
+/// position, kinetic energy is 3/4 m ((R - a) φ')², potential m g (R - a)(1 - cos φ). It is a
+/// pendulum of length 3/2 (R - a), whose period from rest at φ0 is 4 √(l/g) K(sin φ0/2). The normal
+/// turns by φ' h in a step, whose shock dissipates the share (φ' h)² of the energy: φ'² <= φ0² g/l.
+/// Over a period that is at most 2π h φ0² √(g/l) = 5e-3 of the energy, which changes the period by
+/// φ0²/16 of that.
 ValidationExperiment swinging() {
   constexpr double kDrum = 1, kRadius = 0.2, kStart = 0.5, kStep = 1e-3;
   constexpr double kLength = 1.5 * (kDrum - kRadius);

@@ -1,4 +1,4 @@
-// Forces that are not determined: how far the admissible ones lie apart.
+// Undetermined forces: the range of the admissible ones.
 
 #include <fmt/format.h>
 
@@ -19,9 +19,9 @@ namespace {
 const std::string kIndeterminacy = "indeterminacy of forces";
 constexpr double kWeight = 9.81;
 
-/// A disk of 1 kg in a groove of two planes that rise by 45° to both sides. By symmetry of moments the two
-/// frictions T are equal, as are the forces N: 2 (N cos α + T sin α) = w with |T| <= mu N leaves
-/// N in w/2 [1/(cos α + mu sin α), 1/(cos α - mu sin α)].
+/// A disk of 1 kg in a groove of two planes that rise by 45° to both sides. By symmetry of moments
+/// the two frictions T are equal, as are the forces N: 2 (N cos α + T sin α) = w with |T| <= mu N
+/// leaves N in w/2 [1/(cos α + mu sin α), 1/(cos α - mu sin α)].
 Scene<2> groove(double mu, double tol, const ValidationContext& context) {
   Scene<2> scene = experiment_scene<2>({.mu = mu}, 1e-2, tol, context);
   const double half = std::sqrt(0.5);
@@ -101,7 +101,8 @@ Scene<2> small_pile(int count, std::uint64_t seed, double mu, double tol,
   return scene;
 }
 
-/// Spread of the admissible forces that hold a settled pile still, at its contacts but with friction `mu`.
+/// Spread of the admissible forces that hold a settled pile, at its contacts but with friction
+/// `mu`.
 double spread_of(Scene<2> scene, State<2> state, double mu) {
   scene.laws[0].mu = mu;
   for (Disk& d : state.bodies) {
@@ -111,9 +112,10 @@ double spread_of(Scene<2> scene, State<2> state, double mu) {
   return force_spread(admissible_forces(step_problem(scene, state, false)));
 }
 
-/// Without friction a generic pile has as many contacts as equations, so its forces are determined. With a
-/// small mu the tangential forces are free within mu n, and the normal ones answer linearly: spread ~ mu. A
-/// larger mu allows all that a smaller one does: for a given geometry the spread never falls.
+/// Without friction a generic pile has as many contacts as equations, so that its forces are
+/// determined. With a small mu the tangential forces are free within mu n, and the normal ones
+/// respond linearly: spread ~ mu. A larger mu allows all that a smaller one does: for a given
+/// geometry the spread never decreases.
 ValidationExperiment spread() {
   ValidationExperiment e;
   e.rows = {

@@ -16,7 +16,7 @@ bool before(const ContactOutcome<2>& a, const ContactOutcome<2>& b) {
   return a.contact.i != b.contact.i ? a.contact.i < b.contact.i : a.contact.j < b.contact.j;
 }
 
-/// Shows the pairs of two sorted lists, once each; null where a list does not have the pair.
+/// Visits the pairs of two sorted lists, once each; null if a list does not have the pair.
 template <class Show>
 void merge_pairs(std::span<const ContactOutcome<2>> a, std::span<const ContactOutcome<2>> b,
                  const Show& show) {
@@ -33,7 +33,7 @@ void merge_pairs(std::span<const ContactOutcome<2>> a, std::span<const ContactOu
   }
 }
 
-/// What a chord at a distance from the centre cuts off a circle.
+/// Area that a chord at a distance from the centre cuts off a circle.
 double segment_area(double radius, double distance) {
   const double x = std::clamp(distance / radius, -1.0, 1.0);
   return radius * radius * (std::acos(x) - x * std::sqrt(1 - x * x));
@@ -67,8 +67,8 @@ PackingRun run_packing(
   options.cancelled = interrupted;
   options.before_step = [&](State<2>& next) {
     previous = next;
-    // e_t = 1 turns tangential velocities round at each step, so at rest forces repeat themselves
-    // every second one: what was two steps before is then the better start.
+    // e_t = 1 reverses tangential velocities at each step. At rest forces then repeat themselves
+    // every second step: those of two steps before are the better start.
     if (force_correlation(next.contacts, older) > force_correlation(next.contacts, old)) {
       next.contacts = old;
       ++run.far_starts;

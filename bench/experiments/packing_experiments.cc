@@ -1,10 +1,10 @@
-// Packings under isotropic pressure: how many contacts hold them, how densely.
+// Packings under isotropic pressure: number of contacts that hold them, and density.
 //
-// N' bodies that take part (no rattlers) and M loaded contacts. Without friction a contact is one force,
-// a body D equations; generic packings at rest have no more forces than equations (else radii would have
-// to fit by chance) and no fewer (else they move): M = D N' + driven sides - what a rigid shift
-// leaves free. With friction D forces a contact, D (D + 1)/2 equations a body: D M >= D(D+1)/2 N' + ...,
-// and sliding contacts have one force less.
+// N' bodies take part (no rattlers), with M loaded contacts. Without friction a contact is one
+// force, a body D equations. Generic packings at rest have no more forces than equations (else
+// radii would have to fit by chance) and no fewer (else they move): M = D N' + driven sides - free
+// rigid shifts. With friction a contact is D forces, a body D (D + 1)/2 equations: D M >= D(D+1)/2
+// N' + ..., and sliding contacts have one force less.
 
 #include <fmt/format.h>
 
@@ -191,7 +191,8 @@ Scene<3> pressed_box(int count, double mu, std::uint64_t seed, double tol,
   return scene;
 }
 
-/// Loaded contacts and spheres without rattlers: those with fewer than `least` contacts with others that are none.
+/// Loaded contacts and spheres without rattlers, which have fewer than `least` contacts with other
+/// spheres that are none.
 Counted count_spheres(const State<3>& state, int least) {
   const int spheres = static_cast<int>(state.bodies.size());
   std::vector<bool> rattler(to_size(spheres), false);

@@ -1,4 +1,4 @@
-// Fig. 10: equal disks at rest in regular arrays, against what statics says of them.
+// Fig. 10: equal disks at rest in regular arrays, compared with statics.
 
 #include <fmt/format.h>
 
@@ -25,7 +25,7 @@
 namespace bipot {
 namespace {
 
-/// Friction of the pyramid that is drawn: above what any size needs (tan 30° = 0.577).
+/// Friction of the drawn pyramid: above the need of any size (tan 30° = 0.577).
 constexpr double kStandingMu = 0.6;
 
 /// A step from rest: the state after it, with the contacts' forces.
@@ -52,7 +52,7 @@ Rest one_step(const std::string& family, int side, double mu, const std::string&
   return rest;
 }
 
-/// Largest error of a vertical contact force of a square lattice over what stands above it.
+/// Largest error of a vertical contact force of a square lattice over the weight above it.
 double column_error(const Rest& rest, int side) {
   double worst = 0;
   for (const ContactOutcome<2>& c : rest.state.contacts) {
@@ -65,7 +65,7 @@ double column_error(const Rest& rest, int side) {
 }
 
 /// Dimension of the impulses that move nothing: rows of s less the rank of H, whose entries are
-/// cosines and radii, so that it shows in the pivots.
+/// cosines and radii, so that the pivots show it.
 int self_stresses(const ContactProblem& problem) {
   return problem.num_rows() - numerical_rank(Eigen::MatrixXd(problem.H), 1e-10);
 }
@@ -246,15 +246,15 @@ class Fig10 {
 
   // Two disks on the floor, touching, a third on top; a the radius, W the weight of one disk.
   //
-  // Top disk: by symmetry it is held by two forces with vertical part W/2 each. Lower disk: besides
-  // its weight and the floor's reaction, whose lines pass through the floor contact F, it feels the
-  // top disk's push Q and its neighbour's push N >= 0, horizontal, outwards, at the height of the
-  // centre. (The neighbour's friction: equilibria form a convex set, so the mean of one and its
-  // mirror image is one too, and there it vanishes.) The contact with the top disk lies at
+  // Top disk: by symmetry two forces with vertical part W/2 each hold it. Lower disk: the lines of
+  // its weight and of the floor's reaction pass through the floor contact F. Besides, it feels the
+  // top disk's force Q and its neighbour's force N >= 0, horizontal, outwards, at the height of the
+  // centre. (The neighbour's friction: equilibria form a convex set, so that the mean of one and
+  // its mirror image is one too, and there it vanishes.) The contact with the top disk lies at
   // (a/2, √3 a/2) from the centre, (a/2, a (1 + √3/2)) from F. With Q = (H outwards, W/2 downwards)
-  // moments about F give H (1 + √3/2) + N = W/4: hence H <= W/4 / (1 + √3/2) = (W/2) tan 15°.
-  // The normal there leans 30° from the vertical. Q leans atan(2H/W) <= 15°, so it needs the
-  // friction tan(30° - 15°) = 2 - √3 at least, with equality for N = 0. The floor takes H + N
+  // moments about F give H (1 + √3/2) + N = W/4: hence H <= W/4 / (1 + √3/2) = (W/2) tan 15°. The
+  // normal there leans 30° from the vertical. Q leans atan(2H/W) <= 15°. It therefore needs a
+  // friction of at least tan(30° - 15°) = 2 - √3, with equality for N = 0. The floor carries H + N
   // sideways, least for N = 0, and 3W/2 down: (2 - √3)/3.
   void three_disks() {
     context_.report("pyramid of 3 disks");
@@ -352,7 +352,7 @@ class Fig10 {
     }
   }
 
-  /// What each solver's answer to the first step makes of a pyramid that could stand.
+  /// Result of each solver's answer to the first step for a pyramid that could stand.
   void selection() {
     const std::vector<double> mus = {0.545, 0.6, 0.8, 1, 2, 4};
     for (const int rows : {10, 20}) {
@@ -366,8 +366,8 @@ class Fig10 {
           rows, kFirstOrder, kSecondOrder);
       table.columns = {"solver"};
       for (const double mu : mus) table.columns.push_back(fmt::format("μ = {:g}", mu));
-      // Of the answers: the largest mu at which one falls; extremes of motion where forces that
-      // hold exist.
+      // Over the answers: the largest mu at which one falls; extremes of motion for those mu with
+      // an equilibrium.
       double last_fall = 0, least = 1e300, most = 0;
       for (const char* solver :
            {"uzawa", "classical", "pgs", "apgd", "anderson", "admm", "newton", "ipm", "auto"}) {

@@ -19,13 +19,14 @@
 namespace bipot {
 namespace {
 
-constexpr double kRestEnergy = 1e-9;  // kinetic energy at rest, relative to what the fall released
-constexpr int kQuietSteps = 100;      // at rest for as long
-constexpr double kLatest = 0.5;  // a packing that is not at rest by then is not waited for     [s]
-constexpr double kSample = 0.2;  // duration of the packings that only give forces            [s]
+// Kinetic energy at rest, relative to the energy released by the fall.
+constexpr double kRestEnergy = 1e-9;
+constexpr int kQuietSteps = 100;        // at rest for as long
+constexpr double kLatest = 0.5;         // time limit for a packing to come to rest     [s]
+constexpr double kSample = 0.2;         // duration of packings that only give forces            [s]
 constexpr double kDiameter = 1.525e-3;  // mean of the three sizes                               [m]
 
-/// What a packing does until it is at rest.
+/// A packing on its way to rest.
 struct Settling {
   Scene<2> scene;
   State<2> state;
@@ -80,8 +81,8 @@ Scene<2> fig11_scene(const Variant& v) {
   return scene;
 }
 
-/// Goes on until the mean energy of the last kQuietSteps steps is below kRestEnergy of what the fall
-/// released, that of the displacing velocities or the kinetic one.
+/// Continues until the mean energy of the last kQuietSteps steps is below kRestEnergy of the energy
+/// released by the fall. The energy is that of the displacing velocities, or the kinetic one.
 void settle(Settling& s, const PaperContext& context, bool by_displacement) {
   const double total = weight(s.scene);
   double released = s.initial;
@@ -134,10 +135,10 @@ Settling settled(const Variant& v, const PaperContext& context) {
   return s;
 }
 
-/// What a period-two motion at rest can hold: with stuck contacts (u_n = 0) and tangential
-/// velocities that e_t = 1 reverses at every step, the alternating velocity w has
-/// w·A w = ½ Σ s_t u_t(w), |s_t| <= mu s_n, so by Cauchy and Schwarz ½ w·A w is at most
-/// ⅛ z·W z for tangential impulses z <= mu s_n, and that at most 3/8 Σ_i (mu Σ_c s_n)² / m_i.
+/// Bound of a period-two motion at rest: with stuck contacts (u_n = 0) and tangential velocities
+/// that e_t = 1 reverses at every step, the alternating velocity w has w·A w = ½ Σ s_t u_t(w),
+/// |s_t| <= mu s_n. By Cauchy and Schwarz ½ w·A w is at most ⅛ z·W z for tangential impulses z <=
+/// mu s_n, and that at most 3/8 Σ_i (mu Σ_c s_n)² / m_i.
 double alternating_bound(const Settling& s) {
   std::vector<double> normal(s.state.bodies.size(), 0.0);
   for (const ContactOutcome<2>& o : s.state.contacts) {
@@ -166,7 +167,7 @@ ChartSeries tail_line(const std::string& name, int style, const std::vector<doub
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
-/// What is measured in several packings, one entry a packing, and their forces together.
+/// Measurements over several packings, one entry for each, and all their forces.
 struct Samples {
   std::vector<double> roughness;           ///< rms deviation of the surface over kDiameter
   std::vector<double> slopes, heaps;       ///< of the surface, degrees
@@ -348,7 +349,7 @@ class Fig11 {
                  chart, 2);
   }
 
-  /// How the packing comes to rest; takes `main` further with smaller steps.
+  /// How the packing comes to rest; continues `main` with smaller steps.
   void rest(Settling main, const Settling& inelastic) {
     energy_numbers(main, inelastic);
     const double released = main.released();
@@ -387,9 +388,9 @@ class Fig11 {
                   inelastic.at_rest, 2);
   }
 
-  /// A packing at rest with e_t = 1, taken further with smaller and smaller steps.
+  /// A packing at rest with e_t = 1, continued with smaller and smaller steps.
   struct GoingOn {
-    /// Kinetic energy, and what friction can hold, over the energy released, against the step.
+    /// Kinetic energy, and the bound by friction, over the energy released, against the step.
     ChartSeries levels{"kinetic energy at rest", 0, {}}, bounds{"bound", 1, {}};
     bool below = true;         ///< each level its bound
     double last = 0;           ///< kinetic energy with the smallest step                    [J]

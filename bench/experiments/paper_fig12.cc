@@ -75,7 +75,7 @@ struct WantedVariation {
   bool choice;  ///< one of the paper's open choices: density or mass
 };
 
-/// What the variations have in common and what sets some of them apart.
+/// Common properties of the variations, and the differences of some.
 struct VariationExtremes {
   // Over the paper's open choices.
   double least_fraction = 1, most_fraction = 0, most_anisotropy = 0;

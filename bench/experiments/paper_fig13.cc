@@ -66,7 +66,7 @@ History history(const ErrorMethod& method, int side, double mu, double tilt, int
   return h;
 }
 
-/// `value` against the iteration, one marker in about half a decade.
+/// `value` against the iteration, about one marker in half a decade.
 ChartSeries curve(const std::string& name, int style, const History& h,
                   double (*value)(const IterationRecord&)) {
   ChartSeries series{name, style, {}};
@@ -84,7 +84,7 @@ ChartSeries curve(const std::string& name, int style, const History& h,
 double guarded(const IterationRecord& r) { return r.error.guarded(); }
 double raw(const IterationRecord& r) { return r.error.raw42; }
 
-/// Decrease of ln ε an iteration, by least squares over the last four decades.
+/// Decrease of ln ε in an iteration, by least squares over the last four decades.
 double decay(const History& h) {
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
   const double last = h.records.back().error.guarded();
@@ -144,9 +144,9 @@ class Fig13 {
 
  private:
   // Frictionless, the paper's step: every contact of a column is a Jacobi iteration of the column's
-  // equations 2 s_k - s_{k-1} - s_{k+1} = m g h, with s_n = 0 above the top and, the floor's own
-  // step being twice as long, a mirror at the floor. Its modes are cos(theta k), theta = (2j - 1)
-  // pi / 2n, and shrink by cos theta: the slowest by cos(pi / 2n) an iteration.
+  // equations 2 s_k - s_{k-1} - s_{k+1} = m g h. Here s_n = 0 above the top. At the floor, whose
+  // own step is twice as long, there is a mirror. Its modes are cos(theta k), theta = (2j - 1) pi /
+  // 2n, and shrink by cos theta: the slowest by cos(pi / 2n) in an iteration.
   static double slowest_time_constant(int side) {
     return -1 / std::log(std::cos(std::numbers::pi / (2 * side)));
   }
@@ -221,7 +221,7 @@ class Fig13 {
          context_.quick ? std::vector<int>{10} : std::vector<int>{10, 20, 50, 100}) {
       Chart chart = error_chart(
           fmt::format("Error against the iteration, square lattice {0} × {0}", side), kLawError);
-      // So many contact updates that the largest lattice ends in seconds.
+      // Limits contact updates so that the largest lattice ends in seconds.
       const int cap = static_cast<int>(std::min(2e5, 3e8 / (2.0 * side * side + side)));
       for (const ErrorMethod& method : methods()) {
         if (context_.stopped()) return;
@@ -261,7 +261,7 @@ class Fig13 {
         fmt::format("{1} × {1}, μ = 0.3, {0}: iterations{2}", method.name, side, outcome));
   }
 
-  /// The lattice leans: friction has something to do, and raw (42) a denominator.
+  /// The lattice is tilted: friction acts, and raw (42) has a denominator.
   void leaning() {
     const int side = context_.quick ? 10 : 20;
     Chart chart =

@@ -29,7 +29,7 @@ struct CurveMethod {
   GrowthMethod method;
   std::string id;
   int style;
-  double work;  ///< contact updates that a solve may take; a larger problem is not begun
+  double work;  ///< largest number of contact updates of a solve; larger problems are not started
 };
 
 struct Case {
@@ -42,7 +42,7 @@ struct Case {
 class Fig14 {
  public:
   explicit Fig14(const PaperContext& context) : context_(context) {
-    // Sweeps get some 3 s of one core, momentum eight times that.
+    // Sweeps get about 3 s of one core, momentum eight times that.
     const double work = context.quick ? 1e7 : 3e8;
     methods_ = {{{"uzawa, paper's ρ", "uzawa", {{"rho", "paper"}}}, "uzawa_paper", 0, work},
                 {{"uzawa, stable ρ", "uzawa", {{"rho", "stable"}}}, "uzawa_stable", 1, work},
@@ -106,7 +106,7 @@ class Fig14 {
   }
 
   void measure(const Case& c) {
-    // Iterations at the size before, for each method and tolerance; infinite when not met.
+    // Iterations at the previous size, for each method and tolerance; infinite if not met.
     std::vector<std::vector<double>> before(methods_.size(), std::vector<double>(kTols.size(), 0));
     double disks_before = 0;
     for (const double size : c.sizes) {
@@ -117,7 +117,7 @@ class Fig14 {
         const CurveMethod& method = methods_[m];
         if (method.method.solver == "ipm" && size > 1.01 * c.largest_ipm) continue;
         const double cap = method.work / problem.problem.num_contacts();
-        // Growth no faster than N is foreseen; the limit of iterations holds in any case.
+        // Assumes growth no faster than N; the limit of iterations holds in any case.
         std::vector<double> tols;
         for (std::size_t t = 0; t < kTols.size(); ++t) {
           const double expected =

@@ -10,7 +10,7 @@
 
 namespace bipot {
 
-/// What a figure or table of the paper has to work with.
+/// Input of a figure or table of the paper.
 struct PaperContext {
   std::filesystem::path out;                    ///< of the report; exists
   bool quick = false;                           ///< small sizes, seconds
@@ -24,8 +24,7 @@ struct PaperContext {
 };
 
 /// A row of the table of items. An item that was asked to stop (context.interrupted) returns early;
-/// what it returns is not shown. One that cannot do its work throws, and the page shows the
-/// message.
+/// its result is not shown. If it fails it throws, and the page shows the message.
 struct PaperItem {
   std::string_view name;   ///< for --only
   std::string_view title;  ///< "Fig. 10: quasi-static arrays"

@@ -1,5 +1,5 @@
-// The paper's claim about its stop test: the error in the constitutive law (42) serves better than
-// the Euclidean difference of successive forces. Held against the true error.
+// The paper's claim about its stop test: the error in the constitutive law (42) is better than the
+// Euclidean difference of successive forces. Compared with the true error.
 
 #include <fmt/format.h>
 
@@ -73,7 +73,7 @@ TestProblem impact(int count) {
   Disk striker = *top;
   striker.v = Vec2(0, -20);
   striker.spin = 0;
-  // Beyond touching by less than the way to mid-step, 0.1 m: a contact of this step.
+  // Nearer than the path to mid-step, 0.1 m: a contact of this step.
   striker.x = top->x + Vec2(0, 2 * top->radius + 0.05);
   pile.scene.bodies.push_back(striker);
   pile.state.bodies.push_back(striker);
@@ -118,8 +118,8 @@ std::vector<StopTestRow> select(const std::vector<StopTestRow>& rows,
   return chosen;
 }
 
-/// Largest and smallest error of the scenes and solvers of one group, one pair of curves per test.
-/// Errors of exactly 0 (one contact, solved by one sweep) say nothing of a test and stay out.
+/// Largest and smallest error of the scenes and solvers of one group, one pair of curves for each
+/// test. Errors of exactly 0 (one contact, solved by one sweep) are not informative and left out.
 Chart envelope_chart(const std::vector<StopTestRow>& rows, const Group& group,
                      const std::string& measure, Measure value, const std::vector<double>& tols) {
   Chart chart;
@@ -153,7 +153,7 @@ Chart envelope_chart(const std::vector<StopTestRow>& rows, const Group& group,
   return chart;
 }
 
-/// How far the error stands above the tolerance when lattices grow.
+/// How far the error exceeds the tolerance as lattices grow.
 struct Growth {
   Chart chart;
   PowerLaw difference, guarded;  ///< of velocity error / tol against rows, pgs
@@ -201,7 +201,7 @@ Growth study_growth(const PaperContext& context) {
   return growth;
 }
 
-/// One row per scene and solver at one tolerance: what each test returned, and after how long.
+/// One row for each scene and solver at one tolerance: result and time of each test.
 ClaimTable cases_table(const std::vector<StopTestRow>& rows, double tol) {
   ClaimTable table;
   table.name = "stop_test_cases";
@@ -322,7 +322,7 @@ class StopTestItem {
     }
   }
 
-  /// How well each test foretells the velocity error of each group of scenes.
+  /// How well each test predicts the velocity error of each group of scenes.
   void forecast() {
     for (const Group& group : kGroups) {
       for (const Test& test : kTests) {
@@ -363,7 +363,7 @@ class StopTestItem {
     result_.check(name, value, "", meaning, expected, holds);
   }
 
-  /// Those predictions that the text states; the table has them all.
+  /// Predictions that the text quotes; the table has them all.
   void prediction_numbers() {
     const auto state = [this](const std::string& key, const char* what, double value,
                               const char* meaning) {

@@ -1,4 +1,4 @@
-// The mean stress tensor that the paper names as future work.
+// The mean stress tensor, which the paper names as future work.
 
 #include <fmt/format.h>
 
@@ -89,7 +89,7 @@ class StressItem {
                   "the same of the contact part alone, falling", 2);
   }
 
-  /// The tensor against what the walls do to the sample, once it is jammed.
+  /// The tensor against the action of the walls on the sample, once it is jammed.
   void wall_pressures(const Compression& rough, const Compression& smooth) {
     const CompressionPhase &jam = smooth.jammed, &rough_jam = rough.jammed;
     const double pressure_error = std::abs(0.5 * jam.stress.trace() / jam.wall_pressure - 1);

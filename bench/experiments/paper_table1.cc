@@ -13,8 +13,8 @@
 namespace bipot {
 namespace {
 
-/// What a film of the ball shows: the greatest height and the duration of each flight between two
-/// impacts, both to within a time step.
+/// Quantities from a film of the ball: the greatest height and the duration of each flight between
+/// two impacts, both to within a time step.
 struct Bounces {
   std::vector<double> height, flight_time;  ///< of the whole flights, from the first impact on
   int impacts = 0, max_iterations = 0;
@@ -69,8 +69,8 @@ Findings run_table1(const PaperContext& context) {
   film.y = {"height above the plane (m)", ChartAxis::Kind::kLinear, 0.0, 0.1};
   // The paper's relative errors in percent: heights and times of the bounces 1 and 2.
   constexpr double kPaper[2][2][2] = {{{0, 0}, {0, 0}}, {{2.1, 5.6}, {0.3, 0.4}}};
-  // An impact is placed within one step of length |v| h <= 0.14 mm of the plane, so heights are off
-  // by at most twice that (before and after the flight) and times by two steps.
+  // An impact is located within one step of length |v| h <= 0.14 mm of the plane. Errors of heights
+  // are at most twice that (before and after the flight), of times two steps.
   const double h = 1e-4, v0 = std::sqrt(2 * g * kHeight);
   int iterations = 0;
   for (int k = 0; k < 2; ++k) {

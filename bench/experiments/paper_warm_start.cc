@@ -1,5 +1,5 @@
 // Warm start, which the paper leaves to future work: iterations from s = 0 and from the impulses of
-// the step before, over a compaction.
+// the previous step, over a compaction.
 
 #include <fmt/format.h>
 
@@ -26,8 +26,8 @@ constexpr std::array<Phase, 4> kPhases = {Phase{"fall", "fall"}, Phase{"impact",
                                           Phase{"settling", "settling"}, Phase{"rest", "rest"}};
 constexpr std::size_t kFall = 0, kImpact = 1, kSettling = 2, kRest = 3;  // places in kPhases
 
-/// Where the phases end: the fall with the largest kinetic energy, the impact when a thousandth of
-/// it is left, settling when no later step has more than 1e-5 of it.
+/// Ends of the phases: the fall with the largest kinetic energy, the impact when a thousandth of it
+/// remains, settling when no later step has more than 1e-5 of it.
 struct Phases {
   int fall = 0, impact = 0, settling = 0;  ///< last step of each
 
@@ -50,8 +50,8 @@ Phases find_phases(const std::vector<WarmStartRow>& rows) {
   return phases;
 }
 
-/// Sums over steps of one solver and phase. A solve that ran into the limit counts with it; steps
-/// on which neither start got there are left out of the sums.
+/// Sums over steps of one solver and phase. A solve that reached the limit counts with it; steps on
+/// which neither start converged are left out.
 struct Gain {
   int steps = 0, hurt = 0, cold_unmet = 0, warm_unmet = 0;
   double cold = 0, warm = 0;
@@ -68,7 +68,7 @@ struct Gain {
     cold += row.cold;
     warm += row.warm;
   }
-  /// Iterations cold over iterations warm; NaN where nothing is left to count.
+  /// Iterations cold over iterations warm; NaN if nothing counts.
   double ratio() const { return warm > 0 ? cold / warm : std::nan(""); }
 };
 
@@ -200,7 +200,7 @@ class WarmStartItem {
     result_.check(name, value, "", meaning, expected, holds);
   }
 
-  /// Those gains that the text states; the tables have them all.
+  /// Gains that the text quotes; the tables have them all.
   void gain_numbers() {
     const auto state = [this](const Run& run, const char* solver, std::size_t phase) {
       const bool whole = phase == kPhases.size();
@@ -218,7 +218,8 @@ class WarmStartItem {
     }
   }
 
-  /// While disks fall and strike: what is carried over, and how often the warm start hurts.
+  /// While disks fall and strike: number of starts carried over, and cases in which the warm start
+  /// hurts.
   void moving_numbers() {
     const Gain& falling = runs_[0].gains.at("pgs")[kFall];
     number("carried",
@@ -246,7 +247,7 @@ class WarmStartItem {
     };
     const double least =
         std::min({gain(0, "pgs"), gain(0, "apgd"), gain(1, "pgs"), gain(1, "apgd")});
-    // A shallow box of few disks keeps moving with e_t = 1: no statement about rest there.
+    // A shallow box of few disks keeps moving with e_t = 1: rest is not evaluated there.
     number("rest_gain_least", least, "smallest gain at rest, pgs and apgd, both runs",
            context_.quick ? "" : "above 1: at rest the warm start pays",
            context_.quick ? std::nullopt : std::optional<bool>(least > 1));

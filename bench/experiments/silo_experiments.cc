@@ -1,9 +1,10 @@
-// Grains in a narrow silo: the walls carry what friction lets them; and how fast they run out of it.
+// Grains in a narrow silo: load on the walls by friction, and rate of discharge.
 //
-// Balance of a layer at depth z in a plane silo of width L: dQ/dz = ρ g L - 2 τ, with the wall's shear stress
-// τ = m σ_x, m <= μ (Coulomb), and σ_x = K Q/L: Q = ρ g L λ (1 - exp(-z/λ)), λ = L/(2 m K). While the floor gives way
-// slowly, grains slide down along the walls and m is near μ. Since τ >= 0 there and 2 τ <= 2 μ σ_x, the floor's
-// load lies between the weight less μ times the walls' normal force, and the weight: exact.
+// Balance of a layer at depth z in a plane silo of width L: dQ/dz = ρ g L - 2 τ, with the wall's
+// shear stress τ = m σ_x, m <= μ (Coulomb), and σ_x = K Q/L. Hence Q = ρ g L λ (1 - exp(-z/λ)), λ =
+// L/(2 m K). While the floor sinks slowly, grains slide down along the walls and m is near μ. Since
+// τ >= 0 there and 2 τ <= 2 μ σ_x, the floor's load lies between the weight less μ times the walls'
+// normal force, and the weight: exact.
 
 #include <fmt/format.h>
 
@@ -102,7 +103,8 @@ SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationCo
   return load;
 }
 
-/// λ of Q = q λ (1 - exp(-z/λ)) by least squares in λ, with q the slope at the surface (weight over height).
+/// λ of Q = q λ (1 - exp(-z/λ)) by least squares in λ, with q the slope at the surface (weight over
+/// height).
 double screening_length(const SiloLoad& load, double& rms) {
   const double slope = load.weight / load.height;
   const auto misfit = [&](double length) {
@@ -200,8 +202,8 @@ ValidationExperiment janssen() {
   return e;
 }
 
-/// Mass per time out of a hole of `hole` in the middle of a silo's floor, in the two halves of a time in which the
-/// filling goes from 9 to 6 tenths.
+/// Mass flow out of a hole of width `hole` in the middle of a silo's floor, in the two halves of
+/// the time in which the filling decreases from 9 to 6 tenths.
 struct Discharge {
   double first = kNaN, second = kNaN;  ///< [kg/s]
 };

@@ -1,11 +1,10 @@
-// One body on a floor: what rigid-body mechanics says by hand.
+// One body on a floor, compared with rigid-body mechanics.
 //
 // With inertia c m a² (disk c = 1/2, sphere 2/5) on a slope of angle θ, friction f up the slope:
 //   m dv/dt = m g sin θ - f,   c m a dw/dt = f;   rolling, v = a w:  dv/dt = g sin θ / (1 + c),
-// f = m g sin θ c/(1 + c) <= mu m g cos θ  iff  tan θ <= mu (1 + c)/c. Thrown without spin on a flat
-// floor, m v + c m a w is what friction leaves alone: rolling at v0/(1 + c).
-// The scheme's velocities are exact where forces are constant, and its places then too: only the
-// step in which sliding ends is rounded.
+// f = m g sin θ c/(1 + c) <= mu m g cos θ iff tan θ <= mu (1 + c)/c. Thrown without spin on a flat
+// floor, friction conserves m v + c m a w: rolling at v0/(1 + c). The scheme's velocities are exact
+// for constant forces, and so are its positions. Only the step in which sliding ends is rounded.
 
 #include <fmt/format.h>
 
@@ -32,7 +31,7 @@ const char* body_name() {
   return D == 2 ? "disk" : "sphere";
 }
 
-/// A body of radius 1 m and 1 kg that touches the floor; gravity leans by `slope` towards +x.
+/// A body of radius 1 m and 1 kg that touches the floor; gravity is tilted by `slope` towards +x.
 template <int D>
 Scene<D> on_floor(double slope, double mu, double step, double tol,
                   const ValidationContext& context) {
@@ -44,7 +43,7 @@ Scene<D> on_floor(double slope, double mu, double step, double tol,
   return scene;
 }
 
-/// Velocity of the point of contact along x: clockwise turning rolls forwards; in space about +y.
+/// Velocity of the point of contact along x: clockwise rotation rolls forwards; in 3D about +y.
 double slip(const Disk& d) { return d.v[0] + d.radius * d.spin; }
 double slip(const Sphere& s) { return s.v[0] - s.radius * s.spin[1]; }
 
@@ -84,7 +83,8 @@ ValidationExperiment rolling() {
 }
 
 /// The least mu at which a body on the slope does not slide. Below it the contact slides away with
-/// g sin θ (1 - mu/mu_c), so "slides by more than 1e-3 of free fall" puts it at (1 - 1e-3) mu_c.
+/// g sin θ (1 - mu/mu_c). The criterion "slides by more than 1e-3 of free fall" puts it at (1 -
+/// 1e-3) mu_c.
 template <int D>
 ValidationExperiment threshold(bool block) {
   const double c = share<D>();
@@ -167,8 +167,8 @@ ValidationExperiment braking() {
   ValidationRow row =
       exact_row("block_stops", "way of a block thrown at 3 m/s on μ = 0.3 until it stands [m]",
                 "v0²/(2 μ g) = 1.529 m", kSpeed * kSpeed / (2 * kBrake));
-  // In the step that stops it the speed falls from v <= a h to 0 in h, not in v/a: the way v h/2
-  // instead of v²/2a, at most a h²/8 more.
+  // In the step that stops it the speed falls from v <= a h to 0 in h, not in v/a: the distance v
+  // h/2 instead of v²/2a, at most a h²/8 more.
   row.allowed = std::pow(kBrake * kStep / kSpeed, 2) / 4 + 1e-6;
   row.allowed_why = "the step that stops it: (μ g h/v0)²/4";
   e.rows = {row};

@@ -1,4 +1,4 @@
-// Few bodies that stand by friction, or in a hollow, up to a threshold.
+// A few bodies that stand by friction, or in a hollow, up to a threshold.
 
 #include <cmath>
 #include <numbers>
@@ -11,7 +11,7 @@ namespace {
 
 const std::string kStanding = "exact cases: what stands";
 
-/// Motion after the scene's steps: the largest way of a body over that of free fall.
+/// Motion after the scene's steps: the largest path of a body over that of free fall.
 template <int D>
 double motion_of(const Scene<D>& scene, const ValidationContext& context,
                  ExperimentOutcome& outcome) {
@@ -60,9 +60,9 @@ Scene<D> heap(double mu, double mu_floor, double tol, const ValidationContext& c
   return scene;
 }
 
-/// The force on a lower body from the top one passes through its floor contact, so it leans by half
-/// the angle φ of the line of centres from the vertical: mu >= tan(φ/2). The floor carries that
-/// load's vertical part, W/n of it, and the body's own W; along the floor W/n tan(φ/2):
+/// The force on a lower body from the top one passes through its floor contact. It therefore leans
+/// by half the angle φ of the line of centres from the vertical: mu >= tan(φ/2). The floor carries
+/// that load's vertical part, W/n of it, and the body's own W; along the floor W/n tan(φ/2):
 /// mu_floor >= tan(φ/2) (1/n)/(1/n + 1).
 template <int D>
 ValidationExperiment heap_threshold(bool floor) {
@@ -94,9 +94,9 @@ ValidationExperiment heap_threshold(bool floor) {
   return e;
 }
 
-/// A disk in the hollow of two equal disks that are glued to the floor, gravity leaning: when it is about to
-/// leave one of them, the other carries it alone along the line of centres, 30° from the normal,
-/// without friction. Beyond, it rolls over with g sin(α - 30°)/(1 + 1/2).
+/// A disk in the hollow of two equal disks glued to the floor, with tilted gravity. When it is
+/// about to leave one of them, the other carries it alone along the line of centres, 30° from the
+/// normal, without friction. Beyond, it rolls over with g sin(α - 30°)/(1 + 1/2).
 ValidationExperiment hollow_threshold() {
   ValidationExperiment e;
   e.rows = {standing_row("rough_wall_hollow",

@@ -25,16 +25,18 @@ std::string right_from(const ValidationRow& row) {
   return std::isnan(row.loosest) ? "none" : tolerance_label(row.loosest);
 }
 
-/// What the page says of a measurement beside its value.
+/// Notes of the page on a row.
 std::string note_of(const ValidationRow& row) {
-  const ValidationPoint* p = row.measured();
-  if (p == nullptr) return "";
-  std::string note = row.takes_tolerance ? "at ε = " + tolerance_label(p->tol) : "no ε";
-  if (row.takes_tolerance) note += ", right from ε = " + right_from(row);
-  note += fmt::format("\nrelative error {}, allowed {}: {}", compact_label(p->error),
-                      compact_label(row.allowed), row.allowed_why);
-  if (!p->seen.note.empty()) note += "\n" + p->seen.note;
-  return note;
+  std::string note;
+  if (const ValidationPoint* p = row.measured()) {
+    note = row.takes_tolerance ? fmt::format("at ε = {}, right from ε = {}",
+                                             tolerance_label(p->tol), right_from(row))
+                               : "no ε";
+    note += fmt::format("\nrelative error {}, allowed {}: {}\n", compact_label(p->error),
+                        compact_label(row.allowed), row.allowed_why);
+    if (!p->seen.note.empty()) note += p->seen.note + "\n";
+  }
+  return note + fmt::format("`--only {}`", row.claim.name);
 }
 
 /// Every tolerance of every row of a group.
@@ -174,7 +176,7 @@ Chart error_chart(const ValidationPage& page, const std::string& group) {
   chart.key = Chart::Key::kRight;
   chart.width = 620;
   chart.height = 340;
-  // A decade below the least error that is not 0, which stands on the axis.
+  // A decade below the least error other than 0, for the end of the axis.
   double least = kHighestFloor;
   for (const ValidationRow& row : page.rows) {
     for (const ValidationPoint& p : row.points) {

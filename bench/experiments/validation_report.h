@@ -10,7 +10,7 @@
 
 namespace bipot {
 
-/// What `bipot validate` has measured.
+/// Measurements of `bipot validate`.
 struct ValidationPage {
   std::string command, solver;
   bool quick = false, complete = true;
@@ -27,12 +27,12 @@ struct ValidationPage {
 Table points_table(const ValidationPage& page);
 /// A line for each row: verdicts.csv, and in a terminal.
 Table verdicts_table(const ValidationPage& page);
-/// For a terminal, with the reason of what does not hold.
+/// For a terminal, with the reason of each failed row.
 std::string to_text(const ValidationPage& page);
 /// Groups in the order of the page.
 std::vector<std::string> groups_of(const ValidationPage& page);
-/// Relative error against tolerance, a line for each row of the group. What is 0 (inside its
-/// bounds), or below 1e-12, stands on the axis.
+/// Relative error against tolerance, a line for each row of the group. Values 0 (inside the
+/// bounds), or below 1e-12, are shown on the axis.
 Chart error_chart(const ValidationPage& page, const std::string& group);
 /// The page and the JSON: an item for each group.
 ClaimReport to_report(const ValidationPage& page);

@@ -15,8 +15,8 @@ namespace bipot {
 /// holds" in "at which tolerance?".
 inline constexpr double kRightTo = 1e-2;
 
-/// What an observable must be: one value, or an interval with one or two ends. Errors are measured
-/// in units of `scale`.
+/// Expected value of an observable: one value, or an interval with one or two ends. Errors are in
+/// units of `scale`.
 struct Expectation {
   double low = -kInfinity, high = kInfinity;
   double scale = 1;  ///< > 0
@@ -28,7 +28,7 @@ struct Expectation {
   static Expectation at_most(double high, double scale) { return {-kInfinity, high, scale}; }
   static Expectation between(double low, double high, double scale) { return {low, high, scale}; }
 
-  /// How far outside a value lies, relative to the scale: 0 inside, NaN for NaN.
+  /// Distance of a value from the interval, relative to the scale: 0 inside, NaN for NaN.
   double error(double value) const;
 };
 
@@ -44,32 +44,34 @@ struct ValidationPoint {
   double tol = 0;
   Observation seen;
   double error = kNaN;  ///< of the value, see Expectation::error
-  bool right = false;   ///< at most kRightTo (or what is allowed, if that is more) and the bar
+  /// Error at most kRightTo (or the allowed one, if that is more) plus the bar.
+  bool right = false;
   long steps = 0, unsolved = 0;
   double seconds = 0;   ///< CPU, of the experiment: with the other rows that it measures
   std::string failure;  ///< why there is no value
 
-  /// The steps were solved to the tolerance, all but kMayMiss of them, and there is a value.
+  /// True if the steps were solved to the tolerance, all but kMayMiss of them, and there is a
+  /// value.
   bool reached() const;
 };
 
-/// A claim on an observable, and what comes of it at each tolerance. The claim has the measurement
-/// at the tightest tolerance that was reached.
+/// A claim on an observable, and its result at each tolerance. The claim has the measurement at the
+/// tightest tolerance reached.
 struct ValidationRow {
   Claim claim;
   std::string group;  ///< heading of the page
   Expectation range;  ///< that of claim.expected
-  /// Relative error that the row may have at the tightest tolerance beside its error bar, and why:
-  /// time step, bisection.
+  /// Relative error allowed for the row at the tightest tolerance beside its error bar, and the
+  /// reason: time step, bisection.
   double allowed = 0;
   std::string allowed_why;
-  bool takes_tolerance = true;  ///< false: nothing in it is solved to a tolerance
+  bool takes_tolerance = true;  ///< false: it contains no solve to a tolerance
 
   std::vector<ValidationPoint> points;  ///< tolerances falling
-  int best = -1;                        ///< the tightest tolerance that was reached; -1: none was
-  double loosest = kNaN;  ///< right here and at all tighter tolerances that were reached
-  double seconds = 0;     ///< CPU, of all tolerances, of the experiment
-  int shared = 1;         ///< rows that the experiment measures
+  int best = -1;                        ///< the tightest tolerance reached; -1: none
+  double loosest = kNaN;                ///< right here and at all tighter tolerances reached
+  double seconds = 0;                   ///< CPU, of all tolerances, of the experiment
+  int shared = 1;                       ///< rows that the experiment measures
 
   const ValidationPoint* measured() const { return best < 0 ? nullptr : &points[to_size(best)]; }
   bool holds() const { return claim.holds.value_or(false); }
@@ -82,7 +84,7 @@ ValidationRow validation_row(std::string group, std::string name, std::string qu
                              double allowed, std::string allowed_why, std::string bar,
                              bool takes_tolerance = true);
 
-/// From the points; sets the claim's measurement and verdict, best and loosest.
+/// Sets the claim's measurement and verdict, best and loosest, from the points.
 void judge(ValidationRow& row);
 
 /// One run of an experiment.
@@ -90,7 +92,7 @@ struct ExperimentOutcome {
   std::vector<Observation> seen;  ///< one for each row
   std::vector<ClaimFigure> figures;
   long steps = 0;     ///< time steps (or single problems) that were solved
-  long unsolved = 0;  ///< of them, those whose solver did not reach the tolerance
+  long unsolved = 0;  ///< of them, those whose solver missed the tolerance
 };
 
 struct ValidationContext {
@@ -103,7 +105,7 @@ struct ValidationContext {
   SolverChoice choice(double tol) const;
 };
 
-/// Observables that one computation gives. Its work is done again for each tolerance.
+/// Observables of one computation, which is repeated for each tolerance.
 struct ValidationExperiment {
   std::vector<ValidationRow> rows;
   std::vector<double> tols;        ///< falling

@@ -12,16 +12,16 @@
 namespace bipot {
 namespace {
 
-// An error bar that is wider than this share of a row's scale decides nothing.
+// A row whose error bar is wider than this fraction of its scale is undecided.
 constexpr double kWidestBar = 0.5;
-// Share of the steps that may miss the tolerance in a run that counts as one at that tolerance.
+// Fraction of the steps that may miss the tolerance in a run that counts at that tolerance.
 constexpr double kMayMiss = 0.01;
 
 std::string missed(const ValidationPoint& p) {
   return fmt::format("the solver did not reach it in {} of {} steps", p.unsolved, p.steps);
 }
 
-/// Why no tolerance gave a value.
+/// Reason for no value at any tolerance.
 std::string no_value(const ValidationPoint& p) {
   const std::string why = !p.failure.empty() ? ": " + p.failure
                           : p.unsolved > 0

@@ -13,8 +13,8 @@ struct ExperimentResult {
   bool complete = true;              ///< false: the context stopped it
 };
 
-/// The experiment at each of its tolerances. What it throws at one of them stands in the points.
-/// `on_tolerance`: before each, how many are done and how many there are.
+/// Runs the experiment at each of its tolerances; its exceptions become part of the points.
+/// `on_tolerance`: called before each, with the number of finished ones and of all.
 ExperimentResult run_experiment(const ValidationExperiment& experiment,
                                 const ValidationContext& context,
                                 const std::function<void(int done, int total)>& on_tolerance = {});

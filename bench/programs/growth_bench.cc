@@ -8,7 +8,6 @@
 //                [--threads=1] [--out=out/growth]
 
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -94,7 +93,7 @@ double status_line(const std::string& name) {
 class MemoryPeak {
  public:
   MemoryPeak() {
-    malloc_trim(0);  // returns memory that earlier rows have freed
+    return_freed_memory();  // returns memory that earlier rows have freed
     std::ofstream reset("/proc/self/clear_refs");
     reset << 5;  // resets the peak to the memory in use
     reset.close();

@@ -25,7 +25,7 @@
 namespace bipot {
 namespace {
 
-constexpr double kKick = 1e-3;  // of √(a r)
+constexpr double kPerturbation = 1e-3;  // of √(a r)
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
@@ -65,7 +65,7 @@ TradeScene load_target(const std::string& target, const TradeOptions& options) {
 }
 
 /// Adds small random velocities: they show whether nearby runs stay together.
-void kick(Scene<2>& scene, int replica) {
+void perturb(Scene<2>& scene, int replica) {
   if (replica == 0) return;
   double mass = 0, force = 0;
   for (const Disk& d : scene.bodies) mass += d.mass;
@@ -80,11 +80,11 @@ void kick(Scene<2>& scene, int replica) {
   for (Disk& d : scene.bodies) {
     if (d.cluster >= 0) continue;
     const double x = random.symmetric(), y = random.symmetric();
-    d.v += kKick * speed * Vec2(x, y);
+    d.v += kPerturbation * speed * Vec2(x, y);
   }
   for (Cluster& c : scene.clusters.bodies) {
     const double x = random.symmetric(), y = random.symmetric();
-    c.v += kKick * speed * Vec2(x, y);
+    c.v += kPerturbation * speed * Vec2(x, y);
   }
   place_members(scene.clusters, scene.bodies);
 }
@@ -144,7 +144,7 @@ class Runner {
     scene.model = setting.model;
     if (std::isfinite(setting.overlap)) scene.dem.overlap = setting.overlap;
     scene.dem.stiffness = std::isfinite(setting.stiffness) ? setting.stiffness : 0;
-    kick(scene, replica);
+    perturb(scene, replica);
 
     // CPU time: other work on the machine must not decide which rows there are.
     const CpuStopwatch watch;

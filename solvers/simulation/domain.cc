@@ -13,8 +13,7 @@
 namespace bipot {
 namespace {
 
-/// New cells are not worth their messages until the imbalance has grown by this factor since the
-/// last.
+/// Growth of the imbalance since the last cut from which new cells are worth their messages.
 constexpr double kWorseThanAfterCut = 1.1;
 
 }  // namespace
@@ -54,7 +53,7 @@ Domain<D>::Domain(const Scene<D>& scene, const State<D>& whole, ProcessGroup& gr
       solver_(std::move(solver)),
       options_(options),
       cells_(cut_cells(whole, group.size())),
-      // Where no contacts were known, the first step's may ask for other cells at once.
+      // Without known contacts, the first step may require other cells at once.
       after_cut_(whole.contacts.empty() ? 1 : 0),
       state_(cut_state(whole, cells_, group.rank())) {}
 
@@ -80,7 +79,7 @@ Midpoint<D> Domain<D>::midpoint() {
 template <int D>
 const AssembledStep& Domain<D>::assemble(Midpoint<D>& mid) {
   last_.reset();  // before the next one needs its memory
-  // Built in its place: moved, Eigen's matrices would be copied.
+  // Built in place: a move would copy Eigen's matrices.
   last_.reset(
       new DomainPiece(assemble_piece(scene_, local_, mid, contacts_, state_.bodies, group_)));
   release(contacts_.all);
@@ -94,8 +93,7 @@ StepSolution Domain<D>::solve(const Vector& s0) {
   return to_step_solution(std::move(solved_.result));
 }
 
-/// Velocities of bodies that own contacts push come from sums over all of their contacts, own ones
-/// or not.
+/// The velocity of a body with contacts here is the sum over all of its contacts, also over copies.
 template <int D>
 State<D> Domain<D>::move(const Midpoint<D>& mid, Vector& v) {
   const ProblemPiece& piece = last_->piece;

@@ -63,7 +63,7 @@ void RunFolder<D>::step(const SceneStep<D>& step) {
 
 template <int D>
 void RunFolder<D>::finish(const State<D>& state, const SceneRun<D>& run) {
-  // A step that could not be taken always leaves its problem.
+  // A failed step always leaves its problem.
   using Kind = StepFailure::Kind;
   const bool unsolved = run.failure && (run.failure->kind == Kind::kNumerical ||
                                         run.failure->kind == Kind::kNotConverged);
@@ -99,7 +99,7 @@ void RunFolder<D>::write_problem(const ContactProblem& problem, const Vector& st
               start.size() > 0 ? std::vector<Vector>{start} : std::vector<Vector>{});
 }
 
-/// NAME.svg and NAME.png.
+/// Draws NAME.svg and NAME.png.
 void draw_forces(const fs::path& folder, const std::string& name, const Scene<2>& scene,
                  const State<2>& state, const std::string& text_below) {
   for (const char* format : {".svg", ".png"}) {

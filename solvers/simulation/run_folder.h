@@ -7,20 +7,20 @@
 
 namespace bipot {
 
-/// Whether a step's state is written, whole or in part.
+/// True if a step's state is written, whole or in part.
 bool needs_state(const OutputChoice& output, int step);
 
-/// The folder that a run leaves: the files of RunWriter, the steps' contact problems on request
-/// (each with the impulse that its solver started from, as a guess, and with its geometry), and the
-/// pictures that the scene asks for. Throws FileError.
+/// The folder of a run: the files of RunWriter, on request the contact problems of its steps, and
+/// the pictures that the scene asks for. A problem has the start of its solver as a guess, and its
+/// geometry. Throws FileError.
 template <int D>
 class RunFolder {
  public:
-  /// Writes the frame of the state that the run begins with. The scene must outlive the folder.
+  /// Writes the frame of the initial state. The scene must outlive the folder.
   RunFolder(const Scene<D>& scene, const State<D>& state, const RunFolderOptions& options);
 
   void step(const SceneStep<D>& step);
-  /// The last frame, the indices, the problem of a step that was not taken, and the pictures.
+  /// Writes the last frame, the indices, the problem of a failed step, and the pictures.
   void finish(const State<D>& state, const SceneRun<D>& run);
 
  private:

@@ -10,34 +10,34 @@
 
 namespace bipot {
 
-/// A scene's steps, one at a time, under either model; spheres have rigid contacts only.
+/// Takes the steps of a scene, one at a time, with either model; spheres have rigid contacts only.
 template <int D>
 class SceneStepper {
  public:
-  /// Of the options: all but number of steps, folder and callbacks. The scene must outlive the
-  /// stepper. Throws std::invalid_argument when the scene's solver or springs are refused.
+  /// Uses all options but number of steps, folder and callbacks. The scene must outlive the
+  /// stepper. Throws std::invalid_argument if the scene's solver or springs are refused.
   explicit SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options = {});
   SceneStepper(const SceneStepper&) = delete;  // the solver knows where start_ is
   SceneStepper& operator=(const SceneStepper&) = delete;
 
-  /// Where the state is to lie on several processes: takes this one's part of `state`, which
-  /// becomes empty. That part is to be advanced, and is returned; else `state`.
+  /// Distributes the state if possible: takes this process's part of `state`, which becomes empty,
+  /// and returns that part to advance; else returns `state`.
   State<D>& begin(State<D>& state);
-  /// Takes one step, see TimeStepper::advance() and SpringDashpotStepper::advance(); on_failure
-  /// decides about a step that is not solved, with rigid contacts.
+  /// Takes one step, see TimeStepper::advance() and SpringDashpotStepper::advance(). on_failure
+  /// applies to an unsolved step with rigid contacts.
   StepReport<D> advance(State<D>& state);
-  /// Whether the run is cancelled or its time is up, on any process.
+  /// True if the run is cancelled or its time is over, on any process.
   bool is_over() const;
 
-  /// Of the last step; without contacts under the model dem.
+  /// Problem of the last step; without contacts for the model dem.
   const ContactProblem& problem() const { return rigid_ ? rigid_->problem() : none_; }
-  /// Impulse that the solver of the last step started from; empty: none was given.
+  /// Impulse from which the solver of the last step started; empty: none.
   const Vector& start() const { return start_; }
-  /// Of the last step: more than 1 where it was split.
+  /// Number of parts of the last step.
   int parts() const { return parts_; }
   /// Model dem only; else null.
   std::shared_ptr<const SpringDashpotSetup> springs() const;
-  /// Null where this process has the whole state.
+  /// Null if this process has the whole state.
   Domain<D>* domain() { return domain_ ? &*domain_ : nullptr; }
 
  private:

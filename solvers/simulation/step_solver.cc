@@ -42,7 +42,7 @@ SolveResult solve_with(const RunSolver& run, const ContactProblem& problem, Solv
   return distributed_solve(run.solver, problem, options, *processes, extra).result;
 }
 
-/// Of a step that begins now.
+/// Options of a step that begins now.
 SolverOptions options_now(const RunSolver& run, Vector s0) {
   SolverOptions options = run.options;
   options.time_limit = std::max(run.time_limit - run.watch.seconds(), 1e-3);

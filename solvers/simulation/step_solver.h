@@ -10,14 +10,14 @@
 namespace bipot {
 
 /// A StepSolver for the time stepper: runs `entry` with `options` on every step's problem, from the
-/// start that the stepper hands over. Failed: kNumericalFailure, kDiverged; refused: kInvalidInput;
-/// cut short: kTimeLimit, kInterrupted; converged: the successful statuses.
+/// given start. Failed: kNumericalFailure, kDiverged; refused: kInvalidInput; cut short:
+/// kTimeLimit, kInterrupted; converged: the successful statuses.
 StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options);
 
-/// The account of a solve for a time stepper.
+/// Converts the result of a solve for a time stepper.
 StepSolution to_step_solution(SolveResult result);
 
-/// Who solves the steps of a run, and for how long.
+/// The solver of the steps of a run, and its time.
 struct RunSolver {
   std::string solver;                 ///< name
   SolverOptions options;              ///< without start and time limit
@@ -26,11 +26,11 @@ struct RunSolver {
   ProcessGroup* processes = nullptr;  ///< all of these together; null: this process alone
   bool reproducible = false;          ///< exact sums: the same bits for any number of processes
 
-  /// Throws std::invalid_argument where the solver refuses the options, whatever the problem.
+  /// Throws std::invalid_argument if the solver refuses the options for every problem.
   void check() const;
-  /// On all processes the same problem, of which each has the whole.
+  /// All processes have the same whole problem.
   SolveResult solve(const ContactProblem& problem, Vector s0) const;
-  /// Each process has its piece.
+  /// Each process has its part of the problem.
   PieceResult solve(const ProblemPiece& piece, const Vector& s0) const;
 };
 

@@ -45,8 +45,8 @@ TEST(Validate, ErrorsAreDistancesFromWhatIsExpected) {
   EXPECT_TRUE(std::isnan(Expectation::equal(1).error(kNaN)));
 }
 
-// Errors 0.5, 0.005, 0.3, 0.004, 1e-9 at falling tolerances: right to 1 % from the fourth on, as the
-// third is not right.
+// Errors 0.5, 0.005, 0.3, 0.004, 1e-9 at falling tolerances: right to 1 % from the fourth on, as
+// the third is not right.
 TEST(Validate, TheLoosestToleranceIsThatFromWhichAllTighterOnesAreRight) {
   const std::vector<ValidationPoint> points = {point(1, 1.5), point(0.1, 1.005), point(0.01, 1.3),
                                                point(1e-3, 1.004), point(1e-4, 1 + 1e-9)};
@@ -137,8 +137,9 @@ TEST(Validate, EveryRowSaysWhatItIs) {
   EXPECT_GE(names.size(), 20u);
 }
 
-/// Rows whose answer is known by hand hold at the tightest tolerance; with an expected value that is 20 % off (or a
-/// bound that is moved by a tenth of its scale past what was measured) each of them does not.
+/// Rows whose answer is known by hand hold at the tightest tolerance; with an expected value that
+/// is 20 % off (or a bound that is moved by a tenth of its scale past what was measured) each of
+/// them does not.
 class ExactRows : public testing::TestWithParam<std::vector<ValidationExperiment> (*)()> {};
 
 TEST_P(ExactRows, HoldAndWouldNotHoldWithAnotherValue) {
@@ -234,8 +235,9 @@ ContactProblem three_disks(double mu) {
   return step_problem(scene, initial_state(scene), false);
 }
 
-// Three disks stand iff mu >= tan 15° = 0.268. At that mu the force between the top disk and a lower one is on the
-// cone's edge: the interval is one point, w/2 over cos(30° - 15°), its normal part w/2.
+// Three disks stand iff mu >= tan 15° = 0.268. At that mu the force between the top disk and a
+// lower one is on the cone's edge: the interval is one point, w/2 over cos(30° - 15°), its normal
+// part w/2.
 TEST(AdmissibleForces, OfThreeDisksAreNoneThenOneThenMany) {
   const double tan15 = 2 - std::sqrt(3.0), weight = 9.81 * 0.01;
   EXPECT_TRUE(admissible_forces(three_disks(tan15 * (1 - 1e-3))).empty());

@@ -61,8 +61,9 @@ void run_in_parts(const Scene<D>& scene, const std::filesystem::path& folder,
 constexpr const char* kFiles[] = {"observables.csv",  "observables_mean.csv", "profile.csv",
                                   "profile_mean.csv", "forces.csv",           "forces_mean.csv"};
 
-// Stops before the window of the means (at 40), in it on a step that is measured (75), in it on one that is not (100):
-// the means, and every row that they are made of, are the same to the last digit.
+// Stops before the window of the means (at 40), in it on a step that is measured (75), in it on one
+// that is not (100): the means, and every row that they are made of, are the same to the last
+// digit.
 TEST(ObservableMeans, AreTheSameWhetherARunWasRestartedOrNot) {
   const TemporaryFolder folder;
   const Scene<2> scene = measured_scene();
@@ -143,7 +144,8 @@ radius = 0.1
   EXPECT_GT(level, hole);
 }
 
-// A run that was stopped short and goes on has means of its own meanwhile: those of what it has measured.
+// A run that was stopped short and goes on has means of its own meanwhile: those of what it has
+// measured.
 TEST(ObservableMeans, AreThoseOfTheWindowAlone) {
   const TemporaryFolder folder;
   Scene<2> scene = measured_scene();

@@ -72,7 +72,8 @@ void expect_same(const State<3>& a, const State<3>& b) {
   for (std::size_t k = 0; k < a.walls.size(); ++k) EXPECT_EQ(a.walls[k].a, b.walls[k].a);
 }
 
-// The ledger closes though the drum does work, and what comes back from the files goes on bit for bit.
+// The ledger closes though the drum does work, and what comes back from the files goes on bit for
+// bit.
 TEST(SphereRun, GoesOnFromItsFilesBitForBit) {
   const TemporaryFolder folder;
   const Scene<3> scene = spheres_in_a_drum(200);

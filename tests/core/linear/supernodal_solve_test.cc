@@ -77,14 +77,16 @@ void expect_inverse(double coupling, double tolerance) {
   }
 }
 
-/// Triangles of 40 random columns have a condition of 1e4 and more, with couplings of a tenth below 30.
+/// Triangles of 40 random columns have a condition of 1e4 and more, with couplings of a tenth below
+/// 30.
 TEST(SupernodalSolve, IsTheInverseOfLTimesItsTranspose) {
   expect_inverse(1, 1e-9);
   expect_inverse(0.1, 1e-13);
 }
 
-/// A triangle of 4 is one slice of 4 columns. 19 columns and 40 rows: rows 0 to 15 have four slices of
-/// 16 columns (the diagonal ends there), 16 to 31 four of 19, 32 to 39 two of 19; 64 + 76 + 38 slices.
+/// A triangle of 4 is one slice of 4 columns. 19 columns and 40 rows: rows 0 to 15 have four slices
+/// of 16 columns (the diagonal ends there), 16 to 31 four of 19, 32 to 39 two of 19; 64 + 76 + 38
+/// slices.
 TEST(SupernodalSolve, KeepsNothingRightOfTheDiagonalOfAStrip) {
   EXPECT_EQ(SupernodalSolve::num_entries(1, 1), 4U);
   EXPECT_EQ(SupernodalSolve::num_entries(4, 4), 16U);

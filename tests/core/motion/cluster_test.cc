@@ -39,8 +39,9 @@ void add_cluster(Scene<2>& scene, const std::vector<Circle>& parts, double densi
 }
 
 TEST(Cluster, ADumbbellFallsOnAParabolaAndTurnsEvenly) {
-  // Disks of 0.1 and 0.2 m, 0.25 m apart. Without contacts the mid-point scheme is exact: after time t the centre
-  // of mass is at x0 + v0 t - g t²/2, the dumbbell turned by w t, and each disk where a rigid body has it.
+  // Disks of 0.1 and 0.2 m, 0.25 m apart. Without contacts the mid-point scheme is exact: after
+  // time t the centre of mass is at x0 + v0 t - g t²/2, the dumbbell turned by w t, and each disk
+  // where a rigid body has it.
   Scene<2> scene = one_law<2>({.mu = 0.5});
   scene.gravity = Vec2(0, -kGravity);
   scene.step = 1e-2;
@@ -92,7 +93,8 @@ Scene<2> cloud_of_clusters(const ContactLaw& law) {
   return scene;
 }
 
-// The velocities of the touching points, by v + w x r alone; H gives the same, with the masses of the bodies.
+// The velocities of the touching points, by v + w x r alone; H gives the same, with the masses of
+// the bodies.
 TEST(Cluster, RelativeVelocityIsThatOfTheTouchingPoints) {
   Scene<2> scene = cloud_of_clusters({.mu = 0.4, .e_n = 0.3, .e_t = 0.1});
   scene.contact_distance = 0.4;  // many candidates
@@ -137,9 +139,10 @@ TEST(Cluster, RelativeVelocityIsThatOfTheTouchingPoints) {
   }
 }
 
-// Momentum is kept to rounding; angular momentum but for the couples that overlaps leave, gap · s_t each, because the
-// two impulses of a contact act at the points of the two disks. In steps without walls the virial of contacts is that of the
-// motion: V σ = Σ m (v⁺ - v⁻) ⊗ x / h, here the symmetric part; and the stress is symmetric.
+// Momentum is kept to rounding; angular momentum but for the couples that overlaps leave, gap · s_t
+// each, because the two impulses of a contact act at the points of the two disks. In steps without
+// walls the virial of contacts is that of the motion: V σ = Σ m (v⁺ - v⁻) ⊗ x / h, here the
+// symmetric part; and the stress is symmetric.
 TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
   for (const double mu : {0.0, 0.4}) {
     const Scene<2> scene = cloud_of_clusters({.mu = mu, .e_n = 0.5, .e_t = 0.2});
@@ -211,8 +214,9 @@ Scene<2> stool(double b, double top, double shift) {
 }
 
 TEST(Cluster, ItTopplesIffItsCentreOfMassPassesTheSupport) {
-  // On a slope of angle θ the line through the centre of mass, h above the floor, passes the lower foot, at b, iff
-  // tan θ > b / h. Friction (μ = 3) is no limit there. Just below it stands, just above it falls, to the lower side.
+  // On a slope of angle θ the line through the centre of mass, h above the floor, passes the lower
+  // foot, at b, iff tan θ > b / h. Friction (μ = 3) is no limit there. Just below it stands, just
+  // above it falls, to the lower side.
   Scene<2> scene = stool(0.1, 0.5, 0);
   const double h = scene.clusters.bodies[0].x[1];
   EXPECT_NEAR(scene.clusters.bodies[0].x[0], 0, 1e-15);
@@ -335,8 +339,8 @@ TEST(Cluster, ASceneFileSaysPartsAndPlaces) {
   refused("[contact]\noverlaps = 'project'\n" + sound, "project");
 }
 
-// Each contact counts by the share of the branch between the centres of mass, each body by its centre: what windows that tile
-// the sample have adds up to what the sample has.
+// Each contact counts by the share of the branch between the centres of mass, each body by its
+// centre: what windows that tile the sample have adds up to what the sample has.
 TEST(Cluster, WindowsThatTileTheSampleAddUpToItsStress) {
   const Scene<2> scene = cloud_of_clusters({.mu = 0.4, .e_n = 0.5, .e_t = 0.2});
   State<2> state = initial_state(scene);
@@ -366,7 +370,8 @@ TEST(Cluster, WindowsThatTileTheSampleAddUpToItsStress) {
   EXPECT_GT(loaded, 20);
 }
 
-/// Clusters of three disks in a cell that is periodic in both directions, squeezed and sheared, so many times side by side.
+/// Clusters of three disks in a cell that is periodic in both directions, squeezed and sheared, so
+/// many times side by side.
 Scene<2> sheared_clusters(int copies, bool far_away) {
   Scene<2> scene = one_law<2>({});
   constexpr double kWidth = 1.35;
@@ -408,8 +413,8 @@ State<2> run_to_end(const Scene<2>& scene, int& loaded) {
   return state;
 }
 
-// Velocities without friction are unique. A run in two cells side by side is that of one, and so is a run whose
-// clusters are given by images of theirs.
+// Velocities without friction are unique. A run in two cells side by side is that of one, and so is
+// a run whose clusters are given by images of theirs.
 TEST(Cluster, InAPeriodicCellImagesAreAsGoodAsTheirs) {
   const Scene<2> one = sheared_clusters(1, false);
   ASSERT_EQ(validate(one), "");

@@ -157,8 +157,8 @@ TEST(PeriodicSpheres, VolumeIsThatOfTheCellAndOfWhatClosesIt) {
 }
 
 TEST(PeriodicSpheres, ASphereRollsOnThroughTheEdge) {
-  // Thrown along the floor it ends at 5/7 of its speed, wherever cells begin, and keeps its coordinates; in the
-  // wrapped state it lies in the cell.
+  // Thrown along the floor it ends at 5/7 of its speed, wherever cells begin, and keeps its
+  // coordinates; in the wrapped state it lies in the cell.
   Scene<3> scene = one_law<3>({.mu = 0.4});
   scene.gravity = Vec3(0, 0, -kGravity);
   scene.cell = block(0.5, 0.7);

@@ -62,9 +62,9 @@ TEST(SampleVolume, IsWhatAPipeEncloses) {
   EXPECT_LT(sample_measure(state, 0), 1);
 }
 
-// Touched from 256 sides, 4π/256 of the sphere each, about as wide as a cone of half angle d = 0.125:
-// the planes lie outside, so the volume is larger, by about 3/4 d² = 1.2 %. A row is its length times
-// the round cross-section and the two caps; fewer sides touch that along lines.
+// Touched from 256 sides, 4π/256 of the sphere each, about as wide as a cone of half angle d =
+// 0.125: the planes lie outside, so the volume is larger, by about 3/4 d² = 1.2 %. A row is its
+// length times the round cross-section and the two caps; fewer sides touch that along lines.
 TEST(SampleVolume, IsNearlyTheHullWithoutWalls) {
   const double round = 4 * std::numbers::pi / 3 * 8;
   State<3> state;
@@ -79,9 +79,9 @@ TEST(SampleVolume, IsNearlyTheHullWithoutWalls) {
   EXPECT_LT(sample_measure(state, 0), 1.04 * row);
 }
 
-// Planes that touch a sample touch its outermost spheres: it does not matter what lies within. The shell of a
-// cube of spheres is the same sample with and without a filling of spheres that are as large or smaller,
-// moved as a whole or not; a larger one within that sticks out counts.
+// Planes that touch a sample touch its outermost spheres: it does not matter what lies within. The
+// shell of a cube of spheres is the same sample with and without a filling of spheres that are as
+// large or smaller, moved as a whole or not; a larger one within that sticks out counts.
 TEST(SampleVolume, IsTheSameToTheBitWithAndWithoutWhatLiesWithin) {
   for (const double shift : {0.0, 13.7}) {
     State<3> shell, full;

@@ -93,8 +93,8 @@ TEST(Spheres, RelativeVelocityIsThatOfTheTouchingPoints) {
   }
 }
 
-// Thrown without spin it slides, then rolls. About any point of its track no force has a moment:
-// m a v0 = m a v + I v/a, I = 2/5 m a², hence v = 5/7 v0. Rolling towards +x turns about +y. Friction
+// Thrown without spin it slides, then rolls. About any point of its track no force has a moment: m
+// a v0 = m a v + I v/a, I = 2/5 m a², hence v = 5/7 v0. Rolling towards +x turns about +y. Friction
 // takes ½ m v0² (1 - 5/7) = m v0²/7.
 TEST(Spheres, AThrownSphereEndsRollingAtFiveSevenths) {
   Scene<3> scene = sphere_on_floor(0.3);
@@ -113,8 +113,8 @@ TEST(Spheres, AThrownSphereEndsRollingAtFiveSevenths) {
   EXPECT_NEAR(top[1], 0, 1e-12);
 }
 
-// Friction that holds: m a = m g sin - F, I a/r = F r, hence a = 5/7 g sin and F = 2/7 m g sin <= mu m g
-// cos while tan <= 7/2 mu. Beyond that it slides with g (sin - mu cos).
+// Friction that holds: m a = m g sin - F, I a/r = F r, hence a = 5/7 g sin and F = 2/7 m g sin <=
+// mu m g cos while tan <= 7/2 mu. Beyond that it slides with g (sin - mu cos).
 TEST(Spheres, OnASlopeTheyRollUpToSevenHalvesMu) {
   const double mu = 0.2, limit = std::atan(3.5 * mu);
   for (const double angle : {0.5 * limit, 0.99 * limit, 1.01 * limit, 1.3 * limit}) {
@@ -153,13 +153,13 @@ Scene<3> tetrahedron(double mu_between, double mu_floor) {
   return scene;
 }
 
-// The edges of a regular tetrahedron lean by phi from the vertical, cos phi = √(2/3), phi = 35.264°.
-// Three forces act on a lower sphere: its weight and the floor's force meet in the floor point Q, so
-// the force of the upper sphere must pass through Q as well (contacts between the lower spheres
-// can only push them apart, which helps nothing). The triangle of the centre, Q and the upper contact has
-// two sides a, so that force makes the angle phi/2 with the normal there, and with the vertical: it
-// holds while mu >= tan(phi/2) = 0.3178. It brings W/3 down and W/3 tan(phi/2) outwards, the floor carries
-// 4/3 W: mu >= tan(phi/2)/4 = 0.0795 there.
+// The edges of a regular tetrahedron lean by phi from the vertical, cos phi = √(2/3), phi =
+// 35.264°. Three forces act on a lower sphere: its weight and the floor's force meet in the floor
+// point Q, so the force of the upper sphere must pass through Q as well (contacts between the lower
+// spheres can only push them apart, which helps nothing). The triangle of the centre, Q and the
+// upper contact has two sides a, so that force makes the angle phi/2 with the normal there, and
+// with the vertical: it holds while mu >= tan(phi/2) = 0.3178. It brings W/3 down and W/3
+// tan(phi/2) outwards, the floor carries 4/3 W: mu >= tan(phi/2)/4 = 0.0795 there.
 TEST(Spheres, FourSpheresStandFromTheFrictionThatGeometryAsksFor) {
   const double phi = std::acos(std::sqrt(2.0 / 3));
   const double between = std::tan(phi / 2), floor = between / 4;
@@ -191,10 +191,10 @@ TEST(Spheres, ForcesOfTheTetrahedronBalance) {
   EXPECT_EQ(on_floor, 3);
 }
 
-// Without gravity and walls. Momentum and energy close to rounding, whatever the impulses are. Angular
-// momentum as well, but for the couple gap n x s_t of a contact that acts at the arms a_i and a_j
-// while the centres are a_i + a_j + gap apart (core/motion/stress_tensor.h): without friction there is
-// none.
+// Without gravity and walls. Momentum and energy close to rounding, whatever the impulses are.
+// Angular momentum as well, but for the couple gap n x s_t of a contact that acts at the arms a_i
+// and a_j while the centres are a_i + a_j + gap apart (core/motion/stress_tensor.h): without
+// friction there is none.
 TEST(Spheres, MomentaAndEnergyCloseToRounding) {
   for (const double mu : {0.0, 0.6}) {
     Scene<3> scene = cloud_that_collides(27, {.mu = mu, .e_n = 0.4, .e_t = 0.2});
@@ -221,9 +221,9 @@ TEST(Spheres, MomentaAndEnergyCloseToRounding) {
   }
 }
 
-// A pile in a corner under gravity, then all of it turned: the same iterations, and bodies, spins and
-// impulses that are turned as well. Tangents of contacts do not turn with it, so this also says that
-// nothing depends on them.
+// A pile in a corner under gravity, then all of it turned: the same iterations, and bodies, spins
+// and impulses that are turned as well. Tangents of contacts do not turn with it, so this also says
+// that nothing depends on them.
 TEST(Spheres, TurningTheWholeSceneChangesNothing) {
   Scene<3> scene = cloud_that_collides(27, {.mu = 0.5, .e_n = 0.2, .e_t = 0.2});
   scene.gravity = Vec3(0, 0, -kGravity);
@@ -272,10 +272,10 @@ TEST(Spheres, TurningTheWholeSceneChangesNothing) {
   }
 }
 
-// A plate of mass 3 kg pressed by 50 N on a sphere of 2 kg: at rest the floor bears 50 N and the sphere's
-// weight (gravity does not act on plates), and the plate's force passes through the sphere. The
-// mean stress over the space between the plates is F d / V along z, V the enclosed volume: walls
-// around that do not touch.
+// A plate of mass 3 kg pressed by 50 N on a sphere of 2 kg: at rest the floor bears 50 N and the
+// sphere's weight (gravity does not act on plates), and the plate's force passes through the
+// sphere. The mean stress over the space between the plates is F d / V along z, V the enclosed
+// volume: walls around that do not touch.
 TEST(Spheres, APlateIsDrivenByItsForce) {
   Scene<3> scene = sphere_on_floor(0.3);
   scene.gravity = Vec3::Zero();
@@ -327,9 +327,9 @@ TEST(Spheres, StressIsSymmetricAndAddsUp) {
   EXPECT_GT(seen, 30);
 }
 
-// A cylinder about the y axis that turns with w: its surface moves with w y x r. A sphere that is held
-// by friction in the drum's bottom, r = -R z, sees w R along -x; on top of a roller, r = R z, along +x.
-// Gaps: R - |r| - a inside, |r| - R - a outside, |r| the distance from the axis.
+// A cylinder about the y axis that turns with w: its surface moves with w y x r. A sphere that is
+// held by friction in the drum's bottom, r = -R z, sees w R along -x; on top of a roller, r = R z,
+// along +x. Gaps: R - |r| - a inside, |r| - R - a outside, |r| the distance from the axis.
 TEST(Spheres, CylindersTouchAndTurnAboutTheirAxes) {
   Scene<3> scene = one_law<3>({.mu = 0.5});
   Wall<3> drum;

@@ -151,10 +151,10 @@ TEST(WallMotion, ARoughPlateFallsWithItsDisks) {
 }
 
 TEST(WallMotion, ARoughWallHoldsADiskThatASmoothOneLetsSlide) {
-  // A disk in the hollow of two glued disks on a slope of 20 degrees, without friction: it stands as long as
-  // the slope is less than the hollow's 30 degrees (three equal disks in touch), here against
-  // contacts with s_n = m g h cos(30 -+ 20)/sin(60), by the triangle of forces. The walls carry
-  // the weight.
+  // A disk in the hollow of two glued disks on a slope of 20 degrees, without friction: it stands
+  // as long as the slope is less than the hollow's 30 degrees (three equal disks in touch), here
+  // against contacts with s_n = m g h cos(30 -+ 20)/sin(60), by the triangle of forces. The walls
+  // carry the weight.
   const double angle = std::numbers::pi / 9, third = std::numbers::pi / 3;
   Scene<2> scene = rough_scene(0);
   scene.gravity = kPull * Vec2(std::sin(angle), -std::cos(angle));
@@ -225,9 +225,9 @@ TEST(WallMotion, ADrumSpinsADiskUpToItsOwnSurface) {
 
 TEST(WallMotion, ADrumThatStartsDragsADiskWithFriction) {
   // The same disk at rest: it slides, so friction mu m g turns it counter-clockwise and pushes it
-  // along the surface, +x at the bottom. After 10 ms: v = mu g t less what the rise of the arc takes,
-  // (g/l) mu g t³/6 with l = 0.9 m; spin = mu g t m a / I = 2 mu g t / a; and the drum has done the
-  // work mu m g Omega R t.
+  // along the surface, +x at the bottom. After 10 ms: v = mu g t less what the rise of the arc
+  // takes, (g/l) mu g t³/6 with l = 0.9 m; spin = mu g t m a / I = 2 mu g t / a; and the drum has
+  // done the work mu m g Omega R t.
   const double mu = 0.1, t = 0.01;
   Scene<2> scene = drum_scene(1, mu);
   scene.gravity = Vec2(0, -kPull);

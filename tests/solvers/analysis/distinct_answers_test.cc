@@ -71,7 +71,8 @@ TEST(DistinctAnswers, AnErrorExplainsItsDistanceWithoutFriction) {
   EXPECT_LT(closest, 1e4);  // and it is no empty bound
 }
 
-// The saboteur: answers that are merely inaccurate, on problems with one answer and bad conditioning.
+// The saboteur: answers that are merely inaccurate, on problems with one answer and bad
+// conditioning.
 TEST(DistinctAnswers, InaccurateAnswersAreNotSeveral) {
   int believed = 0;
   for (const double ratio : {1.0, 1e4}) {

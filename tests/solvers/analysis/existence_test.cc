@@ -113,8 +113,9 @@ TEST(Existence, AWedgeThatHoldsByFrictionAloneHasNoneWhenItsWallsClose) {
   const Vector closing = four(-1, 0, -1, 0);
   const ExistenceCertificate held =
       certify_existence(disk_in_a_wedge(a, 1.1 * std::tan(a), closing));
-  // Both stick: then v = 0 but the walls move. Both slip outwards: with mu > tan a the impulses point into the
-  // wedge, and so would the motion. One open: the other one's impulse does not open it. So by cases.
+  // Both stick: then v = 0 but the walls move. Both slip outwards: with mu > tan a the impulses
+  // point into the wedge, and so would the motion. One open: the other one's impulse does not open
+  // it. So by cases.
   EXPECT_EQ(held.verdict, Existence::kNone) << to_text(held);
   EXPECT_GT(held.cases, 1);
   EXPECT_LT(held.margin, 1e-6);

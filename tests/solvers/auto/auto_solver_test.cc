@@ -52,8 +52,8 @@ TEST(AutoSolver, ExplainsEveryStageInALine) {
 TEST(AutoPlan, RowsNameSolversAndTheirParametersInShortTables) {
   for (const auto rows : std::initializer_list<std::span<const plan::PlanRow>>{
            plan::kFirst, plan::kSmall, plan::kMedium, plan::kLargeFair, plan::kLargeTight,
-           plan::kPlaneOfW, plan::kSpace, plan::kPatience, plan::kLongRuns, plan::kAfterSplitting,
-           plan::kAfterStart}) {
+           plan::kPlaneOfW, plan::kSpace, plan::kLargerBudgets, plan::kLongRuns,
+           plan::kAfterSplitting, plan::kAfterStart}) {
     EXPECT_LE(rows.size(), 25U);
     for (const plan::PlanRow& row : rows) {
       EXPECT_FALSE(row.reason.empty());

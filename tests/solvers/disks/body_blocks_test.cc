@@ -113,8 +113,8 @@ void check_blocks(const DiskStructure& disks, const char* what) {
               EXPECT_TRUE(seconds.insert(j).second);
             }
           }
-          // The bodies of a contact have begun before: in this tile up to this window, or in the tile
-          // before, in the order in which both are taken.
+          // The bodies of a contact have begun before: in this tile up to this window, or in the
+          // tile before, in the order in which both are taken.
           for (const int body : {i, j}) {
             if (body == bodies) continue;
             const RowPlace& place = at[to_size(body)];

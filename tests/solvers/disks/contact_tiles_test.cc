@@ -109,8 +109,8 @@ TEST(ContactTiles, AreNearlyFullAndManyOnALattice) {
   EXPECT_GT(tiles.tiles.size(), 20U);
 }
 
-/// Sixteen batches hold eight contacts of each of sixteen places along the tile, and these the seven
-/// bodies around: 112. Drawn from all over the tile, they would hold 190 of its 400.
+/// Sixteen batches hold eight contacts of each of sixteen places along the tile, and these the
+/// seven bodies around: 112. Drawn from all over the tile, they would hold 190 of its 400.
 TEST(ContactTiles, GoAlongTheTileSoThatBodiesStayInTheCache) {
   const DiskStructure disks = *disk_structure(triangular_lattice(200));
   const ContactTiles tiles = tile_contacts(disks);

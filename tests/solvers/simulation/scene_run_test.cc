@@ -96,7 +96,8 @@ TEST(SceneRun, AStepThatIsNotSolvedIsTakenInPartsThatAddUp) {
   EXPECT_LT(state.bodies[1].x[1] - 0.5, state.bodies[0].x[1] - 0.5 + 0.003);
 }
 
-/// One step, not solved whole nor in its first half: what those attempts took is counted with the parts.
+/// One step, not solved whole nor in its first half: what those attempts took is counted with the
+/// parts.
 TEST(SceneRun, IterationsOfAttemptsThatWereNotTakenCount) {
   const Scene<2> scene = two_landings();
   State<2> state = initial_state(scene);
