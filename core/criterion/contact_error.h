@@ -4,7 +4,6 @@
 
 #include "core/base/types.h"
 #include "core/problem/contact_problem.h"
-#include "core/problem/delassus.h"
 
 namespace bipot {
 
@@ -56,6 +55,7 @@ struct ErrorSums {
   bool operator==(const ErrorSums&) const = default;
 };
 
+class DelassusOperator;  // core/problem/delassus.h
 struct PieceSums;
 struct PlaneContacts;
 
@@ -91,13 +91,16 @@ class ContactErrorEvaluator {
   /// One more for the problem of `made`, which judges with a share of its own; it costs what a copy
   /// of a DelassusOperator costs.
   ContactErrorEvaluator(const ContactErrorEvaluator& made, const ErrorShare& share);
+  ContactErrorEvaluator(const ContactErrorEvaluator& made);
+  ContactErrorEvaluator(ContactErrorEvaluator&&) noexcept;
+  ~ContactErrorEvaluator();
 
   ContactError operator()(const Eigen::Ref<const Vector>& s);
 
   /// Projected impulse and its velocity of the last evaluation, in the problem's variables.
   const Vector& impulse() const { return s_; }
   const Vector& velocity() const { return u_; }
-  const DelassusOperator& delassus() const { return delassus_; }
+  const DelassusOperator& delassus() const { return *delassus_; }
 
   /// E where s = 0.
   double energy_at_rest() const;
@@ -123,7 +126,7 @@ class ContactErrorEvaluator {
 
   const ContactProblem& problem_;
   int threads_;
-  DelassusOperator delassus_;
+  std::unique_ptr<DelassusOperator> delassus_;
   std::shared_ptr<const Prepared> prepared_;
   ErrorShare share_;
   ErrorSums sums_;

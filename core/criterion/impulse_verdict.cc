@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/problem/coulomb_cone.h"
+#include "core/problem/delassus.h"
 
 namespace bipot {
 namespace {
