@@ -10,6 +10,7 @@
 #include "core/criterion/error_terms.h"
 #include "core/criterion/plane_error.h"
 #include "core/problem/coulomb_cone.h"
+#include "core/problem/delassus.h"
 
 namespace bipot {
 namespace {
@@ -72,8 +73,9 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactProblem& problem, int 
                                              const ErrorShare& share)
     : problem_(problem),
       threads_(threads),
-      delassus_(problem, DelassusOperator::Form::kAuto, threads),
-      prepared_(std::make_shared<const Prepared>(problem, delassus_.diagonal())),
+      delassus_(
+          std::make_unique<DelassusOperator>(problem, DelassusOperator::Form::kAuto, threads)),
+      prepared_(std::make_shared<const Prepared>(problem, delassus_->diagonal())),
       share_(share),
       s_(zeros(problem.num_rows())),
       u_(zeros(problem.num_rows())) {}
@@ -82,16 +84,26 @@ ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made,
                                              const ErrorShare& share)
     : problem_(made.problem_),
       threads_(made.threads_),
-      delassus_(made.delassus_),
+      delassus_(std::make_unique<DelassusOperator>(*made.delassus_)),
       prepared_(made.prepared_),
       share_(share),
       s_(zeros(problem_.num_rows())),
       u_(zeros(problem_.num_rows())) {}
 
+ContactErrorEvaluator::ContactErrorEvaluator(const ContactErrorEvaluator& made)
+    : ContactErrorEvaluator(made, made.share_) {
+  sums_ = made.sums_;
+  s_ = made.s_;
+  u_ = made.u_;
+}
+
+ContactErrorEvaluator::ContactErrorEvaluator(ContactErrorEvaluator&&) noexcept = default;
+ContactErrorEvaluator::~ContactErrorEvaluator() = default;
+
 void ContactErrorEvaluator::rest() {
   s_.resize(0);
   u_.resize(0);
-  delassus_.rest();
+  delassus_->rest();
 }
 
 double ContactErrorEvaluator::energy_at_rest() const {
@@ -154,15 +166,15 @@ ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) 
       project<D, kScaled>(begin, end);
     }
   });
-  const bool disks = delassus_.disks().has_value();
+  const bool disks = delassus_->disks().has_value();
   if (disks) {
-    delassus_.move_disks(s_);
+    delassus_->move_disks(s_);
   } else {
-    delassus_.velocity(s_, u_);
+    delassus_->velocity(s_, u_);
   }
   std::vector<PieceSums> pieces(to_size((contacts + kPieceItems - 1) / kPieceItems));
   run_pieces(threads_, contacts, [&](int begin, int end) {
-    if (disks) delassus_.disk_velocity(begin, end, u_);
+    if (disks) delassus_->disk_velocity(begin, end, u_);
     PieceSums& piece = pieces[to_size(begin / kPieceItems)];
     if constexpr (D == 2) {
       piece = sum_plane_errors(plane_contacts(), begin, end);

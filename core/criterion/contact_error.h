@@ -4,7 +4,6 @@
 
 #include "core/base/types.h"
 #include "core/problem/contact_problem.h"
-#include "core/problem/delassus.h"
 
 namespace bipot {
 
@@ -73,6 +72,7 @@ struct ErrorSumsOf {
 };
 using ErrorSums = ErrorSumsOf<double>;
 
+class DelassusOperator;  // core/problem/delassus.h
 struct PieceSums;
 struct PlaneContacts;
 
@@ -107,13 +107,16 @@ class ContactErrorEvaluator {
   /// Another evaluator for the problem of `made`, with its own share, at the cost of a copy of a
   /// DelassusOperator.
   ContactErrorEvaluator(const ContactErrorEvaluator& made, const ErrorShare& share);
+  ContactErrorEvaluator(const ContactErrorEvaluator& made);
+  ContactErrorEvaluator(ContactErrorEvaluator&&) noexcept;
+  ~ContactErrorEvaluator();
 
   ContactError operator()(const Eigen::Ref<const Vector>& s);
 
   /// Projected impulse and its velocity of the last evaluation, in the problem's variables.
   const Vector& impulse() const { return s_; }
   const Vector& velocity() const { return u_; }
-  const DelassusOperator& delassus() const { return delassus_; }
+  const DelassusOperator& delassus() const { return *delassus_; }
 
   /// E of the impulse s = 0.
   double energy_at_rest() const;
@@ -139,7 +142,7 @@ class ContactErrorEvaluator {
 
   const ContactProblem& problem_;
   int threads_;
-  DelassusOperator delassus_;
+  std::unique_ptr<DelassusOperator> delassus_;
   std::shared_ptr<const Prepared> prepared_;
   ErrorShare share_;
   ErrorSums sums_;

@@ -8,6 +8,8 @@
 #include <stdexcept>
 
 #include "core/criterion/error_terms.h"
+#include "core/problem/coulomb_cone.h"
+#include "core/problem/delassus.h"
 
 namespace bipot {
 namespace {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/portable_random.h"
+#include "core/problem/delassus.h"
 #include "solvers/homotopy/path_follower.h"
 #include "solvers/homotopy/proximal_term.h"
 #include "solvers/solve_run.h"

@@ -8,6 +8,7 @@
 
 #include "core/base/portable_random.h"
 #include "core/linear/dense_factor.h"
+#include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/solve_run.h"
 

@@ -9,6 +9,7 @@
 
 #include "core/base/portable_random.h"
 #include "core/linear/dense_factor.h"
+#include "core/problem/delassus.h"
 #include "solvers/analysis/cancel_rounding.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/registry.h"

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/problem/delassus.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/registry.h"
 

@@ -18,6 +18,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/problem/delassus.h"
 #include "solvers/petsc/mpi_session.h"
 #include "solvers/solve_run.h"
 
