@@ -101,7 +101,7 @@ class PageWriter {
   }
 
   std::string write() {
-    add("{}<h1>{}</h1>\n", page_head(document_.title, ""), prose(document_.title));
+    add("{}<h1>{}</h1>\n", page_head(document_.title), prose(document_.title));
     bool listed = !document_.contents;
     for (std::size_t k = 0; k < document_.blocks.size();) {
       const auto* heading = std::get_if<Heading>(&document_.blocks[k].content);
@@ -112,7 +112,7 @@ class PageWriter {
       k = write_from(document_.blocks, k);
     }
     if (has_script_) add("<script>{}</script>\n", kScript);
-    return html_ + page_end();
+    return html_ + "</body></html>\n";
   }
 
  private:

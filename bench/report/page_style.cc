@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include "bench/report/chart.h"
+#include "bench/report/text_lines.h"
 
 namespace bipot {
 namespace {
 
-constexpr std::string_view kScreen = R"(
+constexpr std::string_view kSheet = R"(
 :root{color-scheme:light}
 *{box-sizing:border-box}
 body{margin:0 auto;max-width:1180px;padding:16px;font:15px/1.5 system-ui,sans-serif;color:#1b1b1b;
@@ -61,9 +61,6 @@ select,input{font:inherit;padding:.25em;max-width:100%;border:1px solid #999;bac
 button#open-all{font:inherit;font-size:.87rem}
 dl{display:grid;grid-template-columns:minmax(7em,max-content) 1fr;gap:.3em 1em}
 dt{font-weight:600}dd{margin:0;max-width:42em}
-)";
-
-constexpr std::string_view kSmallAndPrint = R"(
 @media(max-width:620px){body{padding:10px}dl{display:block}dd{margin:0 0 .5em}
  table.cards thead{display:none}
  table.cards tr{display:block;border-bottom:1px solid #bbb;padding:.4em 0}
@@ -82,27 +79,12 @@ constexpr std::string_view kSmallAndPrint = R"(
 
 }  // namespace
 
-std::string page_head(std::string_view title, std::string_view own_rules) {
+std::string page_head(std::string_view title) {
   return fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
-      "<link rel=\"icon\" href=\"data:,\">\n<title>{}</title>\n<style>{}{}{}</style></head><body>\n",
-      escape_markup(std::string(title)), kScreen, own_rules, kSmallAndPrint);
-}
-
-std::string page_end() { return "</body></html>\n"; }
-
-std::string page_term(std::string_view term, std::string_view html) {
-  return fmt::format("<dt>{}</dt><dd>{}</dd>\n", term, html);
-}
-
-std::string page_terms(const BuildInfo& build) {
-  return page_term("program", fmt::format("bipot {}, commit {}", escape_markup(build.version),
-                                          escape_markup(build.commit))) +
-         page_term("compiler", escape_markup(build.compiler)) +
-         page_term("flags", "<code>" + escape_markup(build.flags) + "</code>") +
-         page_term("machine", fmt::format("{}, {} logical cores, 1 used", escape_markup(build.cpu),
-                                          build.cores));
+      "<link rel=\"icon\" href=\"data:,\">\n<title>{}</title>\n<style>{}</style></head><body>\n",
+      escape_markup(title), kSheet);
 }
 
 }  // namespace bipot

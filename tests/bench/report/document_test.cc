@@ -52,6 +52,7 @@ TEST(Document, PageIsWellFormedAndNeedsNoOtherFile) {
   d.add(Figure{.chart = chart, .file = "two.svg", .caption = "two", .wide = true});
   const std::string page = to_html(d);
   EXPECT_EQ(markup_defect(page), "");
+  EXPECT_TRUE(page.starts_with("<!DOCTYPE html>"));
   for (const char* part :
        {"<title>Solvers &amp; more</title>", "<code>a &lt; b</code>", "<strong>loudly</strong>",
         "<a href=\"#made\">the end</a>", "[x](http://y)", "<nav><a href=\"#first\">First</a>",
@@ -67,6 +68,17 @@ TEST(Document, PageIsWellFormedAndNeedsNoOtherFile) {
     EXPECT_FALSE(has(page, outside)) << outside;
   }
   EXPECT_EQ(to_html(d), page);
+}
+
+TEST(Document, OriginsAreEscaped) {
+  Document d{.made = provenance("compare", "bipot compare")};
+  d.made.build = {"1.0", "0123abc", "g++ <12>", "-O3", "Release", "a & b", 2};
+  d.add(to_terms(d.made));
+  const std::string page = to_html(d);
+  for (const char* part :
+       {"bipot 1.0, commit 0123abc", "g++ &lt;12&gt;", "a &amp; b, 2 logical cores, 1 used"}) {
+    EXPECT_TRUE(has(page, part)) << part;
+  }
 }
 
 TEST(Document, SortableTablesBringTheirScriptAndFilters) {
