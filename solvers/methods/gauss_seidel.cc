@@ -1,8 +1,6 @@
 #include "solvers/methods/gauss_seidel.h"
 
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <random>
 #include <string>
@@ -12,7 +10,6 @@
 #include "core/problem/delassus.h"
 #include "solvers/disks/tiled_sweep.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/kernels/frozen_contacts.h"
 #include "solvers/parallel/split_sweep.h"
 #include "solvers/solve_run.h"
 
