@@ -1,8 +1,6 @@
 #include "solvers/methods/gauss_seidel.h"
 
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <random>
 #include <string>

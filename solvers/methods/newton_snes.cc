@@ -450,7 +450,7 @@ void run_newton(SolveRun& solve, const Settings& settings, PetscOptions petsc_op
 }
 
 /// On the same problem with W. Time of the assembly is set-up.
-void run_with_delassus(SolveRun& solve) {
+void run_with_delassus(SolveRun& solve, SystemFactor* factor) {
   ContactProblem p = solve.problem();
   p.W = assemble_delassus(p.A, p.H, p.dim);
   const double before = solve.seconds();
@@ -463,8 +463,7 @@ void run_with_delassus(SolveRun& solve) {
     };
   }
   WholeSpace space(p, options.execution.threads);
-  SolveResult result =
-      run_solver(solve.entry(), space, options, solve.whole().share(), solve.factor());
+  SolveResult result = run_solver(solve.entry(), space, options, solve.whole().share(), factor);
   result.setup_seconds += before;
   solve.take(std::move(result));
 }
@@ -481,11 +480,11 @@ void solve_newton_snes(SolveRun& solve) {
   } catch (const std::invalid_argument& e) {
     return solve.end(SolveStatus::kInvalidInput, e.what());
   }
-  if (!settings.mixed && !p.has_delassus()) return run_with_delassus(solve);
   const std::string linear = solve.parameters().choice("linear");
   const bool can_share = (linear == "auto" || linear == "mumps") &&
                          settings.residual != NewtonSystem::Residual::kInequality;
   SystemFactor* const factor = can_share ? solve.factor() : nullptr;
+  if (!settings.mixed && !p.has_delassus()) return run_with_delassus(solve, factor);
   if (factor != nullptr) settings.linear = "mumps";
   run_newton(solve, settings, std::move(*petsc_options), factor);
 }
