@@ -26,7 +26,7 @@ class RunTable {
     return *this;
   }
   RunTable& row(const std::string& solver, double tol, double time, int iterations, double guarded,
-             double error) {
+                double error) {
     ComparisonRow r;
     r.problem = made.problems.back().name;
     r.solver = solver;
