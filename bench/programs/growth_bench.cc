@@ -26,6 +26,7 @@
 #include "bench/report/chart.h"
 #include "bench/report/document.h"
 #include "bench/report/labels.h"
+#include "core/base/release.h"
 #include "core/criterion/contact_error.h"
 #include "core/files/atomic_file.h"
 #include "core/motion/midpoint.h"
