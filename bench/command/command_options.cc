@@ -61,7 +61,7 @@ void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
       .value_name("N")
       .not_negative()
       .group(kSolverGroup);
-  // One flag a name, whichever solvers have it; `bipot list solvers NAME` says what it means.
+  // One flag for each name, whichever solvers have it; `bipot list solvers NAME` explains it.
   std::set<std::string_view> names{kIslandsParameter.name};
   for (const SolverEntry& entry : solver_table()) {
     for (const ParameterSpec& spec : entry.parameters) names.insert(spec.name);

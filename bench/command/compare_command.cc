@@ -153,7 +153,7 @@ int compare_command(const CompareFlags& flags) {
   if (!flags.out.empty()) require_plotting_tool();
   const std::vector<ProblemSource> sources = expand_targets(flags.targets, scenes);
 
-  // What lies in the folder of the results is found when that is made.
+  // A missing folder of results is created later.
   if (flags.out.empty() || fs::path(flags.json).parent_path() != fs::path(flags.out)) {
     require_writable(flags.json);
   }

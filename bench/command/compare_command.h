@@ -31,8 +31,8 @@ struct CompareFlags {
 /// Declares `bipot compare`.
 CommandDeclaration add_compare_command(CommandLine& line, CompareFlags& flags);
 
-/// Fills the table of solver x problem x tolerance and writes it. Returns an ExitCode: 0 when the
-/// table is complete, whatever stands in it.
+/// Fills the table of solver x problem x tolerance and writes it. Returns an ExitCode: 0 if the
+/// table is complete, for any contents.
 int compare_command(const CompareFlags& flags);
 
 }  // namespace bipot

@@ -28,7 +28,7 @@ ImpulseLayout layout_of(const JudgeFlags& flags) {
           .factor = flags.factor};
 }
 
-/// A file that is there, but does not have what is asked of it, is bad input.
+/// An existing file without the required content is bad input.
 template <class Read>
 auto readable(const std::string& path, Read read) {
   if (!std::ifstream(path)) throw FileError(path, "", "cannot be opened");
@@ -51,7 +51,7 @@ Vector impulse_of(const JudgeFlags& flags, const ProblemFile& file) {
   });
 }
 
-/// Null where no contact is meant.
+/// Null for no contact.
 Json contact_or_null(int contact) { return contact >= 0 ? Json(contact) : Json(nullptr); }
 
 Json to_json(const JudgedContact& contact) {

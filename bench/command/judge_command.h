@@ -22,7 +22,7 @@ struct JudgeFlags {
 /// Declares `bipot judge`.
 CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags);
 
-/// Judges an impulse that some code computed for a problem file. Returns an ExitCode: 0 within the
+/// Judges an impulse computed by any code for a problem file. Returns an ExitCode: 0 within the
 /// tolerance, 1 not.
 int judge_command(const JudgeFlags& flags);
 

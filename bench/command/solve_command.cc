@@ -162,8 +162,8 @@ bool close(const Vector& a, const Vector& b) {
   return a.size() == b.size() && (a - b).norm() <= 1e-9 * std::max(a.norm(), b.norm());
 }
 
-/// Refuses a file for --solution that cannot take it, before the solve: not writable, not FCLIB, or
-/// with another problem in it.
+/// Refuses an unsuitable file for --solution before the solve: not writable, not FCLIB, or of
+/// another problem.
 void check_solution_file(const std::string& path, const ContactProblem& problem) {
   require_writable(path);
   if (path.empty() || !std::ifstream(path)) return;
@@ -174,7 +174,7 @@ void check_solution_file(const std::string& path, const ContactProblem& problem)
     throw std::invalid_argument(fmt::format("--solution: {}", e.what()));
   }
   const ContactProblem& other = there->problem;
-  // Both forms give W, and a problem is W, u_free and mu; an uneven vector tells two W apart.
+  // Both forms give W, and a problem is W, u_free and mu; a non-uniform vector distinguishes two W.
   const auto product = [](const ContactProblem& p) {
     const DelassusOperator delassus(p);
     Vector probe(p.num_rows()), result(p.num_rows());
@@ -192,7 +192,7 @@ void check_solution_file(const std::string& path, const ContactProblem& problem)
   }
 }
 
-/// What is to be solved, and how.
+/// The problem to solve, and its options.
 struct SolveTask {
   SolveFlags flags;
   ProblemFile file;
@@ -211,7 +211,7 @@ ProblemFile read_file(const std::string& path, bool untrusted) {
   }
 }
 
-/// Reads and checks; files are made by the process that writes them.
+/// Reads and checks; files are made by the root process.
 SolveTask prepare(const SolveFlags& given) {
   SolveTask task;
   refuse_on_several_processes(given.common, given.explain ? "--explain" : "");
@@ -243,7 +243,7 @@ SolveTask prepare(const SolveFlags& given) {
   return task;
 }
 
-/// Opens the file of --history and lets the solve write into it.
+/// Opens the file of --history, which the solve fills.
 void record_history(const std::string& path, std::ofstream& history, SolverOptions& options) {
   if (path.empty()) return;
   if (is_speaker()) {
@@ -290,7 +290,8 @@ int solve_command(const SolveFlags& given) {
   std::ofstream history;
   together([&] {
     task = prepare(given);
-    // Whether all of them take part in recording is the flags' matter, not the folder's.
+    // Taking part in recording depends on the flags, not on the folder, so that all processes
+    // agree.
     const bool recorded = !given.history.empty() || !given.common.out.empty();
     record_history(recorded && !is_speaker() ? "elsewhere" : task.flags.history, history,
                    task.options);

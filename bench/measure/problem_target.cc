@@ -27,6 +27,7 @@
 #include "core/motion/time_stepping.h"
 #include "core/problem_files/problem_file.h"
 #include "core/scene/scene_family.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/scene_run.h"
@@ -213,8 +214,7 @@ void throw_disk(Scene<2>& scene, State<2>& state) {
   constexpr double kSpeed = 20;
   Disk disk = state.bodies.front();
   disk.radius = 0.5;
-  disk.mass = 1;
-  disk.inertia = 0.5 * disk.mass * disk.radius * disk.radius;
+  give_mass(disk, 1);
   disk.v = Vec2(0, -kSpeed);
   disk.angle = disk.spin = 0;
   double left = std::numeric_limits<double>::infinity(), right = -left;

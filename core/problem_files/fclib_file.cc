@@ -13,6 +13,7 @@
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
 #include "core/problem/delassus.h"
+#include "core/problem_files/problem_form.h"
 
 namespace bipot {
 namespace {

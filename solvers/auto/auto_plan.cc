@@ -12,7 +12,7 @@ namespace bipot {
 namespace plan {
 namespace {
 
-/// Whether all normals are along or across one direction.
+/// True if all normals are along or across one direction.
 bool is_square_lattice(const DiskStructure& disks) {
   constexpr double kSame = 1e-6;
   if (disks.contacts.empty()) return false;
@@ -62,7 +62,7 @@ std::span<const PlanRow> class_of(unsigned marks, int contacts, double tol) {
   return kLargeTight;
 }
 
-/// Makes stages of the rows that serve.
+/// Makes stages from the rows that apply.
 class Planner {
  public:
   Planner(int contacts, unsigned marks, double tol)
@@ -135,7 +135,7 @@ std::vector<AutoStage> plan_auto(const ContactProblem& p, const DelassusOperator
   plan::Planner planner(p.num_contacts(), marks, tol);
   planner.add(plan::kFirst);
   planner.add(plan::class_of(marks, p.num_contacts(), tol));
-  planner.add(plan::kPatience);
+  planner.add(plan::kLargerBudgets);
   planner.add(plan::kLongRuns);
   return planner.stages();
 }

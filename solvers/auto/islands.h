@@ -16,23 +16,25 @@ struct IslandSolver {
   std::function<void(SolveRun& run)> attempt = {};
 };
 
-/// Runs `solver` on each part of the problem that is not coupled with the others, with what the part
-/// needs: nothing where s = 0 obeys the law or the start does well enough already (checked, not
-/// assumed), the closed form for one contact, exact block sweeps over a dense W for up to
-/// kFewContacts, and `solver` for the others; those without friction as problems of d = 1. A problem
-/// of one part, and one with another stop test than the guarded one, goes to `solver` as it is. The
-/// result is to be judged on the whole.
+/// Runs `solver` on each part of the problem that is not coupled with the others, with what the
+/// part needs: nothing where s = 0 obeys the law or the start does well enough already (checked,
+/// not assumed), the closed form for one contact, exact block sweeps over a dense W for up to
+/// kFewContacts, and `solver` for the others; those without friction as problems of d = 1. A
+/// problem of one part, and one with another stop test than the guarded one, goes to `solver` as it
+/// is. The result is to be judged on the whole.
 ///
-/// A last part of 4000 contacts or more, nine tenths of all at least, is not cut out either: `solver` goes on
-/// with the whole from where the others are settled.
+/// A last part of 4000 contacts or more, nine tenths of all at least, is not cut out either:
+/// `solver` goes on with the whole from where the others are settled.
 ///
-/// Where `solver` has an attempt to make, that is made on the whole of up to 4000 contacts first: what
-/// is easy is solved before anything is cut out. Not so where no part has two contacts, nor from a
-/// warm start that settles more than a quarter of the contacts. Where none was made on the whole, it
-/// is on parts of disks with up to 200 contacts, those of about one size as one problem: a problem for
-/// each takes as long to make as to solve. Parts that it leaves good enough are not solved again.
+/// Where `solver` has an attempt to make, that is made on the whole of up to 4000 contacts first:
+/// what is easy is solved before anything is cut out. Not so where no part has two contacts, nor
+/// from a warm start that settles more than a quarter of the contacts. Where none was made on the
+/// whole, it is on parts of disks with up to 200 contacts, those of about one size as one problem:
+/// a problem for each takes as long to make as to solve. Parts that it leaves good enough are not
+/// solved again.
 ///
-/// **The tolerance of the parts.** With the sums of data/manual/explanation/criterion.md the whole meets tol when
+/// **The tolerance of the parts.** With the sums of data/manual/explanation/criterion.md the whole
+/// meets tol when
 ///
 ///     Σ (G + V) <= tol M  and  Σ N² <= tol² M,   M = max(Σ D, θ Σ ½ sᵀ W s, θ Σ F),
 ///

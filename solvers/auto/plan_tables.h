@@ -9,7 +9,7 @@
 #include "solvers/auto/auto_plan.h"
 
 /// The plan of `auto` as tables of rows, one for each class of problem; the rows of a class are
-/// tried from top to bottom. auto_plan.h says how a stage ends. The figures were measured on
+/// tried from top to bottom. auto_plan.h says how a stage ends. The values are measured on
 /// data/problems and on steps of pours, collapses, impacts and tilts. N: number of contacts.
 namespace bipot::plan {
 
@@ -26,8 +26,8 @@ struct Count {
 };
 constexpr Count root(double factor, int least = 0) { return {factor, 0.5, least}; }
 constexpr Count each(double factor, int least = 0) { return {factor, 1, least}; }
-/// Symmetric sweeps with momentum cross a packing in about 16 N^0.4 iterations.
-constexpr Count crossings(double times) { return {16 * times, 0.4}; }
+/// Symmetric sweeps with momentum cross a packing in about 15.5 N^0.4 iterations.
+constexpr Count crossings(double times) { return {15.5 * times, 0.4}; }
 
 /// Iterations of a stage: at least, at most, and within a decade of a fair tolerance. A single
 /// number: it is never given up.
@@ -48,19 +48,19 @@ constexpr Origin best(double multiple = 1) { return {AutoStage::Start::kBest, mu
 constexpr Origin caller(double multiple = 1) { return {AutoStage::Start::kCaller, multiple}; }
 constexpr Origin last(double multiple = 1) { return {AutoStage::Start::kLast, multiple}; }
 
-/// A row serves for `above` < N <= `up_to`, a best error of at most `error`, and tolerances from
+/// A row applies for `above` < N <= `up_to`, a best error of at most `error`, and tolerances from
 /// `tol_from` and below `tol_below`.
 struct When {
   int above = 0, up_to = AutoStage::kUnlimited;
   double error = kInfinity, tol_from = 0, tol_below = kInfinity;
 };
 
-/// What a row asks of the problem, and what it says of its stage.
+/// Properties that a row requires of the problem, and properties of its stage.
 enum Mark : unsigned {
   kAlways = 0,
   kWarm = 1,          ///< the caller's start is not 0
   kCold = 2,          ///< it is 0
-  kDisks = 4,         ///< disks in the plane
+  kDisks = 4,         ///< disks in 2D
   kNoDisks = 8,       ///< anything else
   kVectors = 16,      ///< disks with friction that fill vectors, and no small square lattice
   kNoVectors = 32,    ///< anything else
@@ -124,7 +124,7 @@ constexpr std::string_view
     kWhyNear = "a slightly different impulse mostly leads elsewhere",
     kWhyNewton = "Newton's method converges quadratically where W is regular",
     kWhyPath = "moving packings: an exact path through stick, slip and take-off",
-    kWhyPatience = "the same with a larger budget",
+    kWhyLarger = "the same with a larger budget",
     kWhyRandom = "paths with other random numbers arrive by chance",
     kWhyShortPath = "a short exact path from an impulse that is near",
     kWhySplitting = "moving packings: operator splitting by factors of W",
@@ -132,7 +132,8 @@ constexpr std::string_view
     kWhySweeps = "sweeps find solutions of sliding pyramids that others miss",
     kWhySymmetric = "symmetric sweeps with momentum need O(N^0.4) iterations on packings at rest";
 
-// Parameters: symmetric sweeps an iteration, and paths that begin at the impulse as it is.
+// Parameters: number of symmetric sweeps in an iteration, and paths that begin at the given
+// impulse.
 constexpr std::string_view kTwo = "sweeps=2 most_sweeps=2", kFour = "sweeps=4 most_sweeps=4",
                            kAtMostTwo = "most_sweeps=2", kHere = "start_tol=1";
 
@@ -148,11 +149,13 @@ constexpr PlanRow kFirst[] = {
   {"ipm", "", own(), {40, 60}, {}, kUnequal, kWhyMasses},
 };
 
-/// In the plane, up to kMany contacts.
+/// 2D, up to kMany contacts.
 constexpr PlanRow kSmall[] = {
   {"assor", kTwo, own(), {100, 250, 120}, {kFew, 400}, kVectors | kWholeOnly, kWhyDisks},
-  {"assor", kFour, own(), {60, 250, 120}, {400, 1000}, kVectors | kWholeOnly, kWhyDisks},
-  {"assor", kFour, own(), {60, 250}, {1000, kMany}, kVectors | kWholeOnly, kWhyDisks},
+  {"assor", kFour, own(), {30, 175, 120}, {400, 1000}, kVectors | kWarm | kWholeOnly, kWhyDisks},
+  {"assor", kFour, own(), {30, 175}, {1000, kMany}, kVectors | kWarm | kWholeOnly, kWhyDisks},
+  {"assor", kFour, own(), {60, 250, 120}, {400, 1000}, kVectors | kCold | kWholeOnly, kWhyDisks},
+  {"assor", kFour, own(), {60, 250}, {1000, kMany}, kVectors | kCold | kWholeOnly, kWhyDisks},
   {"anderson", "", own(), {16, 100, 64}, {kFew, kMany}, kNoVectors | kWholeOnly, kWhyAccelerated},
   {"homotopy", kHere, best(), 500, {0, 400, 0.3}, kWhole, kWhyShortPath},
   {"homotopy", kHere, best(), 500, {400, kMany, kNear, 0, kRough}, kVectors, kWhyShortPath},
@@ -170,9 +173,10 @@ constexpr PlanRow kSmall[] = {
   {"newton", "", own(), {12, 40}, {}, kAlways, kWhyNewton},
 };
 
-/// In the plane, up to kLarge contacts; from a warm start below kFair up to kLargeWarm.
+/// 2D, up to kLarge contacts; from a warm start below kFair up to kLargeWarm.
 constexpr PlanRow kMedium[] = {
-  {"assor", kFour, own(), {60, 250}, {0, kLarge}, kVectors | kWholeOnly, kWhyDisks},
+  {"assor", kFour, own(), {30, 175}, {0, kLarge}, kVectors | kWarm | kWholeOnly, kWhyDisks},
+  {"assor", kFour, own(), {60, 250}, {0, kLarge}, kVectors | kCold | kWholeOnly, kWhyDisks},
   {"anderson", "", own(), {16, 100, 64}, {0, kLarge}, kNoVectors | kWholeOnly, kWhyAccelerated},
   {"apgd", "", own(), {500, 3000}, {0, kLarge}, kAlways, kWhyMomentumStart},
   {"apgd", "", own(), {500, root(140)}, {kLarge}, kAlways, kWhyMomentumStart},
@@ -181,14 +185,14 @@ constexpr PlanRow kMedium[] = {
   {"homotopy", kHere, last(0.98), each(2), kIfUseful, kAlways, kWhyNear},
   {"admm", "", caller(0.5), {600, 800}, kIfUseful, kWarm | kThenPaths, kWhyElsewhere},
   {"pgs", "", own(), {64, 500}, {0, kLarge}, kAlways, kWhySweeps},
-  {"admm", "", caller(), {1000, 3000}, kIfTight, kAlways, kWhyPatience},
+  {"admm", "", caller(), {1000, 3000}, kIfTight, kAlways, kWhyLarger},
   {"homotopy", kHere, last(), each(4), kIfTight, kAlways, kWhyPath},
   {"ipm", "", own(), {40, 80}, {}, kWarm, kWhyFactors},
   {"ipm", "", own(), {12, 40}, {}, kCold, kWhyFactors},
   {"newton", "", own(), {12, 40}, {0, kLarge}, kAlways, kWhyNewton},
 };
 
-/// In the plane, larger, tolerance kFair or more.
+/// 2D, larger, tolerance kFair or more.
 constexpr PlanRow kLargeFair[] = {
   {"assor", kAtMostTwo, own(), {crossings(0.25), crossings(3)}, {0, 8000, kInfinity, kRough},
    kDisks, kWhySymmetric},
@@ -208,17 +212,17 @@ constexpr PlanRow kLargeFair[] = {
   {"admm", "", caller(), {600, 1500}, {}, kThenSplitting, kWhySplitting},
   {"homotopy", kHere, best(), 10000, kIfUseful, kAlways, kWhyPath},
   {"homotopy", "start_tol=1 seed=2", best(0.98), 20000, {}, kAlways, kWhyNear},
-  {"admm", "", caller(), {6000, 14000}, {}, kAlways, kWhyPatience},
+  {"admm", "", caller(), {6000, 14000}, {}, kAlways, kWhyLarger},
   {"ipm", "", own(), {40, 80}, {}, kAlways, kWhyFactors},
 };
 
-/// In the plane, larger, tolerance below kFair.
+/// 2D, larger, tolerance below kFair.
 constexpr PlanRow kLargeTight[] = {
   {"assor", "", own(), {crossings(1), crossings(3)}, {}, kDisks | kWholeOnly, kWhySymmetric},
   {"apgd", "", own(), {root(70), root(105)}, {}, kNoDisks, kWhyMomentum},
   {"admm", "", caller(), {600, 800}, {0, 8000}, kDisks, kWhySplitting},
   {"homotopy", kHere, best(), each(0.5), {0, 8000, kNear}, kDisks, kWhyShortPath},
-  {"admm", "", caller(), {1000, 3000}, {}, kAlways, kWhyPatience},
+  {"admm", "", caller(), {1000, 3000}, {}, kAlways, kWhyLarger},
   {"ipm", "", own(), {40, 80}, {}, kAlways, kWhyFactors},
   {"homotopy", kHere, last(), each(2, 10000), {0, 8000, kUseful}, kAlways, kWhyPath},
   {"homotopy", kHere, best(), 10000, {8000, kAny, kUseful}, kAlways, kWhyPath},
@@ -227,7 +231,7 @@ constexpr PlanRow kLargeTight[] = {
   {"homotopy", kHere, last(0.9), each(2, 10000), kIfUseful, kAlways, kWhyNear},
 };
 
-/// In the plane, W alone.
+/// 2D, W alone.
 constexpr PlanRow kPlaneOfW[] = {
   {"anderson", "", own(), {16, 100, 64}, {kFew, kLarge}, kWholeOnly, kWhyAccelerated},
   {"homotopy", kHere, best(), 500, {0, 400, 0.3}, kWhole, kWhyShortPath},
@@ -246,7 +250,7 @@ constexpr PlanRow kPlaneOfW[] = {
   {"newton", "", own(), {500, 1000}, {0, kLarge}, kAlways, kWhyNewton},
 };
 
-/// In space.
+/// 3D.
 constexpr PlanRow kSpace[] = {
   {"anderson", "", own(), {16, 30, 64}, {kFew, kLarge}, kBodies | kWholeOnly, kWhyAccelerated},
   {"anderson", "", own(), {16, 60, 64}, {kFew, kLarge}, kWAlone | kWholeOnly, kWhyAccelerated},
@@ -265,11 +269,11 @@ constexpr PlanRow kSpace[] = {
 };
 
 /// After the rows of all classes: larger budgets.
-constexpr PlanRow kPatience[] = {
+constexpr PlanRow kLargerBudgets[] = {
   {"multistart", "starts=1000000", best(), 5000, {0, 50}, kAlways, kWhyStarts},
   {"multistart", "starts=1000000", best(), 500, {50, kFew}, kAlways, kWhyStarts},
-  {"pgs", "", own(), {16000, 20000}, {0, 1000}, kAlways, kWhyPatience},
-  {"admm", "", caller(), {12000, 15000}, {0, kLarge}, kInSpace, kWhyPatience},
+  {"pgs", "", own(), {16000, 20000}, {0, 1000}, kAlways, kWhyLarger},
+  {"admm", "", caller(), {12000, 15000}, {0, kLarge}, kInSpace, kWhyLarger},
   {"ipm", "", caller(), {350, 400}, {0, kLarge}, kInSpace, kWhyFolds},
   {"assor", "sweeps=8", caller(), 6000, {kMany, kLargeWarm}, kDisks, kWhyEight},
   {"admm", "", caller(0.25), {600, 800}, {0, kLargeWarm, kUseful},
@@ -286,17 +290,17 @@ constexpr PlanRow kPatience[] = {
   {"homotopy", "seed=3", caller(), each(14), {kFew, kLargeWarm}, kAlways, kWhyRandom},
   {"ipm", "", caller(), 1000, {kFew, kMany}, kInPlane, kWhyFolds},
   {"homotopy", "schedule=cautious", caller(), 60000, {kFew, kAny, 1e-4}, kAlways, kWhyChains},
-  {"apgd", "", caller(), {6000, root(560, 12000)}, {}, kAlways, kWhyPatience},
-  {"pgs", "", own(), {16000, 20000}, {1000, kLarge}, kAlways, kWhyPatience},
+  {"apgd", "", caller(), {6000, root(560, 12000)}, {}, kAlways, kWhyLarger},
+  {"pgs", "", own(), {16000, 20000}, {1000, kLarge}, kAlways, kWhyLarger},
   {"ipm", "", caller(), {150, 300}, {}, kAlways, kWhyFolds},
-  {"newton", "", own(), {100, 500}, {0, kLarge}, kAlways, kWhyPatience},
+  {"newton", "", own(), {100, 500}, {0, kLarge}, kAlways, kWhyLarger},
 };
 
 /// At the end.
 constexpr PlanRow kLongRuns[] = {
   {"multistart", "starts=1000000 seed=2", caller(), 20000, {0, 50}, kAlways, kWhyStarts},
-  {"apgd", "", best(), 100000, {}, kAlways, kWhyPatience},
-  {"newton", "start_sweeps=5000", best(), 3000, {0, kLarge}, kAlways, kWhyPatience},
+  {"apgd", "", best(), 100000, {}, kAlways, kWhyLarger},
+  {"newton", "start_sweeps=5000", best(), 3000, {0, kLarge}, kAlways, kWhyLarger},
   {"admm", "", best(), 4000, {0, kLarge}, kAlways, kWhySplitting},
   {"homotopy", "", best(), AutoStage::kUnlimited, {}, kAlways, kWhyPath},
   {"ipm", "", best(), 2000, {}, kAlways, kWhyFolds},

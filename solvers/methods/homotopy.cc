@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <string>
 #include <utility>
 
+#include "core/base/portable_random.h"
 #include "solvers/homotopy/path_follower.h"
 #include "solvers/homotopy/proximal_term.h"
 #include "solvers/solve_run.h"
@@ -141,7 +141,7 @@ class Homotopy {
   bool shaken_chains() {
     for (int k = 0; k < kShakes; ++k) {
       Vector s = run_.best_impulse();
-      for (double& x : s) x *= 1 + kShaken * (2 * draw() - 1);
+      for (double& x : s) x *= 1 + kShaken * random_.symmetric();
       chain_error_ = kInfinity;
       chain_end_ =
           iteration() + std::max(kLeastShaken, kShakenIterations * problem_.num_contacts());
@@ -150,8 +150,6 @@ class Homotopy {
     }
     return false;
   }
-
-  double draw() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
 
   /// Judges an impulse; true: everything ends here.
   bool judge(const Vector& s) {
@@ -210,7 +208,7 @@ class Homotopy {
     }
     for (int slot = 0; slot < problem_.num_rows(); ++slot) {
       if (point.bound[slot] == 0) continue;
-      const double part = 0.5 + draw();
+      const double part = 0.5 + random_.uniform();
       const bool pushes = is_impulse(point.column[static_cast<std::size_t>(slot)]);
       const double least = lift * part * (pushes ? impulse : speed);
       if (point.bound[slot] * point.value[slot] < least) {
@@ -303,7 +301,7 @@ class Homotopy {
   const Parameters& parameters_;
   LawProblem problem_;
   PathFollower follower_;
-  std::mt19937_64 random_;
+  PortableRandom random_;
   Schedule schedule_ = kSchedules[0];
   double delta_ = kNaN;
   Vector proximal_;  // of the path in progress

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tests/support/draw.h"
 #include "tests/support/grid_matrix.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {

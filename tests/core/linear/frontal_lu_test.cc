@@ -11,8 +11,8 @@
 
 #include "core/linear/eight_right_sides.h"
 #include "core/linear/frontal_kernels.h"
-#include "tests/support/draw.h"
 #include "tests/support/grid_matrix.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {
@@ -51,8 +51,9 @@ TEST(FrontalLU, SolvesForRightSidesOfOneNumber) {
   }
 }
 
-/// Right sides of few numbers and of many, as many at once as there are or fewer: each as it is alone,
-/// to rounding, and to the bit whatever stands beside it. A front of the root with exchanges.
+/// Right sides of few numbers and of many, as many at once as there are or fewer: each as it is
+/// alone, to rounding, and to the bit whatever stands beside it. A front of the root with
+/// exchanges.
 TEST(FrontalLU, SolvesForSeveralRightSidesAtOnce) {
   for (const int side : {1, 3, 20}) {
     SparseMatrix A = grid_matrix(side, 2, 7, 3);
@@ -182,8 +183,8 @@ TEST(FrontalLU, KnowsTheSignOfTheDeterminant) {
   EXPECT_LT(positive, 32);
 }
 
-/// The same pattern has one tree, whoever asks; other values give other factors, the same values the
-/// same bits.
+/// The same pattern has one tree, whoever asks; other values give other factors, the same values
+/// the same bits.
 TEST(FrontalLU, KeepsTheAnalysisOfAPattern) {
   const SparseMatrix A = grid_matrix(12, 3, 1, 4), B = grid_matrix(12, 3, 2, 4);
   const SparseMatrix other = grid_matrix(11, 3, 1, 4);
@@ -212,7 +213,8 @@ TEST(FrontalLU, KeepsTheAnalysisOfAPattern) {
   EXPECT_EQ(x, z) << "an analysis made again is the same";
 }
 
-/// Trees of large patterns are not heaped up: of two that take more than what is kept, the last stays.
+/// Trees of large patterns are not heaped up: of two that take more than what is kept, the last
+/// stays.
 TEST(FrontalLU, LetsTreesGoThatTakeMuchMemory) {
   const SparseMatrix A = grid_matrix(99, 3, 1, 4), B = grid_matrix(100, 3, 1, 4);
   const std::weak_ptr<const FrontalTree> first = FrontalTree::of(A);

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "tests/support/draw.h"
+#include "core/base/portable_random.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {
@@ -15,7 +16,7 @@ using Eigen::MatrixXd;
 
 /// Sparse and without structure; `shift` on the diagonal.
 MatrixXd random_dense(int n, unsigned seed, double shift) {
-  Draw draw(seed);
+  PortableRandom draw(seed);
   MatrixXd A = MatrixXd::Zero(n, n);
   for (int k = 0; k < 4 * n; ++k) A(draw.below(n), draw.below(n)) = draw.symmetric();
   A.diagonal().array() += shift;

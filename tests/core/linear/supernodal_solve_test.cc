@@ -7,7 +7,7 @@
 #include <deque>
 #include <vector>
 
-#include "tests/support/draw.h"
+#include "core/base/portable_random.h"
 
 namespace bipot {
 namespace {
@@ -20,7 +20,7 @@ struct Supernodes {
   Eigen::MatrixXd L;
 
   Supernodes(const std::vector<int>& widths, double coupling, unsigned seed) {
-    Draw draw(seed);
+    PortableRandom draw(seed);
     int size = 0, first = 0;
     for (int width : widths) size += width;
     L = Eigen::MatrixXd::Zero(size, size);
@@ -63,7 +63,7 @@ void expect_inverse(double coupling, double tolerance) {
     }
     solve.begin(static_cast<int>(made.L.rows()), entries);
     for (const Supernode& node : made.nodes) solve.add(node);
-    Draw draw(3);
+    PortableRandom draw(3);
     Vector x(made.L.rows());
     for (double& value : x) value = draw.symmetric();
     const Vector b = made.L * (made.L.transpose() * x);
@@ -77,14 +77,16 @@ void expect_inverse(double coupling, double tolerance) {
   }
 }
 
-/// Triangles of 40 random columns have a condition of 1e4 and more, with couplings of a tenth below 30.
+/// Triangles of 40 random columns have a condition of 1e4 and more, with couplings of a tenth below
+/// 30.
 TEST(SupernodalSolve, IsTheInverseOfLTimesItsTranspose) {
   expect_inverse(1, 1e-9);
   expect_inverse(0.1, 1e-13);
 }
 
-/// A triangle of 4 is one slice of 4 columns. 19 columns and 40 rows: rows 0 to 15 have four slices of
-/// 16 columns (the diagonal ends there), 16 to 31 four of 19, 32 to 39 two of 19; 64 + 76 + 38 slices.
+/// A triangle of 4 is one slice of 4 columns. 19 columns and 40 rows: rows 0 to 15 have four slices
+/// of 16 columns (the diagonal ends there), 16 to 31 four of 19, 32 to 39 two of 19; 64 + 76 + 38
+/// slices.
 TEST(SupernodalSolve, KeepsNothingRightOfTheDiagonalOfAStrip) {
   EXPECT_EQ(SupernodalSolve::num_entries(1, 1), 4U);
   EXPECT_EQ(SupernodalSolve::num_entries(4, 4), 16U);

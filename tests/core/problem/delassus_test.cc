@@ -6,7 +6,7 @@
 #include <optional>
 #include <thread>
 
-#include "tests/support/draw.h"
+#include "core/base/portable_random.h"
 #include "tests/support/manufactured.h"
 
 namespace bipot {
@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 
 /// Couples each body's degrees of freedom with the next body's, diagonally dominant.
 SparseMatrix general_mass(int n, unsigned seed) {
-  Draw draw(seed);
+  PortableRandom draw(seed);
   MatrixXd A = MatrixXd::Zero(n, n);
   for (int k = 0; k < n; ++k) {
     A(k, k) = 2 + draw.uniform();
@@ -109,7 +109,7 @@ TEST_P(Delassus, GeneralMassMatrixIsAssembledWhereNoOperatorIsGiven) {
 TEST_P(Delassus, BodyVelocitiesFollowFromTheImpulses) {
   Manufactured m = manufactured_problem(GetParam(), 9, 14, 1);
   ContactProblem& p = m.problem;
-  Draw draw(4);
+  PortableRandom draw(4);
   for (double& x : p.v_free) x = draw.symmetric();
   for (const SparseMatrix& A : {p.A, general_mass(p.num_dofs(), 2)}) {
     p.A = SparseMatrix(A);

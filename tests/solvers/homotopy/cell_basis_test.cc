@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "core/base/portable_random.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
@@ -57,12 +58,11 @@ TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
   updated.solve(g, x);
   const Vector of_the_factor = x;
   // Few contacts, many exchanges: columns leave, come back, into their own slot or the other one.
-  std::mt19937_64 random(7);
+  PortableRandom random(7);
   int exchanged = 0;
   for (int k = 0; k < 200; ++k) {
-    const int contact = static_cast<int>(random() % 8),
-              slot = 2 * contact + static_cast<int>(random() % 2);
-    const double slip = random() % 2 == 0 ? 1 : -1;
+    const int contact = random.below(8), slot = 2 * contact + random.below(2);
+    const double slip = random.below(2) == 0 ? 1 : -1;
     const Crossing crossing =
         cross(point.cell[to_size(contact)], point.column[to_size(slot)], slip, true);
     const CellBasis::Entering entering = updated.entering(contact, crossing.enters, slot);
@@ -119,9 +119,9 @@ TEST(CellBasis, PreparedColumnsEnterAsOthersDo) {
   }
 }
 
-/// Sliding contacts with W_nn = mu W_nt, each coupled to some of a core of sticking contacts: the own
-/// block of a sliding contact in B is singular but for delta, and the fronts, which eliminate it
-/// before the core, have nothing but that rounding to divide by. B is well conditioned: the
+/// Sliding contacts with W_nn = mu W_nt, each coupled to some of a core of sticking contacts: the
+/// own block of a sliding contact in B is singular but for delta, and the fronts, which eliminate
+/// it before the core, have nothing but that rounding to divide by. B is well conditioned: the
 /// couplings of the sliding contacts have full rank.
 TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
   constexpr int kSliding = 30, kCore = 100, kContacts = kSliding + kCore, kCoupled = 20;
@@ -134,7 +134,7 @@ TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
     entries.emplace_back(2 * i, 2 * k, value);
     entries.emplace_back(2 * k, 2 * i, value);
   };
-  std::mt19937_64 random(3);
+  PortableRandom random(3);
   for (int i = 0; i < kContacts; ++i) {
     for (const int k : {0, 1}) entries.emplace_back(2 * i + k, 2 * i + k, 1);
     if (i >= kSliding) {
@@ -144,7 +144,7 @@ TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
     for (const int k : {0, 1}) entries.emplace_back(2 * i + k, 2 * i + 1 - k, kCross);
     couple(i, kSliding + i, 0.5);
     for (int k = 0; k < kCoupled; ++k) {
-      couple(i, kSliding + static_cast<int>(random() % kCore), kCoupling);
+      couple(i, kSliding + random.below(kCore), kCoupling);
     }
   }
   problem.W.setFromTriplets(entries.begin(), entries.end());

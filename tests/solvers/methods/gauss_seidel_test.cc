@@ -80,8 +80,9 @@ TEST(GaussSeidel, RefusesParametersOutOfRange) {
   }
 }
 
-// A ring of disks that jammed in an impact and has come to rest: its free velocity is rounding, and the impulses
-// that it starts from are those of the impact, 1e25 times the energy. They say nothing, and are no divergence.
+// A ring of disks that jammed in an impact and has come to rest: its free velocity is rounding, and
+// the impulses that it starts from are those of the impact, 1e25 times the energy. They say
+// nothing, and are no divergence.
 TEST(GaussSeidel, AStartBeyondAllMeasureIsDroppedAndNotCalledDivergence) {
   ContactProblem p = triangular_lattice(6);
   p.v_free *= 1e-13;

@@ -13,8 +13,8 @@
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "solvers/systems/shifted_delassus.h"
-#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
@@ -120,10 +120,10 @@ TEST(ShiftedDelassus, BothFormsSolveTheDenseSystemAndAgreeOnTheSign) {
   }
 }
 
-/// A chain of hubs, each with two leaves, masses 1, K = I + H R Hᵀ. One leaf's contact has
-/// r = -1 + 1e-13: its diagonal 1 + r is 1e-13 beside a coupling of 1 to its hub. A hub shares its
-/// front with the last of its leaves at most (a front is a chain of the elimination tree), which is
-/// the other one at every second hub: there the leaf is a front by itself with a multiplier of 1e13,
+/// A chain of hubs, each with two leaves, masses 1, K = I + H R Hᵀ. One leaf's contact has r = -1 +
+/// 1e-13: its diagonal 1 + r is 1e-13 beside a coupling of 1 to its hub. A hub shares its front
+/// with the last of its leaves at most (a front is a chain of the elimination tree), which is the
+/// other one at every second hub: there the leaf is a front by itself with a multiplier of 1e13,
 /// though K with its pairs [1e-13, 1; 1, k] is as regular as [0, 1; 1, k].
 TEST(ShiftedDelassus, TakesUmfpackWherePivotsOfTheFrontsAreSmall) {
   ContactProblem p;

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <vector>
 
-#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {
