@@ -22,10 +22,10 @@ class CommonFailure : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Where the impulses and velocities of a problem live: products with W, sums over all contacts, and
-/// the criterion. Vectors have the rows of problem(), which are all of them on one process
-/// (WholeSpace), or those of this process's contacts (DistributedSpace). Functions that are not const
-/// are collective: every process calls them, in the same order. One caller at a time.
+/// Where the impulses and velocities of a problem live: products with W, sums over all contacts,
+/// and the criterion. Vectors have the rows of problem(), which are all of them on one process
+/// (WholeSpace), or those of this process's contacts (DistributedSpace). Functions that are not
+/// const are collective: every process calls them, in the same order. One caller at a time.
 class ContactSpace {
  public:
   virtual ~ContactSpace() = default;
@@ -48,8 +48,9 @@ class ContactSpace {
   virtual void apply(const Vector& s, Vector& u) = 0;
   /// u = W s + u_free.
   virtual void velocity(const Vector& s, Vector& u) = 0;
-  /// ‖diag(scale) W diag(scale)‖_inf, an upper bound of the largest eigenvalue. Assembles W where the
-  /// problem does not bring it: the cheaper bound from |H| would depend on the scene's direction.
+  /// ‖diag(scale) W diag(scale)‖_inf, an upper bound of the largest eigenvalue. Assembles W where
+  /// the problem does not bring it: the cheaper bound from |H| would depend on the scene's
+  /// direction.
   virtual double norm_bound(const Vector& scale) = 0;
 
   virtual double dot(const Vector& a, const Vector& b) = 0;
@@ -69,7 +70,8 @@ class ContactSpace {
   virtual bool exact() const { return false; }
 
   /// The criterion of the whole: projects s, takes its velocity, judges. `more`: numbers of each
-  /// process that become their sums, in the same reduction. The worst contacts may be left open (-1).
+  /// process that become their sums, in the same reduction. The worst contacts may be left open
+  /// (-1).
   virtual ContactError error(const Eigen::Ref<const Vector>& s, std::span<double> more = {}) = 0;
   /// Finds the worst contacts of the last error().
   virtual void find_worst(ContactError&) {}
@@ -90,9 +92,9 @@ class ContactSpace {
   ContactSpace() = default;
 };
 
-/// A problem that one process has. Keeps a reference to it. What is made of the problem once is shared
-/// by all spaces that are made of one another: the operator, the criterion's weights and the last
-/// claim that was proved.
+/// A problem that one process has. Keeps a reference to it. What is made of the problem once is
+/// shared by all spaces that are made of one another: the operator, the criterion's weights and the
+/// last claim that was proved.
 class WholeSpace final : public ContactSpace {
  public:
   explicit WholeSpace(const ContactProblem& problem, int threads = 1, const ErrorShare& share = {});

@@ -26,8 +26,8 @@ SolveResult refuse(std::string message) {
   return result;
 }
 
-/// Judges result.s, writes s, u and error, withdraws false claims, and those that only the rounding of
-/// the criterion supports.
+/// Judges result.s, writes s, u and error, withdraws false claims, and those that only the rounding
+/// of the criterion supports.
 void judge(ContactSpace& space, const SolverOptions& options, SolveResult& result) {
   const Eigen::Index rows = space.problem().num_rows();
   if (space.any(result.s.size() != rows)) {
@@ -211,8 +211,8 @@ SolveResult solve_in(ContactSpace& space, const SolverEntry& entry, const Solver
     space.rest();  // until the end
     result.s = Vector();
     const auto run_with = [&](const SolverOptions& how) { result = run(space, entry, how); };
-    // The impulses of jammed bodies at rest in the step before may be beyond all measure of this one:
-    // no solver comes back from there with a digit that counts.
+    // The impulses of jammed bodies at rest in the step before may be beyond all measure of this
+    // one: no solver comes back from there with a digit that counts.
     if (start && start->energy > kDivergenceFactor * none.energy) {
       SolverOptions from_zero = options;
       from_zero.s0 = Vector();

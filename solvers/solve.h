@@ -25,7 +25,8 @@ SolveResult solve(const SolverEntry& entry, const ContactProblem& problem,
 
 // The parts of it, for whoever makes the space himself:
 
-/// Why solve() refuses, in a sentence; empty where it does not. `problem`: the contacts that are here.
+/// Why solve() refuses, in a sentence; empty where it does not. `problem`: the contacts that are
+/// here.
 std::string refusal(const SolverEntry& entry, const ContactProblem& problem,
                     const SolverOptions& options);
 /// All but the refusals. `watch`: runs since the set-up began. Collective.

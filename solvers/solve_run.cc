@@ -65,8 +65,8 @@ bool SolveRun::meets(const Eigen::Ref<const Vector>& s) {
   return accept(std::numeric_limits<double>::infinity());
 }
 
-/// Squared norms, of the rows here, of s and of its change since the iterate judged before, where that
-/// is known. In pieces, so that what is read comes from memory once.
+/// Squared norms, of the rows here, of s and of its change since the iterate judged before, where
+/// that is known. In pieces, so that what is read comes from memory once.
 void SolveRun::replace_previous(const Eigen::Ref<const Vector>& s, bool known, double& norm2,
                                 double& change2) {
   if (previous_.size() != s.size()) previous_ = large_vector(s.size());

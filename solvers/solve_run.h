@@ -18,11 +18,12 @@ namespace bipot {
 /// the same iteration: whether one is out of time or was interrupted is asked with every judgement
 /// and every kPolled iterations.
 ///
-/// Cadence: whenever the count k has grown by its root (the least that evaluations and iterations cost
-/// together) or, from k = 1024 on, by 1/32: the reported count is exact to 1/root k, then to 3 %;
-/// solvers whose iteration is a factorisation have every one judged, `assor` one in 16 at last, where it
-/// streams through memory by three roots, 3/root k, before, and one in six where it takes stresses out.
-/// The impulse test compares consecutive iterates and is therefore evaluated at every iteration.
+/// Cadence: whenever the count k has grown by its root (the least that evaluations and iterations
+/// cost together) or, from k = 1024 on, by 1/32: the reported count is exact to 1/root k, then to 3
+/// %; solvers whose iteration is a factorisation have every one judged, `assor` one in 16 at last,
+/// where it streams through memory by three roots, 3/root k, before, and one in six where it takes
+/// stresses out. The impulse test compares consecutive iterates and is therefore evaluated at every
+/// iteration.
 ///
 /// The run keeps the best iterate by the guarded error; a solve that stops early returns it.
 class SolveRun {
@@ -58,8 +59,9 @@ class SolveRun {
   /// For solvers whose iteration is a factorisation or more: every one is judged, whatever the
   /// count, so that no stage of theirs is blind.
   void judge_every_iteration() { every_ = true; }
-  /// Half as often as others: few iterations, each cheaper than judging it. `much_cheaper`: as where
-  /// both stream through memory, the iteration once for several sweeps; a third as often before.
+  /// Half as often as others: few iterations, each cheaper than judging it. `much_cheaper`: as
+  /// where both stream through memory, the iteration once for several sweeps; a third as often
+  /// before.
   void judge_half_as_often(bool much_cheaper = false) {
     portion_ = kJudgedPortion / 2;
     roots_ = much_cheaper ? 3 : 1;
@@ -113,9 +115,9 @@ class SolveRun {
   /// For solvers that have their result from elsewhere: it is that of the run.
   void take(SolveResult result) { taken_ = std::move(result); }
 
-  /// Another solver on the same problem, from options.s0, without the last judgement of solve(). Where
-  /// the problem lies on several processes and the solver runs on one, on the first. `share`: how
-  /// much of the tolerance the whole problem may use up as a part of a larger one.
+  /// Another solver on the same problem, from options.s0, without the last judgement of solve().
+  /// Where the problem lies on several processes and the solver runs on one, on the first. `share`:
+  /// how much of the tolerance the whole problem may use up as a part of a larger one.
   SolveResult nested(const SolverEntry& entry, const SolverOptions& options,
                      const ErrorShare& share = {});
   /// The same for a row of the table.

@@ -54,8 +54,9 @@ struct SolverOptions {
   int max_iterations = 1000000;                                 ///< >= 0
   double time_limit = std::numeric_limits<double>::infinity();  ///< wall seconds, > 0
   Vector s0;                                                    ///< start; empty: s = 0
-  /// Whether parts of the problem that do not couple are solved one by one (solvers/auto/islands.h);
-  /// nothing: `auto` does, the others do not. Only with the guarded test. Also a parameter: "islands".
+  /// Whether parts of the problem that do not couple are solved one by one
+  /// (solvers/auto/islands.h); nothing: `auto` does, the others do not. Only with the guarded test.
+  /// Also a parameter: "islands".
   std::optional<bool> islands;
   Execution execution;  ///< threads and instructions: the result's bits do not depend on them
   std::map<std::string, std::string> parameters;  ///< e.g. {"omega", "1.6"}; see SolverEntry
@@ -96,8 +97,8 @@ struct ParameterSpec {
   std::string_view unit = {};  ///< numbers and integers; empty: a pure number
 };
 
-/// A parameter that every solver takes, through solve(): text for SolverOptions::islands. A solver that
-/// has it among its own parameters looks at that option itself; for others solve() does.
+/// A parameter that every solver takes, through solve(): text for SolverOptions::islands. A solver
+/// that has it among its own parameters looks at that option itself; for others solve() does.
 inline constexpr ParameterSpec kIslandsParameter{
     .name = "islands",
     .kind = ParameterSpec::Kind::kChoice,

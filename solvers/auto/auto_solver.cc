@@ -83,8 +83,8 @@ class Forecast {
 };
 
 /// The race on several processes: rounds of first order, each from the best impulse so far, with a
-/// budget that doubles from round to round; after the third, and after every third from there on, one
-/// of second order on the first process.
+/// budget that doubles from round to round; after the third, and after every third from there on,
+/// one of second order on the root process.
 std::vector<AutoStage> plan_in_parallel() {
   std::vector<AutoStage> stages;
   const auto add = [&](std::string_view solver, int budget, std::string_view reason) {

@@ -16,8 +16,8 @@ namespace bipot {
 /// several processes the race has rounds of first order, and no islands.
 void solve_auto(SolveRun& run);
 
-/// The race alone. `attempted`: the impulse that attempt_race() left, whose stages are not run again;
-/// or empty.
+/// The race alone. `attempted`: the impulse that attempt_race() left, whose stages are not run
+/// again; or empty.
 void run_race(SolveRun& run, const Vector& attempted);
 
 /// The stages alone that are to be tried before parts are cut out: most of what is easy is solved

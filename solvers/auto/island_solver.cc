@@ -175,9 +175,9 @@ class IslandRun {
     std::sort(left_.begin(), left_.end());
   }
 
-  /// Makes the attempt of the solver on islands of about one size at once, those without friction by
-  /// themselves. Where that does not arrive, each is looked at, and those that are not good enough
-  /// are left with what it found. The last island is left in any case.
+  /// Makes the attempt of the solver on islands of about one size at once, those without friction
+  /// by themselves. Where that does not arrive, each is looked at, and those that are not good
+  /// enough are left with what it found. The last island is left in any case.
   void solve_groups() {
     // Sweeps over disks fill vectors; what accelerates other problems does better on each island.
     const bool pays = solver_.attempt && evaluate_.delassus().disks();

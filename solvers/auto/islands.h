@@ -16,12 +16,12 @@ struct IslandSolver {
   std::function<void(SolveRun& run)> attempt = {};
 };
 
-/// Runs `solver` on each part of the problem that is not coupled with the others, with what the part
-/// needs: nothing where s = 0 obeys the law or the start does well enough already (checked, not
-/// assumed), the closed form for one contact, exact block sweeps over a dense W for up to
-/// kFewContacts, and `solver` for the others; those without friction as problems of d = 1. A problem
-/// of one part, and one with another stop test than the guarded one, goes to `solver` as it is. The
-/// result is to be judged on the whole.
+/// Runs `solver` on each part of the problem that is not coupled with the others, with what the
+/// part needs: nothing where s = 0 obeys the law or the start does well enough already (checked,
+/// not assumed), the closed form for one contact, exact block sweeps over a dense W for up to
+/// kFewContacts, and `solver` for the others; those without friction as problems of d = 1. A
+/// problem of one part, and one with another stop test than the guarded one, goes to `solver` as it
+/// is. The result is to be judged on the whole.
 ///
 /// A last part of 4000 contacts or more, nine tenths of all at least, is not cut out either:
 /// `solver` goes on with the whole from where the others are settled.

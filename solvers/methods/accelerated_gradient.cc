@@ -9,8 +9,8 @@
 namespace bipot {
 namespace {
 
-/// Calls f(kernel) with the iteration on disks in vectors, where the problem is one of disks; whether
-/// it is.
+/// Calls f(kernel) with the iteration on disks in vectors, where the problem is one of disks;
+/// whether it is.
 template <int D, class F>
 bool with_disk_kernel(SolveRun& run, const ContactScaling& scaling, F&& f) {
   const Execution& execution = run.options().execution;

@@ -27,8 +27,8 @@ inline constexpr ParameterSpec kClassicalParameters[] = {
 /// corrector alone. The stop test that goes with the classical method in the paper, the relative
 /// change of s between iterations, is SolverOptions::stop = kImpulse. Impulses replace forces.
 ///
-/// In parallel, refresh = jacobi: the iterates of one process up to the bound of W's norm, which may be
-/// larger where driven walls take part. An iteration is one exchange.
+/// In parallel, refresh = jacobi: the iterates of one process up to the bound of W's norm, which
+/// may be larger where driven walls take part. An iteration is one exchange.
 void solve_classical(SolveRun& run);
 
 }  // namespace bipot

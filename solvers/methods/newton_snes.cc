@@ -46,7 +46,8 @@ constexpr std::size_t kLongestCycle = 6;
 // PETSc's LU (nested dissection, no pivoting) takes a third to a half of UMFPACK's time on packings
 // of 700 to 1400 contacts and twice as long at 7300.
 constexpr int kDenseRows = 4000;
-// UMFPACK's steps with AMD against METIS: 0.6 of the time with 7000 to 18 000 contacts (mixed form),
+// UMFPACK's steps with AMD against METIS: 0.6 of the time with 7000 to 18 000 contacts (mixed
+// form),
 // 0.85 with 30 000, 1.4 with 300 000.
 constexpr int kNestedRows = 200000;
 // Two iterates that differ by less, relative, are the same.

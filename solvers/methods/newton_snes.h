@@ -59,13 +59,13 @@ inline constexpr ParameterSpec kNewtonParameters[] = {
 /// reason where a step failed.
 ///
 /// The options string reaches PETSc's options database under the prefix `bipot_newton_`, for the
-/// time of the solve; options that PETSc did not use are named in the message. PETSc's start, at the
-/// first call of a process, counts as set-up; its errors become a status
+/// time of the solve; options that PETSc did not use are named in the message. PETSc's start, at
+/// the first call of a process, counts as set-up; its errors become a status
 /// (solvers/petsc/petsc_session.h).
 ///
-/// The run's factor, where it has one, factors Newton's systems with linear = auto and mumps, not with
-/// residual = snesvi, whose systems change their size. A matrix that it cannot factor is a failed
-/// step, what it throws is thrown here.
+/// The run's factor, where it has one, factors Newton's systems with linear = auto and mumps, not
+/// with residual = snesvi, whose systems change their size. A matrix that it cannot factor is a
+/// failed step, what it throws is thrown here.
 void solve_newton_snes(SolveRun& run);
 
 }  // namespace bipot

@@ -45,9 +45,9 @@ struct ProximalReport {
   double kappa = 0;  ///< of the last inner problem
 };
 
-/// The outer loop, for every inner solver. `weights`: D, see mean_diagonal(). Runs until the inner solver reports kStop; ends the
-/// run itself where it cannot go on (kappa below its minimum, or no movement at the
-/// largest kappa).
+/// The outer loop, for every inner solver. `weights`: D, see mean_diagonal(). Runs until the inner
+/// solver reports kStop; ends the run itself where it cannot go on (kappa below its minimum, or no
+/// movement at the largest kappa).
 ProximalReport proximal_point(const ProximalOptions& options, const Vector& weights, Vector start,
                               const InnerSolve& inner, SolveRun& run);
 

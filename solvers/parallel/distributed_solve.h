@@ -13,7 +13,8 @@ namespace bipot {
 /// How a problem is spread, and what the spread is made of.
 struct DistributedOptions {
   bool reproducible = false;  ///< exact sums: apgd has the same bits for any number of processes
-  /// Where the contacts are, for the partition; empty where nobody knows: the contact graph decides.
+  /// Where the contacts are, for the partition; empty where nobody knows: the contact graph
+  /// decides.
   std::vector<Vec3> contact_places;
   int shared_factor_rows = kSharedFactorRows;
 };
@@ -33,10 +34,10 @@ struct DistributedResult {
   DistributedCounts counts;
 };
 
-/// solve() (solvers/solve.h) on all processes of the group: the same refusals, statuses, messages and
-/// the same last judgement on the original data, evaluated by all. `problem`, `options` and `extra`
-/// must be the same on every process (sums over them are compared; CommonFailure where they differ).
-/// Each cuts its piece (ProblemPiece) from the whole, so that
+/// solve() (solvers/solve.h) on all processes of the group: the same refusals, statuses, messages
+/// and the same last judgement on the original data, evaluated by all. `problem`, `options` and
+/// `extra` must be the same on every process (sums over them are compared; CommonFailure where they
+/// differ). Each cuts its piece (ProblemPiece) from the whole, so that
 /// set-up and result take memory and time of the whole on every process; the iteration takes its
 /// piece's. Results are the same bits on all processes, and for the same number of them.
 ///
@@ -56,10 +57,10 @@ struct PieceResult {
   DistributedCounts counts;
 };
 
-/// The same of the pieces of all processes, each of which brings its own: options.s0 has the rows of
-/// piece.own, or is empty on all processes (contact_places are of no use here). Only the root process
-/// may hold the whole: for a solver that runs there, or for a claim that is proved in more than double
-/// precision (whole_problem.h).
+/// The same of the pieces of all processes, each of which brings its own: options.s0 has the rows
+/// of piece.own, or is empty on all processes (contact_places are of no use here). Only the root
+/// process may hold the whole: for a solver that runs there, or for a claim that is proved in more
+/// than double precision (whole_problem.h).
 PieceResult distributed_solve(std::string_view solver, const ProblemPiece& piece,
                               const SolverOptions& options, ProcessGroup& group,
                               const DistributedOptions& extra = {});

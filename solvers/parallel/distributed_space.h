@@ -17,22 +17,22 @@ namespace bipot {
 
 class WholeProblem;  // solvers/parallel/whole_problem.h
 
-/// Rows from which solvers on the root process have their systems factored by all processes; below, one
-/// is faster (data/manual/explanation/parallel.md).
+/// Rows from which solvers on the root process have their systems factored by all processes; below,
+/// one is faster (data/manual/explanation/parallel.md).
 inline constexpr int kSharedFactorRows = 20000;
 
 /// The space of a problem that lies on several processes: vectors have the rows of this process's
-/// contacts (ProblemPiece::own). The criterion is that of core/criterion/contact_error.h: the same terms
-/// of the same contacts, added up over all processes in one reduction.
+/// contacts (ProblemPiece::own). The criterion is that of core/criterion/contact_error.h: the same
+/// terms of the same contacts, added up over all processes in one reduction.
 ///
-/// The product has the bits of one process, as each body adds up all its contacts in the order of the
-/// whole; but where degrees of freedom stand on every process, whose momentum is one more reduction.
-/// Sums are taken by process. With `exact`, all of them are ExactSums: then every number has the same
-/// bits for any number of processes.
+/// The product has the bits of one process, as each body adds up all its contacts in the order of
+/// the whole; but where degrees of freedom stand on every process, whose momentum is one more
+/// reduction. Sums are taken by process. With `exact`, all of them are ExactSums: then every number
+/// has the same bits for any number of processes.
 class DistributedSpace final : public ContactSpace {
  public:
-  /// Keeps references, also to the group. `whole`: where somebody has the whole problem; null: it is
-  /// gathered on the first process when it is needed.
+  /// Keeps references, also to the group. `whole`: where somebody has the whole problem; null: it
+  /// is gathered on the first process when it is needed.
   DistributedSpace(const ProblemPiece& piece, ProcessGroup& group, bool exact,
                    WholeProblem* whole = nullptr, int shared_factor_rows = kSharedFactorRows);
   DistributedSpace(ProblemPiece&&, ProcessGroup&, bool) = delete;  // would dangle

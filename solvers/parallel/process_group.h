@@ -81,8 +81,8 @@ class ProcessGroup {
   /// `originals`: how many this process owns.
   virtual std::unique_ptr<Exchange> make_exchange(int originals,
                                                   std::span<const RemoteItem> copies) = 0;
-  /// The root process (rank 0) does `work`, with a factor whose factorisations and solves run on all
-  /// processes; the others serve it until the work is done. An exception of the work is a
+  /// The root process (rank 0) does `work`, with a factor whose factorisations and solves run on
+  /// all processes; the others serve it until the work is done. An exception of the work is a
   /// CommonFailure on all of them.
   virtual void run_on_root(const std::function<void(SystemFactor&)>& work) = 0;
 

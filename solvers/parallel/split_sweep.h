@@ -9,13 +9,13 @@
 namespace bipot {
 
 // Gauss-Seidel sweeps over the contacts that are here. Where the problem lies on several processes,
-// each sweeps over its contacts with the velocities that the others left, all at once. A body that n
-// processes push counts in each sweep with 1/n of its mass (mass splitting: Tonge, Benevolenski and
-// Voroshilov, ACM Trans. Graph. 31, 2012). By Cauchy and Schwarz the split operator is a bound,
+// each sweeps over its contacts with the velocities that the others left, all at once. A body that
+// n processes push counts in each sweep with 1/n of its mass (mass splitting: Tonge, Benevolenski
+// and Voroshilov, ACM Trans. Graph. 31, 2012). By Cauchy and Schwarz the split operator is a bound,
 // W <= W~ = diag(W_1, ..., W_P). So for mu = 0 a sweep lowers the majorant
-// s·b + ½ s_k·W s_k + (s - s_k)·W s_k + ½ (s - s_k)·W~ (s - s_k), and with it the energy: it converges
-// where Gauss-Seidel does. With friction there is no proof, as on one process. The iterates depend on
-// the processes; one sweep is one exchange.
+// s·b + ½ s_k·W s_k + (s - s_k)·W s_k + ½ (s - s_k)·W~ (s - s_k), and with it the energy: it
+// converges where Gauss-Seidel does. With friction there is no proof, as on one process. The
+// iterates depend on the processes; one sweep is one exchange.
 
 /// Whether sweeps can follow the velocities of these contacts: disks, or at most two bodies each.
 template <int D>

@@ -29,8 +29,9 @@ TEST(WholeSpace, OneMadeOfAnotherGivesTheBitsOfOneMadeAnew) {
   }
 }
 
-// A proof is that of one impulse to the last bit and of one tolerance. What was not proved is proved
-// or refuted anew, as a solver that lies would find. `lie`: figures that no proof would accept.
+// A proof is that of one impulse to the last bit and of one tolerance. What was not proved is
+// proved or refuted anew, as a solver that lies would find. `lie`: figures that no proof would
+// accept.
 TEST(WholeSpace, RemembersAProofForExactlyThatImpulse) {
   const Manufactured m = manufactured_problem(2, 15, 25, 7);
   WholeSpace made(m.problem);

@@ -206,7 +206,8 @@ TEST(Islands, APartIsJudgedAsAPieceOfTheWhole) {
 }
 
 TEST(Islands, SingleContactsAreSolvedInClosedForm) {
-  // Take-off; stick: s_n = 1/2, s_t = -0.1, inside the cone; slip: s_n = 1/2, |s_t| = mu s_n = 0.15.
+  // Take-off; stick: s_n = 1/2, s_t = -0.1, inside the cone; slip: s_n = 1/2, |s_t| = mu s_n =
+  // 0.15.
   for (const int dim : {2, 3}) {
     std::vector<ContactProblem> parts;
     Vector b_t = Vector::Zero(2);
@@ -425,7 +426,8 @@ TEST(Islands, WhatAnAttemptSolvedIsNotSolvedAgain) {
   EXPECT_LE(naive_error(p, result.s).guarded(), 1e-8);
 }
 
-/// Pyramids of 22 contacts side by side on the ground, each second one without friction, and one of 117.
+/// Pyramids of 22 contacts side by side on the ground, each second one without friction, and one of
+/// 117.
 ContactProblem pyramids(int small) {
   Scene<2> scene = make_family_scene("pyramid", 9);
   scene.materials = {"rough", "slippery"};
@@ -487,8 +489,9 @@ TEST(Islands, ThoseOfOneSizeAreTriedTogether) {
   }
 }
 
-/// Of a large problem a part that is nearly all of it is not copied: the entry goes on with the whole,
-/// from where the small parts are settled, also after an attempt; and what it throws loses nothing.
+/// Of a large problem a part that is nearly all of it is not copied: the entry goes on with the
+/// whole, from where the small parts are settled, also after an attempt; and what it throws loses
+/// nothing.
 TEST(Islands, APartThatIsNearlyAllIsSolvedWithinTheWhole) {
   const ContactProblem large = triangular_lattice(40, {.tilt = 0.1});
   ASSERT_GT(large.num_contacts(), 4000);

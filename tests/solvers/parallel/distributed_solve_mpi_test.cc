@@ -114,8 +114,8 @@ TEST(DistributedSolve, VelocitiesAreThoseOfOneProcessWhereTheyAreUnique) {
 }
 
 TEST(DistributedSolve, AStartFarBeyondTheFreeMotionIsNoGrowth) {
-  // The energy is quadratic in s: a start of 1e14 times what carries the weights has some 1e28 times
-  // the energy of the free violation, 1e20 of which is divergence.
+  // The energy is quadratic in s: a start of 1e14 times what carries the weights has some 1e28
+  // times the energy of the free violation, 1e20 of which is divergence.
   const ContactProblem p = square_lattice(6, {.tilt = 0.05});
   Vector s0 = Vector::Zero(p.num_rows());
   for (int n = 0; n < p.num_rows(); n += p.dim) s0[n] = 1e14 * p.u_free.cwiseAbs().maxCoeff();
@@ -206,8 +206,8 @@ TEST(DistributedSolve, AProcessWithoutABodyTakesPart) {
   }
 }
 
-/// A disk of radius 3 in the middle of a ring of 24 disks of radius 0.45 that it pushes outwards, each
-/// held by a fixed wall outside: 24 contacts of the middle, 24 with the wall.
+/// A disk of radius 3 in the middle of a ring of 24 disks of radius 0.45 that it pushes outwards,
+/// each held by a fixed wall outside: 24 contacts of the middle, 24 with the wall.
 ContactProblem wheel(std::vector<Vec3>& places) {
   constexpr int kRing = 24;
   ContactProblem p;

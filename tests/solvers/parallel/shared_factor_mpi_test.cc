@@ -1,4 +1,5 @@
-// Factorisations that all processes do together (ProcessGroup::run_on_root), and the solvers on them.
+// Factorisations that all processes do together (ProcessGroup::run_on_root), and the solvers on
+// them.
 
 #include <gtest/gtest.h>
 
