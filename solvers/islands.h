@@ -13,16 +13,18 @@ namespace bipot {
 /// of one part, and one with another stop test than the guarded one, goes to `entry` as it is. For
 /// solve(), which judges the result on the whole.
 ///
-/// A last part of 4000 contacts or more, nine tenths of all at least, is not cut out either: `entry` goes on
-/// with the whole from where the others are settled.
+/// A last part of 4000 contacts or more, nine tenths of all at least, is not cut out either:
+/// `entry` goes on with the whole from where the others are settled.
 ///
-/// Where `entry` has an attempt to make, that is made on the whole of up to 4000 contacts first: what
-/// is easy is solved before anything is cut out. Not so where no part has two contacts, nor from a
-/// warm start that settles more than a quarter of the contacts. Where none was made on the whole, it
-/// is on parts of disks with up to 200 contacts, those of about one size as one problem: a problem for
-/// each takes as long to make as to solve. Parts that it leaves good enough are not solved again.
+/// Where `entry` has an attempt to make, that is made on the whole of up to 4000 contacts first:
+/// what is easy is solved before anything is cut out. Not so where no part has two contacts, nor
+/// from a warm start that settles more than a quarter of the contacts. Where none was made on the
+/// whole, it is on parts of disks with up to 200 contacts, those of about one size as one problem:
+/// a problem for each takes as long to make as to solve. Parts that it leaves good enough are not
+/// solved again.
 ///
-/// **The tolerance of the parts.** With the sums of data/manual/explanation/criterion.md the whole meets tol when
+/// **The tolerance of the parts.** With the sums of data/manual/explanation/criterion.md the whole
+/// meets tol when
 ///
 ///     Σ (G + V) <= tol M  and  Σ N² <= tol² M,   M = max(Σ D, θ Σ ½ sᵀ W s, θ Σ F),
 ///

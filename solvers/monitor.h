@@ -66,8 +66,6 @@ class IterationMonitor {
   const Vector& best_impulse() const { return best_s_; }
   const ContactErrorEvaluator& evaluator() const { return evaluator_; }
 
-  /// Lets the memory of judging go until the next time.
-  void rest() { evaluator_.rest(); }
   double seconds() const;    ///< wall time since the start
   bool cancelled() const;    ///< the caller asked to stop
   bool out_of_time() const;  ///< cancelled or over the time limit, for loops within an iteration

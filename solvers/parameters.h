@@ -10,7 +10,7 @@ namespace bipot {
 
 /// A solver's parameters, resolved against its specification. The accessors throw
 /// std::invalid_argument (which solve() turns into kInvalidInput) with the parameter's name, the
-/// given text and what is allowed.
+/// given text and the allowed values.
 class Parameters {
  public:
   /// Throws on an unknown name, naming the nearest valid one.

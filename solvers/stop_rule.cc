@@ -12,7 +12,7 @@ double divergence_reference(int iteration, const ContactError& error, double fre
 }
 
 StopVerdict stop_verdict(const SolverOptions& options, const JudgedIterate& it) {
-  // Consecutive iterates that differ by less than this, relative, have stopped moving.
+  // Consecutive iterates that differ by less than this, relative, count as equal.
   constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
   if (it.met) {
     return {SolveStatus::kConverged,

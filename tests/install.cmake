@@ -1,14 +1,33 @@
-# Installs the build, builds tests/consumer against the package alone, and runs both programs.
+# Installs the build, builds the programs of tests/consumer against the package alone, and runs them
+# and the command. The installed headers are few, and include no other headers of the project.
 set(prefix ${BUILD}/install_test)
 file(REMOVE_RECURSE ${prefix} ${BUILD}/consumer_test)
 set(check COMMAND_ERROR_IS_FATAL ANY)
 execute_process(COMMAND ${CMAKE_COMMAND} --install ${BUILD} --prefix ${prefix}
   OUTPUT_QUIET ${check})
+
+file(GLOB_RECURSE headers RELATIVE ${prefix}/include/bipot ${prefix}/include/bipot/*.h)
+list(LENGTH headers count)
+if(count EQUAL 0 OR count GREATER 23)
+  message(FATAL_ERROR "${count} headers are installed, not 1 to 23: ${headers}")
+endif()
+foreach(header IN LISTS headers)
+  file(STRINGS ${prefix}/include/bipot/${header} includes REGEX "^#include \"")
+  foreach(include IN LISTS includes)
+    string(REGEX REPLACE "^#include \"([^\"]+)\".*" "\\1" included "${include}")
+    if(NOT included IN_LIST headers)
+      message(FATAL_ERROR "${header} includes ${included}, which is not installed")
+    endif()
+  endforeach()
+endforeach()
+
 execute_process(COMMAND ${CMAKE_COMMAND} -S ${SOURCE}/consumer -B ${BUILD}/consumer_test -G Ninja
   -DCMAKE_PREFIX_PATH=${prefix} -DCMAKE_CXX_COMPILER=${CXX} -DCMAKE_CXX_FLAGS=${FLAGS} ${check})
 execute_process(COMMAND ${CMAKE_COMMAND} --build ${BUILD}/consumer_test ${check})
-execute_process(COMMAND ${BUILD}/consumer_test/consumer
+execute_process(COMMAND ${BUILD}/consumer_test/solve_problem
   ${prefix}/share/bipot/problems/2d_pile_300_mu03.hdf5 ${check})
+execute_process(COMMAND ${BUILD}/consumer_test/run_scene
+  ${prefix}/share/bipot/scenes/compaction_100.toml ${check})
 execute_process(COMMAND ${prefix}/bin/bipot list scenes OUTPUT_VARIABLE scenes ${check})
 if(NOT scenes MATCHES "compaction")
   message(FATAL_ERROR "the installed command does not list the installed scenes: ${scenes}")

@@ -51,7 +51,7 @@ std::string goal_text(const Accuracy& goal) {
   return text;
 }
 
-/// "force error 1.2e-03, energy error 3.4e-02" of what is asked for and measured.
+/// As "force error 1.2e-03, energy error 3.4e-02", for the required and measured quantities.
 std::string error_text(const Accuracy& error, const Accuracy& goal) {
   std::string text;
   for (auto m : Accuracy::kMeasures) {
@@ -207,7 +207,7 @@ void write_scene(const AdviseFlags& flags, const std::string& text, const Scene<
   file.commit();
 }
 
-/// Found before the work, not after it.
+/// Checked before the work, not after it.
 void check_destinations(const AdviseFlags& flags) {
   if (!flags.write.empty() && fs::exists(flags.write) && !flags.force_overwrite) {
     throw std::invalid_argument(flags.write + " exists: name another file, or give --force");

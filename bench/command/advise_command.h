@@ -22,8 +22,8 @@ struct AdviseFlags {
 /// Declares `bipot advise`.
 CommandDeclaration add_advise_command(CommandLine& line, AdviseFlags& flags);
 
-/// Tries solvers and time steps on the scene and prints what to take. Returns an ExitCode: 0 when
-/// the goal is met or nothing touches, 1 when it is not met.
+/// Tries solvers and time steps on the scene and prints a recommendation. Returns an ExitCode: 0 if
+/// the goal is met or there are no contacts, 1 if it is not met.
 int advise_command(const AdviseFlags& flags);
 
 }  // namespace bipot

@@ -43,8 +43,8 @@ Command command(CommandLine& line, CommandDeclaration (*add)(CommandLine&, Flags
   return {add(line, *flags), [flags, run] { return run(*flags); }};
 }
 
-/// What stands behind --json, read from the arguments themselves, so that it is known whatever
-/// command they name and even where they cannot be parsed.
+/// The value of --json, read from the arguments themselves: it is then known for every command, and
+/// even if they cannot be parsed.
 std::string json_destination(int argc, const char* const* argv) {
   constexpr std::string_view kFlag = "--json";
   for (int i = 1; i < argc; ++i) {
@@ -66,7 +66,7 @@ std::string_view status_of(ExitCode code) {
   }
 }
 
-/// The command named by the arguments; empty where they name none.
+/// The command named by the arguments; empty if there is none.
 std::string command_name(const std::vector<Command>& commands, int argc, const char* const* argv) {
   for (int i = 1; i < argc; ++i) {
     for (const Command& c : commands) {
@@ -76,7 +76,7 @@ std::string command_name(const std::vector<Command>& commands, int argc, const c
   return {};
 }
 
-/// Whoever reads the JSON learns of a refusal there as well.
+/// Writes a refusal into the JSON file as well.
 void write_refusal(const std::string& destination, const std::string& command,
                    const std::string& message, ExitCode code) {
   if (destination.empty() || !is_speaker()) return;
@@ -152,7 +152,7 @@ int run_command_line(int argc, const char* const* argv) {
   } catch (const std::exception& e) {
     const ExitCode code = exit_code_for(e);
     if (!processes_have_met()) return say_and_refuse(e, code);
-    // The others do not know, and wait.
+    // The other processes do not know, and wait.
     say_from_here(e.what());
     if (is_speaker()) refuse(e.what(), code);
     end_all_processes(code);
@@ -164,7 +164,8 @@ int run_command_line(int argc, const char* const* argv) {
 int bipot_command(int argc, const char* const* argv) {
   keep_others_quiet();
   const int exit_code = run_command_line(argc, argv);
-  // The first process speaks for all: mpirun would kill it where another one ended with a failure.
+  // The root process returns the exit code for all: mpirun would kill it if another one ended with
+  // a failure.
   return is_speaker() ? exit_code : 0;
 }
 

@@ -3,8 +3,8 @@
 namespace bipot {
 
 /// The `bipot` command: reads the arguments, runs the command that they name and returns its
-/// ExitCode. Whatever is refused or fails is said on standard error, and in the file of --json
-/// (keys: data/manual/reference/files.md), by every command alike.
+/// ExitCode. Every command reports refusals and failures on standard error and in the file of
+/// --json (keys: data/manual/reference/files.md).
 int bipot_command(int argc, const char* const* argv);
 
 }  // namespace bipot

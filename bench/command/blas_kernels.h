@@ -10,7 +10,7 @@
 
 namespace bipot {
 
-/// Whether OpenBLAS's kernels of this name do without AVX2.
+/// True if OpenBLAS's kernels of this name do not use AVX2.
 inline bool kernels_without_avx2(std::string_view core) {
   constexpr std::array<std::string_view, 18> kOld{
       "Generic", "Katmai",  "Coppermine",   "Northwood", "Banias",      "Prescott",
@@ -19,7 +19,7 @@ inline bool kernels_without_avx2(std::string_view core) {
   return std::find(kOld.begin(), kOld.end(), core) != kOld.end();
 }
 
-/// The kernels of OpenBLAS for what this processor can do, by name; null: none with AVX2.
+/// Name of the kernels of OpenBLAS for this processor; null: none with AVX2.
 inline const char* fitting_kernels() {
 #ifdef __x86_64__
   if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
@@ -32,10 +32,10 @@ inline const char* fitting_kernels() {
   return nullptr;
 }
 
-/// OpenBLAS knows processors by their numbers, and takes kernels of 2004 on one that came after it:
-/// Debian 12's on a Xeon of 2023, where `ipm` then takes 1.6 times as long (data/manual/results/performance.md). Starts the
-/// program again with those that fit. For the first line of main(): OpenBLAS decides before that. Does
-/// nothing where the environment names kernels, or BLAS is another one.
+/// Restarts the program with the OpenBLAS kernels for this processor. OpenBLAS knows processors by
+/// their numbers, and chooses slow kernels for newer ones (data/manual/results/performance.md).
+/// Call it first in main(), since OpenBLAS decides before. No effect if the environment names
+/// kernels, or for another BLAS.
 inline void take_kernels_of_this_processor(char** argv) {
   constexpr const char* kVariable = "OPENBLAS_CORETYPE";
   const char* const fitting = fitting_kernels();

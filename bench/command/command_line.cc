@@ -10,7 +10,7 @@
 namespace bipot {
 namespace {
 
-/// Help on a screen: lines of at most 100 columns, choices as a|b, groups one line apart.
+/// Help on a screen: lines of at most 100 columns, choices as a|b, groups separated by a line.
 class ScreenHelp : public CLI::Formatter {
  public:
   ScreenHelp() { column_width(kColumn); }
@@ -57,7 +57,8 @@ class ScreenHelp : public CLI::Formatter {
   static constexpr std::size_t kColumn = 30;  // where descriptions begin
 };
 
-/// Refuses what is not a number or does not hold. (CLI11's own checks let NaN through.)
+/// Refuses values that are not a number or do not satisfy `holds`. (CLI11's own checks let NaN
+/// through.)
 CLI::Validator number_check(const std::string& expected, const std::function<bool(double)>& holds) {
   return {[expected, holds](std::string& text) {
             double x = 0;

@@ -14,21 +14,21 @@ class Option;
 
 namespace bipot {
 
-/// An option that was just declared; each call says one thing more about it.
+/// An option that was just declared; each call adds one property.
 class DeclaredOption {
  public:
   explicit DeclaredOption(CLI::Option* option) : option_(option) {}
 
   DeclaredOption& required();
-  /// What the help calls its value: SECONDS, FILE.
+  /// Name of its value in the help: SECONDS, FILE.
   DeclaredOption& value_name(const std::string& name);
-  /// The heading of the help under which it stands.
+  /// Its heading in the help.
   DeclaredOption& group(const std::string& heading);
   /// Works, but does not show in the help.
   DeclaredOption& hidden();
-  /// Shows the value that the variable has now as the default.
+  /// Shows the present value of the variable as the default.
   DeclaredOption& show_default();
-  /// Refused, NaN too, unless every value lies there.
+  /// Refuses other values, NaN included.
   DeclaredOption& positive();
   DeclaredOption& not_negative();
   DeclaredOption& between(int lowest, int highest);
@@ -39,7 +39,7 @@ class DeclaredOption {
 };
 
 /// One of the program's commands. Values are written when the arguments are parsed: the variables
-/// must live until then. A name without dashes is an argument, read by its place.
+/// must live until then. A name without dashes is an argument, read by its position.
 class CommandDeclaration {
  public:
   explicit CommandDeclaration(CLI::App* app) : app_(app) {}
@@ -55,23 +55,23 @@ class CommandDeclaration {
   /// Lists: options take their values separated by commas, arguments as words.
   DeclaredOption option(Text name, std::vector<std::string>& values, Text help);
   DeclaredOption option(Text name, std::vector<double>& values, Text help);
-  /// Called with the value as it stands among the arguments.
+  /// Called with the value at its position among the arguments.
   DeclaredOption option(Text name, const std::function<void(const std::string&)>& call, Text help);
   DeclaredOption flag(Text name, bool& value, Text help);
-  /// Called where the flag stands among the arguments.
+  /// Called at the position of the flag among the arguments.
   DeclaredOption flag(Text name, const std::function<void()>& call, Text help);
-  /// Stands below the help.
+  /// Text below the help.
   void footer(Text text);
 
   std::string name() const;
-  /// True when the arguments that were parsed name this command.
+  /// True if the parsed arguments name this command.
   bool given() const;
 
  private:
   CLI::App* app_;
 };
 
-/// The program's arguments. CLI11 is large: it is read in command_line.cc alone.
+/// The program's arguments. CLI11 is large: only command_line.cc includes it.
 class CommandLine {
  public:
   CommandLine(const std::string& program, const std::string& description,

@@ -40,6 +40,12 @@ void add_reproducible_flag(CommandDeclaration& command, bool& reproducible) {
                "Exact sums: the same bits for any number of processes");
 }
 
+void add_untrusted_flag(CommandDeclaration& command, bool& untrusted) {
+  command.flag("--untrusted", untrusted,
+               "Check the structure and sizes of HDF5 files before reading them; damage that the "
+               "HDF5 library does not notice can still end the program");
+}
+
 void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
   command.option("--solver", flags.name, "One of `bipot list solvers`")
       .value_name("NAME")
@@ -55,7 +61,7 @@ void add_solver_flags(CommandDeclaration& command, SolverFlags& flags) {
       .value_name("N")
       .not_negative()
       .group(kSolverGroup);
-  // One flag a name, whichever solvers have it; `bipot list solvers NAME` says what it means.
+  // One flag for each name, whichever solvers have it; `bipot list solvers NAME` explains it.
   std::set<std::string_view> names{kIslandsParameter.name};
   for (const SolverEntry& entry : solver_table()) {
     for (const ParameterSpec& spec : entry.parameters) names.insert(spec.name);

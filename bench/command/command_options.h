@@ -13,7 +13,7 @@
 
 namespace bipot {
 
-/// Flags that `run` and `solve` share.
+/// Flags common to `run` and `solve`.
 struct CommonFlags {
   std::string out;
   bool quiet = false;
@@ -28,7 +28,11 @@ void add_threads_flag(CommandDeclaration& command, int& threads);
 /// --reproducible.
 void add_reproducible_flag(CommandDeclaration& command, bool& reproducible);
 
-/// What the command line says of the solver; unset entries leave the scene's or the default choice.
+/// --untrusted.
+void add_untrusted_flag(CommandDeclaration& command, bool& untrusted);
+
+/// Choices of the command line for the solver; unset entries leave the scene's or the default
+/// choice.
 struct SolverFlags {
   std::optional<std::string> name, stop;
   std::optional<double> tol;
@@ -36,16 +40,16 @@ struct SolverFlags {
   std::optional<bool> warm_start;
   std::map<std::string, std::string> parameters;  ///< filled by parse callbacks
 };
-/// --solver, --tol, --stop, --max-iterations, and, out of sight of the help, one flag for each
-/// parameter name in the solver table.
+/// --solver, --tol, --stop, --max-iterations and, hidden in the help, one flag for each parameter
+/// name in the solver table.
 void add_solver_flags(CommandDeclaration& command, SolverFlags& flags);
 /// The flag of a solver's parameter: --inner-iterations for inner_iterations.
 std::string parameter_flag(std::string_view name);
 /// --warm-start and --no-warm-start, for commands with more than one step.
 void add_warm_start_flags(CommandDeclaration& command, SolverFlags& flags);
 
-/// The scene's choice with the command line's entries put in. Parameters of the scene are dropped
-/// when the command line names another solver.
+/// The scene's choice with the entries of the command line. If the command line names another
+/// solver, parameters of the scene are dropped.
 SolverChoice merged(const SolverChoice& base, const SolverFlags& flags);
 
 }  // namespace bipot

@@ -105,6 +105,7 @@ CommandDeclaration add_compare_command(CommandLine& line, CompareFlags& flags) {
               "Scenes to run as a whole too, by tolerance, time step and model, as `bipot "
               "trade` does; 'set' is its own set")
       .value_name("SCENES");
+  add_untrusted_flag(command, flags.untrusted);
   command.flag("--quick", flags.quick, "Loose limits and the small benchmark, for a first look");
   command
       .option("--out", flags.out,
@@ -147,11 +148,12 @@ int compare_command(const CompareFlags& flags) {
   TargetOptions scenes;
   scenes.scene_problems = flags.scene_problems.value_or(flags.quick ? 1 : 3);
   scenes.quick = flags.quick;
+  scenes.untrusted = flags.untrusted;
   scenes.scene_steps = flags.scene_steps.value_or(flags.quick ? 100 : scenes.scene_steps);
   if (!flags.out.empty()) require_plotting_tool();
   const std::vector<ProblemSource> sources = expand_targets(flags.targets, scenes);
 
-  // What lies in the folder of the results is found when that is made.
+  // A missing folder of results is created later.
   if (flags.out.empty() || fs::path(flags.json).parent_path() != fs::path(flags.out)) {
     require_writable(flags.json);
   }

@@ -23,6 +23,7 @@ struct CompareFlags {
   std::optional<int> scene_steps;     ///< all; quick 100
   /// Scenes run as a whole, beside the problems; "set": the set of `bipot trade`.
   std::vector<std::string> whole_runs;
+  bool untrusted = false;  ///< check the structure of HDF5 files first
   bool quick = false, quiet = false;
   std::string out, json;
 };
@@ -30,8 +31,8 @@ struct CompareFlags {
 /// Declares `bipot compare`.
 CommandDeclaration add_compare_command(CommandLine& line, CompareFlags& flags);
 
-/// Fills the table of solver x problem x tolerance and writes it. Returns an ExitCode: 0 when the
-/// table is complete, whatever stands in it.
+/// Fills the table of solver x problem x tolerance and writes it. Returns an ExitCode: 0 if the
+/// table is complete, for any contents.
 int compare_command(const CompareFlags& flags);
 
 }  // namespace bipot

@@ -5,7 +5,7 @@ namespace bipot {
 /// Exit codes of the `bipot` command, stable.
 enum ExitCode : int {
   kExitConverged = 0,         ///< every solve met its tolerance
-  kExitNotConverged = 1,      ///< results are written, but some solve did not meet its tolerance
+  kExitNotConverged = 1,      ///< results are written, but some solve missed its tolerance
   kExitBadInput = 2,          ///< command line, scene or problem refused; nothing was run
   kExitNumericalFailure = 3,  ///< a solver failed; results up to that step are written
   kExitIo = 4,                ///< a file could not be read or written

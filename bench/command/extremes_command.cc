@@ -37,7 +37,7 @@ std::vector<std::string> solvers_of(const ExtremesFlags& flags) {
   return flags.solvers;
 }
 
-/// The one problem that the flags name, as a file for `bipot solve`.
+/// Writes the one problem that the flags name as a file for `bipot solve`.
 int dump(const ExtremesFlags& flags) {
   ContactProblem problem;
   std::string title;

@@ -16,7 +16,7 @@ struct ExtremesFlags {
   double tol = 1e-8;
   std::optional<double> time_limit;  ///< CPU seconds of a cell
   std::string out;
-  std::string dump_problem;  ///< FCLIB file for the one problem that --only or --first names
+  std::string dump_problem;  ///< FCLIB file for the one problem named by --only or --first
   int random_problems = 0, random_scenes = 0;
   std::uint64_t seed = 1;
   int first = 0;
@@ -26,8 +26,7 @@ struct ExtremesFlags {
 /// Declares `bipot extremes`.
 CommandDeclaration add_extremes_command(CommandLine& line, ExtremesFlags& flags);
 
-/// The matrix of cases and solvers, or random sets. Ends with 1 where anything is wrong. Returns an
-/// ExitCode.
+/// The matrix of cases and solvers, or random sets. Returns an ExitCode: 1 if anything is wrong.
 int extremes_command(const ExtremesFlags& flags);
 
 }  // namespace bipot

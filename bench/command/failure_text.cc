@@ -41,7 +41,7 @@ double mass_ratio(const Scene<D>& scene) {
   return most / least;
 }
 
-/// The largest way of a disk in a step, over the smallest radius.
+/// The largest path of a disk in a step, over the smallest radius.
 template <int D>
 double way(const Scene<D>& scene, const State<D>& state) {
   double speed = 0;
@@ -145,7 +145,7 @@ std::string failure_text(const Scene<D>& scene, const State<D>& state, const Sce
   const State<D> start = with_changed_population(scene, state);
   for (const Contact<D>& c : make_midpoint(scene, start).contacts)
     contacts.push_back({.contact = c});
-  // What the solver started from is all that is known of impulses when none was taken.
+  // Without a new impulse, only the solver's start is known.
   const ContactProblem& p = run.failed_problem;
   const Vector s = run.failed_start.size() == p.num_rows() ? run.failed_start
                                                            : Vector(Vector::Zero(p.num_rows()));
@@ -154,23 +154,19 @@ std::string failure_text(const Scene<D>& scene, const State<D>& state, const Sce
 }
 
 template <int D>
-void EnergyGrowth::add(const Scene<D>& scene, const SceneStep<D>& step) {
-  add(scene, step.report.energy, step.report.step, force_energy(scene, step.state));
-}
-
-template <int D>
-void EnergyGrowth::add(const Scene<D>& scene, const EnergyLedger& e, int step, double force) {
+void EnergyGrowth::add(const Scene<D>& scene, const StepReport<D>& report) {
+  const EnergyLedger& e = report.energy;
   const double loss = e.friction_loss + e.shock_loss;
-  // A step that is solved to the tolerance may be off by about this part of the energy at hand.
+  // A step solved to the tolerance may have an error of about this fraction of the energy.
   const double scale = std::max({std::abs(loss), e.kinetic, std::abs(e.wall_work)});
   const double grace = std::max(1e-9, 10 * scene.solver.tol) * scale;
-  const double created = loss_ - loss - force;
+  const double created = loss_ - loss - force_energy(scene, report);
   if (created > grace) {
     ++steps_;
     if (created > largest_) {
       largest_ = created;
       energy_ = e.kinetic;
-      step_ = step;
+      step_ = report.step;
     }
   }
   loss_ = loss;
@@ -195,15 +191,13 @@ template std::string failure_text<2>(const Scene<2>&, const State<2>&,
                                      std::span<const ContactOutcome<2>>, const ContactProblem&,
                                      const ContactError&, int, bool);
 template std::string failure_text(const Scene<2>&, const State<2>&, const SceneRun<2>&, bool);
-template void EnergyGrowth::add(const Scene<2>&, const SceneStep<2>&);
-template void EnergyGrowth::add(const Scene<2>&, const EnergyLedger&, int, double);
-template void EnergyGrowth::add(const Scene<3>&, const EnergyLedger&, int, double);
+template void EnergyGrowth::add(const Scene<2>&, const StepReport<2>&);
 template std::string EnergyGrowth::warning(const Scene<2>&) const;
 template std::string failure_text<3>(const Scene<3>&, const State<3>&,
                                      std::span<const ContactOutcome<3>>, const ContactProblem&,
                                      const ContactError&, int, bool);
 template std::string failure_text(const Scene<3>&, const State<3>&, const SceneRun<3>&, bool);
-template void EnergyGrowth::add(const Scene<3>&, const SceneStep<3>&);
+template void EnergyGrowth::add(const Scene<3>&, const StepReport<3>&);
 template std::string EnergyGrowth::warning(const Scene<3>&) const;
 
 }  // namespace bipot

@@ -8,31 +8,28 @@
 
 namespace bipot {
 
-/// What to say of a step whose problem was not solved: its worst contact, whether a solution exists at all
-/// (solvers/certificate), the three likeliest causes and what to try, most telling first; not smaller
-/// steps where these were tried. Lines, each with its end.
+/// Text on a step whose problem was not solved: its worst contact, whether a solution exists at all
+/// (solvers/analysis), the three likeliest causes and their remedies, most informative first.
+/// Smaller steps are left out if they were tried. Lines, each with its end.
 template <int D>
 std::string failure_text(const Scene<D>& scene, const State<D>& state,
                          std::span<const std::type_identity_t<ContactOutcome<D>>> contacts,
                          const ContactProblem& problem, const ContactError& error, int step,
                          bool smaller_steps_tried);
-/// The same for a step that was not taken; `state` is that before it.
+/// The same for a failed step; `state` is that before it.
 template <int D>
 std::string failure_text(const Scene<D>& scene, const State<D>& state, const SceneRun<D>& run,
                          bool smaller_steps_tried);
 
-/// Watches whether contacts create energy, which Newton's impact law may do where coefficients of restitution
-/// differ (data/manual/explanation/method.md §3).
+/// Detects whether contacts create energy, which Newton's impact law may do if coefficients of
+/// restitution differ (data/manual/explanation/method.md §3).
 class EnergyGrowth {
  public:
   template <int D>
   explicit EnergyGrowth(const State<D>& start) : loss_(start.friction_loss + start.shock_loss) {}
   template <int D>
-  void add(const Scene<D>& scene, const SceneStep<D>& step);
-  /// The same from the step's ledger and its force_energy() (solvers/simulation/force_energy.h).
-  template <int D>
-  void add(const Scene<D>& scene, const EnergyLedger& ledger, int step, double force);
-  /// One line; empty when nothing grew beyond what tolerance and rounding leave.
+  void add(const Scene<D>& scene, const StepReport<D>& report);
+  /// One line; empty if no energy grew beyond tolerance and rounding.
   template <int D>
   std::string warning(const Scene<D>& scene) const;
 

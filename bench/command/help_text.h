@@ -8,8 +8,8 @@ namespace bipot {
 /// Characters, not bytes: all of UTF-8 but its continuation bytes.
 std::size_t num_characters(const std::string& text);
 
-/// Words of `text` in lines of at most `width` characters, each but the first behind `indent`
-/// spaces, which count. The first line is taken to begin at column `indent`.
+/// Words of `text` in lines of at most `width` characters, each but the first after `indent`
+/// spaces, which count. The first line starts at column `indent`.
 std::string wrapped(const std::string& text, std::size_t indent, std::size_t width = 100);
 
 }  // namespace bipot

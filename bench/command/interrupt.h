@@ -2,8 +2,8 @@
 
 namespace bipot {
 
-/// While alive, Ctrl-C (SIGINT) and SIGTERM ask for an orderly end instead of killing: solvers stop
-/// at their next iteration. A second signal kills.
+/// During its life, Ctrl-C (SIGINT) and SIGTERM ask for an orderly end instead of killing: solvers
+/// stop at their next iteration. A second signal kills.
 class InterruptGuard {
  public:
   InterruptGuard();

@@ -13,6 +13,7 @@
 #include "core/base/file_error.h"
 #include "core/base/version.h"
 #include "core/criterion/impulse_verdict.h"
+#include "core/files/hdf5_file.h"
 #include "core/problem_files/impulse_file.h"
 #include "core/problem_files/problem_file.h"
 
@@ -27,7 +28,7 @@ ImpulseLayout layout_of(const JudgeFlags& flags) {
           .factor = flags.factor};
 }
 
-/// A file that is there, but does not have what is asked of it, is bad input.
+/// An existing file without the required content is bad input.
 template <class Read>
 auto readable(const std::string& path, Read read) {
   if (!std::ifstream(path)) throw FileError(path, "", "cannot be opened");
@@ -44,10 +45,13 @@ Vector impulse_of(const JudgeFlags& flags, const ProblemFile& file) {
     throw std::invalid_argument(flags.problem +
                                 ": no /solution to judge; name a file with --impulses");
   }
-  return readable(path, [&] { return read_impulses(path, file.problem, layout_of(flags)); });
+  return readable(path, [&] {
+    if (flags.untrusted) Hdf5File::check_structure(path);
+    return read_impulses(path, file.problem, layout_of(flags));
+  });
 }
 
-/// Null where no contact is meant.
+/// Null for no contact.
 Json contact_or_null(int contact) { return contact >= 0 ? Json(contact) : Json(nullptr); }
 
 Json to_json(const JudgedContact& contact) {
@@ -153,6 +157,7 @@ CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags) {
       .option("--json", flags.json,
               "Write the verdict as JSON; '-': standard output, with nothing else")
       .value_name("FILE");
+  add_untrusted_flag(command, flags.untrusted);
   command.flag("--quiet,-q", flags.quiet, "Nothing on the terminal: the exit code says it");
   command.footer(
       "Ends with 0 where the largest of ε, η and the distance to the cone is within --tol, with 1\n"
@@ -165,7 +170,8 @@ CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags) {
 }
 
 int judge_command(const JudgeFlags& flags) {
-  const ProblemFile file = readable(flags.problem, [&] { return read_problem(flags.problem); });
+  const ProblemFile file =
+      readable(flags.problem, [&] { return read_problem(flags.problem, flags.untrusted); });
   require_writable(flags.json);
   const ImpulseVerdict verdict = judge(file.problem, impulse_of(flags, file), flags.worst);
   const int code = verdict.guarded() <= flags.tol ? kExitConverged : kExitNotConverged;

@@ -15,13 +15,14 @@ struct JudgeFlags {
   double factor = 1;
   int worst = 5;  ///< contacts that are named
   bool quiet = false;
+  bool untrusted = false;  ///< check the structure of HDF5 files first
   std::string json;
 };
 
 /// Declares `bipot judge`.
 CommandDeclaration add_judge_command(CommandLine& line, JudgeFlags& flags);
 
-/// Judges an impulse that some code computed for a problem file. Returns an ExitCode: 0 within the
+/// Judges an impulse computed by any code for a problem file. Returns an ExitCode: 0 within the
 /// tolerance, 1 not.
 int judge_command(const JudgeFlags& flags);
 

@@ -66,7 +66,7 @@ Json solvers_json() {
   return rows;
 }
 
-/// One solver and its parameters, on a screen.
+/// Prints one solver and its parameters on a screen.
 void print_solver(const SolverEntry& entry) {
   fmt::print("{}: {}\n", entry.name, wrapped(std::string(entry.summary), entry.name.size() + 2));
   fmt::print("contacts of dimension up to {}", entry.max_dim);

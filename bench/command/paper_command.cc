@@ -9,8 +9,8 @@
 #include "bench/command/exit_code.h"
 #include "bench/command/interrupt.h"
 #include "bench/command/progress_bar.h"
+#include "bench/experiments/claim_report.h"
 #include "bench/experiments/paper_items.h"
-#include "bench/experiments/paper_page.h"
 #include "bench/measure/stopwatch.h"
 #include "bench/report/build_info.h"
 #include "bench/report/json_output.h"
@@ -30,14 +30,18 @@ std::string command_line(const PaperFlags& flags, const std::vector<std::string>
   return line;
 }
 
-void write_report(const fs::path& folder, const PaperReport& report) {
-  write_text_file(folder / "results.json", json_text(to_json(report), 1) + "\n");
-  write_text_file(folder / "index.html", to_html(report));
-}
+constexpr const char* kTitle = "The paper's figures and tables, made again and checked";
+constexpr const char* kIntroduction =
+    "The paper is Fortin, Hjiaj and de Saxcé, An improved discrete element method based on a "
+    "variational formulation of the frictional contact law, Computers and Geotechnics 29 (2002) "
+    "609–640; numbers in parentheses are its equations. Each section says what the paper reports, "
+    "then what this program finds. ε is the guarded error in the contact law (the larger of the "
+    "guarded (42) and the natural map in energy) unless a text says raw (42). Every number of this "
+    "page, and the points of every chart, stand in [results.json](results.json) beside it.";
 
-PaperEntry run_item(const PaperItem& item, const PaperContext& context,
+ReportItem run_item(const PaperItem& item, const PaperContext& context,
                     const std::string& command) {
-  PaperEntry entry;
+  ReportItem entry;
   entry.name = item.name;
   entry.title = item.title;
   entry.command = command;
@@ -47,12 +51,12 @@ PaperEntry run_item(const PaperItem& item, const PaperContext& context,
   const Stopwatch wall;
   const CpuStopwatch cpu;
   try {
-    PaperResult result = item.run(context);
+    Findings result = item.run(context);
     if (context.interrupted()) {
-      entry.status = PaperEntry::Status::kInterrupted;
+      entry.status = ReportItem::Status::kInterrupted;
     } else {
       complete(result, command);
-      for (const PaperFigure& f : result.figures) {
+      for (const ClaimFigure& f : result.figures) {
         if (f.chart) {
           write_chart_files(context.out, f.name, *f.chart);
         } else if (!fs::is_regular_file(context.out / f.file)) {
@@ -60,14 +64,14 @@ PaperEntry run_item(const PaperItem& item, const PaperContext& context,
         }
       }
       entry.result = std::move(result);
-      entry.status = PaperEntry::Status::kDone;
+      entry.status = ReportItem::Status::kDone;
     }
   } catch (const FileError&) {
     throw;  // no other item could write either
   } catch (const std::exception& e) {
-    // A step that was cut short by Ctrl-C ends its item with an exception, too.
+    // A step cut short by Ctrl-C ends its item with an exception, too.
     const bool interrupted = context.interrupted();
-    entry.status = interrupted ? PaperEntry::Status::kInterrupted : PaperEntry::Status::kFailed;
+    entry.status = interrupted ? ReportItem::Status::kInterrupted : ReportItem::Status::kFailed;
     if (!interrupted) entry.message = e.what();
   }
   entry.wall_seconds = wall.seconds();
@@ -127,18 +131,18 @@ int paper_command(const PaperFlags& flags) {
   fs::create_directories(folder, failure);
   if (failure) throw FileError(folder, "", failure.message());
 
-  PaperReport report;
+  ClaimReport report{.title = kTitle, .introduction = kIntroduction};
   report.command = command_line(flags, flags.only);
-  const std::vector<PaperEntry> before = read_entries(folder / "results.json");
+  const std::vector<ReportItem> before = read_items(folder / "results.json");
   for (const PaperItem& item : items) {
-    PaperEntry entry;
-    for (const PaperEntry& old : before) {
+    ReportItem entry;
+    for (const ReportItem& old : before) {
       if (old.name == item.name) entry = old;
     }
     entry.name = item.name;
     entry.title = item.title;
     if (entry.command.empty()) entry.command = fmt::format("bipot paper --only {}", item.name);
-    report.entries.push_back(std::move(entry));
+    report.items.push_back(std::move(entry));
   }
 
   const bool quiet = flags.quiet || flags.json == "-";
@@ -160,28 +164,28 @@ int paper_command(const PaperFlags& flags) {
       progress.update(done, fmt::format("{}: {}", item.name, what));
     };
     context.say("");
-    PaperEntry entry = run_item(item, context, command_line(flags, {std::string(item.name)}));
+    ReportItem entry = run_item(item, context, command_line(flags, {std::string(item.name)}));
     progress.update(++done, "");
-    if (entry.status == PaperEntry::Status::kInterrupted) {
-      // A result of an earlier run is worth more than none.
-      if (report.entries[i].status != PaperEntry::Status::kDone) report.entries[i] = entry;
+    if (entry.status == ReportItem::Status::kInterrupted) {
+      // A result of an earlier run is better than none.
+      if (report.items[i].status != ReportItem::Status::kDone) report.items[i] = entry;
       break;
     }
-    sound = sound && entry.status == PaperEntry::Status::kDone && entry.held() == entry.checks();
+    sound = sound && entry.status == ReportItem::Status::kDone && entry.held() == entry.checks();
     summary +=
-        entry.status == PaperEntry::Status::kDone
+        entry.status == ReportItem::Status::kDone
             ? fmt::format("{:<11} {:>2} of {:>2} checks hold {:>7.1f} s\n", entry.name,
                           entry.held(), entry.checks(), entry.wall_seconds)
             : fmt::format("{:<11} {}: {}\n", entry.name, to_string(entry.status), entry.message);
-    for (const PaperNumber& n : entry.result.numbers) {
+    for (const Claim& n : entry.result.claims) {
       if (n.holds.value_or(true)) continue;
-      summary += fmt::format("  does not hold: {}: {}, expected {}\n", n.meaning,
-                             to_text(n.value, n.unit, n.digits), n.expected);
+      summary += fmt::format("  does not hold: {}: {}, expected {}\n", n.quantity,
+                             to_text(n.measured, n.unit, n.digits), n.expected);
     }
-    report.entries[i] = std::move(entry);
-    write_report(folder, report);
+    report.items[i] = std::move(entry);
+    write_report(folder, "results.json", report);
   }
-  write_report(folder, report);
+  write_report(folder, "results.json", report);
   if (!flags.json.empty()) write_json(to_json(report), flags.json);
   if (!quiet) fmt::print("{}{}\n", summary, (folder / "index.html").string());
   if (InterruptGuard::requested()) return kExitInterrupted;

@@ -17,9 +17,9 @@ struct PaperFlags {
 /// Declares `bipot paper`.
 CommandDeclaration add_paper_command(CommandLine& line, PaperFlags& flags);
 
-/// Makes the paper's figures and tables again: index page, results.json, pictures and their data.
-/// Items of an earlier run into the same folder that are not run now stay. Returns an ExitCode.
-/// Throws std::invalid_argument for an unknown item, FileError.
+/// Reproduces the paper's figures and tables: index page, results.json, pictures and their data.
+/// Items of an earlier run in the same folder stay unless they run now. Returns an ExitCode. Throws
+/// std::invalid_argument for an unknown item, FileError.
 int paper_command(const PaperFlags& flags);
 
 }  // namespace bipot

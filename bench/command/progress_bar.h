@@ -15,7 +15,7 @@ class ProgressBar {
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
 
-  /// `done` of total are finished; `note` stands behind the bar.
+  /// `done` of total are finished; `note` follows the bar.
   void update(long done, const std::string& note);
 
  private:

@@ -29,14 +29,9 @@
 #include "core/run_files/run_layout.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene_files/scene_file.h"
-#include "solvers/parallel/distributed_solve.h"
 #include "solvers/parallel/launch.h"
-#include "solvers/registry.h"
-#include "solvers/simulation/domain_run.h"
-#include "solvers/simulation/force_energy.h"
-#include "solvers/simulation/run_folder.h"
-#include "solvers/simulation/step_solver.h"
-#include "solvers/solve.h"
+#include "solvers/simulation/domain.h"
+#include "solvers/simulation/scene_stepper.h"
 
 namespace bipot {
 namespace {
@@ -76,7 +71,7 @@ void refuse_flags_of_the_other_model(const RunFlags& flags, Model model) {
   }
 }
 
-/// Makes the command line's changes, and checks the outcome before anything is written.
+/// Applies the command line's changes, and checks the result before anything is written.
 template <int D>
 void apply_flags(const RunFlags& flags, Scene<D>& scene) {
   if (flags.steps) scene.num_steps = *flags.steps;  // with --restart: from there
@@ -84,9 +79,6 @@ void apply_flags(const RunFlags& flags, Scene<D>& scene) {
   scene.solver = merged(scene.solver, flags.solver);
   if (flags.model) {
     scene.model = *flags.model == "dem" ? Model::kSpringDashpot : Model::kNonsmooth;
-  }
-  if (D == 3 && scene.model == Model::kSpringDashpot) {
-    throw std::invalid_argument("the model dem simulates disks, not spheres");
   }
   refuse_flags_of_the_other_model(flags, scene.model);
   if (flags.stiffness) scene.dem.stiffness = *flags.stiffness;
@@ -99,7 +91,7 @@ void apply_flags(const RunFlags& flags, Scene<D>& scene) {
   if (auto defect = validate(scene); !defect.empty()) throw std::invalid_argument(defect);
 }
 
-/// What the flags ask to be written; no folder without --out.
+/// Output that the flags ask for; no folder without --out.
 RunFolderOptions folder_options(const RunFlags& flags, const std::string& scene_text) {
   using Problems = RunFolderOptions::Problems;
   RunFolderOptions folder;
@@ -121,7 +113,7 @@ void make_folder(const fs::path& folder) {
   if (error) throw FileError(folder, "", "cannot create: " + error.message());
 }
 
-/// A run that was at its end already. Its files stay as they are.
+/// A run that was complete already. Its files do not change.
 template <int D>
 int nothing_to_do(const RunFlags& flags, const Scene<D>& scene, const State<D>& state, bool quiet) {
   const std::string message = fmt::format(
@@ -166,194 +158,79 @@ RunOutcome outcome_of(const SceneRun<D>& run) {
   return {"completed", kExitConverged};
 }
 
-/// Whether the steps' problems are solved by solvers/distributed.
-bool is_distributed(const RunFlags& flags) { return on_several_processes() || flags.reproducible; }
-
 /// A run before its first step.
 template <int D>
 struct PreparedRun {
   Scene<D> scene;
-  const SolverEntry* entry = nullptr;
-  SolverOptions options;
   State<D> state;
-  bool dem = false;
-  RunFolderOptions folder;
+  SceneRunOptions<D> options;
+  std::string whole_state;  // reason why this process has the whole state; empty: it has a part
 };
 
-/// A first look at the options on a problem without contacts: wrong ones are refused here.
-template <int D>
-void probe_solver(const RunFlags& flags, const PreparedRun<D>& run) {
-  SolveResult probe;
-  if (is_distributed(flags)) {
-    if (run.dem) throw std::invalid_argument("the model dem runs on one process, not under mpirun");
-    const auto lone = lone_process();
-    probe = distributed_solve(run.scene.solver.name, ContactProblem{}, run.options, *lone,
-                              {.reproducible = flags.reproducible, .contact_places = {}})
-                .result;
-  } else {
-    probe = solve(*run.entry, ContactProblem{}, run.options);
-  }
-  if (probe.status == SolveStatus::kInvalidInput) throw std::invalid_argument(probe.message);
-}
-
-/// Reads and checks, up to what is refused before anything is written. `text`: of the scene's file.
+/// Reads and checks, up to the last refusal before anything is written. `text`: of the scene's
+/// file.
 template <int D>
 PreparedRun<D> prepare_run(const RunFlags& flags, Scene<D> scene, const std::string& text) {
   PreparedRun<D> run;
   refuse_on_several_processes(flags.common, "");
   apply_flags(flags, scene);
   run.scene = std::move(scene);
-  run.dem = run.scene.model == Model::kSpringDashpot;
-  run.entry = &require_solver(run.dem ? SolverChoice{}.name : run.scene.solver.name);
-  run.options = to_options(run.dem ? SolverChoice{} : run.scene.solver);
-  run.options.execution.threads = flags.common.threads;
-  probe_solver(flags, run);
+  SceneRunOptions<D>& options = run.options;
+  options.threads = flags.common.threads;
+  options.on_failure = flags.on_failure == "stop"           ? OnFailure::kStop
+                       : flags.on_failure == "smaller-step" ? OnFailure::kSmallerStep
+                                                            : OnFailure::kContinue;
+  options.cancelled = &InterruptGuard::requested;
+  options.time_limit = flags.common.time_limit;
+  options.reproducible = flags.reproducible;
+  if (on_several_processes() || flags.reproducible) options.processes = &run_processes();
+  const SceneStepper<D> refuses(run.scene, options);
   if (flags.common.out.empty() && !flags.dump_problems.empty()) {
     throw std::invalid_argument("--dump-problems needs --out DIR");
-  }
-  if constexpr (D == 2) {
-    if (run.dem) spring_dashpot_setup(run.scene);  // refuses before anything is written
   }
   run.state = flags.restart.empty() ? initial_state(run.scene) : read_state<D>(flags.restart);
   if (const std::string mismatch = restart_mismatch(run.scene, run.state); !mismatch.empty()) {
     throw std::invalid_argument(flags.restart + " does not fit the scene: " + mismatch);
   }
   if (flags.steps) run.scene.num_steps = run.state.step + *flags.steps;
-  run.folder = folder_options(flags, text);
+  options.steps = run.scene.num_steps - run.state.step;
+  options.folder = folder_options(flags, text);
+  run.whole_state = needs_whole_state(run.scene, options);
   return run;
 }
 
-/// Of a run with rigid contacts. All processes of a distributed one take the same steps from the
-/// same impulses.
-template <int D>
-StepSolver run_solver(const RunFlags& flags, PreparedRun<D>& run, const Stopwatch& watch) {
-  SolverOptions& options = run.options;
-  const double limit = flags.common.time_limit;
-  options.cancelled = &InterruptGuard::requested;
-  if (!is_distributed(flags)) {
-    return [&, limit](const ContactProblem& problem, Vector s0) {
-      options.time_limit = std::max(limit - watch.seconds(), 1e-3);
-      return make_step_solver(*run.entry, options)(problem, std::move(s0));
-    };
-  }
-  return [&, limit](const ContactProblem& problem, Vector s0) {
-    ProcessGroup& group = run_processes();
-    options.time_limit = std::max(limit - watch.seconds(), 1e-3);
-    options.s0 = std::move(s0);
-    const DistributedOptions extra{.reproducible = flags.reproducible, .contact_places = {}};
-    return to_step_solution(
-        distributed_solve(run.scene.solver.name, problem, options, group, extra).result);
-  };
-}
-
-/// Why a run on several processes keeps its state on every one of them, in a few words; empty where
-/// each has its part (solvers/domains).
-template <int D>
-std::string state_on_every_process(const RunFlags& flags, const Scene<D>& scene) {
-  if (flags.reproducible) return "--reproducible";
-  if (!flags.dump_problems.empty()) return "--dump-problems";
-  if (flags.on_failure != RunFlags{}.on_failure) return "--on-failure " + flags.on_failure;
-  return needs_whole_state(scene);
-}
-
-/// Whether somebody pressed Ctrl-C or is out of time, on all processes.
-std::function<bool()> cancelled_by(const RunFlags& flags, const Stopwatch& watch) {
-  const double limit = flags.common.time_limit;
-  return [&watch, limit] {
-    const bool here = InterruptGuard::requested() || watch.seconds() > limit;
-    return on_several_processes() ? run_processes().any(here) : here;
-  };
-}
-
-template <int D>
-SceneRunOptions<D> run_options_of(const RunFlags& flags, PreparedRun<D>& run,
-                                  const Stopwatch& watch) {
-  SceneRunOptions<D> options;
-  options.steps = run.scene.num_steps - run.state.step;
-  if (!run.dem) options.solver = run_solver(flags, run, watch);
-  options.explicit_delassus = !is_distributed(flags) && run.entry->needs_delassus;
-  options.threads = flags.common.threads;
-  options.on_failure = flags.on_failure == "stop"           ? OnFailure::kStop
-                       : flags.on_failure == "smaller-step" ? OnFailure::kSmallerStep
-                                                            : OnFailure::kContinue;
-  options.cancelled = cancelled_by(flags, watch);
-  return options;
-}
-
-/// What comes of the steps of a run.
+/// The steps of a run, and their messages.
 template <int D>
 struct TakenSteps {
   SceneRun<D> run;
   std::string advice;  // on the first step that was not solved
   std::string warning;
-  std::optional<DomainCounts> domains;  // where the state lies on several processes
 };
 
-/// With the state on this process, or on each of several.
 template <int D>
-TakenSteps<D> take_steps(const RunFlags& flags, PreparedRun<D>& prepared, const Stopwatch& watch,
-                         bool quiet) {
-  const Scene<D>& scene = prepared.scene;
+TakenSteps<D> take_steps(PreparedRun<D>& prepared, bool quiet) {
+  Scene<D>& scene = prepared.scene;
   State<D>& state = prepared.state;
-  const RunFolderOptions& folder = prepared.folder;
-  SceneRunOptions<D> run_options = run_options_of(flags, prepared, watch);
-  const bool smaller_steps = run_options.on_failure == OnFailure::kSmallerStep;
+  SceneRunOptions<D>& options = prepared.options;
+  const bool smaller_steps = options.on_failure == OnFailure::kSmallerStep;
+  const bool speaks = is_speaker() && !quiet;
   TakenSteps<D> taken;
   EnergyGrowth growth(state);
-  ProgressBar progress(*run_options.steps, quiet || !is_speaker());
-  run_options.on_step = [&, first = state.step](const SceneStep<D>& step) {
-    growth.add(scene, step);
-    if (!step.report.converged && taken.advice.empty() && !quiet) {
-      taken.advice = failure_text<D>(scene, step.state, step.state.contacts, step.problem,
-                                     step.report.error, step.report.step, smaller_steps);
-    }
-    progress.update(
-        step.report.step - first,
-        fmt::format("{} contacts, {} iterations", step.report.contacts, step.report.iterations));
-    return true;
-  };
-  taken.run = folder.folder.empty() || !is_speaker()
-                  ? run_scene(scene, state, run_options)
-                  : run_scene_into(scene, state, run_options, folder);
-  taken.warning = growth.warning(scene);
-  return taken;
-}
-
-/// The same with a part of the state on each of several processes.
-template <int D>
-TakenSteps<D> take_steps_in_domains(const RunFlags& flags, PreparedRun<D>& prepared,
-                                    const Stopwatch& watch, bool quiet) {
-  Scene<D>& scene = prepared.scene;
-  ProcessGroup& group = run_processes();
-  TakenSteps<D> taken;
-  DomainRunOptions<D> options;
-  options.steps = scene.num_steps - prepared.state.step;
-  options.cancelled = cancelled_by(flags, watch);
-  options.folder = prepared.folder;
-  prepared.options.cancelled = &InterruptGuard::requested;
-  const double limit = flags.common.time_limit;
-  options.solver = [&, limit](const ProblemPiece& piece, const Vector& s0) {
-    prepared.options.time_limit = std::max(limit - watch.seconds(), 1e-3);
-    prepared.options.s0 = s0;
-    return distributed_solve(scene.solver.name, piece, prepared.options, group);
-  };
-  EnergyGrowth growth(prepared.state);
-  ProgressBar progress(options.steps, quiet || !is_speaker());
-  options.on_step = [&, first = prepared.state.step](const DomainReport<D>& step) {
+  ProgressBar progress(*options.steps, !speaks);
+  options.on_step = [&, first = state.step](const SceneStep<D>& step) {
     const StepReport<D>& report = step.report;
-    growth.add(scene, report.energy, report.step, force_energy(scene, step.wall_pushes));
+    growth.add(scene, report);
+    if (!report.converged && taken.advice.empty() && speaks) {
+      taken.advice = failure_text<D>(scene, step.state, step.state.contacts, step.problem,
+                                     report.error, report.step, smaller_steps);
+    }
     progress.update(report.step - first,
                     fmt::format("{} contacts, {} iterations", report.contacts, report.iterations));
+    return true;
   };
-  if (!quiet) {
-    options.on_unsolved = [&](const SceneStep<D>& step) {
-      taken.advice = failure_text<D>(scene, step.state, step.state.contacts, step.problem,
-                                     step.report.error, step.report.step, false);
-    };
-  }
-  // Who writes needs the bodies of the scene as well.
-  if (!is_speaker()) scene.bodies = {};
-  taken.run = run_domains(scene, prepared.state, options, group, taken.domains.emplace());
+  // The root process needs the bodies of the scene for its files.
+  if (prepared.whole_state.empty() && !is_speaker()) scene.bodies = {};
+  taken.run = run_scene(scene, state, options);
   taken.warning = growth.warning(scene);
   return taken;
 }
@@ -363,63 +240,58 @@ template <int D>
 int run_in(const RunFlags& flags, Scene<D> given, const std::string& text) {
   const Stopwatch watch;
   PreparedRun<D> prepared;
-  const bool json_on_stdout = flags.common.json == "-";
-  const bool quiet = flags.common.quiet || json_on_stdout;
+  const bool quiet = flags.common.quiet || flags.common.json == "-";
   together([&] { prepared = prepare_run(flags, std::move(given), text); });
-  Scene<D>& scene = prepared.scene;
-  State<D>& state = prepared.state;
-  RunFolderOptions& folder = prepared.folder;
+  const Scene<D>& scene = prepared.scene;
+  const State<D>& state = prepared.state;
+  const fs::path& folder = prepared.options.folder.folder;
   if (!flags.restart.empty() && state.step >= scene.num_steps) {
     return is_speaker() ? nothing_to_do(flags, scene, state, quiet) : int{kExitConverged};
   }
   together([&] {
     if (!is_speaker()) return;
-    if (!folder.folder.empty()) {
+    if (!folder.empty()) {
       if (scene.observables) require_plotting_tool();
-      make_folder(folder.folder);
+      make_folder(folder);
     }
     require_writable(flags.common.json);  // may lie in the folder that was just made
   });
 
   const InterruptGuard interrupt;
-  const std::string whole_state =
-      on_several_processes() ? state_on_every_process(flags, scene) : "one process";
-  const TakenSteps<D> taken = whole_state.empty()
-                                  ? take_steps_in_domains(flags, prepared, watch, quiet)
-                                  : take_steps(flags, prepared, watch, quiet);
+  prepared.options.time_limit -= watch.seconds();
+  TakenSteps<D> taken = take_steps(prepared, quiet);
   const SceneRun<D>& run = taken.run;
-  std::string advice = taken.advice;
   double peak[1] = {peak_memory()};
-  if (taken.domains) run_processes().largest(peak);
+  if (run.domains) run_processes().largest(peak);
   const auto [status, exit_code] = outcome_of(run);
   if (!is_speaker()) return exit_code;
-  if (scene.observables && !folder.folder.empty()) draw_observables(folder.folder);
+  if (scene.observables && !folder.empty()) draw_observables(folder);
   if (run.failure) {
     fmt::print(stderr, "bipot: {}\n", run.failure->what());
     if (!quiet && (exit_code == kExitNumericalFailure || exit_code == kExitNotConverged)) {
-      advice = failure_text(scene, state, run, flags.on_failure == "smaller-step");
+      taken.advice = failure_text(scene, state, run, flags.on_failure == "smaller-step");
     }
   }
-  if (!advice.empty() && !quiet) fmt::print(stderr, "{}", advice);
+  fmt::print(stderr, "{}", taken.advice);
   if (!flags.common.quiet) fmt::print(stderr, "{}", taken.warning);
   const RunSummary<D> summary{scene,           state,           run, status, exit_code,
                               watch.seconds(), flags.common.out};
   Json json = to_json(summary);
-  if (is_distributed(flags)) json["processes"] = launched_processes();
+  if (prepared.options.processes != nullptr) json["processes"] = launched_processes();
   std::string state_text;
   if (on_several_processes()) {
-    state_text = taken.domains ? "distributed" : "on every process: " + whole_state;
+    state_text = run.domains ? "distributed" : "on every process: " + prepared.whole_state;
     json["state"] = state_text;
   }
-  if (taken.domains) json["domains"] = to_json(*taken.domains, peak[0]);
-  if (!flags.common.out.empty()) write_json(json, (folder.folder / "summary.json").string());
+  if (run.domains) json["domains"] = to_json(*run.domains, peak[0]);
+  if (!folder.empty()) write_json(json, (folder / "summary.json").string());
   if (!flags.common.json.empty()) write_json(json, flags.common.json);
   if (!quiet) {
     fmt::print("{}", to_text(summary));
     if (!state_text.empty()) {
       fmt::print("  processes    {}, state {}\n", launched_processes(), state_text);
     }
-    if (taken.domains) fmt::print("{}", to_text(*taken.domains));
+    if (run.domains) fmt::print("{}", to_text(*run.domains));
   }
   return exit_code;
 }

@@ -16,7 +16,7 @@ struct RunFlags {
   std::string on_failure = "continue";  ///< or "stop", "smaller-step"
   std::optional<std::string> model;
   bool reproducible = false;  ///< exact sums, the same bits for any number of processes
-  /// Of the spring-dashpot model; unset entries leave the scene's choice.
+  /// Parameters of the spring-dashpot model; unset entries leave the scene's choice.
   std::optional<double> stiffness, overlap, tangential_ratio, substep;
 };
 

@@ -19,7 +19,7 @@ namespace {
 std::unique_ptr<ProcessGroup> group_of_this_run;
 std::FILE* own_voice = nullptr;  // standard error as it was
 
-/// A step in the mean.
+/// Mean over the steps.
 Json to_json(const Traffic& traffic, int steps) {
   const double n = std::max(steps, 1);
   return {{"messages", static_cast<double>(traffic.messages) / n},

@@ -10,11 +10,11 @@
 #include "core/motion/state.h"
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/parallel/process_group.h"
-#include "solvers/simulation/domain_stepper.h"
+#include "solvers/simulation/domain.h"
 
 namespace bipot {
 
-/// A failure that all processes of this command know of: the first one says it, all end.
+/// A failure that all processes of this command know of: the root process reports it, all end.
 class CommonCommandFailure : public CommonFailure {
  public:
   CommonCommandFailure(ExitCode code, const std::string& message)
@@ -22,31 +22,31 @@ class CommonCommandFailure : public CommonFailure {
   ExitCode exit_code;
 };
 
-/// Whether a launcher started this command several times (mpirun -n P).
+/// True if a launcher started this command several times (mpirun -n P).
 bool on_several_processes();
-/// Whether this process prints and writes files: the first one.
+/// True if this process prints and writes files: the root process.
 bool is_speaker();
-/// Whether others may wait for this process.
+/// True if others may wait for this process.
 bool processes_have_met();
 
-/// The processes of this command; the first call starts MPI where there are several.
+/// The processes of this command; the first call starts MPI if there are several.
 ProcessGroup& run_processes();
 
-/// Does something that each process does by itself, such as reading a file; where one of them fails,
-/// all throw CommonCommandFailure with the first one's message and exit code. A lone process throws
-/// what it threw.
+/// Runs work that each process does by itself, such as reading a file. If one of them fails, all
+/// throw CommonCommandFailure with the first one's message and exit code. A single process rethrows
+/// its own exception.
 void together(const std::function<void()>& prepare);
 
-/// Before anything else: processes other than the speaker print nothing, on neither stream.
+/// Call first: processes other than the root print nothing, on neither stream.
 void keep_others_quiet();
-/// Prints a message of any process, whoever it is.
+/// Prints a message from any process.
 void say_from_here(const std::string& message);
 
-/// Throws std::invalid_argument where several processes have no use for what the flags ask: more
-/// than one thread, or `flag` (empty: none).
+/// Throws std::invalid_argument for flags without use in parallel: more than one thread, or `flag`
+/// (empty: none).
 void refuse_on_several_processes(const CommonFlags& flags, const std::string& flag);
 
-/// Where the contacts of a state lie, in the plane or in space.
+/// Positions of the contacts of a state, in 2D or 3D.
 template <int D>
 std::vector<Vec3> contact_places(const State<D>& state) {
   std::vector<Vec3> places;
@@ -60,15 +60,15 @@ std::vector<Vec3> contact_places(const State<D>& state) {
   return places;
 }
 
-/// The exit code that an exception asks for.
+/// The exit code for an exception.
 ExitCode exit_code_for(const std::exception& e);
 
-/// What several processes add to a summary: processes, imbalance, halo and traffic.
+/// Entries of a summary for parallel solves: processes, imbalance, halo and traffic.
 Json to_json(const DistributedCounts& counts);
-/// The same in a line.
+/// The same in one line.
 std::string to_text(const DistributedCounts& counts);
 
-/// What a distributed state adds to a summary. `peak_bytes`: memory of the process with the most.
+/// Entries of a summary for a distributed state. `peak_bytes`: memory of the process with the most.
 Json to_json(const DomainCounts& counts, double peak_bytes);
 /// The same in lines.
 std::string to_text(const DomainCounts& counts);

@@ -11,6 +11,7 @@
 #include "core/base/version.h"
 #include "core/motion/sample_area.h"
 #include "core/motion/sample_volume.h"
+#include "core/motion/spring_dashpot_setup.h"
 #include "core/motion/stress_tensor.h"
 
 namespace bipot {
@@ -18,16 +19,16 @@ namespace {
 
 template <int D>
 const SpringDashpotSetup* springs_of(const RunSummary<D>& s) {
-  return s.run.springs ? &*s.run.springs : nullptr;
+  return s.run.springs.get();
 }
 
-/// Why a step was not taken, else why the first one that did not converge did not.
+/// Cause of a failed step, else of the first step that did not converge.
 template <int D>
 std::string message_of(const RunSummary<D>& s) {
   return s.run.failure ? s.run.failure->what() : s.run.totals.message;
 }
 
-/// What has gone through each outlet and inlet.
+/// Bodies through each outlet and inlet.
 template <int D>
 Json gates_json(const Scene<D>& scene, const State<D>& state) {
   Json gates = Json::array();
@@ -49,7 +50,7 @@ Json gates_json(const Scene<D>& scene, const State<D>& state) {
   return gates;
 }
 
-/// The same in words; how many are left, and whether an inlet had to wait.
+/// The same as text; remaining bodies, and whether an inlet had to wait.
 template <int D>
 std::string gates_text(const Scene<D>& scene, const State<D>& state) {
   std::string text = fmt::format("  inside       {} {}s\n", state.bodies.size(), kBodyName<D>);

@@ -7,7 +7,7 @@
 
 namespace bipot {
 
-/// What `bipot run` says of a run when it is over.
+/// Data of the summary of `bipot run`.
 template <int D>
 struct RunSummary {
   const Scene<D>& scene;

@@ -38,7 +38,7 @@ int exit_code_of(const SeveralAnswers& found) {
   }
 }
 
-/// --seed is a parameter of solvers as well; here it is the search's.
+/// --seed is a parameter of solvers as well; here it belongs to the search.
 std::uint64_t take_seed(std::map<std::string, std::string>& parameters, std::uint64_t otherwise) {
   const auto given = parameters.find("seed");
   if (given == parameters.end()) return otherwise;

@@ -117,6 +117,7 @@ CommandDeclaration add_solve_command(CommandLine& line, SolveFlags& flags) {
                "Say whether a solution exists at all, by a proof that is checked in extended "
                "precision");
   add_reproducible_flag(command, flags.reproducible);
+  add_untrusted_flag(command, flags.untrusted);
   add_common_flags(command, flags.common);
   command
       .option("--solution", flags.solution,
@@ -161,8 +162,8 @@ bool close(const Vector& a, const Vector& b) {
   return a.size() == b.size() && (a - b).norm() <= 1e-9 * std::max(a.norm(), b.norm());
 }
 
-/// Refuses a file for --solution that cannot take it, before the solve: not writable, not FCLIB, or
-/// with another problem in it.
+/// Refuses an unsuitable file for --solution before the solve: not writable, not FCLIB, or of
+/// another problem.
 void check_solution_file(const std::string& path, const ContactProblem& problem) {
   require_writable(path);
   if (path.empty() || !std::ifstream(path)) return;
@@ -173,7 +174,7 @@ void check_solution_file(const std::string& path, const ContactProblem& problem)
     throw std::invalid_argument(fmt::format("--solution: {}", e.what()));
   }
   const ContactProblem& other = there->problem;
-  // Both forms give W, and a problem is W, u_free and mu; an uneven vector tells two W apart.
+  // Both forms give W, and a problem is W, u_free and mu; a non-uniform vector distinguishes two W.
   const auto product = [](const ContactProblem& p) {
     const DelassusOperator delassus(p);
     Vector probe(p.num_rows()), result(p.num_rows());
@@ -191,7 +192,7 @@ void check_solution_file(const std::string& path, const ContactProblem& problem)
   }
 }
 
-/// What is to be solved, and how.
+/// The problem to solve, and its options.
 struct SolveTask {
   SolveFlags flags;
   ProblemFile file;
@@ -201,20 +202,20 @@ struct SolveTask {
   DistributedOptions distributed;
 };
 
-ProblemFile read_file(const std::string& path) {
+ProblemFile read_file(const std::string& path, bool untrusted) {
   if (!std::ifstream(path)) throw FileError(path, "", "cannot be opened");
   try {
-    return read_problem(path);
+    return read_problem(path, untrusted);
   } catch (const FileError& e) {
     throw std::invalid_argument(e.what());  // readable, but not a problem: bad input
   }
 }
 
-/// Reads and checks; files are made by the process that writes them.
+/// Reads and checks; files are made by the root process.
 SolveTask prepare(const SolveFlags& given) {
   SolveTask task;
   refuse_on_several_processes(given.common, given.explain ? "--explain" : "");
-  task.file = read_file(given.problem);
+  task.file = read_file(given.problem, given.untrusted);
   task.flags = is_speaker() ? with_folder(given) : given;
   const ContactProblem& problem = task.file.problem;
   if (is_speaker()) {
@@ -242,7 +243,7 @@ SolveTask prepare(const SolveFlags& given) {
   return task;
 }
 
-/// Opens the file of --history and lets the solve write into it.
+/// Opens the file of --history, which the solve fills.
 void record_history(const std::string& path, std::ofstream& history, SolverOptions& options) {
   if (path.empty()) return;
   if (is_speaker()) {
@@ -283,13 +284,14 @@ void explain(const SolveTask& task) {
 int solve_command(const SolveFlags& given) {
   if (given.several) {
     together([&] { refuse_on_several_processes(given.common, "--several"); });
-    return several_command(given, read_file(given.problem));
+    return several_command(given, read_file(given.problem, given.untrusted));
   }
   SolveTask task;
   std::ofstream history;
   together([&] {
     task = prepare(given);
-    // Whether all of them take part in recording is the flags' matter, not the folder's.
+    // Taking part in recording depends on the flags, not on the folder, so that all processes
+    // agree.
     const bool recorded = !given.history.empty() || !given.common.out.empty();
     record_history(recorded && !is_speaker() ? "elsewhere" : task.flags.history, history,
                    task.options);

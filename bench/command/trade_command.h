@@ -16,8 +16,8 @@ struct TradeFlags {
 /// Declares `bipot trade`.
 CommandDeclaration add_trade_command(CommandLine& line, TradeFlags& flags);
 
-/// Runs whole simulations and writes what they say. Returns an ExitCode: 0 when all were run,
-/// whatever came of them.
+/// Runs whole simulations and writes their analysis. Returns an ExitCode: 0 if all were run, for
+/// any outcome.
 int trade_command(const TradeFlags& flags);
 
 }  // namespace bipot

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
 
@@ -13,6 +14,7 @@
 #include "bench/command/progress_bar.h"
 #include "bench/experiments/validation_report.h"
 #include "bench/report/chart.h"
+#include "bench/report/json_output.h"
 #include "core/base/file_error.h"
 #include "core/base/nearest_name.h"
 #include "solvers/registry.h"
@@ -20,18 +22,18 @@
 namespace bipot {
 namespace {
 
-/// Whether a row was asked for: it, or how its name begins.
+/// True if a row was requested, by its name or the beginning of it.
 bool asked_for(const ValidateFlags& flags, const ValidationRow& row) {
   return flags.only.empty() ||
          std::any_of(flags.only.begin(), flags.only.end(),
-                     [&](const std::string& name) { return row.name.starts_with(name); });
+                     [&](const std::string& name) { return row.claim.name.starts_with(name); });
 }
 
 std::vector<ValidationExperiment> chosen_experiments(const ValidateFlags& flags) {
   std::vector<ValidationExperiment> all = validation_experiments();
   std::vector<std::string> names;
   for (const ValidationExperiment& e : all) {
-    for (const ValidationRow& row : e.rows) names.push_back(row.name);
+    for (const ValidationRow& row : e.rows) names.push_back(row.claim.name);
   }
   for (const std::string& wanted : flags.only) {
     if (std::none_of(names.begin(), names.end(),
@@ -71,9 +73,14 @@ CommandDeclaration add_validate_command(CommandLine& line, ValidateFlags& flags)
   command.option("--solver", flags.solver, "Of every step, without islands").show_default();
   command.option("--max-iterations", flags.max_iterations, "Of a step").positive().show_default();
   command
-      .option("--out", flags.out,
-              "Folder for index.html, validate.csv, verdicts.csv, charts and their data")
+      .option(
+          "--out", flags.out,
+          "Folder for index.html, validate.json, validate.csv, verdicts.csv, charts and their data")
       .value_name("DIR");
+  command
+      .option("--json", flags.json,
+              "Write the results as JSON; '-': standard output, with nothing else")
+      .value_name("FILE");
   command.flag("--quiet,-q", flags.quiet, "No progress, no table on the terminal");
   command.footer(
       "Each row has its source, the expected value, what is measured at several tolerances, the\n"
@@ -90,6 +97,7 @@ CommandDeclaration add_validate_command(CommandLine& line, ValidateFlags& flags)
 int validate_command(const ValidateFlags& flags) {
   require_solver(flags.solver);
   const std::vector<ValidationExperiment> experiments = chosen_experiments(flags);
+  require_writable(flags.json);
   if (!flags.out.empty()) {
     require_plotting_tool();
     std::error_code failure;
@@ -111,24 +119,23 @@ int validate_command(const ValidateFlags& flags) {
     for (const ValidationExperiment& e : experiments) {
       total += static_cast<long>(flags.quick ? e.quick_tols.size() : e.tols.size());
     }
-    ProgressBar progress(total, flags.quiet);
+    ProgressBar progress(total, flags.quiet || flags.json == "-");
     for (const ValidationExperiment& e : experiments) {
       ExperimentResult result = run_experiment(
-          e, context, [&](int, int) { progress.update(done++, e.rows.front().name); });
-      // What was stopped halfway would only look as if it did not hold.
+          e, context, [&](int, int) { progress.update(done++, e.rows.front().claim.name); });
+      // An interrupted measurement would only seem to fail.
       if (!result.complete) {
         page.complete = false;
         break;
       }
-      for (ValidationVerdict& v : result.verdicts) {
-        if (asked_for(flags, v.row)) page.verdicts.push_back(std::move(v));
-      }
-      for (ValidationFigure& f : result.figures) page.figures.push_back(std::move(f));
+      std::erase_if(result.rows, [&](const ValidationRow& row) { return !asked_for(flags, row); });
+      page.add(std::move(result));
     }
     progress.update(total, "");
   }
   if (!flags.out.empty()) write_validation(flags.out, page);
-  if (!flags.quiet) {
+  if (!flags.json.empty()) write_json(to_json(to_report(page)), flags.json);
+  if (!flags.quiet && flags.json != "-") {
     fmt::print("{}", to_text(page));
     if (!flags.out.empty()) {
       fmt::print("{}\n", (std::filesystem::path(flags.out) / "index.html").string());

@@ -12,14 +12,14 @@ struct ValidateFlags {
   bool quick = false, quiet = false;
   std::string solver = "apgd";
   int max_iterations = 20000;
-  std::string out;
+  std::string out, json;
 };
 
 /// Declares `bipot validate`.
 CommandDeclaration add_validate_command(CommandLine& line, ValidateFlags& flags);
 
-/// Measures observables that are known beforehand, at several tolerances each. Returns an ExitCode.
-/// Throws std::invalid_argument for an unknown row or solver, FileError.
+/// Measures observables with known values, at several tolerances each. Returns an ExitCode. Throws
+/// std::invalid_argument for an unknown row or solver, FileError.
 int validate_command(const ValidateFlags& flags);
 
 }  // namespace bipot

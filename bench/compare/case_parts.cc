@@ -9,29 +9,10 @@
 
 namespace bipot {
 
-Wall<2> plane(const char* name, const Vec2& point, const Vec2& normal) {
-  Wall<2> wall;
-  wall.name = name;
-  wall.a = point;
-  wall.normal = normal;
-  return wall;
-}
-
-Disk disk(const Vec2& x, double radius, double mass, double inertia) {
-  Disk d;
-  d.x = x;
-  d.radius = radius;
-  d.mass = mass;
-  d.inertia = inertia * 0.5 * mass * radius * radius;
-  return d;
-}
-
 Scene<2> empty_scene(double mu, double e_n, double e_t) {
-  Scene<2> scene;
+  Scene<2> scene = one_law<2>({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.source = "generated";
-  scene.gravity = Vec2(0, -9.81);
-  scene.materials = {"m"};
-  scene.laws = {{.mu = mu, .e_n = e_n, .e_t = e_t}};
+  scene.gravity = Vec2(0, -kGravity);
   scene.step = 0.01;
   scene.num_steps = 1;
   scene.contact_distance = 1e-9;
@@ -47,10 +28,10 @@ Scene<2> tower(const std::vector<double>& masses, const std::vector<double>& rad
   double top = 0;
   for (std::size_t k = 0; k < masses.size(); ++k) {
     const double a = radii[k % radii.size()];
-    scene.bodies.push_back(disk(Vec2(0, top + a), a, masses[k]));
+    scene.bodies.push_back(round_body<2>(Vec2(0, top + a), a, masses[k]));
     top += 2 * a;
   }
-  scene.walls = {plane("floor", Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {flat_floor<2>()};
   return scene;
 }
 

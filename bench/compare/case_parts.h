@@ -3,14 +3,10 @@
 #include <vector>
 
 #include "core/problem/contact_problem.h"
-#include "core/scene/scene.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 
-/// Half-plane behind the line through `point` with that outward normal.
-Wall<2> plane(const char* name, const Vec2& point, const Vec2& normal);
-/// A homogeneous disk, I = inertia m a² / 2.
-Disk disk(const Vec2& x, double radius, double mass, double inertia = 1);
 /// One material, h = 0.01 s, contacts within 1e-9 m, gravity 9.81 m/s² downwards.
 Scene<2> empty_scene(double mu, double e_n = 0, double e_t = 0);
 /// The problem of the scene's first step, A and H alone.
@@ -21,10 +17,10 @@ Scene<2> tower(const std::vector<double>& masses, const std::vector<double>& rad
 
 /// max |x - y| / max |y|.
 double relative_difference(const Vector& x, const Vector& y);
-/// Impulses of a tower: contacts of the floor and from disk to disk carry the weight above, h g Σ
-/// m; no friction. In the order of the first step's contacts.
+/// Impulses of a tower without friction: the contacts carry the weight above, h g Σ m. In the order
+/// of the first step's contacts.
 Vector tower_impulses(const Scene<2>& scene);
-/// max |u| / (h g): what a scene that can stand still does not do.
+/// max |u| / (h g): remaining motion of a scene that can be at rest.
 double motion_left(const Scene<2>& scene, const Vector& u);
 /// Σ of the normal impulses on that wall.
 double push_on_wall(const Scene<2>& scene, std::size_t wall, const Vector& s);

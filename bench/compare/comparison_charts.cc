@@ -18,8 +18,8 @@ int style_of(const std::string& solver) {
   return static_cast<int>(std::find(names.begin(), names.end(), solver) - names.begin());
 }
 
-/// The steps of a distribution: sorted values, each of which lifts the curve by 1/total. Starts at
-/// `begin`, ends at `end`; markers thinned so that they stay apart.
+/// The steps of a distribution: each of the sorted values raises the curve by 1/total. Starts at
+/// `begin`, ends at `end`; markers are thinned out.
 ChartSeries distribution(const std::string& name, int style, const std::vector<double>& values,
                          std::size_t total, double begin, double end) {
   ChartSeries series{name, style, {}, ChartSeries::Kind::kSteps};
@@ -48,7 +48,7 @@ ChartAxis error_axis(const Comparison& comparison, const ProblemSummary& problem
   }
   ChartAxis axis{std::string(rank.name()), ChartAxis::Kind::kLog};
   if (rank.measure == Ranking::Measure::kForce) axis.label = "force error, worst body";
-  // An error of exactly 0 must stand somewhere.
+  // An error of exactly 0 needs a place on the axis.
   axis.low = std::max(1e-15, decade_below(least));
   return axis;
 }
@@ -90,7 +90,7 @@ Chart profile_chart(const std::vector<PerformanceProfile>& profiles, const std::
   }
   Chart chart;
   chart.title = title;
-  // Beyond a thousand times the best nothing is told apart any more.
+  // Beyond a thousand times the best, differences are not shown.
   chart.x = {cost + " over the least of all solvers", ChartAxis::Kind::kLog, 1.0,
              std::min(1e3, decade_above(largest))};
   chart.y = {"share of problems solved", ChartAxis::Kind::kLinear, 0.0, 1.0};
@@ -187,7 +187,7 @@ Chart tolerance_chart(const Comparison& comparison, const ProblemSummary& proble
 }
 
 Chart history_chart(const Comparison& comparison, const ProblemSummary& problem) {
-  constexpr double kMost = 100;  // what diverges leaves the picture
+  constexpr double kMost = 100;  // diverging values leave the picture
   Chart chart;
   chart.title = "Guarded error against iteration, " + problem.name;
   chart.x = {"iteration", ChartAxis::Kind::kLog, 1.0, {}};

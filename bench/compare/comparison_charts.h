@@ -24,7 +24,7 @@ Chart regret_chart(const std::vector<Regret>& regrets, const std::vector<std::st
 /// Share of the problems of one size that a solver brings below each tolerance.
 Chart success_chart(const std::vector<SuccessCurve>& curves, std::string_view size);
 
-/// True error against time, with the rows that none beats; one marker a tolerance.
+/// True error against time, with the rows of the Pareto front; one marker for each tolerance.
 Chart work_precision_chart(const Comparison& comparison, const ProblemSummary& problem);
 /// True error against tolerance.
 Chart tolerance_chart(const Comparison& comparison, const ProblemSummary& problem);

@@ -9,7 +9,7 @@
 namespace bipot {
 namespace {
 
-/// The value that a share `q` of the sorted values does not exceed: the nearest rank.
+/// The value that a fraction `q` of the sorted values does not exceed: the nearest rank.
 double quantile(const std::vector<double>& sorted, double q) {
   if (sorted.empty()) return kNaN;
   const double rank = std::ceil(q * static_cast<double>(sorted.size()) - 1e-9);

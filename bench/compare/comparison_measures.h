@@ -11,16 +11,16 @@
 
 namespace bipot {
 
-/// What a comparison's table says, as numbers. All times are ComparisonRow::time().
+/// Numbers computed from a comparison's table. All times are ComparisonRow::time().
 
 /// In the order of the rows.
 std::vector<std::string> solvers_of(const Comparison& comparison);
 /// From loose to tight.
 std::vector<double> tolerances_of(const Comparison& comparison);
 
-/// The true error by which a problem's solvers are ranked: the resultant force on bodies where it
-/// is defined, else the velocity (of several exact answers, the distance to the nearest one that is
-/// known); the guarded error where the problem has no trusted reference.
+/// The true error by which a problem's solvers are ranked. It is the resultant force on bodies if
+/// defined, else the velocity (of several exact answers, the distance to the nearest known one).
+/// Without a trusted reference it is the guarded error.
 struct Ranking {
   enum class Measure { kForce, kVelocity, kGuarded };
   Measure measure = Measure::kVelocity;
@@ -32,21 +32,21 @@ Ranking ranking(const ProblemSummary& problem, const std::vector<ComparisonRow>&
 /// Rows of a problem that no other row of it beats in both time and ranked error.
 std::vector<const ComparisonRow*> pareto_rows(const ProblemSummary& problem,
                                               const std::vector<ComparisonRow>& rows);
-/// The row of least time whose ranked error is at most `accuracy`; null without one. Where looser
-/// tolerances of its solver reach it too, in as good as the same time (5 %), the loosest of them.
-/// `solver`: among its rows alone, empty: among all.
+/// The row of least time whose ranked error is at most `accuracy`; null without one. If looser
+/// tolerances of its solver reach it in nearly the same time (5 %), the loosest of them. `solver`:
+/// among its rows alone, empty: among all.
 const ComparisonRow* fastest_to(const ProblemSummary& problem,
                                 const std::vector<ComparisonRow>& rows, double accuracy,
                                 std::string_view solver = {});
 
-/// How many problems a solver solved at one tolerance.
+/// Number of problems that a solver solved at one tolerance.
 struct SolvedCount {
   std::string solver;
   double tol = 0;
   int problems = 0;
   int solved = 0;           ///< guarded error <= tol
   int by_natural_map = 0;   ///< natural map <= 1e-8
-  double median_ratio = 0;  ///< of its time to the best solver's, where solved; NaN without one
+  double median_ratio = 0;  ///< of its time to the best solver's, if solved; NaN without one
 };
 std::vector<SolvedCount> count_solved(const Comparison& comparison, double tol);
 
@@ -59,7 +59,7 @@ struct PerformanceProfile {
   /// Share of the problems that it solved within `ratio` times the best.
   double share(double ratio) const;
 };
-/// `cost` is positive, or NaN where the solver has no result.
+/// `cost` is positive, or NaN if the solver has no result.
 using CostOf = std::function<double(const ProblemSummary&, const std::string& solver)>;
 std::vector<PerformanceProfile> performance_profiles(const Comparison& comparison,
                                                      const CostOf& cost);
@@ -69,17 +69,17 @@ CostOf iterations_at(const Comparison& comparison, double tol);  ///< none at al
 /// Of the solver's cheapest row whose ranked error is at most `accuracy`.
 CostOf time_to(const Comparison& comparison, double accuracy);
 
-/// What one solver reaches within a time.
+/// Errors that one solver reaches within a time.
 struct BudgetErrors {
   std::string solver;
-  /// Least ranked error of its rows within the time, for each problem with contacts; 1, the error
-  /// of no contact forces at all, without such a row. Sorted.
+  /// Least ranked error of its rows within the time, for each problem with contacts; without such a
+  /// row 1, the error of zero contact forces. Sorted.
   std::vector<double> errors;
 };
 std::vector<BudgetErrors> errors_within(const Comparison& comparison, double seconds);
 
-/// The true errors behind a tolerance: of all rows that met it, on problems that are not ranked by
-/// the guarded error.
+/// True errors at a tolerance: of all rows that met it, on problems that are not ranked by the
+/// guarded error.
 struct ToleranceMeaning {
   double tol = 0;
   int rows = 0;
@@ -111,7 +111,7 @@ struct Regret {
   struct Entry {
     std::string problem, best;
     double tol = 0, time = 0, best_time = 0;
-    double ratio = 0;  ///< infinite where it did not meet the tolerance and another did
+    double ratio = 0;  ///< infinite if it missed the tolerance and another solver met it
   };
   std::string solver;
   std::vector<Entry> entries;  ///< from the largest ratio to the least

@@ -32,7 +32,7 @@ std::string file_stem(const std::string& name) {
   return stem;
 }
 
-/// What all rows of a folder have in common besides their keys.
+/// Limits that all rows of a folder have in common.
 Json limits_json(const ComparisonOptions& o) {
   return {{"time_limit", o.time_limit},
           {"reference_time_limit", o.reference_time_limit},
@@ -41,7 +41,7 @@ Json limits_json(const ComparisonOptions& o) {
           {"try_all", o.try_all}};
 }
 
-/// For appending whole lines. A line that was cut off must not be continued by the next one.
+/// Opens for appending whole lines. A line that was cut off must not be continued by the next one.
 void open_for_lines(const fs::path& path, const std::string& header, std::ofstream& file) {
   if (fs::exists(path)) {
     std::ifstream in(path, std::ios::binary);
@@ -127,7 +127,7 @@ void ComparisonStore::write(const ProblemSource& source, const TestProblem& prob
                             const ReferenceSolution& reference) const {
   if (folder_.empty()) return;
   write_reference(reference_path(source.name), source.name, reference);
-  // Problems that come from files are not copied.
+  // Problems from files are not copied.
   if (fs::exists(source.target) && !source.target.ends_with(".toml")) return;
   if (problem.problem.num_contacts() == 0) return;
   write_fclib(

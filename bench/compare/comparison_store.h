@@ -13,23 +13,23 @@
 
 namespace bipot {
 
-/// The files of a comparison: rows and histories, read when it is taken up again and appended to as
-/// they are made, references and problems. Without a folder it keeps histories alone.
+/// The files of a comparison: rows and histories, read when it is continued and appended to as they
+/// are made, references and problems. Without a folder it keeps histories alone.
 class ComparisonStore {
  public:
-  /// Throws FileError, and std::invalid_argument where the rows of the folder were made under other
+  /// Throws FileError, and std::invalid_argument if the rows of the folder were made under other
   /// limits.
   explicit ComparisonStore(const ComparisonOptions& options);
 
-  /// The row that was made before; null without one.
+  /// An existing row; null without one.
   const ComparisonRow* find(const std::string& problem, const std::string& solver, double tol,
                             bool warm) const;
-  /// The history before the row: a row that stands in the file has its history.
+  /// Writes the history before the row: a row in the file has its history.
   void append(const ComparisonRow& row, const History& history);
   const History* history(const std::string& problem, const std::string& solver) const;
 
   std::optional<ReferenceSolution> reference(const std::string& problem) const;
-  /// Keeps the reference, and the problem where it does not come from a file.
+  /// Writes the reference, and the problem unless it comes from a file.
   void write(const ProblemSource& source, const TestProblem& problem,
              const ReferenceSolution& reference) const;
 

@@ -16,8 +16,9 @@ Scene<2> row_between_walls() {
   Scene<2> scene = empty_scene(0.3);
   scene.gravity.setZero();
   scene.bodies = rectangular_lattice(5, 1, 0.5, Vec2::Zero());
-  for (Disk& d : scene.bodies) d = disk(d.x, d.radius, 1);
-  scene.walls = {plane("left", Vec2::Zero(), Vec2(1, 0)), plane("right", Vec2(5, 0), Vec2(-1, 0))};
+  for (Disk& d : scene.bodies) d = round_body<2>(d.x, d.radius, 1);
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0), "left"),
+                 half_space<2>(Vec2(5, 0), Vec2(-1, 0), "right")};
   return scene;
 }
 
@@ -77,10 +78,11 @@ void add_contradictory_cases(std::vector<ExtremeCase>& cases) {
                    .problem = [out] { return first_step(out); }});
   Scene<2> wedge = empty_scene(0.3);
   const double half = 0.2;
-  wedge.bodies = {disk(Vec2(0, 3), 0.5, 1)};
+  wedge.bodies = {round_body<2>(Vec2(0, 3), 0.5, 1)};
   for (const double side : {1.0, -1.0}) {
     const Vec2 n(side * std::cos(half), std::sin(half));
-    wedge.walls.push_back(plane(side > 0 ? "left" : "right", wedge.bodies[0].x - 0.5 * n, n));
+    wedge.walls.push_back(
+        half_space<2>(wedge.bodies[0].x - 0.5 * n, n, side > 0 ? "left" : "right"));
     move_in(wedge.walls.back(), 0.1);
   }
   cases.push_back(

@@ -9,26 +9,26 @@
 
 namespace bipot {
 
-/// One column of the matrix: a problem at an extreme, or a short run, and what is known of it
-/// before any solver sees it.
+/// One column of the matrix: a problem at an extreme, or a short run, with facts known before any
+/// solve.
 struct ExtremeCase {
   enum class Expect {
     kSolution,  ///< a solution exists
     kNone,      ///< none does: nobody may claim one
-    kOpen,      ///< either: what counts is that nothing false is said
+    kOpen,      ///< either: any true statement is accepted
     kRefused    ///< the data are no problem: refused with a reason
   };
   std::string name, group;
   std::string what;   ///< how it is made, one sentence
-  std::string known;  ///< what is known beforehand and why, one or two sentences
+  std::string known;  ///< known facts and their reason, one or two sentences
   Expect expect = Expect::kSolution;
-  /// One-step cases. Throws std::invalid_argument where the data are refused before there is a
+  /// One-step cases. Throws std::invalid_argument if the data are refused before there is a
   /// problem.
   std::function<ContactProblem()> problem;
-  /// Relative error of an answer against what is known; may be empty.                        [-]
+  /// Relative error of an answer against the known one; may be empty. [-]
   std::function<double(const ContactProblem&, const Vector& s, const Vector& u)> true_error;
-  /// The impulses that are known beforehand, where all of them are; rounded to double they show how
-  /// low an error can be in double precision at all.
+  /// The known impulses, if all are known. Rounded to double they show the least possible error in
+  /// double precision.
   std::function<Vector()> solution;
   /// Runs: a scene and its number of steps, instead of a problem.
   std::function<Scene<2>()> scene;
@@ -37,8 +37,7 @@ struct ExtremeCase {
   bool must_dissipate = false;
   bool must_conserve = false;  ///< nor destroy it
   bool large = false;          ///< left out of the quick matrix
-  /// A smaller limit of a cell is raised to this: an answer at the edge of what double precision can
-  /// say takes its time.                                                          [CPU s]
+  /// Least time limit of a cell: answers at the limits of double precision take long. [CPU s]
   double least_seconds = 0;
 };
 

@@ -172,7 +172,7 @@ ExtremeCell run_case(const ExtremeCase& of, const std::string& solver,
     const EnergyLedger& e = s.report.energy;
     const double now = e.friction_loss + e.shock_loss;
     const double scale = std::max({initial, e.kinetic, std::abs(now)});
-    const double allowed = force_energy(scene, s.state);
+    const double allowed = force_energy(scene, s.report);
     const double created = scale > 0 ? (loss - now - allowed) / scale : 0;
     cell.energy_error = std::max(cell.energy_error, of.must_conserve ? std::abs(created) : created);
     if (of.must_dissipate && s.report.converged &&

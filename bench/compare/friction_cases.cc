@@ -9,7 +9,7 @@
 namespace bipot {
 namespace {
 
-/// One contact of a unit mass in space, W = diag(1, 3, 3) + coupling of normal and tangent.
+/// One contact of a unit mass in 3D, W = diag(1, 3, 3) + coupling of normal and tangent.
 ContactProblem contact_in_space(double mu, double coupling, const Vector& b) {
   ContactProblem p;
   p.dim = 3;
@@ -60,13 +60,13 @@ void add_friction_cases(std::vector<ExtremeCase>& cases) {
          for (int c = 0; c < p.num_contacts(); ++c) p.mu[c] = mus[c % 5];
          return p;
        }});
-  // tan = 3 mu: the friction that rolling asks for, s_n tan / 3, is exactly what friction can give.
+  // tan = 3 mu: rolling needs the friction s_n tan / 3, exactly the limit of friction.
   for (const double beyond : {0.0, 1e-12, -1e-12}) {
     Scene<2> scene = empty_scene(0.2);
     const double angle = std::atan(3 * 0.2 * (1 + beyond));
     scene.gravity = 9.81 * Vec2(std::sin(angle), -std::cos(angle));
-    scene.bodies = {disk(Vec2(0, 0.5), 0.5, 2)};
-    scene.walls = {plane("floor", Vec2::Zero(), Vec2(0, 1))};
+    scene.bodies = {round_body<2>(Vec2(0, 0.5), 0.5, 2)};
+    scene.walls = {flat_floor<2>()};
     const double normal = scene.step * 2 * 9.81 * std::cos(angle);
     cases.push_back(
         {.name = beyond == 0 ? "edge_of_the_cone"

@@ -61,7 +61,7 @@ Scene<2> hexagon() {
   for (int row = -3; row <= 3; ++row) {
     const int count = 7 - std::abs(row);
     for (int k = 0; k < count; ++k) {
-      scene.bodies.push_back(disk(Vec2(2 * a * k - a * (count - 1), rise * row), a, 1));
+      scene.bodies.push_back(round_body<2>(Vec2(2 * a * k - a * (count - 1), rise * row), a, 1));
     }
   }
   // Centres of a side lie on a line at the distance 3 rise from the middle.
@@ -69,25 +69,26 @@ Scene<2> hexagon() {
   for (int k = 0; k < 6; ++k) {
     const double angle = std::numbers::pi / 2 + k * std::numbers::pi / 3;
     const Vec2 inward(-std::cos(angle), -std::sin(angle));
-    scene.walls.push_back(plane(names[k], -(3 * rise + a) * inward, inward));
+    scene.walls.push_back(half_space<2>(-(3 * rise + a) * inward, inward, names[k]));
     drive(scene.walls.back(), 100);
   }
   return scene;
 }
 
-/// Equal disks on an inverted catenary: contact k carries (T, V_k) with V_k = (k - n/2) m g, which
-/// is the direction of the line between its two centres. Two planes across the end links bear it.
+/// Equal disks on an inverted catenary: contact k carries (T, V_k) with V_k = (k - n/2) m g, the
+/// direction of the line between its two centres. Two planes across the end links bear it.
 Scene<2> arch(int disks) {
   Scene<2> scene = empty_scene(0.3);
   const double a = 0.5, weight = 9.81, thrust = 1.5 * weight;
   const auto link = [&](int k) { return Vec2(thrust, weight * (0.5 * disks - k)).normalized(); };
   Vec2 x = Vec2::Zero();
   for (int k = 0; k < disks; ++k) {
-    scene.bodies.push_back(disk(x, a, 1));
+    scene.bodies.push_back(round_body<2>(x, a, 1));
     x += 2 * a * link(k + 1);
   }
-  scene.walls.push_back(plane("left", -a * link(0), link(0)));
-  scene.walls.push_back(plane("right", scene.bodies.back().x + a * link(disks), -link(disks)));
+  scene.walls.push_back(half_space<2>(-a * link(0), link(0), "left"));
+  scene.walls.push_back(
+      half_space<2>(scene.bodies.back().x + a * link(disks), -link(disks), "right"));
   return scene;
 }
 
@@ -101,8 +102,9 @@ void add_hyperstatic_cases(std::vector<ExtremeCase>& cases) {
   Scene<2> chain = empty_scene(0.3);
   chain.gravity.setZero();
   chain.bodies = rectangular_lattice(8, 4, 0.5, Vec2::Zero());
-  for (Disk& d : chain.bodies) d = disk(d.x, d.radius, 1);
-  chain.walls = {plane("left", Vec2::Zero(), Vec2(1, 0)), plane("right", Vec2(8, 0), Vec2(-1, 0))};
+  for (Disk& d : chain.bodies) d = round_body<2>(d.x, d.radius, 1);
+  chain.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0), "left"),
+                 half_space<2>(Vec2(8, 0), Vec2(-1, 0), "right")};
   drive(chain.walls[1], 1000);
   add_pressed(cases, "redundant_chains",
               "four touching rows of 8 disks between a wall and one that presses with 1000 N",
@@ -111,10 +113,11 @@ void add_hyperstatic_cases(std::vector<ExtremeCase>& cases) {
               "a hexagonal block of 37 disks pressed by six walls with 100 N each", hexagon());
   Scene<2> wedge = empty_scene(1);
   const double half = std::numbers::pi / 6;
-  wedge.bodies = {disk(Vec2(0, 1), 0.5, 1)};
+  wedge.bodies = {round_body<2>(Vec2(0, 1), 0.5, 1)};
   for (const double side : {1.0, -1.0}) {
     const Vec2 n(side * std::cos(half), std::sin(half));
-    wedge.walls.push_back(plane(side > 0 ? "left" : "right", wedge.bodies[0].x - 0.5 * n, n));
+    wedge.walls.push_back(
+        half_space<2>(wedge.bodies[0].x - 0.5 * n, n, side > 0 ? "left" : "right"));
   }
   add_at_rest(cases, "jammed_wedge",
               "a disk in a wedge of 60 degrees with mu = 1: it can be pressed in without a load",
@@ -123,8 +126,8 @@ void add_hyperstatic_cases(std::vector<ExtremeCase>& cases) {
               "impulses along the centres balance every weight: rest obeys the law", arch(11));
   Scene<2> row = empty_scene(0.3);
   row.bodies = rectangular_lattice(10, 1, 0.5, Vec2::Zero());
-  for (Disk& d : row.bodies) d = disk(d.x, d.radius, 1);
-  row.walls = {plane("floor", Vec2::Zero(), Vec2(0, 1)), plane("push", Vec2::Zero(), Vec2(1, 0))};
+  for (Disk& d : row.bodies) d = round_body<2>(d.x, d.radius, 1);
+  row.walls = {flat_floor<2>(), half_space<2>(Vec2::Zero(), Vec2(1, 0), "push")};
   drive(row.walls[1], 50);
   cases.push_back(
       {.name = "pushed_row",

@@ -33,7 +33,7 @@ void write_all(int file, const void* data, std::size_t size) {
   }
 }
 
-/// The child's life: records of a length and a text. It never returns.
+/// Work of the child: records of a length and a text. It never returns.
 [[noreturn]] void work(const IsolatedJobs& jobs, int first, int out) {
   try {
     for (int k = first; k < jobs.count; ++k) {

@@ -5,11 +5,11 @@
 
 namespace bipot {
 
-/// How a job that ran in a process of its own came to its end.
+/// End of a job that ran in a process of its own.
 struct JobEnd {
   enum class Kind { kDone, kCrashed, kHung };
   Kind kind = Kind::kDone;
-  std::string text;  ///< what the job returned; else what ended it
+  std::string text;  ///< result of the job; else the cause of its end
 };
 
 struct IsolatedJobs {
@@ -20,10 +20,10 @@ struct IsolatedJobs {
   std::function<bool()> interrupted;               ///< asked between and during jobs; may be empty
 };
 
-/// Runs the jobs 0 .. count - 1 one after the other in a child process, so that neither a crash nor
-/// a hang of one of them is lost or ends the others: the next one then has a new child. An
-/// exception that a job lets out is a crash. Jobs after an interruption are not run. Throws
-/// std::system_error when no process can be made.
+/// Runs the jobs 0 .. count - 1 one after the other in a child process. A crash or a hang of a job
+/// is recorded and does not end the others: the next one then has a new child. An exception from a
+/// job counts as a crash. Jobs after an interruption are not run. Throws std::system_error if no
+/// process can be made.
 void run_isolated(const IsolatedJobs& jobs);
 
 }  // namespace bipot

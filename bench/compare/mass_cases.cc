@@ -24,16 +24,18 @@ void add_tower(std::vector<ExtremeCase>& cases, const std::string& name, const s
        .solution = [scene] { return tower_impulses(scene); }});
 }
 
-/// A disk on a plane that is inclined by `angle`: W_nn = 1/m, W_tt = 1/m + a²/I, free velocities
-/// -h g cos and h g sin. It rolls with s_t = h m g sin / (1 + m a²/I) where that is below mu s_n,
-/// else it slides with s_t = mu s_n.
+/// A disk on a plane inclined by `angle`: W_nn = 1/m, W_tt = 1/m + a²/I, free velocities -h g cos
+/// and h g sin. It rolls with s_t = h m g sin / (1 + m a²/I) if that is below mu s_n, else it
+/// slides with s_t = mu s_n.
 void add_rolling(std::vector<ExtremeCase>& cases, const std::string& name, double inertia,
                  double mu, double slope) {
   Scene<2> scene = empty_scene(mu);
   const double angle = std::atan(slope);
   scene.gravity = 9.81 * Vec2(std::sin(angle), -std::cos(angle));
-  scene.bodies = {disk(Vec2(0, 0.5), 0.5, 2, inertia)};
-  scene.walls = {plane("floor", Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.5), 0.5, 2)};
+  Disk& d = scene.bodies[0];
+  d.inertia = inertia * 0.5 * d.mass * d.radius * d.radius;
+  scene.walls = {flat_floor<2>()};
   const double normal = scene.step * 2 * 9.81 * std::cos(angle);
   const double rolling = normal * slope / (1 + 2 / inertia);
   cases.push_back(

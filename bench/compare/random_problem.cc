@@ -7,7 +7,7 @@
 #include <cmath>
 #include <vector>
 
-#include "bench/compare/random_draw.h"
+#include "core/base/portable_random.h"
 #include "core/problem/delassus.h"
 
 namespace bipot {
@@ -15,10 +15,10 @@ namespace {
 
 using Vec3 = Eigen::Vector3d;
 
-/// Friction of a problem: what its contacts draw from.
+/// Friction of a problem: the range for its contacts.
 enum class Friction { kNone, kTiny, kUsual, kLarge, kHuge, kMixed };
 
-double draw_mu(RandomDraw& draw, Friction friction) {
+double draw_mu(PortableRandom& draw, Friction friction) {
   switch (friction) {
     case Friction::kNone:
       return 0;
@@ -42,7 +42,7 @@ std::string_view name_of(Friction friction) {
   return kNames[to_size(static_cast<int>(friction))];
 }
 
-Vec3 draw_direction(RandomDraw& draw, int dim) {
+Vec3 draw_direction(PortableRandom& draw, int dim) {
   for (;;) {
     Vec3 x(draw.between(-1, 1), draw.between(-1, 1), dim == 3 ? draw.between(-1, 1) : 0);
     if (x.norm() > 0.1 && x.norm() <= 1) return x.normalized();
@@ -56,7 +56,7 @@ struct Geometry {
   Vec3 arm_i, arm_j;
 };
 
-Geometry draw_contact(RandomDraw& draw, int dim, int bodies, int c) {
+Geometry draw_contact(PortableRandom& draw, int dim, int bodies, int c) {
   Geometry g;
   g.i = c % bodies;  // every body is touched
   g.j = draw.chance(0.3) || bodies == 1 ? -1 : draw.below(bodies);
@@ -74,7 +74,7 @@ Geometry draw_contact(RandomDraw& draw, int dim, int bodies, int c) {
 }
 
 /// A and H of bodies with translations (2 or 3) and rotations (none, 1 or 3).
-void add_bodies(RandomDraw& draw, ContactProblem& p, int bodies,
+void add_bodies(PortableRandom& draw, ContactProblem& p, int bodies,
                 const std::vector<Geometry>& contacts, double mass_unit, double spread,
                 double length_unit) {
   const int translations = p.dim == 3 ? 3 : 2;
@@ -114,7 +114,7 @@ void add_bodies(RandomDraw& draw, ContactProblem& p, int bodies,
 }
 
 /// H diag(1/r), mu r_t / r_n, r = sqrt(1 + e): core/problem/contact_problem.h.
-void add_restitution(RandomDraw& draw, ContactProblem& p) {
+void add_restitution(PortableRandom& draw, ContactProblem& p) {
   p.row_scale.resize(p.H.cols());
   const bool one = draw.chance(0.5);
   const double e = draw.uniform();
@@ -131,7 +131,7 @@ void add_restitution(RandomDraw& draw, ContactProblem& p) {
 }
 
 /// A pair (s, u) on the law; u_free follows from it in extended precision.
-Vector plant(RandomDraw& draw, ContactProblem& p, double velocity_unit) {
+Vector plant(PortableRandom& draw, ContactProblem& p, double velocity_unit) {
   const int d = p.dim;
   Vector s = Vector::Zero(p.num_rows()), u = s;
   const Vector diagonal = p.W.diagonal();
@@ -147,8 +147,8 @@ Vector plant(RandomDraw& draw, ContactProblem& p, double velocity_unit) {
       for (int k = 1; k < d; ++k) u[c * d + k] = speed * direction[k - 1];
       continue;
     }
-    // Closed: sticks inside the cone or slips on its edge. Friction that outgrows the normal
-    // impulse by far would only press the bodies harder: the tangential part is what is of this
+    // Closed: sticks inside the cone or slips on its edge. If friction is much larger than the
+    // normal impulse, it would only press the bodies harder; then the tangential part has this
     // size.
     const double normal = p.mu[c] > 1 ? pushed / p.mu[c] : pushed;
     s[c * d] = normal;
@@ -172,7 +172,7 @@ Vector plant(RandomDraw& draw, ContactProblem& p, double velocity_unit) {
 }  // namespace
 
 RandomProblem random_problem(std::uint64_t seed, int index) {
-  RandomDraw draw(seed, static_cast<std::uint64_t>(index));
+  PortableRandom draw(seed, static_cast<std::uint64_t>(index));
   RandomProblem out;
   ContactProblem& p = out.problem;
   p.dim = 1 + draw.below(3);

@@ -3,11 +3,11 @@
 #include <cmath>
 
 #include "bench/compare/case_parts.h"
-#include "bench/compare/random_draw.h"
+#include "core/base/portable_random.h"
 
 namespace bipot {
 Scene<2> random_scene(std::uint64_t seed, int index) {
-  RandomDraw draw(seed ^ 0x5ce4e5ull, static_cast<std::uint64_t>(index));
+  PortableRandom draw(seed ^ 0x5ce4e5ull, static_cast<std::uint64_t>(index));
   const double kilogram = draw.decades(-6, 6), metre = draw.decades(-6, 6),
                second = draw.decades(-6, 6);
   Scene<2> scene;
@@ -38,10 +38,10 @@ Scene<2> random_scene(std::uint64_t seed, int index) {
       scene.bodies.push_back(d);
     }
   }
-  scene.walls.push_back(plane("floor", Vec2::Zero(), Vec2(0, 1)));
+  scene.walls.push_back(flat_floor<2>());
   if (draw.chance(0.6)) {
-    scene.walls.push_back(plane("left", Vec2::Zero(), Vec2(1, 0)));
-    scene.walls.push_back(plane("right", Vec2(metre * columns, 0), Vec2(-1, 0)));
+    scene.walls.push_back(half_space<2>(Vec2::Zero(), Vec2(1, 0), "left"));
+    scene.walls.push_back(half_space<2>(Vec2(metre * columns, 0), Vec2(-1, 0), "right"));
   }
   if (draw.chance(0.2)) {
     Wall<2>& wall = scene.walls.back();

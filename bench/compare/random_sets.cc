@@ -241,7 +241,7 @@ std::string scene_job(const RandomSetOptions& options, int index) {
     scale = std::max({scale, e.kinetic, std::abs(now)});
     // A step that obeys the law to the tolerance may be off by that share of its energy.
     if (must_dissipate && s.report.converged &&
-        now < loss - force_energy(scene, s.state) - 1e-6 * scale) {
+        now < loss - force_energy(scene, s.report) - 1e-6 * scale) {
       record["grew"] = true;
       record["message"] = fmt::format("step {}: contacts created {:.3g} J of {:.3g} J",
                                       s.report.step, loss - now, scale);

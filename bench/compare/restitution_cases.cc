@@ -12,9 +12,9 @@ Scene<2> corner(double e_n, double e_t, const Vec2& v) {
   Scene<2> scene = empty_scene(0.9, e_n, e_t);
   scene.gravity.setZero();
   scene.step = 1e-3;
-  scene.bodies = {disk(Vec2(0.5, 0.5), 0.5, 1)};
+  scene.bodies = {round_body<2>(Vec2(0.5, 0.5), 0.5, 1)};
   scene.bodies[0].v = v;
-  scene.walls = {plane("floor", Vec2::Zero(), Vec2(0, 1)), plane("wall", Vec2::Zero(), Vec2(1, 0))};
+  scene.walls = {flat_floor<2>(), half_space<2>(Vec2::Zero(), Vec2(1, 0), "wall")};
   return scene;
 }
 

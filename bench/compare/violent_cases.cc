@@ -18,7 +18,7 @@ double rounded(double x, int digits) {
   return std::round(x * unit) / unit;
 }
 
-/// A lattice's W with so many digits; `lower` has one digit less below the diagonal.
+/// W of a lattice with `digits` digits; `lower` has one digit less below the diagonal.
 ContactProblem rounded_problem(int digits, bool asymmetric) {
   ContactProblem p = first_step(make_family_scene("triangular", 6, {.mass_ratio = 100}));
   p.W = assemble_delassus(p.A, p.H, p.dim);

@@ -1,16 +1,18 @@
-// A row of disks between a fixed wall and one that a force drives: rigid, so nothing may move. A
-// Gauss-Seidel sweep carries impulses only so far; stopped early it leaves the chain soft, with a
-// finite speed of sound (Unger, Brendel, Wolf and Kertész, Phys. Rev. E 65, 061305, 2002).
+// A row of disks between a fixed wall and one driven by a force: all rigid, so that nothing may
+// move. A Gauss-Seidel sweep propagates impulses a limited distance. Stopped early it leaves the
+// chain soft, with a finite speed of sound (Unger, Brendel, Wolf and Kertész, Phys. Rev. E 65,
+// 061305, 2002).
 //
-// Without friction the matrix of the n + 1 contacts is (-1, 2, -1)/m, at the fixed wall (1, -1)/m: half
-// of a chain of 2n + 1 contacts that is symmetric about that wall. Jacobi's iteration contracts by
-// cos(π/(2n + 2)), a sweep by its square: 4 (n + 1)²/π² sweeps for a factor of e, so that the exponent in n + 1 is 2.
+// Without friction the matrix of the n + 1 contacts is (-1, 2, -1)/m, at the fixed wall (1, -1)/m:
+// half of a chain of 2n + 1 contacts that is symmetric about that wall. Jacobi's iteration
+// contracts by cos(π/(2n + 2)), a sweep by its square. A factor of e needs 4 (n + 1)²/π² sweeps, so
+// that the exponent in n + 1 is 2.
 
 #include <fmt/format.h>
 
 #include <cmath>
 
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/measure/statistics.h"
 #include "solvers/solve.h"
@@ -24,24 +26,24 @@ constexpr double kChainStep = 1e-3, kForce = 1000;
 
 /// `n` disks of radius 0.5 m and 1 kg, solved by sweeps; driven wall 1 of 1 kg.
 Scene<2> chain_scene(int n, double tol, int sweeps, const ValidationContext& context) {
-  Scene<2> scene = empty_scene<2>({}, kChainStep, tol, context);
+  Scene<2> scene = experiment_scene<2>({}, kChainStep, tol, context);
   scene.solver.name = "pgs";
   scene.solver.max_iterations = sweeps;
   for (int k = 0; k < n; ++k) scene.bodies.push_back(round_body<2>(Vec2(0.5 + k, 0), 0.5, 1));
-  scene.walls = {plane_wall("left", Vec2(0, 0), Vec2(1, 0)),
-                 plane_wall("right", Vec2(n, 0), Vec2(-1, 0))};
+  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
+                 half_space<2>(Vec2(n, 0), Vec2(-1, 0), "right")};
   Wall<2>& driven = scene.walls[1];
   driven.motion = Wall<2>::Motion::kDriven;
   driven.direction = driven.normal;
   driven.force = kForce;
   driven.mass = 1;
-  // Overlaps that sweeps leave keep their contacts; gaps of a rebound must not lose theirs.
+  // Contacts with overlaps left by sweeps are kept; gaps of a rebound must keep theirs.
   scene.contact_distance = 1e-6;
   scene.num_steps = kSteps;
   return scene;
 }
 
-/// The wall's way over that of the chain's mass under the force alone, ½ F t²/m.
+/// The wall's displacement over that of the chain's mass under the force alone, ½ F t²/m.
 double shortening(const State<2>& state, int n) {
   const double mass = n + 1;
   return (n - state.walls[1].a[0]) / (0.5 * kForce / mass * state.time * state.time);
@@ -49,16 +51,13 @@ double shortening(const State<2>& state, int n) {
 
 ValidationExperiment stiffness() {
   ValidationExperiment e;
-  e.rows = {{.name = "chain_is_rigid",
-             .group = kChain,
-             .quantity = "way of the wall that presses a row of 40 disks, over that of free masses "
-                         "under the force",
-             .source = "rigid bodies: the force is balanced at once",
-             .formula = "0",
-             .expected = Expectation::equal(0),
-             .allowed = 1e-6,
-             .allowed_why = "a hundred times the tightest tolerance",
-             .bar = "none: one deterministic run, Gauss–Seidel (`pgs`), warm start"}};
+  e.rows = {
+      validation_row(kChain, "chain_is_rigid",
+                     "way of the wall that presses a row of 40 disks, over that of free masses "
+                     "under the force",
+                     "rigid bodies: the force is balanced at once", "0", Expectation::equal(0),
+                     1e-6, "a hundred times the tightest tolerance",
+                     "none: one deterministic run, Gauss–Seidel (`pgs`), warm start")};
   e.tols = decades(-1, 8);
   e.quick_tols = {10, 1, 1e-1, 1e-2, 1e-4, 1e-8};
   e.run = [](double tol, const ValidationContext& context) {
@@ -72,8 +71,8 @@ ValidationExperiment stiffness() {
   return e;
 }
 
-/// So many Gauss-Seidel sweeps from the impulses of the step before, whatever is left then: what codes do that
-/// bound the work of a step. Frictionless problems with W.
+/// A fixed number of Gauss-Seidel sweeps from the impulses of the previous step, for any remaining
+/// error: as in codes that bound the work of a step. Frictionless problems with W.
 StepSolver plain_sweeps(int sweeps) {
   return [sweeps](const ContactProblem& problem, const Vector& start) {
     StepSolution solution;
@@ -90,61 +89,49 @@ StepSolver plain_sweeps(int sweeps) {
   };
 }
 
-/// A smooth mode of impulses keeps ρ^k = 1 - κ of its error in k sweeps, κ about k θ², θ = π/(2n + 2) for the
-/// slowest. With warm start the mode's impulse and velocity obey, step by step,
+/// A smooth mode of impulses keeps ρ^k = 1 - κ of its error in k sweeps, κ about k θ², θ = π/(2n +
+/// 2) for the slowest. With warm start the mode's impulse and velocity obey, step by step,
 ///   s' = s + κ (w + F h - s),  w' = w + F h - s':   an oscillator of frequency √κ/h,
-/// as of a bar of n + 1 diameters with speed of sound c = √k d/h: the wall turns back after 2 (n + 1) d/c.
+/// like a bar of n + 1 diameters with speed of sound c = √k d/h: the wall turns back after 2 (n +
+/// 1) d/c.
 ValidationExperiment speed_of_sound() {
   ValidationExperiment e;
-  e.rows = {
-      {.name = "chain_sound",
-       .group = kChain,
-       .quantity = "speed of sound of a row of 40 disks with 1 Gauss–Seidel sweep a step, over "
-                   "d/h, by the time at which the pressing wall turns back",
-       .source = "Unger, Brendel, Wolf and Kertész 2002 (abstract: unconverged chains are elastic, "
-                 "sound is finite); c = √k d/h for k sweeps derived in chain_experiments.cc",
-       .formula = "1",
-       .expected = Expectation::equal(1),
-       .allowed = 0.05,
-       .allowed_why = "damping by the higher modes, 40 disks",
-       .bar = "none: one deterministic run",
-       .takes_tolerance = false},
-      {.name = "chain_sound_sweeps",
-       .group = kChain,
-       .quantity = "exponent of that speed against the sweeps, 1 to 16",
-       .source = "the same",
-       .formula = "1/2",
-       .expected = Expectation::equal(0.5),
-       .allowed = 0.05,
-       .allowed_why = "k θ² is not small for many sweeps",
-       .bar = "95 % of the fit of a power law",
-       .takes_tolerance = false}};
+  e.rows = {validation_row(
+                kChain, "chain_sound",
+                "speed of sound of a row of 40 disks with 1 Gauss–Seidel sweep a step, over "
+                "d/h, by the time at which the pressing wall turns back",
+                "Unger, Brendel, Wolf and Kertész 2002 (abstract: unconverged chains are elastic, "
+                "sound is finite); c = √k d/h for k sweeps derived in chain_experiments.cc",
+                "1", Expectation::equal(1), 0.05, "damping by the higher modes, 40 disks",
+                "none: one deterministic run", false),
+            validation_row(kChain, "chain_sound_sweeps",
+                           "exponent of that speed against the sweeps, 1 to 16", "the same", "1/2",
+                           Expectation::equal(0.5), 0.05, "k θ² is not small for many sweeps",
+                           "95 % of the fit of a power law", false)};
   e.tols = e.quick_tols = {1};
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
     constexpr int kDisks = 40;
-    ValidationFigure figure;
-    figure.name = "chain_sweeps";
-    figure.group = kChain;
+    ClaimFigure figure{.name = "chain_sweeps", .chart = Chart{}};
     figure.caption =
         "The way of the wall that presses a row of 40 disks, with a fixed number of Gauss–Seidel "
         "sweeps a step (warm start, no tolerance): the row yields and springs back like an elastic "
         "bar, stiffer with more sweeps, and stays shortened; both vanish as sweeps grow beyond n². "
         "Rigid disks do not move at all. An artefact of the solver (Unger, Brendel, Wolf and "
         "Kertész 2002).";
-    figure.chart.title = "Way of the wall, by sweeps a step";
-    figure.chart.x = {.label = "time [s]"};
-    figure.chart.y = {.label = "way of the wall [m]"};
+    figure.chart->title = "Way of the wall, by sweeps a step";
+    figure.chart->x = {.label = "time [s]"};
+    figure.chart->y = {.label = "way of the wall [m]"};
     std::vector<double> counts, speeds;
     for (const int sweeps : {1, 4, 16, 64, 256, 1600}) {
       if (context.interrupted()) return outcome;
       Scene<2> scene = chain_scene(kDisks, tol, 1, context);
       // The wall presses on the row all the time: no contact opens until it is back.
       scene.num_steps = 200;
-      ChartSeries series;
-      series.name = fmt::format("{} sweeps", sweeps);
-      series.style = static_cast<int>(figure.chart.series.size());
-      series.kind = ChartSeries::Kind::kLine;
+      ChartSeries series{fmt::format("{} sweeps", sweeps),
+                         static_cast<int>(figure.chart->series.size()),
+                         {},
+                         ChartSeries::Kind::kLine};
       State<2> state = initial_state(scene);
       double farthest = 0, turns = 0;
       SceneRunOptions<2> options;
@@ -161,7 +148,7 @@ ValidationExperiment speed_of_sound() {
       const SceneRun<2> run = run_scene(scene, state, options);
       if (run.failure) throw *run.failure;
       outcome.steps += run.totals.steps;
-      figure.chart.series.push_back(std::move(series));
+      figure.chart->series.push_back(std::move(series));
       if (sweeps > 16) continue;
       counts.push_back(sweeps);
       speeds.push_back(turns > 0 ? 2 * (kDisks + 1) * kChainStep / turns : kNaN);
@@ -177,19 +164,14 @@ ValidationExperiment speed_of_sound() {
 
 ValidationExperiment sweeps_needed() {
   ValidationExperiment e;
-  e.rows = {
-      {.name = "chain_sweeps",
-       .group = kChain,
-       .quantity =
-           "exponent of the sweeps from ε to ε/100, in one step from nothing, against n + 1, n disks (20 to "
-           "160)",
-       .source = "spectral radius of a sweep, cos²(π/(2n + 2)), derived in "
-                 "chain_experiments.cc; Unger et al. 2002 ask for sweeps ≫ n²",
-       .formula = "2",
-       .expected = Expectation::equal(2),
-       .allowed = 0.05,
-       .allowed_why = "the slowest mode alone is left only at small ε",
-       .bar = "95 % of the fit of a power law"}};
+  e.rows = {validation_row(
+      kChain, "chain_sweeps",
+      "exponent of the sweeps from ε to ε/100, in one step from nothing, against n + 1, n disks (20 to "
+      "160)",
+      "spectral radius of a sweep, cos²(π/(2n + 2)), derived in "
+      "chain_experiments.cc; Unger et al. 2002 ask for sweeps ≫ n²",
+      "2", Expectation::equal(2), 0.05, "the slowest mode alone is left only at small ε",
+      "95 % of the fit of a power law")};
   e.tols = decades(-1, 8);
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-6};
   e.run = [](double tol, const ValidationContext& context) {

@@ -36,7 +36,7 @@ struct CompressionPhase {
 };
 constexpr int kLags = 40;
 
-/// A compression from the loose start. `flow`: the steps whose kinetic energy is above a tenth of
+/// A compression from the loose start. `flow`: the steps whose kinetic energy exceeds a tenth of
 /// the largest; `jammed`: the last third.
 struct Compression {
   Scene<2> scene;

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/measure/statistics.h"
 #include "bench/problems/scene_catalogue.h"
@@ -24,10 +24,11 @@ struct Sheared {
   double inertial = 0, friction = 0, fraction = 0;
   double friction_bar = 0, fraction_bar = 0;  ///< 95 % over blocks
   double pressure = 0, pressure_bar = 0;      ///< over the one that is imposed
-  double power = 0;  ///< of the mean shear stress over what contacts dissipate
+  double power = 0;  ///< of the mean shear stress over the dissipation of contacts
 };
 
-/// The shipped plane_shear at another speed, over the shear strain `strain` in steps of at most 1e-3 of it.
+/// The shipped plane_shear at another speed, over the shear strain `strain` in steps of at most
+/// 1e-3 of it.
 Sheared shear(double speed, double strain, double tol, const ValidationContext& context,
               ExperimentOutcome& outcome) {
   Scene<2> scene = read_scene(find_scene("plane_shear"));
@@ -131,24 +132,17 @@ ValidationExperiment plane_shear() {
         slope(slow, fast, slow.fraction, slow.fraction_bar, fast.fraction, fast.fraction_bar,
               fmt::format("ν = {:.3f} at I = {:.3f}, {:.3f} at {:.3f}", slow.fraction,
                           slow.inertial, fast.fraction, fast.inertial))};
-    ValidationFigure figure;
-    figure.name = "shear";
-    figure.group = kFlow;
+    ClaimFigure figure{.name = "shear", .chart = Chart{}};
     figure.caption =
         "Plane shear of 120 disks (μ = 0.4) in a periodic cell under constant pressure: τ/P and solid fraction against "
         "the inertial number, bars over blocks of time; lines: the laws of da Cruz et al. (2005) as remembered, not tested.";
-    figure.chart.title = "Plane shear";
-    figure.chart.x = {.label = "inertial number", .kind = ChartAxis::Kind::kLog};
-    figure.chart.y = {.label = "τ/P and solid fraction", .low = 0, .high = 1};
-    ChartSeries friction, fraction, law, density;
-    friction.name = "τ/P";
-    fraction.name = "solid fraction";
-    fraction.style = 1;
-    law.name = ".26 + 1.0 I";
-    density.name = ".81 − .3 I";
-    law.style = 2;
-    density.style = 3;
-    law.kind = density.kind = ChartSeries::Kind::kLine;
+    figure.chart->title = "Plane shear";
+    figure.chart->x = {.label = "inertial number", .kind = ChartAxis::Kind::kLog};
+    figure.chart->y = {.label = "τ/P and solid fraction", .low = 0, .high = 1};
+    ChartSeries friction{"τ/P", 0, {}};
+    ChartSeries fraction{"solid fraction", 1, {}};
+    ChartSeries law{".26 + 1.0 I", 2, {}, ChartSeries::Kind::kLine};
+    ChartSeries density{".81 − .3 I", 3, {}, ChartSeries::Kind::kLine};
     for (const Sheared& r : runs) {
       ChartPoint p{r.inertial, r.friction}, q{r.inertial, r.fraction};
       p.y_low = r.friction - r.friction_bar;
@@ -160,36 +154,25 @@ ValidationExperiment plane_shear() {
       law.points.push_back({r.inertial, 0.26 + r.inertial});
       density.points.push_back({r.inertial, 0.81 - 0.3 * r.inertial});
     }
-    figure.chart.series = {friction, fraction, law, density};
+    figure.chart->series = {friction, fraction, law, density};
     outcome.figures = {figure};
     return outcome;
   };
   return e;
 }
 
-/// Runout of a column of disks, its corner wall at the left as a plane of symmetry: (r - r0)/r0 with r within
-/// which 97 % of the mass lies at the end, r0 likewise at the start.
+/// Runout of a column of disks, its corner wall at the left as a plane of symmetry: (r - r0)/r0.
+/// Within r lies 97 % of the mass at the end, within r0 at the start.
 double runout(double aspect, int width, std::uint64_t seed, double tol,
               const ValidationContext& context, ExperimentOutcome& outcome) {
   constexpr double kDiameter = 1, kMu = 0.5;
-  Scene<2> scene = empty_scene<2>({.mu = kMu}, 5e-3, tol, context);
-  scene.gravity = Vec2(0, -9.81);
-  const double across = width * kDiameter;
+  Scene<2> scene = experiment_scene<2>({.mu = kMu}, 5e-3, tol, context);
   const int count = static_cast<int>(std::lround(width * width * aspect * 1.05));
-  scene.bodies =
-      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, across, 0, seed, Vec2::Zero());
-  double top = 0;
-  for (Disk& d : scene.bodies) {
-    d.mass = d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-    top = std::max(top, d.x[1]);
-  }
-  scene.walls = {plane_wall("floor", Vec2(0, 0), Vec2(0, 1)),
-                 plane_wall("axis", Vec2(0, 0), Vec2(1, 0)),
-                 plane_wall("dam", Vec2(across, 0), Vec2(-1, 0))};
-  const double settle = 2 + std::sqrt(2 * top / 9.81);
+  const double top = fill_box(scene, count, width * kDiameter, 0, seed);
+  const double settle = 2 + std::sqrt(2 * top / kGravity);
   scene.walls[2].removed = settle;
-  scene.num_steps = static_cast<int>((settle + 3 + 2.5 * std::sqrt(2 * top / 9.81)) / scene.step);
+  scene.num_steps =
+      static_cast<int>((settle + 3 + 2.5 * std::sqrt(2 * top / kGravity)) / scene.step);
   const auto edge = [](const State<2>& state) {
     std::vector<std::pair<double, double>> mass;
     double total = 0;
@@ -233,9 +216,7 @@ ValidationExperiment column_collapse() {
         context.quick ? std::vector<double>{2, 3.5, 6} : std::vector<double>{2, 3, 4.5, 7};
     const int seeds = context.quick ? 2 : 4, width = context.quick ? 5 : 7;
     std::vector<double> a, r;
-    ChartSeries series;
-    series.name = "columns";
-    series.kind = ChartSeries::Kind::kPoints;
+    ChartSeries series{"columns", 0, {}, ChartSeries::Kind::kPoints};
     for (const double aspect : aspects) {
       for (int seed = 1; seed <= seeds; ++seed) {
         if (context.interrupted()) return outcome;
@@ -247,35 +228,32 @@ ValidationExperiment column_collapse() {
     const PowerLaw law = fit_power_law(a, r);
     outcome.seen = {{law.exponent, std::isfinite(law.confidence) ? law.confidence : 0,
                      fmt::format("runout {:.2f} a^{:.2f}", law.prefactor, law.exponent)}};
-    ValidationFigure figure;
-    figure.name = "collapse";
-    figure.group = kFlow;
+    ClaimFigure figure{.name = "collapse", .chart = Chart{}};
     figure.caption =
         "Runout of columns against their aspect ratio, with the fitted power law; grey: 3.80 a^0.73 of rods on a plane "
         "(arXiv 1512.05180, whose front counts the last rod).";
-    figure.chart.title = "Column collapse";
-    figure.chart.x = {.label = "aspect ratio", .kind = ChartAxis::Kind::kLog};
-    figure.chart.y = {.label = "runout over the first width", .kind = ChartAxis::Kind::kLog};
-    ChartSeries fit, rods;
-    fit.name = fmt::format("{:.2f} a^{:.2f}", law.prefactor, law.exponent);
-    fit.style = 1;
-    rods.name = "3.80 a^0.73";
-    rods.style = 2;
-    fit.kind = rods.kind = ChartSeries::Kind::kLine;
+    figure.chart->title = "Column collapse";
+    figure.chart->x = {.label = "aspect ratio", .kind = ChartAxis::Kind::kLog};
+    figure.chart->y = {.label = "runout over the first width", .kind = ChartAxis::Kind::kLog};
+    ChartSeries fit{fmt::format("{:.2f} a^{:.2f}", law.prefactor, law.exponent),
+                    1,
+                    {},
+                    ChartSeries::Kind::kLine};
+    ChartSeries rods{"3.80 a^0.73", 2, {}, ChartSeries::Kind::kLine};
     for (const double aspect : {aspects.front(), aspects.back()}) {
       fit.points.push_back({aspect, law.prefactor * std::pow(aspect, law.exponent)});
       rods.points.push_back({aspect, 3.8 * std::pow(aspect, 0.73)});
     }
-    figure.chart.series = {series, fit, rods};
+    figure.chart->series = {series, fit, rods};
     outcome.figures = {figure};
     return outcome;
   };
   return e;
 }
 
-/// What the drum does to the grains, by their angular momentum L about its axis: its moment is the change of L less
-/// the moment of their weight, its work that times its speed. What becomes of the work is lost in contacts or
-/// in the grains' energy: two sums that share nothing but the states.
+/// Action of the drum on the grains, by their angular momentum L about its axis. Its moment is the
+/// change of L less the moment of their weight, its work that times its speed. The work is lost in
+/// contacts or goes into the grains' energy: two sums that share only the states.
 ValidationExperiment turning_drum() {
   ValidationExperiment e;
   e.rows = {validation_row(

@@ -19,8 +19,8 @@ std::vector<ForceRange> admissible_forces(const ContactProblem& problem) {
   const double unit = load.cwiseAbs().maxCoeff();
   if (contacts == 0 || !(unit > 0)) return {};
 
-  // Unknowns: two edges (1, ±mu) a contact in units of the largest load, and the load's share x0 <= 1.
-  // What is asked for is homogeneous in them, so that an optimum has x0 = 1 where it has any.
+  // Unknowns: two edges (1, ±mu) for each contact in units of the largest load, and the load's
+  // share x0 <= 1. The problem is homogeneous in them, so that an optimum has x0 = 1 if it has any.
   LinearProgramme programme;
   std::vector<Eigen::Triplet<double>> entries;
   const auto dof_scale = [&](Eigen::Index dof) { return 1 / std::sqrt(problem.A.coeff(dof, dof)); };
@@ -58,7 +58,7 @@ std::vector<ForceRange> admissible_forces(const ContactProblem& problem) {
     const auto force = [&](const LinearOptimum& o) { return unit * (o.x[2 * k] + o.x[2 * k + 1]); };
     ForceRange range;
     const double known = any.x[2 * k] + any.x[2 * k + 1];
-    // Any force that is admissible bounds the least one, so that this reward makes x0 = 1.
+    // Any admissible force bounds the least one, so that this reward makes x0 = 1.
     const LinearOptimum least = optimum(k, 1, 2 * known + 1);
     if (!least.found) throw std::runtime_error("admissible forces: " + least.message);
     range.low = force(least);

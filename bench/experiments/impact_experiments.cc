@@ -3,8 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/experiments/gravity.h"
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 
 namespace bipot {
@@ -12,26 +11,22 @@ namespace {
 
 const std::string kMotion = "exact cases: bounces and swings";
 
-/// Falls from 1 m above the floor, e_n = 0.6. In the step that sees the floor the ball is within
-/// v h of it, so the heights before and after are those of a floor as much higher or lower:
-/// H1/H0 = e² (1 ± v h/H0 (1 + 1/e²)), its root half of that.
+/// Falls from 1 m above the floor, e_n = 0.6. In the step that detects the floor the ball is within
+/// v h of it. The heights before and after are then those of a floor as much higher or lower: H1/H0
+/// = e² (1 ± v h/H0 (1 + 1/e²)), its root half of that.
 ValidationExperiment bouncing() {
   constexpr double kRestitution = 0.6, kStep = 1e-4;
   ValidationExperiment e;
   const double speed = std::sqrt(2 * kGravity);
-  e.rows = {{.name = "ball_bounces",
-             .group = kMotion,
-             .quantity = "root of the ratio of heights of a ball before and after a bounce",
-             .source = "Newton's restitution, energy in free flight",
-             .formula = "e_n = 0.6",
-             .expected = Expectation::equal(kRestitution),
-             .allowed = 0.5 * speed * kStep * (1 + 1 / (kRestitution * kRestitution)),
-             .allowed_why = "the place of the impact is known to v h",
-             .bar = "none: one deterministic run"}};
+  e.rows = {validation_row(
+      kMotion, "ball_bounces", "root of the ratio of heights of a ball before and after a bounce",
+      "Newton's restitution, energy in free flight", "e_n = 0.6", Expectation::equal(kRestitution),
+      0.5 * speed * kStep * (1 + 1 / (kRestitution * kRestitution)),
+      "the place of the impact is known to v h", "none: one deterministic run")};
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
-    Scene<2> scene = empty_scene<2>({.mu = 0.3, .e_n = kRestitution}, kStep, tol, context);
+    Scene<2> scene = experiment_scene<2>({.mu = 0.3, .e_n = kRestitution}, kStep, tol, context);
     scene.gravity = Vec2(0, -kGravity);
     scene.bodies = {round_body<2>(Vec2(0, 2), 1, 1)};
     scene.walls = {flat_floor<2>()};
@@ -52,31 +47,29 @@ ValidationExperiment bouncing() {
 }
 
 /// A disk of radius a rolls without sliding in a hollow circle of radius R. With the angle φ of its
-/// place, kinetic energy is 3/4 m ((R - a) φ')², potential m g (R - a)(1 - cos φ): a pendulum of
-/// length 3/2 (R - a), whose period from rest at φ0 is 4 √(l/g) K(sin φ0/2).
-/// The normal turns by φ' h in a step, whose shock takes the share (φ' h)² of the energy with it:
-/// φ'² <= φ0² g/l, so over a period at most 2π h φ0² √(g/l) = 5e-3 of the energy, which changes the
-/// period by φ0²/16 of that.
+/// position, kinetic energy is 3/4 m ((R - a) φ')², potential m g (R - a)(1 - cos φ). It is a
+/// pendulum of length 3/2 (R - a), whose period from rest at φ0 is 4 √(l/g) K(sin φ0/2). The normal
+/// turns by φ' h in a step, whose shock dissipates the share (φ' h)² of the energy: φ'² <= φ0² g/l.
+/// Over a period that is at most 2π h φ0² √(g/l) = 5e-3 of the energy, which changes the period by
+/// φ0²/16 of that.
 ValidationExperiment swinging() {
   constexpr double kDrum = 1, kRadius = 0.2, kStart = 0.5, kStep = 1e-3;
   constexpr double kLength = 1.5 * (kDrum - kRadius);
   ValidationExperiment e;
-  e.rows = {
-      {.name = "disk_swings",
-       .group = kMotion,
-       .quantity = "period of a disk that rolls to and fro in a hollow circle, from 0.5 rad [s]",
-       .source = "energy of rolling, a pendulum of length 3/2 (R − a); complete elliptic integral",
-       .formula = "4 √(3 (R − a)/2g) K(sin φ0/2)",
-       .expected = Expectation::equal(4 * std::sqrt(kLength / kGravity) *
-                                      std::comp_ellint_1(std::sin(kStart / 2))),
-       .allowed = 1e-3,
-       .allowed_why = "time step: h/T = 5e-4, and shocks as the normal turns",
-       .bar = "none: one deterministic run"}};
+  e.rows = {validation_row(
+      kMotion, "disk_swings",
+      "period of a disk that rolls to and fro in a hollow circle, from 0.5 rad [s]",
+      "energy of rolling, a pendulum of length 3/2 (R − a); complete elliptic integral",
+      "4 √(3 (R − a)/2g) K(sin φ0/2)",
+      Expectation::equal(4 * std::sqrt(kLength / kGravity) *
+                         std::comp_ellint_1(std::sin(kStart / 2))),
+      1e-3, "time step: h/T = 5e-4, and shocks as the normal turns",
+      "none: one deterministic run")};
   e.tols = decades(-1, 8);
   e.quick_tols = {1, 1e-1, 1e-2, 1e-4, 1e-7};
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
-    Scene<2> scene = empty_scene<2>({.mu = 1}, kStep, tol, context);
+    Scene<2> scene = experiment_scene<2>({.mu = 1}, kStep, tol, context);
     scene.gravity = Vec2(0, -kGravity);
     const double way = kDrum - kRadius;
     scene.bodies = {round_body<2>(way * Vec2(std::sin(kStart), -std::cos(kStart)), kRadius, 1)};

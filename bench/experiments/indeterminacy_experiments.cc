@@ -1,15 +1,15 @@
-// Forces that are not determined: how far the admissible ones lie apart.
+// Undetermined forces: the range of the admissible ones.
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/force_range.h"
-#include "bench/experiments/scene_parts.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/measure/statistics.h"
+#include "core/base/portable_random.h"
 #include "core/scene/generators.h"
 #include "solvers/solve.h"
 
@@ -19,16 +19,16 @@ namespace {
 const std::string kIndeterminacy = "indeterminacy of forces";
 constexpr double kWeight = 9.81;
 
-/// A disk of 1 kg in a groove of two planes that rise by 45° to both sides. By symmetry of moments the two
-/// frictions T are equal, as are the forces N: 2 (N cos α + T sin α) = w with |T| <= mu N leaves
-/// N in w/2 [1/(cos α + mu sin α), 1/(cos α - mu sin α)].
+/// A disk of 1 kg in a groove of two planes that rise by 45° to both sides. By symmetry of moments
+/// the two frictions T are equal, as are the forces N: 2 (N cos α + T sin α) = w with |T| <= mu N
+/// leaves N in w/2 [1/(cos α + mu sin α), 1/(cos α - mu sin α)].
 Scene<2> groove(double mu, double tol, const ValidationContext& context) {
-  Scene<2> scene = empty_scene<2>({.mu = mu}, 1e-2, tol, context);
+  Scene<2> scene = experiment_scene<2>({.mu = mu}, 1e-2, tol, context);
   const double half = std::sqrt(0.5);
   scene.gravity = Vec2(0, -kWeight);
   scene.bodies = {round_body<2>(Vec2(0, std::sqrt(2.0)), 1, 1)};
-  scene.walls = {plane_wall("left", Vec2(0, 0), Vec2(half, half)),
-                 plane_wall("right", Vec2(0, 0), Vec2(-half, half))};
+  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(half, half), "left"),
+                 half_space<2>(Vec2(0, 0), Vec2(-half, half), "right")};
   return scene;
 }
 
@@ -40,27 +40,19 @@ double groove_end(double sign) {
 ValidationExperiment groove_forces() {
   ValidationExperiment e;
   e.rows = {
-      {.name = "groove_interval",
-       .group = kIndeterminacy,
-       .quantity = "width of the interval of admissible normal forces of a disk in a groove of "
-                   "90°, μ = 0.3, over the weight",
-       .source = "statics, derived in indeterminacy_experiments.cc; measured by linear "
-                 "programmes (CLP): no tolerance of a solver enters",
-       .formula = "[1/(cos α − μ sin α) − 1/(cos α + μ sin α)]/2 = 0.466",
-       .expected = Expectation::equal(groove_end(-1) - groove_end(1)),
-       .allowed = 1e-7,
-       .allowed_why = "tolerance of the programmes, 1e-9",
-       .bar = "none"},
-      {.name = "groove_force",
-       .group = kIndeterminacy,
-       .quantity = "how far outside that interval a solver's force is, over the weight; worst of "
-                   "random starts",
-       .source = "the same interval",
-       .formula = "at most 0",
-       .expected = Expectation::at_most(0, 1),
-       .allowed = 1e-6,
-       .allowed_why = "a hundred times the tightest tolerance",
-       .bar = "none: the worst of all"}};
+      validation_row(kIndeterminacy, "groove_interval",
+                     "width of the interval of admissible normal forces of a disk in a groove of "
+                     "90°, μ = 0.3, over the weight",
+                     "statics, derived in indeterminacy_experiments.cc; measured by linear "
+                     "programmes (CLP): no tolerance of a solver enters",
+                     "[1/(cos α − μ sin α) − 1/(cos α + μ sin α)]/2 = 0.466",
+                     Expectation::equal(groove_end(-1) - groove_end(1)), 1e-7,
+                     "tolerance of the programmes, 1e-9", "none"),
+      validation_row(kIndeterminacy, "groove_force",
+                     "how far outside that interval a solver's force is, over the weight; worst of "
+                     "random starts",
+                     "the same interval", "at most 0", Expectation::at_most(0, 1), 1e-6,
+                     "a hundred times the tightest tolerance", "none: the worst of all")};
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [](double tol, const ValidationContext& context) {
     ExperimentOutcome outcome;
@@ -72,8 +64,7 @@ ValidationExperiment groove_forces() {
     outcome.seen = {{(ranges[0].high - ranges[0].low) / weight}};
     const int starts = context.quick ? 30 : 300;
     double outside = 0, least = kInfinity, most = 0;
-    std::mt19937_64 draw(1);
-    const auto uniform = [&draw] { return std::ldexp(static_cast<double>(draw() >> 11), -53); };
+    PortableRandom random(1);
     SolverOptions options;
     options.tol = tol;
     options.max_iterations = context.max_iterations;
@@ -81,8 +72,8 @@ ValidationExperiment groove_forces() {
     for (int k = 0; k < starts; ++k) {
       options.s0 = Vector::Zero(4);
       for (const int row : {0, 2}) {
-        options.s0[row] = 2 * weight * uniform();
-        options.s0[row + 1] = kGrooveMu * options.s0[row] * (2 * uniform() - 1);
+        options.s0[row] = 2 * weight * random.uniform();
+        options.s0[row + 1] = kGrooveMu * options.s0[row] * random.symmetric();
       }
       const SolveResult result = solve(context.solver, problem, options);
       ++outcome.steps;
@@ -104,23 +95,14 @@ ValidationExperiment groove_forces() {
 /// Disks that fell into a box without friction and came to rest; walls and disks of law 0.
 Scene<2> small_pile(int count, std::uint64_t seed, double mu, double tol,
                     const ValidationContext& context) {
-  Scene<2> scene = empty_scene<2>({.mu = mu}, 5e-3, tol, context);
-  const double width = 6;
-  scene.gravity = Vec2(0, -kWeight);
-  scene.bodies =
-      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, width, 0.05, seed, Vec2::Zero());
-  for (Disk& d : scene.bodies) {
-    d.mass = d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-  }
-  scene.walls = {plane_wall("floor", Vec2(0, 0), Vec2(0, 1)),
-                 plane_wall("left", Vec2(0, 0), Vec2(1, 0)),
-                 plane_wall("right", Vec2(width, 0), Vec2(-1, 0))};
+  Scene<2> scene = experiment_scene<2>({.mu = mu}, 5e-3, tol, context);
+  fill_box(scene, count, 6, 0.05, seed);
   scene.num_steps = 1500;
   return scene;
 }
 
-/// Spread of the admissible forces that hold a settled pile still, at its contacts but with friction `mu`.
+/// Spread of the admissible forces that hold a settled pile, at its contacts but with friction
+/// `mu`.
 double spread_of(Scene<2> scene, State<2> state, double mu) {
   scene.laws[0].mu = mu;
   for (Disk& d : state.bodies) {
@@ -130,33 +112,26 @@ double spread_of(Scene<2> scene, State<2> state, double mu) {
   return force_spread(admissible_forces(step_problem(scene, state, false)));
 }
 
-/// Without friction a generic pile has as many contacts as equations, so its forces are determined. With a
-/// small mu the tangential forces are free within mu n, and the normal ones answer linearly: spread ~ mu. A
-/// larger mu allows all that a smaller one does: for a given geometry the spread never falls.
+/// Without friction a generic pile has as many contacts as equations, so that its forces are
+/// determined. With a small mu the tangential forces are free within mu n, and the normal ones
+/// respond linearly: spread ~ mu. A larger mu allows all that a smaller one does: for a given
+/// geometry the spread never decreases.
 ValidationExperiment spread() {
   ValidationExperiment e;
   e.rows = {
-      {.name = "spread_small_mu",
-       .group = kIndeterminacy,
-       .quantity = "exponent of the spread of admissible forces against μ (1e-4 to 1e-2), in a "
-                   "pile that came to rest without friction",
-       .source = "as many contacts as equations at μ = 0, linear beside it (derived); Unger, "
-                 "Kertész and Wolf, PRL 94, 178001 (2005): spread → 0 with μ",
-       .formula = "1",
-       .expected = Expectation::equal(1),
-       .allowed = 0.05,
-       .allowed_why = "the least μ is not 0",
-       .bar = "95 % over piles (seeds)"},
-      {.name = "spread_nested",
-       .group = kIndeterminacy,
-       .quantity = "largest fall of that spread from one μ to a larger one (1e-4 to 1), over "
-                   "the larger spread",
-       .source = "sets of admissible forces are nested (derived)",
-       .formula = "at most 0",
-       .expected = Expectation::at_most(0, 1),
-       .allowed = 1e-6,
-       .allowed_why = "tolerance of the linear programmes",
-       .bar = "none: the worst of all"}};
+      validation_row(kIndeterminacy, "spread_small_mu",
+                     "exponent of the spread of admissible forces against μ (1e-4 to 1e-2), in a "
+                     "pile that came to rest without friction",
+                     "as many contacts as equations at μ = 0, linear beside it (derived); Unger, "
+                     "Kertész and Wolf, PRL 94, 178001 (2005): spread → 0 with μ",
+                     "1", Expectation::equal(1), 0.05, "the least μ is not 0",
+                     "95 % over piles (seeds)"),
+      validation_row(kIndeterminacy, "spread_nested",
+                     "largest fall of that spread from one μ to a larger one (1e-4 to 1), over "
+                     "the larger spread",
+                     "sets of admissible forces are nested (derived)", "at most 0",
+                     Expectation::at_most(0, 1), 1e-6, "tolerance of the linear programmes",
+                     "none: the worst of all")};
   e.tols = {10, 1, 1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8};
   e.quick_tols = {10, 1, 1e-1, 1e-4};
   e.run = [](double tol, const ValidationContext& context) {
@@ -166,23 +141,19 @@ ValidationExperiment spread() {
     std::vector<double> exponents;
     double fall = kNaN;  // of nothing compared
     std::string extra;
-    ValidationFigure figure;
-    figure.name = "spread";
-    figure.group = kIndeterminacy;
+    ClaimFigure figure{.name = "spread", .chart = Chart{}};
     figure.caption =
         "Spread of the admissible normal forces (mean width of their intervals over the mean force) in piles "
         "of 25 disks that came to rest without friction, against the friction that is then allowed.";
-    figure.chart.title = "Spread of admissible forces";
-    figure.chart.x = {.label = "μ", .kind = ChartAxis::Kind::kLog};
-    figure.chart.y = {.label = "spread", .kind = ChartAxis::Kind::kLog};
+    figure.chart->title = "Spread of admissible forces";
+    figure.chart->x = {.label = "μ", .kind = ChartAxis::Kind::kLog};
+    figure.chart->y = {.label = "spread", .kind = ChartAxis::Kind::kLog};
     for (int seed = 1; seed <= seeds; ++seed) {
       const Scene<2> scene = small_pile(25, to_size(seed), 0, tol, context);
       const auto run = run_from_start<2>(scene, context);
       if (!count_steps(run, outcome)) return outcome;
       std::vector<double> mus, spreads;
-      ChartSeries series;
-      series.name = fmt::format("pile {}", seed);
-      series.style = seed - 1;
+      ChartSeries series{fmt::format("pile {}", seed), seed - 1, {}};
       for (const std::vector<double>* some : {&small, &large}) {
         for (const double mu : *some) {
           const double s = spread_of(scene, run.state, mu);
@@ -196,7 +167,7 @@ ValidationExperiment spread() {
           series.points.push_back({mu, s});
         }
       }
-      figure.chart.series.push_back(std::move(series));
+      figure.chart->series.push_back(std::move(series));
       const std::size_t few = std::min(small.size(), mus.size());
       exponents.push_back(fit_power_law({mus.begin(), mus.begin() + static_cast<long>(few)},
                                         {spreads.begin(), spreads.begin() + static_cast<long>(few)})

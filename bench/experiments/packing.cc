@@ -1,5 +1,7 @@
 #include "bench/experiments/packing.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -14,7 +16,7 @@ bool before(const ContactOutcome<2>& a, const ContactOutcome<2>& b) {
   return a.contact.i != b.contact.i ? a.contact.i < b.contact.i : a.contact.j < b.contact.j;
 }
 
-/// Shows the pairs of two sorted lists, once each; null where a list does not have the pair.
+/// Visits the pairs of two sorted lists, once each; null if a list does not have the pair.
 template <class Show>
 void merge_pairs(std::span<const ContactOutcome<2>> a, std::span<const ContactOutcome<2>> b,
                  const Show& show) {
@@ -31,7 +33,7 @@ void merge_pairs(std::span<const ContactOutcome<2>> a, std::span<const ContactOu
   }
 }
 
-/// What a chord at a distance from the centre cuts off a circle.
+/// Area that a chord at a distance from the centre cuts off a circle.
 double segment_area(double radius, double distance) {
   const double x = std::clamp(distance / radius, -1.0, 1.0);
   return radius * radius * (std::acos(x) - x * std::sqrt(1 - x * x));
@@ -65,8 +67,8 @@ PackingRun run_packing(
   options.cancelled = interrupted;
   options.before_step = [&](State<2>& next) {
     previous = next;
-    // e_t = 1 turns tangential velocities round at each step, so at rest forces repeat themselves
-    // every second one: what was two steps before is then the better start.
+    // e_t = 1 reverses tangential velocities at each step. At rest forces then repeat themselves
+    // every second step: those of two steps before are the better start.
     if (force_correlation(next.contacts, older) > force_correlation(next.contacts, old)) {
       next.contacts = old;
       ++run.far_starts;
@@ -162,6 +164,43 @@ double force_correlation(std::span<const ContactOutcome<2>> a,
   });
   const double vary_x = n * xx - x * x, vary_y = n * yy - y * y;
   return vary_x > 0 && vary_y > 0 ? (n * xy - x * y) / std::sqrt(vary_x * vary_y) : kNaN;
+}
+
+std::vector<double> relative_forces(const State<2>& state, int layers) {
+  double top = 0;
+  for (const Disk& d : state.bodies) top = std::max(top, d.x[1]);
+  std::vector<std::vector<double>> forces(to_size(layers));
+  for (const ContactOutcome<2>& o : state.contacts) {
+    if (!(o.s_n > 0)) continue;
+    const Disk& d = state.bodies[to_size(o.contact.i)];
+    const double y = d.x[1] - d.radius * o.contact.n[1];
+    forces[to_size(std::clamp(static_cast<int>(layers * y / top), 0, layers - 1))].push_back(o.s_n);
+  }
+  std::vector<double> relative;
+  for (const std::vector<double>& layer : forces) {
+    double sum = 0;
+    for (const double f : layer) sum += f;
+    for (const double f : layer) relative.push_back(f * static_cast<double>(layer.size()) / sum);
+  }
+  return relative;
+}
+
+ChartSeries force_histogram(const std::string& name, int style, const std::vector<double>& forces,
+                            double bin) {
+  std::vector<int> counts;
+  for (const double f : forces) {
+    const auto k = static_cast<std::size_t>(f / bin);
+    if (k >= counts.size()) counts.resize(k + 1);
+    ++counts[k];
+  }
+  ChartSeries series{name, style, {}};
+  for (std::size_t k = 0; k < counts.size(); ++k) {
+    if (counts[k] == 0) continue;
+    series.points.push_back({(static_cast<double>(k) + 0.5) * bin,
+                             counts[k] / (bin * static_cast<double>(forces.size())), false,
+                             fmt::format("{} forces", counts[k])});
+  }
+  return series;
 }
 
 void MeanContacts::add(const State<2>& state) {

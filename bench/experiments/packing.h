@@ -2,28 +2,30 @@
 
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "bench/report/chart.h"
 #include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"
 
 namespace bipot {
 
-/// What a number of steps took.
+/// Result of a number of steps.
 struct PackingRun {
   int steps = 0, converged = 0;
   long iterations = 0;
-  int far_starts = 0;      ///< steps that began with the impulses of two steps before
+  int far_starts = 0;      ///< steps that started with the impulses of two steps before
   double worst_error = 0;  ///< largest guarded error of a step
   double mean_error = 0;   ///< geometric mean over the steps with an error above 0
   double penetration = 0;  ///< largest overlap at mid-step                     [m]
 };
 
-/// Up to scene.num_steps steps from a state, with the scene's solver, tolerance and iteration cap.
-/// A step that does not meet the tolerance is taken as it is, and counted. `on_step` sees the
-/// states before and after a step and ends the run by returning false. `interrupted` is asked
-/// before each step and inside solves; it may be empty. Throws StepFailure where a step cannot be
-/// taken.
+/// Runs up to scene.num_steps steps from a state, with the scene's solver, tolerance and iteration
+/// limit. A step that does not meet the tolerance is taken as it is, and counted. `on_step`
+/// receives the states before and after a step and ends the run by returning false. `interrupted`
+/// is polled before each step and inside solves; it may be empty. Throws StepFailure for a failed
+/// step.
 PackingRun run_packing(const Scene<2>& scene, State<2>& state,
                        const std::function<bool()>& interrupted,
                        const std::function<bool(const State<2>& before, const State<2>& after,
@@ -39,18 +41,27 @@ Vec2 force_on_wall(const State<2>& state, double step, int wall);
 /// Mean number of loaded contacts of a disk, with walls or not.
 double coordination(const State<2>& state);
 
-/// Area that the disks cover over `area`; where two overlap, or one reaches into a wall's
-/// half-plane, it counts once or not at all (overlaps of three are not corrected). Overlaps are
-/// those of the step's contacts.
+/// Area covered by the disks over `area`. Overlaps of two disks count once, parts in a wall's
+/// half-plane do not count; overlaps of three are not corrected. Overlaps are those of the step's
+/// contacts.
 double covered_fraction(const State<2>& state, double area);
 
-/// Pearson's correlation of the normal impulses of two steps, over the pairs of bodies that carry
-/// some in either. NaN where either does not vary.
+/// Pearson's correlation of the normal impulses of two steps, over the pairs of bodies loaded in
+/// either. NaN if either does not vary.
 double force_correlation(std::span<const ContactOutcome<2>> a,
                          std::span<const ContactOutcome<2>> b);
 
-/// Contacts of a number of steps, averaged pair by pair: where a pair carries nothing it counts
-/// with zero. Normals and gaps are those of the last step that had the pair.
+/// The tail of the distribution of forces begins at this multiple of the mean force.
+inline constexpr double kForceTail = 1.5;
+
+/// Loaded normal forces over the mean of their layer, of `layers` layers of equal height.
+std::vector<double> relative_forces(const State<2>& state, int layers);
+/// Probability density of forces, in bins of that width.
+ChartSeries force_histogram(const std::string& name, int style, const std::vector<double>& forces,
+                            double bin);
+
+/// Contacts of a number of steps, averaged pair by pair; an unloaded pair counts with zero. Normals
+/// and gaps are those of the last step that had the pair.
 class MeanContacts {
  public:
   void add(const State<2>& state);
@@ -68,7 +79,7 @@ class MeanContacts {
 struct Surface {
   double roughness = 0;  ///< rms distance of the points from their mean height       [m]
   double slope = 0;      ///< of the straight line through them, by least squares
-  double heap = 0;       ///< fall from the middle to both sides: of a line in |x - middle|
+  double heap = 0;       ///< decrease from the middle to both sides: of a line in |x - middle|
   double height = 0;     ///< mean                                                    [m]
 };
 Surface measure_surface(const State<2>& state, double left, double right, int bins);

@@ -1,10 +1,10 @@
-// Packings under isotropic pressure: how many contacts hold them, how densely.
+// Packings under isotropic pressure: number of contacts that hold them, and density.
 //
-// N' bodies that take part (no rattlers) and M loaded contacts. Without friction a contact is one force,
-// a body D equations; generic packings at rest have no more forces than equations (else radii would have
-// to fit by chance) and no fewer (else they move): M = D N' + driven sides - what a rigid shift
-// leaves free. With friction D forces a contact, D (D + 1)/2 equations a body: D M >= D(D+1)/2 N' + ...,
-// and sliding contacts have one force less.
+// N' bodies take part (no rattlers), with M loaded contacts. Without friction a contact is one
+// force, a body D equations. Generic packings at rest have no more forces than equations (else
+// radii would have to fit by chance) and no fewer (else they move): M = D N' + driven sides - free
+// rigid shifts. With friction a contact is D forces, a body D (D + 1)/2 equations: D M >= D(D+1)/2
+// N' + ..., and sliding contacts have one force less.
 
 #include <fmt/format.h>
 
@@ -12,7 +12,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/measure/statistics.h"
 #include "core/observables/observables.h"
@@ -30,13 +30,12 @@ const std::vector<RadiusClass> kSizes = {{0.044, 1}, {0.05, 1}, {0.056, 1}};
 /// Disks of three radii about 0.05 m in a cell that is pressed from both sides.
 Scene<2> pressed_cell(int count, double mu, std::uint64_t seed, double tol,
                       const ValidationContext& context) {
-  Scene<2> scene = empty_scene<2>({.mu = mu}, 2e-3, tol, context);
+  Scene<2> scene = experiment_scene<2>({.mu = mu}, 2e-3, tol, context);
   const double width = 0.12 * std::sqrt(count);
   scene.bodies = random_filling(count, kSizes, width, 0.02, seed, Vec2::Zero());
   double top = 0;
   for (Disk& d : scene.bodies) {
-    d.mass = kDensity * std::numbers::pi * d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
+    give_mass(d, kDensity * std::numbers::pi * d.radius * d.radius);
     top = std::max(top, d.x[1] + d.radius);
   }
   scene.cell.in_x = scene.cell.in_y = true;
@@ -164,13 +163,12 @@ ValidationExperiment plane_packings() {
 /// Spheres in a box whose three upper planes press.
 Scene<3> pressed_box(int count, double mu, std::uint64_t seed, double tol,
                      const ValidationContext& context) {
-  Scene<3> scene = empty_scene<3>({.mu = mu}, 2e-3, tol, context);
+  Scene<3> scene = experiment_scene<3>({.mu = mu}, 2e-3, tol, context);
   const double side = 0.12 * std::cbrt(count);
   scene.bodies = random_spheres(count, kSizes, Vec2(side, side), 0.02, seed, Vec3::Zero());
   Vec3 top = Vec3::Zero();
   for (Sphere& s : scene.bodies) {
-    s.mass = kDensity * 4 / 3 * std::numbers::pi * std::pow(s.radius, 3);
-    s.inertia = 0.4 * s.mass * s.radius * s.radius;
+    give_mass(s, kDensity * 4 / 3 * std::numbers::pi * std::pow(s.radius, 3));
     top = top.cwiseMax(s.x + Vec3::Constant(s.radius));
   }
   for (int axis = 0; axis < 3; ++axis) {
@@ -193,7 +191,8 @@ Scene<3> pressed_box(int count, double mu, std::uint64_t seed, double tol,
   return scene;
 }
 
-/// Loaded contacts and spheres without rattlers: those with fewer than `least` contacts with others that are none.
+/// Loaded contacts and spheres without rattlers, which have fewer than `least` contacts with other
+/// spheres that are none.
 Counted count_spheres(const State<3>& state, int least) {
   const int spheres = static_cast<int>(state.bodies.size());
   std::vector<bool> rattler(to_size(spheres), false);

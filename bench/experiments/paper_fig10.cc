@@ -1,4 +1,4 @@
-// Fig. 10: equal disks at rest in regular arrays, against what statics says of them.
+// Fig. 10: equal disks at rest in regular arrays, compared with statics.
 
 #include <fmt/format.h>
 
@@ -7,7 +7,6 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "bench/experiments/gravity.h"
 #include "bench/experiments/paper_items.h"
 #include "bench/experiments/static_equilibrium.h"
 #include "core/criterion/contact_error.h"
@@ -17,6 +16,7 @@
 #include "core/pictures/force_picture.h"
 #include "core/problem/delassus.h"
 #include "core/scene/scene_family.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/scene_run.h"
 #include "solvers/simulation/step_solver.h"
@@ -25,7 +25,7 @@
 namespace bipot {
 namespace {
 
-/// Friction of the pyramid that is drawn: above what any size needs (tan 30° = 0.577).
+/// Friction of the drawn pyramid: above the need of any size (tan 30° = 0.577).
 constexpr double kStandingMu = 0.6;
 
 /// A step from rest: the state after it, with the contacts' forces.
@@ -52,7 +52,7 @@ Rest one_step(const std::string& family, int side, double mu, const std::string&
   return rest;
 }
 
-/// Largest error of a vertical contact force of a square lattice over what stands above it.
+/// Largest error of a vertical contact force of a square lattice over the weight above it.
 double column_error(const Rest& rest, int side) {
   double worst = 0;
   for (const ContactOutcome<2>& c : rest.state.contacts) {
@@ -65,7 +65,7 @@ double column_error(const Rest& rest, int side) {
 }
 
 /// Dimension of the impulses that move nothing: rows of s less the rank of H, whose entries are
-/// cosines and radii, so that it shows in the pivots.
+/// cosines and radii, so that the pivots show it.
 int self_stresses(const ContactProblem& problem) {
   return problem.num_rows() - numerical_rank(Eigen::MatrixXd(problem.H), 1e-10);
 }
@@ -106,7 +106,7 @@ class Fig10 {
  public:
   explicit Fig10(const PaperContext& context) : context_(context) {}
 
-  PaperResult run() {
+  Findings run() {
     result_.paper =
         "Three arrays of equal disks under gravity, segments between centres as wide as the normal "
         "force: in the rectangular array the force grows with depth, in the triangular one the "
@@ -120,8 +120,6 @@ class Fig10 {
   }
 
  private:
-  void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
-
   /// Behind the paragraph `after`.
   void picture(const std::string& name, const Scene<2>& scene, const State<2>& state,
                std::size_t after, const std::string& caption) {
@@ -130,8 +128,7 @@ class Fig10 {
     options.take_off = false;
     options.width = 560;  // letters of a readable size in half a page
     draw_force_picture(context_.out / file, scene, state, "", options);
-    result_.figures.push_back(
-        {.name = name, .caption = caption, .file = file, .after = static_cast<int>(after)});
+    result_.show(name, caption, static_cast<int>(after));
   }
 
   std::vector<int> sides() const {
@@ -146,22 +143,14 @@ class Fig10 {
       const std::string id = fmt::format("rectangular{}", side);
       const double error = column_error(rest, side),
                    balance = force_balance(rest.scene, rest.state).force;
-      number({.name = id + "_columns",
-              .value = error,
-              .meaning = fmt::format("rectangular {0} × {0}, μ = 0: largest relative error of a "
-                                     "vertical contact force",
-                                     side),
-              .expected = "0 against k m g under the k-th disk from the top",
-              .holds = error <= 1e-8,
-              .digits = 2});
-      number(
-          {.name = id + "_balance",
-           .value = balance,
-           .unit = "m g",
-           .meaning = fmt::format("rectangular {0} × {0}: largest residual force of a disk", side),
-           .expected = "at most 1e-8 m g",
-           .holds = balance <= 1e-8,
-           .digits = 2});
+      result_.check(id + "_columns", error, "",
+                    fmt::format("rectangular {0} × {0}, μ = 0: largest relative error of a "
+                                "vertical contact force",
+                                side),
+                    "0 against k m g under the k-th disk from the top", error <= 1e-8, 2);
+      result_.check(id + "_balance", balance, "m g",
+                    fmt::format("rectangular {0} × {0}: largest residual force of a disk", side),
+                    "at most 1e-8 m g", balance <= 1e-8, 2);
       picture("fig10_" + id, rest.scene, rest.state, result_.ours.size(),
               fmt::format("Rectangular, {0} × {0}, μ = 0: the force under the k-th disk is k m g.",
                           side));
@@ -172,12 +161,9 @@ class Fig10 {
       for (const ContactOutcome<2>& c : rest.state.contacts) {
         if (std::abs(c.contact.n[1]) < 0.5) side_force = std::max(side_force, c.s_n);
       }
-      number({.name = fmt::format("side_{}", solver),
-              .value = side_force / rest.scene.step / kGravity,
-              .unit = "m g",
-              .meaning =
-                  fmt::format("rectangular 10 × 10, μ = 0, `{}`: largest horizontal force", solver),
-              .digits = 3});
+      result_.state(
+          fmt::format("side_{}", solver), side_force / rest.scene.step / kGravity, "m g",
+          fmt::format("rectangular 10 × 10, μ = 0, `{}`: largest horizontal force", solver), 3);
     }
     result_.ours.emplace_back(
         "Rectangular, μ = 0. The vertical forces are k m g to {rectangular10_columns}. Only they "
@@ -195,28 +181,18 @@ class Fig10 {
         const ForceBalance<2> b = force_balance(rest.scene, rest.state);
         const std::string id = fmt::format("triangular{}{}", side, mu > 0 ? "_friction" : "");
         const std::string what = fmt::format("triangular {0} × {0}, μ = {1:g}", side, mu);
-        number({.name = id + "_balance",
-                .value = std::max(b.force, b.moment),
-                .unit = "m g",
-                .meaning = what + ": largest residual force, or moment over the radius, of a disk",
-                .expected = "at most 1e-8 m g",
-                .holds = std::max(b.force, b.moment) <= 1e-8,
-                .digits = 2});
+        result_.check(id + "_balance", std::max(b.force, b.moment), "m g",
+                      what + ": largest residual force, or moment over the radius, of a disk",
+                      "at most 1e-8 m g", std::max(b.force, b.moment) <= 1e-8, 2);
         const double load = std::abs(b.walls[1] / b.weight - 1);
-        number({.name = id + "_load",
-                .value = load,
-                .meaning = what + ": floor and walls together over the weight, less 1",
-                .expected = "0",
-                .holds = load <= 1e-8,
-                .digits = 2});
+        result_.check(id + "_load", load, "",
+                      what + ": floor and walls together over the weight, less 1", "0",
+                      load <= 1e-8, 2);
         if (mu == 0) {
           const double side_load = b.wall[1][0] / b.weight;
-          number({.name = id + "_wall",
-                  .value = 100 * side_load,
-                  .unit = "%",
-                  .meaning = what + ": push of a side wall, of the weight",
-                  .expected = "the same on both sides",
-                  .holds = std::abs(b.wall[1][0] + b.wall[2][0]) <= 1e-8 * b.weight});
+          result_.check(id + "_wall", 100 * side_load, "%",
+                        what + ": push of a side wall, of the weight", "the same on both sides",
+                        std::abs(b.wall[1][0] + b.wall[2][0]) <= 1e-8 * b.weight);
         }
         picture("fig10_" + id, rest.scene, rest.state, result_.ours.size(),
                 fmt::format("Triangular, {0} × {0}, μ = {1:g}: the walls carry load{2}.", side, mu,
@@ -232,25 +208,20 @@ class Fig10 {
           std::max(difference, std::abs(a.state.contacts[k].s_n - b.state.contacts[k].s_n));
       largest = std::max(largest, a.state.contacts[k].s_n);
     }
-    number({.name = "self_stresses",
-            .value = static_cast<double>(
-                self_stresses(step_problem(a.scene, initial_state(a.scene), false))),
-            .meaning =
-                "triangular 10 × 10, μ = 0.3: independent sets of contact forces that balance "
-                "without any load"});
-    number({.name = "force_difference",
-            .value = 100 * difference / largest,
-            .unit = "%",
-            .meaning = "triangular 10 × 10, μ = 0.3: largest difference of a normal force between "
-                       "`apgd` and `ipm`, of the largest force",
-            .digits = 2});
+    result_.state("self_stresses",
+                  self_stresses(step_problem(a.scene, initial_state(a.scene), false)), "",
+                  "triangular 10 × 10, μ = 0.3: independent sets of contact forces that balance "
+                  "without any load");
+    result_.state("force_difference", 100 * difference / largest, "%",
+                  "triangular 10 × 10, μ = 0.3: largest difference of a normal force between "
+                  "`apgd` and `ipm`, of the largest force",
+                  2);
     for (const auto& [solver, rest] : {std::pair{"apgd", &a}, std::pair{"ipm", &b}}) {
       const ForceBalance<2> f = force_balance(rest->scene, rest->state);
-      number({.name = fmt::format("base_{}", solver),
-              .value = 100 * f.wall[0][1] / f.weight,
-              .unit = "%",
-              .meaning = fmt::format(
-                  "triangular 10 × 10, μ = 0.3: share of the weight on the floor, `{}`", solver)});
+      result_.state(
+          fmt::format("base_{}", solver), 100 * f.wall[0][1] / f.weight, "%",
+          fmt::format("triangular 10 × 10, μ = 0.3: share of the weight on the floor, `{}`",
+                      solver));
     }
     result_.ours.emplace_back(
         "Triangular. Every disk is in equilibrium and floor and walls carry the weight. The single "
@@ -275,15 +246,15 @@ class Fig10 {
 
   // Two disks on the floor, touching, a third on top; a the radius, W the weight of one disk.
   //
-  // Top disk: by symmetry it is held by two forces with vertical part W/2 each. Lower disk: besides
-  // its weight and the floor's reaction, whose lines pass through the floor contact F, it feels the
-  // top disk's push Q and its neighbour's push N >= 0, horizontal, outwards, at the height of the
-  // centre. (The neighbour's friction: equilibria form a convex set, so the mean of one and its
-  // mirror image is one too, and there it vanishes.) The contact with the top disk lies at
+  // Top disk: by symmetry two forces with vertical part W/2 each hold it. Lower disk: the lines of
+  // its weight and of the floor's reaction pass through the floor contact F. Besides, it feels the
+  // top disk's force Q and its neighbour's force N >= 0, horizontal, outwards, at the height of the
+  // centre. (The neighbour's friction: equilibria form a convex set, so that the mean of one and
+  // its mirror image is one too, and there it vanishes.) The contact with the top disk lies at
   // (a/2, √3 a/2) from the centre, (a/2, a (1 + √3/2)) from F. With Q = (H outwards, W/2 downwards)
-  // moments about F give H (1 + √3/2) + N = W/4: hence H <= W/4 / (1 + √3/2) = (W/2) tan 15°.
-  // The normal there leans 30° from the vertical. Q leans atan(2H/W) <= 15°, so it needs the
-  // friction tan(30° - 15°) = 2 - √3 at least, with equality for N = 0. The floor takes H + N
+  // moments about F give H (1 + √3/2) + N = W/4: hence H <= W/4 / (1 + √3/2) = (W/2) tan 15°. The
+  // normal there leans 30° from the vertical. Q leans atan(2H/W) <= 15°. It therefore needs a
+  // friction of at least tan(30° - 15°) = 2 - √3, with equality for N = 0. The floor carries H + N
   // sideways, least for N = 0, and 3W/2 down: (2 - √3)/3.
   void three_disks() {
     context_.report("pyramid of 3 disks");
@@ -291,12 +262,9 @@ class Fig10 {
     const auto check = [&](const char* name, const char* what, double exact, const char* formula,
                            auto&& problem) {
       const double found = critical_friction(problem, 0.01, 10);
-      number({.name = name,
-              .value = found,
-              .meaning = fmt::format("3 disks: least friction {}", what),
-              .expected = fmt::format("{} = {:.6f}, met within 0.1 %", formula, exact),
-              .holds = std::abs(found / exact - 1) <= 1e-3,
-              .digits = 7});
+      result_.check(name, found, "", fmt::format("3 disks: least friction {}", what),
+                    fmt::format("{} = {:.6f}, met within 0.1 %", formula, exact),
+                    std::abs(found / exact - 1) <= 1e-3, 7);
     };
     check("mu_disks", "between disks, on a rough floor (μ = 10)", tan15, "tan 15° = 2 − √3",
           [](double mu) { return pyramid_problem(2, mu, 10); });
@@ -337,41 +305,30 @@ class Fig10 {
           critical_friction([&](double m) { return pyramid_problem(rows, m, m); }, 0.1, 1, 1e-6);
       series.points.push_back({static_cast<double>(rows), mu, false, fmt::format("{:.6f}", mu)});
       if (rows < 10) continue;
-      number({.name = fmt::format("mu_{}rows", rows),
-              .value = mu,
-              .meaning = fmt::format("{} rows: least friction, disks and floor alike", rows),
-              .digits = 6});
+      result_.state(fmt::format("mu_{}rows", rows), mu, "",
+                    fmt::format("{} rows: least friction, disks and floor alike", rows), 6);
       if (rows != 10 && rows != 20) continue;
       // Just above and just below, on the contact law itself.
       const ContactProblem above = pyramid_problem(rows, 1.001 * mu, 1.001 * mu);
       const StaticEquilibrium stands = static_equilibrium(above);
       const double error = contact_error(above, stands.s).guarded();
-      number({.name = fmt::format("stands_{}", rows),
-              .value = error,
-              .meaning = fmt::format("{} rows, 1.001 μ_c: ε of the forces that hold it", rows),
-              .expected = "at most 1e-8: rest solves the contact law",
-              .holds = stands.exists && error <= 1e-8,
-              .digits = 2});
+      result_.check(fmt::format("stands_{}", rows), error, "",
+                    fmt::format("{} rows, 1.001 μ_c: ε of the forces that hold it", rows),
+                    "at most 1e-8: rest solves the contact law", stands.exists && error <= 1e-8, 2);
       const StaticEquilibrium falls =
           static_equilibrium(pyramid_problem(rows, 0.999 * mu, 0.999 * mu));
-      number({.name = fmt::format("falls_{}", rows),
-              .value = falls.motion,
-              .unit = "g h",
-              .meaning = fmt::format("{} rows, 0.999 μ_c: the slowest motion that forces in the "
-                                     "cones can leave (energy mean)",
-                                     rows),
-              .expected = "more than 0, proven by a motion admissible to 1e-9 of it",
-              .holds = !falls.exists && falls.dual_violation <= 1e-9 * falls.motion,
-              .digits = 3});
+      result_.check(fmt::format("falls_{}", rows), falls.motion, "g h",
+                    fmt::format("{} rows, 0.999 μ_c: the slowest motion that forces in the "
+                                "cones can leave (energy mean)",
+                                rows),
+                    "more than 0, proven by a motion admissible to 1e-9 of it",
+                    !falls.exists && falls.dual_violation <= 1e-9 * falls.motion, 3);
     }
     chart.series = {series};
-    result_.figures.push_back(
-        {.name = "fig10_critical_friction",
-         .caption =
-             "Least friction with which a pyramid can stand. From tan 30° on (dotted) a disk "
-             "could hand its load straight down through both contacts below it.",
-         .chart = chart,
-         .after = static_cast<int>(result_.ours.size()) - 1});
+    result_.draw("fig10_critical_friction",
+                 "Least friction with which a pyramid can stand. From tan 30° on (dotted) a disk "
+                 "could hand its load straight down through both contacts below it.",
+                 chart, static_cast<int>(result_.ours.size()) - 1);
   }
 
   void pictures() {
@@ -384,28 +341,23 @@ class Fig10 {
       if (!equilibrium.exists) throw std::runtime_error("no equilibrium of the drawn pyramid");
       const State<2> state = held_pyramid(scene, equilibrium);
       const ForceBalance<2> b = force_balance(scene, state);
-      number(
-          {.name = fmt::format("pyramid{}_balance", rows),
-           .value = std::max(b.force, b.moment),
-           .unit = "m g",
-           .meaning = fmt::format("pyramid of {} rows, μ = {:g}: largest residual force, or moment "
-                                  "over the radius, of a disk",
-                                  rows, kStandingMu),
-           .expected = "at most 1e-8 m g",
-           .holds = std::max(b.force, b.moment) <= 1e-8,
-           .digits = 2});
+      result_.check(fmt::format("pyramid{}_balance", rows), std::max(b.force, b.moment), "m g",
+                    fmt::format("pyramid of {} rows, μ = {:g}: largest residual force, or moment "
+                                "over the radius, of a disk",
+                                rows, kStandingMu),
+                    "at most 1e-8 m g", std::max(b.force, b.moment) <= 1e-8, 2);
       picture(
           fmt::format("fig10_pyramid{}", rows), scene, state, result_.ours.size() - 1,
           fmt::format("Cannon-ball, {} rows, μ = {:g}: forces that hold it.", rows, kStandingMu));
     }
   }
 
-  /// What each solver's answer to the first step makes of a pyramid that could stand.
+  /// Result of each solver's answer to the first step for a pyramid that could stand.
   void selection() {
     const std::vector<double> mus = {0.545, 0.6, 0.8, 1, 2, 4};
     for (const int rows : {10, 20}) {
       if (context_.quick && rows > 10) break;
-      PaperTable table;
+      ClaimTable table;
       table.name = fmt::format("selection_{}", rows);
       table.caption = fmt::format(
           "Pyramid of {} rows from rest, one step to ε ≤ 1e-8 from zero impulses: stands, or falls "
@@ -414,8 +366,8 @@ class Fig10 {
           rows, kFirstOrder, kSecondOrder);
       table.columns = {"solver"};
       for (const double mu : mus) table.columns.push_back(fmt::format("μ = {:g}", mu));
-      // Of the answers: the largest mu at which one falls; extremes of motion where forces that
-      // hold exist.
+      // Over the answers: the largest mu at which one falls; extremes of motion for those mu with
+      // an equilibrium.
       double last_fall = 0, least = 1e300, most = 0;
       for (const char* solver :
            {"uzawa", "classical", "pgs", "apgd", "anderson", "admm", "newton", "ipm", "auto"}) {
@@ -446,23 +398,17 @@ class Fig10 {
         }
       }
       result_.tables.push_back(std::move(table));
-      number({.name = fmt::format("last_fall_{}", rows),
-              .value = last_fall,
-              .meaning =
-                  fmt::format("{} rows: largest μ of the table with an answer that falls", rows)});
-      number({.name = fmt::format("least_motion_{}", rows),
-              .value = least <= most ? least : std::nan(""),
-              .unit = "g h",
-              .meaning = fmt::format("{} rows, μ = {:g}: least motion of an answer with ε ≤ 1e-8",
-                                     rows, kStandingMu),
-              .digits = 3});
-      number(
-          {.name = fmt::format("most_motion_{}", rows),
-           .value = most,
-           .unit = "g h",
-           .meaning = fmt::format("{} rows, μ = {:g}: greatest motion of an answer with ε ≤ 1e-8",
-                                  rows, kStandingMu),
-           .digits = 3});
+      result_.state(fmt::format("last_fall_{}", rows), last_fall, "",
+                    fmt::format("{} rows: largest μ of the table with an answer that falls", rows));
+      result_.state(fmt::format("least_motion_{}", rows), least <= most ? least : std::nan(""),
+                    "g h",
+                    fmt::format("{} rows, μ = {:g}: least motion of an answer with ε ≤ 1e-8", rows,
+                                kStandingMu),
+                    3);
+      result_.state(fmt::format("most_motion_{}", rows), most, "g h",
+                    fmt::format("{} rows, μ = {:g}: greatest motion of an answer with ε ≤ 1e-8",
+                                rows, kStandingMu),
+                    3);
     }
     result_.ours.emplace_back(
         "Existence is one thing, what a time step does another. Below the curve no forces hold the "
@@ -527,28 +473,25 @@ class Fig10 {
       const std::string id =
           fmt::format("drop_{}{}_{}", c.mu == 0.5 ? "05" : "06", c.held ? "_held" : "", c.solver);
       const bool must_fall = c.mu == 0.5;
-      number({.name = id,
-              .value = (top - state.bodies.back().x[1]) / 0.5,
-              .unit = "radii",
-              .meaning = fmt::format(
-                  "10 rows, {}: drop of the top disk in {} steps of 0.01 s{}", c.name, steps,
-                  unsolved > 0 ? fmt::format(" ({} steps above 1e-6)", unsolved) : std::string()),
-              .expected = must_fall ? "falls (below μ_c)"
-                          : c.held  ? "stands: rest is a solution"
-                                    : "",
-              .holds = must_fall ? std::optional<bool>(series.points.back().y > 0.01)
-                       : c.held  ? std::optional<bool>(std::abs(series.points.back().y) < 1e-4)
-                                 : std::nullopt,
-              .digits = 3});
+      result_.check(
+          id, (top - state.bodies.back().x[1]) / 0.5, "radii",
+          fmt::format(
+              "10 rows, {}: drop of the top disk in {} steps of 0.01 s{}", c.name, steps,
+              unsolved > 0 ? fmt::format(" ({} steps above 1e-6)", unsolved) : std::string()),
+          must_fall ? "falls (below μ_c)"
+          : c.held  ? "stands: rest is a solution"
+                    : "",
+          must_fall ? std::optional<bool>(series.points.back().y > 0.01)
+          : c.held  ? std::optional<bool>(std::abs(series.points.back().y) < 1e-4)
+                    : std::nullopt,
+          3);
       chart.series.push_back(std::move(series));
       if (must_fall) fallen_ = {scene, state};
     }
-    result_.figures.push_back(
-        {.name = "fig10_fall",
-         .caption = "Top disk of a pyramid of 10 rows. At μ = 0.5 no forces hold it. At μ = 0.6 "
-                    "there are some; `given forces`: they are the start of the first step.",
-         .chart = chart,
-         .after = static_cast<int>(result_.ours.size())});
+    result_.draw("fig10_fall",
+                 "Top disk of a pyramid of 10 rows. At μ = 0.5 no forces hold it. At μ = 0.6 "
+                 "there are some; `given forces`: they are the start of the first step.",
+                 chart, static_cast<int>(result_.ours.size()));
     picture("fig10_fallen", fallen_.first, fallen_.second, result_.ours.size(),
             fmt::format("The pyramid of 10 rows at μ = 0.5 after {:.1f} s.", fallen_.second.time));
     result_.ours.emplace_back(
@@ -561,12 +504,12 @@ class Fig10 {
   static constexpr int kFirstOrder = 50000, kSecondOrder = 500;
 
   const PaperContext& context_;
-  PaperResult result_;
+  Findings result_;
   std::pair<Scene<2>, State<2>> fallen_;
 };
 
 }  // namespace
 
-PaperResult run_fig10(const PaperContext& context) { return Fig10(context).run(); }
+Findings run_fig10(const PaperContext& context) { return Fig10(context).run(); }
 
 }  // namespace bipot

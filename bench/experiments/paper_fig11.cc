@@ -13,19 +13,20 @@
 #include "bench/problems/scene_catalogue.h"
 #include "core/pictures/force_picture.h"
 #include "core/scene/generators.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 
 namespace bipot {
 namespace {
 
-constexpr double kRestEnergy = 1e-9;  // kinetic energy at rest, relative to what the fall released
-constexpr int kQuietSteps = 100;      // at rest for as long
-constexpr double kLatest = 0.5;  // a packing that is not at rest by then is not waited for     [s]
-constexpr double kSample = 0.2;  // duration of the packings that only give forces            [s]
-constexpr double kTailFrom = 1.5;       // the tail of P begins at this multiple of the mean force
+// Kinetic energy at rest, relative to the energy released by the fall.
+constexpr double kRestEnergy = 1e-9;
+constexpr int kQuietSteps = 100;        // at rest for as long
+constexpr double kLatest = 0.5;         // time limit for a packing to come to rest     [s]
+constexpr double kSample = 0.2;         // duration of packings that only give forces            [s]
 constexpr double kDiameter = 1.525e-3;  // mean of the three sizes                               [m]
 
-/// What a packing does until it is at rest.
+/// A packing on its way to rest.
 struct Settling {
   Scene<2> scene;
   State<2> state;
@@ -61,10 +62,7 @@ Scene<2> fig11_scene(const Variant& v) {
   scene.bodies = random_filling(static_cast<int>(scene.bodies.size()),
                                 {{0.65e-3, 0.25}, {0.75e-3, 0.5}, {0.9e-3, 0.25}}, 0.03, 0.05,
                                 static_cast<std::uint64_t>(v.seed), Vec2::Zero());
-  for (Disk& d : scene.bodies) {
-    d.mass = density * d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-  }
+  for (Disk& d : scene.bodies) give_mass(d, density * d.radius * d.radius);
   scene.laws[0].e_t = v.e_t;
   if (!v.rough_sides) {
     ContactLaw smooth = scene.laws[0];
@@ -83,8 +81,8 @@ Scene<2> fig11_scene(const Variant& v) {
   return scene;
 }
 
-/// Goes on until the mean energy of the last kQuietSteps steps is below kRestEnergy of what the fall
-/// released, that of the displacing velocities or the kinetic one.
+/// Continues until the mean energy of the last kQuietSteps steps is below kRestEnergy of the energy
+/// released by the fall. The energy is that of the displacing velocities, or the kinetic one.
 void settle(Settling& s, const PaperContext& context, bool by_displacement) {
   const double total = weight(s.scene);
   double released = s.initial;
@@ -137,10 +135,10 @@ Settling settled(const Variant& v, const PaperContext& context) {
   return s;
 }
 
-/// What a period-two motion at rest can hold: with stuck contacts (u_n = 0) and tangential
-/// velocities that e_t = 1 reverses at every step, the alternating velocity w has
-/// w·A w = ½ Σ s_t u_t(w), |s_t| <= mu s_n, so by Cauchy and Schwarz ½ w·A w is at most
-/// ⅛ z·W z for tangential impulses z <= mu s_n, and that at most 3/8 Σ_i (mu Σ_c s_n)² / m_i.
+/// Bound of a period-two motion at rest: with stuck contacts (u_n = 0) and tangential velocities
+/// that e_t = 1 reverses at every step, the alternating velocity w has w·A w = ½ Σ s_t u_t(w),
+/// |s_t| <= mu s_n. By Cauchy and Schwarz ½ w·A w is at most ⅛ z·W z for tangential impulses z <=
+/// mu s_n, and that at most 3/8 Σ_i (mu Σ_c s_n)² / m_i.
 double alternating_bound(const Settling& s) {
   std::vector<double> normal(s.state.bodies.size(), 0.0);
   for (const ContactOutcome<2>& o : s.state.contacts) {
@@ -155,67 +153,21 @@ double alternating_bound(const Settling& s) {
   return 0.375 * sum;
 }
 
-/// Normal forces over their mean; over the mean of their layer with `layers` > 1 (layers of equal
-/// height, contacts by their points).
-std::vector<double> relative_forces(const State<2>& state, int layers) {
-  double top = 0;
-  for (const Disk& d : state.bodies) top = std::max(top, d.x[1]);
-  std::vector<std::vector<double>> forces(static_cast<std::size_t>(layers));
-  for (const ContactOutcome<2>& o : state.contacts) {
-    if (!(o.s_n > 0)) continue;
-    const Disk& d = state.bodies[static_cast<std::size_t>(o.contact.i)];
-    const double y = d.x[1] - d.radius * o.contact.n[1];
-    const int layer = std::clamp(static_cast<int>(layers * y / top), 0, layers - 1);
-    forces[static_cast<std::size_t>(layer)].push_back(o.s_n);
-  }
-  std::vector<double> relative;
-  for (const std::vector<double>& layer : forces) {
-    double sum = 0;
-    for (double f : layer) sum += f;
-    for (double f : layer) relative.push_back(f * static_cast<double>(layer.size()) / sum);
-  }
-  return relative;
-}
-
-ChartSeries histogram(const std::string& name, int style, const std::vector<double>& x) {
-  constexpr double kBin = 0.25;
-  std::vector<int> counts;
-  for (double value : x) {
-    const auto bin = static_cast<std::size_t>(value / kBin);
-    if (bin >= counts.size()) counts.resize(bin + 1);
-    ++counts[bin];
-  }
-  ChartSeries series;
-  series.name = name;
-  series.style = style;
-  series.kind = ChartSeries::Kind::kPoints;
-  for (std::size_t k = 0; k < counts.size(); ++k) {
-    if (counts[k] == 0) continue;
-    const double density = counts[k] / (kBin * static_cast<double>(x.size()));
-    series.points.push_back({(static_cast<double>(k) + 0.5) * kBin, density, false,
-                             fmt::format("{} forces", counts[k])});
-  }
-  return series;
-}
-
 /// The fitted tail of a histogram of x.
 ChartSeries tail_line(const std::string& name, int style, const std::vector<double>& x) {
-  const ExponentialTail tail = fit_exponential_tail(x, kTailFrom);
-  ChartSeries series;
-  series.name = name;
-  series.style = style;
-  series.kind = ChartSeries::Kind::kLine;
+  const ExponentialTail tail = fit_exponential_tail(x, kForceTail);
+  ChartSeries series{name, style, {}, ChartSeries::Kind::kLine};
   const double share = tail.points / static_cast<double>(x.size());
   const double last = *std::max_element(x.begin(), x.end());
-  for (const double at : {kTailFrom, last}) {
-    series.points.push_back({at, share * tail.rate * std::exp(-tail.rate * (at - kTailFrom))});
+  for (const double at : {kForceTail, last}) {
+    series.points.push_back({at, share * tail.rate * std::exp(-tail.rate * (at - kForceTail))});
   }
   return series;
 }
 
 double degrees(double radians) { return radians * 180 / std::numbers::pi; }
 
-/// What is measured in several packings, one entry a packing, and their forces together.
+/// Measurements over several packings, one entry for each, and all their forces.
 struct Samples {
   std::vector<double> roughness;           ///< rms deviation of the surface over kDiameter
   std::vector<double> slopes, heaps;       ///< of the surface, degrees
@@ -232,8 +184,8 @@ struct Samples {
         force_on_wall(s.state, s.scene.step, 1) + force_on_wall(s.state, s.scene.step, 2);
     sides.push_back(-walls[1] / weight(s.scene));
     const std::vector<double> f = relative_forces(s.state, 1), g = relative_forces(s.state, 8);
-    rates.push_back(fit_exponential_tail(f, kTailFrom).rate);
-    layer_rates.push_back(fit_exponential_tail(g, kTailFrom).rate);
+    rates.push_back(fit_exponential_tail(f, kForceTail).rate);
+    layer_rates.push_back(fit_exponential_tail(g, kForceTail).rate);
     forces.insert(forces.end(), f.begin(), f.end());
     layered.insert(layered.end(), g.begin(), g.end());
   }
@@ -245,7 +197,7 @@ class Fig11 {
     step_ = context.quick ? 2e-4 : 1e-4;
   }
 
-  PaperResult run() {
+  Findings run() {
     result_.paper =
         "342 disks (25 % of radius 0.65 mm, 50 % of 0.75 mm, 25 % of 0.9 mm; μ = 0.1 everywhere, "
         "e_n = 0.1, e_t = 1) fall into a box. Force chains with large fluctuations from contact to "
@@ -271,47 +223,34 @@ class Fig11 {
   }
 
  private:
-  void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
-
   void picture(const Settling& main) {
     ForcePictureOptions options;
     options.take_off = false;
     options.width = 600;  // the page shows it about as large
     draw_force_picture(context_.out / "fig11_forces.svg", main.scene, main.state,
                        fmt::format("342 disks at rest, t = {:.3f} s", main.state.time), options);
-    result_.figures.push_back({.name = "fig11_forces",
-                               .caption = "Force chains at rest: segments between centres as wide "
-                                          "as the normal force.",
-                               .file = "fig11_forces.svg",
-                               .after = 0});
+    result_.show("fig11_forces",
+                 "Force chains at rest: segments between centres as wide "
+                 "as the normal force.",
+                 0);
   }
 
   void load(const Settling& main, const Settling& smooth) {
     const double both = main.floor + main.sides;
-    number({.name = "vertical_load",
-            .value = both,
-            .meaning = "floor and side walls together over the weight, mean of the last 100 steps",
-            .expected = "1 within 1 % (momentum)",
-            .holds = main.at_rest && std::abs(both - 1) <= 0.01,
-            .digits = 6});
-    number({.name = "floor_load",
-            .value = main.floor,
-            .meaning = "floor alone over the weight, side walls with μ = 0.1"});
-    number({.name = "side_load",
-            .value = main.sides,
-            .meaning = "upward friction of both side walls over the weight (negative: downward)"});
-    number({.name = "side_limit",
-            .value = main.side_limit,
-            .meaning = "most that the side walls' friction could carry, μ times their normal "
-                       "force over the weight",
-            .expected = "at least the side walls' share",
-            .holds = std::abs(main.sides) <= main.side_limit});
-    number({.name = "floor_load_smooth",
-            .value = smooth.floor,
-            .meaning = "floor over the weight, frictionless side walls",
-            .expected = "1 within 1 %",
-            .holds = smooth.at_rest && std::abs(smooth.floor - 1) <= 0.01,
-            .digits = 6});
+    result_.check("vertical_load", both, "",
+                  "floor and side walls together over the weight, mean of the last 100 steps",
+                  "1 within 1 % (momentum)", main.at_rest && std::abs(both - 1) <= 0.01, 6);
+    result_.state("floor_load", main.floor, "",
+                  "floor alone over the weight, side walls with μ = 0.1");
+    result_.state("side_load", main.sides, "",
+                  "upward friction of both side walls over the weight (negative: downward)");
+    result_.check("side_limit", main.side_limit, "",
+                  "most that the side walls' friction could carry, μ times their normal "
+                  "force over the weight",
+                  "at least the side walls' share", std::abs(main.sides) <= main.side_limit);
+    result_.check("floor_load_smooth", smooth.floor, "",
+                  "floor over the weight, frictionless side walls", "1 within 1 %",
+                  smooth.at_rest && std::abs(smooth.floor - 1) <= 0.01, 6);
     result_.ours.emplace_back(
         "Base load. Floor and side walls carry {vertical_load} of the weight together. Friction on "
         "the side walls takes {side_load} of it, the floor {floor_load}. In Janssen's theory the "
@@ -337,49 +276,27 @@ class Fig11 {
   void surface(const Samples& samples, double steepest) {
     const MeanValue rough = mean_value(samples.roughness), slope = mean_value(samples.slopes),
                     heap = mean_value(samples.heaps);
-    number({.name = "packings",
-            .value = static_cast<double>(samples.roughness.size()),
-            .meaning = "packings, from different random starts"});
-    number({.name = "side_least",
-            .value = *std::min_element(samples.sides.begin(), samples.sides.end()),
-            .meaning = "least share of the side walls' upward friction in the weight, last step of "
-                       "the packings",
-            .digits = 2});
-    number({.name = "side_most",
-            .value = *std::max_element(samples.sides.begin(), samples.sides.end()),
-            .meaning = "largest",
-            .digits = 2});
-    number({.name = "roughness",
-            .value = rough.mean,
-            .unit = "diameters",
-            .meaning = "rms deviation of the surface from its mean height",
-            .expected = "flat: below one diameter",
-            .holds = rough.mean < 1,
-            .digits = 2});
-    number({.name = "slope",
-            .value = slope.mean,
-            .unit = "°",
-            .meaning = "slope of the surface, mean of the packings",
-            .expected = fmt::format("below {:.1f}° = arctan μ; heaps are steeper", steepest),
-            .holds = std::abs(slope.mean) < steepest,
-            .digits = 2});
-    number({.name = "slope_confidence",
-            .value = slope.confidence,
-            .unit = "°",
-            .meaning = "half width of its 95 % confidence interval",
-            .digits = 2});
-    number({.name = "heap",
-            .value = heap.mean,
-            .unit = "°",
-            .meaning = "fall of the surface from the middle to the sides",
-            .expected = fmt::format("no heap (the paper): below {:.1f}° = arctan μ", steepest),
-            .holds = std::abs(heap.mean) < steepest,
-            .digits = 2});
-    number({.name = "heap_confidence",
-            .value = heap.confidence,
-            .unit = "°",
-            .meaning = "half width of its 95 % confidence interval",
-            .digits = 2});
+    result_.state("packings", samples.roughness.size(), "",
+                  "packings, from different random starts");
+    result_.state("side_least", *std::min_element(samples.sides.begin(), samples.sides.end()), "",
+                  "least share of the side walls' upward friction in the weight, last step of "
+                  "the packings",
+                  2);
+    result_.state("side_most", *std::max_element(samples.sides.begin(), samples.sides.end()), "",
+                  "largest", 2);
+    result_.check("roughness", rough.mean, "diameters",
+                  "rms deviation of the surface from its mean height", "flat: below one diameter",
+                  rough.mean < 1, 2);
+    result_.check("slope", slope.mean, "°", "slope of the surface, mean of the packings",
+                  fmt::format("below {:.1f}° = arctan μ; heaps are steeper", steepest),
+                  std::abs(slope.mean) < steepest, 2);
+    result_.state("slope_confidence", slope.confidence, "°",
+                  "half width of its 95 % confidence interval", 2);
+    result_.check("heap", heap.mean, "°", "fall of the surface from the middle to the sides",
+                  fmt::format("no heap (the paper): below {:.1f}° = arctan μ", steepest),
+                  std::abs(heap.mean) < steepest, 2);
+    result_.state("heap_confidence", heap.confidence, "°",
+                  "half width of its 95 % confidence interval", 2);
     result_.ours.emplace_back(
         "Flat top. Over {packings} packings the surface deviates by {roughness} (rms) from its "
         "mean height; its slope is {slope} ± {slope_confidence}, its fall from the middle to the "
@@ -389,34 +306,21 @@ class Fig11 {
 
   void forces(const Samples& samples) {
     const MeanValue rate = mean_value(samples.rates), layer_rate = mean_value(samples.layer_rates);
-    const ExponentialTail pooled = fit_exponential_tail(samples.forces, kTailFrom);
+    const ExponentialTail pooled = fit_exponential_tail(samples.forces, kForceTail);
     // Lilliefors' test of an exponential with a fitted mean: 1 % points at 1.308 / sqrt(n).
     const double critical = 1.308 / std::sqrt(static_cast<double>(pooled.points));
-    number({.name = "tail_rate",
-            .value = rate.mean,
-            .meaning = "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, mean of the packings",
-            .digits = 2});
-    number({.name = "tail_confidence",
-            .value = rate.confidence,
-            .meaning = "half width of its 95 % confidence interval, from the packings",
-            .digits = 1});
-    number({.name = "tail_forces",
-            .value = static_cast<double>(pooled.points),
-            .meaning = "forces in these tails"});
-    number({.name = "tail_distance",
-            .value = pooled.distance,
-            .meaning = "largest distance between the distributions of the tail and of the fit",
-            .expected = fmt::format("at most {:.3f} (Lilliefors' test, 1 %)", critical),
-            .holds = pooled.distance <= critical,
-            .digits = 2});
-    number({.name = "tail_rate_layers",
-            .value = layer_rate.mean,
-            .meaning = "β with ⟨f⟩ of each of eight layers",
-            .digits = 2});
-    number({.name = "tail_layers_confidence",
-            .value = layer_rate.confidence,
-            .meaning = "half width of its 95 % confidence interval",
-            .digits = 1});
+    result_.state("tail_rate", rate.mean, "",
+                  "β of P(f/⟨f⟩) ~ exp(−β f/⟨f⟩) for f ≥ 1.5 ⟨f⟩, mean of the packings", 2);
+    result_.state("tail_confidence", rate.confidence, "",
+                  "half width of its 95 % confidence interval, from the packings", 1);
+    result_.state("tail_forces", pooled.points, "", "forces in these tails");
+    result_.check("tail_distance", pooled.distance, "",
+                  "largest distance between the distributions of the tail and of the fit",
+                  fmt::format("at most {:.3f} (Lilliefors' test, 1 %)", critical),
+                  pooled.distance <= critical, 2);
+    result_.state("tail_rate_layers", layer_rate.mean, "", "β with ⟨f⟩ of each of eight layers", 2);
+    result_.state("tail_layers_confidence", layer_rate.confidence, "",
+                  "half width of its 95 % confidence interval", 1);
     result_.ours.emplace_back(
         "Forces. The normal forces above 1.5 times their mean fall off exponentially, β = "
         "{tail_rate} ± {tail_confidence}. Part of that spread is depth: relative to the mean of "
@@ -430,22 +334,22 @@ class Fig11 {
     chart.x = {"f/⟨f⟩", ChartAxis::Kind::kLinear, 0.0, {}};
     chart.y = {"P(f/⟨f⟩)", ChartAxis::Kind::kLog, {}, {}};
     const auto add = [&chart](const char* name, int style, const std::vector<double>& x) {
-      const double rate = fit_exponential_tail(x, kTailFrom).rate;
-      chart.series.push_back(histogram(name, style, x));
+      const double rate = fit_exponential_tail(x, kForceTail).rate;
+      chart.series.push_back(force_histogram(name, style, x, 0.25));
+      chart.series.back().kind = ChartSeries::Kind::kPoints;
       chart.series.push_back(tail_line(fmt::format("exp(−{:.2f} f/⟨f⟩)", rate), style + 1, x));
     };
     add("mean of the packing", 0, samples.forces);
     add("mean of the layer", 2, samples.layered);
-    result_.figures.push_back({.name = "fig11_distribution",
-                               .caption = fmt::format("Normal forces of {} packings, relative to "
-                                                      "their mean, and exponentials fitted from "
-                                                      "1.5 on.",
-                                                      samples.roughness.size()),
-                               .chart = chart,
-                               .after = 2});
+    result_.draw("fig11_distribution",
+                 fmt::format("Normal forces of {} packings, relative to "
+                             "their mean, and exponentials fitted from "
+                             "1.5 on.",
+                             samples.roughness.size()),
+                 chart, 2);
   }
 
-  /// How the packing comes to rest; takes `main` further with smaller steps.
+  /// How the packing comes to rest; continues `main` with smaller steps.
   void rest(Settling main, const Settling& inelastic) {
     energy_numbers(main, inelastic);
     const double released = main.released();
@@ -473,28 +377,20 @@ class Fig11 {
 
   void energy_numbers(const Settling& main, const Settling& inelastic) {
     const double released = main.released();
-    number({.name = "step", .value = step_, .unit = "s", .meaning = "time step h"});
-    number({.name = "kinetic",
-            .value = main.kinetic / released,
-            .meaning = "kinetic energy at rest over the energy that the fall released, e_t = 1",
-            .digits = 2});
-    number({.name = "moving",
-            .value = main.displacement / released,
-            .meaning = "the same of the velocities that displace the disks, e_t = 1",
-            .expected = "below 1e-9",
-            .holds = main.at_rest,
-            .digits = 2});
-    number({.name = "kinetic_inelastic",
-            .value = inelastic.kinetic / inelastic.released(),
-            .meaning = "kinetic energy at rest over the energy released, e_t = 0",
-            .expected = "below 1e-9",
-            .holds = inelastic.at_rest,
-            .digits = 2});
+    result_.state("step", step_, "s", "time step h");
+    result_.state("kinetic", main.kinetic / released, "",
+                  "kinetic energy at rest over the energy that the fall released, e_t = 1", 2);
+    result_.check("moving", main.displacement / released, "",
+                  "the same of the velocities that displace the disks, e_t = 1", "below 1e-9",
+                  main.at_rest, 2);
+    result_.check("kinetic_inelastic", inelastic.kinetic / inelastic.released(), "",
+                  "kinetic energy at rest over the energy released, e_t = 0", "below 1e-9",
+                  inelastic.at_rest, 2);
   }
 
-  /// A packing at rest with e_t = 1, taken further with smaller and smaller steps.
+  /// A packing at rest with e_t = 1, continued with smaller and smaller steps.
   struct GoingOn {
-    /// Kinetic energy, and what friction can hold, over the energy released, against the step.
+    /// Kinetic energy, and the bound by friction, over the energy released, against the step.
     ChartSeries levels{"kinetic energy at rest", 0, {}}, bounds{"bound", 1, {}};
     bool below = true;         ///< each level its bound
     double last = 0;           ///< kinetic energy with the smallest step                    [J]
@@ -534,52 +430,39 @@ class Fig11 {
   }
 
   void level_numbers(const GoingOn& going_on, double released) {
-    number({.name = "bound",
-            .value = going_on.bounds.points[0].y,
-            .meaning = "what friction can hold: 3/8 (μ h)² Σ (Σ f_n)²/m over the energy released",
-            .expected = "above the kinetic energy at rest, for each step",
-            .holds = going_on.below,
-            .digits = 2});
-    number({.name = "smallest_step",
-            .value = going_on.smallest_step,
-            .unit = "s",
-            .meaning = "smallest step at rest",
-            .digits = 2});
-    PaperNumber smallest{.name = "kinetic_smallest",
-                         .value = going_on.last / released,
-                         .meaning =
-                             "kinetic energy at rest over the energy released, e_t = 1, "
-                             "smallest step",
-                         .digits = 2};
+    result_.check("bound", going_on.bounds.points[0].y, "",
+                  "what friction can hold: 3/8 (μ h)² Σ (Σ f_n)²/m over the energy released",
+                  "above the kinetic energy at rest, for each step", going_on.below, 2);
+    result_.state("smallest_step", going_on.smallest_step, "s", "smallest step at rest", 2);
+    Claim smallest{.name = "kinetic_smallest",
+                   .measured = going_on.last / released,
+                   .quantity =
+                       "kinetic energy at rest over the energy released, e_t = 1, "
+                       "smallest step",
+                   .digits = 2};
     if (!context_.quick) {
       smallest.expected = "below 1e-9";
       smallest.holds = going_on.last < kRestEnergy * released;
     }
-    number(smallest);
+    result_.claims.push_back(smallest);
   }
 
   void solve_numbers(const Settling& main, const Settling& inelastic) {
     double overlap = 0;
     for (const ContactOutcome<2>& o : main.state.contacts)
       overlap = std::max(overlap, -o.contact.gap);
-    number({.name = "overlap",
-            .value = overlap / 0.65e-3,
-            .meaning = "largest overlap at rest over the smallest radius (one step of the fall, "
-                       "never pushed back)",
-            .digits = 2});
-    number({.name = "met",
-            .value = static_cast<double>(main.run.converged) / main.run.steps,
-            .meaning = "share of the steps that met the tolerance 1e-4 within 1000 iterations, "
-                       "e_t = 1",
-            .digits = 2});
-    number({.name = "error",
-            .value = main.run.mean_error,
-            .meaning = "ε of the steps, geometric mean, e_t = 1",
-            .digits = 2});
-    number({.name = "met_inelastic",
-            .value = static_cast<double>(inelastic.run.converged) / inelastic.run.steps,
-            .meaning = "share of the steps that met it, e_t = 0",
-            .digits = 2});
+    result_.state("overlap", overlap / 0.65e-3, "",
+                  "largest overlap at rest over the smallest radius (one step of the fall, "
+                  "never pushed back)",
+                  2);
+    result_.state("met", static_cast<double>(main.run.converged) / main.run.steps, "",
+                  "share of the steps that met the tolerance 1e-4 within 1000 iterations, "
+                  "e_t = 1",
+                  2);
+    result_.state("error", main.run.mean_error, "", "ε of the steps, geometric mean, e_t = 1", 2);
+    result_.state("met_inelastic",
+                  static_cast<double>(inelastic.run.converged) / inelastic.run.steps, "",
+                  "share of the steps that met it, e_t = 0", 2);
   }
 
   void decay_chart(const std::vector<ChartPoint>& elastic,
@@ -592,11 +475,10 @@ class Fig11 {
     for (ChartSeries& series : decay.series) series.kind = ChartSeries::Kind::kLine;
     decay.y_line = kRestEnergy;
     decay.y_line_label = "1e-9";
-    result_.figures.push_back({.name = "fig11_rest",
-                               .caption = "Kinetic energy over the energy that the fall has "
-                                          "released so far.",
-                               .chart = decay,
-                               .after = 3});
+    result_.draw("fig11_rest",
+                 "Kinetic energy over the energy that the fall has "
+                 "released so far.",
+                 decay, 3);
   }
 
   void level_chart(const GoingOn& going_on) {
@@ -607,21 +489,19 @@ class Fig11 {
     level.series = {going_on.levels, going_on.bounds};
     level.y_line = kRestEnergy;
     level.y_line_label = "1e-9";
-    result_.figures.push_back({.name = "fig11_level",
-                               .caption =
-                                   "The packing with e_t = 1, at rest, taken further with "
-                                   "smaller and smaller steps; bound: 3/8 (μ h)² Σ (Σ f_n)²/m.",
-                               .chart = level,
-                               .after = 3});
+    result_.draw("fig11_level",
+                 "The packing with e_t = 1, at rest, taken further with "
+                 "smaller and smaller steps; bound: 3/8 (μ h)² Σ (Σ f_n)²/m.",
+                 level, 3);
   }
 
   const PaperContext& context_;
   double step_ = 0;
-  PaperResult result_;
+  Findings result_;
 };
 
 }  // namespace
 
-PaperResult run_fig11(const PaperContext& context) { return Fig11(context).run(); }
+Findings run_fig11(const PaperContext& context) { return Fig11(context).run(); }
 
 }  // namespace bipot

@@ -75,7 +75,7 @@ struct WantedVariation {
   bool choice;  ///< one of the paper's open choices: density or mass
 };
 
-/// What the variations have in common and what sets some of them apart.
+/// Common properties of the variations, and the differences of some.
 struct VariationExtremes {
   // Over the paper's open choices.
   double least_fraction = 1, most_fraction = 0, most_anisotropy = 0;
@@ -100,7 +100,7 @@ class Fig12 {
  public:
   explicit Fig12(const PaperContext& context) : context_(context) {}
 
-  PaperResult run() {
+  Findings run() {
     result_.paper =
         "2470 disks (25 % of radius 0.8 mm, 50 % of 0.9 mm, 25 % of 1.0 mm; μ = 0.1, e_n = 0, "
         "e_t = 1) between four movable walls, each pushed by 5000 N, 300 steps of 7e-5 s. After "
@@ -122,8 +122,6 @@ class Fig12 {
   }
 
  private:
-  void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
-
   void pictures(const Compression& main) {
     const State<2> mean = main.jammed.contacts.in(main.state);
     double largest = 0;
@@ -139,7 +137,7 @@ class Fig12 {
     const auto draw = [&](const char* name, const State<2>& state, const std::string& caption) {
       const std::string file = std::string(name) + ".svg";
       draw_force_picture(context_.out / file, main.scene, state, "", options);
-      result_.figures.push_back({.name = name, .caption = caption, .file = file, .after = 1});
+      result_.show(name, caption, 1);
     };
     draw("fig12_before", main.previous, "Force chains after 299 steps.");
     draw("fig12_end", main.state, "Force chains after 300 steps, one later. Same scale.");
@@ -151,96 +149,54 @@ class Fig12 {
 
   void falling_numbers(const Compression& main) {
     const CompressionPhase& flow = main.flow;
-    number({.name = "disks",
-            .value = static_cast<double>(main.state.bodies.size()),
-            .meaning = "disks; density 7800 kg/m³, a wall has 20 kg for 2470 disks"});
-    number({.name = "solid_fraction",
-            .value = main.solid_fraction,
-            .meaning = "solid fraction at the end"});
-    number({.name = "coordination",
-            .value = main.coordination,
-            .meaning = "loaded contacts of a disk, mean of the last 100 steps",
-            .digits = 3});
-    number({.name = "flow_steps",
-            .value = static_cast<double>(flow.steps),
-            .meaning = "steps of the fall: kinetic energy above a tenth of its largest value"});
-    number({.name = "flow_lag1",
-            .value = at_lag(flow, 1),
-            .meaning = "correlation of the forces of consecutive steps, during the fall",
-            .digits = 2});
-    number(
-        {.name = "flow_variation",
-         .value = flow.variation,
-         .meaning = "variation of the pressure over 8 × 8 windows, single steps of the fall, mean",
-         .digits = 2});
-    number({.name = "flow_variation_mean",
-            .value = flow.mean_windows.variation,
-            .meaning = "the same of the mean over the fall",
-            .expected = "less than of the single steps",
-            .holds = flow.mean_windows.variation < flow.variation,
-            .digits = 2});
-    number(
-        {.name = "flow_side",
-         .value = flow.horizontal,
-         .meaning = "(right half − left half)/sum of the pressure, rms over the steps of the fall",
-         .digits = 2});
-    number({.name = "flow_side_mean",
-            .value = std::abs(flow.mean_windows.horizontal),
-            .meaning = "the same of the mean over the fall, absolute",
-            .expected = "less than of the single steps",
-            .holds = std::abs(flow.mean_windows.horizontal) < flow.horizontal,
-            .digits = 2});
+    result_.state("disks", main.state.bodies.size(), "",
+                  "disks; density 7800 kg/m³, a wall has 20 kg for 2470 disks");
+    result_.state("solid_fraction", main.solid_fraction, "", "solid fraction at the end");
+    result_.state("coordination", main.coordination, "",
+                  "loaded contacts of a disk, mean of the last 100 steps", 3);
+    result_.state("flow_steps", flow.steps, "",
+                  "steps of the fall: kinetic energy above a tenth of its largest value");
+    result_.state("flow_lag1", at_lag(flow, 1), "",
+                  "correlation of the forces of consecutive steps, during the fall", 2);
+    result_.state("flow_variation", flow.variation, "",
+                  "variation of the pressure over 8 × 8 windows, single steps of the fall, mean",
+                  2);
+    result_.check("flow_variation_mean", flow.mean_windows.variation, "",
+                  "the same of the mean over the fall", "less than of the single steps",
+                  flow.mean_windows.variation < flow.variation, 2);
+    result_.state("flow_side", flow.horizontal, "",
+                  "(right half − left half)/sum of the pressure, rms over the steps of the fall",
+                  2);
+    result_.check("flow_side_mean", std::abs(flow.mean_windows.horizontal), "",
+                  "the same of the mean over the fall, absolute", "less than of the single steps",
+                  std::abs(flow.mean_windows.horizontal) < flow.horizontal, 2);
   }
 
   void jammed_numbers(const Compression& main) {
     const CompressionPhase& jam = main.jammed;
-    number({.name = "jam_lag1",
-            .value = at_lag(jam, 1),
-            .meaning = "correlation of the forces of consecutive steps, last 100 steps",
-            .digits = 3});
-    number({.name = "jam_lag2",
-            .value = at_lag(jam, 2),
-            .meaning = "of steps that are two apart",
-            .expected = "above that of consecutive steps: e_t = 1 repeats every second step",
-            .holds = at_lag(jam, 2) > at_lag(jam, 1),
-            .digits = 3});
-    number({.name = "stress_anisotropy",
-            .value = jam.anisotropy,
-            .meaning = "(σ₁ − σ₂)/(σ₁ + σ₂) of single steps, mean of the last 100",
-            .digits = 2});
-    number({.name = "stress_anisotropy_mean",
-            .value = anisotropy(jam.stress),
-            .meaning = "of the mean stress of the last 100 steps",
-            .expected = "at most that of the single steps",
-            .holds = anisotropy(jam.stress) <= jam.anisotropy,
-            .digits = 2});
+    result_.state("jam_lag1", at_lag(jam, 1), "",
+                  "correlation of the forces of consecutive steps, last 100 steps", 3);
+    result_.check("jam_lag2", at_lag(jam, 2), "", "of steps that are two apart",
+                  "above that of consecutive steps: e_t = 1 repeats every second step",
+                  at_lag(jam, 2) > at_lag(jam, 1), 3);
+    result_.state("stress_anisotropy", jam.anisotropy, "",
+                  "(σ₁ − σ₂)/(σ₁ + σ₂) of single steps, mean of the last 100", 2);
+    result_.check("stress_anisotropy_mean", anisotropy(jam.stress), "",
+                  "of the mean stress of the last 100 steps", "at most that of the single steps",
+                  anisotropy(jam.stress) <= jam.anisotropy, 2);
     const double mean_fabric = anisotropy(fabric_tensor(jam.contacts.in(main.state)));
-    number({.name = "fabric_anisotropy",
-            .value = jam.fabric_anisotropy,
-            .meaning = "the same of the fabric Σ n ⊗ n / N of the loaded contacts, single steps",
-            .digits = 2});
-    number({.name = "fabric_anisotropy_mean",
-            .value = mean_fabric,
-            .meaning = "of all contacts that were loaded in the last 100 steps",
-            .digits = 2});
-    number({.name = "jam_variation",
-            .value = jam.variation,
-            .meaning = "variation of the pressure over the windows, single steps, last 100",
-            .digits = 3});
-    number({.name = "jam_variation_mean",
-            .value = jam.mean_windows.variation,
-            .meaning = "of the mean over them",
-            .expected = "less than of the single steps",
-            .holds = jam.mean_windows.variation < jam.variation,
-            .digits = 3});
-    number({.name = "jam_side",
-            .value = jam.horizontal,
-            .meaning = "(right half − left half)/sum, single steps, rms of the last 100",
-            .digits = 2});
-    number({.name = "jam_side_mean",
-            .value = std::abs(jam.mean_windows.horizontal),
-            .meaning = "of the mean over them, absolute",
-            .digits = 2});
+    result_.state("fabric_anisotropy", jam.fabric_anisotropy, "",
+                  "the same of the fabric Σ n ⊗ n / N of the loaded contacts, single steps", 2);
+    result_.state("fabric_anisotropy_mean", mean_fabric, "",
+                  "of all contacts that were loaded in the last 100 steps", 2);
+    result_.state("jam_variation", jam.variation, "",
+                  "variation of the pressure over the windows, single steps, last 100", 3);
+    result_.check("jam_variation_mean", jam.mean_windows.variation, "", "of the mean over them",
+                  "less than of the single steps", jam.mean_windows.variation < jam.variation, 3);
+    result_.state("jam_side", jam.horizontal, "",
+                  "(right half − left half)/sum, single steps, rms of the last 100", 2);
+    result_.state("jam_side_mean", std::abs(jam.mean_windows.horizontal), "",
+                  "of the mean over them, absolute", 2);
   }
 
   void homogeneity_text() {
@@ -275,46 +231,33 @@ class Fig12 {
       return s;
     };
     chart.series = {series("falling", 0, main.flow), series("jammed", 1, main.jammed)};
-    result_.figures.push_back({.name = "fig12_correlation",
-                               .caption = "Correlation of the normal forces of two steps, pair by "
-                                          "pair, mean over all such steps.",
-                               .chart = chart,
-                               .after = 1});
+    result_.draw("fig12_correlation",
+                 "Correlation of the normal forces of two steps, pair by "
+                 "pair, mean over all such steps.",
+                 chart, 1);
   }
 
   void walls(const Compression& main) {
     const CompressionPhase& jam = main.jammed;
-    number({.name = "wall_balance",
-            .value = main.wall_balance,
-            .meaning =
-                "largest |contact force on a wall − (5000 N − mass × acceleration)| over the "
-                "applied force, all steps",
-            .expected = "round-off",
-            .holds = main.wall_balance <= 1e-9,
-            .digits = 2});
+    result_.check("wall_balance", main.wall_balance, "",
+                  "largest |contact force on a wall − (5000 N − mass × acceleration)| over the "
+                  "applied force, all steps",
+                  "round-off", main.wall_balance <= 1e-9, 2);
     const double normal = jam.wall_pressure / jam.applied_pressure;
-    number({.name = "wall_pressure",
-            .value = normal,
-            .meaning = "normal contact force of the walls over the applied force, mean of the last "
-                       "100 steps",
-            .expected = "1 within 1 %",
-            .holds = std::abs(normal - 1) <= 0.01,
-            .digits = 5});
+    result_.check("wall_pressure", normal, "",
+                  "normal contact force of the walls over the applied force, mean of the last "
+                  "100 steps",
+                  "1 within 1 %", std::abs(normal - 1) <= 0.01, 5);
     const double traction = (jam.stress - jam.walls).norm() / jam.walls.norm();
-    number({.name = "traction_difference",
-            .value = traction,
-            .meaning = "mean stress against the walls' forces, normal and tangential, Σ f ⊗ p / V: "
-                       "relative difference, last 100 steps",
-            .expected = "at most 1 %",
-            .holds = traction <= 0.01,
-            .digits = 2});
+    result_.check("traction_difference", traction, "",
+                  "mean stress against the walls' forces, normal and tangential, Σ f ⊗ p / V: "
+                  "relative difference, last 100 steps",
+                  "at most 1 %", traction <= 0.01, 2);
     const double ratio = 0.5 * jam.stress.trace() / jam.wall_pressure;
-    number({.name = "pressure_ratio",
-            .value = ratio,
-            .meaning = "pressure in the sample over the walls' normal pressure, last 100 steps",
-            .expected = "within 5 % = μ/2, what friction along the walls can add",
-            .holds = std::abs(ratio - 1) <= 0.05,
-            .digits = 5});
+    result_.check("pressure_ratio", ratio, "",
+                  "pressure in the sample over the walls' normal pressure, last 100 steps",
+                  "within 5 % = μ/2, what friction along the walls can add",
+                  std::abs(ratio - 1) <= 0.05, 5);
     result_.ours.emplace_back(
         "Wall pressure. Applied force, contact force and inertia of the walls balance to "
         "{wall_balance}. At the end the walls carry {wall_pressure} of the applied force, and the "
@@ -322,25 +265,17 @@ class Fig12 {
         "{traction_difference}. Its pressure is {pressure_ratio} of the normal pressure alone, "
         "because friction along the walls presses the sample as well; without friction there it is "
         "{ratio_smooth} (table).");
-    number({.name = "jam_met",
-            .value = static_cast<double>(main.jammed_run.converged),
-            .meaning =
-                "of the last 100 steps, those that met the tolerance 1e-2 within 3000 iterations"});
-    number({.name = "jam_error",
-            .value = main.jammed_run.mean_error,
-            .meaning = "ε of the last 100 steps, geometric mean",
-            .digits = 2});
-    number({.name = "far_starts",
-            .value = static_cast<double>(main.run.far_starts),
-            .meaning = "steps whose solve began with the impulses of two steps before"});
-    number({.name = "overlap",
-            .value = overlap(main),
-            .meaning = "largest overlap at the end over the smallest radius",
-            .digits = 2});
-    number({.name = "overlap_mean",
-            .value = mean_overlap(main),
-            .meaning = "mean overlap of the loaded contacts over the smallest radius",
-            .digits = 2});
+    result_.state(
+        "jam_met", main.jammed_run.converged, "",
+        "of the last 100 steps, those that met the tolerance 1e-2 within 3000 iterations");
+    result_.state("jam_error", main.jammed_run.mean_error, "",
+                  "ε of the last 100 steps, geometric mean", 2);
+    result_.state("far_starts", main.run.far_starts, "",
+                  "steps whose solve began with the impulses of two steps before");
+    result_.state("overlap", overlap(main), "",
+                  "largest overlap at the end over the smallest radius", 2);
+    result_.state("overlap_mean", mean_overlap(main), "",
+                  "mean overlap of the loaded contacts over the smallest radius", 2);
     result_.ours.emplace_back(
         "Cost. Jammed steps with e_t = 1 are hard: {jam_met} of the last 100 met 1e-2 within 3000 "
         "iterations of `apgd`, the others reached ε = {jam_error} (mean of all). A solve begins "
@@ -363,12 +298,11 @@ class Fig12 {
     chart.series = {series("mean stress", 0, main.pressure),
                     series("walls, contact forces", 1, main.wall_pressure),
                     series("walls, applied forces", 2, main.applied_pressure)};
-    result_.figures.push_back({.name = "fig12_pressure",
-                               .caption = "Pressure in the sample (contacts and velocity "
-                                          "fluctuations), of the contacts on the walls, and of the "
-                                          "driving forces.",
-                               .chart = chart,
-                               .after = 2});
+    result_.draw("fig12_pressure",
+                 "Pressure in the sample (contacts and velocity "
+                 "fluctuations), of the contacts on the walls, and of the "
+                 "driving forces.",
+                 chart, 2);
   }
 
   /// The paper's open choices, and solver and restitution, one changed at a time.
@@ -398,7 +332,7 @@ class Fig12 {
   void variations(const Compression& main) {
     const int count = context_.quick ? 154 : 617;
     const CompressionOptions base = {.count = count};
-    PaperTable table = variations_table(main, count);
+    ClaimTable table = variations_table(main, count);
     VariationExtremes found;
     for (const WantedVariation& w : wanted_variations(count)) {
       if (context_.stopped()) return;
@@ -430,8 +364,8 @@ class Fig12 {
   }
 
   /// With its first row, the run of the figure.
-  static PaperTable variations_table(const Compression& main, int count) {
-    PaperTable table;
+  static ClaimTable variations_table(const Compression& main, int count) {
+    ClaimTable table;
     table.name = "fig12_variations";
     table.caption = fmt::format(
         "First row: as above, {} disks. The others: {} disks, box and forces half as large for a "
@@ -455,63 +389,46 @@ class Fig12 {
   }
 
   void variation_numbers(const VariationExtremes& found, const Compression& main, int count) {
-    number({.name = "ratio_smooth",
-            .value = found.ratio_smooth,
-            .meaning = fmt::format("pressure in the sample over the walls' normal pressure, smooth "
-                                   "walls, {} disks",
-                                   count),
-            .expected = "1 within 1 %",
-            .holds = std::abs(found.ratio_smooth - 1) <= 0.01,
-            .digits = 5});
-    number(
-        {.name = "fraction_spread",
-         .value = (found.most_fraction - found.least_fraction) / found.most_fraction,
-         .meaning = "spread of the solid fraction over density and walls' mass, each by 1/4 and 4",
-         .expected = "at most 2 %",
-         .holds = (found.most_fraction - found.least_fraction) / found.most_fraction <= 0.02,
-         .digits = 2});
-    number({.name = "fraction_step",
-            .value = std::abs(found.same_step_fractions[1] - found.same_step_fractions[0]) /
-                     found.same_step_fractions[0],
-            .meaning = "change of the solid fraction from density / 4 to density × 4 with the same "
-                       "step of 7e-5 s",
-            .digits = 2});
-    number(
-        {.name = "coordination_spread",
-         .value = (found.most_coordination - found.least_coordination) / found.most_coordination,
-         .meaning = "the same of the coordination",
-         .expected = "at most 10 %",
-         .holds =
-             (found.most_coordination - found.least_coordination) / found.most_coordination <= 0.1,
-         .digits = 2});
-    number({.name = "anisotropy_most",
-            .value = found.most_anisotropy,
-            .meaning = "largest anisotropy of the mean stress among them",
-            .expected = "at most 0.1",
-            .holds = found.most_anisotropy <= 0.1,
-            .digits = 2});
-    number(
-        {.name = "turn_least",
-         .value = found.least_turn,
-         .meaning = "least excess of the correlation over two steps over that of one, among them",
-         .expected = "above 0: networks take turns",
-         .holds = found.least_turn > 0,
-         .digits = 2});
-    number({.name = "inelastic_lag1",
-            .value = found.inelastic,
-            .meaning = fmt::format(
-                "correlation of the forces of consecutive steps, e_t = 0, {} disks", count),
-            .expected = "above that with e_t = 1",
-            .holds = found.inelastic > at_lag(main.jammed, 1),
-            .digits = 4});
+    result_.check("ratio_smooth", found.ratio_smooth, "",
+                  fmt::format("pressure in the sample over the walls' normal pressure, smooth "
+                              "walls, {} disks",
+                              count),
+                  "1 within 1 %", std::abs(found.ratio_smooth - 1) <= 0.01, 5);
+    result_.check("fraction_spread",
+                  (found.most_fraction - found.least_fraction) / found.most_fraction, "",
+                  "spread of the solid fraction over density and walls' mass, each by 1/4 and 4",
+                  "at most 2 %",
+                  (found.most_fraction - found.least_fraction) / found.most_fraction <= 0.02, 2);
+    result_.state("fraction_step",
+                  std::abs(found.same_step_fractions[1] - found.same_step_fractions[0]) /
+                      found.same_step_fractions[0],
+                  "",
+                  "change of the solid fraction from density / 4 to density × 4 with the same "
+                  "step of 7e-5 s",
+                  2);
+    result_.check(
+        "coordination_spread",
+        (found.most_coordination - found.least_coordination) / found.most_coordination, "",
+        "the same of the coordination", "at most 10 %",
+        (found.most_coordination - found.least_coordination) / found.most_coordination <= 0.1, 2);
+    result_.check("anisotropy_most", found.most_anisotropy, "",
+                  "largest anisotropy of the mean stress among them", "at most 0.1",
+                  found.most_anisotropy <= 0.1, 2);
+    result_.check("turn_least", found.least_turn, "",
+                  "least excess of the correlation over two steps over that of one, among them",
+                  "above 0: networks take turns", found.least_turn > 0, 2);
+    result_.check(
+        "inelastic_lag1", found.inelastic, "",
+        fmt::format("correlation of the forces of consecutive steps, e_t = 0, {} disks", count),
+        "above that with e_t = 1", found.inelastic > at_lag(main.jammed, 1), 4);
   }
 
   const PaperContext& context_;
-  PaperResult result_;
+  Findings result_;
 };
 
 }  // namespace
 
-PaperResult run_fig12(const PaperContext& context) { return Fig12(context).run(); }
+Findings run_fig12(const PaperContext& context) { return Fig12(context).run(); }
 
 }  // namespace bipot

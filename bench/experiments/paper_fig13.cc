@@ -9,7 +9,6 @@
 #include <string_view>
 
 #include "bench/experiments/paper_items.h"
-#include "bench/experiments/paper_report.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/registry.h"
@@ -67,7 +66,7 @@ History history(const ErrorMethod& method, int side, double mu, double tilt, int
   return h;
 }
 
-/// `value` against the iteration, one marker in about half a decade.
+/// `value` against the iteration, about one marker in half a decade.
 ChartSeries curve(const std::string& name, int style, const History& h,
                   double (*value)(const IterationRecord&)) {
   ChartSeries series{name, style, {}};
@@ -85,7 +84,7 @@ ChartSeries curve(const std::string& name, int style, const History& h,
 double guarded(const IterationRecord& r) { return r.error.guarded(); }
 double raw(const IterationRecord& r) { return r.error.raw42; }
 
-/// Decrease of ln ε an iteration, by least squares over the last four decades.
+/// Decrease of ln ε in an iteration, by least squares over the last four decades.
 double decay(const History& h) {
   double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0;
   const double last = h.records.back().error.guarded();
@@ -131,7 +130,7 @@ class Fig13 {
  public:
   explicit Fig13(const PaperContext& context) : context_(context) {}
 
-  PaperResult run() {
+  Findings run() {
     result_.paper =
         "ε against the iteration number, log–log, for a rectangular array: about twenty iterations "
         "of an unsteady start, put down to the zero initial forces, then fast convergence.";
@@ -144,19 +143,17 @@ class Fig13 {
   }
 
  private:
-  void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
-
   // Frictionless, the paper's step: every contact of a column is a Jacobi iteration of the column's
-  // equations 2 s_k - s_{k-1} - s_{k+1} = m g h, with s_n = 0 above the top and, the floor's own
-  // step being twice as long, a mirror at the floor. Its modes are cos(theta k), theta = (2j - 1)
-  // pi / 2n, and shrink by cos theta: the slowest by cos(pi / 2n) an iteration.
+  // equations 2 s_k - s_{k-1} - s_{k+1} = m g h. Here s_n = 0 above the top. At the floor, whose
+  // own step is twice as long, there is a mirror. Its modes are cos(theta k), theta = (2j - 1) pi /
+  // 2n, and shrink by cos theta: the slowest by cos(pi / 2n) in an iteration.
   static double slowest_time_constant(int side) {
     return -1 / std::log(std::cos(std::numbers::pi / (2 * side)));
   }
 
   /// The paper's method on lattices of several sizes, from zero impulses.
   void transient() {
-    PaperTable rows;
+    ClaimTable rows;
     rows.name = "transient";
     rows.caption =
         "`uzawa` with the paper's ρ, μ = 0. Reached: first iteration in which every row carries "
@@ -185,12 +182,9 @@ class Fig13 {
       transient_numbers(side, reached, measured);
     }
     result_.tables.push_back(rows);
-    number({.name = "tau_theory_5",
-            .value = slowest_time_constant(5),
-            .unit = "iterations",
-            .meaning = "time constant of five rows by theory",
-            .expected = "about 20 in the paper's figure",
-            .digits = 3});
+    result_.check("tau_theory_5", slowest_time_constant(5), "iterations",
+                  "time constant of five rows by theory", "about 20 in the paper's figure",
+                  std::nullopt, 3);
     result_.ours.emplace_back(
         "The start has two parts. First the floor's push travels up: one row of contacts an "
         "iteration, so that n rows carry force only after n iterations. Then the forces diffuse to "
@@ -201,30 +195,23 @@ class Fig13 {
         "{tau_theory_5}), {tau_10} for 10. The paper does not give its size: twenty iterations "
         "would be the travel through twenty rows, or the time constant of five. Better initial "
         "forces shorten the second part, and more rows lengthen it.");
-    result_.figures.push_back({.name = "fig13_paper",
-                               .caption = "`uzawa` with the paper's ρ, μ = 0, several sizes.",
-                               .chart = sizes,
-                               .after = 0});
+    result_.draw("fig13_paper", "`uzawa` with the paper's ρ, μ = 0, several sizes.", sizes, 0);
   }
 
   void transient_numbers(int side, int reached, double measured) {
     const double theory = slowest_time_constant(side);
     int first_judged = 0;
     while (first_judged < side) first_judged = next_judged(first_judged);
-    number({.name = fmt::format("reached_{}", side),
-            .value = static_cast<double>(reached),
-            .unit = "iterations",
-            .meaning = fmt::format("{0} × {0}: until every row carries force", side),
-            .expected = fmt::format(
-                "{}, one row an iteration; seen at {}, the first one judged from there on", side,
-                first_judged),
-            .holds = reached == first_judged});
-    number({.name = fmt::format("tau_{}", side),
-            .value = measured,
-            .unit = "iterations",
-            .meaning = fmt::format("{0} × {0}: time constant of the decay", side),
-            .expected = fmt::format("−1/ln cos(π/2n) = {:.1f}, within 2 %", theory),
-            .holds = std::abs(measured / theory - 1) <= 0.02});
+    result_.check(
+        fmt::format("reached_{}", side), reached, "iterations",
+        fmt::format("{0} × {0}: until every row carries force", side),
+        fmt::format("{}, one row an iteration; seen at {}, the first one judged from there on",
+                    side, first_judged),
+        reached == first_judged);
+    result_.check(fmt::format("tau_{}", side), measured, "iterations",
+                  fmt::format("{0} × {0}: time constant of the decay", side),
+                  fmt::format("−1/ln cos(π/2n) = {:.1f}, within 2 %", theory),
+                  std::abs(measured / theory - 1) <= 0.02);
   }
 
   /// All methods on upright lattices.
@@ -234,7 +221,7 @@ class Fig13 {
          context_.quick ? std::vector<int>{10} : std::vector<int>{10, 20, 50, 100}) {
       Chart chart = error_chart(
           fmt::format("Error against the iteration, square lattice {0} × {0}", side), kLawError);
-      // So many contact updates that the largest lattice ends in seconds.
+      // Limits contact updates so that the largest lattice ends in seconds.
       const int cap = static_cast<int>(std::min(2e5, 3e8 / (2.0 * side * side + side)));
       for (const ErrorMethod& method : methods()) {
         if (context_.stopped()) return;
@@ -247,21 +234,16 @@ class Fig13 {
         }
         if (side == 10 || side == 100) iterations_number(method, side, h.result);
       }
-      result_.figures.push_back(
-          {.name = fmt::format("fig13_{}", side),
-           .caption =
-               fmt::format("All methods, {0} × {0}, μ = 0.3. Hollow: did not reach 1e-10 in {1} "
-                           "iterations.",
-                           side, to_text(cap, "", 6)),
-           .chart = chart,
-           .after = 1});
+      result_.draw(
+          fmt::format("fig13_{}", side),
+          fmt::format("All methods, {0} × {0}, μ = 0.3. Hollow: did not reach 1e-10 in {1} "
+                      "iterations.",
+                      side, to_text(cap, "", 6)),
+          chart, 1);
     }
-    number(
-        {.name = "raw_undefined",
-         .value = 100.0 * undefined / judged,
-         .unit = "%",
-         .meaning = "upright lattices, μ = 0.3: judged iterations in which raw (42) is 0/0 or x/0",
-         .digits = 3});
+    result_.state("raw_undefined", 100.0 * undefined / judged, "%",
+                  "upright lattices, μ = 0.3: judged iterations in which raw (42) is 0/0 or x/0",
+                  3);
     result_.ours.emplace_back(
         "Momentum (`apgd`) turns the n² into n, and an interior-point step couples all rows at "
         "once (`ipm`: {its_ipm_10} iterations for 10 × 10 where `uzawa` needs "
@@ -274,13 +256,12 @@ class Fig13 {
             ? " to 1e-10"
             : fmt::format(" done, ε = {} ({})", to_text(solved.error.guarded(), "", 2),
                           to_string(solved.status));
-    number({.name = fmt::format("its_{}_{}", method.id, side),
-            .value = static_cast<double>(solved.iterations),
-            .meaning =
-                fmt::format("{1} × {1}, μ = 0.3, {0}: iterations{2}", method.name, side, outcome)});
+    result_.state(
+        fmt::format("its_{}_{}", method.id, side), solved.iterations, "",
+        fmt::format("{1} × {1}, μ = 0.3, {0}: iterations{2}", method.name, side, outcome));
   }
 
-  /// The lattice leans: friction has something to do, and raw (42) a denominator.
+  /// The lattice is tilted: friction acts, and raw (42) has a denominator.
   void leaning() {
     const int side = context_.quick ? 10 : 20;
     Chart chart =
@@ -293,20 +274,17 @@ class Fig13 {
       chart.series.push_back(curve(fmt::format("ε, {}", method.name), method.style, h, guarded));
       chart.series.push_back(
           curve(fmt::format("raw (42), {}", method.name), method.style + 8, h, raw));
-      number({.name = fmt::format("raw_end_{}", method.id),
-              .value = h.result.error.raw42,
-              .meaning = fmt::format("leaning lattice, {}: raw (42) where ε = {}", method.name,
-                                     to_text(h.result.error.guarded(), "", 1)),
-              .digits = 2});
+      result_.state(fmt::format("raw_end_{}", method.id), h.result.error.raw42, "",
+                    fmt::format("leaning lattice, {}: raw (42) where ε = {}", method.name,
+                                to_text(h.result.error.guarded(), "", 1)),
+                    2);
     }
-    result_.figures.push_back(
-        {.name = "fig13_raw",
-         .caption =
-             fmt::format("Lattice {0} × {0} with gravity turned by 10°, μ = 0.3: it stays at rest, "
-                         "and raw (42) never tells.",
-                         side),
-         .chart = chart,
-         .after = 2});
+    result_.draw(
+        "fig13_raw",
+        fmt::format("Lattice {0} × {0} with gravity turned by 10°, μ = 0.3: it stays at rest, "
+                    "and raw (42) never tells.",
+                    side),
+        chart, 2);
     result_.ours.emplace_back(
         "The ordinate here is the guarded ε. Raw (42) divides by the dissipation of friction, and "
         "in a packing at rest nothing slides: it is undefined in {raw_undefined} of the judged "
@@ -316,11 +294,11 @@ class Fig13 {
   }
 
   const PaperContext& context_;
-  PaperResult result_;
+  Findings result_;
 };
 
 }  // namespace
 
-PaperResult run_fig13(const PaperContext& context) { return Fig13(context).run(); }
+Findings run_fig13(const PaperContext& context) { return Fig13(context).run(); }
 
 }  // namespace bipot

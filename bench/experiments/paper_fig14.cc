@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "bench/experiments/paper_items.h"
-#include "bench/experiments/paper_report.h"
 #include "bench/measure/iteration_growth.h"
 
 namespace bipot {
@@ -30,7 +29,7 @@ struct CurveMethod {
   GrowthMethod method;
   std::string id;
   int style;
-  double work;  ///< contact updates that a solve may take; a larger problem is not begun
+  double work;  ///< largest number of contact updates of a solve; larger problems are not started
 };
 
 struct Case {
@@ -43,7 +42,7 @@ struct Case {
 class Fig14 {
  public:
   explicit Fig14(const PaperContext& context) : context_(context) {
-    // Sweeps get some 3 s of one core, momentum eight times that.
+    // Sweeps get about 3 s of one core, momentum eight times that.
     const double work = context.quick ? 1e7 : 3e8;
     methods_ = {{{"uzawa, paper's ρ", "uzawa", {{"rho", "paper"}}}, "uzawa_paper", 0, work},
                 {{"uzawa, stable ρ", "uzawa", {{"rho", "stable"}}}, "uzawa_stable", 1, work},
@@ -63,7 +62,7 @@ class Fig14 {
     add_case("pile", 0, "random: settled pile of three sizes", piles, 1e5);
   }
 
-  PaperResult run() {
+  Findings run() {
     for (const Case& c : cases_) {
       measure(c);
       if (context_.stopped()) return {};
@@ -107,7 +106,7 @@ class Fig14 {
   }
 
   void measure(const Case& c) {
-    // Iterations at the size before, for each method and tolerance; infinite when not met.
+    // Iterations at the previous size, for each method and tolerance; infinite if not met.
     std::vector<std::vector<double>> before(methods_.size(), std::vector<double>(kTols.size(), 0));
     double disks_before = 0;
     for (const double size : c.sizes) {
@@ -118,7 +117,7 @@ class Fig14 {
         const CurveMethod& method = methods_[m];
         if (method.method.solver == "ipm" && size > 1.01 * c.largest_ipm) continue;
         const double cap = method.work / problem.problem.num_contacts();
-        // Growth no faster than N is foreseen; the limit of iterations holds in any case.
+        // Assumes growth no faster than N; the limit of iterations holds in any case.
         std::vector<double> tols;
         for (std::size_t t = 0; t < kTols.size(); ++t) {
           const double expected =
@@ -175,15 +174,14 @@ class Fig14 {
         const GrowthFit* fit = fit_of("square", m.method.name, tol);
         PowerLaw law;
         if (fit != nullptr) law = fit->iterations;
-        PaperNumber n{
-            .name = fmt::format("{}_{}", m.id, tol_text(tol)),
-            .value = law.exponent,
-            .meaning = fmt::format(
+        Claim& n = result_.state(
+            fmt::format("{}_{}", m.id, tol_text(tol)), law.exponent, "",
+            fmt::format(
                 "square lattice, {}, ε ≤ {}: exponent of the iterations, ± {} ({} sizes)",
                 m.method.name, tol_text(tol),
                 std::isfinite(law.confidence) ? fmt::format("{:.3f}", law.confidence) : "unknown",
-                law.points),
-            .command = command(square, m, "1e-2,1e-4,1e-6,1e-8")};
+                law.points));
+        n.command = command(square, m, "1e-2,1e-4,1e-6,1e-8");
         const bool fitted = !context_.quick && std::isfinite(law.exponent) && law.points >= 3;
         if (m.id == "uzawa_paper" || m.id == "pgs") {
           n.expected = "1 by theory, within 0.1; the paper: 1.042 for its method";
@@ -195,7 +193,6 @@ class Fig14 {
           n.expected = "at most 0.15";
           if (fitted) n.holds = law.exponent <= 0.15;
         }
-        result_.numbers.push_back(std::move(n));
       }
     }
     int met = 0, tried = 0;
@@ -206,18 +203,14 @@ class Fig14 {
       ++tried;
       met += is_success(row.status) ? 1 : 0;
     }
-    result_.numbers.push_back({.name = "work",
-                               .value = methods_[0].work,
-                               .meaning = "contact updates that a sweep method may take"});
+    result_.state("work", methods_[0].work, "", "contact updates that a sweep method may take");
     const std::string other = command(cases_[1], methods_[0], "1e-2");
-    result_.numbers.push_back({.name = "paper_rho_tried",
-                               .value = static_cast<double>(tried),
-                               .meaning = "problems of the other scenes begun with the paper's ρ",
-                               .command = other + "10"});
-    result_.numbers.push_back({.name = "paper_rho_met",
-                               .value = static_cast<double>(met),
-                               .meaning = "of them, those in which ε ≤ 1e-2 was met",
-                               .command = other + "10"});
+    result_
+        .state("paper_rho_tried", tried, "",
+               "problems of the other scenes begun with the paper's ρ")
+        .command = other + "10";
+    result_.state("paper_rho_met", met, "", "of them, those in which ε ≤ 1e-2 was met").command =
+        other + "10";
   }
 
   ChartSeries series(const std::string& name, int style, const std::string& family,
@@ -245,7 +238,7 @@ class Fig14 {
                seconds ? ChartAxis::Kind::kLogSeconds : ChartAxis::Kind::kLog};
     std::erase_if(all, [](const ChartSeries& s) { return s.points.empty(); });
     chart.series = std::move(all);
-    result_.figures.push_back({.name = name, .caption = caption, .chart = std::move(chart)});
+    result_.draw(name, caption, std::move(chart));
   }
 
   void charts() {
@@ -289,7 +282,7 @@ class Fig14 {
 
   void tables() {
     for (const Case& c : cases_) {
-      PaperTable table;
+      ClaimTable table;
       table.name = "exponents_" + c.scene.family;
       table.caption = fmt::format(
           "{}: exponent of the iterations in the number of disks, ± half of its 95 % confidence "
@@ -310,7 +303,7 @@ class Fig14 {
       }
       result_.tables.push_back(std::move(table));
     }
-    PaperTable rows;
+    ClaimTable rows;
     rows.name = "rows";
     rows.caption = "Every problem: iterations to each tolerance, and what the tightest achieved.";
     rows.columns = {"scene", "method", "disks", "contacts"};
@@ -346,11 +339,11 @@ class Fig14 {
   std::vector<Case> cases_;
   std::vector<GrowthRow> rows_;
   std::vector<GrowthFit> fits_;
-  PaperResult result_;
+  Findings result_;
 };
 
 }  // namespace
 
-PaperResult run_fig14(const PaperContext& context) { return Fig14(context).run(); }
+Findings run_fig14(const PaperContext& context) { return Fig14(context).run(); }
 
 }  // namespace bipot

@@ -1,5 +1,5 @@
-// The paper's claim about its stop test: the error in the constitutive law (42) serves better than
-// the Euclidean difference of successive forces. Held against the true error.
+// The paper's claim about its stop test: the error in the constitutive law (42) is better than the
+// Euclidean difference of successive forces. Compared with the true error.
 
 #include <fmt/format.h>
 
@@ -73,7 +73,7 @@ TestProblem impact(int count) {
   Disk striker = *top;
   striker.v = Vec2(0, -20);
   striker.spin = 0;
-  // Beyond touching by less than the way to mid-step, 0.1 m: a contact of this step.
+  // Nearer than the path to mid-step, 0.1 m: a contact of this step.
   striker.x = top->x + Vec2(0, 2 * top->radius + 0.05);
   pile.scene.bodies.push_back(striker);
   pile.state.bodies.push_back(striker);
@@ -118,8 +118,8 @@ std::vector<StopTestRow> select(const std::vector<StopTestRow>& rows,
   return chosen;
 }
 
-/// Largest and smallest error of the scenes and solvers of one group, one pair of curves per test.
-/// Errors of exactly 0 (one contact, solved by one sweep) say nothing of a test and stay out.
+/// Largest and smallest error of the scenes and solvers of one group, one pair of curves for each
+/// test. Errors of exactly 0 (one contact, solved by one sweep) are not informative and left out.
 Chart envelope_chart(const std::vector<StopTestRow>& rows, const Group& group,
                      const std::string& measure, Measure value, const std::vector<double>& tols) {
   Chart chart;
@@ -153,7 +153,7 @@ Chart envelope_chart(const std::vector<StopTestRow>& rows, const Group& group,
   return chart;
 }
 
-/// How far the error stands above the tolerance when lattices grow.
+/// How far the error exceeds the tolerance as lattices grow.
 struct Growth {
   Chart chart;
   PowerLaw difference, guarded;  ///< of velocity error / tol against rows, pgs
@@ -201,9 +201,9 @@ Growth study_growth(const PaperContext& context) {
   return growth;
 }
 
-/// One row per scene and solver at one tolerance: what each test returned, and after how long.
-PaperTable cases_table(const std::vector<StopTestRow>& rows, double tol) {
-  PaperTable table;
+/// One row for each scene and solver at one tolerance: result and time of each test.
+ClaimTable cases_table(const std::vector<StopTestRow>& rows, double tol) {
+  ClaimTable table;
   table.name = "stop_test_cases";
   table.caption = fmt::format(
       "Velocity error (energy norm, relative) at which each test stops for a tolerance of {}, and "
@@ -226,9 +226,9 @@ PaperTable cases_table(const std::vector<StopTestRow>& rows, double tol) {
   return table;
 }
 
-PaperTable scenes_table(const std::vector<StopTestRow>& rows,
+ClaimTable scenes_table(const std::vector<StopTestRow>& rows,
                         const std::vector<StopTestScene>& scenes, Measure velocity) {
-  PaperTable table;
+  ClaimTable table;
   table.name = "stop_test_scenes";
   table.caption =
       "How well each test foretells the velocity error, scene by scene, over all solvers and "
@@ -272,7 +272,7 @@ class StopTestItem {
     options_.interrupted = context.interrupted;
   }
 
-  PaperResult run() {
+  Findings run() {
     context_.report("making the scenes");
     scenes_ = make_scenes(context_.quick);
     study();
@@ -304,7 +304,7 @@ class StopTestItem {
     result_.tables.push_back(summary_table());
     result_.tables.push_back(scenes_table(rows_, scenes_, velocity_error));
     result_.tables.push_back(cases_table(rows_, 1e-4));
-    for (PaperNumber& n : result_.numbers) n.digits = 3;
+    for (Claim& n : result_.claims) n.digits = 3;
     return std::move(result_);
   }
 
@@ -322,7 +322,7 @@ class StopTestItem {
     }
   }
 
-  /// How well each test foretells the velocity error of each group of scenes.
+  /// How well each test predicts the velocity error of each group of scenes.
   void forecast() {
     for (const Group& group : kGroups) {
       for (const Test& test : kTests) {
@@ -336,8 +336,8 @@ class StopTestItem {
     }
   }
 
-  PaperTable summary_table() const {
-    PaperTable summary;
+  ClaimTable summary_table() const {
+    ClaimTable summary;
     summary.name = "stop_test_summary";
     summary.caption =
         "Velocity error over tolerance, over all solves that met the test. Early: above 10; late: "
@@ -360,11 +360,10 @@ class StopTestItem {
 
   void number(const char* name, double value, const char* meaning, const std::string& expected = {},
               std::optional<bool> holds = std::nullopt) {
-    result_.numbers.push_back(
-        {.name = name, .value = value, .meaning = meaning, .expected = expected, .holds = holds});
+    result_.check(name, value, "", meaning, expected, holds);
   }
 
-  /// Those predictions that the text states; the table has them all.
+  /// Predictions that the text quotes; the table has them all.
   void prediction_numbers() {
     const auto state = [this](const std::string& key, const char* what, double value,
                               const char* meaning) {
@@ -372,9 +371,8 @@ class StopTestItem {
                          : key.starts_with("raw42") ? "raw (42)"
                                                     : "difference";
       const char* group = key.ends_with("rest") ? "scenes at rest" : "moving scenes";
-      result_.numbers.push_back({.name = fmt::format("{}_{}", key, what),
-                                 .value = value,
-                                 .meaning = fmt::format("{}: {}, {}", test, meaning, group)});
+      result_.state(fmt::format("{}_{}", key, what), value, "",
+                    fmt::format("{}: {}, {}", test, meaning, group));
     };
     for (const char* key : {"guarded_rest", "guarded_motion"}) {
       const Prediction& p = predictions_.at(key);
@@ -511,7 +509,7 @@ class StopTestItem {
          approach_left}};
     for (const Named& m : measures) {
       for (const Group& group : kGroups) {
-        figure(
+        result_.draw(
             fmt::format("stop_test_{}_{}", m.key, group.key),
             fmt::format("{} against the tolerance asked for, {}: largest (filled) and smallest "
                         "(hollow) over scenes and solvers, for the guarded ε, the raw (42) and "
@@ -522,20 +520,11 @@ class StopTestItem {
             m.value == velocity_error ? std::optional(0) : std::nullopt);
       }
     }
-    figure("stop_test_growth",
-           "Velocity error over tolerance (1e-4) when the lattice grows: ε the guarded test, diff. "
-           "the difference of successive impulses.",
-           growth_.chart, 1);
-  }
-
-  void figure(const std::string& name, const std::string& caption, Chart chart,
-              std::optional<int> after) {
-    PaperFigure f;
-    f.after = after;
-    f.name = name;
-    f.caption = caption;
-    f.chart = std::move(chart);
-    result_.figures.push_back(std::move(f));
+    result_.draw(
+        "stop_test_growth",
+        "Velocity error over tolerance (1e-4) when the lattice grows: ε the guarded test, diff. "
+        "the difference of successive impulses.",
+        growth_.chart, 1);
   }
 
   const PaperContext& context_;
@@ -545,11 +534,11 @@ class StopTestItem {
   std::map<std::string, Prediction> predictions_;  ///< of <test>_<group>
   double worst_reference_ = 0, worst_spread_ = 0;
   Growth growth_;
-  PaperResult result_;
+  Findings result_;
 };
 
 }  // namespace
 
-PaperResult run_stop_test(const PaperContext& context) { return StopTestItem(context).run(); }
+Findings run_stop_test(const PaperContext& context) { return StopTestItem(context).run(); }
 
 }  // namespace bipot

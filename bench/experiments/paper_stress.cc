@@ -1,4 +1,4 @@
-// The mean stress tensor that the paper names as future work.
+// The mean stress tensor, which the paper names as future work.
 
 #include <fmt/format.h>
 
@@ -23,7 +23,7 @@ class StressItem {
  public:
   explicit StressItem(const PaperContext& context) : context_(context) {}
 
-  PaperResult run() {
+  Findings run() {
     result_.paper =
         "The conclusion names a consistent mean stress tensor of the granular system as future "
         "work; there are no values.";
@@ -43,8 +43,6 @@ class StressItem {
   }
 
  private:
-  void number(PaperNumber n) { result_.numbers.push_back(std::move(n)); }
-
   Compression compressed(bool smooth) const {
     const int count = context_.quick ? 154 : 617;
     context_.report(fmt::format("{} disks between {} walls", count, smooth ? "smooth" : "rough"));
@@ -77,59 +75,45 @@ class StressItem {
   }
 
   void symmetry(const Compression& rough, const Compression& smooth) {
-    number({.name = "disks",
-            .value = static_cast<double>(smooth.state.bodies.size()),
-            .meaning = "disks of the isotropic compression"});
-    number({.name = "asymmetry",
-            .value = std::max({smooth.flow.asymmetry, smooth.jammed.asymmetry, rough.flow.asymmetry,
-                               rough.jammed.asymmetry}),
-            .meaning = "largest |σ_xy − σ_yx|/(σ_xx + σ_yy) of a step, falling and jammed",
-            .expected = "round-off: below 1e-12",
-            .holds = std::max({smooth.flow.asymmetry, smooth.jammed.asymmetry, rough.flow.asymmetry,
-                               rough.jammed.asymmetry}) < 1e-12,
-            .digits = 2});
-    number({.name = "contact_asymmetry",
-            .value = std::max({smooth.flow.contact_asymmetry, rough.flow.contact_asymmetry}),
-            .meaning = "the same of the contact part alone, falling",
-            .digits = 2});
+    result_.state("disks", smooth.state.bodies.size(), "", "disks of the isotropic compression");
+    result_.check("asymmetry",
+                  std::max({smooth.flow.asymmetry, smooth.jammed.asymmetry, rough.flow.asymmetry,
+                            rough.jammed.asymmetry}),
+                  "", "largest |σ_xy − σ_yx|/(σ_xx + σ_yy) of a step, falling and jammed",
+                  "round-off: below 1e-12",
+                  std::max({smooth.flow.asymmetry, smooth.jammed.asymmetry, rough.flow.asymmetry,
+                            rough.jammed.asymmetry}) < 1e-12,
+                  2);
+    result_.state("contact_asymmetry",
+                  std::max({smooth.flow.contact_asymmetry, rough.flow.contact_asymmetry}), "",
+                  "the same of the contact part alone, falling", 2);
   }
 
-  /// The tensor against what the walls do to the sample, once it is jammed.
+  /// The tensor against the action of the walls on the sample, once it is jammed.
   void wall_pressures(const Compression& rough, const Compression& smooth) {
     const CompressionPhase &jam = smooth.jammed, &rough_jam = rough.jammed;
     const double pressure_error = std::abs(0.5 * jam.stress.trace() / jam.wall_pressure - 1);
-    number({.name = "pressure_error",
-            .value = pressure_error,
-            .meaning = "pressure against the walls' contact pressure, smooth walls, mean of the "
-                       "last 100 steps: relative difference",
-            .expected = "at most 1 %",
-            .holds = pressure_error <= 0.01,
-            .digits = 2});
+    result_.check("pressure_error", pressure_error, "",
+                  "pressure against the walls' contact pressure, smooth walls, mean of the "
+                  "last 100 steps: relative difference",
+                  "at most 1 %", pressure_error <= 0.01, 2);
     double worst = 0;
     for (std::size_t k = smooth.pressure.size() - static_cast<std::size_t>(jam.steps);
          k < smooth.pressure.size(); ++k) {
       worst = std::max(worst, std::abs(smooth.pressure[k] / smooth.wall_pressure[k] - 1));
     }
-    number({.name = "pressure_error_step",
-            .value = worst,
-            .meaning = "the same in the worst of these steps",
-            .expected = "at most 1 %",
-            .holds = worst <= 0.01,
-            .digits = 2});
+    result_.check("pressure_error_step", worst, "", "the same in the worst of these steps",
+                  "at most 1 %", worst <= 0.01, 2);
     const double traction = difference(rough_jam.stress, rough_jam.walls);
-    number({.name = "traction_error",
-            .value = traction,
-            .meaning = "stress against the walls' normal and frictional forces Σ f ⊗ p / V, rough "
-                       "walls, mean of the last 100 steps, largest entry over the trace",
-            .expected = "at most 1 %",
-            .holds = traction <= 0.01,
-            .digits = 2});
-    number({.name = "friction_share",
-            .value = 0.5 * rough_jam.stress.trace() / rough_jam.wall_pressure,
-            .meaning = "pressure over the walls' normal pressure alone, rough walls",
-            .expected = "within 5 % = μ/2, what friction along the walls can add",
-            .holds = std::abs(0.5 * rough_jam.stress.trace() / rough_jam.wall_pressure - 1) <= 0.05,
-            .digits = 5});
+    result_.check("traction_error", traction, "",
+                  "stress against the walls' normal and frictional forces Σ f ⊗ p / V, rough "
+                  "walls, mean of the last 100 steps, largest entry over the trace",
+                  "at most 1 %", traction <= 0.01, 2);
+    result_.check("friction_share", 0.5 * rough_jam.stress.trace() / rough_jam.wall_pressure, "",
+                  "pressure over the walls' normal pressure alone, rough walls",
+                  "within 5 % = μ/2, what friction along the walls can add",
+                  std::abs(0.5 * rough_jam.stress.trace() / rough_jam.wall_pressure - 1) <= 0.05,
+                  5);
   }
 
   void kinetic_part(const Compression& rough) {
@@ -137,14 +121,10 @@ class StressItem {
     for (std::size_t k = 0; k < rough.pressure.size(); ++k) {
       kinetic = std::max(kinetic, rough.kinetic_pressure[k] / rough.applied_pressure[k]);
     }
-    number({.name = "kinetic_most",
-            .value = kinetic,
-            .meaning = "largest kinetic pressure over the applied pressure, during the fall",
-            .digits = 2});
-    number({.name = "kinetic_last",
-            .value = rough.kinetic_pressure.back() / rough.pressure.back(),
-            .meaning = "share of the kinetic part in the pressure after the last step",
-            .digits = 2});
+    result_.state("kinetic_most", kinetic, "",
+                  "largest kinetic pressure over the applied pressure, during the fall", 2);
+    result_.state("kinetic_last", rough.kinetic_pressure.back() / rough.pressure.back(), "",
+                  "share of the kinetic part in the pressure after the last step", 2);
   }
 
   void pictures(const Compression& rough) {
@@ -157,18 +137,14 @@ class StressItem {
                         options);
     draw_stress_picture(context_.out / "stress_disks_mean.svg", rough.scene, mean,
                         disk_pressures(mean, rough.scene.step), "", options);
-    result_.figures.push_back({.name = "stress_disks",
-                               .caption =
-                                   "Pressure in each disk, over its own area, after the last "
-                                   "step of the isotropic compression.",
-                               .file = "stress_disks.svg",
-                               .after = 1});
-    result_.figures.push_back(
-        {.name = "stress_disks_mean",
-         .caption = fmt::format("The same of the forces' mean over the last {} steps. Same scale.",
-                                rough.jammed.steps),
-         .file = "stress_disks_mean.svg",
-         .after = 1});
+    result_.show("stress_disks",
+                 "Pressure in each disk, over its own area, after the last "
+                 "step of the isotropic compression.",
+                 1);
+    result_.show("stress_disks_mean",
+                 fmt::format("The same of the forces' mean over the last {} steps. Same scale.",
+                             rough.jammed.steps),
+                 1);
   }
 
   void parts_chart(const Compression& rough) {
@@ -186,12 +162,10 @@ class StressItem {
     }
     chart.series = {whole, moving, walls};
     for (ChartSeries& series : chart.series) series.kind = ChartSeries::Kind::kLine;
-    result_.figures.push_back({.name = "stress_parts",
-                               .caption =
-                                   "Isotropic compression: pressure of the sample and of the "
-                                   "walls' contacts, relative to the applied one.",
-                               .chart = chart,
-                               .after = 1});
+    result_.draw("stress_parts",
+                 "Isotropic compression: pressure of the sample and of the "
+                 "walls' contacts, relative to the applied one.",
+                 chart, 1);
   }
 
   /// Disks and windows against the sample.
@@ -213,18 +187,12 @@ class StressItem {
         windows += s.area / area * s.contact;
       }
     }
-    number({.name = "disks_error",
-            .value = difference(disks, whole.total()),
-            .meaning = "disks' stresses, weighted by their areas, against the sample's",
-            .expected = "round-off: below 1e-12",
-            .holds = difference(disks, whole.total()) < 1e-12,
-            .digits = 2});
-    number({.name = "windows_error",
-            .value = difference(windows, whole.contact),
-            .meaning = "contact parts of 64 windows that tile the sample against the sample's",
-            .expected = "round-off: below 1e-12",
-            .holds = difference(windows, whole.contact) < 1e-12,
-            .digits = 2});
+    result_.check("disks_error", difference(disks, whole.total()), "",
+                  "disks' stresses, weighted by their areas, against the sample's",
+                  "round-off: below 1e-12", difference(disks, whole.total()) < 1e-12, 2);
+    result_.check("windows_error", difference(windows, whole.contact), "",
+                  "contact parts of 64 windows that tile the sample against the sample's",
+                  "round-off: below 1e-12", difference(windows, whole.contact) < 1e-12, 2);
   }
 
   /// A square lattice at rest: σ_yy is the weight above.
@@ -256,31 +224,26 @@ class StressItem {
     }
     theory.points = {{0, 0}, {static_cast<double>(side), specific_weight * side}};
     chart.series = {theory, rows};
-    number(
-        {.name = "gravity_error",
-         .value = worst,
-         .meaning = fmt::format("σ_yy in the rows of a square lattice of {0} × {0} disks against "
-                                "ρ g depth, largest relative difference",
-                                side),
-         .expected = "the solver's: below 1e-6",
-         .holds = worst < 1e-6,
-         .digits = 2});
-    result_.figures.push_back({.name = "stress_depth",
-                               .caption = "Square lattice under gravity, frictionless: windows of "
-                                          "one row, at their middle.",
-                               .chart = chart,
-                               .after = 2});
+    result_.check("gravity_error", worst, "",
+                  fmt::format("σ_yy in the rows of a square lattice of {0} × {0} disks against "
+                              "ρ g depth, largest relative difference",
+                              side),
+                  "the solver's: below 1e-6", worst < 1e-6, 2);
+    result_.draw("stress_depth",
+                 "Square lattice under gravity, frictionless: windows of "
+                 "one row, at their middle.",
+                 chart, 2);
     result_.ours.emplace_back(
         "Disks and windows add up to the sample: {disks_error} and {windows_error}. Under gravity "
         "the rows of a square lattice carry the weight above them, to {gravity_error}.");
   }
 
   const PaperContext& context_;
-  PaperResult result_;
+  Findings result_;
 };
 
 }  // namespace
 
-PaperResult run_stress(const PaperContext& context) { return StressItem(context).run(); }
+Findings run_stress(const PaperContext& context) { return StressItem(context).run(); }
 
 }  // namespace bipot

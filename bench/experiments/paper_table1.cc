@@ -13,8 +13,8 @@
 namespace bipot {
 namespace {
 
-/// What a film of the ball shows: the greatest height and the duration of each flight between two
-/// impacts, both to within a time step.
+/// Quantities from a film of the ball: the greatest height and the duration of each flight between
+/// two impacts, both to within a time step.
 struct Bounces {
   std::vector<double> height, flight_time;  ///< of the whole flights, from the first impact on
   int impacts = 0, max_iterations = 0;
@@ -54,11 +54,11 @@ Bounces bounce(const Scene<2>& shipped, double e_n, double step, const PaperCont
 
 }  // namespace
 
-PaperResult run_table1(const PaperContext& context) {
+Findings run_table1(const PaperContext& context) {
   constexpr double kHeight = 0.1;
   const Scene<2> shipped = read_scene(find_scene("bouncing_ball"));
   const double g = -shipped.gravity[1];
-  PaperResult result;
+  Findings result;
   result.paper =
       "A ball dropped from 0.10 m on a plane, time step 1e-4 s. With e_n = 1 heights and times of "
       "the bounces are exact to the digits printed; with e_n = 0.9 the heights of the first two "
@@ -67,19 +67,10 @@ PaperResult run_table1(const PaperContext& context) {
   film.title = "Height of the ball against time for two restitution coefficients";
   film.x = {"time (s)", ChartAxis::Kind::kLinear, 0.0, 0.8};
   film.y = {"height above the plane (m)", ChartAxis::Kind::kLinear, 0.0, 0.1};
-  const auto number = [&](std::string name, double value, std::string unit, std::string meaning,
-                          std::string expected, std::optional<bool> holds) {
-    result.numbers.push_back({.name = std::move(name),
-                              .value = value,
-                              .unit = std::move(unit),
-                              .meaning = std::move(meaning),
-                              .expected = std::move(expected),
-                              .holds = holds});
-  };
   // The paper's relative errors in percent: heights and times of the bounces 1 and 2.
   constexpr double kPaper[2][2][2] = {{{0, 0}, {0, 0}}, {{2.1, 5.6}, {0.3, 0.4}}};
-  // An impact is placed within one step of length |v| h <= 0.14 mm of the plane, so heights are off
-  // by at most twice that (before and after the flight) and times by two steps.
+  // An impact is located within one step of length |v| h <= 0.14 mm of the plane. Errors of heights
+  // are at most twice that (before and after the flight), of times two steps.
   const double h = 1e-4, v0 = std::sqrt(2 * g * kHeight);
   int iterations = 0;
   for (int k = 0; k < 2; ++k) {
@@ -98,22 +89,21 @@ PaperResult run_table1(const PaperContext& context) {
       const auto compared = [&](const char* what, const char* unit, double here, double exact,
                                 double bound, double paper) {
         const std::string id = fmt::format("{}{}_e{}", what[0], p, k == 0 ? "1" : "09");
-        number(id, here, unit, fmt::format("{} of bounce {}, e_n = {:g}", what, p, e),
-               fmt::format("{:.4f} {}", exact, unit), std::nullopt);
+        result.check(id, here, unit, fmt::format("{} of bounce {}, e_n = {:g}", what, p, e),
+                     fmt::format("{:.4f} {}", exact, unit), std::nullopt);
         const double error = 100 * std::abs(here / exact - 1);
-        number(id + "_error", error, "%",
-               fmt::format("relative error of the {} of bounce {}, e_n = {:g}", what, p, e),
-               fmt::format("at most {:.2f} %, the length of a step; the paper's: {:g} %",
-                           100 * bound, paper),
-               error <= 100 * bound);
-        result.numbers.back().digits = 2;
+        result.check(id + "_error", error, "%",
+                     fmt::format("relative error of the {} of bounce {}, e_n = {:g}", what, p, e),
+                     fmt::format("at most {:.2f} %, the length of a step; the paper's: {:g} %",
+                                 100 * bound, paper),
+                     error <= 100 * bound, 2);
       };
       compared("height", "m", here_h, height, 2 * v0 * h / kHeight, kPaper[k][0][p - 1]);
       compared("time", "s", here_t, time, 2 * h / time, kPaper[k][1][p - 1]);
     }
   }
-  number("iterations", iterations, "", "most iterations in an impact", "2 in the paper",
-         iterations >= 1 && iterations <= 2);
+  result.check("iterations", iterations, "", "most iterations in an impact", "2 in the paper",
+               iterations >= 1 && iterations <= 2);
 
   Chart steps;
   steps.title = "Relative error of the first bounce's height against the time step, e_n = 0.9";
@@ -136,12 +126,11 @@ PaperResult run_table1(const PaperContext& context) {
       "the times {t1_e09_error} and {t2_e09_error}. What is left is the place of the impact within "
       "a step: it falls with the step length, unevenly, because it depends on where the steps "
       "happen to fall. Most iterations in an impact: {iterations}."};
-  result.figures.push_back(
-      {"table1_film", "Height against time (the paper's Fig. 7), h = 1e-4 s.", "", film});
-  result.figures.push_back({"table1_step",
-                            "Error of the first bounce's height, e_n = 0.9, against the time step; "
-                            "dotted: the distance fallen in one step over h0.",
-                            "", steps});
+  result.draw("table1_film", "Height against time (the paper's Fig. 7), h = 1e-4 s.", film);
+  result.draw("table1_step",
+              "Error of the first bounce's height, e_n = 0.9, against the time step; "
+              "dotted: the distance fallen in one step over h0.",
+              steps);
   return result;
 }
 

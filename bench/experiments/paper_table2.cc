@@ -11,7 +11,7 @@
 
 namespace bipot {
 
-PaperResult run_table2(const PaperContext& context) {
+Findings run_table2(const PaperContext& context) {
   const Scene<2> scene = read_scene(find_scene("sliding_cylinder"));
   const double g = -scene.gravity[1], mu = scene.laws[0].mu, h = scene.step;
   const double v0 = scene.bodies[0].v[0], radius = scene.bodies[0].radius;
@@ -40,7 +40,7 @@ PaperResult run_table2(const PaperContext& context) {
   const double v_end = end.bodies[0].v[0];
   const double slip = std::abs(v_end + radius * end.bodies[0].spin);
 
-  PaperResult result;
+  Findings result;
   result.paper =
       "A cylinder with v0 = 1 m/s on a plane, μ = 0.5, time step 1e-4 s, slides and then rolls "
       "from 0.0679 s on at 0.666 m/s; the numerical values agree with the analytical ones to the "
@@ -48,35 +48,16 @@ PaperResult run_table2(const PaperContext& context) {
   result.ours = {
       "It rolls from {t1} on at {v1}. The velocity is {v1_error} off; the time is that of the "
       "first step without sliding, known to within the step of 1e-4 s."};
-  result.numbers = {{.name = "v1",
-                     .value = v_end,
-                     .unit = "m/s",
-                     .meaning = "velocity of rolling",
-                     .expected = fmt::format("⅔ v0 = {:.6f} m/s (47); the paper: 0.666", v1),
-                     .holds = std::abs(v_end / v1 - 1) <= 1e-6,
-                     .digits = 7},
-                    {.name = "v1_error",
-                     .value = std::abs(v_end / v1 - 1),
-                     .meaning = "its relative error",
-                     .expected = "at most 1e-6, from the tolerance 1e-8 over the sliding steps",
-                     .holds = std::abs(v_end / v1 - 1) <= 1e-6,
-                     .digits = 2},
-                    {.name = "t1",
-                     .value = rolls_from,
-                     .unit = "s",
-                     .meaning = "rolls from",
-                     .expected = fmt::format(
-                         "v0/(3 μ g) = {:.5f} s (47), to within a step; the paper: 0.0679", t1),
-                     .holds = std::abs(rolls_from - t1) <= h},
-                    {.name = "slip",
-                     .value = slip,
-                     .unit = "m/s",
-                     .meaning = "sliding velocity at the end",
-                     .expected = "0",
-                     .holds = slip <= 1e-8,
-                     .digits = 2}};
-  result.figures.push_back(
-      {"table2_velocity", "Velocity of centre and rim (the paper's Fig. 9).", "", chart});
+  const double error = std::abs(v_end / v1 - 1);
+  result.check("v1", v_end, "m/s", "velocity of rolling",
+               fmt::format("⅔ v0 = {:.6f} m/s (47); the paper: 0.666", v1), error <= 1e-6, 7);
+  result.check("v1_error", error, "", "its relative error",
+               "at most 1e-6, from the tolerance 1e-8 over the sliding steps", error <= 1e-6, 2);
+  result.check("t1", rolls_from, "s", "rolls from",
+               fmt::format("v0/(3 μ g) = {:.5f} s (47), to within a step; the paper: 0.0679", t1),
+               std::abs(rolls_from - t1) <= h);
+  result.check("slip", slip, "m/s", "sliding velocity at the end", "0", slip <= 1e-8, 2);
+  result.draw("table2_velocity", "Velocity of centre and rim (the paper's Fig. 9).", chart);
   return result;
 }
 

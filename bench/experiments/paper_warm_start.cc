@@ -1,5 +1,5 @@
 // Warm start, which the paper leaves to future work: iterations from s = 0 and from the impulses of
-// the step before, over a compaction.
+// the previous step, over a compaction.
 
 #include <fmt/format.h>
 
@@ -26,8 +26,8 @@ constexpr std::array<Phase, 4> kPhases = {Phase{"fall", "fall"}, Phase{"impact",
                                           Phase{"settling", "settling"}, Phase{"rest", "rest"}};
 constexpr std::size_t kFall = 0, kImpact = 1, kSettling = 2, kRest = 3;  // places in kPhases
 
-/// Where the phases end: the fall with the largest kinetic energy, the impact when a thousandth of
-/// it is left, settling when no later step has more than 1e-5 of it.
+/// Ends of the phases: the fall with the largest kinetic energy, the impact when a thousandth of it
+/// remains, settling when no later step has more than 1e-5 of it.
 struct Phases {
   int fall = 0, impact = 0, settling = 0;  ///< last step of each
 
@@ -50,8 +50,8 @@ Phases find_phases(const std::vector<WarmStartRow>& rows) {
   return phases;
 }
 
-/// Sums over steps of one solver and phase. A solve that ran into the limit counts with it; steps
-/// on which neither start got there are left out of the sums.
+/// Sums over steps of one solver and phase. A solve that reached the limit counts with it; steps on
+/// which neither start converged are left out.
 struct Gain {
   int steps = 0, hurt = 0, cold_unmet = 0, warm_unmet = 0;
   double cold = 0, warm = 0;
@@ -68,7 +68,7 @@ struct Gain {
     cold += row.cold;
     warm += row.warm;
   }
-  /// Iterations cold over iterations warm; NaN where nothing is left to count.
+  /// Iterations cold over iterations warm; NaN if nothing counts.
   double ratio() const { return warm > 0 ? cold / warm : std::nan(""); }
 };
 
@@ -88,8 +88,8 @@ std::string ratio_text(const Gain& gain) {
                                       : fmt::format("{:.2f}", gain.ratio()));
 }
 
-PaperTable gains_table(const Run& run, const std::vector<SolverVariant>& solvers) {
-  PaperTable table;
+ClaimTable gains_table(const Run& run, const std::vector<SolverVariant>& solvers) {
+  ClaimTable table;
   table.name = fmt::format("warm_start_{}", run.key);
   table.caption = fmt::format(
       "{}: iterations cold over iterations warm (above 1: the warm start gains), and in brackets "
@@ -147,7 +147,7 @@ class WarmStartItem {
     options_.interrupted = context.interrupted;
   }
 
-  PaperResult run() {
+  Findings run() {
     for (Run& run : runs_) {
       study(run);
       if (context_.stopped()) return {};
@@ -167,7 +167,7 @@ class WarmStartItem {
       figure(run, "fast", "apgd and ipm", {"apgd", "ipm"});
       result_.tables.push_back(gains_table(run, options_.solvers));
     }
-    for (PaperNumber& n : result_.numbers) n.digits = 3;
+    for (Claim& n : result_.claims) n.digits = 3;
     return std::move(result_);
   }
 
@@ -197,11 +197,10 @@ class WarmStartItem {
 
   void number(const std::string& name, double value, const std::string& meaning,
               const std::string& expected = {}, std::optional<bool> holds = std::nullopt) {
-    result_.numbers.push_back(
-        {.name = name, .value = value, .meaning = meaning, .expected = expected, .holds = holds});
+    result_.check(name, value, "", meaning, expected, holds);
   }
 
-  /// Those gains that the text states; the tables have them all.
+  /// Gains that the text quotes; the tables have them all.
   void gain_numbers() {
     const auto state = [this](const Run& run, const char* solver, std::size_t phase) {
       const bool whole = phase == kPhases.size();
@@ -219,13 +218,14 @@ class WarmStartItem {
     }
   }
 
-  /// While disks fall and strike: what is carried over, and how often the warm start hurts.
+  /// While disks fall and strike: number of starts carried over, and cases in which the warm start
+  /// hurts.
   void moving_numbers() {
     const Gain& falling = runs_[0].gains.at("pgs")[kFall];
     number("carried",
            falling.contacts > 0 ? 100 * falling.carried / falling.contacts : std::nan(""),
            "contacts that start from an impulse of the step before, fall, e_t = 1");
-    result_.numbers.back().unit = "%";
+    result_.claims.back().unit = "%";
     int hurt = 0, steps = 0;
     for (const Run& run : runs_) {
       for (const char* solver : {"uzawa", "pgs", "apgd"}) {
@@ -247,7 +247,7 @@ class WarmStartItem {
     };
     const double least =
         std::min({gain(0, "pgs"), gain(0, "apgd"), gain(1, "pgs"), gain(1, "apgd")});
-    // A shallow box of few disks keeps moving with e_t = 1: no statement about rest there.
+    // A shallow box of few disks keeps moving with e_t = 1: rest is not evaluated there.
     number("rest_gain_least", least, "smallest gain at rest, pgs and apgd, both runs",
            context_.quick ? "" : "above 1: at rest the warm start pays",
            context_.quick ? std::nullopt : std::optional<bool>(least > 1));
@@ -280,15 +280,14 @@ class WarmStartItem {
 
   void figure(const Run& run, const char* key, const char* what,
               const std::vector<std::string>& solvers) {
-    PaperFigure f;
-    f.after = 2;
-    f.name = fmt::format("warm_start_{}_{}", run.key, key);
-    f.caption = fmt::format(
-        "Iterations of the compared steps, cold and warm, {}: {}. The fall ends at step {}, the "
-        "impact at {}, settling at {}. Hollow: the limit of {} iterations.",
-        run.title, what, run.phases.fall, run.phases.impact, run.phases.settling, kMaxIterations);
-    f.chart = iterations_chart(run, solvers);
-    result_.figures.push_back(std::move(f));
+    result_.draw(
+        fmt::format("warm_start_{}_{}", run.key, key),
+        fmt::format(
+            "Iterations of the compared steps, cold and warm, {}: {}. The fall ends at step {}, the "
+            "impact at {}, settling at {}. Hollow: the limit of {} iterations.",
+            run.title, what, run.phases.fall, run.phases.impact, run.phases.settling,
+            kMaxIterations),
+        iterations_chart(run, solvers), 2);
   }
 
   const PaperContext& context_;
@@ -296,11 +295,11 @@ class WarmStartItem {
   std::vector<Run> runs_ = {{"et1", "e_t = 1 (the paper's)", 1, {}, {}, {}},
                             {"et0", "e_t = 0", 0, {}, {}, {}}};
   std::size_t disks_ = 0;
-  PaperResult result_;
+  Findings result_;
 };
 
 }  // namespace
 
-PaperResult run_warm_start(const PaperContext& context) { return WarmStartItem(context).run(); }
+Findings run_warm_start(const PaperContext& context) { return WarmStartItem(context).run(); }
 
 }  // namespace bipot

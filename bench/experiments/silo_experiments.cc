@@ -1,9 +1,10 @@
-// Grains in a narrow silo: the walls carry what friction lets them; and how fast they run out of it.
+// Grains in a narrow silo: load on the walls by friction, and rate of discharge.
 //
-// Balance of a layer at depth z in a plane silo of width L: dQ/dz = ρ g L - 2 τ, with the wall's shear stress
-// τ = m σ_x, m <= μ (Coulomb), and σ_x = K Q/L: Q = ρ g L λ (1 - exp(-z/λ)), λ = L/(2 m K). While the floor gives way
-// slowly, grains slide down along the walls and m is near μ. Since τ >= 0 there and 2 τ <= 2 μ σ_x, the floor's
-// load lies between the weight less μ times the walls' normal force, and the weight: exact.
+// Balance of a layer at depth z in a plane silo of width L: dQ/dz = ρ g L - 2 τ, with the wall's
+// shear stress τ = m σ_x, m <= μ (Coulomb), and σ_x = K Q/L. Hence Q = ρ g L λ (1 - exp(-z/λ)), λ =
+// L/(2 m K). While the floor sinks slowly, grains slide down along the walls and m is near μ. Since
+// τ >= 0 there and 2 τ <= 2 μ σ_x, the floor's load lies between the weight less μ times the walls'
+// normal force, and the weight: exact.
 
 #include <fmt/format.h>
 
@@ -11,8 +12,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/packing.h"
-#include "bench/experiments/scene_parts.h"
 #include "bench/experiments/validation_experiments.h"
 #include "bench/measure/statistics.h"
 #include "core/scene/generators.h"
@@ -34,22 +35,11 @@ struct SiloLoad {
 
 SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationContext& context,
                    ExperimentOutcome& outcome) {
-  Scene<2> scene = empty_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
-  scene.gravity = Vec2(0, -9.81);
-  scene.bodies =
-      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, kSiloWidth, 0, seed, Vec2::Zero());
+  Scene<2> scene = experiment_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
+  const double top = fill_box(scene, count, kSiloWidth, 0, seed);
   SiloLoad load;
-  double top = 0;
-  for (Disk& d : scene.bodies) {
-    d.mass = d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-    load.weight += 9.81 * d.mass;
-    top = std::max(top, d.x[1]);
-  }
-  scene.walls = {plane_wall("floor", Vec2(0, 0), Vec2(0, 1)),
-                 plane_wall("left", Vec2(0, 0), Vec2(1, 0)),
-                 plane_wall("right", Vec2(kSiloWidth, 0), Vec2(-1, 0))};
-  const double settle = 1 + std::sqrt(2 * top / 9.81);
+  for (const Disk& d : scene.bodies) load.weight += kGravity * d.mass;
+  const double settle = 1 + std::sqrt(2 * top / kGravity);
   constexpr double kSink = 0.2, kSinks = 5;  // [m/s], [s]
   scene.walls[0].motion = Wall<2>::Motion::kMoving;
   scene.walls[0].v = Vec2(0, -kSink);
@@ -81,7 +71,7 @@ SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationCo
                         kLayers - 1);
     };
     const int disks = static_cast<int>(state.bodies.size());
-    for (const Disk& d : state.bodies) weights[to_size(layer_of(d.x[1]))] += 9.81 * d.mass;
+    for (const Disk& d : state.bodies) weights[to_size(layer_of(d.x[1]))] += kGravity * d.mass;
     for (const ContactOutcome<2>& o : state.contacts) {
       if (o.contact.j != disks + 1 && o.contact.j != disks + 2) continue;
       const Vec2& n = o.contact.n;
@@ -113,7 +103,8 @@ SiloLoad silo_load(int count, std::uint64_t seed, double tol, const ValidationCo
   return load;
 }
 
-/// λ of Q = q λ (1 - exp(-z/λ)) by least squares in λ, with q the slope at the surface (weight over height).
+/// λ of Q = q λ (1 - exp(-z/λ)) by least squares in λ, with q the slope at the surface (weight over
+/// height).
 double screening_length(const SiloLoad& load, double& rms) {
   const double slope = load.weight / load.height;
   const auto misfit = [&](double length) {
@@ -188,38 +179,31 @@ ValidationExperiment janssen() {
         {length / (kSiloWidth / (2 * m * k)), 0,
          fmt::format("λ = {:.2f} widths, K = {:.2f}, m = {:.2f}, rms misfit {:.1f} %",
                      length / kSiloWidth, k, m, 100 * rms)}};
-    ValidationFigure figure;
-    figure.name = "janssen";
-    figure.group = kSilo;
+    ClaimFigure figure{.name = "janssen", .chart = Chart{}};
     figure.caption =
         "Vertical load against depth in a silo 8 disks wide whose floor sinks slowly: weight above less the walls' "
         "friction above. Line: Janssen's exponential with the fitted length; dashes: the weight alone.";
-    figure.chart.title = "Load in a silo";
-    figure.chart.x = {.label = "depth over width"};
-    figure.chart.y = {.label = "vertical load over the weight"};
-    ChartSeries points, fit, weight;
-    points.name = "measured";
-    points.kind = ChartSeries::Kind::kPoints;
-    fit.name = "Janssen, fitted";
-    fit.style = 1;
-    weight.name = "weight above";
-    weight.style = 2;
-    fit.kind = weight.kind = ChartSeries::Kind::kLine;
+    figure.chart->title = "Load in a silo";
+    figure.chart->x = {.label = "depth over width"};
+    figure.chart->y = {.label = "vertical load over the weight"};
+    ChartSeries points{"measured", 0, {}, ChartSeries::Kind::kPoints};
+    ChartSeries fit{"Janssen, fitted", 1, {}, ChartSeries::Kind::kLine};
+    ChartSeries weight{"weight above", 2, {}, ChartSeries::Kind::kLine};
     for (std::size_t i = 0; i < full.depths.size(); ++i) {
       const double z = full.depths[i];
       points.points.push_back({z / kSiloWidth, full.loads[i] / full.weight});
       fit.points.push_back({z / kSiloWidth, length / full.height * (1 - std::exp(-z / length))});
       weight.points.push_back({z / kSiloWidth, z / full.height});
     }
-    figure.chart.series = {points, fit, weight};
+    figure.chart->series = {points, fit, weight};
     outcome.figures = {figure};
     return outcome;
   };
   return e;
 }
 
-/// Mass per time out of a hole of `hole` in the middle of a silo's floor, in the two halves of a time in which the
-/// filling goes from 9 to 6 tenths.
+/// Mass flow out of a hole of width `hole` in the middle of a silo's floor, in the two halves of
+/// the time in which the filling decreases from 9 to 6 tenths.
 struct Discharge {
   double first = kNaN, second = kNaN;  ///< [kg/s]
 };
@@ -227,27 +211,19 @@ struct Discharge {
 Discharge discharge(double hole, int count, std::uint64_t seed, double tol,
                     const ValidationContext& context, ExperimentOutcome& outcome) {
   constexpr double kWidth = 18;
-  Scene<2> scene = empty_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
-  scene.gravity = Vec2(0, -9.81);
-  scene.bodies =
-      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, kWidth, 0, seed, Vec2::Zero());
-  double whole = 0, top = 0;
-  for (Disk& d : scene.bodies) {
-    d.mass = d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-    whole += d.mass;
-    top = std::max(top, d.x[1]);
-  }
+  Scene<2> scene = experiment_scene<2>({.mu = kSiloMu}, 5e-3, tol, context);
+  const double top = fill_box(scene, count, kWidth, 0, seed);
+  double whole = 0;
+  for (const Disk& d : scene.bodies) whole += d.mass;
   const double edges[] = {0, 0.5 * (kWidth - hole), 0.5 * (kWidth + hole), kWidth};
-  scene.walls = {plane_wall("left", Vec2(0, 0), Vec2(1, 0)),
-                 plane_wall("right", Vec2(kWidth, 0), Vec2(-1, 0))};
+  scene.walls.erase(scene.walls.begin());
   for (int k = 0; k < 3; ++k) {
     Wall<2> part;
     part.name = k == 1 ? "plug" : "floor";
     part.shape = Wall<2>::Shape::kSegment;
     part.a = Vec2(edges[k], 0);
     part.b = Vec2(edges[k + 1], 0);
-    if (k == 1) part.removed = 1 + std::sqrt(2 * top / 9.81);
+    if (k == 1) part.removed = 1 + std::sqrt(2 * top / kGravity);
     scene.walls.push_back(part);
   }
   scene.outlets = {{.name = "below", .point = Vec2(0, -3), .normal = Vec2(0, 1)}};
@@ -290,9 +266,7 @@ ValidationExperiment beverloo() {
     const std::vector<double> holes =
         context.quick ? std::vector<double>{5, 9} : std::vector<double>{5, 6.5, 9};
     std::vector<double> widths, rates, ratios;
-    ChartSeries points;
-    points.name = "measured";
-    points.kind = ChartSeries::Kind::kPoints;
+    ChartSeries points{"measured", 0, {}, ChartSeries::Kind::kPoints};
     for (const double hole : holes) {
       for (int seed = 1; seed <= seeds; ++seed) {
         const Discharge seen = discharge(hole, count, to_size(seed), tol, context, outcome);
@@ -307,29 +281,25 @@ ValidationExperiment beverloo() {
     }
     const PowerLaw law = fit_power_law(widths, rates);
     const MeanValue ratio = mean_value(ratios);
-    outcome.seen = {{law.exponent, law.confidence,
-                     fmt::format("{:.2f} √g ρ (D - 1.4 d)^{:.2f}",
-                                 law.prefactor * std::numbers::pi / std::sqrt(9.81), law.exponent)},
-                    {ratio.mean, ratio.confidence}};
-    ValidationFigure figure;
-    figure.name = "beverloo";
-    figure.group = kSilo;
+    outcome.seen = {
+        {law.exponent, law.confidence,
+         fmt::format("{:.2f} √g ρ (D - 1.4 d)^{:.2f}",
+                     law.prefactor * std::numbers::pi / std::sqrt(kGravity), law.exponent)},
+        {ratio.mean, ratio.confidence}};
+    ClaimFigure figure{.name = "beverloo", .chart = Chart{}};
     figure.caption =
         "Discharge rate to the power 2/3 against the width of the hole: Beverloo's law is a straight line that meets zero at k d. "
         "Line: through k = 1.4 with the exponent 3/2.";
-    figure.chart.title = "Discharge of a silo";
-    figure.chart.x = {.label = "hole over mean diameter"};
-    figure.chart.y = {.label = "rate^(2/3)"};
-    ChartSeries line;
-    line.name = "k = 1.4";
-    line.style = 1;
-    line.kind = ChartSeries::Kind::kLine;
+    figure.chart->title = "Discharge of a silo";
+    figure.chart->x = {.label = "hole over mean diameter"};
+    figure.chart->y = {.label = "rate^(2/3)"};
+    ChartSeries line{"k = 1.4", 1, {}, ChartSeries::Kind::kLine};
     double slope = 0;
     for (std::size_t k = 0; k < rates.size(); ++k) {
       slope += std::pow(rates[k], 2.0 / 3) / widths[k] / static_cast<double>(rates.size());
     }
     for (const double hole : {1.4, 10.0}) line.points.push_back({hole, slope * (hole - 1.4)});
-    figure.chart.series = {points, line};
+    figure.chart->series = {points, line};
     outcome.figures = {figure};
     return outcome;
   };

@@ -1,19 +1,17 @@
-// One body on a floor: what rigid-body mechanics says by hand.
+// One body on a floor, compared with rigid-body mechanics.
 //
 // With inertia c m a² (disk c = 1/2, sphere 2/5) on a slope of angle θ, friction f up the slope:
 //   m dv/dt = m g sin θ - f,   c m a dw/dt = f;   rolling, v = a w:  dv/dt = g sin θ / (1 + c),
-// f = m g sin θ c/(1 + c) <= mu m g cos θ  iff  tan θ <= mu (1 + c)/c. Thrown without spin on a flat
-// floor, m v + c m a w is what friction leaves alone: rolling at v0/(1 + c).
-// The scheme's velocities are exact where forces are constant, and its places then too: only the
-// step in which sliding ends is rounded.
+// f = m g sin θ c/(1 + c) <= mu m g cos θ iff tan θ <= mu (1 + c)/c. Thrown without spin on a flat
+// floor, friction conserves m v + c m a w: rolling at v0/(1 + c). The scheme's velocities are exact
+// for constant forces, and so are its positions. Only the step in which sliding ends is rounded.
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "bench/experiments/gravity.h"
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 
 namespace bipot {
@@ -33,11 +31,11 @@ const char* body_name() {
   return D == 2 ? "disk" : "sphere";
 }
 
-/// A body of radius 1 m and 1 kg that touches the floor; gravity leans by `slope` towards +x.
+/// A body of radius 1 m and 1 kg that touches the floor; gravity is tilted by `slope` towards +x.
 template <int D>
 Scene<D> on_floor(double slope, double mu, double step, double tol,
                   const ValidationContext& context) {
-  Scene<D> scene = empty_scene<D>({.mu = mu}, step, tol, context);
+  Scene<D> scene = experiment_scene<D>({.mu = mu}, step, tol, context);
   scene.gravity =
       kGravity * (std::sin(slope) * Vec<D>::Unit(0) - std::cos(slope) * Vec<D>::Unit(D - 1));
   scene.bodies = {round_body<D>(Vec<D>::Unit(D - 1), 1, 1)};
@@ -45,20 +43,15 @@ Scene<D> on_floor(double slope, double mu, double step, double tol,
   return scene;
 }
 
-/// Velocity of the point of contact along x: clockwise turning rolls forwards; in space about +y.
+/// Velocity of the point of contact along x: clockwise rotation rolls forwards; in 3D about +y.
 double slip(const Disk& d) { return d.v[0] + d.radius * d.spin; }
 double slip(const Sphere& s) { return s.v[0] - s.radius * s.spin[1]; }
 
 ValidationRow exact_row(std::string name, std::string quantity, std::string formula, double value) {
-  return {.name = std::move(name),
-          .group = kExact,
-          .quantity = std::move(quantity),
-          .source = kMechanics,
-          .formula = std::move(formula),
-          .expected = Expectation::equal(value),
-          .allowed = 1e-6,
-          .allowed_why = "the scheme is exact here; a hundred times the tightest tolerance",
-          .bar = "none: one deterministic run"};
+  return validation_row(kExact, std::move(name), std::move(quantity), kMechanics,
+                        std::move(formula), Expectation::equal(value), 1e-6,
+                        "the scheme is exact here; a hundred times the tightest tolerance",
+                        "none: one deterministic run");
 }
 
 template <int D>
@@ -90,7 +83,8 @@ ValidationExperiment rolling() {
 }
 
 /// The least mu at which a body on the slope does not slide. Below it the contact slides away with
-/// g sin θ (1 - mu/mu_c), so "slides by more than 1e-3 of free fall" puts it at (1 - 1e-3) mu_c.
+/// g sin θ (1 - mu/mu_c). The criterion "slides by more than 1e-3 of free fall" puts it at (1 -
+/// 1e-3) mu_c.
 template <int D>
 ValidationExperiment threshold(bool block) {
   const double c = share<D>();
@@ -104,7 +98,7 @@ ValidationExperiment threshold(bool block) {
       block ? "tan θ = 0.3640" : (D == 2 ? "tan θ / 3 = 0.1213" : "2/7 tan θ = 0.1040"), critical);
   row.allowed = 2e-3;
   row.allowed_why = "sliding is told from rolling at 1e-3 of free fall; bisection 1e-4";
-  row.bar = "none: bisection to 1e-4";
+  row.claim.bar_is = "none: bisection to 1e-4";
   e.rows = {row};
   e.tols = e.quick_tols = decades(-1, 8);
   e.run = [critical, block](double tol, const ValidationContext& context) {
@@ -173,8 +167,8 @@ ValidationExperiment braking() {
   ValidationRow row =
       exact_row("block_stops", "way of a block thrown at 3 m/s on μ = 0.3 until it stands [m]",
                 "v0²/(2 μ g) = 1.529 m", kSpeed * kSpeed / (2 * kBrake));
-  // In the step that stops it the speed falls from v <= a h to 0 in h, not in v/a: the way v h/2
-  // instead of v²/2a, at most a h²/8 more.
+  // In the step that stops it the speed falls from v <= a h to 0 in h, not in v/a: the distance v
+  // h/2 instead of v²/2a, at most a h²/8 more.
   row.allowed = std::pow(kBrake * kStep / kSpeed, 2) / 4 + 1e-6;
   row.allowed_why = "the step that stops it: (μ g h/v0)²/4";
   e.rows = {row};

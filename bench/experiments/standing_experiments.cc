@@ -1,10 +1,9 @@
-// Few bodies that stand by friction, or in a hollow, up to a threshold.
+// A few bodies that stand by friction, or in a hollow, up to a threshold.
 
 #include <cmath>
 #include <numbers>
 
-#include "bench/experiments/gravity.h"
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
 #include "bench/experiments/validation_experiments.h"
 
 namespace bipot {
@@ -12,7 +11,7 @@ namespace {
 
 const std::string kStanding = "exact cases: what stands";
 
-/// Motion after the scene's steps: the largest way of a body over that of free fall.
+/// Motion after the scene's steps: the largest path of a body over that of free fall.
 template <int D>
 double motion_of(const Scene<D>& scene, const ValidationContext& context,
                  ExperimentOutcome& outcome) {
@@ -30,21 +29,16 @@ constexpr double kMoves = 1e-4;  // of free fall
 
 ValidationRow standing_row(std::string name, std::string quantity, std::string source,
                            std::string formula, double value) {
-  return {.name = std::move(name),
-          .group = kStanding,
-          .quantity = std::move(quantity),
-          .source = std::move(source),
-          .formula = std::move(formula),
-          .expected = Expectation::equal(value),
-          .allowed = 2e-3,
-          .allowed_why = "rest is told from motion at 1e-4 of free fall; bisection 1e-4",
-          .bar = "none: bisection to 1e-4"};
+  return validation_row(kStanding, std::move(name), std::move(quantity), std::move(source),
+                        std::move(formula), Expectation::equal(value), 2e-3,
+                        "rest is told from motion at 1e-4 of free fall; bisection 1e-4",
+                        "none: bisection to 1e-4");
 }
 
 /// A heap of equal bodies on the floor, law 0 between them and law 1 at the floor.
 template <int D>
 Scene<D> heap(double mu, double mu_floor, double tol, const ValidationContext& context) {
-  Scene<D> scene = empty_scene<D>({}, 1e-3, tol, context);
+  Scene<D> scene = experiment_scene<D>({}, 1e-3, tol, context);
   scene.materials = {"body", "floor"};
   scene.laws = {{.mu = mu}, {.mu = mu_floor}, {.mu = mu_floor}, {.mu = mu_floor}};
   scene.gravity = -kGravity * Vec<D>::Unit(D - 1);
@@ -66,9 +60,9 @@ Scene<D> heap(double mu, double mu_floor, double tol, const ValidationContext& c
   return scene;
 }
 
-/// The force on a lower body from the top one passes through its floor contact, so it leans by half
-/// the angle φ of the line of centres from the vertical: mu >= tan(φ/2). The floor carries that
-/// load's vertical part, W/n of it, and the body's own W; along the floor W/n tan(φ/2):
+/// The force on a lower body from the top one passes through its floor contact. It therefore leans
+/// by half the angle φ of the line of centres from the vertical: mu >= tan(φ/2). The floor carries
+/// that load's vertical part, W/n of it, and the body's own W; along the floor W/n tan(φ/2):
 /// mu_floor >= tan(φ/2) (1/n)/(1/n + 1).
 template <int D>
 ValidationExperiment heap_threshold(bool floor) {
@@ -100,9 +94,9 @@ ValidationExperiment heap_threshold(bool floor) {
   return e;
 }
 
-/// A disk in the hollow of two equal disks that are glued to the floor, gravity leaning: when it is about to
-/// leave one of them, the other carries it alone along the line of centres, 30° from the normal,
-/// without friction. Beyond, it rolls over with g sin(α - 30°)/(1 + 1/2).
+/// A disk in the hollow of two equal disks glued to the floor, with tilted gravity. When it is
+/// about to leave one of them, the other carries it alone along the line of centres, 30° from the
+/// normal, without friction. Beyond, it rolls over with g sin(α - 30°)/(1 + 1/2).
 ValidationExperiment hollow_threshold() {
   ValidationExperiment e;
   e.rows = {standing_row("rough_wall_hollow",
@@ -116,13 +110,13 @@ ValidationExperiment hollow_threshold() {
     ExperimentOutcome outcome;
     Observation found = find_threshold(-45, -15, [&](double degrees) {
       const double slope = -degrees * std::numbers::pi / 180;
-      Scene<2> scene = empty_scene<2>({.mu = 0.5}, 1e-3, tol, context);
+      Scene<2> scene = experiment_scene<2>({.mu = 0.5}, 1e-3, tol, context);
       scene.gravity = kGravity * Vec2(std::sin(slope), -std::cos(slope));
       for (const Vec2& x : {Vec2(-1, 0), Vec2(1, 0), Vec2(0, std::sqrt(3.0))}) {
         scene.bodies.push_back(round_body<2>(x, 1, 1));
       }
       scene.bodies[0].wall = scene.bodies[1].wall = 0;
-      scene.walls = {plane_wall("rough", Vec2(0, -1), Vec2(0, 1))};
+      scene.walls = {half_space<2>(Vec2(0, -1), Vec2(0, 1), "rough")};
       scene.num_steps = 20;
       return motion_of(scene, context, outcome) <= kMoves;
     });

@@ -58,7 +58,7 @@ StaticEquilibrium static_equilibrium(const ContactProblem& problem) {
   found.exists = found.motion <= StaticEquilibrium::kRest;
   const Vector u = q.H.transpose() * found.v;
   found.dual_violation = std::max(0.0, -u.minCoeff()) / q.v_free.cwiseAbs().maxCoeff();
-  // Short of the tolerance the velocity may still be the proof that there is none.
+  // Without the tolerance the velocity may still prove that there is no equilibrium.
   const bool proves_motion = found.motion > 1e3 * found.dual_violation && found.motion > 1e-6;
   if (!is_success(result.status) && !proves_motion) {
     throw std::runtime_error(fmt::format("static equilibrium: {}", result.message));

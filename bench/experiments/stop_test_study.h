@@ -13,14 +13,14 @@
 
 namespace bipot {
 
-/// A problem on which stop tests are held against the true error.
+/// A problem on which stop tests are compared with the true error.
 struct StopTestScene {
   std::string name;
   bool dynamic = false;  ///< something slides, flows or strikes; else at rest
   TestProblem given;
 };
 
-/// What a user gets who asks for `tol` by one stop test.
+/// Result for a user who asks for `tol` by one stop test.
 struct StopTestRow {
   std::string scene, solver;  ///< names as above
   bool dynamic = false;
@@ -31,9 +31,9 @@ struct StopTestRow {
   int iterations = 0;
   double velocity = kNaN;  ///< TrueError's                                            [-]
   double force = kNaN;     ///< TrueError's                                            [-]
-  /// Largest approach velocity left over the largest one without contact impulses.    [-]
+  /// Largest remaining approach velocity over the largest one without contact impulses. [-]
   double penetration = kNaN;
-  double guarded = kNaN;  ///< shared criterion of what was returned                   [-]
+  double guarded = kNaN;  ///< shared criterion of the returned impulse                   [-]
 };
 
 struct StopTestOptions {
@@ -46,8 +46,8 @@ struct StopTestOptions {
 
 /// Solves the scene once for each solver, stop test and tolerance, cold. A test that is not met
 /// within the iterations is not met at tighter tolerances either (the solvers' iterates must not
-/// depend on the tolerance): those rows are filled in without a solve, with the same status.
-/// Empty when interrupted.
+/// depend on the tolerance). Those rows are filled in without a solve, with the same status. Empty
+/// if interrupted.
 std::vector<StopTestRow> study_stop_tests(const StopTestScene& scene,
                                           const ReferenceSolution& reference,
                                           const StopTestOptions& options);
@@ -63,9 +63,9 @@ struct Prediction {
   double largest = kNaN;
   double slope = kNaN;  ///< median exponent of error against tol, one per scene and solver
 };
-/// `error` picks the measure from a row. Errors of exactly 0 count as too late and stay out of the
-/// logarithms; errors that are not finite are left out altogether. A slope needs three met rows of
-/// one scene and solver, which must stand together.
+/// `error` selects the measure of a row. Errors of exactly 0 count as too late and stay out of the
+/// logarithms; errors that are not finite are left out. A slope needs three met rows of one scene
+/// and solver, which must be consecutive.
 Prediction predict(const std::vector<StopTestRow>& rows,
                    const std::function<double(const StopTestRow&)>& error);
 

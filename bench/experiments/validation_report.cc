@@ -5,8 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bench/experiments/validation_page.h"
-#include "bench/report/csv_text.h"
 #include "bench/report/labels.h"
 #include "core/files/atomic_file.h"
 
@@ -15,95 +13,157 @@ namespace {
 
 constexpr double kChartFloor = 1e-12, kHighestFloor = 1e-4;
 
-/// A number of a CSV file: empty where it is undefined, inf where it has no end.
-std::string csv_number(double x) {
-  if (std::isnan(x)) return "";
-  return fmt::format("{:.10g}", x);
+/// Empty where it is undefined.
+TableCell number(double x) { return std::isnan(x) ? TableCell() : TableCell(x); }
+
+std::string verdict_of(const ValidationRow& row) {
+  return row.holds() ? "holds" : row.undecided() ? "undecided" : "does not hold";
+}
+
+std::string right_from(const ValidationRow& row) {
+  if (!row.takes_tolerance) return "no ε";
+  return std::isnan(row.loosest) ? "none" : tolerance_label(row.loosest);
+}
+
+/// Notes of the page on a row.
+std::string note_of(const ValidationRow& row) {
+  std::string note;
+  if (const ValidationPoint* p = row.measured()) {
+    note = row.takes_tolerance ? fmt::format("at ε = {}, right from ε = {}",
+                                             tolerance_label(p->tol), right_from(row))
+                               : "no ε";
+    note += fmt::format("\nrelative error {}, allowed {}: {}\n", compact_label(p->error),
+                        compact_label(row.allowed), row.allowed_why);
+    if (!p->seen.note.empty()) note += p->seen.note + "\n";
+  }
+  return note + fmt::format("`--only {}`", row.claim.name);
+}
+
+/// Every tolerance of every row of a group.
+ClaimTable tolerances(const ValidationPage& page, const std::string& group) {
+  ClaimTable table{.name = "tolerances",
+                   .caption = "Every tolerance.",
+                   .columns = {"row", "ε", "measured", "relative error", "right", "steps",
+                               "not solved", "CPU", "note"}};
+  for (const ValidationRow& row : page.rows) {
+    if (row.group != group) continue;
+    for (const ValidationPoint& p : row.points) {
+      table.rows.push_back({row.claim.name, tolerance_label(p.tol),
+                            measured_text({.measured = p.seen.value, .bar = p.seen.bar}),
+                            compact_label(p.error), p.right ? "✓" : "✗", std::to_string(p.steps),
+                            std::to_string(p.unsolved), seconds_label(p.seconds),
+                            p.failure.empty() ? p.seen.note : p.failure});
+    }
+  }
+  return table;
+}
+
+template <class Holds>
+int count_rows(const ValidationPage& page, const Holds& holds) {
+  return static_cast<int>(std::count_if(page.rows.begin(), page.rows.end(), holds));
 }
 
 }  // namespace
 
-std::string to_csv(const ValidationPage& page) {
-  std::string csv =
-      "group,row,tol,measured,bar,expected_low,expected_high,scale,error,right,reached,steps,unsolved,"
-      "cpu_seconds,rows_in_run,solver,message\n";
-  for (const ValidationVerdict& v : page.verdicts) {
-    for (const ValidationPoint& p : v.points) {
-      csv += fmt::format("{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n",
-                         csv_text(v.row.group), v.row.name, csv_number(p.tol),
-                         csv_number(p.seen.value), csv_number(p.seen.bar),
-                         csv_number(v.row.expected.low), csv_number(v.row.expected.high),
-                         csv_number(v.row.expected.scale), csv_number(p.error), p.right ? 1 : 0,
-                         p.reached() ? 1 : 0, p.steps, p.unsolved, csv_number(p.seconds), v.shared,
-                         page.solver, csv_text(p.failure.empty() ? p.seen.note : p.failure));
-    }
-  }
-  return csv;
+void ValidationPage::add(ExperimentResult result) {
+  auto& drawings = figures[result.rows.front().group];
+  for (ValidationRow& row : result.rows) rows.push_back(std::move(row));
+  for (ClaimFigure& figure : result.figures) drawings.push_back(std::move(figure));
 }
 
-std::string verdicts_csv(const ValidationPage& page) {
-  std::string csv =
-      "group,row,quantity,source,expected,measured,bar,bar_is,at_tol,error,allowed,allowed_why,holds,"
-      "reason,loosest_tol,steps,cpu_seconds,rows_in_run\n";
-  for (const ValidationVerdict& v : page.verdicts) {
-    const ValidationPoint* p = v.measured();
-    csv += fmt::format(
-        "{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{},{}\n", csv_text(v.row.group),
-        v.row.name, csv_text(v.row.quantity), csv_text(v.row.source), csv_text(v.row.formula),
-        p == nullptr ? "" : csv_number(p->seen.value), p == nullptr ? "" : csv_number(p->seen.bar),
-        csv_text(v.row.bar), p == nullptr ? "" : csv_number(p->tol),
-        p == nullptr ? "" : csv_number(p->error), csv_number(v.row.allowed),
-        csv_text(v.row.allowed_why),
-        v.holds       ? "yes"
-        : v.undecided ? "undecided"
-                      : "no",
-        csv_text(v.reason), csv_number(v.row.takes_tolerance ? v.loosest : kNaN),
-        p == nullptr ? 0 : p->steps, csv_number(v.seconds), v.shared);
+int ValidationPage::held() const {
+  return count_rows(*this, [](const ValidationRow& row) { return row.holds(); });
+}
+
+int ValidationPage::undecided() const {
+  return count_rows(*this, [](const ValidationRow& row) { return row.undecided(); });
+}
+
+int ValidationPage::failed() const { return static_cast<int>(rows.size()) - held() - undecided(); }
+
+Table points_table(const ValidationPage& page) {
+  Table table;
+  for (const char* key : {"group", "row", "tol", "measured", "bar", "expected_low", "expected_high",
+                          "scale", "error", "right", "reached", "steps", "unsolved", "cpu_seconds",
+                          "rows_in_run", "solver", "message"}) {
+    table.columns.push_back({.key = key});
   }
-  return csv;
+  for (const ValidationRow& row : page.rows) {
+    for (const ValidationPoint& p : row.points) {
+      table.add({row.group, row.claim.name, p.tol, number(p.seen.value), number(p.seen.bar),
+                 row.range.low, row.range.high, row.range.scale, number(p.error), p.right ? 1 : 0,
+                 p.reached() ? 1 : 0, p.steps, p.unsolved, p.seconds, row.shared, page.solver,
+                 p.failure.empty() ? p.seen.note : p.failure});
+    }
+  }
+  return table;
+}
+
+Table verdicts_table(const ValidationPage& page) {
+  Table table;
+  table.columns = {{.key = "group"},
+                   {.key = "row", .name = "row"},
+                   {.key = "quantity"},
+                   {.key = "source"},
+                   {.key = "expected"},
+                   {.key = "measured", .name = "measured", .show = &value_label},
+                   {.key = "bar", .name = "+-", .show = &compact_label},
+                   {.key = "bar_is"},
+                   {.key = "at_tol"},
+                   {.key = "error", .name = "error", .show = &compact_label},
+                   {.key = "allowed"},
+                   {.key = "allowed_why"},
+                   {.key = "holds", .name = "verdict"},
+                   {.key = "reason"},
+                   {.key = "loosest_tol", .name = "right from", .show = &tolerance_label},
+                   {.key = "steps"},
+                   {.key = "cpu_seconds", .name = "CPU", .show = &seconds_label},
+                   {.key = "rows_in_run"}};
+  const ValidationPoint none;
+  const std::string* group = nullptr;
+  for (const ValidationRow& row : page.rows) {
+    if (group == nullptr || *group != row.group) {
+      group = &row.group;
+      table.add({*group});
+    }
+    const Claim& claim = row.claim;
+    const bool any = row.measured() != nullptr;
+    const ValidationPoint& p = any ? *row.measured() : none;
+    const std::string holds = row.holds() ? "yes" : row.undecided() ? "undecided" : "no";
+    table.add({row.group, claim.name, claim.quantity, claim.source, claim.expected,
+               number(claim.measured).shown(value_label(claim.measured)),
+               any ? TableCell(claim.bar).shown(claim.bar > 0 ? compact_label(claim.bar) : "")
+                   : TableCell(),
+               claim.bar_is, any ? TableCell(p.tol) : TableCell(),
+               number(p.error).shown(compact_label(p.error)), row.allowed, row.allowed_why,
+               TableCell(holds).shown(verdict_of(row)), claim.reason,
+               number(row.takes_tolerance ? row.loosest : kNaN).shown(right_from(row)), p.steps,
+               row.seconds, row.shared});
+  }
+  return table;
 }
 
 std::string to_text(const ValidationPage& page) {
-  std::string text, group;
-  for (const ValidationVerdict& v : page.verdicts) {
-    if (v.row.group != group) {
-      group = v.row.group;
-      text += fmt::format("{}\n  {:<23} {:>10} {:>9} {:>9}  {:<14} {:>11} {:>8}\n", group, "",
-                          "measured", "+-", "error", "", "right from", "CPU");
-    }
-    const ValidationPoint* p = v.measured();
-    text += fmt::format(
-        "  {:<23} {:>10} {:>9} {:>9}  {:<14} {:>11} {:>8}\n", v.row.name,
-        p == nullptr ? "-" : value_label(p->seen.value),
-        p == nullptr || p->seen.bar == 0 ? "" : compact_label(p->seen.bar),
-        p == nullptr ? "-" : compact_label(p->error),
-        v.holds       ? "holds"
-        : v.undecided ? "undecided"
-                      : "does not hold",
-        !v.row.takes_tolerance || std::isnan(v.loosest) ? "-" : tolerance_label(v.loosest),
-        fmt::format("{:.1f} s", v.seconds));
-    if (!v.holds) text += fmt::format("    {}: {}\n", v.row.quantity, v.reason);
+  std::string text = to_text(verdicts_table(page));
+  for (const ValidationRow& row : page.rows) {
+    if (row.holds()) continue;
+    text += fmt::format("{} {}: {}: {}\n", row.claim.name, verdict_of(row), row.claim.quantity,
+                        row.claim.reason);
   }
   return text +
-         fmt::format("{} of {} rows hold{}{}\n", page.held(), page.verdicts.size(),
+         fmt::format("{} of {} rows hold{}{}\n", page.held(), page.rows.size(),
                      page.undecided() > 0 ? fmt::format(", {} undecided", page.undecided()) : "",
                      page.complete ? "" : " (stopped before the end)");
 }
 
 std::vector<std::string> groups_of(const ValidationPage& page) {
   std::vector<std::string> groups;
-  for (const ValidationVerdict& v : page.verdicts) {
-    if (std::find(groups.begin(), groups.end(), v.row.group) == groups.end()) {
-      groups.push_back(v.row.group);
+  for (const ValidationRow& row : page.rows) {
+    if (std::find(groups.begin(), groups.end(), row.group) == groups.end()) {
+      groups.push_back(row.group);
     }
   }
   return groups;
-}
-
-std::string error_chart_name(const ValidationPage& page, const std::string& group) {
-  const std::vector<std::string> groups = groups_of(page);
-  const auto at = std::find(groups.begin(), groups.end(), group);
-  return fmt::format("errors_{}", at - groups.begin() + 1);
 }
 
 Chart error_chart(const ValidationPage& page, const std::string& group) {
@@ -116,29 +176,29 @@ Chart error_chart(const ValidationPage& page, const std::string& group) {
   chart.key = Chart::Key::kRight;
   chart.width = 620;
   chart.height = 340;
-  // A decade below the least error that is not 0, which stands on the axis.
+  // A decade below the least error other than 0, for the end of the axis.
   double least = kHighestFloor;
-  for (const ValidationVerdict& v : page.verdicts) {
-    for (const ValidationPoint& p : v.points) {
-      if (v.row.group == group && p.error > 0) least = std::min(least, p.error);
+  for (const ValidationRow& row : page.rows) {
+    for (const ValidationPoint& p : row.points) {
+      if (row.group == group && p.error > 0) least = std::min(least, p.error);
     }
   }
   const double floor = std::max(kChartFloor, std::pow(10.0, std::floor(std::log10(0.3 * least))));
   chart.y.low = floor;
   int style = 0;
-  for (const ValidationVerdict& v : page.verdicts) {
-    if (v.row.group != group || !v.row.takes_tolerance) continue;
+  for (const ValidationRow& row : page.rows) {
+    if (row.group != group || !row.takes_tolerance) continue;
     ChartSeries series;
-    series.name = v.row.name;
+    series.name = row.claim.name;
     series.style = style++;
-    for (const ValidationPoint& p : v.points) {
+    for (const ValidationPoint& p : row.points) {
       if (!std::isfinite(p.error)) continue;
       ChartPoint point;
       point.x = p.tol;
       point.y = std::max(p.error, floor);
       point.hollow = !p.reached();
       point.note = fmt::format(
-          "{} at {}: {} (error {}){}", v.row.name, tolerance_label(p.tol),
+          "{} at {}: {} (error {}){}", row.claim.name, tolerance_label(p.tol),
           value_label(p.seen.value), compact_label(p.error),
           p.unsolved > 0 ? fmt::format(", {} of {} steps not solved", p.unsolved, p.steps) : "");
       series.points.push_back(point);
@@ -148,14 +208,64 @@ Chart error_chart(const ValidationPage& page, const std::string& group) {
   return chart;
 }
 
-void write_validation(const std::filesystem::path& folder, const ValidationPage& page) {
+ClaimReport to_report(const ValidationPage& page) {
+  ClaimReport report{.command = page.command,
+                     .title = "Bipot: physics, checked: at which tolerance does it break?"};
+  report.introduction = fmt::format(
+      "{} of {} rows hold, {} are undecided.{} Each row is an observable that theory, a proof or "
+      "published work says something of. Every step is solved by `{}`, without islands, to the "
+      "guarded error ε, for several ε.\n"
+      "**Holds**: at the tightest ε that the steps reached (all but 1 % of them), the relative "
+      "error is at most the allowed one and the error bar. **Right from**: the loosest ε from "
+      "which on the error is at most 1 % (or the allowed one, if that is more) and the bar, at "
+      "that and all tighter ones. A bar of more than half the scale decides nothing. For bounds "
+      "the error is the distance outside, 0 inside. In figures, hollow marks are runs in which "
+      "more than 1 % of the steps missed ε. An error of 0 stands on the axis. Values without a "
+      "readable source are not tested; of those, an exponent or a derived bound is.\n{}"
+      "[All numbers](validate.csv), [verdicts](verdicts.csv).",
+      page.held(), page.rows.size(), page.undecided(),
+      page.complete ? "" : " The measurement was stopped before its end.", page.solver,
+      page.quick ? "This is the short form (`--quick`): fewer bodies, seeds and tolerances. "
+                   "Statistical rows have wide bars.\n"
+                 : "");
   for (const std::string& group : groups_of(page)) {
-    write_chart_files(folder, error_chart_name(page, group), error_chart(page, group));
+    ReportItem item;
+    item.name = fmt::format("errors_{}", report.items.size() + 1);
+    item.title = group;
+    item.status = ReportItem::Status::kDone;
+    item.quick = page.quick;
+    item.build = build_info();
+    item.date = date_and_time();
+    item.command = page.command;
+    Findings& found = item.result;
+    for (const ValidationRow& row : page.rows) {
+      if (row.group != group) continue;
+      found.claims.push_back(row.claim);
+      found.claims.back().note = note_of(row);
+      item.cpu_seconds += row.seconds / row.shared;
+    }
+    item.wall_seconds = item.cpu_seconds;
+    found.figures.push_back(
+        {.name = item.name,
+         .caption = "Relative error of each observable against the tolerance of the steps.",
+         .chart = error_chart(page, group)});
+    const auto drawings = page.figures.find(group);
+    if (drawings != page.figures.end()) {
+      found.figures.insert(found.figures.end(), drawings->second.begin(), drawings->second.end());
+    }
+    found.tables.push_back(tolerances(page, group));
+    complete(found, item.command);
+    report.items.push_back(std::move(item));
   }
-  for (const ValidationFigure& f : page.figures) write_chart_files(folder, f.name, f.chart);
-  write_text_file(folder / "validate.csv", to_csv(page));
-  write_text_file(folder / "verdicts.csv", verdicts_csv(page));
-  write_text_file(folder / "index.html", to_html(page));
+  return report;
+}
+
+void write_validation(const std::filesystem::path& folder, const ValidationPage& page) {
+  const ClaimReport report = to_report(page);
+  write_figures(folder, to_document(report));
+  write_text_file(folder / "validate.csv", to_csv(points_table(page)));
+  write_text_file(folder / "verdicts.csv", to_csv(verdicts_table(page)));
+  write_report(folder, "validate.json", report);
 }
 
 }  // namespace bipot

@@ -14,17 +14,19 @@ double Expectation::error(double value) const {
 }
 
 ValidationRow validation_row(std::string group, std::string name, std::string quantity,
-                             std::string source, std::string formula, Expectation expected,
-                             double allowed, std::string allowed_why, std::string bar) {
-  return {.name = std::move(name),
+                             std::string source, std::string formula, Expectation range,
+                             double allowed, std::string allowed_why, std::string bar,
+                             bool takes_tolerance) {
+  return {.claim = {.name = std::move(name),
+                    .quantity = std::move(quantity),
+                    .expected = std::move(formula),
+                    .source = std::move(source),
+                    .bar_is = std::move(bar)},
           .group = std::move(group),
-          .quantity = std::move(quantity),
-          .source = std::move(source),
-          .formula = std::move(formula),
-          .expected = expected,
+          .range = range,
           .allowed = allowed,
           .allowed_why = std::move(allowed_why),
-          .bar = std::move(bar)};
+          .takes_tolerance = takes_tolerance};
 }
 
 SolverChoice ValidationContext::choice(double tol) const {

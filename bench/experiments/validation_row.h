@@ -6,14 +6,17 @@
 #include <string>
 #include <vector>
 
-#include "bench/report/chart.h"
-#include "core/base/types.h"
+#include "bench/experiments/claim.h"
 #include "core/scene/scene.h"
 
 namespace bipot {
 
-/// What an observable must be: one value, or an interval with one or two ends. Errors are measured
-/// in units of `scale`.
+/// Error up to which an observable counts as right, beside its bar: the meaning of "the physics
+/// holds" in "at which tolerance?".
+inline constexpr double kRightTo = 1e-2;
+
+/// Expected value of an observable: one value, or an interval with one or two ends. Errors are in
+/// units of `scale`.
 struct Expectation {
   double low = -kInfinity, high = kInfinity;
   double scale = 1;  ///< > 0
@@ -25,30 +28,9 @@ struct Expectation {
   static Expectation at_most(double high, double scale) { return {-kInfinity, high, scale}; }
   static Expectation between(double low, double high, double scale) { return {low, high, scale}; }
 
-  /// How far outside a value lies, relative to the scale: 0 inside, NaN for NaN.
+  /// Distance of a value from the interval, relative to the scale: 0 inside, NaN for NaN.
   double error(double value) const;
 };
-
-/// An observable with what theory or others say of it.
-struct ValidationRow {
-  std::string name;      ///< for --only and the CSV: letters, digits, _
-  std::string group;     ///< heading of the page
-  std::string quantity;  ///< one line, with its unit or what it is relative to
-  std::string source;    ///< citation, or the argument that gives the value
-  std::string formula;   ///< the expected value in words and figures
-  Expectation expected;
-  /// Relative error that the row may have at the tightest tolerance beside its error bar, and why:
-  /// time step, bisection.
-  double allowed = 0;
-  std::string allowed_why;
-  std::string bar;              ///< what the error bar is
-  bool takes_tolerance = true;  ///< false: nothing in it is solved to a tolerance
-};
-
-/// A row that takes a tolerance: the fields in their order.
-ValidationRow validation_row(std::string group, std::string name, std::string quantity,
-                             std::string source, std::string formula, Expectation expected,
-                             double allowed, std::string allowed_why, std::string bar);
 
 /// One measurement of an observable.
 struct Observation {
@@ -57,18 +39,60 @@ struct Observation {
   std::string note;
 };
 
-struct ValidationFigure {
-  std::string name;  ///< of the files
-  std::string group, caption;
-  Chart chart;
+/// A row at one tolerance.
+struct ValidationPoint {
+  double tol = 0;
+  Observation seen;
+  double error = kNaN;  ///< of the value, see Expectation::error
+  /// Error at most kRightTo (or the allowed one, if that is more) plus the bar.
+  bool right = false;
+  long steps = 0, unsolved = 0;
+  double seconds = 0;   ///< CPU, of the experiment: with the other rows that it measures
+  std::string failure;  ///< why there is no value
+
+  /// True if the steps were solved to the tolerance, all but kMayMiss of them, and there is a
+  /// value.
+  bool reached() const;
 };
+
+/// A claim on an observable, and its result at each tolerance. The claim has the measurement at the
+/// tightest tolerance reached.
+struct ValidationRow {
+  Claim claim;
+  std::string group;  ///< heading of the page
+  Expectation range;  ///< that of claim.expected
+  /// Relative error allowed for the row at the tightest tolerance beside its error bar, and the
+  /// reason: time step, bisection.
+  double allowed = 0;
+  std::string allowed_why;
+  bool takes_tolerance = true;  ///< false: it contains no solve to a tolerance
+
+  std::vector<ValidationPoint> points;  ///< tolerances falling
+  int best = -1;                        ///< the tightest tolerance reached; -1: none
+  double loosest = kNaN;                ///< right here and at all tighter tolerances reached
+  double seconds = 0;                   ///< CPU, of all tolerances, of the experiment
+  int shared = 1;                       ///< rows that the experiment measures
+
+  const ValidationPoint* measured() const { return best < 0 ? nullptr : &points[to_size(best)]; }
+  bool holds() const { return claim.holds.value_or(false); }
+  bool undecided() const { return best >= 0 && !claim.holds; }
+};
+
+/// The fields in their order.
+ValidationRow validation_row(std::string group, std::string name, std::string quantity,
+                             std::string source, std::string formula, Expectation range,
+                             double allowed, std::string allowed_why, std::string bar,
+                             bool takes_tolerance = true);
+
+/// Sets the claim's measurement and verdict, best and loosest, from the points.
+void judge(ValidationRow& row);
 
 /// One run of an experiment.
 struct ExperimentOutcome {
   std::vector<Observation> seen;  ///< one for each row
-  std::vector<ValidationFigure> figures;
+  std::vector<ClaimFigure> figures;
   long steps = 0;     ///< time steps (or single problems) that were solved
-  long unsolved = 0;  ///< of them, those whose solver did not reach the tolerance
+  long unsolved = 0;  ///< of them, those whose solver missed the tolerance
 };
 
 struct ValidationContext {
@@ -81,7 +105,7 @@ struct ValidationContext {
   SolverChoice choice(double tol) const;
 };
 
-/// Observables that one computation gives. Its work is done again for each tolerance.
+/// Observables of one computation, which is repeated for each tolerance.
 struct ValidationExperiment {
   std::vector<ValidationRow> rows;
   std::vector<double> tols;        ///< falling

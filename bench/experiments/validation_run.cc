@@ -10,64 +10,79 @@
 #include "bench/report/labels.h"
 
 namespace bipot {
+namespace {
 
-void judge(ValidationVerdict& verdict) {
-  const ValidationRow& row = verdict.row;
-  verdict.best = -1;
-  verdict.holds = verdict.undecided = false;
-  verdict.reason.clear();
-  verdict.loosest = kNaN;
-  for (ValidationPoint& p : verdict.points) {
-    p.error = row.expected.error(p.seen.value);
-    p.right = std::isfinite(p.error) && p.seen.bar <= kWidestBar * row.expected.scale &&
-              p.error <= std::max(kRightTo, row.allowed) + p.seen.bar / row.expected.scale;
-    if (p.reached()) verdict.best = static_cast<int>(&p - verdict.points.data());
+// A row whose error bar is wider than this fraction of its scale is undecided.
+constexpr double kWidestBar = 0.5;
+// Fraction of the steps that may miss the tolerance in a run that counts at that tolerance.
+constexpr double kMayMiss = 0.01;
+
+std::string missed(const ValidationPoint& p) {
+  return fmt::format("the solver did not reach it in {} of {} steps", p.unsolved, p.steps);
+}
+
+/// Reason for no value at any tolerance.
+std::string no_value(const ValidationPoint& p) {
+  const std::string why = !p.failure.empty() ? ": " + p.failure
+                          : p.unsolved > 0
+                              ? " " + missed(p)
+                              : fmt::format(" the observable is undefined{}{}",
+                                            p.seen.note.empty() ? "" : ": ", p.seen.note);
+  return fmt::format("; at {}{}", tolerance_label(p.tol), why);
+}
+
+}  // namespace
+
+bool ValidationPoint::reached() const {
+  return failure.empty() &&
+         static_cast<double>(unsolved) <= kMayMiss * static_cast<double>(steps) &&
+         std::isfinite(seen.value);
+}
+
+void judge(ValidationRow& row) {
+  const double scale = row.range.scale;
+  Claim& claim = row.claim;
+  row.best = -1;
+  row.loosest = claim.measured = kNaN;
+  claim.bar = 0;
+  claim.holds = false;
+  claim.reason.clear();
+  for (ValidationPoint& p : row.points) {
+    p.error = row.range.error(p.seen.value);
+    p.right = std::isfinite(p.error) && p.seen.bar <= kWidestBar * scale &&
+              p.error <= std::max(kRightTo, row.allowed) + p.seen.bar / scale;
+    if (p.reached()) row.best = static_cast<int>(&p - row.points.data());
   }
-  if (verdict.best < 0) {
-    verdict.reason = "no value at any tolerance";
-    for (const ValidationPoint& p : verdict.points) {
-      if (!p.failure.empty()) {
-        verdict.reason += fmt::format("; at {}: {}", tolerance_label(p.tol), p.failure);
-        break;
-      }
-      if (p.unsolved > 0) {
-        verdict.reason += fmt::format("; at {} the solver did not reach it in {} of {} steps",
-                                      tolerance_label(p.tol), p.unsolved, p.steps);
-        break;
-      }
-      verdict.reason +=
-          fmt::format("; at {} the observable is undefined{}{}", tolerance_label(p.tol),
-                      p.seen.note.empty() ? "" : ": ", p.seen.note);
-      break;
-    }
+  if (row.best < 0) {
+    claim.reason = "no value at any tolerance";
+    if (!row.points.empty()) claim.reason += no_value(row.points.front());
     return;
   }
-  const ValidationPoint& best = verdict.points[to_size(verdict.best)];
-  verdict.undecided = !(best.seen.bar <= kWidestBar * row.expected.scale);
-  verdict.holds =
-      !verdict.undecided && best.error <= row.allowed + best.seen.bar / row.expected.scale;
-  if (verdict.undecided) {
-    verdict.reason =
-        fmt::format("the error bar at {} is {} of its scale: too few samples to say",
-                    tolerance_label(best.tol), compact_label(best.seen.bar / row.expected.scale));
-  } else if (!verdict.holds) {
-    verdict.reason = fmt::format("off by {} of its scale at {}, {} are allowed",
-                                 compact_label(best.error), tolerance_label(best.tol),
-                                 compact_label(row.allowed + best.seen.bar / row.expected.scale));
-    if (to_size(verdict.best) + 1 < verdict.points.size()) {
-      const ValidationPoint& tighter = verdict.points[to_size(verdict.best) + 1];
-      verdict.reason += fmt::format(
-          ", and at {} {}", tolerance_label(tighter.tol),
-          tighter.failure.empty() ? fmt::format("the solver did not reach it in {} of {} steps",
-                                                tighter.unsolved, tighter.steps)
-                                  : tighter.failure);
+  const ValidationPoint& best = *row.measured();
+  const double bar = best.seen.bar / scale;
+  claim.measured = best.seen.value;
+  claim.bar = best.seen.bar;
+  if (!(bar <= kWidestBar)) {
+    claim.holds.reset();
+    claim.reason = fmt::format("the error bar at {} is {} of its scale: too few samples to say",
+                               tolerance_label(best.tol), compact_label(bar));
+  } else if (best.error <= row.allowed + bar) {
+    claim.holds = true;
+  } else {
+    claim.reason =
+        fmt::format("off by {} of its scale at {}, {} are allowed", compact_label(best.error),
+                    tolerance_label(best.tol), compact_label(row.allowed + bar));
+    if (to_size(row.best) + 1 < row.points.size()) {
+      const ValidationPoint& tighter = row.points[to_size(row.best) + 1];
+      claim.reason += fmt::format(", and at {} {}", tolerance_label(tighter.tol),
+                                  tighter.failure.empty() ? missed(tighter) : tighter.failure);
     }
   }
-  for (int k = verdict.best; k >= 0; --k) {
-    const ValidationPoint& p = verdict.points[to_size(k)];
+  for (int k = row.best; k >= 0; --k) {
+    const ValidationPoint& p = row.points[to_size(k)];
     if (!p.reached()) continue;
     if (!p.right) break;
-    verdict.loosest = p.tol;
+    row.loosest = p.tol;
   }
 }
 
@@ -75,9 +90,8 @@ ExperimentResult run_experiment(const ValidationExperiment& experiment,
                                 const ValidationContext& context,
                                 const std::function<void(int, int)>& on_tolerance) {
   ExperimentResult result;
-  for (const ValidationRow& row : experiment.rows) {
-    result.verdicts.push_back({.row = row, .shared = static_cast<int>(experiment.rows.size())});
-  }
+  result.rows = experiment.rows;
+  for (ValidationRow& row : result.rows) row.shared = static_cast<int>(result.rows.size());
   const std::vector<double>& tols = context.quick ? experiment.quick_tols : experiment.tols;
   for (std::size_t k = 0; k < tols.size(); ++k) {
     if (on_tolerance) on_tolerance(static_cast<int>(k), static_cast<int>(tols.size()));
@@ -104,7 +118,7 @@ ExperimentResult run_experiment(const ValidationExperiment& experiment,
     }
     outcome.seen.resize(experiment.rows.size());
     const double seconds = clock.seconds();
-    for (std::size_t r = 0; r < result.verdicts.size(); ++r) {
+    for (std::size_t r = 0; r < result.rows.size(); ++r) {
       ValidationPoint point;
       point.tol = tols[k];
       point.seen = outcome.seen[r];
@@ -112,27 +126,13 @@ ExperimentResult run_experiment(const ValidationExperiment& experiment,
       point.unsolved = outcome.unsolved;
       point.seconds = seconds;
       point.failure = failure;
-      result.verdicts[r].points.push_back(std::move(point));
-      result.verdicts[r].seconds += seconds;
+      result.rows[r].points.push_back(std::move(point));
+      result.rows[r].seconds += seconds;
     }
     if (!outcome.figures.empty()) result.figures = std::move(outcome.figures);
   }
-  for (ValidationVerdict& verdict : result.verdicts) judge(verdict);
+  for (ValidationRow& row : result.rows) judge(row);
   return result;
-}
-
-int ValidationPage::held() const {
-  return static_cast<int>(std::count_if(verdicts.begin(), verdicts.end(),
-                                        [](const ValidationVerdict& v) { return v.holds; }));
-}
-
-int ValidationPage::undecided() const {
-  return static_cast<int>(std::count_if(verdicts.begin(), verdicts.end(),
-                                        [](const ValidationVerdict& v) { return v.undecided; }));
-}
-
-int ValidationPage::failed() const {
-  return static_cast<int>(verdicts.size()) - held() - undecided();
 }
 
 }  // namespace bipot

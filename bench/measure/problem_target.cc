@@ -27,6 +27,7 @@
 #include "core/motion/time_stepping.h"
 #include "core/problem_files/problem_file.h"
 #include "core/scene/scene_family.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/scene_run.h"
@@ -213,8 +214,7 @@ void throw_disk(Scene<2>& scene, State<2>& state) {
   constexpr double kSpeed = 20;
   Disk disk = state.bodies.front();
   disk.radius = 0.5;
-  disk.mass = 1;
-  disk.inertia = 0.5 * disk.mass * disk.radius * disk.radius;
+  give_mass(disk, 1);
   disk.v = Vec2(0, -kSpeed);
   disk.angle = disk.spin = 0;
   double left = std::numeric_limits<double>::infinity(), right = -left;
@@ -345,10 +345,10 @@ void add_moving(const std::string& target, const Family& family, const TargetOpt
   }
 }
 
-ProblemSource file_source(const fs::path& path) {
-  return {path.stem().string(), path.string(), [path] {
+ProblemSource file_source(const fs::path& path, bool untrusted) {
+  return {path.stem().string(), path.string(), [path, untrusted] {
             TestProblem made;
-            ProblemFile file = read_problem(path);
+            ProblemFile file = read_problem(path, untrusted);
             made.problem = std::move(file.problem);
             if (!file.guesses.empty()) made.start = std::move(file.guesses.front());
             made.origin = fmt::format("file {}", path.filename().string());
@@ -356,7 +356,8 @@ ProblemSource file_source(const fs::path& path) {
           }};
 }
 
-void add_folder(const std::string& target, std::vector<ProblemSource>& sources) {
+void add_folder(const std::string& target, const TargetOptions& options,
+                std::vector<ProblemSource>& sources) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::directory_iterator(target)) {
     const fs::path extension = entry.path().extension();
@@ -368,7 +369,7 @@ void add_folder(const std::string& target, std::vector<ProblemSource>& sources) 
     throw std::invalid_argument(target + ": the folder has no .hdf5, .h5 or .dat file");
   }
   std::sort(files.begin(), files.end());
-  for (const fs::path& file : files) sources.push_back(file_source(file));
+  for (const fs::path& file : files) sources.push_back(file_source(file, options.untrusted));
 }
 
 template <int D>
@@ -400,10 +401,10 @@ void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& p
 
 void add_target(const std::string& target, const TargetOptions& options,
                 const std::shared_ptr<Piles>& piles, std::vector<ProblemSource>& sources) {
-  if (fs::is_directory(target)) return add_folder(target, sources);
+  if (fs::is_directory(target)) return add_folder(target, options, sources);
   if (fs::is_regular_file(target)) {
     if (fs::path(target).extension() == ".toml") return add_scene(target, options, sources);
-    sources.push_back(file_source(target));
+    sources.push_back(file_source(target, options.untrusted));
     return;
   }
   const std::vector<std::string> names = families();
@@ -436,9 +437,9 @@ void add_benchmark(const TargetOptions& options, const std::shared_ptr<Piles>& p
     add_target(target, options, piles, sources);
   }
   if (options.quick) return;
-  add_folder((data_folder() / "problems").string(), sources);
+  add_folder((data_folder() / "problems").string(), options, sources);
   if (const char* shared = std::getenv(kSharedProblems); shared != nullptr && *shared != 0) {
-    add_folder(shared, sources);
+    add_folder(shared, options, sources);
   }
 }
 

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include "core/scene/generators.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 
@@ -27,8 +28,7 @@ Scene<2> compression_scene(const CompressionOptions& options) {
   scene.bodies = random_filling(options.count, {{0.8e-3, 0.25}, {0.9e-3, 0.5}, {kLargest, 0.25}},
                                 width, kSpacing, options.seed, Vec2::Zero());
   for (Disk& d : scene.bodies) {
-    d.mass = options.density * std::numbers::pi * d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
+    give_mass(d, options.density * std::numbers::pi * d.radius * d.radius);
   }
   // The lid rests on the last row of the filling's grid.
   const double pitch = 2 * kLargest * (1 + kSpacing);

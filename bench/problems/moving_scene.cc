@@ -9,6 +9,7 @@
 
 #include "core/base/nearest_name.h"
 #include "core/scene/generators.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 namespace {
@@ -27,17 +28,8 @@ constexpr MovingFamily kFamilies[] = {{"pour", 1, 0.005, 600, true},
                                       {"tilt", 1, 0.005, 700, true},
                                       {"strike", 1, 0.002, 1500, true}};
 
-void give_mass(Disk& disk, double density) {
-  disk.mass = density * std::numbers::pi * disk.radius * disk.radius;
-  disk.inertia = 0.5 * disk.mass * disk.radius * disk.radius;
-}
-
-Wall<2> half_plane(const char* name, const Vec2& point, const Vec2& normal) {
-  Wall<2> wall;
-  wall.name = name;
-  wall.a = point;
-  wall.normal = normal;
-  return wall;
+double disk_mass(const Disk& disk, double density) {
+  return density * std::numbers::pi * disk.radius * disk.radius;
 }
 
 /// The heavy disk that follows the others.
@@ -46,7 +38,7 @@ Disk striker(double side, double width, double height) {
   disk.radius = side / 16;
   disk.x = Vec2(0.5 * width, height + 5 * disk.radius);
   disk.v = Vec2(0, -60 * std::sqrt(side / kSide));
-  give_mass(disk, 5000);
+  give_mass(disk, disk_mass(disk, 5000));
   return disk;
 }
 
@@ -82,15 +74,15 @@ Scene<2> make_moving_scene(const std::string& name, int side, const FamilyOption
                                 width, 0.05, options.seed, Vec2::Zero());
   double height = 0;
   for (Disk& disk : scene.bodies) {
-    give_mass(disk, 1000);
+    give_mass(disk, disk_mass(disk, 1000));
     height = std::max(height, disk.x.y() + disk.radius);
   }
   if (name == "strike") scene.bodies.push_back(striker(side, width, height));
   scene.contact_distance = 1e-6 * smallest_radius(scene);
-  scene.walls.push_back(half_plane("floor", Vec2::Zero(), Vec2(0, 1)));
+  scene.walls.push_back(half_space<2>(Vec2::Zero(), Vec2(0, 1), "floor"));
   if (family->box) {
-    scene.walls.push_back(half_plane("left", Vec2::Zero(), Vec2(1, 0)));
-    scene.walls.push_back(half_plane("right", Vec2(width, 0), Vec2(-1, 0)));
+    scene.walls.push_back(half_space<2>(Vec2::Zero(), Vec2(1, 0), "left"));
+    scene.walls.push_back(half_space<2>(Vec2(width, 0), Vec2(-1, 0), "right"));
   }
   return scene;
 }

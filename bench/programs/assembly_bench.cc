@@ -9,6 +9,7 @@
 #include "core/scene/contact_detection.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 namespace {
@@ -19,10 +20,7 @@ Scene<2> dense_packing(int count) {
   Scene<2> scene;
   scene.gravity = Vec2(0, -9.81);
   scene.bodies = triangular_lattice(side, side, 0.01, Vec2::Zero());
-  for (Disk& d : scene.bodies) {
-    d.mass = 1;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-  }
+  for (Disk& d : scene.bodies) give_mass(d, 1);
   const auto wall = [](const Vec2& a, const Vec2& normal) {
     Wall<2> w;
     w.a = a;
@@ -85,8 +83,7 @@ Scene<3> dense_spheres(int count) {
         Sphere s;
         s.x = radius * Vec3(2 * i + k % 2, 2 * j + k % 2, 1 + k * std::sqrt(2.0));
         s.radius = radius;
-        s.mass = 1;
-        s.inertia = 0.4 * s.mass * s.radius * s.radius;
+        give_mass(s, 1);
         scene.bodies.push_back(s);
       }
     }

@@ -33,7 +33,7 @@
 #include "solvers/parallel/distributed_solve.h"
 #include "solvers/parallel/launch.h"
 #include "solvers/parallel/problem_piece.h"
-#include "solvers/simulation/domain_stepper.h"
+#include "solvers/simulation/domain.h"
 #include "solvers/solve.h"
 
 namespace bipot {
@@ -137,16 +137,17 @@ void measure_state(int side, double tilt, int iterations, int steps, double tol)
   SolverOptions options;
   options.tol = tol;
   options.max_iterations = iterations;
-  DomainStepper<2> stepper(scene, *group, [&](const ProblemPiece& piece, const Vector& s0) {
-    options.s0 = s0;
-    return distributed_solve("apgd", piece, options, *group);
-  });
-  DomainState<2> state = stepper.begin(initial_state(scene));
+  Domain<2> domain(scene, initial_state(scene), *group,
+                   [&](const ProblemPiece& piece, const Vector& s0) {
+                     options.s0 = s0;
+                     return distributed_solve("apgd", piece, options, *group);
+                   });
+  TimeStepper<2> stepper(scene, domain);
   release(scene.bodies);
   double memory[2] = {peak_memory(), 0};
   StepReport<2> sum;
   for (int k = 0; k < steps; ++k) {
-    const StepReport<2> r = stepper.advance(state).report;
+    const StepReport<2> r = stepper.advance(domain.state());
     sum.contacts = r.contacts;
     sum.iterations += r.iterations;
     sum.converged = r.converged;
@@ -159,14 +160,14 @@ void measure_state(int side, double tilt, int iterations, int steps, double tol)
   group->largest(memory);
   double seconds[3] = {sum.detection_seconds, sum.assembly_seconds, sum.solve_seconds};
   group->largest(seconds);
-  const DomainCounts c = largest_counts(stepper.counts(), *group);
+  const DomainCounts c = largest_counts(domain.counts(), *group);
   if (group->rank() != 0) return;
   const double n = steps;
   fmt::print(
       "P {}: {} disks, {} contacts; one has at most {} disks and {} ghosts, {} contacts and {} of "
       "others; imbalance {:.3f}\n",
-      group->size(), state.bodies, sum.contacts, c.most_bodies, c.most_ghosts, c.most_contacts,
-      c.most_halo, c.imbalance);
+      group->size(), domain.own().bodies, sum.contacts, c.most_bodies, c.most_ghosts,
+      c.most_contacts, c.most_halo, c.imbalance);
   for (const auto& [name, t] :
        {std::pair{"detection", &c.detection}, {"solve", &c.solve}, {"migration", &c.migration}}) {
     fmt::print(
@@ -181,7 +182,7 @@ void measure_state(int side, double tilt, int iterations, int steps, double tol)
       "before the first step; {:.2f} kB a disk with all processes\n",
       seconds[0] / n, seconds[1] / n, seconds[2] / n, sum.iterations / n,
       sum.converged ? "converged" : "did not converge", sum.error.epsilon, sum.error.eta,
-      memory[1] / 1e6, memory[0] / 1e6, memory[1] * group->size() / 1000 / state.bodies);
+      memory[1] / 1e6, memory[0] / 1e6, memory[1] * group->size() / 1000 / domain.own().bodies);
 }
 
 /// Values of the process with the most of each.

@@ -158,9 +158,8 @@ void row(const Method& method, const System& system, int repeat) {
   std::fflush(stdout);
 }
 
-template <class Real>
 Method by_fronts(const SparseMatrix& K, const char* name) {
-  auto lu = std::make_shared<FrontalLU<Real>>();
+  auto lu = std::make_shared<FrontalLU>();
   return {name, [&K] { return FrontalTree::analyse(K) != nullptr; },
           [&K, lu] { return lu->factor(K); }, [lu](const Vector& b, Vector& x) { lu->solve(b, x); },
           [lu] { return lu->num_entries(); }};
@@ -185,7 +184,7 @@ Method by_cholmod(const SparseMatrix& S) {
 }
 
 Method by_cholesky_fronts(const SparseMatrix& S) {
-  auto llt = std::make_shared<FrontalCholesky<double>>();
+  auto llt = std::make_shared<FrontalCholesky>();
   return {"fronts (`admm`), Cholesky of the symmetric part",
           [&S] { return FrontalTree::analyse(S) != nullptr; }, [&S, llt] { return llt->factor(S); },
           [llt](const Vector& b, Vector& x) { llt->solve(b, x); },
@@ -307,8 +306,7 @@ void table(const std::string& family, int side, int at, int repeat) {
   fmt::print(
       "| | analysis [s] | factor [s] | solve [s] | numbers kept [10⁶] | backward error | solves to 1e-14 |\n"
       "| --- | --- | --- | --- | --- | --- | --- |\n");
-  row(by_fronts<double>(system.K, "fronts (`ipm`)"), system, repeat);
-  row(by_fronts<float>(system.K, "fronts, single precision"), system, repeat);
+  row(by_fronts(system.K, "fronts (`ipm`)"), system, repeat);
   row(by_umfpack(system.K), system, repeat);
 #ifdef BIPOT_WITH_PETSC
   row(by_mumps(system.K), system, repeat);

@@ -8,7 +8,6 @@
 //                [--threads=1] [--out=out/growth]
 
 #include <fmt/format.h>
-#include <malloc.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -27,6 +26,7 @@
 #include "bench/report/build_info.h"
 #include "bench/report/chart.h"
 #include "bench/report/page_style.h"
+#include "core/base/release.h"
 #include "core/criterion/contact_error.h"
 #include "core/files/atomic_file.h"
 #include "core/motion/midpoint.h"
@@ -94,7 +94,7 @@ double status_line(const std::string& name) {
 class MemoryPeak {
  public:
   MemoryPeak() {
-    malloc_trim(0);  // returns memory that earlier rows have freed
+    return_freed_memory();  // returns memory that earlier rows have freed
     std::ofstream reset("/proc/self/clear_refs");
     reset << 5;  // resets the peak to the memory in use
     reset.close();

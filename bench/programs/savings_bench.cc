@@ -157,21 +157,6 @@ void free_bodies() {
       });
 }
 
-void frozen_contacts(const std::string& family, int side) {
-  const ContactProblem p = first_step(make_family_scene(family, side));
-  SolveResult slow, fast;
-  row(
-      fmt::format("settled contacts left out of sweeps, {} {} (`pgs`, freeze = 10)", family, side),
-      [&] { slow = solve("pgs", p, {.tol = tol}); },
-      [&] {
-        fast = solve("pgs", p, {.tol = tol, .parameters = {{"freeze", "10"}}});
-      },
-      [&] {
-        return fmt::format("{}, {} and {} sweeps", errors_of(slow, fast), slow.iterations,
-                           fast.iterations);
-      });
-}
-
 /// A step whose contacts are those of the step before.
 void kept_analysis(const std::string& family, int side) {
   const ContactProblem p = first_step(make_family_scene(family, side));
@@ -309,8 +294,6 @@ int main(int argc, char** argv) {
     islands_at_rest();
     islands("nothing to cut: one pyramid of 15 rows", pyramids(0, 15, 0));
     free_bodies();
-    frozen_contacts("square", 30);
-    frozen_contacts("triangular", 30);
     kept_contacts();
     kept_analysis("square", 60);
     rows_asked_for();

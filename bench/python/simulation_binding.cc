@@ -269,14 +269,15 @@ class PythonSimulation {
     const auto cancelled = [this] { return watch_.stopped(); };
     const bool rigid = scene_.model == Model::kNonsmooth || !choice.solver.is_none();
     if (!rigid) {
-      stepper_.emplace(scene_, StepSolver(), false, cancelled);
+      stepper_.emplace(scene_, SceneRunOptions<D>{.cancelled = cancelled});
       return;
     }
     if (!callable) chosen_.entry = require_solver(own.name);
     SolverOptions options = to_options(own);
     options.cancelled = cancelled;
-    stepper_.emplace(scene_, make_step_solver(chosen_.entry, std::move(options)),
-                     chosen_.entry.needs_delassus);
+    stepper_.emplace(
+        scene_, SceneRunOptions<D>{.solver = make_step_solver(chosen_.entry, std::move(options)),
+                                   .explicit_delassus = chosen_.entry.needs_delassus});
   }
 
   Scene<D> scene_;

@@ -15,7 +15,7 @@ struct ChartPoint {
   bool hollow = false;  ///< drawn without filling
   std::string note;     ///< shown by the browser when the pointer rests on the marker
   bool marked = true;
-  /// Ends of an error bar; none where one is not finite.
+  /// Ends of an error bar; none if one is not finite.
   double y_low = std::numeric_limits<double>::quiet_NaN();
   double y_high = std::numeric_limits<double>::quiet_NaN();
 };
@@ -24,7 +24,7 @@ struct ChartSeries {
     kLinePoints,  ///< markers, joined in the order of the points
     kLine,        ///< no markers: a fit, a theory
     kPoints,      ///< markers that nothing joins
-    kSteps        ///< y holds from x to the next x; markers where they are asked for
+    kSteps        ///< y holds from x to the next x; markers on request
   };
   std::string name;  ///< in the key; empty: not there
   /// Colour, marker and dashes. No two up to 29 share both marker and dashes, so that grey
@@ -47,31 +47,31 @@ struct ChartLine {
 };
 struct Chart {
   enum class Key { kBelow, kRight, kNone };
-  std::string title;  ///< for readers that do not see the drawing; drawn in files alone
+  std::string title;  ///< for readers who do not see the drawing; drawn in files alone
   ChartAxis x, y;
   std::vector<ChartSeries> series;
   std::optional<double> y_line;  ///< a horizontal line
   std::string y_line_label;
   std::vector<ChartLine> x_lines, y_lines;  ///< vertical lines; more horizontal ones
   Key key = Key::kBelow;
-  /// Of the axes with their labels; the key comes on top of it. In units of which text is 12 high.
+  /// Size of the axes with their labels; the key is additional. In units in which text is 12 high.
   double width = 440, height = 300;
 };
 
-/// An SVG element for a page: no scripts, nothing from elsewhere. Points that are not finite are
-/// left out; logarithmic axes lift what is not positive, and what lies below a lower limit, to
-/// their lowest value. A chart without points is an empty frame that says so. Ids are made from
-/// the content, so that charts can stand in one page. Throws FileError as run_gnuplot does.
+/// An SVG element for a page, without scripts or external resources. Points that are not finite are
+/// left out. Logarithmic axes show non-positive values, and values below a lower limit, at their
+/// lowest value. A chart without points is an empty frame with a text. Ids depend on the content,
+/// so that several charts can be in one page. Throws FileError as run_gnuplot does.
 std::string to_svg(const Chart& chart);
 /// Many at once, by one run of gnuplot; equal charts get different ids.
 std::vector<std::string> to_svg(std::span<const Chart> charts);
 
-/// Writes into the folder, which exists: name.svg; name.csv, a line a point with series, x, y and
+/// Writes into an existing folder: name.svg; name.csv, a line for each point with series, x, y and
 /// note; and name.gp, from which `gnuplot name.gp` makes the SVG again. Throws FileError.
 void write_chart_files(const std::filesystem::path& folder, const std::string& name,
                        const Chart& chart);
 
-/// Throws FileError where gnuplot is missing or older than 5.4: to be asked before hours of
+/// Throws FileError if gnuplot is missing or older than 5.4: for a check before hours of
 /// computation.
 void require_plotting_tool();
 

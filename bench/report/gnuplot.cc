@@ -24,11 +24,11 @@ struct Close {
 };
 using File = std::unique_ptr<std::FILE, Close>;
 
-/// Files without a name instead of pipes: nobody waits for a reader.
+/// Unnamed files instead of pipes, which could block.
 File temporary() {
   File file(std::tmpfile());
   if (!file) throw FileError("temporary file", "", std::strerror(errno));
-  // Other programs that this one starts have no business with it.
+  // Programs started by this one must not inherit it.
   fcntl(fileno(file.get()), F_SETFD, FD_CLOEXEC);
   return file;
 }

@@ -7,11 +7,11 @@
 
 namespace bipot {
 
-/// Members keep the order in which they came. A number that is not finite is written as null.
+/// Members keep their order of insertion. A number that is not finite is written as null.
 using Json = nlohmann::ordered_json;
 
-/// Adds epsilon, eta, epsilon_raw, natural_map and worst_contact (the contact that is worst in
-/// whichever of epsilon and eta is larger; null without one).
+/// Adds epsilon, eta, epsilon_raw, natural_map and worst_contact (of the larger one of epsilon and
+/// eta; null without one).
 void add_error(Json& json, const ContactError& error);
 
 /// The text on one line, or indented. Bytes that are not UTF-8 are replaced.
@@ -20,9 +20,8 @@ std::string json_text(const Json& json, int indent = -1);
 /// The number, NaN for null.
 double number_or_nan(const Json& json);
 
-/// Refuses a destination that cannot be written, before the work rather than after it; a file that
-/// is there is left as it is, one that is not is not left behind. Nothing for "" and "-". Throws
-/// FileError.
+/// Refuses a destination that cannot be written, before the work. An existing file is not changed,
+/// a new one is removed again. No effect for "" and "-". Throws FileError.
 void require_writable(const std::string& destination);
 
 /// Writes to the file, or to standard output for "-". Throws FileError.

@@ -6,23 +6,23 @@ namespace bipot {
 
 /// 1e-6 and not 1e-06; 0.01.
 std::string tolerance_label(double tol);
-/// Without digits behind the point.
+/// Without digits after the point.
 std::string count_label(double count);
-/// With the unit that keeps it short: 12 µs, 3.4 ms, 5 s; a dash for what is not finite.
+/// With the unit that keeps it short: 12 µs, 3.4 ms, 5 s; a dash if not finite.
 std::string seconds_label(double seconds);
 /// The same, in minutes from 120 s on.
 std::string duration_label(double seconds);
-/// Two digits, 1.2e-05; a dash for what is undefined.
+/// Two digits, 1.2e-05; a dash if undefined.
 std::string error_label(double error);
-/// Three digits, 1.23 or 45.6 or 123; a dash for what is undefined.
+/// Three digits, 1.23 or 45.6 or 123; a dash if undefined.
 std::string ratio_label(double ratio);
 /// 10 %, 0.1 %; below as tolerance_label.
 std::string accuracy_label(double accuracy);
-/// 1.2e-3 and not 1.2e-03; 0 stays 0; a dash for what is not finite.
+/// 1.2e-3 and not 1.2e-03; 0 stays 0; a dash if not finite.
 std::string compact_label(double x);
-/// Per cent where that is short, from 1e-4 on; else as compact_label.
+/// Per cent if that is short, from 1e-4 on; else as compact_label.
 std::string share_label(double x);
-/// Four digits; a dash for what is not finite.
+/// Four digits; a dash if not finite.
 std::string value_label(double x);
 
 }  // namespace bipot

@@ -7,7 +7,7 @@
 
 namespace bipot {
 
-/// What was found, as tables of at most 100 columns and sentences.
+/// The result as tables of at most 100 columns and sentences.
 std::string to_text(const SeveralAnswers& found);
 /// The same with every number; undefined ones are null.
 Json to_json(const SeveralAnswers& found);

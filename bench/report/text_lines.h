@@ -6,11 +6,11 @@
 
 namespace bipot {
 
-/// Of UTF-8: what stands one column wide on a terminal.
+/// Number of letters of UTF-8 text: columns on a terminal.
 std::size_t letters(std::string_view utf8);
 
-/// Lines of at most `width` letters, broken at spaces and at ends of lines. A longer word stands
-/// alone.
+/// Lines of at most `width` letters, broken at spaces and at ends of lines. A longer word has its
+/// own line.
 std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width);
 
 /// A piece of a text with marks: `code`, **strong**, [words](aim).
@@ -19,7 +19,7 @@ struct Span {
   bool code = false, strong = false;
   std::string aim;  ///< of a link: a file beside the page or the id of a place in it; else empty
 };
-/// Marks without their partner hold to the end. A link to anywhere else is plain text.
+/// Unpaired marks hold to the end. A link to anywhere else is plain text.
 std::vector<Span> spans_of(std::string_view text);
 
 /// & < > " as entities.

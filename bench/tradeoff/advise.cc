@@ -252,11 +252,11 @@ class Adviser {
   /// Runs the scene as tightly as time allows, and selects steps for trials.
   void sample_run() {
     say("running the scene");
-    run_ = run_scene(scene_, tight_tolerance(options_.goal), TimeBudget::kTightRunEnd, options_,
-                     time_);
+    run_ = sampled_run(scene_, tight_tolerance(options_.goal), TimeBudget::kTightRunEnd, options_,
+                       time_);
     if (run_.seen.steps_run < run_.seen.steps_planned && !options_.stopped()) {
       run_ =
-          run_scene(scene_, loose_tolerance(options_.goal), TimeBudget::kRunEnd, options_, time_);
+          sampled_run(scene_, loose_tolerance(options_.goal), TimeBudget::kRunEnd, options_, time_);
     }
     advice_.sample = run_.seen;
     selection_ = select_steps(run_.checkpoints.size(), options_.samples, options_.fresh);

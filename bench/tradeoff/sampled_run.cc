@@ -17,8 +17,8 @@ constexpr std::size_t kMaxCheckpoints = 64;
 
 }  // namespace
 
-SampledRun run_scene(const Scene<2>& scene, double tol, double part, const AdviseOptions& options,
-                     const TimeBudget& time) {
+SampledRun sampled_run(const Scene<2>& scene, double tol, double part, const AdviseOptions& options,
+                       const TimeBudget& time) {
   SampledRun run;
   run.seen.steps_planned = scene.num_steps;
   SolverOptions solver;

@@ -22,8 +22,8 @@ struct SampledRun {
 
 /// Runs the scene with `auto` to the tolerance until it ends, fails or the part of the time is
 /// used.
-SampledRun run_scene(const Scene<2>& scene, double tol, double part, const AdviseOptions& options,
-                     const TimeBudget& time);
+SampledRun sampled_run(const Scene<2>& scene, double tol, double part, const AdviseOptions& options,
+                       const TimeBudget& time);
 
 /// Checkpoints for the choice and for its verification: evenly spaced, every third one fresh.
 struct Selection {

@@ -7,14 +7,15 @@
 #include <cmath>
 #include <filesystem>
 #include <optional>
-#include <random>
 #include <set>
 #include <stdexcept>
 
 #include "bench/measure/stopwatch.h"
 #include "bench/problems/scene_catalogue.h"
 #include "bench/report/labels.h"
+#include "core/base/portable_random.h"
 #include "core/base/types.h"
+#include "core/motion/spring_dashpot_setup.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
@@ -24,7 +25,7 @@
 namespace bipot {
 namespace {
 
-constexpr double kKick = 1e-3;  // of √(a r)
+constexpr double kPerturbation = 1e-3;  // of √(a r)
 
 bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
@@ -64,7 +65,7 @@ TradeScene load_target(const std::string& target, const TradeOptions& options) {
 }
 
 /// Adds small random velocities: they show whether nearby runs stay together.
-void kick(Scene<2>& scene, int replica) {
+void perturb(Scene<2>& scene, int replica) {
   if (replica == 0) return;
   double mass = 0, force = 0;
   for (const Disk& d : scene.bodies) mass += d.mass;
@@ -75,16 +76,15 @@ void kick(Scene<2>& scene, int replica) {
   const double acceleration = std::max(scene.gravity.norm(), force / mass);
   double speed = std::sqrt(acceleration * smallest_radius(scene));
   for (const Disk& d : scene.bodies) speed = std::max(speed, d.v.norm());
-  std::mt19937_64 engine(static_cast<std::uint64_t>(replica));
-  const auto symmetric = [&] { return 2 * (static_cast<double>(engine() >> 11) * 0x1.0p-53) - 1; };
+  PortableRandom random(static_cast<std::uint64_t>(replica));
   for (Disk& d : scene.bodies) {
     if (d.cluster >= 0) continue;
-    const double x = symmetric(), y = symmetric();
-    d.v += kKick * speed * Vec2(x, y);
+    const double x = random.symmetric(), y = random.symmetric();
+    d.v += kPerturbation * speed * Vec2(x, y);
   }
   for (Cluster& c : scene.clusters.bodies) {
-    const double x = symmetric(), y = symmetric();
-    c.v += kKick * speed * Vec2(x, y);
+    const double x = random.symmetric(), y = random.symmetric();
+    c.v += kPerturbation * speed * Vec2(x, y);
   }
   place_members(scene.clusters, scene.bodies);
 }
@@ -144,7 +144,7 @@ class Runner {
     scene.model = setting.model;
     if (std::isfinite(setting.overlap)) scene.dem.overlap = setting.overlap;
     scene.dem.stiffness = std::isfinite(setting.stiffness) ? setting.stiffness : 0;
-    kick(scene, replica);
+    perturb(scene, replica);
 
     // CPU time: other work on the machine must not decide which rows there are.
     const CpuStopwatch watch;
@@ -230,7 +230,8 @@ double mean_cpu(const Trade& trade, const std::string& scene, const TradeSetting
   return count > 0 ? sum / count : std::numeric_limits<double>::infinity();
 }
 
-void run_scene(const TradeScene& scene, const TradeOptions& options, Runner& runner, Trade& trade) {
+void trade_scene(const TradeScene& scene, const TradeOptions& options, Runner& runner,
+                 Trade& trade) {
   // 1. Tolerances.
   std::vector<double> tols = options.tols;
   std::sort(tols.rbegin(), tols.rend());
@@ -355,7 +356,7 @@ Trade run_trade(const TradeOptions& options) {
     }
   }
   Runner runner(options, trade);
-  for (const TradeScene& scene : trade.scenes) run_scene(scene, options, runner, trade);
+  for (const TradeScene& scene : trade.scenes) trade_scene(scene, options, runner, trade);
   trade.complete = !runner.stopped();
   return trade;
 }

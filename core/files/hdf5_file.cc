@@ -15,9 +15,15 @@ namespace {
 
 static_assert(sizeof(hid_t) == sizeof(std::int64_t));
 
-// A plain mutex and a count: unlike a recursive mutex, the child of a fork can release it.
-std::mutex library_mutex;
-thread_local int library_turns = 0;  // of this thread
+/// A turn at the library, which serves one thread at a time.
+std::unique_lock<std::recursive_mutex> take_turn() {
+  static std::recursive_mutex library;
+  std::unique_lock<std::recursive_mutex> turn(library);
+  // Files are closed here. After a failed close (a full disk) the library's own exit handler
+  // crashes.
+  [[maybe_unused]] static const herr_t no_end = H5dont_atexit();
+  return turn;
+}
 
 /// Switches HDF5's printing of its error stack off for the time of one call.
 class Silence {
@@ -92,19 +98,8 @@ std::vector<std::string> split_fixed(const std::vector<char>& bytes, std::size_t
 
 }  // namespace
 
-Hdf5Turn::Hdf5Turn() {
-  if (library_turns++ == 0) library_mutex.lock();
-  // Files are closed here. After a failed close (a full disk) the library's own exit handler
-  // crashes.
-  [[maybe_unused]] static const herr_t no_end = H5dont_atexit();
-}
-
-Hdf5Turn::~Hdf5Turn() {
-  if (taken_ && --library_turns == 0) library_mutex.unlock();
-}
-
 Hdf5File::Hdf5File(std::filesystem::path path, Mode mode)
-    : path_(std::move(path)), turn_(std::in_place) {
+    : path_(std::move(path)), turn_(take_turn()) {
   const Silence silence;
   if (mode != Mode::kCreate) {
     if (!std::filesystem::exists(path_)) throw FileError(path_, "", "no such file");
@@ -133,16 +128,10 @@ void Hdf5File::close() {
   const bool flushed = H5Fflush(file_, H5F_SCOPE_LOCAL) >= 0;
   const std::string reason = flushed ? "" : hdf5_reason();  // closing would hide it
   const bool closed = H5Fclose(std::exchange(file_, -1)) >= 0;
-  const std::optional<Hdf5Turn> turn = std::move(turn_);  // until the reason is read
-  turn_.reset();
+  const auto turn = std::move(turn_);  // until the reason is read
   if (!flushed || !closed) {
     throw FileError(path_, "", "cannot write: " + (flushed ? hdf5_reason() : reason));
   }
-}
-
-void Hdf5File::end_library() {
-  const Hdf5Turn turn;
-  H5close();
 }
 
 bool Hdf5File::is_hdf5(const std::filesystem::path& path) {
@@ -229,6 +218,53 @@ void require_usual_width(const std::filesystem::path& path, const std::string& n
 }
 
 }  // namespace
+
+void Hdf5File::check_structure(const std::filesystem::path& path) {
+  if (!is_hdf5(path)) return;
+  const Hdf5File file(path, Mode::kRead);
+  const Silence silence;
+  std::vector<std::string> datasets;
+  std::string foreign;
+  const auto note_link = [](hid_t, const char* name, const H5L_info_t* link, void* out) -> herr_t {
+    if (link->type == H5L_TYPE_HARD) return 0;
+    *static_cast<std::string*>(out) = name;
+    return 1;
+  };
+  const auto note_dataset = [](hid_t, const char* name, const H5O_info_t* object,
+                               void* out) -> herr_t {
+    if (object->type == H5O_TYPE_DATASET) {
+      static_cast<std::vector<std::string>*>(out)->push_back(std::string("/") + name);
+    }
+    return 0;
+  };
+  if (H5Lvisit(file.file_, H5_INDEX_NAME, H5_ITER_INC, note_link, &foreign) < 0 ||
+      H5Ovisit(file.file_, H5_INDEX_NAME, H5_ITER_INC, note_dataset, &datasets) < 0) {
+    throw FileError(path, "", "damaged: " + hdf5_reason());
+  }
+  if (!foreign.empty()) throw FileError(path, "/" + foreign, "a link that is not a plain one");
+  hsize_t bytes = 0;
+  H5Fget_filesize(file.file_, &bytes);
+  for (const std::string& name : datasets) {
+    const std::size_t count = file.plausible_size(name);
+    const Handle dataset(H5Dopen2(file.file_, name.c_str(), H5P_DEFAULT), H5Dclose);
+    const Handle type(H5Dget_type(dataset), H5Tclose);
+    const Handle made(H5Dget_create_plist(dataset), H5Pclose);
+    const H5T_class_t kind = H5Tget_class(type);
+    if (kind != H5T_FLOAT && kind != H5T_INTEGER && kind != H5T_STRING) {
+      throw FileError(path, name, "neither numbers nor text");
+    }
+    const H5D_layout_t layout = H5Pget_layout(made);
+    const hsize_t stored = H5Dget_storage_size(dataset), needed = count * H5Tget_size(type);
+    if (layout == H5D_CHUNKED) continue;
+    if ((layout != H5D_CONTIGUOUS && layout != H5D_COMPACT) || H5Pget_external_count(made) != 0) {
+      throw FileError(path, name, "is not stored in the file");
+    }
+    // Nothing is stored of what nobody has written.
+    if (stored != 0 && (stored < needed || stored > bytes)) {
+      throw FileError(path, name, fmt::format("claims {} bytes and stores {}", needed, stored));
+    }
+  }
+}
 
 std::vector<double> Hdf5File::read_doubles(const std::string& name) const {
   std::vector<double> values(plausible_size(name));
@@ -428,23 +464,6 @@ void Hdf5File::write_attribute(const std::string& object, const std::string& nam
   if (!attribute.ok() || H5Awrite(attribute, type, terminated.c_str()) < 0) {
     throw FileError(path_, object + "@" + name, "cannot write: " + hdf5_reason());
   }
-}
-
-std::string Hdf5File::read_attribute(const std::string& object, const std::string& name) const {
-  const Silence silence;
-  const std::string place = object + "@" + name;
-  const Handle attribute(
-      H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  if (!attribute.ok()) throw FileError(path_, place, "missing");
-  const Handle type(H5Aget_type(attribute), H5Tclose);
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0) {
-    throw FileError(path_, place, "not a text of fixed length");
-  }
-  std::vector<char> bytes(H5Tget_size(type));
-  if (H5Aread(attribute, type, bytes.data()) < 0) {
-    throw FileError(path_, place, "cannot read: " + hdf5_reason());
-  }
-  return split_fixed(bytes, bytes.size()).front();
 }
 
 }  // namespace bipot

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
+#include <mutex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -11,19 +11,6 @@
 #include "core/base/file_error.h"
 
 namespace bipot {
-
-/// Lock of the HDF5 library, which serves one thread at a time. The thread that holds it may take
-/// it again; others wait until it has released all. The same thread must release it.
-class Hdf5Turn {
- public:
-  Hdf5Turn();
-  ~Hdf5Turn();
-  Hdf5Turn(Hdf5Turn&& other) noexcept : taken_(other.taken_) { other.taken_ = false; }
-  Hdf5Turn& operator=(Hdf5Turn&&) = delete;
-
- private:
-  bool taken_ = true;
-};
 
 /// One open HDF5 file. Objects are named by absolute paths ("/a/b"); missing groups are created.
 /// Datasets are contiguous, uncompressed, of native types and without time stamps: the same content
@@ -50,9 +37,11 @@ class Hdf5File {
   /// True if the file starts with the HDF5 signature, whatever its name. False if there is no file.
   static bool is_hdf5(const std::filesystem::path& path);
 
-  /// Ends the library and returns its cached blocks to the heap, which then detects writes beyond
-  /// their ends. No file may be open, and none can be opened after it.
-  static void end_library();
+  /// Refuses an HDF5 file from an unknown source before its data are read: links to other files,
+  /// storage outside of the file, datasets larger than their storage, other types than numbers and
+  /// texts. Other files pass. The library reads all headers for it; damage that the library itself
+  /// does not notice can still end the program.
+  static void check_structure(const std::filesystem::path& path);
 
   bool exists(const std::string& name) const;
   /// Number of elements of a dataset.
@@ -89,7 +78,6 @@ class Hdf5File {
 
   /// Text attribute of an object, e.g. a unit.
   void write_attribute(const std::string& object, const std::string& name, std::string_view value);
-  std::string read_attribute(const std::string& object, const std::string& name) const;
 
  private:
   void write_array(const std::string& name, std::int64_t type, const void* data,
@@ -98,8 +86,8 @@ class Hdf5File {
   std::size_t plausible_size(const std::string& name) const;
 
   std::filesystem::path path_;
-  std::optional<Hdf5Turn> turn_;  // while the file is open
-  std::int64_t file_ = -1;        // hid_t, kept out of this header
+  std::unique_lock<std::recursive_mutex> turn_;  // at the library, while the file is open
+  std::int64_t file_ = -1;                       // hid_t, kept out of this header
 };
 
 }  // namespace bipot

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/linear/front_stack.h"
+
 extern "C" {
 void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
 void dtrsm_(const char* side, const char* uplo, const char* transa, const char* diag, const int* m,
@@ -19,20 +21,12 @@ void dsyrk_(const char* uplo, const char* trans, const int* n, const int* k, con
 namespace bipot {
 namespace {
 
-/// Contribution of a front to its parent: the lower triangle of the rows below its pivots, packed
-/// by columns, and the positions of these rows in the parent.
-struct Contribution {
-  const double* block;
-  int n;
-  const int* relative;
-  int pivots;  ///< rows that are pivots of the parent
-
-  /// Entry (i, j) is column(j)[i], i >= j.
-  const double* column(int j) const {
-    const std::ptrdiff_t k = j;
-    return block + k * n - k * (k + 1) / 2;
-  }
-};
+/// Column j of a child's contribution: a lower triangle, packed by columns. Entry (i, j) is
+/// packed_column(child, j)[i], i >= j.
+const double* packed_column(const FrontStack::Child& child, int j) {
+  const std::ptrdiff_t k = j;
+  return child.block + k * child.rows - k * (k + 1) / 2;
+}
 
 std::size_t packed_size(int n) { return to_size(n) * to_size(n + 1) / 2; }
 
@@ -61,20 +55,20 @@ std::size_t packed_stack(const FrontalTree& t) {
   return most;
 }
 
-void add_to_pivots(const Contribution& c, int rows, double* panel) {
-  for (int j = 0; j < c.pivots; ++j) {
-    const double* from = c.column(j);
-    double* to = panel + static_cast<std::ptrdiff_t>(c.relative[j]) * rows;
-    for (int i = j; i < c.n; ++i) to[c.relative[i]] += from[i];
+void add_to_pivots(const FrontStack::Child& child, int rows, double* panel) {
+  for (int j = 0; j < child.pivots; ++j) {
+    const double* from = packed_column(child, j);
+    double* to = panel + static_cast<std::ptrdiff_t>(child.place[j]) * rows;
+    for (int i = j; i < child.rows; ++i) to[child.place[i]] += from[i];
   }
 }
 
 /// Adds to the parent's own contribution, h x h, whose rows are those after its `columns` pivots.
-void add_to_rest(const Contribution& c, int columns, int h, double* own) {
-  for (int j = c.pivots; j < c.n; ++j) {
-    const double* from = c.column(j);
-    double* to = own + static_cast<std::ptrdiff_t>(c.relative[j] - columns) * h - columns;
-    for (int i = j; i < c.n; ++i) to[c.relative[i]] += from[i];
+void add_to_rest(const FrontStack::Child& child, int columns, int h, double* own) {
+  for (int j = child.pivots; j < child.rows; ++j) {
+    const double* from = packed_column(child, j);
+    double* to = own + static_cast<std::ptrdiff_t>(child.place[j] - columns) * h - columns;
+    for (int i = j; i < child.rows; ++i) to[child.place[i]] += from[i];
   }
 }
 
@@ -94,8 +88,7 @@ bool eliminate_columns(int columns, int rows, double* panel) {
 
 }  // namespace
 
-template <class Real>
-bool FrontalCholesky<Real>::analyse(const SymmetricPattern& A) {
+bool FrontalCholesky::analyse(const SymmetricPattern& A) {
   if (tree_ && tree_->is_of(A)) return true;
   factored_ = false;
   tree_ = FrontalTree::of(A);
@@ -104,13 +97,12 @@ bool FrontalCholesky<Real>::analyse(const SymmetricPattern& A) {
   entries_ = 0;
   for (int s = 0; s < tree_->num_fronts(); ++s) {
     largest = std::max(largest, to_size(tree_->columns(s)) * to_size(tree_->rows(s)));
-    entries_ += SupernodalSolve<Real>::num_entries(tree_->columns(s), tree_->rows(s));
+    entries_ += SupernodalSolve::num_entries(tree_->columns(s), tree_->rows(s));
   }
   try {
     panel_.resize(largest);
     stack_.resize(packed_stack(*tree_));
     permuted_.resize(to_size(tree_->size()));
-    scale_.clear();
     place_.resize(to_size(tree_->size()));
     position_.resize(to_size(tree_->size()));
   } catch (const std::bad_alloc&) {
@@ -121,8 +113,7 @@ bool FrontalCholesky<Real>::analyse(const SymmetricPattern& A) {
   return true;
 }
 
-template <class Real>
-bool FrontalCholesky<Real>::factor(const SparseMatrix& A) {
+bool FrontalCholesky::factor(const SparseMatrix& A) {
   if (!analyse(A)) return false;
   return factor([&](int column, const FrontColumn& to) {
     for (SparseMatrix::InnerIterator it(A, column); it; ++it) {
@@ -131,8 +122,7 @@ bool FrontalCholesky<Real>::factor(const SparseMatrix& A) {
   });
 }
 
-template <class Real>
-bool FrontalCholesky<Real>::factor(const AddColumn& add) {
+bool FrontalCholesky::factor(const AddColumn& add) {
   factored_ = false;
   if (!tree_) throw std::logic_error("FrontalCholesky::factor without an analysis");
   try {
@@ -144,106 +134,50 @@ bool FrontalCholesky<Real>::factor(const AddColumn& add) {
 }
 
 /// Adds the entries that the front takes, of the lower triangle, to a cleared panel.
-template <class Real>
-void FrontalCholesky<Real>::assemble(int front, const AddColumn& add, double* panel) {
+void FrontalCholesky::assemble(int front, const AddColumn& add, double* panel) {
   const FrontalTree& t = *tree_;
   const int begin = t.first[to_size(front)], columns = t.columns(front), rows = t.rows(front);
   std::fill_n(panel, to_size(columns) * to_size(rows), 0.0);
   t.place_rows(front, position_.data());
-  if (!scale_.empty()) {
-    row_scale_.assign(scale_.data() + begin, scale_.data() + begin + columns);
-    const int* const below = t.below.data() + t.below_start[to_size(front)];
-    for (int i = 0; i < rows - columns; ++i) row_scale_.push_back(scale_[to_size(below[i])]);
-  }
   for (int j = 0; j < columns; ++j, panel += rows) {
     add(t.order[to_size(begin + j)], {place_.data(), position_.data(), begin, panel});
-    if (scale_.empty()) continue;
-    for (int i = 0; i < rows; ++i) panel[i] *= row_scale_[to_size(i)] * row_scale_[to_size(j)];
   }
 }
 
 /// All fronts, children before parents.
-template <class Real>
-bool FrontalCholesky<Real>::eliminate(const AddColumn& add) {
+bool FrontalCholesky::eliminate(const AddColumn& add) {
   const FrontalTree& t = *tree_;
-  std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
-  std::vector<int> relative;  // positions of the rows of a front's children in it, child by child
-  /// The contributions of the front's children, `begin` of the list first.
-  const auto for_children = [&](int front, std::size_t begin, const auto& add_to) {
-    std::size_t place = 0;
-    for (std::size_t k = begin; k < held.size(); ++k) {
-      const int n = t.height(held[k].first);
-      const int* const places = relative.data() + place;
-      const auto pivots = std::lower_bound(places, places + n, t.columns(front)) - places;
-      add_to(Contribution{stack_.data() + held[k].second, n, places, static_cast<int>(pivots)});
-      place += to_size(n);
-    }
-  };
-  std::size_t top = 0;
+  FrontStack contributions(t, stack_);
   double* const panel = panel_.data();
   supernodes_.begin(t.num_fronts(), entries_);
   for (int s = 0; s < t.num_fronts(); ++s) {
     const int columns = t.columns(s), h = t.height(s), rows = columns + h;
     assemble(s, add, panel);
-    const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
-    const std::size_t bottom = base < held.size() ? held[base].second : top;
-    relative.clear();
-    for (std::size_t k = base; k < held.size(); ++k) {
-      const std::size_t place = relative.size();
-      relative.resize(place + to_size(t.height(held[k].first)));
-      t.place_child(held[k].first, s, relative.data() + place);
-    }
-    for_children(s, base, [&](const Contribution& c) { add_to_pivots(c, rows, panel); });
+    const std::vector<FrontStack::Child>& children = contributions.enter(s);
+    for (const FrontStack::Child& child : children) add_to_pivots(child, rows, panel);
     if (!eliminate_columns(columns, rows, panel)) return false;
     supernodes_.add(
         {t.first[to_size(s)], columns, rows, t.below.data() + t.below_start[to_size(s)], panel});
     if (h > 0) {
-      double* const own = stack_.data() + top;
+      double* const own = contributions.own();
       const double minus = -1, none = 0;
       dsyrk_("L", "N", &h, &columns, &minus, panel + columns, &rows, &none, own, &h);
-      for_children(s, base, [&](const Contribution& c) { add_to_rest(c, columns, h, own); });
-      pack(own, h, stack_.data() + bottom);
+      for (const FrontStack::Child& child : children) add_to_rest(child, columns, h, own);
+      pack(own, h, contributions.bottom());
     }
-    held.resize(base);
-    top = bottom + packed_size(h);
-    if (h > 0) held.emplace_back(s, bottom);
+    contributions.leave(s, packed_size(h));
   }
   return true;
 }
 
-template <class Real>
-void FrontalCholesky<Real>::scale_by(const Vector& scale) {
-  scale_.resize(to_size(scale.size()));
-  for (std::size_t k = 0; k < scale_.size(); ++k) scale_[k] = scale[tree_->order[k]];
-}
-
-template <class Real>
-void FrontalCholesky<Real>::solve(const Vector& b, Vector& x) const {
+void FrontalCholesky::solve(const Vector& b, Vector& x) const {
   if (!factored_) throw std::logic_error("FrontalCholesky::solve without a factor");
   const std::vector<int>& order = tree_->order;
   const std::size_t n = order.size();
   x.resize(b.size());
-  if (scale_.empty()) {
-    for (std::size_t k = 0; k < n; ++k) permuted_[k] = static_cast<Real>(b[order[k]]);
-    supernodes_.solve(permuted_.data());
-    for (std::size_t k = 0; k < n; ++k) x[order[k]] = static_cast<double>(permuted_[k]);
-    return;
-  }
-  double largest = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    largest = std::max(largest, std::abs(b[order[k]] * scale_[k]));
-  }
-  const double unit = largest > 0 ? largest : 1, inverse = 1 / unit;
-  for (std::size_t k = 0; k < n; ++k) {
-    permuted_[k] = static_cast<Real>(b[order[k]] * scale_[k] * inverse);
-  }
+  for (std::size_t k = 0; k < n; ++k) permuted_[k] = b[order[k]];
   supernodes_.solve(permuted_.data());
-  for (std::size_t k = 0; k < n; ++k) {
-    x[order[k]] = static_cast<double>(permuted_[k]) * (scale_[k] * unit);
-  }
+  for (std::size_t k = 0; k < n; ++k) x[order[k]] = permuted_[k];
 }
-
-template class FrontalCholesky<double>;
-template class FrontalCholesky<float>;
 
 }  // namespace bipot

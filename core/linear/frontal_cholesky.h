@@ -22,12 +22,8 @@ struct FrontColumn {
 };
 
 /// Sparse Cholesky factorisation A = L Lᵀ by dense fronts (multifrontal method: Duff and Reid 1983,
-/// Liu 1992), for matrices that are factored dozens of times with one pattern and solved with after
-/// each a hundred times: the analysis is kept (FrontalTree), and solves go through SupernodalSolve.
-///
-/// Real is what the factor is kept in: it is computed in double precision, and float takes half the
-/// memory and time of a solve, for solutions good to 1e-6 at best.
-template <class Real>
+/// Liu 1992). For matrices that are factored dozens of times with one pattern, each with about a
+/// hundred solves. Therefore the analysis is kept (FrontalTree), and solves use SupernodalSolve.
 class FrontalCholesky {
  public:
   /// The symbolic analysis alone, for callers who check their clock before the first factor().
@@ -40,9 +36,6 @@ class FrontalCholesky {
   /// the entries (i, j) with to.takes(i) to to[i], which are 0 before; each column once.
   using AddColumn = std::function<void(int column, const FrontColumn& to)>;
   [[nodiscard]] bool factor(const AddColumn& add);
-  /// Rows and columns are multiplied by these, powers of two, before they are eliminated: floats
-  /// reach no farther than 1e-38 to 1e38. After an analysis; none for an empty vector.
-  void scale_by(const Vector& scale);
   /// x = A⁻¹ b; x may be b. Requires a successful factor(). No allocation after the first call.
   void solve(const Vector& b, Vector& x) const;
   /// Numbers stored of L. Requires a successful factor().
@@ -59,13 +52,8 @@ class FrontalCholesky {
   std::vector<double> stack_;  // contributions
   bool factored_ = false;
   std::size_t entries_ = 0;
-  std::vector<double> scale_;      // of each column in the tree's order; empty: 1
-  std::vector<double> row_scale_;  // scratch of a front
-  mutable SupernodalSolve<Real> supernodes_;
-  mutable std::vector<Real> permuted_;
+  mutable SupernodalSolve supernodes_;
+  mutable std::vector<double> permuted_;
 };
-
-extern template class FrontalCholesky<double>;
-extern template class FrontalCholesky<float>;
 
 }  // namespace bipot

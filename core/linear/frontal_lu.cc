@@ -7,13 +7,11 @@
 #include <cstring>
 #include <new>
 #include <stdexcept>
-#include <type_traits>
 
 #include "core/base/large_pages.h"
-#include "core/base/mapped_memory.h"
-#include "core/base/release.h"
 #include "core/linear/block_pattern.h"
 #include "core/linear/eight_right_sides.h"
+#include "core/linear/front_stack.h"
 #include "core/linear/frontal_kernels.h"
 
 extern "C" {
@@ -43,28 +41,26 @@ void subtract_product(bool transposed, int m, int n, int k, const double* A, int
 /// A front in the factor. First the panel of `rows` x `columns`, by columns, with the inverses of
 /// the pivots on its diagonal. Below it the transpose of the part right of the pivots, `rows -
 /// columns` x `columns`.
-template <class Real>
 struct Front {
   int columns, rows;
-  Real* panel;
-  Real* upper;
+  double* panel;
+  double* upper;
 
   int height() const { return rows - columns; }
-  Real* column(int j) const { return panel + static_cast<std::ptrdiff_t>(j) * rows; }
-  Real* right_of(int j) const { return upper + static_cast<std::ptrdiff_t>(j) * height(); }
+  double* column(int j) const { return panel + static_cast<std::ptrdiff_t>(j) * rows; }
+  double* right_of(int j) const { return upper + static_cast<std::ptrdiff_t>(j) * height(); }
 };
 
 /// Prefetches numbers: fronts are too short for the hardware to predict the next.
-template <class Real>
-void fetch(const Real* begin, const Real* end) {
-  constexpr std::ptrdiff_t kLine = 64 / sizeof(Real);
+void fetch(const double* begin, const double* end) {
+  constexpr std::ptrdiff_t kLine = 64 / sizeof(double);
   for (; begin < end; begin += kLine) __builtin_prefetch(begin, 0, 2);
 }
 
-/// Eliminates the columns begin .. end - 1 of a panel. Its first `columns` rows may be exchanged,
-/// as recorded in exchange[]; the inverse of a pivot takes its place. Returns the largest
-/// multiplier in the rows below the pivots'; a negative number: no pivot.
-double eliminate_columns(const Front<double>& f, int begin, int end, int* exchange) {
+/// Eliminates the columns begin .. end - 1 of a panel, of whose rows the first `columns` may be
+/// exchanged, as exchange[] tells; the inverse of a pivot takes its place. Largest multiplier in
+/// the rows below the pivots'; a negative number: no pivot.
+double eliminate_columns(const Front& f, int begin, int end, int* exchange) {
   double factors[kBlock], largest = 0;
   for (int j = begin; j < end; ++j) {
     double* column = f.column(j);
@@ -94,7 +90,7 @@ double eliminate_columns(const Front<double>& f, int begin, int end, int* exchan
 
 /// Eliminates the columns of a front. Returns the largest multiplier in the rows below the pivots';
 /// a negative number: no pivot.
-double eliminate(const Front<double>& f, int* exchange) {
+double eliminate(const Front& f, int* exchange) {
   double factors[kBlock], largest = 0;
   for (int begin = 0; begin < f.columns; begin += kBlock) {
     const int end = std::min(begin + kBlock, f.columns);
@@ -125,30 +121,29 @@ double eliminate(const Front<double>& f, int* exchange) {
 
 /// Adds the part of a child's contribution (n x n) that belongs to the pivots of the front. Returns
 /// the number of the child's rows that are pivots.
-int add_to_pivots(const double* block, int n, const int* relative, const Front<double>& f) {
-  const int pivots =
-      static_cast<int>(std::lower_bound(relative, relative + n, f.columns) - relative);
+void add_to_pivots(const FrontStack::Child& child, const Front& f) {
+  const double* block = child.block;
+  const int n = child.rows;
+  const int* const place = child.place;
   for (int j = 0; j < n; ++j, block += n) {
-    if (j < pivots) {
-      double* column = f.column(relative[j]);
-      for (int i = 0; i < n; ++i) column[relative[i]] += block[i];
+    if (j < child.pivots) {
+      double* column = f.column(place[j]);
+      for (int i = 0; i < n; ++i) column[place[i]] += block[i];
     } else {
-      for (int i = 0; i < pivots; ++i) {
-        f.right_of(relative[i])[relative[j] - f.columns] += block[i];
-      }
+      for (int i = 0; i < child.pivots; ++i) f.right_of(place[i])[place[j] - f.columns] += block[i];
     }
   }
-  return pivots;
 }
 
 /// Adds the rest to the front's own contribution.
-void add_to_contribution(const double* block, int n, const int* relative, int pivots,
-                         const Front<double>& f, double* contribution) {
-  for (int j = pivots; j < n; ++j) {
-    const double* from = block + static_cast<std::ptrdiff_t>(j) * n;
-    double* to = contribution + static_cast<std::ptrdiff_t>(relative[j] - f.columns) * f.height() -
-                 f.columns;
-    for (int i = pivots; i < n; ++i) to[relative[i]] += from[i];
+void add_to_contribution(const FrontStack::Child& child, const Front& f, double* contribution) {
+  const int n = child.rows;
+  const int* const place = child.place;
+  for (int j = child.pivots; j < n; ++j) {
+    const double* from = child.block + static_cast<std::ptrdiff_t>(j) * n;
+    double* to =
+        contribution + static_cast<std::ptrdiff_t>(place[j] - f.columns) * f.height() - f.columns;
+    for (int i = child.pivots; i < n; ++i) to[place[i]] += from[i];
   }
 }
 
@@ -216,63 +211,38 @@ class StoredMatrix final : public MatrixByLines {
 
 }  // namespace
 
-template <class Real>
-struct FrontalLU<Real>::Impl {
+struct FrontalLU::Impl {
   std::shared_ptr<const FrontalTree> tree;
-  MappedVector<Real> factor;
-  std::vector<double> stack, working;  // contributions; a front, where the factor is in floats
-  std::vector<double> scale;           // by column of A
-  std::vector<int> place;              // of each column of A in the tree's order
-  std::vector<int> position;           // of the same in a front, -1: eliminated
-  StoredPositions positions;           // of a stored A
+  std::vector<double> factor;
+  std::vector<double> stack;  // contributions
+  std::vector<double> scale;  // by column of A
+  std::vector<int> place;     // of each column of A in the tree's order
+  std::vector<int> position;  // of the same in a front, -1: eliminated
+  StoredPositions positions;  // of a stored A
   std::vector<int> exchange;
-  std::vector<int> relative;  // places of the rows of a front's children in it, child by child
-  int sign = 0;               // 0: no factor
+  int sign = 0;  // 0: no factor
   double largest = 0;
-  std::vector<Real> x, below;
+  std::vector<double> x, below;
   // Rows of kRightSides numbers; made where they are needed first.
-  std::vector<Real, LargePageAllocator<Real>> several, several_below;
+  std::vector<double, LargePageAllocator<double>> several, several_below;
 
-  Front<Real> front(int s) {
+  Front front(int s) {
     const FrontalTree& t = *tree;
-    Real* panel = factor.data() + t.node_start[to_size(s)];
+    double* panel = factor.data() + t.node_start[to_size(s)];
     return {t.columns(s), t.rows(s), panel,
             panel + static_cast<std::ptrdiff_t>(t.columns(s)) * t.rows(s)};
-  }
-
-  /// Where the front is made: in its place, if that is in double precision.
-  Front<double> working_front(int s) {
-    if constexpr (std::is_same_v<Real, double>) {
-      return front(s);
-    } else {
-      const FrontalTree& t = *tree;
-      working.resize(std::max(working.size(), front_size(s)));
-      return {t.columns(s), t.rows(s), working.data(),
-              working.data() + static_cast<std::ptrdiff_t>(t.columns(s)) * t.rows(s)};
-    }
-  }
-  std::size_t front_size(int s) const {
-    return static_cast<std::size_t>(tree->node_start[to_size(s) + 1] -
-                                    tree->node_start[to_size(s)]);
-  }
-  /// Puts it there, rounded.
-  void keep(int s) {
-    if constexpr (std::is_same_v<Real, float>) {
-      std::transform(working.begin(), working.begin() + static_cast<std::ptrdiff_t>(front_size(s)),
-                     front(s).panel, [](double value) { return static_cast<float>(value); });
-    }
   }
 
   bool fetches() const { return tree->factor_size >= kFetchFrom; }
   /// What the pass forward, the pass backward reads of a front, where there is one.
   void fetch_forward(int s) {
     if (!fetches() || s >= tree->num_fronts()) return;
-    const Front<Real> f = front(s);
+    const Front f = front(s);
     fetch(f.panel, f.upper);
   }
   void fetch_backward(int s) {
     if (!fetches() || s < 0) return;
-    const Front<Real> f = front(s);
+    const Front f = front(s);
     for (int j = 0; j < f.columns; ++j) fetch(f.column(j), f.column(j) + j + 1);
     fetch(f.upper, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height());
   }
@@ -281,16 +251,15 @@ struct FrontalLU<Real>::Impl {
   bool scale_by_diagonal(const MatrixByLines& A);
   bool scale_by_largest(const MatrixByLines& A);
   bool look_at_entries(const MatrixByLines& A, double most, double* sizes);
-  bool assemble(const MatrixByLines& A, double most, int s, const Front<double>& f);
+  bool assemble(const MatrixByLines& A, double most, int s, const Front& f);
   bool run(const MatrixByLines& A, double most);
   void substitute_forward();
   void substitute_backward();
-  void substitute_several_forward() requires std::is_same_v<Real, double>;
-  void substitute_several_backward() requires std::is_same_v<Real, double>;
+  void substitute_several_forward();
+  void substitute_several_backward();
 };
 
-template <class Real>
-bool FrontalLU<Real>::Impl::analyse(const SymmetricPattern& pattern) {
+bool FrontalLU::Impl::analyse(const SymmetricPattern& pattern) {
   sign = 0;
   if (tree && tree->is_of(pattern)) return true;
   positions = {};
@@ -315,8 +284,7 @@ bool FrontalLU<Real>::Impl::analyse(const SymmetricPattern& pattern) {
 
 /// True if all scaled entries are numbers up to `most`. `sizes`, if given, is raised to the largest
 /// of each row and column.
-template <class Real>
-bool FrontalLU<Real>::Impl::look_at_entries(const MatrixByLines& A, double most, double* sizes) {
+bool FrontalLU::Impl::look_at_entries(const MatrixByLines& A, double most, double* sizes) {
   FrontLine line;
   line.scales_ = scale.data();
   line.largest_ = sizes;
@@ -331,8 +299,7 @@ bool FrontalLU<Real>::Impl::look_at_entries(const MatrixByLines& A, double most,
 
 /// Powers of two near 1 / sqrt of the diagonal, which change with the units of rows and columns as
 /// A does. False: there are none.
-template <class Real>
-bool FrontalLU<Real>::Impl::scale_by_diagonal(const MatrixByLines& A) {
+bool FrontalLU::Impl::scale_by_diagonal(const MatrixByLines& A) {
   for (int j = 0; j < tree->size(); ++j) {
     scale[to_size(j)] = inverse_root(std::abs(A.diagonal(j)));
     if (scale[to_size(j)] == 0) return false;
@@ -342,8 +309,7 @@ bool FrontalLU<Real>::Impl::scale_by_diagonal(const MatrixByLines& A) {
 
 /// The same for the largest entry in row or column. False: a row of zeros, or an entry is not
 /// finite.
-template <class Real>
-bool FrontalLU<Real>::Impl::scale_by_largest(const MatrixByLines& A) {
+bool FrontalLU::Impl::scale_by_largest(const MatrixByLines& A) {
   std::fill(scale.begin(), scale.end(), 1.0);
   std::vector<double> sizes(scale.size(), 0.0);
   if (!look_at_entries(A, std::numeric_limits<double>::max(), sizes.data())) return false;
@@ -352,9 +318,7 @@ bool FrontalLU<Real>::Impl::scale_by_largest(const MatrixByLines& A) {
 }
 
 /// Adds the entries that the front takes. False: one is larger than `most`, or NaN.
-template <class Real>
-bool FrontalLU<Real>::Impl::assemble(const MatrixByLines& A, double most, int s,
-                                     const Front<double>& f) {
+bool FrontalLU::Impl::assemble(const MatrixByLines& A, double most, int s, const Front& f) {
   const FrontalTree& t = *tree;
   std::fill(f.panel, f.upper + static_cast<std::ptrdiff_t>(f.columns) * f.height(), 0.0);
   const int begin = t.first[to_size(s)];
@@ -385,26 +349,16 @@ bool FrontalLU<Real>::Impl::assemble(const MatrixByLines& A, double most, int s,
 
 /// Eliminates all fronts, children before parents. False: a pivot is zero or not finite, or a
 /// scaled entry is larger than `most`.
-template <class Real>
-bool FrontalLU<Real>::Impl::run(const MatrixByLines& A, double most) {
+bool FrontalLU::Impl::run(const MatrixByLines& A, double most) {
   const FrontalTree& t = *tree;
-  std::vector<std::pair<int, std::size_t>> held;  // fronts with a contribution on the stack, start
-  std::size_t top = 0;
+  FrontStack contributions(t, stack);
   int minus = 0;
   largest = 0;
   for (int s = 0; s < t.num_fronts(); ++s) {
-    const Front<double> f = working_front(s);
+    const Front f = front(s);
     if (!assemble(A, most, s, f)) return false;
-    const std::size_t base = held.size() - to_size(t.children[to_size(s)]);
-    const std::size_t bottom = base < held.size() ? held[base].second : top;
-    relative.clear();
-    for (std::size_t k = base; k < held.size(); ++k) {
-      const int n = t.height(held[k].first);
-      const std::size_t begin = relative.size();
-      relative.resize(begin + to_size(n));
-      t.place_child(held[k].first, s, relative.data() + begin);
-      add_to_pivots(stack.data() + held[k].second, n, relative.data() + begin, f);
-    }
+    const std::vector<FrontStack::Child>& children = contributions.enter(s);
+    for (const FrontStack::Child& child : children) add_to_pivots(child, f);
     int* own_exchange = exchange.data() + t.first[to_size(s)];
     const double multiplier = eliminate(f, own_exchange);
     if (!(multiplier >= 0)) return false;
@@ -413,48 +367,28 @@ bool FrontalLU<Real>::Impl::run(const MatrixByLines& A, double most) {
       minus += (f.column(j)[j] < 0) != (own_exchange[j] != j);
     }
     const int h = f.height();
+    const std::size_t size = to_size(h) * to_size(h);
     if (h > 0) {
-      double* contribution = stack.data() + top;
-      subtract_product(true, h, h, f.columns, f.panel + f.columns, f.rows, f.upper, h, 0.0,
-                       contribution, h);
-      const int* places = relative.data();
-      for (std::size_t k = base; k < held.size(); ++k) {
-        const int n = t.height(held[k].first);
-        const int pivots =
-            static_cast<int>(std::lower_bound(places, places + n, f.columns) - places);
-        add_to_contribution(stack.data() + held[k].second, n, places, pivots, f, contribution);
-        places += n;
-      }
-      if (bottom != top) {
-        std::memmove(stack.data() + bottom, contribution, sizeof(double) * to_size(h) * to_size(h));
-      }
+      double* own = contributions.own();
+      subtract_product(true, h, h, f.columns, f.panel + f.columns, f.rows, f.upper, h, 0.0, own, h);
+      for (const FrontStack::Child& child : children) add_to_contribution(child, f, own);
+      if (!children.empty()) std::memmove(contributions.bottom(), own, sizeof(double) * size);
     }
-    keep(s);
-    held.resize(base);
-    top = bottom + to_size(h) * to_size(h);
-    if (h > 0) held.emplace_back(s, bottom);
+    contributions.leave(s, size);
   }
   if (!std::isfinite(largest)) return false;
   sign = minus % 2 == 0 ? 1 : -1;
   return true;
 }
 
-template <class Real>
-FrontalLU<Real>::FrontalLU() : impl_(std::make_unique<Impl>()) {}
-template <class Real>
-FrontalLU<Real>::~FrontalLU() = default;
-template <class Real>
-FrontalLU<Real>::FrontalLU(FrontalLU&&) noexcept = default;
-template <class Real>
-FrontalLU<Real>& FrontalLU<Real>::operator=(FrontalLU&&) noexcept = default;
+FrontalLU::FrontalLU() : impl_(std::make_unique<Impl>()) {}
+FrontalLU::~FrontalLU() = default;
+FrontalLU::FrontalLU(FrontalLU&&) noexcept = default;
+FrontalLU& FrontalLU::operator=(FrontalLU&&) noexcept = default;
 
-template <class Real>
-bool FrontalLU<Real>::analyse(const SymmetricPattern& pattern) {
-  return impl_->analyse(pattern);
-}
+bool FrontalLU::analyse(const SymmetricPattern& pattern) { return impl_->analyse(pattern); }
 
-template <class Real>
-bool FrontalLU<Real>::factor(const MatrixByLines& A) {
+bool FrontalLU::factor(const MatrixByLines& A) {
   Impl& f = *impl_;
   if (!f.tree) throw std::logic_error("FrontalLU::factor without an analysis");
   f.sign = 0;
@@ -465,54 +399,45 @@ bool FrontalLU<Real>::factor(const MatrixByLines& A) {
     return false;
   }
   const bool by_diagonal = f.scale_by_diagonal(A);
-  if (by_diagonal && f.run(A, kDiagonalScales)) {
-    if constexpr (std::is_same_v<Real, float>) {  // memory is why it is floats
-      release(f.stack);
-      release(f.working);
-    }
-    return true;
-  }
-  // A bad pivot alone is no reason for other scales.
+  if (by_diagonal && f.run(A, kDiagonalScales)) return true;
+  // A pivot alone is no reason for other scales.
   if (by_diagonal && f.look_at_entries(A, kDiagonalScales, nullptr)) return false;
   return f.scale_by_largest(A) && f.run(A, kInfinity);
 }
 
-template <class Real>
-bool FrontalLU<Real>::factor(const SparseMatrix& A) {
+bool FrontalLU::factor(const SparseMatrix& A) {
   Impl& f = *impl_;
   if (!f.analyse(A)) return false;
   if (f.positions.diagonal.empty()) f.positions = StoredPositions(A);
   return factor(StoredMatrix(A, f.positions));
 }
 
-template <class Real>
-void FrontalLU<Real>::Impl::substitute_forward() {
+void FrontalLU::Impl::substitute_forward() {
   const FrontalTree& t = *tree;
   for (int s = 0; s < t.num_fronts(); ++s) {
-    const Front<Real> f = front(s);
-    Real* own = x.data() + t.first[to_size(s)];
-    // A sparse right-hand side does not reach most fronts.
-    if (std::all_of(own, own + f.columns, [](Real value) { return value == 0; })) continue;
+    const Front f = front(s);
+    double* own = x.data() + t.first[to_size(s)];
+    // A right side of few numbers stays away from most fronts.
+    if (std::all_of(own, own + f.columns, [](double value) { return value == 0; })) continue;
     fetch_forward(s + 1);
     const int* swaps = exchange.data() + t.first[to_size(s)];
     for (int j = 0; j < f.columns; ++j) std::swap(own[j], own[swaps[j]]);
     const int h = f.height();
     solve_unit_lower(f.columns, f.panel, f.rows, own);
     if (h == 0) continue;
-    std::fill(below.begin(), below.begin() + h, Real(0));
+    std::fill(below.begin(), below.begin() + h, 0.0);
     subtract_columns(h, f.columns, own, f.panel + f.columns, f.rows, below.data());
     const int* rows = t.below.data() + t.below_start[to_size(s)];
     for (int i = 0; i < h; ++i) x[to_size(rows[i])] += below[to_size(i)];
   }
 }
 
-template <class Real>
-void FrontalLU<Real>::Impl::substitute_backward() {
+void FrontalLU::Impl::substitute_backward() {
   const FrontalTree& t = *tree;
   for (int s = t.num_fronts() - 1; s >= 0; --s) {
-    const Front<Real> f = front(s);
+    const Front f = front(s);
     fetch_backward(s - 1);
-    Real* own = x.data() + t.first[to_size(s)];
+    double* own = x.data() + t.first[to_size(s)];
     const int h = f.height();
     const int* rows = t.below.data() + t.below_start[to_size(s)];
     for (int i = 0; i < h; ++i) below[to_size(i)] = x[to_size(rows[i])];
@@ -521,41 +446,39 @@ void FrontalLU<Real>::Impl::substitute_backward() {
   }
 }
 
-template <class Real>
-void FrontalLU<Real>::Impl::substitute_several_forward() requires std::is_same_v<Real, double> {
+void FrontalLU::Impl::substitute_several_forward() {
   const FrontalTree& t = *tree;
   for (int s = 0; s < t.num_fronts(); ++s) {
-    const Front<Real> f = front(s);
-    Real* own = several.data() + t.first[to_size(s)] * kRightSides;
+    const Front f = front(s);
+    double* own = several.data() + t.first[to_size(s)] * kRightSides;
     const int numbers = f.columns * kRightSides;
-    if (std::all_of(own, own + numbers, [](Real value) { return value == 0; })) continue;
+    if (std::all_of(own, own + numbers, [](double value) { return value == 0; })) continue;
     fetch_forward(s + 1);
     const int* swaps = exchange.data() + t.first[to_size(s)];
     for (int j = 0; j < f.columns; ++j) {
       if (swaps[j] == j) continue;
-      Real *one = own + j * kRightSides, *other = own + swaps[j] * kRightSides;
+      double *one = own + j * kRightSides, *other = own + swaps[j] * kRightSides;
       std::swap_ranges(one, one + kRightSides, other);
     }
     const int h = f.height();
     solve_unit_lower_of_eight(f.columns, f.panel, f.rows, own);
     if (h == 0) continue;
-    std::fill_n(several_below.begin(), h * kRightSides, Real(0));
+    std::fill_n(several_below.begin(), h * kRightSides, 0.0);
     subtract_columns_of_eight(h, f.columns, f.panel + f.columns, f.rows, own, several_below.data());
     const int* rows = t.below.data() + t.below_start[to_size(s)];
     for (int i = 0; i < h; ++i) {
-      Real* row = several.data() + rows[i] * kRightSides;
+      double* row = several.data() + rows[i] * kRightSides;
       for (int c = 0; c < kRightSides; ++c) row[c] += several_below[to_size(i * kRightSides + c)];
     }
   }
 }
 
-template <class Real>
-void FrontalLU<Real>::Impl::substitute_several_backward() requires std::is_same_v<Real, double> {
+void FrontalLU::Impl::substitute_several_backward() {
   const FrontalTree& t = *tree;
   for (int s = t.num_fronts() - 1; s >= 0; --s) {
-    const Front<Real> f = front(s);
+    const Front f = front(s);
     fetch_backward(s - 1);
-    Real* own = several.data() + t.first[to_size(s)] * kRightSides;
+    double* own = several.data() + t.first[to_size(s)] * kRightSides;
     const int h = f.height();
     const int* rows = t.below.data() + t.below_start[to_size(s)];
     for (int i = 0; i < h; ++i) {
@@ -569,9 +492,7 @@ void FrontalLU<Real>::Impl::substitute_several_backward() requires std::is_same_
   }
 }
 
-template <class Real>
-void FrontalLU<Real>::solve(const SparseColumns& B,
-                            Vector* solution) const requires std::is_same_v<Real, double> {
+void FrontalLU::solve(const SparseColumns& B, Vector* solution) const {
   Impl& f = *impl_;
   const std::size_t count = B.start.size() - 1;
   if (f.sign == 0) throw std::logic_error("FrontalLU::solve without a factor");
@@ -597,49 +518,30 @@ void FrontalLU<Real>::solve(const SparseColumns& B,
   }
 }
 
-template <class Real>
-void FrontalLU<Real>::solve(const Vector& b, Vector& solution) const {
+void FrontalLU::solve(const Vector& b, Vector& solution) const {
   Impl& f = *impl_;
   if (f.sign == 0) throw std::logic_error("FrontalLU::solve without a factor");
   const FrontalTree& t = *f.tree;
-  double largest = 0;
-  if constexpr (std::is_same_v<Real, float>) {
-    // Floats reach down to 1e-38 only.
-    for (int j = 0; j < t.size(); ++j) {
-      largest = std::max(largest, std::abs(b[j]) * f.scale[to_size(j)]);
-    }
-  }
-  const double unit = largest > 0 ? largest : 1;
   for (int k = 0; k < t.size(); ++k) {
     const std::size_t j = to_size(t.order[to_size(k)]);
-    f.x[to_size(k)] = static_cast<Real>(b[t.order[to_size(k)]] * f.scale[j] / unit);
+    f.x[to_size(k)] = b[t.order[to_size(k)]] * f.scale[j];
   }
   f.substitute_forward();
   f.substitute_backward();
   solution.resize(t.size());
   for (int j = 0; j < t.size(); ++j) {
     const std::size_t k = to_size(f.place[to_size(j)]);
-    solution[j] = static_cast<double>(f.x[k]) * f.scale[to_size(j)] * unit;
+    solution[j] = f.x[k] * f.scale[to_size(j)];
   }
 }
 
-template <class Real>
-int FrontalLU<Real>::determinant_sign() const {
+int FrontalLU::determinant_sign() const {
   if (impl_->sign == 0) throw std::logic_error("FrontalLU::determinant_sign without a factor");
   return impl_->sign;
 }
 
-template <class Real>
-double FrontalLU<Real>::largest_multiplier() const {
-  return impl_->largest;
-}
+double FrontalLU::largest_multiplier() const { return impl_->largest; }
 
-template <class Real>
-std::size_t FrontalLU<Real>::num_entries() const {
-  return impl_->tree ? impl_->tree->factor_size : 0;
-}
-
-template class FrontalLU<double>;
-template class FrontalLU<float>;
+std::size_t FrontalLU::num_entries() const { return impl_->tree ? impl_->tree->factor_size : 0; }
 
 }  // namespace bipot

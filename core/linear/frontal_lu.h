@@ -4,11 +4,10 @@
 #include <cmath>
 #include <cstddef>
 #include <memory>
-#include <type_traits>
+#include <vector>
 
 #include "core/base/types.h"
 #include "core/linear/frontal_tree.h"
-#include "core/linear/sparse_factor.h"
 
 namespace bipot {
 
@@ -30,7 +29,6 @@ class FrontLine {
   }
 
  private:
-  template <class Real>
   friend class FrontalLU;
   const int* position_ = nullptr;  // of a line of the matrix in the front, -1 if others took it
   int least_ = 0;                  // that it takes
@@ -57,6 +55,23 @@ class MatrixByLines {
   MatrixByLines& operator=(const MatrixByLines&) = default;
 };
 
+/// Compressed columns. Column j holds the rows row[start[j]] .. row[start[j + 1] - 1], ascending.
+struct SparseColumns {
+  std::vector<std::int64_t> start{0}, row;
+  std::vector<double> value;
+
+  void clear() {
+    start.assign(1, 0);
+    row.clear();
+    value.clear();
+  }
+  void add(std::int64_t i, double a) {
+    row.push_back(i);
+    value.push_back(a);
+  }
+  void end_column() { start.push_back(static_cast<std::int64_t>(row.size())); }
+};
+
 /// Sparse LU of a matrix of symmetric pattern, by dense fronts (multifrontal method: Duff and Reid
 /// 1983, Liu 1992). The columns of a front are eliminated by dense kernels; rows are exchanged
 /// within the front alone. The structure is then independent of the values, and one analysis serves
@@ -64,10 +79,6 @@ class MatrixByLines {
 ///
 /// Limit: a pivot that is small against rows outside the front makes the factor inaccurate. Check
 /// `largest_multiplier()`.
-///
-/// Real is the type of the stored factor: double, or float at half the memory, whose solutions are
-/// good to 1e-6 at best and need refinement. The computation is in double precision.
-template <class Real>
 class FrontalLU {
  public:
   FrontalLU();
@@ -79,14 +90,14 @@ class FrontalLU {
   [[nodiscard]] bool analyse(const SymmetricPattern& pattern);
   /// A: with the pattern of the analysis. False: a pivot is zero or not finite, or memory ran out.
   [[nodiscard]] bool factor(const MatrixByLines& A);
-  /// Both of a compressed matrix, rows ascending.
+  /// Both for a compressed matrix, rows ascending.
   [[nodiscard]] bool factor(const SparseMatrix& A);
   /// x = A⁻¹ b without refinement. Requires a successful factor().
   void solve(const Vector& b, Vector& x) const;
   /// x[k] = A⁻¹ b_k of the columns of B, at most kRightSides (eight_right_sides.h), in the time of
   /// two single ones. Each has the same bits whatever the others are. Requires a successful
   /// factor().
-  void solve(const SparseColumns& B, Vector* x) const requires std::is_same_v<Real, double>;
+  void solve(const SparseColumns& B, Vector* x) const;
   /// -1 or +1: sign of det A. Requires a successful factor().
   int determinant_sign() const;
   /// max |l_ij| over the rows with which a pivot could not be exchanged.
@@ -98,8 +109,5 @@ class FrontalLU {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
-
-extern template class FrontalLU<double>;
-extern template class FrontalLU<float>;
 
 }  // namespace bipot

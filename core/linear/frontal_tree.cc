@@ -7,8 +7,6 @@
 #include <mutex>
 #include <numeric>
 
-#include "core/base/mapped_memory.h"
-
 namespace bipot {
 namespace {
 
@@ -58,7 +56,7 @@ struct CholmodSession {
 /// The upper triangle of a symmetric pattern, as CHOLMOD reads it.
 struct UpperPattern {
   std::vector<SuiteSparse_long> start{0};
-  MappedVector<SuiteSparse_long> row;
+  std::vector<SuiteSparse_long> row;
 
   cholmod_sparse view() {
     cholmod_sparse A{};

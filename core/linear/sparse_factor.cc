@@ -40,16 +40,6 @@ struct LongColumns {
   }
 };
 
-namespace {
-
-int sign_of_determinant(void* numeric) {
-  double mantissa = 0, exponent = 0;
-  umfpack_dl_get_determinant(&mantissa, &exponent, numeric, nullptr);
-  return mantissa > 0 ? 1 : (mantissa < 0 ? -1 : 0);
-}
-
-}  // namespace
-
 struct SparseCholesky::Impl {
   cholmod_common common;
   LongColumns matrix;
@@ -214,131 +204,15 @@ Vector SparseLU::solve(const Eigen::Ref<const Vector>& b, int refinements) const
 int SparseLU::determinant_sign() const {
   const Impl& f = *impl_;
   if (f.numeric == nullptr) throw std::logic_error("SparseLU::determinant_sign without a factor");
-  return sign_of_determinant(f.numeric);
+  double mantissa = 0, exponent = 0;
+  umfpack_dl_get_determinant(&mantissa, &exponent, f.numeric, nullptr);
+  return mantissa > 0 ? 1 : (mantissa < 0 ? -1 : 0);
 }
 
 double SparseLU::rcond() const { return impl_->info[UMFPACK_RCOND]; }
 
 std::size_t SparseLU::num_entries() const {
   return static_cast<std::size_t>(impl_->info[UMFPACK_LNZ] + impl_->info[UMFPACK_UNZ]);
-}
-
-std::vector<std::int64_t> fill_reducing_order(const SparseMatrix& A, int block) {
-  const int nodes = static_cast<int>(A.cols()) / block;
-  std::vector<SuiteSparse_long> start{0}, row;
-  std::vector<int> last_seen(static_cast<std::size_t>(nodes), -1);
-  for (int j = 0; j < nodes; ++j) {
-    const auto first = static_cast<std::ptrdiff_t>(row.size());
-    for (int k = j * block; k < (j + 1) * block; ++k) {
-      for (SparseMatrix::InnerIterator it(A, k); it; ++it) {
-        const int i = static_cast<int>(it.row()) / block;
-        int& seen = last_seen[static_cast<std::size_t>(i)];
-        if (seen == j || i > j) continue;  // CHOLMOD reads the upper triangle
-        seen = j;
-        row.push_back(i);
-      }
-    }
-    std::sort(row.begin() + first, row.end());
-    start.push_back(static_cast<SuiteSparse_long>(row.size()));
-  }
-  cholmod_common common;
-  cholmod_l_start(&common);
-  common.print = 0;
-  common.nmethods = 1;
-  common.method[0].ordering = CHOLMOD_METIS;
-  common.postorder = 1;
-  common.supernodal = CHOLMOD_SIMPLICIAL;
-  cholmod_sparse graph{};
-  graph.nrow = graph.ncol = static_cast<std::size_t>(nodes);
-  graph.nzmax = row.size();
-  graph.p = start.data();
-  graph.i = row.data();
-  graph.stype = 1;
-  graph.itype = CHOLMOD_LONG;
-  graph.xtype = CHOLMOD_PATTERN;
-  graph.sorted = graph.packed = 1;
-  cholmod_factor* analysis = cholmod_l_analyze(&graph, &common);
-  std::vector<std::int64_t> order;
-  order.reserve(static_cast<std::size_t>(A.cols()));
-  for (int j = 0; j < nodes; ++j) {
-    // Without an analysis (out of memory) the natural order is used.
-    const std::int64_t node =
-        analysis != nullptr ? static_cast<const SuiteSparse_long*>(analysis->Perm)[j] : j;
-    for (int k = 0; k < block; ++k) order.push_back(node * block + k);
-  }
-  cholmod_l_free_factor(&analysis, &common);
-  cholmod_l_finish(&common);
-  return order;
-}
-
-struct OrderedLU::Impl {
-  double control[UMFPACK_CONTROL];
-  double info[UMFPACK_INFO];
-  std::vector<SuiteSparse_long> order;
-  SparseColumns matrix;
-  void* numeric = nullptr;
-  // Workspace of the solves, which allocate nothing.
-  std::vector<SuiteSparse_long> integers;
-  std::vector<double> reals;
-
-  explicit Impl(std::vector<std::int64_t> given) : order(given.begin(), given.end()) {
-    umfpack_dl_defaults(control);
-    control[UMFPACK_STRATEGY] = UMFPACK_STRATEGY_SYMMETRIC;
-    control[UMFPACK_IRSTEP] = 0;
-    integers.resize(order.size());
-    reals.resize(order.size());
-  }
-  ~Impl() { umfpack_dl_free_numeric(&numeric); }
-  Impl(const Impl&) = delete;
-  Impl& operator=(const Impl&) = delete;
-};
-
-OrderedLU::OrderedLU(std::vector<std::int64_t> order)
-    : impl_(std::make_unique<Impl>(std::move(order))) {}
-OrderedLU::~OrderedLU() = default;
-OrderedLU::OrderedLU(OrderedLU&&) noexcept = default;
-OrderedLU& OrderedLU::operator=(OrderedLU&&) noexcept = default;
-
-SparseColumns& OrderedLU::matrix() {
-  umfpack_dl_free_numeric(&impl_->numeric);
-  return impl_->matrix;
-}
-
-bool OrderedLU::factor() {
-  static_assert(sizeof(SuiteSparse_long) == sizeof(std::int64_t));
-  Impl& f = *impl_;
-  umfpack_dl_free_numeric(&f.numeric);
-  const SparseColumns& m = f.matrix;
-  const auto n = static_cast<SuiteSparse_long>(f.order.size());
-  void* symbolic = nullptr;
-  SuiteSparse_long status = umfpack_dl_qsymbolic(n, n, m.start.data(), m.row.data(), m.value.data(),
-                                                 f.order.data(), &symbolic, f.control, f.info);
-  if (status == UMFPACK_OK) {
-    status = umfpack_dl_numeric(m.start.data(), m.row.data(), m.value.data(), symbolic, &f.numeric,
-                                f.control, f.info);
-  }
-  umfpack_dl_free_symbolic(&symbolic);
-  if (status != UMFPACK_OK) umfpack_dl_free_numeric(&f.numeric);
-  return status == UMFPACK_OK;
-}
-
-void OrderedLU::solve(const Vector& b, Vector& x) const {
-  Impl& f = *impl_;
-  if (f.numeric == nullptr) throw std::logic_error("OrderedLU::solve without a factor");
-  const SparseColumns& m = f.matrix;
-  x.resize(b.size());
-  if (umfpack_dl_wsolve(UMFPACK_A, m.start.data(), m.row.data(), m.value.data(), x.data(), b.data(),
-                        f.numeric, f.control, f.info, f.integers.data(),
-                        f.reals.data()) != UMFPACK_OK) {
-    x.setConstant(std::numeric_limits<double>::quiet_NaN());
-  }
-}
-
-int OrderedLU::determinant_sign() const {
-  if (impl_->numeric == nullptr) {
-    throw std::logic_error("OrderedLU::determinant_sign without a factor");
-  }
-  return sign_of_determinant(impl_->numeric);
 }
 
 }  // namespace bipot

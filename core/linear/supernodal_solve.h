@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/base/mapped_memory.h"
 #include "core/base/types.h"
 
 namespace bipot {
@@ -24,11 +23,10 @@ struct Supernode {
 ///
 ///     forward   y1 <- M1 y1,   y2 <- y2 - M2 y1        backward   x1 <- M1ᵀ y1 - M2ᵀ x2
 ///
-/// M is stored in strips of four registers of rows (16 doubles, 32 floats), by columns, without the
+/// M is stored in strips of four registers of rows (16 numbers), by columns, without the
 /// part right of its diagonal. Both passes read it once, in order: they are limited by memory.
 /// Rounding is that of substitution times the condition of the triangles. All instruction sets sum
-/// in the same order. Real: the type of the stored numbers and of the computation.
-template <class Real>
+/// in the same order.
 class SupernodalSolve {
  public:
   /// Numbers stored for a supernode of this size, including zeros that fill the strips.
@@ -38,7 +36,7 @@ class SupernodalSolve {
   /// The supernodes in the order of their columns.
   void add(const Supernode& supernode);
   /// x <- L⁻ᵀ L⁻¹ x. No allocation.
-  void solve(Real* x);
+  void solve(double* x);
 
  private:
   struct Block {
@@ -47,13 +45,10 @@ class SupernodalSolve {
     std::size_t value;  // where its numbers begin
   };
   std::vector<Block> blocks_;
-  MappedVector<Real> value_;          // strips
-  std::vector<Real> given_, result_;  // scratch of a block
-  std::vector<Real> partial_;         // the same, a slice a column
-  std::vector<double> inverse_;       // the same of add()
+  std::vector<double> value_;           // strips
+  std::vector<double> given_, result_;  // scratch of a block
+  std::vector<double> partial_;         // the same, a slice a column
+  std::vector<double> inverse_;         // the same of add()
 };
-
-extern template class SupernodalSolve<double>;
-extern template class SupernodalSolve<float>;
 
 }  // namespace bipot

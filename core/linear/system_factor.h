@@ -38,7 +38,7 @@ class LocalFactor final : public SystemFactor {
   bool by_fronts() const { return by_fronts_; }
 
  private:
-  FrontalLU<double> fronts_;
+  FrontalLU fronts_;
   SparseLU lu_;
   bool by_fronts_ = false;
 };

@@ -8,6 +8,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "core/base/portable_random.h"
 #include "core/scene/contact_detection.h"
 
 namespace bipot {
@@ -29,33 +30,10 @@ void book(const Body<D>& body, const Vec<D>& gravity, GateFlow<D>& flow) {
   flow.momentum += body.mass * body.v;
 }
 
-/// Random numbers that depend on their keys alone: splitmix64 (Steele, Lea and Flood 2014), started
-/// at a mixture of the keys.
-class KeyedRandom {
- public:
-  KeyedRandom(int seed, int body, int step) {
-    for (const int key : {seed, body, step}) {
-      state_ = next() ^ static_cast<std::uint64_t>(static_cast<std::uint32_t>(key));
-    }
-    next();
-  }
-  /// In [0, 1), 53 random bits.
-  double uniform() { return static_cast<double>(next() >> 11) * 0x1.0p-53; }
-
- private:
-  std::uint64_t next() {
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15U;
-    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9U;
-    z = (z ^ (z >> 27)) * 0x94d049bb133111ebU;
-    return z ^ (z >> 31);
-  }
-  std::uint64_t state_ = 0;
-};
-
 /// Body number k of an inlet, without its place.
 template <int D>
 Body<D> body_due(const Inlet<D>& inlet, int k) {
-  KeyedRandom random(inlet.seed, k, -1);
+  KeyedRandom random(KeyedEngine{inlet.seed, k, -1});
   const double drawn =
       random.uniform() * std::accumulate(inlet.shares.begin(), inlet.shares.end(), 0.0);
   std::size_t chosen = 0;
@@ -112,7 +90,7 @@ bool has_room(const Body<D>& body, const std::vector<Body<D>>& near,
 template <int D>
 bool find_place(const Inlet<D>& inlet, int k, int step, const std::vector<Body<D>>& near,
                 const std::vector<Wall<D>>& walls, double distance, Body<D>& body) {
-  KeyedRandom random(inlet.seed, k, step);
+  KeyedRandom random(KeyedEngine{inlet.seed, k, step});
   const Vec<D> low = inlet.lower + Vec<D>::Constant(body.radius);
   const Vec<D> room = inlet.upper - inlet.lower - Vec<D>::Constant(2 * body.radius);
   for (int tried = 0; tried < kTries; ++tried) {

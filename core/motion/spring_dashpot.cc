@@ -9,6 +9,7 @@
 #include "core/base/stopwatch.h"
 #include "core/base/types.h"
 #include "core/motion/outside_changes.h"
+#include "core/motion/step_outcome.h"
 #include "core/scene/contact_detection.h"
 #include "core/scene/wall_motion.h"
 
@@ -436,6 +437,7 @@ StepReport<2> SpringDashpotStepper::advance(State<2>& state) {
   report.contacts = static_cast<int>(next.contacts.size());
   report.iterations = setup_.substeps;
   report.penetration = penetration_;
+  report.wall_pushes = wall_pushes(next.contacts, next.bodies.size());
   report.solve_seconds = watch.seconds() - report.detection_seconds;
   state = std::move(next);
   return report;

@@ -36,24 +36,14 @@ double time_after_step(const State<D>& state, double h) {
 }
 
 template <int D>
-void add_to_sums(std::span<const std::type_identity_t<Body<D>>> disks,
-                 std::span<const std::type_identity_t<Wall<D>>> walls,
-                 const std::type_identity_t<Vec<D>>& gravity, StateSums<D>& sums) {
-  for (const Body<D>& d : disks) {
+StateSums<D> state_sums(const State<D>& state, const std::type_identity_t<Vec<D>>& gravity,
+                        bool count_walls) {
+  StateSums<D> sums;
+  for (const Body<D>& d : state.bodies) {
     sums.kinetic += 0.5 * d.mass * d.v.squaredNorm() + turning_energy(d);
     sums.potential -= d.mass * gravity.dot(d.x);
     sums.momentum += d.mass * d.v;
   }
-  for (const Wall<D>& w : walls) {
-    sums.kinetic += wall_kinetic_energy(w);
-    sums.momentum += wall_momentum(w);
-  }
-}
-
-template <int D>
-StateSums<D> state_sums(const State<D>& state, const std::type_identity_t<Vec<D>>& gravity) {
-  StateSums<D> sums;
-  add_to_sums<D>(state.bodies, {}, gravity, sums);
   if constexpr (D == 2) {
     for (const Cluster& c : state.clusters.bodies) {
       sums.kinetic += 0.5 * c.mass * c.v.squaredNorm() + 0.5 * c.inertia * c.spin * c.spin;
@@ -61,7 +51,11 @@ StateSums<D> state_sums(const State<D>& state, const std::type_identity_t<Vec<D>
       sums.momentum += c.mass * c.v;
     }
   }
-  add_to_sums<D>({}, state.walls, gravity, sums);
+  if (!count_walls) return sums;
+  for (const Wall<D>& w : state.walls) {
+    sums.kinetic += wall_kinetic_energy(w);
+    sums.momentum += wall_momentum(w);
+  }
   if (state.cell.periodic()) sums.kinetic += cell_kinetic_energy(state.cell);
   return sums;
 }
@@ -146,16 +140,12 @@ std::string restart_mismatch(const Scene<D>& scene, const State<D>& state) {
 
 template State<2> initial_state(const Scene<2>&);
 template double time_after_step(const State<2>&, double);
-template void add_to_sums<2>(std::span<const Disk>, std::span<const Wall<2>>, const Vec2&,
-                             StateSums<2>&);
-template void add_to_sums<3>(std::span<const Sphere>, std::span<const Wall<3>>, const Vec3&,
-                             StateSums<3>&);
-template StateSums<2> state_sums<2>(const State<2>&, const Vec2&);
+template StateSums<2> state_sums<2>(const State<2>&, const Vec2&, bool);
 template double angular_momentum(const State<2>&);
 template std::string restart_mismatch(const Scene<2>&, const State<2>&);
 template State<3> initial_state(const Scene<3>&);
 template double time_after_step(const State<3>&, double);
-template StateSums<3> state_sums<3>(const State<3>&, const Vec3&);
+template StateSums<3> state_sums<3>(const State<3>&, const Vec3&, bool);
 template Vec3 angular_momentum(const State<3>&);
 template std::string restart_mismatch(const Scene<3>&, const State<3>&);
 

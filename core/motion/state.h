@@ -1,6 +1,5 @@
 #pragma once
 
-#include <span>
 #include <string>
 #include <type_traits>
 #include <vector>
@@ -59,13 +58,10 @@ struct StateSums {
   double potential = 0;              ///< zero at the origin                       [J]
   Vec<D> momentum = Vec<D>::Zero();  ///< disks and driven walls                   [kg m/s]
 };
-/// Adds the sums of these disks and walls, without clusters and cell.
+/// `count_walls`: false where another process counts the walls.
 template <int D>
-void add_to_sums(std::span<const std::type_identity_t<Body<D>>> disks,
-                 std::span<const std::type_identity_t<Wall<D>>> walls,
-                 const std::type_identity_t<Vec<D>>& gravity, StateSums<D>& sums);
-template <int D>
-StateSums<D> state_sums(const State<D>& state, const std::type_identity_t<Vec<D>>& gravity);
+StateSums<D> state_sums(const State<D>& state, const std::type_identity_t<Vec<D>>& gravity,
+                        bool count_walls = true);
 /// Single sums; each call is a pass of its own.
 template <int D>
 double kinetic_energy(const State<D>& state) {

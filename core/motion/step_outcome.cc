@@ -71,18 +71,12 @@ Vec2 prescribed_shift_velocity(const PeriodicCell& cell, const Contact<D>& conta
   return prescribed.shift_velocity(contact.image_x, contact.image_y);
 }
 
-}  // namespace
-
-ContactStatus contact_status(double s_n, double s_t, double mu) {
-  if (s_n <= 0) return ContactStatus::kTakeOff;
-  return std::abs(s_t) < kConeEdge * mu * s_n ? ContactStatus::kStick : ContactStatus::kSlip;
-}
-
+/// What contacts did alone, without gravity and driving forces.
 template <int D>
 StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
                                 std::span<const std::type_identity_t<Body<D>>> disks,
-                                const AssembledStep& assembled, const Vector& s, const Vector& v) {
-  const ContactProblem& p = assembled.problem;
+                                const ContactProblem& p, const AssembledStep& assembled,
+                                const Vector& s, const Vector& v) {
   const std::size_t num_disks = disks.size();
   StepOutcome<D> outcome;
   outcome.contacts.resize(mid.contacts.size());
@@ -121,6 +115,7 @@ StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
   return outcome;
 }
 
+/// The forces that drive these walls, as they are in the step and after it, over its length.
 template <int D>
 void add_driving_forces(double step, std::span<const std::type_identity_t<Wall<D>>> walls,
                         std::span<const std::type_identity_t<Wall<D>>> walls_after,
@@ -134,44 +129,52 @@ void add_driving_forces(double step, std::span<const std::type_identity_t<Wall<D
   }
 }
 
+}  // namespace
+
+ContactStatus contact_status(double s_n, double s_t, double mu) {
+  if (s_n <= 0) return ContactStatus::kTakeOff;
+  return std::abs(s_t) < kConeEdge * mu * s_n ? ContactStatus::kStick : ContactStatus::kSlip;
+}
+
 template <int D>
 StepOutcome<D> step_outcome(const Scene<D>& scene, const Midpoint<D>& mid,
                             std::span<const std::type_identity_t<Body<D>>> disks,
-                            const AssembledStep& assembled, const Vector& s, const Vector& v,
-                            std::span<const std::type_identity_t<Wall<D>>> walls_after,
-                            const PeriodicCell& cell_after) {
+                            const ContactProblem& p, const AssembledStep& assembled,
+                            const Vector& s, const Vector& v, const State<D>& after,
+                            bool count_walls) {
   const double h = scene.step;
-  StepOutcome<D> outcome = contact_outcomes<D>(scene, mid, disks, assembled, s, v);
-  for (const Body<D>& d : disks) outcome.external += h * d.mass * mid.gravity;
+  StepOutcome<D> outcome = contact_outcomes<D>(scene, mid, disks, p, assembled, s, v);
+  for (const Body<D>& d : after.bodies) outcome.external += h * d.mass * mid.gravity;
   if constexpr (D == 2) {
     for (const Cluster& c : mid.clusters.bodies) outcome.external += h * c.mass * mid.gravity;
   }
-  add_driving_forces<D>(h, mid.walls, walls_after, outcome);
+  if (count_walls) add_driving_forces<D>(h, mid.walls, after.walls, outcome);
   for (int k = 0; k < 3; ++k) {
     const double force = stress_force(mid.cell, k);
     if (force != 0) {
-      outcome.wall_work += h * force * 0.5 * (mid.cell.side(k).speed + cell_after.side(k).speed);
+      outcome.wall_work += h * force * 0.5 * (mid.cell.side(k).speed + after.cell.side(k).speed);
     }
   }
   return outcome;
 }
 
-template StepOutcome<2> contact_outcomes<2>(const Scene<2>&, const Midpoint<2>&,
-                                            std::span<const Disk>, const AssembledStep&,
-                                            const Vector&, const Vector&);
-template StepOutcome<3> contact_outcomes<3>(const Scene<3>&, const Midpoint<3>&,
-                                            std::span<const Sphere>, const AssembledStep&,
-                                            const Vector&, const Vector&);
-template void add_driving_forces<2>(double, std::span<const Wall<2>>, std::span<const Wall<2>>,
-                                    StepOutcome<2>&);
-template void add_driving_forces<3>(double, std::span<const Wall<3>>, std::span<const Wall<3>>,
-                                    StepOutcome<3>&);
+template <int D>
+double wall_pushes(const std::vector<ContactOutcome<D>>& contacts, std::size_t bodies) {
+  double pushed = 0;
+  for (const ContactOutcome<D>& c : contacts) {
+    if (to_size(c.contact.j) >= bodies) pushed += std::hypot(c.s_n, magnitude(c.s_t));
+  }
+  return pushed;
+}
+
 template StepOutcome<2> step_outcome<2>(const Scene<2>&, const Midpoint<2>&, std::span<const Disk>,
-                                        const AssembledStep&, const Vector&, const Vector&,
-                                        std::span<const Wall<2>>, const PeriodicCell&);
+                                        const ContactProblem&, const AssembledStep&, const Vector&,
+                                        const Vector&, const State<2>&, bool);
 template StepOutcome<3> step_outcome<3>(const Scene<3>&, const Midpoint<3>&,
-                                        std::span<const Sphere>, const AssembledStep&,
-                                        const Vector&, const Vector&, std::span<const Wall<3>>,
-                                        const PeriodicCell&);
+                                        std::span<const Sphere>, const ContactProblem&,
+                                        const AssembledStep&, const Vector&, const Vector&,
+                                        const State<3>&, bool);
+template double wall_pushes(const std::vector<ContactOutcome<2>>&, std::size_t);
+template double wall_pushes(const std::vector<ContactOutcome<3>>&, std::size_t);
 
 }  // namespace bipot

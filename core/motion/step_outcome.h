@@ -26,28 +26,20 @@ struct StepOutcome {
   Vec<D> external = Vec<D>::Zero();  ///< impulse on disks and driven walls from all else [N s]
 };
 
-/// The effects of contacts alone, without gravity and driving forces. Arguments as of
-/// step_outcome(). In parallel each process has its own contacts.
-template <int D>
-StepOutcome<D> contact_outcomes(const Scene<D>& scene, const Midpoint<D>& mid,
-                                std::span<const std::type_identity_t<Body<D>>> disks,
-                                const AssembledStep& assembled, const Vector& s, const Vector& v);
-
-/// Adds the forces that drive these walls over the step, with the walls in the step and after it.
-template <int D>
-void add_driving_forces(double step, std::span<const std::type_identity_t<Wall<D>>> walls,
-                        std::span<const std::type_identity_t<Wall<D>>> walls_after,
-                        StepOutcome<D>& outcome);
-
-/// `disks`: those of the step, for their masses, materials and walls; their positions do not
-/// matter. s: impulses in the problem's variables. v: velocities after the step in the problem's
-/// degrees of freedom. `walls_after`, `cell_after`: the walls and the cell with their velocities
-/// after the step.
+/// The effects of a step. `disks`: those that contacts may name, for their masses, materials and
+/// walls; their positions do not matter. `p`: the problem of `assembled`. s: impulses in its
+/// variables. v: velocities after the step in its degrees of freedom. `after`: bodies, walls and
+/// cell after the step. `count_walls`: false where another process counts the forces that drive
+/// walls.
 template <int D>
 StepOutcome<D> step_outcome(const Scene<D>& scene, const Midpoint<D>& mid,
                             std::span<const std::type_identity_t<Body<D>>> disks,
-                            const AssembledStep& assembled, const Vector& s, const Vector& v,
-                            std::span<const std::type_identity_t<Wall<D>>> walls_after,
-                            const PeriodicCell& cell_after);
+                            const ContactProblem& p, const AssembledStep& assembled,
+                            const Vector& s, const Vector& v, const State<D>& after,
+                            bool count_walls = true);
+
+/// Σ |s| over the contacts with walls; `bodies`: from this number on j is a wall.      [N s]
+template <int D>
+double wall_pushes(const std::vector<ContactOutcome<D>>& contacts, std::size_t bodies);
 
 }  // namespace bipot

@@ -5,71 +5,53 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "core/base/release.h"
 #include "core/base/stopwatch.h"
 #include "core/motion/midpoint.h"
+#include "core/motion/neighbours.h"
 #include "core/motion/outside_changes.h"
 #include "core/motion/population.h"
 #include "core/motion/projection.h"
+#include "core/motion/step_outcome.h"
 #include "core/motion/update_bodies.h"
 #include "core/motion/warm_start.h"
 #include "core/problem/delassus.h"
+#include "core/scene/contact_detection.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
 namespace {
 
-/// Accumulated work of the state after the step, and the balances of energy and momentum.
-template <int D>
-void close_ledger(const Scene<D>& scene, const State<D>& before, const StepOutcome<D>& outcome,
-                  State<D>& next, StepReport<D>& report) {
-  const Vec<D> gravity = gravity_at(scene, next.time);
-  next.wall_work = before.wall_work + outcome.wall_work;
-  next.friction_loss = before.friction_loss + outcome.friction_loss;
-  next.shock_loss = before.shock_loss + outcome.shock_loss;
-  const StateSums<D> now = state_sums(next, gravity),
-                     then = state_sums(before, gravity_at(scene, before.time));
-  report.energy = {.kinetic = now.kinetic,
-                   .potential = now.potential,
-                   .wall_work = next.wall_work,
-                   .friction_loss = next.friction_loss,
-                   .shock_loss = next.shock_loss,
-                   .passed = energy_passed(next)};
-  report.energy.imbalance = report.energy.kinetic + report.energy.potential - then.kinetic -
-                            then.potential - outcome.wall_work + outcome.friction_loss +
-                            outcome.shock_loss;
-  if (!std::isfinite(report.energy.kinetic + report.energy.potential)) {
-    throw StepFailure(StepFailure::Kind::kNumerical, before, "the energy is not finite");
+/// Numbers of different meaning that are added up over all processes in one reduction.
+class SumList {
+ public:
+  template <class... Numbers>
+  void add(Numbers&... numbers) {
+    (values_.push_back(&numbers), ...);
   }
-  report.momentum = now.momentum;
-  report.momentum_imbalance = report.momentum - then.momentum - outcome.external;
-}
-
-}  // namespace
-
-template <int D>
-TimeStepper<D>::TimeStepper(const Scene<D>& scene, StepSolver solver, bool explicit_delassus,
-                            int threads)
-    : scene_(scene),
-      solver_(std::move(solver)),
-      explicit_delassus_(explicit_delassus),
-      threads_(threads) {}
-
-StepFailure::StepFailure(Kind k, int steps_before, double time_before, const std::string& why)
-    : StepFailure(k,
-                  fmt::format("step {} at t = {:.9g} s: {}", steps_before + 1, time_before, why)) {}
-
-template <int D>
-ContactProblem step_problem(const Scene<D>& scene, const State<D>& state, bool explicit_delassus) {
-  if (scene.has_gates()) {
-    const State<D> start = with_changed_population(scene, state);
-    return assemble_step(scene, make_midpoint(scene, start), explicit_delassus).problem;
+  template <int D>
+  void add(Eigen::Matrix<double, D, 1>& x) {
+    for (int k = 0; k < D; ++k) values_.push_back(&x[k]);
   }
-  return assemble_step(scene, make_midpoint(scene, state), explicit_delassus).problem;
-}
+  template <int D>
+  void sum(Neighbours<D>& neighbours) {
+    std::vector<double> numbers;
+    for (const double* x : values_) numbers.push_back(*x);
+    neighbours.sum(numbers);
+    for (std::size_t k = 0; k < numbers.size(); ++k) *values_[k] = numbers[k];
+  }
 
+ private:
+  std::vector<double*> values_;
+};
+
+/// The impulses of a step, in the problem's variables; the solver's account of them goes into the
+/// report. Throws StepFailure where it refused, was cut short or failed, and where they are not
+/// `usable`: finite and of the problem's size.
 template <int D>
 Vector take_solution(StepSolution solution, bool usable, const State<D>& before,
                      StepReport<D>& report) {
@@ -87,27 +69,86 @@ Vector take_solution(StepSolution solution, bool usable, const State<D>& before,
   report.error = solution.error;
   return std::move(solution.s);
 }
-template Vector take_solution(StepSolution, bool, const State<2>&, StepReport<2>&);
-template Vector take_solution(StepSolution, bool, const State<3>&, StepReport<3>&);
+
+}  // namespace
+
+StepFailure::StepFailure(Kind k, int steps_before, double time_before, const std::string& why)
+    : StepFailure(k,
+                  fmt::format("step {} at t = {:.9g} s: {}", steps_before + 1, time_before, why)) {}
+
+template <int D>
+ContactProblem step_problem(const Scene<D>& scene, const State<D>& state, bool explicit_delassus) {
+  if (scene.has_gates()) {
+    const State<D> start = with_changed_population(scene, state);
+    return assemble_step(scene, make_midpoint(scene, start), explicit_delassus).problem;
+  }
+  return assemble_step(scene, make_midpoint(scene, state), explicit_delassus).problem;
+}
+
+template <int D>
+struct TimeStepper<D>::Inside {
+  const Scene<D>& scene;
+  StepSolver solver;
+  bool explicit_delassus = false;
+  int threads = 1;
+  Neighbours<D>* neighbours = nullptr;  // none: the state lies on this process alone
+  KeptContacts<D> kept;
+  AssembledStep assembled;  // without neighbours
+
+  const ContactProblem& problem() const {
+    return neighbours != nullptr ? neighbours->problem() : assembled.problem;
+  }
+  bool counts_walls() const { return neighbours == nullptr || neighbours->counts_walls(); }
+
+  Vector solve_contacts(const State<D>& state, std::span<const Contact<D>> contacts,
+                        StepReport<D>& report);
+  State<D> move(const State<D>& start, Midpoint<D>& mid, const Vector& s, Vector& v);
+  void take_out_overlaps(State<D>& next, StepOutcome<D>& outcome, StepReport<D>& report);
+  void close_ledger(const State<D>& before, const Midpoint<D>& mid, StepOutcome<D>& outcome,
+                    State<D>& next, StepReport<D>& report);
+  StepReport<D> advance(State<D>& state);
+};
 
 /// The impulses of the step, in the problem's variables.
 template <int D>
-Vector TimeStepper<D>::solve_contacts(const State<D>& state, std::span<const Contact<D>> contacts,
-                                      StepReport<D>& report) {
-  const ContactProblem& p = assembled_.problem;
-  Vector s0 = scene_.solver.warm_start ? warm_start<D>(state.contacts, contacts, p) : Vector();
-  StepSolution solution = solver_(p, std::move(s0));
-  const bool usable = solution.s.size() == p.num_rows() && solution.s.allFinite();
+Vector TimeStepper<D>::Inside::solve_contacts(const State<D>& state,
+                                              std::span<const Contact<D>> contacts,
+                                              StepReport<D>& report) {
+  const ContactProblem& p = problem();
+  Vector s0;
+  if (scene.solver.warm_start && neighbours != nullptr) {
+    std::vector<Contact<D>> numbered(contacts.begin(), contacts.end());
+    for (Contact<D>& c : numbered) neighbours->number(c);
+    s0 = warm_start<D>(state.contacts, numbered, p);
+  } else if (scene.solver.warm_start) {
+    s0 = warm_start<D>(state.contacts, contacts, p);
+  }
+  StepSolution solution = neighbours != nullptr ? neighbours->solve(s0) : solver(p, std::move(s0));
+  bool usable = solution.s.size() == p.num_rows() && solution.s.allFinite();
+  if (neighbours != nullptr)
+    usable = neighbours->all(usable || solution.refused || solution.cut_short);
   return take_solution(std::move(solution), usable, state, report);
+}
+
+/// The state after the step, but for its time, its books and its contacts; v as of
+/// Neighbours::move().
+template <int D>
+State<D> TimeStepper<D>::Inside::move(const State<D>& start, Midpoint<D>& mid, const Vector& s,
+                                      Vector& v) {
+  if (neighbours != nullptr) return neighbours->move(mid, v);
+  const ContactProblem& p = assembled.problem;
+  if (p.num_dofs() > 0) v = body_velocities(p, s);
+  place_bodies(scene, start, mid);
+  return update_bodies(mid, assembled.dofs, v, scene.step);
 }
 
 /// What lifts the bodies out of each other is what their shocks took too much: it is booked there.
 template <int D>
-void TimeStepper<D>::take_out_overlaps(State<D>& next, StepOutcome<D>& outcome,
-                                       StepReport<D>& report) {
-  const Vec<D> gravity = gravity_at(scene_, next.time);
+void TimeStepper<D>::Inside::take_out_overlaps(State<D>& next, StepOutcome<D>& outcome,
+                                               StepReport<D>& report) {
+  const Vec<D> gravity = gravity_at(scene, next.time);
   const double before = potential_energy(next, gravity);
-  const Projection done = project_overlaps(scene_, solver_, explicit_delassus_, threads_, next);
+  const Projection done = project_overlaps(scene, solver, explicit_delassus, threads, next);
   report.iterations += done.iterations;
   if (!done.solved) {
     report.converged = false;
@@ -117,49 +158,126 @@ void TimeStepper<D>::take_out_overlaps(State<D>& next, StepOutcome<D>& outcome,
   outcome.shock_loss -= potential_energy(next, gravity) - before - done.wall_work;
 }
 
+/// Accumulated work of the state after the step, the balances of energy and momentum, and all else
+/// that is summed over the processes.
 template <int D>
-StepReport<D> TimeStepper<D>::advance(State<D>& state) {
+void TimeStepper<D>::Inside::close_ledger(const State<D>& before, const Midpoint<D>& mid,
+                                          StepOutcome<D>& outcome, State<D>& next,
+                                          StepReport<D>& report) {
+  StateSums<D> now = state_sums(next, gravity_at(scene, next.time), counts_walls()),
+               then = state_sums(before, gravity_at(scene, before.time), counts_walls());
+  const std::size_t bodies = neighbours != nullptr ? mid.bodies.size() : next.bodies.size();
+  report.wall_pushes = wall_pushes(outcome.contacts, bodies);
+  for (const Contact<D>& c : mid.contacts) {
+    report.penetration = std::max(report.penetration, -c.gap);
+  }
+  auto contacts = static_cast<double>(mid.contacts.size());
+  auto active = static_cast<double>(outcome.active);
+  if (neighbours != nullptr) {
+    SumList sums;
+    sums.add(outcome.wall_work, outcome.friction_loss, outcome.shock_loss, contacts, active);
+    sums.add(report.wall_pushes, now.kinetic, now.potential, then.kinetic, then.potential);
+    sums.add(outcome.external);
+    sums.add(now.momentum);
+    sums.add(then.momentum);
+    sums.sum(*neighbours);
+    neighbours->largest({&report.penetration, 1});
+  }
+  report.contacts = static_cast<int>(contacts);
+  report.active = static_cast<int>(active);
+
+  next.wall_work = before.wall_work + outcome.wall_work;
+  next.friction_loss = before.friction_loss + outcome.friction_loss;
+  next.shock_loss = before.shock_loss + outcome.shock_loss;
+  report.energy = {.kinetic = now.kinetic,
+                   .potential = now.potential,
+                   .wall_work = next.wall_work,
+                   .friction_loss = next.friction_loss,
+                   .shock_loss = next.shock_loss,
+                   .passed = energy_passed(next)};
+  report.energy.imbalance = report.energy.kinetic + report.energy.potential - then.kinetic -
+                            then.potential - outcome.wall_work + outcome.friction_loss +
+                            outcome.shock_loss;
+  if (!std::isfinite(report.energy.kinetic + report.energy.potential)) {
+    throw StepFailure(StepFailure::Kind::kNumerical, before, "the energy is not finite");
+  }
+  report.momentum = now.momentum;
+  report.momentum_imbalance = report.momentum - then.momentum - outcome.external;
+}
+
+template <int D>
+StepReport<D> TimeStepper<D>::Inside::advance(State<D>& state) {
   StepReport<D> report;
   Stopwatch watch;
   std::optional<State<D>> changed;
-  if (scene_.has_gates()) {
+  if (scene.has_gates()) {
     changed = state;
-    if (change_population(scene_, *changed)) kept_ = {};
+    if (change_population(scene, *changed)) kept = {};
   }
   const State<D>& start = changed ? *changed : state;
-  Midpoint<D> mid = make_midpoint(scene_, start, threads_, &kept_);
+  Midpoint<D> mid =
+      neighbours != nullptr ? neighbours->midpoint() : make_midpoint(scene, start, threads, &kept);
   report.detection_seconds = watch.lap();
-  assembled_ = assemble_step(scene_, mid, explicit_delassus_, threads_);
+  if (neighbours == nullptr) assembled = assemble_step(scene, mid, explicit_delassus, threads);
+  const AssembledStep& step = neighbours != nullptr ? neighbours->assemble(mid) : assembled;
   report.assembly_seconds = watch.lap();
-  release(mid.bodies);  // a tenth of a run's memory where the solver takes the most
+  // A tenth of a run's memory where the solver takes the most; neighbours name bodies of mid-step.
+  if (neighbours == nullptr) release(mid.bodies);
   const Vector s = solve_contacts(start, mid.contacts, report);
   report.solve_seconds = watch.lap();
 
-  const ContactProblem& p = assembled_.problem;
-  const Vector v = p.num_dofs() > 0 ? body_velocities(p, s) : Vector();
-  place_bodies(scene_, start, mid);
-  State<D> next = update_bodies(mid, assembled_.dofs, v, scene_.step);
+  Vector v;
+  State<D> next = move(start, mid, s, v);
   next.step = start.step + 1;
-  next.time = time_after_step(start, scene_.step);
+  next.time = time_after_step(start, scene.step);
   StepOutcome<D> outcome =
-      step_outcome<D>(scene_, mid, next.bodies, assembled_, s, v, next.walls, next.cell);
+      step_outcome<D>(scene, mid, neighbours != nullptr ? mid.bodies : next.bodies, problem(), step,
+                      s, v, next, counts_walls());
+  if (!counts_walls()) mid.walls.clear();
   const OutsideChanges<D> changes =
-      outside_changes(scene_, start, mid.walls, mid.gravity, next, next.time);
+      outside_changes(scene, start, mid.walls, mid.gravity, next, next.time);
   outcome.wall_work += changes.work;
   outcome.external += changes.impulse;
-  if (scene_.project_overlaps) take_out_overlaps(next, outcome, report);
+  if (scene.project_overlaps) take_out_overlaps(next, outcome, report);
   next.population = start.population;
-  close_ledger(scene_, start, outcome, next, report);
+  close_ledger(start, mid, outcome, next, report);
+  if (neighbours != nullptr) {
+    for (ContactOutcome<D>& c : outcome.contacts) neighbours->number(c.contact);
+  }
   next.contacts = std::move(outcome.contacts);
 
   report.step = next.step;
   report.time = next.time;
-  report.contacts = static_cast<int>(mid.contacts.size());
-  report.active = outcome.active;
-  for (const Contact<D>& c : mid.contacts)
-    report.penetration = std::max(report.penetration, -c.gap);
   state = std::move(next);
+  if (neighbours != nullptr) neighbours->settle();
   return report;
+}
+
+template <int D>
+TimeStepper<D>::TimeStepper(const Scene<D>& scene, StepSolver solver, bool explicit_delassus,
+                            int threads)
+    : inside_(new Inside{.scene = scene,
+                         .solver = std::move(solver),
+                         .explicit_delassus = explicit_delassus,
+                         .threads = threads}) {}
+
+template <int D>
+TimeStepper<D>::TimeStepper(const Scene<D>& scene, Neighbours<D>& neighbours)
+    : inside_(new Inside{.scene = scene, .neighbours = &neighbours}) {}
+
+template <int D>
+TimeStepper<D>::~TimeStepper() = default;
+template <int D>
+TimeStepper<D>::TimeStepper(TimeStepper&&) noexcept = default;
+
+template <int D>
+StepReport<D> TimeStepper<D>::advance(State<D>& state) {
+  return inside_->advance(state);
+}
+
+template <int D>
+const ContactProblem& TimeStepper<D>::problem() const {
+  return inside_->problem();
 }
 
 template class TimeStepper<2>;

@@ -1,17 +1,13 @@
 #pragma once
 
 #include <functional>
-#include <span>
+#include <memory>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "core/criterion/contact_error.h"
-#include "core/motion/assembly.h"
 #include "core/motion/state.h"
-#include "core/motion/step_outcome.h"
 #include "core/problem/contact_problem.h"
-#include "core/scene/contact_detection.h"
 #include "core/scene/scene.h"
 
 namespace bipot {
@@ -59,6 +55,7 @@ struct StepReport {
   Vec<D> momentum = Vec<D>::Zero();            ///< of disks and driven walls        [kg m/s]
   Vec<D> momentum_imbalance = Vec<D>::Zero();  ///< change - gravity - wall impulses [kg m/s]
   double penetration = 0;                      ///< largest overlap at mid-step      [m]
+  double wall_pushes = 0;                      ///< Σ |s| of the contacts with walls [N s]
   double detection_seconds = 0, assembly_seconds = 0, solve_seconds = 0;
 
   /// Adds the iterations and times of another part of the step, or of an attempt at it that was not
@@ -71,7 +68,8 @@ struct StepReport {
   }
 };
 
-/// The contact problem of the step that would come next; bodies that are to leave or come in before have.
+/// The contact problem of the step that would come next; bodies that are to leave or come in before
+/// have.
 template <int D>
 ContactProblem step_problem(const Scene<D>& scene, const State<D>& state, bool explicit_delassus);
 
@@ -89,42 +87,37 @@ struct StepFailure : std::runtime_error {
   StepFailure(Kind k, int steps_before, double time_before, const std::string& why);
 };
 
-/// The impulses of a step, in the problem's variables; what the solver says of them goes into the
-/// report. Throws StepFailure where it refused, was cut short or failed, and where they are not
-/// `usable`: finite and of the problem's size.
 template <int D>
-Vector take_solution(StepSolution solution, bool usable, const State<D>& before,
-                     StepReport<D>& report);
+class Neighbours;  // core/motion/neighbours.h
 
-/// Advances a state by the mid-point scheme (38)-(43), after bodies have left and come in where the scene has
-/// outlets and inlets (core/motion/population.h):
+/// Advances a state by the mid-point scheme (38)-(43), after bodies have left and come in where the
+/// scene has outlets and inlets (core/motion/population.h):
 ///   q_m = q + h/2 v, contacts at q_m, one contact problem, q <- q_m + h/2 v⁺.
+/// One class for a state on one process and for one that lies on several. There each process takes
+/// the steps of its own bodies, and sums of the ledger are taken over all.
 template <int D>
 class TimeStepper {
  public:
   /// The scene must outlive the stepper. `explicit_delassus`: assemble W for every step. `threads`:
   /// of detection and assembly; they change no bit.
   TimeStepper(const Scene<D>& scene, StepSolver solver, bool explicit_delassus, int threads = 1);
+  /// For the bodies of one of several processes; `neighbours` must outlive the stepper and knows
+  /// the state that is advanced. Not for scenes with gates or projected overlaps.
+  TimeStepper(const Scene<D>& scene, Neighbours<D>& neighbours);
+  ~TimeStepper();
+  TimeStepper(TimeStepper&&) noexcept;
 
   /// Takes one step. Throws StepFailure, leaving the state at the end of the step before, when the
-  /// solver failed, refused or was cut short, or when anything comes out not finite.
+  /// solver failed, refused or was cut short, or when anything comes out not finite; on all of
+  /// several processes.
   StepReport<D> advance(State<D>& state);
 
-  /// The contact problem of the last step.
-  const ContactProblem& problem() const { return assembled_.problem; }
+  /// The contact problem of the last step, of this process's contacts.
+  const ContactProblem& problem() const;
 
  private:
-  Vector solve_contacts(const State<D>& state, std::span<const Contact<D>> contacts,
-                        StepReport<D>& report);
-
-  void take_out_overlaps(State<D>& next, StepOutcome<D>& outcome, StepReport<D>& report);
-
-  const Scene<D>& scene_;
-  StepSolver solver_;
-  bool explicit_delassus_;
-  int threads_;
-  KeptContacts<D> kept_;
-  AssembledStep assembled_;
+  struct Inside;
+  std::unique_ptr<Inside> inside_;
 };
 
 }  // namespace bipot

@@ -48,7 +48,6 @@ class DelassusOperator {
   void rest() { velocity_.resize(0); }
   /// Diagonal of W, size m.
   Vector diagonal() const;
-  bool two_pass() const { return two_pass_; }
   /// The packed H of disks; empty if the two-pass form is not used or finds other bodies.
   const std::optional<DiskStructure>& disks() const { return prepared_->disks; }
 

@@ -13,7 +13,7 @@
 #include "core/files/atomic_file.h"
 #include "core/files/hdf5_file.h"
 #include "core/problem/delassus.h"
-#include "core/problem_files/rehearsed_read.h"
+#include "core/problem_files/problem_form.h"
 
 namespace bipot {
 namespace {
@@ -346,7 +346,9 @@ void read_impulses(const Hdf5File& file, const Stored& stored, int dofs, Problem
   }
 }
 
-ProblemFile read_fclib_here(const std::filesystem::path& path) {
+}  // namespace
+
+ProblemFile read_fclib(const std::filesystem::path& path) {
   const Hdf5File file(path, Hdf5File::Mode::kRead);
   ProblemFile out;
   const bool local = file.exists("/fclib_local");
@@ -374,12 +376,6 @@ ProblemFile read_fclib_here(const std::filesystem::path& path) {
   }
   read_impulses(file, stored, dofs, out);
   return out;
-}
-
-}  // namespace
-
-ProblemFile read_fclib(const std::filesystem::path& path) {
-  return rehearsed_read(path, [&path] { return read_fclib_here(path); });
 }
 
 void write_fclib(const std::filesystem::path& path, const ContactProblem& problem,

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/problem_files/problem_form.h"
+#include "core/problem_files/problem_file.h"
 
 namespace bipot {
 

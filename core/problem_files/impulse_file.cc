@@ -15,7 +15,6 @@
 #include "core/base/file_error.h"
 #include "core/files/hdf5_file.h"
 #include "core/problem_files/npy_file.h"
-#include "core/problem_files/rehearsed_read.h"
 
 namespace bipot {
 namespace {
@@ -102,13 +101,11 @@ TextTable read_table(const std::filesystem::path& path) {
     return {std::move(array.values), columns};
   }
   if (Hdf5File::is_hdf5(path)) {
-    return rehearsed_read(path, [&path]() -> TextTable {
-      const Hdf5File file(path, Hdf5File::Mode::kRead);
-      if (!file.exists("/solution/r")) {
-        throw FileError(path, "/solution/r", "is missing: the file has no impulses");
-      }
-      return {file.read_doubles("/solution/r"), 1};
-    });
+    const Hdf5File file(path, Hdf5File::Mode::kRead);
+    if (!file.exists("/solution/r")) {
+      throw FileError(path, "/solution/r", "is missing: the file has no impulses");
+    }
+    return {file.read_doubles("/solution/r"), 1};
   }
   return read_text(path);
 }

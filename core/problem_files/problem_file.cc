@@ -7,9 +7,10 @@
 
 namespace bipot {
 
-ProblemFile read_problem(const std::filesystem::path& path) {
+ProblemFile read_problem(const std::filesystem::path& path, bool untrusted) {
   if (!std::filesystem::exists(path)) throw FileError(path, "", "no such file");
   if (std::filesystem::is_directory(path)) throw FileError(path, "", "is a folder");
+  if (untrusted) Hdf5File::check_structure(path);
   return Hdf5File::is_hdf5(path) ? read_fclib(path) : read_siconos_text(path);
 }
 

@@ -1,13 +1,34 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
 
-#include "core/problem_files/problem_form.h"
+#include "core/problem/contact_problem.h"
 
 namespace bipot {
 
+/// Description of a problem in its file.
+struct ProblemInfo {
+  std::string title;
+  std::string description;  ///< provenance: scene, step, program version
+  std::string math_info;    ///< known properties: existence, uniqueness, rank
+};
+
+/// A problem from a file, with the reference solution if the file has one.
+struct ProblemFile {
+  ContactProblem problem;
+  bool global = false;          ///< given as (M, H, f, w), else as (W, q)
+  std::optional<Vector> r, u;   ///< reference solution, the problem's variables      [N s], [m/s]
+  std::optional<Vector> v;      ///< body velocities of the reference, global problems only
+  std::vector<Vector> guesses;  ///< impulses to start from, the problem's variables     [N s]
+  ProblemInfo info;
+};
+
 /// Reads an FCLIB HDF5 file or a Siconos text file; the content decides, not the name. Throws
-/// FileError with the reason if the file cannot be read or the problem is not sound.
-ProblemFile read_problem(const std::filesystem::path& path);
+/// FileError with the reason if the file cannot be read or the problem is not sound. `untrusted`:
+/// Hdf5File::check_structure() comes first.
+ProblemFile read_problem(const std::filesystem::path& path, bool untrusted = false);
 
 }  // namespace bipot

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/files/hdf5_file.h"
-#include "core/problem_files/rehearsed_read.h"
 
 namespace bipot {
 namespace {
@@ -104,9 +103,8 @@ void write_geometry(const std::filesystem::path& path, const Scene<2>& scene,
   file.close();
 }
 
-namespace {
-
-std::optional<ProblemGeometry> read_geometry_here(const std::filesystem::path& path, int contacts) {
+std::optional<ProblemGeometry> read_geometry(const std::filesystem::path& path, int contacts) {
+  if (!Hdf5File::is_hdf5(path)) return std::nullopt;
   const Hdf5File file(path, Hdf5File::Mode::kRead);
   if (!file.exists(kGroup)) return std::nullopt;
   ProblemGeometry made;
@@ -155,13 +153,6 @@ std::optional<ProblemGeometry> read_geometry_here(const std::filesystem::path& p
   made.scene.materials = {"default"};
   made.scene.laws = {{.mu = file.read_int(name("friction")) != 0 ? 1.0 : 0.0}};
   return made;
-}
-
-}  // namespace
-
-std::optional<ProblemGeometry> read_geometry(const std::filesystem::path& path, int contacts) {
-  if (!Hdf5File::is_hdf5(path)) return std::nullopt;
-  return rehearsed_read(path, [&] { return read_geometry_here(path, contacts); });
 }
 
 }  // namespace bipot

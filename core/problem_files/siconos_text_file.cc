@@ -15,6 +15,7 @@
 
 #include "core/base/file_error.h"
 #include "core/base/types.h"
+#include "core/problem_files/problem_form.h"
 
 namespace bipot {
 namespace {

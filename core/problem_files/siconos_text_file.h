@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "core/problem_files/problem_form.h"
+#include "core/problem_files/problem_file.h"
 
 namespace bipot {
 

@@ -38,6 +38,4 @@ std::vector<int> steps_in_folder(const fs::path& folder) {
   return steps;
 }
 
-std::vector<int> frame_steps(const fs::path& run) { return steps_in_folder(run_folder(run)); }
-
 }  // namespace bipot

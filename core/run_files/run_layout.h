@@ -23,7 +23,4 @@ std::filesystem::path frame_path(const std::filesystem::path& folder, int step);
 /// Steps of the frames in the folder of a run, increasing; empty if there is no such folder.
 std::vector<int> steps_in_folder(const std::filesystem::path& folder);
 
-/// Steps of the frames of a run, increasing. `run`: its folder or its run.h5. Throws FileError.
-std::vector<int> frame_steps(const std::filesystem::path& run);
-
 }  // namespace bipot

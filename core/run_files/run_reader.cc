@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "core/files/hdf5_file.h"
-#include "core/problem_files/rehearsed_read.h"
 #include "core/run_files/cluster_file.h"
 #include "core/run_files/population_file.h"
 
@@ -221,8 +220,10 @@ std::vector<ContactOutcome<D>> read_contacts(const Hdf5File& file, std::size_t d
   return contacts;
 }
 
+}  // namespace
+
 template <int D>
-State<D> read_state_here(const fs::path& run, int step) {
+State<D> read_state(const fs::path& run, int step) {
   const fs::path folder = run_folder(run);
   const Hdf5File fixed(folder / "run.h5", Hdf5File::Mode::kRead);
   if (!fixed.exists("/format") || fixed.read_string("/format") != kRunFormat) {
@@ -259,19 +260,6 @@ State<D> read_state_here(const fs::path& run, int step) {
   state.cell = read_state_cell(fixed, file);
   state.contacts = read_contacts<D>(file, state.bodies.size(), state.walls.size());
   return state;
-}
-
-}  // namespace
-
-std::string read_scene_text(const fs::path& run) {
-  const fs::path path = run_folder(run) / "run.h5";
-  return rehearsed_read(
-      path, [&] { return Hdf5File(path, Hdf5File::Mode::kRead).read_string("/scene"); });
-}
-
-template <int D>
-State<D> read_state(const fs::path& run, int step) {
-  return rehearsed_read(run, [&] { return read_state_here<D>(run, step); });
 }
 
 template State<2> read_state<2>(const fs::path&, int);

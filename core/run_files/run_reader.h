@@ -1,7 +1,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 
 #include "core/motion/state.h"
 #include "core/run_files/run_layout.h"
@@ -15,8 +14,5 @@ State<D> read_state(const std::filesystem::path& run, int step = -1);
 inline State<2> read_state(const std::filesystem::path& run, int step = -1) {
   return read_state<2>(run, step);
 }
-
-/// Scene text that the run was started with. Throws FileError.
-std::string read_scene_text(const std::filesystem::path& run);
 
 }  // namespace bipot

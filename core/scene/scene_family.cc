@@ -2,24 +2,17 @@
 
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <stdexcept>
 
 #include "core/base/nearest_name.h"
+#include "core/base/portable_random.h"
 #include "core/scene/generators.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 namespace {
 
 constexpr double kRadius = 0.5;
-
-Wall<2> half_plane(const char* name, const Vec2& point, const Vec2& normal) {
-  Wall<2> wall;
-  wall.name = name;
-  wall.a = point;
-  wall.normal = normal;
-  return wall;
-}
 
 }  // namespace
 
@@ -47,11 +40,10 @@ Scene<2> make_family_scene(const std::string& family, int side, const FamilyOpti
   } else if (family == "triangular") {
     scene.bodies = triangular_lattice(side, side, kRadius, corner);
   } else if (family == "diluted") {
-    // Every disk keeps its place. The missing ones are drawn without the distributions of the
-    // standard library, which differ between platforms.
-    std::mt19937_64 engine(options.seed);
+    // Every disk keeps its place.
+    PortableRandom random(options.seed);
     for (const Disk& d : triangular_lattice(side, side, kRadius, corner)) {
-      if (engine() % 10 != 0) scene.bodies.push_back(d);
+      if (random.below(10) != 0) scene.bodies.push_back(d);
     }
   } else if (family == "pyramid") {
     scene.bodies = pyramid(side, kRadius, corner);
@@ -63,16 +55,12 @@ Scene<2> make_family_scene(const std::string& family, int side, const FamilyOpti
   } else {
     throw std::invalid_argument(unknown_name_message("scene family", family, family_names()));
   }
-  std::mt19937_64 engine(options.seed);
-  for (Disk& d : scene.bodies) {
-    const double uniform = static_cast<double>(engine() >> 11) * 0x1.0p-53;
-    d.mass = std::pow(options.mass_ratio, uniform);
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-  }
-  scene.walls.push_back(half_plane("floor", corner, Vec2(0, 1)));
+  PortableRandom random(options.seed);
+  for (Disk& d : scene.bodies) give_mass(d, std::pow(options.mass_ratio, random.uniform()));
+  scene.walls.push_back(half_space<2>(corner, Vec2(0, 1), "floor"));
   if (box) {
-    scene.walls.push_back(half_plane("left", corner, Vec2(1, 0)));
-    scene.walls.push_back(half_plane("right", Vec2(width, 0), Vec2(-1, 0)));
+    scene.walls.push_back(half_space<2>(corner, Vec2(1, 0), "left"));
+    scene.walls.push_back(half_space<2>(Vec2(width, 0), Vec2(-1, 0), "right"));
   }
   return scene;
 }

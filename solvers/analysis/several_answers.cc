@@ -7,9 +7,9 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <random>
 #include <utility>
 
+#include "core/base/portable_random.h"
 #include "core/problem/body_rows.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
@@ -35,16 +35,11 @@ constexpr int kPerturbed = 12;
 // For statuses, impulses and velocities below this fraction of the mean count as zero.
 constexpr double kNothing = 1e-6;
 
-/// Uniform in [-1, 1), the same on every platform.
-double symmetric(std::mt19937_64& engine) {
-  return 2 * (static_cast<double>(engine() >> 11) * 0x1.0p-53) - 1;
-}
-
 /// Each contact's impulse times 1 + amount * uniform(-1, 1): still on the cone.
-Vector random_multiples(const Vector& s, int dim, double amount, std::mt19937_64& engine) {
+Vector random_multiples(const Vector& s, int dim, double amount, PortableRandom& random) {
   Vector r = s;
   for (Eigen::Index row = 0; row < s.size(); row += dim) {
-    r.segment(row, dim) *= 1 + amount * symmetric(engine);
+    r.segment(row, dim) *= 1 + amount * random.symmetric();
   }
   return r;
 }
@@ -72,7 +67,7 @@ std::vector<ContactStatus> statuses(const ContactProblem& p, const Vector& s, co
 class AnswerSearch {
  public:
   AnswerSearch(const ContactProblem& p, const SeveralOptions& options)
-      : p_(p), options_(options), distinct_(p), begin_(Clock::now()), engine_(options.seed) {}
+      : p_(p), options_(options), distinct_(p), begin_(Clock::now()), random_(options.seed) {}
 
   SeveralAnswers run() {
     for (int k = 0; k < options_.starts && !stopped(); ++k) {
@@ -156,7 +151,7 @@ class AnswerSearch {
     if (k % 3 == 0) {
       return {"pgs",
               kSweeps,
-              {{"order", "shuffled"}, {"seed", std::to_string(1 + engine_() % 1000000)}}};
+              {{"order", "shuffled"}, {"seed", std::to_string(1 + random_.below(1000000))}}};
     }
     s0 = start_away(k, from);
     return list[k % 3 == 1 ? 1 : 0];
@@ -169,7 +164,7 @@ class AnswerSearch {
     const double amount = k % 2 == 0 ? 0.5 : 0.1;
     const std::size_t of = to_size(k) % answers.size();
     from = fmt::format("multiples of answer {}, {:g} %", of + 1, 100 * amount);
-    return random_multiples(answers[of].s, p_.dim, amount, engine_);
+    return random_multiples(answers[of].s, p_.dim, amount, random_);
   }
 
   /// Runs the start's own solver, then exact ones from its result, until one is trusted.
@@ -238,7 +233,7 @@ class AnswerSearch {
     for (std::size_t k = 0; k < count && !stopped(); ++k) {
       Answer& answer = found_.answers[k];
       const Vector& s = answer.impulse.s;
-      const Vector away = random_multiples(s, p_.dim, kPerturbation, engine_);
+      const Vector away = random_multiples(s, p_.dim, kPerturbation, random_);
       AnswerStart made;
       Recipe recipe{"pgs", kSweeps};
       SolveResult back = attempt(recipe.solver, away, recipe.iterations, {});
@@ -375,7 +370,7 @@ class AnswerSearch {
   const SeveralOptions& options_;
   DistinctAnswers distinct_;
   const Clock::time_point begin_;
-  std::mt19937_64 engine_;
+  PortableRandom random_;
   std::optional<BodyRows> rows_;
   SeveralAnswers found_;
   bool invalid_ = false;

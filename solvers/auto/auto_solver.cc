@@ -6,7 +6,7 @@
 #include <cmath>
 #include <exception>
 #include <map>
-#include <span>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,53 +21,60 @@
 namespace bipot {
 namespace {
 
-// An error that is that many tolerances is let go on, at loose tolerances for the iterations that the
-// stage has for it.
-constexpr double kClose = 10, kLooseTolerance = 3e-4;
-// Contacts from which on memory counts more than the milliseconds that it takes to give it back.
-constexpr int kLargeRun = 6000;
+using std::string_view_literals::operator""sv;
 
-/// Whether a stage is still worth its time, from the errors that it showed so far.
-class Promise {
+// constant          value   unit          reason
+// kNearTolerances   10      tolerances    an error within a decade mostly arrives soon
+// kFreedFrom        6000    contacts      memory counts more than the milliseconds to give it back
+// kTighter          0.1     tolerances    the natural map is mostly ten times the guarded error
+// kTightenLeast     100     iterations    of the solver that succeeded, however small its budget
+// kTightenMost      4000    iterations    the same, however large
+// kTightenByFactor  40      iterations    of newton and ipm: some dozen factorisations
+constexpr double kNearTolerances = 10, kTighter = 0.1;
+constexpr int kFreedFrom = 6000, kTightenLeast = 100, kTightenMost = 4000, kTightenByFactor = 40;
+
+/// Its parameters by name.
+std::map<std::string, std::string> parameters_of(const AutoStage& stage) {
+  std::map<std::string, std::string> parameters;
+  std::istringstream words{std::string(stage.parameters)};
+  for (std::string word; words >> word;) {
+    const std::size_t equals = word.find('=');
+    parameters[word.substr(0, equals)] = word.substr(equals + 1);
+  }
+  return parameters;
+}
+
+/// Whether a stage will reach the tolerance within its budget, from the errors that it showed so
+/// far: the decades gained since half as many iterations are carried forward.
+class Forecast {
  public:
-  Promise(const AutoStage& stage, double tol, StopTest stop)
-      : first_(stage.min_iterations),
-        last_(stage.max_iterations),
-        close_(tol >= kLooseTolerance ? stage.close_iterations : stage.max_iterations),
-        tol_(tol),
-        stop_(stop) {}
+  Forecast(const AutoStage& stage, double tol, StopTest stop)
+      : stage_(stage), tol_(tol), stop_(stop) {}
 
   void record(const IterationRecord& r) {
     // The difference of successive impulses is not in the record: nothing is predicted from it.
-    if (stop_ == StopTest::kImpulse || last_ == AutoStage::kUnlimited) return;
+    if (stop_ == StopTest::kImpulse || stage_.max_iterations == AutoStage::kUnlimited) return;
     double error = r.error.guarded();
     if (stop_ == StopTest::kRaw42 && std::isfinite(r.error.raw42)) error = r.error.raw42;
-    if (!history_.empty()) error = std::min(error, history_.back().error);
+    if (!best_.empty()) error = std::min(error, best_.rbegin()->second);
     if (!std::isfinite(error)) return;
-    history_.push_back({r.iteration, error});
-    if (r.iteration < std::max(first_, 2)) return;
-    if (error <= kClose * tol_ && r.iteration < close_) return;  // so close, it would be a pity
-    // Decades gained since half as many iterations.
-    auto half = std::upper_bound(history_.begin(), history_.end(), r.iteration / 2,
-                                 [](int k, const Entry& e) { return k < e.iteration; });
-    if (half != history_.begin()) --half;
-    const double gained = std::log(half->error / error);
-    const double needed = std::log(error / tol_);
-    const double left = needed / gained * (r.iteration - half->iteration);  // inf: no gain
-    broken_ = !(r.iteration + left <= last_);
+    best_[r.iteration] = error;
+    if (r.iteration < std::max(stage_.min_iterations, 2)) return;
+    if (error <= kNearTolerances * tol_ && r.iteration < stage_.near_iterations) return;
+    auto half = best_.upper_bound(r.iteration / 2);
+    if (half != best_.begin()) --half;
+    const double gained = std::log(half->second / error), needed = std::log(error / tol_);
+    const double left = needed / gained * (r.iteration - half->first);  // inf: no gain
+    failed_ = !(r.iteration + left <= stage_.max_iterations);
   }
-  bool broken() const { return broken_; }
+  bool failed() const { return failed_; }
 
  private:
-  struct Entry {
-    int iteration;
-    double error;
-  };
-  int first_, last_, close_;
-  double tol_;
-  StopTest stop_;
-  std::vector<Entry> history_;
-  bool broken_ = false;
+  const AutoStage& stage_;
+  const double tol_;
+  const StopTest stop_;
+  std::map<int, double> best_;  // error so far, by iteration
+  bool failed_ = false;
 };
 
 /// The race in progress.
@@ -103,36 +110,17 @@ class Race {
   /// The stages that `chosen` takes, one after the other.
   template <class Chosen>
   void race(const Chosen& chosen) {
-    // On a handful of contacts the plan would cost more than the solution.
-    const bool few = p_.num_contacts() <= kFewContactsOfAuto;
-    if (few) {
-      const AutoStage first = first_of_few(p_, evaluate_.delassus());
-      if (chosen(first) && finished(first)) return;
+    const std::vector<AutoStage> stages =
+        plan_auto(p_, evaluate_.delassus(), is_warm(options_), options_.tol);
+    for (const AutoStage& stage : stages) {
+      if (chosen(stage) && finished(stage)) return;
     }
-    const std::vector<AutoStage> stages = plan_auto(p_, evaluate_.delassus(), is_warm(options_));
-    for (std::size_t k = few ? 1 : 0; k < stages.size(); ++k) {
-      keep_only_what_serves(std::span(stages).subspan(k));
-      if (chosen(stages[k]) && finished(stages[k])) return;
-    }
-  }
-
-  /// Drops the impulses that none of the stages to come begins with.
-  void keep_only_what_serves(std::span<const AutoStage> coming) {
-    std::erase_if(own_, [&](const auto& of) {
-      return std::none_of(coming.begin(), coming.end(), [&](const AutoStage& stage) {
-        return stage.start == AutoStage::Start::kOwn && stage.solver == of.first;
-      });
-    });
-    const bool last_serves = std::any_of(coming.begin(), coming.end(), [](const AutoStage& stage) {
-      return stage.start == AutoStage::Start::kLast;
-    });
-    if (!last_serves) last_s_ = Vector();
   }
 
   /// Runs the stage; true when nothing is to follow.
   bool finished(const AutoStage& stage) {
     if (out_of_budget()) return true;
-    if (!stage.serves(options_.tol, best_error_)) return false;
+    if (best_error_ > stage.largest_error) return false;
     run_stage(stage);
     if (!ended_ && is_success(last_) && options_.stop == StopTest::kGuarded &&
         best_natural_map_ > options_.tol) {
@@ -166,11 +154,11 @@ class Race {
     inner_.s0 *= stage.of_start;
     inner_.time_limit = std::max(options_.time_limit - watch_.seconds(), 1e-9);
     inner_.max_iterations = std::min(stage.max_iterations, options_.max_iterations - iterations_);
-    inner_.parameters = stage.parameters;
-    Promise promise(stage, inner_.tol, options_.stop);
+    inner_.parameters = parameters_of(stage);
+    Forecast forecast(stage, inner_.tol, options_.stop);
     const double stage_start = watch_.seconds();
     inner_.on_iteration = [&](const IterationRecord& r) {
-      promise.record(r);
+      forecast.record(r);
       if (!options_.on_iteration || (iterations_ > 0 && r.iteration == 0)) return;
       IterationRecord shifted = r;
       shifted.iteration += iterations_;
@@ -178,12 +166,12 @@ class Race {
       options_.on_iteration(shifted);
     };
     inner_.cancelled = [&] {
-      return promise.broken() || (options_.cancelled && options_.cancelled());
+      return forecast.failed() || (options_.cancelled && options_.cancelled());
     };
     SolveResult result;
     evaluate_.rest();
     // What the stage before has left is in pieces that the next one's arrays do not fit into.
-    if (!trail_.empty() && p_.num_contacts() > kLargeRun) return_freed_memory();
+    if (!trail_.empty() && p_.num_contacts() > kFreedFrom) return_freed_memory();
     try {
       const SolverEntry& entry = require_solver(stage.solver);
       result = entry.run(entry.needs_delassus ? with_delassus() : p_, inner_);
@@ -211,7 +199,7 @@ class Race {
     const bool stopped = last_ == SolveStatus::kInterrupted || last_ == SolveStatus::kTimeLimit;
     const bool by_caller = stopped && options_.cancelled && options_.cancelled();
     const bool given_up =
-        stopped && !by_caller && promise.broken() && watch_.seconds() < options_.time_limit;
+        stopped && !by_caller && forecast.failed() && watch_.seconds() < options_.time_limit;
     if (by_caller) last_ = SolveStatus::kInterrupted;
     trail_ += fmt::format("{}{} {}: {} ({:.1e})", trail_.empty() ? "" : "; ", stage.solver,
                           result.iterations, given_up ? "given up" : to_string(last_), error);
@@ -236,21 +224,23 @@ class Race {
     return with_delassus_;
   }
 
-  /// The natural map lags behind: on to a ten times smaller error.
+  /// The natural map lags behind the guarded error: on to a smaller one, by the solver that
+  /// succeeded, then by others.
   void tighten(const AutoStage& successful) {
-    inner_.tol = 0.1 * options_.tol;
     const SolveStatus reached = last_;
+    inner_.tol = kTighter * options_.tol;
     AutoStage more = successful;
     more.start = AutoStage::Start::kBest;
-    more.max_iterations = std::max(100, std::min(successful.max_iterations, 4000));
+    more.of_start = 1;
+    more.max_iterations = std::clamp(successful.max_iterations, kTightenLeast, kTightenMost);
     more.min_iterations = more.max_iterations / 2;
-    for (const std::string_view solver :
-         {successful.solver, std::string_view("newton"), std::string_view("ipm")}) {
+    more.near_iterations = more.max_iterations;
+    for (const std::string_view solver : {successful.solver, "newton"sv, "ipm"sv}) {
       if (find_solver(solver) == nullptr || out_of_budget()) continue;
       more.solver = solver;
       if (solver != successful.solver) {
-        more.min_iterations = more.max_iterations = 40;
-        more.parameters.clear();
+        more.min_iterations = more.max_iterations = kTightenByFactor;
+        more.parameters = {};
       }
       run_stage(more);
       if (ended_ || best_natural_map_ <= options_.tol) break;

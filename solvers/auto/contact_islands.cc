@@ -34,7 +34,7 @@ class DisjointSets {
   std::vector<int> parent_;
 };
 
-/// Rows of a contact in which impulses may stand.
+/// Rows of a contact with possible impulses.
 int live_rows(const ContactProblem& p, int contact) { return p.mu[contact] > 0 ? p.dim : 1; }
 
 /// Contacts first, then degrees of freedom.
@@ -81,7 +81,7 @@ ContactIslands contact_islands(const ContactProblem& p) {
   if (contacts == 0) return islands;
   DisjointSets sets = p.has_velocities() ? through_bodies(p) : through_delassus(p);
 
-  // A set is known by its smallest member, which is a contact: numbers come by first contact.
+  // A set is known by its smallest member, which is a contact: numbers follow first contacts.
   std::vector<int> number(to_size(contacts), -1), sizes;
   std::vector<int> island_of(to_size(contacts));
   for (int c = 0; c < contacts; ++c) {

@@ -7,8 +7,8 @@
 
 namespace bipot {
 
-/// The contacts of a problem, part by part; parts do not couple: W has no block between them that
-/// an impulse of the law could feel.
+/// The contacts of a problem, island by island. Islands do not couple: no block of W between them
+/// acts on an impulse of the law.
 struct ContactIslands {
   std::vector<int> contacts;  ///< all of them, island after island, ascending within each
   std::vector<int> start;     ///< where each island begins, and the end
@@ -21,11 +21,11 @@ struct ContactIslands {
 };
 
 /// Splits the contact graph into its connected components, smaller ones first, equal ones by their
-/// first contact. Two contacts are connected where entries of H that are not 0 stand in the same
-/// degree of freedom, or in two that A couples; without H, where W has an entry between them that is
-/// not 0. Fixed bodies have no degree of freedom and connect nothing; a driven wall has one. The
-/// tangential rows of a contact without friction connect nothing: no impulse ever stands there.
-/// One pass over the entries.
+/// first contact. Two contacts are connected if nonzero entries of H act on the same degree of
+/// freedom, or on two that A couples; without H, if W has a nonzero entry between them. Fixed
+/// bodies have no degree of freedom and connect nothing; a driven wall has one. The tangential rows
+/// of a contact without friction connect nothing, as they have no impulse. One pass over the
+/// entries.
 ContactIslands contact_islands(const ContactProblem& problem);
 
 }  // namespace bipot

@@ -10,8 +10,7 @@
 namespace bipot {
 namespace {
 
-/// Sweeps settle at a rate that depends on the chain of contacts; what is not there by then is
-/// for pivots.
+/// Sweeps converge at a rate that depends on the chain of contacts; other cases are left to pivots.
 constexpr int kMostSweeps = 100;
 /// Changes below this, relative to the largest impulse, are rounding.
 constexpr double kSettled = 64 * std::numeric_limits<double>::epsilon();
@@ -29,7 +28,7 @@ int FewContacts::operator()(std::span<const int> contacts, Vector& s) {
   });
 }
 
-/// W(row, column), from W or from the columns of H (A is diagonal where W is not given).
+/// W(row, column), from W or from the columns of H (A is diagonal if W is not given).
 double FewContacts::entry(int row, int column) const {
   if (problem_.has_delassus()) return problem_.W.coeff(row, column);
   SparseMatrix::InnerIterator x(problem_.H, row), y(problem_.H, column);

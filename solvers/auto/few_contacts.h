@@ -7,17 +7,17 @@
 
 namespace bipot {
 
-/// Solves islands of a few contacts of one problem without sparse matrices: one contact in closed
-/// form (solve_local), several by block Gauss-Seidel sweeps, each block solved exactly, over a dense
-/// W, until impulses no longer change in rounding.
+/// Solves islands of a few contacts without sparse matrices: one contact in closed form
+/// (solve_local), several by block Gauss-Seidel sweeps over a dense W, each block solved exactly,
+/// until impulses no longer change in rounding.
 class FewContacts {
  public:
   /// Keeps references to both.
   FewContacts(const ContactProblem& problem, const DelassusOperator& delassus);
 
-  /// Writes the impulses of these contacts to their rows of s, starting from what stands there.
-  /// Returns the sweeps (1 for a single contact), 0 where a block has no solution or the sweeps do
-  /// not settle: s is unchanged then. Whether the result is good is the criterion's to say.
+  /// Writes the impulses of these contacts to their rows of s, starting from the present values.
+  /// Returns the number of sweeps (1 for a single contact). Returns 0, s unchanged, if a block has
+  /// no solution or the sweeps do not converge. The criterion judges the result.
   int operator()(std::span<const int> contacts, Vector& s);
 
  private:

@@ -44,7 +44,7 @@ IslandProblem IslandCutter::operator()(std::span<const int> contacts) {
   return island;
 }
 
-/// Where A couples them, the degrees of freedom beside the contacts' own take part.
+/// If A couples them, the degrees of freedom beside the contacts' own take part.
 void IslandCutter::add_coupled_dofs(std::vector<int>& dofs) {
   for (std::size_t k = 0; k < dofs.size(); ++k) {
     for (SparseMatrix::InnerIterator it(whole_.A, dofs[k]); it; ++it) {

@@ -14,8 +14,8 @@ struct IslandProblem {
 
   /// Values of the whole in the rows of the part. Empty stays empty.
   Vector gather(const Vector& whole) const;
-  /// The other way. Rows of contacts of the part that it does not have (tangents where nothing
-  /// has friction) are set to 0.
+  /// The inverse. Rows of contacts that the part does not have (tangents if nothing has friction)
+  /// are set to 0.
   void scatter(const Vector& part, int whole_dim, Vector& whole) const;
 };
 
@@ -28,8 +28,8 @@ class IslandCutter {
 
   /// The problem of these contacts (ascending), which must be an island of contact_islands(). Its
   /// degrees of freedom are those in which its columns of H have stored entries, zeros included, so
-  /// that bodies keep their rows together, and those that A couples with them; order as in the
-  /// whole. Without friction d = 1. W is cut where the whole has it. Cost: linear in the part.
+  /// that rows of a body stay together, and those that A couples with them; order as in the whole.
+  /// Without friction d = 1. W is cut if the whole has it. Cost: linear in the part.
   IslandProblem operator()(std::span<const int> contacts);
 
  private:

@@ -15,7 +15,7 @@ constexpr int kLeastBodies = 200;
 /// With fewer lanes in use the contacts of a batch are loose.
 constexpr int kLeastLanes = 5;
 /// Number of windows after which loose contacts are written in an incomplete batch.
-constexpr int kPatience = 1;
+constexpr int kWaitingWindows = 1;
 constexpr int kWindowBodies = kWindowBlocks * kLanes;
 
 /// Positions of the bodies before they are sorted within their windows.
@@ -142,8 +142,8 @@ class BlockWriter {
   /// Writes loose contacts after the last block: full batches, and those that waited long enough.
   void write_loose(int window, bool last) {
     std::size_t done = 0;
-    while (done < loose_.size() &&
-           (last || loose_.size() - done >= kLanes || window - loose_[done].window >= kPatience)) {
+    while (done < loose_.size() && (last || loose_.size() - done >= kLanes ||
+                                    window - loose_[done].window >= kWaitingWindows)) {
       begin_batch(-1);
       for (int lane = 0; lane < kLanes && done < loose_.size(); ++lane, ++done) {
         put(lane, loose_[done].owned);

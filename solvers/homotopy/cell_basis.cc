@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "core/base/release.h"
 #include "core/linear/block_pattern.h"
 
 namespace bipot {
@@ -14,86 +13,39 @@ constexpr int kColumns = 4;
 constexpr double kLargestMultiplier = 1e8;
 // Fewer candidates are solved for one by one.
 constexpr std::size_t kFewCandidates = 3;
-// Refinement with a factor in single precision: rounds at most, and the error, relative to the
-// solution, at which it ends.
-constexpr int kRounds = 10;
-constexpr double kRefined = 1e-10;
-// Columns that are kept then.
-constexpr int kBytesInSingle = 5 << 19, kLeastInSingle = 16;
-
 }  // namespace
 
-CellBasis::CellBasis(const LawProblem& problem, Precision precision)
-    : problem_(problem),
-      matrix_(problem),
-      precision_(problem.bodies ? Precision::kSingle : precision),
-      exchanged_(in_single() ? ExchangedColumns(kBytesInSingle, kLeastInSingle, true)
-                             : ExchangedColumns()) {
+CellBasis::CellBasis(const LawProblem& problem) : problem_(problem), matrix_(problem) {
   rhs_.setZero(problem.num_rows());
-  if (problem.bodies) velocities_.emplace(problem);
 }
 
 bool CellBasis::factor(const LawPoint& point, const Vector& proximal) {
   matrix_.set(point.column, proximal);
   exchanged_.clear(problem_.num_rows(), kColumns * problem_.num_contacts());
-  if (velocities_) {
-    return_freed_memory();  // releases the columns before the factor's own arrays are allocated
-    return velocities_->factor(matrix_.columns(), matrix_.proximal());
-  }
-  if (!analysed_) {
-    const SparseMatrix pattern = symmetric_block_pattern(problem_.W, problem_.dim);
-    analysed_ = in_single() ? single_fronts_.analyse(pattern) : fronts_.analyse(pattern);
-  }
-  if (in_single()) return analysed_ && single_fronts_.factor(matrix_);
+  if (!analysed_) analysed_ = fronts_.analyse(symmetric_block_pattern(problem_.W, problem_.dim));
   by_fronts_ =
       analysed_ && fronts_.factor(matrix_) && fronts_.largest_multiplier() <= kLargestMultiplier;
-  return by_fronts_ || factor_with_exchanges(point);
+  return by_fronts_ || factor_with_exchanges();
 }
 
-void CellBasis::rest() {
-  if (in_single()) exchanged_.clear(problem_.num_rows(), kColumns * problem_.num_contacts());
-}
-
-bool CellBasis::factor_with_exchanges(const LawPoint& point) {
-  if (!rows_exchanged_) {
-    rows_exchanged_.emplace(fill_reducing_order(problem_.W, problem_.dim));
+bool CellBasis::factor_with_exchanges() {
+  const int m = problem_.num_rows();
+  SparseMatrix B(m, m);
+  for (int slot = 0; slot < m; ++slot) {
+    B.startVec(slot);
+    matrix_.for_column(slot / problem_.dim, matrix_.columns()[to_size(slot)],
+                       [&](int row, double value) { B.insertBack(row, slot) = value; });
   }
-  SparseColumns& matrix = rows_exchanged_->matrix();
-  matrix.clear();
-  for (int slot = 0; slot < problem_.num_rows(); ++slot) {
-    matrix_.for_column(slot / problem_.dim, point.column[to_size(slot)],
-                       [&](int row, double value) { matrix.add(row, value); });
-    matrix.end_column();
-  }
-  return rows_exchanged_->factor();
+  B.finalize();
+  return rows_exchanged_.factor(B);
 }
 
 void CellBasis::solve_factored(const Vector& g, Vector& x) {
-  if (in_single()) {
-    solve_in_single(g, x);
-  } else if (by_fronts_) {
+  if (by_fronts_) {
     fronts_.solve(g, x);
   } else {
-    rows_exchanged_->solve(g, x);
+    x = rows_exchanged_.solve(g);
   }
-}
-
-void CellBasis::solve_in_single(const Vector& g, Vector& x) {
-  const auto solve = [this](const Vector& right, Vector& solution) {
-    velocities_ ? velocities_->solve(right, solution) : single_fronts_.solve(right, solution);
-  };
-  solve(g, x);
-  double before = x.lpNorm<Eigen::Infinity>();
-  for (int round = 0; round < kRounds; ++round) {
-    matrix_.rough_residual(g, x, rest_);
-    solve(rest_, correction_);
-    x += correction_;
-    const double size = x.lpNorm<Eigen::Infinity>(), now = correction_.lpNorm<Eigen::Infinity>();
-    // Corrections decrease by a constant factor, so that the next would be about now² / before.
-    if (now * now <= kRefined * size * before) return;
-    before = now;
-  }
-  x.setConstant(kNaN);
 }
 
 void CellBasis::solve(const Vector& g, Vector& x) {
@@ -114,7 +66,7 @@ bool CellBasis::is_unknown(const Candidate& c) const {
 
 void CellBasis::prepare(const std::vector<Candidate>& candidates) {
   // A few single solves skip fronts that they do not reach.
-  if (in_single() || !by_fronts_ || candidates.size() < kFewCandidates) return;
+  if (!by_fronts_ || candidates.size() < kFewCandidates) return;
   several_.clear();
   for (const Candidate& c : candidates) {
     matrix_.for_column(c.contact, c.column,
@@ -155,10 +107,7 @@ CellBasis::Entering CellBasis::entering(int contact, Column column, int slot) {
 
 int CellBasis::orientation(const LawPoint& point) const {
   const auto impulses = std::count_if(point.column.begin(), point.column.end(), is_impulse);
-  if (velocities_) return velocities_->orientation();
-  const int sign = in_single()  ? single_fronts_.determinant_sign()
-                   : by_fronts_ ? fronts_.determinant_sign()
-                                : rows_exchanged_->determinant_sign();
+  const int sign = by_fronts_ ? fronts_.determinant_sign() : rows_exchanged_.determinant_sign();
   return sign * (impulses % 2 == 0 ? 1 : -1);
 }
 
@@ -176,7 +125,6 @@ void CellBasis::refine(const LawPoint& point, const Vector& g, long double weigh
     solve(error_, change_);
     x += change_;
   }
-  if (velocities_) error_ = change_ = Vector();  // where memory counts
 }
 
 }  // namespace bipot

@@ -1,14 +1,12 @@
 #pragma once
 
 #include <array>
-#include <optional>
 #include <vector>
 
 #include "core/linear/eight_right_sides.h"
 #include "core/linear/frontal_lu.h"
 #include "core/linear/sparse_factor.h"
 #include "solvers/homotopy/cell_matrix.h"
-#include "solvers/homotopy/cell_velocities.h"
 #include "solvers/homotopy/exchanged_columns.h"
 #include "solvers/homotopy/law_point.h"
 
@@ -20,24 +18,15 @@ namespace bipot {
 /// Between factorisations columns are exchanged as in exchanged_columns.h.
 class CellBasis {
  public:
-  /// What the factor by fronts is kept in. Single: half the memory; every solve with it is refined
-  /// to about 1e-10, which takes three times as long, and columns are solved for one by one and
-  /// kept in single precision too. No UMFPACK then: where refinement does not come so far,
-  /// solutions are not numbers. A problem whose W is not kept has a factor in single precision
-  /// (cell_velocities.h).
-  enum class Precision { kDouble, kSingle };
-  explicit CellBasis(const LawProblem& problem, Precision precision = Precision::kDouble);
+  explicit CellBasis(const LawProblem& problem);
 
   /// Factors B of the point, whose columns must be sorted; `proximal`: the diagonal of D, m, which
   /// is referred to. False: singular.
   [[nodiscard]] bool factor(const LawPoint& point, const Vector& proximal);
-  /// Lets exchanged columns go where memory counts, in single precision; factor() must come before
-  /// the next solve.
-  void rest();
   /// True if B should be factored again before another exchange.
   bool full() const { return exchanged_.full(); }
 
-  /// x = B⁻¹ g. No allocation.
+  /// x = B⁻¹ g. The factor by fronts allocates nothing.
   void solve(const Vector& g, Vector& x);
   /// Changes x, which was B⁻¹ g right after factor(), to the present B.
   void update(Vector& x) const { exchanged_.apply(x); }
@@ -77,24 +66,18 @@ class CellBasis {
               int refinements, Vector& x);
 
  private:
-  bool factor_with_exchanges(const LawPoint& point);
+  bool factor_with_exchanges();
   void solve_factored(const Vector& g, Vector& x);
-  void solve_in_single(const Vector& g, Vector& x);
-  bool in_single() const { return precision_ == Precision::kSingle; }
   static int key(int contact, Column column);
 
   const LawProblem& problem_;
   CellMatrix matrix_;  // of the columns that were factored
-  Precision precision_;
-  FrontalLU<double> fronts_;
-  FrontalLU<float> single_fronts_;  // or, where the problem has bodies:
-  std::optional<CellVelocities> velocities_;
-  std::optional<OrderedLU> rows_exchanged_;  // made where it is needed first
-  bool by_fronts_ = false;                   // which of them holds the factor
+  FrontalLU fronts_;
+  SparseLU rows_exchanged_{SparseLU::Strategy::kSymmetric};
+  bool by_fronts_ = false;  // which of them holds the factor
   bool analysed_ = false;
   ExchangedColumns exchanged_;
   Vector rhs_, change_, error_, y_;  // scratch
-  Vector rest_, correction_;         // of solve_in_single()
   SparseColumns several_;
   std::array<Vector, kRightSides> solutions_;
 };

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/base/release.h"
-
 namespace bipot {
 namespace {
 
@@ -34,7 +32,7 @@ bool has_pairs(const SparseMatrix& W) {
 CellMatrix::CellMatrix(const LawProblem& problem)
     : problem_(problem),
       paired_(problem.dim == 2 && has_pairs(problem.W)),
-      rows_(problem.bodies ? SparseRows() : rows_unless_symmetric(problem.W)) {}
+      rows_(rows_unless_symmetric(problem.W)) {}
 
 CellMatrix::Rows CellMatrix::rows() const {
   if (rows_.rows() > 0) return {rows_.outerIndexPtr(), rows_.innerIndexPtr(), rows_.valuePtr()};
@@ -89,16 +87,16 @@ void CellMatrix::add_row(int row, FrontLine& to) const {
   if (!own_seen) add(own, 0, 0);
 }
 
-/// out = sums.sum - B x; overwrites `sums`.
-template <class Sum>
-void CellMatrix::subtract_product(const std::vector<Column>& columns, const Vector& x,
-                                  Sums<Sum>& sums, Vector& out) const {
+void CellMatrix::residual(const std::vector<Column>& columns, const Vector& g, long double weight,
+                          const Vector& h, const Vector& x, Vector& out) {
   const int d = problem_.dim, m = problem_.num_rows();
-  sums.impulse.assign(to_size(m), 0);
-  Sum* const sum = sums.sum.data();
-  Sum* const impulse = sums.impulse.data();
+  sum_.resize(to_size(m));
+  for (int i = 0; i < m; ++i) sum_[to_size(i)] = static_cast<long double>(g[i]) + weight * h[i];
+  impulse_.assign(to_size(m), 0);
+  long double* const sum = sum_.data();
+  long double* const impulse = impulse_.data();
   for (int slot = 0; slot < m; ++slot) {
-    const Sum value = x[slot];
+    const long double value = x[slot];
     const Column column = columns[to_size(slot)];
     const int contact = slot / d, n = contact * d;
     if (column == Column::kOpening) {
@@ -113,7 +111,7 @@ void CellMatrix::subtract_product(const std::vector<Column>& columns, const Vect
   out.resize(m);
   const Rows w = rows();
   for (int i = 0; i < m; ++i) {
-    Sum even = sum[i] + (*proximal_)[i] * impulse[i], odd = 0;
+    long double even = sum[i] + (*proximal_)[i] * impulse[i], odd = 0;
     int k = w.start[i];
     for (; k + 1 < w.start[i + 1]; k += 2) {
       even += w.value[k] * impulse[w.column[k]];
@@ -122,63 +120,6 @@ void CellMatrix::subtract_product(const std::vector<Column>& columns, const Vect
     if (k < w.start[i + 1]) even += w.value[k] * impulse[w.column[k]];
     out[i] = static_cast<double>(even + odd);
   }
-}
-
-template <class Sum, class Right>
-void CellMatrix::subtract_product_of_bodies(const std::vector<Column>& columns, const Right& right,
-                                            const Vector& x, std::vector<Sum>& velocity,
-                                            Vector& out) const {
-  const BodyDelassus& bodies = *problem_.bodies;
-  const int d = problem_.dim, m = problem_.num_rows();
-  const auto impulse = [&](int row) {
-    const int contact = row / d, n = contact * d;
-    Sum s = 0;
-    for (int slot = n; slot < n + d; ++slot) {
-      const Column column = columns[to_size(slot)];
-      if (!is_impulse(column)) continue;
-      const Sum value = x[slot];
-      s += row == n ? value : problem_.tangent(contact, column) * value;
-    }
-    return s;
-  };
-  bodies.move_bodies(impulse, velocity);
-  out.resize(m);
-  for (int row = 0; row < m; ++row) {
-    const int n = row / d * d;
-    Sum sum = right(row) + (*proximal_)[row] * impulse(row);
-    for (int slot = n; slot < n + d; ++slot) {
-      const Column column = columns[to_size(slot)];
-      if (!is_impulse(column) && row == (column == Column::kOpening ? n : n + 1)) sum -= x[slot];
-    }
-    out[row] = static_cast<double>(sum + bodies.relative_velocity(row, velocity));
-  }
-}
-
-void CellMatrix::residual(const std::vector<Column>& columns, const Vector& g, long double weight,
-                          const Vector& h, const Vector& x, Vector& out) {
-  if (problem_.bodies) {
-    subtract_product_of_bodies(
-        columns, [&](int i) { return static_cast<long double>(g[i]) + weight * h[i]; }, x,
-        velocity_, out);
-    release(velocity_);
-    return;
-  }
-  const int m = problem_.num_rows();
-  sums_.sum.resize(to_size(m));
-  for (int i = 0; i < m; ++i) {
-    sums_.sum[to_size(i)] = static_cast<long double>(g[i]) + weight * h[i];
-  }
-  subtract_product(columns, x, sums_, out);
-}
-
-void CellMatrix::rough_residual(const Vector& g, const Vector& x, Vector& out) {
-  if (problem_.bodies) {
-    subtract_product_of_bodies(
-        columns_, [&](int i) { return g[i]; }, x, rough_velocity_, out);
-    return;
-  }
-  rough_sums_.sum.assign(g.begin(), g.end());
-  subtract_product(columns_, x, rough_sums_, out);
 }
 
 }  // namespace bipot

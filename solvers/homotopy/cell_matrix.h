@@ -9,8 +9,7 @@
 
 namespace bipot {
 
-/// The matrix B of a point's cells, computed line by line from W, which is stored or computed from
-/// bodies. Each slot has the column
+/// The matrix B of a point's cells, computed line by line from W. Each slot has the column
 ///
 ///     opening e_n,   sliding e_t,   plus -(W + D)(1, -mu),   minus -(W + D)(1, +mu),
 ///
@@ -22,7 +21,6 @@ class CellMatrix final : public MatrixByLines {
   /// Sets the columns of each slot, and the diagonal of D (m, by reference).
   void set(const std::vector<Column>& columns, const Vector& proximal);
   const std::vector<Column>& columns() const { return columns_; }
-  const Vector& proximal() const { return *proximal_; }
 
   double diagonal(int slot) const override;
   void add_column(int slot, FrontLine& to) const override;
@@ -36,8 +34,6 @@ class CellMatrix final : public MatrixByLines {
   /// sums of 80 bits stay in registers.
   void residual(const std::vector<Column>& columns, const Vector& g, long double weight,
                 const Vector& h, const Vector& x, Vector& out);
-  /// out = g - B x of the columns set, in double precision.
-  void rough_residual(const Vector& g, const Vector& x, Vector& out);
 
  private:
   /// W by rows; its columns if it is symmetric to the last bit.
@@ -54,22 +50,7 @@ class CellMatrix final : public MatrixByLines {
   SparseRows rows_;  // W, if it is not symmetric to the last bit
   std::vector<Column> columns_;
   const Vector* proximal_ = nullptr;
-  template <class Sum>
-  struct Sums {
-    std::vector<Sum> sum, impulse;
-  };
-  template <class Sum>
-  void subtract_product(const std::vector<Column>& columns, const Vector& x, Sums<Sum>& sums,
-                        Vector& out) const;
-  /// The same for a problem with bodies, without an array of sums, which may be large. right(i):
-  /// minuend of B x.
-  template <class Sum, class Right>
-  void subtract_product_of_bodies(const std::vector<Column>& columns, const Right& right,
-                                  const Vector& x, std::vector<Sum>& velocity, Vector& out) const;
-  Sums<long double> sums_;  // scratch
-  Sums<double> rough_sums_;
-  std::vector<long double> velocity_;
-  std::vector<double> rough_velocity_;
+  std::vector<long double> sum_, impulse_;  // scratch of residual()
 };
 
 template <class Add>
@@ -77,15 +58,6 @@ void CellMatrix::for_column(int contact, Column column, Add&& add) const {
   const int d = problem_.dim, n = contact * d;
   if (!is_impulse(column)) {
     add(column == Column::kOpening ? n : n + 1, 1.0);
-    return;
-  }
-  if (problem_.bodies) {
-    for (const BodyDelassus::Block& block : problem_.bodies->blocks(contact)) {
-      for (int k = 0; k < d; ++k) {
-        const int row = block.contact * d + k;
-        add(row, entry(row, column, contact, block.at[k][0], block.at[k][1]));
-      }
-    }
     return;
   }
   SparseMatrix::InnerIterator a(problem_.W, n);

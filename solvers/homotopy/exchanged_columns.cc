@@ -13,6 +13,8 @@ namespace {
 constexpr int kMostExchanged = 64;
 // Columns kept before B is factored again, except those of one more solve for several.
 constexpr int kMostKept = 128;
+// Large ones: as many as fit into so many bytes, but so many at least.
+constexpr int kBytesKept = 16 << 20, kLeastKept = 48;
 constexpr std::size_t kStride = kMostExchanged;
 // Limit for a row added to a factor without exchanges: beyond it the factor is recomputed.
 constexpr double kLargestAdded = 100;
@@ -22,21 +24,17 @@ constexpr double kLargestAdded = 100;
 void ExchangedColumns::clear(int rows, int keys) {
   if (rows_ != rows || to_size(keys) != number_.size()) {
     rows_ = rows;
-    const int bytes = static_cast<int>(single_ ? sizeof(float) : sizeof(double));
-    const int fit = bytes_kept_ / (std::max(rows, 1) * bytes);
-    most_kept_ = std::clamp(fit, least_kept_, kMostKept);
+    const int fit = kBytesKept / (std::max(rows, 1) * static_cast<int>(sizeof(double)));
+    most_kept_ = std::clamp(fit, kLeastKept, kMostKept);
     number_.assign(to_size(keys), -1);
     position_.assign(to_size(rows), -1);
     kept_.clear();
-    kept_in_single_.clear();
     small_.resize(kStride * kStride);
     lu_.resize(kStride * kStride);
     w_.resize(kStride);
     used_.resize(kStride);
-    used_in_single_.resize(kStride);
     swap_.resize(kStride);
   }
-  kept_in_single_.clear();  // and their memory, for the factorisation
   for (const int key : keys_) number_[to_size(key)] = -1;
   for (const int slot : slots_) position_[to_size(slot)] = -1;
   keys_.clear();
@@ -52,13 +50,8 @@ bool ExchangedColumns::full() const {
 int ExchangedColumns::keep(int key, Vector& z) {
   const auto number = static_cast<int>(keys_.size());
   size_.push_back(z.lpNorm<Eigen::Infinity>());
-  if (single_) {
-    if (kept_in_single_.size() <= keys_.size()) kept_in_single_.emplace_back();
-    kept_in_single_[keys_.size()] = z.cast<float>();
-  } else {
-    if (kept_.size() <= keys_.size()) kept_.emplace_back();
-    kept_[keys_.size()].swap(z);
-  }
+  if (kept_.size() <= keys_.size()) kept_.emplace_back();
+  kept_[keys_.size()].swap(z);
   keys_.push_back(key);
   number_[to_size(key)] = number;
   return number;
@@ -191,18 +184,10 @@ void ExchangedColumns::apply(Vector& z) const {
   const std::size_t count = slots_.size();
   for (std::size_t i = 0; i < count; ++i) {
     w_[i] = z[slots_[i]];
-    if (single_) {
-      used_in_single_[i] = kept_in_single_[to_size(at_[i])].data();
-    } else {
-      used_[i] = kept_[to_size(at_[i])].data();
-    }
+    used_[i] = kept_[to_size(at_[i])].data();
   }
   solve_small(w_.data());
-  if (single_) {
-    subtract_columns(z.data(), used_in_single_.data(), w_.data(), static_cast<int>(count), rows_);
-  } else {
-    subtract_columns(z.data(), used_.data(), w_.data(), static_cast<int>(count), rows_);
-  }
+  subtract_columns(z.data(), used_.data(), w_.data(), static_cast<int>(count), rows_);
   for (std::size_t i = 0; i < count; ++i) z[slots_[i]] = w_[i];
 }
 

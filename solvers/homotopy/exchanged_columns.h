@@ -16,10 +16,6 @@ namespace bipot {
 /// returns, the slot leaves J. This keeps J smaller than a product form.
 class ExchangedColumns {
  public:
-  /// Columns kept before B is factored afresh: as many as `bytes` hold, `least` at least; in single
-  /// precision they take half of them.
-  explicit ExchangedColumns(int bytes = 16 << 20, int least = 48, bool single = false)
-      : bytes_kept_(bytes), least_kept_(least), single_(single) {}
   /// Nothing exchanged, nothing kept. `keys`: columns have keys 0 to keys - 1.
   void clear(int rows, int keys);
 
@@ -46,20 +42,16 @@ class ExchangedColumns {
 
  private:
   /// Entry of a column kept.
-  double at(int number, int slot) const {
-    return single_ ? kept_in_single_[to_size(number)][slot] : kept_[to_size(number)][slot];
-  }
+  double at(int number, int slot) const { return kept_[to_size(number)][slot]; }
   bool factor();
   bool border();
   void solve_small(double* w) const;
 
   int rows_ = 0;
-  int bytes_kept_, least_kept_, most_kept_ = 0;
-  bool single_;
+  int most_kept_ = 0;
   std::vector<Vector> kept_;  // by number, and room for later ones; or:
-  std::vector<Eigen::VectorXf> kept_in_single_;
-  std::vector<int> number_;  // of each key
-  std::vector<int> keys_;    // of each number
+  std::vector<int> number_;   // of each key
+  std::vector<int> keys_;     // of each number
   std::vector<double> size_;
   std::vector<int> slots_, at_;     // J and the number of the column in each of its slots
   std::vector<int> position_;       // of each slot in J, -1
@@ -67,7 +59,6 @@ class ExchangedColumns {
   std::vector<int> swap_;           // rows exchanged by the pivoting
   mutable std::vector<double> w_;   // scratch
   mutable std::vector<const double*> used_;
-  mutable std::vector<const float*> used_in_single_;
 };
 
 }  // namespace bipot

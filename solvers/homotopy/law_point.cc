@@ -41,17 +41,9 @@ void make_symmetric(SparseMatrix& W) {
 
 }  // namespace
 
-LawProblem::LawProblem(const ContactProblem& p, const Vector& delassus_diagonal, Delassus delassus)
-    : dim(p.dim) {
+LawProblem::LawProblem(const ContactProblem& p, const Vector& delassus_diagonal)
+    : dim(p.dim), W(p.has_delassus() ? p.W : assemble_delassus(p.A, p.H, p.dim)) {
   const ContactScaling scaling = equilibrated_scaling(p, delassus_diagonal);
-  if (delassus == Delassus::kOfBodies && BodyDelassus::serves(p)) {
-    velocity_scale_ = scaling.velocity;
-    bodies.emplace(p, velocity_scale_);
-  } else if (p.has_delassus()) {
-    W = p.W;
-  } else {
-    W = assemble_delassus(p.A, p.H, p.dim);
-  }
   for (int j = 0; j < W.outerSize(); ++j) {
     for (SparseMatrix::InnerIterator it(W, j); it; ++it) {
       it.valueRef() *= scaling.velocity[it.row()] * scaling.velocity[j];
@@ -67,23 +59,6 @@ LawProblem::LawProblem(const ContactProblem& p, const Vector& delassus_diagonal,
   for (double& x : mu) {
     if (x < kNoFriction) x = 0;
   }
-}
-
-void LawProblem::subtract_product(const Vector& s, Vector& f) const {
-  if (!bodies) {
-    f.noalias() -= W * s;
-    return;
-  }
-  bodies->move_bodies([&](int j) { return s[j]; }, body_velocity_);
-  for (int j = 0; j < num_rows(); ++j) f[j] -= bodies->relative_velocity(j, body_velocity_);
-}
-
-Vector LawProblem::velocity(const Vector& s) const {
-  if (!bodies) return W * s + b;
-  Vector u = b;
-  bodies->move_bodies([&](int j) { return s[j]; }, body_velocity_);
-  for (int j = 0; j < num_rows(); ++j) u[j] += bodies->relative_velocity(j, body_velocity_);
-  return u;
 }
 
 void LawPoint::set(const LawProblem& problem, int contact, Cell to) {

@@ -1,49 +1,33 @@
 #pragma once
 
-#include <optional>
 #include <vector>
 
 #include "core/problem/contact_problem.h"
-#include "solvers/homotopy/body_delassus.h"
 #include "solvers/homotopy/law_cells.h"
 #include "solvers/kernels/contact_scaling.h"
 
 namespace bipot {
 
 /// A contact problem in equilibrated variables (unit diagonal of W) over the largest velocity, by
-/// columns: u = W s + b, the law with friction coefficients mu. A missing W is assembled, or
-/// computed from H and not stored. W is made symmetric to the last bit if it is so to rounding.
+/// columns: u = W s + b, the law with friction coefficients mu. A missing W is assembled.
+/// W is made symmetric to the last bit if it is so to rounding.
 struct LawProblem {
   int dim = 2;
-  SparseMatrix W;                      ///< m x m; empty where there are `bodies`
-  std::optional<BodyDelassus> bodies;  ///< W
-  Vector b;                            ///< m
-  Vector mu;                           ///< c; 0: no friction
+  SparseMatrix W;  ///< m x m
+  Vector b;        ///< m
+  Vector mu;       ///< c; 0: no friction
 
   /// s of the contact problem = impulse_unit ∘ s of this one.
   Vector impulse_unit;
 
-  enum class Delassus { kKept, kOfBodies };
-  /// kOfBodies: W is not stored if BodyDelassus serves; the contact problem must outlive this one.
-  LawProblem(const ContactProblem& problem, const Vector& delassus_diagonal,
-             Delassus delassus = Delassus::kKept);
-  LawProblem(const LawProblem&) = delete;  // `bodies` refers to it
-  LawProblem& operator=(const LawProblem&) = delete;
+  LawProblem(const ContactProblem& problem, const Vector& delassus_diagonal);
   int num_contacts() const { return static_cast<int>(mu.size()); }
   int num_rows() const { return static_cast<int>(b.size()); }
-  /// f -= W s.
-  void subtract_product(const Vector& s, Vector& f) const;
-  /// W s + b.
-  Vector velocity(const Vector& s) const;
   bool friction(int contact) const { return mu[contact] > 0; }
   /// Tangential part of the impulse of a column with normal part 1.
   double tangent(int contact, Column column) const {
     return column == Column::kPlus ? -mu[contact] : mu[contact];
   }
-
- private:
-  Vector velocity_scale_;                      // of `bodies`
-  mutable std::vector<double> body_velocity_;  // scratch
 };
 
 /// A point of the law's manifold: the cells, and the parameter of every column. Contact i owns the

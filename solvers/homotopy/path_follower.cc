@@ -39,9 +39,8 @@ constexpr int kGroup = 64;
 
 }  // namespace
 
-PathFollower::PathFollower(const LawProblem& problem, CellBasis::Precision precision,
-                           std::function<bool()> stop)
-    : problem_(problem), stop_(std::move(stop)), basis_(problem, precision) {}
+PathFollower::PathFollower(const LawProblem& problem, std::function<bool()> stop)
+    : problem_(problem), stop_(std::move(stop)), basis_(problem) {}
 
 PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, const Vector& proximal,
                              int longest) {
@@ -57,7 +56,6 @@ PathEnd PathFollower::follow(LawPoint& point, const Vector& anchor, const Vector
     end = r_.isZero(0) ? PathEnd::kSolved : pursue(point, longest);
   }
   if (end != PathEnd::kSolved) ++counts_.failed;
-  basis_.rest();
   return end;
 }
 
@@ -66,7 +64,7 @@ double PathFollower::residual(const LawPoint& point, Vector& f) {
   point.impulse(problem_, s_);
   point.velocity(problem_, u_);
   f = u_ - target_ - proximal_->cwiseProduct(s_);
-  problem_.subtract_product(s_, f);
+  f.noalias() -= problem_.W * s_;
   return f.norm();
 }
 

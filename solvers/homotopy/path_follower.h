@@ -35,8 +35,7 @@ struct PathCounts {
 /// cell, then to the nearest point of the manifold, as long as |F| decreases.
 class PathFollower {
  public:
-  PathFollower(const LawProblem& problem, CellBasis::Precision precision,
-               std::function<bool()> stop);
+  PathFollower(const LawProblem& problem, std::function<bool()> stop);
 
   /// Starts at `point`, which becomes the last point reached. `proximal`: the diagonal of D, m, >
   /// 0. `longest`: largest number of pivots.

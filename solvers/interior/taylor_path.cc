@@ -13,6 +13,8 @@ constexpr double kSmallestReach = 1e-14;
 constexpr double kSmallestRetraction = 1e-9;
 constexpr double kGrow = 1.2, kShrink = 0.8;
 constexpr int kMaxGrowths = 12;
+// Largest relative error of a product within the reach of a series.
+constexpr double kSeriesTolerance = 1e-3;
 
 /// sum_k a_k alpha^k over the columns.
 template <int P, class Columns>
@@ -37,25 +39,24 @@ Eigen::Map<const Eigen::RowVectorXd> row(const std::vector<double>& x) {
 }  // namespace
 
 template <int D>
-TaylorPath<D>::TaylorPath(InteriorSystem<D>& system, InteriorState<D> start,
-                          const TaylorPathOptions& options)
+TaylorPath<D>::TaylorPath(InteriorSystem<D>& system, InteriorState<D> start, int order)
     : system_(system),
-      options_(options),
+      order_(order),
       z_(std::move(start)),
       c_(system.products(z_.X, z_.Y)),
       p0_(z_.p),
-      t_(static_cast<std::size_t>(options.order) + 1, 0.0) {}
+      t_(static_cast<std::size_t>(order) + 1, 0.0) {}
 
 template <int D>
 auto TaylorPath<D>::coefficients(std::vector<double>& x, int c) -> Eigen::Map<Coefficients> {
-  const int columns = options_.order + 1;
+  const int columns = order_ + 1;
   return {x.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(P * columns), P,
           columns};
 }
 template <int D>
 auto TaylorPath<D>::coefficients(const std::vector<double>& x, int c) const
     -> Eigen::Map<const Coefficients> {
-  const int columns = options_.order + 1;
+  const int columns = order_ + 1;
   return {x.data() + static_cast<std::size_t>(c) * static_cast<std::size_t>(P * columns), P,
           columns};
 }
@@ -98,7 +99,6 @@ bool TaylorPath<D>::orient(int determinant, const PairDirection& tangent) {
   const int expected = determinant == reference_sign_ ? -1 : 1;
   if (continued != expected) {
     if (retractions_here_ < kMaxRetractions && reach_ > kSmallestRetraction) return false;
-    ++disagreements_;
     reference_sign_ = -reference_sign_;
   }
   retractions_here_ = 0;
@@ -109,7 +109,6 @@ bool TaylorPath<D>::orient(int determinant, const PairDirection& tangent) {
 
 template <int D>
 void TaylorPath<D>::retract() {
-  ++retractions_;
   ++retractions_here_;
   reach_ *= 0.5;
   take(reach_);
@@ -142,7 +141,7 @@ bool TaylorPath<D>::expand(double dt, const PairDirection& tangent) {
   next_.dX = Vector::Zero(z_.X.size());
   next_.dY = next_.dX;
   store(1, next_, dt, tangent);
-  for (int k = 2; k <= options_.order; ++k) {
+  for (int k = 2; k <= order_; ++k) {
     for (int c = 0; c < contacts; ++c) {
       const auto X = coefficients(std::as_const(X_), c), Y = coefficients(std::as_const(Y_), c);
       Pairs sum = Pairs::Zero();
@@ -179,14 +178,13 @@ bool TaylorPath<D>::find_reach() {
   double last = 0;  // <z_p, z_p> of the last order
   for (int c = 0; c < system_.num_contacts(); ++c) {
     const bool f = system_.friction(c);
-    const Pairs x = coefficients(std::as_const(X_), c).col(options_.order);
-    const Pairs y = coefficients(std::as_const(Y_), c).col(options_.order);
+    const Pairs x = coefficients(std::as_const(X_), c).col(order_);
+    const Pairs y = coefficients(std::as_const(Y_), c).col(order_);
     last += Jordan::divide(x, system_.pairs(z_.X, c), f).squaredNorm() +
             Jordan::divide(y, system_.pairs(z_.Y, c), f).squaredNorm();
   }
   last = std::sqrt(last / system_.num_eigenvalues());
-  const double guess =
-      std::pow(options_.tolerance / std::max(last, 1e-300), 1.0 / (options_.order - 1));
+  const double guess = std::pow(kSeriesTolerance / std::max(last, 1e-300), 1.0 / (order_ - 1));
   if (!std::isfinite(guess)) return false;
   reach_ = guess;
   if (accurate(reach_)) {
@@ -217,12 +215,12 @@ bool TaylorPath<D>::accurate(double alpha) const {
     const Pairs goal = system_.pairs(c_, c);
     const Pairs error = Jordan::product(x, y, f) / t - goal;
     const Eigen::Vector3d e = Jordan::eigenvalues(error, f), g = Jordan::eigenvalues(goal, f);
-    bool ok = std::abs(e[0]) <= options_.tolerance * g[0];
+    bool ok = std::abs(e[0]) <= kSeriesTolerance * g[0];
     if (D == 2 && f) {
-      ok = ok && std::abs(e[1]) <= options_.tolerance * g[1] &&
-           std::abs(e[2]) <= options_.tolerance * g[2];
+      ok = ok && std::abs(e[1]) <= kSeriesTolerance * g[1] &&
+           std::abs(e[2]) <= kSeriesTolerance * g[2];
     } else if (D == 3 && f) {
-      ok = ok && std::max(std::abs(e[1]), std::abs(e[2])) <= options_.tolerance * g[1];
+      ok = ok && std::max(std::abs(e[1]), std::abs(e[2])) <= kSeriesTolerance * g[1];
     }
     if (!ok) return false;
   }

@@ -7,12 +7,6 @@
 
 namespace bipot {
 
-struct TaylorPathOptions {
-  int order = 15;  ///< of the series, >= 2
-  /// Largest relative error of a product within the reach of a series, < 1.
-  double tolerance = 1e-3;
-};
-
 enum class PathStep {
   kAdvanced,   ///< the state is a new point of the path
   kRetracted,  ///< the orientation was doubtful: the state returned to a shorter step
@@ -36,9 +30,9 @@ enum class PathStep {
 ///     <z_k, z_1> + t_k t_1 / t² = [k = 1].
 ///
 /// Here <.,.> is the mean over the pairs of the product of relative changes: alpha is an arclength
-/// in them. The step is the longest one at which every product keeps `tolerance`. There is no
-/// corrector: products and residual of the end point define the path from there on, and its weights
-/// drift by the tolerance.
+/// in them. The step is the longest one at which every product keeps a relative error of 1e-3.
+/// There is no corrector: products and residual of the end point define the path from there on, and
+/// its weights drift by that tolerance.
 ///
 /// Orientation: the tangent continues that of the series before. The sign of det L changes exactly
 /// if dt does (a fold), so that the two must agree. If they do not, the path may have been left:
@@ -53,9 +47,8 @@ class TaylorPath {
   using Pairs = typename Jordan::Pairs;
   static constexpr int P = Jordan::P;
 
-  /// Keeps a reference to the system.
-  TaylorPath(InteriorSystem<D>& system, InteriorState<D> start,
-             const TaylorPathOptions& options = {});
+  /// Keeps a reference to the system. `order` of the series, at least 2.
+  TaylorPath(InteriorSystem<D>& system, InteriorState<D> start, int order = 15);
 
   /// One factorisation, one series. After kEnded it has no effect.
   PathStep advance();
@@ -65,9 +58,7 @@ class TaylorPath {
   bool descending() const { return orientation_ < 0; }  ///< the last series went towards t = 0
   bool ended() const { return ended_; }
   int series() const { return num_series_; }
-  int folds() const { return folds_; }                  ///< changes of the direction of t
-  int retractions() const { return retractions_; }      ///< steps taken back
-  int disagreements() const { return disagreements_; }  ///< tangent believed against determinant
+  int folds() const { return folds_; }  ///< changes of the direction of t
 
   /// Arclength of the last series' step, and the point of that series at `alpha`.
   double reach() const { return reach_; }
@@ -93,7 +84,7 @@ class TaylorPath {
   void store(int order, const PairDirection& d, double dt, const PairDirection& tangent);
 
   InteriorSystem<D>& system_;
-  TaylorPathOptions options_;
+  int order_;
   InteriorState<D> z_;
   double t_now_ = 1;
   Vector c_, p0_;              // the path's right-hand sides from z_ on
@@ -104,7 +95,7 @@ class TaylorPath {
   double reach_ = 0;
   int reference_sign_ = 0;  // of the determinant where t falls
   int orientation_ = -1;
-  int num_series_ = 0, folds_ = 0, retractions_ = 0, disagreements_ = 0;
+  int num_series_ = 0, folds_ = 0;
   int retractions_here_ = 0;
   bool ended_ = false;
 

@@ -29,41 +29,22 @@ constexpr double kLargestChange = 100;     // of rho at once
 constexpr double kSmallestRho = 1e-3;      // of balancing; smaller ones cost digits in the solve
 constexpr double kAtRest = 4e-15;          // relative change of a multiplier at rest
 constexpr int kCorrections = 2;            // for the skew part of W
-// From so many contacts on a factor in single precision takes 0.87 of the time of one in double (19 000;
-// as long as it at 5300, 1.2 of the time below). Part of a right side that it may leave: where that is
-// more, as with penalties of 1e-9, the factor is one in double precision.
-constexpr int kSingleFrom = 10000;
-constexpr double kCloseFactor = 1e-3;
-constexpr int kRaises = 20;  // of rho by 10, for an indefinite W
+constexpr int kRaises = 20;                // of rho by 10, for an indefinite W
 // Iterations between two looks at the statuses, looks between two changes of their penalties.
 constexpr int kLook = 25, kLooks = 3;
 // How rho is raised: after so many iterations that did not halve the error, in all by so much, and
 // for the last so much of that after more of them; after how many the rule is given up at the end.
-struct Raises {
-  int patience;
-  double most, last;
-  int last_patience, end;
-};
-constexpr Raises kStagedRaises = {100, 1000, 1, 100, 100}, kStatusRaises = {70, 300, 5, 600, 2000};
-
-/// Powers of two near the inverse roots of a diagonal.
-Vector inverse_roots(const SparseMatrix& A) {
-  Vector roots = A.diagonal();
-  for (double& x : roots) x = std::exp2(-std::round(0.5 * std::log2(x)));
-  return roots;
-}
+constexpr int kRaisePatience = 70, kLastPatience = 600, kEndPatience = 2000;
+constexpr double kRaisedBy = 300, kLastRaises = 5;
+constexpr double kOverRelaxation = 1.6;
 
 /// x = (W + M)⁻¹ r in the scaled variables, M the penalties.
 template <int D>
 class Resolvent {
  public:
-  /// `single`: the factor of a problem with velocities is kept in single precision.
-  Resolvent(const ContactProblem& p, const Vector& scale, bool single) : rows_(p.num_rows()) {
+  Resolvent(const ContactProblem& p, const Vector& scale) : rows_(p.num_rows()) {
     if (p.has_velocities()) {
       body_.emplace(p, scale);
-      single_ = single;
-      velocity_.setZero(p.num_dofs());
-      if (single) mass_scale_ = inverse_roots(p.A);
       return;
     }
     delassus_ = scale.asDiagonal() * p.W * scale.asDiagonal();
@@ -76,47 +57,23 @@ class Resolvent {
   /// What factor() does first: callers ask their clock in between. False: memory ran out.
   bool analyse(const ContactPenalties<D>& penalties) {
     if (!body_) return factor_.analyse(shifted(penalties));
-    if (!analysed_) {
-      const BodyPattern pattern = body_->pattern();
-      analysed_ = single_ ? single_factor_.analyse(pattern) : factor_.analyse(pattern);
-      if (analysed_ && single_) single_factor_.scale_by(mass_scale_);
-    }
+    if (!analysed_) analysed_ = factor_.analyse(body_->pattern());
     return analysed_;
   }
   bool factor(const ContactPenalties<D>& penalties) {
     if (!body_) return factor_.factor(shifted(penalties));
-    const auto add = [&](int column, const FrontColumn& to) {
-      body_->add(column, penalties.inverses(), to);
-    };
-    if (single_) {
-      if (!single_factor_.factor(add)) return false;
-      if (is_close(penalties)) return true;
-      single_ = analysed_ = false;
-      single_factor_ = {};
-      if (!analyse(penalties)) return false;
-    }
-    return factor_.factor(add);
+    return factor_.factor(
+        [&](int column, const FrontColumn& to) { body_->add(column, penalties.inverses(), to); });
   }
 
   /// x holds the start of the residual correction.
   void solve(const ContactPenalties<D>& penalties, const Vector& r, Vector& x) {
     if (body_) {
-      if (single_) {
-        body_->template residual<D>(
-            velocity_,
-            [&](int c, const Local<D>& u) -> Local<D> {
-              return penalties.inverse(c) * (r.segment<D>(c * D) - u);
-            },
-            residual_);
-        single_factor_.solve(residual_, residual_);
-        velocity_ += residual_;
-      } else {
-        for (int c = 0; c * D < rows_; ++c) {
-          x.segment<D>(c * D) = penalties.inverse(c) * r.segment<D>(c * D);
-        }
-        body_->momentum(x, velocity_);
-        factor_.solve(velocity_, velocity_);
+      for (int c = 0; c * D < rows_; ++c) {
+        x.segment<D>(c * D) = penalties.inverse(c) * r.segment<D>(c * D);
       }
+      body_->momentum(x, velocity_);
+      factor_.solve(velocity_, velocity_);
       for (int c = 0; c * D < rows_; ++c) {
         const Local<D> gap = r.segment<D>(c * D) - body_->template velocity<D>(c, velocity_);
         x.segment<D>(c * D) = penalties.inverse(c) * gap;
@@ -129,24 +86,6 @@ class Resolvent {
   }
 
  private:
-  /// Whether corrections by the factor in single precision lead to the solution, quickly: what the first
-  /// leaves of a right side that has part in all, and what the second leaves of that.
-  bool is_close(const ContactPenalties<D>& penalties) {
-    Vector left = mass_scale_.cwiseInverse(), v, change;
-    double size = left.cwiseProduct(mass_scale_).norm();
-    for (int k = 0; k < 2; ++k) {
-      single_factor_.solve(left, v);
-      body_->template residual<D>(
-          v, [&](int c, const Local<D>& u) -> Local<D> { return -(penalties.inverse(c) * u); },
-          change);
-      left += change;
-      const double rest = left.cwiseProduct(mass_scale_).norm();
-      if (!(rest <= kCloseFactor * size)) return false;
-      size = rest;
-    }
-    return true;
-  }
-
   /// Blocks are whole, zeros too, so that one analysis serves all.
   const SparseMatrix& shifted(const ContactPenalties<D>& penalties) {
     SparseMatrix blocks(rows_, rows_);
@@ -166,11 +105,8 @@ class Resolvent {
   std::optional<BodyColumns> body_;  // of problems with velocities
   bool analysed_ = false;            // its pattern
   SparseMatrix delassus_, symmetric_, skew_, shifted_;
-  bool single_ = false;
-  FrontalCholesky<double> factor_;
-  FrontalCholesky<float> single_factor_;
-  Vector mass_scale_;  // of the latter
-  Vector velocity_, residual_;
+  FrontalCholesky factor_;
+  Vector velocity_;
 };
 
 /// False when no penalty makes the matrix positive definite, or time is over before.
@@ -186,13 +122,9 @@ bool factor_raising(Resolvent<D>& resolvent, ContactPenalties<D>& penalties, Vec
   return false;
 }
 
-enum class Penalty { kStatus, kStaged, kBalanced, kFixed };
-
 /// Raises the penalty step by step while the best error does not fall.
 class Stages {
  public:
-  explicit Stages(const Raises& raises) : raises_(raises), left_(raises.most) {}
-
   /// Factor for rho, 1 for no change; 0 when the last stage has failed too.
   double advance(int iteration, double best_error) {
     if (best_error <= 0.5 * mark_) {
@@ -201,9 +133,7 @@ class Stages {
       return 1;
     }
     const bool end = left_ <= 1 + kRounding;
-    const int patience = end                    ? raises_.end
-                         : left_ > raises_.last ? raises_.patience
-                                                : raises_.last_patience;
+    const int patience = end ? kEndPatience : left_ > kLastRaises ? kRaisePatience : kLastPatience;
     if (iteration - mark_iteration_ <= patience) return 1;
     mark_iteration_ = iteration;
     if (end) return 0;
@@ -214,17 +144,15 @@ class Stages {
 
  private:
   static constexpr double kRaise = 3.1622776601683795, kRounding = 1e-9;
-  Raises raises_;
-  double left_;
+  double left_ = kRaisedBy;
   double mark_ = std::numeric_limits<double>::infinity();
   int mark_iteration_ = 0;
 };
 
 template <int D>
 void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, Vector s0,
-             double rho, double relaxation, Penalty penalty, bool single,
-             IterationMonitor& monitor) {
-  Resolvent<D> resolvent(p, scaling.velocity, single);
+             double rho, IterationMonitor& monitor) {
+  Resolvent<D> resolvent(p, scaling.velocity);
   ContactPenalties<D> penalties(scaling.mu, rho);
   Vector z = scaling.impulse.cwiseProduct(s0), x = z, y(z.size());
   // Start of the multiplier: minus de Saxcé's velocity at s0, where that is not 0.
@@ -247,7 +175,8 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
   monitor.end_setup();
   Vector rhs(z.size()), z_before, y_judged = Vector::Zero(z.size());
   int next_balance = kFirstBalance;
-  Stages stages(penalty == Penalty::kStatus ? kStatusRaises : kStagedRaises);
+  Stages stages;
+  bool balanced = false;  // one rho for all, by residuals
   for (int iteration = 0;; ++iteration) {
     if (monitor.due(iteration)) {
       rhs = z.cwiseProduct(scaling.velocity);
@@ -264,30 +193,29 @@ void iterate(const ContactProblem& p, ContactScaling scaling, Vector velocity0, 
           r - scaling.velocity.segment<D>(c * D).cwiseProduct(p.u_free.segment<D>(c * D));
     }
     resolvent.solve(penalties, rhs, x);
-    if (penalty == Penalty::kBalanced) z_before = z;
+    if (balanced) z_before = z;
     for (int c = 0; c < p.num_contacts(); ++c) {
-      const Local<D> relaxed = relaxation * x.segment<D>(c * D) +
-                               (1 - relaxation) * z.segment<D>(c * D) + y.segment<D>(c * D);
+      const Local<D> relaxed = kOverRelaxation * x.segment<D>(c * D) +
+                               (1 - kOverRelaxation) * z.segment<D>(c * D) + y.segment<D>(c * D);
       const Local<D> projected = penalties.project(c, relaxed);
       z.segment<D>(c * D) = projected;
       y.segment<D>(c * D) = relaxed - projected;
     }
     double change = 1;
     bool adapts = false, refactors = false;
-    if (penalty == Penalty::kStatus && (iteration + 1) % kLook == 0) {
+    if (!balanced && (iteration + 1) % kLook == 0) {
       penalties.observe(z);
       adapts = (iteration + 1) % (kLook * kLooks) == 0;
     }
-    if (adapts || (penalty == Penalty::kStaged && monitor.due(iteration + 1))) {
+    if (adapts) {
       change = stages.advance(iteration + 1, monitor.best_error());
       if (change == 0) {
-        if (adapts) penalties.equalise(y);
-        refactors = adapts;
+        penalties.equalise(y);
+        refactors = balanced = true;
         adapts = false;
-        penalty = Penalty::kBalanced;
         change = 1;
       }
-    } else if (penalty == Penalty::kBalanced && iteration + 1 >= next_balance) {
+    } else if (balanced && iteration + 1 >= next_balance) {
       const double primal = (x - z).norm() / std::max(x.norm(), z.norm());
       const double dual = (z - z_before).norm() / y.norm();
       const double wanted = std::sqrt(primal / dual);
@@ -318,18 +246,9 @@ SolveResult solve_admm(const ContactProblem& p, const SolverOptions& options) {
   Vector s0 = start_of(p, options);
   Vector velocity(p.num_rows());
   delassus.velocity(s0, velocity);
-  const std::string rule = parameters.choice("penalty");
-  const Penalty penalty = rule == "status"     ? Penalty::kStatus
-                          : rule == "staged"   ? Penalty::kStaged
-                          : rule == "balanced" ? Penalty::kBalanced
-                                               : Penalty::kFixed;
-  const std::string precision = parameters.choice("precision");
-  const bool single =
-      precision == "single" || (precision == "auto" && p.num_contacts() >= kSingleFrom);
   dispatch_dim(p.dim, [&](auto d) {
     iterate<d()>(p, std::move(scaling), std::move(velocity), std::move(s0),
-                 parameters.number("rho"), parameters.number("relaxation"), penalty, single,
-                 monitor);
+                 parameters.number("rho"), monitor);
   });
   return monitor.finish();
 }

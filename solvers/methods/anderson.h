@@ -24,9 +24,11 @@ inline constexpr ParameterSpec kAndersonParameters[] = {
 ///
 ///     x <- G(x) - ΔG gamma,     gamma = argmin ‖f - ΔF gamma‖
 ///
-/// (Walker and Ni, SIAM J. Numer. Anal. 49, 2011; least squares by Householder QR, columns dropped
-/// while the factor's diagonal ratio is below 1e-8). G is a forward and a backward sweep of pgs
-/// with local steps, or one step of the split map of apgd with step 1/lambda_max.
+/// (Walker and Ni, SIAM J. Numer. Anal. 49, 2011). The least squares are solved by normal equations
+/// and a Cholesky factor of columns of length 1, newest first (kernels/anderson_iteration.h). The
+/// first column with a pivot below 1e-10 is dropped with all older ones. G is a forward and a
+/// backward sweep of pgs with local steps, or one step of the split map of apgd with step
+/// 1/lambda_max.
 ///
 /// Safeguard in the manner of Zhang, O'Donoghue and Boyd (SIAM J. Optim. 30, 2020): an accelerated
 /// point is accepted while its residual ‖f‖ is at most twice the smallest since the last restart

@@ -1,8 +1,6 @@
 #include "solvers/methods/gauss_seidel.h"
 
-#include <cmath>
 #include <cstdint>
-#include <limits>
 #include <numeric>
 #include <random>
 #include <string>
@@ -12,7 +10,6 @@
 #include "core/problem/delassus.h"
 #include "solvers/disks/tiled_sweep.h"
 #include "solvers/kernels/contact_scaling.h"
-#include "solvers/kernels/frozen_contacts.h"
 #include "solvers/kernels/local_updates.h"
 #include "solvers/monitor.h"
 #include "solvers/parameters.h"
@@ -90,38 +87,6 @@ void run(const ContactProblem& p, const DelassusOperator& delassus, const Vector
   });
 }
 
-/// Changes below this, relative to the root mean square of the impulses, are rounding. A looser
-/// bound freezes what still creeps: at a tenth of the tolerance the sweeps grew fivefold.
-constexpr double kFrozenChange = 16 * std::numeric_limits<double>::epsilon();
-
-/// Sweeps that leave settled contacts out.
-template <int D>
-void run_freezing(const ContactProblem& p, const DelassusOperator& delassus, const Vector& s0,
-                  bool explicit_delassus, SweepOrder& order, const LocalSettings& settings,
-                  int freeze, IterationMonitor& monitor) {
-  FrozenContacts frozen(p.num_contacts(), freeze);
-  with_local_updates<D>(p, delassus, settings, explicit_delassus, [&](auto& sweep, auto visit) {
-    sweep.reset(s0);
-    monitor.end_setup();
-    const auto impulse = [&](int c) { return sweep.impulse(c); };
-    double settled_below = 0;
-    bool whole = true;  // the last sweep left nothing out
-    for (int iteration = 0;; ++iteration) {
-      if (monitor.due(iteration)) {
-        const Vector& s = sweep.impulse();
-        // An iterate that stands still while contacts are left out is no stall.
-        if (monitor.stop(iteration, s, settings.omega, !whole)) return;
-        settled_below = kFrozenChange * s.norm() / std::sqrt(static_cast<double>(s.size()));
-      }
-      int visited = 0;
-      order.sweep(iteration, [&](int c) {
-        if (frozen.template operator()<D>(c, settled_below, impulse, visit)) ++visited;
-      });
-      whole = visited == p.num_contacts();
-    }
-  });
-}
-
 }  // namespace
 
 SolveResult solve_gauss_seidel(const ContactProblem& p, const SolverOptions& options) {
@@ -136,12 +101,7 @@ SolveResult solve_gauss_seidel(const ContactProblem& p, const SolverOptions& opt
   const DelassusOperator& delassus = monitor.evaluator().delassus();
   const Vector s0 = start_of(p, options);
   const bool tiled = parameters.choice("order") == "tiled";
-  const int freeze = parameters.integer("freeze");
   dispatch_dim(p.dim, [&](auto d) {
-    if (freeze > 0) {
-      run_freezing<d()>(p, delassus, s0, explicit_delassus, order, settings, freeze, monitor);
-      return;
-    }
     if constexpr (d() < 3) {
       if (tiled && delassus.disks() && !explicit_delassus) {
         run_tiled<d()>(p, delassus, s0, settings.omega, options.execution, monitor);

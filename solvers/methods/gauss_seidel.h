@@ -36,13 +36,6 @@ inline constexpr ParameterSpec kGaussSeidelParameters[] = {
      .minimum = 1e-3,
      .maximum = 1.999,
      .help = "relaxation of each local update"},
-    {.name = "freeze",
-     .kind = ParameterSpec::Kind::kInteger,
-     .default_value = "0",
-     .minimum = 0,
-     .maximum = 10000,
-     .help = "leave contacts that have settled out of so many sweeps at a time",
-     .unit = "sweeps"},
     {.name = "operator",
      .kind = ParameterSpec::Kind::kChoice,
      .default_value = "auto",
@@ -61,10 +54,6 @@ inline constexpr ParameterSpec kGaussSeidelParameters[] = {
 ///
 /// order = tiled: a sweep over disks in vectors and on threads (solvers/disks/tiled_sweep.h), with
 /// the same bits for any number of them; other problems take their contacts as they stand.
-///
-/// freeze = N: contacts whose impulse changes by no more than rounding are left out of N sweeps
-/// (frozen_contacts.h). Iterates differ from those without; the stop test is that of all contacts
-/// either way. Contacts are left out one by one: order = tiled then takes them as they stand.
 ///
 /// For mu = 0 and 0 < omega < 2 each update decreases a convex quadratic and the sweep converges
 /// (Luo and Tseng 1992); with friction there is no proof, exact local solutions can cycle where

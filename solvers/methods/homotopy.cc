@@ -4,10 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
 #include <string>
 #include <utility>
 
+#include "core/base/portable_random.h"
 #include "solvers/homotopy/path_follower.h"
 #include "solvers/homotopy/proximal_term.h"
 #include "solvers/methods/accelerated_gradient.h"
@@ -40,7 +40,7 @@ constexpr int kShakenIterations = 3, kLeastShaken = 2000;  // for each contact, 
 // How delta goes on. After a path that failed `barrier` times its delta are not passed by for a
 // while: that figure fades with every path that arrives.
 struct Schedule {
-  bool slow;  // the root of `shrink` is taken
+  bool slow;  // the root of kDeltaShrink is taken
   double barrier, fade;
   int least_pivots, contacts;  // a path may have so many, and one for so many contacts
 };
@@ -57,7 +57,13 @@ constexpr int kFailures = 7, kTurns = 20;
 constexpr double kUsefulTurn = 0.3;
 // Factors of delta after a path that failed.
 constexpr double kRaise = 5, kRaiseAtTurn = 3;
-constexpr double kLargestDelta = 1;
+constexpr double kSmallestDelta = 1e-10, kLargestDelta = 1;
+// Factor of delta after a path that arrived.
+constexpr double kDeltaShrink = 0.3;
+// Iterations of apgd that prepare a start.
+constexpr int kStartIterations = 2000;
+// Random lift of small parameters of the start, which keeps paths away from ties, in means.
+constexpr double kLift = 1e-2;
 // Errors below this must not grow again while delta is below kFine.
 constexpr double kSettled = 1e-5, kFine = 1e-6;
 // Normal impulse minus velocity below that, relative to the mean: zero.
@@ -72,13 +78,8 @@ class Homotopy {
         p_(p),
         parameters_(options.parameters, kHomotopyParameters),
         monitor_(p, options),
-        problem_(p, monitor_.evaluator().delassus().diagonal(),
-                 parameters_.choice("precision") == "single" ? LawProblem::Delassus::kOfBodies
-                                                             : LawProblem::Delassus::kKept),
-        follower_(problem_,
-                  parameters_.choice("precision") == "single" ? CellBasis::Precision::kSingle
-                                                              : CellBasis::Precision::kDouble,
-                  [this] { return monitor_.out_of_time(); }),
+        problem_(p, monitor_.evaluator().delassus().diagonal()),
+        follower_(problem_, [this] { return monitor_.out_of_time(); }),
         random_(static_cast<unsigned>(parameters_.integer("seed"))) {
     monitor_.end_setup();
   }
@@ -146,7 +147,7 @@ class Homotopy {
   bool shaken_chains() {
     for (int k = 0; k < kShakes; ++k) {
       Vector s = monitor_.best_impulse();
-      for (double& x : s) x *= 1 + kShaken * (2 * draw() - 1);
+      for (double& x : s) x *= 1 + kShaken * random_.symmetric();
       chain_error_ = kInfinity;
       chain_end_ =
           iteration() + std::max(kLeastShaken, kShakenIterations * problem_.num_contacts());
@@ -155,8 +156,6 @@ class Homotopy {
     }
     return false;
   }
-
-  double draw() { return static_cast<double>(random_() >> 11) * 0x1.0p-53; }
 
   /// Judges an impulse; true: everything ends here.
   bool judge(const Vector& s) {
@@ -171,7 +170,6 @@ class Homotopy {
       }
       return true;
     }
-    if (problem_.bodies) monitor_.rest();
     if (monitor_.last_error() < chain_error_) {
       chain_error_ = monitor_.last_error();
       chain_best_ = s;
@@ -181,8 +179,7 @@ class Homotopy {
 
   /// apgd from s to the error `wanted`. True: everything ends here.
   bool prepare(Vector& s, double wanted) {
-    const int limit =
-        std::min(parameters_.integer("start_iterations"), options_.max_iterations - iteration());
+    const int limit = std::min(kStartIterations, options_.max_iterations - iteration());
     if (wanted >= 1 || limit <= 0) return false;
     SolverOptions inner;
     inner.tol = wanted;
@@ -199,14 +196,14 @@ class Homotopy {
   /// The point of the manifold next to s. Bounded parameters next to zero are lifted by random
   /// amounts: no ties, and no path that begins on a face.
   LawPoint lifted_point(const Vector& s, double error) {
-    const Vector velocity = problem_.velocity(s);
+    const Vector velocity = problem_.W * s + problem_.b;
     LawPoint point = nearest_point(problem_, s, velocity);
     const int d = problem_.dim, c = problem_.num_contacts();
     double impulse = 0;
     for (int i = 0; i < c; ++i) impulse += std::abs(s[i * d]) / c;
     const double speed = velocity.cwiseAbs().sum() / c;
     if (impulse == 0) impulse = speed;
-    const double lift = parameters_.number("lift") * std::min(1.0, error / 1e-2);
+    const double lift = kLift * std::min(1.0, error / 1e-2);
     for (int i = 0; i < c; ++i) {
       // A contact that neither pushes nor moves, as beside the columns of a square lattice, stays
       // open along the whole path if it begins so.
@@ -218,7 +215,7 @@ class Homotopy {
     }
     for (int slot = 0; slot < problem_.num_rows(); ++slot) {
       if (point.bound[slot] == 0) continue;
-      const double part = 0.5 + draw();
+      const double part = 0.5 + random_.uniform();
       const bool pushes = is_impulse(point.column[static_cast<std::size_t>(slot)]);
       const double least = lift * part * (pushes ? impulse : speed);
       if (point.bound[slot] * point.value[slot] < least) {
@@ -230,10 +227,8 @@ class Homotopy {
 
   /// Paths from s with decreasing delta. True: everything ends here.
   bool stages(Vector anchor) {
-    const double smallest = parameters_.number("smallest_delta");
-    const double once = parameters_.number("shrink");
-    const double shrink = schedule_.slow ? std::sqrt(once) : once;
-    delta_ = std::max(smallest, parameters_.number("delta"));
+    const double shrink = schedule_.slow ? std::sqrt(kDeltaShrink) : kDeltaShrink;
+    delta_ = parameters_.number("delta");
     double factor = shrink, last_error = kInfinity;
     double best = last_error;
     anchor.array() /= problem_.impulse_unit.array();
@@ -257,7 +252,7 @@ class Homotopy {
         failures = 0;
         idle = error < 0.9 * best ? 0 : idle + 1;
         best = std::min(best, error);
-        if (idle >= kIdleStages && best < kSettled && delta_ <= 10 * smallest) return false;
+        if (idle >= kIdleStages && best < kSettled && delta_ <= 10 * kSmallestDelta) return false;
         if (delta_ < kFine && last_error < kSettled && error > 2 * last_error) {
           point = std::move(before);
           point.find_bounds();
@@ -267,7 +262,7 @@ class Homotopy {
         anchor = s;
         last_error = error;
         failed *= schedule_.fade;
-        delta_ = std::max({smallest, factor * delta_, schedule_.barrier * failed});
+        delta_ = std::max({kSmallestDelta, factor * delta_, schedule_.barrier * failed});
         factor = std::max(shrink, shrink * factor);
         continue;
       }
@@ -315,7 +310,7 @@ class Homotopy {
   IterationMonitor monitor_;
   LawProblem problem_;
   PathFollower follower_;
-  std::mt19937_64 random_;
+  PortableRandom random_;
   Schedule schedule_ = kSchedules[0];
   double delta_ = kNaN;
   Vector proximal_;  // of the path in progress

@@ -78,8 +78,7 @@ class Driver {
         rounds_(parameters.integer("rounds")),
         scale_(parameters.number("start_scale")),
         energy_(monitor.out_of_time() ? 0 : spring_energy(system_)) {
-    path_options_.order = parameters.integer("order");
-    path_options_.tolerance = parameters.number("series_tolerance");
+    path_order_ = parameters.integer("order");
     monitor.end_setup();
   }
 
@@ -208,7 +207,7 @@ class Driver {
       c.path = std::make_unique<TaylorPath<D>>(system_,
                                                c.cold ? cold_start(system_, energy_, c.products)
                                                       : warm_start(system_, network_, c.products),
-                                               path_options_);
+                                               path_order_);
     }
     const TaylorPath<D>& path = *c.path;
     for (int k = 0; k < budget || c.progresses(); ++k) {
@@ -250,7 +249,7 @@ class Driver {
   bool direct_, paths_, polish_;
   int rounds_;
   double scale_, energy_;  // the energy is that of the default start
-  TaylorPathOptions path_options_;
+  int path_order_ = 0;
   Vector network_;  // force network of the warm paths
   std::vector<Contender<D>> contenders_;
 };

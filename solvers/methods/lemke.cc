@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 
+#include "core/base/portable_random.h"
 #include "core/linear/dense_factor.h"
 #include "solvers/kernels/contact_scaling.h"
 #include "solvers/monitor.h"
@@ -238,12 +238,12 @@ SolveResult solve_lemke(const ContactProblem& p, const SolverOptions& options) {
 
   int pivots = 0;
   if (!monitor.stop(0, start)) {
-    std::mt19937_64 engine(1996);
+    PortableRandom random(1996);
     std::string failures;
     double closest = std::numeric_limits<double>::infinity();
     for (int attempt = 0; attempt < kDraws; ++attempt) {
       Vector cover(lcp.q.size());
-      for (double& x : cover) x = 0.5 + static_cast<double>(engine() >> 11) * 0x1.0p-53;
+      for (double& x : cover) x = 0.5 + random.uniform();
       Pivoting lemke(lcp, std::move(cover));
       const Ending ending = lemke.run(options.max_iterations - pivots, monitor);
       pivots += lemke.pivots();

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <random>
 #include <vector>
 
+#include "core/base/portable_random.h"
 #include "core/linear/dense_factor.h"
 #include "solvers/analysis/cancel_rounding.h"
 #include "solvers/kernels/contact_scaling.h"
@@ -40,11 +40,6 @@ constexpr double kWild = 1e16;
 // Singular values below this, relative to the largest, are zeros: W of a hyperstatic packing.
 constexpr double kRankTolerance = 1e-14;
 
-using Engine = std::mt19937_64;
-
-/// In [0, 1).
-double draw(Engine& engine) { return static_cast<double>(engine() >> 11) * 0x1.0p-53; }
-
 /// The equations of the class comment in the unknowns y_t = x_t and y_n = max(1, mu) x_n. At most a
 /// hundred contacts: the contact dimension stays a variable, and one text serves all three.
 class StatusNewton {
@@ -73,14 +68,14 @@ class StatusNewton {
 
   /// Takes over the statuses that y asks for, each change with probability `share`. The number of
   /// contacts that asked for another.
-  int update(const Vector& y, double share, Engine& engine) {
+  int update(const Vector& y, double share, PortableRandom& random) {
     w_.noalias() = W_ * y + b_;
     int contradictions = 0;
     for (std::size_t c = 0; c < statuses_.size(); ++c) {
       const Status wanted = status_at(static_cast<int>(c), y);
       if (wanted == statuses_[c]) continue;
       ++contradictions;
-      if (share >= 1 || draw(engine) < share) statuses_[c] = wanted;
+      if (share >= 1 || random.uniform() < share) statuses_[c] = wanted;
     }
     return contradictions;
   }
@@ -168,11 +163,11 @@ class StatusNewton {
 };
 
 /// y with each contact's entries drawn anew with probability `share`: in (-1, 1), normals positive.
-Vector redrawn(Vector y, double share, Engine& engine, int dim) {
+Vector redrawn(Vector y, double share, PortableRandom& random, int dim) {
   for (Eigen::Index n = 0; n < y.size(); n += dim) {
-    if (share < 1 && draw(engine) >= share) continue;
-    y[n] = draw(engine);
-    for (Eigen::Index k = n + 1; k < n + dim; ++k) y[k] = 2 * draw(engine) - 1;
+    if (share < 1 && random.uniform() >= share) continue;
+    y[n] = random.uniform();
+    for (Eigen::Index k = n + 1; k < n + dim; ++k) y[k] = random.symmetric();
   }
   return y;
 }
@@ -189,7 +184,7 @@ SolveResult solve_multistart_newton(const ContactProblem& p, const SolverOptions
   StatusNewton newton(p, scaling, largest > 0 ? largest : 1);
   ContactErrorEvaluator evaluate(p);
   const double free_energy = evaluate(Vector::Zero(p.num_rows())).energy;
-  Engine engine(static_cast<std::uint64_t>(parameters.integer("seed")));
+  PortableRandom random(static_cast<std::uint64_t>(parameters.integer("seed")));
   const Vector s0 = start_of(p, options);
   monitor.end_setup();
 
@@ -198,7 +193,7 @@ SolveResult solve_multistart_newton(const ContactProblem& p, const SolverOptions
   const auto polish = [&](Vector& y, double error) {
     for (int k = 0; k < kPolish && error <= options.tol; ++k) {
       Vector next = y;
-      newton.update(next, 1, engine);
+      newton.update(next, 1, random);
       if (!newton.step(next)) return;
       const double better = evaluate(newton.impulse(next)).guarded();
       if (!(better < error)) return;
@@ -215,7 +210,7 @@ SolveResult solve_multistart_newton(const ContactProblem& p, const SolverOptions
     if (warm && number == 0) return newton.unknowns(s0);
     if (number > (warm ? 1 : 0)) {
       const bool near = number % 2 == 0;
-      return redrawn(newton.unknowns(monitor.best_impulse()), near ? kRedrawn : 1, engine, p.dim);
+      return redrawn(newton.unknowns(monitor.best_impulse()), near ? kRedrawn : 1, random, p.dim);
     }
     SolverOptions sweeps = options;
     sweeps.parameters.clear();
@@ -232,7 +227,7 @@ SolveResult solve_multistart_newton(const ContactProblem& p, const SolverOptions
     Vector y = begin(start);
     int fewest = std::numeric_limits<int>::max(), since = 0;
     for (int k = 0; k < steps && since < kPatience && !done; ++k) {
-      const int contradictions = newton.update(y, k < kWholeSteps ? 1 : kShare, engine);
+      const int contradictions = newton.update(y, k < kWholeSteps ? 1 : kShare, random);
       since = contradictions < fewest ? 0 : since + 1;
       fewest = std::min(fewest, contradictions);
       if (!newton.step(y)) break;

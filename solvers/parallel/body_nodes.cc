@@ -8,7 +8,7 @@
 namespace bipot {
 namespace {
 
-/// Calls visit(node) for the nodes of a contact, each once, ascending order not promised.
+/// Calls visit(node) for the nodes of a contact, each once, in any order.
 template <class Visit>
 void for_each_node(const ContactProblem& p, const BodyNodes& nodes, int contact, Visit visit) {
   int seen[8], count = 0;
@@ -43,7 +43,7 @@ NodeContacts contacts_of_nodes(const ContactProblem& p, const BodyNodes& nodes) 
   return graph;
 }
 
-/// Nodes in the order of a breadth-first walk that begins at `start`.
+/// Nodes in the order of a breadth-first search that begins at `start`.
 class BreadthFirst {
  public:
   BreadthFirst(const ContactProblem& p, const BodyNodes& nodes)
@@ -72,7 +72,7 @@ class BreadthFirst {
   NodeContacts graph_;
 };
 
-/// The first walk finds an end of each part, the second starts there.
+/// The first search finds an end of each part, the second starts there.
 std::vector<int> walk_from_the_ends(const ContactProblem& p, const BodyNodes& nodes) {
   const BreadthFirst graph(p, nodes);
   std::vector<int> visited(to_size(nodes.nodes), 0), part, order;

@@ -49,8 +49,8 @@ int CellTree::cut(std::span<const Vec3> points, std::span<const double> weights,
     double total = 0;
     for (const int k : chosen) total += weights[to_size(k)];
     const double wanted = total * left_cells / cells;
-    // Of the places between two coordinates, the one that comes nearest to the wanted share; all
-    // points to the right where they share one coordinate.
+    // Among the gaps between two coordinates, the one nearest to the wanted share; all points to
+    // the right if they have the same coordinate.
     double left = 0, nearest = kInfinity;
     made.at = place(0);
     for (std::size_t k = 0; k + 1 < chosen.size(); ++k) {
@@ -88,7 +88,7 @@ CellTree CellTree::from_numbers(std::span<const double> numbers) {
   tree.cells_ = static_cast<int>(numbers[0]);
   tree.root_ = static_cast<int>(numbers[1]);
   const int cuts = static_cast<int>((numbers.size() - kHead) / kOfCut);
-  // A cut leads to a later one or to a cell, so that every walk ends in a cell.
+  // A cut leads to a later one or to a cell, so that every search ends in a cell.
   const auto leads_on = [&](int from, int to) {
     return to >= 0 ? to > from && to < cuts : ~to < tree.cells_;
   };

@@ -7,20 +7,20 @@
 
 namespace bipot {
 
-/// Space cut into one box a process by recursive coordinate bisection (Berger and Bokhari, IEEE
-/// Trans. Comput. 36, 1987): the longest side of the points' box is cut where the weights on both
-/// sides are as the numbers of processes, and each side is cut again. Cuts lie halfway between two
-/// coordinates; points with the same coordinate stay together, so that a cell may be empty. The same
-/// points and weights give the same cells everywhere.
+/// Space cut into one box for each process by recursive coordinate bisection (Berger and Bokhari,
+/// IEEE Trans. Comput. 36, 1987). The longest side of the points' box is cut so that the weights on
+/// both sides have the ratio of the numbers of processes; each side is cut again. Cuts lie halfway
+/// between two coordinates. Points with the same coordinate stay together, so that a cell may be
+/// empty. The same points and weights give the same cells everywhere.
 class CellTree {
  public:
   /// One cell for everything.
   CellTree() = default;
-  /// `weights`: one a point, >= 0; where all are 0, every point counts 1. cells >= 1. Throws
+  /// `weights`: one for each point, >= 0; if all are 0, every point counts 1. cells >= 1. Throws
   /// std::invalid_argument for other sizes or values.
   CellTree(std::span<const Vec3> points, std::span<const double> weights, int cells);
 
-  /// The tree whose to_numbers() these are, so that one process may cut for all. Throws
+  /// The tree with these to_numbers(), so that one process may cut for all. Throws
   /// std::invalid_argument for other numbers.
   static CellTree from_numbers(std::span<const double> numbers);
   std::vector<double> to_numbers() const;
@@ -42,7 +42,7 @@ class CellTree {
   std::vector<Cut> cuts_;
 };
 
-/// The largest of the weights over their mean: 1 is even. 1 where all are 0.
+/// The largest of the weights over their mean: 1 is even. 1 if all are 0.
 double imbalance(std::span<const double> weights);
 
 }  // namespace bipot

@@ -7,16 +7,16 @@
 
 namespace bipot {
 
-/// Which process has which contact.
+/// The process that owns each contact.
 struct ContactOwners {
   int processes = 1;
   std::vector<int> owner;        ///< rank, of each contact
   std::vector<double> contacts;  ///< of each process: how many it owns
 };
 
-/// Bodies belong to the cells of a CellTree with the contacts that they bring along as weights, and a
-/// contact to the owner of its first body. Contacts without a body of their own are dealt out by
-/// number. `contact_places`: empty where nobody knows them.
+/// Bodies belong to the cells of a CellTree with their numbers of contacts as weights, a contact to
+/// the owner of its first body. Contacts without a body of their own are distributed by number.
+/// `contact_places`: empty if unknown.
 ContactOwners contact_owners(const ContactProblem& problem, const BodyNodes& nodes,
                              const std::vector<Vec3>& contact_places, int processes);
 

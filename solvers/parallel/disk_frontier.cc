@@ -35,7 +35,7 @@ DiskFrontier<D>::DiskFrontier(DistributedSpace& space)
   }
 }
 
-/// Contacts of bodies that others push: only those can be in a halo.
+/// Contacts of bodies shared with other processes: only those can be in a halo.
 template <int D>
 void DiskFrontier<D>::find_sent(const DiskTiles<D>& tiles) {
   found_ = true;

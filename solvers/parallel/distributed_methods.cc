@@ -211,9 +211,6 @@ std::string refuse_uzawa(const Parameters& parameters) {
   if (parameters.choice("refresh") != "jacobi") {
     return "uzawa on several processes takes refresh = jacobi alone";
   }
-  if (parameters.choice("rho") == "adaptive") {
-    return "uzawa on several processes takes rho = stable or paper";
-  }
   return {};
 }
 
@@ -222,8 +219,8 @@ std::string refuse_sweeps(const Parameters& parameters) {
   if (order != "forward" && order != "symmetric") {
     return "pgs on several processes takes order = forward or symmetric";
   }
-  if (parameters.integer("freeze") != 0 || parameters.choice("operator") != "auto") {
-    return "pgs on several processes takes neither freeze nor operator = explicit";
+  if (parameters.choice("operator") != "auto") {
+    return "pgs on several processes does not take operator = explicit";
   }
   return {};
 }

@@ -48,7 +48,7 @@ ExactSum& ExactSum::operator+=(double x) {
   return *this;
 }
 
-/// Every digit but the last comes to lie in [0, 2^32).
+/// Moves every digit but the last into [0, 2^32).
 void ExactSum::carry() {
   std::int64_t over = 0;
   for (std::size_t k = 0; k < kLast; ++k) {
@@ -76,7 +76,7 @@ double ExactSum::value() {
   }
   std::size_t top = kLast;
   while (top > 0 && size.digit_[top] == 0) --top;
-  // At least 65 bits from the top, the last of which says whether there is anything below.
+  // At least 65 bits from the top; the last one records whether lower bits are set.
   Wide head = 0;
   std::size_t next = top + 1;
   int taken = 0;

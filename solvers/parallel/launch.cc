@@ -22,7 +22,7 @@ int from_environment(const char* name) {
   return error == std::errc() && last == end ? value : -1;
 }
 
-/// Open MPI; MPICH and its relatives; Slurm, where it speaks to MPI itself.
+/// Open MPI; MPICH and its relatives; Slurm, if it provides MPI itself.
 struct Launcher {
   const char *size, *rank;
 };

@@ -6,13 +6,13 @@
 
 namespace bipot {
 
-/// How many processes a launcher (mpirun, mpiexec, srun) says that it started, from the environment
-/// alone: MPI is not touched. 1 where there is no launcher.
+/// Number of processes that a launcher (mpirun, mpiexec, srun) started, from the environment alone,
+/// without MPI. 1 without a launcher.
 int launched_processes();
-/// The rank that the launcher gave this process; 0 where there is no launcher.
+/// The rank that the launcher gave this process; 0 without a launcher.
 int launched_rank();
 
-/// All launched processes, which starts MPI; a lone process, without MPI, where there is one. Throws
+/// All launched processes, which starts MPI; for a single process a group without MPI. Throws
 /// std::invalid_argument for several in a build without PETSc.
 std::unique_ptr<ProcessGroup> launched_group();
 

@@ -25,7 +25,7 @@ namespace {
 static_assert(std::is_same_v<PetscInt, int>, "PETSc with 32-bit indices is needed");
 
 constexpr auto kNap = std::chrono::microseconds(20);
-// MUMPS's workspace beyond its estimate, per cent, and the most that is tried.
+// MUMPS's workspace beyond its estimate, per cent, and the largest one tried.
 constexpr int kFirstWorkspace = 50, kMostWorkspace = 1600;
 constexpr int kWorkspaceTooSmall = -9, kIndicesTooMany = -8;  // MUMPS's INFOG(1)
 
@@ -33,16 +33,16 @@ void must_succeed(int code, const char* what) {
   if (code != MPI_SUCCESS) throw std::runtime_error(std::string("MPI: ") + what + " failed");
 }
 
-/// What the first process asks the others for.
+/// Request of the root process to the others.
 struct Order {
   enum Kind : int { kFactor, kSolve, kDone, kFailed };
   int kind = kDone;
   int size = 0;   ///< kFactor: unknowns; kFailed: length of the text
-  int fresh = 0;  ///< kFactor: whether the pattern is another one than before
+  int fresh = 0;  ///< kFactor: 1 if the pattern is a new one
 };
 
-/// The part of each process in factorisations and solves. The matrix that PETSc has is Aᵀ: a column
-/// of A is a row of its own.
+/// The part of each process in factorisations and solves. PETSc has the matrix Aᵀ: a column of A is
+/// a row of its own.
 class Crew {
  public:
   explicit Crew(Traffic& traffic) : traffic_(traffic) {
@@ -55,7 +55,7 @@ class Crew {
 
   int rank() const { return rank_; }
 
-  /// From the first process to all. The others wait without using a core.
+  /// From the root process to all. The others wait without using a core.
   Order give(Order order) {
     MPI_Request request = MPI_REQUEST_NULL;
     must_succeed(MPI_Ibcast(&order, 3, MPI_INT, 0, PETSC_COMM_WORLD, &request), "MPI_Ibcast");
@@ -72,7 +72,7 @@ class Crew {
     return text;
   }
 
-  /// `A`: on the first process alone.
+  /// `A`: on the root process alone.
   bool factor(const Order& order, const SparseMatrix* A) {
     if (order.fresh != 0) take_pattern(order.size, A);
     const int mine = starts_.back();
@@ -112,7 +112,7 @@ class Crew {
   }
   int determinant_sign() const { return sign_; }
 
-  /// b and x: on the first process alone.
+  /// b and x: on the root process alone.
   void solve(const Vector* b, Vector* x) {
     PetscScalar* values = nullptr;
     const double* const source = b == nullptr ? nullptr : b->data();
@@ -134,7 +134,7 @@ class Crew {
  private:
   int rows() const { return column_counts_[to_size(rank_)]; }
 
-  /// Which columns and entries each process has, and the pattern of this one's.
+  /// Sets the columns and entries of each process, and the pattern of this one's.
   void take_pattern(int size, const SparseMatrix* A) {
     clear();
     size_ = size;
@@ -223,7 +223,7 @@ class Crew {
   bool analysed_ = false;
 };
 
-/// The crew as its first process sees it.
+/// The factor as used by the root process.
 class CrewFactor final : public SystemFactor {
  public:
   explicit CrewFactor(Crew& crew) : crew_(crew) {}

@@ -9,7 +9,7 @@
 namespace bipot {
 namespace {
 
-/// Contacts `contacts` of the whole through the degrees of freedom with dof_number >= 0, which are
+/// Contacts `contacts` of the whole in the degrees of freedom with dof_number >= 0, which are
 /// `dofs`, ascending.
 ContactProblem cut_problem(const ContactProblem& whole, const std::vector<int>& contacts,
                            const std::vector<int>& dofs, const std::vector<int>& dof_number) {
@@ -89,8 +89,8 @@ class PieceCutter {
   }
   bool is_everywhere(int dof) const { return nodes_.node[to_size(dof)] < 0; }
 
-  /// All degrees of freedom of the nodes that owned contacts touch, so that bodies keep their rows
-  /// together; and of those that stand everywhere the touched ones.
+  /// All degrees of freedom of the nodes that owned contacts touch, so that rows of a body stay
+  /// together; of those on every process, the touched ones.
   void find_dofs() {
     std::vector<char> node(to_size(nodes_.nodes), 0), touched(nodes_.node.size(), 0);
     for (const int c : piece_.number) {
@@ -137,14 +137,14 @@ class PieceCutter {
     piece_.own = cut_problem(whole_, piece_.number, dofs_, number);
     count_sharers(number);
   }
-  /// Owner after owner, so that the last one seen at a body tells whether this one is new there.
+  /// Owner after owner: the last one seen at a body then tells whether this one is new there.
   void count_sharers(const std::vector<int>& number) {
     std::vector<int> order(to_size(whole_.num_contacts()));
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
       return owners_.owner[to_size(a)] < owners_.owner[to_size(b)];
     });
-    // A body's rows count as one: what is pushed in x alone is shared in y as well.
+    // The rows of a body count as one: a body shared in x alone is shared in y as well.
     std::vector<int> group(dofs_.size());
     for (std::size_t k = 0; k < dofs_.size(); ++k) {
       const int node = nodes_.node[to_size(dofs_[k])];

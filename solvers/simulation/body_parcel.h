@@ -7,7 +7,7 @@
 
 namespace bipot {
 
-/// Takes the numbers of a parcel one after the other. Throws std::out_of_range past the end.
+/// Reads the numbers of a buffer in sequence. Throws std::out_of_range past the end.
 class ParcelReader {
  public:
   explicit ParcelReader(const Parcel& parcel) : parcel_(parcel) {}
@@ -33,19 +33,19 @@ struct NumberedBody {
   Body<D> body;
 };
 
-/// Appends all of a body, of which clusters are no part.
+/// Appends all data of a body, without clusters.
 template <int D>
 void put(int number, const Body<D>& body, Parcel& parcel);
 template <int D>
 NumberedBody<D> take_body(ParcelReader& parcel);
 
-/// Appends all that a nonsmooth step leaves at a contact outside a periodic cell.
+/// Appends all results of a nonsmooth step at a contact outside a periodic cell.
 template <int D>
 void put(const ContactOutcome<D>& contact, Parcel& parcel);
 template <int D>
 ContactOutcome<D> take_contact(ParcelReader& parcel);
 
-/// By i, then by j.
+/// Sorts by i, then by j.
 template <int D>
 void sort_by_bodies(std::vector<ContactOutcome<D>>& contacts);
 

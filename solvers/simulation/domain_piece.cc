@@ -9,13 +9,13 @@
 namespace bipot {
 namespace {
 
-/// Rows of the bodies: their places with the halo, and what each process is to know of them.
+/// Rows of the bodies: their places with the halo, and the processes that need them.
 template <int D>
 void follow_rows(const LocalBodies<D>& local, const Midpoint<D>& mid,
                  const LocalContacts<D>& contacts, int bodies, DomainPiece& out) {
   const DofMap& own = out.own.dofs;
   ProblemPiece& piece = out.piece;
-  // Which processes have contacts of a body: all of these contacts are here.
+  // Processes with contacts of a body: all of these contacts are here.
   std::vector<std::pair<int, int>> pushes;  // body, owner
   for (const Contact<D>& c : contacts.all) {
     const int owner = local.owner[to_size(c.i)];
@@ -45,7 +45,7 @@ void follow_rows(const LocalBodies<D>& local, const Midpoint<D>& mid,
   }
 }
 
-/// Driven walls that somebody touches stand on every process.
+/// Driven walls in contact are on every process.
 template <int D>
 void follow_walls(const Midpoint<D>& mid, ProcessGroup& group, DomainPiece& out) {
   const DofMap& own = out.own.dofs;
@@ -96,7 +96,8 @@ DomainPiece assemble_piece(const Scene<D>& scene, const LocalBodies<D>& local,
   DomainPiece out;
   out.own = assemble_step<D>(scene, mid.bodies, mid.walls, contacts.own, mid.disk_v_free,
                              mid.wall_v_free, false);
-  // With the halo no wall has a row of its own: what it does is added by all (everywhere).
+  // With the halo no wall has a row of its own: its terms are summed over all processes
+  // (everywhere).
   std::vector<Wall<D>> standing = mid.walls;
   for (Wall<D>& w : standing) {
     if (w.motion == Wall<D>::Motion::kDriven) w.motion = Wall<D>::Motion::kMoving;
@@ -112,7 +113,8 @@ DomainPiece assemble_piece(const Scene<D>& scene, const LocalBodies<D>& local,
   piece.halo = contacts.halo;
   piece.number = contacts.number;
   piece.copies = contacts.copies;
-  // Where one process has contacts that are none of disks, DistributedSpace has all take the other way.
+  // If one process has contacts that are not of disks, DistributedSpace uses the general form on
+  // all.
   piece.disks = piece.own.num_contacts() == 0 || disk_structure(piece.own).has_value();
   follow_rows(local, mid, contacts, bodies, out);
   follow_walls(mid, group, out);

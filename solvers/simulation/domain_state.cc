@@ -11,7 +11,7 @@
 namespace bipot {
 namespace {
 
-/// What each body brings along: itself, and these contacts that it comes first in. Both ascending.
+/// Weight of each body: itself, and these contacts whose first body it is. Both ascending.
 template <int D>
 std::vector<double> contact_weights(const std::vector<int>& numbers,
                                     const std::vector<ContactOutcome<D>>& contacts) {
@@ -24,7 +24,7 @@ std::vector<double> contact_weights(const std::vector<int>& numbers,
   return weights;
 }
 
-/// All but bodies and contacts.
+/// A copy without bodies and contacts.
 template <int D>
 State<D> frame_of(const State<D>& state) {
   State<D> frame;
@@ -125,7 +125,7 @@ CellTree cut_cells_again(const DomainState<D>& state, ProcessGroup& group) {
   parcels = group.deliver(std::move(parcels));
   std::vector<double> tree;
   if (group.rank() == 0) {
-    // In the order of the whole, so that the cells do not depend on who has whom.
+    // In the order of the whole, so that the cells do not depend on the distribution.
     std::vector<Vec3> places(to_size(state.bodies));
     std::vector<double> weight(places.size(), 0.0);
     for (const Parcel& parcel : parcels) {

@@ -8,18 +8,18 @@
 
 namespace bipot {
 
-/// What one process has of a state that lies on several. A body belongs to the cell of its centre,
-/// a contact to the process of its body i.
+/// One process's part of a distributed state. A body belongs to the cell of its centre, a contact
+/// to the process of its body i.
 template <int D>
 struct DomainState {
   int bodies = 0;            ///< of all processes
   std::vector<int> numbers;  ///< of the bodies here in the whole, ascending
-  /// Bodies and contacts that are here, contacts with the numbers that their bodies have in the
-  /// whole, j = bodies + wall for walls, sorted by (i, j). Time, walls and work are the whole's.
+  /// Bodies and contacts of this process. Contacts have the numbers of their bodies in the whole, j
+  /// = bodies + wall for walls, sorted by (i, j). Time, walls and work are those of the whole.
   State<D> here;
 };
 
-/// A place in as many dimensions as cells have.
+/// A position in the dimensions of the cells.
 template <int D>
 Vec3 in_space(const Vec<D>& x) {
   Vec3 place = Vec3::Zero();
@@ -27,29 +27,28 @@ Vec3 in_space(const Vec<D>& x) {
   return place;
 }
 
-/// Cells for the bodies of a whole state, one a process; each body weighs 1 and the contacts that it
-/// comes first in. (Contacts alone would leave bodies in flight, which are detected and moved all the
-/// same, to whoever lies beside the few that touch.)
+/// Cells for the bodies of a whole state, one for each process. Each body has weight 1 plus the
+/// number of contacts whose first body it is. (Weights of contacts alone would put all flying
+/// bodies, which also cost detection and motion, on the process beside the few contacts.)
 template <int D>
 CellTree cut_cells(const State<D>& whole, int processes);
 
-/// The bodies and contacts of one cell. `whole` may go afterwards.
+/// The bodies and contacts of one cell. `whole` may be deleted afterwards.
 template <int D>
 DomainState<D> cut_state(const State<D>& whole, const CellTree& cells, int rank);
 
-/// The whole on the first process, elsewhere a state without bodies and contacts; for clusters,
-/// cells and populations there is no place. Collective. Throws CommonFailure where bodies are
-/// missing or there twice.
+/// The whole on the root process, elsewhere a state without bodies and contacts; without clusters,
+/// cells and populations. Collective. Throws CommonFailure if bodies are missing or doubled.
 template <int D>
 State<D> gather_state(const DomainState<D>& state, ProcessGroup& group);
 
-/// Cells for the bodies as they are now, by the first process, which gathers their places: the same
-/// on all. Weights as above. Collective.
+/// New cells for the present bodies, the same on all processes: the root process gathers the
+/// positions. Weights as above. Collective.
 template <int D>
 CellTree cut_cells_again(const DomainState<D>& state, ProcessGroup& group);
 
-/// Bodies whose centres lie in other cells go there, with their contacts. Returns how many went
-/// from here. Collective.
+/// Moves bodies whose centres lie in other cells there, with their contacts. Returns the number
+/// that left. Collective.
 template <int D>
 int migrate(const CellTree& cells, ProcessGroup& group, DomainState<D>& state);
 

@@ -1,17 +1,15 @@
 #pragma once
 
-#include "core/motion/state.h"
+#include "core/motion/time_stepping.h"
 
 namespace bipot {
 
-/// The most energy that contacts may hand on in a step because gravity acts within it, ½ κ |s·f| of
-/// data/manual/explanation/method.md §3 with κ <= 1: f = h g at walls that stand, and 0 between disks, which fall
-/// alike. `after`: the state after the step.
-/// [J]
+/// Upper bound of the energy that contacts may exchange in a step because gravity acts within it: ½
+/// κ |s·f| of data/manual/explanation/method.md §3 with κ <= 1. f = h g at walls at rest, and 0
+/// between disks, which fall alike. [J]
 template <int D>
-double force_energy(const Scene<D>& scene, const State<D>& after);
-/// The same from what walls pushed with in the step, Σ |s| over their contacts        [N s].
-template <int D>
-double force_energy(const Scene<D>& scene, double wall_pushes);
+double force_energy(const Scene<D>& scene, const StepReport<D>& report) {
+  return 0.5 * scene.step * scene.gravity.norm() * report.wall_pushes;
+}
 
 }  // namespace bipot

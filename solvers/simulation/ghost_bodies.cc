@@ -9,10 +9,10 @@
 namespace bipot {
 namespace {
 
-/// Rounding of places and gaps, relative: what detection calls touching may miss by this much.
+/// Relative rounding of positions and gaps, by which detection may differ.
 constexpr double kRounding = 1e-12;
 
-/// A box of bodies, rims included; none where lower > upper.
+/// A box of bodies, rims included; empty if lower > upper.
 template <int D>
 struct Reach {
   Vec<D> lower = Vec<D>::Constant(kInfinity), upper = Vec<D>::Constant(-kInfinity);
@@ -38,7 +38,7 @@ struct Reach {
   }
 };
 
-/// Where each process's bodies are, and the largest radius of all.
+/// Boxes of the bodies of all processes, and the largest radius.
 template <int D>
 std::vector<Reach<D>> gather_reaches(const Reach<D>& mine, double& largest_radius,
                                      ProcessGroup& group) {

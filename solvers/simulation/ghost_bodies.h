@@ -8,7 +8,7 @@
 
 namespace bipot {
 
-/// The bodies that one process looks at in a step: its own, and copies of others' (ghosts).
+/// The bodies that one process needs in a step: its own, and copies of others (ghosts).
 template <int D>
 struct LocalBodies {
   std::vector<int> numbers;  ///< in the whole, ascending
@@ -17,11 +17,11 @@ struct LocalBodies {
   State<D> state;            ///< own bodies and ghosts before the step, with the walls
 };
 
-/// Every process learns the box of each other's bodies at mid-step and sends it the bodies within
-/// reach: whoever touches somebody who touches one of the others' bodies, so that all contacts of the
-/// bodies that an owned contact pushes can be found where they are needed. Within reach is who
-/// comes nearer to the box than twice the interaction distance and the largest diameter. Ghosts have the bits
-/// of their originals. One message to each process that is near. Collective.
+/// Adds ghosts: every process learns the box of the others' bodies at mid-step and sends them its
+/// bodies within reach. These are the bodies that touch a neighbour of one of their bodies. All
+/// contacts of the bodies of an owned contact can then be found locally. A body is within reach if
+/// its distance from the box is less than twice the interaction distance and the largest diameter.
+/// Ghosts have the bits of their originals. One message to each nearby process. Collective.
 template <int D>
 LocalBodies<D> with_ghosts(const Scene<D>& scene, const DomainState<D>& state, ProcessGroup& group);
 

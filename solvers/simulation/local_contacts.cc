@@ -17,8 +17,8 @@
 namespace bipot {
 namespace {
 
-/// The bodies whose contacts a process needs: its own, and those of its own contacts. What is glued
-/// to a wall is none: who pushes it pushes the wall.
+/// The bodies whose contacts a process needs: its own, and those of its own contacts. Glued bodies
+/// are left out: their impulses act on the wall.
 template <int D>
 std::vector<char> bodies_to_follow(const LocalBodies<D>& local, const std::vector<Body<D>>& disks,
                                    int rank, const std::vector<Contact<D>>& contacts) {
@@ -31,7 +31,7 @@ std::vector<char> bodies_to_follow(const LocalBodies<D>& local, const std::vecto
   return follow;
 }
 
-/// The ranges of bodies for which processes count contacts, as even as numbers go.
+/// The ranges of bodies for which processes count contacts, of nearly equal size.
 class BodyRanges {
  public:
   BodyRanges(int bodies, int processes) : bodies_(bodies), processes_(processes) {}
@@ -48,8 +48,8 @@ class BodyRanges {
   int bodies_, processes_;
 };
 
-/// Numbers of the own contacts in the whole: those before a body's are the contacts of all bodies
-/// with smaller numbers. Each process hears of the bodies in its range.
+/// Sets the numbers of the own contacts in the whole: the contacts of all bodies with smaller
+/// numbers come first. Each process receives the counts for the bodies in its range.
 template <int D>
 void number_contacts(const LocalBodies<D>& local, int bodies, ProcessGroup& group,
                      LocalContacts<D>& contacts) {
@@ -100,7 +100,7 @@ void number_contacts(const LocalBodies<D>& local, int bodies, ProcessGroup& grou
   }
 }
 
-/// Where the owners have the contacts of the halo.
+/// Sets the positions of the halo's contacts on their owners.
 template <int D>
 void find_places(const LocalBodies<D>& local, int bodies, ProcessGroup& group,
                  LocalContacts<D>& contacts) {
@@ -144,7 +144,7 @@ void find_places(const LocalBodies<D>& local, int bodies, ProcessGroup& group,
   }
 }
 
-/// What detection refuses in the numbers of the whole: two bodies in one place; else what it said.
+/// An error of detection in the numbers of the whole: two bodies in one place; else its own text.
 template <int D>
 std::string refusal(const LocalBodies<D>& local, const std::vector<Body<D>>& disks,
                     const std::string& said) {

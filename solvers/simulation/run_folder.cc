@@ -4,7 +4,6 @@
 
 #include <vector>
 
-#include "core/base/stopwatch.h"
 #include "core/motion/stress_tensor.h"
 #include "core/pictures/flat_view.h"
 #include "core/pictures/force_picture.h"
@@ -30,6 +29,11 @@ std::string caption(const Scene<D>& scene, const SceneTotals<D>& totals, const S
 }
 
 }  // namespace
+
+bool needs_state(const OutputChoice& output, int step) {
+  const auto every = [&](int steps) { return steps > 0 && step % steps == 0; };
+  return every(output.every) || every(output.ledger_every) || !output.track.empty();
+}
 
 template <int D>
 RunFolder<D>::RunFolder(const Scene<D>& scene, const State<D>& state,
@@ -59,7 +63,7 @@ void RunFolder<D>::step(const SceneStep<D>& step) {
 
 template <int D>
 void RunFolder<D>::finish(const State<D>& state, const SceneRun<D>& run) {
-  // A step that could not be taken always leaves its problem.
+  // A failed step always leaves its problem.
   using Kind = StepFailure::Kind;
   const bool unsolved = run.failure && (run.failure->kind == Kind::kNumerical ||
                                         run.failure->kind == Kind::kNotConverged);
@@ -95,7 +99,7 @@ void RunFolder<D>::write_problem(const ContactProblem& problem, const Vector& st
               start.size() > 0 ? std::vector<Vector>{start} : std::vector<Vector>{});
 }
 
-/// NAME.svg and NAME.png.
+/// Draws NAME.svg and NAME.png.
 void draw_forces(const fs::path& folder, const std::string& name, const Scene<2>& scene,
                  const State<2>& state, const std::string& text_below) {
   for (const char* format : {".svg", ".png"}) {
@@ -141,33 +145,7 @@ void RunFolder<3>::draw(const State<3>& state, const SceneTotals<3>& totals) con
   }
 }
 
-template <int D>
-SceneRun<D> run_scene_into(const Scene<D>& scene, State<D>& state,
-                           const std::type_identity_t<SceneRunOptions<D>>& run,
-                           const RunFolderOptions& folder) {
-  double seconds = 0;
-  const auto timed = [&seconds](const auto& write) {
-    const Stopwatch watch;
-    write();
-    seconds += watch.seconds();
-  };
-  RunFolder<D> files(scene, state, folder);
-  SceneRunOptions<D> written = run;
-  written.on_step = [&](const SceneStep<D>& step) {
-    timed([&] { files.step(step); });
-    return !run.on_step || run.on_step(step);
-  };
-  SceneRun<D> result = run_scene(scene, state, written);
-  timed([&] { files.finish(state, result); });
-  result.output_seconds = seconds;
-  return result;
-}
-
 template class RunFolder<2>;
 template class RunFolder<3>;
-template SceneRun<2> run_scene_into(const Scene<2>&, State<2>&, const SceneRunOptions<2>&,
-                                    const RunFolderOptions&);
-template SceneRun<3> run_scene_into(const Scene<3>&, State<3>&, const SceneRunOptions<3>&,
-                                    const RunFolderOptions&);
 
 }  // namespace bipot

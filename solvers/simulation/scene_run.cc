@@ -1,7 +1,10 @@
 #include "solvers/simulation/scene_run.h"
 
 #include <algorithm>
+#include <optional>
 
+#include "core/base/stopwatch.h"
+#include "solvers/simulation/run_folder.h"
 #include "solvers/simulation/scene_stepper.h"
 
 namespace bipot {
@@ -35,32 +38,64 @@ SceneRun<D> run_scene(const Scene<D>& scene, State<D>& state,
   using End = typename SceneRun<D>::End;
   SceneRun<D> run;
   run.planned = options.steps.value_or(scene.num_steps);
-  SceneStepper<D> stepper(scene, options.solver, options.explicit_delassus, options.cancelled,
-                          options.threads, options.on_failure);
+  SceneStepper<D> stepper(scene, options);
   run.springs = stepper.springs();
+  const bool writes = !options.folder.folder.empty();
+  std::optional<RunFolder<D>> files;
+  if (writes && (options.processes == nullptr || options.processes->rank() == 0)) {
+    files.emplace(scene, state, options.folder);
+  }
+  State<D>& here = stepper.begin(state);
+  Domain<D>* const domain = stepper.domain();
   while (run.totals.steps < run.planned) {
-    if (options.cancelled && options.cancelled()) {
+    if (stepper.is_over()) {
       run.end = End::kCancelled;
-      return run;
+      break;
     }
-    if (options.before_step) options.before_step(state);
+    if (options.before_step) options.before_step(here);
     StepReport<D> report;
     try {
-      report = stepper.advance(state);
+      report = stepper.advance(here);
     } catch (const StepFailure& failure) {
       run.end = failure.kind == StepFailure::Kind::kCutShort ? End::kCancelled : End::kFailed;
       run.failure = failure;
-      run.failed_problem = stepper.problem();
+      run.failed_problem = domain != nullptr ? domain->gather_problem() : stepper.problem();
       run.failed_start = stepper.start();
-      return run;
+      break;
     }
+    const bool first_unsolved = !report.converged && run.totals.first_unconverged < 0;
     run.totals.add(report);
     if (stepper.parts() > 1) ++run.totals.split;
-    if (options.on_step && !options.on_step({state, report, stepper.problem(), stepper.start()})) {
+
+    Stopwatch output;
+    ContactProblem problem;
+    if (domain != nullptr) {
+      state.step = report.step;
+      state.time = report.time;
+      if (first_unsolved) problem = domain->gather_problem();
+      if (first_unsolved || (writes && needs_state(scene.output, report.step))) {
+        state = domain->gather();
+      }
+    }
+    const SceneStep<D> step{state, report, domain != nullptr ? problem : stepper.problem(),
+                            stepper.start()};
+    if (files) files->step(step);
+    run.output_seconds += output.seconds();
+    const bool go_on = !options.on_step || options.on_step(step);
+    if (domain != nullptr) state = {};
+    if (!go_on) {
       run.end = End::kStopped;
-      return run;
+      break;
     }
   }
+  Stopwatch output;
+  if (domain != nullptr) {
+    state = domain->gather();
+    run.domains =
+        std::make_shared<DomainCounts>(largest_counts(domain->counts(), *options.processes));
+  }
+  if (files) files->finish(state, run);
+  if (files || domain != nullptr) run.output_seconds += output.seconds();
   return run;
 }
 

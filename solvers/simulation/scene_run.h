@@ -1,26 +1,32 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <type_traits>
 
-#include "core/motion/spring_dashpot.h"
 #include "core/motion/time_stepping.h"
-#include "solvers/simulation/split_step.h"
 
 namespace bipot {
 
-/// A step that was just taken, as those who look on see it.
+struct DomainCounts;        // solvers/simulation/domain.h
+class ProcessGroup;         // solvers/parallel/process_group.h
+struct SpringDashpotSetup;  // core/motion/spring_dashpot_setup.h
+
+/// A finished step for observers. With a distributed state it is the whole on the root process for
+/// steps whose state the folder writes; and for the first step that did not converge, then with its
+/// problem. Else it is a state without bodies.
 template <int D>
 struct SceneStep {
   const State<D>& state;  ///< after the step
   const StepReport<D>& report;
-  const ContactProblem& problem;  ///< of the step; without contacts under the model dem
-  const Vector& start;            ///< impulse that the solver started from; empty: none was given
+  const ContactProblem& problem;  ///< of the step; without contacts for the model dem
+  const Vector& start;            ///< impulse from which the solver started; empty: none
 };
 
-/// What the steps of a run add up to.
+/// Sums and extremes over the steps of a run.
 template <int D>
 struct SceneTotals {
   int steps = 0, converged = 0;
@@ -38,17 +44,41 @@ struct SceneTotals {
   void add(const StepReport<D>& report);
 };
 
+/// Action after a step whose problem was not solved to the tolerance.
+enum class OnFailure {
+  kContinue,    ///< takes it with the best impulse, and reports it
+  kStop,        ///< does not take it, and ends
+  kSmallerStep  ///< takes it in parts; ends if that fails as well
+};
+
+/// Output folder of a run; data/manual/reference/files.md describes the files.
+struct RunFolderOptions {
+  enum class Problems { kNone, kFailed, kAll };
+  std::filesystem::path folder;  ///< empty: nothing is written
+  std::string scene_text;        ///< kept in run.h5
+  std::string program;           ///< name and version, kept in the problems' descriptions
+  bool resume = false;  ///< the folder is that of the continued run: its files are continued
+  Problems problems = Problems::kNone;  ///< contact problems that are written, as FCLIB files
+};
+
 template <int D>
 struct SceneRunOptions {
-  std::optional<int> steps;  ///< to take; the scene's number where it is not given
-  /// Solves the steps' problems, with rigid contacts whatever the scene's model is; empty: the model
-  /// and the solver are the scene's own choice, which `cancelled` interrupts.
+  std::optional<int> steps;  ///< number of steps; by default that of the scene
+  /// Solves the problems of the steps, with rigid contacts whatever the scene's model is; empty:
+  /// the model and the solver are those of the scene.
   StepSolver solver;
   bool explicit_delassus = false;  ///< `solver` needs W
   int threads = 1;                 ///< of detection, assembly and the scene's own solver
   OnFailure on_failure = OnFailure::kContinue;  ///< rigid contacts only
-  std::function<bool()> cancelled;  ///< polled before each step (and by springs inside); true ends
-  /// Before each step: may look, and change the impulses that the step starts from.
+  /// Polled before each step, and inside by the scene's own solver or model; true ends the run.
+  std::function<bool()> cancelled;
+  double time_limit = kInfinity;  ///< for all steps, likewise                             [s]
+  /// Processes that run the scene together from the same state; null: this one alone. Callbacks
+  /// must agree on all.
+  ProcessGroup* processes = nullptr;
+  bool reproducible = false;  ///< exact sums, the same bits for any number of processes
+  RunFolderOptions folder;    ///< written by the first process
+  /// Called before each step; may change the impulses from which the step starts.
   std::function<void(State<D>&)> before_step;
   std::function<bool(const SceneStep<D>&)> on_step;  ///< false ends the run after this step
 };
@@ -58,22 +88,31 @@ struct SceneRun {
   enum class End {
     kCompleted,  ///< all steps were taken
     kStopped,    ///< on_step said so
-    kCancelled,  ///< `cancelled` said so, or the solver of a step was cut short
-    kFailed      ///< a step could not be taken
+    /// `cancelled` returned true, the time is over, or the solver of a step was cut short.
+    kCancelled,
+    kFailed  ///< a step could not be taken
   };
   End end = End::kCompleted;
   SceneTotals<D> totals;
   int planned = 0;                     ///< steps
-  std::optional<StepFailure> failure;  ///< of the step that was not taken, if one was tried
-  ContactProblem failed_problem;       ///< its problem and start; empty under the model dem
+  std::optional<StepFailure> failure;  ///< of the failed step, if any
+  ContactProblem failed_problem;       ///< its problem and start; empty for the model dem
   Vector failed_start;
-  std::optional<SpringDashpotSetup> springs;  ///< model dem only
-  double output_seconds = 0;  ///< wall time that the steps waited for files, run_scene_into() only
+  std::shared_ptr<const SpringDashpotSetup> springs;  ///< model dem only
+  std::shared_ptr<const DomainCounts> domains;        ///< where the state lay on several processes
+  double output_seconds = 0;                          ///< wall time that the steps waited for files
 };
 
-/// Takes the steps of a scene: `state` goes from what is given to the end of the last whole step.
-/// Throws std::invalid_argument when the scene's solver or springs are refused before the first
-/// step; what happens later is in the result.
+/// Reason, as text for the command line, why a process keeps the whole state; empty if each of
+/// several has its part.
+template <int D>
+std::string needs_whole_state(const Scene<D>& scene,
+                              const std::type_identity_t<SceneRunOptions<D>>& options);
+
+/// Takes the steps of a scene: `state` becomes that at the end of the last whole step. A
+/// distributed state ends on the root process, elsewhere without bodies. Throws
+/// std::invalid_argument if the scene's solver or springs are refused before the first step, and
+/// FileError if the folder cannot be written. Later failures are part of the result.
 template <int D>
 SceneRun<D> run_scene(const Scene<D>& scene, State<D>& state,
                       const std::type_identity_t<SceneRunOptions<D>>& options = {});

@@ -5,39 +5,86 @@
 #include <utility>
 
 #include "solvers/registry.h"
-#include "solvers/simulation/step_solver.h"
+#include "solvers/simulation/split_step.h"
 
 namespace bipot {
 
 template <int D>
-SceneStepper<D>::SceneStepper(const Scene<D>& scene, StepSolver solver, bool explicit_delassus,
-                              std::function<bool()> cancelled, int threads, OnFailure on_failure)
-    : scene_(scene), threads_(threads), on_failure_(on_failure) {
-  if (!solver && scene.model == Model::kSpringDashpot) {
+std::string needs_whole_state(const Scene<D>& scene,
+                              const std::type_identity_t<SceneRunOptions<D>>& options) {
+  if (options.processes == nullptr) return "one process";
+  if (options.solver) return "the solver is the caller's";
+  if (options.reproducible) return "--reproducible";
+  if (options.folder.problems != RunFolderOptions::Problems::kNone) return "--dump-problems";
+  if (options.on_failure == OnFailure::kStop) return "--on-failure stop";
+  if (options.on_failure == OnFailure::kSmallerStep) return "--on-failure smaller-step";
+  if (scene.model == Model::kSpringDashpot) return "the model dem";
+  if (!scene.clusters.empty()) return "the scene has clusters";
+  if (scene.has_gates()) return "the scene has inlets or outlets";
+  if (scene.cell.periodic()) return "the scene is periodic";
+  if (scene.observables) return "the scene measures observables";
+  if (scene.travel > 0) return "the scene cuts its steps by travel";
+  if (scene.predict_gaps) return "the scene predicts gaps";
+  if (scene.project_overlaps) return "the scene projects overlaps";
+  return {};
+}
+
+template <int D>
+SceneStepper<D>::SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options)
+    : scene_(scene), options_(std::move(options)) {
+  if (!options_.solver && scene.model == Model::kSpringDashpot) {
+    if (options_.processes != nullptr) {
+      throw std::invalid_argument("the model dem runs on one process, not under mpirun");
+    }
     if constexpr (D == 2) {
-      springs_.emplace(scene, std::move(cancelled));
+      springs_.emplace(scene, [this] { return is_over(); });
       return;
     } else {
       throw std::invalid_argument("the model dem simulates disks, not spheres");
     }
   }
-  if (!solver) {
-    const SolverEntry& entry = require_solver(scene.solver.name);
-    SolverOptions choice = to_options(scene.solver);
-    choice.cancelled = std::move(cancelled);
-    choice.execution.threads = threads;
-    solver = make_step_solver(entry, std::move(choice));
-    explicit_delassus = entry.needs_delassus;
+  if (!options_.solver) {
+    own_ = {.solver = scene.solver.name,
+            .options = to_options(scene.solver),
+            .watch = watch_,
+            .time_limit = options_.time_limit,
+            .processes = options_.processes,
+            .reproducible = options_.reproducible};
+    own_.options.cancelled = options_.cancelled;
+    own_.options.execution.threads = options_.threads;
+    options_.explicit_delassus =
+        options_.processes == nullptr && require_solver(own_.solver).needs_delassus;
+    own_.check();
+    if (needs_whole_state(scene, options_).empty()) return;  // begin() goes on
+    options_.solver = [this](const ContactProblem& problem, Vector s0) {
+      return to_step_solution(own_.solve(problem, std::move(s0)));
+    };
   }
-  solver_ = std::move(solver);
-  explicit_delassus_ = explicit_delassus;
   rigid_.emplace(
       scene,
       [this](const ContactProblem& problem, const Vector& start) {
         start_ = start;
-        return solver_(problem, start);
+        return options_.solver(problem, start);
       },
-      explicit_delassus, threads);
+      options_.explicit_delassus, options_.threads);
+}
+
+template <int D>
+State<D>& SceneStepper<D>::begin(State<D>& state) {
+  if (rigid_ || springs_) return state;
+  domain_.emplace(
+      scene_, state, *options_.processes,
+      [this](const ProblemPiece& piece, const Vector& s0) { return own_.solve(piece, s0); });
+  rigid_.emplace(scene_, *domain_);
+  state = {};
+  return domain_->state();
+}
+
+template <int D>
+bool SceneStepper<D>::is_over() const {
+  const bool here =
+      (options_.cancelled && options_.cancelled()) || watch_.seconds() > options_.time_limit;
+  return options_.processes != nullptr ? options_.processes->any(here) : here;
 }
 
 template <int D>
@@ -47,12 +94,13 @@ StepReport<D> SceneStepper<D>::advance(State<D>& state) {
     if (springs_) return springs_->advance(state);
   }
   if (const int halvings = travel_halvings(scene_, state); halvings > 0) {
-    SplitStep<D> split = advance_in_equal_parts(scene_, solver_, explicit_delassus_, state,
-                                                halvings, on_failure_, threads_);
+    SplitStep<D> split =
+        advance_in_equal_parts(scene_, options_.solver, options_.explicit_delassus, state, halvings,
+                               options_.on_failure, options_.threads);
     parts_ = split.parts;
     return std::move(split.report);
   }
-  if (on_failure_ == OnFailure::kContinue) return rigid_->advance(state);
+  if (options_.on_failure == OnFailure::kContinue) return rigid_->advance(state);
   State<D> next = state;
   StepReport<D> whole;
   std::string why;
@@ -65,24 +113,26 @@ StepReport<D> SceneStepper<D>::advance(State<D>& state) {
     why = whole.message;
   } catch (const StepFailure& failure) {
     const bool numerical = failure.kind == StepFailure::Kind::kNumerical;
-    if (!numerical || on_failure_ == OnFailure::kStop) throw;
+    if (!numerical || options_.on_failure == OnFailure::kStop) throw;
     why = failure.what();
   }
-  if (on_failure_ == OnFailure::kStop) {
+  if (options_.on_failure == OnFailure::kStop) {
     throw StepFailure(StepFailure::Kind::kNotConverged, state, why);
   }
-  SplitStep<D> split = advance_in_parts(scene_, solver_, explicit_delassus_, state, threads_);
+  SplitStep<D> split = advance_in_parts(scene_, options_.solver, options_.explicit_delassus, state,
+                                        options_.threads);
   parts_ = split.parts;
   split.report.add_cost(whole);
   return std::move(split.report);
 }
 
 template <int D>
-std::optional<SpringDashpotSetup> SceneStepper<D>::springs() const {
-  if (!springs_) return std::nullopt;
-  return springs_->setup();
+std::shared_ptr<const SpringDashpotSetup> SceneStepper<D>::springs() const {
+  return springs_ ? std::make_shared<SpringDashpotSetup>(springs_->setup()) : nullptr;
 }
 
+template std::string needs_whole_state(const Scene<2>&, const SceneRunOptions<2>&);
+template std::string needs_whole_state(const Scene<3>&, const SceneRunOptions<3>&);
 template class SceneStepper<2>;
 template class SceneStepper<3>;
 

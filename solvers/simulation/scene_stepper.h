@@ -1,50 +1,53 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 
+#include "core/base/stopwatch.h"
 #include "core/motion/spring_dashpot.h"
-#include "core/motion/time_stepping.h"
-#include "solvers/simulation/split_step.h"
+#include "solvers/simulation/domain.h"
+#include "solvers/simulation/scene_run.h"
+#include "solvers/simulation/step_solver.h"
 
 namespace bipot {
 
-/// A scene's steps, one at a time, under either model; spheres have rigid contacts only.
+/// Takes the steps of a scene, one at a time, with either model; spheres have rigid contacts only.
 template <int D>
 class SceneStepper {
  public:
-  /// `solver` solves the steps' problems, with rigid contacts whatever the scene's model is; empty:
-  /// the model and the solver are the scene's own choice, which `cancelled` interrupts.
-  /// `explicit_delassus`: `solver` needs W. `threads`: of detection, assembly and the scene's own
-  /// solver. The scene must outlive the stepper. Throws
-  /// std::invalid_argument when the scene's solver or springs are refused.
-  explicit SceneStepper(const Scene<D>& scene, StepSolver solver = {},
-                        bool explicit_delassus = false, std::function<bool()> cancelled = {},
-                        int threads = 1, OnFailure on_failure = OnFailure::kContinue);
+  /// Uses all options but number of steps, folder and callbacks. The scene must outlive the
+  /// stepper. Throws std::invalid_argument if the scene's solver or springs are refused.
+  explicit SceneStepper(const Scene<D>& scene, SceneRunOptions<D> options = {});
   SceneStepper(const SceneStepper&) = delete;  // the solver knows where start_ is
   SceneStepper& operator=(const SceneStepper&) = delete;
 
-  /// Takes one step, see TimeStepper::advance() and SpringDashpotStepper::advance(); what happens
-  /// where it is not solved, with rigid contacts, is on_failure's choice.
+  /// Distributes the state if possible: takes this process's part of `state`, which becomes empty,
+  /// and returns that part to advance; else returns `state`.
+  State<D>& begin(State<D>& state);
+  /// Takes one step, see TimeStepper::advance() and SpringDashpotStepper::advance(). on_failure
+  /// applies to an unsolved step with rigid contacts.
   StepReport<D> advance(State<D>& state);
+  /// True if the run is cancelled or its time is over, on any process.
+  bool is_over() const;
 
-  /// Of the last step; without contacts under the model dem.
+  /// Problem of the last step; without contacts for the model dem.
   const ContactProblem& problem() const { return rigid_ ? rigid_->problem() : none_; }
-  /// Impulse that the solver of the last step started from; empty: none was given.
+  /// Impulse from which the solver of the last step started; empty: none.
   const Vector& start() const { return start_; }
-  /// Of the last step: more than 1 where it was split.
+  /// Number of parts of the last step.
   int parts() const { return parts_; }
-  /// Model dem only.
-  std::optional<SpringDashpotSetup> springs() const;
+  /// Model dem only; else null.
+  std::shared_ptr<const SpringDashpotSetup> springs() const;
+  /// Null if this process has the whole state.
+  Domain<D>* domain() { return domain_ ? &*domain_ : nullptr; }
 
  private:
-  std::optional<SpringDashpotStepper> springs_;  // in the plane only
-  std::optional<TimeStepper<D>> rigid_;
   const Scene<D>& scene_;
-  StepSolver solver_;
-  bool explicit_delassus_ = false;
-  int threads_ = 1;
-  OnFailure on_failure_ = OnFailure::kContinue;
+  SceneRunOptions<D> options_;
+  Stopwatch watch_;
+  RunSolver own_;                                // the scene's choice of solver
+  std::optional<SpringDashpotStepper> springs_;  // in the plane only
+  std::optional<Domain<D>> domain_;
+  std::optional<TimeStepper<D>> rigid_;
   int parts_ = 1;
   Vector start_;
   ContactProblem none_;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/motion/population.h"
+#include "core/motion/step_outcome.h"
 #include "core/scene/wall_motion.h"
 
 namespace bipot {
@@ -38,7 +39,7 @@ std::vector<ContactOutcome<D>> added(const std::vector<ContactOutcome<D>>& first
 template <int D>
 class Parts {
  public:
-  /// `accept`: a part that is not solved is taken with the best impulse.
+  /// `accept`: an unsolved part is taken with the best impulse.
   Parts(const Scene<D>& scene, const StepSolver& solver, bool explicit_delassus, State<D> start,
         int threads, bool accept = false)
       : accept_(accept),
@@ -83,6 +84,7 @@ class Parts {
     state.contacts = std::move(contacts_);
     state.step = total_.step = step;
     state.time = total_.time = time;
+    total_.wall_pushes = wall_pushes(state.contacts, state.bodies.size());
     total_.add_cost(attempts_);
     return {std::move(total_), parts_};
   }
@@ -113,7 +115,7 @@ class Parts {
   bool explicit_delassus_;
   int threads_;
   State<D> state_;
-  StepReport<D> total_, attempts_;  // of what was taken; the cost of what was not
+  StepReport<D> total_, attempts_;  // of the parts taken; the cost of the others
   std::vector<ContactOutcome<D>> contacts_;
   int parts_ = 0;
 };

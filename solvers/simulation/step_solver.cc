@@ -1,5 +1,6 @@
 #include "solvers/simulation/step_solver.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -30,6 +31,40 @@ StepSolution to_step_solution(SolveResult result) {
   step.error = result.error;
   step.iterations = result.iterations;
   return step;
+}
+
+namespace {
+
+SolveResult solve_with(const RunSolver& run, const ContactProblem& problem, SolverOptions options,
+                       ProcessGroup* processes) {
+  if (processes == nullptr) return bipot::solve(run.solver, problem, std::move(options));
+  const DistributedOptions extra{.reproducible = run.reproducible, .contact_places = {}};
+  return distributed_solve(run.solver, problem, options, *processes, extra).result;
+}
+
+/// Options of a step that begins now.
+SolverOptions options_now(const RunSolver& run, Vector s0) {
+  SolverOptions options = run.options;
+  options.time_limit = std::max(run.time_limit - run.watch.seconds(), 1e-3);
+  options.s0 = std::move(s0);
+  return options;
+}
+
+}  // namespace
+
+void RunSolver::check() const {
+  const auto lone = processes != nullptr ? lone_process() : nullptr;
+  const SolveResult probe = solve_with(*this, ContactProblem{}, options, lone.get());
+  if (probe.status == SolveStatus::kInvalidInput) throw std::invalid_argument(probe.message);
+}
+
+SolveResult RunSolver::solve(const ContactProblem& problem, Vector s0) const {
+  return solve_with(*this, problem, options_now(*this, std::move(s0)), processes);
+}
+
+PieceResult RunSolver::solve(const ProblemPiece& piece, const Vector& s0) const {
+  return distributed_solve(solver, piece, options_now(*this, s0), *processes,
+                           {.reproducible = reproducible, .contact_places = {}});
 }
 
 StopTest parse_stop_test(const std::string& name) {

@@ -1,17 +1,38 @@
 #pragma once
 
+#include <string>
+
+#include "core/base/stopwatch.h"
 #include "core/motion/time_stepping.h"
+#include "solvers/parallel/distributed_solve.h"
 #include "solvers/solver.h"
 
 namespace bipot {
 
 /// A StepSolver for the time stepper: runs `entry` with `options` on every step's problem, from the
-/// start that the stepper hands over. Failed: kNumericalFailure, kDiverged; refused: kInvalidInput;
-/// cut short: kTimeLimit, kInterrupted; converged: the successful statuses.
+/// given start. Failed: kNumericalFailure, kDiverged; refused: kInvalidInput; cut short:
+/// kTimeLimit, kInterrupted; converged: the successful statuses.
 StepSolver make_step_solver(const SolverEntry& entry, SolverOptions options);
 
-/// What a time stepper is told of a solve.
+/// Converts the result of a solve for a time stepper.
 StepSolution to_step_solution(SolveResult result);
+
+/// The solver of the steps of a run, and its time.
+struct RunSolver {
+  std::string solver;                 ///< name
+  SolverOptions options;              ///< without start and time limit
+  Stopwatch watch;                    ///< since the run began
+  double time_limit = kInfinity;      ///< by this watch                                   [s]
+  ProcessGroup* processes = nullptr;  ///< all of these together; null: this process alone
+  bool reproducible = false;          ///< exact sums: the same bits for any number of processes
+
+  /// Throws std::invalid_argument if the solver refuses the options for every problem.
+  void check() const;
+  /// All processes have the same whole problem.
+  SolveResult solve(const ContactProblem& problem, Vector s0) const;
+  /// Each process has its part of the problem.
+  PieceResult solve(const ProblemPiece& piece, const Vector& s0) const;
+};
 
 /// The stop test of that name. Throws std::invalid_argument for an unknown one.
 StopTest parse_stop_test(const std::string& name);

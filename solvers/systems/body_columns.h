@@ -23,9 +23,6 @@ class BodyColumns {
   /// contact.
   void add(int j, const double* blocks, const FrontColumn& to) const;
 
-  /// g = G s - A v, with s = impulse(contact, Gᵀ v at it), in one pass over H.
-  template <int D, class Impulse>
-  void residual(const Vector& v, const Impulse& impulse, Vector& g) const;
   /// g = G s: m -> n. No allocation if g has its size.
   void momentum(const Vector& s, Vector& g) const;
   /// The rows of Gᵀ v of one contact; D is the problem's.
@@ -50,24 +47,5 @@ class BodyColumns {
   const Vector& scale_;
   ContactsOfDofs contacts_;
 };
-
-template <int D, class Impulse>
-void BodyColumns::residual(const Vector& v, const Impulse& impulse, Vector& g) const {
-  g.setZero(v.size());
-  for (int j = 0; j < problem_.num_dofs(); ++j) {
-    for (SparseMatrix::InnerIterator it(problem_.A, j); it; ++it) {
-      g[it.row()] -= it.value() * v[j];
-    }
-  }
-  for (int c = 0; c < problem_.num_contacts(); ++c) {
-    const Local<D> s = impulse(c, velocity<D>(c, v));
-    for (int a = 0; a < D; ++a) {
-      const double push = scale_[c * D + a] * s[a];
-      for (SparseMatrix::InnerIterator it(problem_.H, c * D + a); it; ++it) {
-        g[it.row()] += it.value() * push;
-      }
-    }
-  }
-}
 
 }  // namespace bipot

@@ -2,7 +2,6 @@
 
 #include <vector>
 
-#include "core/base/mapped_memory.h"
 #include "core/linear/frontal_tree.h"
 #include "core/problem/contact_problem.h"
 
@@ -20,7 +19,7 @@ struct ContactsOfDofs {
 /// and column i are dofs[i]. `dofs` is ascending and includes all dofs that contacts act on.
 /// Couplings of A with other dofs are left out.
 struct BodyPattern {
-  MappedVector<int> start, row;
+  std::vector<int> start, row;
 
   BodyPattern(const ContactProblem& problem, const ContactsOfDofs& contacts,
               const std::vector<int>& dofs);

@@ -7,9 +7,9 @@
 namespace bipot {
 
 /// K = A + G R Gᵀ in the degrees of freedom of the bodies, with G = H diag(scale). R is
-/// block-diagonal (one d x d block for each contact, in units of W⁻¹). Eliminating the contacts from
-/// W + R⁻¹ gives K, in the units of A if scale is 1. The pattern is made once; values are assembled
-/// in place.
+/// block-diagonal (one d x d block for each contact, in units of W⁻¹). Eliminating the contacts
+/// from W + R⁻¹ gives K, in the units of A if scale is 1. The pattern is made once; values are
+/// assembled in place.
 class BodySystem {
  public:
   /// Degrees of freedom that contacts act on, ascending.

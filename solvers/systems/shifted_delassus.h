@@ -43,8 +43,6 @@ class ShiftedDelassus {
   const SparseMatrix& matrix() const { return body_form_ ? body_->matrix() : matrix_; }
   /// The blocks R of the last factor.
   const std::vector<double>& blocks() const { return R_; }
-  /// True for the body form, also if it was chosen by kAuto.
-  bool body_form() const { return body_form_; }
 
  private:
   void build_contact_pattern();

@@ -3,14 +3,11 @@
 #include "solvers/systems/every_width.h"
 
 namespace bipot {
-namespace {
-
-template <class Real>
-[[gnu::always_inline]] inline void subtract_all(double* __restrict x, const Real* const* column,
-                                                const double* weight, int count, int n) {
+BIPOT_EVERY_WIDTH void subtract_columns(double* __restrict x, const double* const* column,
+                                        const double* weight, int count, int n) {
   int k = 0;
   for (; k + 8 <= count; k += 8, column += 8, weight += 8) {
-    const Real* const __restrict a = column[0], * const __restrict b = column[1], * const __restrict c = column[2], * const __restrict d = column[3], * const __restrict e = column[4], * const __restrict f = column[5], * const __restrict g = column[6], * const __restrict h = column[7];
+    const double* const __restrict a = column[0], * const __restrict b = column[1], * const __restrict c = column[2], * const __restrict d = column[3], * const __restrict e = column[4], * const __restrict f = column[5], * const __restrict g = column[6], * const __restrict h = column[7];
     const double wa = weight[0], wb = weight[1], wc = weight[2], wd = weight[3], we = weight[4],
                  wf = weight[5], wg = weight[6], wh = weight[7];
     for (int i = 0; i < n; ++i) {
@@ -27,7 +24,7 @@ template <class Real>
     }
   }
   for (; k + 2 <= count; k += 2, column += 2, weight += 2) {
-    const Real* const __restrict a = column[0], * const __restrict b = column[1];
+    const double* const __restrict a = column[0], * const __restrict b = column[1];
     const double wa = weight[0], wb = weight[1];
     for (int i = 0; i < n; ++i) {
       double sum = x[i];
@@ -37,21 +34,10 @@ template <class Real>
     }
   }
   for (; k < count; ++k, ++column, ++weight) {
-    const Real* const __restrict a = column[0];
+    const double* const __restrict a = column[0];
     const double wa = weight[0];
     for (int i = 0; i < n; ++i) x[i] -= wa * a[i];
   }
-}
-
-}  // namespace
-
-BIPOT_EVERY_WIDTH void subtract_columns(double* x, const double* const* column,
-                                        const double* weight, int count, int n) {
-  subtract_all(x, column, weight, count, n);
-}
-BIPOT_EVERY_WIDTH void subtract_columns(double* x, const float* const* column, const double* weight,
-                                        int count, int n) {
-  subtract_all(x, column, weight, count, n);
 }
 
 }  // namespace bipot

@@ -7,7 +7,5 @@ namespace bipot {
 /// bits, and the widest of the machine are used. 16 flops for each load and store of x.
 void subtract_columns(double* x, const double* const* column, const double* weight, int count,
                       int n);
-void subtract_columns(double* x, const float* const* column, const double* weight, int count,
-                      int n);
 
 }  // namespace bipot

@@ -4,17 +4,6 @@
 
 #include "tests/fuzz/problem_fuzz.h"
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#include <pthread.h>
-#include <sanitizer/common_interface_defs.h>
-
-// The child in which a reading is rehearsed may die; the fuzzer is not to keep that as a finding.
-[[maybe_unused]] static const int kForked =
-    pthread_atfork(nullptr, nullptr, [] { __sanitizer_set_death_callback(nullptr); });
-#endif
-#endif
-
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   constexpr std::uint8_t kSignature[] = {0x89, 'H', 'D', 'F', '\r', '\n', 0x1a, '\n'};
   std::vector<std::uint8_t> file(data, data + size);

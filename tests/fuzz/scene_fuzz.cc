@@ -1,4 +1,5 @@
-// Any bytes as a scene file: a scene of disks or spheres that validates, or one of the two refusals.
+// Any bytes as a scene file: a scene of disks or spheres that validates, or one of the two
+// refusals.
 #include <cstdint>
 #include <cstdlib>
 #include <stdexcept>

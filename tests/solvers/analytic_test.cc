@@ -34,7 +34,7 @@ Bounces bounce(double e_n, double h) {
   scene.num_steps = static_cast<int>(std::ceil(0.5 / h));
   Bounces result;
   bool touched = false;
-  run_scene(scene, [&](const State<2>& state, const StepReport<2>& report) {
+  solved_run(scene, [&](const State<2>& state, const StepReport<2>& report) {
     const Disk& ball = state.bodies[0];
     const double gap = ball.x[1] - ball.radius;
     if (report.active > 0) {
@@ -80,7 +80,7 @@ TEST(Table1, HeightConvergesWithTheTimeStep) {
 TEST(Table2, CylinderSlidesThenRollsAtTwoThirds) {
   Scene<2> scene = shipped("sliding_cylinder");
   double rolls_from = -1;
-  const State<2> end = run_scene(scene, [&](const State<2>& state, const StepReport<2>&) {
+  const State<2> end = solved_run(scene, [&](const State<2>& state, const StepReport<2>&) {
     if (rolls_from < 0 && state.contacts.at(0).status == ContactStatus::kStick) {
       rolls_from = state.time;
     }
@@ -93,7 +93,7 @@ TEST(Table2, CylinderSlidesThenRollsAtTwoThirds) {
 TEST(SquareLattice, FrictionlessColumnsCarryTheirWeight) {
   const Scene<2> scene = shipped("square_lattice");
   const double weight = scene.bodies[0].mass * kG;
-  const State<2> end = run_scene(scene, [&](const State<2>& state, const StepReport<2>& report) {
+  const State<2> end = solved_run(scene, [&](const State<2>& state, const StepReport<2>& report) {
     EXPECT_EQ(report.contacts, 10 * 10 + 10 * 9 + 2 * 10);
     for (const ContactOutcome<2>& c : state.contacts) {
       const bool vertical = std::abs(c.contact.n[1]) > 0.5;
@@ -113,7 +113,7 @@ TEST(SquareLattice, WithFrictionEveryDiskIsInEquilibrium) {
   Scene<2> scene = shipped("square_lattice");
   scene.laws[0].mu = 0.3;
   scene.num_steps = 1;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   const double load = scene.bodies[0].mass * kG * scene.step;
   std::vector<Vec2> force(scene.bodies.size(), Vec2(0, -load));
   std::vector<double> moment(scene.bodies.size(), 0.0);
@@ -155,7 +155,7 @@ TEST(Ledger, EnergyAndMomentumCloseToRoundOff) {
   const State<2> start = initial_state(scene);
   double initial = 0;
   for (const Disk& d : start.bodies) initial += d.mass * kG * d.x[1];
-  run_scene(scene, [&](const State<2>&, const StepReport<2>& r) {
+  solved_run(scene, [&](const State<2>&, const StepReport<2>& r) {
     scale = std::max({scale, r.energy.kinetic, std::abs(r.energy.potential)});
     momentum_scale = std::max(momentum_scale, r.momentum.norm());
     active = std::max(active, r.active);

@@ -37,8 +37,6 @@ struct Variant {
 std::vector<Variant> variants() {
   return {{"uzawa", {}},
           {"uzawa", {{"refresh", "gauss-seidel"}}},
-          {"uzawa", {{"rho", "adaptive"}}},
-          {"uzawa", {{"rho", "adaptive"}, {"refresh", "gauss-seidel"}}},
           {"classical", {}},
           {"classical", {{"refresh", "gauss-seidel"}}},
           {"pgs", {}},
@@ -54,8 +52,7 @@ std::vector<Variant> variants() {
           {"anderson", {}},
           {"anderson", {{"map", "gradient"}, {"memory", "4"}}},
           {"admm", {}},
-          {"admm", {{"penalty", "balanced"}, {"rho", "0.1"}}},
-          {"admm", {{"penalty", "fixed"}, {"rho", "0.1"}}}};
+          {"admm", {{"rho", "0.1"}}}};
 }
 
 void PrintTo(const Variant& variant, std::ostream* out) { *out << variant.name(); }

@@ -12,7 +12,8 @@
 namespace bipot {
 namespace {
 
-/// One body of 1 kg with three contacts that push to both sides, u = v, -v, v; and another that a wall stops, s = 1 N s.
+/// One body of 1 kg with three contacts that push to both sides, u = v, -v, v; and another that a
+/// wall stops, s = 1 N s.
 ContactProblem pushed_to_both_sides() {
   ContactProblem p;
   p.dim = 1;
@@ -77,8 +78,8 @@ TEST(ProvedClaim, AStartThatOnlyRoundingSupportsIsSolvedOn) {
   }
 }
 
-// The last thousandth of the tolerance counts: ε = 20 δ - 10 δ² for one contact of 1 kg, b = -1, s = 1 - δ
-// (G = δ (1 - δ), V = δ²/2, E = 1/2), and η = sqrt(10) δ is less.
+// The last thousandth of the tolerance counts: ε = 20 δ - 10 δ² for one contact of 1 kg, b = -1, s
+// = 1 - δ (G = δ (1 - δ), V = δ²/2, E = 1/2), and η = sqrt(10) δ is less.
 TEST(ProvedClaim, HasNoGrace) {
   ContactProblem p;
   p.dim = 1;

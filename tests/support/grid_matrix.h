@@ -3,15 +3,15 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/portable_random.h"
 #include "core/base/types.h"
-#include "tests/support/draw.h"
 
 namespace bipot {
 
 /// A grid of side x side nodes with `block` unknowns each, every node coupled to its eight
 /// neighbours by blocks without symmetry; `diagonal` added to the diagonal.
 inline SparseMatrix grid_matrix(int side, int block, unsigned seed, double diagonal) {
-  Draw draw(seed);
+  PortableRandom draw(seed);
   std::vector<Eigen::Triplet<double>> entries;
   for (int a = 0; a < side * side; ++a) {
     for (int b = 0; b < side * side; ++b) {

@@ -11,8 +11,8 @@ namespace bipot {
 namespace {
 
 constexpr int kSide = 120, kAttempts = 7;
-// Where the bounds of 0.2 s were set, the longest silences of newton, lemke, ipm and ppa were 0.14 to
-// 0.19 s; they are 0.26 to 0.29 s on a machine that takes 0.055 s for the grid below.
+// Where the bounds of 0.2 s were set, the longest silences of newton, lemke, ipm and ppa were 0.14
+// to 0.19 s; they are 0.26 to 0.29 s on a machine that takes 0.055 s for the grid below.
 constexpr double kNominalSeconds = 0.030;
 
 /// Laplacian of a square grid.

@@ -1,15 +1,15 @@
 #include "tests/support/manufactured.h"
 
+#include "core/base/portable_random.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
-#include "tests/support/draw.h"
 
 namespace bipot {
 namespace {
 
 template <int D>
 Manufactured make(int bodies, int contacts, unsigned seed, double mu) {
-  Draw draw(seed);
+  PortableRandom draw(seed);
   constexpr int K = D == 3 ? 6 : (D == 2 ? 3 : 2);
   const int n = bodies * K, m = contacts * D;
   Manufactured out;

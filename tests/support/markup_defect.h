@@ -8,9 +8,9 @@
 
 namespace bipot {
 
-/// What is wrong with a piece of XML or a page, empty when nothing: tags that do not match, a bare &
-/// or <, an attribute without quotes or twice in a tag. Of pages, some tags need no end, and style
-/// and script are not read.
+/// What is wrong with a piece of XML or a page, empty when nothing: tags that do not match, a bare
+/// & or <, an attribute without quotes or twice in a tag. Of pages, some tags need no end, and
+/// style and script are not read.
 inline std::string markup_defect(std::string_view xml) {
   std::vector<std::string> open;
   for (std::size_t i = 0; i < xml.size();) {

@@ -9,8 +9,8 @@
 
 namespace bipot {
 
-/// parse(text) must throw SceneFileError with a message that begins with the file's name, test.toml,
-/// and holds every one of `parts`.
+/// parse(text) must throw SceneFileError with a message that begins with the file's name,
+/// test.toml, and holds every one of `parts`.
 template <class Parse>
 void expect_scene_refused(const Parse& parse, const std::string& text,
                           std::initializer_list<const char*> parts) {

@@ -3,36 +3,39 @@
 #include <gtest/gtest.h>
 
 #include "solvers/registry.h"
+#include "solvers/simulation/scene_run.h"
 #include "solvers/simulation/step_solver.h"
 
 namespace bipot {
 
 template <int D>
-State<D> run_scene(
+State<D> solved_run(
     const Scene<D>& scene,
     const std::type_identity_t<std::function<void(const State<D>&, const StepReport<D>&)>>& on_step,
     const std::string& solver) {
-  const SolverEntry* entry = find_solver(solver.empty() ? scene.solver.name : solver);
-  EXPECT_NE(entry, nullptr);
-  SolverOptions options;
-  options.tol = scene.solver.tol;
-  options.max_iterations = scene.solver.max_iterations;
-  if (solver.empty()) options.parameters = scene.solver.parameters;
-  TimeStepper<D> stepper(scene, make_step_solver(*entry, options), entry->needs_delassus);
+  const SolverEntry& entry = require_solver(solver.empty() ? scene.solver.name : solver);
+  SolverOptions options = to_options(scene.solver);
+  if (!solver.empty()) options.parameters.clear();
+  SceneRunOptions<D> run;
+  run.solver = make_step_solver(entry, options);
+  run.explicit_delassus = entry.needs_delassus;
+  run.on_step = [&](const SceneStep<D>& step) {
+    EXPECT_TRUE(step.report.converged)
+        << "step " << step.report.step << ": " << step.report.message;
+    if (on_step) on_step(step.state, step.report);
+    return true;
+  };
   State<D> state = initial_state(scene);
-  for (int step = 0; step < scene.num_steps; ++step) {
-    const StepReport<D> report = stepper.advance(state);
-    EXPECT_TRUE(report.converged) << "step " << report.step << ": " << report.message;
-    if (on_step) on_step(state, report);
-  }
+  const SceneRun<D> done = run_scene(scene, state, run);
+  if (done.failure) throw *done.failure;
   return state;
 }
 
-template State<2> run_scene<2>(const Scene<2>&,
-                               const std::function<void(const State<2>&, const StepReport<2>&)>&,
-                               const std::string&);
-template State<3> run_scene<3>(const Scene<3>&,
-                               const std::function<void(const State<3>&, const StepReport<3>&)>&,
-                               const std::string&);
+template State<2> solved_run<2>(const Scene<2>&,
+                                const std::function<void(const State<2>&, const StepReport<2>&)>&,
+                                const std::string&);
+template State<3> solved_run<3>(const Scene<3>&,
+                                const std::function<void(const State<3>&, const StepReport<3>&)>&,
+                                const std::string&);
 
 }  // namespace bipot

@@ -35,8 +35,9 @@ class Command : public ::testing::Test {
   std::filesystem::path folder_;
 };
 
-/// Runs bipot and interrupts it after a second; again after twenty if it lives, as a shell's children in
-/// the background ignore SIGINT until they ask for it themselves. (A second one ends it at once.)
+/// Runs bipot and interrupts it after a second; again after twenty if it lives, as a shell's
+/// children in the background ignore SIGINT until they ask for it themselves. (A second one ends it
+/// at once.)
 inline Outcome interrupted(const std::string& arguments) {
   return bipot(arguments +
                " >/dev/null & p=$!; sleep 1; kill -INT $p; for k in $(seq 600); do sleep 0.1; "

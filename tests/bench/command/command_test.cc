@@ -525,9 +525,15 @@ TEST_F(Command, ValidateLeavesAPageAndAnExitCode) {
   EXPECT_NE(out.out.find("disk_rolls"), std::string::npos) << out.out;
   EXPECT_NE(out.out.find("groove_interval"), std::string::npos) << out.out;
   EXPECT_EQ(out.out.find("sphere_"), std::string::npos) << out.out;
-  for (const char* name : {"index.html", "validate.csv", "verdicts.csv", "errors_1.svg"}) {
+  for (const char* name :
+       {"index.html", "validate.json", "validate.csv", "verdicts.csv", "errors_1.svg"}) {
     EXPECT_GT(fs::file_size(folder_ / "out" / name), 100u) << name;
   }
+  const Outcome told = bipot("validate --quick --only groove_interval --json -");
+  const json claim = json::parse(told.out)["items"][0]["numbers"][0];  // nothing else is printed
+  EXPECT_EQ(claim["name"], "groove_interval");
+  EXPECT_EQ(claim["holds"], true);
+  EXPECT_FALSE(claim["source"].empty());
   EXPECT_EQ(bipot("validate --only no_such_row").exit_code, 2);
   EXPECT_EQ(bipot("validate --solver no_such_solver").exit_code, 2);
   // What does not hold is said, with the reason.

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 
-#include "bench/experiments/paper_report.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -23,13 +22,13 @@ TEST_P(PaperItemsQuick, ChecksHold) {
   const auto item = std::find_if(items.begin(), items.end(),
                                  [](const PaperItem& i) { return i.name == GetParam(); });
   ASSERT_NE(item, items.end());
-  PaperResult result = item->run(context);
+  Findings result = item->run(context);
   complete(result, "bipot paper");
   EXPECT_FALSE(result.paper.empty());
   EXPECT_FALSE(result.ours.empty());
-  EXPECT_FALSE(result.numbers.empty());
-  for (const PaperNumber& n : result.numbers) {
-    EXPECT_NE(n.holds, std::optional<bool>(false)) << n.meaning << ": " << n.value;
+  EXPECT_FALSE(result.claims.empty());
+  for (const Claim& n : result.claims) {
+    EXPECT_NE(n.holds, std::optional<bool>(false)) << n.quantity << ": " << n.measured;
   }
 }
 

@@ -29,17 +29,17 @@ ContactProblem two_contacts() {
 }
 
 TEST(PeerNaturalMap, IsTheOneByHand) {
-  // w = (2 + 6) / 2 = 4. With s = (2, 0; 0, 0): u = (0, 0.5; 1, 0), û = (0.25, 0.5; 1, 0).
-  // Contact 0: s - û / 4 = (1.9375, -0.125), inside the cone (0.125 <= 0.96875): off by (0.0625, 0.125).
-  // Contact 1: -û / 4 = (-0.25, 0) lies in the polar cone: 0, no residual.
-  // ‖s‖ = 2; ‖b‖ / w = sqrt(17.25) / 4 = 1.04; ‖u‖ / w = sqrt(1.25) / 4: the impulse is the scale.
+  // w = (2 + 6) / 2 = 4. With s = (2, 0; 0, 0): u = (0, 0.5; 1, 0), û = (0.25, 0.5; 1, 0). Contact
+  // 0: s - û / 4 = (1.9375, -0.125), inside the cone (0.125 <= 0.96875): off by (0.0625, 0.125).
+  // Contact 1: -û / 4 = (-0.25, 0) lies in the polar cone: 0, no residual. ‖s‖ = 2; ‖b‖ / w =
+  // sqrt(17.25) / 4 = 1.04; ‖u‖ / w = sqrt(1.25) / 4: the impulse is the scale.
   EXPECT_NEAR(peer_natural_map(two_contacts(), vec({2, 0, 0, 0})),
               std::sqrt(0.0625 * 0.0625 + 0.125 * 0.125) / 2, 1e-15);
 }
 
 TEST(PeerNaturalMap, OfNoImpulseIsMeasuredAgainstTheFreeVelocity) {
-  // s = 0: û / 4 of contact 0 = (-4 + 0.25, 0.5) / 4, its negative (0.9375, -0.125) inside the cone;
-  // contact 1 opens. ‖b‖ = ‖u‖.
+  // s = 0: û / 4 of contact 0 = (-4 + 0.25, 0.5) / 4, its negative (0.9375, -0.125) inside the
+  // cone; contact 1 opens. ‖b‖ = ‖u‖.
   EXPECT_NEAR(peer_natural_map(two_contacts(), Vector::Zero(4)),
               std::hypot(0.9375, 0.125) / (std::sqrt(17.25) / 4), 1e-15);
 }

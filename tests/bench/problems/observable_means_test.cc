@@ -53,7 +53,7 @@ void run_in_parts(const Scene<D>& scene, const std::filesystem::path& folder,
     State<D> state = done == 0 ? initial_state(scene) : read_state<D>(folder);
     ASSERT_EQ(state.step, done);
     options.resume = done > 0;
-    run_scene_into(scene, state, {.steps = stop - done}, options);
+    run_scene(scene, state, {.steps = stop - done, .folder = options});
     done = stop;
   }
 }
@@ -61,8 +61,9 @@ void run_in_parts(const Scene<D>& scene, const std::filesystem::path& folder,
 constexpr const char* kFiles[] = {"observables.csv",  "observables_mean.csv", "profile.csv",
                                   "profile_mean.csv", "forces.csv",           "forces_mean.csv"};
 
-// Stops before the window of the means (at 40), in it on a step that is measured (75), in it on one that is not (100):
-// the means, and every row that they are made of, are the same to the last digit.
+// Stops before the window of the means (at 40), in it on a step that is measured (75), in it on one
+// that is not (100): the means, and every row that they are made of, are the same to the last
+// digit.
 TEST(ObservableMeans, AreTheSameWhetherARunWasRestartedOrNot) {
   const TemporaryFolder folder;
   const Scene<2> scene = measured_scene();
@@ -143,7 +144,8 @@ radius = 0.1
   EXPECT_GT(level, hole);
 }
 
-// A run that was stopped short and goes on has means of its own meanwhile: those of what it has measured.
+// A run that was stopped short and goes on has means of its own meanwhile: those of what it has
+// measured.
 TEST(ObservableMeans, AreThoseOfTheWindowAlone) {
   const TemporaryFolder folder;
   Scene<2> scene = measured_scene();
@@ -166,7 +168,8 @@ TEST(ObservableMeans, AreThoseOfTheWindowAlone) {
     }
     return true;
   };
-  run_scene_into(scene, state, run, options);
+  run.folder = options;
+  run_scene(scene, state, run);
   ASSERT_GT(measured, 10);
   const std::string means = text_of(options.folder / "observables_mean.csv");
   const std::size_t at = means.find("coordination_without_rattlers");

@@ -6,10 +6,10 @@
 #include "bench/problems/scene_catalogue.h"
 #include "core/files/hdf5_file.h"
 #include "core/run_files/run_reader.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/simulation/run_folder.h"
 #include "solvers/simulation/scene_run.h"
-#include "tests/support/scene_parts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -17,12 +17,13 @@ namespace {
 
 /// Spheres that fall into a turning drum and onto each other, with a plate that comes down.
 Scene<3> spheres_in_a_drum(int steps) {
-  Scene<3> scene = one_law_in_space({.mu = 0.4, .e_n = 0.1, .e_t = 0.1});
+  Scene<3> scene = one_law<3>({.mu = 0.4, .e_n = 0.1, .e_t = 0.1});
   scene.title = "drum";
   scene.gravity = Vec3(0, 0, -9.81);
   for (int k = 0; k < 12; ++k) {
-    scene.bodies.push_back(ball(Vec3(0.3 * (k % 3 - 1), 0.3 * (k / 3 % 2), 0.35 * (k / 6) - 0.4),
-                                k % 2 == 0 ? 0.14 : 0.12, Vec3(0, 0, -1), 1, Vec3(3, 1, k)));
+    scene.bodies.push_back(
+        round_body<3>(Vec3(0.3 * (k % 3 - 1), 0.3 * (k / 3 % 2), 0.35 * (k / 6) - 0.4),
+                      k % 2 == 0 ? 0.14 : 0.12, 1, Vec3(0, 0, -1), Vec3(3, 1, k)));
   }
   Wall<3> drum;
   drum.name = "drum";
@@ -30,14 +31,14 @@ Scene<3> spheres_in_a_drum(int steps) {
   drum.normal = Vec3::UnitY();
   drum.radius = 0.8;
   drum.spin = 1;
-  Wall<3> plate = half_space(Vec3(0, 0, 0.3), -Vec3::UnitZ());
+  Wall<3> plate = half_space<3>(Vec3(0, 0, 0.3), -Vec3::UnitZ());
   plate.name = "plate";
   plate.motion = Wall<3>::Motion::kDriven;
   plate.direction = -Vec3::UnitZ();
   plate.force = 20;
   plate.mass = 3;
-  scene.walls = {drum, half_space(Vec3(0, -0.2, 0), Vec3::UnitY()),
-                 half_space(Vec3(0, 0.5, 0), -Vec3::UnitY()), plate};
+  scene.walls = {drum, half_space<3>(Vec3(0, -0.2, 0), Vec3::UnitY()),
+                 half_space<3>(Vec3(0, 0.5, 0), -Vec3::UnitY()), plate};
   scene.step = 2e-3;
   scene.num_steps = steps;
   scene.contact_distance = 1e-7;
@@ -71,7 +72,8 @@ void expect_same(const State<3>& a, const State<3>& b) {
   for (std::size_t k = 0; k < a.walls.size(); ++k) EXPECT_EQ(a.walls[k].a, b.walls[k].a);
 }
 
-// The ledger closes though the drum does work, and what comes back from the files goes on bit for bit.
+// The ledger closes though the drum does work, and what comes back from the files goes on bit for
+// bit.
 TEST(SphereRun, GoesOnFromItsFilesBitForBit) {
   const TemporaryFolder folder;
   const Scene<3> scene = spheres_in_a_drum(200);
@@ -95,7 +97,9 @@ TEST(SphereRun, GoesOnFromItsFilesBitForBit) {
   State<3> part = initial_state(scene);
   options.on_step = {};
   options.steps = 90;
-  run_scene_into(scene, part, options, files);
+  options.folder = files;
+  run_scene(scene, part, options);
+  options.folder = {};
   State<3> read = read_state<3>(files.folder);
   expect_same(read, part);
   EXPECT_EQ(restart_mismatch(scene, read), "");
@@ -111,7 +115,7 @@ TEST(SphereRun, WritesWhatParaViewAndPeopleLookAt) {
   State<3> state = initial_state(scene);
   RunFolderOptions files;
   files.folder = folder.path() / "run";
-  run_scene_into(scene, state, {}, files);
+  run_scene(scene, state, {.folder = files});
   for (const char* name : {"forces.svg", "forces.png", "slice.svg", "slice.png", "stress.svg",
                            "run.xdmf", "ledger.csv", "trajectory.csv"}) {
     EXPECT_TRUE(std::filesystem::exists(files.folder / name)) << name;

@@ -4,17 +4,19 @@
 
 #include <cmath>
 
+#include "core/scene/scene_parts.h"
 #include "solvers/simulation/scene_stepper.h"
-#include "tests/support/scene_parts.h"
+#include "solvers/simulation/split_step.h"
 
 namespace bipot {
 namespace {
 
-/// A disk of 0.5 m at 10 m/s above a floor, in steps of 0.01 s: 0.1 m a step, a fifth of the radius.
+/// A disk of 0.5 m at 10 m/s above a floor, in steps of 0.01 s: 0.1 m a step, a fifth of the
+/// radius.
 Scene<2> fall() {
-  Scene<2> scene = one_law({.mu = 0.3});
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.647), 0.5, Vec2(0, -10))};
+  Scene<2> scene = one_law<2>({.mu = 0.3});
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.647), 0.5, 2, Vec2(0, -10))};
   scene.step = 0.01;
   scene.num_steps = 10;
   scene.solver.name = "auto";
@@ -53,8 +55,9 @@ TEST(Travel, ALandingOverlapsByWhatAPartGoesAndRestTakesWholeSteps) {
     }
     EXPECT_EQ(state.step, 10);
     EXPECT_DOUBLE_EQ(state.time, 0.1);
-    // The gap, 0.147 m, in the middle of the steps: 0.097, -0.003 m: the disk is held there. In parts of 0.025 m
-    // the middles are at 0.1345 m less 0.025 m each, the sixth at 0.0095, the seventh at -0.0155 m.
+    // The gap, 0.147 m, in the middle of the steps: 0.097, -0.003 m: the disk is held there. In
+    // parts of 0.025 m the middles are at 0.1345 m less 0.025 m each, the sixth at 0.0095, the
+    // seventh at -0.0155 m.
     EXPECT_NEAR(state.bodies[0].x[1] - 0.5, travel > 0 ? -0.0155 : -0.003, 1e-12);
     EXPECT_NEAR(state.bodies[0].v[1], 0, 1e-12);
     EXPECT_NEAR(state.shock_loss, 100, 1e-9);
@@ -65,8 +68,8 @@ TEST(Travel, ALandingOverlapsByWhatAPartGoesAndRestTakesWholeSteps) {
 }
 
 TEST(Travel, AFastWallIsCutAsAFastDisk) {
-  // The same landing in two frames, with a gap of 0.18 m; g = 0. The middles of the quarters, at 0.18 - 0.0125 -
-  // 0.025 k m, end 0.0075 m inside.
+  // The same landing in two frames, with a gap of 0.18 m; g = 0. The middles of the quarters, at
+  // 0.18 - 0.0125 - 0.025 k m, end 0.0075 m inside.
   double overlap[2];
   for (const bool wall_moves : {false, true}) {
     Scene<2> scene = fall();

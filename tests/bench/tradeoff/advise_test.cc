@@ -61,7 +61,8 @@ TEST(Advise, OverStretchesNothingBelowTheSpreadOfExactRunsIsPaidFor) {
   const Advice still = advise(lattice(), quick(1e-2));
   EXPECT_LE(still.stretch_spread.force, 1e-4);
   EXPECT_EQ(still.message.find("same stretches"), std::string::npos) << still.message;
-  // 64 disks poured into a tilted box: steps with several exact answers, each the start of the next.
+  // 64 disks poured into a tilted box: steps with several exact answers, each the start of the
+  // next.
   Scene<2> heap = make_moving_scene("tilt", 8, {.seed = 3});
   AdviseOptions options = quick(1e-6);
   options.solvers = {{"auto", "auto", {}}};

@@ -6,12 +6,12 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/portable_random.h"
 #include "core/base/types.h"
 #include "core/motion/assembly.h"
 #include "core/problem/coulomb_cone.h"
 #include "core/problem/delassus.h"
 #include "core/scene/contact_detection.h"
-#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/naive_error.h"
 
@@ -38,14 +38,14 @@ ContactProblem one_contact(const Vector& w, const Vector& b, double mu) {
                        Vector::Constant(1, mu));
 }
 
-Vector random_impulse(int dim, int contacts, Draw& draw) {
+Vector random_impulse(int dim, int contacts, PortableRandom& draw) {
   Vector s(dim * contacts);
   for (Eigen::Index k = 0; k < s.size(); ++k) s[k] = 2 * draw.symmetric();
   for (int c = 0; c < contacts; ++c) s[c * dim] += 1;
   return s;
 }
 
-void add_random_scale(ContactProblem& p, Draw& draw) {
+void add_random_scale(ContactProblem& p, PortableRandom& draw) {
   p.row_scale.resize(p.num_rows());
   for (int c = 0; c < p.num_contacts(); ++c) {
     p.row_scale[c * p.dim] = std::sqrt(1 + draw.uniform());
@@ -64,7 +64,7 @@ void expect_same(const ContactError& a, const ContactError& b, double relative) 
 TEST(ContactError, EqualsThePapersWhereNothingPenetratesAndFrictionDissipates) {
   int compared = 0;
   for (unsigned seed = 1; seed <= 300; ++seed) {
-    Draw draw(seed);
+    PortableRandom draw(seed);
     const int dim = 2 + seed % 2;
     Manufactured m = manufactured_problem(dim, 6, 8, seed);
     ContactProblem& p = m.problem;
@@ -86,12 +86,12 @@ TEST(ContactError, EqualsThePapersWhereNothingPenetratesAndFrictionDissipates) {
 
 TEST(ContactError, NaturalMapIsBoundedByTheRootOfEpsilon) {
   for (unsigned seed = 1; seed <= 1500; ++seed) {
-    Draw draw(seed);
+    PortableRandom draw(seed);
     const int dim = 1 + seed % 3;
-    Manufactured m = manufactured_problem(dim, 5, 7, seed, draw.log_between(0.05, 2));
+    Manufactured m = manufactured_problem(dim, 5, 7, seed, draw.decades(-1.3, 0.3));
     if (seed % 2 == 0) add_random_scale(m.problem, draw);
-    const Vector far = random_impulse(dim, 7, draw) * draw.log_between(1e-3, 1e3);
-    const Vector near = m.s + draw.log_between(1e-10, 1) * random_impulse(dim, 7, draw);
+    const Vector far = random_impulse(dim, 7, draw) * draw.decades(-3, 3);
+    const Vector near = m.s + draw.decades(-10, 0) * random_impulse(dim, 7, draw);
     for (const Vector& s : {far, near}) {
       const ContactError e = contact_error(m.problem, s);
       EXPECT_LE(e.eta, std::sqrt(e.epsilon) * (1 + 1e-9));
@@ -102,16 +102,16 @@ TEST(ContactError, NaturalMapIsBoundedByTheRootOfEpsilon) {
 
 TEST(ContactError, AgreesWithTheNaiveImplementation) {
   for (unsigned seed = 1; seed <= 300; ++seed) {
-    Draw draw(seed);
+    PortableRandom draw(seed);
     const int dim = 1 + seed % 3;
-    Manufactured m = manufactured_problem(dim, 5, 7, seed, draw.log_between(0.05, 2));
+    Manufactured m = manufactured_problem(dim, 5, 7, seed, draw.decades(-1.3, 0.3));
     if (seed % 2 == 0) add_random_scale(m.problem, draw);
     if (seed % 5 == 0) {  // W alone
       m.problem.A = m.problem.H = SparseMatrix();
       m.problem.v_free = Vector();
     }
     ASSERT_EQ(validate(m.problem), "");
-    const Vector s = m.s + draw.log_between(1e-3, 1e2) * random_impulse(dim, 7, draw);
+    const Vector s = m.s + draw.decades(-3, 2) * random_impulse(dim, 7, draw);
     const ContactError e = contact_error(m.problem, s);
     const NaiveError naive = naive_error(m.problem, s);
     EXPECT_NEAR(e.epsilon / naive.epsilon, 1, 1e-10);
@@ -129,7 +129,7 @@ TEST(ContactError, DoesNotDependOnUnits) {
   // Lengths x 1000, masses x 1000, times x 10: velocities x 100, impulses x 1e5, lever arms x 1000.
   const double length = 1000, mass = 1000, time = 10;
   for (unsigned seed = 1; seed <= 100; ++seed) {
-    Draw draw(seed);
+    PortableRandom draw(seed);
     const int dim = 1 + seed % 3;
     const int dofs = dim == 3 ? 6 : (dim == 2 ? 3 : 2), linear = dim == 3 ? 3 : 2;
     Manufactured m = manufactured_problem(dim, 5, 7, seed);
@@ -163,7 +163,7 @@ TEST(ContactError, DoesNotDependOnTheOrientationOfTheScene) {
   Scene<2> scene;
   scene.materials = {"m"};
   scene.laws = {{.mu = 0.4, .e_n = 0.3, .e_t = 0.8}};
-  Draw draw(5);
+  PortableRandom draw(5);
   std::vector<Disk> disks;
   for (int k = 0; k < 60; ++k) {
     Disk d;
@@ -205,7 +205,7 @@ TEST(ContactError, DoesNotDependOnTheOrientationOfTheScene) {
     const AssembledStep step =
         assemble_step(scene, d, w, detect_contacts(d, w, 0), v_free, wall_free, false);
     EXPECT_GT(step.problem.num_contacts(), 60);
-    Draw impulses(7);
+    PortableRandom impulses(7);
     return contact_error(step.problem, random_impulse(2, step.problem.num_contacts(), impulses));
   };
   const ContactError upright = evaluate(0);

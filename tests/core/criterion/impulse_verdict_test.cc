@@ -66,8 +66,8 @@ TEST(ImpulseVerdict, SaysThatAContactPulls) {
 }
 
 TEST(ImpulseVerdict, SaysThatAnImpulseLiesOutsideTheCone) {
-  // P(1, 0.8) = (1.12, 0.56), (1 + 0.5 * 0.8) / 1.25 = 1.12: off by (0.12, 0.24), energy 0.036. With
-  // b = -(1.12, 0.56) the projected impulse sticks: it is the solution.
+  // P(1, 0.8) = (1.12, 0.56), (1 + 0.5 * 0.8) / 1.25 = 1.12: off by (0.12, 0.24), energy 0.036.
+  // With b = -(1.12, 0.56) the projected impulse sticks: it is the solution.
   const ImpulseVerdict v = judge(one_contact(1, -1.12, -0.56), vec({1, 0.8}));
   EXPECT_LT(v.error.guarded(), 1e-12);
   const ContactFault f = v.worst.at(0).faults.at(0);
@@ -120,8 +120,8 @@ TEST(ImpulseVerdict, SaysThatFrictionDoesNotOppose) {
   EXPECT_EQ(along.kind, Kind::kNotOpposed);
   EXPECT_DOUBLE_EQ(along.size, 1.3);
   EXPECT_DOUBLE_EQ(along.energy, 0.5 * 1.3 + 0.5 * 1.3);
-  // In space: at right angles to the slip, u_t = (0, 0.8 + 0.5) and s_t = (0.5, 0) less the 0.5 that
-  // b_t takes away.
+  // In space: at right angles to the slip, u_t = (0, 0.8 + 0.5) and s_t = (0.5, 0) less the 0.5
+  // that b_t takes away.
   const ContactProblem p = one_contact_problem(3, 1, 1, 0.5, -1, vec({-0.5, 0.8}));
   const ContactFault across = only_fault(judge(p, vec({1, 0.5, 0})));
   EXPECT_EQ(across.kind, Kind::kNotOpposed);

@@ -63,8 +63,8 @@ TEST(RoundingBound, GrowsWithFrictionAndWithSelfStress) {
   const Manufactured rough = manufactured_problem(2, 6, 9, 3, 1e6);
   const double calm = rounding_bound(mild.problem, mild.s, Precision::kDouble).guarded();
   EXPECT_GT(rounding_bound(rough.problem, rough.s, Precision::kDouble).guarded(), 1e3 * calm);
-  // One body of 1 kg between two walls, s = (S + 1, S), b = (-1, 1): u = 0 exactly, E = 1/2 J whatever S.
-  // |s|ᵀ|W||s| = (2 S + 1)².
+  // One body of 1 kg between two walls, s = (S + 1, S), b = (-1, 1): u = 0 exactly, E = 1/2 J
+  // whatever S. |s|ᵀ|W||s| = (2 S + 1)².
   double previous = 0;
   for (const double stress : {1.0, 1e3, 1e6}) {
     ContactProblem p;
@@ -105,8 +105,8 @@ TEST(RoundingBound, IsSharedAsTheErrorIs) {
             1e-6 * alone.epsilon);
 }
 
-// A part with a millionth of the energy of the others: judged with them its rounding is nothing, and that counts,
-// whatever it is beside its own energy.
+// A part with a millionth of the energy of the others: judged with them its rounding is nothing,
+// and that counts, whatever it is beside its own energy.
 TEST(RoundingBound, TakesTheSmallerOfTwoFigures) {
   const Manufactured m = manufactured_problem(2, 6, 9, 3, 1e6);
   ErrorShare share;

@@ -31,7 +31,8 @@ TEST(DenseLu, SaysWhereThereIsNothingToSolve) {
 }
 
 TEST(LeastNormSolution, OfAllWithTheLeastResidualTheSmallest) {
-  // Both rows ask x1 + x2 = 2 and 4: the least residual has x1 + x2 = 3, the smallest is (3/2, 3/2).
+  // Both rows ask x1 + x2 = 2 and 4: the least residual has x1 + x2 = 3, the smallest is (3/2,
+  // 3/2).
   Eigen::MatrixXd A(2, 2);
   A << 1, 1, 1, 1;
   EXPECT_LT((least_norm_solution(A, Vec2(2, 4), 1e-12) - Vec2(1.5, 1.5)).norm(), 1e-14);

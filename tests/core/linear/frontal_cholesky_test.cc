@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tests/support/draw.h"
 #include "tests/support/grid_matrix.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {
@@ -22,7 +22,7 @@ SparseMatrix positive_definite_grid(int side, int block, unsigned seed) {
   return SparseMatrix(B * transposed) + one;
 }
 
-void expect_solves(const FrontalCholesky<double>& factor, const SparseMatrix& A) {
+void expect_solves(const FrontalCholesky& factor, const SparseMatrix& A) {
   const int n = static_cast<int>(A.cols());
   const Vector x = random_vector(n, 2);
   Vector found = A * x;
@@ -33,7 +33,7 @@ void expect_solves(const FrontalCholesky<double>& factor, const SparseMatrix& A)
 
 /// Sizes from one front to hundreds, with AMD and (the last) with METIS orders; one object for all.
 TEST(FrontalCholesky, SolvesWithOtherValuesAndOtherPatterns) {
-  FrontalCholesky<double> factor;
+  FrontalCholesky factor;
   for (const auto& [side, block] : {std::pair{1, 1}, {1, 3}, {2, 3}, {5, 1}, {20, 3}, {66, 1}}) {
     SparseMatrix A = positive_definite_grid(side, block, 7);
     ASSERT_TRUE(factor.factor(A)) << side;
@@ -48,7 +48,7 @@ TEST(FrontalCholesky, SolvesWithOtherValuesAndOtherPatterns) {
 TEST(FrontalCholesky, RefusesIndefiniteAndNonFiniteMatricesAndRecovers) {
   const SparseMatrix good = positive_definite_grid(12, 2, 3);
   const int n = static_cast<int>(good.cols());
-  FrontalCholesky<double> factor;
+  FrontalCholesky factor;
   Vector x;
   EXPECT_THROW(factor.solve(Vector::Zero(n), x), std::logic_error);
   for (const int k : {0, n / 3, n - 1}) {
@@ -64,32 +64,8 @@ TEST(FrontalCholesky, RefusesIndefiniteAndNonFiniteMatricesAndRecovers) {
   }
 }
 
-/// In units that make entries of A 1e-60 to 1e60; floats alone would be 0 or infinite. Their error is
-/// 6e-8 times the condition of the grid.
-TEST(FrontalCholesky, SinglePrecisionSolvesInAnyUnits) {
-  const SparseMatrix grid = positive_definite_grid(20, 3, 7);
-  const int n = static_cast<int>(grid.cols());
-  Vector unit(n);
-  for (int j = 0; j < n; ++j) unit[j] = std::exp2(j % 7 == 0 ? -100 : j % 3 == 0 ? 100 : 7);
-  const SparseMatrix A = unit.asDiagonal() * grid * unit.asDiagonal();
-  FrontalCholesky<float> factor;
-  ASSERT_TRUE(factor.analyse(A));
-  factor.scale_by(unit.cwiseInverse());
-  ASSERT_TRUE(factor.factor(A));
-  const Vector x = random_vector(n, 2);
-  const Vector b = A * Vector(x.cwiseQuotient(unit));
-  Vector found;
-  for (const double size : {1.0, 1e-200, 1e80}) {
-    factor.solve(size * b, found);
-    EXPECT_LT((found.cwiseProduct(unit) / size - x).norm(), 1e-3 * x.norm()) << size;
-    EXPECT_GT((found.cwiseProduct(unit) / size - x).norm(), 1e-12 * x.norm()) << size;
-  }
-  factor.solve(Vector::Zero(n), found);
-  EXPECT_TRUE(found.isZero(0));
-}
-
 TEST(FrontalCholesky, FactorsNoColumnsBeforeAnAnalysis) {
-  FrontalCholesky<double> factor;
+  FrontalCholesky factor;
   EXPECT_THROW((void)factor.factor([](int, const FrontColumn&) {}), std::logic_error);
 }
 

@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <limits>
 
-#include "tests/support/draw.h"
+#include "core/base/portable_random.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {
@@ -15,7 +16,7 @@ using Eigen::MatrixXd;
 
 /// Sparse and without structure; `shift` on the diagonal.
 MatrixXd random_dense(int n, unsigned seed, double shift) {
-  Draw draw(seed);
+  PortableRandom draw(seed);
   MatrixXd A = MatrixXd::Zero(n, n);
   for (int k = 0; k < 4 * n; ++k) A(draw.below(n), draw.below(n)) = draw.symmetric();
   A.diagonal().array() += shift;
@@ -126,50 +127,6 @@ TEST(SparseLU, RefusesToSolveWithoutAFactor) {
   SparseLU factor;
   ASSERT_FALSE(factor.factor(MatrixXd::Ones(3, 3).sparseView()));
   EXPECT_THROW(factor.solve(random_vector(3, 1)), std::logic_error);
-}
-
-TEST(OrderedLU, SolvesInTheGivenOrderAndTellsTheSignOfTheDeterminant) {
-  // Tridiagonal with 2 x 2 blocks: det > 0, and < 0 with two rows exchanged.
-  const int n = 40;
-  SparseMatrix A(n, n);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (int i = 0; i < n; ++i) {
-    entries.emplace_back(i, i, 4.0 + i % 3);
-    if (i > 0) entries.emplace_back(i, i - 1, -1.0);
-    if (i > 0) entries.emplace_back(i - 1, i, -1.5);
-  }
-  A.setFromTriplets(entries.begin(), entries.end());
-  const std::vector<std::int64_t> order = fill_reducing_order(A, 2);
-  std::vector<std::int64_t> sorted = order;
-  std::sort(sorted.begin(), sorted.end());
-  for (int i = 0; i < n; ++i) {
-    EXPECT_EQ(sorted[static_cast<std::size_t>(i)], i);
-    if (i % 2 == 1) {  // the rows of a block stay together
-      EXPECT_EQ(order[static_cast<std::size_t>(i)], order[static_cast<std::size_t>(i - 1)] + 1);
-    }
-  }
-  OrderedLU lu(order);
-  EXPECT_THROW((void)lu.determinant_sign(), std::logic_error);
-  for (const bool exchanged : {false, true}) {
-    SparseColumns& matrix = lu.matrix();
-    matrix.clear();
-    Eigen::MatrixXd dense = A;
-    if (exchanged) dense.row(0).swap(dense.row(1));
-    for (int j = 0; j < n; ++j) {
-      for (int i = 0; i < n; ++i) {
-        if (dense(i, j) != 0) matrix.add(i, dense(i, j));
-      }
-      matrix.end_column();
-    }
-    ASSERT_TRUE(lu.factor());
-    EXPECT_EQ(lu.determinant_sign(), exchanged ? -1 : 1);
-    const Vector b = Vector::LinSpaced(n, -1, 3);
-    Vector x;
-    lu.solve(b, x);
-    EXPECT_LT((dense * x - b).norm(), 1e-13 * b.norm());
-  }
-  lu.matrix().value.assign(lu.matrix().value.size(), 0.0);
-  EXPECT_FALSE(lu.factor());
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <deque>
 #include <vector>
 
-#include "tests/support/draw.h"
+#include "core/base/portable_random.h"
 
 namespace bipot {
 namespace {
@@ -20,7 +20,7 @@ struct Supernodes {
   Eigen::MatrixXd L;
 
   Supernodes(const std::vector<int>& widths, double coupling, unsigned seed) {
-    Draw draw(seed);
+    PortableRandom draw(seed);
     int size = 0, first = 0;
     for (int width : widths) size += width;
     L = Eigen::MatrixXd::Zero(size, size);
@@ -45,10 +45,9 @@ struct Supernodes {
   }
 };
 
-template <class Real>
 void expect_inverse(double coupling, double tolerance) {
-  SupernodalSolve<Real> solve;
-  // Widths below, at and above slices of four or eight and strips of 16 or 32, alone and one after the
+  SupernodalSolve solve;
+  // Widths below, at and above slices of four and strips of 16, alone and one after the
   // other; the object is used again for a matrix of another size.
   for (const std::vector<int>& widths : {std::vector<int>{1},
                                          {4},
@@ -60,39 +59,38 @@ void expect_inverse(double coupling, double tolerance) {
     const Supernodes made(widths, coupling, 7);
     std::size_t entries = 0;
     for (const Supernode& node : made.nodes) {
-      entries += SupernodalSolve<Real>::num_entries(node.columns, node.rows);
+      entries += SupernodalSolve::num_entries(node.columns, node.rows);
     }
     solve.begin(static_cast<int>(made.L.rows()), entries);
     for (const Supernode& node : made.nodes) solve.add(node);
-    Draw draw(3);
+    PortableRandom draw(3);
     Vector x(made.L.rows());
     for (double& value : x) value = draw.symmetric();
     const Vector b = made.L * (made.L.transpose() * x);
-    std::vector<Real> solution(b.begin(), b.end());
+    std::vector<double> solution(b.begin(), b.end());
     solve.solve(solution.data());
     double difference = 0;
     for (int i = 0; i < x.size(); ++i) {
-      difference = std::hypot(difference, static_cast<double>(solution[to_size(i)]) - x[i]);
+      difference = std::hypot(difference, solution[to_size(i)] - x[i]);
     }
     EXPECT_LT(difference, tolerance * x.norm()) << widths.size() << " supernodes";
   }
 }
 
-/// Triangles of 40 random columns have a condition of 1e4 and more, with couplings of a tenth below 30.
+/// Triangles of 40 random columns have a condition of 1e4 and more, with couplings of a tenth below
+/// 30.
 TEST(SupernodalSolve, IsTheInverseOfLTimesItsTranspose) {
-  expect_inverse<double>(1, 1e-9);
-  expect_inverse<double>(0.1, 1e-13);
-  expect_inverse<float>(0.1, 1e-5);
+  expect_inverse(1, 1e-9);
+  expect_inverse(0.1, 1e-13);
 }
 
-/// A triangle of 4 is one slice of 4 columns. 19 columns and 40 rows: rows 0 to 15 have four slices of
-/// 16 columns (the diagonal ends there), 16 to 31 four of 19, 32 to 39 two of 19; 64 + 76 + 38 slices.
-/// Of floats: rows 0 to 31 four of 19, 32 to 39 one of 19; 95 slices of eight.
+/// A triangle of 4 is one slice of 4 columns. 19 columns and 40 rows: rows 0 to 15 have four slices
+/// of 16 columns (the diagonal ends there), 16 to 31 four of 19, 32 to 39 two of 19; 64 + 76 + 38
+/// slices.
 TEST(SupernodalSolve, KeepsNothingRightOfTheDiagonalOfAStrip) {
-  EXPECT_EQ(SupernodalSolve<double>::num_entries(1, 1), 4U);
-  EXPECT_EQ(SupernodalSolve<double>::num_entries(4, 4), 16U);
-  EXPECT_EQ(SupernodalSolve<double>::num_entries(19, 40), 4U * 178);
-  EXPECT_EQ(SupernodalSolve<float>::num_entries(19, 40), 8U * 95);
+  EXPECT_EQ(SupernodalSolve::num_entries(1, 1), 4U);
+  EXPECT_EQ(SupernodalSolve::num_entries(4, 4), 16U);
+  EXPECT_EQ(SupernodalSolve::num_entries(19, 40), 4U * 178);
 }
 
 }  // namespace

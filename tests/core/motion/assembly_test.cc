@@ -6,18 +6,19 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
+#include "core/base/portable_random.h"
 #include "core/criterion/contact_error.h"
 #include "core/problem/delassus.h"
 #include "core/scene/contact_detection.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/solve.h"
-#include "tests/support/draw.h"
-#include "tests/support/scene_parts.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {
 
 Scene<2> unit_step_scene(double mu, double e_n, double e_t) {
-  Scene<2> scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
+  Scene<2> scene = one_law<2>({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.step = 1;
   return scene;
 }
@@ -59,7 +60,7 @@ struct Bodies {
 
 /// Overlapping bodies between a fixed half-plane, a driven half-plane and a driven segment.
 Bodies crowd(unsigned seed) {
-  Draw draw(seed);
+  PortableRandom draw(seed);
   Bodies b;
   for (int k = 0; k < 25; ++k) {
     b.bodies.push_back(disk_at(draw.uniform(), draw.uniform(), draw.between(0.08, 0.16),
@@ -67,8 +68,8 @@ Bodies crowd(unsigned seed) {
     b.bodies.back().mass = draw.between(0.5, 2);
     b.v_free.emplace_back(b.bodies.back().v + Vec2(0, -0.2));
   }
-  b.walls.push_back(half_plane(Vec2(0, 0.1), Vec2(0, 1)));
-  b.walls.push_back(half_plane(Vec2(0.1, 0), Vec2(0.8, 0.6)));
+  b.walls.push_back(half_space<2>(Vec2(0, 0.1), Vec2(0, 1)));
+  b.walls.push_back(half_space<2>(Vec2(0.1, 0), Vec2(0.8, 0.6)));
   b.walls[1].motion = Wall<2>::Motion::kDriven;
   b.walls[1].direction = Vec2(0.8, 0.6);
   b.walls[1].mass = 4;
@@ -186,7 +187,7 @@ TEST(Assembly, OneDiskOnAFloorHasItsKnownOperator) {
   b.bodies = {disk_at(0, 0.5, 0.5, Vec2(3, -1), 4)};
   b.bodies[0].mass = 2;
   b.bodies[0].inertia = 0.25;
-  b.walls = {half_plane(Vec2(0, 0), Vec2(0, 1))};
+  b.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1))};
   const ContactProblem p = b.assemble(scene).problem;
   Eigen::MatrixXd W(2, 2), H(3, 2);
   W << 0.5, 0, 0, 1.5;
@@ -220,12 +221,12 @@ TEST(Assembly, UnequalRestitutionsSolveThePhysicalLaw) {
     const double e_n = 0.2, e_t = 0.9, mu = 0.4;
     const Scene<2> scene = unit_step_scene(mu, e_n, e_t);
     Bodies b;
-    Draw draw(seed);
+    PortableRandom draw(seed);
     for (int k = 0; k < 5; ++k) {  // a chain on a floor
       b.bodies.push_back(disk_at(k * 0.98, 0.5 + 0.1 * (k % 2), 0.5,
                                  Vec2(draw.symmetric(), -draw.uniform()), 3 * draw.symmetric()));
     }
-    b.walls = {half_plane(Vec2(0, 0.12), Vec2(0.0, 1.0))};
+    b.walls = {half_space<2>(Vec2(0, 0.12), Vec2(0.0, 1.0))};
     const AssembledStep step = b.assemble(scene);
     const ContactProblem& p = step.problem;
     const SolveResult r = solve("pgs", p, tolerance(1e-11));
@@ -264,7 +265,7 @@ TEST(Assembly, MovingWallsStandInTheRightHandSide) {
   Bodies b;
   b.bodies = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
   b.v_free = {Vec2(1, -3)};
-  b.walls = {half_plane(Vec2(0, 0), Vec2(0, 1))};
+  b.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1))};
   b.walls[0].motion = Wall<2>::Motion::kMoving;
   b.walls[0].v = Vec2(4, 5);
   const AssembledStep step = b.assemble(scene);
@@ -283,7 +284,7 @@ TEST(Assembly, DrivenWallsHaveOneDegreeOfFreedom) {
   const Scene<2> scene = unit_step_scene(0.5, 0, 0);
   Bodies b;
   b.bodies = {disk_at(0, 0.5, 0.5, Vec2(1, -2))};
-  b.walls = {half_plane(Vec2(0, 0), Vec2(0, 1))};
+  b.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1))};
   b.walls[0].motion = Wall<2>::Motion::kDriven;
   b.walls[0].direction = Vec2(0.6, 0.8);
   b.walls[0].mass = 4;
@@ -323,7 +324,7 @@ TEST(Assembly, BodiesWithoutContactsDoNotEnter) {
   const Scene<2> scene = unit_step_scene(0.3, 0, 0);
   Bodies b;
   b.bodies = {disk_at(50, 50, 0.5), disk_at(0, 0, 0.5), disk_at(-50, 7, 0.5), disk_at(1, 0, 0.5)};
-  b.walls = {half_plane(Vec2(0, -80), Vec2(0, 1)), half_plane(Vec2(0, -90), Vec2(0, 1))};
+  b.walls = {half_space<2>(Vec2(0, -80), Vec2(0, 1)), half_space<2>(Vec2(0, -90), Vec2(0, 1))};
   b.walls[1].motion = Wall<2>::Motion::kDriven;
   b.walls[1].direction = Vec2(0, 1);
   b.walls[1].mass = 1;

@@ -14,10 +14,10 @@
 #include "core/motion/time_stepping.h"
 #include "core/scene/cluster_motion.h"
 #include "core/scene/disk_union.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
-#include "tests/support/scene_parts.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -39,9 +39,10 @@ void add_cluster(Scene<2>& scene, const std::vector<Circle>& parts, double densi
 }
 
 TEST(Cluster, ADumbbellFallsOnAParabolaAndTurnsEvenly) {
-  // Disks of 0.1 and 0.2 m, 0.25 m apart. Without contacts the mid-point scheme is exact: after time t the centre
-  // of mass is at x0 + v0 t - g t²/2, the dumbbell turned by w t, and each disk where a rigid body has it.
-  Scene<2> scene = one_law({.mu = 0.5});
+  // Disks of 0.1 and 0.2 m, 0.25 m apart. Without contacts the mid-point scheme is exact: after
+  // time t the centre of mass is at x0 + v0 t - g t²/2, the dumbbell turned by w t, and each disk
+  // where a rigid body has it.
+  Scene<2> scene = one_law<2>({.mu = 0.5});
   scene.gravity = Vec2(0, -kGravity);
   scene.step = 1e-2;
   add_cluster(scene, {{Vec2(0, 0), 0.1}, {Vec2(0.25, 0), 0.2}}, 100, Vec2(1, 3), 7);
@@ -70,14 +71,14 @@ TEST(Cluster, ADumbbellFallsOnAParabolaAndTurnsEvenly) {
 
 /// Clusters of three unequal disks, and single ones, with random velocities that fly at each other.
 Scene<2> cloud_of_clusters(const ContactLaw& law) {
-  Scene<2> scene = one_law(law);
+  Scene<2> scene = one_law<2>(law);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> unit(-1, 1);
   for (int k = 0; k < 16; ++k) {
     const Vec2 x(0.8 * (k % 4 - 1.5), 0.8 * (k / 4 - 1.5));
     const Vec2 v(unit(random), unit(random));
     if (k % 5 == 4) {
-      scene.bodies.push_back(cylinder(x, 0.2, v - 2 * x, 3, unit(random)));
+      scene.bodies.push_back(round_body<2>(x, 0.2, 3, v - 2 * x, unit(random)));
       if (!scene.clusters.empty()) scene.clusters.arms.emplace_back(Vec2::Zero());
       continue;
     }
@@ -92,7 +93,8 @@ Scene<2> cloud_of_clusters(const ContactLaw& law) {
   return scene;
 }
 
-// The velocities of the touching points, by v + w x r alone; H gives the same, with the masses of the bodies.
+// The velocities of the touching points, by v + w x r alone; H gives the same, with the masses of
+// the bodies.
 TEST(Cluster, RelativeVelocityIsThatOfTheTouchingPoints) {
   Scene<2> scene = cloud_of_clusters({.mu = 0.4, .e_n = 0.3, .e_t = 0.1});
   scene.contact_distance = 0.4;  // many candidates
@@ -137,9 +139,10 @@ TEST(Cluster, RelativeVelocityIsThatOfTheTouchingPoints) {
   }
 }
 
-// Momentum is kept to rounding; angular momentum but for the couples that overlaps leave, gap · s_t each, because the
-// two impulses of a contact act at the points of the two disks. In steps without walls the virial of contacts is that of the
-// motion: V σ = Σ m (v⁺ - v⁻) ⊗ x / h, here the symmetric part; and the stress is symmetric.
+// Momentum is kept to rounding; angular momentum but for the couples that overlaps leave, gap · s_t
+// each, because the two impulses of a contact act at the points of the two disks. In steps without
+// walls the virial of contacts is that of the motion: V σ = Σ m (v⁺ - v⁻) ⊗ x / h, here the
+// symmetric part; and the stress is symmetric.
 TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
   for (const double mu : {0.0, 0.4}) {
     const Scene<2> scene = cloud_of_clusters({.mu = mu, .e_n = 0.5, .e_t = 0.2});
@@ -199,8 +202,8 @@ TEST(Cluster, MomentumAngularMomentumAndVirialHoldToRounding) {
 
 /// Two disks of radius 0.1 side by side, b to both sides, touching the floor, and a third on top.
 Scene<2> stool(double b, double top, double shift) {
-  Scene<2> scene = one_law({.mu = 3});
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  Scene<2> scene = one_law<2>({.mu = 3});
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
   add_cluster(scene, {{Vec2(-b, 0.1), 0.1}, {Vec2(b, 0.1), 0.1}, {Vec2(shift, top), 0.12}}, 100,
               Vec2::Zero(), 0);
   scene.contact_distance = 1e-9;
@@ -211,8 +214,9 @@ Scene<2> stool(double b, double top, double shift) {
 }
 
 TEST(Cluster, ItTopplesIffItsCentreOfMassPassesTheSupport) {
-  // On a slope of angle θ the line through the centre of mass, h above the floor, passes the lower foot, at b, iff
-  // tan θ > b / h. Friction (μ = 3) is no limit there. Just below it stands, just above it falls, to the lower side.
+  // On a slope of angle θ the line through the centre of mass, h above the floor, passes the lower
+  // foot, at b, iff tan θ > b / h. Friction (μ = 3) is no limit there. Just below it stands, just
+  // above it falls, to the lower side.
   Scene<2> scene = stool(0.1, 0.5, 0);
   const double h = scene.clusters.bodies[0].x[1];
   EXPECT_NEAR(scene.clusters.bodies[0].x[0], 0, 1e-15);
@@ -221,7 +225,7 @@ TEST(Cluster, ItTopplesIffItsCentreOfMassPassesTheSupport) {
     for (const double factor : {0.98, 1.02}) {
       const double tangent = factor * 0.1 / h;
       scene.gravity = kGravity / std::hypot(1, tangent) * Vec2(side * tangent, -1);
-      const State<2> end = run_scene(scene);
+      const State<2> end = solved_run(scene);
       if (factor < 1) {
         EXPECT_LT(kinetic_energy(end), 1e-12);
         EXPECT_NEAR(end.clusters.bodies[0].angle, 0, 1e-9);
@@ -240,7 +244,7 @@ TEST(Cluster, ThreeDisksStandOnTwoFeetWithTheForcesOfALever) {
   const Cluster& body = scene.clusters.bodies[0];
   EXPECT_GT(body.x[0], 0.02);
   const double weight = body.mass * kGravity;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   ASSERT_EQ(end.contacts.size(), 2u);
   EXPECT_EQ(end.contacts[0].contact.i, 0);
   EXPECT_NEAR(end.contacts[1].s_n / scene.step, weight * (body.x[0] + 0.3) / 0.6, 1e-8 * weight);
@@ -272,7 +276,7 @@ TEST(Cluster, OneDiskJoinedToNothingIsThatDisk) {
   inside.bodies[0].mass = inside.bodies[0].inertia = 0;
   inside.bodies[0].cluster = 0;
   ASSERT_EQ(validate(inside), "");
-  const State<2> a = run_scene(disk), b = run_scene(cluster), c = run_scene(inside);
+  const State<2> a = solved_run(disk), b = solved_run(cluster), c = solved_run(inside);
   EXPECT_EQ(a.bodies[0].x, b.bodies[0].x);
   EXPECT_EQ(a.bodies[0].v, b.bodies[0].v);
   EXPECT_EQ(a.bodies[0].angle, b.bodies[0].angle);
@@ -335,8 +339,8 @@ TEST(Cluster, ASceneFileSaysPartsAndPlaces) {
   refused("[contact]\noverlaps = 'project'\n" + sound, "project");
 }
 
-// Each contact counts by the share of the branch between the centres of mass, each body by its centre: what windows that tile
-// the sample have adds up to what the sample has.
+// Each contact counts by the share of the branch between the centres of mass, each body by its
+// centre: what windows that tile the sample have adds up to what the sample has.
 TEST(Cluster, WindowsThatTileTheSampleAddUpToItsStress) {
   const Scene<2> scene = cloud_of_clusters({.mu = 0.4, .e_n = 0.5, .e_t = 0.2});
   State<2> state = initial_state(scene);
@@ -366,9 +370,10 @@ TEST(Cluster, WindowsThatTileTheSampleAddUpToItsStress) {
   EXPECT_GT(loaded, 20);
 }
 
-/// Clusters of three disks in a cell that is periodic in both directions, squeezed and sheared, so many times side by side.
+/// Clusters of three disks in a cell that is periodic in both directions, squeezed and sheared, so
+/// many times side by side.
 Scene<2> sheared_clusters(int copies, bool far_away) {
-  Scene<2> scene = one_law({});
+  Scene<2> scene = one_law<2>({});
   constexpr double kWidth = 1.35;
   scene.cell.in_x = scene.cell.in_y = true;
   scene.cell.width = {.motion = CellSide::Motion::kFixed, .length = copies * kWidth};
@@ -408,8 +413,8 @@ State<2> run_to_end(const Scene<2>& scene, int& loaded) {
   return state;
 }
 
-// Velocities without friction are unique. A run in two cells side by side is that of one, and so is a run whose
-// clusters are given by images of theirs.
+// Velocities without friction are unique. A run in two cells side by side is that of one, and so is
+// a run whose clusters are given by images of theirs.
 TEST(Cluster, InAPeriodicCellImagesAreAsGoodAsTheirs) {
   const Scene<2> one = sheared_clusters(1, false);
   ASSERT_EQ(validate(one), "");

@@ -10,9 +10,9 @@
 
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
-#include "tests/support/scene_parts.h"
 
 namespace bipot {
 namespace {
@@ -65,12 +65,12 @@ double farthest(const Scene<2>& scene, const State<2>& end) {
 }
 
 // Nothing but the solver's error moves the disks. V of the criterion bounds the speed of a contact
-// that closes: ½ (u_n⁻)²/W_nn <= tol θ E with E = ½ m (g h)² for each of N disks at rest, hence
-// u_n <= g h sqrt(tol θ N W_nn m), W_nn m <= 2: for N = 16, tol = 1e-8 less than 1.8e-4 g h, and
-// 1.8e-5 m/s · h = 1.8e-7 m a step. That is all that the criterion promises. What is asked for here is
-// far less, a billionth of a radius a step; it holds because steps that repeat start from the
-// impulses before (warm start), whose error does not come back. The overlap adds up: it is bounded
-// by the same rate.
+// that closes: ½ (u_n⁻)²/W_nn <= tol θ E with E = ½ m (g h)² for each of N disks at rest, hence u_n
+// <= g h sqrt(tol θ N W_nn m), W_nn m <= 2: for N = 16, tol = 1e-8 less than 1.8e-4 g h, and 1.8e-5
+// m/s · h = 1.8e-7 m a step. That is all that the criterion promises. What is asked for here is far
+// less, a billionth of a radius a step; it holds because steps that repeat start from the impulses
+// before (warm start), whose error does not come back. The overlap adds up: it is bounded by the
+// same rate.
 TEST(Drift, APileAtRestDoesNotCreep) {
   for (const char* family : {"square", "triangular"}) {
     const Scene<2> scene = make_family_scene(family, 4, {.mu = 0.3});
@@ -86,16 +86,17 @@ TEST(Drift, APileAtRestDoesNotCreep) {
 
 /// A ball of 1 kg and radius 0.5 m that falls 1 m onto a floor.
 Scene<2> elastic_ball(double e_n, double step) {
-  Scene<2> scene = one_law({.mu = 0, .e_n = e_n});
+  Scene<2> scene = one_law<2>({.mu = 0, .e_n = e_n});
   scene.gravity = Vec2(0, -kGravity);
   scene.step = step;
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 1.5), 0.5, Vec2::Zero(), 1)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 1.5), 0.5, 1)};
   return scene;
 }
 
-// s acts through the mean of the velocities before and after, which e = 1 makes 0: no work. The ball overlaps in the
-// step in which it lands, by the way of half a step at most, v h / 2 with v = sqrt(2 g · 1 m) = 4.43 m/s.
+// s acts through the mean of the velocities before and after, which e = 1 makes 0: no work. The
+// ball overlaps in the step in which it lands, by the way of half a step at most, v h / 2 with v =
+// sqrt(2 g · 1 m) = 4.43 m/s.
 TEST(Drift, AnElasticBallKeepsItsEnergy) {
   for (const bool project : {false, true}) {
     Scene<2> scene = elastic_ball(1, 1e-2);
@@ -113,7 +114,7 @@ TEST(Drift, AnElasticBallKeepsItsEnergy) {
 
 /// A disk of radius 0.5 m in a drum of radius 2 m: its centre moves on a circle of 1.5 m.
 Scene<2> drum(double mu, double spin, double speed, double step) {
-  Scene<2> scene = one_law({.mu = mu});
+  Scene<2> scene = one_law<2>({.mu = mu});
   scene.step = step;
   scene.contact_distance = 1e-6;
   Wall<2> wall;
@@ -123,14 +124,15 @@ Scene<2> drum(double mu, double spin, double speed, double step) {
   wall.radius = 2;
   wall.spin = spin;
   scene.walls = {wall};
-  scene.bodies = {cylinder(Vec2(0, -1.5), 0.5, Vec2(speed, 0), 1)};
+  scene.bodies = {round_body<2>(Vec2(0, -1.5), 0.5, 1, Vec2(speed, 0))};
   return scene;
 }
 
-// Without gravity and friction the disk goes round at v = 2 m/s. Constraints on velocities make it move along the
-// tangent at mid-step: the square of its distance r from the centre grows by (v h)² each step, and the next normal is
-// turned by v h / r, so that the law (e = 0) takes the part v² h / r of its velocity. All impulses are central, hence v r =
-// L stays, here 3 m²/s, and d(r²)/dt = v² h = L² h / r² gives r⁴ = r₀⁴ + 2 L² h t: 0.216 m too deep at h = 0.01 s after 20 s.
+// Without gravity and friction the disk goes round at v = 2 m/s. Constraints on velocities make it
+// move along the tangent at mid-step: the square of its distance r from the centre grows by (v h)²
+// each step, and the next normal is turned by v h / r, so that the law (e = 0) takes the part v² h
+// / r of its velocity. All impulses are central, hence v r = L stays, here 3 m²/s, and d(r²)/dt =
+// v² h = L² h / r² gives r⁴ = r₀⁴ + 2 L² h t: 0.216 m too deep at h = 0.01 s after 20 s.
 TEST(Drift, ADiskInADrumDriftsThroughItsWallAsTheSchemePredicts) {
   for (const double h : {1e-2, 1e-3}) {
     const Scene<2> scene = drum(0, 0, 2, h);
@@ -141,8 +143,9 @@ TEST(Drift, ADiskInADrumDriftsThroughItsWallAsTheSchemePredicts) {
   }
 }
 
-// The same with projection: an overlap of one step, (v h)² / (2 · 1.5 m), which the next step's middle sees at most once
-// and a half. r stays, and the law takes ½ (v² h / r)² of v² / 2 a step: d(1/v²)/dt = h / r², of the first order in h.
+// The same with projection: an overlap of one step, (v h)² / (2 · 1.5 m), which the next step's
+// middle sees at most once and a half. r stays, and the law takes ½ (v² h / r)² of v² / 2 a step:
+// d(1/v²)/dt = h / r², of the first order in h.
 TEST(Drift, ProjectionKeepsADiskInItsDrum) {
   for (const double h : {1e-2, 1e-3}) {
     Scene<2> scene = drum(0, 0, 2, h);
@@ -156,8 +159,9 @@ TEST(Drift, ProjectionKeepsADiskInItsDrum) {
   }
 }
 
-// A drum that turns takes the disk along until it rolls without sliding: at rest below it spins with the drum's surface,
-// 2 m · 1 rad/s = 0.5 m · spin. Under gravity what is left of its swinging is small at first and grows smaller.
+// A drum that turns takes the disk along until it rolls without sliding: at rest below it spins
+// with the drum's surface, 2 m · 1 rad/s = 0.5 m · spin. Under gravity what is left of its swinging
+// is small at first and grows smaller.
 TEST(Drift, ADiskRollsInADrumThatTurns) {
   for (const bool project : {false, true}) {
     Scene<2> scene = drum(0.5, 1, 0, 1e-2);
@@ -175,12 +179,13 @@ TEST(Drift, ADiskRollsInADrumThatTurns) {
   }
 }
 
-/// Two balls stacked without restitution land on the floor at 4.43 m/s: with velocities alone they keep what they overlap.
+/// Two balls stacked without restitution land on the floor at 4.43 m/s: with velocities alone they
+/// keep what they overlap.
 TEST(Drift, ProjectionTakesOutWhatAFallLeaves) {
   double left[2];
   for (const bool project : {false, true}) {
     Scene<2> scene = elastic_ball(0, 1.1e-2);
-    scene.bodies.push_back(cylinder(Vec2(0, 2.6), 0.5, Vec2::Zero(), 1));
+    scene.bodies.push_back(round_body<2>(Vec2(0, 2.6), 0.5, 1));
     scene.project_overlaps = project;
     State<2> state = initial_state(scene);
     TimeStepper<2> stepper(

@@ -18,10 +18,10 @@
 #include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/periodic_detection.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
-#include "tests/support/scene_parts.h"
 #include "tests/support/scene_run.h"
 #include "tests/support/temporary_folder.h"
 
@@ -45,9 +45,9 @@ TEST(PeriodicSpheres, EveryPairOfImagesIsMetOnce) {
     const PeriodicCell cell = block(1.1, depth);
     std::vector<Sphere> spheres;
     for (int k = 0; k < 60; ++k) {
-      spheres.push_back(
-          ball(Vec3(3 * unit(random), (depth > 0 ? 3 : 0.6) * unit(random), 0.5 * unit(random)),
-               k % 3 == 0 ? 0.12 : 0.2));
+      spheres.push_back(round_body<3>(
+          Vec3(3 * unit(random), (depth > 0 ? 3 : 0.6) * unit(random), 0.5 * unit(random)),
+          k % 3 == 0 ? 0.12 : 0.2, 2));
     }
     const auto found = detect_periodic_contacts<3>(spheres, {}, cell, 1e-3, 1);
     std::set<std::tuple<int, int, int, int>> expected, seen;
@@ -147,28 +147,29 @@ TEST(PeriodicSpheres, VolumeIsThatOfTheCellAndOfWhatClosesIt) {
   // Without planes as high as the spheres reach; in a cell of x alone as deep as they reach.
   State<3> state;
   state.cell = block(2, 3);
-  state.bodies = {ball(Vec3(0.5, 0.5, 1), 0.5), ball(Vec3(9, 1.5, 2), 0.25)};
+  state.bodies = {round_body<3>(Vec3(0.5, 0.5, 1), 0.5, 2),
+                  round_body<3>(Vec3(9, 1.5, 2), 0.25, 2)};
   EXPECT_NEAR(sample_measure(state, 0), 2 * 3 * (2.25 - 0.5), 1e-9);
-  state.walls = {half_space(Vec3::Zero(), Vec3::UnitZ())};
+  state.walls = {half_space<3>(Vec3::Zero(), Vec3::UnitZ())};
   EXPECT_NEAR(sample_measure(state, 0), 2 * 3 * 2.25, 1e-9);
   state.cell = block(2, 0);
   EXPECT_NEAR(sample_measure(state, 0), 2 * (1.75 - 0) * 2.25, 1e-9);
 }
 
 TEST(PeriodicSpheres, ASphereRollsOnThroughTheEdge) {
-  // Thrown along the floor it ends at 5/7 of its speed, wherever cells begin, and keeps its coordinates; in the
-  // wrapped state it lies in the cell.
-  Scene<3> scene = one_law_in_space({.mu = 0.4});
+  // Thrown along the floor it ends at 5/7 of its speed, wherever cells begin, and keeps its
+  // coordinates; in the wrapped state it lies in the cell.
+  Scene<3> scene = one_law<3>({.mu = 0.4});
   scene.gravity = Vec3(0, 0, -kGravity);
   scene.cell = block(0.5, 0.7);
-  scene.walls = {half_space(Vec3::Zero(), Vec3::UnitZ())};
-  scene.bodies = {ball(Vec3(0.1, 0.1, 0.1), 0.1, Vec3(2, -1, 0))};
+  scene.walls = {half_space<3>(Vec3::Zero(), Vec3::UnitZ())};
+  scene.bodies = {round_body<3>(Vec3(0.1, 0.1, 0.1), 0.1, 2, Vec3(2, -1, 0))};
   scene.contact_distance = 1e-9;
   scene.step = 1e-3;
   scene.num_steps = 800;
   scene.solver.tol = 1e-11;
   ASSERT_EQ(validate(scene), "");
-  const State<3> end = run_scene(scene);
+  const State<3> end = solved_run(scene);
   EXPECT_LT((end.bodies[0].v - 5.0 / 7 * Vec3(2, -1, 0)).norm(), 1e-7);
   EXPECT_GT(end.bodies[0].x[0], 1);
   const State<3> inside = wrapped_state(end);

@@ -5,13 +5,13 @@
 #include <set>
 #include <tuple>
 
+#include "core/base/portable_random.h"
 #include "core/motion/periodic_state.h"
 #include "core/motion/sample_area.h"
 #include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/periodic_detection.h"
-#include "tests/support/draw.h"
-#include "tests/support/scene_parts.h"
+#include "core/scene/scene_parts.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -28,7 +28,7 @@ PeriodicCell cell_of(double width, double height, double offset) {
 }
 
 Scene<2> periodic_scene(const PeriodicCell& cell, const ContactLaw& law) {
-  Scene<2> scene = one_law(law);
+  Scene<2> scene = one_law<2>(law);
   scene.cell = cell;
   scene.step = 1e-3;
   scene.solver.name = "pgs";
@@ -39,7 +39,7 @@ Scene<2> periodic_scene(const PeriodicCell& cell, const ContactLaw& law) {
 
 TEST(Periodic, ImagesAreThoseOfEveryPairAndEveryImage) {
   // Against every pair and every image in reach, with disks far outside of the cell as well.
-  Draw draw(5);
+  PortableRandom draw(5);
   for (const double offset : {0.0, 0.4, -2.3}) {
     const PeriodicCell cell = cell_of(1, 0.9, offset);
     std::vector<Disk> disks;
@@ -47,7 +47,8 @@ TEST(Periodic, ImagesAreThoseOfEveryPairAndEveryImage) {
       const Vec2 x(draw.symmetric(), draw.symmetric());
       const CellNumber far{static_cast<int>(20 * draw.symmetric()),
                            static_cast<int>(20 * draw.symmetric())};
-      disks.push_back(cylinder(x + cell.shift(far.kx, far.ky), 0.05 + 0.03 * draw.uniform()));
+      disks.push_back(
+          round_body<2>(x + cell.shift(far.kx, far.ky), 0.05 + 0.03 * draw.uniform(), 2));
     }
     std::set<std::tuple<int, int, int, int>> expected, found;
     for (int i = 0; i < 60; ++i) {
@@ -80,7 +81,7 @@ TEST(Periodic, ImagesAreThoseOfEveryPairAndEveryImage) {
 TEST(Periodic, ImagesAroundTheCellLieBesideItWhateverTheOffset) {
   // Every point within half a width and half a height of the cell lies in it or in one of the
   // images of it that image_shifts() names.
-  Draw draw(4);
+  PortableRandom draw(4);
   for (const double offset : {0.0, 0.7, -3.4, 12.1}) {
     const PeriodicCell cell = cell_of(1, 0.9, offset);
     const std::vector<Vec2> shifts = image_shifts(cell);
@@ -96,7 +97,7 @@ TEST(Periodic, ImagesAroundTheCellLieBesideItWhateverTheOffset) {
 }
 
 TEST(Periodic, ATooSmallCellIsRefused) {
-  const std::vector<Disk> disks = {cylinder(Vec2(0.1, 0.1), 0.1)};
+  const std::vector<Disk> disks = {round_body<2>(Vec2(0.1, 0.1), 0.1, 2)};
   EXPECT_THROW(detect_periodic_contacts(disks, {}, cell_of(0.4, 0, 0), 0), std::invalid_argument);
   EXPECT_NO_THROW(detect_periodic_contacts(disks, {}, cell_of(0.41, 0, 0), 0));
   // The image above lies 0.3 m up and 0.2 m aside: 0.36 m away.
@@ -109,9 +110,10 @@ TEST(Periodic, WallsAreSeenFromTheNearestImage) {
   step.shape = Wall<2>::Shape::kSegment;
   step.a = Vec2(1.9, 0);
   step.b = Vec2(2.2, 0);  // across the edge
-  const std::vector<Wall<2>> walls = {half_plane(Vec2(0, -1), Vec2(0, 1)), step};
+  const std::vector<Wall<2>> walls = {half_space<2>(Vec2(0, -1), Vec2(0, 1)), step};
   // 3 widths to the right of the segment's end at x = 0.2, touching it from above.
-  const std::vector<Disk> disks = {cylinder(Vec2(6.15, 0.1), 0.1), cylinder(Vec2(-9, -0.9), 0.1)};
+  const std::vector<Disk> disks = {round_body<2>(Vec2(6.15, 0.1), 0.1, 2),
+                                   round_body<2>(Vec2(-9, -0.9), 0.1, 2)};
   const auto contacts = detect_periodic_contacts(disks, walls, cell, 1e-9);
   ASSERT_EQ(contacts.size(), 2u);
   EXPECT_EQ(contacts[0].j, 3);
@@ -127,10 +129,10 @@ TEST(Periodic, AShockAcrossTheEdge) {
   // at 1 m/s; then each has gone 0.7 m.
   Scene<2> scene = periodic_scene(cell_of(2, 0, 0), {.e_n = 1});
   scene.contact_distance = 0;
-  scene.bodies = {cylinder(Vec2(0.8, 0), 0.1, Vec2(-0.5, 0)),
-                  cylinder(Vec2(1.2, 0), 0.1, Vec2(0.5, 0))};
+  scene.bodies = {round_body<2>(Vec2(0.8, 0), 0.1, 2, Vec2(-0.5, 0)),
+                  round_body<2>(Vec2(1.2, 0), 0.1, 2, Vec2(0.5, 0))};
   scene.num_steps = 1500;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.bodies[0].v[0], 0.5, 1e-12);
   EXPECT_NEAR(end.bodies[1].v[0], -0.5, 1e-12);
   EXPECT_NEAR(end.bodies[0].x[0], 0.8 - 0.7 + 0.05, 1e-3);
@@ -141,11 +143,12 @@ TEST(Periodic, ARingOfDisksSharesItsMomentum) {
   // 10 disks touch around the cell. No contact can open without another closing, so all normal
   // velocities vanish and everybody gets a tenth of the first one's velocity.
   Scene<2> scene = periodic_scene(cell_of(2, 0, 0), {});
-  for (int k = 0; k < 10; ++k) scene.bodies.push_back(cylinder(Vec2(0.1 + 0.2 * k, 0.3), 0.1));
+  for (int k = 0; k < 10; ++k)
+    scene.bodies.push_back(round_body<2>(Vec2(0.1 + 0.2 * k, 0.3), 0.1, 2));
   scene.bodies[3].v = Vec2(1, 0);
   scene.contact_distance = 1e-3;  // behind the first one a gap opens by half a step of its velocity
   scene.num_steps = 1;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_EQ(r.contacts, 10);
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-14);
   });
@@ -162,9 +165,10 @@ TEST(Periodic, PressureOnARow) {
   PeriodicCell cell = cell_of(2, 0.5, 0);
   cell.width = {.motion = CellSide::Motion::kDriven, .length = 2, .stress = 30, .mass = 3};
   Scene<2> scene = periodic_scene(cell, {.mu = 0.3});
-  for (int k = 0; k < 10; ++k) scene.bodies.push_back(cylinder(Vec2(0.1 + 0.2 * k, 0.1), 0.1));
+  for (int k = 0; k < 10; ++k)
+    scene.bodies.push_back(round_body<2>(Vec2(0.1 + 0.2 * k, 0.1), 0.1, 2));
   scene.num_steps = 5;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-13);
   });
   ASSERT_EQ(end.contacts.size(), 10u);
@@ -182,9 +186,9 @@ TEST(Periodic, AnEmptyCellFollowsItsStress) {
   PeriodicCell cell = cell_of(2, 0.5, 0);
   cell.width = {.motion = CellSide::Motion::kDriven, .length = 2, .stress = 30, .mass = 3};
   Scene<2> scene = periodic_scene(cell, {.mu = 0.3});
-  scene.bodies = {cylinder(Vec2(0.3, 0.2), 0.1)};
+  scene.bodies = {round_body<2>(Vec2(0.3, 0.2), 0.1, 2)};
   scene.num_steps = 10;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.cell.width.speed, -30 * 0.5 * 0.01 / 3, 1e-14);
   EXPECT_NEAR(end.cell.width.length, 2 - 0.5 * 5 * 1e-4, 1e-12);
   EXPECT_NEAR(end.wall_work, 0.5 * 3 * 0.05 * 0.05, 1e-14);
@@ -202,9 +206,10 @@ TEST(Periodic, ThreeDisksUnderShearRollAsTheLawSays) {
   cell.height = {.motion = CellSide::Motion::kDriven, .length = 0.6, .stress = pressure, .mass = 3};
   cell.offset = {.motion = CellSide::Motion::kMoving, .speed = shear};
   Scene<2> scene = periodic_scene(cell, {.mu = 0.9});
-  for (int k = 0; k < 3; ++k) scene.bodies.push_back(cylinder(Vec2(0.2, 0.1 + 0.2 * k), rim));
+  for (int k = 0; k < 3; ++k)
+    scene.bodies.push_back(round_body<2>(Vec2(0.2, 0.1 + 0.2 * k), rim, 2));
   scene.num_steps = 1;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-15);
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-15);
   });
@@ -231,22 +236,23 @@ TEST(Periodic, MovingASceneByPeriodsChangesNothing) {
   cell.width = {.motion = CellSide::Motion::kMoving, .length = 1, .speed = 0.3};
   cell.offset = {.motion = CellSide::Motion::kMoving, .length = 0.2, .speed = 0.5};
   Scene<2> scene = periodic_scene(cell, {.mu = 0.5});
-  Draw draw(8);
+  PortableRandom draw(8);
   for (int k = 0; k < 16; ++k) {
     const Vec2 x(0.125 + 0.25 * (k % 4), 0.125 + 0.25 * (k / 4));
-    scene.bodies.push_back(cylinder(x + 0.01 * Vec2(draw.symmetric(), draw.symmetric()), 0.12,
-                                    Vec2(draw.symmetric(), draw.symmetric()), 2, draw.symmetric()));
+    scene.bodies.push_back(round_body<2>(x + 0.01 * Vec2(draw.symmetric(), draw.symmetric()), 0.12,
+                                         2, Vec2(draw.symmetric(), draw.symmetric()),
+                                         draw.symmetric()));
   }
   scene.contact_distance = 0.01;
   scene.num_steps = 3;
-  const State<2> one = run_scene(scene);
+  const State<2> one = solved_run(scene);
   for (Disk& d : scene.bodies) {
     const int kx = static_cast<int>(5 * draw.symmetric()),
               ky = static_cast<int>(5 * draw.symmetric());
     d.x += cell.shift(kx, ky);
     d.v += cell.shift_velocity(kx, ky);
   }
-  const State<2> other = run_scene(scene);
+  const State<2> other = solved_run(scene);
   ASSERT_EQ(one.contacts.size(), other.contacts.size());
   EXPECT_GT(one.contacts.size(), 8u);
   const State<2> inside_one = wrapped_state(one), inside = wrapped_state(other);

@@ -12,10 +12,11 @@
 #include "core/motion/time_stepping.h"
 #include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"
+#include "core/scene/contact_detection.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
-#include "tests/support/scene_parts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -47,9 +48,10 @@ Outlet<D> below(double height) {
   return outlet;
 }
 
-/// Bodies of 1, 2, 3 kg fall freely from 0.2, 0.45 and 0.8 m into an outlet below 0: under 10 m/s² after
-/// 0.2, 0.3 and 0.4 s (the mid-point scheme is exact), that is at the end of steps 20, 30, 40, so that
-/// they are missing from the states after steps 21, 31, 41. Each takes m g y0 of energy and -m g t of momentum.
+/// Bodies of 1, 2, 3 kg fall freely from 0.2, 0.45 and 0.8 m into an outlet below 0: under 10 m/s²
+/// after 0.2, 0.3 and 0.4 s (the mid-point scheme is exact), that is at the end of steps 20, 30,
+/// 40, so that they are missing from the states after steps 21, 31, 41. Each takes m g y0 of energy
+/// and -m g t of momentum.
 template <int D>
 void bodies_leave_when_and_as_they_should() {
   Scene<D> scene = falling_scene<D>();
@@ -58,9 +60,9 @@ void bodies_leave_when_and_as_they_should() {
   for (int k = 0; k < 3; ++k) {
     const Vec<D> x = heights[k] * Vec<D>::Unit(D - 1) + k * Vec<D>::Unit(0);
     if constexpr (D == 2) {
-      scene.bodies.push_back(cylinder(x, 0.05, Vec2::Zero(), k + 1));
+      scene.bodies.push_back(round_body<2>(x, 0.05, k + 1));
     } else {
-      scene.bodies.push_back(ball(x, 0.05, Vec3::Zero(), k + 1));
+      scene.bodies.push_back(round_body<3>(x, 0.05, k + 1));
     }
   }
   scene.outlets = {below<D>(0)};
@@ -128,9 +130,9 @@ Inlet<2> square_inlet(double side, double rate) {
 }
 
 TEST(Population, BodiesComeInAtTheirTimes) {
-  // Body k is due at 0.05 s + k / 20: those of t = 0.05, 0.10, ... appear in the steps that start there,
-  // so after step n there are floor((n - 1 - 5) / 5) + 1 of them, no more than 6 in all. They then fall freely:
-  // after its step of 0.01 s a body has v = v0 - 10 · 0.01.
+  // Body k is due at 0.05 s + k / 20: those of t = 0.05, 0.10, ... appear in the steps that start
+  // there, so after step n there are floor((n - 1 - 5) / 5) + 1 of them, no more than 6 in all.
+  // They then fall freely: after its step of 0.01 s a body has v = v0 - 10 · 0.01.
   Scene<2> scene = falling_scene<2>();
   Inlet<2> inlet = square_inlet(9, 20);
   inlet.starts = 0.05;
@@ -159,9 +161,10 @@ TEST(Population, BodiesComeInAtTheirTimes) {
 }
 
 TEST(Population, WhatFindsNoRoomWaits) {
-  // The box has room for one disk alone, in its middle. It moves out with 1 m/s, without gravity; the next fits
-  // when the first has gone by more than its diameter, 0.2 m (plus the contact distance): after 21
-  // steps of 0.01 s. One is due in every step, so from the second on somebody always waits.
+  // The box has room for one disk alone, in its middle. It moves out with 1 m/s, without gravity;
+  // the next fits when the first has gone by more than its diameter, 0.2 m (plus the contact
+  // distance): after 21 steps of 0.01 s. One is due in every step, so from the second on somebody
+  // always waits.
   Scene<2> scene = falling_scene<2>();
   scene.gravity.setZero();
   scene.contact_distance = 1e-6;
@@ -182,11 +185,11 @@ TEST(Population, WhatFindsNoRoomWaits) {
 }
 
 TEST(Population, AnInletMindsWallsAndDrawsItsClassesByTheirShares) {
-  // The floor cuts the box: no disk lies less than its radius above it. Of 400 draws with probability 1/4
-  // a share of 100 ± 4 · sqrt(400 · 3/16) = 100 ± 35 is the smaller class.
+  // The floor cuts the box: no disk lies less than its radius above it. Of 400 draws with
+  // probability 1/4 a share of 100 ± 4 · sqrt(400 · 3/16) = 100 ± 35 is the smaller class.
   Scene<2> scene = falling_scene<2>();
   scene.gravity.setZero();
-  scene.walls = {half_plane(Vec2(0, 10), Vec2(0, 1))};
+  scene.walls = {half_space<2>(Vec2(0, 10), Vec2(0, 1))};
   Inlet<2> inlet = square_inlet(20, 40000);
   inlet.radii = {0.1, 0.05};
   inlet.shares = {3, 1};
@@ -294,8 +297,8 @@ TEST(Population, WhatCameInIsInsideOrHasLeftAndTheBooksClose) {
 }
 
 TEST(Population, KeptContactsAndWarmStartsFollowTheNumbers) {
-  // A stepper that forgets everything between steps, and one that keeps lists: the same bits. And what the
-  // solver starts from are the impulses of the same two bodies in the step before.
+  // A stepper that forgets everything between steps, and one that keeps lists: the same bits. And
+  // what the solver starts from are the impulses of the same two bodies in the step before.
   const Scene<2> scene = parse_scene(kSilo, "silo.toml");
   State<2> kept = initial_state(scene), fresh = kept;
   TimeStepper<2> stepper(scene, sweeps(), false);

@@ -7,9 +7,9 @@
 #include "core/motion/midpoint.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
-#include "tests/support/scene_parts.h"
 
 namespace bipot {
 namespace {
@@ -34,12 +34,12 @@ Landed advance(const Scene<D>& scene, State<D>& state, int steps) {
   return landed;
 }
 
-/// A disk of 0.5 m and 2 kg falls at 10 m/s on a floor; h = 0.01 s. In the middle of its first step,
-/// at 0.05 m less, its gap is 0.03 m.
+/// A disk of 0.5 m and 2 kg falls at 10 m/s on a floor; h = 0.01 s. In the middle of its first
+/// step, at 0.05 m less, its gap is 0.03 m.
 Scene<2> fall(const ContactLaw& law) {
-  Scene<2> scene = one_law(law);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.58), 0.5, Vec2(0, -10))};
+  Scene<2> scene = one_law<2>(law);
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.58), 0.5, 2, Vec2(0, -10))};
   scene.step = 0.01;
   return scene;
 }
@@ -51,8 +51,8 @@ TEST(PredictedGaps, AFastDiskTouchesInTheMiddleOfTheNextStepAndStaysThere) {
     ASSERT_EQ(validate(scene), "");
     State<2> state = initial_state(scene);
     advance(scene, state, 1);
-    // Seen ahead, it keeps the speed 0.03 m / 0.01 s that closes the gap by the next midpoint, and ends
-    // half a step before; else it goes on.
+    // Seen ahead, it keeps the speed 0.03 m / 0.01 s that closes the gap by the next midpoint, and
+    // ends half a step before; else it goes on.
     EXPECT_NEAR(state.bodies[0].v[1], predict ? -3 : -10, 1e-12);
     EXPECT_NEAR(state.bodies[0].x[1], predict ? 0.515 : 0.48, 1e-12);
     // All of its energy is a shock's loss, ½ 2 kg (10 m/s)², in one step or in two.
@@ -66,11 +66,11 @@ TEST(PredictedGaps, AFastDiskTouchesInTheMiddleOfTheNextStepAndStaysThere) {
 }
 
 TEST(PredictedGaps, HoldInSpaceAndBetweenTwoBodies) {
-  // Two balls of 0.5 m and 2 kg meet head on at 10 and 6 m/s; the gap in the middle of the step is 0.05 m: it
-  // closes by 0.16 m a step. Afterwards both have the mean velocity, 2 m/s.
-  Scene<3> scene = one_law_in_space({.mu = 0.3});
-  scene.bodies = {ball(Vec3(-0.565, 0, 0), 0.5, Vec3(10, 0, 0)),
-                  ball(Vec3(0.565, 0, 0), 0.5, Vec3(-6, 0, 0))};
+  // Two balls of 0.5 m and 2 kg meet head on at 10 and 6 m/s; the gap in the middle of the step is
+  // 0.05 m: it closes by 0.16 m a step. Afterwards both have the mean velocity, 2 m/s.
+  Scene<3> scene = one_law<3>({.mu = 0.3});
+  scene.bodies = {round_body<3>(Vec3(-0.565, 0, 0), 0.5, 2, Vec3(10, 0, 0)),
+                  round_body<3>(Vec3(0.565, 0, 0), 0.5, 2, Vec3(-6, 0, 0))};
   scene.step = 0.01;
   scene.predict_gaps = true;
   ASSERT_EQ(validate(scene), "");

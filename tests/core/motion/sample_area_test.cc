@@ -25,7 +25,8 @@ TEST(SampleArea, OfDisksWithoutWallsIsThatOfTheirHullWhateverLiesInside) {
   }
   EXPECT_NEAR(sample_measure(square, 1e-3), 64 + 32 + 128 * std::sin(2 * std::numbers::pi / 256),
               1e-12);
-  // A cloud of disks of 0.1 to 1 m: those well inside change no bit, wherever in the list they stand.
+  // A cloud of disks of 0.1 to 1 m: those well inside change no bit, wherever in the list they
+  // stand.
   State<2> cloud, rim;
   for (int k = 0; k < 4000; ++k) {
     const double angle = 2.4 * k, distance = 30 * std::sqrt(k / 4000.0);

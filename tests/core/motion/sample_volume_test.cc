@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/support/scene_parts.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 namespace {
@@ -35,11 +35,12 @@ TEST(ConvexBody, LosesACorner) {
 
 TEST(SampleVolume, IsWhatWallsEnclose) {
   State<3> state;
-  state.bodies = {ball(Vec3(1, 1, 1), 1, Vec3(0, 0, 3)), ball(Vec3(1, 3, 1), 1, Vec3(0, 0, 3))};
+  state.bodies = {round_body<3>(Vec3(1, 1, 1), 1, 2, Vec3(0, 0, 3)),
+                  round_body<3>(Vec3(1, 3, 1), 1, 2, Vec3(0, 0, 3))};
   state.walls = {
-      half_space(Vec3::Zero(), Vec3::UnitX()),   half_space(Vec3::Zero(), Vec3::UnitY()),
-      half_space(Vec3::Zero(), Vec3::UnitZ()),   half_space(Vec3(2, 0, 0), -Vec3::UnitX()),
-      half_space(Vec3(0, 5, 0), -Vec3::UnitY()), half_space(Vec3(0, 0, 4), -Vec3::UnitZ())};
+      half_space<3>(Vec3::Zero(), Vec3::UnitX()),   half_space<3>(Vec3::Zero(), Vec3::UnitY()),
+      half_space<3>(Vec3::Zero(), Vec3::UnitZ()),   half_space<3>(Vec3(2, 0, 0), -Vec3::UnitX()),
+      half_space<3>(Vec3(0, 5, 0), -Vec3::UnitY()), half_space<3>(Vec3(0, 0, 4), -Vec3::UnitZ())};
   EXPECT_NEAR(sample_measure(state, 0), 2 * 5 * 4, 1e-10);
   // A lid that moves counts where it was at mid-step, half of 0.1 s x 2 m/s before.
   state.walls[5].v = Vec3(0, 0, 2);
@@ -50,37 +51,37 @@ TEST(SampleVolume, IsWhatWallsEnclose) {
 // A pipe of radius 3 m that a floor and a lid close: π r² h. Without the lid nothing is enclosed.
 TEST(SampleVolume, IsWhatAPipeEncloses) {
   State<3> state;
-  state.bodies = {ball(Vec3(6, 5, 1), 0.5)};
-  Wall<3> pipe = half_space(Vec3(5, 5, 9), Vec3::UnitZ());
+  state.bodies = {round_body<3>(Vec3(6, 5, 1), 0.5, 2)};
+  Wall<3> pipe = half_space<3>(Vec3(5, 5, 9), Vec3::UnitZ());
   pipe.shape = Wall<3>::Shape::kHollowCircle;
   pipe.radius = 3;
-  state.walls = {pipe, half_space(Vec3::Zero(), Vec3::UnitZ()),
-                 half_space(Vec3(0, 0, 4), -Vec3::UnitZ())};
+  state.walls = {pipe, half_space<3>(Vec3::Zero(), Vec3::UnitZ()),
+                 half_space<3>(Vec3(0, 0, 4), -Vec3::UnitZ())};
   EXPECT_NEAR(sample_measure(state, 0), std::numbers::pi * 9 * 4, 1e-9);
   state.walls[2].present = false;
   EXPECT_LT(sample_measure(state, 0), 1);
 }
 
-// Touched from 256 sides, 4π/256 of the sphere each, about as wide as a cone of half angle d = 0.125:
-// the planes lie outside, so the volume is larger, by about 3/4 d² = 1.2 %. A row is its length times
-// the round cross-section and the two caps; fewer sides touch that along lines.
+// Touched from 256 sides, 4π/256 of the sphere each, about as wide as a cone of half angle d =
+// 0.125: the planes lie outside, so the volume is larger, by about 3/4 d² = 1.2 %. A row is its
+// length times the round cross-section and the two caps; fewer sides touch that along lines.
 TEST(SampleVolume, IsNearlyTheHullWithoutWalls) {
   const double round = 4 * std::numbers::pi / 3 * 8;
   State<3> state;
-  state.bodies = {ball(Vec3(5, 6, 7), 2)};
+  state.bodies = {round_body<3>(Vec3(5, 6, 7), 2, 2)};
   EXPECT_GT(sample_measure(state, 0), round);
   EXPECT_LT(sample_measure(state, 0), 1.015 * round);
-  state.walls = {half_space(Vec3(0, 0, 5), Vec3::UnitZ())};  // a floor encloses nothing
+  state.walls = {half_space<3>(Vec3(0, 0, 5), Vec3::UnitZ())};  // a floor encloses nothing
   EXPECT_LT(sample_measure(state, 0), 1.015 * round);
-  state.bodies.push_back(ball(Vec3(9, 6, 7), 2));
+  state.bodies.push_back(round_body<3>(Vec3(9, 6, 7), 2, 2));
   const double row = round + 4 * std::numbers::pi * 4;
   EXPECT_GT(sample_measure(state, 0), row);
   EXPECT_LT(sample_measure(state, 0), 1.04 * row);
 }
 
-// Planes that touch a sample touch its outermost spheres: it does not matter what lies within. The shell of a
-// cube of spheres is the same sample with and without a filling of spheres that are as large or smaller,
-// moved as a whole or not; a larger one within that sticks out counts.
+// Planes that touch a sample touch its outermost spheres: it does not matter what lies within. The
+// shell of a cube of spheres is the same sample with and without a filling of spheres that are as
+// large or smaller, moved as a whole or not; a larger one within that sticks out counts.
 TEST(SampleVolume, IsTheSameToTheBitWithAndWithoutWhatLiesWithin) {
   for (const double shift : {0.0, 13.7}) {
     State<3> shell, full;
@@ -88,12 +89,12 @@ TEST(SampleVolume, IsTheSameToTheBitWithAndWithoutWhatLiesWithin) {
       const Vec3 cell(k / 49 - 3, k / 7 % 7 - 3, k % 7 - 3);
       const bool rim = cell.cwiseAbs().maxCoeff() == 3;
       const Sphere s =
-          ball(cell + Vec3(shift, -shift, 2 * shift), rim ? 0.5 : 0.5 - 0.01 * (k % 9));
+          round_body<3>(cell + Vec3(shift, -shift, 2 * shift), rim ? 0.5 : 0.5 - 0.01 * (k % 9), 2);
       if (rim) shell.bodies.push_back(s);
       full.bodies.push_back(s);
     }
     EXPECT_EQ(sample_measure(full, 0.01), sample_measure(shell, 0.01));
-    const Sphere large = ball(Vec3(0, 1, 0) + Vec3(shift, -shift, 2 * shift), 4);
+    const Sphere large = round_body<3>(Vec3(0, 1, 0) + Vec3(shift, -shift, 2 * shift), 4, 2);
     full.bodies.push_back(large);
     shell.bodies.push_back(large);
     EXPECT_EQ(sample_measure(full, 0.01), sample_measure(shell, 0.01));

@@ -10,7 +10,7 @@
 #include "core/run_files/run_output.h"
 #include "core/run_files/run_reader.h"
 #include "core/scene/generators.h"
-#include "tests/support/scene_parts.h"
+#include "core/scene/scene_parts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -19,7 +19,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 Scene<2> spring_scene(double mu, double e_n, double e_t = 0) {
-  Scene<2> scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
+  Scene<2> scene = one_law<2>({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.model = Model::kSpringDashpot;
   scene.gravity = Vec2(0, -kGravity);
   scene.step = 1e-3;
@@ -44,8 +44,8 @@ Scene<2> head_on(double e_n, double stiffness) {
   Scene<2> scene = spring_scene(0.3, e_n);
   scene.gravity = Vec2::Zero();
   scene.dem.stiffness = stiffness;
-  scene.bodies = {cylinder(Vec2(0, 0), 0.1, Vec2(1.5, 0), 1),
-                  cylinder(Vec2(0.2001, 0), 0.1, Vec2(-0.5, 0), 3)};
+  scene.bodies = {round_body<2>(Vec2(0, 0), 0.1, 1, Vec2(1.5, 0)),
+                  round_body<2>(Vec2(0.2001, 0), 0.1, 3, Vec2(-0.5, 0))};
   scene.step = 1e-5;
   scene.num_steps = 800;
   return scene;
@@ -117,8 +117,8 @@ TEST(SpringDashpot, ConvergesWithTheSubstep) {
 
 TEST(SpringDashpot, DiskAtRestOverlapsByItsWeightOverTheStiffness) {
   Scene<2> scene = spring_scene(0.4, 0.3);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
   scene.num_steps = 3000;
   const SpringDashpotSetup setup = spring_dashpot_setup(scene);
   // The default stiffness: weight over 1e-3 of the radius.
@@ -138,8 +138,8 @@ TEST(SpringDashpot, BouncingBallReachesTheHeightsOfTable1) {
   // up to 0.006, which is 1.3 % of a height.
   for (const double e : {1.0, 0.9}) {
     Scene<2> scene = spring_scene(0, e);
-    scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-    scene.bodies = {cylinder(Vec2(0, 0.11), 0.01, Vec2::Zero(), 1)};
+    scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+    scene.bodies = {round_body<2>(Vec2(0, 0.11), 0.01, 1)};
     scene.step = 1e-4;
     scene.num_steps = 8000;
     std::vector<double> heights, impacts;
@@ -165,8 +165,8 @@ TEST(SpringDashpot, BouncingBallReachesTheHeightsOfTable1) {
 
 TEST(SpringDashpot, SlidingCylinderRollsAtTwoThirdsOfItsSpeed) {
   Scene<2> scene = spring_scene(0.5, 0);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.01), 0.01, Vec2(1, 0), 1)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.01), 0.01, 1, Vec2(1, 0))};
   scene.step = 1e-4;
   scene.num_steps = 1500;
   double rolls_from = -1;
@@ -187,8 +187,8 @@ TEST(SpringDashpot, SlidingCylinderRollsAtTwoThirdsOfItsSpeed) {
 Scene<2> spring_incline(double angle, double mu) {
   Scene<2> scene = spring_scene(mu, 0.2);
   const Vec2 n(std::sin(angle), std::cos(angle));
-  scene.walls = {half_plane(Vec2::Zero(), n)};
-  scene.bodies = {cylinder(0.1 * n, 0.1)};
+  scene.walls = {half_space<2>(Vec2::Zero(), n)};
+  scene.bodies = {round_body<2>(0.1 * n, 0.1, 2)};
   scene.num_steps = 400;
   return scene;
 }
@@ -214,8 +214,8 @@ TEST(SpringDashpot, AStickingContactHoldsItsPlaceAndPullsBack) {
   // A disk that cannot turn (huge inertia) is pulled aside by 0.3 of its weight on mu = 0.5: the
   // tangential spring carries it, x = F/k_t, and it stays there.
   Scene<2> scene = spring_scene(0.5, 0.2);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
   scene.bodies[0].inertia = 1e9;
   scene.gravity = Vec2(0.3 * kGravity, -kGravity);
   scene.num_steps = 2000;
@@ -234,10 +234,10 @@ TEST(SpringDashpot, AStickingContactHoldsItsPlaceAndPullsBack) {
 Scene<2> lattice(int columns, int rows, double mu) {
   Scene<2> scene = spring_scene(mu, 0.1);
   for (const Disk& d : rectangular_lattice(columns, rows, 0.01, Vec2::Zero())) {
-    scene.bodies.push_back(cylinder(d.x, d.radius, Vec2::Zero(), 0.6));
+    scene.bodies.push_back(round_body<2>(d.x, d.radius, 0.6));
   }
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), half_plane(Vec2::Zero(), Vec2(1, 0)),
-                 half_plane(Vec2(0.02 * columns, 0), Vec2(-1, 0))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
+                 half_space<2>(Vec2(0.02 * columns, 0), Vec2(-1, 0))};
   return scene;
 }
 
@@ -263,8 +263,8 @@ TEST(SpringDashpot, TheCriticalStepIsStable) {
   // One undamped disk on a plane: 2/w = 2 √(m/k). Pressed lattices with friction at 0.99 of the
   // critical step come to rest with the right weight: the bound holds for six contacts at once.
   Scene<2> one = spring_scene(0, 1);
-  one.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  one.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
+  one.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  one.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
   one.dem.stiffness = 1e5;
   EXPECT_NEAR(spring_dashpot_setup(one).critical_step, 2 * std::sqrt(2 / 1e5), 1e-15);
   for (const bool triangular : {false, true}) {
@@ -272,7 +272,7 @@ TEST(SpringDashpot, TheCriticalStepIsStable) {
     if (triangular) {
       scene.bodies.clear();
       for (const Disk& d : triangular_lattice(6, 6, 0.01, Vec2::Zero())) {
-        scene.bodies.push_back(cylinder(d.x, d.radius, Vec2::Zero(), 0.6));
+        scene.bodies.push_back(round_body<2>(d.x, d.radius, 0.6));
       }
     }
     scene.dem.substep = 0.99 * spring_dashpot_setup(scene).critical_step;
@@ -304,10 +304,10 @@ Scene<2> springs_in_a_falling_box(double length, double mass, double time) {
   scene.step = 5e-4 * time;
   for (const Disk& d : random_filling(60, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 5, Vec2::Zero())) {
     scene.bodies.push_back(
-        cylinder(d.x * length, d.radius * length, Vec2(0.1, -0.5) * length / time, 2 * mass));
+        round_body<2>(d.x * length, d.radius * length, 2 * mass, Vec2(0.1, -0.5) * length / time));
   }
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), half_plane(Vec2::Zero(), Vec2(1, 0)),
-                 half_plane(Vec2(0.2 * length, 0), Vec2(-1, 0))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
+                 half_space<2>(Vec2(0.2 * length, 0), Vec2(-1, 0))};
   scene.num_steps = 300;
   return scene;
 }
@@ -412,10 +412,10 @@ TEST(SpringDashpot, MovingAndDrivenWallsDoTheirWork) {
   // A floor that moves up at 0.5 m/s lifts 2 kg by 0.5 m; 6 N on a wall of 1 kg and a disk of
   // 2 kg: a = 2 m/s², 4 N between them, and the wall's force does 6 N x 0.25 m in 0.5 s.
   Scene<2> lift = spring_scene(0, 0.1);
-  lift.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  lift.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
   lift.walls[0].motion = Wall<2>::Motion::kMoving;
   lift.walls[0].v = Vec2(0, 0.5);
-  lift.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 0.5))};
+  lift.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, 0.5))};
   lift.num_steps = 1000;
   const State<2> lifted = run(lift);
   EXPECT_NEAR(lifted.walls[0].a[1], 0.5, 1e-12);
@@ -423,12 +423,12 @@ TEST(SpringDashpot, MovingAndDrivenWallsDoTheirWork) {
 
   Scene<2> push = spring_scene(0, 0.1);
   push.gravity = Vec2::Zero();
-  push.walls = {half_plane(Vec2::Zero(), Vec2(1, 0))};
+  push.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
   push.walls[0].motion = Wall<2>::Motion::kDriven;
   push.walls[0].direction = Vec2(1, 0);
   push.walls[0].mass = 1;
   push.walls[0].force = 6;
-  push.bodies = {cylinder(Vec2(0.1, 0), 0.1)};
+  push.bodies = {round_body<2>(Vec2(0.1, 0), 0.1, 2)};
   push.num_steps = 500;
   const State<2> pushed = run(push, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-13);
@@ -443,12 +443,12 @@ TEST(SpringDashpot, MovingAndDrivenWallsDoTheirWork) {
 TEST(SpringDashpot, SegmentsArePushedOffOnBothSides) {
   Scene<2> scene = spring_scene(0, 0.5);
   scene.gravity = Vec2::Zero();
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
   scene.walls[0].shape = Wall<2>::Shape::kSegment;
   scene.walls[0].a = Vec2(-1, 0);
   scene.walls[0].b = Vec2(1, 0);
-  scene.bodies = {cylinder(Vec2(0, 0.11), 0.1, Vec2(0, -1)),
-                  cylinder(Vec2(0.5, -0.11), 0.1, Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.11), 0.1, 2, Vec2(0, -1)),
+                  round_body<2>(Vec2(0.5, -0.11), 0.1, 2, Vec2(0, 1))};
   scene.num_steps = 40;
   const State<2> end = run(scene);
   EXPECT_NEAR(end.bodies[0].v[1], 0.5, 0.01);

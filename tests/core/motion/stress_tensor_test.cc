@@ -11,9 +11,9 @@
 #include "core/scene/contact_detection.h"
 #include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
-#include "tests/support/scene_parts.h"
 
 namespace bipot {
 namespace {
@@ -77,7 +77,7 @@ Scene<2> pushed_box() {
                                       {Vec2(0, 0), Vec2(1, 0)},
                                       {Vec2(0.7, 0), Vec2(-1, 0)},
                                       {Vec2(0, 0.7), Vec2(0, -1)}}) {
-    Wall<2> wall = half_plane(point, normal);
+    Wall<2> wall = half_space<2>(point, normal);
     wall.motion = Wall<2>::Motion::kDriven;
     wall.direction = normal;
     wall.force = 20;
@@ -91,8 +91,8 @@ TEST(StressTensor, OfTwoDisksSqueezedBetweenWallsIsForceOverHeight) {
   // Radii 1 and 2 between x = -1 and x = 5, F = 7 N: Σ F l = F 6, over the box 6 × 4: σ_xx = F / 4.
   State<2> state;
   state.bodies = {disk(0, 0, 1), disk(3, 0, 2)};
-  state.walls = {half_plane(Vec2(-1, 0), Vec2(1, 0)), half_plane(Vec2(5, 0), Vec2(-1, 0)),
-                 half_plane(Vec2(0, -2), Vec2(0, 1)), half_plane(Vec2(0, 2), Vec2(0, -1))};
+  state.walls = {half_space<2>(Vec2(-1, 0), Vec2(1, 0)), half_space<2>(Vec2(5, 0), Vec2(-1, 0)),
+                 half_space<2>(Vec2(0, -2), Vec2(0, 1)), half_space<2>(Vec2(0, 2), Vec2(0, -1))};
   state.contacts = {contact(0, 1, Vec2(-1, 0), Vec2(-7, 0)), contact(0, 2, Vec2(1, 0), Vec2(7, 0)),
                     contact(1, 3, Vec2(-1, 0), Vec2(-7, 0))};
   const double area = sample_measure(state, kStep);
@@ -121,8 +121,9 @@ TEST(StressTensor, OfASquareLatticeUnderPressureIsForceOverDiameter) {
   State<2> state;
   state.bodies = rectangular_lattice(side, side, 0.5, Vec2::Zero());
   for (Disk& d : state.bodies) d.mass = d.inertia = 1;
-  state.walls = {half_plane(Vec2(0, 0), Vec2(0, 1)), half_plane(Vec2(0, 0), Vec2(1, 0)),
-                 half_plane(Vec2(side, 0), Vec2(-1, 0)), half_plane(Vec2(0, side), Vec2(0, -1))};
+  state.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1)), half_space<2>(Vec2(0, 0), Vec2(1, 0)),
+                 half_space<2>(Vec2(side, 0), Vec2(-1, 0)),
+                 half_space<2>(Vec2(0, side), Vec2(0, -1))};
   for (const Contact<2>& c : detect_contacts(state.bodies, state.walls, 1e-9)) {
     state.contacts.push_back(contact(c.i, c.j, c.n, 3 * c.n));
   }
@@ -321,11 +322,11 @@ TEST(SampleArea, IsThatOfTheWallsWhereTheyEncloseTheDisksElseOfTheHull) {
   EXPECT_NEAR(sample_measure(state, kStep), circle + 24, 2e-4 * circle);
   // A smaller disk in between changes nothing; a box open at the top neither.
   state.bodies.push_back(disk(3, 1, 0.5));
-  state.walls = {half_plane(Vec2(0, -2), Vec2(0, 1)), half_plane(Vec2(-2, 0), Vec2(1, 0)),
-                 half_plane(Vec2(8, 0), Vec2(-1, 0))};
+  state.walls = {half_space<2>(Vec2(0, -2), Vec2(0, 1)), half_space<2>(Vec2(-2, 0), Vec2(1, 0)),
+                 half_space<2>(Vec2(8, 0), Vec2(-1, 0))};
   EXPECT_NEAR(sample_measure(state, kStep), circle + 24, 2e-4 * circle);
   // A sloping lid, y + x/10 <= 5: heights 7.2 at x = -2 and 6.2 at x = 8 over the floor.
-  state.walls.push_back(half_plane(Vec2(0, 5), Vec2(-0.1, -1).normalized()));
+  state.walls.push_back(half_space<2>(Vec2(0, 5), Vec2(-0.1, -1).normalized()));
   EXPECT_NEAR(sample_measure(state, kStep), 67, 1e-10);
   // At mid-step: the lid has moved 2 m/s · h / 2 beyond it.
   state.walls[3].v = Vec2(0, 2);

@@ -7,19 +7,19 @@
 #include <cmath>
 #include <map>
 
+#include "core/base/portable_random.h"
 #include "core/scene/generators.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/registry.h"
 #include "solvers/simulation/step_solver.h"
 #include "solvers/solve.h"
-#include "tests/support/draw.h"
-#include "tests/support/scene_parts.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
 namespace {
 
 Scene<2> one_material(double mu, double e_n = 0, double e_t = 0) {
-  Scene<2> scene = one_law({.mu = mu, .e_n = e_n, .e_t = e_t});
+  Scene<2> scene = one_law<2>({.mu = mu, .e_n = e_n, .e_t = e_t});
   scene.gravity = Vec2(0, -kGravity);
   scene.step = 1e-3;
   scene.solver.name = "pgs";
@@ -31,8 +31,8 @@ Scene<2> one_material(double mu, double e_n = 0, double e_t = 0) {
 Scene<2> incline(double angle, double mu) {
   Scene<2> scene = one_material(mu);
   const Vec2 n(std::sin(angle), std::cos(angle));
-  scene.walls = {half_plane(Vec2::Zero(), n)};
-  scene.bodies = {cylinder(0.1 * n, 0.1)};
+  scene.walls = {half_space<2>(Vec2::Zero(), n)};
+  scene.bodies = {round_body<2>(0.1 * n, 0.1, 2)};
   scene.contact_distance = 1e-6;
   scene.num_steps = 200;
   return scene;
@@ -41,9 +41,9 @@ Scene<2> incline(double angle, double mu) {
 TEST(TimeStepping, FreeFlightIsExact) {
   // The mid-point rule is exact for a parabola.
   Scene<2> scene = one_material(0.3);
-  scene.bodies = {cylinder(Vec2(1, 2), 0.1, Vec2(3, 4), 2, 5)};
+  scene.bodies = {round_body<2>(Vec2(1, 2), 0.1, 2, Vec2(3, 4), 5)};
   scene.num_steps = 1000;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_DOUBLE_EQ(end.time, 1);
   EXPECT_NEAR(end.bodies[0].x[0], 1 + 3, 1e-12);
   EXPECT_NEAR(end.bodies[0].x[1], 2 + 4 - kGravity / 2, 1e-12);
@@ -54,11 +54,11 @@ TEST(TimeStepping, FreeFlightIsExact) {
 
 TEST(TimeStepping, DiskLeavesThePlane) {
   Scene<2> scene = one_material(0.5);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 1), 2, 3)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, 1), 3)};
   scene.contact_distance = 0.01;
   scene.num_steps = 1;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_EQ(r.contacts, 1);
     EXPECT_EQ(r.active, 0);
     EXPECT_EQ(r.iterations, 0);
@@ -72,7 +72,7 @@ TEST(TimeStepping, CylinderRollsDownAShallowIncline) {
   // tan(angle) < 3 mu: a = 2/3 g sin(angle), friction g sin/3 per unit mass < mu g cos.
   const double angle = 0.5, mu = std::tan(angle) / 3 * 1.05;
   const State<2> end =
-      run_scene(incline(angle, mu), [](const State<2>& state, const StepReport<2>&) {
+      solved_run(incline(angle, mu), [](const State<2>& state, const StepReport<2>&) {
         EXPECT_EQ(state.contacts.at(0).status, ContactStatus::kStick);
       });
   const Vec2 down(std::cos(angle), -std::sin(angle));
@@ -88,7 +88,7 @@ TEST(TimeStepping, CylinderSlipsDownASteepIncline) {
   // tan(angle) > 3 mu: a = g (sin - mu cos), angular acceleration 2 mu g cos / radius.
   const double angle = 0.5, mu = std::tan(angle) / 3 * 0.95;
   const State<2> end =
-      run_scene(incline(angle, mu), [](const State<2>& state, const StepReport<2>&) {
+      solved_run(incline(angle, mu), [](const State<2>& state, const StepReport<2>&) {
         EXPECT_EQ(state.contacts.at(0).status, ContactStatus::kSlip);
       });
   const Vec2 down(std::cos(angle), -std::sin(angle));
@@ -102,12 +102,12 @@ TEST(TimeStepping, SpinningDiskSetOnAPlaneSpinsDownAndRollsOff) {
   // mu m g acts on the rim: a = mu g, spin falls by 2 mu g / radius; rolling at v = |w| radius / 3
   // after t = |w| radius / (3 mu g).
   Scene<2> scene = one_material(0.2);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2::Zero(), 2, -20)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2::Zero(), -20)};
   scene.contact_distance = 1e-6;
   scene.num_steps = 400;
   double rolls_from = -1;
-  const State<2> end = run_scene(scene, [&](const State<2>& state, const StepReport<2>&) {
+  const State<2> end = solved_run(scene, [&](const State<2>& state, const StepReport<2>&) {
     const bool slips = state.contacts.at(0).status == ContactStatus::kSlip;
     if (!slips && rolls_from < 0) rolls_from = state.time;
     if (slips) {
@@ -123,7 +123,7 @@ Scene<2> row_of_disks(int count, double e_n, const Vec2& first_velocity) {
   Scene<2> scene = one_material(0, e_n);
   scene.gravity = Vec2::Zero();
   scene.step = 1e-3;
-  for (int k = 0; k < count; ++k) scene.bodies.push_back(cylinder(Vec2(0.2 * k, 0), 0.1));
+  for (int k = 0; k < count; ++k) scene.bodies.push_back(round_body<2>(Vec2(0.2 * k, 0), 0.1, 2));
   scene.bodies[0].v = first_velocity;
   scene.contact_distance = 1e-6;
   return scene;
@@ -133,7 +133,7 @@ TEST(TimeStepping, ElasticHeadOnShockExchangesVelocities) {
   Scene<2> scene = row_of_disks(2, 1, Vec2(1, 0));
   scene.bodies[1].v = Vec2(-0.5, 0);
   scene.num_steps = 5;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.bodies[0].v[0], -0.5, 1e-9);
   EXPECT_NEAR(end.bodies[1].v[0], 1, 1e-9);
   EXPECT_NEAR(end.shock_loss, 0, 1e-9);
@@ -146,7 +146,7 @@ TEST(TimeStepping, NewtonsCradleFollowsMoreausLaw) {
   // in a cradle, would need the shocks one after the other.
   Scene<2> scene = row_of_disks(3, 1, Vec2(1, 0));
   scene.num_steps = 1;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.bodies[0].v[0], -1.0 / 3, 1e-9);
   EXPECT_NEAR(end.bodies[1].v[0], 2.0 / 3, 1e-9);
   EXPECT_NEAR(end.bodies[2].v[0], 2.0 / 3, 1e-9);
@@ -157,13 +157,14 @@ TEST(TimeStepping, RowJammedBetweenTwoWallsHasASolution) {
   // Fixed walls, one e: v⁺ = -e v⁻ solves every contact at once (all mean velocities vanish).
   for (const double e_n : {0.0, 0.5, 1.0}) {
     Scene<2> scene = row_of_disks(6, e_n, Vec2::Zero());
-    scene.walls = {half_plane(Vec2(-0.1, 0), Vec2(1, 0)), half_plane(Vec2(1.1, 0), Vec2(-1, 0))};
-    Draw draw(3);
+    scene.walls = {half_space<2>(Vec2(-0.1, 0), Vec2(1, 0)),
+                   half_space<2>(Vec2(1.1, 0), Vec2(-1, 0))};
+    PortableRandom draw(3);
     for (Disk& d : scene.bodies) d.v = Vec2(1e-4 * draw.symmetric(), 0);
     // A little overlap everywhere keeps all seven contacts candidates at mid-step.
     scene.contact_distance = 1e-5;
     scene.num_steps = 1;
-    const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+    const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
       EXPECT_EQ(r.contacts, 7);
       EXPECT_LE(r.error.guarded(), 1e-10);
     });
@@ -175,13 +176,13 @@ TEST(TimeStepping, RowJammedBetweenTwoWallsHasASolution) {
 
 TEST(TimeStepping, MovingWallCarriesADisk) {
   Scene<2> scene = one_material(0);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
   scene.walls[0].motion = Wall<2>::Motion::kMoving;
   scene.walls[0].v = Vec2(0, 0.5);
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, 0.5))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, 0.5))};
   scene.contact_distance = 1e-6;
   scene.num_steps = 100;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.bodies[0].x[1], 0.1 + 0.05, 1e-12);
   EXPECT_NEAR(end.walls[0].a[1], 0.05, 1e-14);
   EXPECT_NEAR(end.wall_work, 2 * kGravity * 0.05, 1e-8);  // lifts m g
@@ -191,15 +192,15 @@ TEST(TimeStepping, DrivenWallAcceleratesWithWhatItPushes) {
   // 6 N on a wall of 1 kg and a disk of 2 kg, no gravity: a = 2 m/s².
   Scene<2> scene = one_material(0);
   scene.gravity = Vec2::Zero();
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(1, 0))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0))};
   scene.walls[0].motion = Wall<2>::Motion::kDriven;
   scene.walls[0].direction = Vec2(1, 0);
   scene.walls[0].mass = 1;
   scene.walls[0].force = 6;
-  scene.bodies = {cylinder(Vec2(0.1, 0), 0.1)};
+  scene.bodies = {round_body<2>(Vec2(0.1, 0), 0.1, 2)};
   scene.contact_distance = 1e-6;
   scene.num_steps = 500;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.bodies[0].v[0], 1, 1e-8);
   EXPECT_NEAR(end.walls[0].v[0], 1, 1e-8);
   EXPECT_NEAR(end.bodies[0].x[0], 0.1 + 0.25, 1e-8);
@@ -210,11 +211,11 @@ TEST(TimeStepping, DrivenWallAcceleratesWithWhatItPushes) {
 TEST(TimeStepping, FrictionDissipatesWhatTheSlidingCylinderLoses) {
   // From v0 to 2/3 v0 with the rolling energy: loss m v0²/2 - 3/4 m (2/3 v0)² = m v0²/6.
   Scene<2> scene = one_material(0.5);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(1, 0))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(1, 0))};
   scene.contact_distance = 1e-6;
   scene.num_steps = 150;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.friction_loss, 2.0 / 6, 1e-8);
   EXPECT_NEAR(end.shock_loss, 0, 1e-8);
 }
@@ -226,10 +227,10 @@ TEST(TimeStepping, WarmStartIsCarriedByPair) {
   const std::vector<Disk> filling =
       random_filling(60, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 3, Vec2::Zero());
   for (const Disk& d : filling) {
-    scene.bodies.push_back(cylinder(d.x, d.radius, Vec2(0, -0.5)));
+    scene.bodies.push_back(round_body<2>(d.x, d.radius, 2, Vec2(0, -0.5)));
   }
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), half_plane(Vec2::Zero(), Vec2(1, 0)),
-                 half_plane(Vec2(0.2, 0), Vec2(-1, 0))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
+                 half_space<2>(Vec2(0.2, 0), Vec2(-1, 0))};
   State<2> state = initial_state(scene);
   SolverOptions options;
   options.tol = 1e-4;
@@ -368,13 +369,13 @@ Scene<2> falling_box(double length, double mass, double time) {
   scene.gravity = Vec2(0, -kGravity * length / (time * time));
   scene.step = 5e-4 * time;
   for (const Disk& d : random_filling(80, {{0.01, 1}, {0.007, 1}}, 0.2, 0.02, 5, Vec2::Zero())) {
-    Disk disk = cylinder(d.x * length, d.radius * length, Vec2(0, -0.5 * length / time));
+    Disk disk = round_body<2>(d.x * length, d.radius * length, 2, Vec2(0, -0.5 * length / time));
     disk.mass = 2 * mass;
     disk.inertia = 0.5 * disk.mass * disk.radius * disk.radius;
     scene.bodies.push_back(disk);
   }
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), half_plane(Vec2::Zero(), Vec2(1, 0)),
-                 half_plane(Vec2(0.2 * length, 0), Vec2(-1, 0))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), half_space<2>(Vec2::Zero(), Vec2(1, 0)),
+                 half_space<2>(Vec2(0.2 * length, 0), Vec2(-1, 0))};
   scene.contact_distance = 1e-8 * length;
   scene.num_steps = 120;
   scene.solver.tol = 1e-6;
@@ -383,9 +384,9 @@ Scene<2> falling_box(double length, double mass, double time) {
 
 TEST(TimeStepping, TheSameSceneGivesTheSameBits) {
   const Scene<2> scene = falling_box(1, 1, 1);
-  const State<2> first = run_scene(scene);
+  const State<2> first = solved_run(scene);
   EXPECT_GT(first.contacts.size(), 50u);
-  EXPECT_EQ(hash_of(first), hash_of(run_scene(scene)));
+  EXPECT_EQ(hash_of(first), hash_of(solved_run(scene)));
 }
 
 TEST(TimeStepping, UnitsDoNotChangeTheIterations) {
@@ -396,7 +397,7 @@ TEST(TimeStepping, UnitsDoNotChangeTheIterations) {
     const double length = 1024, mass = 0x1p-10, time = 128;
     for (int k : {0, 1}) {
       const Scene<2> scene = k == 0 ? falling_box(1, 1, 1) : falling_box(length, mass, time);
-      run_scene(
+      solved_run(
           scene,
           [&](const State<2>&, const StepReport<2>& r) {
             iterations[k].push_back(r.iterations);
@@ -416,7 +417,7 @@ TEST(TimeStepping, UnitsOfAnotherBaseChangeTheIterationsByOneAtMost) {
   for (int k : {0, 1}) {
     Scene<2> scene = k == 0 ? falling_box(1, 1, 1) : falling_box(1000, 1000, 1000);
     scene.num_steps = 30;
-    run_scene(scene, [&](const State<2>&, const StepReport<2>& r) {
+    solved_run(scene, [&](const State<2>&, const StepReport<2>& r) {
       iterations[k].push_back(r.iterations);
     });
   }
@@ -428,10 +429,10 @@ TEST(TimeStepping, UnitsOfAnotherBaseChangeTheIterationsByOneAtMost) {
 TEST(TimeStepping, PenetrationIsThatOfTheMidPoint) {
   Scene<2> scene = one_material(0);
   scene.gravity = Vec2::Zero();
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1, Vec2(0, -1))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2, Vec2(0, -1))};
   scene.num_steps = 1;
-  run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_NEAR(r.penetration, 5e-4, 1e-15);
   });
 }

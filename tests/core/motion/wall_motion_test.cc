@@ -9,7 +9,7 @@
 #include "core/motion/spring_dashpot.h"
 #include "core/motion/stress_tensor.h"
 #include "core/motion/time_stepping.h"
-#include "tests/support/scene_parts.h"
+#include "core/scene/scene_parts.h"
 #include "tests/support/scene_run.h"
 
 namespace bipot {
@@ -18,7 +18,7 @@ namespace {
 constexpr double kPull = 9.81;  // m/s²
 
 Scene<2> rough_scene(double mu) {
-  Scene<2> scene = one_law({.mu = mu});
+  Scene<2> scene = one_law<2>({.mu = mu});
   scene.step = 1e-3;
   scene.solver.name = "pgs";
   scene.solver.tol = 1e-11;
@@ -28,7 +28,7 @@ Scene<2> rough_scene(double mu) {
 
 /// A plate on top of the disk that is pressed down with `force` and moved along x with `speed`.
 Wall<2> pressed_plate(double height, double force, double speed) {
-  Wall<2> plate = half_plane(Vec2(0, height), Vec2(0, -1));
+  Wall<2> plate = half_space<2>(Vec2(0, height), Vec2(0, -1));
   plate.motion = Wall<2>::Motion::kDriven;
   plate.direction = Vec2(0, -1);
   plate.force = force;
@@ -54,12 +54,12 @@ TEST(WallMotion, AMovedAndPressedPlateRollsADiskAtHalfItsSpeed) {
   // bottom. At rest the floor contact does not slide. The disk ends rolling: velocity 0.15 m/s,
   // spin -0.15/0.1 (its top moves with the plate, its bottom stands).
   Scene<2> scene = rough_scene(0.4);
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.2, 50, 0.3)};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.2, 50, 0.3)};
   scene.num_steps = 100;
   Books books;
   const State<2> end =
-      run_scene(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
+      solved_run(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
   EXPECT_NEAR(end.bodies[0].v[0], 0.15, 1e-9);
   EXPECT_NEAR(end.bodies[0].spin, -1.5, 1e-8);
   EXPECT_NEAR(end.walls[1].v[0], 0.3, 1e-15);
@@ -81,12 +81,12 @@ TEST(WallMotion, AMovedPlateDoesTheWorkOfItsFriction) {
   Scene<2> scene = rough_scene(0);
   scene.materials = {"smooth", "rough"};
   scene.laws = {{.mu = 0}, {.mu = 0.2}, {.mu = 0.2}, {.mu = 0}};
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.2, 50, 0.3),
-                 half_plane(Vec2(0.1, 0), Vec2(-1, 0))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.2, 50, 0.3),
+                 half_space<2>(Vec2(0.1, 0), Vec2(-1, 0))};
   scene.walls[1].material = 1;
   scene.num_steps = 20;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.bodies[0].spin, -100 * 0.02, 1e-8);
   EXPECT_NEAR(end.wall_work, 10 * 0.3 * 0.02, 1e-9);
 }
@@ -108,15 +108,15 @@ TEST(WallMotion, ARoughPlateLiesOnWhatItsDisksTouch) {
   // a free disk of the same size straight above the floor: both contacts carry 50 N (no gravity),
   // and the plate stays. Momentum and energy close.
   Scene<2> scene = rough_scene(0.4);
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1), cylinder(Vec2(0, 0.3), 0.1)};
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.35, 50, 0)};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2), round_body<2>(Vec2(0, 0.3), 0.1, 2)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.35, 50, 0)};
   scene.bodies[1].mass = scene.bodies[1].inertia = 0;
   scene.bodies[1].wall = 1;
   ASSERT_EQ(validate(scene), "");
   scene.num_steps = 20;
   Books books;
   const State<2> end =
-      run_scene(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
+      solved_run(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
   ASSERT_EQ(end.contacts.size(), 2u);
   for (const ContactOutcome<2>& c : end.contacts) {
     EXPECT_EQ(c.contact.i, 0);
@@ -131,14 +131,14 @@ TEST(WallMotion, ARoughPlateFallsWithItsDisks) {
   // Nothing below: plate and glued disk fall with 50/4 m/s² together, and no contact is seen
   // between the two glued disks, which overlap, nor between them and their wall.
   Scene<2> scene = rough_scene(0.4);
-  scene.bodies = {cylinder(Vec2(0, 1), 0.1), cylinder(Vec2(0.1, 1), 0.1)};
+  scene.bodies = {round_body<2>(Vec2(0, 1), 0.1, 2), round_body<2>(Vec2(0.1, 1), 0.1, 2)};
   scene.walls = {pressed_plate(1, 50, 0.3)};
   for (Disk& d : scene.bodies) {
     d.mass = d.inertia = 0;
     d.wall = 0;
   }
   scene.num_steps = 10;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_EQ(r.contacts, 0);
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-14);
   });
@@ -151,23 +151,23 @@ TEST(WallMotion, ARoughPlateFallsWithItsDisks) {
 }
 
 TEST(WallMotion, ARoughWallHoldsADiskThatASmoothOneLetsSlide) {
-  // A disk in the hollow of two glued disks on a slope of 20 degrees, without friction: it stands as long as
-  // the slope is less than the hollow's 30 degrees (three equal disks in touch), here against
-  // contacts with s_n = m g h cos(30 -+ 20)/sin(60), by the triangle of forces. The walls carry
-  // the weight.
+  // A disk in the hollow of two glued disks on a slope of 20 degrees, without friction: it stands
+  // as long as the slope is less than the hollow's 30 degrees (three equal disks in touch), here
+  // against contacts with s_n = m g h cos(30 -+ 20)/sin(60), by the triangle of forces. The walls
+  // carry the weight.
   const double angle = std::numbers::pi / 9, third = std::numbers::pi / 3;
   Scene<2> scene = rough_scene(0);
   scene.gravity = kPull * Vec2(std::sin(angle), -std::cos(angle));
   const double rise = 0.1 * std::sqrt(3.0);
-  scene.bodies = {cylinder(Vec2(-0.1, 0), 0.1), cylinder(Vec2(0.1, 0), 0.1),
-                  cylinder(Vec2(0, rise), 0.1)};
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(-0.1, 0), 0.1, 2), round_body<2>(Vec2(0.1, 0), 0.1, 2),
+                  round_body<2>(Vec2(0, rise), 0.1, 2)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
   for (std::size_t k = 0; k < 2; ++k) {
     scene.bodies[k].mass = scene.bodies[k].inertia = 0;
     scene.bodies[k].wall = 0;
   }
   scene.num_steps = 50;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-14);
   });
   EXPECT_NEAR((end.bodies[2].x - Vec2(0, rise)).norm(), 0, 1e-7);
@@ -211,12 +211,12 @@ TEST(WallMotion, ADrumSpinsADiskUpToItsOwnSurface) {
   // counter-clockwise as the drum.
   Scene<2> scene = drum_scene(0.2, 0.5);
   scene.gravity = Vec2(0, -kPull);
-  scene.bodies = {cylinder(Vec2(0, -0.9), 0.1)};
+  scene.bodies = {round_body<2>(Vec2(0, -0.9), 0.1, 2)};
   scene.bodies[0].spin = 2;
   scene.num_steps = 300;
   Books books;
   const State<2> end =
-      run_scene(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
+      solved_run(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
   EXPECT_NEAR(end.bodies[0].spin, 2, 1e-8);
   EXPECT_NEAR(end.bodies[0].x[0], 0, 1e-8);
   EXPECT_LT(books.energy, 1e-12);
@@ -225,15 +225,15 @@ TEST(WallMotion, ADrumSpinsADiskUpToItsOwnSurface) {
 
 TEST(WallMotion, ADrumThatStartsDragsADiskWithFriction) {
   // The same disk at rest: it slides, so friction mu m g turns it counter-clockwise and pushes it
-  // along the surface, +x at the bottom. After 10 ms: v = mu g t less what the rise of the arc takes,
-  // (g/l) mu g t³/6 with l = 0.9 m; spin = mu g t m a / I = 2 mu g t / a; and the drum has done the
-  // work mu m g Omega R t.
+  // along the surface, +x at the bottom. After 10 ms: v = mu g t less what the rise of the arc
+  // takes, (g/l) mu g t³/6 with l = 0.9 m; spin = mu g t m a / I = 2 mu g t / a; and the drum has
+  // done the work mu m g Omega R t.
   const double mu = 0.1, t = 0.01;
   Scene<2> scene = drum_scene(1, mu);
   scene.gravity = Vec2(0, -kPull);
-  scene.bodies = {cylinder(Vec2(0, -0.9), 0.1)};
+  scene.bodies = {round_body<2>(Vec2(0, -0.9), 0.1, 2)};
   scene.num_steps = 10;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.bodies[0].v[0], mu * kPull * t * (1 - kPull / 0.9 * t * t / 6), 1e-7);
   EXPECT_NEAR(end.bodies[0].spin, 2 * mu * kPull * t / 0.1, 1e-5);
   EXPECT_NEAR(end.wall_work, mu * 2 * kPull * 1 * t, 1e-6);
@@ -245,11 +245,11 @@ TEST(WallMotion, ADiskSwingsInAHollowCircleAsAPendulum) {
   Scene<2> scene = drum_scene(0, 0);
   scene.gravity = Vec2(0, -kPull);
   scene.step = 1e-4;
-  scene.bodies = {cylinder(0.9 * Vec2(std::sin(0.1), -std::cos(0.1)), 0.1)};
+  scene.bodies = {round_body<2>(0.9 * Vec2(std::sin(0.1), -std::cos(0.1)), 0.1, 2)};
   const double quarter = 0.5 * std::numbers::pi * std::sqrt(0.9 / kPull) * (1 + 0.1 * 0.1 / 16);
   scene.num_steps = 6000;
   double passed = 0;
-  run_scene(scene, [&](const State<2>& state, const StepReport<2>&) {
+  solved_run(scene, [&](const State<2>& state, const StepReport<2>&) {
     if (passed == 0 && state.bodies[0].x[0] <= 0) passed = state.time;
   });
   EXPECT_NEAR(passed / quarter, 1, 2e-3);
@@ -263,9 +263,9 @@ TEST(WallMotion, ADiskLiesOnASolidCircleAndRollsOff) {
   hill.radius = 1;
   scene.walls = {hill};
   scene.gravity = Vec2(0, -kPull);
-  scene.bodies = {cylinder(Vec2(0, 1.1), 0.1)};
+  scene.bodies = {round_body<2>(Vec2(0, 1.1), 0.1, 2)};
   scene.num_steps = 50;
-  const State<2> end = run_scene(scene);
+  const State<2> end = solved_run(scene);
   EXPECT_NEAR(end.bodies[0].x[1], 1.1, 1e-9);
   EXPECT_NEAR(end.contacts.at(0).s_n / scene.step, 2 * kPull, 1e-6);
   EXPECT_EQ(end.contacts[0].contact.n, Vec2(0, 1));
@@ -275,12 +275,12 @@ TEST(WallMotion, AWallThatIsRemovedLetsTheDiskFall) {
   // The floor goes at 10 ms: from then on free fall. Steps 1 to 10 have their middles before.
   Scene<2> scene = rough_scene(0.5);
   scene.gravity = Vec2(0, -kPull);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
   scene.walls[0].removed = 0.01;
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
   scene.num_steps = 30;
   Books books;
-  const State<2> end = run_scene(scene, [&](const State<2>& state, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [&](const State<2>& state, const StepReport<2>& r) {
     books.add(r);
     EXPECT_EQ(r.contacts, r.step <= 10 ? 1 : 0);
     EXPECT_EQ(state.walls[0].present, r.step <= 10);
@@ -294,14 +294,14 @@ TEST(WallMotion, AWallStartsAndStops) {
   // A floor that lifts a disk with 0.5 m/s from 5 ms to 15 ms: 10 steps of it. When it stops, the
   // disk flies on.
   Scene<2> scene = rough_scene(0);
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
   scene.walls[0].motion = Wall<2>::Motion::kMoving;
   scene.walls[0].v = Vec2(0, 0.5);
   scene.walls[0].starts = 0.005;
   scene.walls[0].stops = 0.015;
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
   scene.num_steps = 25;
-  const State<2> end = run_scene(scene, [](const State<2>& state, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>& state, const StepReport<2>& r) {
     const bool moves = r.step > 5 && r.step <= 15;
     EXPECT_EQ(state.walls[0].v[1], moves ? 0.5 : 0.0) << r.step;
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-14);
@@ -317,7 +317,7 @@ TEST(WallMotion, ADrivenWallThatStopsGivesItsEnergyToWhatStopsIt) {
   scene.walls = {pressed_plate(10, 8, 0)};
   scene.walls[0].stops = 0.01;
   scene.num_steps = 12;
-  const State<2> end = run_scene(scene, [](const State<2>&, const StepReport<2>& r) {
+  const State<2> end = solved_run(scene, [](const State<2>&, const StepReport<2>& r) {
     EXPECT_LT(std::abs(r.energy.imbalance), 1e-16);
     EXPECT_LT(r.momentum_imbalance.norm(), 1e-16);
     EXPECT_NEAR(r.momentum[1], r.step <= 10 ? -8e-3 * r.step : 0, 1e-15);
@@ -334,12 +334,12 @@ TEST(WallMotion, TiltedDiskSlidesWhenTheSlopeExceedsFriction) {
   Scene<2> scene = rough_scene(1);
   scene.gravity = Vec2(0, -kPull);
   scene.tilt = {.rate = rate, .starts = 0.05};
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
-  scene.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
+  scene.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
   scene.num_steps = 250;
   Books books;
   const State<2> end =
-      run_scene(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
+      solved_run(scene, [&](const State<2>&, const StepReport<2>& r) { books.add(r); });
   // Turned counter-clockwise, gravity (0, -g) gains a part along +x.
   const double speed = 2.0 / 3 * kPull * (1 - std::cos(rate * 0.2)) / rate;
   EXPECT_NEAR(end.bodies[0].v[0] / speed, 1, 1e-6);
@@ -354,7 +354,7 @@ TEST(WallMotion, TiltedDiskSlidesWhenTheSlopeExceedsFriction) {
 }
 
 TEST(WallMotion, GravityStopsTurning) {
-  Scene<2> scene = one_law({});
+  Scene<2> scene = one_law<2>({});
   scene.gravity = Vec2(0, -2);
   scene.tilt = {.rate = std::numbers::pi, .starts = 1, .stops = 1.5};
   EXPECT_EQ(gravity_at(scene, 0.5), Vec2(0, -2));
@@ -365,12 +365,12 @@ TEST(WallMotion, GravityStopsTurning) {
 // The same scenes with springs. Their books close to the order of the substeps, not to round-off.
 TEST(WallMotion, SpringsKnowPlatesDrumsAndTilts) {
   Scene<2> plate = rough_scene(0.4);
-  plate.bodies = {cylinder(Vec2(0, 0.1), 0.1)};
-  plate.walls = {half_plane(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.2, 50, 0.3)};
+  plate.bodies = {round_body<2>(Vec2(0, 0.1), 0.1, 2)};
+  plate.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1)), pressed_plate(0.2, 50, 0.3)};
   Scene<2> drum = drum_scene(0.2, 0.5);
   drum.gravity = Vec2(0, -kPull);
   drum.tilt = {.rate = 0.1, .starts = 0.05};
-  drum.bodies = {cylinder(Vec2(0, -0.9), 0.1, Vec2::Zero(), 2, 2)};
+  drum.bodies = {round_body<2>(Vec2(0, -0.9), 0.1, 2, Vec2::Zero(), 2)};
   for (Scene<2>* scene : {&plate, &drum}) {
     scene->model = Model::kSpringDashpot;
     scene->dem.stiffness = 1e6;
@@ -394,7 +394,7 @@ TEST(WallMotion, SpringsKnowPlatesDrumsAndTilts) {
 
 TEST(WallMotion, AreaOfADrumIsTheSamplesArea) {
   Scene<2> scene = drum_scene(0, 0);
-  scene.bodies = {cylinder(Vec2(0, 0.5), 0.1), cylinder(Vec2(0, -0.5), 0.1)};
+  scene.bodies = {round_body<2>(Vec2(0, 0.5), 0.1, 2), round_body<2>(Vec2(0, -0.5), 0.1, 2)};
   Wall<2> core;
   core.shape = Wall<2>::Shape::kSolidCircle;
   core.radius = 0.2;

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "tests/support/draw.h"
+#include "core/base/portable_random.h"
 
 namespace bipot {
 namespace {
 
 TEST(CutBodies, AreaInARectangleAgainstCountedPoints) {
   // Against counting 400 x 400 points of the rectangle: good to 1 % of the disk.
-  Draw draw(2);
+  PortableRandom draw(2);
   for (int trial = 0; trial < 200; ++trial) {
     const Vec2 x(draw.symmetric(), draw.symmetric());
     const double radius = draw.between(0.2, 1.5);
@@ -72,7 +72,7 @@ TEST(CutBodies, VolumeInABoxByHand) {
 
 TEST(CutBodies, VolumeInABoxIsTheIntegralOfTheAreasOfItsSections) {
   // The rule of midpoints in θ, z = r sin θ, which takes the ends of the sphere without loss.
-  Draw draw(5);
+  PortableRandom draw(5);
   for (int trial = 0; trial < 100; ++trial) {
     const Vec3 x(draw.symmetric(), draw.symmetric(), draw.symmetric());
     const double radius = draw.between(0.3, 1.5);
@@ -93,7 +93,7 @@ TEST(CutBodies, VolumeInABoxIsTheIntegralOfTheAreasOfItsSections) {
 }
 
 TEST(CutBodies, VolumesInBoxesThatTileSpaceAddUp) {
-  Draw draw(6);
+  PortableRandom draw(6);
   for (int trial = 0; trial < 100; ++trial) {
     const Vec3 x(draw.symmetric(), draw.symmetric(), draw.symmetric());
     double sum = 0;

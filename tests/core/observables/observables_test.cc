@@ -9,8 +9,8 @@
 #include "core/run_files/observable_output.h"
 #include "core/run_files/run_output.h"
 #include "core/scene/cluster_motion.h"
+#include "core/scene/scene_parts.h"
 #include "core/scene_files/scene_file.h"
-#include "tests/support/scene_parts.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
@@ -24,10 +24,10 @@ ContactOutcome<2> touching(int i, int j, const Vec2& n, double s_n,
 /// Three disks on a floor in a row, the middle one on top of nothing: 0 touches the floor and 1, 1
 /// touches the floor, 0 and 2; 2 touches 1 alone; 3 touches nothing.
 Scene<2> row_scene(State<2>& state) {
-  Scene<2> scene = one_law({.mu = 0.3});
+  Scene<2> scene = one_law<2>({.mu = 0.3});
   scene.step = 0.5;
-  for (int k = 0; k < 4; ++k) scene.bodies.push_back(cylinder(Vec2(0.2 * k, 0.1), 0.1));
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  for (int k = 0; k < 4; ++k) scene.bodies.push_back(round_body<2>(Vec2(0.2 * k, 0.1), 0.1, 2));
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
   state = initial_state(scene);
   const Vec2 left(-1, 0), up(0, 1);
   state.contacts = {touching(0, 1, left, 3), touching(0, 4, up, 1, ContactStatus::kSlip),
@@ -53,8 +53,8 @@ TEST(Observables, CoordinationWithAndWithoutRattlers) {
 
 TEST(Observables, RattlersFallOneAfterTheOther) {
   // A free chain without friction or gravity: three contacts are needed, so the ends go, then all.
-  Scene<2> scene = one_law({});
-  for (int k = 0; k < 5; ++k) scene.bodies.push_back(cylinder(Vec2(0.2 * k, 0), 0.1));
+  Scene<2> scene = one_law<2>({});
+  for (int k = 0; k < 5; ++k) scene.bodies.push_back(round_body<2>(Vec2(0.2 * k, 0), 0.1, 2));
   State<2> state = initial_state(scene);
   for (int k = 0; k < 4; ++k) state.contacts.push_back(touching(k, k + 1, Vec2(-1, 0), 1));
   for (const bool rattles : find_rattlers(scene, state)) EXPECT_TRUE(rattles);
@@ -68,9 +68,9 @@ TEST(Observables, RattlersFallOneAfterTheOther) {
 
 TEST(Observables, SolidFractionOfAWindow) {
   // A square lattice: pi/4 in any window of whole cells, wherever it begins.
-  Scene<2> scene = one_law({});
+  Scene<2> scene = one_law<2>({});
   for (int a = 0; a < 6; ++a) {
-    for (int b = 0; b < 6; ++b) scene.bodies.push_back(cylinder(Vec2(a, b), 0.5));
+    for (int b = 0; b < 6; ++b) scene.bodies.push_back(round_body<2>(Vec2(a, b), 0.5, 2));
   }
   scene.step = 1;
   ObservableChoice<2> choice;
@@ -83,11 +83,11 @@ TEST(Observables, SolidFractionOfAWindow) {
 TEST(Observables, ShearRateInertialNumberAndFriction) {
   // v = 3 y e_x + a translation: simple shear of rate 3. Stress by hand: sigma_1 = 5, sigma_2 = 3,
   // pressure 4, mass 2: I = 3 sqrt(2/4), tau/P = 2/8.
-  Scene<2> scene = one_law({});
+  Scene<2> scene = one_law<2>({});
   scene.step = 1;
   for (int k = 0; k < 9; ++k) {
     const Vec2 x(k % 3, k / 3 + 0.1 * k);
-    scene.bodies.push_back(cylinder(x, 0.1, Vec2(7 + 3 * x[1], -2)));
+    scene.bodies.push_back(round_body<2>(x, 0.1, 2, Vec2(7 + 3 * x[1], -2)));
   }
   Observables<2> seen = observe(scene, initial_state(scene), {});
   EXPECT_NEAR(seen.shear_rate(), 3, 1e-12);
@@ -102,13 +102,13 @@ TEST(Observables, ShearRateInertialNumberAndFriction) {
 TEST(Observables, ProfileOfShear) {
   // Disks of radius 0.1 in two rows, in bins 0.2 high between the walls x = 0 and x = 1: each bin
   // holds five whole disks, solid fraction 5 pi 0.01/0.2; the third bin is empty.
-  Scene<2> scene = one_law({});
+  Scene<2> scene = one_law<2>({});
   scene.step = 1;
   for (int k = 0; k < 10; ++k) {
     const Vec2 x(0.1 + 0.2 * (k % 5), 0.1 + 0.2 * (k / 5));
-    scene.bodies.push_back(cylinder(x, 0.1, Vec2(k / 5, k % 2 == 0 ? 1 : -1), 2, 4));
+    scene.bodies.push_back(round_body<2>(x, 0.1, 2, Vec2(k / 5, k % 2 == 0 ? 1 : -1), 4));
   }
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(1, 0)), half_plane(Vec2(1, 0), Vec2(-1, 0))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(1, 0)), half_space<2>(Vec2(1, 0), Vec2(-1, 0))};
   ObservableChoice<2> choice;
   choice.profile = ProfileChoice{.axis = 1, .bins = 3, .low = 0, .high = 0.6};
   const Profile<2> p = observe_profile(initial_state(scene), 1, choice);
@@ -131,7 +131,7 @@ TEST(Observables, FluxThroughALineIsTheMassThatCrosses) {
   for (const double end : {1.0, 0.0}) {
     const FluxLine line{.name = "l", .a = Vec2(-1, 0), .b = Vec2(end, 0)};
     State<2> state;
-    state.bodies = {cylinder(Vec2::Zero(), 0.1, Vec2(0, 2))};
+    state.bodies = {round_body<2>(Vec2::Zero(), 0.1, 2, Vec2(0, 2))};
     double crossed = 0;
     constexpr int kSteps = 10000;
     for (int k = 0; k < kSteps; ++k) {
@@ -156,12 +156,12 @@ TEST(Observables, ForcesOverTheirMean) {
 TEST(Observables, OfAPeriodicRowAreThoseOfEveryCell) {
   // A row of touching disks around a cell: everybody has two neighbours; and a window at the edge
   // sees the contact across it.
-  Scene<2> scene = one_law({.mu = 0.3});
+  Scene<2> scene = one_law<2>({.mu = 0.3});
   scene.step = 1;
   scene.cell.in_x = true;
   scene.cell.width.length = 1;
   for (int k = 0; k < 5; ++k)
-    scene.bodies.push_back(cylinder(Vec2(0.1 + 0.2 * k + (k == 2 ? 3 : 0), 0.1), 0.1));
+    scene.bodies.push_back(round_body<2>(Vec2(0.1 + 0.2 * k + (k == 2 ? 3 : 0), 0.1), 0.1, 2));
   State<2> state = initial_state(scene);
   for (int k = 0; k < 4; ++k) {
     state.contacts.push_back(touching(k, k + 1, Vec2(-1, 0), 1));
@@ -233,11 +233,11 @@ State<3> filled_box() {
   State<3> state;
   for (int k = 0; k < 8; ++k) {
     const Vec3 x(1 + 2 * (k % 2), 1 + 2 * (k / 2 % 2), 1 + 2 * (k / 4));
-    state.bodies.push_back(ball(x, 1, Vec3(2 * x[2], 0, 0), 5));
+    state.bodies.push_back(round_body<3>(x, 1, 5, Vec3(2 * x[2], 0, 0)));
   }
   for (int axis = 0; axis < 3; ++axis) {
-    state.walls.push_back(half_space(Vec3::Zero(), Vec3::Unit(axis)));
-    state.walls.push_back(half_space(Vec3::Constant(4), -Vec3::Unit(axis)));
+    state.walls.push_back(half_space<3>(Vec3::Zero(), Vec3::Unit(axis)));
+    state.walls.push_back(half_space<3>(Vec3::Constant(4), -Vec3::Unit(axis)));
   }
   for (int i = 0; i < 8; ++i) {
     for (int axis = 0; axis < 3; ++axis) {
@@ -259,7 +259,7 @@ TEST(Observables, OfSpheresInACubicLatticeAreKnown) {
   // Six contacts each, a third of the normals along each axis, π/6 of space. Four columns of 1 N
   // press on 16 m²: 0.25 Pa; the shear adds ρ v'² : v' = ±2 m/s of 5 kg, 8 · 5 · 4 / 64 = 2.5 Pa in
   // xx. Its rate is 2 1/s, and with d = 2 m, ρ = 5/(4π/3) the inertial number 2 · 2 √(ρ/P).
-  Scene<3> scene = one_law_in_space({.mu = 0.5});
+  Scene<3> scene = one_law<3>({.mu = 0.5});
   scene.step = 1;
   State<3> state = filled_box();
   for (Sphere& s : state.bodies) s.x += 0.5 * s.v;  // so that mid-step is where they touch
@@ -283,7 +283,7 @@ TEST(Observables, OfSpheresInACubicLatticeAreKnown) {
   EXPECT_NEAR(seen.inertial_number() * std::sqrt(seen.stress.pressure()), 4 * std::sqrt(density),
               1e-11);
   // A loose sphere is a rattler, and lowers the coordination of all but not that of the others.
-  state.bodies.push_back(ball(Vec3(2, 2, 2), 0.1));
+  state.bodies.push_back(round_body<3>(Vec3(2, 2, 2), 0.1, 2));
   for (ContactOutcome<3>& o : state.contacts) {
     if (o.contact.j >= 8) ++o.contact.j;
   }
@@ -298,13 +298,14 @@ TEST(Observables, OfAWindowInALatticeOfSpheresAreThoseOfTheLattice) {
   // A cubic lattice of 4 x 4 x 4 unit spheres, 1 N at each of its contacts. A window of 2 x 2 x 2
   // cells, wherever it begins, has π/6 of solid; one that begins in a sphere's middle less a half
   // has 8 spheres of 6 contacts each. Every unit of area across an axis carries 1 N / 4 m².
-  Scene<3> scene = one_law_in_space({.mu = 0.5});
+  Scene<3> scene = one_law<3>({.mu = 0.5});
   scene.step = 1;
   State<3> state;
   const auto number = [](int a, int b, int c) { return a + 4 * b + 16 * c; };
   for (int c = 0; c < 4; ++c) {
     for (int b = 0; b < 4; ++b) {
-      for (int a = 0; a < 4; ++a) state.bodies.push_back(ball(Vec3(2 * a, 2 * b, 2 * c), 1));
+      for (int a = 0; a < 4; ++a)
+        state.bodies.push_back(round_body<3>(Vec3(2 * a, 2 * b, 2 * c), 1, 2));
     }
   }
   for (int i = 0; i < 64; ++i) {
@@ -339,13 +340,13 @@ TEST(Observables, ProfileOfSpheresIsCutExactly) {
   // Unit spheres at z = 1 and z = 3 in a shaft of 2 x 2, in bins from 0 to 0.5, ... 4. The slice of
   // a sphere between two planes: caps of height h have π h² (3 - h)/3, so that 0.5 gives 5 π/24 and
   // 1 gives 16 π/24.
-  Scene<3> scene = one_law_in_space({});
+  Scene<3> scene = one_law<3>({});
   State<3> state;
-  state.bodies = {ball(Vec3(0, 0, 1), 1, Vec3(1, 2, 3), 2, Vec3(4, 5, 6)),
-                  ball(Vec3(0, 0, 3), 1, Vec3(-1, 2, 3))};
+  state.bodies = {round_body<3>(Vec3(0, 0, 1), 1, 2, Vec3(1, 2, 3), Vec3(4, 5, 6)),
+                  round_body<3>(Vec3(0, 0, 3), 1, 2, Vec3(-1, 2, 3))};
   for (int axis = 0; axis < 2; ++axis) {
-    state.walls.push_back(half_space(-Vec3::Unit(axis), Vec3::Unit(axis)));
-    state.walls.push_back(half_space(Vec3::Unit(axis), -Vec3::Unit(axis)));
+    state.walls.push_back(half_space<3>(-Vec3::Unit(axis), Vec3::Unit(axis)));
+    state.walls.push_back(half_space<3>(Vec3::Unit(axis), -Vec3::Unit(axis)));
   }
   ObservableChoice<3> choice;
   choice.profile = ProfileChoice{.axis = 2, .bins = 8, .low = 0, .high = 4};
@@ -370,8 +371,8 @@ TEST(Observables, ProfileOfSpheresIsCutExactly) {
   pipe.radius = 1;
   state.walls = {pipe};
   EXPECT_NEAR(observe_profile<3>(state, 1e-9, choice).solid_fraction[0], 2.0 / 3, 1e-3);
-  state.bodies.push_back(
-      ball(Vec3(5, 0, 1), 4));   // reaches beyond the pipe: its box leaves the whole circle
+  state.bodies.push_back(round_body<3>(
+      Vec3(5, 0, 1), 4, 2));     // reaches beyond the pipe: its box leaves the whole circle
   state.bodies.back().wall = 0;  // and does not count itself
   EXPECT_NEAR(observe_profile<3>(state, 1e-9, choice).solid_fraction[0], 2.0 / 3, 1e-12);
 }
@@ -381,12 +382,12 @@ TEST(Observables, StressOfABinIsTheWeightAboveIt) {
   // contacts at z = 0, 2 and 4 carry 3, 2 and 1 w. Branches from 1 to the floor, 3 to 1, 5 to 3:
   // over bins of 1 m, σ_zz = 3, 2, 2, 1, 1, 0 w/4.
   State<3> state;
-  for (int k = 0; k < 3; ++k) state.bodies.push_back(ball(Vec3(0, 0, 1 + 2 * k), 1));
+  for (int k = 0; k < 3; ++k) state.bodies.push_back(round_body<3>(Vec3(0, 0, 1 + 2 * k), 1, 2));
   for (int axis = 0; axis < 2; ++axis) {
-    state.walls.push_back(half_space(-Vec3::Unit(axis), Vec3::Unit(axis)));
-    state.walls.push_back(half_space(Vec3::Unit(axis), -Vec3::Unit(axis)));
+    state.walls.push_back(half_space<3>(-Vec3::Unit(axis), Vec3::Unit(axis)));
+    state.walls.push_back(half_space<3>(Vec3::Unit(axis), -Vec3::Unit(axis)));
   }
-  state.walls.push_back(half_space(Vec3::Zero(), Vec3::UnitZ()));
+  state.walls.push_back(half_space<3>(Vec3::Zero(), Vec3::UnitZ()));
   const double weight = 7, step = 0.5;
   state.contacts = {{.contact = {.i = 0, .j = 1, .n = -Vec3::UnitZ()}, .s_n = 2 * weight * step},
                     {.contact = {.i = 0, .j = 7, .n = Vec3::UnitZ()}, .s_n = 3 * weight * step},
@@ -410,7 +411,7 @@ TEST(Observables, FluxThroughAFaceIsTheMassThatCrosses) {
   const Vec3 way = Vec3(1, 1, 0).normalized(), up = Vec3::UnitZ();
   const auto crossed = [&](const FluxFace& face) {
     State<3> state;
-    state.bodies = {ball(Vec3::Zero(), 0.1, 3 * way)};
+    state.bodies = {round_body<3>(Vec3::Zero(), 0.1, 2, 3 * way)};
     double mass = 0;
     constexpr int kSteps = 10000;
     for (int k = 0; k < kSteps; ++k) {
@@ -446,7 +447,7 @@ TEST(Observables, FluxThroughAPlaneInAPeriodicCellCountsEachSphereOnce) {
   State<3> state;
   state.cell.in_x = state.cell.in_y = true;
   state.cell.width.length = state.cell.height.length = 4;
-  state.bodies = {ball(Vec3(4, 8, 0.6), 1, Vec3(3, 0, -5))};
+  state.bodies = {round_body<3>(Vec3(4, 8, 0.6), 1, 2, Vec3(3, 0, -5))};
   const double density = 2 / (4 * std::numbers::pi / 3), pi = std::numbers::pi;
   EXPECT_NEAR(mass_flux(state, FluxFace{}), -5 * density * 0.64 * pi, 1e-12);
   const FluxFace across{.point = Vec3(4, 0, 0), .normal = Vec3::UnitX(), .along = Vec3::UnitY()};
@@ -456,13 +457,13 @@ TEST(Observables, FluxThroughAPlaneInAPeriodicCellCountsEachSphereOnce) {
 /// A dumbbell of two touching disks of radius 1 and 6 kg on a floor, and a disk of 2 kg that lies
 /// on both.
 Scene<2> dumbbell_scene(State<2>& state) {
-  Scene<2> scene = one_law({.mu = 0.3});
+  Scene<2> scene = one_law<2>({.mu = 0.3});
   scene.step = 0.5;
-  scene.bodies = {cylinder(Vec2(1, 1), 1), cylinder(Vec2(3, 1), 1)};
+  scene.bodies = {round_body<2>(Vec2(1, 1), 1, 2), round_body<2>(Vec2(3, 1), 1, 2)};
   join_disks(scene, 2, {.mass = 6});
-  scene.bodies.push_back(cylinder(Vec2(2, 1 + std::sqrt(3.0)), 1));
+  scene.bodies.push_back(round_body<2>(Vec2(2, 1 + std::sqrt(3.0)), 1, 2));
   scene.clusters.arms.emplace_back(Vec2::Zero());
-  scene.walls = {half_plane(Vec2::Zero(), Vec2(0, 1))};
+  scene.walls = {half_space<2>(Vec2::Zero(), Vec2(0, 1))};
   state = initial_state(scene);
   const Vec2 up(0, 1), left(-0.5, -std::sqrt(0.75));
   state.contacts = {touching(0, 2, left, 1), touching(0, 3, up, 2),
@@ -502,9 +503,9 @@ TEST(Observables, AClusterIsOneBody) {
 TEST(Observables, WhatTwoDisksOfAClusterCoverCountsOnce) {
   // Two unit disks, one through the centre of the other: 2 π - (2 π/3 - √3/2), over bins that hold
   // all of it, and half of it on either side of x = 0.5.
-  Scene<2> scene = one_law({});
+  Scene<2> scene = one_law<2>({});
   scene.step = 1;
-  scene.bodies = {cylinder(Vec2(0, 0), 1), cylinder(Vec2(1, 0), 1)};
+  scene.bodies = {round_body<2>(Vec2(0, 0), 1, 2), round_body<2>(Vec2(1, 0), 1, 2)};
   join_disks(scene, 2, {.mass = 1});
   scene.clusters.bodies[0].v = Vec2(3, 4);
   scene.clusters.bodies[0].spin = 5;
@@ -529,10 +530,10 @@ TEST(Observables, FluxOfATurningClusterIsItsMass) {
   // Three disks that overlap, of 3 kg, fall and turn through a line; the flux's integral (midpoint
   // rule) is the mass, which it would not be without the spin, nor if what two disks cover counted
   // twice.
-  Scene<2> scene = one_law({});
+  Scene<2> scene = one_law<2>({});
   scene.step = 1;
-  scene.bodies = {cylinder(Vec2(0, 0), 0.3), cylinder(Vec2(0.4, 0), 0.2),
-                  cylinder(Vec2(0.2, 0.3), 0.2)};
+  scene.bodies = {round_body<2>(Vec2(0, 0), 0.3, 2), round_body<2>(Vec2(0.4, 0), 0.2, 2),
+                  round_body<2>(Vec2(0.2, 0.3), 0.2, 2)};
   join_disks(scene, 3, {.mass = 3});
   scene.clusters.bodies[0].v = Vec2(0.3, -2);
   scene.clusters.bodies[0].spin = 4;
@@ -552,11 +553,11 @@ TEST(Observables, FluxOfATurningClusterIsItsMass) {
 
 TEST(Observables, AClusterAcrossTheEdgeOfACellIsSeenWhole) {
   // A dumbbell along x whose centre of mass lies on the edge of the cell, two periods away.
-  Scene<2> scene = one_law({});
+  Scene<2> scene = one_law<2>({});
   scene.step = 1;
   scene.cell.in_x = true;
   scene.cell.width.length = 5;
-  scene.bodies = {cylinder(Vec2(9, 1), 1), cylinder(Vec2(11, 1), 1)};
+  scene.bodies = {round_body<2>(Vec2(9, 1), 1, 2), round_body<2>(Vec2(11, 1), 1, 2)};
   join_disks(scene, 2, {.mass = 1});
   ASSERT_EQ(validate(scene), "");
   const State<2> state = initial_state(scene);
@@ -577,10 +578,10 @@ TEST(Observables, StressRatioOfSimpleShearIsShearOverPressure) {
 }
 
 TEST(Observables, WithoutFrictionASphereNeedsThreeContactsUnderGravityAndFourWithout) {
-  Scene<3> scene = one_law_in_space({});
+  Scene<3> scene = one_law<3>({});
   State<3> state;
-  state.bodies = {ball(Vec3::Zero(), 1)};
-  state.walls.resize(4, half_space(Vec3::Zero(), Vec3::UnitZ()));
+  state.bodies = {round_body<3>(Vec3::Zero(), 1, 2)};
+  state.walls.resize(4, half_space<3>(Vec3::Zero(), Vec3::UnitZ()));
   for (int contacts = 1; contacts <= 4; ++contacts) {
     state.contacts.push_back({.contact = {.i = 0, .j = contacts}, .s_n = 1});
     scene.gravity = Vec3(0, 0, -1);

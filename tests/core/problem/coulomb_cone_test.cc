@@ -5,20 +5,20 @@
 #include <cmath>
 #include <limits>
 
-#include "tests/support/draw.h"
+#include "core/base/portable_random.h"
 
 namespace bipot {
 namespace {
 
 template <int D>
-Local<D> random_local(Draw& draw) {
+Local<D> random_local(PortableRandom& draw) {
   Local<D> x;
   for (int k = 0; k < D; ++k) x[k] = 3 * draw.symmetric();
   return x;
 }
 
 template <int D>
-Local<D> random_in_cone(Draw& draw, double mu) {
+Local<D> random_in_cone(PortableRandom& draw, double mu) {
   Local<D> s = random_local<D>(draw);
   s[0] = std::abs(s[0]);
   const double length = tangential_norm<D>(s);
@@ -65,9 +65,9 @@ TYPED_TEST_SUITE(CoulombCone, Dimensions, DimensionNames);
 
 TYPED_TEST(CoulombCone, ProjectionIsTheNearestPoint) {
   constexpr int D = TypeParam::value;
-  Draw draw(1);
+  PortableRandom draw(1);
   for (int trial = 0; trial < 1000; ++trial) {
-    const double mu = trial % 10 == 0 ? 0.0 : draw.log_between(0.01, 5);
+    const double mu = trial % 10 == 0 ? 0.0 : draw.decades(-2, 0.7);
     const Local<D> tau = random_local<D>(draw);
     const Local<D> p = project_coulomb_cone<D>(tau, mu);
     ASSERT_LE(tangential_norm<D>(p), mu * p[0] * (1 + 1e-15) + 1e-300);
@@ -87,9 +87,9 @@ TYPED_TEST(CoulombCone, ProjectionIsTheNearestPoint) {
 
 TYPED_TEST(CoulombCone, ProjectionIsIdempotentAndNonexpansive) {
   constexpr int D = TypeParam::value;
-  Draw draw(2);
+  PortableRandom draw(2);
   for (int trial = 0; trial < 1000; ++trial) {
-    const double mu = trial % 10 == 0 ? 0.0 : draw.log_between(0.01, 5);
+    const double mu = trial % 10 == 0 ? 0.0 : draw.decades(-2, 0.7);
     const Local<D> a = random_local<D>(draw), b = random_local<D>(draw);
     const Local<D> pa = project_coulomb_cone<D>(a, mu), pb = project_coulomb_cone<D>(b, mu);
     EXPECT_LE((project_coulomb_cone<D>(pa, mu) - pa).norm(), 4e-16 * pa.norm());
@@ -137,7 +137,7 @@ TEST(CoulombConeCases, WithoutFrictionOnlyTheNormalPartIsLeft) {
 
 TEST(CoulombConeCases, ModifiedVelocityLiesInTheDualConeWhenNothingPenetrates) {
   // û·s >= 0 for every s in the cone.
-  Draw draw(3);
+  PortableRandom draw(3);
   for (int trial = 0; trial < 1000; ++trial) {
     Local<3> u = random_local<3>(draw);
     u[0] = std::abs(u[0]);

@@ -39,7 +39,6 @@ TEST(RunLayout, FramesAreFoundByTheirNames) {
   }
   EXPECT_EQ(frame_path("a", 7), fs::path("a/frames/00000007.h5"));
   EXPECT_EQ(steps_in_folder(folder.path()), (std::vector<int>{7, 100, 123456789}));
-  EXPECT_EQ(frame_steps(folder / "run.h5"), (std::vector<int>{7, 100, 123456789}));
 }
 
 }  // namespace

@@ -189,11 +189,12 @@ TEST(RunOutput, AStateIsReadBackBitForBit) {
     writer.frame(last);
     writer.close();
   }
-  EXPECT_EQ(frame_steps(folder / "out"), (std::vector<int>{0, 8}));
+  EXPECT_EQ(steps_in_folder(folder / "out"), (std::vector<int>{0, 8}));
   EXPECT_EQ(bits(read_state(folder / "out")), bits(last));
   EXPECT_EQ(bits(read_state(folder / "out/run.h5", 8)), bits(last));
   EXPECT_EQ(bits(read_state(folder / "out", 0)), bits(first));
-  EXPECT_EQ(read_scene_text(folder / "out"), "the scene's text");
+  EXPECT_EQ(Hdf5File(folder / "out/run.h5", Hdf5File::Mode::kRead).read_string("/scene"),
+            "the scene's text");
   EXPECT_THROW(read_state(folder / "out", 3), FileError);
   EXPECT_THROW(read_state(folder / "nothing"), FileError);
   EXPECT_THROW(read_state(folder / "nothing/run.h5"), FileError);
@@ -526,12 +527,12 @@ TEST(RunOutput, AnEarlierRunIsRemovedOrContinued) {
   };
   run(1, 8, -1);
   run(5, 6, 4);
-  EXPECT_EQ(frame_steps(folder / "out"), (std::vector<int>{2, 4, 6}));
+  EXPECT_EQ(steps_in_folder(folder / "out"), (std::vector<int>{2, 4, 6}));
   EXPECT_EQ(csv(folder / "out/ledger.csv").size(), 1u + 3u);
   EXPECT_EQ(csv(folder / "out/trajectory.csv").size(), 1u + 2 * 6u);
   EXPECT_EQ(expect_data(folder / "out", file_text(folder / "out/run.xdmf")), 3 * 25);
   run(1, 2, -1);
-  EXPECT_EQ(frame_steps(folder / "out"), (std::vector<int>{2}));
+  EXPECT_EQ(steps_in_folder(folder / "out"), (std::vector<int>{2}));
   EXPECT_EQ(csv(folder / "out/ledger.csv").size(), 1u + 1u);
 }
 
@@ -578,7 +579,7 @@ TEST(ThreadedRunOutput, AFrameThatFailsBesideIsReportedByTheNextAndOnce) {
   EXPECT_THROW(writer.close(), FileError);
   std::filesystem::rename(folder / "taken", folder / "out/frames");
   EXPECT_NO_THROW(writer.close());
-  EXPECT_EQ(frame_steps(folder / "out"), std::vector<int>{0});
+  EXPECT_EQ(steps_in_folder(folder / "out"), std::vector<int>{0});
 }
 
 TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
@@ -602,7 +603,7 @@ TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
       }
       ::_exit(1);
     }
-    for (int wait = 0; wait < 20000 && frame_steps(folder / "out").size() < 2; ++wait) {
+    for (int wait = 0; wait < 20000 && steps_in_folder(folder / "out").size() < 2; ++wait) {
       ::usleep(500);
     }
     ::usleep(777 * static_cast<unsigned>(trial / 2));
@@ -610,7 +611,7 @@ TEST(RunOutput, AKillAtAnyTimeLeavesAllFramesReadable) {
     int status = 0;
     ::waitpid(child, &status, 0);
     ASSERT_TRUE(WIFSIGNALED(status)) << "the writer ended by itself";
-    const std::vector<int> steps = frame_steps(folder / "out");
+    const std::vector<int> steps = steps_in_folder(folder / "out");
     ASSERT_GE(steps.size(), 2u);
     for (int step : steps) {
       ASSERT_EQ(bits(read_state(folder / "out", step)), bits(awkward_state(scene, step)));

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/portable_random.h"
 #include "core/scene/generators.h"
-#include "tests/support/draw.h"
 
 namespace bipot {
 namespace {
@@ -34,7 +34,7 @@ std::vector<Pair> brute_force(const std::vector<Disk>& disks, double eta) {
 /// Radii between `smallest` and ratio * smallest, number density falling as a power of the radius,
 /// in a square of twice their radii's squares: they overlap a lot.
 std::vector<Disk> power_law_disks(int count, double ratio, double exponent, unsigned seed) {
-  Draw draw(seed);
+  PortableRandom draw(seed);
   std::vector<Disk> disks(count);
   double area = 0;
   for (Disk& d : disks) {
@@ -126,7 +126,7 @@ TEST(Detection, TheOrderOfTheDisksDoesNotMatter) {
   const std::vector<Disk> disks = power_law_disks(300, 30, 2, 4);
   std::vector<int> order(disks.size());
   std::iota(order.begin(), order.end(), 0);
-  Draw draw(5);
+  PortableRandom draw(5);
   for (std::size_t k = order.size(); k > 1; --k) {
     std::swap(order[k - 1], order[draw.below(static_cast<int>(k))]);
   }

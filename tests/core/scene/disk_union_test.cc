@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "tests/support/draw.h"
+#include "core/base/portable_random.h"
 
 namespace bipot {
 namespace {
@@ -22,8 +22,8 @@ void expect_moments(const std::vector<Circle>& circles, double area, const Vec2&
   EXPECT_NEAR(found.polar, polar, accuracy * polar);
 }
 
-/// The same by brute force: in each of many horizontal strips the union is a set of intervals. The midpoint rule
-/// loses at the disks' tops, where the width has a root: accurate to strips^(-3/2).
+/// The same by brute force: in each of many horizontal strips the union is a set of intervals. The
+/// midpoint rule loses at the disks' tops, where the width has a root: accurate to strips^(-3/2).
 UnionMoments by_strips(const std::vector<Circle>& circles, int strips) {
   double low = 1e300, high = -1e300;
   for (const Circle& c : circles) {
@@ -75,10 +75,12 @@ TEST(DiskUnion, WhatLiesInsideAddsNothing) {
 }
 
 TEST(DiskUnion, TwoThatOverlapAreTwoLessTheLens) {
-  // Unit disks a distance d apart share a lens of 2 acos(d/2) - d/2 √(4 - d²). Its polar moment about the middle:
-  // with the half angle w = acos(d/2) and c = d/2, a cap {x > c} of a unit disk has
+  // Unit disks a distance d apart share a lens of 2 acos(d/2) - d/2 √(4 - d²). Its polar moment
+  // about the middle: with the half angle w = acos(d/2) and c = d/2, a cap {x > c} of a unit disk
+  // has
   //   ∫ dA = w - c s,   ∫ x dA = ⅔ s³,   ∫ (x² + y²) dA = (w - c s)/2 + ⅓ c s³,   s = sin w
-  // about the disk's centre, hence about the middle (0 = c in the disk's frame, where the lens is two caps)
+  // about the disk's centre, hence about the middle (0 = c in the disk's frame, where the lens is
+  // two caps)
   //   2 [ polar - 2 c ∫ x dA + c² ∫ dA ].
   for (const double d : {0.1, 0.7, 1.3, 1.99}) {
     const double c = d / 2, w = std::acos(c), s = std::sin(w);
@@ -113,8 +115,9 @@ TEST(DiskUnion, ManyWithHolesAsByStrips) {
 }
 
 TEST(DiskUnion, PartsInRectanglesThatTileAddUp) {
-  // Of random unions, the parts in rectangles between two random lines along each axis; the whole is union_moments().
-  Draw draw(3);
+  // Of random unions, the parts in rectangles between two random lines along each axis; the whole
+  // is union_moments().
+  PortableRandom draw(3);
   for (int trial = 0; trial < 200; ++trial) {
     std::vector<Circle> circles;
     const int count = 1 + trial % 6;

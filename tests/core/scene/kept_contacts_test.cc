@@ -3,8 +3,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "core/base/portable_random.h"
 #include "core/scene/contact_detection.h"
-#include "tests/support/draw.h"
 
 namespace bipot {
 namespace {
@@ -12,7 +12,7 @@ namespace {
 /// Bodies of radii 0.5 to 1 in a box of that many radii, drawn; they overlap here and there.
 template <int D>
 std::vector<Body<D>> crowd(int count, double width, unsigned seed) {
-  Draw draw(seed);
+  PortableRandom draw(seed);
   std::vector<Body<D>> bodies(to_size(count));
   for (Body<D>& b : bodies) {
     for (int k = 0; k < D; ++k) b.x[k] = draw.between(0, width);
@@ -50,7 +50,7 @@ int searches_of_a_walk(double step, int threads) {
   std::vector<Body<D>> bodies = crowd<D>(D == 2 ? 300 : 500, D == 2 ? 24 : 12, 7);
   std::vector<Wall<D>> walls = two_walls<D>();
   KeptContacts<D> kept;
-  Draw draw(5);
+  PortableRandom draw(5);
   for (int k = 0; k < 150; ++k) {
     const double eta = 0.05;
     expect_same<D>(kept(bodies, walls, eta, threads),

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/scene/contact_detection.h"
-#include "tests/support/scene_parts.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 namespace {
@@ -20,8 +20,8 @@ std::vector<Sphere> cloud(int count, double ratio, double width, const Vec3& cen
   std::vector<Sphere> spheres;
   for (int k = 0; k < count; ++k) {
     const Vec3 x(unit(random), unit(random), unit(random));
-    spheres.push_back(
-        ball(centre + width * (x - Vec3::Constant(0.5)), std::pow(ratio, unit(random))));
+    spheres.push_back(round_body<3>(centre + width * (x - Vec3::Constant(0.5)),
+                                    std::pow(ratio, unit(random)), 2));
   }
   return spheres;
 }
@@ -48,8 +48,8 @@ std::vector<Contact<3>> by_brute_force(const std::vector<Sphere>& spheres,
 // Equal spheres, sizes that fill several levels of the grid, negative coordinates, and coordinates
 // far beyond the cells that a key can tell apart: 2^20 cells of 2 m in each direction.
 TEST(SphereDetection, FindsWhatBruteForceFinds) {
-  const std::vector<Wall<3>> walls = {half_space(Vec3(0, 0, -9), Vec3::UnitZ()),
-                                      half_space(Vec3(8, 8, 0), Vec3(-1, -1, 0).normalized())};
+  const std::vector<Wall<3>> walls = {half_space<3>(Vec3(0, 0, -9), Vec3::UnitZ()),
+                                      half_space<3>(Vec3(8, 8, 0), Vec3(-1, -1, 0).normalized())};
   for (const double ratio : {1.0, 3.0, 40.0}) {
     for (const double far : {0.0, 1e7}) {
       const auto spheres = cloud(400, ratio, 20 * std::sqrt(ratio), Vec3(far, -far, far), 7);
@@ -69,7 +69,7 @@ TEST(SphereDetection, FindsWhatBruteForceFinds) {
 
 TEST(SphereDetection, ThreadsChangeNoBit) {
   const auto spheres = cloud(5000, 4, 60, Vec3::Zero(), 3);
-  const std::vector<Wall<3>> walls = {half_space(Vec3(0, 0, -20), Vec3::UnitZ())};
+  const std::vector<Wall<3>> walls = {half_space<3>(Vec3(0, 0, -20), Vec3::UnitZ())};
   const auto one = detect_contacts<3>(spheres, walls, 0.2, 1);
   const auto many = detect_contacts<3>(spheres, walls, 0.2, 4);
   ASSERT_EQ(one.size(), many.size());
@@ -83,7 +83,8 @@ TEST(SphereDetection, ThreadsChangeNoBit) {
 }
 
 TEST(SphereDetection, CoincidentCentresAreRefused) {
-  const std::vector<Sphere> two = {ball(Vec3(1, 2, 3), 1), ball(Vec3(1, 2, 3), 0.5)};
+  const std::vector<Sphere> two = {round_body<3>(Vec3(1, 2, 3), 1, 2),
+                                   round_body<3>(Vec3(1, 2, 3), 0.5, 2)};
   EXPECT_THROW(detect_contacts<3>(two, {}, 0), std::invalid_argument);
 }
 

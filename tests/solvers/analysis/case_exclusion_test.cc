@@ -4,8 +4,8 @@
 
 #include <cmath>
 
+#include "core/base/portable_random.h"
 #include "solvers/solve.h"
-#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
@@ -24,7 +24,8 @@ ContactProblem between_walls(double w_1, double w_2) {
   return p;
 }
 
-// y = (1, 1): y·W = 0, y·w = -3. No case has to be told from another; what reaches is beyond the rounding of y·W.
+// y = (1, 1): y·W = 0, y·w = -3. No case has to be told from another; what reaches is beyond the
+// rounding of y·W.
 TEST(CaseExclusion, WallsDrivenTogetherAreOneCase) {
   const CaseExclusion none = exclude_cases(between_walls(-1, -2), kInfinity);
   ASSERT_TRUE(none.complete) << none.message;
@@ -33,8 +34,9 @@ TEST(CaseExclusion, WallsDrivenTogetherAreOneCase) {
   EXPECT_FALSE(exclude_cases(between_walls(-1, 2), kInfinity).complete);
 }
 
-// W = [[1, -2], [-1, 1]] is the W of no body. Both closed: s = -W⁻¹ w with W⁻¹ = [[-1, -2], [-1, -1]], w = (-1, -1): s = (-3, -2).
-// The first closed alone: s_1 = 1, u_2 = -2; the second alone: s_2 = 1, u_1 = -3; none: u = w. So none of the four.
+// W = [[1, -2], [-1, 1]] is the W of no body. Both closed: s = -W⁻¹ w with W⁻¹ = [[-1, -2], [-1,
+// -1]], w = (-1, -1): s = (-3, -2). The first closed alone: s_1 = 1, u_2 = -2; the second alone:
+// s_2 = 1, u_1 = -3; none: u = w. So none of the four.
 TEST(CaseExclusion, DecidesDataThatNoTheoryCovers) {
   ContactProblem p = between_walls(-1, -1);
   p.W.coeffRef(0, 1) = -2;
@@ -64,7 +66,7 @@ TEST(CaseExclusion, NoSolverFindsWhatIsExcluded) {
   int none = 0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
     ContactProblem p = manufactured_problem(2, 1, 3, seed, 0.8).problem;
-    Draw draw(seed);
+    PortableRandom draw(seed);
     for (Eigen::Index i = 0; i < p.u_free.size(); ++i) p.u_free[i] = draw.symmetric();
     if (!exclude_cases(p, kInfinity).complete) continue;
     ++none;
@@ -87,7 +89,8 @@ TEST(CaseExclusion, TheCheckRefusesWhatDoesNotHold) {
   EXPECT_NEAR(reach_of_exclusion(p, {any, Eigen::Vector2d(1, 0)}), 1 / std::sqrt(5.0), 1e-12);
   EXPECT_EQ(reach_of_exclusion(p, {any, Eigen::Vector2d(kNaN, 0)}), 0);
   EXPECT_EQ(reach_of_exclusion(p, {any, Vector::Ones(3)}), 0);
-  // The tangent of an open contact is free: no multiplier may stand there; of one that slips to the right u_t >= 0.
+  // The tangent of an open contact is free: no multiplier may stand there; of one that slips to the
+  // right u_t >= 0.
   const ContactProblem q = manufactured_problem(2, 1, 1, 1, 0.5).problem;
   const double sign = q.u_free[1] < 0 ? 1 : -1;
   const Vector y = Eigen::Vector2d(0, sign);

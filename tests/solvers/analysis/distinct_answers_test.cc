@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "core/base/portable_random.h"
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/solve.h"
-#include "tests/support/draw.h"
 #include "tests/support/several_problems.h"
 #include "tests/support/small_problems.h"
 
@@ -56,7 +56,7 @@ TEST(DistinctAnswers, AnErrorExplainsItsDistanceWithoutFriction) {
   const Vector exact = solved("homotopy", p, 1e-14);
   DistinctAnswers distinct(p);
   ASSERT_EQ(distinct.add(exact, "exact"), 0);
-  Draw draw(7);
+  PortableRandom draw(7);
   double closest = kInfinity;
   for (const double size : {0.5, 1e-2, 1e-4, 1e-6, 1e-8}) {
     for (int k = 0; k < 20; ++k) {
@@ -71,7 +71,8 @@ TEST(DistinctAnswers, AnErrorExplainsItsDistanceWithoutFriction) {
   EXPECT_LT(closest, 1e4);  // and it is no empty bound
 }
 
-// The saboteur: answers that are merely inaccurate, on problems with one answer and bad conditioning.
+// The saboteur: answers that are merely inaccurate, on problems with one answer and bad
+// conditioning.
 TEST(DistinctAnswers, InaccurateAnswersAreNotSeveral) {
   int believed = 0;
   for (const double ratio : {1.0, 1e4}) {
@@ -87,7 +88,7 @@ TEST(DistinctAnswers, InaccurateAnswersAreNotSeveral) {
       }
     }
     // Off by just as much as the trust allows, in random directions.
-    Draw draw(3);
+    PortableRandom draw(3);
     for (int k = 0; k < 200; ++k) {
       Vector s = exact;
       const double size = std::pow(10.0, -8 - 7 * draw.uniform());

@@ -4,10 +4,10 @@
 
 #include <cmath>
 
+#include "core/base/portable_random.h"
 #include "core/problem/delassus.h"
 #include "solvers/analysis/certificate_check.h"
 #include "solvers/solve.h"
-#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
@@ -113,8 +113,9 @@ TEST(Existence, AWedgeThatHoldsByFrictionAloneHasNoneWhenItsWallsClose) {
   const Vector closing = four(-1, 0, -1, 0);
   const ExistenceCertificate held =
       certify_existence(disk_in_a_wedge(a, 1.1 * std::tan(a), closing));
-  // Both stick: then v = 0 but the walls move. Both slip outwards: with mu > tan a the impulses point into the
-  // wedge, and so would the motion. One open: the other one's impulse does not open it. So by cases.
+  // Both stick: then v = 0 but the walls move. Both slip outwards: with mu > tan a the impulses
+  // point into the wedge, and so would the motion. One open: the other one's impulse does not open
+  // it. So by cases.
   EXPECT_EQ(held.verdict, Existence::kNone) << to_text(held);
   EXPECT_GT(held.cases, 1);
   EXPECT_LT(held.margin, 1e-6);
@@ -167,7 +168,7 @@ TEST(Existence, LemkeAgreesWithTheVerdictOnRandomProblems) {
   int none = 0;
   for (unsigned seed = 1; seed <= 60; ++seed) {
     ContactProblem p = manufactured_problem(1, 2, 7, seed, 0).problem;
-    Draw draw(seed);
+    PortableRandom draw(seed);
     for (Eigen::Index i = 0; i < p.u_free.size(); ++i) p.u_free[i] = draw.symmetric();
     const ExistenceCertificate c = certify_existence(p);
     const bool solved = is_success(solve("lemke", p, {.tol = 1e-9}).status);

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <filesystem>
 #include <set>
+#include <span>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +15,8 @@
 #include "core/motion/time_stepping.h"
 #include "core/scene/scene_family.h"
 #include "solvers/auto/auto_plan.h"
+#include "solvers/auto/plan_tables.h"
+#include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
@@ -21,27 +25,56 @@
 namespace bipot {
 namespace {
 
-std::vector<AutoStage> plan(const ContactProblem& p, bool warm = false) {
-  return plan_auto(p, DelassusOperator(p), warm);
+std::vector<AutoStage> planned(const ContactProblem& p, bool warm = false, double tol = 1e-8) {
+  return plan_auto(p, DelassusOperator(p), warm, tol);
 }
 
-/// Those that have their turn at that tolerance, after an error a little above it.
-std::vector<AutoStage> serving(std::vector<AutoStage> stages, double tol) {
-  std::erase_if(stages, [&](const AutoStage& stage) { return !stage.serves(tol, 2 * tol); });
+/// Those that have their turn after an error a little above the tolerance.
+std::vector<AutoStage> serving(const ContactProblem& p, bool warm, double tol) {
+  std::vector<AutoStage> stages = planned(p, warm, tol);
+  std::erase_if(stages, [&](const AutoStage& stage) { return 2 * tol > stage.largest_error; });
   return stages;
+}
+
+bool takes(const AutoStage& stage, std::string_view parameter) {
+  return stage.parameters.find(parameter) != std::string_view::npos;
 }
 
 TEST(AutoSolver, ExplainsEveryStageInALine) {
   const ContactProblem p = shipped_file("2d_pyramid_10.hdf5");
   const std::string text = explain_auto(p, {});
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'),
-            static_cast<std::ptrdiff_t>(plan(p).size()) + 1);
+            static_cast<std::ptrdiff_t>(planned(p).size()) + 1);
   EXPECT_NE(text.find("145 contacts"), std::string::npos);
 }
 
+TEST(AutoPlan, RowsNameSolversAndTheirParametersInShortTables) {
+  for (const auto rows : std::initializer_list<std::span<const plan::PlanRow>>{
+           plan::kFirst, plan::kSmall, plan::kMedium, plan::kLargeFair, plan::kLargeTight,
+           plan::kPlaneOfW, plan::kSpace, plan::kLargerBudgets, plan::kLongRuns,
+           plan::kAfterSplitting, plan::kAfterStart}) {
+    EXPECT_LE(rows.size(), 25U);
+    for (const plan::PlanRow& row : rows) {
+      EXPECT_FALSE(row.reason.empty());
+      const SolverEntry* entry = find_solver(row.solver);
+      if (entry == nullptr) {
+        EXPECT_EQ(row.solver, "newton");  // needs PETSc
+        continue;
+      }
+      std::istringstream words{std::string(row.parameters)};
+      for (std::string word; words >> word;) {
+        const std::string name = word.substr(0, word.find('='));
+        EXPECT_TRUE(std::any_of(entry->parameters.begin(), entry->parameters.end(),
+                                [&](const ParameterSpec& spec) { return spec.name == name; }))
+            << row.solver << ' ' << name;
+      }
+    }
+  }
+}
+
 TEST(AutoSolver, UnequalMassesBeginWithFactorisations) {
-  EXPECT_EQ(plan(shipped_file("2d_triangular_12_mass1e6.hdf5")).front().solver, "ipm");
-  EXPECT_NE(plan(shipped_file("2d_triangular_lattice.hdf5")).front().solver, "ipm");
+  EXPECT_EQ(planned(shipped_file("2d_triangular_12_mass1e6.hdf5")).front().solver, "ipm");
+  EXPECT_NE(planned(shipped_file("2d_triangular_lattice.hdf5")).front().solver, "ipm");
 }
 
 TEST(AutoSolver, GivesUpWhatDoesNotPromiseAndSolvesAllTheSame) {
@@ -80,7 +113,7 @@ TEST(AutoSolver, PathsThatDoNotArriveAreFollowedByOthersFromElsewhere) {
     const Scene<2> scene = make_family_scene("triangular", side);
     const ContactProblem p = step_problem(scene, initial_state(scene), false);
     ASSERT_EQ(p.num_contacts() > 2500, side == 36);
-    const std::vector<AutoStage> stages = plan(p, true);
+    const std::vector<AutoStage> stages = planned(p, true);
     // After the one of few pivots that follows the first sweeps.
     const auto first = std::find_if(stages.begin(), stages.end(), [&](const AutoStage& stage) {
       return stage.solver == "homotopy" && stage.max_iterations > p.num_contacts();
@@ -134,7 +167,7 @@ TEST(AutoSolver, AStageStartsFromAMultipleOfTheCallersImpulse) {
 }
 
 int stages_of(const ContactProblem& p, std::string_view solver) {
-  const std::vector<AutoStage> stages = plan(p);
+  const std::vector<AutoStage> stages = planned(p);
   return static_cast<int>(std::count_if(stages.begin(), stages.end(), [&](const AutoStage& stage) {
     return stage.solver == solver;
   }));
@@ -152,8 +185,7 @@ TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair)
     int short_paths = 0;
     std::set<double> multiples, kicks;
     bool after_splitting = false;
-    for (const AutoStage& stage : plan(p, warm)) {
-      if (!stage.serves(1e-3, 2e-3)) continue;
+    for (const AutoStage& stage : serving(p, warm, 1e-3)) {
       const bool path = stage.solver == "homotopy", is_short = stage.max_iterations < kShort;
       if (path && is_short) {
         EXPECT_TRUE(after_splitting && stage.start == AutoStage::Start::kLast);
@@ -178,29 +210,18 @@ TEST(AutoSolver, LargePackingsGoFromSomeSplittingToPathsWhereTheToleranceIsFair)
   }
 }
 
-/// What paths at such tolerances hold: factors in double up to 6000 contacts, in single above; above
-/// 12 000 there are no short ones before the long ones.
-TEST(AutoSolver, FactorsOfFairPathsAreInSinglePrecisionWhereTheyWouldBeLarge) {
-  struct Case {
-    int rows;
-    bool with_short;
-    const char *of_short, *of_long;
-  };
-  for (const Case& c : {Case{40, true, "double", "double"}, Case{50, true, "single", "single"},
-                        Case{70, false, "", "single"}}) {
-    const ContactProblem p = lattice_step(Lattice::kTriangular, c.rows, 0.3, 10);
+/// At such tolerances short paths come before the long ones, up to 12 000 contacts.
+TEST(AutoSolver, ShortPathsComeBeforeLongOnesAtFairTolerances) {
+  for (const int rows : {40, 50, 70}) {
+    const ContactProblem p = lattice_step(Lattice::kTriangular, rows, 0.3, 10);
     SCOPED_TRACE(p.num_contacts());
     int short_paths = 0, long_paths = 0;
-    for (const AutoStage& stage : plan(p, true)) {
-      if (!stage.serves(1e-3, 2e-3)) continue;
+    for (const AutoStage& stage : serving(p, true, 1e-3)) {
       if (stage.solver == "admm" && stage.max_iterations > 6000) break;  // all that comes after
       if (stage.solver != "homotopy") continue;
-      if (stage.parameters.count("precision") == 0) continue;
-      const bool is_short = stage.max_iterations < 1000;
-      (is_short ? short_paths : long_paths) += 1;
-      EXPECT_EQ(stage.parameters.at("precision"), is_short ? c.of_short : c.of_long);
+      (stage.max_iterations < 1000 ? short_paths : long_paths) += 1;
     }
-    EXPECT_EQ(short_paths, c.with_short ? 4 : 0);
+    EXPECT_EQ(short_paths, p.num_contacts() <= 12000 ? 4 : 0);
     EXPECT_EQ(long_paths, 2);
   }
 }
@@ -214,7 +235,7 @@ TEST(AutoSolver, LargePackingsFollowKickedPathsWhereTheToleranceIsTight) {
     const int n = p.num_contacts();
     ASSERT_EQ(n <= 8000, side == 40) << n;
     ASSERT_GT(n, 4000);
-    const std::vector<AutoStage> stages = serving(plan(p), 1e-6);
+    const std::vector<AutoStage> stages = serving(p, false, 1e-6);
     const auto is_path = [](const AutoStage& stage) { return stage.solver == "homotopy"; };
     auto first = std::find_if(stages.begin(), stages.end(), is_path);
     ASSERT_NE(first, stages.begin());
@@ -247,7 +268,7 @@ TEST(AutoSolver, LargePackingsFollowKickedPathsWhereTheToleranceIsTight) {
 /// on W take longer; in space few contacts have a dozen factorisations next, more have Newton steps.
 TEST(AutoSolver, GivenWAloneExactAnswersComeSecond) {
   const auto second = [](const ContactProblem& p) {
-    return std::string(serving(plan(p), 1e-6).at(1).solver);
+    return std::string(serving(p, false, 1e-6).at(1).solver);
   };
   for (const char* name : {"2d_tilt12_320.hdf5", "2d_triangular_20_tilt10.hdf5"}) {
     const ContactProblem p = local_form(shipped_file(name));
@@ -270,9 +291,9 @@ TEST(AutoSolver, GivenWAloneExactAnswersComeSecond) {
 /// Where these do not arrive, starts around the best impulse have their turn, then the central path
 /// through its folds, and long chains last.
 TEST(AutoSolver, MovingPackingsThatResistHaveOtherStartsAndPatience) {
-  const std::vector<AutoStage> stages = plan(shipped_file("2d_pour300_392.hdf5"), true);
+  const std::vector<AutoStage> stages = planned(shipped_file("2d_pour300_392.hdf5"), true);
   const auto shaken = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
-    return stage.parameters.count("shake") > 0;
+    return takes(stage, "shake=first");
   });
   ASSERT_NE(shaken, stages.end());
   EXPECT_EQ(shaken->solver, "homotopy");
@@ -282,7 +303,7 @@ TEST(AutoSolver, MovingPackingsThatResistHaveOtherStartsAndPatience) {
     EXPECT_EQ(shaken[k].solver, "homotopy");
     EXPECT_EQ(shaken[k].start, AutoStage::Start::kCaller);
   }
-  EXPECT_NE(shaken[1].parameters.at("seed"), shaken[2].parameters.at("seed"));
+  EXPECT_TRUE(takes(shaken[1], "seed=2") && takes(shaken[2], "seed=3"));
   EXPECT_EQ(shaken[3].solver, "ipm");
   EXPECT_EQ(shaken[3].max_iterations, 1000);
   EXPECT_EQ(shaken[4].solver, "homotopy");
@@ -323,7 +344,7 @@ TEST(AutoSolver, NoPathsInSpace) {
 // neither may be cut off earlier, nor come after what never ends.
 TEST(AutoSolver, InSpaceFactorisationsHaveTheirTime) {
   for (const bool warm : {false, true}) {
-    const std::vector<AutoStage> stages = plan(shipped_file("3d_sphere_box_4.hdf5"), warm);
+    const std::vector<AutoStage> stages = planned(shipped_file("3d_sphere_box_4.hdf5"), warm);
     const auto endless = std::find_if(stages.begin(), stages.end(), [](const AutoStage& stage) {
       return stage.max_iterations >= 100000;
     });
@@ -359,7 +380,7 @@ TEST(AutoSolver, LargePackingsAtRestAreSolvedBySweepsForthAndBack) {
   EXPECT_LT(4 * cold.iterations, gradient.iterations);
   // Without bodies there is nothing to put in vectors: W alone goes the old way.
   const ContactProblem local = local_form(p);
-  for (const AutoStage& stage : plan_auto(local, DelassusOperator(local), false)) {
+  for (const AutoStage& stage : planned(local)) {
     EXPECT_NE(stage.solver, "assor");
   }
 }
@@ -370,36 +391,33 @@ TEST(AutoSolver, SmallSquareLatticesBeginWithAndersonOthersWithSweepsForthAndBac
   for (const int side : {5, 12}) {  // few contacts and more
     LatticeOptions tilted;
     tilted.tilt = 0.2;
-    EXPECT_EQ(plan(square_lattice(side, tilted)).front().solver, "anderson") << side;
-    EXPECT_EQ(plan(triangular_lattice(side, tilted)).front().solver, "assor") << side;
+    EXPECT_EQ(planned(square_lattice(side, tilted)).front().solver, "anderson") << side;
+    EXPECT_EQ(planned(triangular_lattice(side, tilted)).front().solver, "assor") << side;
   }
-  EXPECT_EQ(plan(triangular_lattice(2)).front().solver, "anderson");  // too few to fill vectors
+  EXPECT_EQ(planned(triangular_lattice(2)).front().solver, "anderson");  // too few to fill vectors
   for (const char* name : {"2d_pile_300_mu03.hdf5", "2d_pour300_392.hdf5", "2d_tilt12_320.hdf5",
                            "2d_triangular_lattice.hdf5", "2d_pyramid_10.hdf5"}) {
     ASSERT_GT(shipped_file(name).num_contacts(), 100) << name;
-    EXPECT_EQ(plan(shipped_file(name)).front().solver, "assor") << name;
+    EXPECT_EQ(planned(shipped_file(name)).front().solver, "assor") << name;
     // From a warm start too, at any tolerance.
     for (const double tol : {1e-1, 1e-8}) {
-      EXPECT_EQ(serving(plan(shipped_file(name), true), tol)[0].solver, "assor") << name;
+      EXPECT_EQ(serving(shipped_file(name), true, tol)[0].solver, "assor") << name;
     }
     // A path comes next, and no Anderson.
-    EXPECT_EQ(serving(plan(shipped_file(name), true), 1e-4)[1].solver, "homotopy") << name;
-    for (const AutoStage& stage : plan(shipped_file(name), true)) {
+    EXPECT_EQ(serving(shipped_file(name), true, 1e-4)[1].solver, "homotopy") << name;
+    for (const AutoStage& stage : planned(shipped_file(name), true)) {
       EXPECT_NE(stage.solver, "anderson") << name;
     }
   }
   LatticeOptions options;
   options.tilt = 0.2;
   const ContactProblem larger = triangular_lattice(30, options);
-  EXPECT_EQ(plan(larger).front().solver, "assor");
-  // Beyond 2500 contacts it is so from warm starts at loose tolerances.
   ASSERT_GT(larger.num_contacts(), 2500);
-  const std::vector<AutoStage> warm = plan(larger, true);
-  ASSERT_GT(warm.size(), 1u);
-  EXPECT_EQ(warm[0].solver, "assor");
-  EXPECT_EQ(warm[0].least_tol, warm[1].tol_below);
+  for (const bool warm : {false, true}) {
+    for (const double tol : {1e-1, 1e-8}) EXPECT_EQ(planned(larger, warm, tol)[0].solver, "assor");
+  }
   options.dim = 1;  // without friction
-  EXPECT_EQ(plan(triangular_lattice(30, options)).front().solver, "anderson");
+  EXPECT_EQ(planned(triangular_lattice(30, options)).front().solver, "anderson");
 }
 
 /// Up to 2500 contacts of disks a path begins where the first sweeps end, if that is near; above
@@ -410,25 +428,23 @@ TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
     const bool few = p.num_contacts() <= 400;
     ASSERT_EQ(few, std::string_view(name) == "2d_tilt12_320.hdf5");
     for (const bool warm : {false, true}) {
-      const std::vector<AutoStage> loose = serving(plan(p, warm), 1e-1);
+      const std::vector<AutoStage> loose = serving(p, warm, 1e-1);
       EXPECT_EQ(loose[0].solver, "assor");
       EXPECT_EQ(loose[1].solver == "homotopy", few);
-      if (few) {
-        EXPECT_EQ(loose[2].solver, warm ? "pgs" : "anderson");
-      }
-      const std::vector<AutoStage> fair = serving(plan(p, warm), 1e-4);
+      EXPECT_EQ(loose[2].solver == "pgs", few);
+      const std::vector<AutoStage> fair = serving(p, warm, 1e-4);
       EXPECT_EQ(fair[0].solver, "assor");
       EXPECT_EQ(fair[1].solver, "homotopy");
       EXPECT_EQ(fair[1].start, AutoStage::Start::kBest);
-      EXPECT_FALSE(fair[1].serves(1e-4, 0.5)) << "from far away paths are long";
+      EXPECT_LT(fair[1].largest_error, 0.5) << "from far away paths are long";
     }
   }
   for (const int side : {28, 36}) {  // 2268 and 3780 contacts or so
     const Scene<2> scene = make_family_scene("triangular", side);
     const ContactProblem p = step_problem(scene, initial_state(scene), false);
-    EXPECT_EQ(serving(plan(p, true), 1e-4)[0].solver, side == 28 ? "assor" : "anderson");
     for (const bool warm : {false, true}) {
-      EXPECT_EQ(serving(plan(p, warm), 1e-4)[1].solver, side == 28 ? "homotopy" : "apgd");
+      EXPECT_EQ(serving(p, warm, 1e-4)[0].solver, "assor");
+      EXPECT_EQ(serving(p, warm, 1e-4)[1].solver, side == 28 ? "homotopy" : "apgd");
     }
   }
   const SolveResult near = solve("auto", shipped_file("2d_tilt12_320.hdf5"), {.tol = 1e-8});
@@ -438,14 +454,14 @@ TEST(AutoSolver, SmallPackingsOfDisksGoFromSweepsToAPath) {
   const SolveResult far = solve("auto", shipped_file("2d_pyramid_20_mu05.hdf5"), {.tol = 1e-8});
   EXPECT_EQ(far.status, SolveStatus::kConverged);
   EXPECT_NE(far.message.find("(6.3e-01); apgd"), std::string::npos) << far.message;
-  const std::vector<AutoStage> warm = serving(plan(shipped_file("2d_tilt12_320.hdf5"), true), 1e-4);
+  const std::vector<AutoStage> warm = serving(shipped_file("2d_tilt12_320.hdf5"), true, 1e-4);
   EXPECT_EQ(warm[2].solver, "pgs");
 }
 
 /// Spheres: few sweeps before momentum.
 TEST(AutoSolver, FewContactsInSpaceGoSoonToMomentum) {
   int before = 0;
-  for (const AutoStage& stage : serving(plan(shipped_file("3d_sphere_pyramid_4.hdf5")), 1e-3)) {
+  for (const AutoStage& stage : serving(shipped_file("3d_sphere_pyramid_4.hdf5"), false, 1e-3)) {
     if (stage.solver == "apgd") break;
     before += stage.max_iterations;
   }

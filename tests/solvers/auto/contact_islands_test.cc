@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <vector>
 
+#include "core/base/portable_random.h"
 #include "core/motion/time_stepping.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/auto/island_problem.h"
-#include "tests/support/draw.h"
 #include "tests/support/lattice_problem.h"
 #include "tests/support/manufactured.h"
-#include "tests/support/scene_parts.h"
 #include "tests/support/side_by_side.h"
 #include "tests/support/small_problems.h"
 
@@ -29,8 +29,8 @@ using Lists = std::vector<std::vector<int>>;
 
 /// Two disks of radius 1 on a floor, far from each other.
 Scene<2> two_disks(Wall<2> floor) {
-  Scene<2> scene = one_law({.mu = 0.3});
-  scene.bodies = {cylinder(Vec2(0, 1), 1), cylinder(Vec2(5, 1), 1)};
+  Scene<2> scene = one_law<2>({.mu = 0.3});
+  scene.bodies = {round_body<2>(Vec2(0, 1), 1, 2), round_body<2>(Vec2(5, 1), 1, 2)};
   scene.walls = {std::move(floor)};
   scene.step = 0.01;
   scene.contact_distance = 0.1;
@@ -38,7 +38,7 @@ Scene<2> two_disks(Wall<2> floor) {
 }
 
 TEST(ContactIslands, AFixedFloorConnectsNothingAndADrivenOneDoes) {
-  Wall<2> floor = half_plane(Vec2(0, 0), Vec2(0, 1));
+  Wall<2> floor = half_space<2>(Vec2(0, 0), Vec2(0, 1));
   const Scene<2> fixed = two_disks(floor);
   EXPECT_EQ(lists(step_problem(fixed, initial_state(fixed), false)), (Lists{{0}, {1}}));
   floor.motion = Wall<2>::Motion::kMoving;  // no degree of freedom either
@@ -114,7 +114,7 @@ TEST(ContactIslands, NoContactsAreNoIslands) {
 void expect_same_velocities(const ContactProblem& whole, int expected_islands) {
   const ContactIslands islands = contact_islands(whole);
   ASSERT_EQ(islands.count(), expected_islands);
-  Draw draw(3);
+  PortableRandom draw(3);
   Vector s(whole.num_rows());
   for (int i = 0; i < whole.num_rows(); ++i) {
     const bool idle = i % whole.dim > 0 && whole.mu[i / whole.dim] == 0;

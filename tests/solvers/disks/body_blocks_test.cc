@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/portable_random.h"
 #include "solvers/disks/wavefront.h"
-#include "tests/support/draw.h"
 #include "tests/support/lattice_problem.h"
 
 namespace bipot {
@@ -28,7 +28,7 @@ DiskStructure with_hub(int others) {
 
 /// Bodies along a line, each in contact with some of the eight before it.
 DiskStructure drawn_chain(int bodies, unsigned seed) {
-  Draw draw(seed);
+  PortableRandom draw(seed);
   DiskStructure out;
   out.bodies.resize(to_size(bodies) + 1);
   for (int k = 1; k < bodies; ++k) {
@@ -113,8 +113,8 @@ void check_blocks(const DiskStructure& disks, const char* what) {
               EXPECT_TRUE(seconds.insert(j).second);
             }
           }
-          // The bodies of a contact have begun before: in this tile up to this window, or in the tile
-          // before, in the order in which both are taken.
+          // The bodies of a contact have begun before: in this tile up to this window, or in the
+          // tile before, in the order in which both are taken.
           for (const int body : {i, j}) {
             if (body == bodies) continue;
             const RowPlace& place = at[to_size(body)];

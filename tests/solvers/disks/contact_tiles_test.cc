@@ -9,7 +9,7 @@
 #include <set>
 #include <vector>
 
-#include "tests/support/draw.h"
+#include "core/base/portable_random.h"
 #include "tests/support/lattice_problem.h"
 
 namespace bipot {
@@ -17,7 +17,7 @@ namespace {
 
 /// The same packing with its bodies and contacts in a drawn order.
 DiskStructure shuffled(const DiskStructure& disks, unsigned seed) {
-  Draw draw(seed);
+  PortableRandom draw(seed);
   std::vector<int> place(disks.bodies.size() - 1);
   std::iota(place.begin(), place.end(), 0);
   for (std::size_t k = place.size(); k > 1; --k) {
@@ -109,8 +109,8 @@ TEST(ContactTiles, AreNearlyFullAndManyOnALattice) {
   EXPECT_GT(tiles.tiles.size(), 20U);
 }
 
-/// Sixteen batches hold eight contacts of each of sixteen places along the tile, and these the seven
-/// bodies around: 112. Drawn from all over the tile, they would hold 190 of its 400.
+/// Sixteen batches hold eight contacts of each of sixteen places along the tile, and these the
+/// seven bodies around: 112. Drawn from all over the tile, they would hold 190 of its 400.
 TEST(ContactTiles, GoAlongTheTileSoThatBodiesStayInTheCache) {
   const DiskStructure disks = *disk_structure(triangular_lattice(200));
   const ContactTiles tiles = tile_contacts(disks);

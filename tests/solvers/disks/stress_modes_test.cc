@@ -114,8 +114,9 @@ TEST(DiskPositions, PackingsThatNothingJoinsStandBesideEachOther) {
   }
 }
 
-// The same stress σ everywhere: a contact between two disks carries σ n in physical impulses,
-// s_n = n·σ n and s_t = t·σ n over the factors that restitution puts on the rows, and one with a wall as well.
+// The same stress σ everywhere: a contact between two disks carries σ n in physical impulses, s_n =
+// n·σ n and s_t = t·σ n over the factors that restitution puts on the rows, and one with a wall as
+// well.
 TEST(StressModes, AUniformStressIsCarriedByAllContactsAlike) {
   Stressed at(stressed_packing(false));
   ASSERT_TRUE(at.modes.renew(at.pressed()));
@@ -142,7 +143,8 @@ TEST(StressModes, AUniformStressIsCarriedByAllContactsAlike) {
   EXPECT_GT(open, at.problem.num_contacts() / 10);
 }
 
-// Column by column from the momenta of single modes, and the gradient of the energy along each of them.
+// Column by column from the momenta of single modes, and the gradient of the energy along each of
+// them.
 TEST(StressModes, TheMatrixIsTheEnergyOfTheModes) {
   for (const bool square : {false, true}) {
     Stressed at(stressed_packing(square));
@@ -169,7 +171,8 @@ TEST(StressModes, TheMatrixIsTheEnergyOfTheModes) {
   }
 }
 
-// After one correction from any impulse nothing is left to correct: the gradient along all modes is 0.
+// After one correction from any impulse nothing is left to correct: the gradient along all modes is
+// 0.
 TEST(StressModes, OneCorrectionTakesThemOut) {
   Stressed at(stressed_packing(false));
   ASSERT_TRUE(at.modes.renew(at.pressed()));

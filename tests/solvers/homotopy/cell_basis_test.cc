@@ -7,6 +7,7 @@
 #include <random>
 #include <vector>
 
+#include "core/base/portable_random.h"
 #include "tests/support/manufactured.h"
 #include "tests/support/small_problems.h"
 
@@ -57,12 +58,11 @@ TEST(CellBasis, ExchangedColumnsSolveAsAFreshFactorDoes) {
   updated.solve(g, x);
   const Vector of_the_factor = x;
   // Few contacts, many exchanges: columns leave, come back, into their own slot or the other one.
-  std::mt19937_64 random(7);
+  PortableRandom random(7);
   int exchanged = 0;
   for (int k = 0; k < 200; ++k) {
-    const int contact = static_cast<int>(random() % 8),
-              slot = 2 * contact + static_cast<int>(random() % 2);
-    const double slip = random() % 2 == 0 ? 1 : -1;
+    const int contact = random.below(8), slot = 2 * contact + random.below(2);
+    const double slip = random.below(2) == 0 ? 1 : -1;
     const Crossing crossing =
         cross(point.cell[to_size(contact)], point.column[to_size(slot)], slip, true);
     const CellBasis::Entering entering = updated.entering(contact, crossing.enters, slot);
@@ -119,9 +119,9 @@ TEST(CellBasis, PreparedColumnsEnterAsOthersDo) {
   }
 }
 
-/// Sliding contacts with W_nn = mu W_nt, each coupled to some of a core of sticking contacts: the own
-/// block of a sliding contact in B is singular but for delta, and the fronts, which eliminate it
-/// before the core, have nothing but that rounding to divide by. B is well conditioned: the
+/// Sliding contacts with W_nn = mu W_nt, each coupled to some of a core of sticking contacts: the
+/// own block of a sliding contact in B is singular but for delta, and the fronts, which eliminate
+/// it before the core, have nothing but that rounding to divide by. B is well conditioned: the
 /// couplings of the sliding contacts have full rank.
 TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
   constexpr int kSliding = 30, kCore = 100, kContacts = kSliding + kCore, kCoupled = 20;
@@ -134,7 +134,7 @@ TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
     entries.emplace_back(2 * i, 2 * k, value);
     entries.emplace_back(2 * k, 2 * i, value);
   };
-  std::mt19937_64 random(3);
+  PortableRandom random(3);
   for (int i = 0; i < kContacts; ++i) {
     for (const int k : {0, 1}) entries.emplace_back(2 * i + k, 2 * i + k, 1);
     if (i >= kSliding) {
@@ -144,7 +144,7 @@ TEST(CellBasis, SmallPivotsOfTheFrontsAreLeftToExchangesOfAllRows) {
     for (const int k : {0, 1}) entries.emplace_back(2 * i + k, 2 * i + 1 - k, kCross);
     couple(i, kSliding + i, 0.5);
     for (int k = 0; k < kCoupled; ++k) {
-      couple(i, kSliding + static_cast<int>(random() % kCore), kCoupling);
+      couple(i, kSliding + random.below(kCore), kCoupling);
     }
   }
   problem.W.setFromTriplets(entries.begin(), entries.end());
@@ -184,71 +184,17 @@ TEST(CellBasis, ReadsRowsAndColumnsOfAnyW) {
       point.sort_columns(2);
       const Vector proximal = Vector::LinSpaced(problem.num_rows(), 0.5, 1),
                    g = random_numbers(problem.num_rows(), 2);
-      for (const auto precision : {CellBasis::Precision::kDouble, CellBasis::Precision::kSingle}) {
-        CellBasis basis(problem, precision);
-        ASSERT_TRUE(basis.factor(point, proximal));
-        Vector x;
-        basis.solve(g, x);
-        const auto Bx = product(problem, point, proximal, x);
-        for (int i = 0; i < problem.num_rows(); ++i) {
-          EXPECT_NEAR(static_cast<double>(Bx[to_size(i)]), g[i], 1e-8 * x.norm())
-              << skew << holes << i;
-        }
+      CellBasis basis(problem);
+      ASSERT_TRUE(basis.factor(point, proximal));
+      Vector x;
+      basis.solve(g, x);
+      const auto Bx = product(problem, point, proximal, x);
+      for (int i = 0; i < problem.num_rows(); ++i) {
+        EXPECT_NEAR(static_cast<double>(Bx[to_size(i)]), g[i], 1e-8 * x.norm())
+            << skew << holes << i;
       }
     }
   }
-}
-
-/// In single precision solutions are refined to what double gives, and exchanged columns are rounded to
-/// it; where the matrix is too near to singular for that, they are not numbers.
-void expect_refined(bool of_bodies) {
-  // More rows than degrees of freedom: W is singular, and D alone keeps B from it.
-  const ContactProblem given = manufactured_problem(2, 30, 60, 5).problem;
-  const ContactProblem local = local_form(given);
-  const LawProblem problem(local, Vector(local.W.diagonal())),
-      other(given, Vector(local.W.diagonal()), LawProblem::Delassus::kOfBodies);
-  const Vector g = random_numbers(problem.num_rows(), 2);
-  LawPoint point = nearest_point(problem, g, g);
-  // Most stick, some slip either way or are open.
-  for (int i = 0; i < problem.num_contacts(); ++i) {
-    point.set(problem, i,
-              i % 7 == 5   ? Cell::kTakeOff
-              : i % 7 == 6 ? (i % 2 == 0 ? Cell::kSlipPlus : Cell::kSlipMinus)
-                           : Cell::kStick);
-  }
-  CellBasis whole(problem), half(of_bodies ? other : problem, CellBasis::Precision::kSingle);
-  Vector x, y;
-  const Vector large = Vector::Constant(problem.num_rows(), 1e-2);
-  ASSERT_TRUE(whole.factor(point, large) && half.factor(point, large));
-  EXPECT_EQ(whole.orientation(point), half.orientation(point));
-  whole.solve(g, x);
-  half.solve(g, y);
-  EXPECT_LT((x - y).norm(), 1e-8 * x.norm());
-  for (int contact = 0; contact < 5; ++contact) {
-    const int slot = 2 * contact;
-    const Crossing crossing =
-        cross(point.cell[to_size(contact)], point.column[to_size(slot)], 1, true);
-    const CellBasis::Entering one = whole.entering(contact, crossing.enters, slot);
-    const CellBasis::Entering halved = half.entering(contact, crossing.enters, slot);
-    EXPECT_NEAR(one.pivot, halved.pivot, 1e-7 * one.size);
-    ASSERT_TRUE(whole.exchange(one) && half.exchange(halved));
-  }
-  whole.solve(g, x);
-  half.solve(g, y);
-  EXPECT_LT((x - y).norm(), 1e-7 * x.norm());
-
-  const Vector tiny = Vector::Constant(problem.num_rows(), 1e-12);
-  ASSERT_TRUE(whole.factor(point, tiny));
-  whole.solve(g, x);
-  EXPECT_TRUE(x.allFinite());
-  ASSERT_TRUE(half.factor(point, tiny));
-  half.solve(g, y);
-  EXPECT_FALSE(y.allFinite());
-}
-
-TEST(CellBasis, SinglePrecisionIsRefinedOrSaysSo) {
-  expect_refined(false);
-  expect_refined(true);
 }
 
 class CellBases : public testing::TestWithParam<int> {};
@@ -257,10 +203,8 @@ class CellBases : public testing::TestWithParam<int> {};
 // and refining in two parts is the same, bit for bit.
 TEST_P(CellBases, RefinedSolutionsMeetTheEquations) {
   const int d = GetParam();
-  const ContactProblem given = manufactured_problem(d, 30, 60, 5).problem;
-  const ContactProblem problem = local_form(given);
-  const LawProblem law(problem, Vector(problem.W.diagonal())),
-      of_bodies(given, Vector(problem.W.diagonal()), LawProblem::Delassus::kOfBodies);
+  const ContactProblem problem = local_form(manufactured_problem(d, 30, 60, 5).problem);
+  const LawProblem law(problem, Vector(problem.W.diagonal()));
   const Vector s = random_numbers(law.num_rows(), 1);
   LawPoint point = nearest_point(law, s, law.W * s + law.b);
   point.sort_columns(d);
@@ -287,16 +231,6 @@ TEST_P(CellBases, RefinedSolutionsMeetTheEquations) {
   };
   EXPECT_LT(error(refined), 4e-16);
   EXPECT_LT((plain - refined).norm(), 1e-4 * refined.norm());
-
-  // Of W that is not kept, in single precision, which a larger D needs.
-  const Vector large = Vector::Constant(law.num_rows(), 1e-2);
-  CellBasis other(of_bodies);
-  ASSERT_TRUE(basis.factor(point, large) && other.factor(point, large));
-  Vector of_other;
-  basis.solve_refined(point, g, 0.3L, h, 2, refined);
-  other.solve_refined(point, g, 0.3L, h, 2, of_other);
-  EXPECT_LT((of_other - refined).norm(), 1e-12 * refined.norm());
-  EXPECT_EQ(basis.orientation(point), other.orientation(point));
 }
 
 INSTANTIATE_TEST_SUITE_P(Dims, CellBases, testing::Values(1, 2));

@@ -5,7 +5,8 @@
 namespace bipot {
 namespace {
 
-/// Contacts of unit mass that do not couple, mu = 0.5; W = 1 needs no scaling but that of the speeds.
+/// Contacts of unit mass that do not couple, mu = 0.5; W = 1 needs no scaling but that of the
+/// speeds.
 LawProblem apart(int dim, int contacts) {
   ContactProblem p;
   p.dim = dim;
@@ -25,8 +26,8 @@ Vector term(const LawProblem& problem, const Vector& s, Cell cell, double delta)
   return term;
 }
 
-// Normal impulses 1, 2, 6, 0, 0.1, 80.9: the five that bear have the mean 18. Hence 18, 9, 180 above
-// 10, none and 18 / 80.9 = 0.2225 times delta: 10, 9, 3, 10, 10, 0.2225.
+// Normal impulses 1, 2, 6, 0, 0.1, 80.9: the five that bear have the mean 18. Hence 18, 9, 180
+// above 10, none and 18 / 80.9 = 0.2225 times delta: 10, 9, 3, 10, 10, 0.2225.
 TEST(ProximalTerm, GoesWithTheMeanImpulseOverTheContactsOwn) {
   for (const int d : {1, 2}) {
     Vector s = Vector::Zero(6 * d);

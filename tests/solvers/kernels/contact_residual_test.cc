@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <random>
+#include "core/base/portable_random.h"
 
 namespace bipot {
 namespace {
@@ -10,20 +10,16 @@ namespace {
 template <int D>
 using Function = LocalResidual<D> (*)(const Local<D>&, const Local<D>&, double);
 
-double draw(std::mt19937_64& engine) {
-  return 2 * (static_cast<double>(engine() >> 11) * 0x1.0p-53) - 1;
-}
-
 /// Central differences at points drawn away from the edges, where the functions are smooth.
 template <int D>
 void expect_jacobian_matches(Function<D> f, double mu) {
-  std::mt19937_64 engine(3);
+  PortableRandom random(3);
   constexpr double kStep = 1e-6;
   for (int trial = 0; trial < 200; ++trial) {
     Local<D> s, u;
     for (int k = 0; k < D; ++k) {
-      s[k] = draw(engine);
-      u[k] = draw(engine);
+      s[k] = random.symmetric();
+      u[k] = random.symmetric();
     }
     const LocalResidual<D> r = f(s, u, mu);
     for (int k = 0; k < D; ++k) {

@@ -22,8 +22,8 @@ int needed(const std::string& solver, const ContactProblem& p,
   return result.iterations;
 }
 
-// Why it is there: an iteration is four sweeps, some five steps of the accelerated gradient, and what
-// that one needs on lattices grows as the root of the number of disks.
+// Why it is there: an iteration is four sweeps, some five steps of the accelerated gradient, and
+// what that one needs on lattices grows as the root of the number of disks.
 TEST(AcceleratedSsor, NeedsASeventhOfTheIterationsOfTheGradientOnLattices) {
   for (const Lattice lattice : {Lattice::kTriangular, Lattice::kSquare}) {
     const ContactProblem p = lattice_step(lattice, 60, 0.3, 10);
@@ -38,8 +38,8 @@ TEST(AcceleratedSsor, NeedsASeventhOfTheIterationsOfTheGradientOnLattices) {
   }
 }
 
-// From 20 to 80 rows, 16 times as many disks: O(N^1/4) would be 2, O(N^1/2) 4. From 40 to 120, all of
-// them along the rows, 9 times as many: 1.7 and 3.
+// From 20 to 80 rows, 16 times as many disks: O(N^1/4) would be 2, O(N^1/2) 4. From 40 to 120, all
+// of them along the rows, 9 times as many: 1.7 and 3.
 TEST(AcceleratedSsor, IterationsGrowSlowerThanTheRootOfTheDisks) {
   const auto iterations = [](int rows) {
     return needed("assor", lattice_step(Lattice::kTriangular, rows, 0.3, 10));
@@ -48,8 +48,8 @@ TEST(AcceleratedSsor, IterationsGrowSlowerThanTheRootOfTheDisks) {
   EXPECT_LT(iterations(120), 2.5 * iterations(40));
 }
 
-// Smooth stresses are what takes longer on larger packings: taken out, a third of the iterations does,
-// and what the last six digits need hardly grows.
+// Smooth stresses are what takes longer on larger packings: taken out, a third of the iterations
+// does, and what the last six digits need hardly grows.
 TEST(AcceleratedSsor, StressesTakenOutSaveMostOfTheIterations) {
   const std::map<std::string, std::string> out{{"stresses_from", "1000"}},
       in{{"stresses_from", "2000000000"}};

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/problem/delassus.h"
 #include "solvers/solve.h"
@@ -27,8 +28,8 @@ TEST(Admm, VelocityAndContactFormDoTheSameSteps) {
   const ContactProblem p = triangular_lattice(6);
   ContactProblem local = local_form(p);
   if (!local.has_delassus()) local.W = assemble_delassus(p.A, p.H, p.dim);
-  const SolveResult a = run_admm(p, {{"penalty", "fixed"}, {"rho", "0.1"}}, 1e-14, 30);
-  const SolveResult b = run_admm(local, {{"penalty", "fixed"}, {"rho", "0.1"}}, 1e-14, 30);
+  const SolveResult a = run_admm(p, {{"rho", "0.1"}}, 1e-14, 30);
+  const SolveResult b = run_admm(local, {{"rho", "0.1"}}, 1e-14, 30);
   EXPECT_LT((a.s - b.s).norm(), 1e-8 * a.s.norm());
 }
 
@@ -41,16 +42,14 @@ TEST(Admm, PenaltiesByStatusAreThoseOfBothForms) {
   EXPECT_LT((a.s - b.s).norm(), 1e-6 * a.s.norm());
 }
 
-/// 788 for 1729, 432 for 1531, 682 for 1954 iterations when this was written.
+/// One penalty for all took 1729, 1531 and 1954 iterations.
 TEST(Admm, PenaltiesByStatusSaveIterationsWhereContactsSlipAndOpen) {
-  for (const char* name :
-       {"2d_compaction_flow.hdf5", "2d_pile_300_mu03.hdf5", "2d_strike12_450.hdf5"}) {
-    const ContactProblem p = shipped_file(name);
-    const SolveResult by_status = run_admm(p, {}, 1e-6);
-    const SolveResult one_for_all = run_admm(p, {{"penalty", "staged"}}, 1e-6);
+  for (const auto& [name, one_for_all] :
+       {std::pair("2d_compaction_flow.hdf5", 1729), std::pair("2d_pile_300_mu03.hdf5", 1531),
+        std::pair("2d_strike12_450.hdf5", 1954)}) {
+    const SolveResult by_status = run_admm(shipped_file(name), {}, 1e-6);
     EXPECT_EQ(by_status.status, SolveStatus::kConverged) << name << by_status.message;
-    EXPECT_EQ(one_for_all.status, SolveStatus::kConverged) << name << one_for_all.message;
-    EXPECT_LT(1.5 * by_status.iterations, one_for_all.iterations) << name;
+    EXPECT_LT(1.5 * by_status.iterations, one_for_all) << name;
   }
 }
 
@@ -103,34 +102,6 @@ TEST(Admm, RaisesThePenaltyOfAnIndefiniteOperator) {
   p.u_free << -1, 0, -0.5, 0;  // the first contact alone: s_n = 1, u_n = 0.51 at the second
   const SolveResult r = run_admm(p);
   EXPECT_EQ(r.status, SolveStatus::kConverged) << r.message;
-}
-
-/// Every solve of the one corrects the last, so that what is left is the same.
-TEST(Admm, ArrivesWithAFactorInSinglePrecisionToo) {
-  LatticeOptions o;
-  o.tilt = 0.17;
-  for (const ContactProblem& p : {shipped_file("2d_pour14_200.hdf5"), triangular_lattice(12, o),
-                                  manufactured_problem(3, 12, 10, 4).problem}) {
-    const SolveResult one = run_admm(p, {{"precision", "single"}}),
-                      two = run_admm(p, {{"precision", "double"}});
-    EXPECT_EQ(one.status, SolveStatus::kConverged) << one.message;
-    EXPECT_EQ(two.status, SolveStatus::kConverged) << two.message;
-    EXPECT_LE(one.iterations, two.iterations + two.iterations / 10 + 10);
-    EXPECT_LT((body_velocities(p, one.s) - body_velocities(p, two.s)).norm(),
-              1e-7 * Vector(p.H * two.s).cwiseQuotient(p.A.diagonal()).norm());
-    EXPECT_GT((one.s - two.s).norm(), 0);
-  }
-}
-
-/// With a penalty of 1e-9 floats would make of this right side fifteen times as much (5e-5 of it with
-/// 1e-3), so that the factor is one in double precision and all bits are.
-TEST(Admm, LeavesSinglePrecisionWhereItDoesNotSolve) {
-  const ContactProblem p = shipped_file("2d_tilt12_180.hdf5");
-  const auto run = [&](const char* precision, const char* rho) {
-    return run_admm(p, {{"precision", precision}, {"rho", rho}, {"penalty", "fixed"}}, 1e-12, 50).s;
-  };
-  EXPECT_EQ(run("single", "1e-9"), run("double", "1e-9"));
-  EXPECT_NE(run("single", "1e-3"), run("double", "1e-3"));
 }
 
 TEST(Admm, SolvesTheFreePyramid) {

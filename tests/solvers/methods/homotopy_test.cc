@@ -133,27 +133,6 @@ TEST(Homotopy, SolvesMovingStepsToTwelveDigits) {
   }
 }
 
-/// The same pivots, to a fair tolerance, with factors of half the memory; given A and H or W.
-TEST(Homotopy, SinglePrecisionTakesTheSameWay) {
-  for (const char* name : {"2d_pour300_273", "2d_tilt1000hi_182"}) {
-    SCOPED_TRACE(name);
-    const ContactProblem p = shipped(name);
-    for (const bool local : {false, true}) {
-      const ContactProblem form = local ? local_form(p) : p;
-      SolverOptions options;
-      options.tol = 1e-4;
-      options.parameters["start_tol"] = "1e-2";
-      const SolveResult whole = solve_homotopy(form, options);
-      options.parameters["precision"] = "single";
-      const SolveResult half = solve_homotopy(form, options);
-      EXPECT_EQ(half.status, SolveStatus::kConverged) << half.message;
-      EXPECT_EQ(half.message, whole.message);
-      EXPECT_LT((half.s - whole.s).norm(), 1e-6 * whole.s.norm());
-      EXPECT_NE(half.s, whole.s);
-    }
-  }
-}
-
 TEST(Homotopy, TakesAnUnsymmetricOperatorAsItIs) {
   const Manufactured m = manufactured_problem(2, 8, 8, 5);
   ContactProblem p = local_form(m.problem);
@@ -304,7 +283,7 @@ class PathOfOneContact : public testing::Test {
 
 TEST_F(PathOfOneContact, CrossesFromTakeOffThroughSlipToStick) {
   const LawProblem problem = law(0.2);
-  PathFollower follower(problem, CellBasis::Precision::kDouble, [] { return false; });
+  PathFollower follower(problem, [] { return false; });
   // Open with u_n = 1, u_t = 1; the solution sticks: with u = 0, row by row (1 + D_i) s_i = -b_i.
   LawPoint point = nearest_point(problem, Vector::Zero(2), Vector::Ones(2));
   ASSERT_EQ(point.cell[0], Cell::kTakeOff);
@@ -321,10 +300,10 @@ TEST_F(PathOfOneContact, CrossesFromTakeOffThroughSlipToStick) {
 TEST_F(PathOfOneContact, EndsWhereTheCallerStopsOrTheCountIsUsed) {
   const LawProblem problem = law(0.2);
   LawPoint point = nearest_point(problem, Vector::Zero(2), Vector::Ones(2));
-  PathFollower counting(problem, CellBasis::Precision::kDouble, [] { return false; });
+  PathFollower counting(problem, [] { return false; });
   EXPECT_EQ(counting.follow(point, Vector::Zero(2), Vector::Constant(2, 1e-3), 1), PathEnd::kLong);
   EXPECT_EQ(counting.counts().failed, 1);
-  PathFollower stopping(problem, CellBasis::Precision::kDouble, [] { return true; });
+  PathFollower stopping(problem, [] { return true; });
   EXPECT_EQ(stopping.follow(point, Vector::Zero(2), Vector::Constant(2, 1e-3), 10),
             PathEnd::kStopped);
 }

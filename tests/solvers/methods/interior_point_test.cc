@@ -13,8 +13,8 @@
 #include "solvers/registry.h"
 #include "solvers/solve.h"
 #include "solvers/systems/shifted_delassus.h"
-#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/random_vector.h"
 #include "tests/support/small_problems.h"
 
 namespace bipot {
@@ -107,8 +107,9 @@ TEST(ShiftedDelassus, BothFormsSolveTheDenseSystemAndAgreeOnTheSign) {
       seen[sign + 1] = true;
       for (const auto form : {ShiftedDelassus::Form::kBody, ShiftedDelassus::Form::kContact}) {
         ShiftedDelassus system(p, form);
-        EXPECT_EQ(system.body_form(), form == ShiftedDelassus::Form::kBody);
         ASSERT_TRUE(system.factor(R));
+        const bool body = form == ShiftedDelassus::Form::kBody;
+        EXPECT_EQ(system.matrix().rows(), body ? p.num_dofs() : m);
         Vector x;
         system.solve(g, x);
         EXPECT_LT((x - expected).norm(), 1e-9 * expected.norm()) << dim << seed;
@@ -119,10 +120,10 @@ TEST(ShiftedDelassus, BothFormsSolveTheDenseSystemAndAgreeOnTheSign) {
   }
 }
 
-/// A chain of hubs, each with two leaves, masses 1, K = I + H R Hᵀ. One leaf's contact has
-/// r = -1 + 1e-13: its diagonal 1 + r is 1e-13 beside a coupling of 1 to its hub. A hub shares its
-/// front with the last of its leaves at most (a front is a chain of the elimination tree), which is
-/// the other one at every second hub: there the leaf is a front by itself with a multiplier of 1e13,
+/// A chain of hubs, each with two leaves, masses 1, K = I + H R Hᵀ. One leaf's contact has r = -1 +
+/// 1e-13: its diagonal 1 + r is 1e-13 beside a coupling of 1 to its hub. A hub shares its front
+/// with the last of its leaves at most (a front is a chain of the elimination tree), which is the
+/// other one at every second hub: there the leaf is a front by itself with a multiplier of 1e13,
 /// though K with its pairs [1e-13, 1; 1, k] is as regular as [0, 1; 1, k].
 TEST(ShiftedDelassus, TakesUmfpackWherePivotsOfTheFrontsAreSmall) {
   ContactProblem p;

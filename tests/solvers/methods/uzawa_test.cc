@@ -74,17 +74,6 @@ TEST(Uzawa, ThePapersStepFailsWhereDisksStick) {
   }
 }
 
-TEST(Uzawa, TheAdaptiveStepNeedsFewerIterations) {
-  LatticeOptions lattice;
-  lattice.tilt = 0.17;
-  const ContactProblem p = triangular_lattice(8, lattice);
-  const SolveResult fixed = run_uzawa("uzawa", p, {}),
-                    adaptive = run_uzawa("uzawa", p, {{"rho", "adaptive"}});
-  ASSERT_EQ(fixed.status, SolveStatus::kConverged) << fixed.message;
-  ASSERT_EQ(adaptive.status, SolveStatus::kConverged) << adaptive.message;
-  EXPECT_LT(adaptive.iterations, fixed.iterations);
-}
-
 // The classical stop test is met long before the law holds: the iterates creep on a lattice.
 TEST(Classical, ItsOwnStopTestIsMetEarly) {
   const ContactProblem p = square_lattice(12);

@@ -75,7 +75,8 @@ TEST(Exchange, MessagesAndBytesAreCounted) {
 TEST(Exchange, SumsTextsAndListsAreTheSameEverywhere) {
   ProcessGroup& group = mpi_group();
   const int P = group.size(), r = group.rank();
-  // 1e16 swallows a 1 that is added to it alone: the order of ranks shows, and it is the same again.
+  // 1e16 swallows a 1 that is added to it alone: the order of ranks shows, and it is the same
+  // again.
   double values[2] = {r == 0 ? 1e16 : 1.0, 1.0 + r};
   double expected = 0;
   for (int p = 0; p < P; ++p) expected += p == 0 ? 1e16 : 1.0;

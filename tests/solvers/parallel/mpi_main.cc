@@ -40,7 +40,8 @@ int main(int argc, char** argv) {
   }
   const bool failed = RUN_ALL_TESTS() != 0;
   const bool any = bipot::mpi_group().any(failed);
-  // mpirun kills the others where one ends with a failure: the first one alone does, as the last word.
+  // mpirun kills the others where one ends with a failure: the first one alone does, as the last
+  // word.
   const bool speaks = bipot::mpi_group().rank() == 0;
   bipot::the_group().reset();
   return any && speaks ? 1 : 0;

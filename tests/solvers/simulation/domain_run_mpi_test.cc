@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/motion/time_stepping.h"
-#include "solvers/simulation/domain_stepper.h"
+#include "solvers/simulation/domain.h"
 #include "solvers/simulation/step_solver.h"
 #include "tests/solvers/parallel/mpi_group.h"
 #include "tests/solvers/simulation/domain_scenes.h"
@@ -30,18 +30,25 @@ SolverOptions options_of(const Way& way) {
   return options;
 }
 
+/// A state on the processes of a group, and its steps.
 template <int D>
-DomainStepper<D> stepper_of(const Scene<D>& scene, ProcessGroup& group, const Way& way,
-                            const DomainOptions& domains = {}) {
-  return DomainStepper<D>(
-      scene, group,
-      [&group, way](const ProblemPiece& piece, const Vector& s0) {
-        SolverOptions options = options_of(way);
-        options.s0 = s0;
-        return distributed_solve(way.solver, piece, options, group, {.reproducible = way.exact});
-      },
-      domains);
-}
+struct Spread {
+  Spread(const Scene<D>& scene, const State<D>& whole, ProcessGroup& group, const Way& way,
+         const DomainOptions& options = {})
+      : domain(
+            scene, whole, group,
+            [&group, way](const ProblemPiece& piece, const Vector& s0) {
+              SolverOptions own = options_of(way);
+              own.s0 = s0;
+              return distributed_solve(way.solver, piece, own, group, {.reproducible = way.exact});
+            },
+            options),
+        stepper(scene, domain) {}
+  StepReport<D> advance() { return stepper.advance(domain.state()); }
+
+  Domain<D> domain;
+  TimeStepper<D> stepper;
+};
 
 /// The same with the state of the whole on one process.
 template <int D>
@@ -97,14 +104,12 @@ TEST(DomainRun, TwoHundredStepsWithMigrationAndNewCellsHaveTheBitsOfOneProcess) 
   const Scene<2> scene = breaking_dam(100);
   ProcessGroup& group = mpi_group();
   const Way way{.tol = 3e-2};  // bits are the same at any tolerance
-  DomainStepper<2> stepper = stepper_of<2>(scene, group, way, {.cut_every = 9});
   TimeStepper<2> alone = whole_stepper<2>(scene, way);
   State<2> whole = initial_state(scene);
-  DomainState<2> state = stepper.begin(whole);
+  Spread<2> spread(scene, whole, group, way, {.cut_every = 9});
   double most_energy = 0, contacts = 0;
   for (int step = 1; step <= 200; ++step) {
-    const DomainReport<2> out = stepper.advance(state);
-    const StepReport<2>& r = out.report;
+    const StepReport<2> r = spread.advance();
     const StepReport<2> one = alone.advance(whole);
     ASSERT_TRUE(r.converged) << r.message;
     ASSERT_EQ(r.step, step);
@@ -128,9 +133,9 @@ TEST(DomainRun, TwoHundredStepsWithMigrationAndNewCellsHaveTheBitsOfOneProcess) 
     if (testing::Test::HasFailure()) break;
   }
   EXPECT_GT(contacts, 200 * 50);  // it is no gas
-  const State<2> gathered = gather_state(state, group);
+  const State<2> gathered = spread.domain.gather();
   if (group.rank() == 0) expect_same_bits(gathered, whole);
-  const DomainCounts counts = largest_counts(stepper.counts(), group);
+  const DomainCounts counts = largest_counts(spread.domain.counts(), group);
   EXPECT_EQ(counts.steps, 200);
   EXPECT_GE(counts.cuts, 200 / 9);
   if (group.size() == 1) {
@@ -151,12 +156,11 @@ TEST(DomainRun, WithOrdinarySumsPlacesAgreeToTheTolerance) {
   ProcessGroup& group = mpi_group();
   for (const char* solver : {"apgd", "auto", "ipm"}) {
     const Way way{.solver = solver, .tol = 1e-9, .exact = false};
-    DomainStepper<2> stepper = stepper_of<2>(scene, group, way, {.cut_every = 7});
     TimeStepper<2> alone = whole_stepper<2>(scene, way);
     State<2> whole = initial_state(scene);
-    DomainState<2> state = stepper.begin(whole);
+    Spread<2> spread(scene, whole, group, way, {.cut_every = 7});
     for (int step = 0; step < 30; ++step) {
-      const StepReport<2> r = stepper.advance(state).report;
+      const StepReport<2> r = spread.advance();
       const StepReport<2> one = alone.advance(whole);
       ASSERT_TRUE(r.converged) << r.message;
       EXPECT_EQ(r.contacts, one.contacts);
@@ -165,9 +169,9 @@ TEST(DomainRun, WithOrdinarySumsPlacesAgreeToTheTolerance) {
       EXPECT_NEAR(r.momentum_imbalance.norm(), 0, 1e-9);
       EXPECT_NEAR(r.energy.wall_work, one.energy.wall_work, 1e-4);
     }
-    EXPECT_EQ(state.here.walls.size(), whole.walls.size());
-    EXPECT_NEAR(state.here.walls[3].a[1], whole.walls[3].a[1], 1e-6) << solver;
-    const State<2> gathered = gather_state(state, group);
+    EXPECT_EQ(spread.domain.state().walls.size(), whole.walls.size());
+    EXPECT_NEAR(spread.domain.state().walls[3].a[1], whole.walls[3].a[1], 1e-6) << solver;
+    const State<2> gathered = spread.domain.gather();
     if (group.rank() == 0) {
       EXPECT_LE(farthest(gathered, whole), 1e-6) << solver;
     }
@@ -179,18 +183,17 @@ TEST(DomainRun, WallsThatMoveAndCarryDisksAreTheSameEverywhere) {
     if (s.name != "sheared" && s.name != "two disks" && s.name != "no contact") continue;
     SCOPED_TRACE(s.name);
     ProcessGroup& group = mpi_group();
-    DomainStepper<2> stepper = stepper_of<2>(s.scene, group, {.tol = 1e-3}, {.cut_every = 3});
     TimeStepper<2> alone = whole_stepper<2>(s.scene, {.tol = 1e-3});
     State<2> whole = initial_state(s.scene);
-    DomainState<2> state = stepper.begin(whole);
+    Spread<2> spread(s.scene, whole, group, {.tol = 1e-3}, {.cut_every = 3});
     for (int step = 0; step < 20; ++step) {
-      const StepReport<2> r = stepper.advance(state).report;
+      const StepReport<2> r = spread.advance();
       const StepReport<2> one = alone.advance(whole);
       EXPECT_EQ(r.contacts, one.contacts);
       EXPECT_NEAR(r.energy.wall_work, one.energy.wall_work, 1e-9);
       EXPECT_NEAR(r.energy.imbalance, 0, 1e-9);
     }
-    const State<2> gathered = gather_state(state, group);
+    const State<2> gathered = spread.domain.gather();
     if (group.rank() == 0) {
       EXPECT_LE(farthest(gathered, whole), 1e-9);
     }
@@ -200,16 +203,15 @@ TEST(DomainRun, WallsThatMoveAndCarryDisksAreTheSameEverywhere) {
 TEST(DomainRun, SpheresMoveAsOnOneProcess) {
   const Scene<3> scene = box_of_spheres();
   ProcessGroup& group = mpi_group();
-  DomainStepper<3> stepper = stepper_of<3>(scene, group, {.tol = 1e-2}, {.cut_every = 5});
   TimeStepper<3> alone = whole_stepper<3>(scene, {.tol = 1e-2});
   State<3> whole = initial_state(scene);
-  DomainState<3> state = stepper.begin(whole);
+  Spread<3> spread(scene, whole, group, {.tol = 1e-2}, {.cut_every = 5});
   for (int step = 0; step < 25; ++step) {
-    const StepReport<3> r = stepper.advance(state).report;
+    const StepReport<3> r = spread.advance();
     alone.advance(whole);
     EXPECT_NEAR(r.energy.imbalance, 0, 1e-9);
   }
-  const State<3> gathered = gather_state(state, group);
+  const State<3> gathered = spread.domain.gather();
   if (group.rank() == 0) expect_same_bits(gathered, whole);
 }
 
@@ -218,22 +220,19 @@ TEST(DomainRun, ALoneProcessAndAStateCutAgainGoOnTheSame) {
   ProcessGroup& group = mpi_group();
   const auto lone = lone_process();
   const Way way{.tol = 3e-2};
-  DomainStepper<2> first = stepper_of<2>(scene, group, way),
-                   alone = stepper_of<2>(scene, *lone, way);
-  DomainState<2> state = first.begin(initial_state(scene));
-  DomainState<2> one = alone.begin(initial_state(scene));
-  for (int step = 0; step < 30; ++step) first.advance(state);
-  for (int step = 0; step < 60; ++step) alone.advance(one);
+  const State<2> start = initial_state(scene);
+  Spread<2> first(scene, start, group, way), alone(scene, start, *lone, way);
+  for (int step = 0; step < 30; ++step) first.advance();
+  for (int step = 0; step < 60; ++step) alone.advance();
   // As a restart does it: the whole from the first process to all, and cut there.
-  const State<2> gathered = gather_state(state, group);
+  const State<2> gathered = first.domain.gather();
   State<2> whole = initial_state(scene);
   TimeStepper<2> serial = whole_stepper<2>(scene, way);
   for (int step = 0; step < 30; ++step) serial.advance(whole);
   if (group.rank() == 0) expect_same_bits(gathered, whole);
-  DomainStepper<2> second = stepper_of<2>(scene, group, way);
-  state = second.begin(whole);
-  for (int step = 0; step < 30; ++step) second.advance(state);
-  const State<2> last = gather_state(state, group), expected = gather_state(one, *lone);
+  Spread<2> second(scene, whole, group, way);
+  for (int step = 0; step < 30; ++step) second.advance();
+  const State<2> last = second.domain.gather(), expected = alone.domain.gather();
   if (group.rank() == 0) expect_same_bits(last, expected);
 }
 
@@ -257,20 +256,20 @@ TEST(DomainRun, ABodyThatIsLostOrTwiceIsSeen) {
 TEST(DomainRun, AStepThatCannotBeTakenLeavesTheState) {
   ProcessGroup& group = mpi_group();
   const Scene<2> scene = breaking_dam(40);
-  DomainStepper<2> stepper(scene, group, [&](const ProblemPiece& piece, const Vector& s0) {
+  State<2> whole = initial_state(scene);
+  for (Disk& d : whole.bodies) d.x[1] *= 0.97;  // in touch
+  Domain<2> domain(scene, whole, group, [&](const ProblemPiece& piece, const Vector& s0) {
     SolverOptions options;
     options.s0 = s0;
     options.cancelled = [&] { return group.rank() == group.size() - 1; };
     return distributed_solve("apgd", piece, options, group);
   });
-  State<2> whole = initial_state(scene);
-  for (Disk& d : whole.bodies) d.x[1] *= 0.97;  // in touch
-  DomainState<2> state = stepper.begin(whole);
-  const auto bodies = state.numbers;
-  EXPECT_THROW(stepper.advance(state), StepFailure);
-  EXPECT_EQ(state.numbers, bodies);
-  EXPECT_EQ(state.here.step, 0);
-  const ContactProblem problem = stepper.gather_last_problem();
+  TimeStepper<2> stepper(scene, domain);
+  const auto bodies = domain.own().numbers;
+  EXPECT_THROW(stepper.advance(domain.state()), StepFailure);
+  EXPECT_EQ(domain.own().numbers, bodies);
+  EXPECT_EQ(domain.state().step, 0);
+  const ContactProblem problem = domain.gather_problem();
   EXPECT_EQ(problem.num_contacts() > 0, group.rank() == 0);
 }
 

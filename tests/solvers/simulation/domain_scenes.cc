@@ -4,18 +4,18 @@
 
 #include "core/scene/generators.h"
 #include "core/scene/scene_family.h"
-#include "tests/support/scene_parts.h"
+#include "core/scene/scene_parts.h"
 
 namespace bipot {
 namespace {
 
 Scene<2> boxed(double width, const ContactLaw& law) {
-  Scene<2> scene = one_law(law);
+  Scene<2> scene = one_law<2>(law);
   scene.gravity = Vec2(0, -kGravity);
   scene.step = 2e-3;
   scene.contact_distance = 1e-9;
-  scene.walls = {half_plane(Vec2(0, 0), Vec2(0, 1)), half_plane(Vec2(0, 0), Vec2(1, 0)),
-                 half_plane(Vec2(width, 0), Vec2(-1, 0))};
+  scene.walls = {half_space<2>(Vec2(0, 0), Vec2(0, 1)), half_space<2>(Vec2(0, 0), Vec2(1, 0)),
+                 half_space<2>(Vec2(width, 0), Vec2(-1, 0))};
   return scene;
 }
 
@@ -27,16 +27,17 @@ Scene<2> one_touches_all() {
   for (int k = 0; k < kAround; ++k) {
     const double angle = (k + 0.3) * 6.283185307179586 / kAround;
     const Vec2 out(std::cos(angle), std::sin(angle));
-    scene.bodies.push_back(cylinder(Vec2(10, 10) + 4.399 * out, 0.4));
-    scene.bodies.push_back(cylinder(Vec2(10, 10) + 5.1985 * out, 0.4));
+    scene.bodies.push_back(round_body<2>(Vec2(10, 10) + 4.399 * out, 0.4, 2));
+    scene.bodies.push_back(round_body<2>(Vec2(10, 10) + 5.1985 * out, 0.4, 2));
   }
-  scene.bodies.push_back(cylinder(Vec2(10, 10), 4));
+  scene.bodies.push_back(round_body<2>(Vec2(10, 10), 4, 2));
   return scene;
 }
 
 Scene<2> two_disks() {
   Scene<2> scene = boxed(3, {.mu = 0.3});
-  scene.bodies = {cylinder(Vec2(0.499, 0.499), 0.5), cylinder(Vec2(1.498, 0.499), 0.5)};
+  scene.bodies = {round_body<2>(Vec2(0.499, 0.499), 0.5, 2),
+                  round_body<2>(Vec2(1.498, 0.499), 0.5, 2)};
   return scene;
 }
 
@@ -59,10 +60,7 @@ Scene<2> breaking_dam(int disks) {
   Scene<2> scene = boxed(30, {.mu = 0.2, .e_n = 0.2});
   scene.bodies =
       random_filling(disks, {{0.3, 0.3}, {0.4, 0.4}, {0.5, 0.3}}, 8, 0.02, 3, Vec2(0, 0));
-  for (Disk& d : scene.bodies) {
-    d.mass = 3.1 * d.radius * d.radius;
-    d.inertia = 0.5 * d.mass * d.radius * d.radius;
-  }
+  for (Disk& d : scene.bodies) give_mass(d, 3.1 * d.radius * d.radius);
   scene.step = 1e-2;
   return scene;
 }
@@ -71,9 +69,9 @@ Scene<2> pressed_box(int side) {
   const double width = side * 0.999;
   Scene<2> scene = boxed(width, {.mu = 0.3});
   for (Disk d : rectangular_lattice(side, side, 0.4995, Vec2(0, 0))) {
-    scene.bodies.push_back(cylinder(d.x, 0.5));
+    scene.bodies.push_back(round_body<2>(d.x, 0.5, 2));
   }
-  Wall<2> lid = half_plane(Vec2(0, width), Vec2(0, -1));
+  Wall<2> lid = half_space<2>(Vec2(0, width), Vec2(0, -1));
   lid.motion = Wall<2>::Motion::kDriven;
   lid.direction = Vec2(0, -1);
   lid.force = 200;
@@ -83,18 +81,18 @@ Scene<2> pressed_box(int side) {
 }
 
 Scene<3> box_of_spheres() {
-  Scene<3> scene = one_law_in_space({.mu = 0.3, .e_n = 0.1});
+  Scene<3> scene = one_law<3>({.mu = 0.3, .e_n = 0.1});
   scene.gravity = Vec3(0, 0, -kGravity);
   scene.step = 2e-3;
   scene.contact_distance = 1e-9;
-  scene.walls = {half_space(Vec3(0, 0, 0), Vec3(0, 0, 1)), half_space(Vec3(0, 0, 0), Vec3(1, 0, 0)),
-                 half_space(Vec3(4, 0, 0), Vec3(-1, 0, 0)),
-                 half_space(Vec3(0, 0, 0), Vec3(0, 1, 0)),
-                 half_space(Vec3(0, 4, 0), Vec3(0, -1, 0))};
+  scene.walls = {
+      half_space<3>(Vec3(0, 0, 0), Vec3(0, 0, 1)), half_space<3>(Vec3(0, 0, 0), Vec3(1, 0, 0)),
+      half_space<3>(Vec3(4, 0, 0), Vec3(-1, 0, 0)), half_space<3>(Vec3(0, 0, 0), Vec3(0, 1, 0)),
+      half_space<3>(Vec3(0, 4, 0), Vec3(0, -1, 0))};
   for (int k = 0; k < 64; ++k) {
     const Vec3 cell(k % 4, k / 4 % 4, k / 16);
-    scene.bodies.push_back(
-        ball(0.9985 * cell + Vec3(0.499 + 0.01 * cell[2], 0.499, 0.499), 0.5, Vec3(0.3, 0.1, 0)));
+    scene.bodies.push_back(round_body<3>(0.9985 * cell + Vec3(0.499 + 0.01 * cell[2], 0.499, 0.499),
+                                         0.5, 2, Vec3(0.3, 0.1, 0)));
   }
   return scene;
 }

@@ -212,8 +212,8 @@ void expect_whole_products(const Scene<D>& scene, ProcessGroup& group) {
     EXPECT_EQ(gathered.mu, whole.mu);
     EXPECT_EQ(gathered.row_scale, whole.row_scale);
   }
-  // The bound of the pieces is that of the whole, but for the order of its sums, and for the longest
-  // row, which each has of its own: shorter where a process has contacts with walls alone.
+  // The bound of the pieces is that of the whole, but for the order of its sums, and for the
+  // longest row, which each has of its own: shorter where a process has contacts with walls alone.
   const RoundingBound bound = distributed_rounding_bound(space, s);
   const RoundingBound of_whole = rounding_bound(whole, all, Precision::kDouble);
   EXPECT_LE(bound.epsilon, of_whole.epsilon * (1 + 1e-10));

@@ -6,8 +6,8 @@
 #include <numeric>
 #include <vector>
 
-#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {
@@ -71,7 +71,7 @@ TEST(BodyColumns, AreThoseOfTheDenseMatrix) {
         EXPECT_TRUE(K(i, j) == 0 || std::binary_search(rows.begin(), rows.end(), i));
       }
     }
-    FrontalCholesky<double> factor;
+    FrontalCholesky factor;
     ASSERT_TRUE(factor.analyse(pattern));
     ASSERT_TRUE(
         factor.factor([&](int j, const FrontColumn& to) { columns.add(j, blocks.data(), to); }));
@@ -85,14 +85,6 @@ TEST(BodyColumns, AreThoseOfTheDenseMatrix) {
     columns.momentum(s, g);
     EXPECT_LT((g - G * s).norm(), 1e-14 * s.norm() * G.norm()) << dim;
     dispatch_dim(dim, [&](auto d) {
-      Vector left;
-      columns.residual<d()>(
-          v,
-          [&](int c, const Local<d()>& of_v) -> Local<d()> {
-            return s.segment<d()>(c * d()) - 2 * of_v;
-          },
-          left);
-      EXPECT_LT((left - (G * (s - 2 * u) - p.A * v)).norm(), 1e-13 * g.norm()) << dim;
       for (int c = 0; c < p.num_contacts(); ++c) {
         const Local<d()> own = columns.velocity<d()>(c, v);
         EXPECT_LT((own - u.segment<d()>(c * d())).norm(), 1e-14 * v.norm() * G.norm()) << dim;

@@ -4,8 +4,8 @@
 
 #include <numeric>
 
-#include "tests/support/draw.h"
 #include "tests/support/manufactured.h"
+#include "tests/support/random_vector.h"
 
 namespace bipot {
 namespace {

@@ -1,4 +1,4 @@
-#include "bench/experiments/paper_report.h"
+#include "bench/experiments/claim_report.h"
 
 #include <gtest/gtest.h>
 
@@ -9,57 +9,56 @@
 #include <set>
 
 #include "bench/experiments/paper_items.h"
-#include "bench/experiments/paper_page.h"
 #include "core/base/file_error.h"
 #include "tests/support/temporary_folder.h"
 
 namespace bipot {
 namespace {
 
-PaperNumber number(const std::string& name, double value, const std::string& unit = "") {
-  return {.name = name, .value = value, .unit = unit, .meaning = "meaning of " + name};
+Claim number(const std::string& name, double value, const std::string& unit = "") {
+  return {.name = name, .measured = value, .unit = unit, .quantity = "meaning of " + name};
 }
 
-PaperReport one_entry(PaperResult result) {
-  PaperEntry entry;
+ClaimReport one_entry(Findings result) {
+  ReportItem entry;
   entry.name = "table9";
   entry.title = "Table 9: of nothing";
   entry.command = "bipot paper --only table9";
-  entry.status = PaperEntry::Status::kDone;
+  entry.status = ReportItem::Status::kDone;
   entry.quick = true;
   entry.wall_seconds = 1.5;
   entry.build.commit = "0123abc";
   entry.date = "2002-05-02 12:00 UTC";
   complete(result, entry.command);
   entry.result = std::move(result);
-  return {"bipot paper", {entry}};
+  return {"bipot paper", {entry}, "Made again", "Beside the paper."};
 }
 
 bool has(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(PaperReport, PlaceholdersBecomeNumbersWithUnits) {
-  PaperResult result;
-  result.numbers = {number("load", 0.123456, "N"), number("contacts", 12345), number("none", NAN)};
+TEST(ClaimReport, PlaceholdersBecomeNumbersWithUnits) {
+  Findings result;
+  result.claims = {number("load", 0.123456, "N"), number("contacts", 12345), number("none", NAN)};
   result.ours = {"The base carries {load} over {contacts} contacts; raw is {none}."};
   complete(result, "bipot paper");
   EXPECT_EQ(result.ours[0],
             "The base carries 0.1235\u00a0N over 12\u202f345 contacts; raw is undefined.");
-  EXPECT_EQ(result.numbers[0].command, "bipot paper");
+  EXPECT_EQ(result.claims[0].command, "bipot paper");
 }
 
-TEST(PaperReport, MistakesInAnItemAreRefused) {
-  const auto refused = [](PaperResult result) {
+TEST(ClaimReport, MistakesInAnItemAreRefused) {
+  const auto refused = [](Findings result) {
     EXPECT_THROW(complete(result, "c"), std::invalid_argument);
   };
-  PaperResult unknown, open, twice, both;
+  Findings unknown, open, twice, both;
   unknown.ours = {"no {such} number"};
   refused(unknown);
-  open.numbers = {number("a", 1)};
+  open.claims = {number("a", 1)};
   open.ours = {"{a} and {a"};
   refused(open);
-  twice.numbers = {number("a", 1), number("a", 2)};
+  twice.claims = {number("a", 1), number("a", 2)};
   refused(twice);
   both.figures = {{.name = "f"}};  // neither chart nor file
   refused(both);
@@ -67,7 +66,7 @@ TEST(PaperReport, MistakesInAnItemAreRefused) {
   refused(both);
 }
 
-TEST(PaperReport, NumbersAreWrittenForReading) {
+TEST(ClaimReport, NumbersAreWrittenForReading) {
   EXPECT_EQ(to_text(1.5e-9, "", 4), "1.5e-9");
   EXPECT_EQ(to_text(-2.5, "%", 4), "−2.5\u00a0%");
   EXPECT_EQ(to_text(1000, "", 2), "1000");
@@ -77,12 +76,14 @@ TEST(PaperReport, NumbersAreWrittenForReading) {
   EXPECT_EQ(to_text(-INFINITY, "", 3), "−∞");
 }
 
-TEST(PaperReport, ResultsAreReadBackAsTheyWere) {
-  PaperResult result;
+TEST(ClaimReport, ResultsAreReadBackAsTheyWere) {
+  Findings result;
   result.paper = "a \"quoted\" sentence";
-  result.numbers = {number("x", 0.1, "s"), number("nan", NAN)};
-  result.numbers[0].holds = false;
-  result.numbers[0].digits = 7;
+  result.claims = {number("x", 0.1, "s"), number("nan", NAN)};
+  result.claims[0].holds = false;
+  result.claims[0].digits = 7;
+  result.claims[0].bar = 0.25;
+  result.claims[0].source = "theory";
   Chart chart;
   chart.title = "t";
   chart.x = {"N", ChartAxis::Kind::kLog, 1.0, {}};
@@ -97,31 +98,32 @@ TEST(PaperReport, ResultsAreReadBackAsTheyWere) {
   result.figures = {{.name = "f", .caption = "c", .chart = chart},
                     {.name = "g", .file = "g.svg", .wide = true, .after = 0}};
   result.tables = {{"t", "caption", "", {"a", "b"}, {{"1", "2"}}}};
-  const PaperReport report = one_entry(result);
+  const ClaimReport report = one_entry(result);
   const TemporaryFolder folder;
   const std::string text = json_text(to_json(report));
   EXPECT_TRUE(Json::parse(text)["items"][0]["numbers"][1]["value"].is_null());
   std::ofstream(folder / "results.json") << text;
-  const PaperReport again{report.command, read_entries(folder / "results.json")};
+  ClaimReport again = report;
+  again.items = read_items(folder / "results.json");
   EXPECT_EQ(json_text(to_json(again)), text);
-  EXPECT_EQ(to_html(again), to_html(report));
+  EXPECT_EQ(to_html(to_document(again)), to_html(to_document(report)));
   std::ofstream(folder / "other.json") << "{\"items\": [1]}";
-  EXPECT_THROW(read_entries(folder / "other.json"), FileError);
-  EXPECT_TRUE(read_entries(folder / "missing.json").empty());
+  EXPECT_THROW(read_items(folder / "other.json"), FileError);
+  EXPECT_TRUE(read_items(folder / "missing.json").empty());
 }
 
-TEST(PaperPage, MarksChecksAndEscapesMarkup) {
-  PaperResult result;
+TEST(ClaimPage, MarksChecksAndEscapesMarkup) {
+  Findings result;
   result.paper = "P(f/<f>) & so on";
   result.ours = {"see `bipot list <x>`"};
-  result.numbers = {number("good", 1), number("bad", 2), number("open", 3)};
-  result.numbers[0].holds = true;
-  result.numbers[1].holds = false;
-  result.numbers[1].command = "bipot run <scene>";
-  const PaperReport report = one_entry(result);
-  EXPECT_EQ(report.entries[0].checks(), 2);
-  EXPECT_EQ(report.entries[0].held(), 1);
-  const std::string page = to_html(report);
+  result.claims = {number("good", 1), number("bad", 2), number("open", 3)};
+  result.claims[0].holds = true;
+  result.claims[1].holds = false;
+  result.claims[1].command = "bipot run <scene>";
+  const ClaimReport report = one_entry(result);
+  EXPECT_EQ(report.items[0].checks(), 2);
+  EXPECT_EQ(report.items[0].held(), 1);
+  const std::string page = to_html(to_document(report));
   EXPECT_TRUE(has(page, "P(f/&lt;f&gt;) &amp; so on"));
   EXPECT_TRUE(has(page, "<code>bipot list &lt;x&gt;</code>"));
   EXPECT_TRUE(has(page, "bipot run &lt;scene&gt;"));
@@ -133,11 +135,11 @@ TEST(PaperPage, MarksChecksAndEscapesMarkup) {
   EXPECT_FALSE(has(page, "src=\"http"));
 }
 
-TEST(PaperPage, AFailedItemSaysWhy) {
-  PaperReport report = one_entry({});
-  report.entries[0].status = PaperEntry::Status::kFailed;
-  report.entries[0].message = "step 3: <stalled>";
-  const std::string page = to_html(report);
+TEST(ClaimPage, AFailedItemSaysWhy) {
+  ClaimReport report = one_entry({});
+  report.items[0].status = ReportItem::Status::kFailed;
+  report.items[0].message = "step 3: <stalled>";
+  const std::string page = to_html(to_document(report));
   EXPECT_TRUE(has(page, "This item is failed: step 3: &lt;stalled&gt;"));
   EXPECT_FALSE(to_json(report)["all_items_done"].get<bool>());
 }

@@ -1,35 +1,30 @@
 #pragma once
 
 #include "bench/experiments/validation_row.h"
+#include "core/scene/scene_parts.h"
 #include "solvers/simulation/scene_run.h"
 
 namespace bipot {
 
 /// A scene of one material without bodies and walls, with the context's solver.
 template <int D>
-Scene<D> empty_scene(const ContactLaw& law, double step, double tol,
-                     const ValidationContext& context);
+Scene<D> experiment_scene(const ContactLaw& law, double step, double tol,
+                          const ValidationContext& context);
 
-/// A homogeneous disk (inertia m a²/2) or sphere (2/5 m a²).
-template <int D>
-Body<D> round_body(const Vec<D>& x, double radius, double mass);
+/// Puts a loose filling of disks under gravity into a box from x = 0 on: floor, left and right
+/// wall. Radii 0.4, 0.5 and 0.6, masses a². The height of the highest centre.
+double fill_box(Scene<2>& scene, int count, double width, double spacing, std::uint64_t seed);
 
-/// The half-space above height 0, in space along z.
-template <int D>
-Wall<D> flat_floor();
-Wall<2> plane_wall(const std::string& name, const Vec2& point, const Vec2& normal);
-
-/// Steps of a scene. Those whose problem is not solved to the tolerance are taken with the best
-/// impulse and counted.
+/// Steps of a scene. Unsolved steps are taken with the best impulse and counted.
 template <int D>
 struct ScenePartRun {
   State<D> state;
   long steps = 0, unsolved = 0;
-  bool stopped = false;  ///< by the context: what was measured means nothing
+  bool stopped = false;  ///< by the context: the measurement is meaningless
 };
 
-/// Takes scene.num_steps steps from `start`, or fewer where on_step returns false. Throws StepFailure
-/// for a step that cannot be taken.
+/// Takes scene.num_steps steps from `start`, or fewer if on_step returns false. Throws StepFailure
+/// for a failed step.
 template <int D>
 ScenePartRun<D> run_from(const Scene<D>& scene, State<D> start, const ValidationContext& context,
                          const std::function<bool(const SceneStep<D>&)>& on_step = {});
@@ -39,7 +34,7 @@ ScenePartRun<D> run_from_start(const Scene<D>& scene, const ValidationContext& c
   return run_from<D>(scene, initial_state(scene), context, on_step);
 }
 
-/// Adds the steps of a run to an outcome; false where the context has stopped it.
+/// Adds the steps of a run to an outcome; false if the context has stopped it.
 template <int D>
 bool count_steps(const ScenePartRun<D>& run, ExperimentOutcome& outcome) {
   outcome.steps += run.steps;
@@ -47,8 +42,8 @@ bool count_steps(const ScenePartRun<D>& run, ExperimentOutcome& outcome) {
   return !run.stopped;
 }
 
-/// Where a property that holds from a threshold on begins, by bisection to 1e-4 of the interval; its
-/// end, and a note, where it holds at `low` already or not even at `high`.
+/// Lower end of the range of a property that holds from a threshold on, by bisection to 1e-4 of the
+/// interval. If it holds at `low` already or not even at `high`, that end and a note.
 Observation find_threshold(double low, double high, const std::function<bool(double)>& holds);
 
 }  // namespace bipot

@@ -1,44 +1,35 @@
-#include "bench/experiments/scene_parts.h"
+#include "bench/experiments/experiment_scene.h"
+
+#include <algorithm>
+
+#include "core/scene/generators.h"
 
 namespace bipot {
 
 template <int D>
-Scene<D> empty_scene(const ContactLaw& law, double step, double tol,
-                     const ValidationContext& context) {
-  Scene<D> scene;
+Scene<D> experiment_scene(const ContactLaw& law, double step, double tol,
+                          const ValidationContext& context) {
+  Scene<D> scene = one_law<D>(law);
   scene.title = "validate";
   scene.source = "generated";
-  scene.materials = {"default"};
-  scene.laws = {law};
   scene.step = step;
   scene.contact_distance = 1e-6;
   scene.solver = context.choice(tol);
   return scene;
 }
 
-template <int D>
-Body<D> round_body(const Vec<D>& x, double radius, double mass) {
-  Body<D> body;
-  body.x = x;
-  body.radius = radius;
-  body.mass = mass;
-  body.inertia = (D == 2 ? 0.5 : 0.4) * mass * radius * radius;
-  return body;
-}
-
-template <int D>
-Wall<D> flat_floor() {
-  Wall<D> floor;
-  floor.name = "floor";
-  return floor;
-}
-
-Wall<2> plane_wall(const std::string& name, const Vec2& point, const Vec2& normal) {
-  Wall<2> wall;
-  wall.name = name;
-  wall.a = point;
-  wall.normal = normal;
-  return wall;
+double fill_box(Scene<2>& scene, int count, double width, double spacing, std::uint64_t seed) {
+  scene.gravity = Vec2(0, -kGravity);
+  scene.bodies =
+      random_filling(count, {{0.4, 1}, {0.5, 1}, {0.6, 1}}, width, spacing, seed, Vec2::Zero());
+  double top = 0;
+  for (Disk& d : scene.bodies) {
+    give_mass(d, d.radius * d.radius);
+    top = std::max(top, d.x[1]);
+  }
+  scene.walls = {flat_floor<2>(), half_space<2>(Vec2(0, 0), Vec2(1, 0), "left"),
+                 half_space<2>(Vec2(width, 0), Vec2(-1, 0), "right")};
+  return top;
 }
 
 template <int D>
@@ -68,12 +59,8 @@ Observation find_threshold(double low, double high, const std::function<bool(dou
   return {0.5 * (low + high)};
 }
 
-template Scene<2> empty_scene<2>(const ContactLaw&, double, double, const ValidationContext&);
-template Scene<3> empty_scene<3>(const ContactLaw&, double, double, const ValidationContext&);
-template Body<2> round_body<2>(const Vec2&, double, double);
-template Body<3> round_body<3>(const Vec3&, double, double);
-template Wall<2> flat_floor<2>();
-template Wall<3> flat_floor<3>();
+template Scene<2> experiment_scene<2>(const ContactLaw&, double, double, const ValidationContext&);
+template Scene<3> experiment_scene<3>(const ContactLaw&, double, double, const ValidationContext&);
 template ScenePartRun<2> run_from(const Scene<2>&, State<2>, const ValidationContext&,
                                   const std::function<bool(const SceneStep<2>&)>&);
 template ScenePartRun<3> run_from(const Scene<3>&, State<3>, const ValidationContext&,

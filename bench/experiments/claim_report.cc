@@ -1,0 +1,187 @@
+#include "bench/experiments/claim_report.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+#include "bench/report/labels.h"
+#include "core/files/atomic_file.h"
+
+namespace bipot {
+namespace {
+
+constexpr std::size_t kLong = 30;  // rows from which on a table is folded
+
+std::string seconds(double s) {
+  return s < 10 ? fmt::format("{:.1f} s", s)
+                : (s < 120 ? fmt::format("{:.0f} s", s) : fmt::format("{:.1f} min", s / 60));
+}
+
+TableCell verdict(const Claim& claim) {
+  if (!claim.holds) {
+    return claim.reason.empty() ? TableCell("")
+                                : TableCell("undecided: " + claim.reason).as("weak");
+  }
+  if (*claim.holds) return TableCell("✓ holds").as("good");
+  return TableCell("✗ does not hold" + (claim.reason.empty() ? "" : ": " + claim.reason)).as("bad");
+}
+
+/// Empty columns are left out. A command is shown once, above its claims.
+Table claim_table(const ReportItem& item) {
+  struct Column {
+    const char* name;
+    TableCell (*cell)(const Claim&);
+    bool number = false;
+  };
+  static constexpr Column kColumns[] = {
+      {"quantity", [](const Claim& c) { return TableCell(c.quantity); }},
+      {"source", [](const Claim& c) { return TableCell(c.source).as("small"); }},
+      {"by theory or the paper", [](const Claim& c) { return TableCell(c.expected); }},
+      {"here", [](const Claim& c) { return TableCell(measured_text(c)); }, true},
+      {"error bar", [](const Claim& c) { return TableCell(c.bar_is).as("small"); }},
+      {"check", &verdict},
+      {"note", [](const Claim& c) { return TableCell(c.note).as("small"); }}};
+  const std::vector<Claim>& claims = item.result.claims;
+  Table table;
+  table.look = "cards";
+  std::vector<const Column*> used;
+  for (const Column& column : kColumns) {
+    const bool any = std::any_of(claims.begin(), claims.end(), [&](const Claim& c) {
+      return column.cell(c).value != TableCell("").value;
+    });
+    if (!any) continue;
+    used.push_back(&column);
+    table.columns.push_back({.name = column.name, .show = column.number ? &value_label : nullptr});
+  }
+  const std::string* command = nullptr;
+  for (const Claim& claim : claims) {
+    if (command == nullptr || *command != claim.command) {
+      command = &claim.command;
+      table.add({"made by `" + *command + "`"});
+    }
+    std::vector<TableCell> cells;
+    for (const Column* column : used) cells.push_back(column->cell(claim));
+    table.add(std::move(cells), {}, fmt::format("{}.{}", item.name, claim.name));
+  }
+  return table;
+}
+
+void add_figures(Document& page, const std::vector<ClaimFigure>& figures, int after, int last) {
+  for (const ClaimFigure& f : figures) {
+    const bool behind_all = !f.after || *f.after < 0 || *f.after > last;
+    if (behind_all ? after <= last : *f.after != after) continue;
+    page.add(Figure{.chart = f.chart,
+                    .file = f.chart ? f.name + ".svg" : f.file,
+                    .caption = f.caption,
+                    .command = f.command,
+                    .wide = f.wide});
+  }
+}
+
+void add_table(Document& page, const ClaimTable& from) {
+  Table table;
+  for (const std::string& name : from.columns) table.columns.push_back({.name = name});
+  for (const auto& row : from.rows) table.add({row.begin(), row.end()});
+  const std::string caption = fmt::format("{} `{}`", from.caption, from.command);
+  if (from.rows.size() <= kLong) {
+    table.caption = caption;
+    return page.add(std::move(table));
+  }
+  Document inside;
+  inside.add(std::move(table));
+  page.fold(fmt::format("{} ({} rows)", caption, from.rows.size()), std::move(inside));
+}
+
+void add_item(Document& page, const ReportItem& item) {
+  page.heading(item.title, item.name);
+  if (item.status != ReportItem::Status::kDone) {
+    return page.say(fmt::format("This item is {}{}{}. Run `{}`.", to_string(item.status),
+                                item.message.empty() ? "" : ": ", item.message, item.command),
+                    "bad");
+  }
+  const Findings& found = item.result;
+  if (!found.paper.empty()) page.say("**The paper.** " + found.paper, "quote");
+  const int last = static_cast<int>(found.ours.size()) - 1;
+  for (int i = 0; i <= last; ++i) {
+    page.say((i == 0 ? "**Here.** " : "") + found.ours[to_size(i)]);
+    add_figures(page, found.figures, i, last);
+  }
+  add_figures(page, found.figures, last + 1, last);
+  if (!found.claims.empty()) page.add(claim_table(item));
+  for (const ClaimTable& table : found.tables) add_table(page, table);
+  page.say(fmt::format("Made by `{}` in {} ({} of CPU).", item.command, seconds(item.wall_seconds),
+                       seconds(item.cpu_seconds)),
+           "small");
+}
+
+Table overview(const ClaimReport& report) {
+  Table table;
+  table.look = "cards";
+  table.columns = {{.name = "item"}, {.name = "checks"}, {.name = "time"}};
+  for (const ReportItem& item : report.items) {
+    TableCell checks = "none";
+    if (item.status != ReportItem::Status::kDone) {
+      checks = TableCell(to_string(item.status)).as("bad");
+    } else if (item.checks() > 0) {
+      const bool all = item.held() == item.checks();
+      checks =
+          TableCell(fmt::format("{} {} of {} hold", all ? "✓" : "✗", item.held(), item.checks()))
+              .as(all ? "good" : "bad");
+    }
+    const bool run = item.status != ReportItem::Status::kNotRun;
+    table.add({fmt::format("[{}](#{}){}", item.title, item.name,
+                           item.quick ? " (quick: small sizes)" : ""),
+               checks, run ? seconds(item.wall_seconds) : ""});
+  }
+  return table;
+}
+
+/// Items kept from earlier runs may come from other programs and machines.
+Terms all_terms(const ClaimReport& report) {
+  Terms all{{{"last command", '`' + report.command + '`'}}};
+  double total = 0;
+  for (const ReportItem& item : report.items) {
+    total += item.wall_seconds;
+    if (item.status == ReportItem::Status::kNotRun) continue;
+    for (const auto& term :
+         to_terms(Provenance{.date = item.date.substr(0, 10), .build = item.build}).entries) {
+      const bool known =
+          std::find(all.entries.begin(), all.entries.end(), term) != all.entries.end();
+      if (term.first != "command" && !known) all.entries.push_back(term);
+    }
+  }
+  all.entries.emplace_back("time", seconds(total) + " for all items");
+  return all;
+}
+
+}  // namespace
+
+int ReportItem::checks() const {
+  return static_cast<int>(std::count_if(result.claims.begin(), result.claims.end(),
+                                        [](const Claim& n) { return n.holds.has_value(); }));
+}
+
+int ReportItem::held() const {
+  return static_cast<int>(std::count_if(result.claims.begin(), result.claims.end(),
+                                        [](const Claim& n) { return n.holds.value_or(false); }));
+}
+
+Document to_document(const ClaimReport& report) {
+  Document page;
+  page.title = report.title;
+  page.say(report.introduction);
+  page.add(overview(report));
+  for (const ReportItem& item : report.items) add_item(page, item);
+  page.heading("How this page was made");
+  page.add(all_terms(report));
+  return page;
+}
+
+void write_report(const std::filesystem::path& folder, const std::string& json_name,
+                  const ClaimReport& report) {
+  write_text_file(folder / json_name, json_text(to_json(report), 1) + "\n");
+  write_text_file(folder / "index.html", to_html(to_document(report)));
+}
+
+}  // namespace bipot
