@@ -115,10 +115,7 @@ ContactError ContactErrorEvaluator::operator()(const Eigen::Ref<const Vector>& s
     s_ = zeros(problem_.num_rows());
     u_ = zeros(problem_.num_rows());
   }
-  const bool scaled = problem_.row_scale.size() != 0;
-  return dispatch_dim(problem_.dim, [&](auto d) {
-    return scaled ? evaluate<d(), true>(s) : evaluate<d(), false>(s);
-  });
+  return dispatch_form(problem_, [&](auto d, auto scaled) { return evaluate<d(), scaled()>(s); });
 }
 
 /// s <- its projection on the cones of the contacts [begin, end).
@@ -196,9 +193,8 @@ ContactError ContactErrorEvaluator::evaluate(const Eigen::Ref<const Vector>& s) 
 }
 
 ErrorSums ContactErrorEvaluator::part(int contact) const {
-  const bool scaled = problem_.row_scale.size() != 0;
-  ErrorSums part = dispatch_dim(problem_.dim, [&](auto d) -> ErrorSums {
-    return scaled ? sums<d(), true>(contact, contact + 1) : sums<d(), false>(contact, contact + 1);
+  ErrorSums part = dispatch_form(problem_, [&](auto d, auto scaled) -> ErrorSums {
+    return sums<d(), scaled()>(contact, contact + 1);
   });
   add_free_terms(problem_, prepared_->weights, contact, part);
   return part;

@@ -55,6 +55,14 @@ template <bool kScaled, class Real, int D>
   }
 }
 
+/// Calls f(d, scaled) with integral constants: dimension, and whether the problem has a row_scale.
+template <class F>
+decltype(auto) dispatch_form(const ContactProblem& p, F&& f) {
+  return dispatch_dim(p.dim, [&](auto d) {
+    return p.row_scale.size() != 0 ? f(d, std::true_type{}) : f(d, std::false_type{});
+  });
+}
+
 /// One contact in physical variables, s on the cone.
 template <class Real, int D>
 struct PhysicalContact {
@@ -168,6 +176,19 @@ template <class Real, int D>
   if (surely(open)) return;
   const FrameVector<Real, D> N = natural_map(c, rho_nat);
   e.natural_rel += select(open, Real{}, dot(N, N));
+}
+
+/// The sums that make epsilon and eta, rounded to double.
+template <class Real>
+ErrorSums in_double(const ErrorSumsOf<Real>& e) {
+  ErrorSums sums;
+  sums.friction = static_cast<double>(e.friction);
+  sums.gap = static_cast<double>(e.gap);
+  sums.penetration = static_cast<double>(e.penetration);
+  sums.natural = static_cast<double>(e.natural);
+  sums.moved = static_cast<double>(e.moved);
+  sums.free_energy = static_cast<double>(e.free_energy);
+  return sums;
 }
 
 }  // namespace bipot

@@ -135,13 +135,7 @@ ErrorSums sums_of(const ContactProblem& p, const std::vector<Real>& x, const Pro
   });
   ErrorSumsOf<Real> all;
   for (const ErrorSumsOf<Real>& piece : pieces) all += piece;
-  const auto narrow = [](const Real& sum) { return static_cast<double>(sum); };
-  return {.friction = narrow(all.friction),
-          .gap = narrow(all.gap),
-          .penetration = narrow(all.penetration),
-          .natural = narrow(all.natural),
-          .moved = narrow(all.moved),
-          .free_energy = narrow(all.free_energy)};
+  return in_double(all);
 }
 
 template <class Real>
@@ -150,7 +144,7 @@ double guarded_error(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
   // Bodies come first, because an assembled W is rounded, and friction multiplies this rounding.
   const bool by_bodies = p.has_velocities() && is_diagonal(p.A);
   if (!by_bodies && !p.has_delassus()) return kNaN;
-  const auto evaluate = [&](auto d, auto scaled) {
+  return dispatch_form(p, [&](auto d, auto scaled) {
     constexpr int D = d();
     constexpr bool kScaled = scaled();
     const std::vector<Real> x = projected<D, kScaled, Real>(p, s, threads);
@@ -158,9 +152,6 @@ double guarded_error(const ContactProblem& p, const Eigen::Ref<const Vector>& s,
                                ? sums_of<D, kScaled>(p, x, BodyProduct<Real>(p, x), threads)
                                : sums_of<D, kScaled>(p, x, DelassusProduct<Real>(p, x), threads);
     return error_of(sums, share).guarded();
-  };
-  return dispatch_dim(p.dim, [&](auto d) {
-    return p.row_scale.size() > 0 ? evaluate(d, std::true_type{}) : evaluate(d, std::false_type{});
   });
 }
 

@@ -20,6 +20,8 @@ struct Rounded {
   Rounded(double exact = 0) : value(exact) {}  // NOLINT(google-explicit-constructor)
   Rounded(double computed, double bound) : value(computed), error(bound) {}
 
+  explicit operator double() const { return value; }
+
   /// Adds to a sum over contacts. rounding_bound() accounts for the rounding of these sums, which
   /// depends on the number of contacts.
   Rounded& operator+=(const Rounded& x) {

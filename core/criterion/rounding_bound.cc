@@ -94,19 +94,9 @@ struct RoundedError {
   RoundingBound bound;
 };
 
-/// Values of the sums that make epsilon and eta.
-ErrorSums values_of(const RoundedSums& sums) {
-  return {.friction = sums.friction.value,
-          .gap = sums.gap.value,
-          .penetration = sums.penetration.value,
-          .natural = sums.natural.value,
-          .moved = sums.moved.value,
-          .free_energy = sums.free_energy.value};
-}
-
 RoundedError error_with_bound(const RoundedSums& own, const ErrorSums& others, double adding,
                               double factor) {
-  ErrorSums whole = values_of(own);
+  ErrorSums whole = in_double(own);
   whole += others;
   const ContactError figures = error_of(whole);
   const double m = std::max(figures.friction_power, kTheta * figures.energy);
@@ -165,11 +155,9 @@ template <class Rows>
 RoundedSums sums_of(const ContactProblem& p, const Eigen::Ref<const Vector>& s, const Rows& rows,
                     int threads) {
   std::vector<RoundedSums> pieces(to_size((p.num_contacts() + kPieceItems - 1) / kPieceItems));
-  dispatch_dim(p.dim, [&](auto d) {
-    const bool scaled = p.row_scale.size() > 0;
+  dispatch_form(p, [&](auto d, auto scaled) {
     run_pieces(threads, p.num_contacts(), [&](int begin, int end) {
-      pieces[to_size(begin / kPieceItems)] = scaled ? sums_of<d(), true>(p, s, rows, begin, end)
-                                                    : sums_of<d(), false>(p, s, rows, begin, end);
+      pieces[to_size(begin / kPieceItems)] = sums_of<d(), scaled()>(p, s, rows, begin, end);
     });
   });
   RoundedSums sums;
